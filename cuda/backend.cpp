@@ -1,0 +1,1 @@
+#include "cuda/backend.hpp"

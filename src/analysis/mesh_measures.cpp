@@ -1,0 +1,1 @@
+#include "analysis/mesh_measures.hpp"

@@ -1,0 +1,50 @@
+// What a triangle mesh is, by itself: size, topology, quality.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "extract/indexed_mesh.hpp"
+
+namespace vdwmesh {
+
+struct Distribution {
+  double min, p01, median, p99, max, mean;
+};
+
+struct MeshTopology {
+  bool closed;     // every edge on two triangles
+  bool manifold;   // every edge on at most two triangles, every vertex one fan
+  bool oriented;   // neighbours run their shared edge in opposite directions
+  std::uint64_t vertices, edges, triangles;
+  std::uint64_t shells;                   // connected pieces
+  std::int64_t euler_characteristic;      // V - E + F
+  // Of closed, oriented meshes only:
+  std::optional<std::uint64_t> components;  // shells of positive volume
+  std::optional<std::uint64_t> voids;       // shells of negative volume
+  std::optional<std::int64_t> genus;        // shells - χ/2
+};
+
+struct MeshMeasures {
+  double area;                     // Å²
+  std::optional<double> volume;    // Å³, signed, outward normals positive; closed oriented only
+  std::optional<double> outer_area, void_area;  // Å², of shells of positive and negative volume
+};
+
+struct MeshQuality {
+  Distribution min_angle_deg;      // smallest angle of each triangle, degrees
+  Distribution aspect_ratio;       // circumradius / (2 inradius): 1 is equilateral
+  Distribution edge_length;        // Å, each edge once
+  std::uint64_t degenerate_triangles;  // a repeated index, or area exactly 0 in double
+};
+
+// Positions, triangles; any triangle soup with shared indices. Sums are wide and in triangle
+// order, the same for any number of threads.
+MeshTopology topology(const IndexedMesh& mesh);
+MeshMeasures measures(const IndexedMesh& mesh);
+MeshQuality quality(const IndexedMesh& mesh);
+
+// Pairs of triangles that intersect other than in a shared vertex or edge (CGAL).
+std::uint64_t self_intersections(const IndexedMesh& mesh);
+
+}  // namespace vdwmesh

@@ -1,0 +1,1 @@
+#include "arrangement/exact_union.hpp"

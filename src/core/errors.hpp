@@ -1,0 +1,42 @@
+// Exceptions by cause. The message is one line that says what, where, and what would work.
+#pragma once
+
+#include <stdexcept>
+
+namespace vdwmesh {
+
+class Error : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Options or data outside what the function's contract accepts.
+class InvalidInput : public Error {
+  using Error::Error;
+};
+
+// A file that cannot be opened, read, understood or written.
+class FileFormatError : public Error {
+  using Error::Error;
+};
+
+// The backend asked for is not in this build, or its device is not there.
+class BackendUnavailable : public Error {
+  using Error::Error;
+};
+
+// A CUDA call or kernel failed.
+class CudaError : public Error {
+  using Error::Error;
+};
+
+// The run needs more cells, vertices or bytes than allowed; thrown before they are taken.
+class LimitExceeded : public Error {
+  using Error::Error;
+};
+
+// The caller's Monitor asked to stop.
+class Cancelled : public Error {
+  using Error::Error;
+};
+
+}  // namespace vdwmesh

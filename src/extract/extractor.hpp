@@ -1,0 +1,52 @@
+// SphereSet -> closed welded IndexedMesh.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+
+#include "core/monitor.hpp"
+#include "extract/field.hpp"
+#include "extract/grid.hpp"
+#include "extract/indexed_mesh.hpp"
+#include "extract/sphere_set.hpp"
+
+namespace vdwmesh {
+
+inline constexpr std::uint64_t kNoMemoryLimit = std::numeric_limits<std::uint64_t>::max();
+
+struct ExtractOptions {
+  FieldOptions field;
+  GridOptions grid;
+  std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
+  Monitor* monitor = nullptr;
+};
+
+struct ExtractStats {
+  std::uint64_t surface_bricks = 0;
+  std::uint64_t clamped_vertices = 0;  // edge parameter clamped to [2^-20, 1 - 2^-20]
+  std::uint64_t grid_clipped = 0;      // cells of the virtual border layer that hold surface
+  double field_seconds = 0;            // bounds, node signs and counts
+  double extract_seconds = 0;          // vertices and triangles
+};
+
+struct ExtractResult {
+  IndexedMesh mesh;
+  GridSpec grid;
+  ExtractStats stats;
+};
+
+// Marching cubes over the bricks that the surface crosses. The mesh is closed, 2-manifold and
+// oriented outwards on every input; vertices are grid edges, so nothing is welded afterwards.
+// Index arrays and labels are the same for every backend and any number of threads.
+class Extractor {
+ public:
+  virtual ~Extractor() = default;
+  // Throws InvalidInput (options, no spheres), LimitExceeded (vertices, bytes), Cancelled.
+  virtual ExtractResult extract(const SphereSet& spheres, const ExtractOptions& options) const = 0;
+};
+
+// The CPU backend: all cores, through TBB.
+std::unique_ptr<Extractor> make_cpu_extractor();
+
+}  // namespace vdwmesh

@@ -1,0 +1,48 @@
+// Triangles by index, as every stage before OpenMesh passes them on.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/buffer.hpp"
+#include "core/vec3.hpp"
+#include "extract/sphere_set.hpp"
+
+namespace vdwmesh {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+// The spheres a vertex lies on, unused places kNoSphere: one on a patch, two on the circle of two
+// spheres, three at a corner. The first is the vertex's atom.
+using VertexSpheres = std::array<SphereId, 3>;
+
+inline constexpr VertexSpheres on_sphere(SphereId id) { return {id, kNoSphere, kNoSphere}; }
+
+// Triangles wind counter-clockwise seen from outside. Half-edge 3t + k of triangle t runs from
+// its vertex k to vertex (k + 1) % 3.
+struct IndexedMesh {
+  Buffer<Vec3d> positions;                // Å
+  Buffer<Vec3f> normals;                  // unit, outward; one per vertex
+  Buffer<VertexSpheres> vertex_spheres;   // one per vertex
+  Buffer<Triangle> triangles;
+  Buffer<std::uint32_t> opposite;         // empty, or one per half-edge: the half-edge that runs back
+
+  std::size_t vertex_count() const { return positions.size(); }
+  std::size_t triangle_count() const { return triangles.size(); }
+};
+
+// Most vertices an IndexedMesh can hold.
+inline constexpr std::uint64_t kMaxVertices = std::uint64_t{1} << 32;
+
+// Bytes of the arrays, with or without `opposite`.
+std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles);
+
+// A hash over all bits of all arrays (FNV-1a, 64 bits, array by array): equal for equal meshes.
+struct IndexedMeshHash {
+  std::uint64_t positions, normals, vertex_spheres, triangles;
+  friend bool operator==(const IndexedMeshHash&, const IndexedMeshHash&) = default;
+};
+IndexedMeshHash hash(const IndexedMesh& mesh);
+
+}  // namespace vdwmesh

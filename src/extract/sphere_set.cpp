@@ -1,0 +1,1 @@
+#include "extract/sphere_set.hpp"

@@ -1,0 +1,37 @@
+// Mesh files, by extension: .ply .obj .off .stl .glb. Files appear whole or not at all (written
+// beside their name, then renamed).
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "extract/indexed_mesh.hpp"
+#include "mesh/surface_mesh.hpp"
+
+namespace vdwmesh {
+
+enum class MeshFormat { ply, obj, off, stl, glb };
+
+// Throws InvalidInput that lists the known extensions.
+MeshFormat mesh_format(const std::filesystem::path& path);
+
+// PLY: binary little-endian, double positions, float normals, uchar colours, int atom (and further
+// sphere ids). OBJ, OFF: shortest digits that read back the same double. STL: binary, float32.
+// GLB: float32 about an offset that the node transform carries. Returns warnings for people (STL:
+// coordinates that lose more than 1e-4 Å). Throws FileFormatError.
+std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesystem::path& path);
+
+// What a mesh file of any program holds. Triangles may be open, non-manifold or inside out.
+struct MeshFile {
+  IndexedMesh mesh;          // normals and spheres empty unless the file has them
+  bool welded = false;       // STL soup: vertices merged where all three coordinates are equal
+  std::vector<std::string> notes;
+};
+
+// PLY (ascii, binary), OBJ, OFF, STL (ascii, binary), GLB; polygons are fanned into triangles.
+// Doubles are read as doubles. Throws FileFormatError with the line or byte.
+MeshFile read_mesh(const std::filesystem::path& path);
+
+}  // namespace vdwmesh

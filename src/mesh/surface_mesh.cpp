@@ -1,0 +1,1 @@
+#include "mesh/surface_mesh.hpp"

@@ -1,0 +1,1 @@
+#include "refine/refiner.hpp"

@@ -1,0 +1,49 @@
+// Atoms as read, chosen and given radii, with the account of what was not used.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/vec3.hpp"
+
+namespace vdwmesh {
+
+struct Atom {
+  Vec3d position;            // Å
+  double radius = 0;         // Å; of the file (PQR, XYZR) or assigned from a radius set
+  std::string element;       // symbol as in the periodic table ("C", "Zn"; "D" for deuterium)
+  std::string name;          // "CA"
+  std::string residue_name;  // "ALA"
+  std::string chain;
+  std::string residue_number;  // with insertion code: "52A"
+  std::int64_t serial = 0;
+  std::int32_t model = 1;
+  bool hetero = false;       // HETATM
+};
+
+// Why atoms of the file were not used -> how many. Keys are those of the report's `skipped`:
+// waters, hydrogens, hetatm, alternate_locations, other_models, not_selected, zero_radius,
+// microheterogeneity ...
+using SkippedAtoms = std::map<std::string, std::uint64_t>;
+
+// A radius that no table gives for this very atom but that was taken for its element.
+struct AssumedRadius {
+  std::string element;
+  double radius;  // Å
+  std::uint64_t count;
+};
+
+struct Molecule {
+  std::vector<Atom> atoms;
+  std::string path, format;
+  std::string model;        // "1", "all"
+  std::string assembly;     // "asymmetric" or the name
+  std::string radius_set;   // "bondi", "alvarez", "file", or the path of a radius file
+  std::uint64_t atoms_read = 0;
+  SkippedAtoms skipped;     // atoms_read = atoms.size() + sum of skipped (before assembly copies)
+  std::vector<AssumedRadius> radii_assumed;
+};
+
+}  // namespace vdwmesh
