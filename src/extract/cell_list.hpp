@@ -16,15 +16,15 @@ namespace vdwmesh {
 struct CellListView {
   static constexpr int kMaxLevels = 24;
   struct Level {
-    Vec3d origin;                        // lower corner of cell 0, Å
-    double cell_size;                    // Å
-    double reach;                        // largest reach of the level's spheres, Å
+    Vec3d origin;      // lower corner of cell 0, Å
+    double cell_size;  // Å
+    double reach;      // largest reach of the level's spheres, Å
     std::int32_t cells[3];
-    const std::uint32_t* cell_start;     // cells.x * cells.y * cells.z + 1 offsets into the list
+    const std::uint32_t* cell_start;  // cells.x * cells.y * cells.z + 1 offsets into the list
   };
-  const Sphere* spheres;          // in list order
-  const std::uint32_t* rank;      // list place -> place in canonical order, which breaks ties
-  const SphereId* id;             // list place -> id in the SphereSet
+  const Sphere* spheres;      // in list order
+  const std::uint32_t* rank;  // list place -> place in canonical order, which breaks ties
+  const SphereId* id;         // list place -> id in the SphereSet
   std::uint32_t size;
   int level_count;
   Level levels[kMaxLevels];

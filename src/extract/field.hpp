@@ -41,14 +41,14 @@ struct FieldModel {
   FieldKind kind;
   Truncation truncation;
   double isovalue;
-  double steepness, offset;      // Blinn
-  double amplitude;              // soft object
-  double min_q;                  // inverse squared
-  double cutoff_q, window_scale; // window
-  double uniform_scale;          // inverse_square_scale of every atom, 1/Å^2; 0: it is k / R^2
-  double radius_scale;           // k
-  std::int32_t subgrid_cells;    // half-width of the sub-grid, cells on either side of the atom's
-  GridSpec grid;                 // of the sub-grid
+  double steepness, offset;       // Blinn
+  double amplitude;               // soft object
+  double min_q;                   // inverse squared
+  double cutoff_q, window_scale;  // window
+  double uniform_scale;           // inverse_square_scale of every atom, 1/Å^2; 0: it is k / R^2
+  double radius_scale;            // k
+  std::int32_t subgrid_cells;     // half-width of the sub-grid, cells on either side of the atom's
+  GridSpec grid;                  // of the sub-grid
 };
 
 // Throws InvalidInput for an isovalue or blobbiness that is not finite and positive, for either of

@@ -17,16 +17,16 @@ enum class GridBox { balls, centers };
 enum class GridRounding { cover, floor };
 
 struct GridOptions {
-  double spacing = 0.5;                          // Å
-  std::optional<double> padding;                 // Å; unset: 3 spacings
+  double spacing = 0.5;           // Å
+  std::optional<double> padding;  // Å; unset: 3 spacings
   GridBox box = GridBox::balls;
   GridRounding rounding = GridRounding::cover;
 };
 
 // Node (i, j, k), 0 <= i <= cells.x and so on, lies at origin + spacing * (i, j, k).
 struct GridSpec {
-  Vec3d origin;     // Å
-  double spacing;   // Å
+  Vec3d origin;    // Å
+  double spacing;  // Å
   Vec3i cells;
 
   std::uint64_t cell_count() const;

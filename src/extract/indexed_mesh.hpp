@@ -22,11 +22,11 @@ inline constexpr VertexSpheres on_sphere(SphereId id) { return {id, kNoSphere, k
 // Triangles wind counter-clockwise seen from outside. Half-edge 3t + k of triangle t runs from
 // its vertex k to vertex (k + 1) % 3.
 struct IndexedMesh {
-  Buffer<Vec3d> positions;                // Å
-  Buffer<Vec3f> normals;                  // unit, outward; one per vertex
-  Buffer<VertexSpheres> vertex_spheres;   // one per vertex
+  Buffer<Vec3d> positions;               // Å
+  Buffer<Vec3f> normals;                 // unit, outward; one per vertex
+  Buffer<VertexSpheres> vertex_spheres;  // one per vertex
   Buffer<Triangle> triangles;
-  Buffer<std::uint32_t> opposite;         // empty, or one per half-edge: the half-edge that runs back
+  Buffer<std::uint32_t> opposite;  // empty, or one per half-edge: the half-edge that runs back
 
   std::size_t vertex_count() const { return positions.size(); }
   std::size_t triangle_count() const { return triangles.size(); }

@@ -1,1 +1,67 @@
 #include "extract/sphere_set.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh {
+namespace {
+
+template <class Reach>
+Box bounds(const SphereSet& spheres, Reach reach) {
+  const double first = reach(spheres[0]);
+  const Vec3d& c0 = spheres[0].center;
+  Box box{{c0.x - first, c0.y - first, c0.z - first}, {c0.x + first, c0.y + first, c0.z + first}};
+  for (const Sphere& s : spheres.spheres()) {
+    const double r = reach(s);
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lower[axis] = std::min(box.lower[axis], s.center[axis] - r);
+      box.upper[axis] = std::max(box.upper[axis], s.center[axis] + r);
+    }
+  }
+  return box;
+}
+
+}  // namespace
+
+SphereSet::SphereSet(std::vector<Sphere> spheres) : spheres_(std::move(spheres)) {
+  if (spheres_.size() >= kNoSphere) {
+    throw InvalidInput(fmt::format("{} spheres; at most {} fit", spheres_.size(), kNoSphere - 1));
+  }
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
+    const Sphere& s = spheres_[i];
+    const bool finite =
+        std::isfinite(s.center.x) && std::isfinite(s.center.y) && std::isfinite(s.center.z);
+    if (!finite || !(s.radius > 0) || !std::isfinite(s.radius)) {
+      throw InvalidInput(fmt::format(
+          "sphere {}: centre ({}, {}, {}) must be finite and radius {} finite and above 0", i,
+          s.center.x, s.center.y, s.center.z, s.radius));
+    }
+  }
+}
+
+Box bounding_box(const SphereSet& spheres) {
+  return bounds(spheres, [](const Sphere& s) { return s.radius; });
+}
+
+Box center_bounding_box(const SphereSet& spheres) {
+  return bounds(spheres, [](const Sphere&) { return 0.0; });
+}
+
+std::vector<SphereId> canonical_order(const SphereSet& spheres) {
+  std::vector<SphereId> order(spheres.size());
+  std::iota(order.begin(), order.end(), SphereId{0});
+  const auto key = [&](SphereId i) {
+    const Sphere& s = spheres[i];
+    return std::tuple(s.center.x, s.center.y, s.center.z, s.radius, i);
+  };
+  std::sort(order.begin(), order.end(), [&](SphereId a, SphereId b) { return key(a) < key(b); });
+  return order;
+}
+
+}  // namespace vdwmesh

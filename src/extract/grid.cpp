@@ -1,0 +1,56 @@
+#include "extract/grid.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh {
+namespace {
+
+std::uint64_t product(const Vec3i& n, std::int64_t extra) {
+  return static_cast<std::uint64_t>(n.x + extra) * static_cast<std::uint64_t>(n.y + extra) *
+         static_cast<std::uint64_t>(n.z + extra);
+}
+
+void check(const SphereSet& spheres, const GridOptions& options) {
+  if (spheres.empty()) throw InvalidInput("no spheres: there is nothing to put a grid around");
+  if (!(options.spacing > 0) || !std::isfinite(options.spacing)) {
+    throw InvalidInput(fmt::format("spacing {} Å: must be finite and above 0", options.spacing));
+  }
+  if (options.padding && !(*options.padding >= 0 && std::isfinite(*options.padding))) {
+    throw InvalidInput(
+        fmt::format("padding {} Å: must be finite and at least 0", *options.padding));
+  }
+}
+
+}  // namespace
+
+std::uint64_t GridSpec::cell_count() const { return product(cells, 0); }
+std::uint64_t GridSpec::node_count() const { return product(cells, 1); }
+
+GridSpec make_grid(const SphereSet& spheres, const GridOptions& options) {
+  check(spheres, options);
+  const Box box =
+      options.box == GridBox::balls ? bounding_box(spheres) : center_bounding_box(spheres);
+  const double padding = options.padding.value_or(3 * options.spacing);
+  GridSpec grid{};
+  grid.spacing = options.spacing;
+  for (int axis = 0; axis < 3; ++axis) {
+    grid.origin[axis] = box.lower[axis] - padding;
+    const double quotient = (box.upper[axis] - box.lower[axis] + 2 * padding) / options.spacing;
+    const double cells = std::max(
+        1.0, options.rounding == GridRounding::floor ? std::floor(quotient) : std::ceil(quotient));
+    if (!(cells <= static_cast<double>(kMaxCellsPerAxis))) {
+      throw LimitExceeded(
+          fmt::format("{:.6g} cells along {}, at most {} fit; a spacing of {:.6g} Å would", cells,
+                      "xyz"[axis], kMaxCellsPerAxis,
+                      options.spacing * cells / static_cast<double>(kMaxCellsPerAxis) * 1.001));
+    }
+    grid.cells[axis] = static_cast<std::int64_t>(cells);
+  }
+  return grid;
+}
+
+}  // namespace vdwmesh
