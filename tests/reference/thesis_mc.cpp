@@ -1,0 +1,234 @@
+#include "reference/thesis_mc.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <unordered_map>
+
+#include "reference/cell_polygons.hpp"
+
+namespace vdwmesh::reference {
+namespace {
+
+using PointF = std::array<float, 3>;
+using Voxel = std::array<std::int64_t, 3>;
+
+// Value of one atom's function at squared distance d2, in units of a or C.
+float contribution(const ThesisParameters& p, float d2) {
+  const float b = static_cast<float>(p.blob);
+  if (p.function == ThesisFunction::blinn) return std::exp(-b * d2);
+  if (p.function == ThesisFunction::inverse_squared) {
+    const float smallest = 1e-3f * static_cast<float>(p.spacing);
+    return 1.0f / std::max(d2, smallest * smallest);
+  }
+  const float q = d2 / (b * b);
+  if (q > 1.0f) return 0.0f;
+  return 1.0f + q * (-22.0f / 9.0f + q * (17.0f / 9.0f - q * (4.0f / 9.0f)));
+}
+
+// d f / d (d2); the gradient is twice this times (p - c).
+float slope(const ThesisParameters& p, float d2) {
+  const float b = static_cast<float>(p.blob);
+  if (p.function == ThesisFunction::blinn) return -b * std::exp(-b * d2);
+  if (p.function == ThesisFunction::inverse_squared) return -1.0f / (d2 * d2);
+  const float q = d2 / (b * b);
+  if (q > 1.0f) return 0.0f;
+  return (-22.0f / 9.0f + q * (34.0f / 9.0f - q * (12.0f / 9.0f))) / (b * b);
+}
+
+// The atom relative to the grid's origin, where single precision is good enough.
+PointF relative(const Point& atom, const ThesisGrid& grid) {
+  const Point r = atom - grid.origin;
+  return {static_cast<float>(r[0]), static_cast<float>(r[1]), static_cast<float>(r[2])};
+}
+
+struct Nodes {
+  std::int64_t nx, ny, nz;
+  explicit Nodes(const ThesisGrid& g)
+      : nx(g.voxels[0] + 1), ny(g.voxels[1] + 1), nz(g.voxels[2] + 1) {}
+  std::size_t index(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    return static_cast<std::size_t>((z * ny + y) * nx + x);
+  }
+};
+
+void add_atom(const PointF& c, const ThesisGrid& grid, const ThesisParameters& p,
+              std::vector<float>& field) {
+  const Nodes nodes(grid);
+  const float h = static_cast<float>(p.spacing);
+  Voxel first, last;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto v = static_cast<std::int64_t>(std::floor(c[a] / h));
+    const std::int64_t high = v + p.half_width + (p.sub_grid == SubGrid::voxels ? 1 : 0);
+    first[a] = std::max<std::int64_t>(0, v - p.half_width);
+    last[a] = std::min(grid.voxels[a], high);
+  }
+  for (std::int64_t z = first[2]; z <= last[2]; ++z) {
+    const float dz = static_cast<float>(z) * h - c[2];
+    for (std::int64_t y = first[1]; y <= last[1]; ++y) {
+      const float dy = static_cast<float>(y) * h - c[1];
+      for (std::int64_t x = first[0]; x <= last[0]; ++x) {
+        const float dx = static_cast<float>(x) * h - c[0];
+        field[nodes.index(x, y, z)] += contribution(p, dx * dx + dy * dy + dz * dz);
+      }
+    }
+  }
+}
+
+unsigned voxel_flag(const std::vector<float>& field, const Nodes& nodes, const Voxel& v, float t) {
+  unsigned flag = 0;
+  for (int c = 0; c < 8; ++c) {
+    const float value = field[nodes.index(v[0] + (c & 1), v[1] + (c >> 1 & 1), v[2] + (c >> 2))];
+    if (value >= t) flag |= 1u << c;
+  }
+  return flag;
+}
+
+template <class Visit>
+void for_each_voxel(const ThesisGrid& grid, Visit&& visit) {
+  for (std::int64_t z = 0; z < grid.voxels[2]; ++z) {
+    for (std::int64_t y = 0; y < grid.voxels[1]; ++y) {
+      for (std::int64_t x = 0; x < grid.voxels[0]; ++x) visit(Voxel{x, y, z});
+    }
+  }
+}
+
+class Marcher {
+ public:
+  Marcher(const std::vector<Point>& atoms, const std::vector<float>& field, const ThesisGrid& grid,
+          const ThesisParameters& parameters, SharedVertices shared)
+      : field_(field), nodes_(grid), grid_(grid), p_(parameters), shared_(shared) {
+    for (const Point& atom : atoms) atoms_.push_back(relative(atom, grid));
+  }
+
+  ThesisMesh run() {
+    const float t = static_cast<float>(p_.threshold);
+    for_each_voxel(grid_, [&](const Voxel& v) { march(v, voxel_flag(field_, nodes_, v, t)); });
+    return std::move(mesh_);
+  }
+
+ private:
+  void march(const Voxel& v, unsigned flag) {
+    if (flag == 0 || flag == 255) return;
+    std::array<std::uint32_t, 12> ids;
+    ids.fill(std::numeric_limits<std::uint32_t>::max());
+    for (const auto& triangle : cell_triangles(flag)) {
+      Corners corners;
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::uint32_t& id = ids[static_cast<std::size_t>(triangle[k])];
+        if (id == std::numeric_limits<std::uint32_t>::max()) id = vertex(v, triangle[k]);
+        corners[k] = id;
+      }
+      mesh_.triangles.push_back(corners);
+    }
+  }
+
+  std::uint32_t vertex(const Voxel& v, int edge) {
+    const CellEdge e = cell_edges()[static_cast<std::size_t>(edge)];
+    const Voxel a{v[0] + (e.a & 1), v[1] + (e.a >> 1 & 1), v[2] + (e.a >> 2)};
+    const Voxel b{v[0] + (e.b & 1), v[1] + (e.b >> 1 & 1), v[2] + (e.b >> 2)};
+    const std::size_t node = nodes_.index(a[0], a[1], a[2]);
+    if (shared_ == SharedVertices::recomputed) return new_vertex(a, b, node);
+    const int axis = b[0] != a[0] ? 0 : b[1] != a[1] ? 1 : 2;
+    const auto found = table_.find(3 * node + static_cast<std::size_t>(axis));
+    if (found != table_.end()) return found->second;
+    const std::uint32_t id = new_vertex(a, b, node);
+    table_.emplace(3 * node + static_cast<std::size_t>(axis), id);
+    return id;
+  }
+
+  std::uint32_t new_vertex(const Voxel& a, const Voxel& b, std::size_t node_a) {
+    const float fa = field_[node_a], fb = field_[nodes_.index(b[0], b[1], b[2])];
+    const float s = (static_cast<float>(p_.threshold) - fa) / (fb - fa);
+    const float h = static_cast<float>(p_.spacing);
+    PointF position;
+    for (std::size_t k = 0; k < 3; ++k) {
+      position[k] = h * (static_cast<float>(a[k]) + s * static_cast<float>(b[k] - a[k]));
+    }
+    mesh_.positions.push_back(position);
+    mesh_.normals.push_back(normal(position));
+    return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
+  }
+
+  PointF normal(const PointF& at) const {
+    PointF sum{0, 0, 0};
+    for (const PointF& c : atoms_) {
+      const float dx = at[0] - c[0], dy = at[1] - c[1], dz = at[2] - c[2];
+      const float g = slope(p_, dx * dx + dy * dy + dz * dz);
+      sum[0] -= g * dx;
+      sum[1] -= g * dy;
+      sum[2] -= g * dz;
+    }
+    const float n = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+    return {sum[0] / n, sum[1] / n, sum[2] / n};
+  }
+
+  const std::vector<float>& field_;
+  Nodes nodes_;
+  const ThesisGrid& grid_;
+  ThesisParameters p_;
+  SharedVertices shared_;
+  std::vector<PointF> atoms_;
+  std::unordered_map<std::size_t, std::uint32_t> table_;
+  ThesisMesh mesh_;
+};
+
+}  // namespace
+
+ThesisParameters thesis_parameters(ThesisFunction function) {
+  ThesisParameters p;
+  p.function = function;
+  if (function == ThesisFunction::soft_object) p.blob = 1.6, p.threshold = 0.63;
+  if (function == ThesisFunction::blinn) p.blob = 0.8, p.threshold = 0.70;
+  return p;
+}
+
+ThesisParameters thesis_vdw_parameters() {
+  ThesisParameters p;
+  p.padding = 1.2;
+  p.threshold = 4.6;
+  p.half_width = 4;
+  return p;
+}
+
+ThesisGrid thesis_grid(const std::vector<Point>& atoms, const ThesisParameters& p) {
+  Point low = atoms.front(), high = atoms.front();
+  for (const Point& c : atoms) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], c[a]);
+      high[a] = std::max(high[a], c[a]);
+    }
+  }
+  ThesisGrid grid{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    grid.origin[a] = low[a] - p.padding;
+    grid.voxels[a] =
+        static_cast<std::int64_t>(std::floor((high[a] - low[a] + 2 * p.padding) / p.spacing));
+  }
+  return grid;
+}
+
+std::vector<float> thesis_field(const std::vector<Point>& atoms, const ThesisGrid& grid,
+                                const ThesisParameters& parameters) {
+  const Nodes nodes(grid);
+  std::vector<float> field(static_cast<std::size_t>(nodes.nx * nodes.ny * nodes.nz), 0.0f);
+  for (const Point& atom : atoms) add_atom(relative(atom, grid), grid, parameters, field);
+  return field;
+}
+
+std::int64_t count_triangles(const std::vector<float>& field, const ThesisGrid& grid,
+                             double threshold) {
+  const Nodes nodes(grid);
+  const float t = static_cast<float>(threshold);
+  std::size_t count = 0;
+  for_each_voxel(grid, [&](const Voxel& v) {
+    count += cell_triangles(voxel_flag(field, nodes, v, t)).size();
+  });
+  return static_cast<std::int64_t>(count);
+}
+
+ThesisMesh thesis_marching_cubes(const std::vector<Point>& atoms, const std::vector<float>& field,
+                                 const ThesisGrid& grid, const ThesisParameters& parameters,
+                                 SharedVertices shared) {
+  return Marcher(atoms, field, grid, parameters, shared).run();
+}
+
+}  // namespace vdwmesh::reference
