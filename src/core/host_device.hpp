@@ -2,8 +2,23 @@
 // written once, marked VDWMESH_HD, and run on host and device alike.
 #pragma once
 
+#include <bit>
+#include <cstdint>
+
 #ifdef __CUDACC__
 #define VDWMESH_HD __host__ __device__
 #else
 #define VDWMESH_HD
 #endif
+
+namespace vdwmesh {
+
+VDWMESH_HD inline int count_bits(std::uint32_t bits) {
+#ifdef __CUDA_ARCH__
+  return __popc(bits);
+#else
+  return std::popcount(bits);
+#endif
+}
+
+}  // namespace vdwmesh

@@ -30,25 +30,24 @@ enum class Truncation : std::uint8_t {
   subgrid,  // at the faces of a box of whole grid cells around the atom's cell
 };
 
-// A blended field as numbers, trivially copyable. With q = d^2 * inverse_square_scale of the atom
-// (1/R^2 radius-aware, a constant in the thesis presets):
+// A blended field as numbers, trivially copyable. With q = d^2 * s, where s is 1/R^2 or its like:
 //   Blinn            f = exp(steepness * (offset - q)) * w(q)
 //   soft object      f = amplitude * (1 - 22/9 q + 17/9 q^2 - 4/9 q^3)   for q < 1, else 0
-//   inverse squared  f = w(q) / max(q, min_q)
-// with w(q) = ((1 - q / cutoff_q) * window_scale)^2 for q < cutoff_q, else 0 (Truncation::window);
-// w = 1 inside the sub-grid box, else 0 (Truncation::subgrid).
+//   inverse squared  f = w(q) / q, with d^2 >= min_square
+// and w(q) = (window_scale * (1 - q * inverse_cutoff))^2 up to its zero, then 0. A sub-grid has
+// inverse_cutoff = 0 and window_scale = 1, and f = 0 outside the atom's box of grid cells.
 struct FieldModel {
   FieldKind kind;
   Truncation truncation;
   double isovalue;
-  double steepness, offset;       // Blinn
-  double amplitude;               // soft object
-  double min_q;                   // inverse squared
-  double cutoff_q, window_scale;  // window
-  double uniform_scale;           // inverse_square_scale of every atom, 1/Å^2; 0: it is k / R^2
-  double radius_scale;            // k
-  std::int32_t subgrid_cells;     // half-width of the sub-grid, cells on either side of the atom's
-  GridSpec grid;                  // of the sub-grid
+  double steepness, offset;             // Blinn
+  double amplitude;                     // soft object
+  double min_square;                    // inverse squared, Å²
+  double inverse_cutoff, window_scale;  // w
+  double uniform_scale;                 // s of every atom, 1/Å²; 0: s = radius_scale / R²
+  double radius_scale;
+  std::int32_t subgrid_cells;  // cells on either side of the atom's own
+  GridSpec grid;               // of the sub-grid
 };
 
 // Throws InvalidInput for an isovalue or blobbiness that is not finite and positive, for either of

@@ -1,0 +1,88 @@
+// A brick's node signs and what follows from them by counting bits: which grid edges carry a
+// vertex, its number within the brick, and the case of each cell. For host and device.
+#pragma once
+
+#include <cstdint>
+
+#include "core/host_device.hpp"
+#include "extract/grid.hpp"
+
+namespace vdwmesh {
+
+// Nodes that the cells of a brick touch, along one axis: its own and the first of the next brick.
+inline constexpr int kBrickReach = kBrickSide + 1;
+
+// Bit x of row[z][y]: node (x, y, z) of the brick is inside.
+struct BrickSigns {
+  std::uint16_t row[kBrickReach][kBrickReach];
+};
+
+// Nodes x = 0 .. 7 of a row whose edge along each axis crosses the surface.
+struct RowCrossings {
+  std::uint32_t along[3];
+};
+
+VDWMESH_HD inline RowCrossings row_crossings(const BrickSigns& s, int y, int z) {
+  const std::uint32_t row = s.row[z][y];
+  const std::uint32_t own = (1u << kBrickSide) - 1;
+  return {{(row ^ (row >> 1)) & own, (row ^ s.row[z][y + 1]) & own, (row ^ s.row[z + 1][y]) & own}};
+}
+
+VDWMESH_HD inline int vertex_count(const RowCrossings& c) {
+  return count_bits(c.along[0]) + count_bits(c.along[1]) + count_bits(c.along[2]);
+}
+
+// Place of the vertex of node x's edge along `axis` among those of its row: by node, then axis.
+VDWMESH_HD inline int place_in_row(const RowCrossings& c, int x, int axis) {
+  const std::uint32_t below = (1u << x) - 1;
+  int place = count_bits(c.along[0] & below) + count_bits(c.along[1] & below) +
+              count_bits(c.along[2] & below);
+  for (int a = 0; a < axis; ++a) place += static_cast<int>(c.along[a] >> x & 1u);
+  return place;
+}
+
+// The case of the cell whose lower corner is node (x, y, z): see case_table.hpp.
+VDWMESH_HD inline std::uint32_t cell_case(const BrickSigns& s, int x, int y, int z) {
+  const auto pair = [&](int dy, int dz) {
+    return static_cast<std::uint32_t>(s.row[z + dz][y + dy] >> x) & 3u;
+  };
+  return pair(0, 0) | pair(1, 0) << 2 | pair(0, 1) << 4 | pair(1, 1) << 6;
+}
+
+// Cells x = 0 .. 7 of a row of cells that the surface crosses.
+VDWMESH_HD inline std::uint32_t mixed_cells(const BrickSigns& s, int y, int z) {
+  const std::uint32_t a = s.row[z][y], b = s.row[z][y + 1], c = s.row[z + 1][y],
+                      d = s.row[z + 1][y + 1];
+  const std::uint32_t any = a | b | c | d, all = a & b & c & d;
+  const std::uint32_t own = (1u << kBrickSide) - 1;
+  return (any | any >> 1) & ~(all & all >> 1) & own;
+}
+
+// Lattice: the grid's nodes and the virtual layer around them, lattice index = node + 1.
+VDWMESH_HD inline std::int64_t lattice_index(std::int32_t brick, int local) {
+  return static_cast<std::int64_t>(brick) * kBrickSide + local;
+}
+
+VDWMESH_HD inline bool is_virtual(const GridSpec& grid, int axis, std::int64_t lattice) {
+  return lattice < 1 || lattice > grid.cells[axis] + 1;
+}
+
+VDWMESH_HD inline double lattice_coordinate(const GridSpec& grid, int axis, std::int64_t lattice) {
+  return node_coordinate(grid.origin[axis], grid.spacing, lattice - 1);
+}
+
+// Bits x = 0 .. 8 of a row that are nodes of the grid.
+VDWMESH_HD inline std::uint16_t real_nodes(const GridSpec& grid, std::int32_t brick_x) {
+  std::uint32_t bits = 0;
+  for (int x = 0; x < kBrickReach; ++x) {
+    if (!is_virtual(grid, 0, lattice_index(brick_x, x))) bits |= 1u << x;
+  }
+  return static_cast<std::uint16_t>(bits);
+}
+
+// Bricks along an axis that hold the grid's nodes and the virtual layer.
+VDWMESH_HD inline std::int32_t brick_count(std::int64_t cells) {
+  return static_cast<std::int32_t>((cells + 3 + kBrickSide - 1) / kBrickSide);
+}
+
+}  // namespace vdwmesh

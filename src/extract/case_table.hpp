@@ -1,0 +1,38 @@
+// The 256 cases of marching cubes (Lorensen & Cline, SIGGRAPH 1987), generated at compile time.
+//
+// Corner c of a cell is at (c & 1, c >> 1 & 1, c >> 2); bit c of a case is set where that corner is
+// inside. Edge e runs along axis e / 4 from the corner whose offsets along the other two axes, in
+// rising order, are the bits of e % 4.
+//
+// On a face with two inside corners across a diagonal the inside corners are separated, from both
+// of its cells alike. No triangulation draws a diagonal inside a cell face: two cells would then
+// share that edge four times. Triangles wind counter-clockwise seen from outside.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace vdwmesh {
+
+inline constexpr int kMaxCaseTriangles = 5;
+
+struct CaseTable {
+  std::array<std::uint8_t, 256> triangle_count;
+  std::array<std::array<std::uint8_t, 3 * kMaxCaseTriangles>, 256> edges;  // three per triangle
+};
+
+const CaseTable& case_table();
+
+// Offset from the cell's lower corner of the node that owns the edge, and the edge's axis.
+struct CellEdge {
+  std::uint8_t x, y, z, axis;
+};
+constexpr CellEdge cell_edge(int e) {
+  const auto low = static_cast<std::uint8_t>(e & 1), high = static_cast<std::uint8_t>(e >> 1 & 1);
+  const int axis = e / 4;
+  if (axis == 0) return {0, low, high, 0};
+  if (axis == 1) return {low, 0, high, 1};
+  return {low, high, 0, 2};
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,88 @@
+// Where the surface meets a grid edge, for host and device.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/host_device.hpp"
+#include "extract/field_formulas.hpp"
+
+namespace vdwmesh {
+
+// A vertex stays this far, in edge lengths, from both ends of its edge.
+inline constexpr double kEdgeMargin = 1.0 / (1 << 20);
+
+struct EdgePoint {
+  double distance;      // from the inside node along the edge, Å
+  std::uint32_t owner;  // union of balls: candidate whose interval ends there
+  bool clamped;
+};
+
+VDWMESH_HD inline EdgePoint clamp_to_edge(double distance, double spacing, std::uint32_t owner) {
+  const double least = kEdgeMargin * spacing, most = (1 - kEdgeMargin) * spacing;
+  if (!(distance >= least)) return {least, owner, true};
+  if (!(distance <= most)) return {most, owner, true};
+  return {distance, owner, false};
+}
+
+// Blended fields: linear interpolation between the values at the inside and the outside node. An
+// outside node of the virtual border may hold a value at or above the isovalue; then the edge is
+// cut at its outer end.
+VDWMESH_HD inline EdgePoint interpolate_edge(float inside, float outside, float isovalue,
+                                             double spacing) {
+  if (!(outside < isovalue)) return clamp_to_edge(spacing, spacing, 0);
+  const double a = inside, b = outside, t = isovalue;
+  return clamp_to_edge((a - t) / (a - b) * spacing, spacing, 0);
+}
+
+// Part of a grid line that a ball covers, measured from the inside node towards the outside node.
+struct Interval {
+  double enter, exit;
+  bool empty;
+};
+
+VDWMESH_HD inline Interval cover(const Sphere& ball, const Vec3d& node, int axis,
+                                 double direction) {
+  const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  const double du = node[u] - ball.center[u], dv = node[v] - ball.center[v];
+  const double square = ball.radius * ball.radius - std::fma(du, du, dv * dv);
+  if (!(square >= 0)) return {0, 0, true};
+  const double middle = direction * (ball.center[axis] - node[axis]);
+  const double half = std::sqrt(square);
+  return {middle - half, middle + half, false};
+}
+
+// Union of balls: the first exit from the union seen from the inside node. Intervals are merged
+// from the node outwards; the balls that hold the node (same predicate as its sign) begin the run.
+// Where several end it exactly, the lowest rank owns. `ball(k)` and `rank(k)` give candidate k.
+template <class Ball, class Rank>
+VDWMESH_HD EdgePoint first_exit(const Vec3d& node, int axis, double direction, double spacing,
+                                std::uint32_t candidates, Ball&& ball, Rank&& rank) {
+  double reach = 0;
+  for (std::uint32_t k = 0; k < candidates; ++k) {
+    if (!inside_ball(node, ball(k))) continue;
+    const Interval i = cover(ball(k), node, axis, direction);
+    if (!i.empty && i.exit > reach) reach = i.exit;
+  }
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (std::uint32_t k = 0; k < candidates; ++k) {
+      const Interval i = cover(ball(k), node, axis, direction);
+      if (i.empty || i.enter > reach || i.exit <= reach) continue;
+      reach = i.exit;
+      grown = true;
+    }
+  }
+  std::uint32_t owner = candidates;
+  for (std::uint32_t k = 0; k < candidates; ++k) {
+    const Interval i = cover(ball(k), node, axis, direction);
+    const bool ends_here = !i.empty && i.exit == reach;
+    // reach = 0 where rounding ends every interval before the node that its ball holds.
+    const bool holds_node = reach == 0 && inside_ball(node, ball(k));
+    if (!ends_here && !holds_node) continue;
+    if (owner == candidates || rank(k) < rank(owner)) owner = k;
+  }
+  return clamp_to_edge(reach, spacing, owner);
+}
+
+}  // namespace vdwmesh
