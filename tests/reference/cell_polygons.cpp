@@ -40,9 +40,9 @@ bool share_face(int e, int f) {
 
 // next[e] = the edge that the boundary polygon visits after e. Seen from outside the cell and
 // walking a face counter-clockwise, every run of inside corners is entered over one edge and left
-// over another; the polygon side goes from the edge of leaving to that of entering, so that the
-// inside lies behind the polygon. Runs are cut at outside corners only, which separates inside
-// corners across a diagonal.
+// over another; the polygon side goes from the edge of entering to that of leaving, with the inside
+// on its right: seen along the surface's outward normal the polygon is counter-clockwise. Runs end
+// at outside corners only, which separates inside corners across a diagonal.
 std::array<int, 12> polygon_successors(unsigned inside) {
   std::array<int, 12> next;
   next.fill(-1);
@@ -56,7 +56,7 @@ std::array<int, 12> polygon_successors(unsigned inside) {
         while (in(last + 1)) ++last;
         const int entered = edge_between(c[i], c[(i + 1) & 3]);
         const int left = edge_between(c[last & 3], c[(last + 1) & 3]);
-        next[static_cast<std::size_t>(left)] = entered;
+        next[static_cast<std::size_t>(entered)] = left;
       }
     }
   }
