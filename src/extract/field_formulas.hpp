@@ -29,6 +29,12 @@ VDWMESH_HD inline double inverse_square_scale(const FieldModel& m, double radius
   return m.uniform_scale > 0 ? m.uniform_scale : m.radius_scale / (radius * radius);
 }
 
+// Squared distance beyond which f is exactly 0; infinite under a sub-grid. Å².
+VDWMESH_HD inline double field_reach_square(const FieldModel& m, double scale) {
+  if (m.kind == FieldKind::soft_object) return 1 / scale;
+  return m.inverse_cutoff > 0 ? 1 / (m.inverse_cutoff * scale) : 1e30;
+}
+
 // window_scale * (1 - q * inverse_cutoff), not below 0: the square root of w(q).
 template <class T>
 VDWMESH_HD inline T window_root(const ShapeParameters<T>& p, T q) {

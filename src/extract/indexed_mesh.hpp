@@ -35,7 +35,7 @@ struct IndexedMesh {
 // Most vertices an IndexedMesh can hold.
 inline constexpr std::uint64_t kMaxVertices = std::uint64_t{1} << 32;
 
-// Bytes of the arrays, with or without `opposite`.
+// Bytes of the arrays without `opposite`.
 std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles);
 
 // A hash over all bits of all arrays (FNV-1a, 64 bits, array by array): equal for equal meshes.

@@ -1,0 +1,143 @@
+// Whether a block of lattice nodes can hold surface, from bounds on the field. Host and device.
+#pragma once
+
+#include "core/host_device.hpp"
+#include "extract/brick.hpp"
+#include "extract/cell_list.hpp"
+#include "extract/field_formulas.hpp"
+
+namespace vdwmesh {
+
+// Lattice nodes [first, last] along each axis of a block of 2^level bricks, both ends included.
+struct LatticeBlock {
+  std::int64_t first[3], last[3];
+  int level;
+};
+
+VDWMESH_HD inline LatticeBlock lattice_block(const BrickIndex& index, int level) {
+  const std::int32_t b[3] = {index.x, index.y, index.z};
+  LatticeBlock block{};
+  block.level = level;
+  const std::int64_t side = static_cast<std::int64_t>(kBrickSide) << level;
+  for (int axis = 0; axis < 3; ++axis) {
+    block.first[axis] = b[axis] * side;
+    block.last[axis] = block.first[axis] + side;
+  }
+  return block;
+}
+
+// The box of a block's grid nodes; empty where the block has none.
+struct BlockBox {
+  Vec3d lower, upper;
+  bool empty;
+  bool touches_border;  // some nodes are virtual
+};
+
+VDWMESH_HD inline BlockBox block_box(const GridSpec& grid, const LatticeBlock& block) {
+  BlockBox box{{0, 0, 0}, {0, 0, 0}, false, false};
+  for (int axis = 0; axis < 3; ++axis) {
+    std::int64_t first = block.first[axis], last = block.last[axis];
+    if (first < 1 || last > grid.cells[axis] + 1) box.touches_border = true;
+    if (first < 1) first = 1;
+    if (last > grid.cells[axis] + 1) last = grid.cells[axis] + 1;
+    if (first > last) box.empty = true;
+    box.lower[axis] = lattice_coordinate(grid, axis, first);
+    box.upper[axis] = lattice_coordinate(grid, axis, last);
+  }
+  return box;
+}
+
+struct SquareRange {
+  double least, most;
+};
+
+// Squared distances from c to the points of the box. Rounded like squared_distance(), which is
+// monotone in each difference, so the bounds hold for the rounded distances of the nodes too.
+VDWMESH_HD inline SquareRange square_range(const BlockBox& box, const Vec3d& c) {
+  double near[3], far[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double a = box.lower[axis] - c[axis], b = box.upper[axis] - c[axis];
+    near[axis] = a > 0 ? a : (b < 0 ? -b : 0);
+    far[axis] = -a > b ? -a : b;
+  }
+  return {std::fma(near[0], near[0], std::fma(near[1], near[1], near[2] * near[2])),
+          std::fma(far[0], far[0], std::fma(far[1], far[1], far[2] * far[2]))};
+}
+
+// Union of balls: no ball touches the box, or one ball holds all of it -> no surface.
+VDWMESH_HD inline bool union_may_cross(const CellListView& list, const BlockBox& box) {
+  double largest = 0;
+  for (int l = 0; l < list.level_count; ++l) {
+    largest = list.levels[l].reach > largest ? list.levels[l].reach : largest;
+  }
+  const bool coverable = box.upper.x - box.lower.x <= 2 * largest;
+  bool touched = false, covered = false;
+  visit_near_box(list, box.lower, box.upper, [&](std::uint32_t place) {
+    const Sphere& ball = list.spheres[place];
+    const SquareRange d2 = square_range(box, ball.center);
+    const double r2 = ball.radius * ball.radius;
+    touched |= d2.least <= r2;
+    covered |= d2.most <= r2;
+    return covered || (touched && !coverable);
+  });
+  return touched && (!covered || box.touches_border);
+}
+
+// Sub-grid against a block: whether the atom's box meets the block, and whether it holds it.
+struct SubgridOverlap {
+  bool meets, holds;
+};
+
+VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const LatticeBlock& block,
+                                                 const Vec3d& c) {
+  SubgridOverlap o{true, true};
+  if (m.truncation != Truncation::subgrid) return o;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t cell = subgrid_cell(m.grid, axis, c[axis]);
+    const std::int64_t low = cell - m.subgrid_cells + 1, high = cell + m.subgrid_cells + 2;
+    if (block.last[axis] < low || block.first[axis] > high) o.meets = false;
+    if (block.first[axis] < low || block.last[axis] > high) o.holds = false;
+  }
+  return o;
+}
+
+// Blended: every f falls with distance, so the sums of f at the nearest and farthest points of the
+// box bound the field. The margin covers float32 sums at the nodes.
+template <FieldKind kind>
+VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
+                                const LatticeBlock& block, const BlockBox& box) {
+  constexpr double margin = 1e-3;
+  const ShapeParameters<double> shape = shape_parameters<double>(m);
+  double least = 0, most = 0;
+  visit_near_box(list, box.lower, box.upper, [&](std::uint32_t place) {
+    const Sphere& ball = list.spheres[place];
+    const SubgridOverlap o = subgrid_overlap(m, block, ball.center);
+    if (!o.meets) return false;
+    const SquareRange d2 = square_range(box, ball.center);
+    const double s = inverse_square_scale(m, ball.radius);
+    most += shape_value<kind>(shape, d2.least, s);
+    if (o.holds) least += shape_value<kind>(shape, d2.most, s);
+    // A block with enough of both sides in sight needs no exact sums.
+    return block.level > 2 && most * (1 + margin) >= m.isovalue && least == 0;
+  });
+  return most * (1 + margin) >= m.isovalue &&
+         (least * (1 - margin) < m.isovalue || box.touches_border);
+}
+
+VDWMESH_HD inline bool may_hold_surface(const CellListView& list, const FieldModel& m,
+                                        const LatticeBlock& block) {
+  const BlockBox box = block_box(m.grid, block);
+  if (box.empty) return false;
+  switch (m.kind) {
+    case FieldKind::vdw:
+      return union_may_cross(list, box);
+    case FieldKind::blinn:
+      return field_may_cross<FieldKind::blinn>(list, m, block, box);
+    case FieldKind::soft_object:
+      return field_may_cross<FieldKind::soft_object>(list, m, block, box);
+    default:
+      return field_may_cross<FieldKind::inverse_squared>(list, m, block, box);
+  }
+}
+
+}  // namespace vdwmesh

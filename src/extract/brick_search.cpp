@@ -1,0 +1,80 @@
+#include "extract/brick_search.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "core/multiversion.hpp"
+#include "extract/block_bounds.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr int kChildren = 8;
+
+BrickIndex child(const BrickIndex& b, int c) {
+  return {2 * b.x + (c & 1), 2 * b.y + (c >> 1 & 1), 2 * b.z + (c >> 2)};
+}
+
+// Which of the eight half-size blocks of `parent` may hold surface.
+VDWMESH_MULTIVERSION std::uint8_t surviving_children(const CellListView& list,
+                                                     const FieldModel& model,
+                                                     const BrickIndex& parent, int level) {
+  std::uint32_t survivors = 0;
+  for (int c = 0; c < kChildren; ++c) {
+    const LatticeBlock block = lattice_block(child(parent, c), level - 1);
+    if (may_hold_surface(list, model, block)) survivors |= 1u << c;
+  }
+  return static_cast<std::uint8_t>(survivors);
+}
+
+std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& model,
+                                   const std::vector<std::uint64_t>& parents, int level,
+                                   std::uint64_t most) {
+  std::vector<std::uint8_t> survivors(parents.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parents.size(), 16), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      survivors[i] = surviving_children(list, model, brick_of_key(parents[i]), level);
+    }
+  });
+  std::uint64_t count = 0;
+  for (const std::uint8_t s : survivors) count += static_cast<std::uint64_t>(std::popcount(s));
+  if (count > most) {
+    throw LimitExceeded(fmt::format(
+        "the surface crosses more than {} bricks of 8 x 8 x 8 nodes; at most {} fit in the memory "
+        "allowed: choose a larger spacing or a higher memory limit",
+        count, most));
+  }
+  std::vector<std::uint64_t> children;
+  children.reserve(count);
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    for (int c = 0; c < kChildren; ++c) {
+      if (survivors[i] >> c & 1) children.push_back(brick_key(child(brick_of_key(parents[i]), c)));
+    }
+  }
+  return children;
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> candidate_bricks(const CellListView& list, const FieldModel& model,
+                                            std::uint64_t most, Monitor* monitor) {
+  const Vec3i& cells = model.grid.cells;
+  const auto widest = static_cast<std::uint32_t>(
+      std::max({brick_count(cells.x), brick_count(cells.y), brick_count(cells.z)}));
+  const int levels = static_cast<int>(std::bit_width(widest - 1));
+  begin_stage(monitor, "search", static_cast<std::uint64_t>(levels) + 1);
+  // One level above the root of the tree, so that a single brick is tested too.
+  std::vector<std::uint64_t> blocks{0};
+  for (int level = levels + 1; level > 0; --level) {
+    blocks = descend(list, model, blocks, level, most);
+    advance(monitor, 1);
+  }
+  tbb::parallel_sort(blocks.begin(), blocks.end());
+  return blocks;
+}
+
+}  // namespace vdwmesh
