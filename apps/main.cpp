@@ -1,1 +1,105 @@
-int main() {}
+// Parses the command line, runs a verb and turns exceptions into exit codes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "core/errors.hpp"
+#include "interrupt.hpp"
+#include "verbs.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+enum ExitCode : int {
+  kDone = 0,
+  kBadInput = 1,
+  kNoBackend = 2,
+  kLimitHit = 3,
+  kOwnFault = 4,
+  kSignalBase = 128
+};
+
+std::vector<std::unique_ptr<Verb>> make_verbs() {
+  std::vector<std::unique_ptr<Verb>> verbs;
+  verbs.push_back(make_mesh_verb());
+  verbs.push_back(make_report_verb());
+  verbs.push_back(make_exact_verb());
+  verbs.push_back(make_compare_verb());
+  verbs.push_back(make_info_verb());
+  return verbs;
+}
+
+// One line on standard error, whatever the message holds.
+int fail(ExitCode code, std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  fmt::print(stderr, "vdwmesh: {}\n", message);
+  return code;
+}
+
+int run(const Verb& verb) {
+  try {
+    verb.run();
+    return kDone;
+  } catch (const Cancelled& error) {
+    return fail(kOwnFault, error.what());
+  } catch (const InvalidInput& error) {
+    return fail(kBadInput, error.what());
+  } catch (const FileFormatError& error) {
+    return fail(kBadInput, error.what());
+  } catch (const BackendUnavailable& error) {
+    return fail(kNoBackend, error.what());
+  } catch (const LimitExceeded& error) {
+    return fail(kLimitHit, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(kLimitHit, "out of memory; a larger --spacing or fewer --subdivide needs less");
+  } catch (const std::exception& error) {
+    return fail(kOwnFault, fmt::format("internal error: {}", error.what()));
+  }
+}
+
+int parse_and_run(int argc, char** argv) {
+  CLI::App app("Van der Waals surface meshes of molecules, and proof of how good they are",
+               "vdwmesh");
+  app.set_version_flag("--version", std::string("vdwmesh ") + VDWMESH_VERSION);
+  app.require_subcommand(1);
+  const std::vector<std::unique_ptr<Verb>> verbs = make_verbs();
+  std::string names;
+  for (const auto& verb : verbs) {
+    verb->add_options(*app.add_subcommand(verb->name(), verb->summary()));
+    names += ' ' + verb->name();
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::CallForVersion& version) {
+    return app.exit(version);
+  } catch (const CLI::ParseError& error) {
+    if (app.get_subcommands().empty()) {
+      return fail(kBadInput, fmt::format("{}{}the verbs are{}; vdwmesh VERB --help says more",
+                                         argc > 1 ? argv[1] : "no verb",
+                                         argc > 1 ? ": not a verb; " : "; ", names));
+    }
+    return fail(kBadInput, fmt::format("{}; vdwmesh {} --help lists the options", error.what(),
+                                       app.get_subcommands().front()->get_name()));
+  }
+  for (const auto& verb : verbs) {
+    if (app.got_subcommand(verb->name())) return run(*verb);
+  }
+  return kOwnFault;
+}
+
+}  // namespace
+}  // namespace vdwmesh::apps
+
+int main(int argc, char** argv) {
+  vdwmesh::apps::install_signal_handlers();
+  const int code = vdwmesh::apps::parse_and_run(argc, argv);
+  const int signal = vdwmesh::apps::pending_signal();
+  return signal != 0 ? vdwmesh::apps::kSignalBase + signal : code;
+}

@@ -1,0 +1,51 @@
+#include "interrupt.hpp"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+std::atomic<int> holders{0};
+std::atomic<int> pending{0};
+std::atomic<bool> progress_line_open{false};
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
+              "a signal handler may use them");
+
+// Nothing but what POSIX allows in a signal handler.
+extern "C" void on_signal(int signal) {
+  if (holders.load() > 0) {
+    pending.store(signal);
+    return;
+  }
+  if (progress_line_open.load()) [[maybe_unused]]
+    const auto n = ::write(STDERR_FILENO, "\n", 1);
+  ::_exit(128 + signal);
+}
+
+}  // namespace
+
+void install_signal_handlers() {
+  struct sigaction action = {};
+  action.sa_handler = on_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+}
+
+int pending_signal() { return pending.load(); }
+
+HoldSignals::HoldSignals() {
+  if (pending_signal() != 0) throw Cancelled("stopped on request");
+  ++holders;
+}
+
+HoldSignals::~HoldSignals() { --holders; }
+
+void set_progress_line_open(bool open) { progress_line_open.store(open); }
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,24 @@
+// SIGINT and SIGTERM. They end the program at once, except while an output file is being written:
+// then they wait until it stands whole under its name.
+#pragma once
+
+namespace vdwmesh::apps {
+
+void install_signal_handlers();
+
+// The signal that came while a file was being written; 0: none.
+int pending_signal();
+
+// While one of these lives, signals wait. Throws Cancelled when one came earlier.
+class HoldSignals {
+ public:
+  HoldSignals();
+  ~HoldSignals();
+  HoldSignals(const HoldSignals&) = delete;
+  HoldSignals& operator=(const HoldSignals&) = delete;
+};
+
+// Whether the cursor stands in a progress line, which an interrupted program ends.
+void set_progress_line_open(bool open);
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,125 @@
+// What the verbs share on the command line: groups of options that add themselves to a verb and
+// turn into checked options of the libraries before any work begins.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arrangement/exact_union.hpp"
+#include "cuda/backend.hpp"
+#include "extract/extractor.hpp"
+#include "refine/refiner.hpp"
+#include "structure/reader.hpp"
+
+namespace vdwmesh::apps {
+
+inline constexpr int kMaxSubdivisions = 10;
+
+struct InputOptions {
+  std::filesystem::path path;
+  std::string sample;  // used in place of `path` where not empty
+  ReadOptions read;
+  double probe = 0;  // Å
+};
+
+struct SurfaceOptions {
+  FieldOptions field;
+  GridOptions grid;
+  int subdivisions = 0;
+  Projection projection = Projection::none;
+};
+
+enum class Switch { off, on };
+
+struct ExactOptions {
+  UnionMethod method = UnionMethod::cgal;
+  Switch topology = Switch::on;
+};
+
+enum class Progress { terminal_only, always, never };
+enum class Verbosity { normal, quiet };
+
+struct MachineOptions {
+  Backend backend = Backend::automatic;
+  int threads = 0;                 // 0: all
+  std::uint64_t memory_limit = 0;  // bytes
+  Progress progress = Progress::terminal_only;
+  Verbosity verbosity = Verbosity::normal;
+};
+
+enum class AtomGroup { atom, residue, chain };
+
+struct OutputOptions {
+  std::string json;      // empty: none; "-": standard output
+  std::string per_atom;  // empty: none
+  AtomGroup group = AtomGroup::atom;
+};
+
+// The names of the contract for values of the libraries, as the report prints them.
+std::string_view field_name(FieldKind kind);
+std::string_view preset_name(FieldPreset preset);
+std::string_view projection_name(Projection projection);
+std::string_view backend_name(Backend backend);
+std::string_view method_name(UnionMethod method);
+
+class InputFlags {
+ public:
+  void add_to(CLI::App& verb);
+  // `preset` decides about HETATM records where neither flag is given.
+  InputOptions resolve(FieldPreset preset = FieldPreset::radius_aware) const;
+
+ private:
+  std::string path_, sample_, format_, model_ = "first", altloc_ = "highest", radii_ = "bondi";
+  std::string assembly_ = "asymmetric", select_, probe_ = "0";
+  bool waters_ = false, no_hydrogens_ = false, no_hetatm_ = false, hetatm_ = false;
+};
+
+class SurfaceFlags {
+ public:
+  void add_to(CLI::App& verb, int default_subdivisions);
+  SurfaceOptions resolve() const;
+
+ private:
+  FieldOptions resolve_field() const;
+  std::string mesher_ = "marching-cubes", field_ = "vdw", preset_ = "radius-aware", subdivide_;
+  std::optional<std::string> spacing_, padding_, isovalue_, blobbiness_, project_;
+};
+
+class ExactFlags {
+ public:
+  void add_to(CLI::App& verb);
+  ExactOptions resolve() const;
+
+ private:
+  std::optional<std::string> method_, topology_;
+};
+
+class MachineFlags {
+ public:
+  enum class Backends { choose, none };
+  void add_to(CLI::App& verb, Backends backends);
+  MachineOptions resolve() const;
+
+ private:
+  std::string backend_ = "auto";
+  std::optional<std::string> threads_, memory_limit_;
+  bool quiet_ = false, progress_ = false;
+};
+
+class OutputFlags {
+ public:
+  enum class PerAtom { offered, none };
+  void add_to(CLI::App& verb, PerAtom per_atom);
+  // Checks that the files can be made.
+  OutputOptions resolve() const;
+
+ private:
+  std::string json_, per_atom_;
+  std::optional<std::string> group_;
+};
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,111 @@
+#include "parse.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace vdwmesh::apps {
+namespace {
+
+template <class T>
+bool read_whole(std::string_view text, T& value) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  const char* end = text.data() + text.size();
+  const std::from_chars_result result = std::from_chars(text.data(), end, value);
+  return !text.empty() && result.ec == std::errc() && result.ptr == end;
+}
+
+bool in_range(double value, Range range) {
+  if (!std::isfinite(value)) return false;
+  if (range == Range::positive) return value > 0;
+  return range == Range::finite || value >= 0;
+}
+
+std::string_view describe(Range range) {
+  if (range == Range::positive) return "a finite number above 0";
+  return range == Range::non_negative ? "a finite number, 0 or more" : "a finite number";
+}
+
+int binary_exponent(char suffix) {
+  switch (suffix) {
+    case 'K':
+    case 'k':
+      return 10;
+    case 'M':
+    case 'm':
+      return 20;
+    case 'G':
+    case 'g':
+      return 30;
+    case 'T':
+    case 't':
+      return 40;
+    default:
+      return -1;
+  }
+}
+
+// "8GiB", "8GB" and "8B" -> "8G", "8G" and "8".
+std::string_view without_byte_letters(std::string_view text) {
+  if (text.ends_with("iB")) return text.substr(0, text.size() - 2);
+  if (text.ends_with('B')) return text.substr(0, text.size() - 1);
+  return text;
+}
+
+}  // namespace
+
+double parse_number(std::string_view option, std::string_view text, Range range,
+                    std::string_view example) {
+  double value = 0;
+  if (!read_whole(text, value) || !in_range(value, range)) {
+    throw InvalidInput(fmt::format("{} {}: needs {}, for example {} {}", option, text,
+                                   describe(range), option, example));
+  }
+  return value;
+}
+
+std::int64_t parse_integer(std::string_view option, std::string_view text, std::int64_t lowest,
+                           std::int64_t highest) {
+  std::int64_t value = 0;
+  if (!read_whole(text, value) || value < lowest || value > highest) {
+    throw InvalidInput(
+        fmt::format("{} {}: needs a whole number from {} to {}", option, text, lowest, highest));
+  }
+  return value;
+}
+
+std::uint64_t parse_bytes(std::string_view option, std::string_view text) {
+  std::string_view number = without_byte_letters(text);
+  int exponent = 0;
+  if (!number.empty() && binary_exponent(number.back()) >= 0) {
+    exponent = binary_exponent(number.back());
+    number.remove_suffix(1);
+  }
+  double value = 0;
+  const bool read = read_whole(number, value) && in_range(value, Range::positive);
+  const double bytes = std::ldexp(value, exponent);
+  if (!read || bytes < 1 || bytes >= 0x1p63) {
+    throw InvalidInput(
+        fmt::format("{} {}: needs a number of bytes above 0, for example {} 8G or {} 500M", option,
+                    text, option, option));
+  }
+  return static_cast<std::uint64_t>(bytes);
+}
+
+std::string list_names(std::span<const std::string_view> names) {
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) list += i + 1 == names.size() ? " or " : ", ";
+    list += names[i];
+  }
+  return list;
+}
+
+void throw_unknown_name(std::string_view option, std::string_view text,
+                        std::span<const std::string_view> known) {
+  throw InvalidInput(fmt::format("{} {}: not known; choose {}", option, text, list_names(known)));
+}
+
+}  // namespace vdwmesh::apps

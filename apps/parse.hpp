@@ -1,0 +1,56 @@
+// Option values from text. Every function throws InvalidInput with one line that names the option,
+// what was given and what would be accepted.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh::apps {
+
+// Finite and above zero ("--spacing"), at least zero ("--padding"), or any finite number.
+enum class Range { positive, non_negative, finite };
+double parse_number(std::string_view option, std::string_view text, Range range,
+                    std::string_view example);
+
+// A whole number in [lowest, highest].
+std::int64_t parse_integer(std::string_view option, std::string_view text, std::int64_t lowest,
+                           std::int64_t highest);
+
+// "8G", "512M", "1000000": bytes with the binary suffixes K, M, G, T.
+std::uint64_t parse_bytes(std::string_view option, std::string_view text);
+
+// "a, b or c".
+std::string list_names(std::span<const std::string_view> names);
+
+template <class T>
+using Choice = std::pair<std::string_view, T>;
+
+[[noreturn]] void throw_unknown_name(std::string_view option, std::string_view text,
+                                     std::span<const std::string_view> known);
+
+// The value named `text`; an unknown name lists the known ones.
+template <class T, std::size_t N>
+T choose(std::string_view option, std::string_view text, const Choice<T> (&choices)[N]) {
+  std::string_view names[N];
+  for (std::size_t i = 0; i < N; ++i) {
+    if (choices[i].first == text) return choices[i].second;
+    names[i] = choices[i].first;
+  }
+  throw_unknown_name(option, text, names);
+}
+
+// The first name of `value`: the inverse of choose().
+template <class T, std::size_t N>
+std::string_view name_of(T value, const Choice<T> (&choices)[N]) {
+  for (const Choice<T>& choice : choices) {
+    if (choice.second == value) return choice.first;
+  }
+  return "unknown";
+}
+
+}  // namespace vdwmesh::apps

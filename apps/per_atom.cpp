@@ -1,0 +1,111 @@
+#include "per_atom.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <tuple>
+
+#include "core/sum.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+constexpr const char* kHeader =
+    "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,exact_area,"
+    "mesh_area,exact_volume\n";
+
+// Fields with a comma, quote or line break are quoted (RFC 4180).
+std::string field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+// What the atoms of a row share; empty where they need not.
+using Key = std::tuple<std::int32_t, std::string, std::string, std::string>;
+
+Key key_of(const Atom& atom, AtomGroup group) {
+  if (group == AtomGroup::chain) return {atom.model, atom.chain, "", ""};
+  return {atom.model, atom.chain, atom.residue_number, atom.residue_name};
+}
+
+struct Row {
+  Key key;
+  const Atom* atom = nullptr;  // of AtomGroup::atom
+  std::uint64_t atoms = 0;
+  WideSum exact_area, mesh_area, exact_volume;
+};
+
+// Which row each atom adds to; rows in the order of their first atoms.
+std::vector<Row> make_rows(const Molecule& molecule, AtomGroup group,
+                           std::vector<std::size_t>& row_of_atom) {
+  std::vector<Row> rows;
+  std::map<Key, std::size_t> known;
+  for (const Atom& atom : molecule.atoms) {
+    const Key key = key_of(atom, group);
+    std::size_t row = rows.size();
+    if (group != AtomGroup::atom) row = known.try_emplace(key, row).first->second;
+    if (row == rows.size()) {
+      rows.push_back({key, group == AtomGroup::atom ? &atom : nullptr, 0, {}, {}, {}});
+    }
+    row_of_atom.push_back(row);
+  }
+  return rows;
+}
+
+void print(std::string& csv, const Row& row, double probe, bool with_mesh) {
+  const auto& [model, chain, residue_number, residue_name] = row.key;
+  csv +=
+      fmt::format("{},{},{},{},", model, field(chain), field(residue_number), field(residue_name));
+  if (row.atom) {
+    csv += fmt::format("{},{},{},{},{}", field(row.atom->name), row.atom->element, row.atom->serial,
+                       row.atoms, row.atom->radius + probe);
+  } else {
+    csv += fmt::format(",,,{},", row.atoms);
+  }
+  csv += fmt::format(",{},{},{}\n", row.exact_area.value(),
+                     with_mesh ? fmt::format("{}", row.mesh_area.value()) : "",
+                     row.exact_volume.value());
+}
+
+}  // namespace
+
+std::vector<double> mesh_area_by_sphere(const IndexedMesh& mesh, std::size_t sphere_count) {
+  if (mesh.vertex_spheres.size() != mesh.vertex_count()) return {};
+  std::vector<WideSum> sums(sphere_count);
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3d a = mesh.positions[t[0]];
+    const double area = 0.5 * norm(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a));
+    for (const std::uint32_t vertex : t) {
+      const SphereId atom = mesh.vertex_spheres[vertex][0];
+      if (atom >= sphere_count) return {};
+      sums[atom].add(area / 3);
+    }
+  }
+  std::vector<double> areas;
+  areas.reserve(sphere_count);
+  for (const WideSum& sum : sums) areas.push_back(sum.value());
+  return areas;
+}
+
+std::string per_atom_csv(const Molecule& molecule, double probe, const ExactUnion& exact,
+                         const std::vector<double>& mesh_area, AtomGroup group) {
+  std::vector<std::size_t> row_of_atom;
+  std::vector<Row> rows = make_rows(molecule, group, row_of_atom);
+  for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
+    Row& row = rows[row_of_atom[i]];
+    ++row.atoms;
+    row.exact_area.add(exact.per_sphere[i].area);
+    row.exact_volume.add(exact.per_sphere[i].volume);
+    if (!mesh_area.empty()) row.mesh_area.add(mesh_area[i]);
+  }
+  std::string csv = kHeader;
+  for (const Row& row : rows) print(csv, row, probe, !mesh_area.empty());
+  return csv;
+}
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,101 @@
+// Everything a run found out. What was not computed is absent, never 0.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/mesh_measures.hpp"
+#include "arrangement/exact_union.hpp"
+#include "options.hpp"
+#include "structure/molecule.hpp"
+
+namespace vdwmesh::apps {
+
+struct InputReport {
+  std::string path, format, model, assembly, radius_set;
+  std::uint64_t atoms_read = 0, atoms_used = 0;
+  SkippedAtoms skipped;
+  std::vector<AssumedRadius> radii_assumed;
+  double probe = 0;  // Å
+};
+
+struct ParametersReport {
+  SurfaceOptions surface;
+  GridSpec grid;
+  std::optional<double> isovalue, blobbiness;  // of the fields that have them
+  std::uint64_t memory_limit = 0;              // bytes
+};
+
+struct BackendReport {
+  Backend requested = Backend::automatic;
+  Backend used = Backend::cpu;
+  std::optional<std::string> device, driver;
+  std::optional<std::string> reason;  // why automatic did not take CUDA
+  int threads = 1;
+};
+
+struct MeshReport {
+  MeshTopology topology;
+  MeshMeasures measures;
+  MeshQuality quality;
+  std::optional<std::uint64_t> grid_clipped, clamped_vertices;  // of our own extraction only
+  std::optional<std::uint64_t> self_intersections;
+  std::vector<ProjectionStats> projection;  // empty: no refinement ran
+  std::optional<std::string> path;          // of a mesh that was read
+  std::vector<std::string> notes;           // how it was read
+};
+
+// Statistics of distances in Å.
+struct DistanceSummary {
+  double mean, rms, max;
+};
+
+struct Comparison {
+  double area_relative_error = 0;  // (mesh - exact) / exact
+  std::optional<double> volume_relative_error;
+  // From the χ a 2-manifold can have: the exact one + 2 point contacts.
+  std::optional<std::int64_t> euler_characteristic_difference;
+  std::optional<DistanceSummary> mesh_to_surface, surface_to_mesh;
+  std::optional<double> hausdorff_lower_bound;  // Å
+  std::optional<std::uint64_t> samples, seed;
+};
+
+// Wall-clock seconds.
+struct Timing {
+  std::optional<double> read, field, extract, build, refine, exact, compare;
+  double total = 0;
+};
+
+struct Report {
+  InputReport input;
+  std::optional<ParametersReport> parameters;
+  std::optional<BackendReport> backend;
+  std::optional<MeshReport> mesh;
+  std::optional<ExactUnion> exact;
+  std::optional<Comparison> comparison;
+  Timing timing;
+  std::vector<std::string> notes;     // for people: what was chosen or left out
+  std::vector<std::string> warnings;  // for people: what may be wrong with the result
+};
+
+// All levels of a refinement in one line of figures.
+struct NewtonSummary {
+  int iterations_max = 0;
+  double residual_max = 0;  // Å
+  std::uint64_t projected = 0, unconverged = 0, out_of_reach = 0, undone = 0;
+  std::uint64_t turned = 0;  // in the finished mesh
+};
+NewtonSummary summarize(const std::vector<ProjectionStats>& levels);
+
+Comparison compare(const MeshReport& mesh, const ExactUnion& exact);
+
+// What the figures themselves say is wrong: an open or inside-out mesh, vertices left off the
+// surface, and so on. Added to report.warnings.
+void add_warnings(Report& report);
+
+std::string to_json(const Report& report);
+std::string to_text(const Report& report);
+
+}  // namespace vdwmesh::apps

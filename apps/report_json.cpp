@@ -1,0 +1,195 @@
+// The document that docs/report.schema.json describes.
+#include "json_writer.hpp"
+#include "report.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+constexpr const char* kSchema = "vdwmesh-report/1";
+
+template <class T, class Convert>
+Json block(const std::optional<T>& value, Convert convert) {
+  return value ? convert(*value) : Json(nullptr);
+}
+
+Json vector_json(const auto& v) { return Json::array({v.x, v.y, v.z}); }
+
+Json input_json(const InputReport& input) {
+  Json skipped = Json::object();
+  for (const auto& [reason, count] : input.skipped) skipped[reason] = count;
+  Json assumed = Json::array();
+  for (const AssumedRadius& radius : input.radii_assumed) {
+    assumed.push_back(
+        {{"element", radius.element}, {"radius", radius.radius}, {"count", radius.count}});
+  }
+  return {{"path", input.path},
+          {"format", input.format},
+          {"model", input.model},
+          {"assembly", input.assembly},
+          {"atoms_read", input.atoms_read},
+          {"atoms_used", input.atoms_used},
+          {"skipped", skipped},
+          {"radius_set", input.radius_set},
+          {"probe", input.probe},
+          {"radii_assumed", assumed}};
+}
+
+Json parameters_json(const ParametersReport& parameters) {
+  const SurfaceOptions& surface = parameters.surface;
+  const GridSpec& grid = parameters.grid;
+  return {
+      {"mesher", "marching-cubes"},
+      {"field", field_name(surface.field.kind)},
+      {"preset", preset_name(surface.field.preset)},
+      {"spacing", grid.spacing},
+      {"padding", surface.grid.padding.value_or(3 * grid.spacing)},
+      {"isovalue", or_null(parameters.isovalue)},
+      {"blobbiness", or_null(parameters.blobbiness)},
+      {"subdivide", surface.subdivisions},
+      {"project", projection_name(surface.projection)},
+      {"grid",
+       {{"origin", vector_json(grid.origin)},
+        {"cells", vector_json(grid.cells)},
+        {"cell_count", grid.cell_count()}}},
+      {"memory_limit",
+       parameters.memory_limit == kNoMemoryLimit ? Json(nullptr) : Json(parameters.memory_limit)}};
+}
+
+Json backend_json(const BackendReport& backend) {
+  return {{"requested", backend_name(backend.requested)},
+          {"used", backend_name(backend.used)},
+          {"device", or_null(backend.device)},
+          {"driver", or_null(backend.driver)},
+          {"reason", or_null(backend.reason)},
+          {"threads", backend.threads}};
+}
+
+Json distribution_json(const Distribution& d) {
+  return {{"min", d.min}, {"p01", d.p01}, {"median", d.median},
+          {"p99", d.p99}, {"max", d.max}, {"mean", d.mean}};
+}
+
+Json level_json(const ProjectionStats& level) {
+  return {{"projected", level.projected},
+          {"unconverged", level.unconverged},
+          {"out_of_reach", level.out_of_reach},
+          {"undone", level.undone},
+          {"turned", level.turned},
+          {"iterations_max", level.iterations_max},
+          {"residual_max", level.residual_max}};
+}
+
+Json newton_json(const std::vector<ProjectionStats>& levels) {
+  if (levels.empty()) return nullptr;
+  const NewtonSummary sum = summarize(levels);
+  Json by_level = Json::array();
+  for (const ProjectionStats& level : levels) by_level.push_back(level_json(level));
+  return {{"iterations_max", sum.iterations_max},
+          {"residual_max", sum.residual_max},
+          {"unconverged", sum.unconverged},
+          {"out_of_reach", sum.out_of_reach},
+          {"projected", sum.projected},
+          {"undone", sum.undone},
+          {"turned", sum.turned},
+          {"levels", by_level}};
+}
+
+Json mesh_json(const MeshReport& mesh) {
+  const MeshTopology& topology = mesh.topology;
+  return {{"path", or_null(mesh.path)},
+          {"vertices", topology.vertices},
+          {"edges", topology.edges},
+          {"triangles", topology.triangles},
+          {"area", mesh.measures.area},
+          {"volume", or_null(mesh.measures.volume)},
+          {"outer_area", or_null(mesh.measures.outer_area)},
+          {"void_area", or_null(mesh.measures.void_area)},
+          {"shells", topology.shells},
+          {"components", or_null(topology.components)},
+          {"voids", or_null(topology.voids)},
+          {"genus", or_null(topology.genus)},
+          {"euler_characteristic", topology.euler_characteristic},
+          {"grid_clipped", or_null(mesh.grid_clipped)},
+          {"clamped_vertices", or_null(mesh.clamped_vertices)},
+          {"closed", topology.closed},
+          {"manifold", topology.manifold},
+          {"oriented", topology.oriented},
+          {"degenerate_triangles", mesh.quality.degenerate_triangles},
+          {"self_intersections", or_null(mesh.self_intersections)},
+          {"min_angle_deg", distribution_json(mesh.quality.min_angle_deg)},
+          {"aspect_ratio", distribution_json(mesh.quality.aspect_ratio)},
+          {"edge_length", distribution_json(mesh.quality.edge_length)},
+          {"newton", newton_json(mesh.projection)},
+          {"notes", mesh.notes}};
+}
+
+Json shells_json(const std::vector<Shell>& shells) {
+  Json list = Json::array();
+  for (const Shell& shell : shells)
+    list.push_back({{"area", shell.area}, {"volume", shell.volume}});
+  return list;
+}
+
+Json exact_json(const ExactUnion& exact) {
+  const auto of_topology = [&](auto read) -> Json {
+    return exact.topology ? Json(read(*exact.topology)) : Json(nullptr);
+  };
+  using T = UnionTopology;
+  return {{"method", method_name(exact.method)},
+          {"area", exact.area},
+          {"outer_area", of_topology([](const T& t) { return t.outer_area; })},
+          {"void_area", of_topology([](const T& t) { return t.void_area; })},
+          {"volume", exact.volume},
+          {"void_volume", of_topology([](const T& t) { return t.void_volume; })},
+          {"shells", of_topology([](const T& t) { return t.shells.size(); })},
+          {"components", of_topology([](const T& t) { return t.components; })},
+          {"tunnels", of_topology([](const T& t) { return t.tunnels; })},
+          {"voids", of_topology([](const T& t) { return t.voids; })},
+          {"euler_characteristic", of_topology([](const T& t) { return t.euler_characteristic; })},
+          {"point_contacts", of_topology([](const T& t) { return t.point_contacts; })},
+          {"hidden_atoms", of_topology([](const T& t) { return t.hidden_spheres; })},
+          {"shell_measures", of_topology([](const T& t) { return shells_json(t.shells); })},
+          {"check_area", or_null(exact.check_area)},
+          {"check_volume", or_null(exact.check_volume)},
+          {"fallback_spheres", exact.fallback_spheres}};
+}
+
+Json summary_json(const DistanceSummary& d) {
+  return {{"mean", d.mean}, {"rms", d.rms}, {"max", d.max}};
+}
+
+Json comparison_json(const Comparison& comparison) {
+  return {{"area_relative_error", comparison.area_relative_error},
+          {"volume_relative_error", or_null(comparison.volume_relative_error)},
+          {"euler_characteristic_difference", or_null(comparison.euler_characteristic_difference)},
+          {"mesh_to_surface", block(comparison.mesh_to_surface, summary_json)},
+          {"surface_to_mesh", block(comparison.surface_to_mesh, summary_json)},
+          {"hausdorff_lower_bound", or_null(comparison.hausdorff_lower_bound)},
+          {"samples", or_null(comparison.samples)},
+          {"seed", or_null(comparison.seed)}};
+}
+
+Json timing_json(const Timing& timing) {
+  return {{"read", or_null(timing.read)},       {"field", or_null(timing.field)},
+          {"extract", or_null(timing.extract)}, {"build", or_null(timing.build)},
+          {"refine", or_null(timing.refine)},   {"exact", or_null(timing.exact)},
+          {"compare", or_null(timing.compare)}, {"total", timing.total}};
+}
+
+}  // namespace
+
+std::string to_json(const Report& report) {
+  return write_json({{"schema", kSchema},
+                     {"version", VDWMESH_VERSION},
+                     {"input", input_json(report.input)},
+                     {"parameters", block(report.parameters, parameters_json)},
+                     {"backend", block(report.backend, backend_json)},
+                     {"mesh", block(report.mesh, mesh_json)},
+                     {"exact", block(report.exact, exact_json)},
+                     {"comparison", block(report.comparison, comparison_json)},
+                     {"timing", timing_json(report.timing)},
+                     {"notes", report.notes},
+                     {"warnings", report.warnings}});
+}
+
+}  // namespace vdwmesh::apps

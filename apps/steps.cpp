@@ -1,0 +1,200 @@
+#include "steps.hpp"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "cuda/backend.hpp"
+#include "output.hpp"
+#include "stopwatch.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+InputReport describe(const Molecule& molecule, double probe) {
+  InputReport input;
+  input.path = molecule.path;
+  input.format = molecule.format;
+  input.model = molecule.model;
+  input.assembly = molecule.assembly;
+  input.radius_set = molecule.radius_set;
+  input.atoms_read = molecule.atoms_read;
+  input.atoms_used = molecule.atoms.size();
+  input.skipped = molecule.skipped;
+  input.radii_assumed = molecule.radii_assumed;
+  input.probe = probe;
+  return input;
+}
+
+std::string atom_label(const Atom& atom) {
+  return fmt::format("{} {} {} {} (serial {})", atom.chain, atom.residue_name, atom.residue_number,
+                     atom.name, atom.serial);
+}
+
+int cpu_threads() {
+  return static_cast<int>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+BackendReport describe_backend(Backend requested, Backend used) {
+  BackendReport report;
+  report.requested = requested;
+  report.used = used;
+  report.threads = cpu_threads();
+  if (used == Backend::cpu && requested != Backend::automatic) return report;
+  const DeviceList list = cuda_devices();
+  if (used == Backend::cpu) {
+    report.reason = list.reason;
+  } else if (!list.devices.empty()) {
+    report.device = list.devices.front().name;
+    report.driver = list.devices.front().driver;
+  }
+  return report;
+}
+
+ParametersReport describe_parameters(const SurfaceOptions& surface, const GridSpec& grid,
+                                     std::uint64_t memory_limit) {
+  ParametersReport report;
+  report.surface = surface;
+  report.grid = grid;
+  report.memory_limit = memory_limit;
+  if (surface.field.kind == FieldKind::vdw) return report;
+  const FieldModel model = make_field_model(surface.field, grid);
+  report.isovalue = model.isovalue;
+  if (surface.field.kind == FieldKind::blinn && surface.field.preset == FieldPreset::radius_aware) {
+    report.blobbiness = surface.field.blobbiness.value_or(2);
+  }
+  return report;
+}
+
+void require_triangles(const IndexedMesh& mesh, double spacing) {
+  if (mesh.triangle_count() > 0) return;
+  throw InvalidInput(fmt::format(
+      "--spacing {}: too coarse, no grid node lies inside the surface; try --spacing {}", spacing,
+      spacing / 4));
+}
+
+// Components that fell between the grid nodes would otherwise be lost without a word.
+void warn_of_lost_components(Report& report) {
+  const auto& topology = report.exact->topology;
+  const auto& components = report.mesh->topology.components;
+  if (!topology || !components || *components >= topology->components) return;
+  report.warnings.push_back(fmt::format("the mesh has {} components, the union of the spheres {}",
+                                        *components, topology->components));
+}
+
+}  // namespace
+
+Molecule load(const InputOptions& options, Report& report) {
+  const Stopwatch watch;
+  Molecule molecule = options.sample.empty() ? read_structure(options.path, options.read)
+                                             : read_sample(options.sample, options.read);
+  report.input = describe(molecule, options.probe);
+  report.timing.read = watch.seconds();
+  return molecule;
+}
+
+SphereSet to_spheres(const Molecule& molecule, double probe) {
+  std::vector<Sphere> spheres;
+  spheres.reserve(molecule.atoms.size());
+  for (const Atom& atom : molecule.atoms) {
+    const double radius = atom.radius + probe;
+    if (!(radius > 0)) {
+      throw InvalidInput(fmt::format(
+          "--probe {}: atom {} of radius {} Å would have {} Å; every radius must stay above 0",
+          probe, atom_label(atom), atom.radius, radius));
+    }
+    spheres.push_back({atom.position, radius});
+  }
+  return SphereSet(std::move(spheres));
+}
+
+IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
+                      const MachineOptions& machine, Monitor* monitor, Report& report) {
+  const GridSpec grid = make_grid(spheres, surface.grid);
+  report.parameters = describe_parameters(surface, grid, machine.memory_limit);
+  report.backend = describe_backend(machine.backend, resolve(machine.backend));
+  const ExtractOptions extract{surface.field, surface.grid, machine.memory_limit, monitor};
+  const RefineOptions refine{
+      surface.subdivisions, surface.projection, surface.field, grid, machine.memory_limit, monitor};
+  PipelineResult result = make_pipeline(report.backend->used)->run(spheres, extract, refine);
+  require_triangles(result.mesh, grid.spacing);
+  report.timing.field = result.extract.field_seconds;
+  report.timing.extract = result.extract.extract_seconds;
+  if (!result.levels.empty()) report.timing.refine = result.refine_seconds;
+  report.mesh.emplace();
+  report.mesh->grid_clipped = result.extract.grid_clipped;
+  report.mesh->clamped_vertices = result.extract.clamped_vertices;
+  report.mesh->projection = std::move(result.levels);
+  return std::move(result.mesh);
+}
+
+void measure(const IndexedMesh& mesh, SelfIntersections self_intersections_wanted, Monitor* monitor,
+             Report& report) {
+  const bool small = mesh.triangle_count() <= kSelfIntersectionTriangles;
+  const bool count = self_intersections_wanted == SelfIntersections::count ||
+                     (self_intersections_wanted == SelfIntersections::small_meshes && small);
+  begin_stage(monitor, "measure", count ? 4 : 3);
+  if (!report.mesh) report.mesh.emplace();
+  MeshReport& result = *report.mesh;
+  result.topology = topology(mesh);
+  advance(monitor, 1);
+  result.measures = measures(mesh);
+  advance(monitor, 1);
+  result.quality = quality(mesh);
+  advance(monitor, 1);
+  if (count) {
+    result.self_intersections = self_intersections(mesh);
+    advance(monitor, 1);
+  } else if (self_intersections_wanted == SelfIntersections::small_meshes) {
+    report.notes.push_back(
+        fmt::format("self-intersections were not counted: more than {} triangles "
+                    "(--self-intersections on)",
+                    kSelfIntersectionTriangles));
+  }
+}
+
+void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Monitor* monitor,
+                     Report& report) {
+  const Stopwatch watch;
+  report.exact = exact_union(spheres, {options.method, monitor});
+  if (options.topology == Switch::off) report.exact->topology.reset();
+  report.timing.exact = watch.seconds();
+}
+
+void compare_with_exact(Report& report) {
+  const Stopwatch watch;
+  report.comparison = compare(*report.mesh, *report.exact);
+  warn_of_lost_components(report);
+  report.timing.compare = watch.seconds();
+}
+
+SurfaceMesh build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule, Report& report) {
+  const Stopwatch watch;
+  SurfaceMesh surface = to_surface_mesh(mesh);
+  std::vector<std::string> elements;
+  elements.reserve(molecule.atoms.size());
+  for (const Atom& atom : molecule.atoms) elements.push_back(atom.element);
+  color_by_element(surface, elements);
+  report.timing.build = watch.seconds();
+  return surface;
+}
+
+void deliver(Report& report, const OutputOptions& output, Verbosity verbosity) {
+  const bool json_on_standard_output = output.json == "-";
+  const bool text = verbosity == Verbosity::normal && !json_on_standard_output;
+  if (json_on_standard_output) {
+    write_standard_output(to_json(report));
+  } else if (!output.json.empty()) {
+    write_file(output.json, to_json(report));
+  }
+  if (text) return write_standard_output(to_text(report));
+  for (const std::string& warning : report.warnings) {
+    fmt::print(stderr, "vdwmesh: warning: {}\n", warning);
+  }
+}
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,46 @@
+// The steps that verbs are made of. Each fills its part of the report.
+#pragma once
+
+#include "core/monitor.hpp"
+#include "extract/indexed_mesh.hpp"
+#include "extract/sphere_set.hpp"
+#include "mesh/surface_mesh.hpp"
+#include "options.hpp"
+#include "report.hpp"
+#include "structure/molecule.hpp"
+
+namespace vdwmesh::apps {
+
+// Reads the structure or sample.
+Molecule load(const InputOptions& options, Report& report);
+
+// Radii grown by the probe. Throws InvalidInput naming the first atom whose radius would not be
+// positive.
+SphereSet to_spheres(const Molecule& molecule, double probe);
+
+// Extraction and refinement on the backend asked for. Throws InvalidInput when no grid node lies
+// inside the surface, so that the mesh would be empty.
+IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
+                      const MachineOptions& machine, Monitor* monitor, Report& report);
+
+// Beyond this many triangles self-intersections are counted only on request.
+inline constexpr std::uint64_t kSelfIntersectionTriangles = 1'000'000;
+enum class SelfIntersections { small_meshes, count, skip };
+
+// Topology, measures and quality of the mesh.
+void measure(const IndexedMesh& mesh, SelfIntersections self_intersections, Monitor* monitor,
+             Report& report);
+
+void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Monitor* monitor,
+                     Report& report);
+
+// Mesh beside exact union; both must be in the report.
+void compare_with_exact(Report& report);
+
+// The half-edge mesh with normals, atoms and CPK colours.
+SurfaceMesh build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule, Report& report);
+
+// Prints the report and writes its JSON where asked for, with the seconds since `start`.
+void deliver(Report& report, const OutputOptions& output, Verbosity verbosity);
+
+}  // namespace vdwmesh::apps

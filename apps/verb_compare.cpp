@@ -1,0 +1,72 @@
+#include "machine.hpp"
+#include "mesh/mesh_io.hpp"
+#include "output.hpp"
+#include "per_atom.hpp"
+#include "stopwatch.hpp"
+#include "verbs.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+class CompareVerb : public Verb {
+ public:
+  std::string name() const override { return "compare"; }
+  std::string summary() const override {
+    return "a triangle mesh, from any program, against the exact sphere union";
+  }
+
+  void add_options(CLI::App& app) override {
+    app.add_option("MESH", mesh_path_, ".ply .obj .off .stl or .glb");
+    input_.add_to(app);
+    exact_.add_to(app);
+    machine_.add_to(app, MachineFlags::Backends::none);
+    output_.add_to(app, OutputFlags::PerAtom::none);
+  }
+
+  void run() const override {
+    const Stopwatch watch;
+    if (mesh_path_.empty()) {
+      throw InvalidInput("no MESH: name a mesh file (.ply .obj .off .stl .glb), then INPUT");
+    }
+    mesh_format(mesh_path_);
+    const InputOptions input = input_.resolve();
+    const ExactOptions exact = exact_.resolve();
+    const MachineOptions machine_options = machine_.resolve();
+    const OutputOptions output = output_.resolve();
+
+    Machine machine(machine_options);
+    Report report;
+    const Molecule molecule = load(input, report);
+    const SphereSet spheres = to_spheres(molecule, input.probe);
+    read_and_measure(machine.monitor(), report);
+    measure_exactly(spheres, exact, machine.monitor(), report);
+    compare_with_exact(report);
+    machine.end_progress();
+    add_warnings(report);
+    report.timing.total = watch.seconds();
+    deliver(report, output, machine_options.verbosity);
+  }
+
+ private:
+  void read_and_measure(Monitor* monitor, Report& report) const {
+    const MeshFile file = read_mesh(mesh_path_);
+    if (file.mesh.triangle_count() == 0) {
+      throw FileFormatError(mesh_path_ + ": holds no triangles; a triangle mesh is needed");
+    }
+    measure(file.mesh, SelfIntersections::small_meshes, monitor, report);
+    report.mesh->path = mesh_path_;
+    report.mesh->notes = file.notes;
+  }
+
+  std::string mesh_path_;
+  InputFlags input_;
+  ExactFlags exact_;
+  MachineFlags machine_;
+  OutputFlags output_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_compare_verb() { return std::make_unique<CompareVerb>(); }
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,76 @@
+#include "interrupt.hpp"
+#include "machine.hpp"
+#include "mesh/mesh_io.hpp"
+#include "output.hpp"
+#include "stopwatch.hpp"
+#include "verbs.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+class MeshVerb : public Verb {
+ public:
+  std::string name() const override { return "mesh"; }
+  std::string summary() const override { return "structure -> welded mesh file"; }
+
+  void add_options(CLI::App& app) override {
+    app.add_option("-o,--output", mesh_path_, "mesh file: .ply .obj .off .stl or .glb");
+    input_.add_to(app);
+    surface_.add_to(app, 0);
+    machine_.add_to(app, MachineFlags::Backends::choose);
+    output_.add_to(app, OutputFlags::PerAtom::none);
+  }
+
+  void run() const override {
+    const Stopwatch watch;
+    check_output();
+    const SurfaceOptions surface = surface_.resolve();
+    const InputOptions input = input_.resolve(surface.field.preset);
+    const MachineOptions machine_options = machine_.resolve();
+    const OutputOptions output = output_.resolve();
+
+    Machine machine(machine_options);
+    Report report;
+    const Molecule molecule = load(input, report);
+    const SphereSet spheres = to_spheres(molecule, input.probe);
+    IndexedMesh mesh = make_mesh(spheres, surface, machine_options, machine.monitor(), report);
+    measure(mesh, SelfIntersections::skip, machine.monitor(), report);
+    const SurfaceMesh built = build_surface_mesh(mesh, molecule, report);
+    mesh = {};
+    write(built, machine.monitor(), report);
+    machine.end_progress();
+    add_warnings(report);
+    report.timing.total = watch.seconds();
+    deliver(report, output, machine_options.verbosity);
+  }
+
+ private:
+  void check_output() const {
+    if (mesh_path_.empty()) {
+      throw InvalidInput("-o: name the mesh file to write (.ply .obj .off .stl .glb)");
+    }
+    mesh_format(mesh_path_);
+    check_writable("-o", mesh_path_);
+  }
+
+  void write(const SurfaceMesh& mesh, Monitor* monitor, Report& report) const {
+    begin_stage(monitor, "write", 1);
+    const HoldSignals hold;
+    for (const std::string& warning : write_mesh(mesh, mesh_path_)) {
+      report.warnings.push_back(warning);
+    }
+    report.mesh->path = mesh_path_;
+  }
+
+  std::string mesh_path_;
+  InputFlags input_;
+  SurfaceFlags surface_;
+  MachineFlags machine_;
+  OutputFlags output_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_mesh_verb() { return std::make_unique<MeshVerb>(); }
+
+}  // namespace vdwmesh::apps

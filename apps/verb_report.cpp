@@ -1,0 +1,74 @@
+#include "machine.hpp"
+#include "output.hpp"
+#include "parse.hpp"
+#include "per_atom.hpp"
+#include "stopwatch.hpp"
+#include "verbs.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+constexpr Choice<SelfIntersections> kSelfIntersections[] = {
+    {"auto", SelfIntersections::small_meshes},
+    {"on", SelfIntersections::count},
+    {"off", SelfIntersections::skip}};
+
+class ReportVerb : public Verb {
+ public:
+  std::string name() const override { return "report"; }
+  std::string summary() const override { return "mesh + exact geometry + comparison"; }
+
+  void add_options(CLI::App& app) override {
+    input_.add_to(app);
+    surface_.add_to(app, 1);
+    exact_.add_to(app);
+    app.add_option("--self-intersections", self_intersections_,
+                   "on, off, or auto: meshes of up to a million triangles [auto]");
+    machine_.add_to(app, MachineFlags::Backends::choose);
+    output_.add_to(app, OutputFlags::PerAtom::offered);
+  }
+
+  void run() const override {
+    const Stopwatch watch;
+    const SurfaceOptions surface = surface_.resolve();
+    const InputOptions input = input_.resolve(surface.field.preset);
+    const ExactOptions exact = exact_.resolve();
+    const MachineOptions machine_options = machine_.resolve();
+    const OutputOptions output = output_.resolve();
+    const SelfIntersections count =
+        choose("--self-intersections", self_intersections_, kSelfIntersections);
+
+    Machine machine(machine_options);
+    Report report;
+    const Molecule molecule = load(input, report);
+    const SphereSet spheres = to_spheres(molecule, input.probe);
+    const IndexedMesh mesh =
+        make_mesh(spheres, surface, machine_options, machine.monitor(), report);
+    measure(mesh, count, machine.monitor(), report);
+    measure_exactly(spheres, exact, machine.monitor(), report);
+    compare_with_exact(report);
+    machine.end_progress();
+    add_warnings(report);
+    if (!output.per_atom.empty()) {
+      write_file(output.per_atom,
+                 per_atom_csv(molecule, input.probe, *report.exact,
+                              mesh_area_by_sphere(mesh, spheres.size()), output.group));
+    }
+    report.timing.total = watch.seconds();
+    deliver(report, output, machine_options.verbosity);
+  }
+
+ private:
+  InputFlags input_;
+  SurfaceFlags surface_;
+  ExactFlags exact_;
+  std::string self_intersections_ = "auto";
+  MachineFlags machine_;
+  OutputFlags output_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_report_verb() { return std::make_unique<ReportVerb>(); }
+
+}  // namespace vdwmesh::apps
