@@ -94,7 +94,7 @@ VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const Latt
   if (m.truncation != Truncation::subgrid) return o;
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t cell = subgrid_cell(m.grid, axis, c[axis]);
-    const std::int64_t low = cell - m.subgrid_cells + 1, high = cell + m.subgrid_cells + 2;
+    const std::int64_t low = cell - m.subgrid_cells + 1, high = cell + m.subgrid_cells + 1;
     if (block.last[axis] < low || block.first[axis] > high) o.meets = false;
     if (block.first[axis] < low || block.last[axis] > high) o.holds = false;
   }

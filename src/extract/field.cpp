@@ -13,6 +13,7 @@ namespace vdwmesh {
 namespace {
 
 constexpr double kDefaultBlobbiness = 2;
+constexpr double kMostBlobbiness = 50;
 // Radius-aware cut-off in units of the radius, squared.
 constexpr double kCutoffSquare = 2.5 * 2.5;
 // Closest distance of the inverse squared field, in grid spacings.
@@ -27,6 +28,10 @@ void check_positive(const char* what, const std::optional<double>& value) {
 void check(const FieldOptions& o) {
   check_positive("isovalue", o.isovalue);
   check_positive("blobbiness", o.blobbiness);
+  if (o.blobbiness && *o.blobbiness > kMostBlobbiness) {
+    throw InvalidInput(fmt::format("blobbiness {}: at most {}, where float32 still holds the field",
+                                   *o.blobbiness, kMostBlobbiness));
+  }
   if (o.kind == FieldKind::vdw && (o.isovalue || o.blobbiness)) {
     throw InvalidInput("the vdw field has neither isovalue nor blobbiness; leave them out");
   }

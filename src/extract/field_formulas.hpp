@@ -111,7 +111,7 @@ VDWMESH_HD inline std::int64_t subgrid_cell(const GridSpec& grid, int axis, doub
 template <class T>
 VDWMESH_HD inline bool in_subgrid(T node_units, std::int64_t cell, std::int32_t half_width) {
   return node_units >= static_cast<T>(cell - half_width) &&
-         node_units <= static_cast<T>(cell + 1 + half_width);
+         node_units <= static_cast<T>(cell + half_width);
 }
 
 }  // namespace vdwmesh

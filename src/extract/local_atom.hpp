@@ -42,7 +42,7 @@ VDWMESH_HD inline LocalAtom local_atom(const FieldModel& m, const BrickGeometry&
       const std::int64_t first = lattice_index(brick[axis], 0) - 1;  // node 0 in node units
       const std::int64_t cell = subgrid_cell(m.grid, axis, atom.center[axis]);
       local.low[axis] = clamp_local(cell - m.subgrid_cells - first);
-      local.high[axis] = clamp_local(cell + 1 + m.subgrid_cells - first);
+      local.high[axis] = clamp_local(cell + m.subgrid_cells - first);
     }
   }
   const double scale = inverse_square_scale(m, atom.radius);
