@@ -14,8 +14,8 @@ enum class Backend { automatic, cpu, cuda };
 
 struct DeviceInfo {
   std::string name;
-  std::string driver;           // CUDA driver version, "13.0"
-  std::uint64_t memory = 0;     // bytes
+  std::string driver;        // CUDA driver version, "13.0"
+  std::uint64_t memory = 0;  // bytes
 };
 
 // CUDA devices present; empty without a device or without CUDA in the build. `reason` says why.
@@ -40,8 +40,9 @@ struct PipelineResult {
   double refine_seconds = 0;
 };
 
-// Extraction, then refinement (skipped for Projection::none with 0 subdivisions). The CUDA one
-// keeps everything on the device in between.
+// Extraction, then refinement; with 0 subdivisions the extracted mesh as it is. The grid of
+// `refine` is that of the extraction, whatever it says. The CUDA pipeline keeps everything on the
+// device in between.
 class SurfacePipeline {
  public:
   virtual ~SurfacePipeline() = default;

@@ -1,1 +1,17 @@
-#include "cuda/backend.hpp"
+// The CUDA room of a build without a CUDA compiler.
+#include "core/errors.hpp"
+#include "cuda/cuda_backend.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr const char* kReason = "this build has no CUDA backend (no CUDA compiler was found)";
+
+}  // namespace
+
+DeviceList find_cuda_devices() { return {{}, kReason}; }
+std::unique_ptr<Extractor> make_cuda_extractor() { throw BackendUnavailable(kReason); }
+std::unique_ptr<Refiner> make_cuda_refiner() { throw BackendUnavailable(kReason); }
+std::unique_ptr<SurfacePipeline> make_cuda_pipeline() { throw BackendUnavailable(kReason); }
+
+}  // namespace vdwmesh
