@@ -1,1 +1,128 @@
 #include "analysis/mesh_measures.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "analysis/edge_survey.hpp"
+#include "core/sum.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kTrianglesPerBlock = 1 << 13;
+
+struct Sums {
+  WideSum area;    // Å²
+  WideSum volume;  // Å³, about the local origin
+  void add(const Sums& other) {
+    area.add(other.area);
+    volume.add(other.volume);
+  }
+};
+
+// Consecutive triangles of one shell.
+struct Run {
+  std::uint32_t shell;
+  Sums sums;
+};
+
+// The middle of the box: products of coordinates about it stay as small as the mesh is.
+Vec3d local_origin(const IndexedMesh& mesh) {
+  if (mesh.positions.empty()) return {0, 0, 0};
+  Vec3d lower = mesh.positions[0], upper = lower;
+  for (const Vec3d& p : mesh.positions)
+    for (int axis = 0; axis < 3; ++axis) {
+      lower[axis] = std::min(lower[axis], p[axis]);
+      upper[axis] = std::max(upper[axis], p[axis]);
+    }
+  return lower + 0.5 * (upper - lower);
+}
+
+std::vector<Run> sum_block(const IndexedMesh& mesh, const EdgeSurvey& survey, const Vec3d& origin,
+                           std::size_t begin, std::size_t end) {
+  std::vector<Run> runs;
+  for (std::size_t t = begin; t < end; ++t) {
+    const auto& [i, j, k] = mesh.triangles[t];
+    const Vec3d a = mesh.positions[i];
+    const Vec3d twice_area = cross(mesh.positions[j] - a, mesh.positions[k] - a);
+    if (runs.empty() || runs.back().shell != survey.shell_of[t])
+      runs.push_back({survey.shell_of[t], {}});
+    runs.back().sums.area.add(norm(twice_area) / 2);
+    runs.back().sums.volume.add(dot(a - origin, twice_area) / 6);
+  }
+  return runs;
+}
+
+std::vector<Sums> sum_shells(const IndexedMesh& mesh, const EdgeSurvey& survey) {
+  const Vec3d origin = local_origin(mesh);
+  const std::size_t triangles = mesh.triangle_count();
+  std::vector<std::vector<Run>> blocks((triangles + kTrianglesPerBlock - 1) / kTrianglesPerBlock);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+    const std::size_t begin = b * kTrianglesPerBlock;
+    blocks[b] =
+        sum_block(mesh, survey, origin, begin, std::min(begin + kTrianglesPerBlock, triangles));
+  });
+  std::vector<Sums> shells(survey.shells);
+  for (const std::vector<Run>& runs : blocks)
+    for (const Run& run : runs) shells[run.shell].add(run.sums);
+  return shells;
+}
+
+MeshMeasures totals(const std::vector<Sums>& shells, const EdgeSurvey& survey) {
+  WideSum area, volume, outer, voids;
+  for (const Sums& shell : shells) {
+    area.add(shell.area);
+    volume.add(shell.volume);
+    if (shell.volume.value() > 0) outer.add(shell.area);
+    if (shell.volume.value() < 0) voids.add(shell.area);
+  }
+  MeshMeasures result{area.value(), {}, {}, {}};
+  if (survey.closed && survey.oriented) {
+    result.volume = volume.value();
+    result.outer_area = outer.value();
+    result.void_area = voids.value();
+  }
+  return result;
+}
+
+MeshTopology describe(const IndexedMesh& mesh, const EdgeSurvey& survey,
+                      const std::vector<Sums>& shells) {
+  MeshTopology result{};
+  result.closed = survey.closed;
+  result.manifold = survey.manifold;
+  result.oriented = survey.oriented;
+  result.vertices = mesh.vertex_count();
+  result.edges = survey.edges;
+  result.triangles = mesh.triangle_count();
+  result.isolated_vertices = result.vertices - survey.used_vertices;
+  result.shells = survey.shells;
+  result.euler_characteristic = static_cast<std::int64_t>(survey.used_vertices) -
+                                static_cast<std::int64_t>(survey.edges) +
+                                static_cast<std::int64_t>(result.triangles);
+  if (!survey.closed || !survey.oriented) return result;
+  const auto count = [&](auto&& wanted) {
+    return static_cast<std::uint64_t>(std::count_if(
+        shells.begin(), shells.end(), [&](const Sums& s) { return wanted(s.volume.value()); }));
+  };
+  result.components = count([](double volume) { return volume > 0; });
+  result.voids = count([](double volume) { return volume < 0; });
+  if (survey.manifold)
+    result.genus = static_cast<std::int64_t>(result.shells) - result.euler_characteristic / 2;
+  return result;
+}
+
+}  // namespace
+
+MeshSummary summarize(const IndexedMesh& mesh) {
+  const EdgeSurvey survey = survey_edges(mesh);
+  const std::vector<Sums> shells = sum_shells(mesh, survey);
+  return {describe(mesh, survey, shells), totals(shells, survey)};
+}
+
+MeshTopology topology(const IndexedMesh& mesh) { return summarize(mesh).topology; }
+
+MeshMeasures measures(const IndexedMesh& mesh) { return summarize(mesh).measures; }
+
+}  // namespace vdwmesh

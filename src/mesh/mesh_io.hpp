@@ -25,8 +25,8 @@ std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesyst
 
 // What a mesh file of any program holds. Triangles may be open, non-manifold or inside out.
 struct MeshFile {
-  IndexedMesh mesh;          // normals and spheres empty unless the file has them
-  bool welded = false;       // STL soup: vertices merged where all three coordinates are equal
+  IndexedMesh mesh;     // normals and spheres empty unless the file has them
+  bool welded = false;  // STL soup: vertices merged where all three coordinates are equal
   std::vector<std::string> notes;
 };
 

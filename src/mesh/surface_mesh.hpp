@@ -2,7 +2,17 @@
 // the spheres of every vertex.
 #pragma once
 
+// GCC 12 takes the uninitialised OpenMesh::Vec3uc that PropertyT::push_back copies for a mistake.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
+
+#include <cstdint>
 #include <span>
 #include <string>
 

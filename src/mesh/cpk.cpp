@@ -1,0 +1,62 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+#include <vector>
+
+#include "core/errors.hpp"
+#include "mesh/surface_mesh.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using Color = SurfaceMesh::Color;
+
+struct ElementColor {
+  std::string_view element;
+  Color color;
+};
+
+// The colours of Corey, Pauling and Koltun's models as Jmol extends them to the elements met in
+// structures of macromolecules (jmol.sourceforge.net/jscolors).
+const ElementColor kColors[] = {
+    {"H", {255, 255, 255}},  {"D", {255, 255, 192}},  {"C", {144, 144, 144}},
+    {"N", {48, 80, 248}},    {"O", {255, 13, 13}},    {"F", {144, 224, 80}},
+    {"NA", {171, 92, 242}},  {"MG", {138, 255, 0}},   {"SI", {240, 200, 160}},
+    {"P", {255, 128, 0}},    {"S", {255, 255, 48}},   {"CL", {31, 240, 31}},
+    {"K", {143, 64, 212}},   {"CA", {61, 255, 0}},    {"MN", {156, 122, 199}},
+    {"FE", {224, 102, 51}},  {"CO", {240, 144, 160}}, {"NI", {80, 208, 80}},
+    {"CU", {200, 128, 51}},  {"ZN", {125, 128, 176}}, {"SE", {255, 161, 0}},
+    {"BR", {166, 41, 41}},   {"I", {148, 0, 148}},    {"B", {255, 181, 181}},
+    {"LI", {204, 128, 255}}, {"AG", {192, 192, 192}}, {"CD", {255, 217, 143}},
+    {"HG", {184, 184, 208}}, {"PT", {208, 208, 224}}, {"AU", {255, 209, 35}},
+};
+const Color kOther{255, 20, 147};
+
+Color color_of(std::string_view element) {
+  std::string upper(element);
+  std::transform(upper.begin(), upper.end(), upper.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  for (const ElementColor& entry : kColors)
+    if (entry.element == upper) return entry.color;
+  return kOther;
+}
+
+}  // namespace
+
+void color_by_element(SurfaceMesh& mesh, std::span<const std::string> elements) {
+  std::vector<Color> colors(elements.size());
+  std::transform(elements.begin(), elements.end(), colors.begin(), color_of);
+  const VertexSpheresProperty spheres = vertex_spheres(mesh);
+  for (const auto v : mesh.vertices()) {
+    const SphereId atom = mesh.property(spheres, v)[0];
+    if (atom == kNoSphere) continue;
+    if (atom >= colors.size())
+      throw InvalidInput(fmt::format("vertex {} lies on sphere {}, but there are {} elements",
+                                     v.idx(), atom, colors.size()));
+    mesh.set_color(v, colors[atom]);
+  }
+}
+
+}  // namespace vdwmesh

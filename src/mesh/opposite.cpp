@@ -1,0 +1,72 @@
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "core/errors.hpp"
+#include "mesh/edge_buckets.hpp"
+#include "mesh/surface_mesh.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kVerticesPerTask = 1 << 14;
+
+[[noreturn]] void throw_bad_edge(const EdgeBuckets& buckets, std::size_t v) {
+  for_each_edge(buckets.at(v), [&](std::span<const EdgeEntry> edge) {
+    const std::uint32_t w = edge[0].larger();
+    if (edge.size() > 2)
+      throw InvalidInput(fmt::format(
+          "the edge of vertices {} and {} lies on {} triangles; a half-edge mesh takes two", v, w,
+          edge.size()));
+    if (edge.size() == 2 && edge[0].descending() == edge[1].descending())
+      throw InvalidInput(fmt::format(
+          "triangles {} and {} run the edge of vertices {} and {} in the same direction",
+          edge[0].half_edge() / 3, edge[1].half_edge() / 3, v, w));
+  });
+  throw InvalidInput(fmt::format("an edge of vertex {} cannot be in a half-edge mesh", v));
+}
+
+// Pairs the half-edges of one bucket; false where an edge cannot be paired.
+bool pair_bucket(std::span<const EdgeEntry> bucket, Buffer<std::uint32_t>& opposite) {
+  bool good = true;
+  for_each_edge(bucket, [&](std::span<const EdgeEntry> edge) {
+    if (edge.size() == 1) {
+      opposite[edge[0].half_edge()] = kNoOpposite;
+      return;
+    }
+    good &= edge.size() == 2 && edge[0].descending() != edge[1].descending();
+    opposite[edge[0].half_edge()] = edge[1].half_edge();
+    opposite[edge[1].half_edge()] = edge[0].half_edge();
+  });
+  return good;
+}
+
+void keep_smallest(std::atomic<std::size_t>& smallest, std::size_t value) {
+  std::size_t seen = smallest.load();
+  while (value < seen && !smallest.compare_exchange_weak(seen, value)) {
+  }
+}
+
+}  // namespace
+
+Buffer<std::uint32_t> opposite_half_edges(std::span<const Triangle> triangles,
+                                          std::size_t vertex_count) {
+  const EdgeBuckets buckets(triangles, vertex_count);
+  if (const auto t = buckets.repeated_index())
+    throw InvalidInput(fmt::format("triangle {} names a vertex twice: {} {} {}", *t,
+                                   triangles[*t][0], triangles[*t][1], triangles[*t][2]));
+  Buffer<std::uint32_t> opposite(3 * triangles.size());
+  std::atomic<std::size_t> first_bad{vertex_count};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertex_count, kVerticesPerTask),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t v = range.begin(); v < range.end(); ++v)
+                        if (!pair_bucket(buckets.at(v), opposite)) keep_smallest(first_bad, v);
+                    });
+  if (first_bad < vertex_count) throw_bad_edge(buckets, first_bad);
+  return opposite;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "analysis/mesh_measures.hpp"
+#include "support/test_meshes.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr double kRounding = 1e-13;  // relative, of a few operations in double
+
+TEST(Quality, OfEquilateralTriangles) {
+  const MeshQuality found = quality(testing::icosahedron());
+  EXPECT_NEAR(found.min_angle_deg.min, 60, 60 * kRounding);
+  EXPECT_NEAR(found.min_angle_deg.max, 60, 60 * kRounding);
+  EXPECT_NEAR(found.aspect_ratio.max, 1, kRounding);
+  EXPECT_NEAR(found.edge_length.min, 2, 2 * kRounding);
+  EXPECT_NEAR(found.edge_length.mean, 2, 2 * kRounding);
+  EXPECT_EQ(found.degenerate_triangles, 0u);
+}
+
+TEST(Quality, OfACube) {
+  const MeshQuality found = quality(testing::cube());
+  // Right isosceles: 45°, R / 2r = (sqrt(2)/2) / (2 - sqrt(2)); 12 edges of 1, 6 diagonals.
+  const double r2 = std::numbers::sqrt2;
+  EXPECT_NEAR(found.min_angle_deg.median, 45, 45 * kRounding);
+  EXPECT_NEAR(found.aspect_ratio.median, r2 / 2 / (2 - r2), 2 * kRounding);
+  EXPECT_NEAR(found.edge_length.mean, (12 + 6 * r2) / 18, 2 * kRounding);
+  EXPECT_NEAR(found.edge_length.median, 1, kRounding);
+  EXPECT_NEAR(found.edge_length.max, r2, 2 * kRounding);
+}
+
+TEST(Quality, OfNeedles) {
+  // The angle at the origin is atan(h) whichever way the triangle's vertices are named.
+  const double h = 1e-9;
+  for (const Triangle& t : {Triangle{0, 1, 2}, Triangle{1, 2, 0}, Triangle{2, 0, 1}}) {
+    const IndexedMesh mesh = testing::make_mesh({{0, 0, 0}, {1, 0, 0}, {1, h, 0}}, {t});
+    const double expected = std::atan(h) * 180 / std::numbers::pi;
+    EXPECT_NEAR(quality(mesh).min_angle_deg.min, expected, expected * 1e-12);
+  }
+}
+
+TEST(Quality, CountsDegenerateTriangles) {
+  const IndexedMesh mesh = testing::make_mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}},
+                                              {{0, 1, 2}, {0, 1, 1}, {0, 1, 3}});
+  const MeshQuality found = quality(mesh);
+  EXPECT_EQ(found.degenerate_triangles, 2u);
+  EXPECT_EQ(found.min_angle_deg.min, 0);
+  EXPECT_TRUE(std::isfinite(found.aspect_ratio.max));
+  EXPECT_NEAR(found.min_angle_deg.max, 45, 45 * kRounding);
+}
+
+TEST(Quality, PercentilesAreThoseOfASort) {
+  // Triangles that share nothing, right-angled with legs 1 and h: each min angle is atan(h).
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> leg(0.01, 1);
+  IndexedMesh mesh;
+  std::vector<double> angles;
+  for (std::uint32_t t = 0; t < 1003; ++t) {
+    const double h = leg(random);
+    for (const Vec3d& p : {Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, h, 0}})
+      mesh.positions.push_back(p);
+    mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    angles.push_back(std::atan(h) * 180 / std::numbers::pi);
+  }
+  std::sort(angles.begin(), angles.end());
+  const Distribution found = quality(mesh).min_angle_deg;
+  const auto expect_rank = [&](double value, std::size_t rank) {
+    EXPECT_NEAR(value, angles[rank - 1], 90 * kRounding);
+  };
+  expect_rank(found.min, 1);
+  expect_rank(found.p01, 11);      // ceil(10.03)
+  expect_rank(found.median, 502);  // ceil(501.5)
+  expect_rank(found.p99, 993);     // ceil(992.97)
+  expect_rank(found.max, 1003);
+}
+
+TEST(Quality, OfNothingIsNotANumber) {
+  const MeshQuality found = quality(testing::empty_mesh());
+  EXPECT_TRUE(std::isnan(found.min_angle_deg.median));
+  EXPECT_TRUE(std::isnan(found.edge_length.mean));
+}
+
+}  // namespace
+}  // namespace vdwmesh
