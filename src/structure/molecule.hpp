@@ -20,12 +20,12 @@ struct Atom {
   std::string residue_number;  // with insertion code: "52A"
   std::int64_t serial = 0;
   std::int32_t model = 1;
-  bool hetero = false;       // HETATM
+  bool hetero = false;  // HETATM
 };
 
 // Why atoms of the file were not used -> how many. Keys are those of the report's `skipped`:
-// waters, hydrogens, hetatm, alternate_locations, other_models, not_selected, zero_radius,
-// microheterogeneity ...
+// other_models, waters, hydrogens, hetatm, alternate_locations, microheterogeneity, not_selected,
+// zero_radius, not_in_assembly.
 using SkippedAtoms = std::map<std::string, std::uint64_t>;
 
 // A radius that no table gives for this very atom but that was taken for its element.
@@ -38,11 +38,13 @@ struct AssumedRadius {
 struct Molecule {
   std::vector<Atom> atoms;
   std::string path, format;
-  std::string model;        // "1", "all"
-  std::string assembly;     // "asymmetric" or the name
-  std::string radius_set;   // "bondi", "alvarez", "file", or the path of a radius file
+  std::string model;       // "1", "all"
+  std::string assembly;    // "asymmetric" or the name
+  std::string radius_set;  // "bondi", "alvarez", "file", or the path of a radius file
   std::uint64_t atoms_read = 0;
-  SkippedAtoms skipped;     // atoms_read = atoms.size() + sum of skipped (before assembly copies)
+  std::uint64_t atoms_used = 0;  // atoms of the file in `atoms`, each counted once: an assembly
+                                 // holds copies, otherwise it is atoms.size()
+  SkippedAtoms skipped;          // atoms_read = atoms_used + sum of skipped
   std::vector<AssumedRadius> radii_assumed;
 };
 

@@ -1,5 +1,6 @@
 // Van der Waals radii. Bondi: A. Bondi, J. Phys. Chem. 68 (1964) 441, hydrogen 1.20 Å, completed
-// from Alvarez for the elements it does not list. Alvarez: S. Alvarez, Dalton Trans. 42 (2013) 8617.
+// from Alvarez for the elements it does not list. Alvarez: S. Alvarez, Dalton Trans. 42 (2013)
+// 8617.
 #pragma once
 
 #include <filesystem>

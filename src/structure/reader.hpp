@@ -14,14 +14,14 @@ enum class Inclusion { keep, drop };
 
 struct ReadOptions {
   StructureFormat format = StructureFormat::by_extension;
-  std::string model = "first";           // "first", "all", or a model number
-  std::string assembly = "asymmetric";   // or the name of a biological assembly of the file
-  std::string select;                    // gemmi selection, applied after the water rule; "" = all
+  std::string model = "first";          // "first", "all", or a model number
+  std::string assembly = "asymmetric";  // or the name of a biological assembly of the file
+  std::string select;                   // gemmi selection, applied after the water rule; "" = all
   Inclusion waters = Inclusion::drop;
   Inclusion hydrogens = Inclusion::keep;
   Inclusion hetero_atoms = Inclusion::keep;  // HETATM records
-  std::string altloc = "highest";        // highest mean occupancy per residue, or a label
-  std::string radii = "bondi";           // "bondi", "alvarez", or the path of a radius file
+  std::string altloc = "highest";            // highest mean occupancy per residue, or a label
+  std::string radii = "bondi";               // "bondi", "alvarez", or the path of a radius file
 };
 
 // Reads `path`; "-" is standard input and needs a format. Atoms keep the order of the file.

@@ -1,0 +1,112 @@
+#include "structure/formats.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+#include <utility>
+
+#include "core/errors.hpp"
+#include "fmt/format.h"
+#include "structure/lines.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr const char* kReadable = "read are .pdb .ent .cif .mmcif .pqr .xyzr, each also .gz";
+
+constexpr std::array kExtensions{
+    std::pair{".pdb"sv, StructureFormat::pdb},   std::pair{".ent"sv, StructureFormat::pdb},
+    std::pair{".cif"sv, StructureFormat::mmcif}, std::pair{".mmcif"sv, StructureFormat::mmcif},
+    std::pair{".pqr"sv, StructureFormat::pqr},   std::pair{".xyzr"sv, StructureFormat::xyzr},
+};
+
+constexpr std::array kMagic{
+    std::pair{"\x1f\x8b"sv, "gzip data inside gzip data; unpack it once"},
+    std::pair{"PK\x03\x04"sv, "a zip archive; unpack it first"},
+    std::pair{"BZh"sv, "bzip2 data; unpack it first"},
+    std::pair{"\xfd"
+              "7zXZ"sv,
+              "xz data; unpack it first"},
+    std::pair{"\x28\xb5\x2f\xfd"sv, "Zstandard data; unpack it first"},
+    std::pair{"\xff\xfe"sv, "UTF-16 text; write it as UTF-8"},
+    std::pair{"\xfe\xff"sv, "UTF-16 text; write it as UTF-8"},
+    std::pair{"\0\0\x07\xcb"sv, "an XTC trajectory, which has no elements; give the PDB or mmCIF"},
+};
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return result;
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
+  throw FileFormatError(fmt::format("{}: {}", path.string(), what));
+}
+
+void refuse_binary(std::string_view bytes, const std::filesystem::path& path) {
+  for (const auto& [magic, name] : kMagic)
+    if (bytes.starts_with(magic)) refuse(path, fmt::format("is {}", name));
+  if (bytes.substr(std::min<std::size_t>(bytes.size(), 257), 5) == "ustar")
+    refuse(path, "is a tar archive; unpack it first");
+  const std::size_t zero = bytes.find('\0');
+  if (zero != std::string_view::npos)
+    refuse(path, fmt::format("is not text (a zero byte at offset {}); {}", zero, kReadable));
+}
+
+// The first line that is neither blank nor a comment.
+std::string first_words(std::string_view text) {
+  std::string_view line;
+  while (next_line(text, line)) {
+    line = trimmed(line);
+    if (!line.empty() && line[0] != '#') return lower(line.substr(0, 16));
+  }
+  return {};
+}
+
+bool has_pdb_records(std::string_view text) {
+  std::string_view line;
+  for (int i = 0; i < 1000 && next_line(text, line); ++i)
+    if (line.starts_with("ATOM  ") || line.starts_with("HETATM") || line.starts_with("HEADER    "))
+      return true;
+  return false;
+}
+
+}  // namespace
+
+StructureFormat format_of_name(const std::filesystem::path& path) {
+  if (path == "-")
+    throw InvalidInput("standard input has no extension; say --format pdb, mmcif, pqr or xyzr");
+  std::filesystem::path name = path;
+  if (lower(name.extension().string()) == ".gz") name = name.stem();
+  const std::string extension = lower(name.extension().string());
+  for (const auto& [known, format] : kExtensions)
+    if (extension == known) return format;
+  if (extension == ".xtc" || extension == ".trr" || extension == ".dcd")
+    refuse(path, fmt::format("is a trajectory ({}), which has no elements; give the structure file",
+                             extension));
+  refuse(path, fmt::format("its extension {} is not one that is read ({}); or say --format",
+                           in_quotes(extension), kReadable));
+}
+
+std::string_view checked_text(std::string_view bytes, StructureFormat format,
+                              const std::filesystem::path& path) {
+  refuse_binary(bytes, path);
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
+  const std::string first = first_words(bytes);
+  if (first.empty()) refuse(path, "is empty");
+  if (first[0] == '<') refuse(path, "is a web page or XML; get the file itself, as PDB or mmCIF");
+  if (first[0] == '{') refuse(path, "is JSON; get the file as PDB or mmCIF");
+  const bool cif = first.starts_with("data_");
+  if (cif && format != StructureFormat::mmcif)
+    refuse(path, "holds mmCIF; rename it to .cif or say --format mmcif");
+  if (!cif && format == StructureFormat::mmcif)
+    refuse(path, has_pdb_records(bytes) ? "holds PDB; rename it to .pdb or say --format pdb"
+                                        : "is not mmCIF: it does not begin with a data_ block");
+  return bytes;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,76 @@
+#include "structure/lines.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n\v\f";
+constexpr std::size_t kLongestQuote = 40;
+
+}  // namespace
+
+bool next_line(std::string_view& rest, std::string_view& line) {
+  if (rest.empty()) return false;
+  const std::size_t end = rest.find_first_of("\r\n");
+  line = rest.substr(0, end);
+  if (end == std::string_view::npos) {
+    rest = {};
+    return true;
+  }
+  const bool two = rest[end] == '\r' && end + 1 < rest.size() && rest[end + 1] == '\n';
+  rest.remove_prefix(end + (two ? 2 : 1));
+  return true;
+}
+
+std::string_view trimmed(std::string_view field) {
+  const std::size_t first = field.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return field.substr(first, field.find_last_not_of(kBlanks) - first + 1);
+}
+
+std::string_view columns(std::string_view line, std::size_t first, std::size_t count) {
+  return first < line.size() ? line.substr(first, count) : std::string_view{};
+}
+
+std::vector<std::string_view> split_at_blanks(std::string_view line) {
+  std::vector<std::string_view> fields;
+  std::size_t at = line.find_first_not_of(kBlanks);
+  while (at != std::string_view::npos) {
+    const std::size_t end = std::min(line.find_first_of(kBlanks, at), line.size());
+    fields.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(kBlanks, end);
+  }
+  return fields;
+}
+
+std::optional<double> finite_number(std::string_view field) {
+  field = trimmed(field);
+  if (field.starts_with('+')) field.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+std::string in_quotes(std::string_view field) {
+  std::string text = "'";
+  for (const char c : field.substr(0, kLongestQuote)) text += c >= ' ' && c <= '~' ? c : '?';
+  return text + (field.size() > kLongestQuote ? "...'" : "'");
+}
+
+std::string one_line(std::string_view message) {
+  std::string line;
+  for (const char c : trimmed(message)) {
+    const bool blank = c == '\n' || c == '\r' || c == '\t' || c == ' ';
+    if (!blank) line += c;
+    if (blank && !line.ends_with(' ')) line += ' ';
+  }
+  return line;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,196 @@
+// mmCIF through gemmi, and crystallographic CIF of small molecules (asymmetric unit).
+#include "gemmi/mmcif.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/errors.hpp"
+#include "fmt/format.h"
+#include "gemmi/cif.hpp"
+#include "gemmi/smcif.hpp"
+#include "structure/elements.hpp"
+#include "structure/lines.hpp"
+#include "structure/parsed_file.hpp"
+
+namespace vdwmesh {
+namespace {
+
+namespace cif = gemmi::cif;
+
+constexpr const char* kAtoms = "_atom_site.";
+
+[[noreturn]] void refuse(const std::string& path, const std::string& what) {
+  throw FileFormatError(fmt::format("{}: {}", path, what));
+}
+
+cif::Document parse(std::string_view text, const std::string& path) {
+  // PEGTL counts lines by LF; files of old Macintoshes have none.
+  const bool lone_cr =
+      text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos;
+  if (!lone_cr) return cif::read_memory(text.data(), text.size(), path.c_str());
+  std::string lines(text);
+  std::replace(lines.begin(), lines.end(), '\r', '\n');
+  return cif::read_memory(lines.data(), lines.size(), path.c_str());
+}
+
+cif::Block& block_with_atoms(cif::Document& document, const std::string& path) {
+  cif::Block* found = nullptr;
+  for (cif::Block& block : document.blocks) {
+    if (!block.has_tag("_atom_site.id") && !block.has_tag("_atom_site.Cartn_x") &&
+        !block.has_tag("_atom_site_fract_x"))
+      continue;
+    if (found)
+      refuse(path, fmt::format("holds atoms in two data blocks, {} and {}; keep one of them",
+                               found->name, block.name));
+    found = &block;
+  }
+  if (!found)
+    refuse(path, "has no atom coordinates (no _atom_site table); get the coordinate file");
+  return *found;
+}
+
+// Columns that gemmi insists on but whose absence loses nothing are added, unknown in every row.
+void complete_columns(cif::Block& block) {
+  cif::Loop* loop = block.find_loop("_atom_site.Cartn_x").get_loop();
+  if (!loop) return;
+  std::vector<std::string> missing;
+  for (const char* tag : {"label_alt_id", "occupancy", "B_iso_or_equiv", "id"})
+    if (!loop->has_tag(std::string(kAtoms) + tag)) missing.push_back(std::string(kAtoms) + tag);
+  const int sequence =
+      loop->has_tag("_atom_site.auth_seq_id") ? -1 : loop->find_tag("_atom_site.label_seq_id");
+  if (sequence >= 0) loop->tags[static_cast<std::size_t>(sequence)] = "_atom_site.auth_seq_id";
+  if (missing.empty()) return;
+  const std::size_t rows = loop->length(), width = loop->width();
+  std::vector<std::string> values;
+  values.reserve(rows * (width + missing.size()));
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t column = 0; column < width; ++column)
+      values.push_back(std::move(loop->values[row * width + column]));
+    values.insert(values.end(), missing.size(), ".");
+  }
+  loop->values = std::move(values);
+  loop->tags.insert(loop->tags.end(), missing.begin(), missing.end());
+}
+
+void check_columns(cif::Block& block, const std::string& path) {
+  for (const char* tag :
+       {"type_symbol", "label_asym_id", "Cartn_x", "Cartn_y", "Cartn_z", "auth_seq_id"})
+    if (!block.has_tag(std::string(kAtoms) + tag))
+      refuse(path, fmt::format("its _atom_site table lacks the column {}", tag));
+}
+
+// Notes what gemmi's atom cannot hold, and numbers the atoms by their row.
+std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) {
+  cif::Table table = block.find(kAtoms, {"id", "Cartn_x", "Cartn_y", "Cartn_z", "?group_PDB"});
+  std::vector<AtomRecord> atoms;
+  atoms.reserve(table.length());
+  for (cif::Table::Row row : table) {
+    AtomRecord atom;
+    atom.line = static_cast<std::uint32_t>(atoms.size()) + 1;
+    for (int axis = 1; axis <= 3; ++axis)
+      if (!std::isfinite(cif::as_number(row[axis])))
+        refuse(path,
+               fmt::format("row {} of _atom_site (id {}): Cartn_{} is {}, not a finite number",
+                           atom.line, row[0], "xyz"[axis - 1], in_quotes(row[axis])));
+    atom.serial = gemmi::string_to_int(row[0], false);
+    if (row.has2(4)) atom.hetero = row[4].find_first_of("Hh") <= 1;
+    row[0] = std::to_string(atoms.size());
+    atoms.push_back(atom);
+  }
+  if (atoms.empty()) refuse(path, "its _atom_site table has no rows, so there is nothing to mesh");
+  return atoms;
+}
+
+void complete_elements(cif::Block& block, gemmi::Structure& structure) {
+  cif::Column symbols = block.find_values("_atom_site.type_symbol");
+  for (gemmi::Model& model : structure.models)
+    for (gemmi::Chain& chain : model.chains)
+      for (gemmi::Residue& residue : chain.residues)
+        for (gemmi::Atom& atom : residue.atoms) {
+          if (atom.element != gemmi::El::X) continue;
+          const std::string symbol = cif::as_string(symbols.at(atom.serial));
+          atom.element =
+              gemmi::Element(symbol.empty() ? element_of_bare_name(atom.name, residue.name)
+                                            : element_of_symbol(symbol));
+        }
+}
+
+void read_macromolecule(cif::Block& block, ParsedFile& file) {
+  complete_columns(block);
+  check_columns(block, file.path);
+  file.atoms = number_rows(block, file.path);
+  for (cif::Item& item : block.items)  // not needed, and slow to match with the atoms
+    if (item.has_prefix("_atom_site_anisotrop.")) item.erase();
+  *file.structure = gemmi::make_structure_from_block(block);
+  complete_elements(block, *file.structure);
+  file.format = "mmcif";
+}
+
+gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index,
+                         const std::string& path) {
+  const gemmi::SmallStructure::Site& site = crystal.sites[index];
+  gemmi::Atom atom;
+  atom.name = site.label;
+  atom.element = site.element;
+  if (atom.element == gemmi::El::X)
+    atom.element = gemmi::Element(element_of_bare_name(site.type_symbol, ""));
+  atom.serial = static_cast<int>(index);
+  atom.occ = static_cast<float>(site.occ);
+  const int group = std::abs(site.disorder_group);
+  if (group > 0 && group < 10) atom.altloc = static_cast<char>('0' + group);
+  atom.pos = site.orth(crystal.cell);
+  if (!std::isfinite(atom.pos.x) || !std::isfinite(atom.pos.y) || !std::isfinite(atom.pos.z))
+    refuse(path, fmt::format("row {} of _atom_site ({}): its fractional coordinates are not finite "
+                             "numbers",
+                             index + 1, site.label));
+  return atom;
+}
+
+void read_small_molecule(cif::Block& block, ParsedFile& file) {
+  const gemmi::SmallStructure crystal = gemmi::make_small_structure_from_block(block);
+  if (crystal.sites.empty()) refuse(file.path, "its _atom_site table has no rows");
+  if (!crystal.cell.is_crystal())
+    refuse(file.path, "gives fractional coordinates but no unit cell to place them in");
+  gemmi::Residue residue;
+  residue.name = "UNL";
+  residue.seqid.num = 1;
+  for (std::size_t i = 0; i < crystal.sites.size(); ++i) {
+    residue.atoms.push_back(crystal_atom(crystal, i, file.path));
+    AtomRecord record;
+    record.serial = static_cast<std::int64_t>(i) + 1;
+    record.line = static_cast<std::uint32_t>(i) + 1;
+    file.atoms.push_back(record);
+  }
+  gemmi::Model model("1");
+  model.chains.emplace_back("A");
+  model.chains[0].residues.push_back(std::move(residue));
+  file.structure->models.push_back(std::move(model));
+  file.format = "cif";
+}
+
+}  // namespace
+
+ParsedFile parse_mmcif(std::string_view text, const std::string& path) {
+  ParsedFile file;
+  file.path = path;
+  file.structure = std::make_shared<gemmi::Structure>();
+  try {
+    cif::Document document = parse(text, path);
+    cif::Block& block = block_with_atoms(document, path);
+    if (block.has_tag("_atom_site_fract_x"))
+      read_small_molecule(block, file);
+    else
+      read_macromolecule(block, file);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    const std::string what = one_line(error.what());
+    throw FileFormatError(what.starts_with(path) ? what : fmt::format("{}: {}", path, what));
+  }
+  return file;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,230 @@
+// PDB files. gemmi reads strictly formed records; here every record is first put into that form,
+// with its own checks, because real files are not so: entry ids in columns 73-80, missing element
+// columns, models without end, serials beyond 99,999.
+#include "gemmi/pdb.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "core/errors.hpp"
+#include "fmt/format.h"
+#include "structure/elements.hpp"
+#include "structure/lines.hpp"
+#include "structure/parsed_file.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kMaxModels = 9999;         // four columns
+constexpr std::uint64_t kMaxAtoms = 43'770'015;  // five columns of upper-case hybrid-36
+constexpr std::size_t kTagColumn = 72;           // 73 in the format's own counting
+constexpr std::size_t kElementColumn = 76;
+constexpr std::size_t kLastColumn = 78;
+constexpr std::string_view kDigits36 = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+
+bool starts_with_record(std::string_view line, std::string_view name) {
+  return line.size() >= name.size() &&
+         std::equal(name.begin(), name.end(), line.begin(), [](char a, char b) {
+           return a == std::toupper(static_cast<unsigned char>(b));
+         });
+}
+
+bool is_atom(std::string_view line) {
+  return starts_with_record(line, "ATOM  ") || starts_with_record(line, "HETATM") ||
+         (starts_with_record(line, "ATOM") && line.size() > 4 && std::isdigit(line[4]));
+}
+
+// Records named `name` and nothing longer: "END" but not "ENDMDL".
+bool is_record(std::string_view line, std::string_view name) {
+  return starts_with_record(line, name) &&
+         (line.size() == name.size() || line[name.size()] == ' ' ||
+          std::isdigit(static_cast<unsigned char>(line[name.size()])));
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+
+// "4PTI  75", "4INSB 12", "1ABC1234": an entry id, perhaps a revision letter, a line number.
+bool is_entry_tag(std::string_view tag) {
+  if (tag.size() < 8 || !is_digit(tag[0]) || !is_digit(tag[7])) return false;
+  const auto id = tag.substr(1, 3), number = tag.substr(5, 3);
+  return std::all_of(id.begin(), id.end(), [](char c) { return is_digit(c) || is_letter(c); }) &&
+         std::all_of(number.begin(), number.end(), [](char c) { return is_digit(c) || c == ' '; });
+}
+
+// Before 1996, columns 73-80 numbered the lines of the entry; now they hold the element.
+bool has_entry_tags(std::string_view text) {
+  std::size_t atoms = 0;
+  std::map<std::string_view, std::size_t> tagged;  // by entry id
+  std::string_view line;
+  while (next_line(text, line)) {
+    if (!is_atom(line)) continue;
+    ++atoms;
+    const std::string_view tag = columns(line, kTagColumn, 8);
+    if (is_entry_tag(tag)) ++tagged[tag.substr(0, 4)];
+  }
+  return std::any_of(tagged.begin(), tagged.end(),
+                     [atoms](const auto& entry) { return 2 * entry.second > atoms; });
+}
+
+// Hybrid-36 (R. W. Grosse-Kunstleve): decimal, then base 36 from A0000, then from a0000.
+std::optional<std::int64_t> serial_number(std::string_view field) {
+  const std::string_view digits = trimmed(field);
+  std::int64_t value = 0;
+  if (digits.size() == 5 && is_letter(digits[0])) {
+    constexpr std::int64_t kUpper = 100'000 - 10 * 36 * 36 * 36 * 36;
+    constexpr std::int64_t kLower = kUpper + 26 * 36 * 36 * 36 * 36;
+    const bool lower = std::islower(static_cast<unsigned char>(digits[0])) != 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + 5, value, 36);
+    if (error != std::errc() || end != digits.data() + 5) return std::nullopt;
+    return value + (lower ? kLower : kUpper);
+  }
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (digits.empty() || error != std::errc() || end != digits.data() + digits.size())
+    return std::nullopt;
+  return value;
+}
+
+std::string five_columns(std::uint64_t index) {
+  if (index < 100'000) return fmt::format("{:5}", index);
+  std::uint64_t rest = index - 100'000 + std::uint64_t{10} * 36 * 36 * 36 * 36;
+  std::string field(5, '0');
+  for (std::size_t i = field.size(); i-- > 0; rest /= 36) field[i] = kDigits36[rest % 36];
+  return field;
+}
+
+class Normaliser {
+ public:
+  Normaliser(std::string_view text, const std::string& path)
+      : path_(path), rest_(text), tagged_(has_entry_tags(text)) {}
+
+  void run() {
+    text_.reserve(rest_.size() + rest_.size() / 8);
+    std::string_view line;
+    for (number_ = 1; next_line(rest_, line); ++number_) take(line);
+    close_model();
+    if (atoms_.empty())
+      throw FileFormatError(path_ + ": has no ATOM or HETATM record, so there is nothing to mesh");
+  }
+
+  const std::string& text() const { return text_; }
+  std::vector<AtomRecord> take_atoms() { return std::move(atoms_); }
+  const std::vector<std::string>& model_names() const { return model_names_; }
+
+ private:
+  void take(std::string_view line) {
+    if (is_atom(line)) {
+      take_atom(line);
+    } else if (is_record(line, "MODEL")) {
+      close_model();
+      announced_ = std::string(trimmed(line.substr(5)));
+    } else if (is_record(line, "ENDMDL") || is_record(line, "END")) {
+      close_model();
+    } else if (is_record(line, "TER") || starts_with_record(line, "SEQRES") ||
+               starts_with_record(line, "REMARK 350")) {
+      text_.append(line.substr(0, kTagColumn)).append("\n");
+    }
+  }
+
+  void close_model() {
+    if (open_) text_ += "ENDMDL\n";
+    open_ = false;
+    announced_.clear();
+  }
+
+  // Models are numbered anew for gemmi, since files leave numbers out or repeat them.
+  void open_model() {
+    open_ = true;
+    const std::size_t count = model_names_.size() + 1;
+    if (count > kMaxModels)
+      refuse(fmt::format("more than {} models; cut the file into smaller ones", kMaxModels));
+    std::string name = announced_;
+    if (name.empty() || names_.count(name) != 0) name = std::to_string(count);
+    while (names_.count(name) != 0) name = std::to_string(std::stoull("0" + name) + 1);
+    names_.insert(name);
+    model_names_.push_back(name);
+    text_ += fmt::format("MODEL     {:4}\n", count);
+  }
+
+  void take_atom(std::string_view line) {
+    if (!open_) open_model();
+    if (atoms_.size() >= kMaxAtoms)
+      refuse(fmt::format("more than {} atoms; write it as mmCIF", kMaxAtoms));
+    check_coordinates(line);
+    std::string record(line.substr(0, tagged_ ? kTagColumn : kLastColumn));
+    record.resize(kLastColumn, ' ');
+    AtomRecord atom;
+    atom.line = number_;
+    atom.hetero = starts_with_record(line, "HETATM");
+    atom.serial =
+        serial_number(columns(record, 6, 5)).value_or(static_cast<std::int64_t>(atoms_.size()) + 1);
+    record.replace(0, 6, atom.hetero ? "HETATM" : "ATOM  ");
+    record.replace(6, 5, five_columns(atoms_.size()));
+    if (trimmed(columns(record, 54, 6)).empty()) record.replace(54, 6, "  1.00");
+    const std::string_view element = element_of(record);
+    record.replace(kElementColumn, 2, fmt::format("{:>2}", element));
+    atoms_.push_back(atom);
+    text_.append(record).append("\n");
+  }
+
+  static std::string_view element_of(const std::string& record) {
+    const std::string_view given = element_of_symbol(columns(record, kElementColumn, 2));
+    if (given != "X") return given;
+    return element_of_aligned_name(columns(record, 12, 4), trimmed(columns(record, 17, 3)));
+  }
+
+  void check_coordinates(std::string_view line) const {
+    static constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
+    for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
+      const std::size_t first = 30 + 8 * axis;
+      const std::string_view field = columns(line, first, 8);
+      if (finite_number(field)) continue;
+      refuse(
+          fmt::format("{} in columns {}-{} is {}, not a finite number; "
+                      "PDB needs fixed columns (whitespace-separated: --format pqr or xyzr)",
+                      kAxes[axis], first + 1, first + 8, in_quotes(field)));
+    }
+  }
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw FileFormatError(fmt::format("{}:{}: {}", path_, number_, what));
+  }
+
+  std::string path_;
+  std::string_view rest_;
+  bool tagged_;
+  std::string text_;
+  std::uint32_t number_ = 0;  // of the line
+  bool open_ = false;
+  std::string announced_;  // by the last MODEL record
+  std::vector<std::string> model_names_;
+  std::set<std::string> names_;
+  std::vector<AtomRecord> atoms_;
+};
+
+}  // namespace
+
+ParsedFile parse_pdb(std::string_view text, const std::string& path) {
+  Normaliser normaliser(text, path);
+  normaliser.run();
+  ParsedFile file;
+  try {
+    file.structure = std::make_shared<gemmi::Structure>(
+        gemmi::read_pdb_from_memory(normaliser.text().data(), normaliser.text().size(), path));
+  } catch (const std::runtime_error& error) {
+    throw FileFormatError(fmt::format("{}: {}", path, one_line(error.what())));
+  }
+  for (std::size_t i = 0; i < file.structure->models.size(); ++i)
+    file.structure->models[i].name = normaliser.model_names().at(i);
+  file.atoms = normaliser.take_atoms();
+  file.path = path;
+  file.format = "pdb";
+  return file;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,132 @@
+#include "structure/radii.hpp"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/errors.hpp"
+#include "fmt/format.h"
+#include "structure/elements.hpp"
+#include "structure/lines.hpp"
+#include "structure/text_source.hpp"
+
+namespace vdwmesh {
+namespace {
+
+struct Listed {
+  const char* element;
+  double radius;  // Å
+};
+
+// Tables I and XIV of the paper of 1964 (that of 1966 revises Cd, Hg and Zn; not taken over).
+constexpr std::array kBondi{
+    Listed{"H", 1.20},  Listed{"He", 1.40}, Listed{"Li", 1.82}, Listed{"C", 1.70},
+    Listed{"N", 1.55},  Listed{"O", 1.52},  Listed{"F", 1.47},  Listed{"Ne", 1.54},
+    Listed{"Na", 2.27}, Listed{"Mg", 1.73}, Listed{"Si", 2.10}, Listed{"P", 1.80},
+    Listed{"S", 1.80},  Listed{"Cl", 1.75}, Listed{"Ar", 1.88}, Listed{"K", 2.75},
+    Listed{"Ni", 1.63}, Listed{"Cu", 1.40}, Listed{"Zn", 1.39}, Listed{"Ga", 1.87},
+    Listed{"As", 1.85}, Listed{"Se", 1.90}, Listed{"Br", 1.85}, Listed{"Kr", 2.02},
+    Listed{"Pd", 1.63}, Listed{"Ag", 1.72}, Listed{"Cd", 1.58}, Listed{"In", 1.93},
+    Listed{"Sn", 2.17}, Listed{"Te", 2.06}, Listed{"I", 1.98},  Listed{"Xe", 2.16},
+    Listed{"Pt", 1.72}, Listed{"Au", 1.66}, Listed{"Hg", 1.55}, Listed{"Tl", 1.96},
+    Listed{"Pb", 2.02}, Listed{"U", 1.86},
+};
+
+// Table 1 of the paper. Pm, Po, At, Rn, Fr, Ra and all after Es are not in it.
+constexpr std::array kAlvarez{
+    Listed{"H", 1.20},  Listed{"He", 1.43}, Listed{"Li", 2.12}, Listed{"Be", 1.98},
+    Listed{"B", 1.91},  Listed{"C", 1.77},  Listed{"N", 1.66},  Listed{"O", 1.50},
+    Listed{"F", 1.46},  Listed{"Ne", 1.58}, Listed{"Na", 2.50}, Listed{"Mg", 2.51},
+    Listed{"Al", 2.25}, Listed{"Si", 2.19}, Listed{"P", 1.90},  Listed{"S", 1.89},
+    Listed{"Cl", 1.82}, Listed{"Ar", 1.83}, Listed{"K", 2.73},  Listed{"Ca", 2.62},
+    Listed{"Sc", 2.58}, Listed{"Ti", 2.46}, Listed{"V", 2.42},  Listed{"Cr", 2.45},
+    Listed{"Mn", 2.45}, Listed{"Fe", 2.44}, Listed{"Co", 2.40}, Listed{"Ni", 2.40},
+    Listed{"Cu", 2.38}, Listed{"Zn", 2.39}, Listed{"Ga", 2.32}, Listed{"Ge", 2.29},
+    Listed{"As", 1.88}, Listed{"Se", 1.82}, Listed{"Br", 1.86}, Listed{"Kr", 2.25},
+    Listed{"Rb", 3.21}, Listed{"Sr", 2.84}, Listed{"Y", 2.75},  Listed{"Zr", 2.52},
+    Listed{"Nb", 2.56}, Listed{"Mo", 2.45}, Listed{"Tc", 2.44}, Listed{"Ru", 2.46},
+    Listed{"Rh", 2.44}, Listed{"Pd", 2.15}, Listed{"Ag", 2.53}, Listed{"Cd", 2.49},
+    Listed{"In", 2.43}, Listed{"Sn", 2.42}, Listed{"Sb", 2.47}, Listed{"Te", 1.99},
+    Listed{"I", 2.04},  Listed{"Xe", 2.06}, Listed{"Cs", 3.48}, Listed{"Ba", 3.03},
+    Listed{"La", 2.98}, Listed{"Ce", 2.88}, Listed{"Pr", 2.92}, Listed{"Nd", 2.95},
+    Listed{"Sm", 2.90}, Listed{"Eu", 2.87}, Listed{"Gd", 2.83}, Listed{"Tb", 2.79},
+    Listed{"Dy", 2.87}, Listed{"Ho", 2.81}, Listed{"Er", 2.83}, Listed{"Tm", 2.79},
+    Listed{"Yb", 2.80}, Listed{"Lu", 2.74}, Listed{"Hf", 2.63}, Listed{"Ta", 2.53},
+    Listed{"W", 2.57},  Listed{"Re", 2.49}, Listed{"Os", 2.48}, Listed{"Ir", 2.41},
+    Listed{"Pt", 2.29}, Listed{"Au", 2.32}, Listed{"Hg", 2.45}, Listed{"Tl", 2.47},
+    Listed{"Pb", 2.60}, Listed{"Bi", 2.54}, Listed{"Ac", 2.80}, Listed{"Th", 2.93},
+    Listed{"Pa", 2.88}, Listed{"U", 2.71},  Listed{"Np", 2.82}, Listed{"Pu", 2.81},
+    Listed{"Am", 2.83}, Listed{"Cm", 3.05}, Listed{"Bk", 3.40}, Listed{"Cf", 3.05},
+    Listed{"Es", 2.70},
+};
+
+[[noreturn]] void refuse(const std::filesystem::path& path, int line, const std::string& what) {
+  throw FileFormatError(fmt::format("{}:{}: {}", path.string(), line, what));
+}
+
+double radius_or_refuse(std::string_view field, const std::filesystem::path& path, int line) {
+  const std::optional<double> radius = finite_number(field);
+  if (!radius || *radius < 0)
+    refuse(path, line, fmt::format("{} is not a radius in angstrom", in_quotes(field)));
+  return *radius;
+}
+
+}  // namespace
+
+RadiusTable RadiusTable::named(std::string_view name) {
+  RadiusTable table;
+  if (name != "bondi" && name != "alvarez")
+    throw InvalidInput(
+        fmt::format("there is no radius set {}; there are bondi and alvarez, or "
+                    "give a file",
+                    in_quotes(name)));
+  if (name == "bondi")
+    for (const Listed& entry : kBondi) table.by_element_[entry.element] = {entry.radius, false};
+  for (const Listed& entry : kAlvarez)
+    table.by_element_.try_emplace(entry.element, Entry{entry.radius, name == "bondi"});
+  return table;
+}
+
+RadiusTable RadiusTable::from_file(const std::filesystem::path& path) {
+  const Text text = read_text(path);
+  std::string_view rest(text.data(), text.size()), line;
+  RadiusTable table;
+  for (int number = 1; next_line(rest, line); ++number) {
+    const std::vector<std::string_view> fields = split_at_blanks(line.substr(0, line.find('#')));
+    if (fields.empty()) continue;
+    if (fields.size() != 2 && fields.size() != 3)
+      refuse(path, number,
+             fmt::format("has {} fields; a line is ELEMENT RADIUS or RESIDUE ATOM "
+                         "RADIUS",
+                         fields.size()));
+    const double radius = radius_or_refuse(fields.back(), path, number);
+    if (fields.size() == 3) {
+      table.by_atom_[{std::string(fields[0]), std::string(fields[1])}] = radius;
+      continue;
+    }
+    const std::string_view element = element_of_symbol(fields[0]);
+    if (element == "X" && fields[0] != "X")
+      refuse(path, number, fmt::format("{} is not an element", in_quotes(fields[0])));
+    table.by_element_[std::string(element)] = {radius, false};
+  }
+  if (table.by_element_.empty() && table.by_atom_.empty())
+    throw FileFormatError(
+        fmt::format("{}: has no radii; a line is ELEMENT RADIUS or RESIDUE ATOM "
+                    "RADIUS",
+                    path.string()));
+  return table;
+}
+
+std::optional<RadiusTable::Entry> RadiusTable::find(std::string_view residue, std::string_view atom,
+                                                    std::string_view element) const {
+  if (!by_atom_.empty()) {
+    const auto own = by_atom_.find({std::string(residue), std::string(atom)});
+    if (own != by_atom_.end()) return Entry{own->second, false};
+  }
+  auto found = by_element_.find(element);
+  if (found == by_element_.end() && element == "D") found = by_element_.find(std::string_view("H"));
+  if (found == by_element_.end()) return std::nullopt;
+  return found->second;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,159 @@
+#include "structure/text_source.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "core/errors.hpp"
+#include "fmt/format.h"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kChunk = std::size_t{1} << 20;
+constexpr std::size_t kLargestDeflateRatio = 1032;  // of the format: 258 bytes in 2 bits
+
+std::string cause(int error) { return std::generic_category().message(error); }
+
+class Descriptor {
+ public:
+  explicit Descriptor(const std::filesystem::path& path)
+      : owned_(path != "-"), fd_(owned_ ? ::open(path.c_str(), O_RDONLY | O_CLOEXEC) : 0) {
+    if (fd_ < 0)
+      throw FileFormatError(fmt::format("{}: cannot be opened: {}", path.string(), cause(errno)));
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (owned_) ::close(fd_);
+  }
+  int get() const { return fd_; }
+
+ private:
+  bool owned_;
+  int fd_;
+};
+
+[[noreturn]] void refuse_size(const std::filesystem::path& path, std::uint64_t limit) {
+  throw LimitExceeded(fmt::format(
+      "{}: holds more than {} MiB of text, the most that is read; cut it into smaller files",
+      path.string(), limit >> 20));
+}
+
+std::uint64_t expected_size(int fd, const std::filesystem::path& path) {
+  struct stat info {};
+  if (::fstat(fd, &info) != 0) return 0;
+  if (S_ISDIR(info.st_mode))
+    throw FileFormatError(fmt::format("{}: is a directory, not a structure file", path.string()));
+  return S_ISREG(info.st_mode) && info.st_size > 0 ? static_cast<std::uint64_t>(info.st_size) : 0;
+}
+
+Text read_bytes(const std::filesystem::path& path, std::uint64_t limit) {
+  const Descriptor file(path);
+  const std::uint64_t expected = expected_size(file.get(), path);
+  if (expected > limit) refuse_size(path, limit);
+  Text bytes(static_cast<std::size_t>(expected) + 1);  // one more, to meet the end in one go
+  std::size_t used = 0;
+  for (;;) {
+    if (used == bytes.size()) bytes.resize(std::max(2 * bytes.size(), kChunk));
+    const ssize_t got = ::read(file.get(), bytes.data() + used, bytes.size() - used);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0)
+      throw FileFormatError(fmt::format("{}: cannot be read: {}", path.string(), cause(errno)));
+    if (got == 0) break;
+    used += static_cast<std::size_t>(got);
+    if (used > limit) refuse_size(path, limit);
+  }
+  bytes.resize(used);
+  return bytes;
+}
+
+bool is_gzip(const Text& bytes) {
+  return bytes.size() >= 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b';
+}
+
+// Size of the unpacked text as gzip notes it in its last four bytes, where that is believable.
+std::size_t unpacked_size_hint(const Text& packed, std::uint64_t limit) {
+  if (packed.size() < 18) return kChunk;
+  std::uint64_t size = 0;
+  for (std::size_t i = 1; i <= 4; ++i)
+    size = size << 8 | static_cast<unsigned char>(packed[packed.size() - i]);
+  const std::uint64_t believable =
+      std::min<std::uint64_t>(limit, std::uint64_t{packed.size()} * kLargestDeflateRatio);
+  return size > 0 && size <= believable ? static_cast<std::size_t>(size) + 1 : kChunk;
+}
+
+class Inflater {
+ public:
+  explicit Inflater(const std::filesystem::path& path) : path_(path) {
+    if (inflateInit2(&stream_, 15 + 16) != Z_OK) fail("zlib could not start");
+  }
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+  ~Inflater() { inflateEnd(&stream_); }
+
+  Text unpack(const Text& packed, std::uint64_t limit) {
+    Text text(unpacked_size_hint(packed, limit));
+    std::size_t used = 0, read = 0;
+    for (;;) {
+      if (used > limit) refuse_size(path_, limit);
+      if (used == text.size()) text.resize(2 * text.size());
+      const int status = step(packed, read, text, used);
+      if (status != Z_STREAM_END) continue;
+      if (!next_member(packed, read)) break;
+    }
+    if (used > limit) refuse_size(path_, limit);
+    text.resize(used);
+    return text;
+  }
+
+ private:
+  int step(const Text& packed, std::size_t& read, Text& text, std::size_t& used) {
+    const std::size_t in = std::min(packed.size() - read, kChunk);
+    const std::size_t out = std::min(text.size() - used, kChunk);
+    stream_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(packed.data() + read));
+    stream_.avail_in = static_cast<uInt>(in);
+    stream_.next_out = reinterpret_cast<Bytef*>(text.data() + used);
+    stream_.avail_out = static_cast<uInt>(out);
+    const int status = inflate(&stream_, Z_NO_FLUSH);
+    read += in - stream_.avail_in;
+    used += out - stream_.avail_out;
+    if (status == Z_BUF_ERROR || (status == Z_OK && in == 0 && stream_.avail_out == out))
+      fail("ends in the middle of its gzip data; it was cut off, get it again");
+    if (status != Z_OK && status != Z_STREAM_END) fail("holds damaged gzip data; get it again");
+    return status;
+  }
+
+  // Files joined with cat hold several members; padding with zeros after the last is common.
+  bool next_member(const Text& packed, std::size_t& read) {
+    const auto rest = packed.begin() + static_cast<std::ptrdiff_t>(read);
+    if (std::all_of(rest, packed.end(), [](char c) { return c == '\0'; })) return false;
+    if (*rest != '\x1f') fail("holds something else after its gzip data; get it again");
+    inflateReset(&stream_);
+    return true;
+  }
+
+  [[noreturn]] void fail(const char* what) const {
+    throw FileFormatError(fmt::format("{}: {}", path_.string(), what));
+  }
+
+  std::filesystem::path path_;
+  z_stream stream_{};
+};
+
+}  // namespace
+
+Text read_text(const std::filesystem::path& path, std::uint64_t limit) {
+  Text bytes = read_bytes(path, limit);
+  if (!is_gzip(bytes)) return bytes;
+  return Inflater(path).unpack(bytes, limit);
+}
+
+}  // namespace vdwmesh
