@@ -118,12 +118,55 @@ constexpr Triangles triangles_of(int inside) {
   return out;
 }
 
+// Slot of a cell edge in a face, or kNone where it does not lie in it.
+constexpr int slot_in_face(int edge, int face) {
+  const int axis = face / 2, side = face & 1;
+  const CellEdge e = cell_edge(edge);
+  const int offset[3] = {e.x, e.y, e.z};
+  if (e.axis == axis || offset[axis] != side) return kNone;
+  const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  return e.axis == u ? offset[v] : 2 + offset[u];
+}
+
+constexpr int half_edge_between(const Triangles& t, int start, int end) {
+  for (int h = 0; h < 3 * t.count; ++h) {
+    const int following = h % 3 == 2 ? h - 2 : h + 1;
+    if (t.edges[static_cast<std::size_t>(h)] == start &&
+        t.edges[static_cast<std::size_t>(following)] == end) {
+      return h;
+    }
+  }
+  return kNone;
+}
+
+constexpr void link_half_edges(const Triangles& t, std::size_t inside, CaseTable& table) {
+  table.face_half_edge[inside].fill(kNoHalfEdge);
+  for (int h = 0; h < 3 * t.count; ++h) {
+    const int start = t.edges[static_cast<std::size_t>(h)];
+    const int end = t.edges[static_cast<std::size_t>(h % 3 == 2 ? h - 2 : h + 1)];
+    const int partner = half_edge_between(t, end, start);
+    if (partner != kNone) {
+      table.across[inside][static_cast<std::size_t>(h)] = static_cast<std::uint8_t>(partner);
+      continue;
+    }
+    for (int face = 0; face < 6; ++face) {
+      const int from = slot_in_face(start, face), to = slot_in_face(end, face);
+      if (from == kNone || to == kNone) continue;
+      table.across[inside][static_cast<std::size_t>(h)] =
+          static_cast<std::uint8_t>(kFirstFaceCode + 4 * face + to);
+      table.face_half_edge[inside][static_cast<std::size_t>(4 * face + from)] =
+          static_cast<std::uint8_t>(h);
+    }
+  }
+}
+
 constexpr CaseTable make_case_table() {
   CaseTable table{};
-  for (int inside = 0; inside < 256; ++inside) {
-    const Triangles t = triangles_of(inside);
-    table.triangle_count[static_cast<std::size_t>(inside)] = static_cast<std::uint8_t>(t.count);
-    table.edges[static_cast<std::size_t>(inside)] = t.edges;
+  for (std::size_t inside = 0; inside < 256; ++inside) {
+    const Triangles t = triangles_of(static_cast<int>(inside));
+    table.triangle_count[inside] = static_cast<std::uint8_t>(t.count);
+    table.edges[inside] = t.edges;
+    link_half_edges(t, inside, table);
   }
   return table;
 }

@@ -16,9 +16,22 @@ namespace vdwmesh {
 
 inline constexpr int kMaxCaseTriangles = 5;
 
+// Half-edge 3 t + k of a case runs from corner k to corner k + 1 of its triangle t. Face f of a
+// cell is perpendicular to axis f / 2, at the cell's lower (f even) or upper (f odd) side; the four
+// cell edges in it have slots 0, 1 (along the first other axis, at the second's offset 0, 1) and 2,
+// 3 (along the second, at the first's offset), the same from both of the cells that share the face.
+inline constexpr int kCaseHalfEdges = 3 * kMaxCaseTriangles;
+inline constexpr std::uint8_t kFirstFaceCode = 32;
+inline constexpr std::uint8_t kNoHalfEdge = 255;
+
 struct CaseTable {
   std::array<std::uint8_t, 256> triangle_count;
-  std::array<std::array<std::uint8_t, 3 * kMaxCaseTriangles>, 256> edges;  // three per triangle
+  std::array<std::array<std::uint8_t, kCaseHalfEdges>, 256> edges;  // cell edge of each corner
+  // The opposite half-edge: one of the same cell (< kCaseHalfEdges), or of the cell across face f,
+  // where it starts at slot s: kFirstFaceCode + 4 f + s.
+  std::array<std::array<std::uint8_t, kCaseHalfEdges>, 256> across;
+  // Half-edge in face f that starts at slot s: [case][4 f + s], or kNoHalfEdge.
+  std::array<std::array<std::uint8_t, 24>, 256> face_half_edge;
 };
 
 const CaseTable& case_table();

@@ -24,7 +24,8 @@ constexpr std::size_t kBricksPerTask = 32;
 struct ActiveBrick {
   std::uint64_t key;
   std::uint32_t vertices, triangles, clipped_cells;
-  std::uint16_t row_start[kBrickSide * kBrickSide];  // vertices before each row
+  std::uint16_t row_vertices[kBrickSide * kBrickSide];   // vertices before each row
+  std::uint16_t row_triangles[kBrickSide * kBrickSide];  // triangles before each row of cells
   BrickSigns signs;
 };
 
@@ -53,34 +54,33 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 // ---- counting ----------------------------------------------------------------------------------
 
-std::uint32_t count_triangles(const BrickSigns& signs, const BrickGeometry& geometry,
-                              const CaseTable& table, std::uint32_t& clipped_cells) {
-  std::uint32_t triangles = 0;
+void count_triangles(const BrickGeometry& geometry, const CaseTable& table, ActiveBrick& brick) {
+  brick.triangles = 0;
+  brick.clipped_cells = 0;
   const std::uint32_t virtual_x = ~(geometry.real[0] & geometry.real[0] >> 1);
   for (int z = 0; z < kBrickSide; ++z) {
     const bool virtual_z = (geometry.real[2] >> z & 3) != 3;
     for (int y = 0; y < kBrickSide; ++y) {
+      brick.row_triangles[z * kBrickSide + y] = static_cast<std::uint16_t>(brick.triangles);
       const bool virtual_yz = virtual_z || (geometry.real[1] >> y & 3) != 3;
-      for (std::uint32_t cells = mixed_cells(signs, y, z); cells != 0; cells &= cells - 1) {
+      for (std::uint32_t cells = mixed_cells(brick.signs, y, z); cells; cells &= cells - 1) {
         const int x = std::countr_zero(cells);
-        triangles += table.triangle_count[cell_case(signs, x, y, z)];
-        clipped_cells += virtual_yz || (virtual_x >> x & 1) != 0 ? 1u : 0u;
+        brick.triangles += table.triangle_count[cell_case(brick.signs, x, y, z)];
+        brick.clipped_cells += virtual_yz || (virtual_x >> x & 1) != 0 ? 1u : 0u;
       }
     }
   }
-  return triangles;
 }
 
-std::uint32_t count_vertices(const BrickSigns& signs,
-                             std::uint16_t (&row_start)[kBrickSide * kBrickSide]) {
+void count_vertices(ActiveBrick& brick) {
   int vertices = 0;
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
-      row_start[z * kBrickSide + y] = static_cast<std::uint16_t>(vertices);
-      vertices += vertex_count(row_crossings(signs, y, z));
+      brick.row_vertices[z * kBrickSide + y] = static_cast<std::uint16_t>(vertices);
+      vertices += vertex_count(row_crossings(brick.signs, y, z));
     }
   }
-  return static_cast<std::uint32_t>(vertices);
+  brick.vertices = static_cast<std::uint32_t>(vertices);
 }
 
 template <class Surface>
@@ -94,11 +94,8 @@ void count_bricks(const Job& job, std::size_t begin, std::size_t end,
     const BrickIndex index = brick_of_key(brick.key);
     surface.visit(index);
     surface.signs(brick.signs);
-    brick.clipped_cells = 0;
-    brick.triangles = count_triangles(brick.signs, brick_geometry(job.model.grid, index), table,
-                                      brick.clipped_cells);
-    // A crossed edge always belongs to a crossed cell of its own brick or of an earlier one.
-    brick.vertices = count_vertices(brick.signs, brick.row_start);
+    count_triangles(brick_geometry(job.model.grid, index), table, brick);
+    count_vertices(brick);
     if (brick.triangles != 0 || brick.vertices != 0) active.push_back(brick);
   }
 }
@@ -131,70 +128,110 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface) 
   return clamped;
 }
 
-// Numbers of the vertices on the edges of a brick's cells: its own and those of the bricks behind
-// its upper faces, found when first asked for.
-class VertexNumbers {
+// The brick itself and its neighbours across faces, edges and corners, found when first asked for.
+class Neighbourhood {
  public:
-  VertexNumbers(const Emission& e, std::size_t brick) : e_(e), brick_(brick) {
+  Neighbourhood(const Emission& e, std::size_t brick) : e_(e), brick_(brick) {
     found_.fill(kNotSought);
-    found_[0] = brick;
+    found_[place_of(0, 0, 0)] = brick;
   }
 
-  std::uint32_t operator()(int x, int y, int z, int axis) {
-    const int next = x >> 3 | (y >> 3) << 1 | (z >> 3) << 2;
-    const std::size_t b = find(next);
-    const ActiveBrick& owner = e_.bricks[b];
-    x &= kBrickSide - 1;
-    y &= kBrickSide - 1;
-    z &= kBrickSide - 1;
-    const int place = owner.row_start[z * kBrickSide + y] +
-                      place_in_row(row_crossings(owner.signs, y, z), x, axis);
-    return static_cast<std::uint32_t>(e_.bases.vertices[b] + static_cast<std::uint64_t>(place));
+  // Place in the list of the brick `offset` bricks away, each -1, 0 or 1. Bounds are conservative:
+  // a brick that owns a vertex or a triangle is in the list.
+  std::size_t operator()(int dx, int dy, int dz) {
+    std::size_t& found = found_[place_of(dx, dy, dz)];
+    if (found == kNotSought) found = search(dx, dy, dz);
+    return found;
   }
 
  private:
   static constexpr std::size_t kNotSought = ~std::size_t{0};
+  static std::size_t place_of(int dx, int dy, int dz) {
+    return static_cast<std::size_t>((dz + 1) * 9 + (dy + 1) * 3 + dx + 1);
+  }
 
-  std::size_t find(int next) {
-    std::size_t& found = found_[static_cast<std::size_t>(next)];
-    if (found == kNotSought) {
-      BrickIndex index = brick_of_key(e_.bricks[brick_].key);
-      index.x += next & 1;
-      index.y += next >> 1 & 1;
-      index.z += next >> 2;
-      // Bounds are conservative: a brick that owns a vertex is in the list.
-      const std::uint64_t key = brick_key(index);
-      const auto behind = e_.bricks.begin() + static_cast<std::ptrdiff_t>(brick_);
-      const auto place =
-          std::lower_bound(behind, e_.bricks.end(), key,
-                           [](const ActiveBrick& brick, std::uint64_t k) { return brick.key < k; });
-      found = static_cast<std::size_t>(place - e_.bricks.begin());
-    }
-    return found;
+  std::size_t search(int dx, int dy, int dz) const {
+    const BrickIndex own = brick_of_key(e_.bricks[brick_].key);
+    const std::uint64_t key = brick_key({own.x + dx, own.y + dy, own.z + dz});
+    const auto place =
+        std::lower_bound(e_.bricks.begin(), e_.bricks.end(), key,
+                         [](const ActiveBrick& brick, std::uint64_t k) { return brick.key < k; });
+    return static_cast<std::size_t>(place - e_.bricks.begin());
   }
 
   const Emission& e_;
   std::size_t brick_;
-  std::array<std::size_t, 8> found_;
+  std::array<std::size_t, 27> found_;
 };
+
+// A node or cell of a brick or of one of its neighbours, as that brick numbers it.
+struct Located {
+  std::size_t brick;
+  int x, y, z;
+};
+
+Located locate(Neighbourhood& near, int x, int y, int z) {
+  return {near(x >> 3, y >> 3, z >> 3), x & 7, y & 7, z & 7};
+}
+
+std::uint32_t vertex_number(const Emission& e, const Located& node, int axis) {
+  const ActiveBrick& owner = e.bricks[node.brick];
+  const int place = owner.row_vertices[node.z * kBrickSide + node.y] +
+                    place_in_row(row_crossings(owner.signs, node.y, node.z), node.x, axis);
+  return static_cast<std::uint32_t>(e.bases.vertices[node.brick] +
+                                    static_cast<std::uint64_t>(place));
+}
+
+// First half-edge of a cell.
+std::uint64_t first_half_edge(const Emission& e, const Located& cell) {
+  const ActiveBrick& owner = e.bricks[cell.brick];
+  std::uint64_t triangle =
+      e.bases.triangles[cell.brick] + owner.row_triangles[cell.z * kBrickSide + cell.y];
+  const std::uint32_t before = mixed_cells(owner.signs, cell.y, cell.z) & ((1u << cell.x) - 1);
+  for (std::uint32_t cells = before; cells != 0; cells &= cells - 1) {
+    triangle +=
+        case_table()
+            .triangle_count[cell_case(owner.signs, std::countr_zero(cells), cell.y, cell.z)];
+  }
+  return 3 * triangle;
+}
+
+void emit_opposites(const Emission& e, Neighbourhood& near, std::uint64_t first, int x, int y,
+                    int z, std::uint32_t inside) {
+  const CaseTable& table = case_table();
+  for (std::size_t h = 0; h < 3u * table.triangle_count[inside]; ++h) {
+    const std::uint8_t code = table.across[inside][h];
+    std::uint64_t opposite = first + code;
+    if (code >= kFirstFaceCode) {
+      const int face = (code - kFirstFaceCode) / 4, slot = (code - kFirstFaceCode) % 4;
+      int cell[3] = {x, y, z};
+      cell[face / 2] += face % 2 == 0 ? -1 : 1;
+      const Located c = locate(near, cell[0], cell[1], cell[2]);
+      const std::uint32_t beyond = cell_case(e.bricks[c.brick].signs, c.x, c.y, c.z);
+      opposite = first_half_edge(e, c) +
+                 table.face_half_edge[beyond][static_cast<std::size_t>(4 * (face ^ 1) + slot)];
+    }
+    e.mesh.opposite[first + h] = static_cast<std::uint32_t>(opposite);
+  }
+}
 
 void emit_triangles(const Emission& e, std::size_t b) {
   const BrickSigns& signs = e.bricks[b].signs;
   const CaseTable& table = case_table();
-  VertexNumbers number(e, b);
+  Neighbourhood near(e, b);
   std::uint64_t next = e.bases.triangles[b];
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
       for (std::uint32_t cells = mixed_cells(signs, y, z); cells != 0; cells &= cells - 1) {
         const int x = std::countr_zero(cells);
         const std::uint32_t inside = cell_case(signs, x, y, z);
-        for (int t = 0; t < table.triangle_count[inside]; ++t) {
+        if (!e.mesh.opposite.empty()) emit_opposites(e, near, 3 * next, x, y, z, inside);
+        for (std::size_t t = 0; t < table.triangle_count[inside]; ++t) {
           Triangle& triangle = e.mesh.triangles[next++];
-          for (int k = 0; k < 3; ++k) {
-            const CellEdge edge =
-                cell_edge(table.edges[inside][static_cast<std::size_t>(3 * t + k)]);
-            triangle[static_cast<std::size_t>(k)] =
-                number(x + edge.x, y + edge.y, z + edge.z, edge.axis);
+          for (std::size_t k = 0; k < 3; ++k) {
+            const CellEdge edge = cell_edge(table.edges[inside][3 * t + k]);
+            triangle[k] =
+                vertex_number(e, locate(near, x + edge.x, y + edge.y, z + edge.z), edge.axis);
           }
         }
       }
@@ -314,8 +351,12 @@ void check_limits(const Active& bricks, std::uint64_t vertices, std::uint64_t tr
         kMaxVertices,
         options.grid.spacing * std::sqrt(static_cast<double>(vertices) / kMaxVertices) * 1.01));
   }
-  const std::uint64_t need =
-      indexed_mesh_bytes(vertices, triangles) + bricks.size() * (sizeof(ActiveBrick) + 16);
+  if (options.connectivity == Connectivity::half_edges && 3 * triangles > kMaxHalfEdges) {
+    throw LimitExceeded(fmt::format("{} triangles; half-edges of at most {} can be numbered",
+                                    triangles, kMaxHalfEdges / 3));
+  }
+  const std::uint64_t need = indexed_mesh_bytes(vertices, triangles, options.connectivity) +
+                             bricks.size() * (sizeof(ActiveBrick) + 16);
   if (need > options.memory_limit) {
     throw LimitExceeded(fmt::format(
         "{} vertices and {} triangles need {} bytes, {} are allowed: choose a spacing of at least "
@@ -353,6 +394,9 @@ class CpuExtractor final : public Extractor {
     mesh.normals.resize(bases.vertices.back());
     mesh.vertex_spheres.resize(bases.vertices.back());
     mesh.triangles.resize(bases.triangles.back());
+    if (options.connectivity == Connectivity::half_edges) {
+      mesh.opposite.resize(3 * bases.triangles.back());
+    }
     const Emission emission{list.view(), model, bricks, bases, mesh};
     std::vector<std::uint64_t> clamped(task_count(bricks.size()));
     begin_stage(options.monitor, "extract", bricks.size());

@@ -18,6 +18,7 @@ inline constexpr std::uint64_t kNoMemoryLimit = std::numeric_limits<std::uint64_
 struct ExtractOptions {
   FieldOptions field;
   GridOptions grid;
+  Connectivity connectivity = Connectivity::triangles;
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
   Monitor* monitor = nullptr;
 };

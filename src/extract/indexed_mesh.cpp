@@ -15,9 +15,12 @@ std::uint64_t hash_bytes(const Buffer<T>& values) {
 
 }  // namespace
 
-std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles) {
+std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles,
+                                 Connectivity connectivity) {
+  const std::uint64_t per_triangle =
+      sizeof(Triangle) + (connectivity == Connectivity::half_edges ? 3 * sizeof(std::uint32_t) : 0);
   return vertices * (sizeof(Vec3d) + sizeof(Vec3f) + sizeof(VertexSpheres)) +
-         triangles * sizeof(Triangle);
+         triangles * per_triangle;
 }
 
 IndexedMeshHash hash(const IndexedMesh& mesh) {

@@ -35,8 +35,15 @@ struct IndexedMesh {
 // Most vertices an IndexedMesh can hold.
 inline constexpr std::uint64_t kMaxVertices = std::uint64_t{1} << 32;
 
-// Bytes of the arrays without `opposite`.
-std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles);
+// Most half-edges that `opposite` can number.
+inline constexpr std::uint64_t kMaxHalfEdges = (std::uint64_t{1} << 32) - 1;
+
+// Whether `opposite` is filled as well.
+enum class Connectivity : std::uint8_t { triangles, half_edges };
+
+// Bytes of the arrays.
+std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles,
+                                 Connectivity connectivity = Connectivity::triangles);
 
 // A hash over all bits of all arrays (FNV-1a, 64 bits, array by array): equal for equal meshes.
 struct IndexedMeshHash {
