@@ -31,11 +31,11 @@ void sort_bucket(EdgeEntry* first, EdgeEntry* last) {
 }  // namespace
 
 EdgeBuckets::EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex_count) {
-  if (triangles.size() > kMaxHalfEdges / 3)
+  if (triangles.size() > kMaxSurfaceHalfEdges / 3)
     throw LimitExceeded(
         fmt::format("{} triangles have more than the {} half-edges a mesh can hold; a coarser "
                     "spacing makes fewer",
-                    triangles.size(), kMaxHalfEdges));
+                    triangles.size(), kMaxSurfaceHalfEdges));
   end_.assign(vertex_count, 0);
   count(triangles);
   std::uint32_t sum = 0;

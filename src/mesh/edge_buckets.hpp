@@ -13,7 +13,7 @@
 namespace vdwmesh {
 
 // OpenMesh handles are int, so 2^31 - 1 half-edges are the most a mesh can have.
-inline constexpr std::uint64_t kMaxHalfEdges = 0x7fffffffu;
+inline constexpr std::uint64_t kMaxSurfaceHalfEdges = 0x7fffffffu;
 
 // One half-edge in the bucket of its smaller vertex. Comparison sorts by larger vertex, then
 // half-edge.

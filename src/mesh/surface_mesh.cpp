@@ -7,9 +7,12 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "core/errors.hpp"
 #include "mesh/edge_buckets.hpp"
+#include "mesh/large_pages.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -32,15 +35,13 @@ OpenMesh::HalfedgeHandle half_edge(std::uint32_t i) {
 OpenMesh::VertexHandle vertex(std::size_t i) { return OpenMesh::VertexHandle(static_cast<int>(i)); }
 OpenMesh::FaceHandle face(std::size_t i) { return OpenMesh::FaceHandle(static_cast<int>(i)); }
 
-constexpr std::uint32_t next_in_triangle(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
-
 void check_limits(std::size_t vertices, std::size_t triangles) {
   constexpr auto kMaxHandle = static_cast<std::size_t>(std::numeric_limits<int>::max());
-  if (vertices > kMaxHandle || triangles > kMaxHalfEdges / 3)
+  if (vertices > kMaxHandle || triangles > kMaxSurfaceHalfEdges / 3)
     throw LimitExceeded(
         fmt::format("{} vertices and {} triangles are more than OpenMesh's {} half-edges can "
                     "hold; a coarser spacing makes fewer",
-                    vertices, triangles, kMaxHalfEdges));
+                    vertices, triangles, kMaxSurfaceHalfEdges));
 }
 
 void check_sizes(const IndexedMesh& mesh) {
@@ -53,6 +54,8 @@ void check_sizes(const IndexedMesh& mesh) {
   check(mesh.opposite.size(), 3 * mesh.triangle_count(), "opposite half-edges");
 }
 
+enum class Opposites { given, computed };
+
 // Builds the connectivity of one mesh. Half-edges of the input are 3t + k; "handles" are those of
 // OpenMesh, 2 per edge. An edge is owned by the first of its half-edges.
 class Builder {
@@ -61,13 +64,13 @@ class Builder {
           std::span<const std::uint32_t> opposite, std::size_t vertex_count)
       : mesh_(mesh), triangles_(triangles), opposite_(opposite), vertex_count_(vertex_count) {}
 
-  void build() {
-    check_opposite();
+  void build(Opposites origin) {
+    if (origin == Opposites::given) check_opposite();
     number_edges();
-    mesh_.resize(vertex_count_, edge_count_, triangles_.size());
+    resize_mesh();
     link_faces();
     handle_of_ = {};
-    link_boundary();
+    if (2 * edge_count_ != opposite_.size()) link_boundary();
     check_fans();
   }
 
@@ -80,33 +83,30 @@ class Builder {
     std::atomic<std::uint32_t> first_bad{kNone};
     for_each_index(triangles_.size(), [&](std::size_t t) {
       const Triangle& triangle = triangles_[t];
-      for (unsigned k = 0; k < 3; ++k) {
-        const auto h = static_cast<std::uint32_t>(3 * t + k);
-        if (!is_consistent(h, triangle[k], triangle[(k + 1) % 3], half_edges))
-          keep_smallest(first_bad, h);
-      }
+      bool good = true;
+      for (unsigned k = 0; k < 3; ++k)
+        good &= is_consistent(static_cast<std::uint32_t>(3 * t + k), triangle[k],
+                              triangle[(k + 1) % 3], half_edges);
+      if (!good) keep_smallest(first_bad, static_cast<std::uint32_t>(t));
     });
-    if (first_bad != kNone) throw_bad_opposite(first_bad);
+    if (first_bad != kNone) throw_bad_triangle(first_bad);
   }
 
   bool is_consistent(std::uint32_t h, std::uint32_t from, std::uint32_t to,
                      std::uint32_t half_edges) const {
     const std::uint32_t o = opposite_[h];
-    if (from >= vertex_count_ || to >= vertex_count_ || from == to) return false;
+    if (from >= vertex_count_ || from == to) return false;
     if (o == kNoOpposite) return true;
     return o < half_edges && opposite_[o] == h && triangles_[o / 3][o % 3] == to;
   }
 
-  [[noreturn]] void throw_bad_opposite(std::uint32_t h) const {
-    const Triangle& triangle = triangles_[h / 3];
-    const std::uint32_t from = triangle[h % 3], to = triangle[(h % 3 + 1) % 3];
-    if (from >= vertex_count_ || to >= vertex_count_ || from == to)
-      throw InvalidInput(
-          fmt::format("triangle {} ({} {} {}) names a vertex twice or none of the {}", h / 3,
-                      triangle[0], triangle[1], triangle[2], vertex_count_));
-    throw InvalidInput(
-        fmt::format("half-edge {} of triangle {} (vertices {} to {}) has no consistent opposite",
-                    h % 3, h / 3, from, to));
+  [[noreturn]] void throw_bad_triangle(std::uint32_t t) const {
+    const auto [a, b, c] = triangles_[t];
+    if (std::max({a, b, c}) >= vertex_count_ || a == b || b == c || c == a)
+      throw InvalidInput(fmt::format("triangle {} names a vertex twice or none of the {}: {} {} {}",
+                                     t, vertex_count_, a, b, c));
+    throw InvalidInput(fmt::format(
+        "a half-edge of triangle {} (vertices {} {} {}) has no consistent opposite", t, a, b, c));
   }
 
   static void keep_smallest(std::atomic<std::uint32_t>& smallest, std::uint32_t value) {
@@ -122,23 +122,19 @@ class Builder {
     const auto block_end = [&](std::size_t b) {
       return std::min((b + 1) * kItemsPerBlock, half_edges);
     };
-    Buffer<std::uint32_t> first_edge(blocks + 1);
+    Buffer<std::uint32_t> first_edge(blocks);
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
       std::uint32_t owners = 0;
       for (std::size_t h = b * kItemsPerBlock; h < block_end(b); ++h)
         owners += owns(static_cast<std::uint32_t>(h));
       first_edge[b] = owners;
     });
-    std::uint64_t edges = 0;
-    for (std::size_t b = 0; b < blocks; ++b) {
-      const std::uint32_t owners = first_edge[b];
-      first_edge[b] = static_cast<std::uint32_t>(edges);
-      edges += owners;
-    }
-    if (2 * edges > kMaxHalfEdges)
-      throw LimitExceeded(
-          fmt::format("{} half-edges, where OpenMesh can hold {}", 2 * edges, kMaxHalfEdges));
-    edge_count_ = static_cast<std::size_t>(edges);
+    std::uint32_t edges = 0;
+    for (std::uint32_t& first : first_edge) first = std::exchange(edges, edges + first);
+    if (2 * std::uint64_t{edges} > kMaxSurfaceHalfEdges)
+      throw LimitExceeded(fmt::format("{} half-edges, where OpenMesh can hold {}",
+                                      2 * std::uint64_t{edges}, kMaxSurfaceHalfEdges));
+    edge_count_ = edges;
     handle_of_.resize(half_edges);
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
       std::uint32_t edge = first_edge[b];
@@ -151,9 +147,28 @@ class Builder {
     });
   }
 
+  // Most of the time of resize() is the kernel's, handing out pages: large ones cost less. They
+  // must be asked for between reserve() and the first touch.
+  void resize_mesh() {
+    const std::size_t edges = edge_count_, faces = triangles_.size();
+    if (faces > kItemsPerBlock) {
+      mesh_.resize(1, 1, 1);
+      mesh_.reserve(vertex_count_, edges, faces);
+      advise_large_pages(&mesh_.edge(OpenMesh::EdgeHandle(0)), edges);
+      advise_large_pages(&mesh_.face(face(0)), faces);
+      advise_large_pages(&mesh_.vertex(vertex(0)), vertex_count_);
+      advise_large_pages(mesh_.points(), vertex_count_);
+      advise_large_pages(mesh_.vertex_normals(), vertex_count_);
+      advise_large_pages(&mesh_.status(vertex(0)), vertex_count_);
+      advise_large_pages(&mesh_.status(half_edge(0)), 2 * edges);
+      advise_large_pages(&mesh_.status(OpenMesh::EdgeHandle(0)), edges);
+      advise_large_pages(&mesh_.status(face(0)), faces);
+      advise_large_pages(&mesh_.property(vertex_spheres(mesh_), vertex(0)), vertex_count_);
+    }
+    mesh_.resize(vertex_count_, edges, faces);
+  }
+
   void link_faces() {
-    Buffer<std::uint32_t> first_out(vertex_count_);
-    std::fill(first_out.begin(), first_out.end(), kNone);
     for_each_index(triangles_.size(), [&](std::size_t t) {
       const std::uint32_t* h = handle_of_.data() + 3 * t;
       for (unsigned k = 0; k < 3; ++k) {
@@ -161,21 +176,12 @@ class Builder {
         mesh_.set_vertex_handle(half_edge(h[k]), vertex(triangles_[t][next]));
         mesh_.set_face_handle(half_edge(h[k]), face(t));
         mesh_.set_next_halfedge_handle(half_edge(h[k]), half_edge(h[next]));
-        keep_first(first_out[triangles_[t][k]], static_cast<std::uint32_t>(3 * t + k));
       }
       mesh_.set_halfedge_handle(face(t), half_edge(h[0]));
     });
-    for_each_index(vertex_count_, [&](std::size_t v) {
-      if (first_out[v] != kNone)
-        mesh_.set_halfedge_handle(vertex(v), half_edge(handle_of_[first_out[v]]));
-    });
-  }
-
-  static void keep_first(std::uint32_t& slot, std::uint32_t value) {
-    const std::atomic_ref<std::uint32_t> shared(slot);
-    std::uint32_t seen = shared.load(std::memory_order_relaxed);
-    while (value < seen && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
-    }
+    for (std::size_t t = 0; t < triangles_.size(); ++t)  // in order: the last one stays
+      for (unsigned k = 0; k < 3; ++k)
+        mesh_.set_halfedge_handle(vertex(triangles_[t][k]), half_edge(handle_of_[3 * t + k]));
   }
 
   // A boundary half-edge is the second of its edge. Its start becomes the outgoing half-edge of
@@ -266,14 +272,14 @@ void set_vertex_data(SurfaceMesh& mesh, const IndexedMesh& source, VertexSpheres
     const Vec3d& p = source.positions[v];
     mesh.set_point(vertex(v), {p.x, p.y, p.z});
     mesh.set_color(vertex(v), kPlainColor);
+    if (!source.normals.empty()) {
+      const Vec3f& n = source.normals[v];
+      mesh.set_normal(vertex(v), {n.x, n.y, n.z});
+    }
     mesh.property(spheres, vertex(v)) =
         source.vertex_spheres.empty() ? on_sphere(kNoSphere) : source.vertex_spheres[v];
   });
-  if (source.normals.empty()) return set_normals_of_triangles(mesh, source);
-  for_each_index(source.vertex_count(), [&](std::size_t v) {
-    const Vec3f& n = source.normals[v];
-    mesh.set_normal(vertex(v), {n.x, n.y, n.z});
-  });
+  if (source.normals.empty()) set_normals_of_triangles(mesh, source);
 }
 
 }  // namespace
@@ -297,7 +303,8 @@ SurfaceMesh to_surface_mesh(const IndexedMesh& source) {
   SurfaceMesh mesh;
   VertexSpheresProperty spheres;
   mesh.add_property(spheres, kVertexSpheresName);
-  Builder(mesh, source.triangles, opposite, source.vertex_count()).build();
+  Builder(mesh, source.triangles, opposite, source.vertex_count())
+      .build(source.opposite.empty() ? Opposites::computed : Opposites::given);
   set_vertex_data(mesh, source, spheres);
   return mesh;
 }

@@ -149,8 +149,9 @@ TEST(SurfaceMesh, SurvivesOpenMeshEditing) {
 
 TEST(SurfaceMesh, RefusesWhatIsNotManifoldOrOriented) {
   for (const KnownMesh& known : testing::known_meshes())
-    if (!known.manifold || !known.oriented)
+    if (!known.manifold || !known.oriented) {
       EXPECT_NE(refusal(known.mesh), "accepted") << known.name;
+    }
 }
 
 TEST(SurfaceMesh, NamesWhatIsNotManifold) {

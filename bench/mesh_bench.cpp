@@ -1,0 +1,114 @@
+// Half-edge mesh, measures and mesh files: triangles and bytes per second on one core, beside the
+// floor (OpenMesh's own resize) and OpenMesh's add_face. One torus of 4 million triangles, whose
+// vertices and triangles follow each other as those of marching cubes do.
+#include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
+
+#include <vector>
+
+#include "analysis/mesh_measures.hpp"
+#include "mesh/surface_mesh.hpp"
+#include "support/test_meshes.hpp"
+
+namespace vdwmesh {
+namespace {
+
+const IndexedMesh& bare_mesh() {
+  static const IndexedMesh mesh = [] {
+    IndexedMesh made = testing::torus(2000, 1000);
+    made.normals.resize(made.vertex_count());
+    made.vertex_spheres.resize(made.vertex_count());
+    for (std::size_t v = 0; v < made.vertex_count(); ++v) {
+      const Vec3d& p = made.positions[v];
+      made.normals[v] = cast<float>((1 / norm(p)) * p);
+      made.vertex_spheres[v] = on_sphere(static_cast<SphereId>(v / 1000));
+    }
+    return made;
+  }();
+  return mesh;
+}
+
+const IndexedMesh& mesh_with_opposites() {
+  static const IndexedMesh mesh = [] {
+    IndexedMesh made = bare_mesh();
+    made.opposite = opposite_half_edges(made.triangles, made.vertex_count());
+    return made;
+  }();
+  return mesh;
+}
+
+// Every figure is per core: one thread throughout.
+class OneThread {
+  tbb::global_control control_{tbb::global_control::max_allowed_parallelism, 1};
+};
+
+void count_triangles(benchmark::State& state) {
+  state.SetItemsProcessed(state.iterations() *
+                          static_cast<std::int64_t>(bare_mesh().triangle_count()));
+}
+
+void resize_only(benchmark::State& state) {
+  const IndexedMesh& mesh = bare_mesh();
+  for (auto _ : state) {
+    SurfaceMesh result;
+    VertexSpheresProperty spheres;
+    result.add_property(spheres, kVertexSpheresName);
+    result.resize(mesh.vertex_count(), 3 * mesh.triangle_count() / 2, mesh.triangle_count());
+    benchmark::DoNotOptimize(result.n_faces());
+  }
+  count_triangles(state);
+}
+
+void build_with_add_face(benchmark::State& state) {
+  const IndexedMesh& mesh = bare_mesh();
+  for (auto _ : state) {
+    SurfaceMesh result;
+    result.reserve(mesh.vertex_count(), 3 * mesh.triangle_count() / 2, mesh.triangle_count());
+    for (const Vec3d& p : mesh.positions) result.add_vertex({p.x, p.y, p.z});
+    const auto handle = [](std::uint32_t v) { return OpenMesh::VertexHandle(static_cast<int>(v)); };
+    for (const auto& [a, b, c] : mesh.triangles) result.add_face(handle(a), handle(b), handle(c));
+    benchmark::DoNotOptimize(result.n_faces());
+  }
+  count_triangles(state);
+}
+
+template <const IndexedMesh& (*Source)()>
+void build(benchmark::State& state) {
+  const IndexedMesh& mesh = Source();
+  const OneThread one;
+  for (auto _ : state) benchmark::DoNotOptimize(to_surface_mesh(mesh).n_faces());
+  count_triangles(state);
+}
+
+void opposites(benchmark::State& state) {
+  const IndexedMesh& mesh = bare_mesh();
+  const OneThread one;
+  for (auto _ : state)
+    benchmark::DoNotOptimize(opposite_half_edges(mesh.triangles, mesh.vertex_count()).data());
+  count_triangles(state);
+}
+
+void summary(benchmark::State& state) {
+  const OneThread one;
+  for (auto _ : state) benchmark::DoNotOptimize(summarize(bare_mesh()));
+  count_triangles(state);
+}
+
+void quality_of_triangles(benchmark::State& state) {
+  const OneThread one;
+  for (auto _ : state) benchmark::DoNotOptimize(quality(bare_mesh()));
+  count_triangles(state);
+}
+
+BENCHMARK(resize_only)->Unit(benchmark::kMillisecond);
+BENCHMARK(build<mesh_with_opposites>)->Name("build_from_opposites")->Unit(benchmark::kMillisecond);
+BENCHMARK(build<bare_mesh>)->Name("build_from_indices")->Unit(benchmark::kMillisecond);
+BENCHMARK(opposites)->Unit(benchmark::kMillisecond);
+BENCHMARK(build_with_add_face)->Unit(benchmark::kMillisecond);
+BENCHMARK(summary)->Unit(benchmark::kMillisecond);
+BENCHMARK(quality_of_triangles)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace vdwmesh
+
+BENCHMARK_MAIN();
