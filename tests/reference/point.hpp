@@ -9,7 +9,11 @@
 
 namespace vdwmesh::reference {
 
-using Point = std::array<double, 3>;  // Å
+struct Point {
+  std::array<double, 3> at;  // Å
+  double& operator[](std::size_t axis) { return at[axis]; }
+  const double& operator[](std::size_t axis) const { return at[axis]; }
+};
 
 inline Point operator+(const Point& a, const Point& b) {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};

@@ -1,0 +1,245 @@
+// Against the slow oracle: the same grid edges, and every vertex where the surface is.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "contract/extractor_contract.hpp"
+#include "reference/dense_mc.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+class ExtractorReference : public ExtractorContract {};
+class ExtractorFieldReference : public ExtractorFieldContract {};
+
+using reference::Ball;
+using reference::GridEdge;
+using reference::Point;
+
+constexpr double kOnSurface = 1e-9;  // Å, what the handbook promises of vdw vertices
+constexpr double kClampParameter = 1.0 / (1 << 20);  // of an edge
+
+reference::DenseGrid to_dense(const GridSpec& grid) {
+  return {to_point(grid.origin), grid.spacing, {grid.cells.x, grid.cells.y, grid.cells.z}};
+}
+
+// The grid edge on which p lies: two coordinates on grid planes, one between. Positions are good to
+// 1e-12 Å, and a vertex keeps off the nodes by 2^-20 of an edge.
+std::optional<GridEdge> edge_of(const GridSpec& grid, const Vec3d& p) {
+  GridEdge edge{{0, 0, 0}, -1};
+  for (int a = 0; a < 3; ++a) {
+    const double place = (p[a] - grid.origin[a]) / grid.spacing;
+    const double nearest = std::round(place);
+    const bool between = std::abs(place - nearest) > 1e-9;
+    if (between && edge.axis >= 0) return std::nullopt;
+    if (between) edge.axis = a;
+    edge.node[static_cast<std::size_t>(a)] =
+        static_cast<std::int64_t>(between ? std::floor(place) : nearest);
+  }
+  if (edge.axis < 0) return std::nullopt;
+  return edge;
+}
+
+std::set<GridEdge> edges_of(const ExtractResult& result) {
+  std::set<GridEdge> edges;
+  for (const Vec3d& p : result.mesh.positions) {
+    const auto edge = edge_of(result.grid, p);
+    EXPECT_TRUE(edge) << p.x << ' ' << p.y << ' ' << p.z << " lies on no grid edge";
+    if (edge) edges.insert(*edge);
+  }
+  EXPECT_EQ(edges.size(), result.mesh.vertex_count()) << "two vertices on one grid edge";
+  return edges;
+}
+
+std::set<GridEdge> edges_of(const reference::DenseMesh& dense) {
+  std::set<GridEdge> edges;
+  for (const auto& [edge, vertex] : dense.vertex_of_edge) edges.insert(edge);
+  return edges;
+}
+
+// How far inside a point is, in the field's own unit: positive inside.
+class Oracle {
+ public:
+  Oracle(const SphereSet& spheres, const FieldOptions& field, const GridSpec& grid)
+      : balls_(to_balls(spheres)), kind_(field.kind), field_(to_oracle(field, grid)) {
+    isovalue_ = field.isovalue.value_or(reference::default_isovalue(field_));
+  }
+  double depth(const Point& p) const {
+    if (kind_ == FieldKind::vdw) return -reference::sample_union(balls_, p).signed_distance;
+    return reference::sample_field(field_, balls_, p).value - isovalue_;
+  }
+  bool inside(const Point& p) const { return depth(p) >= 0; }
+  Point gradient(const Point& p) const {
+    return reference::sample_field(field_, balls_, p).gradient;
+  }
+  const std::vector<Ball>& balls() const { return balls_; }
+
+ private:
+  std::vector<Ball> balls_;
+  FieldKind kind_;
+  reference::FieldOracle field_;
+  double isovalue_ = 1;
+};
+
+// Nodes whose sign single precision (or the last bit of a double) could turn. Fields are sums of at
+// most some dozens of float32 terms: 64 · 2^-24 of a field of a few T.
+double sign_margin(FieldKind kind) { return kind == FieldKind::vdw ? 1e-12 : 2e-5; }
+
+reference::DenseMesh dense_mesh(const Oracle& oracle, const GridSpec& grid, FieldKind kind,
+                                std::size_t* undecided) {
+  const reference::DenseGrid dense = to_dense(grid);
+  const auto inside = [&](const reference::Node& node) {
+    const double depth = oracle.depth(dense.position(node));
+    if (std::abs(depth) < sign_margin(kind)) ++*undecided;
+    return depth >= 0;
+  };
+  const auto middle = [](const Point& a, const Point& b) { return 0.5 * (a + b); };
+  return reference::dense_marching_cubes(dense, inside, middle);
+}
+
+TEST_P(ExtractorFieldReference, MeshIsThatOfDenseMarchingCubes) {
+  for (const unsigned seed : {2u, 4u, 9u}) {
+    const SphereSet spheres = cluster(40, seed);
+    const ExtractOptions options = at_spacing(0.4);
+    const ExtractResult result = extract(spheres, options);
+    const Oracle oracle(spheres, options.field, result.grid);
+    std::size_t undecided = 0;
+    const auto dense = dense_mesh(oracle, result.grid, kind(), &undecided);
+    ASSERT_EQ(undecided, 0u) << "choose another seed than " << seed;
+    const std::set<GridEdge> ours = edges_of(result), theirs = edges_of(dense);
+    EXPECT_EQ(ours, theirs) << "seed " << seed;
+    EXPECT_EQ(result.mesh.triangle_count(), dense.mesh.triangles.size());
+  }
+}
+
+TEST_P(ExtractorReference, EveryVdwVertexLiesOnTheUnionsBoundary) {
+  for (const double h : {0.25, 0.5, 0.9}) {
+    const SphereSet spheres = cluster(150, 21);
+    ExtractOptions options;
+    options.grid.spacing = h;
+    const ExtractResult result = extract(spheres, options);
+    const auto balls = to_balls(spheres);
+    std::size_t off = 0;
+    for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+      const Point p = to_point(result.mesh.positions[v]);
+      const double away = std::abs(reference::sample_union(balls, p).signed_distance);
+      if (!(away <= kOnSurface)) ++off;
+      ASSERT_LE(away, kOnSurface + h * kClampParameter);
+    }
+    EXPECT_LE(off, result.stats.clamped_vertices);
+  }
+}
+
+TEST_P(ExtractorReference, AVertexLiesOnTheSpheresItNames) {
+  const SphereSet spheres = cluster(150, 22);
+  const ExtractResult result = extract(spheres, {});
+  const double clamp = result.grid.spacing * kClampParameter;
+  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+    const VertexSpheres& on = result.mesh.vertex_spheres[v];
+    ASSERT_LT(on[0], spheres.size());
+    for (const SphereId id : on) {
+      if (id == kNoSphere) continue;
+      const double d = norm(result.mesh.positions[v] - spheres[id].center) - spheres[id].radius;
+      ASSERT_NEAR(d, 0, kOnSurface + clamp) << "vertex " << v;
+    }
+  }
+}
+
+// From its inside node to the vertex all is covered; just beyond the vertex it is not.
+TEST_P(ExtractorReference, AVdwVertexIsTheFirstExitFromItsInsideNode) {
+  const SphereSet spheres = cluster(100, 23);
+  ExtractOptions options;
+  options.grid.spacing = 0.8;  // long edges, several exits on one
+  const ExtractResult result = extract(spheres, options);
+  const Oracle oracle(spheres, options.field, result.grid);
+  const reference::DenseGrid grid = to_dense(result.grid);
+  for (const Vec3d& position : result.mesh.positions) {
+    const auto edge = edge_of(result.grid, position);
+    ASSERT_TRUE(edge);
+    reference::Node other = edge->node;
+    ++other[static_cast<std::size_t>(edge->axis)];
+    Point in = grid.position(edge->node), out = grid.position(other);
+    if (!oracle.inside(in)) std::swap(in, out);
+    ASSERT_TRUE(oracle.inside(in) && !oracle.inside(out));
+    const Point p = to_point(position);
+    for (int i = 0; i < 64; ++i) {
+      ASSERT_GE(oracle.depth(in + (i / 64.) * (p - in)), -kOnSurface);
+    }
+    const Point beyond = p + (1e-6 / reference::distance(in, out)) * (out - in);
+    ASSERT_LT(oracle.depth(beyond), kOnSurface);
+  }
+}
+
+// Linear interpolation of F on an edge errs by at most h²/8 max|F''|, so that is how far F at the
+// vertex is from T; the nodes' float32 values add sign_margin; a clamped parameter adds its share
+// of the difference between the nodes.
+TEST_P(ExtractorFieldReference, BlendedVerticesAreWithinTheInterpolationBound) {
+  if (kind() == FieldKind::vdw) GTEST_SKIP() << "exact intersections; has its own tests";
+  const SphereSet spheres = cluster(40, 31);
+  const ExtractOptions options = at_spacing(0.35);
+  const ExtractResult result = extract(spheres, options);
+  const Oracle oracle(spheres, options.field, result.grid);
+  const reference::DenseGrid grid = to_dense(result.grid);
+  for (const Vec3d& position : result.mesh.positions) {
+    const auto edge = edge_of(result.grid, position);
+    ASSERT_TRUE(edge);
+    reference::Node other = edge->node;
+    ++other[static_cast<std::size_t>(edge->axis)];
+    const Point a = grid.position(edge->node), b = grid.position(other);
+    const int pieces = 32;
+    const auto at = [&](int i) { return oracle.depth(a + (double(i) / pieces) * (b - a)); };
+    double bend = 0;  // max |F''| h²
+    for (int i = 1; i < pieces; ++i) {
+      bend = std::max(bend, std::abs(at(i - 1) - 2 * at(i) + at(i + 1)) * pieces * pieces);
+    }
+    // Second differences see the curvature between samples up to a tenth.
+    const double bound =
+        1.1 * bend / 8 + sign_margin(kind()) + kClampParameter * std::abs(at(0) - at(pieces));
+    ASSERT_LE(std::abs(oracle.depth(to_point(position))), bound);
+  }
+}
+
+// Angle between the stored normal (float32) and the oracle's gradient.
+constexpr double kNormalTolerance = 2e-5;  // rad; some float32 roundings of a unit vector
+
+TEST_P(ExtractorFieldReference, NormalsAreTheFieldsGradient) {
+  const SphereSet spheres = cluster(40, 32);
+  const ExtractOptions options = at_spacing(0.4);
+  const ExtractResult result = extract(spheres, options);
+  const Oracle oracle(spheres, options.field, result.grid);
+  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+    const Point p = to_point(result.mesh.positions[v]);
+    const Point n = to_point(cast<double>(result.mesh.normals[v]));
+    Point expected;
+    if (kind() == FieldKind::vdw) {
+      expected = p - oracle.balls()[result.mesh.vertex_spheres[v][0]].center;
+    } else {
+      expected = -1.0 * oracle.gradient(p);
+      if (reference::length(expected) < 1e-2) continue;  // a saddle has no direction
+    }
+    const Point unit = (1 / reference::length(expected)) * expected;
+    ASSERT_LE(reference::distance(n, unit), kNormalTolerance) << "vertex " << v;
+  }
+}
+
+// The blended fields' vertices belong to the atom whose sphere is nearest.
+TEST_P(ExtractorFieldReference, ABlendedVertexNamesAnAtomNearIt) {
+  const SphereSet spheres = cluster(40, 33);
+  const ExtractResult result = extract(spheres, at_spacing(0.4));
+  const auto balls = to_balls(spheres);
+  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+    const SphereId id = result.mesh.vertex_spheres[v][0];
+    ASSERT_LT(id, spheres.size());
+    const Point p = to_point(result.mesh.positions[v]);
+    const double away = reference::distance(p, balls[id].center) - balls[id].radius;
+    // Where spheres tie, either may be named.
+    ASSERT_NEAR(away, reference::sample_union(balls, p).signed_distance, 1e-4) << "vertex " << v;
+  }
+}
+
+VDWMESH_INSTANTIATE_BACKENDS(ExtractorReference);
+VDWMESH_INSTANTIATE_FIELDS(ExtractorFieldReference);
+
+}  // namespace
+}  // namespace vdwmesh::testing
