@@ -17,25 +17,27 @@ namespace vdwmesh {
 enum class Projection : std::uint8_t { none, field, vdw };
 
 struct RefineOptions {
-  int subdivisions = 0;                         // 0 projects the given vertices only
+  int subdivisions = 0;  // 0 projects the given vertices only
   Projection projection = Projection::vdw;
   FieldOptions field;                           // for Projection::field
   GridSpec grid;                                // of the extraction (thesis sub-grids refer to it)
-  std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
+  std::uint64_t memory_limit = kNoMemoryLimit;  // bytes, compared with refine_bytes()
   Monitor* monitor = nullptr;
 };
 
+inline constexpr int kMaxSubdivisions = 16;           // 4^16 = 2^32 triangles from one
 inline constexpr double kProjectionTolerance = 1e-9;  // Å, distance to the surface when converged
 inline constexpr int kMaxProjectionSteps = 32;
 
+// Every vertex that a level handles is in exactly one of the first four counts.
 struct ProjectionStats {
-  std::uint64_t projected = 0;      // vertices that converged
-  std::uint64_t unconverged = 0;    // left where they were: no convergence in the allowed steps
-  std::uint64_t out_of_reach = 0;   // left where they were: too far from the surface
-  std::uint64_t undone = 0;         // moves taken back because they turned a triangle
-  std::uint64_t turned = 0;         // triangles that still face against their atoms' normals
+  std::uint64_t projected = 0;     // vertices that converged and stayed there
+  std::uint64_t unconverged = 0;   // left where they were: no convergence in the allowed steps
+  std::uint64_t out_of_reach = 0;  // left where they were: too far from the surface
+  std::uint64_t undone = 0;        // moves taken back because they turned a triangle
+  std::uint64_t turned = 0;        // triangles that still face against their atoms' normals
   int iterations_max = 0;
-  double residual_max = 0;          // Å, over the converged vertices
+  double residual_max = 0;  // Å, over the converged vertices
 };
 
 struct RefineResult {
@@ -44,17 +46,33 @@ struct RefineResult {
   double seconds = 0;
 };
 
+// Bytes that refine() takes at its peak beyond its arguments: the last level's mesh and the one it
+// comes from, and the cell list. About 1.4 times the bytes of the mesh that it returns.
+std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t spheres,
+                           int subdivisions);
+
 class Refiner {
  public:
   virtual ~Refiner() = default;
-  // `mesh` is closed, oriented and welded. Each level has V + E vertices and 4 F triangles; the
-  // vertices of a level keep their indices, midpoints follow in the order of their edges (by first
-  // half-edge), triangle t becomes 4t .. 4t + 3. Throws InvalidInput, LimitExceeded before memory
-  // is taken, Cancelled.
+  // `mesh` is closed, oriented and welded; normals, labels and opposite half-edges may be absent.
+  // Each level has V + E vertices and 4 F triangles; the vertices of a level keep their indices,
+  // midpoints follow in the order of their edges (by first half-edge), triangle t becomes
+  // 4t .. 4t + 3. The given vertices are projected once, midpoints once on the level that makes
+  // them; what is on the surface already is not touched. The result has `opposite` where it was
+  // given or computed and its entries fit 32 bits.
+  //
+  // Labels: of the surface that a vertex was projected to. A midpoint that could not be projected
+  // takes the atom of that end which is nearer by distance - radius.
+  // Normals: of that surface; on a circle or corner the mean of the spheres' outward normals.
+  // Projection::none interpolates the given normals instead, and leaves them out if they are.
+  //
+  // The result is the same, bit for bit, for any number of threads. Throws InvalidInput (options,
+  // a mesh that is not closed), LimitExceeded before memory is taken, Cancelled.
   virtual RefineResult refine(const SphereSet& spheres, const IndexedMesh& mesh,
                               const RefineOptions& options) const = 0;
 };
 
+// The CPU backend: all cores, through TBB.
 std::unique_ptr<Refiner> make_cpu_refiner();
 
 }  // namespace vdwmesh

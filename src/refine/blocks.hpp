@@ -1,0 +1,34 @@
+// Loops over all cores. Bodies write to places of their own, and what is reduced is counts, maxima
+// and minima, so no result depends on how the range was cut.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <cstddef>
+
+namespace vdwmesh {
+
+inline constexpr std::size_t kBlock = 1024;
+
+template <class Body>
+void for_all(std::size_t count, const Body& body, std::size_t grain = kBlock) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+  });
+}
+
+// body(i, total) folds item i into a total; join(a, b) must be exact, commutative and associative.
+template <class Total, class Body, class Join>
+Total reduce_all(std::size_t count, const Total& none, const Body& body, const Join& join) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, count, kBlock), none,
+      [&](const auto& range, Total total) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) body(i, total);
+        return total;
+      },
+      join);
+}
+
+}  // namespace vdwmesh
