@@ -1,5 +1,8 @@
 #include "extract/case_table.hpp"
 
+#include <algorithm>
+#include <array>
+
 namespace vdwmesh {
 namespace {
 
@@ -140,22 +143,20 @@ constexpr int half_edge_between(const Triangles& t, int start, int end) {
 }
 
 constexpr void link_half_edges(const Triangles& t, std::size_t inside, CaseTable& table) {
-  table.face_half_edge[inside].fill(kNoHalfEdge);
+  for (std::uint8_t& h : table.face_half_edge[inside]) h = kNoHalfEdge;
   for (int h = 0; h < 3 * t.count; ++h) {
     const int start = t.edges[static_cast<std::size_t>(h)];
     const int end = t.edges[static_cast<std::size_t>(h % 3 == 2 ? h - 2 : h + 1)];
     const int partner = half_edge_between(t, end, start);
     if (partner != kNone) {
-      table.across[inside][static_cast<std::size_t>(h)] = static_cast<std::uint8_t>(partner);
+      table.across[inside][h] = static_cast<std::uint8_t>(partner);
       continue;
     }
     for (int face = 0; face < 6; ++face) {
       const int from = slot_in_face(start, face), to = slot_in_face(end, face);
       if (from == kNone || to == kNone) continue;
-      table.across[inside][static_cast<std::size_t>(h)] =
-          static_cast<std::uint8_t>(kFirstFaceCode + 4 * face + to);
-      table.face_half_edge[inside][static_cast<std::size_t>(4 * face + from)] =
-          static_cast<std::uint8_t>(h);
+      table.across[inside][h] = static_cast<std::uint8_t>(kFirstFaceCode + 4 * face + to);
+      table.face_half_edge[inside][4 * face + from] = static_cast<std::uint8_t>(h);
     }
   }
 }
@@ -165,7 +166,7 @@ constexpr CaseTable make_case_table() {
   for (std::size_t inside = 0; inside < 256; ++inside) {
     const Triangles t = triangles_of(static_cast<int>(inside));
     table.triangle_count[inside] = static_cast<std::uint8_t>(t.count);
-    table.edges[inside] = t.edges;
+    std::copy(t.edges.begin(), t.edges.end(), table.edges[inside]);
     link_half_edges(t, inside, table);
   }
   return table;

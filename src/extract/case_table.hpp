@@ -9,8 +9,9 @@
 // share that edge four times. Triangles wind counter-clockwise seen from outside.
 #pragma once
 
-#include <array>
 #include <cstdint>
+
+#include "core/host_device.hpp"
 
 namespace vdwmesh {
 
@@ -25,13 +26,19 @@ inline constexpr std::uint8_t kFirstFaceCode = 32;
 inline constexpr std::uint8_t kNoHalfEdge = 255;
 
 struct CaseTable {
-  std::array<std::uint8_t, 256> triangle_count;
-  std::array<std::array<std::uint8_t, kCaseHalfEdges>, 256> edges;  // cell edge of each corner
+  std::uint8_t triangle_count[256];
+  std::uint8_t edges[256][kCaseHalfEdges];  // cell edge of each corner
   // The opposite half-edge: one of the same cell (< kCaseHalfEdges), or of the cell across face f,
   // where it starts at slot s: kFirstFaceCode + 4 f + s.
-  std::array<std::array<std::uint8_t, kCaseHalfEdges>, 256> across;
+  std::uint8_t across[256][kCaseHalfEdges];
   // Half-edge in face f that starts at slot s: [case][4 f + s], or kNoHalfEdge.
-  std::array<std::array<std::uint8_t, 24>, 256> face_half_edge;
+  std::uint8_t face_half_edge[256][24];
+
+  VDWMESH_HD std::uint32_t count(std::uint32_t inside) const { return triangle_count[inside]; }
+  VDWMESH_HD int across_code(std::uint32_t inside, int h) const { return across[inside][h]; }
+  VDWMESH_HD std::uint32_t at_face(std::uint32_t inside, int face, int slot) const {
+    return face_half_edge[inside][4 * face + slot];
+  }
 };
 
 const CaseTable& case_table();
@@ -40,7 +47,7 @@ const CaseTable& case_table();
 struct CellEdge {
   std::uint8_t x, y, z, axis;
 };
-constexpr CellEdge cell_edge(int e) {
+VDWMESH_HD constexpr CellEdge cell_edge(int e) {
   const auto low = static_cast<std::uint8_t>(e & 1), high = static_cast<std::uint8_t>(e >> 1 & 1);
   const int axis = e / 4;
   if (axis == 0) return {0, low, high, 0};

@@ -2,6 +2,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -9,6 +10,7 @@
 
 #include "core/multiversion.hpp"
 #include "extract/blended_brick.hpp"
+#include "extract/brick_numbering.hpp"
 #include "extract/brick_search.hpp"
 #include "extract/case_table.hpp"
 #include "extract/extractor.hpp"
@@ -19,15 +21,6 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kBricksPerTask = 32;
-
-// A brick that the surface crosses, after counting.
-struct ActiveBrick {
-  std::uint64_t key;
-  std::uint32_t vertices, triangles, clipped_cells;
-  std::uint16_t row_vertices[kBrickSide * kBrickSide];   // vertices before each row
-  std::uint16_t row_triangles[kBrickSide * kBrickSide];  // triangles before each row of cells
-  BrickSigns signs;
-};
 
 struct Job {
   const CellListView& list;
@@ -43,8 +36,7 @@ struct Bases {
 struct Emission {
   const CellListView& list;
   const FieldModel& model;
-  const std::vector<ActiveBrick>& bricks;
-  const Bases& bases;
+  BrickList bricks;
   IndexedMesh& mesh;
 };
 
@@ -57,17 +49,15 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 void count_triangles(const BrickGeometry& geometry, const CaseTable& table, ActiveBrick& brick) {
   brick.triangles = 0;
   brick.clipped_cells = 0;
-  const std::uint32_t virtual_x = ~(geometry.real[0] & geometry.real[0] >> 1);
   for (int z = 0; z < kBrickSide; ++z) {
-    const bool virtual_z = (geometry.real[2] >> z & 3) != 3;
     for (int y = 0; y < kBrickSide; ++y) {
       brick.row_triangles[z * kBrickSide + y] = static_cast<std::uint16_t>(brick.triangles);
-      const bool virtual_yz = virtual_z || (geometry.real[1] >> y & 3) != 3;
-      for (std::uint32_t cells = mixed_cells(brick.signs, y, z); cells; cells &= cells - 1) {
-        const int x = std::countr_zero(cells);
-        brick.triangles += table.triangle_count[cell_case(brick.signs, x, y, z)];
-        brick.clipped_cells += virtual_yz || (virtual_x >> x & 1) != 0 ? 1u : 0u;
+      const std::uint32_t mixed = mixed_cells(brick.signs, y, z);
+      for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+        brick.triangles += table.count(cell_case(brick.signs, std::countr_zero(cells), y, z));
       }
+      brick.clipped_cells +=
+          static_cast<std::uint32_t>(count_bits(mixed & border_cells(geometry, y, z)));
     }
   }
 }
@@ -104,9 +94,9 @@ void count_bricks(const Job& job, std::size_t begin, std::size_t end,
 
 template <class Surface>
 std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface) {
-  const ActiveBrick& brick = e.bricks[b];
+  const ActiveBrick& brick = e.bricks.bricks[b];
   surface.visit(brick_of_key(brick.key));
-  std::uint64_t next = e.bases.vertices[b], clamped = 0;
+  std::uint64_t next = e.bricks.vertices[b], clamped = 0;
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
       const RowCrossings c = row_crossings(brick.signs, y, z);
@@ -128,112 +118,53 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface) 
   return clamped;
 }
 
-// The brick itself and its neighbours across faces, edges and corners, found when first asked for.
+// Places of the brick's neighbours, each found when first asked for.
 class Neighbourhood {
  public:
-  Neighbourhood(const Emission& e, std::size_t brick) : e_(e), brick_(brick) {
+  Neighbourhood(const BrickList& list, std::uint64_t brick)
+      : list_(list), key_(list.bricks[brick].key) {
     found_.fill(kNotSought);
-    found_[place_of(0, 0, 0)] = brick;
+    found_[neighbour_slot(0, 0, 0)] = brick;
   }
 
-  // Place in the list of the brick `offset` bricks away, each -1, 0 or 1. Bounds are conservative:
-  // a brick that owns a vertex or a triangle is in the list.
-  std::size_t operator()(int dx, int dy, int dz) {
-    std::size_t& found = found_[place_of(dx, dy, dz)];
-    if (found == kNotSought) found = search(dx, dy, dz);
+  std::uint64_t operator()(int slot) {
+    std::uint64_t& found = found_[static_cast<std::size_t>(slot)];
+    if (found == kNotSought) found = find_neighbour(list_, key_, slot);
     return found;
   }
 
  private:
-  static constexpr std::size_t kNotSought = ~std::size_t{0};
-  static std::size_t place_of(int dx, int dy, int dz) {
-    return static_cast<std::size_t>((dz + 1) * 9 + (dy + 1) * 3 + dx + 1);
-  }
-
-  std::size_t search(int dx, int dy, int dz) const {
-    const BrickIndex own = brick_of_key(e_.bricks[brick_].key);
-    const std::uint64_t key = brick_key({own.x + dx, own.y + dy, own.z + dz});
-    const auto place =
-        std::lower_bound(e_.bricks.begin(), e_.bricks.end(), key,
-                         [](const ActiveBrick& brick, std::uint64_t k) { return brick.key < k; });
-    return static_cast<std::size_t>(place - e_.bricks.begin());
-  }
-
-  const Emission& e_;
-  std::size_t brick_;
-  std::array<std::size_t, 27> found_;
+  static constexpr std::uint64_t kNotSought = ~std::uint64_t{0};
+  const BrickList& list_;
+  std::uint64_t key_;
+  std::array<std::uint64_t, kNeighbours> found_;
 };
 
-// A node or cell of a brick or of one of its neighbours, as that brick numbers it.
-struct Located {
-  std::size_t brick;
-  int x, y, z;
-};
-
-Located locate(Neighbourhood& near, int x, int y, int z) {
-  return {near(x >> 3, y >> 3, z >> 3), x & 7, y & 7, z & 7};
-}
-
-std::uint32_t vertex_number(const Emission& e, const Located& node, int axis) {
-  const ActiveBrick& owner = e.bricks[node.brick];
-  const int place = owner.row_vertices[node.z * kBrickSide + node.y] +
-                    place_in_row(row_crossings(owner.signs, node.y, node.z), node.x, axis);
-  return static_cast<std::uint32_t>(e.bases.vertices[node.brick] +
-                                    static_cast<std::uint64_t>(place));
-}
-
-// First half-edge of a cell.
-std::uint64_t first_half_edge(const Emission& e, const Located& cell) {
-  const ActiveBrick& owner = e.bricks[cell.brick];
-  std::uint64_t triangle =
-      e.bases.triangles[cell.brick] + owner.row_triangles[cell.z * kBrickSide + cell.y];
-  const std::uint32_t before = mixed_cells(owner.signs, cell.y, cell.z) & ((1u << cell.x) - 1);
-  for (std::uint32_t cells = before; cells != 0; cells &= cells - 1) {
-    triangle +=
-        case_table()
-            .triangle_count[cell_case(owner.signs, std::countr_zero(cells), cell.y, cell.z)];
-  }
-  return 3 * triangle;
-}
-
-void emit_opposites(const Emission& e, Neighbourhood& near, std::uint64_t first, int x, int y,
-                    int z, std::uint32_t inside) {
+void emit_cell(const Emission& e, Neighbourhood& near, std::uint64_t first, int x, int y, int z,
+               std::uint32_t inside) {
   const CaseTable& table = case_table();
-  for (std::size_t h = 0; h < 3u * table.triangle_count[inside]; ++h) {
-    const std::uint8_t code = table.across[inside][h];
-    std::uint64_t opposite = first + code;
-    if (code >= kFirstFaceCode) {
-      const int face = (code - kFirstFaceCode) / 4, slot = (code - kFirstFaceCode) % 4;
-      int cell[3] = {x, y, z};
-      cell[face / 2] += face % 2 == 0 ? -1 : 1;
-      const Located c = locate(near, cell[0], cell[1], cell[2]);
-      const std::uint32_t beyond = cell_case(e.bricks[c.brick].signs, c.x, c.y, c.z);
-      opposite = first_half_edge(e, c) +
-                 table.face_half_edge[beyond][static_cast<std::size_t>(4 * (face ^ 1) + slot)];
-    }
-    e.mesh.opposite[first + h] = static_cast<std::uint32_t>(opposite);
+  for (std::uint32_t h = 0; h < 3 * table.count(inside); ++h) {
+    const CellEdge edge = cell_edge(table.edges[inside][h]);
+    const std::uint64_t half_edge = first + h;
+    e.mesh.triangles[half_edge / 3][half_edge % 3] =
+        vertex_number(e.bricks, locate(near, x + edge.x, y + edge.y, z + edge.z), edge.axis);
+    if (e.mesh.opposite.empty()) continue;
+    e.mesh.opposite[half_edge] =
+        opposite_half_edge(e.bricks, table, near, first, x, y, z, inside, static_cast<int>(h));
   }
 }
 
 void emit_triangles(const Emission& e, std::size_t b) {
-  const BrickSigns& signs = e.bricks[b].signs;
-  const CaseTable& table = case_table();
-  Neighbourhood near(e, b);
-  std::uint64_t next = e.bases.triangles[b];
+  const BrickSigns& signs = e.bricks.bricks[b].signs;
+  Neighbourhood near(e.bricks, b);
+  std::uint64_t next = 3 * e.bricks.triangles[b];
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
       for (std::uint32_t cells = mixed_cells(signs, y, z); cells != 0; cells &= cells - 1) {
         const int x = std::countr_zero(cells);
         const std::uint32_t inside = cell_case(signs, x, y, z);
-        if (!e.mesh.opposite.empty()) emit_opposites(e, near, 3 * next, x, y, z, inside);
-        for (std::size_t t = 0; t < table.triangle_count[inside]; ++t) {
-          Triangle& triangle = e.mesh.triangles[next++];
-          for (std::size_t k = 0; k < 3; ++k) {
-            const CellEdge edge = cell_edge(table.edges[inside][3 * t + k]);
-            triangle[k] =
-                vertex_number(e, locate(near, x + edge.x, y + edge.y, z + edge.z), edge.axis);
-          }
-        }
+        emit_cell(e, near, next, x, y, z, inside);
+        next += 3 * case_table().count(inside);
       }
     }
   }
@@ -397,7 +328,9 @@ class CpuExtractor final : public Extractor {
     if (options.connectivity == Connectivity::half_edges) {
       mesh.opposite.resize(3 * bases.triangles.back());
     }
-    const Emission emission{list.view(), model, bricks, bases, mesh};
+    const BrickList numbered{bricks.data(), bases.vertices.data(), bases.triangles.data(),
+                             bricks.size()};
+    const Emission emission{list.view(), model, numbered, mesh};
     std::vector<std::uint64_t> clamped(task_count(bricks.size()));
     begin_stage(options.monitor, "extract", bricks.size());
     for_tasks(bricks.size(), options.monitor, [&](std::size_t task, std::size_t a, std::size_t b) {

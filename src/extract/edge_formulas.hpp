@@ -14,7 +14,7 @@ inline constexpr double kEdgeMargin = 1.0 / (1 << 20);
 
 struct EdgePoint {
   double distance;      // from the inside node along the edge, Å
-  std::uint32_t owner;  // union of balls: candidate whose interval ends there
+  std::uint32_t owner;  // union of balls: index of the ball whose interval ends there
   bool clamped;
 };
 
@@ -53,35 +53,40 @@ VDWMESH_HD inline Interval cover(const Sphere& ball, const Vec3d& node, int axis
 }
 
 // Union of balls: the first exit from the union seen from the inside node. Intervals are merged
-// from the node outwards; the balls that hold the node (same predicate as its sign) begin the run.
-// Where several end it exactly, the lowest rank owns. `ball(k)` and `rank(k)` give candidate k.
-template <class Ball, class Rank>
+// from the node outwards; the balls that hold the node (same predicate as its sign) begin the run,
+// and balls that reach the edge within its length extend it. Where several end it exactly, the
+// lowest rank owns. for_each(visit) calls visit(ball, rank, index) for any superset of the balls
+// that touch the edge: further ones change nothing.
+template <class ForEach>
 VDWMESH_HD EdgePoint first_exit(const Vec3d& node, int axis, double direction, double spacing,
-                                std::uint32_t candidates, Ball&& ball, Rank&& rank) {
+                                ForEach&& for_each) {
   double reach = 0;
-  for (std::uint32_t k = 0; k < candidates; ++k) {
-    if (!inside_ball(node, ball(k))) continue;
-    const Interval i = cover(ball(k), node, axis, direction);
+  for_each([&](const Sphere& ball, std::uint32_t, std::uint32_t) {
+    if (!inside_ball(node, ball)) return;
+    const Interval i = cover(ball, node, axis, direction);
     if (!i.empty && i.exit > reach) reach = i.exit;
-  }
+  });
   for (bool grown = true; grown;) {
     grown = false;
-    for (std::uint32_t k = 0; k < candidates; ++k) {
-      const Interval i = cover(ball(k), node, axis, direction);
-      if (i.empty || i.enter > reach || i.exit <= reach) continue;
+    for_each([&](const Sphere& ball, std::uint32_t, std::uint32_t) {
+      const Interval i = cover(ball, node, axis, direction);
+      if (i.empty || i.enter > reach || i.enter > spacing || i.exit <= reach) return;
       reach = i.exit;
       grown = true;
-    }
+    });
   }
-  std::uint32_t owner = candidates;
-  for (std::uint32_t k = 0; k < candidates; ++k) {
-    const Interval i = cover(ball(k), node, axis, direction);
-    const bool ends_here = !i.empty && i.exit == reach;
-    // reach = 0 where rounding ends every interval before the node that its ball holds.
-    const bool holds_node = reach == 0 && inside_ball(node, ball(k));
-    if (!ends_here && !holds_node) continue;
-    if (owner == candidates || rank(k) < rank(owner)) owner = k;
-  }
+  bool owned = false;
+  std::uint32_t owner = 0, owner_rank = 0;
+  for_each([&](const Sphere& ball, std::uint32_t rank, std::uint32_t index) {
+    const Interval i = cover(ball, node, axis, direction);
+    const bool ends_here = !i.empty && i.exit == reach && !(i.enter > spacing);
+    // reach is 0 where rounding ends every interval before the node that its ball holds.
+    if (!ends_here && !(reach == 0 && inside_ball(node, ball))) return;
+    if (owned && rank > owner_rank) return;
+    owned = true;
+    owner = index;
+    owner_rank = rank;
+  });
   return clamp_to_edge(reach, spacing, owner);
 }
 

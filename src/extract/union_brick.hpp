@@ -90,11 +90,12 @@ inline void UnionBrick::signs(BrickSigns& signs) const {
 
 inline SurfaceVertex UnionBrick::vertex(const CrossedEdge& edge) const {
   const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
-  const EdgePoint exit = first_exit(
-      node, edge.axis, edge.direction, grid_.spacing,
-      static_cast<std::uint32_t>(candidates_.size()),
-      [&](std::uint32_t k) -> const Sphere& { return candidates_[k].ball; },
-      [&](std::uint32_t k) { return candidates_[k].rank; });
+  const EdgePoint exit =
+      first_exit(node, edge.axis, edge.direction, grid_.spacing, [&](auto&& visit) {
+        for (std::uint32_t k = 0; k < candidates_.size(); ++k) {
+          visit(candidates_[k].ball, candidates_[k].rank, k);
+        }
+      });
   const Candidate& owner = candidates_[exit.owner];
   Vec3d p = node;
   p[edge.axis] = std::fma(edge.direction, exit.distance, node[edge.axis]);

@@ -1,0 +1,120 @@
+// From counted bricks to numbers: which vertex a grid edge carries, which half-edges a cell has.
+// Host and device.
+#pragma once
+
+#include <cstdint>
+
+#include "core/host_device.hpp"
+#include "extract/brick.hpp"
+#include "extract/brick_geometry.hpp"
+#include "extract/case_table.hpp"
+
+namespace vdwmesh {
+
+// A brick after counting.
+struct ActiveBrick {
+  std::uint64_t key;
+  std::uint32_t vertices, triangles, clipped_cells;
+  std::uint16_t row_vertices[kBrickSide * kBrickSide];   // vertices before each row of nodes
+  std::uint16_t row_triangles[kBrickSide * kBrickSide];  // triangles before each row of cells
+  BrickSigns signs;
+};
+
+// Bricks by rising key, and the vertices and triangles before each.
+struct BrickList {
+  const ActiveBrick* bricks;
+  const std::uint64_t* vertices;
+  const std::uint64_t* triangles;
+  std::uint64_t size;
+};
+
+// Place of the first brick whose key is not below `key`. Bounds are conservative, so a brick that
+// owns a vertex or a triangle is in the list.
+VDWMESH_HD inline std::uint64_t find_brick(const BrickList& list, std::uint64_t key) {
+  std::uint64_t low = 0, high = list.size;
+  while (low < high) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    if (list.bricks[middle].key < key) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
+// A brick and its 26 neighbours.
+inline constexpr int kNeighbours = 27;
+VDWMESH_HD constexpr int neighbour_slot(int dx, int dy, int dz) {
+  return (dz + 1) * 9 + (dy + 1) * 3 + dx + 1;
+}
+
+VDWMESH_HD inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, int slot) {
+  const BrickIndex own = brick_of_key(key);
+  const BrickIndex b{own.x + slot % 3 - 1, own.y + slot / 3 % 3 - 1, own.z + slot / 9 - 1};
+  return find_brick(list, brick_key(b));
+}
+
+// A node or cell of a brick or of one of its neighbours, as that brick numbers it.
+struct Located {
+  std::uint64_t brick;
+  int x, y, z;
+};
+
+// `neighbour(slot)` gives the place of a neighbouring brick; coordinates are those of the brick in
+// the middle, -1 to 8.
+template <class Neighbour>
+VDWMESH_HD Located locate(Neighbour&& neighbour, int x, int y, int z) {
+  return {neighbour(neighbour_slot(x >> 3, y >> 3, z >> 3)), x & 7, y & 7, z & 7};
+}
+
+VDWMESH_HD inline std::uint32_t vertex_number(const BrickList& list, const Located& node,
+                                              int axis) {
+  const ActiveBrick& owner = list.bricks[node.brick];
+  const int place = owner.row_vertices[node.z * kBrickSide + node.y] +
+                    place_in_row(row_crossings(owner.signs, node.y, node.z), node.x, axis);
+  return static_cast<std::uint32_t>(list.vertices[node.brick] + static_cast<std::uint64_t>(place));
+}
+
+// Triangles of a row of cells before cell x.
+VDWMESH_HD inline std::uint32_t triangles_before(const BrickSigns& signs, const CaseTable& table,
+                                                 int x, int y, int z) {
+  std::uint32_t triangles = 0;
+  const std::uint32_t mixed = mixed_cells(signs, y, z);
+  for (int before = 0; before < x; ++before) {
+    if (mixed >> before & 1) triangles += table.count(cell_case(signs, before, y, z));
+  }
+  return triangles;
+}
+
+VDWMESH_HD inline std::uint64_t first_half_edge(const BrickList& list, const CaseTable& table,
+                                                const Located& cell) {
+  const ActiveBrick& owner = list.bricks[cell.brick];
+  return 3 * (list.triangles[cell.brick] + owner.row_triangles[cell.z * kBrickSide + cell.y] +
+              triangles_before(owner.signs, table, cell.x, cell.y, cell.z));
+}
+
+// The half-edge opposite to half-edge h of the cell (x, y, z), whose half-edges begin at `first`.
+template <class Neighbour>
+VDWMESH_HD std::uint32_t opposite_half_edge(const BrickList& list, const CaseTable& table,
+                                            Neighbour&& neighbour, std::uint64_t first, int x,
+                                            int y, int z, std::uint32_t inside, int h) {
+  const int code = table.across_code(inside, h);
+  if (code < kFirstFaceCode) return static_cast<std::uint32_t>(first + static_cast<unsigned>(code));
+  const int face = (code - kFirstFaceCode) / 4, slot = (code - kFirstFaceCode) % 4;
+  const int step = face % 2 == 0 ? -1 : 1, axis = face / 2;
+  const Located cell = locate(neighbour, x + (axis == 0 ? step : 0), y + (axis == 1 ? step : 0),
+                              z + (axis == 2 ? step : 0));
+  const std::uint32_t beyond = cell_case(list.bricks[cell.brick].signs, cell.x, cell.y, cell.z);
+  return static_cast<std::uint32_t>(first_half_edge(list, table, cell) +
+                                    table.at_face(beyond, face ^ 1, slot));
+}
+
+// Cells of a row x = 0 .. 7 that have a virtual corner.
+VDWMESH_HD inline std::uint32_t border_cells(const BrickGeometry& g, int y, int z) {
+  const bool border_row = (g.real[1] >> y & 3) != 3 || (g.real[2] >> z & 3) != 3;
+  const std::uint32_t own = (1u << kBrickSide) - 1;
+  return border_row ? own : ~(g.real[0] & static_cast<std::uint32_t>(g.real[0]) >> 1) & own;
+}
+
+}  // namespace vdwmesh
