@@ -80,7 +80,7 @@ bool in_sub_grid(const FieldOracle& field, const Point& center, const Point& p) 
   return true;
 }
 
-Radial contribution(const FieldOracle& field, const Ball& ball, const Point& p) {
+Radial radial_part(const FieldOracle& field, const Ball& ball, const Point& p) {
   const double d = distance(ball.center, p);
   if (field.preset == Preset::radius_aware) return radius_aware(field, ball.radius, d);
   if (!in_sub_grid(field, ball.center, p)) return {0, 0};
@@ -99,13 +99,17 @@ double default_isovalue(const FieldOracle& field) {
 FieldSample sample_field(const FieldOracle& field, const std::vector<Ball>& balls, const Point& p) {
   FieldSample sum{0, {0, 0, 0}};
   for (const Ball& ball : balls) {
-    const Radial f = contribution(field, ball, p);
+    const Radial f = radial_part(field, ball, p);
     const Point r = p - ball.center;
     const double d = length(r);
     sum.value += f.value;
     if (d > 0) sum.gradient = sum.gradient + (f.derivative / d) * r;
   }
   return sum;
+}
+
+double contribution(const FieldOracle& field, const Ball& ball, const Point& p) {
+  return radial_part(field, ball, p).value;
 }
 
 UnionSample sample_union(const std::vector<Ball>& balls, const Point& p) {

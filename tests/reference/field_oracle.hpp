@@ -35,6 +35,9 @@ struct FieldSample {
 // thesis-vdw is defined for inverse squared only.
 FieldSample sample_field(const FieldOracle& field, const std::vector<Ball>& balls, const Point& p);
 
+// What one ball adds to it.
+double contribution(const FieldOracle& field, const Ball& ball, const Point& p);
+
 struct UnionSample {
   double signed_distance;  // min over the balls of d - r; negative inside. Å
   std::size_t nearest;     // the first ball that attains it
