@@ -1,0 +1,35 @@
+// The union of balls without a triangulation: each sphere by itself, from its neighbours.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "arrangement/exact_union.hpp"
+#include "core/monitor.hpp"
+#include "extract/sphere_set.hpp"
+
+namespace vdwmesh {
+
+struct ArcMeasures {
+  double area, volume;  // Å², Å³; sums of per_sphere, carried in a wide accumulator
+  // In the order of the SphereSet: exposed area, and volume of ball ∩ power cell. Both depend on
+  // the sphere and its neighbours alone, not on the origin.
+  std::vector<SphereMeasures> per_sphere;
+  // Spheres whose numbers are not to be trusted, ascending: they failed a check (Gauss-Bonnet on
+  // the exposed patch; closedness of ball ∩ power cell) or are near-degenerate (circles all but
+  // tangent or equal, more than two circles through an exposed point, all but vanishing arcs).
+  // per_sphere still holds what was found, and the sums count it.
+  std::vector<SphereId> suspect;
+};
+
+// The same result, bit for bit, for any number of threads. Of exact duplicates the lowest index
+// owns area and volume; buried spheres have area 0. Memory beside the result: a cell list, and for
+// each thread a workspace that grows with the largest number of neighbours of one sphere.
+// Throws InvalidInput for an empty set, Cancelled.
+ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor = nullptr);
+
+// Sums of area and volume over the spheres, in order, in a wide accumulator: for a caller who
+// replaces measures of suspect spheres.
+SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere);
+
+}  // namespace vdwmesh
