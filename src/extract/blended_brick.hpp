@@ -117,7 +117,7 @@ SurfaceVertex BlendedBrick<kind>::vertex(const CrossedEdge& edge) const {
   const Vec3f local = cast<float>(p - geometry_.node(0, 0, 0));
   LocalGradient g;
   for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
-    add_gradient<kind>(shape_, atoms_[k], local, spacing_, list_.rank[places_[k]], k, g);
+    add_gradient<kind>(shape_, atoms_[k], edge.inside, local, list_.rank[places_[k]], k, g);
   }
   Vec3d outward{0, 0, 0};
   outward[edge.axis] = edge.direction;

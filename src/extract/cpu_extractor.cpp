@@ -1,12 +1,9 @@
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <chrono>
-#include <cmath>
-#include <iterator>
 
 #include "core/multiversion.hpp"
 #include "extract/blended_brick.hpp"
@@ -15,6 +12,7 @@
 #include "extract/case_table.hpp"
 #include "extract/extractor.hpp"
 #include "extract/field_sample.hpp"
+#include "extract/limits.hpp"
 #include "extract/union_brick.hpp"
 
 namespace vdwmesh {
@@ -274,31 +272,6 @@ Bases sum_up(const Active& bricks) {
   return bases;
 }
 
-void check_limits(const Active& bricks, std::uint64_t vertices, std::uint64_t triangles,
-                  const ExtractOptions& options) {
-  if (vertices > kMaxVertices) {
-    throw LimitExceeded(fmt::format(
-        "{} vertices; a mesh holds at most {}: choose a spacing of at least {:.3g} Å", vertices,
-        kMaxVertices,
-        options.grid.spacing * std::sqrt(static_cast<double>(vertices) / kMaxVertices) * 1.01));
-  }
-  if (options.connectivity == Connectivity::half_edges && 3 * triangles > kMaxHalfEdges) {
-    throw LimitExceeded(fmt::format("{} triangles; half-edges of at most {} can be numbered",
-                                    triangles, kMaxHalfEdges / 3));
-  }
-  const std::uint64_t need = indexed_mesh_bytes(vertices, triangles, options.connectivity) +
-                             bricks.size() * (sizeof(ActiveBrick) + 16);
-  if (need > options.memory_limit) {
-    throw LimitExceeded(fmt::format(
-        "{} vertices and {} triangles need {} bytes, {} are allowed: choose a spacing of at least "
-        "{:.3g} Å or a higher memory limit",
-        vertices, triangles, need, options.memory_limit,
-        options.grid.spacing *
-            std::sqrt(static_cast<double>(need) / static_cast<double>(options.memory_limit)) *
-            1.02));
-  }
-}
-
 class CpuExtractor final : public Extractor {
  public:
   ExtractResult extract(const SphereSet& spheres, const ExtractOptions& options) const override {
@@ -316,7 +289,9 @@ class CpuExtractor final : public Extractor {
     const Bases bases = sum_up(bricks);
     result.stats.surface_bricks = bricks.size();
     for (const ActiveBrick& brick : bricks) result.stats.grid_clipped += brick.clipped_cells;
-    check_limits(bricks, bases.vertices.back(), bases.triangles.back(), options);
+    check_mesh_limits({bases.vertices.back(), bases.triangles.back(), options.connectivity,
+                       bricks.size() * (sizeof(ActiveBrick) + 16), result.grid.spacing},
+                      options.memory_limit);
     result.stats.field_seconds = seconds_since(start);
 
     start = std::chrono::steady_clock::now();

@@ -92,18 +92,6 @@ FieldModel make_field_model(const FieldOptions& options, const GridSpec& grid) {
   return m;
 }
 
-double field_reach(const FieldModel& m, double radius) {
-  // Slack for float32 coordinates: an atom left out of a brick's list adds exactly 0 in any brick.
-  const double slack = 1e-4 * radius + 1e-5 * m.grid.spacing;
-  if (m.kind == FieldKind::vdw) return radius;
-  if (m.truncation == Truncation::subgrid) {
-    const double box = (m.subgrid_cells + 1) * m.grid.spacing;
-    return m.kind == FieldKind::soft_object ? std::min(box, 1 / std::sqrt(m.uniform_scale)) + slack
-                                            : box + slack;
-  }
-  return (m.kind == FieldKind::soft_object ? 2.0 : 2.5) * radius + slack;
-}
-
 CellList make_field_list(const SphereSet& spheres, const FieldModel& model) {
   std::vector<double> reach(spheres.size());
   for (std::size_t i = 0; i < reach.size(); ++i) reach[i] = field_reach(model, spheres[i].radius);

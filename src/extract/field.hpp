@@ -54,10 +54,6 @@ struct FieldModel {
 // them with FieldKind::vdw, and for a thesis preset with FieldKind::vdw.
 FieldModel make_field_model(const FieldOptions& options, const GridSpec& grid);
 
-// How far from its centre the sphere matters: its radius for vdw, else where f_i ends (along an
-// axis, for a sub-grid). Å.
-double field_reach(const FieldModel& model, double radius);
-
 // The grid the preset asks for, where the caller leaves spacing, padding or both unset. Å.
 GridOptions preset_grid(FieldPreset preset, std::optional<double> spacing,
                         std::optional<double> padding);

@@ -35,6 +35,21 @@ VDWMESH_HD inline double field_reach_square(const FieldModel& m, double scale) {
   return m.inverse_cutoff > 0 ? 1 / (m.inverse_cutoff * scale) : 1e30;
 }
 
+// How far from its centre the sphere matters: its radius for vdw, else where f_i ends (along an
+// axis, for a sub-grid). Å. The slack is for float32 coordinates: an atom that a brick's list
+// leaves out adds exactly 0 there, whichever brick computes the node.
+VDWMESH_HD inline double field_reach(const FieldModel& m, double radius) {
+  const double slack = 1e-4 * radius + 1e-5 * m.grid.spacing;
+  if (m.kind == FieldKind::vdw) return radius;
+  if (m.truncation == Truncation::window) {
+    return (m.kind == FieldKind::soft_object ? 2.0 : 2.5) * radius + slack;
+  }
+  const double box = (m.subgrid_cells + 1) * m.grid.spacing;
+  if (m.kind != FieldKind::soft_object) return box + slack;
+  const double reach = 1 / std::sqrt(m.uniform_scale);
+  return (reach < box ? reach : box) + slack;
+}
+
 // window_scale * (1 - q * inverse_cutoff), not below 0: the square root of w(q).
 template <class T>
 VDWMESH_HD inline T window_root(const ShapeParameters<T>& p, T q) {

@@ -68,7 +68,8 @@ VDWMESH_HD inline float node_value(const ShapeParameters<float>& shape, const Lo
   return shape_value<kind>(shape, std::fma(dx, dx, std::fma(dy, dy, dz * dz)), a.scale);
 }
 
-// Gradient of the field at a point, and the atom that contributes most (lowest rank among equals).
+// Gradient of the field at a vertex, and the atom that contributes most (lowest rank among equals).
+// Sub-grids count as at the inside node of the vertex's edge: some atom always does.
 struct LocalGradient {
   Vec3d sum{0, 0, 0};
   float largest = -1;
@@ -78,13 +79,11 @@ struct LocalGradient {
 
 template <FieldKind kind>
 VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const LocalAtom& a,
-                                    const Vec3f& local, float spacing, std::uint32_t rank,
+                                    const int inside[3], const Vec3f& local, std::uint32_t rank,
                                     std::uint32_t atom, LocalGradient& g) {
   Vec3f d{};
   for (int axis = 0; axis < 3; ++axis) {
-    const float units = local[axis] / spacing;
-    if (a.low[axis] > 0 && units < static_cast<float>(a.low[axis])) return;
-    if (a.high[axis] < kBrickSide && units > static_cast<float>(a.high[axis])) return;
+    if (!a.reaches(axis, inside[axis])) return;
     d[axis] = local[axis] - a.center[axis];
   }
   const float d2 = std::fma(d.x, d.x, std::fma(d.y, d.y, d.z * d.z));

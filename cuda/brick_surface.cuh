@@ -1,0 +1,192 @@
+// The fields seen from one brick by a block of threads: node signs from chunks of gathered spheres,
+// and the vertex on an edge. The device counterparts of UnionBrick and BlendedBrick.
+#pragma once
+
+#include "cuda/ordered_gather.cuh"
+#include "extract/block_bounds.hpp"
+#include "extract/brick_geometry.hpp"
+#include "extract/edge_formulas.hpp"
+#include "extract/field_sample.hpp"
+#include "extract/local_atom.hpp"
+#include "extract/surface_vertex.hpp"
+
+namespace vdwmesh {
+
+inline constexpr std::uint32_t kChunk = 128;  // spheres in shared memory at a time
+
+struct FieldContext {
+  CellListView list;
+  FieldModel model;
+};
+
+// Squared distance from a point to the box of a brick's nodes.
+__device__ inline double square_to_brick(const BrickGeometry& g, const Vec3d& c) {
+  double d2 = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double below = g.coordinate[axis][0] - c[axis];
+    const double above = c[axis] - g.coordinate[axis][kBrickSide];
+    const double d = below > 0 ? below : (above > 0 ? above : 0);
+    d2 += d * d;
+  }
+  return d2;
+}
+
+// Union of balls.
+struct UnionSurface {
+  struct Item {
+    Sphere ball;
+    std::uint32_t rank, place;
+  };
+
+  __device__ static bool keep(const FieldContext& f, const BrickGeometry& g, std::uint32_t place) {
+    const Sphere& ball = f.list.spheres[place];
+    return square_to_brick(g, ball.center) <= ball.radius * ball.radius * (1 + 1e-12);
+  }
+
+  __device__ static Item item(const FieldContext& f, const BrickGeometry&, std::uint32_t place) {
+    return {f.list.spheres[place], f.list.rank[place], place};
+  }
+
+  // What a thread carries from chunk to chunk for its row of nodes.
+  struct RowState {
+    std::uint32_t inside = 0;
+  };
+
+  __device__ static void add_row(const FieldContext&, const BrickGeometry& g, const Item* items,
+                                 std::uint32_t count, int y, int z, RowState& row) {
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const Sphere& ball = items[k].ball;
+      const double r2 = ball.radius * ball.radius;
+      const double dy = g.coordinate[1][y] - ball.center.y, dz = g.coordinate[2][z] - ball.center.z;
+      const double dyz2 = std::fma(dy, dy, dz * dz);
+      if (dyz2 > r2) continue;
+      for (int x = 0; x < kBrickReach; ++x) {
+        const double dx = g.coordinate[0][x] - ball.center.x;
+        row.inside |= std::fma(dx, dx, dyz2) <= r2 ? 1u << x : 0u;
+      }
+    }
+  }
+
+  __device__ static std::uint32_t row_signs(const FieldContext&, const RowState& row) {
+    return row.inside;
+  }
+
+  // `items` are all spheres near the brick; null when they do not fit, then the list is searched.
+  __device__ static SurfaceVertex vertex(const FieldContext& f, const BrickGeometry& g,
+                                         const Item* items, std::uint32_t count,
+                                         const CrossedEdge& edge) {
+    const Vec3d node = g.node(edge.inside[0], edge.inside[1], edge.inside[2]);
+    const Vec3d far = g.node(edge.outside[0], edge.outside[1], edge.outside[2]);
+    const Vec3d& lower = edge.direction > 0 ? node : far;
+    const Vec3d& upper = edge.direction > 0 ? far : node;
+    const auto for_each = [&](auto&& visit) {
+      if (items) {
+        for (std::uint32_t k = 0; k < count; ++k)
+          visit(items[k].ball, items[k].rank, items[k].place);
+      } else {
+        visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
+          visit(f.list.spheres[place], f.list.rank[place], place);
+          return false;
+        });
+      }
+    };
+    const EdgePoint exit =
+        first_exit(node, edge.axis, edge.direction, f.model.grid.spacing, for_each);
+    Vec3d p = node, outward{0, 0, 0};
+    p[edge.axis] = std::fma(edge.direction, exit.distance, node[edge.axis]);
+    outward[edge.axis] = edge.direction;
+    return {p, unit_or(p - f.list.spheres[exit.owner].center, outward), f.list.id[exit.owner],
+            exit.clamped};
+  }
+};
+
+// Blended fields.
+template <FieldKind kind>
+struct BlendedSurface {
+  struct Item {
+    LocalAtom atom;
+    std::uint32_t rank, place;
+  };
+
+  // What is left out adds exactly 0 to every node.
+  __device__ static bool keep(const FieldContext& f, const BrickGeometry& g, std::uint32_t place) {
+    const Sphere& atom = f.list.spheres[place];
+    const double reach = field_reach(f.model, atom.radius);
+    return f.model.truncation == Truncation::subgrid ||
+           square_to_brick(g, atom.center) <= reach * reach;
+  }
+
+  __device__ static Item item(const FieldContext& f, const BrickGeometry& g, std::uint32_t place) {
+    return {local_atom(f.model, g, f.list.spheres[place]), f.list.rank[place], place};
+  }
+
+  struct RowState {
+    float value[kBrickReach] = {};
+  };
+
+  __device__ static void add_row(const FieldContext& f, const BrickGeometry&, const Item* items,
+                                 std::uint32_t count, int y, int z, RowState& row) {
+    const ShapeParameters<float> shape = shape_parameters<float>(f.model);
+    const float spacing = static_cast<float>(f.model.grid.spacing);
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const LocalAtom& atom = items[k].atom;
+      if (!atom.reaches(1, y) || !atom.reaches(2, z)) continue;
+      const float dy = node_offset(atom, 1, y, spacing), dz = node_offset(atom, 2, z, spacing);
+      const float dyz2 = std::fma(dy, dy, dz * dz);
+      if (dyz2 > atom.reach_square) continue;
+      for (int x = 0; x < kBrickReach; ++x) {
+        const float dx = node_offset(atom, 0, x, spacing);
+        const float value = shape_value<kind>(shape, std::fma(dx, dx, dyz2), atom.scale);
+        row.value[x] += atom.reaches(0, x) ? value : 0.0f;
+      }
+    }
+  }
+
+  __device__ static std::uint32_t row_signs(const FieldContext& f, const RowState& row) {
+    const float isovalue = static_cast<float>(f.model.isovalue);
+    std::uint32_t inside = 0;
+    for (int x = 0; x < kBrickReach; ++x) inside |= row.value[x] >= isovalue ? 1u << x : 0u;
+    return inside;
+  }
+
+  template <class Visit>
+  __device__ static void for_each(const FieldContext& f, const BrickGeometry& g, const Item* items,
+                                  std::uint32_t count, Visit&& visit) {
+    if (items) {
+      for (std::uint32_t k = 0; k < count; ++k) visit(items[k]);
+      return;
+    }
+    visit_near_box(f.list, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide),
+                   [&](std::uint32_t place) {
+                     if (keep(f, g, place)) visit(item(f, g, place));
+                     return false;
+                   });
+  }
+
+  __device__ static SurfaceVertex vertex(const FieldContext& f, const BrickGeometry& g,
+                                         const Item* items, std::uint32_t count,
+                                         const CrossedEdge& edge) {
+    const ShapeParameters<float> shape = shape_parameters<float>(f.model);
+    const float spacing = static_cast<float>(f.model.grid.spacing);
+    float inside = 0, outside = 0;
+    for_each(f, g, items, count, [&](const Item& i) {
+      inside += node_value<kind>(shape, i.atom, edge.inside, spacing);
+      outside += node_value<kind>(shape, i.atom, edge.outside, spacing);
+    });
+    const EdgePoint point = interpolate_edge(inside, outside, static_cast<float>(f.model.isovalue),
+                                             f.model.grid.spacing);
+    const Vec3d node = g.node(edge.inside[0], edge.inside[1], edge.inside[2]);
+    Vec3d p = node, outward{0, 0, 0};
+    p[edge.axis] = std::fma(edge.direction, point.distance, node[edge.axis]);
+    outward[edge.axis] = edge.direction;
+    const Vec3f local = cast<float>(p - g.node(0, 0, 0));
+    LocalGradient gradient;
+    for_each(f, g, items, count, [&](const Item& i) {
+      add_gradient<kind>(shape, i.atom, edge.inside, local, i.rank, i.place, gradient);
+    });
+    const Vec3d fall{-gradient.sum.x, -gradient.sum.y, -gradient.sum.z};
+    return {p, unit_or(fall, outward), f.list.id[gradient.atom], point.clamped};
+  }
+};
+
+}  // namespace vdwmesh

@@ -1,0 +1,78 @@
+// The library's arrays as they stand in device memory.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "cuda/device_memory.cuh"
+#include "extract/brick_numbering.hpp"
+#include "extract/cell_list.hpp"
+#include "extract/extractor.hpp"
+#include "extract/field.hpp"
+
+namespace vdwmesh {
+
+// A CellList copied to the device, same order, same numbers.
+class DeviceCellList {
+ public:
+  DeviceCellList(const CellListView& host, cudaStream_t stream);
+  const CellListView& view() const { return view_; }
+
+ private:
+  DeviceArray<Sphere> spheres_;
+  DeviceArray<std::uint32_t> rank_;
+  DeviceArray<SphereId> id_;
+  std::vector<DeviceArray<std::uint32_t>> cell_start_;
+  CellListView view_{};
+};
+
+// std::array is an aggregate of the plain array; kernels use these names.
+struct DeviceMeshView {
+  Vec3d* positions;
+  Vec3f* normals;
+  VertexSpheres* vertex_spheres;
+  std::uint32_t* corners;   // 3 per triangle
+  std::uint32_t* opposite;  // 3 per triangle
+  std::uint64_t vertices, triangles;
+};
+
+// An IndexedMesh in device memory, half-edges included.
+struct DeviceMesh {
+  DeviceArray<Vec3d> positions;
+  DeviceArray<Vec3f> normals;
+  DeviceArray<VertexSpheres> vertex_spheres;
+  DeviceArray<std::uint32_t> corners, opposite;
+
+  DeviceMesh() = default;
+  DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream);
+  std::uint64_t vertex_count() const { return positions.size(); }
+  std::uint64_t triangle_count() const { return corners.size() / 3; }
+  DeviceMeshView view() const;
+};
+
+// What the kernels of an extraction took, ms.
+struct ExtractTimings {
+  float search = 0;  // bricks that may hold surface
+  float count = 0;   // field, signs, configurations, counts
+  float scan = 0;
+  float emit = 0;  // vertices, normals, labels, triangles, half-edges
+};
+
+struct DeviceExtraction {
+  DeviceMesh mesh;
+  GridSpec grid;
+  ExtractStats stats;
+  ExtractTimings timings;
+};
+
+// Extraction on the device from a list that is there already.
+DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
+                                   const ExtractOptions& options, const Stream& stream);
+
+// Copies the mesh to the host; `opposite` too where asked.
+IndexedMesh download(const DeviceMesh& mesh, Connectivity connectivity, const Stream& stream);
+
+// Throws LimitExceeded when the device has less than `bytes` free.
+void require_device_memory(std::uint64_t bytes, const char* what);
+
+}  // namespace vdwmesh

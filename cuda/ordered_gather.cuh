@@ -1,0 +1,132 @@
+// A block of threads gathers the spheres near a box into shared memory, chunk by chunk, in list
+// order: the order in which the CPU meets them.
+#pragma once
+
+#include <cstdint>
+
+#include "extract/cell_list.hpp"
+
+namespace vdwmesh {
+
+inline constexpr unsigned kWarp = 32;
+inline constexpr unsigned kAllLanes = 0xffffffffu;
+
+// Rows of cells near a box, over all levels of the list, numbered through.
+struct NearRows {
+  CellRange x[CellListView::kMaxLevels], y[CellListView::kMaxLevels], z[CellListView::kMaxLevels];
+  std::uint32_t first_row[CellListView::kMaxLevels + 1];
+};
+
+__device__ inline void find_rows(const CellListView& list, const Vec3d& lower, const Vec3d& upper,
+                                 NearRows& rows) {
+  rows.first_row[0] = 0;
+  for (int l = 0; l < list.level_count; ++l) {
+    const CellListView::Level& level = list.levels[l];
+    rows.x[l] = cell_range(level, 0, lower.x, upper.x);
+    rows.y[l] = cell_range(level, 1, lower.y, upper.y);
+    rows.z[l] = cell_range(level, 2, lower.z, upper.z);
+    const bool any = rows.x[l].first <= rows.x[l].last && rows.y[l].first <= rows.y[l].last &&
+                     rows.z[l].first <= rows.z[l].last;
+    const std::uint32_t count =
+        any ? static_cast<std::uint32_t>(rows.y[l].last - rows.y[l].first + 1) *
+                  static_cast<std::uint32_t>(rows.z[l].last - rows.z[l].first + 1)
+            : 0u;
+    rows.first_row[l + 1] = rows.first_row[l] + count;
+  }
+}
+
+struct PlaceRange {
+  std::uint32_t begin, end;
+};
+
+__device__ inline PlaceRange places_of_row(const CellListView& list, const NearRows& rows,
+                                           std::uint32_t row) {
+  int l = 0;
+  while (row >= rows.first_row[l + 1]) ++l;
+  const CellListView::Level& level = list.levels[l];
+  const auto local = static_cast<std::int32_t>(row - rows.first_row[l]);
+  const std::int32_t height = rows.y[l].last - rows.y[l].first + 1;
+  const std::int32_t y = rows.y[l].first + local % height, z = rows.z[l].first + local / height;
+  const std::int64_t base = (static_cast<std::int64_t>(z) * level.cells[1] + y) * level.cells[0];
+  return {level.cell_start[base + rows.x[l].first], level.cell_start[base + rows.x[l].last + 1]};
+}
+
+// Where a gather stands; lives in shared memory, one per block.
+struct GatherState {
+  NearRows rows;
+  std::uint32_t next_row;    // of the batch of 32 rows in hand
+  std::uint32_t next_place;  // among the places of that batch
+  std::uint32_t gathered;    // in the chunk
+  bool finished;
+};
+
+// Called by all threads of the block before the first chunk.
+__device__ inline void begin_gather(const CellListView& list, const Vec3d& lower,
+                                    const Vec3d& upper, GatherState& state) {
+  if (threadIdx.x == 0) {
+    find_rows(list, lower, upper, state.rows);
+    state.next_row = 0;
+    state.next_place = 0;
+    state.gathered = 0;
+    state.finished = false;
+  }
+  __syncthreads();
+}
+
+// Fills the next chunk with the places for which keep(place) holds; all threads of the block call
+// it, the first warp works. Afterwards state.gathered places stand in `chunk` (capacity at least
+// 64), and state.finished says whether it was the last chunk.
+template <class Keep>
+__device__ void next_chunk(const CellListView& list, GatherState& state, std::uint32_t* chunk,
+                           std::uint32_t capacity, Keep keep) {
+  __syncthreads();
+  if (threadIdx.x < kWarp) {
+    const unsigned lane = threadIdx.x;
+    const std::uint32_t rows = state.rows.first_row[list.level_count];
+    std::uint32_t row = state.next_row, skip = state.next_place, gathered = 0;
+    bool full = false;
+    for (; row < rows && !full; row += kWarp) {
+      PlaceRange range{0, 0};
+      if (row + lane < rows) range = places_of_row(list, state.rows, row + lane);
+      // Inclusive sums of the lengths of the 32 rows.
+      std::uint32_t sum = range.end - range.begin;
+      for (unsigned step = 1; step < kWarp; step *= 2) {
+        const std::uint32_t below = __shfl_up_sync(kAllLanes, sum, step);
+        if (lane >= step) sum += below;
+      }
+      const std::uint32_t total = __shfl_sync(kAllLanes, sum, kWarp - 1);
+      for (std::uint32_t t = skip; t < total; t += kWarp) {
+        if (gathered + kWarp > capacity) {
+          full = true;
+          skip = t;
+          break;
+        }
+        // The row that holds the t-th place: the first whose sum exceeds it.
+        const std::uint32_t wanted = t + lane;
+        unsigned owner = 0;
+        for (unsigned step = kWarp / 2; step > 0; step /= 2) {
+          const std::uint32_t s = __shfl_sync(kAllLanes, sum, owner + step - 1);
+          if (s <= wanted) owner += step;
+        }
+        const std::uint32_t end_place = __shfl_sync(kAllLanes, range.end, owner & (kWarp - 1));
+        const std::uint32_t end_sum = __shfl_sync(kAllLanes, sum, owner & (kWarp - 1));
+        const std::uint32_t place = end_place - (end_sum - wanted);
+        const bool kept = wanted < total && keep(place);
+        const unsigned votes = __ballot_sync(kAllLanes, kept);
+        if (kept) chunk[gathered + __popc(votes & ((1u << lane) - 1))] = place;
+        gathered += __popc(votes);
+      }
+      if (full) break;
+      skip = 0;
+    }
+    if (lane == 0) {
+      state.next_row = row;
+      state.next_place = full ? skip : 0;
+      state.gathered = gathered;
+      state.finished = !full;
+    }
+  }
+  __syncthreads();
+}
+
+}  // namespace vdwmesh

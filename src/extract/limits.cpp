@@ -1,0 +1,42 @@
+#include "extract/limits.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// Vertices, triangles and bytes grow with the inverse square of the spacing.
+double fitting_spacing(double spacing, std::uint64_t need, std::uint64_t limit) {
+  return spacing * std::sqrt(static_cast<double>(need) / static_cast<double>(limit)) * 1.02;
+}
+
+}  // namespace
+
+void check_mesh_limits(const MeshDemand& d, std::uint64_t memory_limit) {
+  if (d.vertices > kMaxVertices) {
+    throw LimitExceeded(fmt::format(
+        "{} vertices; a mesh holds at most {}: choose a spacing of at least {:.3g} Å", d.vertices,
+        kMaxVertices, fitting_spacing(d.spacing, d.vertices, kMaxVertices)));
+  }
+  if (d.connectivity == Connectivity::half_edges && 3 * d.triangles > kMaxHalfEdges) {
+    throw LimitExceeded(fmt::format(
+        "{} half-edges; at most {} can be numbered: choose a spacing of at least {:.3g} Å",
+        3 * d.triangles, kMaxHalfEdges,
+        fitting_spacing(d.spacing, 3 * d.triangles, kMaxHalfEdges)));
+  }
+  const std::uint64_t need =
+      indexed_mesh_bytes(d.vertices, d.triangles, d.connectivity) + d.scratch_bytes;
+  if (need > memory_limit) {
+    throw LimitExceeded(fmt::format(
+        "{} vertices and {} triangles need {} bytes, {} are allowed: choose a spacing of at least "
+        "{:.3g} Å or a higher memory limit",
+        d.vertices, d.triangles, need, memory_limit,
+        fitting_spacing(d.spacing, need, memory_limit)));
+  }
+}
+
+}  // namespace vdwmesh

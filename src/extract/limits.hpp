@@ -1,0 +1,22 @@
+// Limits that are checked before memory is taken.
+#pragma once
+
+#include <cstdint>
+
+#include "extract/indexed_mesh.hpp"
+
+namespace vdwmesh {
+
+// What a mesh of marching cubes is about to need.
+struct MeshDemand {
+  std::uint64_t vertices, triangles;
+  Connectivity connectivity;
+  std::uint64_t scratch_bytes;  // held beside the mesh
+  double spacing;               // Å
+};
+
+// Throws LimitExceeded beyond kMaxVertices, kMaxHalfEdges or `memory_limit` bytes; the message has
+// the number needed, the number there and a spacing that fits.
+void check_mesh_limits(const MeshDemand& demand, std::uint64_t memory_limit);
+
+}  // namespace vdwmesh
