@@ -9,6 +9,9 @@
 namespace vdwmesh {
 namespace {
 
+// Occupancies are given to two or three decimals; means closer than this are equal.
+constexpr double kSameOccupancy = 1e-6;
+
 // Mean occupancy of what shares a label, or a label and a residue name.
 struct Mean {
   char label;
@@ -40,9 +43,12 @@ const Mean& entry(std::vector<Mean>& means, const Site& site, Same same) {
   return *found;
 }
 
+// The first of those that are highest but for rounding.
 const Mean& highest(const std::vector<Mean>& means) {
-  return *std::max_element(means.begin(), means.end(),
-                           [](const Mean& a, const Mean& b) { return a.value() < b.value(); });
+  const Mean* best = &means.front();
+  for (const Mean& mean : means)
+    if (mean.value() > best->value() + kSameOccupancy) best = &mean;
+  return *best;
 }
 
 char label_of_highest_mean(Range place) {

@@ -27,6 +27,9 @@ constexpr std::size_t kElementColumn = 76;
 constexpr std::size_t kLastColumn = 78;
 constexpr std::string_view kDigits36 = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+
 bool starts_with_record(std::string_view line, std::string_view name) {
   return line.size() >= name.size() &&
          std::equal(name.begin(), name.end(), line.begin(), [](char a, char b) {
@@ -35,19 +38,16 @@ bool starts_with_record(std::string_view line, std::string_view name) {
 }
 
 bool is_atom(std::string_view line) {
-  return starts_with_record(line, "ATOM  ") || starts_with_record(line, "HETATM") ||
-         (starts_with_record(line, "ATOM") && line.size() > 4 && std::isdigit(line[4]));
+  return starts_with_record(line, "HETATM") ||
+         (starts_with_record(line, "ATOM") &&
+          (line.size() == 4 || line[4] == ' ' || line[4] == '\t' || is_digit(line[4])));
 }
 
 // Records named `name` and nothing longer: "END" but not "ENDMDL".
 bool is_record(std::string_view line, std::string_view name) {
   return starts_with_record(line, name) &&
-         (line.size() == name.size() || line[name.size()] == ' ' ||
-          std::isdigit(static_cast<unsigned char>(line[name.size()])));
+         (line.size() == name.size() || line[name.size()] == ' ' || is_digit(line[name.size()]));
 }
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
 // "4PTI  75", "4INSB 12", "1ABC1234": an entry id, perhaps a revision letter, a line number.
 bool is_entry_tag(std::string_view tag) {

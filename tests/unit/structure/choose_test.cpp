@@ -1,0 +1,226 @@
+#include <gmock/gmock.h>
+
+#include "structure/temp_file.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A record of a PDB file, as far as the tests vary it.
+struct Line {
+  const char* name;  // four columns
+  const char* residue = "ALA";
+  int number = 1;
+  char altloc = ' ';
+  double occupancy = 1;
+  char chain = 'A';
+  const char* kind = "ATOM  ";
+  double x = 0;  // Å
+};
+
+std::string pdb(const std::vector<Line>& lines) {
+  std::string text;
+  for (const Line& line : lines) {
+    char buffer[96];
+    std::snprintf(buffer, sizeof buffer, "%s%5d %s%c%3s %c%4d    %8.3f%8.3f%8.3f%6.2f\n", line.kind,
+                  1, line.name, line.altloc, line.residue, line.chain, line.number, line.x, 0.0,
+                  0.0, line.occupancy);
+    text += buffer;
+  }
+  return text;
+}
+
+// "name residue" of each atom, to compare at a glance.
+std::vector<std::string> left(const std::vector<Line>& lines, const ReadOptions& options = {}) {
+  std::vector<std::string> names;
+  for (const Atom& atom : read_text_as("a.pdb", pdb(lines), options).atoms)
+    names.push_back(atom.name + " " + atom.residue_name);
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(Waters, AreDroppedByNameUnlessKept) {
+  std::vector<Line> lines{{" N  "}};
+  for (const char* name : {"HOH", "DOD", "WAT", "H2O", "SOL", "TIP", "SPC"})
+    lines.push_back({" O  ", name, static_cast<int>(lines.size()) + 1});
+  EXPECT_EQ(left(lines), Names{"N ALA"});
+  ReadOptions options;
+  options.waters = Inclusion::keep;
+  EXPECT_EQ(left(lines, options).size(), lines.size());
+}
+
+TEST(Waters, NamesOfOtherThingsAreJudgedByTheirAtoms) {
+  EXPECT_EQ(left({{" C1 ", "SOL"}, {" O1 ", "SOL"}}).size(), 2U);
+  EXPECT_EQ(left({{" N  "}, {" OW ", "SOL", 2}, {" HW1", "SOL", 2}, {" HW2", "SOL", 2}}),
+            Names{"N ALA"});
+}
+
+TEST(Kinds, AreCountedOnceInOrder) {
+  ReadOptions options;
+  options.hydrogens = Inclusion::drop;
+  options.hetero_atoms = Inclusion::drop;
+  const Molecule molecule = read_text_as("a.pdb",
+                                         pdb({{" N  "},
+                                              {" H  "},
+                                              {" O  ", "HOH", 2, ' ', 1, 'A', "HETATM"},
+                                              {" H1 ", "HOH", 2, ' ', 1, 'A', "HETATM"},
+                                              {" H1 ", "LIG", 3, ' ', 1, 'A', "HETATM"},
+                                              {" C1 ", "LIG", 3, ' ', 1, 'A', "HETATM"}}),
+                                         options);
+  EXPECT_EQ(molecule.atoms_used, 1U);
+  EXPECT_EQ(molecule.skipped, (SkippedAtoms{{"waters", 2}, {"hydrogens", 2}, {"hetatm", 1}}));
+}
+
+const std::vector<Line> kTwoConformers{{" N  "},
+                                       {" CA ", "ALA", 1, 'A', 0.6, 'A', "ATOM  ", 1},
+                                       {" CA ", "ALA", 1, 'B', 0.4, 'A', "ATOM  ", 2},
+                                       {" CB ", "ALA", 1, 'A', 0.1, 'A', "ATOM  ", 3},
+                                       {" CB ", "ALA", 1, 'B', 0.9, 'A', "ATOM  ", 4}};
+
+std::vector<double> positions(const std::vector<Line>& lines, const ReadOptions& options = {}) {
+  std::vector<double> x;
+  for (const Atom& atom : read_text_as("a.pdb", pdb(lines), options).atoms)
+    x.push_back(atom.position.x);
+  return x;
+}
+
+TEST(AlternateLocations, OneLabelPerResidueByMeanOccupancy) {
+  // Means 0.35 and 0.65, so B although CA alone would choose A.
+  EXPECT_EQ(positions(kTwoConformers), (std::vector<double>{0, 2, 4}));
+}
+
+TEST(AlternateLocations, TiesGoToTheFirstInTheFile) {
+  EXPECT_EQ(positions({{" CA ", "ALA", 1, 'B', 0.5, 'A', "ATOM  ", 1},
+                       {" CA ", "ALA", 1, 'A', 0.5, 'A', "ATOM  ", 2}}),
+            std::vector<double>{1});
+}
+
+TEST(AlternateLocations, AreChosenPerResidue) {
+  EXPECT_EQ(positions({{" CA ", "ALA", 1, 'A', 0.6, 'A', "ATOM  ", 1},
+                       {" CA ", "ALA", 1, 'B', 0.4, 'A', "ATOM  ", 2},
+                       {" CA ", "ALA", 2, 'A', 0.4, 'A', "ATOM  ", 3},
+                       {" CA ", "ALA", 2, 'B', 0.6, 'A', "ATOM  ", 4}}),
+            (std::vector<double>{1, 4}));
+}
+
+TEST(AlternateLocations, ALabelMayBeAskedFor) {
+  ReadOptions options;
+  options.altloc = "A";
+  EXPECT_EQ(positions(kTwoConformers, options), (std::vector<double>{0, 1, 3}));
+  options.altloc = "C";
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", pdb(kTwoConformers), options),
+              HasSubstr("there are A B"));
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", pdb({{" N  "}}), options),
+              HasSubstr("the file has none"));
+}
+
+TEST(Microheterogeneity, OneResidueStays) {
+  const std::vector<Line> lines{{" CA ", "SER", 1, 'A', 0.3},
+                                {" OG ", "SER", 1, 'A', 0.3},
+                                {" CA ", "THR", 1, 'B', 0.7},
+                                {" CB ", "THR", 1, 'B', 0.7}};
+  EXPECT_EQ(left(lines), (Names{"CA THR", "CB THR"}));
+  EXPECT_EQ(read_text_as("a.pdb", pdb(lines)).skipped, (SkippedAtoms{{"microheterogeneity", 2}}));
+}
+
+TEST(Microheterogeneity, ConformersOfOneOfTheResidues) {
+  // Means: A 0.2 and C 0.3 (SER), B 0.5 (THR).
+  const std::vector<Line> lines{
+      {" CA ", "SER", 1, 'A', 0.2}, {" CA ", "SER", 1, 'C', 0.3}, {" CA ", "THR", 1, 'B', 0.5}};
+  EXPECT_EQ(left(lines), Names{"CA THR"});
+  ReadOptions options;
+  options.altloc = "C";
+  EXPECT_EQ(read_text_as("a.pdb", pdb(lines), options).skipped,
+            (SkippedAtoms{{"alternate_locations", 1}, {"microheterogeneity", 1}}));
+}
+
+TEST(Microheterogeneity, SharedNumbersWithoutLabelsAreKept) {
+  EXPECT_EQ(left({{" CA ", "SER", 1}, {" CA ", "THR", 1}}).size(), 2U);
+}
+
+TEST(Selection, ComesAfterTheWaterRule) {
+  ReadOptions options;
+  options.select = "A/2-3/CA,CB";
+  const Molecule molecule = read_text_as("a.pdb",
+                                         pdb({{" CA ", "ALA", 1},
+                                              {" CA ", "ALA", 2},
+                                              {" C  ", "ALA", 2},
+                                              {" CB ", "ALA", 3},
+                                              {" O  ", "HOH", 3},
+                                              {" CA ", "ALA", 2, ' ', 1, 'B'}}),
+                                         options);
+  EXPECT_EQ(molecule.atoms_used, 2U);
+  EXPECT_EQ(molecule.skipped, (SkippedAtoms{{"waters", 1}, {"not_selected", 3}}));
+}
+
+TEST(Selection, BadSyntaxIsRefused) {
+  for (const char* bad : {"A/1/CA[", "//////", "A/1/CA[Qq]", "A/(ALA", "A/1/CA;q~3"}) {
+    ReadOptions options;
+    options.select = bad;
+    EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", pdb({{" CA "}}), options),
+                HasSubstr("A/10-40/CA"))
+        << bad;
+  }
+}
+
+TEST(Account, NothingLeftSaysWhatDroppedTheAtoms) {
+  ReadOptions options;
+  options.select = "B";
+  const std::string message = refusal_of_text<InvalidInput>(
+      "a.pdb", pdb({{" CA "}, {" O  ", "HOH", 2}, {" O  ", "HOH", 3}}), options);
+  EXPECT_THAT(message, HasSubstr("none of its 3 atoms"));
+  EXPECT_THAT(message, HasSubstr("1 not_selected, 2 waters"));
+}
+
+TEST(Account, AssumedRadiiAreListed) {
+  const Molecule molecule = read_text_as(
+      "a.pdb", pdb({{"CA  ", " CA"}, {"CA  ", " CA", 2}, {"FE  ", " FE", 3}, {" C1 ", "UNL", 4}}));
+  ASSERT_EQ(molecule.radii_assumed.size(), 2U);
+  EXPECT_EQ(molecule.radii_assumed[0].element, "Ca");
+  EXPECT_EQ(molecule.radii_assumed[0].radius, 2.62);
+  EXPECT_EQ(molecule.radii_assumed[0].count, 2U);
+  EXPECT_EQ(molecule.radii_assumed[1].element, "Fe");
+  EXPECT_EQ(molecule.radius_set, "bondi");
+}
+
+const std::string kDimer =
+    "REMARK 350 BIOMOLECULE: 1\n"
+    "REMARK 350 APPLY THE FOLLOWING TO CHAINS: A\n"
+    "REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        0.00000\n"
+    "REMARK 350   BIOMT2   1  0.000000  1.000000  0.000000        0.00000\n"
+    "REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000\n"
+    "REMARK 350   BIOMT1   2 -1.000000  0.000000  0.000000       10.00000\n"
+    "REMARK 350   BIOMT2   2  0.000000 -1.000000  0.000000        0.00000\n"
+    "REMARK 350   BIOMT3   2  0.000000  0.000000  1.000000        0.00000\n";
+
+TEST(Assembly, IsMadeOfTheChosenAtoms) {
+  ReadOptions options;
+  options.assembly = "1";
+  const Molecule molecule = read_text_as("a.pdb",
+                                         kDimer + pdb({{" CA ", "ALA", 1, ' ', 1, 'A', "ATOM  ", 1},
+                                                       {" CA ", "ALA", 2, ' ', 1, 'A', "ATOM  ", 2},
+                                                       {" O  ", "HOH", 3},
+                                                       {" CA ", "ALA", 1, ' ', 1, 'B'}}),
+                                         options);
+  std::vector<double> x;
+  for (const Atom& atom : molecule.atoms) x.push_back(atom.position.x);
+  EXPECT_EQ(x, (std::vector<double>{1, 2, 9, 8}));
+  EXPECT_NE(molecule.atoms[0].chain, molecule.atoms[2].chain);
+  EXPECT_EQ(molecule.atoms_used, 2U);
+  EXPECT_EQ(molecule.skipped, (SkippedAtoms{{"waters", 1}, {"not_in_assembly", 1}}));
+  EXPECT_EQ(molecule.assembly, "1");
+}
+
+TEST(Assembly, UnknownNamesAreRefused) {
+  ReadOptions options;
+  options.assembly = "2";
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", kDimer + pdb({{" CA "}}), options),
+              HasSubstr("asymmetric and 1"));
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", pdb({{" CA "}}), options),
+              HasSubstr("asymmetric only"));
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing

@@ -1,0 +1,121 @@
+#include <gmock/gmock.h>
+
+#include "structure/temp_file.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kColumns =
+    "data_TEST\nloop_\n_atom_site.group_PDB\n_atom_site.id\n_atom_site.type_symbol\n"
+    "_atom_site.label_atom_id\n_atom_site.label_alt_id\n_atom_site.label_comp_id\n"
+    "_atom_site.label_asym_id\n_atom_site.label_seq_id\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n"
+    "_atom_site.Cartn_z\n_atom_site.occupancy\n_atom_site.B_iso_or_equiv\n"
+    "_atom_site.auth_seq_id\n_atom_site.auth_asym_id\n_atom_site.pdbx_PDB_model_num\n";
+
+TEST(MmCif, AtomsComeThrough) {
+  const Molecule molecule =
+      read_text_as("a.cif", kColumns +
+                                "ATOM 100001 C CA . GLY A 1 1.5 -2.25 3.125 1 10 7 X 1\n"
+                                "HETATM 100002 ZN ZN . ZN B . 4 5 6 1 10 301 X 1\n"
+                                "HETATM 100003 D D1 . DOD C . 4 5 6 1 10 302 X 1\n");
+  ASSERT_EQ(molecule.atoms.size(), 2U);
+  EXPECT_EQ(molecule.format, "mmcif");
+  EXPECT_EQ(molecule.atoms[0].position, (Vec3d{1.5, -2.25, 3.125}));
+  EXPECT_EQ(molecule.atoms[0].serial, 100001);
+  EXPECT_EQ(molecule.atoms[0].chain, "X");
+  EXPECT_EQ(molecule.atoms[0].residue_number, "7");
+  EXPECT_FALSE(molecule.atoms[0].hetero);
+  EXPECT_TRUE(molecule.atoms[1].hetero);
+  EXPECT_EQ(molecule.atoms[1].element, "Zn");
+  EXPECT_EQ(molecule.skipped.at("waters"), 1U);
+}
+
+TEST(MmCif, RowsOfOneResidueMayBeApart) {
+  const Molecule molecule = read_text_as("a.cif", kColumns +
+                                                      "ATOM 1 N N . GLY A 1 0 0 0 1 10 1 A 1\n"
+                                                      "ATOM 2 C CA . ALA A 2 1 0 0 1 10 2 A 1\n"
+                                                      "ATOM 3 O O . GLY A 1 2 0 0 1 10 1 A 1\n");
+  EXPECT_EQ(
+      molecule.atoms.at(0).element + molecule.atoms.at(1).element + molecule.atoms.at(2).element,
+      "NCO");
+}
+
+TEST(MmCif, ColumnsThatMayBeMissing) {
+  const Molecule molecule =
+      read_text_as("a.cif",
+                   "data_x\nloop_\n_atom_site.type_symbol\n_atom_site.label_atom_id\n"
+                   "_atom_site.label_comp_id\n_atom_site.label_asym_id\n_atom_site.label_seq_id\n"
+                   "_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n"
+                   "N N GLY A 1 0 0 0\nC CA GLY A 1 1 0 0\n");
+  EXPECT_EQ(molecule.atoms.size(), 2U);
+  EXPECT_EQ(molecule.atoms.at(1).name, "CA");
+}
+
+TEST(MmCif, BadCoordinateNamesItsRow) {
+  for (const char* bad : {"?", "nan", "inf", "abc"})
+    EXPECT_THAT(
+        refusal_of_text<FileFormatError>(
+            "a.cif", kColumns + "ATOM 1 N N . GLY A 1 0 0 0 1 10 1 A 1\nATOM 2 C CA . GLY A 1 0 " +
+                         bad + " 0 1 10 1 A 1\n"),
+        HasSubstr("row 2 of _atom_site (id 2): Cartn_y"));
+}
+
+TEST(MmCif, SyntaxErrorNamesItsLine) {
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif", "data_x\n_cell.length_a\n"),
+              HasSubstr("a.cif:"));
+  EXPECT_THAT(refusal_of_text<FileFormatError>(
+                  "a.cif", kColumns + "ATOM 1 N N . GLY A 1 0 0 0 1 10 1 A 1\nATOM 2 C CA\n"),
+              HasSubstr("a.cif"));  // cut off in the middle of a row
+}
+
+TEST(MmCif, LackingTablesAndColumnsAreNamed) {
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif", "data_x\n_cell.length_a 1\n"),
+              HasSubstr("no _atom_site table"));
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif",
+                                               "data_x\nloop_\n_atom_site.id\n"
+                                               "_atom_site.Cartn_x\n1 0\n"),
+              HasSubstr("lacks the column type_symbol"));
+}
+
+TEST(MmCif, LineEndsDoNotMatter) {
+  const std::string text = kColumns + "ATOM 1 N N . GLY A 1 0 0 0 1 10 1 A 1\n";
+  for (const std::string& end : {std::string("\r\n"), std::string("\r")}) {
+    std::string other;
+    for (const char c : text) other += c == '\n' ? end : std::string(1, c);
+    EXPECT_EQ(read_text_as("a.cif", "\xef\xbb\xbf" + other).atoms.size(), 1U);
+  }
+}
+
+TEST(MmCif, ChargedSymbolsAreElements) {
+  const Molecule molecule = read_text_as("a.cif", kColumns +
+                                                      "ATOM 1 O2- O . UNL A 1 0 0 0 1 10 1 A 1\n"
+                                                      "ATOM 2 Fe3+ FE . UNL A 1 0 0 0 1 10 1 A 1\n"
+                                                      "ATOM 3 ? C1 . UNL A 1 0 0 0 1 10 1 A 1\n");
+  EXPECT_EQ(molecule.atoms.at(0).element, "O");
+  EXPECT_EQ(molecule.atoms.at(1).element, "Fe");
+  EXPECT_EQ(molecule.atoms.at(2).element, "C");
+}
+
+// A cell of 10 x 20 x 30 Å with right angles: Cartesian = fraction x edge.
+TEST(SmallCif, FractionsArePlacedByTheCell) {
+  const std::string cell =
+      "data_x\n_cell_length_a 10\n_cell_length_b 20(1)\n_cell_length_c 30\n"
+      "_cell_angle_alpha 90\n_cell_angle_beta 90\n_cell_angle_gamma 90\n";
+  const std::string sites =
+      "loop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n"
+      "_atom_site_fract_z\nC1 0.1 0.1 0.1\nO2 -0.5 0.25(2) 0\n";
+  const Molecule molecule = read_text_as("a.cif", cell + sites);
+  ASSERT_EQ(molecule.atoms.size(), 2U);
+  constexpr double kRounding = 1e-12;  // Å; a few roundings of numbers below 10
+  const Vec3d expected[2] = {{1, 2, 3}, {-5, 5, 0}};
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_LE(norm(molecule.atoms[i].position - expected[i]), kRounding);
+  EXPECT_EQ(molecule.atoms[1].element, "O");
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif", "data_x\n" + sites),
+              HasSubstr("no unit cell"));
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing

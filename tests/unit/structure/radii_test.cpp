@@ -1,0 +1,120 @@
+#include "structure/radii.hpp"
+
+#include <gmock/gmock.h>
+
+#include "structure/temp_file.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::vector<std::string> kElements{
+    "H",  "He", "Li", "Be", "B",  "C",  "N",  "O",  "F",  "Ne", "Na", "Mg", "Al", "Si", "P",
+    "S",  "Cl", "Ar", "K",  "Ca", "Sc", "Ti", "V",  "Cr", "Mn", "Fe", "Co", "Ni", "Cu", "Zn",
+    "Ga", "Ge", "As", "Se", "Br", "Kr", "Rb", "Sr", "Y",  "Zr", "Nb", "Mo", "Tc", "Ru", "Rh",
+    "Pd", "Ag", "Cd", "In", "Sn", "Sb", "Te", "I",  "Xe", "Cs", "Ba", "La", "Ce", "Pr", "Nd",
+    "Pm", "Sm", "Eu", "Gd", "Tb", "Dy", "Ho", "Er", "Tm", "Yb", "Lu", "Hf", "Ta", "W",  "Re",
+    "Os", "Ir", "Pt", "Au", "Hg", "Tl", "Pb", "Bi", "Po", "At", "Rn", "Fr", "Ra", "Ac", "Th",
+    "Pa", "U",  "Np", "Pu", "Am", "Cm", "Bk", "Cf", "Es", "Fm", "Md", "No", "Lr"};
+
+double radius(const RadiusTable& table, const char* element) {
+  const auto entry = table.find("", "", element);
+  return entry ? entry->radius : -1;
+}
+
+// Mantina et al., J. Phys. Chem. A 113 (2009) 5806: "Bondi recommended radius values for only 28
+// of the 44 main-group elements"; with Ni Cu Zn Pd Ag Cd Pt Au Hg U of his Table XIV, 38.
+TEST(RadiusTable, BondiListsThirtyEightElements) {
+  const RadiusTable bondi = RadiusTable::named("bondi");
+  int listed = 0;
+  for (const std::string& element : kElements) {
+    const auto entry = bondi.find("", "", element);
+    if (entry && !entry->assumed) ++listed;
+  }
+  EXPECT_EQ(listed, 38);
+}
+
+// The abstract of the paper: "93 elements".
+TEST(RadiusTable, AlvarezListsNinetyThreeElements) {
+  const RadiusTable alvarez = RadiusTable::named("alvarez");
+  int listed = 0;
+  for (const std::string& element : kElements) {
+    const auto entry = alvarez.find("", "", element);
+    if (!entry) continue;
+    EXPECT_FALSE(entry->assumed);
+    ++listed;
+  }
+  EXPECT_EQ(listed, 93);
+}
+
+TEST(RadiusTable, ValuesOfThePapers) {
+  const RadiusTable bondi = RadiusTable::named("bondi"), alvarez = RadiusTable::named("alvarez");
+  EXPECT_EQ(radius(bondi, "H"), 1.20);
+  EXPECT_EQ(radius(bondi, "C"), 1.70);
+  EXPECT_EQ(radius(bondi, "N"), 1.55);
+  EXPECT_EQ(radius(bondi, "O"), 1.52);
+  EXPECT_EQ(radius(bondi, "P"), 1.80);
+  EXPECT_EQ(radius(bondi, "S"), 1.80);
+  EXPECT_EQ(radius(bondi, "Mg"), 1.73);
+  EXPECT_EQ(radius(bondi, "Zn"), 1.39);
+  EXPECT_EQ(radius(bondi, "Se"), 1.90);
+  EXPECT_EQ(radius(alvarez, "H"), 1.20);
+  EXPECT_EQ(radius(alvarez, "He"), 1.43);
+  EXPECT_EQ(radius(alvarez, "C"), 1.77);
+  EXPECT_EQ(radius(alvarez, "Zn"), 2.39);
+  EXPECT_EQ(radius(alvarez, "Cs"), 3.48);
+  EXPECT_EQ(radius(alvarez, "Es"), 2.70);
+  for (const char* unlisted : {"Pm", "Po", "At", "Rn", "Fr", "Ra", "Fm"})
+    EXPECT_FALSE(alvarez.find("", "", unlisted)) << unlisted;
+}
+
+TEST(RadiusTable, BondiIsCompletedFromAlvarez) {
+  const RadiusTable bondi = RadiusTable::named("bondi"), alvarez = RadiusTable::named("alvarez");
+  for (const char* element : {"Be", "Al", "Ca", "Mn", "Fe", "Co", "Cs", "Gd", "W"}) {
+    ASSERT_TRUE(bondi.find("", "", element)) << element;
+    EXPECT_TRUE(bondi.find("", "", element)->assumed) << element;
+    EXPECT_EQ(radius(bondi, element), radius(alvarez, element)) << element;
+  }
+}
+
+TEST(RadiusTable, DeuteriumIsHydrogenUnlessGiven) {
+  EXPECT_EQ(radius(RadiusTable::named("bondi"), "D"), 1.20);
+  const TempDir dir;
+  EXPECT_EQ(radius(RadiusTable::from_file(dir.write("r", "H 1.1\nD 1.3\n")), "D"), 1.3);
+  EXPECT_EQ(radius(RadiusTable::from_file(dir.write("r", "H 1.1\n")), "D"), 1.1);
+}
+
+TEST(RadiusTable, AtomLinesWin) {
+  const TempDir dir;
+  const RadiusTable table = RadiusTable::from_file(
+      dir.write("r", "# mine\nALA CA 2.0  # this one\r\nC 1.7\n\nzn 1.1\nALA CA 2.1\n"));
+  EXPECT_EQ(table.find("ALA", "CA", "C")->radius, 2.1);
+  EXPECT_EQ(table.find("GLY", "CA", "C")->radius, 1.7);
+  EXPECT_EQ(table.find("ZN", "ZN", "Zn")->radius, 1.1);
+  EXPECT_FALSE(table.find("ALA", "N", "N"));
+}
+
+TEST(RadiusTable, BadLinesAreRefusedWithTheirNumber) {
+  const TempDir dir;
+  for (const char* bad : {"C", "C x", "C -1", "C nan", "Qq 1.5", "ALA CA CB 1", "ALA CA 1.5x"}) {
+    const auto path = dir.write("r", std::string("# radii\nC 1.7\n") + bad + "\n");
+    try {
+      RadiusTable::from_file(path);
+      ADD_FAILURE() << bad;
+    } catch (const FileFormatError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("r:3: ")) << bad;
+    }
+  }
+  EXPECT_THROW(RadiusTable::from_file(dir.write("r", "# nothing\n")), FileFormatError);
+  EXPECT_THROW(RadiusTable::named("pauling"), InvalidInput);
+}
+
+TEST(RadiusTable, UnknownSetIsRefused) {
+  ReadOptions options;
+  options.radii = "bondy";
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.xyzr", "0 0 0 1\n", options), HasSubstr("alvarez"));
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing

@@ -1,0 +1,79 @@
+#include <gmock/gmock.h>
+
+#include "structure/temp_file.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Pqr, ByBlanksWithAndWithoutChain) {
+  const Molecule molecule =
+      read_text_as("a.pqr",
+                   "REMARK\n"
+                   "ATOM  5 N      MET    1   -6.40600   5.46900  -3.25900 -0.30000 1.85000\n"
+                   "ATOM  6 CA MET B 1 1.0 2.0 3.0 0.1 2.275\n"
+                   "HETATM 7 ZN ZN B 301 1.0 2.0 3.0 2.0 1.4\nTER\nEND\n");
+  ASSERT_EQ(molecule.atoms.size(), 3U);
+  EXPECT_EQ(molecule.atoms[0].position, (Vec3d{-6.406, 5.469, -3.259}));
+  EXPECT_EQ(molecule.atoms[0].radius, 1.85);
+  EXPECT_EQ(molecule.atoms[0].element, "N");
+  EXPECT_EQ(molecule.atoms[0].serial, 5);
+  EXPECT_EQ(molecule.atoms[1].chain, "B");
+  EXPECT_EQ(molecule.atoms[1].element, "C");
+  EXPECT_EQ(molecule.atoms[1].residue_number, "1");
+  EXPECT_EQ(molecule.atoms[2].element, "Zn");
+  EXPECT_TRUE(molecule.atoms[2].hetero);
+  EXPECT_EQ(molecule.radius_set, "file");
+  EXPECT_TRUE(molecule.radii_assumed.empty());
+}
+
+TEST(Pqr, ByColumnsWhereNumbersTouch) {
+  const Molecule molecule = read_text_as(
+      "a.pqr", "ATOM      1  N   ALA A   1    -100.024-100.103-100.101  0.1414 1.8240\n");
+  EXPECT_EQ(molecule.atoms.at(0).position, (Vec3d{-100.024, -100.103, -100.101}));
+  EXPECT_EQ(molecule.atoms.at(0).radius, 1.824);
+  EXPECT_EQ(molecule.atoms.at(0).chain, "A");
+}
+
+TEST(Pqr, ZeroRadiiAreCountedNotUsed) {
+  const Molecule molecule =
+      read_text_as("a.pqr", "ATOM 1 N ALA 1 0 0 0 0 1.5\nATOM 2 H ALA 1 1 0 0 0 0.0\n");
+  EXPECT_EQ(molecule.atoms.size(), 1U);
+  EXPECT_EQ(molecule.skipped.at("zero_radius"), 1U);
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.pqr", "ATOM 2 H ALA 1 1 0 0 0 0.0\n"),
+              HasSubstr("1 zero_radius"));
+}
+
+TEST(Pqr, WatersFollowTheWaterRule) {
+  const std::string text = "ATOM 1 N ALA 1 0 0 0 0 1.5\nATOM 2 O WAT 2 5 0 0 0 1.7\n";
+  EXPECT_EQ(read_text_as("a.pqr", text).skipped.at("waters"), 1U);
+}
+
+TEST(Pqr, BadFieldsAreRefusedWithTheirLine) {
+  const std::string good = "ATOM 1 N ALA 1 0 0 0 0 1.5\n";
+  for (const char* bad :
+       {"ATOM 2 N ALA 1 0 nan 0 0 1.5", "ATOM 2 N ALA 1 0 0 0 0 -1.5", "ATOM 2 N ALA 1 0 0 0 0 inf",
+        "ATOM 2 N ALA 1 0 0 0 0", "ATOM 2", "ATOM 2 N ALA 1 0 0 0 x 1.5"})
+    EXPECT_THAT(refusal_of_text<FileFormatError>("a.pqr", good + bad), HasSubstr("a.pqr:2: "));
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.pqr", "REMARK\n"), HasSubstr("nothing to mesh"));
+}
+
+TEST(Xyzr, NumbersAndComments) {
+  const Molecule molecule =
+      read_text_as("a.xyzr", "# two spheres\n0 0 0 1.5\r\n\n 1.25 -2e1 +3 2 1 CA_1 # extra\n");
+  ASSERT_EQ(molecule.atoms.size(), 2U);
+  EXPECT_EQ(molecule.atoms[1].position, (Vec3d{1.25, -20, 3}));
+  EXPECT_EQ(molecule.atoms[1].radius, 2.0);
+  EXPECT_EQ(molecule.atoms[1].serial, 2);
+  EXPECT_EQ(molecule.format, "xyzr");
+}
+
+TEST(Xyzr, BadLinesAreRefused) {
+  for (const char* bad : {"1 2 3", "1 2 3 -1", "a b c d", "1 2 inf 1", "nan 2 3 1", "1,2,3,1"})
+    EXPECT_THAT(refusal_of_text<FileFormatError>("a.xyzr", std::string("0 0 0 1\n") + bad),
+                HasSubstr("a.xyzr:2: "));
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing
