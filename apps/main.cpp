@@ -6,6 +6,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/errors.hpp"
@@ -62,6 +63,18 @@ int run(const Verb& verb) {
   }
 }
 
+// The verbs of the contract that a later version brings are told apart from misspelt ones.
+std::string no_verb_message(int argc, char** argv, const std::string& names) {
+  const std::string_view given = argc > 1 ? argv[1] : "";
+  const bool later = given == "study" || given == "render" || given == "bench";
+  return fmt::format("{}: {}; the verbs are{}; vdwmesh VERB --help says more",
+                     given.empty() ? "VERB" : given,
+                     given.empty() ? "missing"
+                     : later       ? "not in this version"
+                                   : "not a verb",
+                     names);
+}
+
 int parse_and_run(int argc, char** argv) {
   CLI::App app("Van der Waals surface meshes of molecules, and proof of how good they are",
                "vdwmesh");
@@ -80,11 +93,7 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::CallForVersion& version) {
     return app.exit(version);
   } catch (const CLI::ParseError& error) {
-    if (app.get_subcommands().empty()) {
-      return fail(kBadInput, fmt::format("{}{}the verbs are{}; vdwmesh VERB --help says more",
-                                         argc > 1 ? argv[1] : "no verb",
-                                         argc > 1 ? ": not a verb; " : "; ", names));
-    }
+    if (app.get_subcommands().empty()) return fail(kBadInput, no_verb_message(argc, argv, names));
     return fail(kBadInput, fmt::format("{}; vdwmesh {} --help lists the options", error.what(),
                                        app.get_subcommands().front()->get_name()));
   }

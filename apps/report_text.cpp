@@ -214,8 +214,8 @@ void exact_text(Text out, const ExactUnion& exact) {
 
 void distribution_row(Text out, std::string_view label, const Distribution& d,
                       std::string_view unit) {
-  fmt::format_to(out, "{:<22}{:>14.4g}{:>10.4g}{:>10.4g}{:>10.4g}{:>10.4g}  {}\n", label, d.min,
-                 d.p01, d.median, d.p99, d.max, unit);
+  fmt::format_to(out, "{:<22}{:>14.4g}{:>10.4g}{:>10.4g}{:>10.4g}{:>10.4g}{}{}\n", label, d.min,
+                 d.p01, d.median, d.p99, d.max, unit.empty() ? "" : "  ", unit);
 }
 
 std::string self_intersections_text(const MeshReport& mesh) {

@@ -70,11 +70,14 @@ ParametersReport describe_parameters(const SurfaceOptions& surface, const GridSp
   return report;
 }
 
-void require_triangles(const IndexedMesh& mesh, double spacing) {
+// A ball holds a grid node for certain when the spacing is at most 2/√3 of its radius.
+void require_triangles(const IndexedMesh& mesh, const SphereSet& spheres, double spacing) {
   if (mesh.triangle_count() > 0) return;
+  const auto by_radius = [](const Sphere& a, const Sphere& b) { return a.radius < b.radius; };
+  const double smallest = std::ranges::min_element(spheres.spheres(), by_radius)->radius;
   throw InvalidInput(fmt::format(
-      "--spacing {}: too coarse, no grid node lies inside the surface; try --spacing {}", spacing,
-      spacing / 4));
+      "--spacing {}: too coarse, no grid node lies inside the surface; try --spacing {:.2g}",
+      spacing, smallest));
 }
 
 // Components that fell between the grid nodes would otherwise be lost without a word.
@@ -113,15 +116,26 @@ SphereSet to_spheres(const Molecule& molecule, double probe) {
 }
 
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
-                      const MachineOptions& machine, Monitor* monitor, Report& report) {
+                      Connectivity connectivity, const MachineOptions& machine, Monitor* monitor,
+                      Report& report) {
   const GridSpec grid = make_grid(spheres, surface.grid);
   report.parameters = describe_parameters(surface, grid, machine.memory_limit);
   report.backend = describe_backend(machine.backend, resolve(machine.backend));
-  const ExtractOptions extract{surface.field, surface.grid, machine.memory_limit, monitor};
-  const RefineOptions refine{
-      surface.subdivisions, surface.projection, surface.field, grid, machine.memory_limit, monitor};
+  ExtractOptions extract;
+  extract.field = surface.field;
+  extract.grid = surface.grid;
+  extract.connectivity = connectivity;
+  extract.memory_limit = machine.memory_limit;
+  extract.monitor = monitor;
+  RefineOptions refine;
+  refine.subdivisions = surface.subdivisions;
+  refine.projection = surface.projection;
+  refine.field = surface.field;
+  refine.grid = grid;
+  refine.memory_limit = machine.memory_limit;
+  refine.monitor = monitor;
   PipelineResult result = make_pipeline(report.backend->used)->run(spheres, extract, refine);
-  require_triangles(result.mesh, grid.spacing);
+  require_triangles(result.mesh, spheres, grid.spacing);
   report.timing.field = result.extract.field_seconds;
   report.timing.extract = result.extract.extract_seconds;
   if (!result.levels.empty()) report.timing.refine = result.refine_seconds;

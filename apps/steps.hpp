@@ -21,7 +21,8 @@ SphereSet to_spheres(const Molecule& molecule, double probe);
 // Extraction and refinement on the backend asked for. Throws InvalidInput when no grid node lies
 // inside the surface, so that the mesh would be empty.
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
-                      const MachineOptions& machine, Monitor* monitor, Report& report);
+                      Connectivity connectivity, const MachineOptions& machine, Monitor* monitor,
+                      Report& report);
 
 // Beyond this many triangles self-intersections are counted only on request.
 inline constexpr std::uint64_t kSelfIntersectionTriangles = 1'000'000;

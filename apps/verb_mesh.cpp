@@ -33,7 +33,8 @@ class MeshVerb : public Verb {
     Report report;
     const Molecule molecule = load(input, report);
     const SphereSet spheres = to_spheres(molecule, input.probe);
-    IndexedMesh mesh = make_mesh(spheres, surface, machine_options, machine.monitor(), report);
+    IndexedMesh mesh = make_mesh(spheres, surface, Connectivity::half_edges, machine_options,
+                                 machine.monitor(), report);
     measure(mesh, SelfIntersections::skip, machine.monitor(), report);
     const SurfaceMesh built = build_surface_mesh(mesh, molecule, report);
     mesh = {};

@@ -42,8 +42,8 @@ class ReportVerb : public Verb {
     Report report;
     const Molecule molecule = load(input, report);
     const SphereSet spheres = to_spheres(molecule, input.probe);
-    const IndexedMesh mesh =
-        make_mesh(spheres, surface, machine_options, machine.monitor(), report);
+    const IndexedMesh mesh = make_mesh(spheres, surface, Connectivity::triangles, machine_options,
+                                       machine.monitor(), report);
     measure(mesh, count, machine.monitor(), report);
     measure_exactly(spheres, exact, machine.monitor(), report);
     compare_with_exact(report);

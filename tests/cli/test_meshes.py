@@ -1,0 +1,80 @@
+"""compare: meshes from elsewhere against the exact union."""
+
+import math
+
+from program import BAD_INPUT, UBIQUITIN, ProgramTest
+
+# The octahedron inscribed in the unit ball: area 4 √3, volume 4/3.
+VERTICES = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+FACES = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+
+
+def off(faces):
+    lines = ["OFF", f"{len(VERTICES)} {len(faces)} 0"]
+    lines += [" ".join(map(str, vertex)) for vertex in VERTICES]
+    lines += ["3 " + " ".join(map(str, face)) for face in faces]
+    return "\n".join(lines) + "\n"
+
+
+class Octahedron(ProgramTest):
+    def compare(self, faces):
+        mesh = self.file("octahedron.off", off(faces))
+        return self.report("compare", mesh, self.file("ball.xyzr", "0 0 0 1\n"))
+
+    def test_closed(self):
+        report = self.compare(FACES)
+        self.assert_close(report["mesh"]["area"], 4 * math.sqrt(3), 1e-14)
+        self.assert_close(report["mesh"]["volume"], 4 / 3, 1e-14)
+        area_error = 4 * math.sqrt(3) / (4 * math.pi) - 1
+        self.assert_close(report["comparison"]["area_relative_error"], area_error, 1e-12)
+        volume_error = (4 / 3) / (4 / 3 * math.pi) - 1
+        self.assert_close(report["comparison"]["volume_relative_error"], volume_error, 1e-12)
+        self.assertEqual(report["comparison"]["euler_characteristic_difference"], 0)
+        self.assertEqual(report["mesh"]["self_intersections"], 0)
+        self.assertEqual(report["warnings"], [])
+        self.assertIsNone(report["parameters"])
+        self.assertIsNone(report["backend"])
+
+    def test_open_mesh_has_an_area_and_no_volume(self):
+        report = self.compare(FACES[1:])
+        self.assert_close(report["mesh"]["area"], 7 / 8 * 4 * math.sqrt(3), 1e-14)
+        self.assertIsNone(report["mesh"]["volume"])
+        self.assertIsNone(report["comparison"]["volume_relative_error"])
+        self.assertFalse(report["mesh"]["closed"])
+        self.assertTrue(any("not closed" in warning for warning in report["warnings"]))
+
+    def test_inside_out_mesh_has_negative_volume(self):
+        report = self.compare([face[::-1] for face in FACES])
+        self.assert_close(report["mesh"]["volume"], -4 / 3, 1e-14)
+        self.assertTrue(any("inside out" in warning for warning in report["warnings"]))
+
+    def test_files_that_are_no_mesh(self):
+        ball = self.file("ball.xyzr", "0 0 0 1\n")
+        broken = self.file("broken.off", "OFF\n3 1 0\n0 0 0\n")
+        self.assert_refused(BAD_INPUT, "compare", broken, ball, says=("broken.off",))
+        self.assert_refused(BAD_INPUT, "compare", self.folder / "no.ply", ball, says=("no.ply",))
+        self.assert_refused(BAD_INPUT, "compare", self.file("a.txt", ""), ball, says=(".ply",))
+        empty = self.file("empty.off", "OFF\n0 0 0\n")
+        self.assert_refused(BAD_INPUT, "compare", empty, ball, says=("empty.off",))
+        self.assert_refused(BAD_INPUT, "compare", broken, says=("INPUT",))
+
+
+class OwnMeshes(ProgramTest):
+    def test_doubles_survive(self):
+        made = self.report("report", UBIQUITIN, "--subdivide", "0")["mesh"]
+        for extension in ("ply", "obj", "off"):
+            path = self.folder / f"a.{extension}"
+            self.run_ok("mesh", UBIQUITIN, "-o", path)
+            read = self.report("compare", path, UBIQUITIN)["mesh"]
+            for key in ("vertices", "triangles", "area", "volume", "shells", "genus"):
+                self.assertEqual(read[key], made[key], f"{extension} {key}")
+
+    def test_single_precision_formats_come_close(self):
+        made = self.report("report", UBIQUITIN, "--subdivide", "0")["mesh"]
+        for extension in ("stl", "glb"):
+            path = self.folder / f"a.{extension}"
+            self.run_ok("mesh", UBIQUITIN, "-o", path)
+            read = self.report("compare", path, UBIQUITIN)["mesh"]
+            # Coordinates up to 50 Å rounded to float32: 4e-6 Å on edges of 0.3 Å.
+            for key in ("area", "volume"):
+                self.assert_close(read[key], made[key], 1e-5)

@@ -1,0 +1,166 @@
+"""The report: its JSON contract, its text and its figures."""
+
+import json
+import math
+import re
+
+from program import UBIQUITIN, ProgramTest, parse_json, run, schema_validator
+
+# Ubiquitin (1UBQ, 602 atoms without waters), Bondi radii: the union of its spheres, by a regular
+# triangulation with two formula sets and by exposed arcs, made outside this project.
+EXACT = {"area": 7915.58241751, "volume": 6558.60702915}  # Å², Å³
+EXACT_TOPOLOGY = {
+    "components": 1,
+    "tunnels": 54,
+    "voids": 0,
+    "shells": 1,
+    "euler_characteristic": -106,
+}
+PROBED = {"area": 4871.17476728, "volume": 15413.5346061, "outer_area": 4869.80375467}
+PROBED_TOPOLOGY = {
+    "components": 1,
+    "tunnels": 1,
+    "voids": 2,
+    "shells": 3,
+    "euler_characteristic": 4,
+}
+TWELVE_DIGITS = 1e-11  # relative: the reference is given to twelve digits
+BLOCKS = ("input", "parameters", "backend", "mesh", "exact", "comparison", "timing")
+
+
+def significant_digits(token):
+    mantissa = re.split("[eE]", token)[0].lstrip("-").replace(".", "")
+    return len(mantissa.strip("0"))
+
+
+class JsonReport(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.text = run("report", "--sample", "ubiquitin", "--json", "-").stdout
+        cls.json = parse_json(cls.text)
+
+    def test_schema(self):
+        if schema_validator() is None:
+            self.skipTest("needs python3-jsonschema")
+        schema_validator().validate(self.json)
+        self.assertEqual(self.json["schema"], "vdwmesh-report/1")
+        # The validator itself must refuse what the contract refuses.
+        broken = self.json | {"mesh": self.json["mesh"] | {"closed": None}}
+        self.assertFalse(schema_validator().is_valid(broken))
+        del broken["mesh"]["genus"]
+        self.assertFalse(schema_validator().is_valid(broken))
+
+    def test_every_block_is_there(self):
+        for block in BLOCKS:
+            self.assertIsInstance(self.json[block], dict, block)
+
+    def test_numbers_have_the_fewest_digits_that_read_back_the_same(self):
+        tokens = []
+        json.loads(self.text, parse_float=tokens.append)
+        self.assertGreater(len(tokens), 20)
+        for token in tokens:
+            self.assertLessEqual(
+                significant_digits(token), significant_digits(repr(float(token))), token
+            )
+
+    def test_every_atom_is_accounted_for(self):
+        atoms = self.json["input"]
+        self.assertEqual(atoms["atoms_read"], 660)
+        self.assertEqual(atoms["atoms_used"], 602)
+        self.assertEqual(atoms["skipped"]["waters"], 58)
+        self.assertEqual(atoms["atoms_used"] + sum(atoms["skipped"].values()), 660)
+
+    def assert_exact(self, exact, figures, topology):
+        for key, value in figures.items():
+            self.assert_close(exact[key], value, TWELVE_DIGITS)
+        self.assertEqual({key: exact[key] for key in topology}, topology)
+
+    def test_exact_values(self):
+        self.assert_exact(self.json["exact"], EXACT, EXACT_TOPOLOGY)
+
+    def test_exact_values_with_a_probe(self):
+        exact = self.report("exact", UBIQUITIN, "--probe", "1.4")["exact"]
+        self.assert_exact(exact, PROBED, PROBED_TOPOLOGY)
+
+    def test_mesh_is_a_closed_oriented_manifold(self):
+        mesh = self.json["mesh"]
+        self.assertTrue(mesh["closed"] and mesh["manifold"] and mesh["oriented"])
+        self.assertEqual(mesh["degenerate_triangles"], 0)
+        self.assertEqual(mesh["grid_clipped"], 0)
+        chi = mesh["vertices"] - mesh["edges"] + mesh["triangles"]
+        self.assertEqual(mesh["euler_characteristic"], chi)
+        self.assertEqual(mesh["genus"], mesh["shells"] - chi // 2)
+
+    def test_comparison_follows_from_mesh_and_exact(self):
+        mesh, exact, comparison = (self.json[b] for b in ("mesh", "exact", "comparison"))
+        for figure in ("area", "volume"):
+            expected = (mesh[figure] - exact[figure]) / exact[figure]
+            self.assert_close(comparison[f"{figure}_relative_error"], expected, 1e-9)
+
+    def test_unknown_numbers_are_null(self):
+        exact = self.report("exact", UBIQUITIN, "--topology", "off")
+        for block in ("parameters", "backend", "mesh", "comparison"):
+            self.assertIsNone(exact[block], block)
+        self.assertEqual(exact["exact"]["method"], "arcs")
+        for key in ("components", "tunnels", "voids", "euler_characteristic", "hidden_atoms"):
+            self.assertIsNone(exact["exact"][key], key)
+        self.assertIsNone(exact["timing"]["extract"])
+        self.assert_exact(exact["exact"], EXACT, {})
+
+    def test_topology_off(self):
+        exact = self.report("report", UBIQUITIN, "--topology", "off")
+        self.assertIsNone(exact["comparison"]["euler_characteristic_difference"])
+        both = self.report("exact", UBIQUITIN, "--method", "both")["exact"]
+        self.assert_close(both["check_area"], both["area"], TWELVE_DIGITS)
+
+    def test_same_result_for_any_number_of_threads(self):
+        one = self.report("report", UBIQUITIN, "--threads", "1")
+        three = self.report("report", UBIQUITIN, "--threads", "3")
+        self.assertEqual(one["backend"]["threads"], 1)
+        self.assertEqual(one["mesh"], three["mesh"])
+        self.assertEqual(one["exact"], three["exact"])
+
+
+class OneSphere(ProgramTest):
+    def test_closed_form(self):
+        radius = 2.0
+        ball = self.file("ball.xyzr", f"0.1 0.2 0.3 {radius}\n")
+        report = self.report("report", ball, "--spacing", "0.25", "--subdivide", "0")
+        area, volume = 4 * math.pi * radius**2, 4 / 3 * math.pi * radius**3
+        self.assert_close(report["exact"]["area"], area, 1e-12)
+        self.assert_close(report["exact"]["volume"], volume, 1e-12)
+        # A mesh inscribed in the sphere falls short by O(h²/R²) = 1.6 %.
+        for figure in ("area", "volume"):
+            error = report["comparison"][f"{figure}_relative_error"]
+            self.assertTrue(-0.016 < error < 0, error)
+        self.assertEqual(report["mesh"]["euler_characteristic"], 2)
+        self.assertEqual(report["comparison"]["euler_characteristic_difference"], 0)
+
+    def test_probe_grows_the_sphere(self):
+        ball = self.file("ball.xyzr", "0 0 0 1\n")
+        report = self.report("exact", ball, "--probe", "1.4")
+        self.assert_close(report["exact"]["area"], 4 * math.pi * 2.4**2, 1e-12)
+        self.assertEqual(report["input"]["probe"], 1.4)
+
+
+class TextReport(ProgramTest):
+    def test_figures_stand_side_by_side(self):
+        text = self.run_ok("report", "--sample", "ubiquitin").stdout
+        self.assertRegex(text, r"Area +\d+\.\d+ +7915\.582 +[-+]\d+\.\d+ % +Å²")
+        self.assertRegex(text, r"Volume +\d+\.\d+ +6558\.607 +[-+]\d+\.\d+ % +Å³")
+        self.assertIn("602 used of 660 read; left out: 58 waters", text)
+        self.assertIn("asymmetric unit", text)
+        self.assertIn("closed, 2-manifold, oriented", text)
+        self.assertNotIn("NOT", text)
+        for line in text.splitlines():
+            self.assertEqual(line, line.rstrip())
+
+    def test_quiet_prints_nothing(self):
+        output = self.folder / "a.json"
+        result = self.run_ok("exact", UBIQUITIN, "--quiet", "--json", output)
+        self.assertEqual(result.stdout + result.stderr, "")
+        self.assertEqual(parse_json(output.read_text())["schema"], "vdwmesh-report/1")
+
+    def test_no_progress_where_standard_error_is_no_terminal(self):
+        self.assertEqual(self.run_ok("report", UBIQUITIN).stderr, "")
+        self.assertIn("extract", self.run_ok("report", UBIQUITIN, "--progress").stderr)

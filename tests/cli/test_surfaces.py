@@ -1,0 +1,99 @@
+"""Fields, presets and refinement as the command line sets them."""
+
+import math
+
+from program import BAD_INPUT, SHARED_DIR, SOURCE_DIR, UBIQUITIN, ProgramTest
+
+PADDING = {"thesis": 5.0, "thesis-vdw": 1.2}  # Å
+# Voxels of Tables 4.1 and 4.4 of the thesis.
+THESIS_VOXELS = {
+    "110D": {"thesis": 346_580, "thesis-vdw": 132_526},
+    "4PTI": {"thesis": 1_043_464, "thesis-vdw": 558_888},
+    "1BK2": {"thesis": 650_160, "thesis-vdw": 309_205},
+    "1HH0": {"thesis": 1_632_000, "thesis-vdw": 914_085},
+    "1QL2": {"thesis": 4_619_920, "thesis-vdw": 3_187_548},
+    "1IZH": {"thesis": 2_578_680, "thesis-vdw": 1_639_890},
+}
+
+
+def atom_columns(path):
+    """x, y and z of the ATOM records, as columns."""
+    lines = [line for line in path.read_text().splitlines() if line.startswith("ATOM")]
+    return [[float(line[a : a + 8]) for line in lines] for a in (30, 38, 46)]
+
+
+class Presets(ProgramTest):
+    def thesis_report(self, preset, *arguments):
+        options = ("--preset", preset, "--field", "inverse-squared", "--subdivide", "0")
+        return self.report("report", *arguments, *options)
+
+    def test_thesis_grids_are_as_the_tables_imply(self):
+        columns = atom_columns(SOURCE_DIR / "data" / "bpti.pdb")
+        for preset, padding in PADDING.items():
+            report = self.thesis_report(preset, "--sample", "bpti")
+            parameters = report["parameters"]
+            self.assertEqual((parameters["spacing"], parameters["padding"]), (0.4, padding))
+            cells = [math.floor((max(c) - min(c) + 2 * padding) / 0.4) for c in columns]
+            self.assertEqual(parameters["grid"]["cells"], cells)
+            self.assertEqual(report["input"]["atoms_used"], len(columns[0]))
+
+    def test_voxel_counts_of_the_thesis(self):
+        folder = SHARED_DIR / "molecules" / "thesis"
+        if not folder.is_dir():
+            self.skipTest(f"needs {folder}")
+        for entry, voxels in THESIS_VOXELS.items():
+            for preset, count in voxels.items():
+                with self.subTest(entry=entry, preset=preset):
+                    path = next(folder.glob(f"{entry}.*"))
+                    report = self.thesis_report(preset, path)
+                    self.assertEqual(report["parameters"]["grid"]["cell_count"], count)
+
+    def test_presets_yield_to_options(self):
+        options = ("--preset", "thesis", "--field", "soft", "--spacing", "0.8", "--padding", "4")
+        report = self.report("report", "--sample", "bpti", *options, "--subdivide", "0")
+        self.assertEqual(report["parameters"]["spacing"], 0.8)
+        self.assertEqual(report["parameters"]["padding"], 4)
+
+    def test_defaults(self):
+        parameters = self.report("report", UBIQUITIN)["parameters"]
+        self.assertEqual(parameters["field"], "vdw")
+        self.assertEqual(parameters["spacing"], 0.5)
+        self.assertEqual(parameters["padding"], 1.5)
+        self.assertEqual(parameters["subdivide"], 1)
+        self.assertEqual(parameters["project"], "vdw")
+        self.assertIsNone(parameters["isovalue"])
+
+    def test_every_field_closes(self):
+        for field in ("blinn", "soft", "inverse-squared"):
+            report = self.report("report", UBIQUITIN, "--field", field, "--subdivide", "0")
+            self.assertEqual(report["parameters"]["isovalue"], 1)
+            mesh = report["mesh"]
+            self.assertTrue(mesh["closed"] and mesh["manifold"] and mesh["oriented"], field)
+            self.assertGreater(mesh["volume"], 0)
+
+
+class Refinement(ProgramTest):
+    def test_each_subdivision_makes_four_triangles_of_one(self):
+        coarse = self.report("report", UBIQUITIN, "--subdivide", "0")["mesh"]
+        fine = self.report("report", UBIQUITIN, "--subdivide", "1")["mesh"]
+        self.assertEqual(fine["triangles"], 4 * coarse["triangles"])
+        self.assertEqual(fine["vertices"], coarse["vertices"] + coarse["edges"])
+        self.assertEqual(fine["genus"], coarse["genus"])
+        self.assertIsNone(coarse["newton"])
+        self.assertLessEqual(fine["newton"]["residual_max"], 1e-9)  # Å, the tolerance promised
+        self.assertEqual(len(fine["newton"]["levels"]), 2)
+
+    def test_projection_of_a_blended_field(self):
+        report = self.report("report", UBIQUITIN, "--field", "blinn", "--subdivide", "1")
+        self.assertEqual(report["parameters"]["project"], "field")
+        self.assertLessEqual(report["mesh"]["newton"]["residual_max"], 1e-9)
+
+
+class OddInput(ProgramTest):
+    def test_no_atoms_is_an_error(self):
+        empty = self.file("empty.pdb", "END\n")
+        self.assert_refused(BAD_INPUT, "report", empty, says=("empty.pdb",))
+        self.assert_refused(BAD_INPUT, "report", UBIQUITIN, "--select", "/9")
+
+    def test_a_file_that_is_no_structure(self):
+        self.assert_refused(BAD_INPUT, "report", self.file("a.xtc", "x"), says=("a.xtc",))

@@ -1,0 +1,27 @@
+// A program outside the project: sample in, mesh and exact union out.
+#include <cstdio>
+#include <vdwmesh/analysis/mesh_measures.hpp>
+#include <vdwmesh/arrangement/exact_union.hpp>
+#include <vdwmesh/cuda/backend.hpp>
+#include <vdwmesh/mesh/surface_mesh.hpp>
+#include <vdwmesh/structure/reader.hpp>
+
+int main() {
+  std::vector<vdwmesh::Sphere> spheres;
+  for (const vdwmesh::Atom& atom : vdwmesh::read_sample("ubiquitin").atoms) {
+    spheres.push_back({atom.position, atom.radius});
+  }
+  const vdwmesh::SphereSet molecule(std::move(spheres));
+
+  vdwmesh::RefineOptions refine;
+  refine.projection = vdwmesh::Projection::none;
+  const auto pipeline = vdwmesh::make_pipeline(vdwmesh::Backend::cpu);
+  const vdwmesh::IndexedMesh mesh = pipeline->run(molecule, {}, refine).mesh;
+  const vdwmesh::SurfaceMesh surface = vdwmesh::to_surface_mesh(mesh);
+
+  const double exact = vdwmesh::exact_union(molecule).area;
+  const double area = vdwmesh::measures(mesh).area;
+  std::printf("%zu faces, area %.3f of %.3f square angstrom\n", surface.n_faces(), area, exact);
+  // Marching cubes at 0.5 Å cut the creases between the spheres: 4 to 6 % of the area.
+  return area > 0.94 * exact && area < 0.96 * exact ? 0 : 1;
+}
