@@ -1,1 +1,144 @@
 #include "arrangement/exact_union.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "arrangement/arcs.hpp"
+#include "arrangement/dual_complex.hpp"
+#include "arrangement/measures.hpp"
+#include "arrangement/power_triangulation.hpp"
+#include "arrangement/topology.hpp"
+#include "core/errors.hpp"
+#include "extract/cell_list.hpp"
+
+namespace vdwmesh {
+namespace {
+
+double scaled_area(double area, int exponent) { return std::ldexp(area, 2 * exponent); }
+double scaled_volume(double volume, int exponent) { return std::ldexp(volume, 3 * exponent); }
+
+void scale(UnionTopology& topology, int exponent) {
+  for (Shell& shell : topology.shells) {
+    shell = {scaled_area(shell.area, exponent), scaled_volume(shell.volume, exponent)};
+  }
+  topology.outer_area = scaled_area(topology.outer_area, exponent);
+  topology.void_area = scaled_area(topology.void_area, exponent);
+  topology.void_volume = scaled_volume(topology.void_volume, exponent);
+}
+
+// In the order and the units of the SphereSet.
+std::vector<SphereMeasures> unscaled(const SphereSet& spheres, const PowerTriangulation& t,
+                                     const std::vector<SphereMeasures>& measures) {
+  std::vector<SphereMeasures> out(spheres.size(), SphereMeasures{0, 0});
+  for (std::size_t i = 0; i < measures.size(); ++i) {
+    out[t.ids[i]] = {scaled_area(measures[i].area, t.scale_exponent),
+                     scaled_volume(measures[i].volume, t.scale_exponent)};
+  }
+  return out;
+}
+
+ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
+  constexpr std::uint64_t kSteps = 4;
+  begin_stage(monitor, "exact union", kSteps);
+  const PowerTriangulation triangulation = triangulate(spheres);
+  advance(monitor, 1);
+  const DualComplex complex = dual_complex(triangulation);
+  advance(monitor, 1);
+  const auto measures = inclusion_exclusion(triangulation, complex);
+  const SphereMeasures check = total_measures(gauss_bonnet(triangulation, complex));
+  advance(monitor, 1);
+  UnionTopology topology = union_topology(triangulation, complex, measures);
+  scale(topology, triangulation.scale_exponent);
+  topology.hidden_spheres += spheres.size() - triangulation.balls.size();
+  advance(monitor, 1);
+
+  ExactUnion result{};
+  result.method = UnionMethod::cgal;
+  result.per_sphere = unscaled(spheres, triangulation, measures);
+  const SphereMeasures total = total_measures(result.per_sphere);
+  result.area = total.area;
+  result.volume = total.volume;
+  result.check_area = scaled_area(check.area, triangulation.scale_exponent);
+  result.check_volume = scaled_volume(check.volume, triangulation.scale_exponent);
+  result.topology = std::move(topology);
+  return result;
+}
+
+// Ascending ids of the wanted spheres and of every sphere that may overlap one of them.
+std::vector<SphereId> neighborhood(const SphereSet& spheres, const std::vector<SphereId>& wanted) {
+  const CellList list = make_ball_list(spheres);
+  const CellListView& view = list.view();
+  std::vector<SphereId> near(wanted);
+  for (const SphereId id : wanted) {
+    const Sphere& s = spheres[id];
+    const Vec3d reach{s.radius, s.radius, s.radius};
+    visit_near_box(view, s.center - reach, s.center + reach, [&](std::uint32_t place) {
+      near.push_back(view.id[place]);
+      return false;
+    });
+  }
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  return near;
+}
+
+// A sphere's area and ball ∩ power cell depend on the balls that meet it alone.
+void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>& suspect,
+                          std::vector<SphereMeasures>& per_sphere) {
+  if (suspect.empty()) return;
+  const std::vector<SphereId> near = neighborhood(spheres, suspect);
+  std::vector<Sphere> subset;
+  subset.reserve(near.size());
+  for (const SphereId id : near) subset.push_back(spheres[id]);
+  const SphereSet local(std::move(subset));
+  const PowerTriangulation triangulation = triangulate(local);
+  const auto measures = unscaled(local, triangulation,
+                                 inclusion_exclusion(triangulation, dual_complex(triangulation)));
+  for (const SphereId id : suspect) {
+    const auto place = std::lower_bound(near.begin(), near.end(), id) - near.begin();
+    per_sphere[id] = measures[static_cast<std::size_t>(place)];
+  }
+}
+
+ExactUnion union_by_arcs(const SphereSet& spheres, Monitor* monitor) {
+  ArcMeasures arcs = arc_measures(spheres, monitor);
+  replace_by_reference(spheres, arcs.suspect, arcs.per_sphere);
+  const SphereMeasures total = total_measures(arcs.per_sphere);
+  ExactUnion result{};
+  result.method = UnionMethod::arcs;
+  result.area = total.area;
+  result.volume = total.volume;
+  result.per_sphere = std::move(arcs.per_sphere);
+  result.fallback_spheres = arcs.suspect.size();
+  return result;
+}
+
+ExactUnion union_by_both(const SphereSet& spheres, Monitor* monitor) {
+  ExactUnion result = union_by_triangulation(spheres, monitor);
+  ArcMeasures arcs = arc_measures(spheres, monitor);
+  for (const SphereId id : arcs.suspect) arcs.per_sphere[id] = result.per_sphere[id];
+  const SphereMeasures check = total_measures(arcs.per_sphere);
+  result.method = UnionMethod::both;
+  result.check_area = check.area;
+  result.check_volume = check.volume;
+  result.fallback_spheres = arcs.suspect.size();
+  return result;
+}
+
+}  // namespace
+
+ExactUnion exact_union(const SphereSet& spheres, const UnionOptions& options) {
+  if (spheres.empty()) throw InvalidInput("the union of an empty set of spheres is not defined");
+  switch (options.method) {
+    case UnionMethod::cgal:
+      return union_by_triangulation(spheres, options.monitor);
+    case UnionMethod::arcs:
+      return union_by_arcs(spheres, options.monitor);
+    case UnionMethod::both:
+      return union_by_both(spheres, options.monitor);
+  }
+  throw InvalidInput("unknown method of the exact union");
+}
+
+}  // namespace vdwmesh
