@@ -1,0 +1,94 @@
+#include "extract/cell_list.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+#include <vector>
+
+namespace vdwmesh {
+namespace {
+
+std::vector<Sphere> random_spheres(std::size_t count, double box, double r_min, double r_max,
+                                   unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> place(-box, box), radius(r_min, r_max);
+  std::vector<Sphere> spheres(count);
+  for (Sphere& s : spheres) s = {{place(random), place(random), place(random)}, radius(random)};
+  return spheres;
+}
+
+bool reaches_box(const Sphere& s, const Vec3d& lower, const Vec3d& upper) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (s.center[axis] < lower[axis] - s.radius || s.center[axis] > upper[axis] + s.radius) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void expect_finds_all(const SphereSet& spheres, unsigned seed) {
+  const CellList list = make_ball_list(spheres);
+  const Box box = bounding_box(spheres);
+  std::mt19937_64 random(seed);
+  for (int query = 0; query < 200; ++query) {
+    Vec3d lower{}, upper{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double extent = box.upper[axis] - box.lower[axis];
+      std::uniform_real_distribution<double> place(box.lower[axis] - 0.2 * extent,
+                                                   box.upper[axis] + 0.2 * extent);
+      lower[axis] = place(random);
+      upper[axis] = lower[axis] + extent * 0.05 * (query % 4);
+    }
+    std::set<SphereId> found;
+    std::int64_t previous = -1;
+    visit_near_box(list.view(), lower, upper, [&](std::uint32_t place) {
+      EXPECT_GT(static_cast<std::int64_t>(place), previous) << "not in list order";
+      previous = place;
+      EXPECT_TRUE(found.insert(list.view().id[place]).second);
+      return false;
+    });
+    for (SphereId i = 0; i < spheres.size(); ++i) {
+      if (reaches_box(spheres[i], lower, upper)) {
+        EXPECT_TRUE(found.contains(i));
+      }
+    }
+  }
+}
+
+TEST(CellList, FindsEverySphereNearABox) {
+  expect_finds_all(SphereSet(random_spheres(1, 5, 1, 2, 1)), 1);
+  expect_finds_all(SphereSet(random_spheres(500, 20, 1, 2, 2)), 2);
+}
+
+TEST(CellList, FindsSpheresOfVeryDifferentSizesAndPlaces) {
+  std::vector<Sphere> spheres = random_spheres(300, 10, 0.001, 0.01, 3);
+  spheres.push_back({{3, 0, 0}, 500});
+  spheres.push_back({{1e6, -1e6, 1e6}, 2});
+  expect_finds_all(SphereSet(spheres), 4);
+}
+
+TEST(CellList, OrdersBySpheresNotByInput) {
+  std::vector<Sphere> spheres = random_spheres(400, 8, 1, 2, 5);
+  spheres.push_back(spheres[7]);  // an exact duplicate
+  std::vector<Sphere> shuffled = spheres;
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937_64(6));
+  const CellList a = make_ball_list(SphereSet(spheres)), b = make_ball_list(SphereSet(shuffled));
+  for (std::uint32_t i = 0; i < a.view().size; ++i) {
+    EXPECT_EQ(a.view().spheres[i].center, b.view().spheres[i].center);
+    EXPECT_EQ(a.view().rank[i], b.view().rank[i]);
+  }
+}
+
+TEST(CellList, StopsWhenAsked) {
+  const CellList list = make_ball_list(SphereSet(random_spheres(50, 1, 1, 2, 7)));
+  int visits = 0;
+  EXPECT_TRUE(visit_near_box(list.view(), {0, 0, 0}, {0, 0, 0},
+                             [&](std::uint32_t) { return ++visits == 3; }));
+  EXPECT_EQ(visits, 3);
+}
+
+}  // namespace
+}  // namespace vdwmesh

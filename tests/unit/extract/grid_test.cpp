@@ -1,0 +1,92 @@
+#include "extract/grid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "core/errors.hpp"
+#include "extract/field.hpp"
+
+namespace vdwmesh {
+namespace {
+
+SphereSet box_of_two() { return SphereSet({{{0, 0, 0}, 1.0}, {{10, 4, 2}, 1.5}}); }
+
+TEST(SphereSet, RefusesWhatIsNotABall) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(SphereSet({{{nan, 0, 0}, 1}}), InvalidInput);
+  EXPECT_THROW(SphereSet({{{0, inf, 0}, 1}}), InvalidInput);
+  EXPECT_THROW(SphereSet({{{0, 0, 0}, 0}}), InvalidInput);
+  EXPECT_THROW(SphereSet({{{0, 0, 0}, -1}}), InvalidInput);
+  EXPECT_THROW(SphereSet({{{0, 0, 0}, nan}}), InvalidInput);
+}
+
+TEST(Grid, CoversTheBallsAndThePadding) {
+  GridOptions options;
+  options.spacing = 0.3;
+  options.padding = 0.7;
+  const GridSpec grid = make_grid(box_of_two(), options);
+  EXPECT_DOUBLE_EQ(grid.origin.x, -1.7);
+  EXPECT_GE(grid.origin.x + 0.3 * static_cast<double>(grid.cells.x), 11.5 + 0.7);
+  EXPECT_LT(grid.origin.x + 0.3 * static_cast<double>(grid.cells.x - 1), 11.5 + 0.7);
+}
+
+// The recovered grid of the thesis: floor((extent + 2 padding) / h) cells around the centres.
+TEST(Grid, OfTheThesisEndsInsideThePaddedBoxOfTheCentres) {
+  const GridOptions options = preset_grid(FieldPreset::thesis, {}, {});
+  const GridSpec grid = make_grid(box_of_two(), options);
+  EXPECT_DOUBLE_EQ(grid.origin.x, -5.0);
+  EXPECT_EQ(grid.cells.x, 50);  // 20 / 0.4
+  EXPECT_EQ(grid.cells.y, 35);
+  EXPECT_EQ(grid.cells.z, 30);
+}
+
+TEST(Grid, RefusesOptionsWithoutMeaning) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  GridOptions options;
+  EXPECT_THROW(make_grid(SphereSet(), options), InvalidInput);
+  for (const double spacing : {0.0, -0.5, nan, std::numeric_limits<double>::infinity()}) {
+    options.spacing = spacing;
+    EXPECT_THROW(make_grid(box_of_two(), options), InvalidInput) << spacing;
+  }
+  options.spacing = 0.5;
+  options.padding = -1;
+  EXPECT_THROW(make_grid(box_of_two(), options), InvalidInput);
+}
+
+TEST(Grid, RefusesMoreCellsThanKeysCanNumber) {
+  GridOptions options;
+  options.spacing = 1e-9;
+  EXPECT_THROW(make_grid(box_of_two(), options), LimitExceeded);
+}
+
+TEST(Bricks, KeysOrderZYXAndComeBack) {
+  const BrickIndex a{5, 0, 0}, b{0, 1, 0}, c{0, 0, 1};
+  EXPECT_LT(brick_key(a), brick_key(b));
+  EXPECT_LT(brick_key(b), brick_key(c));
+  const BrickIndex far{131071, 70000, 131072};
+  EXPECT_EQ(brick_of_key(brick_key(far)), far);
+}
+
+TEST(FieldOptions, RefuseParametersOfOtherFields) {
+  GridOptions options;
+  const GridSpec grid = make_grid(box_of_two(), options);
+  FieldOptions field;
+  field.isovalue = 1;
+  EXPECT_THROW(make_field_model(field, grid), InvalidInput);  // vdw has no isovalue
+  field = {};
+  field.preset = FieldPreset::thesis;
+  EXPECT_THROW(make_field_model(field, grid), InvalidInput);
+  field = {};
+  field.kind = FieldKind::blinn;
+  field.isovalue = -1;
+  EXPECT_THROW(make_field_model(field, grid), InvalidInput);
+  field.isovalue = 1;
+  field.blobbiness = 1000;
+  EXPECT_THROW(make_field_model(field, grid), InvalidInput);
+}
+
+}  // namespace
+}  // namespace vdwmesh
