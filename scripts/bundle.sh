@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Collects tests, benchmarks and the CLI of a CUDA build, with the shared libraries they need, into
+# one folder that runs on a GPU host without the dependencies (x86-64, glibc >= 2.36, NVIDIA driver
+# for CUDA 13). For test hosts, not for distribution.
+#
+#   scripts/bundle.sh DIR [BUILD]     BUILD: a built tree, default build/cuda
+set -euo pipefail
+source_dir=$(cd "$(dirname "$0")/.." && pwd)
+target=${1:?usage: scripts/bundle.sh DIR [BUILD]}
+build=${2:-$source_dir/build/cuda}
+shared=${VDWMESH_SHARED:-$source_dir/../shared}
+
+mkdir -p "$target/bin" "$target/lib" "$target/data"
+programs=()
+for program in "$build/apps/vdwmesh" "$build"/tests/cuda/cuda_* "$build"/tests/contract/*_test \
+               "$build"/bench/cuda_*; do
+  if [ -f "$program" ] && [ -x "$program" ]; then programs+=("$program"); fi
+done
+[ "${#programs[@]}" -gt 0 ] || { echo "bundle: nothing built in $build" >&2; exit 1; }
+for program in "${programs[@]}"; do
+  install "$program" "$target/bin/"
+  strip "$target/bin/$(basename "$program")"
+  # Everything but the C library and the driver.
+  ldd "$program" | awk '$3 ~ /^\// {print $3}' |
+    grep -vE '/(libc|libm|libdl|libpthread|librt|ld-linux-x86-64|libcuda)\.so' |
+    while read -r library; do install -m 644 "$library" "$target/lib/"; done
+done
+if [ -d "$shared/reference" ]; then
+  mkdir -p "$target/data/reference"
+  cp "$shared"/reference/*.xyzr "$shared"/reference/*.csv "$target/data/reference/"
+  for packed in "$shared"/reference/*.xyzr.gz; do
+    gzip -dc "$packed" > "$target/data/reference/$(basename "$packed" .gz)"
+  done
+fi
+
+cat > "$target/run-tests.sh" <<'RUN'
+#!/usr/bin/env bash
+# Every test over both backends; a missing device is a failure. Arguments go to every test program.
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+export VDWMESH_REQUIRE_CUDA=1 VDWMESH_SHARED="$here/data"
+status=0
+for test in "$here"/bin/*_test "$here"/bin/cuda_parity; do
+  [ -x "$test" ] || continue
+  echo "== $(basename "$test")"
+  "$test" "$@" || status=1
+done
+exit $status
+RUN
+cat > "$target/run-bench.sh" <<'RUN'
+#!/usr/bin/env bash
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+export VDWMESH_SHARED="$here/data"
+for bench in "$here"/bin/cuda_bench*; do "$bench" "$@"; done
+RUN
+chmod +x "$target"/run-*.sh
+size=$(du -sm "$target" | cut -f1)
+echo "bundle: $target, $size MB"
+[ "$size" -le 60 ] || { echo "bundle: larger than 60 MB" >&2; exit 1; }

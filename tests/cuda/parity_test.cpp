@@ -1,0 +1,167 @@
+// The CUDA backend against the CPU backend on the same input: every array of the IndexedMesh equal
+// bit by bit, twice in a row. Skips without a device; VDWMESH_REQUIRE_CUDA=1 makes that a failure.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "cuda/backend.hpp"
+#include "support/shared_files.hpp"
+#include "support/xyzr.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using testing::read_xyzr;
+using testing::shared_path;
+
+class Parity : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const DeviceList list = cuda_devices();
+    if (!list.devices.empty()) return;
+    if (std::getenv("VDWMESH_REQUIRE_CUDA")) FAIL() << list.reason;
+    GTEST_SKIP() << list.reason;
+  }
+};
+
+std::string to_string(const IndexedMeshHash& h) {
+  char text[80];
+  std::snprintf(text, sizeof text, "%016llx %016llx %016llx %016llx",
+                static_cast<unsigned long long>(h.positions),
+                static_cast<unsigned long long>(h.normals),
+                static_cast<unsigned long long>(h.vertex_spheres),
+                static_cast<unsigned long long>(h.triangles));
+  return text;
+}
+
+void expect_same(const IndexedMesh& cpu, const IndexedMesh& cuda, const std::string& what) {
+  ASSERT_EQ(cpu.vertex_count(), cuda.vertex_count()) << what;
+  ASSERT_EQ(cpu.triangle_count(), cuda.triangle_count()) << what;
+  EXPECT_EQ(cpu.opposite, cuda.opposite) << what;
+  const IndexedMeshHash a = hash(cpu), b = hash(cuda);
+  std::printf("%-44s V %9zu T %9zu  %s\n", what.c_str(), cpu.vertex_count(), cpu.triangle_count(),
+              to_string(b).c_str());
+  EXPECT_EQ(to_string(a), to_string(b)) << what;
+}
+
+void expect_parity(const SphereSet& spheres, const ExtractOptions& options,
+                   const std::string& what) {
+  const ExtractResult cpu = make_extractor(Backend::cpu)->extract(spheres, options);
+  const ExtractResult cuda = make_extractor(Backend::cuda)->extract(spheres, options);
+  expect_same(cpu.mesh, cuda.mesh, what);
+  EXPECT_EQ(cpu.stats.clamped_vertices, cuda.stats.clamped_vertices) << what;
+  EXPECT_EQ(cpu.stats.grid_clipped, cuda.stats.grid_clipped) << what;
+  EXPECT_EQ(cpu.stats.surface_bricks, cuda.stats.surface_bricks) << what;
+  const ExtractResult again = make_extractor(Backend::cuda)->extract(spheres, options);
+  EXPECT_EQ(hash(cuda.mesh), hash(again.mesh)) << what << ", second run";
+}
+
+constexpr FieldKind kFields[] = {FieldKind::vdw, FieldKind::blinn, FieldKind::soft_object,
+                                 FieldKind::inverse_squared};
+const char* name_of(FieldKind kind) {
+  const char* names[] = {"vdw", "blinn", "soft", "inverse-squared"};
+  return names[static_cast<int>(kind)];
+}
+
+SphereSet crowd(std::size_t count, double box, double r_min, double r_max, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> place(-box, box), radius(r_min, r_max);
+  std::vector<Sphere> spheres(count);
+  for (Sphere& s : spheres) s = {{place(random), place(random), place(random)}, radius(random)};
+  return SphereSet(spheres);
+}
+
+ExtractOptions options_of(FieldKind kind, double spacing) {
+  ExtractOptions options;
+  options.field.kind = kind;
+  options.grid.spacing = spacing;
+  options.connectivity = Connectivity::half_edges;
+  return options;
+}
+
+TEST_F(Parity, RandomAndDegenerateSets) {
+  const std::vector<std::pair<std::string, SphereSet>> sets = {
+      {"one ball", SphereSet({{{0.1, 0.2, 0.3}, 1.7}})},
+      {"coincident", SphereSet({{{0, 0, 0}, 1.7}, {{0, 0, 0}, 1.7}, {{0, 0, 0}, 1.2}})},
+      {"tangent", SphereSet({{{0, 0, 0}, 1.5}, {{3, 0, 0}, 1.5}, {{0, 3, 0}, 1.5}})},
+      {"on nodes", SphereSet({{{0, 0, 0}, 1.5}, {{2, 0, 0}, 1.5}, {{1, 1, 0}, 1.0}})},
+      {"tiny", SphereSet({{{0, 0, 0}, 0.01}, {{5, 5, 5}, 0.02}})},
+      {"giant among small", crowd(300, 12, 0.1, 2.0, 5)},
+      {"crowd", crowd(2000, 15, 0.8, 2.0, 6)},
+      {"far apart", SphereSet({{{0, 0, 0}, 1.7}, {{4000, 0, 100}, 1.5}})}};
+  for (const auto& [name, spheres] : sets) {
+    for (const FieldKind kind : kFields) {
+      for (const double spacing : {0.5, 0.23}) {
+        expect_parity(spheres, options_of(kind, spacing),
+                      name + " " + name_of(kind) + " " + std::to_string(spacing));
+      }
+    }
+  }
+}
+
+// 1, 31, 32 and 33 bricks in a row, and a surface through the corners of bricks.
+TEST_F(Parity, SizesAroundAWarp) {
+  for (const int bricks : {1, 31, 32, 33}) {
+    std::vector<Sphere> row;
+    const double spacing = 0.5;
+    for (double x = 0; x <= bricks * kBrickSide * spacing - 6; x += 1.1)
+      row.push_back({{x, 0, 0}, 1.5});
+    if (row.empty()) row.push_back({{0, 0, 0}, 0.4});
+    for (const FieldKind kind : kFields) {
+      expect_parity(SphereSet(row), options_of(kind, spacing),
+                    std::to_string(bricks) + " bricks " + name_of(kind));
+    }
+  }
+}
+
+TEST_F(Parity, SurfaceCutByTheGrid) {
+  for (const FieldKind kind : kFields) {
+    ExtractOptions options = options_of(kind, 0.4);
+    options.grid.padding = 0;
+    options.grid.box = GridBox::centers;
+    expect_parity(crowd(100, 5, 1, 2, 9), options, std::string("cut ") + name_of(kind));
+  }
+}
+
+// More spheres near a brick than fit in shared memory at a time.
+TEST_F(Parity, CoarseGridsOverManySpheres) {
+  for (const FieldKind kind : kFields) {
+    expect_parity(crowd(6000, 18, 0.8, 2.0, 10), options_of(kind, 2.0),
+                  std::string("coarse ") + name_of(kind));
+  }
+}
+
+TEST_F(Parity, ThesisPresets) {
+  for (const FieldPreset preset : {FieldPreset::thesis, FieldPreset::thesis_vdw}) {
+    for (const FieldKind kind :
+         {FieldKind::blinn, FieldKind::soft_object, FieldKind::inverse_squared}) {
+      ExtractOptions options = options_of(kind, 0.4);
+      options.field.preset = preset;
+      options.grid = preset_grid(preset, {}, {});
+      expect_parity(crowd(200, 8, 1, 2, 11), options, std::string("thesis ") + name_of(kind));
+    }
+  }
+}
+
+TEST_F(Parity, Molecules) {
+  const std::vector<std::string> names = {
+      "110D", "133D", "1BK2",        "1CKB", "1F4K",     "1GZI",     "1HH0",    "1IZH",
+      "1ORC", "1QL2", "1QL2_chainA", "4HHB", "4INS",     "4PTI",     "19HC",    "1CRN",
+      "1EJG", "1F2N", "1L2Y",        "1UBQ", "2spheres", "3spheres", "benzene", "cube"};
+  VDWMESH_NEEDS_SHARED("reference/4PTI.xyzr");
+  for (const std::string& name : names) {
+    const SphereSet spheres = read_xyzr(shared_path("reference/" + name + ".xyzr"));
+    for (const double spacing : {0.5, 0.25}) {
+      expect_parity(spheres, options_of(FieldKind::vdw, spacing),
+                    name + " " + std::to_string(spacing));
+    }
+    expect_parity(spheres, options_of(FieldKind::blinn, 0.5), name + " blinn");
+  }
+}
+
+}  // namespace
+}  // namespace vdwmesh
