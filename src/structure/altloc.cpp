@@ -1,9 +1,10 @@
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <gemmi/model.hpp>
 #include <set>
 
 #include "core/errors.hpp"
-#include "fmt/format.h"
-#include "gemmi/model.hpp"
 #include "structure/site.hpp"
 
 namespace vdwmesh {

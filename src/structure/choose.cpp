@@ -1,16 +1,18 @@
 #include "structure/choose.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <gemmi/assembly.hpp>
+#include <gemmi/polyheur.hpp>
+#include <gemmi/select.hpp>
 #include <memory>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "core/errors.hpp"
-#include "fmt/format.h"
-#include "gemmi/assembly.hpp"
-#include "gemmi/polyheur.hpp"
-#include "gemmi/select.hpp"
 #include "structure/lines.hpp"
 #include "structure/site.hpp"
 
@@ -49,6 +51,12 @@ std::string name_of(const Site& site, const AtomRecord& record) {
   return fmt::format("atom {} of residue {} {}{} (serial {}, {} {})", site.atom->name,
                      site.residue->name, site.residue->seqid.str(), chain, record.serial,
                      record.line == 0 ? "number" : "line", record.line);
+}
+
+// 0 where the file calls it by something else than a number.
+std::int32_t number_of(const gemmi::Model& model) {
+  const std::int64_t number = whole_number(model.name).value_or(0);
+  return std::in_range<std::int32_t>(number) ? static_cast<std::int32_t>(number) : 0;
 }
 
 class Choice {
@@ -208,7 +216,7 @@ class Choice {
     taken.chain = chain.name;
     if (residue.seqid.num) taken.residue_number = residue.seqid.str();
     taken.serial = record.serial;
-    taken.model = gemmi::string_to_int(model.name, false);
+    taken.model = number_of(model);
     taken.hetero = record.hetero;
     molecule_.atoms.push_back(std::move(taken));
   }

@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cctype>
+#include <gemmi/elem.hpp>
+#include <gemmi/resinfo.hpp>
 #include <string>
 
-#include "gemmi/elem.hpp"
-#include "gemmi/resinfo.hpp"
 #include "structure/lines.hpp"
 
 namespace vdwmesh {

@@ -1,5 +1,7 @@
 #include "structure/formats.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -7,7 +9,6 @@
 #include <utility>
 
 #include "core/errors.hpp"
-#include "fmt/format.h"
 #include "structure/lines.hpp"
 
 namespace vdwmesh {

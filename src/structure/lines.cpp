@@ -57,6 +57,15 @@ std::optional<double> finite_number(std::string_view field) {
   return value;
 }
 
+std::optional<std::int64_t> whole_number(std::string_view field) {
+  field = trimmed(field);
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (field.empty() || error != std::errc() || end != field.data() + field.size())
+    return std::nullopt;
+  return value;
+}
+
 std::string in_quotes(std::string_view field) {
   std::string text = "'";
   for (const char c : field.substr(0, kLongestQuote)) text += c >= ' ' && c <= '~' ? c : '?';

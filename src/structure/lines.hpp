@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +22,9 @@ std::vector<std::string_view> split_at_blanks(std::string_view line);
 
 // The whole field as a finite number; nothing for anything else (blank, text, NaN, infinity).
 std::optional<double> finite_number(std::string_view field);
+
+// The whole field as a decimal integer.
+std::optional<std::int64_t> whole_number(std::string_view field);
 
 // Printable and short, for messages.
 std::string in_quotes(std::string_view field);

@@ -1,14 +1,14 @@
 // mmCIF through gemmi, and crystallographic CIF of small molecules (asymmetric unit).
-#include "gemmi/mmcif.hpp"
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <gemmi/cif.hpp>
+#include <gemmi/mmcif.hpp>
+#include <gemmi/smcif.hpp>
 
 #include "core/errors.hpp"
-#include "fmt/format.h"
-#include "gemmi/cif.hpp"
-#include "gemmi/smcif.hpp"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
@@ -82,19 +82,14 @@ void check_columns(cif::Block& block, const std::string& path) {
 
 // Notes what gemmi's atom cannot hold, and numbers the atoms by their row.
 std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) {
-  cif::Table table = block.find(kAtoms, {"id", "Cartn_x", "Cartn_y", "Cartn_z", "?group_PDB"});
+  cif::Table table = block.find(kAtoms, {"id", "?group_PDB"});
   std::vector<AtomRecord> atoms;
   atoms.reserve(table.length());
   for (cif::Table::Row row : table) {
     AtomRecord atom;
     atom.line = static_cast<std::uint32_t>(atoms.size()) + 1;
-    for (int axis = 1; axis <= 3; ++axis)
-      if (!std::isfinite(cif::as_number(row[axis])))
-        refuse(path,
-               fmt::format("row {} of _atom_site (id {}): Cartn_{} is {}, not a finite number",
-                           atom.line, row[0], "xyz"[axis - 1], in_quotes(row[axis])));
-    atom.serial = gemmi::string_to_int(row[0], false);
-    if (row.has2(4)) atom.hetero = row[4].find_first_of("Hh") <= 1;
+    atom.serial = whole_number(row[0]).value_or(atom.line);
+    if (row.has2(1)) atom.hetero = row[1].find_first_of("Hh") <= 1;  // behind a quote, perhaps
     row[0] = std::to_string(atoms.size());
     atoms.push_back(atom);
   }
@@ -102,17 +97,38 @@ std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) 
   return atoms;
 }
 
-void complete_elements(cif::Block& block, gemmi::Structure& structure) {
-  cif::Column symbols = block.find_values("_atom_site.type_symbol");
-  for (gemmi::Model& model : structure.models)
+[[noreturn]] void refuse_position(cif::Block& block, const ParsedFile& file,
+                                  const gemmi::Atom& atom) {
+  for (const char axis : {'x', 'y', 'z'}) {
+    const std::string field =
+        block.find_values(fmt::format("{}Cartn_{}", kAtoms, axis)).at(atom.serial);
+    if (!std::isfinite(cif::as_number(field)))
+      refuse(file.path,
+             fmt::format("row {} of _atom_site (id {}): Cartn_{} is {}, not a finite number",
+                         atom.serial + 1, file.atoms[static_cast<std::size_t>(atom.serial)].serial,
+                         axis, in_quotes(field)));
+  }
+  refuse(file.path, fmt::format("row {} of _atom_site has no position", atom.serial + 1));
+}
+
+gemmi::Element element_of(const cif::Column& symbols, const gemmi::Atom& atom,
+                          const gemmi::Residue& residue) {
+  const std::string symbol = cif::as_string(symbols.at(atom.serial));
+  return gemmi::Element(symbol.empty() ? element_of_bare_name(atom.name, residue.name)
+                                       : element_of_symbol(symbol));
+}
+
+// What gemmi leaves unsaid: coordinates that are no numbers, symbols with a charge or none.
+void complete_atoms(cif::Block& block, const ParsedFile& file) {
+  const cif::Column symbols = block.find_values("_atom_site.type_symbol");
+  for (gemmi::Model& model : file.structure->models)
     for (gemmi::Chain& chain : model.chains)
       for (gemmi::Residue& residue : chain.residues)
         for (gemmi::Atom& atom : residue.atoms) {
-          if (atom.element != gemmi::El::X) continue;
-          const std::string symbol = cif::as_string(symbols.at(atom.serial));
-          atom.element =
-              gemmi::Element(symbol.empty() ? element_of_bare_name(atom.name, residue.name)
-                                            : element_of_symbol(symbol));
+          if (!std::isfinite(atom.pos.x) || !std::isfinite(atom.pos.y) ||
+              !std::isfinite(atom.pos.z))
+            refuse_position(block, file, atom);
+          if (atom.element == gemmi::El::X) atom.element = element_of(symbols, atom, residue);
         }
 }
 
@@ -123,7 +139,7 @@ void read_macromolecule(cif::Block& block, ParsedFile& file) {
   for (cif::Item& item : block.items)  // not needed, and slow to match with the atoms
     if (item.has_prefix("_atom_site_anisotrop.")) item.erase();
   *file.structure = gemmi::make_structure_from_block(block);
-  complete_elements(block, *file.structure);
+  complete_atoms(block, file);
   file.format = "mmcif";
 }
 

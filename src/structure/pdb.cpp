@@ -1,18 +1,18 @@
 // PDB files. gemmi reads strictly formed records; here every record is first put into that form,
 // with its own checks, because real files are not so: entry ids in columns 73-80, missing element
 // columns, models without end, serials beyond 99,999.
-#include "gemmi/pdb.hpp"
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <gemmi/pdb.hpp>
 #include <map>
 #include <optional>
 #include <set>
 
 #include "core/errors.hpp"
-#include "fmt/format.h"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
@@ -57,37 +57,44 @@ bool is_entry_tag(std::string_view tag) {
          std::all_of(number.begin(), number.end(), [](char c) { return is_digit(c) || c == ' '; });
 }
 
-// Before 1996, columns 73-80 numbered the lines of the entry; now they hold the element.
-bool has_entry_tags(std::string_view text) {
-  std::size_t atoms = 0;
+// How the file uses the columns that programs disagree on.
+struct Layout {
+  bool entry_tags = false;     // 73-80 number the lines of the entry, as before 1996; no element
+  bool names_at_left = false;  // names begin in column 13 whatever the element
+};
+
+Layout layout_of(std::string_view text) {
+  std::size_t atoms = 0, aligned = 0, at_left = 0;
   std::map<std::string_view, std::size_t> tagged;  // by entry id
   std::string_view line;
   while (next_line(text, line)) {
     if (!is_atom(line)) continue;
     ++atoms;
-    const std::string_view tag = columns(line, kTagColumn, 8);
+    const std::string_view tag = columns(line, kTagColumn, 8), name = columns(line, 12, 4);
     if (is_entry_tag(tag)) ++tagged[tag.substr(0, 4)];
+    if (name == " N  " || name == " C  " || name == " O  " || name == " P  ") ++aligned;
+    if (name == "N   " || name == "C   " || name == "O   " || name == "P   ") ++at_left;
   }
-  return std::any_of(tagged.begin(), tagged.end(),
-                     [atoms](const auto& entry) { return 2 * entry.second > atoms; });
+  Layout layout;
+  layout.names_at_left = at_left > aligned;
+  layout.entry_tags = std::any_of(tagged.begin(), tagged.end(),
+                                  [atoms](const auto& entry) { return 2 * entry.second > atoms; });
+  return layout;
 }
 
 // Hybrid-36 (R. W. Grosse-Kunstleve): decimal, then base 36 from A0000, then from a0000.
 std::optional<std::int64_t> serial_number(std::string_view field) {
   const std::string_view digits = trimmed(field);
-  std::int64_t value = 0;
   if (digits.size() == 5 && is_letter(digits[0])) {
     constexpr std::int64_t kUpper = 100'000 - 10 * 36 * 36 * 36 * 36;
     constexpr std::int64_t kLower = kUpper + 26 * 36 * 36 * 36 * 36;
+    std::int64_t value = 0;
     const bool lower = std::islower(static_cast<unsigned char>(digits[0])) != 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + 5, value, 36);
     if (error != std::errc() || end != digits.data() + 5) return std::nullopt;
     return value + (lower ? kLower : kUpper);
   }
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (digits.empty() || error != std::errc() || end != digits.data() + digits.size())
-    return std::nullopt;
-  return value;
+  return whole_number(digits);
 }
 
 std::string five_columns(std::uint64_t index) {
@@ -101,7 +108,7 @@ std::string five_columns(std::uint64_t index) {
 class Normaliser {
  public:
   Normaliser(std::string_view text, const std::string& path)
-      : path_(path), rest_(text), tagged_(has_entry_tags(text)) {}
+      : path_(path), rest_(text), layout_(layout_of(text)) {}
 
   void run() {
     text_.reserve(rest_.size() + rest_.size() / 8);
@@ -122,7 +129,8 @@ class Normaliser {
       take_atom(line);
     } else if (is_record(line, "MODEL")) {
       close_model();
-      announced_ = std::string(trimmed(line.substr(5)));
+      const auto number = whole_number(line.substr(5));
+      announced_ = number ? std::to_string(*number) : "";
     } else if (is_record(line, "ENDMDL") || is_record(line, "END")) {
       close_model();
     } else if (is_record(line, "TER") || starts_with_record(line, "SEQRES") ||
@@ -144,8 +152,8 @@ class Normaliser {
     if (count > kMaxModels)
       refuse(fmt::format("more than {} models; cut the file into smaller ones", kMaxModels));
     std::string name = announced_;
-    if (name.empty() || names_.count(name) != 0) name = std::to_string(count);
-    while (names_.count(name) != 0) name = std::to_string(std::stoull("0" + name) + 1);
+    if (name.empty()) name = std::to_string(count);
+    for (std::size_t next = count; names_.count(name) != 0; ++next) name = std::to_string(next);
     names_.insert(name);
     model_names_.push_back(name);
     text_ += fmt::format("MODEL     {:4}\n", count);
@@ -156,7 +164,7 @@ class Normaliser {
     if (atoms_.size() >= kMaxAtoms)
       refuse(fmt::format("more than {} atoms; write it as mmCIF", kMaxAtoms));
     check_coordinates(line);
-    std::string record(line.substr(0, tagged_ ? kTagColumn : kLastColumn));
+    std::string record(line.substr(0, layout_.entry_tags ? kTagColumn : kLastColumn));
     record.resize(kLastColumn, ' ');
     AtomRecord atom;
     atom.line = number_;
@@ -172,10 +180,12 @@ class Normaliser {
     text_.append(record).append("\n");
   }
 
-  static std::string_view element_of(const std::string& record) {
+  std::string_view element_of(const std::string& record) const {
     const std::string_view given = element_of_symbol(columns(record, kElementColumn, 2));
     if (given != "X") return given;
-    return element_of_aligned_name(columns(record, 12, 4), trimmed(columns(record, 17, 3)));
+    const std::string_view name = columns(record, 12, 4), residue = trimmed(columns(record, 17, 3));
+    return layout_.names_at_left ? element_of_bare_name(name, residue)
+                                 : element_of_aligned_name(name, residue);
   }
 
   void check_coordinates(std::string_view line) const {
@@ -197,7 +207,7 @@ class Normaliser {
 
   std::string path_;
   std::string_view rest_;
-  bool tagged_;
+  Layout layout_;
   std::string text_;
   std::uint32_t number_ = 0;  // of the line
   bool open_ = false;

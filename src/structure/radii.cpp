@@ -1,11 +1,12 @@
 #include "structure/radii.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include "core/errors.hpp"
-#include "fmt/format.h"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
 #include "structure/text_source.hpp"

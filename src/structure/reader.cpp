@@ -1,9 +1,10 @@
 #include "structure/reader.hpp"
 
+#include <fmt/format.h>
+
 #include <string_view>
 
 #include "core/errors.hpp"
-#include "fmt/format.h"
 #include "structure/choose.hpp"
 #include "structure/formats.hpp"
 #include "structure/lines.hpp"

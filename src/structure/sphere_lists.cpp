@@ -1,12 +1,13 @@
 // PQR and XYZR: files that bring their own radii.
+#include <fmt/format.h>
+
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <gemmi/model.hpp>
 #include <system_error>
 
 #include "core/errors.hpp"
-#include "fmt/format.h"
-#include "gemmi/model.hpp"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
@@ -48,8 +49,8 @@ class Builder {
     residue_of(row).atoms.push_back(std::move(atom));
     AtomRecord record;
     record.line = line;
-    record.serial = static_cast<std::int64_t>(file_.atoms.size()) + 1;
-    std::from_chars(row.serial.data(), row.serial.data() + row.serial.size(), record.serial);
+    record.serial =
+        whole_number(row.serial).value_or(static_cast<std::int64_t>(file_.atoms.size()) + 1);
     record.hetero = row.hetero;
     record.radius = row.radius;
     file_.atoms.push_back(record);

@@ -1,6 +1,7 @@
 #include "structure/text_source.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -12,7 +13,6 @@
 #include <system_error>
 
 #include "core/errors.hpp"
-#include "fmt/format.h"
 
 namespace vdwmesh {
 namespace {

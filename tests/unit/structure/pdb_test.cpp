@@ -88,6 +88,13 @@ TEST(Pdb, StandardResiduesHoldNoCalciumOrMercury) {
   EXPECT_EQ(elements(molecule), (std::vector<std::string>{"C", "H", "Se", "C", "C", "O"}));
 }
 
+TEST(Pdb, NamesAtTheLeftThroughoutSayNothingByTheirPlace) {
+  const Molecule molecule =
+      read_text_as("a.pdb", record("N   ", "ALA", 1) + "\n" + record("CA  ", "UNL", 2) + "\n" +
+                                record("CA  ", " CA", 3) + "\n" + record("HG1 ", "UNL", 4) + "\n");
+  EXPECT_EQ(elements(molecule), (std::vector<std::string>{"N", "C", "Ca", "H"}));
+}
+
 TEST(Pdb, DeuteriumHasTheRadiusOfHydrogen) {
   const Molecule molecule = read_text_as("a.pdb", with_tail(record(" D  ", "ALA"), "     D  "));
   EXPECT_EQ(molecule.atoms.at(0).element, "D");
