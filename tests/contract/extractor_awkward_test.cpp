@@ -34,6 +34,16 @@ TEST_P(ExtractorFieldAwkward, OptionsOutsideTheContractAreInvalidInput) {
   }
 }
 
+TEST_P(ExtractorAwkward, VdwTakesNoFieldParameters) {
+  ExtractOptions options;
+  options.field.isovalue = 1;
+  EXPECT_THROW(extract(one_sphere(1), options), InvalidInput);
+  options.field = {FieldKind::vdw, FieldPreset::radius_aware, {}, 2.0};
+  EXPECT_THROW(extract(one_sphere(1), options), InvalidInput);
+  options.field = {FieldKind::vdw, FieldPreset::thesis, {}, {}};
+  EXPECT_THROW(extract(one_sphere(1), options), InvalidInput);
+}
+
 SphereSet spheres_of(std::initializer_list<Sphere> list) { return SphereSet(std::vector(list)); }
 
 struct Named {

@@ -99,10 +99,26 @@ reference::MeshFacts facts_of(const ExtractResult& result) {
   return reference::inspect(to_reference(result.mesh));
 }
 
+// Where it is filled, `opposite` pairs every half-edge with the one that runs back.
+void expect_opposites(const IndexedMesh& mesh, const std::string& what) {
+  if (mesh.opposite.empty()) return;
+  ASSERT_EQ(mesh.opposite.size(), 3 * mesh.triangle_count()) << what;
+  const auto origin = [&](std::size_t e) { return mesh.triangles[e / 3][e % 3]; };
+  const auto target = [&](std::size_t e) { return mesh.triangles[e / 3][(e + 1) % 3]; };
+  for (std::size_t e = 0; e < mesh.opposite.size(); ++e) {
+    const std::size_t back = mesh.opposite[e];
+    ASSERT_LT(back, mesh.opposite.size()) << what;
+    ASSERT_EQ(mesh.opposite[back], e) << what;
+    ASSERT_EQ(origin(e), target(back)) << what;
+    ASSERT_EQ(target(e), origin(back)) << what;
+  }
+}
+
 void expect_sound(const ExtractResult& result, const std::string& what) {
   const IndexedMesh& mesh = result.mesh;
   ASSERT_EQ(mesh.normals.size(), mesh.vertex_count()) << what;
   ASSERT_EQ(mesh.vertex_spheres.size(), mesh.vertex_count()) << what;
+  expect_opposites(mesh, what);
   const reference::MeshFacts facts = facts_of(result);
   EXPECT_TRUE(facts.closed_oriented_manifold()) << what << ": " << facts.summary();
   EXPECT_EQ(facts.degenerate_triangles, 0u) << what;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "contract/extractor_contract.hpp"
 #include "reference/dense_mc.hpp"
@@ -110,6 +111,35 @@ TEST_P(ExtractorFieldReference, MeshIsThatOfDenseMarchingCubes) {
     const std::set<GridEdge> ours = edges_of(result), theirs = edges_of(dense);
     EXPECT_EQ(ours, theirs) << "seed " << seed;
     EXPECT_EQ(result.mesh.triangle_count(), dense.mesh.triangles.size());
+  }
+}
+
+// The thesis's presets: one blob size, sub-grids around the atoms' cells.
+TEST_P(ExtractorReference, ThesisPresetsAreThoseOfDenseMarchingCubes) {
+  const std::pair<FieldKind, FieldPreset> cases[] = {
+      {FieldKind::blinn, FieldPreset::thesis},
+      {FieldKind::soft_object, FieldPreset::thesis},
+      {FieldKind::inverse_squared, FieldPreset::thesis},
+      {FieldKind::inverse_squared, FieldPreset::thesis_vdw}};
+  for (const auto& [kind, preset] : cases) {
+    std::size_t compared = 0;
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+      const SphereSet spheres = cluster(40, seed);
+      ExtractOptions options;
+      options.field.kind = kind;
+      options.field.preset = preset;
+      options.grid = preset_grid(preset, {}, {});
+      const ExtractResult result = extract(spheres, options);
+      expect_sound(result, field_name(kind));
+      const Oracle oracle(spheres, options.field, result.grid);
+      std::size_t undecided = 0;
+      const auto dense = dense_mesh(oracle, result.grid, kind, &undecided);
+      if (undecided > 0) continue;
+      ++compared;
+      EXPECT_EQ(edges_of(result), edges_of(dense)) << field_name(kind) << ", seed " << seed;
+      EXPECT_EQ(result.mesh.triangle_count(), dense.mesh.triangles.size());
+    }
+    EXPECT_GE(compared, 2u) << "too many nodes at the isovalue; choose other seeds";
   }
 }
 
