@@ -3,8 +3,8 @@
 #pragma once
 
 #include <filesystem>
-#include <iosfwd>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "extract/indexed_mesh.hpp"
@@ -19,8 +19,10 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 
 // PLY: binary little-endian, double positions, float normals, uchar colours, int atom (and further
 // sphere ids). OBJ, OFF: shortest digits that read back the same double. STL: binary, float32.
-// GLB: float32 about an offset that the node transform carries. Returns warnings for people (STL:
-// coordinates that lose more than 1e-4 Å). Throws FileFormatError.
+// GLB: float32 about an offset that the node transform carries. Returns warnings for people (STL,
+// GLB: coordinates that lose more than 1e-4 Å). Throws FileFormatError (the file cannot be
+// written; nothing is left of it), InvalidInput (deleted elements not yet collected, coordinates
+// that are not finite), LimitExceeded (more than the format can count).
 std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesystem::path& path);
 
 // What a mesh file of any program holds. Triangles may be open, non-manifold or inside out.
@@ -33,5 +35,13 @@ struct MeshFile {
 // PLY (ascii, binary), OBJ, OFF, STL (ascii, binary), GLB; polygons are fanned into triangles.
 // Doubles are read as doubles. Throws FileFormatError with the line or byte.
 MeshFile read_mesh(const std::filesystem::path& path);
+
+// The same, to and from memory.
+struct EncodedMesh {
+  std::string bytes;
+  std::vector<std::string> warnings;
+};
+EncodedMesh encode_mesh(const SurfaceMesh& mesh, MeshFormat format);
+MeshFile decode_mesh(std::string_view bytes, MeshFormat format);
 
 }  // namespace vdwmesh

@@ -1,0 +1,150 @@
+#include "mesh/mesh_io.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <system_error>
+
+#include "core/errors.hpp"
+#include "mesh/formats.hpp"
+#include "mesh/large_pages.hpp"
+
+namespace vdwmesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+void check_writable(const SurfaceMesh& mesh) {
+  for (const auto f : mesh.all_faces())
+    if (mesh.status(f).deleted())
+      throw InvalidInput(fmt::format("face {} is deleted: collect the garbage first", f.idx()));
+  for (const auto v : mesh.all_vertices()) {
+    if (mesh.status(v).deleted())
+      throw InvalidInput(fmt::format("vertex {} is deleted: collect the garbage first", v.idx()));
+    const auto& p = mesh.point(v);
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
+      throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v.idx(), p[0], p[1], p[2]));
+  }
+}
+
+void write(const SurfaceMesh& mesh, MeshFormat format, ByteSink& sink,
+           formats::Warnings& warnings) {
+  check_writable(mesh);
+  switch (format) {
+    case MeshFormat::ply:
+      return formats::write_ply(mesh, sink);
+    case MeshFormat::obj:
+      return formats::write_obj(mesh, sink);
+    case MeshFormat::off:
+      return formats::write_off(mesh, sink);
+    case MeshFormat::stl:
+      return formats::write_stl(mesh, sink, warnings);
+    case MeshFormat::glb:
+      return formats::write_glb(mesh, sink, warnings);
+  }
+}
+
+// A whole file in memory: what it holds cannot change under the reader.
+class FileBytes {
+ public:
+  explicit FileBytes(const fs::path& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (descriptor_ < 0) fail();
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0) fail();
+    if (!S_ISREG(status.st_mode)) {
+      ::close(descriptor_);
+      throw FileFormatError("is not a regular file");
+    }
+    bytes_.resize(static_cast<std::size_t>(status.st_size));
+    advise_large_pages(bytes_.data(), bytes_.size());
+    read_all();
+    ::close(descriptor_);
+  }
+  std::string_view view() const { return {bytes_.data(), bytes_.size()}; }
+
+ private:
+  void read_all() {
+    std::size_t size = 0;
+    while (size < bytes_.size()) {
+      const ssize_t got = ::read(descriptor_, bytes_.data() + size, bytes_.size() - size);
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) fail();
+      if (got == 0) break;
+      size += static_cast<std::size_t>(got);
+    }
+    bytes_.resize(size);
+  }
+  [[noreturn]] void fail() const {
+    const std::string reason = std::generic_category().message(errno);
+    if (descriptor_ >= 0) ::close(descriptor_);
+    throw FileFormatError("cannot be read: " + reason);
+  }
+
+  int descriptor_;
+  Buffer<char> bytes_;
+};
+
+}  // namespace
+
+MeshFormat mesh_format(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".ply") return MeshFormat::ply;
+  if (extension == ".obj") return MeshFormat::obj;
+  if (extension == ".off") return MeshFormat::off;
+  if (extension == ".stl") return MeshFormat::stl;
+  if (extension == ".glb") return MeshFormat::glb;
+  throw InvalidInput(fmt::format("{}: the name of a mesh file ends in .ply .obj .off .stl or .glb",
+                                 path.string()));
+}
+
+std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const fs::path& path) {
+  const MeshFormat format = mesh_format(path);
+  formats::Warnings warnings;
+  OutputFile file(path);
+  write(mesh, format, file, warnings);
+  file.commit();
+  return warnings;
+}
+
+EncodedMesh encode_mesh(const SurfaceMesh& mesh, MeshFormat format) {
+  formats::Warnings warnings;
+  StringSink sink;
+  write(mesh, format, sink, warnings);
+  return {std::move(sink).take(), std::move(warnings)};
+}
+
+MeshFile read_mesh(const fs::path& path) {
+  const MeshFormat format = mesh_format(path);
+  try {
+    return decode_mesh(FileBytes(path).view(), format);
+  } catch (const FileFormatError& error) {
+    throw FileFormatError(fmt::format("{}: {}", path.string(), error.what()));
+  }
+}
+
+MeshFile decode_mesh(std::string_view bytes, MeshFormat format) {
+  switch (format) {
+    case MeshFormat::ply:
+      return formats::read_ply(bytes);
+    case MeshFormat::obj:
+      return formats::read_obj(bytes);
+    case MeshFormat::off:
+      return formats::read_off(bytes);
+    case MeshFormat::stl:
+      return formats::read_stl(bytes);
+    case MeshFormat::glb:
+      return formats::read_glb(bytes);
+  }
+  throw InvalidInput("no such mesh format");
+}
+
+}  // namespace vdwmesh

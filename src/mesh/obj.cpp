@@ -1,0 +1,157 @@
+// Wavefront OBJ: positions, normals and faces; everything else is skipped.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "core/errors.hpp"
+#include "mesh/chunk_writer.hpp"
+#include "mesh/formats.hpp"
+#include "mesh/mesh_assembly.hpp"
+#include "mesh/text_scanner.hpp"
+
+namespace vdwmesh::formats {
+namespace {
+
+class ObjReader {
+ public:
+  explicit ObjReader(std::string_view text) : in_(text) {}
+
+  MeshFile read() {
+    for (; !in_.at_end(); in_.next_line()) {
+      const std::string_view keyword = in_.word();
+      if (keyword == "v") {
+        check_vertex_limit(mesh().positions.size() + 1);
+        mesh().positions.push_back(vector());
+      } else if (keyword == "vn") {
+        normals_.push_back(cast<float>(vector()));
+      } else if (keyword == "f") {
+        read_face();
+      }
+    }
+    check_forward();
+    give_normals();
+    polygons_.note(file_.notes);
+    return std::move(file_);
+  }
+
+ private:
+  IndexedMesh& mesh() { return file_.mesh; }
+
+  Vec3d vector() {
+    const double x = in_.number();
+    const double y = in_.number();
+    return {x, y, in_.number()};
+  }
+
+  // Corners are v, v/vt, v//vn or v/vt/vn.
+  void read_face() {
+    polygon_.clear();
+    while (!in_.at_line_end()) {
+      const std::uint32_t v = index(mesh().positions.size());
+      note_forward(v);
+      polygon_.push_back(v);
+      if (!in_.take('/')) continue;
+      if (!in_.take('/')) {
+        (void)in_.integer<std::int64_t>();  // the texture is of no interest
+        if (!in_.take('/')) continue;
+      }
+      set_normal(v, index(normals_.size()));
+    }
+    polygons_.count(polygon_.size());
+    add_fan(mesh(), polygon_);
+  }
+
+  // Counted from 1, or from -1 backwards from the last one read.
+  std::uint32_t index(std::size_t count) {
+    const auto value = in_.integer<std::int64_t>();
+    const std::int64_t from_zero = value > 0 ? value - 1 : static_cast<std::int64_t>(count) + value;
+    if (value == 0 || from_zero < 0 || from_zero >= static_cast<std::int64_t>(kMaxVertices) - 1)
+      in_.fail(fmt::format("{} is no index here", value));
+    return static_cast<std::uint32_t>(from_zero);
+  }
+
+  // A face may name vertices that come later; the furthest is remembered.
+  void note_forward(std::uint32_t v) {
+    if (v < mesh().positions.size() || v < furthest_) return;
+    furthest_ = v;
+    furthest_at_ = in_.position();
+  }
+  void check_forward() {
+    if (furthest_at_ && furthest_ >= mesh().positions.size())
+      in_.fail_at(furthest_at_, fmt::format("a face names vertex {}, but there are {}",
+                                            std::uint64_t{furthest_} + 1, mesh().positions.size()));
+  }
+
+  void set_normal(std::uint32_t v, std::uint32_t normal) {
+    if (normal_of_.size() <= v) {
+      // Bounded by what was read, however far ahead the face points.
+      if (v >= mesh().positions.size()) return;
+      normal_of_.resize(mesh().positions.size(), kNoNormal);
+    }
+    if (normal_of_[v] == kNoNormal) normal_of_[v] = normal;
+    several_normals_ |= normal_of_[v] != normal;
+  }
+
+  // One normal per vertex, where every vertex has one.
+  void give_normals() {
+    if (normals_.empty() || normal_of_.size() != mesh().positions.size()) return;
+    const auto exists = [&](std::uint32_t n) { return n < normals_.size(); };
+    if (!std::all_of(normal_of_.begin(), normal_of_.end(), exists)) return;
+    mesh().normals.resize(normal_of_.size());
+    std::transform(normal_of_.begin(), normal_of_.end(), mesh().normals.begin(),
+                   [&](std::uint32_t n) { return normals_[n]; });
+    if (several_normals_)
+      file_.notes.push_back("where a vertex has several normals, its first was taken");
+  }
+
+  static constexpr std::uint32_t kNoNormal = 0xffffffffu;
+
+  TextScanner in_;
+  MeshFile file_;
+  Buffer<Vec3f> normals_;
+  std::vector<std::uint32_t> normal_of_;
+  bool several_normals_ = false;
+  std::uint32_t furthest_ = 0;
+  const char* furthest_at_ = nullptr;
+  PolygonCount polygons_;
+  std::vector<std::uint32_t> polygon_;
+};
+
+}  // namespace
+
+void write_obj(const SurfaceMesh& mesh, ByteSink& sink) {
+  ChunkWriter out(sink);
+  out.text("# made by vdwmesh; lengths in angstrom\n");
+  const auto write_vector = [&](char kind, const auto& vector) {
+    out.begin_record();
+    out.character('v');
+    if (kind != ' ') out.character(kind);
+    for (unsigned k = 0; k < 3; ++k) {
+      out.character(' ');
+      out.number(vector[k]);
+    }
+    out.character('\n');
+  };
+  for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
+    write_vector(' ', mesh.point(vertex_handle(v)));
+  for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
+    write_vector('n', mesh.normal(vertex_handle(v)));
+  for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
+    out.begin_record();
+    out.character('f');
+    for (const std::uint32_t v : face_vertices(mesh, f)) {
+      out.character(' ');
+      out.number(v + 1);
+      out.character('/');
+      out.character('/');
+      out.number(v + 1);
+    }
+    out.character('\n');
+  }
+  out.flush();
+}
+
+MeshFile read_obj(std::string_view bytes) { return ObjReader(bytes).read(); }
+
+}  // namespace vdwmesh::formats

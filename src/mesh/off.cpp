@@ -1,0 +1,129 @@
+// Geomview's OFF, with normals (N), colours (C) and textures (ST) on the vertices; the last two are
+// skipped.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/errors.hpp"
+#include "mesh/chunk_writer.hpp"
+#include "mesh/formats.hpp"
+#include "mesh/mesh_assembly.hpp"
+#include "mesh/text_scanner.hpp"
+
+namespace vdwmesh::formats {
+namespace {
+
+class OffReader {
+ public:
+  explicit OffReader(std::string_view text) : in_(text) {}
+
+  MeshFile read() {
+    read_keyword();
+    const auto vertices = count("vertices", has_normals_ ? 6 : 3);
+    const auto faces = count("faces", 1);
+    in_.skip_to_token();
+    (void)in_.integer<std::uint64_t>();  // edges; nobody counts them right
+    check_vertex_limit(vertices);
+    for (std::uint64_t i = 0; i < vertices; ++i) read_vertex();
+    for (std::uint64_t i = 0; i < faces; ++i) read_face();
+    polygons_.note(file_.notes);
+    return std::move(file_);
+  }
+
+ private:
+  void read_keyword() {
+    in_.skip_to_token();
+    const std::string_view word = in_.word();
+    if (!word.ends_with("OFF")) in_.fail("an OFF file begins with 'OFF'");
+    std::string_view kind = word.substr(0, word.size() - 3);
+    if (kind.starts_with("ST")) kind.remove_prefix(2);
+    if (kind.starts_with("C")) kind.remove_prefix(1);
+    if (kind.starts_with("N")) {
+      has_normals_ = true;
+      kind.remove_prefix(1);
+    }
+    if (!kind.empty()) in_.fail(fmt::format("'{}' is a kind of OFF that is not read here", word));
+    const char* after = in_.position();
+    in_.skip_blanks();
+    if (in_.word() == "BINARY") in_.fail("binary OFF is not read here");
+    in_.move_to(after);
+  }
+
+  // What the header promises takes two bytes per number at the least.
+  std::uint64_t count(const char* what, std::size_t numbers) {
+    in_.skip_to_token();
+    const auto value = in_.integer<std::uint64_t>();
+    if (value > in_.bytes_left() / (2 * numbers) + 1)
+      in_.fail(fmt::format("{} {} are promised, but {} bytes are left for them", value, what,
+                           in_.bytes_left()));
+    return value;
+  }
+
+  Vec3d vector() {
+    Vec3d result;
+    for (int axis = 0; axis < 3; ++axis) {
+      in_.skip_to_token();
+      result[axis] = in_.number();
+    }
+    return result;
+  }
+
+  void read_vertex() {
+    file_.mesh.positions.push_back(vector());
+    if (has_normals_) file_.mesh.normals.push_back(cast<float>(vector()));
+    in_.next_line();
+  }
+
+  void read_face() {
+    in_.skip_to_token();
+    const auto corners = in_.integer<std::uint32_t>();
+    polygon_.clear();
+    for (std::uint32_t k = 0; k < corners; ++k) {
+      in_.skip_to_token();
+      const auto v = in_.integer<std::uint32_t>();
+      if (v >= file_.mesh.vertex_count())
+        in_.fail(
+            fmt::format("a face names vertex {}, but there are {}", v, file_.mesh.vertex_count()));
+      polygon_.push_back(v);
+    }
+    in_.next_line();
+    polygons_.count(corners);
+    add_fan(file_.mesh, polygon_);
+  }
+
+  TextScanner in_;
+  MeshFile file_;
+  bool has_normals_ = false;
+  PolygonCount polygons_;
+  std::vector<std::uint32_t> polygon_;
+};
+
+}  // namespace
+
+void write_off(const SurfaceMesh& mesh, ByteSink& sink) {
+  ChunkWriter out(sink);
+  out.text(fmt::format("OFF\n# made by vdwmesh; lengths in angstrom\n{} {} {}\n", mesh.n_vertices(),
+                       mesh.n_faces(), mesh.n_edges()));
+  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
+    out.begin_record();
+    const auto& p = mesh.point(vertex_handle(v));
+    for (unsigned k = 0; k < 3; ++k) {
+      out.number(p[k]);
+      out.character(k < 2 ? ' ' : '\n');
+    }
+  }
+  for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
+    out.begin_record();
+    out.character('3');
+    for (const std::uint32_t v : face_vertices(mesh, f)) {
+      out.character(' ');
+      out.number(v);
+    }
+    out.character('\n');
+  }
+  out.flush();
+}
+
+MeshFile read_off(std::string_view bytes) { return OffReader(bytes).read(); }
+
+}  // namespace vdwmesh::formats

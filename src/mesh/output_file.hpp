@@ -1,0 +1,52 @@
+// Where bytes of a file go while it is made.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+namespace vdwmesh {
+
+class ByteSink {
+ public:
+  virtual ~ByteSink() = default;
+  virtual void write(const char* data, std::size_t size) = 0;
+};
+
+class StringSink : public ByteSink {
+ public:
+  void write(const char* data, std::size_t size) override { bytes_.append(data, size); }
+  std::string take() && { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+// A file that appears under its name whole, at commit(), or not at all: until then it has no name
+// where the file system can do that (even a killed process leaves nothing), else a hidden one in
+// the same directory. What is not a regular file (a pipe, /dev/null) is written directly. Every
+// function throws FileFormatError that names the file and the system's reason.
+class OutputFile : public ByteSink {
+ public:
+  explicit OutputFile(const std::filesystem::path& path);
+  ~OutputFile() override;
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  void write(const char* data, std::size_t size) override;
+  void commit();
+
+ private:
+  enum class Kind { unnamed, hidden, direct };
+  void open_hidden();
+  void link_unnamed();
+  [[noreturn]] void fail(const char* what) const;
+
+  std::filesystem::path path_, target_;  // as given; links followed
+  std::filesystem::path hidden_;
+  Kind kind_ = Kind::unnamed;
+  int descriptor_ = -1;
+};
+
+}  // namespace vdwmesh

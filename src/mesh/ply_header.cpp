@@ -1,0 +1,98 @@
+#include "mesh/ply_header.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "mesh/text_scanner.hpp"
+
+namespace vdwmesh::formats {
+namespace {
+
+PlyScalar scalar_named(TextScanner& in, std::string_view name) {
+  static constexpr std::pair<std::string_view, PlyScalar> kNames[] = {
+      {"char", PlyScalar::int8},      {"int8", PlyScalar::int8},
+      {"uchar", PlyScalar::uint8},    {"uint8", PlyScalar::uint8},
+      {"short", PlyScalar::int16},    {"int16", PlyScalar::int16},
+      {"ushort", PlyScalar::uint16},  {"uint16", PlyScalar::uint16},
+      {"int", PlyScalar::int32},      {"int32", PlyScalar::int32},
+      {"uint", PlyScalar::uint32},    {"uint32", PlyScalar::uint32},
+      {"float", PlyScalar::float32},  {"float32", PlyScalar::float32},
+      {"double", PlyScalar::float64}, {"float64", PlyScalar::float64}};
+  for (const auto& [known, scalar] : kNames)
+    if (known == name) return scalar;
+  in.fail(fmt::format("'{}' is no PLY type", name));
+}
+
+PlyEncoding read_format(TextScanner& in) {
+  const std::string_view name = in.word();
+  if (name == "ascii") return PlyEncoding::ascii;
+  if (name == "binary_little_endian") return PlyEncoding::little_endian;
+  if (name == "binary_big_endian") return PlyEncoding::big_endian;
+  in.fail(fmt::format("'{}' is no PLY format", name));
+}
+
+PlyProperty read_property(TextScanner& in) {
+  PlyProperty property{};
+  std::string_view type = in.word();
+  if (type == "list") {
+    property.list_count = scalar_named(in, in.word());
+    if (*property.list_count >= PlyScalar::float32)
+      in.fail("the count of a list is a whole number");
+    type = in.word();
+  }
+  property.type = scalar_named(in, type);
+  property.name = in.word();
+  if (property.name.empty()) in.fail("a property without a name");
+  return property;
+}
+
+}  // namespace
+
+std::size_t size_of(PlyScalar scalar) {
+  static constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(scalar)];
+}
+
+bool PlyElement::has_lists() const {
+  return std::any_of(properties.begin(), properties.end(),
+                     [](const PlyProperty& p) { return p.list_count.has_value(); });
+}
+
+std::size_t PlyElement::least_size() const {
+  std::size_t size = 0;
+  for (const PlyProperty& p : properties) size += size_of(p.list_count.value_or(p.type));
+  return size;
+}
+
+PlyHeader read_ply_header(std::string_view bytes) {
+  TextScanner in(bytes);
+  if (in.word() != "ply") in.fail("a PLY file begins with 'ply'");
+  PlyHeader header{};
+  bool has_format = false;
+  for (;;) {
+    in.next_line();
+    if (in.bytes_left() == 0) in.fail("the file ends before end_header");
+    const std::string_view keyword = in.word();
+    if (keyword == "end_header") break;
+    if (keyword.empty() || keyword == "comment" || keyword == "obj_info") continue;
+    if (keyword == "format") {
+      header.encoding = read_format(in);
+      has_format = true;
+    } else if (keyword == "element") {
+      const std::string name(in.word());
+      header.elements.push_back({name, in.integer<std::uint64_t>(), {}});
+    } else if (keyword == "property" && !header.elements.empty()) {
+      header.elements.back().properties.push_back(read_property(in));
+    } else {
+      in.fail(fmt::format("'{}' has no place in a PLY header", keyword));
+    }
+  }
+  if (!has_format) in.fail("the header names no format");
+  in.next_line();
+  header.size = bytes.size() - in.bytes_left();
+  return header;
+}
+
+}  // namespace vdwmesh::formats

@@ -1,0 +1,338 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "core/errors.hpp"
+#include "mesh/formats.hpp"
+#include "mesh/mesh_assembly.hpp"
+#include "mesh/ply_header.hpp"
+#include "mesh/text_scanner.hpp"
+
+namespace vdwmesh::formats {
+namespace {
+
+template <class T, PlyEncoding kEncoding>
+T load(const char* from) {
+  std::array<char, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), from, sizeof(T));
+  if constexpr (kEncoding == PlyEncoding::big_endian) std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<T>(bytes);
+}
+
+// Calls use(T{}) with the type that a PlyScalar stands for.
+template <class Use>
+auto with_type(PlyScalar scalar, Use&& use) {
+  switch (scalar) {
+    case PlyScalar::int8:
+      return use(std::int8_t{});
+    case PlyScalar::uint8:
+      return use(std::uint8_t{});
+    case PlyScalar::int16:
+      return use(std::int16_t{});
+    case PlyScalar::uint16:
+      return use(std::uint16_t{});
+    case PlyScalar::int32:
+      return use(std::int32_t{});
+    case PlyScalar::uint32:
+      return use(std::uint32_t{});
+    case PlyScalar::float32:
+      return use(float{});
+    default:
+      return use(double{});
+  }
+}
+
+// Numbers of a body one by one, as doubles: every PLY scalar fits.
+template <PlyEncoding kEncoding>
+class BinaryBody {
+ public:
+  BinaryBody(std::string_view bytes, std::size_t start)
+      : begin_(bytes.data()), at_(begin_ + start), end_(begin_ + bytes.size()) {}
+
+  double number(PlyScalar scalar) {
+    return with_type(scalar, [&]<class T>(T) {
+      if (bytes_left() < sizeof(T)) fail("the file ends inside an element");
+      const T value = load<T, kEncoding>(at_);
+      at_ += sizeof(T);
+      return static_cast<double>(value);
+    });
+  }
+  template <class T>
+  static T load_as(const char* from) {
+    return load<T, kEncoding>(from);
+  }
+  void check_room(const PlyElement& element) const {
+    const std::size_t least = element.least_size();
+    if (least > 0 && element.count > bytes_left() / least)
+      fail(fmt::format("{} '{}' elements are promised, but {} bytes are left for them",
+                       element.count, element.name, bytes_left()));
+  }
+  // Most entries that a list can still have.
+  std::size_t room(PlyScalar scalar) const { return bytes_left() / size_of(scalar); }
+  std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
+  const char* take(std::size_t bytes) {
+    const char* first = at_;
+    at_ += bytes;
+    return first;
+  }
+  void give_back(const char* position) { at_ = position; }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw FileFormatError(fmt::format("byte {}: {}", at_ - begin_, what));
+  }
+
+ private:
+  const char* begin_;
+  const char* at_;
+  const char* end_;
+};
+
+class AsciiBody {
+ public:
+  AsciiBody(std::string_view bytes, std::size_t start) : in_(bytes) {
+    in_.move_to(bytes.data() + start);
+  }
+  double number(PlyScalar) {
+    in_.skip_to_token();
+    return in_.number();
+  }
+  void check_room(const PlyElement& element) const {
+    const std::size_t least = 2 * element.properties.size();  // a digit and what parts it
+    if (least > 0 && element.count > in_.bytes_left() / least + 1)
+      fail(fmt::format("{} '{}' elements are promised, but {} bytes are left for them",
+                       element.count, element.name, in_.bytes_left()));
+  }
+  std::size_t room(PlyScalar) const { return in_.bytes_left(); }
+  [[noreturn]] void fail(const std::string& what) const { in_.fail(what); }
+
+ private:
+  TextScanner in_;
+};
+
+// Where a property of a vertex goes.
+enum class Slot { other, x, y, z, nx, ny, nz, atom, sphere2, sphere3 };
+constexpr std::size_t kSlots = 10;
+
+Slot slot_named(std::string_view name) {
+  static constexpr std::string_view kNames[kSlots] = {"",   "x",  "y",    "z",       "nx",
+                                                      "ny", "nz", "atom", "sphere2", "sphere3"};
+  const auto* found = std::find(kNames + 1, kNames + kSlots, name);
+  return found == kNames + kSlots ? Slot::other : static_cast<Slot>(found - kNames);
+}
+
+template <class Body>
+class PlyReader {
+ public:
+  explicit PlyReader(Body body) : body_(body) {}
+
+  MeshFile read(const PlyHeader& header) {
+    for (const PlyElement& element : header.elements) {
+      body_.check_room(element);
+      if (element.name == "vertex") {
+        read_vertices(element);
+      } else if (element.name == "face") {
+        read_faces(element);
+      } else {
+        skip(element);
+      }
+    }
+    if (!has_vertices_) body_.fail("the file has no element 'vertex'");
+    check_indices();
+    polygons_.note(file_.notes);
+    return std::move(file_);
+  }
+
+ private:
+  void read_vertices(const PlyElement& element) {
+    has_vertices_ = true;
+    check_vertex_limit(element.count);
+    std::array<bool, kSlots> present{};
+    std::vector<Slot> slots;
+    for (const PlyProperty& property : element.properties) {
+      slots.push_back(property.list_count ? Slot::other : slot_named(property.name));
+      present[static_cast<std::size_t>(slots.back())] = true;
+    }
+    const auto has = [&](Slot slot) { return present[static_cast<std::size_t>(slot)]; };
+    if (!has(Slot::x) || !has(Slot::y) || !has(Slot::z)) body_.fail("vertices without x, y, z");
+    const auto count = static_cast<std::size_t>(element.count);
+    file_.mesh.positions.resize(count);
+    if (has(Slot::nx) && has(Slot::ny) && has(Slot::nz)) file_.mesh.normals.resize(count);
+    if (has(Slot::atom))
+      file_.mesh.vertex_spheres.assign(count, VertexSpheres{kNoSphere, kNoSphere, kNoSphere});
+    if constexpr (!std::is_same_v<Body, AsciiBody>) {
+      if (!element.has_lists()) return read_columns(element, slots);
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t p = 0; p < slots.size(); ++p) {
+        if (element.properties[p].list_count) {
+          skip_list(element.properties[p]);
+        } else {
+          set(slots[p], i, body_.number(element.properties[p].type));
+        }
+      }
+  }
+
+  // Column by column within blocks that stay in the cache, so that the type is looked at once.
+  void read_columns(const PlyElement& element, const std::vector<Slot>& slots) {
+    constexpr std::size_t kBlock = 2048;
+    const std::size_t stride = element.least_size();
+    for (std::size_t first = 0; first < element.count; first += kBlock) {
+      const std::size_t last = std::min<std::size_t>(first + kBlock, element.count);
+      const char* row = body_.take(0);
+      for (std::size_t p = 0; p < slots.size(); ++p) {
+        const PlyScalar type = element.properties[p].type;
+        if (slots[p] != Slot::other) read_column(slots[p], type, row, stride, first, last);
+        row += size_of(type);
+      }
+      check_finite(first, last);
+      body_.take((last - first) * stride);
+    }
+  }
+
+  void read_column(Slot slot, PlyScalar type, const char* from, std::size_t stride,
+                   std::size_t first, std::size_t last) {
+    with_type(type, [&]<class T>(T) {
+      for (std::size_t i = first; i < last; ++i, from += stride)
+        set(slot, i, static_cast<double>(body_.template load_as<T>(from)));
+    });
+  }
+
+  void check_finite(std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const Vec3d& p = file_.mesh.positions[i];
+      if (!std::isfinite(p.x + p.y + p.z))
+        body_.fail(fmt::format("vertex {} is at {} {} {}", i, p.x, p.y, p.z));
+    }
+  }
+
+  void set(Slot slot, std::size_t i, double value) {
+    IndexedMesh& mesh = file_.mesh;
+    const int s = static_cast<int>(slot);
+    if (slot == Slot::other) return;
+    if (slot <= Slot::z) {
+      mesh.positions[i][s - static_cast<int>(Slot::x)] = value;
+    } else if (slot <= Slot::nz) {
+      if (!mesh.normals.empty())
+        mesh.normals[i][s - static_cast<int>(Slot::nx)] = static_cast<float>(value);
+    } else if (!mesh.vertex_spheres.empty()) {
+      const bool is_id = value >= 0 && value < kNoSphere;
+      mesh.vertex_spheres[i][static_cast<std::size_t>(s - static_cast<int>(Slot::atom))] =
+          is_id ? static_cast<SphereId>(value) : kNoSphere;
+    }
+  }
+
+  void read_faces(const PlyElement& element) {
+    std::size_t indices = element.properties.size();
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (property.list_count &&
+          (property.name == "vertex_indices" || property.name == "vertex_index"))
+        indices = p;
+    }
+    if (indices == element.properties.size()) {
+      file_.notes.push_back("faces without vertex indices were left out");
+      return skip(element);
+    }
+    file_.mesh.triangles.reserve(file_.mesh.triangles.size() +
+                                 static_cast<std::size_t>(element.count));
+    std::uint64_t start = 0;
+    if constexpr (!std::is_same_v<Body, AsciiBody>) start = read_plain_triangles(element);
+    for (std::uint64_t f = start; f < element.count; ++f)
+      for (std::size_t p = 0; p < element.properties.size(); ++p)
+        read_face_property(element.properties[p], p == indices);
+  }
+
+  // The usual case, (uchar 3, int, int, int) and nothing else; stops at the first other face.
+  std::uint64_t read_plain_triangles(const PlyElement& element) {
+    const PlyProperty& list = element.properties[0];
+    const bool whole = list.type == PlyScalar::int32 || list.type == PlyScalar::uint32;
+    if (element.properties.size() != 1 || !whole || size_of(*list.list_count) != 1) return 0;
+    constexpr std::size_t kSize = 1 + 3 * sizeof(std::uint32_t);
+    const std::uint64_t most = std::min<std::uint64_t>(element.count, body_.bytes_left() / kSize);
+    std::uint64_t f = 0;
+    for (; f < most; ++f) {
+      const char* face = body_.take(kSize);
+      if (*face != 3) {
+        body_.give_back(face);
+        break;
+      }
+      const auto index = [&](std::size_t k) {
+        return body_.template load_as<std::uint32_t>(face + 1 + k * sizeof(std::uint32_t));
+      };
+      file_.mesh.triangles.push_back({index(0), index(1), index(2)});
+    }
+    return f;
+  }
+
+  void read_face_property(const PlyProperty& property, bool is_indices) {
+    if (!property.list_count) {
+      body_.number(property.type);
+      return;
+    }
+    if (!is_indices) return skip_list(property);
+    const std::size_t corners = list_size(property);
+    polygon_.clear();
+    for (std::size_t k = 0; k < corners; ++k)
+      polygon_.push_back(index(body_.number(property.type)));
+    polygons_.count(corners);
+    add_fan(file_.mesh, polygon_);
+  }
+
+  std::uint32_t index(double value) {
+    if (!(value >= 0 && value < static_cast<double>(kMaxVertices) && value == std::floor(value)))
+      body_.fail(fmt::format("{} is no vertex index", value));
+    return static_cast<std::uint32_t>(value);
+  }
+
+  std::size_t list_size(const PlyProperty& property) {
+    const double size = body_.number(*property.list_count);
+    if (!(size >= 0 && size <= static_cast<double>(body_.room(property.type))))
+      body_.fail(fmt::format("a list of {} entries is more than the file holds", size));
+    return static_cast<std::size_t>(size);
+  }
+
+  void skip_list(const PlyProperty& property) {
+    const std::size_t size = list_size(property);
+    for (std::size_t k = 0; k < size; ++k) body_.number(property.type);
+  }
+
+  void skip(const PlyElement& element) {
+    if (element.properties.empty()) return;
+    for (std::uint64_t i = 0; i < element.count; ++i)
+      for (const PlyProperty& property : element.properties) read_face_property(property, false);
+  }
+
+  // Faces may stand before the vertices, so indices are checked when all is read.
+  void check_indices() {
+    const std::size_t vertices = file_.mesh.vertex_count();
+    for (std::size_t t = 0; t < file_.mesh.triangle_count(); ++t)
+      for (const std::uint32_t v : file_.mesh.triangles[t])
+        if (v >= vertices)
+          body_.fail(fmt::format("triangle {} names vertex {}, but there are {}", t, v, vertices));
+  }
+
+  Body body_;
+  MeshFile file_;
+  bool has_vertices_ = false;
+  PolygonCount polygons_;
+  std::vector<std::uint32_t> polygon_;
+};
+
+}  // namespace
+
+MeshFile read_ply(std::string_view bytes) {
+  const PlyHeader header = read_ply_header(bytes);
+  switch (header.encoding) {
+    case PlyEncoding::ascii:
+      return PlyReader(AsciiBody(bytes, header.size)).read(header);
+    case PlyEncoding::little_endian:
+      return PlyReader(BinaryBody<PlyEncoding::little_endian>(bytes, header.size)).read(header);
+    default:
+      return PlyReader(BinaryBody<PlyEncoding::big_endian>(bytes, header.size)).read(header);
+  }
+}
+
+}  // namespace vdwmesh::formats

@@ -1,0 +1,63 @@
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "core/errors.hpp"
+#include "mesh/chunk_writer.hpp"
+#include "mesh/formats.hpp"
+
+namespace vdwmesh::formats {
+namespace {
+
+constexpr const char* kHeader =
+    "ply\n"
+    "format binary_little_endian 1.0\n"
+    "comment made by vdwmesh; lengths in angstrom\n"
+    "comment atom, sphere2, sphere3: indices of the spheres a vertex lies on, -1 for none\n"
+    "element vertex {}\n"
+    "property double x\n"
+    "property double y\n"
+    "property double z\n"
+    "property float nx\n"
+    "property float ny\n"
+    "property float nz\n"
+    "property uchar red\n"
+    "property uchar green\n"
+    "property uchar blue\n"
+    "property int atom\n"
+    "property int sphere2\n"
+    "property int sphere3\n"
+    "element face {}\n"
+    "property list uchar int vertex_indices\n"
+    "end_header\n";
+
+std::int32_t as_int(SphereId id) {
+  if (id == kNoSphere) return -1;
+  if (id > static_cast<SphereId>(std::numeric_limits<std::int32_t>::max()))
+    throw LimitExceeded(fmt::format("sphere {} is beyond PLY's int; leave some spheres out", id));
+  return static_cast<std::int32_t>(id);
+}
+
+}  // namespace
+
+void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
+  ChunkWriter out(sink);
+  out.text(fmt::format(kHeader, mesh.n_vertices(), mesh.n_faces()));
+  const VertexSpheresProperty spheres = vertex_spheres(mesh);
+  for (std::size_t i = 0; i < mesh.n_vertices(); ++i) {
+    const auto v = vertex_handle(i);
+    out.begin_record();
+    for (unsigned k = 0; k < 3; ++k) out.raw(mesh.point(v)[k]);
+    for (unsigned k = 0; k < 3; ++k) out.raw(mesh.normal(v)[k]);
+    for (unsigned k = 0; k < 3; ++k) out.raw(mesh.color(v)[k]);
+    for (const SphereId id : mesh.property(spheres, v)) out.raw(as_int(id));
+  }
+  for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
+    out.begin_record();
+    out.raw(std::uint8_t{3});
+    out.raw(face_vertices(mesh, f));
+  }
+  out.flush();
+}
+
+}  // namespace vdwmesh::formats

@@ -1,0 +1,160 @@
+// STL: triangles without indices, welded again when read.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "core/errors.hpp"
+#include "mesh/chunk_writer.hpp"
+#include "mesh/float_loss.hpp"
+#include "mesh/formats.hpp"
+#include "mesh/mesh_assembly.hpp"
+#include "mesh/text_scanner.hpp"
+#include "mesh/vertex_welder.hpp"
+
+namespace vdwmesh::formats {
+namespace {
+
+constexpr std::size_t kHeaderSize = 80;
+constexpr std::size_t kFirstTriangle = kHeaderSize + sizeof(std::uint32_t);
+constexpr std::size_t kTriangleSize = 50;
+
+Vec3f unit_normal(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const Vec3d normal = cross(b - a, c - a);
+  const double length = norm(normal);
+  return length > 0 ? cast<float>((1 / length) * normal) : Vec3f{0, 0, 0};
+}
+
+void say_welded(MeshFile& file, std::size_t triangles) {
+  file.welded = true;
+  file.notes.push_back(
+      fmt::format("STL has no indices: the {} corners were welded to {} vertices where all three "
+                  "coordinates are equal",
+                  3 * triangles, file.mesh.vertex_count()));
+}
+
+std::uint32_t promised_triangles(std::string_view bytes) {
+  std::uint32_t count;
+  std::memcpy(&count, bytes.data() + kHeaderSize, sizeof count);
+  return count;
+}
+
+MeshFile read_binary(std::string_view bytes) {
+  MeshFile file;
+  const std::size_t triangles = promised_triangles(bytes);
+  file.mesh.triangles.resize(triangles);
+  VertexWelder welder(file.mesh.positions);
+  const char* at = bytes.data() + kFirstTriangle;
+  for (std::size_t t = 0; t < triangles; ++t, at += kTriangleSize) {
+    std::array<Vec3f, 4> numbers;  // the normal, then the corners
+    std::memcpy(numbers.data(), at, sizeof numbers);
+    for (unsigned k = 0; k < 3; ++k) {
+      const Vec3d p = cast<double>(numbers[k + 1]);
+      if (!std::isfinite(p.x + p.y + p.z))
+        throw FileFormatError(
+            fmt::format("byte {}: a corner of triangle {} is not finite", at - bytes.data(), t));
+      file.mesh.triangles[t][k] = welder.index(p);
+    }
+  }
+  say_welded(file, triangles);
+  return file;
+}
+
+class AsciiReader {
+ public:
+  explicit AsciiReader(std::string_view text) : in_(text), welder_(file_.mesh.positions) {}
+
+  MeshFile read() {
+    for (; !in_.at_end(); in_.next_line()) read_line();
+    if (in_loop_) in_.fail("the file ends inside a facet");
+    polygons_.note(file_.notes);
+    say_welded(file_, file_.mesh.triangle_count());
+    return std::move(file_);
+  }
+
+ private:
+  void read_line() {
+    std::string keyword(in_.word());
+    std::transform(keyword.begin(), keyword.end(), keyword.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (keyword == "vertex") {
+      if (!in_loop_) in_.fail("a vertex outside of a loop");
+      const double x = in_.number();
+      const double y = in_.number();
+      polygon_.push_back(welder_.index({x, y, in_.number()}));
+    } else if (keyword == "outer") {
+      in_loop_ = true;
+      polygon_.clear();
+    } else if (keyword == "endloop") {
+      in_loop_ = false;
+      polygons_.count(polygon_.size());
+      add_fan(file_.mesh, polygon_);
+    } else if (keyword != "facet" && keyword != "endfacet" && keyword != "solid" &&
+               keyword != "endsolid") {
+      in_.fail(fmt::format("'{}' has no place in an STL file", keyword.substr(0, 24)));
+    }
+  }
+
+  TextScanner in_;
+  MeshFile file_;
+  VertexWelder welder_;
+  bool in_loop_ = false;
+  PolygonCount polygons_;
+  std::vector<std::uint32_t> polygon_;
+};
+
+bool begins_as_text(std::string_view bytes) {
+  const std::size_t first = bytes.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && bytes.substr(first, 5) == "solid";
+}
+
+}  // namespace
+
+void write_stl(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings) {
+  ChunkWriter out(sink);
+  std::string header = "binary STL made by vdwmesh; lengths in angstrom";
+  header.resize(kHeaderSize);
+  out.text(header);
+  out.raw(static_cast<std::uint32_t>(mesh.n_faces()));
+  FloatLoss loss;
+  for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
+    std::array<Vec3d, 3> corners;
+    const auto vertices = face_vertices(mesh, f);
+    for (unsigned k = 0; k < 3; ++k) {
+      const auto& p = mesh.point(vertex_handle(vertices[k]));
+      corners[k] = {p[0], p[1], p[2]};
+    }
+    out.begin_record();
+    out.raw(unit_normal(corners[0], corners[1], corners[2]));
+    for (const Vec3d& corner : corners) out.raw(loss.round(corner));
+    out.raw(std::uint16_t{0});
+  }
+  loss.finish("STL", warnings);
+  out.flush();
+}
+
+// Some binary files begin with "solid" too, so their size is asked first.
+MeshFile read_stl(std::string_view bytes) {
+  const bool has_count = bytes.size() >= kFirstTriangle;
+  const std::size_t wanted =
+      has_count ? kFirstTriangle + kTriangleSize * std::size_t{promised_triangles(bytes)} : 0;
+  if (has_count && bytes.size() == wanted) return read_binary(bytes);
+  if (begins_as_text(bytes)) return AsciiReader(bytes).read();
+  if (!has_count)
+    throw FileFormatError(
+        fmt::format("byte {}: too short for a binary STL file, and no 'solid'", bytes.size()));
+  if (bytes.size() < wanted)
+    throw FileFormatError(
+        fmt::format("byte {}: {} triangles are promised, but {} bytes are left "
+                    "for them",
+                    kHeaderSize, promised_triangles(bytes), bytes.size() - kFirstTriangle));
+  MeshFile file = read_binary(bytes);
+  file.notes.push_back(
+      fmt::format("{} bytes after the last triangle were left out", bytes.size() - wanted));
+  return file;
+}
+
+}  // namespace vdwmesh::formats

@@ -1,0 +1,61 @@
+#include "mesh/vertex_welder.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "mesh/mesh_assembly.hpp"
+
+namespace vdwmesh::formats {
+namespace {
+
+constexpr std::uint32_t kEmpty = 0xffffffffu;
+constexpr std::size_t kRecent = std::size_t{1} << 12;
+constexpr std::size_t kFirstSlots = std::size_t{1} << 16;
+
+std::uint64_t hash_of(const Vec3d& p) {
+  const auto mix = [](std::uint64_t h, double value) {
+    h = (h ^ std::bit_cast<std::uint64_t>(value)) * 0x9e3779b97f4a7c15u;
+    return h ^ (h >> 32);
+  };
+  return mix(mix(mix(0, p.x), p.y), p.z);
+}
+
+}  // namespace
+
+VertexWelder::VertexWelder(Buffer<Vec3d>& positions) : positions_(positions) {
+  recent_.assign(kRecent, kEmpty);
+  slots_.assign(kFirstSlots, kEmpty);
+}
+
+std::uint32_t VertexWelder::index(const Vec3d& given) {
+  const Vec3d p{given.x + 0.0, given.y + 0.0, given.z + 0.0};  // -0 becomes 0
+  const std::uint64_t hash = hash_of(p);
+  std::uint32_t& recent = recent_[hash % kRecent];
+  if (recent == kEmpty || !(positions_[recent] == p)) recent = find_or_add(p, hash);
+  return recent;
+}
+
+std::uint32_t VertexWelder::find_or_add(const Vec3d& p, std::uint64_t hash) {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t slot = (hash >> 12) & mask;
+  for (; slots_[slot] != kEmpty; slot = (slot + 1) & mask)
+    if (positions_[slots_[slot]] == p) return slots_[slot];
+  check_vertex_limit(positions_.size() + 1);
+  const auto index = static_cast<std::uint32_t>(positions_.size());
+  slots_[slot] = index;
+  positions_.push_back(p);
+  if (2 * positions_.size() > slots_.size()) grow();
+  return index;
+}
+
+void VertexWelder::grow() {
+  slots_.assign(4 * slots_.size(), kEmpty);
+  const std::size_t mask = slots_.size() - 1;
+  for (std::uint32_t i = 0; i < positions_.size(); ++i) {
+    std::size_t slot = (hash_of(positions_[i]) >> 12) & mask;
+    while (slots_[slot] != kEmpty) slot = (slot + 1) & mask;
+    slots_[slot] = i;
+  }
+}
+
+}  // namespace vdwmesh::formats

@@ -1,0 +1,27 @@
+// Vertices merged where all three coordinates are equal, in order of first appearance.
+#pragma once
+
+#include <cstdint>
+
+#include "core/buffer.hpp"
+#include "core/vec3.hpp"
+
+namespace vdwmesh::formats {
+
+class VertexWelder {
+ public:
+  explicit VertexWelder(Buffer<Vec3d>& positions);
+
+  // Index of the vertex at p, which is added where it is new. 0 and -0 are equal.
+  std::uint32_t index(const Vec3d& p);
+
+ private:
+  std::uint32_t find_or_add(const Vec3d& p, std::uint64_t hash);
+  void grow();
+
+  Buffer<Vec3d>& positions_;
+  Buffer<std::uint32_t> recent_;  // by hash: most vertices come again soon
+  Buffer<std::uint32_t> slots_;   // open addressing, at most half full
+};
+
+}  // namespace vdwmesh::formats

@@ -1,0 +1,258 @@
+#include "mesh/mesh_io.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <limits>
+#include <random>
+
+#include "core/errors.hpp"
+#include "support/test_meshes.hpp"
+
+namespace vdwmesh {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr MeshFormat kFormats[] = {MeshFormat::ply, MeshFormat::obj, MeshFormat::off,
+                                   MeshFormat::stl, MeshFormat::glb};
+
+// A mesh with coordinates that use every bit, normals and labels.
+IndexedMesh labelled_mesh(double size = 50) {
+  IndexedMesh mesh = testing::scaled(testing::icosphere(3), size / 3);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> shake(-0.01, 0.01);
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    Vec3d& p = mesh.positions[v];
+    p = p + Vec3d{shake(random), shake(random), shake(random)};
+    mesh.normals.push_back(cast<float>((1 / norm(p)) * p));
+    mesh.vertex_spheres.push_back({v, v % 3 == 0 ? kNoSphere : v / 2, kNoSphere});
+  }
+  return mesh;
+}
+
+MeshFile round_trip(const IndexedMesh& mesh, MeshFormat format) {
+  return decode_mesh(encode_mesh(to_surface_mesh(mesh), format).bytes, format);
+}
+
+bool same_bits(const Vec3d& a, const Vec3d& b) {
+  for (int k = 0; k < 3; ++k)
+    if (std::bit_cast<std::uint64_t>(a[k]) != std::bit_cast<std::uint64_t>(b[k])) return false;
+  return true;
+}
+
+void expect_same_bits(const IndexedMesh& a, const IndexedMesh& b) {
+  ASSERT_EQ(a.vertex_count(), b.vertex_count());
+  for (std::size_t v = 0; v < a.vertex_count(); ++v)
+    EXPECT_TRUE(same_bits(a.positions[v], b.positions[v])) << "vertex " << v;
+}
+
+class Directory {
+ public:
+  Directory() {
+    std::string name = (fs::temp_directory_path() / "vdwmesh-test-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  ~Directory() { fs::remove_all(path_); }
+  fs::path operator/(const std::string& name) const { return path_ / name; }
+  std::vector<std::string> names() const {
+    std::vector<std::string> result;
+    for (const auto& entry : fs::directory_iterator(path_))
+      result.push_back(entry.path().filename().string());
+    return result;
+  }
+
+ private:
+  fs::path path_;
+};
+
+TEST(MeshIo, PlyKeepsEveryBit) {
+  IndexedMesh mesh = labelled_mesh();
+  mesh.positions[0] = {-0.0, std::numeric_limits<double>::denorm_min(), 1e300};
+  mesh.positions[1] = {std::nextafter(1.0, 2.0), 0.1, -1.0 / 3};
+  const MeshFile back = round_trip(mesh, MeshFormat::ply);
+  expect_same_bits(back.mesh, mesh);
+  EXPECT_EQ(back.mesh.triangles, mesh.triangles);
+  EXPECT_EQ(back.mesh.normals, mesh.normals);
+  EXPECT_EQ(back.mesh.vertex_spheres, mesh.vertex_spheres);
+  EXPECT_FALSE(back.welded);
+  EXPECT_THAT(back.notes, IsEmpty());
+}
+
+TEST(MeshIo, ObjAndOffKeepEveryBitOfPositions) {
+  IndexedMesh mesh = labelled_mesh();
+  mesh.positions[0] = {-0.0, std::numeric_limits<double>::denorm_min(), 1e300};
+  for (const MeshFormat format : {MeshFormat::obj, MeshFormat::off}) {
+    const MeshFile back = round_trip(mesh, format);
+    expect_same_bits(back.mesh, mesh);
+    EXPECT_EQ(back.mesh.triangles, mesh.triangles);
+    EXPECT_THAT(back.notes, IsEmpty());
+  }
+  EXPECT_EQ(round_trip(mesh, MeshFormat::obj).mesh.normals, mesh.normals);
+}
+
+TEST(MeshIo, StlKeepsFloats) {
+  const IndexedMesh mesh = labelled_mesh();
+  const MeshFile back = round_trip(mesh, MeshFormat::stl);
+  EXPECT_TRUE(back.welded);
+  ASSERT_EQ(back.mesh.vertex_count(), mesh.vertex_count());
+  ASSERT_EQ(back.mesh.triangle_count(), mesh.triangle_count());
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    for (unsigned k = 0; k < 3; ++k)
+      EXPECT_EQ(cast<float>(back.mesh.positions[back.mesh.triangles[t][k]]),
+                cast<float>(mesh.positions[mesh.triangles[t][k]]));
+  ASSERT_EQ(back.notes.size(), 1u);
+  EXPECT_THAT(back.notes[0], HasSubstr("welded"));
+}
+
+TEST(MeshIo, GlbKeepsFloatsAboutItsOffset) {
+  // Half the box is 17 Å < 2^5, so a float's rounding there is at most 2^-20 Å, wherever the mesh
+  // lies; adding the offset back rounds in double.
+  const double kRounding = 0x1p-20 + 1e-10;
+  const IndexedMesh mesh = testing::translated(labelled_mesh(), {1e5, -2e5, 3e5});
+  const EncodedMesh encoded = encode_mesh(to_surface_mesh(mesh), MeshFormat::glb);
+  EXPECT_THAT(encoded.warnings, IsEmpty());
+  const MeshFile back = decode_mesh(encoded.bytes, MeshFormat::glb);
+  ASSERT_EQ(back.mesh.vertex_count(), mesh.vertex_count());
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    EXPECT_LE(norm(back.mesh.positions[v] - mesh.positions[v]), std::sqrt(3.0) * kRounding);
+  EXPECT_EQ(back.mesh.triangles, mesh.triangles);
+  EXPECT_EQ(back.mesh.normals, mesh.normals);
+}
+
+TEST(MeshIo, WarnsWhereFloatsLoseTooMuch) {
+  const auto warnings = [](const IndexedMesh& mesh, MeshFormat format) {
+    return encode_mesh(to_surface_mesh(mesh), format).warnings.size();
+  };
+  // Near 5000 Å floats are 2^-11 Å = 5e-4 Å apart.
+  const IndexedMesh far = testing::translated(labelled_mesh(), {5000, 0, 0});
+  EXPECT_EQ(warnings(far, MeshFormat::stl), 1u);
+  EXPECT_EQ(warnings(far, MeshFormat::glb), 0u);
+  EXPECT_EQ(warnings(far, MeshFormat::ply), 0u);
+  EXPECT_EQ(warnings(labelled_mesh(), MeshFormat::stl), 0u);
+  EXPECT_EQ(warnings(labelled_mesh(20000), MeshFormat::glb), 1u);
+  EXPECT_THROW(warnings(testing::scaled(testing::cube(), 1e40), MeshFormat::stl), InvalidInput);
+}
+
+TEST(MeshIo, EmptyMeshesMakeTheRoundTrip) {
+  for (const MeshFormat format : kFormats) {
+    const MeshFile back = round_trip({}, format);
+    EXPECT_EQ(back.mesh.vertex_count(), 0u);
+    EXPECT_EQ(back.mesh.triangle_count(), 0u);
+  }
+}
+
+TEST(MeshIo, OpenMeshesMakeTheRoundTrip) {
+  for (const MeshFormat format : kFormats)
+    EXPECT_EQ(round_trip(testing::flat_ring(), format).mesh.triangle_count(), 8u);
+}
+
+TEST(MeshIo, KnowsFormatsByExtension) {
+  EXPECT_EQ(mesh_format("a/b.PLY"), MeshFormat::ply);
+  EXPECT_EQ(mesh_format("x.stl"), MeshFormat::stl);
+  EXPECT_THROW(mesh_format("x.xyz"), InvalidInput);
+  EXPECT_THROW(mesh_format("ply"), InvalidInput);
+}
+
+TEST(MeshIo, FilesAppearUnderTheirNames) {
+  const Directory directory;
+  const SurfaceMesh mesh = to_surface_mesh(testing::cube());
+  for (const char* name : {"a.ply", "a.obj", "a.off", "a.stl", "a.glb"}) {
+    write_mesh(mesh, directory / name);
+    write_mesh(mesh, directory / name);  // over the file that is there
+    EXPECT_EQ(read_mesh(directory / name).mesh.triangle_count(), 12u) << name;
+  }
+  EXPECT_EQ(directory.names().size(), 5u);
+}
+
+TEST(MeshIo, NothingIsLeftOfAFileThatCannotBeWrittenInFull) {
+  const Directory directory;
+  const SurfaceMesh mesh = to_surface_mesh(testing::icosphere(5));
+  std::ofstream(directory / "old.ply") << "kept";
+  rlimit before;
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit small = before;
+  small.rlim_cur = 10'000;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  for (const char* name : {"new.ply", "old.ply", "new.obj", "new.glb"})
+    EXPECT_THROW(write_mesh(mesh, directory / name), FileFormatError) << name;
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_THAT(directory.names(), ElementsAre("old.ply"));
+  EXPECT_EQ(fs::file_size(directory / "old.ply"), 4u) << "the old file is untouched";
+}
+
+TEST(MeshIo, AFullDiskIsAnError) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+  const Directory directory;
+  fs::create_symlink("/dev/full", directory / "full.ply");
+  EXPECT_THROW(write_mesh(to_surface_mesh(testing::cube()), directory / "full.ply"),
+               FileFormatError);
+}
+
+TEST(MeshIo, NamesTheFileInErrors) {
+  const Directory directory;
+  const SurfaceMesh mesh = to_surface_mesh(testing::cube());
+  const auto message = [](auto&& action) -> std::string {
+    try {
+      action();
+    } catch (const FileFormatError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const fs::path missing = directory / "missing.ply", nowhere = directory / "no/such.ply";
+  EXPECT_THAT(message([&] { read_mesh(missing); }), HasSubstr(missing.string()));
+  EXPECT_THAT(message([&] { write_mesh(mesh, nowhere); }), HasSubstr(nowhere.string()));
+  fs::create_directory(directory / "d.ply");
+  EXPECT_THAT(message([&] { write_mesh(mesh, directory / "d.ply"); }), HasSubstr("d.ply"));
+  EXPECT_THAT(message([&] { read_mesh(directory / "d.ply"); }), HasSubstr("d.ply"));
+  std::ofstream(directory / "bad.obj") << "v 1 2 3\nv 1 2\n";
+  EXPECT_THAT(message([&] { read_mesh(directory / "bad.obj"); }), HasSubstr("bad.obj: line 2"));
+}
+
+TEST(MeshIo, RefusesToWriteWhatIsDeletedOrNotFinite) {
+  SurfaceMesh deleted = to_surface_mesh(testing::icosphere(1));
+  deleted.delete_face(OpenMesh::FaceHandle(3));
+  EXPECT_THROW(encode_mesh(deleted, MeshFormat::ply), InvalidInput);
+  SurfaceMesh infinite = to_surface_mesh(testing::cube());
+  infinite.set_point(OpenMesh::VertexHandle(2), {0, std::nan(""), 0});
+  EXPECT_THROW(encode_mesh(infinite, MeshFormat::obj), InvalidInput);
+}
+
+// Readers must refuse or accept a damaged file, and nothing else; sanitizers watch.
+TEST(MeshIo, DamagedFilesAreRefusedOrRead) {
+  std::mt19937 random(11);
+  const SurfaceMesh mesh = to_surface_mesh(testing::icosphere(1));
+  for (const MeshFormat format : kFormats) {
+    const std::string good = encode_mesh(mesh, format).bytes;
+    const auto try_to_read = [&](const std::string& bytes) {
+      try {
+        decode_mesh(bytes, format);
+      } catch (const Error&) {
+      }
+    };
+    for (std::size_t size = 0; size < good.size(); size += 1 + size / 200)
+      try_to_read(good.substr(0, size));
+    for (int round = 0; round < 2000; ++round) {
+      std::string bad = good;
+      for (int flips = 0; flips < 1 + round % 4; ++flips)
+        bad[random() % (round % 2 == 0 ? bad.size() : std::min<std::size_t>(bad.size(), 700))] =
+            static_cast<char>(random());
+      try_to_read(bad);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vdwmesh
