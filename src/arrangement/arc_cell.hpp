@@ -19,6 +19,8 @@ enum Doubt : std::uint32_t {
   kTinyArc = 16,        // the exposed part of a circle is all but nothing, or all but all
   kGaussBonnet = 32,    // the patch fails the Gauss-Bonnet theorem
   kOpenSurface = 64,    // the vector areas of patch and faces do not add up to zero
+  kVanishing = 128,     // the plane that took the last of the body only just did
+  kVanished = 256,      // the same, within rounding
 };
 
 enum EdgeEnd : std::uint8_t { kLowerEnd = 1, kUpperEnd = 2 };
@@ -68,14 +70,24 @@ struct ArcWorkspace {
 
 // Ties within this are decided for the older plane; some 50 roundings.
 inline constexpr double kSlack = 1e-14;
+// A corner this near to a third plane may be its corner too.
+inline constexpr double kTouching = 1e-9;
+// The same for rounding alone: what is farther away is surely on its side.
+inline constexpr double kCertain = 1e-13;
 // Squared sine of the angle below which two planes count as parallel.
 inline constexpr double kParallel = 1e-18;
 // Parallel planes nearer than this may cross after all.
 inline constexpr double kParallelGap = 1e-8;
 
+// Where an edge ends at a third plane. direct: along the edge, exact to rounding unless the plane
+// is all but parallel to it. shared: one point for the three edges that end there, so that faces
+// stay closed however badly it is determined.
+enum class EdgeEnding : std::uint8_t { direct, shared };
+
 class BallCell {
  public:
-  VDWMESH_HD explicit BallCell(const ArcWorkspace& workspace) : space_(workspace) {}
+  VDWMESH_HD BallCell(const ArcWorkspace& workspace, EdgeEnding ending)
+      : space_(workspace), ending_(ending) {}
 
   // Removes the half-space beyond the cap's plane.
   VDWMESH_HD void cut(const Cap& cap);
@@ -100,21 +112,25 @@ class BallCell {
  private:
   enum class Relation : std::uint8_t { apart, crossing, new_hidden, old_hidden, nothing_left };
 
-  VDWMESH_HD bool clip_edges(const Cap& cap);
+  VDWMESH_HD bool clip_edges(std::uint32_t fresh);
+  VDWMESH_HD double end_at(const CellEdge& edge, std::uint32_t plane, double direct) const;
   VDWMESH_HD Relation relate(const CellFace& old, const CellFace& fresh, CellEdge& edge);
   VDWMESH_HD Relation relate_parallel(const CellFace& old, const CellFace& fresh, double cosine);
   VDWMESH_HD bool add_face(std::uint32_t fresh, bool was_closed);
-  VDWMESH_HD bool clip_chord(CellEdge& edge, bool both_ends) const;
+  VDWMESH_HD bool clip_chord(CellEdge& edge) const;
+  VDWMESH_HD bool keeps_whole(const CellEdge& edge);
   VDWMESH_HD void push_edge(const CellEdge& edge);
   VDWMESH_HD void remove_edge(std::uint32_t i);
   VDWMESH_HD void drop_faces(std::uint32_t fresh);
   VDWMESH_HD void update_reach();
 
   ArcWorkspace space_;
+  EdgeEnding ending_;
   std::uint32_t face_slots_ = 0, active_count_ = 0, edge_count_ = 0;
   std::uint32_t exposed_ends_ = 0, whole_disks_ = 0;
   std::uint32_t doubts_ = 0;
   double reach_ = 1;
+  double depth_ = 0;  // of the least deep corner beyond the last plane
   bool empty_ = false;
 };
 

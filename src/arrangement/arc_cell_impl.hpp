@@ -9,30 +9,61 @@ VDWMESH_HD inline int end_count(std::uint8_t ends) { return (ends & 1) + (ends >
 
 VDWMESH_HD inline void BallCell::cut(const Cap& cap) {
   if (empty_ || overflowed()) return;
-  const bool was_closed = closed();
-  const bool touched = clip_edges(cap);
-  if (was_closed && !touched) return;
   if (face_slots_ == space_.face_capacity) {
     doubts_ |= kOverflow;
     return;
   }
+  const bool was_closed = closed();
   const std::uint32_t fresh = face_slots_;
   space_.faces[fresh] = {
       cap, (1 - cap.cosine) * (1 + cap.cosine), 0, was_closed, false, {1, 0}, 0, 0, 0};
+  const bool touched = clip_edges(fresh);
+  if (was_closed && !touched) return;
   if (!add_face(fresh, was_closed)) return;
   drop_faces(fresh);
   update_reach();
 }
 
+// Parameter of the edge's end at the plane; `direct` is what the edge alone says.
+VDWMESH_HD inline double BallCell::end_at(const CellEdge& edge, std::uint32_t plane,
+                                          double direct) const {
+  if (ending_ == EdgeEnding::direct) return direct;
+  std::uint32_t i = edge.a, j = edge.b, k = plane;  // a < b always
+  if (k < i) {
+    k = j;
+    j = i;
+    i = plane;
+  } else if (k < j) {
+    k = j;
+    j = plane;
+  }
+  const Cap& a = space_.faces[i].cap;
+  const Cap& b = space_.faces[j].cap;
+  const Cap& c = space_.faces[k].cap;
+  const Vec3d bc = cross(b.axis, c.axis);
+  const Vec3d sum =
+      a.cosine * bc + b.cosine * cross(c.axis, a.axis) + c.cosine * cross(a.axis, b.axis);
+  const Vec3d point = (1 / inner(a.axis, bc)) * sum;
+  const double at = inner(point - edge.middle, edge.half) / inner(edge.half, edge.half);
+  // Not finite where the planes are parallel to the last bit.
+  return std::abs(at) <= 1 ? at : direct;
+}
+
 // Shortens or removes the edges that reach beyond the plane; whether there were any.
-VDWMESH_HD inline bool BallCell::clip_edges(const Cap& cap) {
+VDWMESH_HD inline bool BallCell::clip_edges(std::uint32_t fresh) {
+  const Cap& cap = space_.faces[fresh].cap;
   bool touched = false;
+  depth_ = 1;
   for (std::uint32_t i = 0; i < edge_count_;) {
     CellEdge& e = space_.edges[i];
     const double room = cap.cosine - inner(cap.axis, e.middle);
     const double slope = inner(cap.axis, e.half);
-    const bool upper_out = slope * e.upper - room > kSlack;
-    const bool lower_out = slope * e.lower - room > kSlack;
+    const double upper_depth = slope * e.upper - room;
+    const double lower_depth = slope * e.lower - room;
+    const double least = upper_depth < lower_depth ? upper_depth : lower_depth;
+    depth_ = least < depth_ ? least : depth_;
+    const bool upper_out = upper_depth > kSlack;
+    const bool lower_out = lower_depth > kSlack;
     if (!upper_out && !lower_out) {
       ++i;
       continue;
@@ -41,11 +72,11 @@ VDWMESH_HD inline bool BallCell::clip_edges(const Cap& cap) {
     space_.faces[e.a].touched = space_.faces[e.b].touched = true;
     const std::uint8_t before = e.exposed;
     if (upper_out) {
-      e.upper = room / slope;
+      e.upper = end_at(e, fresh, room / slope);
       e.exposed &= static_cast<std::uint8_t>(~kUpperEnd);
     }
     if (lower_out) {
-      e.lower = room / slope;
+      e.lower = end_at(e, fresh, room / slope);
       e.exposed &= static_cast<std::uint8_t>(~kLowerEnd);
     }
     exposed_ends_ -= static_cast<std::uint32_t>(end_count(before) - end_count(e.exposed));
@@ -77,13 +108,14 @@ VDWMESH_HD inline void BallCell::push_edge(const CellEdge& edge) {
   exposed_ends_ += static_cast<std::uint32_t>(end_count(edge.exposed));
 }
 
+// Caps come sorted and without repeated planes, so of two that look the same way the new one is
+// hidden.
 VDWMESH_HD inline BallCell::Relation BallCell::relate_parallel(const CellFace& old,
                                                                const CellFace& fresh,
                                                                double cosine) {
-  const double gap =
-      cosine > 0 ? fresh.cap.cosine - old.cap.cosine : fresh.cap.cosine + old.cap.cosine;
+  if (cosine > 0) return Relation::new_hidden;
+  const double gap = fresh.cap.cosine + old.cap.cosine;
   if (std::abs(gap) < kParallelGap) doubts_ |= kParallelPlanes;
-  if (cosine > 0) return gap >= 0 ? Relation::new_hidden : Relation::old_hidden;
   return gap > 0 ? Relation::apart : Relation::nothing_left;
 }
 
@@ -146,13 +178,13 @@ VDWMESH_HD inline bool BallCell::add_face(std::uint32_t fresh, bool was_closed) 
     edge.a = space_.active[i];
     edge.b = fresh;
     // A face none of whose edges is cut can only lose a segment between two points of its arcs.
-    if (clip_chord(edge, !old.touched)) push_edge(edge);
+    if (old.touched ? clip_chord(edge) : keeps_whole(edge)) push_edge(edge);
   }
   return true;
 }
 
-// Clips a new chord by all other planes; false when nothing, or with `both_ends` not all, is left.
-VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge, bool both_ends) const {
+// Clips a new chord by all other planes; false when nothing is left.
+VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge) const {
   for (std::uint32_t i = 0; i < active_count_; ++i) {
     const std::uint32_t index = space_.active[i];
     if (index == edge.a) continue;
@@ -162,8 +194,8 @@ VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge, bool both_ends) cons
     const bool upper_out = slope * edge.upper - room > -kSlack;
     const bool lower_out = slope * edge.lower - room > -kSlack;
     if (!upper_out && !lower_out) continue;
-    if (both_ends || (upper_out && lower_out)) return false;
-    const double at = room / slope;
+    if (upper_out && lower_out) return false;
+    const double at = end_at(edge, index, room / slope);
     if (upper_out) {
       edge.upper = at < edge.upper ? at : edge.upper;
       edge.exposed &= static_cast<std::uint8_t>(~kUpperEnd);
@@ -174,6 +206,25 @@ VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge, bool both_ends) cons
     if (!(edge.lower < edge.upper)) return false;
   }
   return true;
+}
+
+// Whether all other planes leave all of a new chord. An end that only just lies beyond one of them
+// may be where they meet, and the chord may be cut off wrongly: a doubt, unless the end lies well
+// beyond another.
+VDWMESH_HD inline bool BallCell::keeps_whole(const CellEdge& edge) {
+  bool near = false;
+  for (std::uint32_t i = 0; i < active_count_; ++i) {
+    const std::uint32_t index = space_.active[i];
+    if (index == edge.a) continue;
+    const Cap& cap = space_.faces[index].cap;
+    const double middle = inner(cap.axis, edge.middle) - cap.cosine;
+    const double slope = inner(cap.axis, edge.half);
+    const double depth = middle + std::abs(slope);
+    if (depth > kTouching) return false;
+    near = near || depth > -kSlack;
+  }
+  if (near) doubts_ |= kThirdCircle;
+  return !near;
 }
 
 // Forgets faces of which nothing is left; they cannot matter again, for the body only shrinks.
@@ -192,6 +243,7 @@ VDWMESH_HD inline void BallCell::drop_faces(std::uint32_t fresh) {
     ++face_slots_;
   }
   empty_ = active_count_ == 0;
+  if (empty_ && depth_ < kTouching) doubts_ |= depth_ < kCertain ? kVanished : kVanishing;
 }
 
 VDWMESH_HD inline void BallCell::update_reach() {

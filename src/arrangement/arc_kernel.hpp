@@ -1,28 +1,76 @@
 // One ball of a union, for host and device: no allocation, no containers, memory of the caller.
 //
-// Legendre's theorem on unions of balls: the exposed part of a sphere is its intersection with the
-// ball's power cell, so only caps whose plane bounds the cell have to be looked at, and the
-// volume of ball ∩ power cell comes from the same edges as the exposed area.
+// The exposed part of a sphere is its intersection with the ball's power cell. So only caps whose
+// plane bounds the cell have to be looked at, and the volume of ball ∩ power cell comes from the
+// same edges as the exposed area.
 #pragma once
 
 #include "arrangement/arc_measure.hpp"
 
 namespace vdwmesh::arcs {
 
+// How far planes are moved apart, at most, where too many meet in one point. Times the length of
+// the arcs, a few radii, it bounds the error of the area, in units of the radius; and it is far
+// above rounding.
+inline constexpr double kNudge = 4e-11;
+
+// Whether an earlier of the sorted caps has all but the same plane, and so leaves nothing to cut.
+VDWMESH_HD inline bool repeats_plane(const Cap* caps, std::uint32_t index, std::uint32_t& doubts) {
+  const Cap& cap = caps[index];
+  for (std::uint32_t i = index; i-- > 0 && cap.cosine - caps[i].cosine < kParallelGap;) {
+    if (inner(cap.axis, caps[i].axis) < 0) continue;
+    const Vec3d normal = cross(cap.axis, caps[i].axis);
+    if (inner(normal, normal) >= kParallel) continue;
+    if (!same_cap(cap, caps[i])) doubts |= kParallelPlanes;
+    return true;
+  }
+  return false;
+}
+
+// Caps sorted.
+VDWMESH_HD inline BallMeasures measure_sorted(const Cap* caps, std::uint32_t count,
+                                              const ArcWorkspace& workspace, EdgeEnding ending) {
+  BallCell cell(workspace, ending);
+  std::uint32_t doubts = 0;
+  for (std::uint32_t i = 0; i < count && !cell.empty(); ++i) {
+    if (cell.closed() && caps[i].cosine >= cell.reach()) break;
+    if (!repeats_plane(caps, i, doubts)) cell.cut(caps[i]);
+  }
+  BallMeasures measures = measure_cell(cell, caps, count);
+  measures.doubts |= doubts;
+  return measures;
+}
+
+// Moves each plane by its own amount, at most half of kNudge; each attempt differently.
+VDWMESH_HD inline void nudge_caps(Cap* caps, std::uint32_t count, std::uint64_t attempt) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    // SplitMix64.
+    std::uint64_t bits = (attempt << 32) + i + 0x9e3779b97f4a7c15u;
+    bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
+    bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+    bits ^= bits >> 31;
+    caps[i].cosine += kNudge * (std::ldexp(static_cast<double>(bits >> 11), -53) - 0.5);
+  }
+}
+
 // Area of the exposed sphere and volume of ball ∩ power cell, both for the unit ball. Sorts the
-// caps. Equal results for every order of the caps.
+// caps; the result does not depend on the order they come in. Where the checks leave a doubt, the
+// numbers are those of planes nudged apart, if these pass the checks; the doubt stays.
 VDWMESH_HD inline BallMeasures measure_ball(Cap* caps, std::uint32_t count,
                                             const ArcWorkspace& workspace) {
   if (count == 0) return {4 * kPi, 4 * kPi / 3, 0};
   sort_caps(caps, count);
-  BallCell cell(workspace);
-  std::uint32_t used = 0;
-  for (; used < count && !cell.empty(); ++used) {
-    if (cell.closed() && caps[used].cosine >= cell.reach()) break;
-    if (used > 0 && same_cap(caps[used], caps[used - 1])) continue;
-    cell.cut(caps[used]);
+  const BallMeasures plain = measure_sorted(caps, count, workspace, EdgeEnding::direct);
+  if (plain.doubts == 0) return plain;
+  constexpr std::uint64_t kAttempts = 8;
+  for (std::uint64_t attempt = 0; attempt < kAttempts; ++attempt) {
+    nudge_caps(caps, count, attempt);
+    sort_caps(caps, count);
+    const BallMeasures nudged = measure_sorted(caps, count, workspace, EdgeEnding::shared);
+    const bool failed = nudged.doubts & (kOverflow | kGaussBonnet | kOpenSurface | kVanished);
+    if (!failed) return {nudged.area, nudged.volume, plain.doubts};
   }
-  return measure_cell(cell, caps, count);
+  return plain;
 }
 
 }  // namespace vdwmesh::arcs

@@ -19,8 +19,6 @@ struct BallMeasures {
 };
 
 inline constexpr double kPi = 3.14159265358979323846;
-// A corner this near to a third circle may be its corner too.
-inline constexpr double kTouching = 1e-9;
 // Exposed angles this near to 0 or 2 pi cannot be told from each other.
 inline constexpr double kTinyAngle = 1e-9;
 // Roundings that a term of the checks gathers, in units of its condition.
@@ -179,6 +177,12 @@ VDWMESH_HD inline double reduce_area(double area, double largest_cap) {
   return area > full - 0.5 * largest_cap ? area - full : area;
 }
 
+// Whether an end that is no corner all but reaches the sphere: a third circle only just covers it.
+VDWMESH_HD inline bool ends_near_sphere(const CellEdge& e) {
+  return (!(e.exposed & kUpperEnd) && e.upper > 1 - kTouching) ||
+         (!(e.exposed & kLowerEnd) && e.lower < -1 + kTouching);
+}
+
 // Whether a corner lies on the circle of a third cap, also of one long dropped.
 VDWMESH_HD inline bool touches_third(const BallCell& cell, const CellEdge& e, const Cap* caps,
                                      std::uint32_t count) {
@@ -204,7 +208,9 @@ VDWMESH_HD inline BallMeasures measure_cell(const BallCell& cell, const Cap* cap
   for (std::uint32_t i = 0; i < cell.edge_count(); ++i) {
     const CellEdge& e = cell.edge(i);
     add_edge(cell, e, patch);
-    if (e.exposed && touches_third(cell, e, caps, count)) doubts |= kThirdCircle;
+    if (ends_near_sphere(e) || (e.exposed && touches_third(cell, e, caps, count))) {
+      doubts |= kThirdCircle;
+    }
   }
   FaceSums faces;
   for (std::uint32_t i = 0; i < cell.face_count(); ++i) add_face_to(cell.face(i), faces);
