@@ -168,24 +168,24 @@ struct BlendedSurface {
                                          const CrossedEdge& edge) {
     const ShapeParameters<float> shape = shape_parameters<float>(f.model);
     const float spacing = static_cast<float>(f.model.grid.spacing);
-    float inside = 0, outside = 0;
+    EdgeValues values;
     for_each(f, g, items, count, [&](const Item& i) {
-      inside += node_value<kind>(shape, i.atom, edge.inside, spacing);
-      outside += node_value<kind>(shape, i.atom, edge.outside, spacing);
+      add_to_edge<kind>(shape, i.atom, edge, spacing, i.rank, i.place, values);
     });
-    const EdgePoint point = interpolate_edge(inside, outside, static_cast<float>(f.model.isovalue),
-                                             f.model.grid.spacing);
+    const EdgePoint point = interpolate_edge(
+        values.inside, values.outside, static_cast<float>(f.model.isovalue), f.model.grid.spacing);
     const Vec3d node = g.node(edge.inside[0], edge.inside[1], edge.inside[2]);
     Vec3d p = node, outward{0, 0, 0};
     p[edge.axis] = std::fma(edge.direction, point.distance, node[edge.axis]);
     outward[edge.axis] = edge.direction;
     const Vec3f local = cast<float>(p - g.node(0, 0, 0));
     LocalGradient gradient;
+    gradient.strongest.atom = values.strongest.atom;
     for_each(f, g, items, count, [&](const Item& i) {
       add_gradient<kind>(shape, i.atom, edge.inside, local, i.rank, i.place, gradient);
     });
     const Vec3d fall{-gradient.sum.x, -gradient.sum.y, -gradient.sum.z};
-    return {p, unit_or(fall, outward), f.list.id[gradient.atom], point.clamped};
+    return {p, unit_or(fall, outward), f.list.id[gradient.strongest.atom], point.clamped};
   }
 };
 

@@ -29,7 +29,6 @@ class BlendedBrick {
   SurfaceVertex vertex(const CrossedEdge& edge) const;
 
  private:
-  float value_at(const int node[3]) const;
   void add_rows(const LocalAtom& atom, float (&rows)[kBrickReach][kBrickReach][kBrickSide],
                 float (&last)[kBrickReach][kBrickReach]) const;
 
@@ -101,28 +100,25 @@ void BlendedBrick<kind>::signs(BrickSigns& signs) const {
 }
 
 template <FieldKind kind>
-float BlendedBrick<kind>::value_at(const int node[3]) const {
-  float value = 0;
-  for (const LocalAtom& atom : atoms_) value += node_value<kind>(shape_, atom, node, spacing_);
-  return value;
-}
-
-template <FieldKind kind>
 SurfaceVertex BlendedBrick<kind>::vertex(const CrossedEdge& edge) const {
-  const EdgePoint point = interpolate_edge(value_at(edge.inside), value_at(edge.outside), isovalue_,
-                                           model_.grid.spacing);
+  EdgeValues values;
+  for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
+    add_to_edge<kind>(shape_, atoms_[k], edge, spacing_, list_.rank[places_[k]], k, values);
+  }
+  const EdgePoint point =
+      interpolate_edge(values.inside, values.outside, isovalue_, model_.grid.spacing);
   const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
-  Vec3d p = node;
+  Vec3d p = node, outward{0, 0, 0};
   p[edge.axis] = std::fma(edge.direction, point.distance, node[edge.axis]);
+  outward[edge.axis] = edge.direction;
   const Vec3f local = cast<float>(p - geometry_.node(0, 0, 0));
   LocalGradient g;
+  g.strongest.atom = values.strongest.atom;
   for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
     add_gradient<kind>(shape_, atoms_[k], edge.inside, local, list_.rank[places_[k]], k, g);
   }
-  Vec3d outward{0, 0, 0};
-  outward[edge.axis] = edge.direction;
   const Vec3d fall{-g.sum.x, -g.sum.y, -g.sum.z};
-  return {p, unit_or(fall, outward), list_.id[places_[g.atom]], point.clamped};
+  return {p, unit_or(fall, outward), list_.id[places_[g.strongest.atom]], point.clamped};
 }
 
 }  // namespace vdwmesh

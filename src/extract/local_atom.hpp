@@ -7,6 +7,7 @@
 #include "core/host_device.hpp"
 #include "extract/brick_geometry.hpp"
 #include "extract/field_formulas.hpp"
+#include "extract/surface_vertex.hpp"
 
 namespace vdwmesh {
 
@@ -68,13 +69,42 @@ VDWMESH_HD inline float node_value(const ShapeParameters<float>& shape, const Lo
   return shape_value<kind>(shape, std::fma(dx, dx, std::fma(dy, dy, dz * dz)), a.scale);
 }
 
-// Gradient of the field at a vertex, and the atom that contributes most (lowest rank among equals).
-// Sub-grids count as at the inside node of the vertex's edge: some atom always does.
-struct LocalGradient {
-  Vec3d sum{0, 0, 0};
-  float largest = -1;
+// The atom of largest contribution so far, lowest rank among equals. Atoms that add 0 do not count.
+struct Strongest {
+  float value = 0;
   std::uint32_t rank = 0;
   std::uint32_t atom = 0;
+
+  VDWMESH_HD void meet(float candidate, std::uint32_t candidate_rank, std::uint32_t index) {
+    if (candidate < value || !(candidate > 0)) return;
+    if (candidate == value && candidate_rank > rank) return;
+    value = candidate;
+    rank = candidate_rank;
+    atom = index;
+  }
+};
+
+// The field at the ends of an edge, and the strongest atom at its inside end.
+struct EdgeValues {
+  float inside = 0, outside = 0;
+  Strongest strongest;
+};
+
+template <FieldKind kind>
+VDWMESH_HD inline void add_to_edge(const ShapeParameters<float>& shape, const LocalAtom& a,
+                                   const CrossedEdge& edge, float spacing, std::uint32_t rank,
+                                   std::uint32_t atom, EdgeValues& values) {
+  const float inside = node_value<kind>(shape, a, edge.inside, spacing);
+  values.inside += inside;
+  values.outside += node_value<kind>(shape, a, edge.outside, spacing);
+  values.strongest.meet(inside, rank, atom);
+}
+
+// Gradient of the field at a vertex, and the strongest atom there; begin with that of the inside
+// end, for a vertex that no atom reaches. Sub-grids count as at the inside end.
+struct LocalGradient {
+  Vec3d sum{0, 0, 0};
+  Strongest strongest;
 };
 
 template <FieldKind kind>
@@ -92,11 +122,7 @@ VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const L
   for (int axis = 0; axis < 3; ++axis) {
     g.sum[axis] = std::fma(slope, static_cast<double>(d[axis]), g.sum[axis]);
   }
-  if (f.value > g.largest || (f.value == g.largest && rank < g.rank)) {
-    g.largest = f.value;
-    g.rank = rank;
-    g.atom = atom;
-  }
+  g.strongest.meet(f.value, rank, atom);
 }
 
 }  // namespace vdwmesh
