@@ -19,6 +19,8 @@ constexpr double kPi = std::numbers::pi;
 
 // Relative. A few hundred roundings of 1.1e-16 on numbers of the size of the result.
 constexpr double kClosedForm = 1e-13;
+// Relative, issue 3: where planes meet in too many points and are nudged apart.
+constexpr double kDegenerate = 1e-9;
 // Relative, issue 3: invariance under motions that round the coordinates.
 constexpr double kMotion = 1e-9;
 
@@ -155,8 +157,8 @@ TEST(Arcs, BallCoveredByManyIsFoundBuried) {
   EXPECT_EQ(m.per_sphere[0].area, 0);
   EXPECT_GE(m.per_sphere[0].volume, 0);
   spheres.erase(spheres.begin());
-  EXPECT_REL(m.area, measure(spheres).area, 1e-12);
-  EXPECT_REL(m.volume, measure(spheres).volume, 1e-12);
+  EXPECT_REL(m.area, measure(spheres).area, kDegenerate);
+  EXPECT_REL(m.volume, measure(spheres).volume, kDegenerate);
 }
 
 TEST(Arcs, PermutationPermutesTheResult) {
