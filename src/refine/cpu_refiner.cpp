@@ -28,10 +28,8 @@ LevelSize next_size(const LevelSize& s) {
   return {s.vertices + s.triangles * 3 / 2, 4 * s.triangles};
 }
 
-// Positions, normals, labels, triangles, opposites.
 std::uint64_t mesh_bytes(const LevelSize& s) {
-  return s.vertices * (sizeof(Vec3d) + sizeof(Vec3f) + sizeof(VertexSpheres)) +
-         s.triangles * (sizeof(Triangle) + 3 * sizeof(std::uint32_t));
+  return indexed_mesh_bytes(s.vertices, s.triangles, Connectivity::half_edges);
 }
 
 void check_options(const RefineOptions& o) {
@@ -45,11 +43,11 @@ void check_limits(const SphereSet& spheres, const IndexedMesh& mesh, const Refin
   LevelSize size{mesh.vertex_count(), mesh.triangle_count()};
   for (int l = 1; l <= o.subdivisions; ++l) {
     const LevelSize next = next_size(size);
-    if (3 * size.triangles > kMaxVertices || next.vertices > kMaxVertices) {
+    if (3 * size.triangles > kMaxHalfEdges || next.vertices > kMaxVertices) {
       throw LimitExceeded(fmt::format(
           "subdivision {} of {} would have {} vertices and {} triangles; at most {} vertices, and "
           "{} triangles before the last subdivision, can be numbered: use fewer subdivisions",
-          l, o.subdivisions, next.vertices, next.triangles, kMaxVertices, kMaxVertices / 3));
+          l, o.subdivisions, next.vertices, next.triangles, kMaxVertices, kMaxHalfEdges / 3));
     }
     size = next;
   }

@@ -14,8 +14,6 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::uint64_t kMaxHalfEdges = std::uint64_t{1} << 32;
-
 ProjectionStats join(const ProjectionStats& a, const ProjectionStats& b) {
   return {a.projected + b.projected,
           a.unconverged + b.unconverged,

@@ -126,24 +126,22 @@ VDWMESH_HD inline ProjectedPoint project_to_union(const CellListView& list, cons
   }
 }
 
-// Newton on F = T. A step is halved until |F - T| falls, so an overshoot across a steep or flat
-// part of the field is taken back; every sample of the field counts as a step.
+// Newton on F = T. A step is halved until |F - T| falls within the reach, so an overshoot across a
+// steep or flat part of the field is taken back; every sample of the field counts as a step. Out of
+// reach is who fails from further away than the reach, to first order.
 VDWMESH_HD inline ProjectedPoint project_to_field(const CellListView& list, const FieldModel& model,
                                                   const Vec3d& start, double reach) {
   using std::abs;
   ProjectedPoint result{
-      start, 0, {kNoSphere, kNoSphere, kNoSphere}, 0, ProjectionOutcome::unconverged};
+      start, 0, {kNoSphere, kNoSphere, kNoSphere}, 0, ProjectionOutcome::out_of_reach};
   Vec3d p = start;
   FieldSample here = sample_field(list, model, p);
-  double shrink = 1;
+  if (!here.in_reach) return result;
   for (;;) {
     const double miss = here.value - model.isovalue;
     const double square = squared_norm(here.gradient);
+    if (!(square > 0)) return result;
     const double distance = abs(miss) / std::sqrt(square);
-    if (result.steps == 0 && !(here.in_reach && distance <= reach + kProjectionTolerance)) {
-      result.outcome = ProjectionOutcome::out_of_reach;
-      return result;
-    }
     if (distance <= kProjectionTolerance) {
       result.position = p;
       result.residual = distance;
@@ -151,19 +149,19 @@ VDWMESH_HD inline ProjectedPoint project_to_field(const CellListView& list, cons
       result.outcome = ProjectionOutcome::converged;
       return result;
     }
-    FieldSample next = here;
-    Vec3d q = p;
-    bool closer = false;
-    for (shrink = 1; !closer; shrink *= 0.5) {
+    if (result.steps == 0 && distance <= reach) result.outcome = ProjectionOutcome::unconverged;
+    double step = distance <= reach ? 1 : reach / distance;
+    for (bool closer = false; !closer; step *= 0.5) {
       if (result.steps == kMaxProjectionSteps) return result;
       ++result.steps;
-      q = along(p, -(shrink * miss / square), here.gradient);
+      const Vec3d q = along(p, -(step * miss / square), here.gradient);
       if (!within_reach(q, start, reach)) continue;
-      next = sample_field(list, model, q);
-      closer = abs(next.value - model.isovalue) < abs(miss) && squared_norm(next.gradient) > 0;
+      const FieldSample there = sample_field(list, model, q);
+      closer = abs(there.value - model.isovalue) < abs(miss);
+      if (!closer) continue;
+      p = q;
+      here = there;
     }
-    p = q;
-    here = next;
   }
 }
 

@@ -49,7 +49,8 @@ VDWMESH_HD inline FoundPoint nearest_on_circle(const Sphere& a, const Sphere& b,
   const Vec3d from_a = p - a.center;
   const Vec3d radial = along(from_a, -(dot(from_a, axis) / square), axis);
   const double length = norm(radial);
-  if (!(length > 0)) return {p, false};
+  // Below this the direction would be nothing but rounding.
+  if (!(length > 1e-14 * norm(from_a))) return {p, false};
   const Vec3d middle = along(a.center, plane, axis);
   return {along(middle, std::sqrt(circle_square) / length, radial), true};
 }
