@@ -49,9 +49,16 @@ El of_standard_residue(std::string_view four_columns, std::string_view residue) 
   return expected ? element : El::X;
 }
 
+// "CL1", "BR": no carbon or boron has such a name outside the standard residues.
+El halogen(std::string_view name) {
+  if (name.size() < 2) return El::X;
+  const El element = two_letters(name[0], name[1]);
+  return element == El::Cl || element == El::Br ? element : El::X;
+}
+
 El of_full_name(std::string_view name) {
   const char first = upper(name[0]), second = upper(name[1]);
-  if (first == 'C' && second == 'L') return El::Cl;
+  if (halogen(name) != El::X) return halogen(name);
   if (kOrganic.find(first) != std::string_view::npos) return single_letter(first);
   const El element = two_letters(first, second);
   return element != El::X ? element : first_letter(name);
@@ -90,6 +97,7 @@ const char* element_of_bare_name(std::string_view name, std::string_view residue
   const std::string_view bare_name = name.substr(0, name.find_first_of("0123456789+-"));
   const bool ion = bare_name.size() == 2 && bare_name == bare_residue.substr(0, 2);
   El element = ion ? two_letters(bare_name[0], bare_name[1]) : El::X;
+  if (element == El::X) element = halogen(name);
   if (element == El::X) element = first_letter(name);
   if (element == El::X && name.size() > 1) element = two_letters(name[0], name[1]);
   return gemmi::element_name(element);

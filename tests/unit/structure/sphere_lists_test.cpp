@@ -45,6 +45,16 @@ TEST(Pqr, ZeroRadiiAreCountedNotUsed) {
               HasSubstr("1 zero_radius"));
 }
 
+TEST(Pqr, ElementsFollowFromNames) {
+  const Molecule molecule = read_text_as("a.pqr",
+                                         "ATOM 1 CA CA 1 0 0 0 0 1\nATOM 2 CA ALA 2 0 0 0 0 1\n"
+                                         "ATOM 3 CL1 LIG 3 0 0 0 0 1\nATOM 4 1HB ALA 2 0 0 0 0 1\n"
+                                         "ATOM 5 NA NA+ 4 0 0 0 0 1\nATOM 6 FE HEM 5 0 0 0 0 1\n");
+  std::string elements;
+  for (const Atom& atom : molecule.atoms) elements += atom.element + " ";
+  EXPECT_EQ(elements, "Ca C Cl H Na F ");  // iron in a haem cannot be told from fluorine; own radius
+}
+
 TEST(Pqr, WatersFollowTheWaterRule) {
   const std::string text = "ATOM 1 N ALA 1 0 0 0 0 1.5\nATOM 2 O WAT 2 5 0 0 0 1.7\n";
   EXPECT_EQ(read_text_as("a.pqr", text).skipped.at("waters"), 1U);
