@@ -45,12 +45,13 @@ struct UnionTopology {
 
 struct ExactUnion {
   UnionMethod method;
-  double area, volume;                    // Å², Å³
-  std::vector<SphereMeasures> per_sphere; // in the order of the SphereSet; sums are area and volume
-  std::optional<UnionTopology> topology;  // cgal only
+  double area, volume;  // Å², Å³
+  // In the order of the SphereSet; the sums are area and volume.
+  std::vector<SphereMeasures> per_sphere;
+  std::optional<UnionTopology> topology;  // cgal and both
   // cgal: the same by the second formula set (Gauss-Bonnet and pyramids); both: by arcs.
   std::optional<double> check_area, check_volume;
-  std::uint64_t fallback_spheres = 0;     // arcs: spheres handed to the reference
+  std::uint64_t fallback_spheres = 0;  // arcs, both: spheres whose arcs the reference replaced
 };
 
 // Throws InvalidInput for an empty set, Cancelled.

@@ -46,7 +46,7 @@ class PatchSum {
   // on an exposed side, else the orthogonal centre of that side's tetrahedron.
   struct Chord {
     std::array<Vec3d, 2> end;
-    double half_length;
+    double determinant;  // half chord between the common points times twice the triangle's area
   };
 
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
@@ -65,7 +65,7 @@ class PatchSum {
   Chord chord(const DualTriangle& f) const {
     const CommonPoints points =
         common_points(ball(f.vertices[0]), ball(f.vertices[1]), ball(f.vertices[2]));
-    Chord out{{points.above, points.below}, points.half_chord};
+    Chord out{{points.above, points.below}, points.half_chord * points.twice_area};
     for (std::size_t s = 0; s < 2; ++s) {
       if (f.exposed[s]) continue;
       const std::uint32_t c = f.cells[s];
@@ -112,20 +112,20 @@ class PatchSum {
     }
     const int corners = f.exposed[0] + f.exposed[1];
     for (std::size_t k = 0; corners > 0 && k < 3; ++k) {
-      curvature_[f.vertices[k]] -= corners * turning_angle(f, k, chords_[i].half_length);
+      curvature_[f.vertices[k]] -= corners * turning_angle(f, k, chords_[i].determinant);
     }
   }
 
   // At a corner, on the sphere of vertex k: between the planes through the centre, the corner and
   // one other centre each.
-  double turning_angle(const DualTriangle& f, std::size_t k, double half_chord) const {
+  double turning_angle(const DualTriangle& f, std::size_t k, double determinant) const {
     const std::size_t m = (k + 1) % 3, n = (k + 2) % 3;
     if (is_small(f.edges[m]) || is_small(f.edges[n])) return angle_by_excess(f, k);
     const std::uint32_t o = f.vertices[k], p = f.vertices[m], q = f.vertices[n];
     const Vec3d op = between(o, p), oq = between(o, q);
     const double r = ball(o).radius;
     const double cosine = r * r * dot(op, oq) - reach(f.edges[n], o) * reach(f.edges[m], o);
-    return std::atan2(r * half_chord * norm(cross(op, oq)), cosine);
+    return std::atan2(r * determinant, cosine);
   }
 
   // (other centre - centre of v) · (corner - centre of v), for any corner on the edge's circle.

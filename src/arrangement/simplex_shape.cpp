@@ -12,9 +12,12 @@ using Wide = boost::multiprecision::cpp_bin_float_100;
 
 // Sine of the angle below which a triangle is thin, and volume by edge lengths below which a
 // tetrahedron is flat. An angle or a centre loses as many digits as these have zeros, so double
-// keeps 1e-13 Å of a thin-limit triangle and 1e-11 Å of a flat-limit orthogonal centre.
+// keeps 1e-13 Å of a thin-limit triangle and 1e-12 Å of a flat-limit orthogonal centre.
 constexpr double kThinSine = 1e-3;
-constexpr double kFlatVolume = 1e-5;
+constexpr double kFlatVolume = 1e-4;
+
+// Half chord by radius below which its square is too small a difference for double.
+constexpr double kShortChord = 1e-3;
 
 template <class T>
 struct Vector {
@@ -77,7 +80,7 @@ TriangleShape shape_in(const std::array<const Sphere*, 3>& v) {
       squared_chord = circle - d * d;
     }
   }
-  shape.half_chord = std::sqrt(std::max(0.0, static_cast<double>(squared_chord)));
+  shape.half_chord = squared_chord > 0 ? static_cast<double>(T(sqrt(squared_chord))) : 0.0;
   return shape;
 }
 
@@ -99,6 +102,10 @@ double solid_angle_denominator(const Sphere& o, const Sphere& p, const Sphere& q
   return static_cast<double>(T(T(o.radius) * (lp * lq + dot(op, oq)) +
                                half_power_offset(o, p, op) * lq +
                                half_power_offset(o, q, oq) * lp));
+}
+
+bool is_short(double half_chord, const Sphere& a, const Sphere& b, const Sphere& c) {
+  return !(half_chord >= kShortChord * std::max({a.radius, b.radius, c.radius}));
 }
 
 // The polynomials behind a tetrahedron's angles and heights, relative to ball 0.
@@ -180,7 +187,8 @@ CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
                  static_cast<double>(T(center.y + step * n.y)),
                  static_cast<double>(T(center.z + step * n.z))};
   };
-  return {point(lift), point(T(-lift)), static_cast<double>(half_chord)};
+  return {point(lift), point(T(-lift)), static_cast<double>(half_chord),
+          static_cast<double>(T(sqrt(gram)))};
 }
 
 template <class T>
@@ -220,13 +228,15 @@ EdgeShape edge_shape(const Sphere& a, const Sphere& b) {
 
 TriangleShape triangle_shape(const Sphere& a, const Sphere& b, const Sphere& c) {
   const std::array<const Sphere*, 3> v{&a, &b, &c};
-  return is_thin(from_to<double>(a, b), from_to<double>(a, c)) ? shape_in<Wide>(v)
-                                                               : shape_in<double>(v);
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return shape_in<Wide>(v);
+  const TriangleShape shape = shape_in<double>(v);
+  return is_short(shape.half_chord, a, b, c) ? shape_in<Wide>(v) : shape;
 }
 
 CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c) {
-  return is_thin(from_to<double>(a, b), from_to<double>(a, c)) ? points_in<Wide>(a, b, c)
-                                                               : points_in<double>(a, b, c);
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return points_in<Wide>(a, b, c);
+  const CommonPoints points = points_in<double>(a, b, c);
+  return is_short(points.half_chord, a, b, c) ? points_in<Wide>(a, b, c) : points;
 }
 
 Vec3d orthogonal_center(const std::array<Sphere, 4>& balls) {

@@ -34,7 +34,7 @@ TriangleShape triangle_shape(const Sphere& a, const Sphere& b, const Sphere& c);
 // are the orthogonal centre in the plane.
 struct CommonPoints {
   Vec3d above, below;
-  double half_chord;
+  double half_chord, twice_area;  // between the points / 2; of the triangle of the centres
 };
 CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c);
 
