@@ -109,11 +109,9 @@ TEST(Arcs, PerSphereValuesSumToTheTotals) {
   EXPECT_REL(volume, m.volume, 1e-12);
 }
 
-// Eight octants of a ball in a cube of eight: planes through the centre at right angles.
-TEST(Arcs, PlanesAtRightAngles) {
-  const double r = 1, d = 1;
-  // A ball with three neighbours along the axes, far enough apart not to meet inside it.
-  const ArcMeasures m = measure({{{0, 0, 0}, r}, {{2 * d * 0.9, 0, 0}, r}, {{0, 1.8, 0}, r}});
+TEST(Arcs, TwoCapsThatDoNotMeet) {
+  const double r = 1;
+  const ArcMeasures m = measure({{{0, 0, 0}, r}, {{1.8, 0, 0}, r}, {{0, 1.8, 0}, r}});
   const SphereMeasures ball = cut_ball(r, r), cut = cut_ball(r, 0.9);
   EXPECT_REL(m.per_sphere[0].area, 2 * cut.area - ball.area, kClosedForm);
   EXPECT_REL(m.per_sphere[0].volume, 2 * cut.volume - ball.volume, kClosedForm);
@@ -144,6 +142,83 @@ TEST(Arcs, TangentBallsKeepTheirArea) {
   const ArcMeasures m = measure(lattice(5, 1, 0.5));
   EXPECT_REL(m.area, 125 * 4 * kPi * 0.25, kClosedForm);
   EXPECT_REL(m.volume, 125 * 4 * kPi / 3 * 0.125, kClosedForm);
+}
+
+// Balls of radius 1, each overlapping its six neighbours at distance 1.5 and no others.
+TEST(Arcs, LatticeOfLenses) {
+  const SphereMeasures cut = cut_ball(1, 0.75), ball = cut_ball(1, 1);
+  const double edges = 3 * 6 * 6 * 5;
+  const ArcMeasures m = measure(lattice(6, 1.5, 1));
+  EXPECT_TRUE(m.suspect.empty());
+  EXPECT_REL(m.area, 216 * ball.area - 2 * edges * (ball.area - cut.area), 1e-12);
+  EXPECT_REL(m.volume, 216 * ball.volume - 2 * edges * (ball.volume - cut.volume), 1e-12);
+}
+
+// Inner balls of a lattice whose cells the balls just cover, or cover with room: the power cell is
+// the unit cube, nothing is exposed, and eight planes and more meet in each of its corners.
+TEST(Arcs, CubesInsideALattice) {
+  for (const double radius : {std::sqrt(0.75), 0.9, 1.0, 1.3, 2.0}) {
+    for (const double jitter : {0.0, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10}) {
+      std::vector<Sphere> spheres = lattice(5, 1, radius);
+      std::mt19937_64 random(11);
+      std::uniform_real_distribution<double> shift(-jitter, jitter);
+      for (Sphere& s : spheres) s.center.x += shift(random);
+      const ArcMeasures m = measure(spheres);
+      const std::size_t center = 62;  // of 5 x 5 x 5
+      EXPECT_NEAR(m.per_sphere[center].area, 0, kDegenerate) << radius << " " << jitter;
+      EXPECT_NEAR(m.per_sphere[center].volume, 1, kDegenerate) << radius << " " << jitter;
+    }
+  }
+}
+
+// The planes of a ring of balls all contain its axis: wedges, like the slices of a cake.
+TEST(Arcs, RingsSplitIntoEqualWedges) {
+  for (const int count : {3, 6, 12, 24}) {
+    std::vector<Sphere> ring;
+    for (int i = 0; i < count; ++i) {
+      const double angle = 2 * kPi * i / count;
+      ring.push_back({{1.4 * std::cos(angle), 1.4 * std::sin(angle), 0}, 1.7});
+    }
+    const ArcMeasures m = measure(ring);
+    for (const SphereMeasures& s : m.per_sphere) {
+      EXPECT_REL(s.area, m.area / count, kDegenerate) << count;
+      EXPECT_REL(s.volume, m.volume / count, kDegenerate) << count;
+    }
+  }
+}
+
+TEST(Arcs, FourCirclesThroughOnePointAreSuspect) {
+  // The planes of the four outer balls meet in (0, 0, 1) on the first.
+  std::vector<Sphere> spheres{{{0, 0, 0}, 1}};
+  for (const Vec3d& u :
+       {Vec3d{0.6, 0, 0.8}, Vec3d{-0.6, 0, 0.8}, Vec3d{0, 0.6, 0.8}, Vec3d{0, -0.6, 0.8}}) {
+    spheres.push_back({1.6 * u, 1});
+  }
+  const ArcMeasures m = measure(spheres);
+  ASSERT_FALSE(m.suspect.empty());
+  EXPECT_EQ(m.suspect.front(), 0u);
+}
+
+// Near duplicates of near duplicates: no jitter may change the sums by more than it could.
+TEST(Arcs, JitterChangesLittle) {
+  const std::vector<Sphere> cluster = random_spheres(20, 3.5, 1, 1.8, 12);
+  const ArcMeasures single = measure(cluster);
+  for (const double jitter : {1e-15, 1e-13, 1e-11, 1e-9, 1e-8, 1e-7, 1e-6}) {
+    std::mt19937_64 random(13);
+    std::uniform_real_distribution<double> shift(-jitter, jitter);
+    std::vector<Sphere> spheres = cluster;
+    for (Sphere s : cluster) {
+      s.center = s.center + Vec3d{shift(random), shift(random), shift(random)};
+      s.radius += shift(random);
+      spheres.push_back(s);
+    }
+    const ArcMeasures m = measure(spheres);
+    // A radius and a center that move by e each move the surface by at most (1 + sqrt 3) e, and
+    // dA/dr is below 8 pi r.
+    const double tolerance = 2.74 * jitter * 20 * 8 * kPi * 1.8 + kDegenerate * single.area;
+    EXPECT_NEAR(m.area, single.area, tolerance) << jitter;
+    EXPECT_NEAR(m.volume, single.volume, tolerance) << jitter;
+  }
 }
 
 TEST(Arcs, BallCoveredByManyIsFoundBuried) {
