@@ -12,7 +12,9 @@ class CpuPipeline final : public SurfacePipeline {
  public:
   PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
                      const RefineOptions& refine) const override {
-    ExtractResult extracted = make_cpu_extractor()->extract(spheres, extract);
+    ExtractOptions extraction = extract;
+    if (refine.subdivisions > 0) extraction.connectivity = Connectivity::half_edges;
+    ExtractResult extracted = make_cpu_extractor()->extract(spheres, extraction);
     PipelineResult result{{}, extracted.grid, extracted.stats, {}, 0};
     if (refine.subdivisions == 0) {
       result.mesh = std::move(extracted.mesh);

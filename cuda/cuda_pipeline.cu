@@ -1,6 +1,10 @@
 // Extraction and refinement on CUDA, everything staying on the device in between.
-#include "core/errors.hpp"
+#include <utility>
+
 #include "cuda/cuda_backend.hpp"
+#include "cuda/device_refinement.cuh"
+#include "extract/field_sample.hpp"
+#include "refine/preparation.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -9,9 +13,37 @@ class CudaPipeline final : public SurfacePipeline {
  public:
   PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
                      const RefineOptions& refine) const override {
-    if (refine.subdivisions > 0) make_cuda_refiner();
-    ExtractResult extracted = make_cuda_extractor()->extract(spheres, extract);
-    return {std::move(extracted.mesh), extracted.grid, extracted.stats, {}, 0};
+    const GridSpec grid = make_grid(spheres, extract.grid);
+    const FieldModel model = make_field_model(extract.field, grid);
+    const CellList list = make_field_list(spheres, model);
+    const Stream stream;
+    DeviceExtraction extraction = [&] {
+      const DeviceCellList device_list(list.view(), stream.get());
+      return extract_on_device(device_list.view(), model, extract, stream);
+    }();
+    PipelineResult result{{}, grid, extraction.stats, {}, 0};
+    if (refine.subdivisions == 0) {
+      result.mesh = download(extraction.mesh, extract.connectivity, stream);
+      return result;
+    }
+    RefineOptions options = refine;
+    options.grid = grid;
+    check_refinement_size(spheres.size(), extraction.mesh.vertex_count(),
+                          extraction.mesh.triangle_count(), options);
+    require_device_memory(
+        refine_bytes(extraction.mesh.vertex_count(), extraction.mesh.triangle_count(),
+                     spheres.size(), options.subdivisions),
+        "refinement");
+    begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
+    const DeviceSurface surface(spheres, options, stream);
+    DeviceRefinement refined =
+        refine_on_device(surface.view(), std::move(extraction.mesh), options, stream);
+    const bool has_half_edges = refined.mesh.opposite.size() > 0;
+    result.mesh = download(
+        refined.mesh, has_half_edges ? Connectivity::half_edges : Connectivity::triangles, stream);
+    result.levels = std::move(refined.levels);
+    for (const float ms : refined.level_milliseconds) result.refine_seconds += ms * 1e-3;
+    return result;
   }
 };
 

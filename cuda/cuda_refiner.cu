@@ -1,11 +1,64 @@
 // The Refiner on CUDA.
-#include "core/errors.hpp"
+#include <chrono>
+#include <utility>
+
 #include "cuda/cuda_backend.hpp"
+#include "cuda/device_refinement.cuh"
+#include "refine/preparation.hpp"
 
 namespace vdwmesh {
 
-std::unique_ptr<Refiner> make_cuda_refiner() {
-  throw BackendUnavailable("refinement on CUDA is not there yet; use the cpu backend");
+DeviceSurface::DeviceSurface(const SphereSet& spheres, const RefineOptions& options,
+                             const Stream& stream)
+    : host_list_(projection_list(spheres, options)),
+      list_(host_list_.view(), stream.get()),
+      spheres_(upload(spheres.spheres().data(), spheres.size(), stream.get())),
+      view_{options.projection, list_.view(), projection_model(options), spheres_.data()} {}
+
+namespace {
+
+DeviceMesh upload_mesh(const IndexedMesh& host, Projection projection, const Stream& stream) {
+  DeviceMesh mesh;
+  mesh.positions = upload(host.positions.data(), host.positions.size(), stream.get());
+  mesh.vertex_spheres =
+      upload(host.vertex_spheres.data(), host.vertex_spheres.size(), stream.get());
+  mesh.normals = projection == Projection::none
+                     ? upload(host.normals.data(), host.normals.size(), stream.get())
+                     : DeviceArray<Vec3f>(host.positions.size(), stream.get());
+  mesh.corners = upload(reinterpret_cast<const std::uint32_t*>(host.triangles.data()),
+                        3 * host.triangles.size(), stream.get());
+  mesh.opposite = upload(host.opposite.data(), host.opposite.size(), stream.get());
+  return mesh;
 }
+
+class CudaRefiner final : public Refiner {
+ public:
+  RefineResult refine(const SphereSet& spheres, const IndexedMesh& mesh,
+                      const RefineOptions& options) const override {
+    const auto begin = std::chrono::steady_clock::now();
+    check_refinement(spheres, mesh, options);
+    require_device_memory(refine_bytes(mesh.vertex_count(), mesh.triangle_count(), spheres.size(),
+                                       options.subdivisions),
+                          "refinement");
+    begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
+    const Stream stream;
+    const DeviceSurface surface(spheres, options, stream);
+    DeviceRefinement refined = refine_on_device(
+        surface.view(), upload_mesh(prepare_mesh(mesh, options), options.projection, stream),
+        options, stream);
+    RefineResult result;
+    const Connectivity connectivity =
+        refined.mesh.opposite.size() > 0 ? Connectivity::half_edges : Connectivity::triangles;
+    result.mesh = download(refined.mesh, connectivity, stream);
+    result.levels = std::move(refined.levels);
+    const auto end = std::chrono::steady_clock::now();
+    result.seconds = std::chrono::duration<double>(end - begin).count();
+    return result;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Refiner> make_cuda_refiner() { return std::make_unique<CudaRefiner>(); }
 
 }  // namespace vdwmesh

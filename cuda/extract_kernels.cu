@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <bit>
 #include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
 
 #include "cuda/brick_surface.cuh"
+#include "cuda/cub_calls.cuh"
 #include "cuda/device_structures.cuh"
 #include "extract/case_table.hpp"
 #include "extract/limits.hpp"
@@ -30,15 +30,6 @@ __global__ void test_children(FieldContext f, const std::uint64_t* parents, std:
                          2 * parent.z + (c >> 2)};
   keys[i] = brick_key(child);
   keep[i] = may_hold_surface(f.list, f.model, lattice_block(child, child_level)) ? 1 : 0;
-}
-
-// Runs a CUB algorithm: first call asks for its scratch memory, second does the work.
-template <class Algorithm>
-void run_cub(const char* what, cudaStream_t stream, Algorithm algorithm) {
-  std::size_t bytes = 0;
-  check_cuda(algorithm(nullptr, bytes), what);
-  const DeviceArray<std::uint8_t> scratch(std::max<std::size_t>(bytes, 1), stream);
-  check_cuda(algorithm(scratch.data(), bytes), what);
 }
 
 struct KeyList {
@@ -333,20 +324,6 @@ ExtractKernels kernels_of(FieldKind kind) {
   }
 }
 
-// Sums before each element, and the total behind the last.
-DeviceArray<std::uint64_t> sums_before(const DeviceArray<std::uint64_t>& values,
-                                       const Stream& stream) {
-  DeviceArray<std::uint64_t> sums(values.size() + 1, stream.get());
-  check_cuda(cudaMemsetAsync(sums.data(), 0, sizeof(std::uint64_t), stream.get()), "scan");
-  if (values.size() > 0) {
-    run_cub("scan", stream.get(), [&](void* scratch, std::size_t& bytes) {
-      return cub::DeviceScan::InclusiveSum(scratch, bytes, values.data(), sums.data() + 1,
-                                           static_cast<std::int64_t>(values.size()), stream.get());
-    });
-  }
-  return sums;
-}
-
 }  // namespace
 
 DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
@@ -378,8 +355,10 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
     check_launch("count_bricks");
   }
   result.timings.count = clock.lap();
-  const DeviceArray<std::uint64_t> first_vertex = sums_before(vertices, stream);
-  const DeviceArray<std::uint64_t> first_triangle = sums_before(triangles, stream);
+  const DeviceArray<std::uint64_t> first_vertex(n + 1, stream.get());
+  const DeviceArray<std::uint64_t> first_triangle(n + 1, stream.get());
+  sums_before(vertices.data(), n, first_vertex.data(), stream.get());
+  sums_before(triangles.data(), n, first_triangle.data(), stream.get());
   const std::uint64_t vertex_total = fetch(first_vertex.data() + n, stream);
   const std::uint64_t triangle_total = fetch(first_triangle.data() + n, stream);
   result.timings.scan = clock.lap();

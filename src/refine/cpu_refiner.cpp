@@ -1,126 +1,14 @@
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <limits>
 #include <utility>
 
-#include "core/errors.hpp"
 #include "refine/blocks.hpp"
-#include "refine/half_edges.hpp"
 #include "refine/level.hpp"
+#include "refine/preparation.hpp"
 #include "refine/refiner.hpp"
-#include "refine/subdivision_formulas.hpp"
 #include "refine/target_surface.hpp"
 
 namespace vdwmesh {
 namespace {
-
-constexpr std::size_t kAllGood = std::numeric_limits<std::size_t>::max();
-
-// Half-edges of every level but the last must fit 32 bits, and the vertices of the last.
-struct LevelSize {
-  std::uint64_t vertices, triangles;
-};
-
-LevelSize next_size(const LevelSize& s) {
-  return {s.vertices + s.triangles * 3 / 2, 4 * s.triangles};
-}
-
-std::uint64_t mesh_bytes(const LevelSize& s) {
-  return indexed_mesh_bytes(s.vertices, s.triangles, Connectivity::half_edges);
-}
-
-void check_options(const RefineOptions& o) {
-  if (o.subdivisions < 0 || o.subdivisions > kMaxSubdivisions) {
-    throw InvalidInput(
-        fmt::format("subdivisions {}: must be from 0 to {}", o.subdivisions, kMaxSubdivisions));
-  }
-}
-
-void check_limits(const SphereSet& spheres, const IndexedMesh& mesh, const RefineOptions& o) {
-  LevelSize size{mesh.vertex_count(), mesh.triangle_count()};
-  for (int l = 1; l <= o.subdivisions; ++l) {
-    const LevelSize next = next_size(size);
-    if (3 * size.triangles > kMaxHalfEdges || next.vertices > kMaxVertices) {
-      throw LimitExceeded(fmt::format(
-          "subdivision {} of {} would have {} vertices and {} triangles; at most {} vertices, and "
-          "{} triangles before the last subdivision, can be numbered: use fewer subdivisions",
-          l, o.subdivisions, next.vertices, next.triangles, kMaxVertices, kMaxHalfEdges / 3));
-    }
-    size = next;
-  }
-  const std::uint64_t bytes =
-      refine_bytes(mesh.vertex_count(), mesh.triangle_count(), spheres.size(), o.subdivisions);
-  if (bytes > o.memory_limit) {
-    throw LimitExceeded(fmt::format(
-        "refinement to {} triangles needs {} bytes, {} are allowed: use fewer subdivisions or "
-        "allow more memory",
-        size.triangles, bytes, o.memory_limit));
-  }
-}
-
-// First index below `count` for which bad(i), or kAllGood.
-template <class Bad>
-std::size_t first_bad(std::size_t count, const Bad& bad) {
-  return reduce_all(
-      count, kAllGood,
-      [&](std::size_t i, std::size_t& first) {
-        if (bad(i)) first = std::min(first, i);
-      },
-      [](std::size_t a, std::size_t b) { return std::min(a, b); });
-}
-
-void check_size(const char* what, std::size_t size, std::size_t expected) {
-  if (size == 0 || size == expected) return;
-  throw InvalidInput(fmt::format("the mesh has {} {}, {} are needed", size, what, expected));
-}
-
-void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh) {
-  check_size("normals", mesh.normals.size(), mesh.vertex_count());
-  check_size("vertex labels", mesh.vertex_spheres.size(), mesh.vertex_count());
-  check_size("opposite half-edges", mesh.opposite.size(), 3 * mesh.triangle_count());
-  const std::size_t triangle = first_bad(mesh.triangle_count(), [&](std::size_t t) {
-    const Triangle& v = mesh.triangles[t];
-    return *std::max_element(v.begin(), v.end()) >= mesh.vertex_count();
-  });
-  if (triangle != kAllGood) {
-    throw InvalidInput(fmt::format("triangle {} has a vertex beyond the mesh's {}", triangle,
-                                   mesh.vertex_count()));
-  }
-  const std::size_t vertex = first_bad(mesh.vertex_count(), [&](std::size_t v) {
-    const Vec3d& p = mesh.positions[v];
-    return !(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
-  });
-  if (vertex != kAllGood) {
-    throw InvalidInput(fmt::format("vertex {} has a coordinate that is not finite", vertex));
-  }
-  const std::size_t label = first_bad(mesh.vertex_spheres.size(), [&](std::size_t v) {
-    const VertexSpheres& s = mesh.vertex_spheres[v];
-    return std::any_of(s.begin(), s.end(),
-                       [&](SphereId id) { return id != kNoSphere && id >= spheres.size(); });
-  });
-  if (label != kAllGood) {
-    throw InvalidInput(
-        fmt::format("vertex {} lies on a sphere beyond the set's {}", label, spheres.size()));
-  }
-}
-
-// The given mesh as level 0 begins with it. Normals are computed at the end, unless there is no
-// surface to take them from.
-IndexedMesh begin_mesh(const IndexedMesh& given, const RefineOptions& options) {
-  IndexedMesh mesh;
-  mesh.positions = given.positions;
-  mesh.triangles = given.triangles;
-  mesh.vertex_spheres = given.vertex_spheres;
-  if (options.projection == Projection::none) mesh.normals = given.normals;
-  if (given.vertex_spheres.empty()) {
-    mesh.vertex_spheres.assign(given.vertex_count(), on_sphere(kNoSphere));
-  }
-  mesh.opposite = options.subdivisions > 0 ? find_opposite(given) : given.opposite;
-  return mesh;
-}
 
 void compute_normals(const TargetSurface& surface, IndexedMesh& mesh) {
   if (surface.projection() == Projection::none) return;
@@ -135,13 +23,11 @@ class CpuRefiner : public Refiner {
   RefineResult refine(const SphereSet& spheres, const IndexedMesh& mesh,
                       const RefineOptions& options) const override {
     const auto begin = std::chrono::steady_clock::now();
-    check_options(options);
-    check_limits(spheres, mesh, options);
-    check_mesh(spheres, mesh);
+    check_refinement(spheres, mesh, options);
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
     const TargetSurface surface(spheres, options);
     RefineResult result;
-    result.mesh = begin_mesh(mesh, options);
+    result.mesh = prepare_mesh(mesh, options);
     result.levels.push_back(project_given(spheres, surface, mesh, result.mesh));
     advance(options.monitor, 1);
     for (int l = 1; l <= options.subdivisions; ++l) {
@@ -158,22 +44,6 @@ class CpuRefiner : public Refiner {
 };
 
 }  // namespace
-
-std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t spheres,
-                           int subdivisions) {
-  LevelSize parent{0, 0}, size{vertices, triangles};
-  for (int l = 0; l < subdivisions; ++l) {
-    parent = size;
-    size = next_size(size);
-  }
-  // Edge numbers of the parent; the fate and, of given vertices, the reach of each vertex; spheres,
-  // ranks, ids and cells of the list, of which there are at most 4096 or 8 per sphere on a level.
-  const std::uint64_t edges = parent.triangles * 3 * sizeof(std::uint32_t);
-  const std::uint64_t marks = size.vertices + vertices * sizeof(std::uint64_t);
-  const std::uint64_t list = spheres * (sizeof(Sphere) + 4 * sizeof(std::uint32_t) + 8 * 4) +
-                             std::uint64_t{CellListView::kMaxLevels} * 4096 * 4;
-  return mesh_bytes(parent) + mesh_bytes(size) + edges + marks + list;
-}
 
 std::unique_ptr<Refiner> make_cpu_refiner() { return std::make_unique<CpuRefiner>(); }
 

@@ -9,10 +9,7 @@
 
 namespace vdwmesh {
 
-// What became of a vertex on the level that handled it.
-enum class Fate : std::uint8_t { stayed, moved, taking_back, taken_back };
-
-// Projects the vertices of a copy of `given`, and takes back the moves that turn a triangle.
+// Projects the vertices of a copy of `given`, and takes back the bad moves.
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
                               const IndexedMesh& given, IndexedMesh& mesh);
 

@@ -2,10 +2,9 @@
 #pragma once
 
 #include "extract/cell_list.hpp"
-#include "extract/field.hpp"
 #include "extract/indexed_mesh.hpp"
-#include "refine/projection_formulas.hpp"
 #include "refine/refiner.hpp"
+#include "refine/surface_view.hpp"
 
 namespace vdwmesh {
 
@@ -14,22 +13,20 @@ class TargetSurface {
   // Throws InvalidInput for options without sense. `spheres` must outlive it.
   TargetSurface(const SphereSet& spheres, const RefineOptions& options);
 
-  Projection projection() const { return projection_; }
-
-  // Moves `start` onto the surface within `reach` (Å). Precondition: projection() is not none.
-  ProjectedPoint project(const Vec3d& start, double reach) const;
-
-  // Whether a vertex that lies on the surface may keep its label.
-  bool on_label(const Vec3d& p, const VertexSpheres& label) const;
-
-  // Unit outward normal at a vertex of the surface.
-  Vec3f normal(const Vec3d& p, const VertexSpheres& label) const;
+  Projection projection() const { return view_.projection; }
+  ProjectedPoint project(const Vec3d& start, double reach) const {
+    return view_.project(start, reach);
+  }
+  bool on_label(const Vec3d& p, const VertexSpheres& label) const {
+    return view_.on_label(p, label.data());
+  }
+  Vec3f normal(const Vec3d& p, const VertexSpheres& label) const {
+    return view_.normal(p, label.data());
+  }
 
  private:
-  const SphereSet& spheres_;
-  Projection projection_;
-  FieldModel model_{};
   CellList list_;
+  SurfaceView view_;
 };
 
 }  // namespace vdwmesh

@@ -147,13 +147,75 @@ TEST_F(Parity, ThesisPresets) {
   }
 }
 
-TEST_F(Parity, Molecules) {
-  const std::vector<std::string> names = {
-      "110D", "133D", "1BK2",        "1CKB", "1F4K",     "1GZI",     "1HH0",    "1IZH",
-      "1ORC", "1QL2", "1QL2_chainA", "4HHB", "4INS",     "4PTI",     "19HC",    "1CRN",
-      "1EJG", "1F2N", "1L2Y",        "1UBQ", "2spheres", "3spheres", "benzene", "cube"};
+// The whole pipeline: extraction, subdivision, projection.
+void expect_pipeline_parity(const SphereSet& spheres, const ExtractOptions& extract,
+                            int subdivisions, const std::string& what) {
+  RefineOptions refine;
+  refine.subdivisions = subdivisions;
+  refine.field = extract.field;
+  refine.projection = extract.field.kind == FieldKind::vdw ? Projection::vdw : Projection::field;
+  const PipelineResult cpu = make_pipeline(Backend::cpu)->run(spheres, extract, refine);
+  const PipelineResult cuda = make_pipeline(Backend::cuda)->run(spheres, extract, refine);
+  const std::string name = what + " x" + std::to_string(subdivisions);
+  expect_same(cpu.mesh, cuda.mesh, name);
+  ASSERT_EQ(cpu.levels.size(), cuda.levels.size());
+  for (std::size_t l = 0; l < cpu.levels.size(); ++l) {
+    const ProjectionStats &a = cpu.levels[l], &b = cuda.levels[l];
+    EXPECT_EQ(a.projected, b.projected) << name << " level " << l;
+    EXPECT_EQ(a.unconverged, b.unconverged) << name << " level " << l;
+    EXPECT_EQ(a.out_of_reach, b.out_of_reach) << name << " level " << l;
+    EXPECT_EQ(a.undone, b.undone) << name << " level " << l;
+    EXPECT_EQ(a.turned, b.turned) << name << " level " << l;
+    EXPECT_EQ(a.iterations_max, b.iterations_max) << name << " level " << l;
+    EXPECT_EQ(a.residual_max, b.residual_max) << name << " level " << l;
+  }
+}
+
+TEST_F(Parity, RefinedCrowds) {
+  for (const FieldKind kind : kFields) {
+    for (const int subdivisions : {1, 2}) {
+      expect_pipeline_parity(crowd(300, 8, 0.3, 2.0, 12), options_of(kind, 0.5), subdivisions,
+                             std::string("refined ") + name_of(kind));
+    }
+  }
+  ExtractOptions thesis = options_of(FieldKind::inverse_squared, 0.4);
+  thesis.field.preset = FieldPreset::thesis_vdw;
+  thesis.grid = preset_grid(thesis.field.preset, {}, {});
+  expect_pipeline_parity(crowd(200, 8, 1, 2, 13), thesis, 1, "refined thesis-vdw");
+}
+
+const std::vector<std::string> kMolecules = {
+    "110D", "133D", "1BK2",        "1CKB", "1F4K",     "1GZI",     "1HH0",    "1IZH",
+    "1ORC", "1QL2", "1QL2_chainA", "4HHB", "4INS",     "4PTI",     "19HC",    "1CRN",
+    "1EJG", "1F2N", "1L2Y",        "1UBQ", "2spheres", "3spheres", "benzene", "cube"};
+
+TEST_F(Parity, RefinedMolecules) {
   VDWMESH_NEEDS_SHARED("reference/4PTI.xyzr");
-  for (const std::string& name : names) {
+  for (const std::string& name : kMolecules) {
+    const SphereSet spheres = read_xyzr(shared_path("reference/" + name + ".xyzr"));
+    for (const double spacing : {0.5, 0.25}) {
+      for (const int subdivisions : {1, 2}) {
+        expect_pipeline_parity(spheres, options_of(FieldKind::vdw, spacing), subdivisions,
+                               name + " " + std::to_string(spacing));
+      }
+    }
+  }
+}
+
+TEST_F(Parity, Ribosome) {
+  VDWMESH_NEEDS_SHARED("reference/6ZU5.xyzr");
+  const SphereSet spheres = read_xyzr(shared_path("reference/6ZU5.xyzr"));
+  for (const int subdivisions : {0, 1, 2}) {
+    expect_pipeline_parity(spheres, options_of(FieldKind::vdw, 0.5), subdivisions, "6ZU5 0.5");
+  }
+  for (const int subdivisions : {0, 1}) {
+    expect_pipeline_parity(spheres, options_of(FieldKind::vdw, 0.25), subdivisions, "6ZU5 0.25");
+  }
+}
+
+TEST_F(Parity, Molecules) {
+  VDWMESH_NEEDS_SHARED("reference/4PTI.xyzr");
+  for (const std::string& name : kMolecules) {
     const SphereSet spheres = read_xyzr(shared_path("reference/" + name + ".xyzr"));
     for (const double spacing : {0.5, 0.25}) {
       expect_parity(spheres, options_of(FieldKind::vdw, spacing),

@@ -1,0 +1,30 @@
+// CUB's device-wide algorithms with their scratch memory taken care of.
+#pragma once
+
+#include <cub/device/device_scan.cuh>
+
+#include "cuda/device_memory.cuh"
+
+namespace vdwmesh {
+
+// Runs a CUB algorithm: the first call asks for its scratch memory, the second does the work.
+template <class Algorithm>
+void run_cub(const char* what, cudaStream_t stream, Algorithm algorithm) {
+  std::size_t bytes = 0;
+  check_cuda(algorithm(nullptr, bytes), what);
+  const DeviceArray<std::uint8_t> scratch(bytes > 0 ? bytes : 1, stream);
+  check_cuda(algorithm(scratch.data(), bytes), what);
+}
+
+// Sums before each element, and the total behind the last.
+template <class Values, class Sum>
+void sums_before(Values values, std::uint64_t count, Sum* sums, cudaStream_t stream) {
+  check_cuda(cudaMemsetAsync(sums, 0, sizeof(Sum), stream), "scan");
+  if (count == 0) return;
+  run_cub("scan", stream, [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceScan::InclusiveSum(scratch, bytes, values, sums + 1,
+                                         static_cast<std::int64_t>(count), stream);
+  });
+}
+
+}  // namespace vdwmesh

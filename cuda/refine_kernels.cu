@@ -1,0 +1,447 @@
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/transform_iterator.h>
+
+#include <bit>
+#include <cmath>
+
+#include "cuda/cub_calls.cuh"
+#include "cuda/device_refinement.cuh"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kThreads = 256;
+
+enum class Fate : std::uint8_t { stayed, moved, taking_back, taken_back };
+
+// ProjectionStats as kernels add to them. Residuals are not negative, so their bits order as they
+// do.
+struct DeviceStats {
+  unsigned long long projected, unconverged, out_of_reach, turned, residual_bits;
+  int iterations_max;
+};
+
+__device__ std::uint64_t thread_index() {
+  return static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+}
+
+// Adds the warp's outcomes with one atomic operation each.
+__device__ void count_outcome(const ProjectedPoint& p, bool counts, DeviceStats* stats) {
+  const unsigned lanes = __activemask();
+  const auto count = [&](ProjectionOutcome outcome, unsigned long long* slot) {
+    const unsigned votes = __ballot_sync(lanes, counts && p.outcome == outcome);
+    if (votes != 0 &&
+        (threadIdx.x % 32) == static_cast<unsigned>(__ffs(static_cast<int>(votes)) - 1)) {
+      atomicAdd(slot, static_cast<unsigned long long>(__popc(votes)));
+    }
+  };
+  count(ProjectionOutcome::converged, &stats->projected);
+  count(ProjectionOutcome::unconverged, &stats->unconverged);
+  count(ProjectionOutcome::out_of_reach, &stats->out_of_reach);
+  const int steps = __reduce_max_sync(lanes, counts ? p.steps : 0);
+  const bool leader =
+      (threadIdx.x % 32) == static_cast<unsigned>(__ffs(static_cast<int>(lanes)) - 1);
+  if (leader && steps > stats->iterations_max) atomicMax(&stats->iterations_max, steps);
+  if (counts && p.outcome == ProjectionOutcome::converged) {
+    const auto bits = static_cast<unsigned long long>(__double_as_longlong(p.residual));
+    if (bits > stats->residual_bits) atomicMax(&stats->residual_bits, bits);
+  }
+}
+
+__device__ VertexSpheres make_label(const SphereId* s) { return {s[0], s[1], s[2]}; }
+__device__ const SphereId* ids(const VertexSpheres& label) {
+  return reinterpret_cast<const SphereId*>(&label);
+}
+
+// ---- triangles judged together
+// ---------------------------------------------------------------------
+
+// A level as the kernels see it: patches of vertices with the triangles among them. Given: one
+// triangle of three vertices, all of which the level handles.
+struct GivenLevel {
+  static constexpr int kVertices = 3, kTriangles = 1;
+  DeviceMeshView given, mesh;
+
+  __device__ std::uint64_t patches() const { return given.triangles; }
+  __device__ int corner(int, int k) const { return k; }
+  __device__ std::uint32_t vertex(std::uint64_t t, int i) const { return given.corners[3 * t + i]; }
+  __device__ Vec3d before(std::uint64_t t, int i) const { return given.positions[vertex(t, i)]; }
+  __device__ bool is_handled(std::uint32_t) const { return true; }
+  __device__ std::uint64_t handled(std::uint32_t v) const { return v; }
+  std::uint64_t items() const { return given.vertices; }
+  __device__ bool has_item(std::uint64_t) const { return true; }
+  __device__ std::uint64_t handled_by_item(std::uint64_t item) const { return item; }
+  __device__ void take_back(const SurfaceView&, std::uint64_t v) const {
+    mesh.positions[v] = given.positions[v];
+    mesh.vertex_spheres[v] = given.vertex_spheres[v];
+  }
+};
+
+// Midpoints: a parent triangle, three old vertices and three midpoints, and its four children.
+struct MidpointLevel {
+  static constexpr int kVertices = 6, kTriangles = 4;
+  DeviceMeshView parent, mesh;
+  const std::uint32_t* edge;  // number of the edge of each half-edge of the parent
+
+  __device__ std::uint64_t patches() const { return parent.triangles; }
+  __device__ int corner(int child, int k) const { return child_corner(child, k); }
+  __device__ std::uint32_t midpoint_of(std::uint64_t h) const {
+    return static_cast<std::uint32_t>(parent.vertices + edge[h]);
+  }
+  __device__ std::uint32_t vertex(std::uint64_t t, int i) const {
+    return i < 3 ? parent.corners[3 * t + i] : midpoint_of(3 * t + i - 3);
+  }
+  __device__ std::uint32_t start_of(std::uint64_t h) const { return parent.corners[h]; }
+  __device__ std::uint32_t end_of(std::uint64_t h) const {
+    return parent.corners[h % 3 == 2 ? h - 2 : h + 1];
+  }
+  __device__ Vec3d start(std::uint64_t h) const {
+    return midpoint(parent.positions[start_of(h)], parent.positions[end_of(h)]);
+  }
+  __device__ Vec3d before(std::uint64_t t, int i) const {
+    return i < 3 ? parent.positions[parent.corners[3 * t + i]] : start(3 * t + i - 3);
+  }
+  __device__ bool is_handled(std::uint32_t v) const { return v >= parent.vertices; }
+  __device__ std::uint64_t handled(std::uint32_t v) const { return v - parent.vertices; }
+  std::uint64_t items() const { return 3 * parent.triangles; }
+  __device__ bool has_item(std::uint64_t h) const { return parent.opposite[h] >= h; }
+  __device__ std::uint64_t handled_by_item(std::uint64_t h) const { return edge[h]; }
+  __device__ VertexSpheres unprojected_label(const SurfaceView& surface, std::uint64_t h) const {
+    const SphereId a = ids(parent.vertex_spheres[start_of(h)])[0];
+    const SphereId b = ids(parent.vertex_spheres[end_of(h)])[0];
+    return on_sphere(nearer_sphere(surface.spheres, a, b, start(h)));
+  }
+  __device__ void take_back(const SurfaceView& surface, std::uint64_t h) const {
+    const std::uint32_t v = midpoint_of(h);
+    mesh.positions[v] = start(h);
+    mesh.vertex_spheres[v] = unprojected_label(surface, h);
+  }
+};
+
+// Marks the moved vertices of each triangle that its move turned. From the second pass on only a
+// patch with a vertex that the last one took back can have changed.
+template <class Level>
+__global__ void mark_turned(SurfaceView surface, Level level, Fate* fates, int pass,
+                            unsigned long long* count) {
+  const std::uint64_t t = thread_index();
+  if (t >= level.patches()) return;
+  std::uint32_t vertex[Level::kVertices];
+  Fate fate[Level::kVertices];
+  bool moved = false, taken_back = false;
+  for (int i = 0; i < Level::kVertices; ++i) {
+    vertex[i] = level.vertex(t, i);
+    fate[i] = level.is_handled(vertex[i])
+                  ? *const_cast<volatile Fate*>(&fates[level.handled(vertex[i])])
+                  : Fate::stayed;
+    moved |= fate[i] == Fate::moved || fate[i] == Fate::taking_back;
+    taken_back |= fate[i] == Fate::taken_back;
+  }
+  // Only a move can have turned a triangle.
+  if (!moved || (pass > 0 && !taken_back)) return;
+  for (int child = 0; child < Level::kTriangles; ++child) {
+    Vec3d now[3], before[3];
+    SphereId atom[3];
+    for (int k = 0; k < 3; ++k) {
+      const int i = level.corner(child, k);
+      now[k] = level.mesh.positions[vertex[i]];
+      before[k] = level.before(t, i);
+      atom[k] = ids(level.mesh.vertex_spheres[vertex[i]])[0];
+    }
+    if (facing(surface.spheres, now, atom) != Facing::against_one_atom) continue;
+    if (facing(surface.spheres, before, atom) != Facing::outward) continue;
+    atomicAdd(count, 1ull);
+    for (int k = 0; k < 3; ++k) {
+      const int i = level.corner(child, k);
+      if (fate[i] != Fate::moved && fate[i] != Fate::taking_back) continue;
+      *const_cast<volatile Fate*>(&fates[level.handled(vertex[i])]) = Fate::taking_back;
+    }
+  }
+}
+
+template <class Level>
+__global__ void restore_marked(SurfaceView surface, Level level, std::uint64_t items, Fate* fates,
+                               unsigned long long* count) {
+  const std::uint64_t item = thread_index();
+  if (item >= items || !level.has_item(item)) return;
+  Fate& fate = fates[level.handled_by_item(item)];
+  if (fate != Fate::taking_back) return;
+  fate = Fate::taken_back;
+  level.take_back(surface, item);
+  atomicAdd(count, 1ull);
+}
+
+template <class Level>
+std::uint64_t take_back_turns(const SurfaceView& surface, const Level& level, std::uint64_t patches,
+                              Fate* fates, const Stream& stream) {
+  const DeviceArray<unsigned long long> counts(2, stream.get());
+  std::uint64_t undone = 0;
+  for (int pass = 0;; ++pass) {
+    clear(counts, stream.get());
+    if (patches > 0) {
+      mark_turned<<<blocks_for(patches, kThreads), kThreads, 0, stream.get()>>>(
+          surface, level, fates, pass, counts.data());
+      check_launch("mark_turned");
+    }
+    if (fetch(counts.data(), stream) == 0) return undone;
+    restore_marked<<<blocks_for(level.items(), kThreads), kThreads, 0, stream.get()>>>(
+        surface, level, level.items(), fates, counts.data() + 1);
+    check_launch("restore_marked");
+    undone += fetch(counts.data() + 1, stream);
+  }
+}
+
+__global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, DeviceStats* stats) {
+  const std::uint64_t t = thread_index();
+  if (t >= mesh.triangles) return;
+  Vec3d p[3];
+  SphereId atom[3];
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t v = mesh.corners[3 * t + k];
+    p[k] = mesh.positions[v];
+    atom[k] = ids(mesh.vertex_spheres[v])[0];
+  }
+  if (facing(surface.spheres, p, atom) != Facing::outward) atomicAdd(&stats->turned, 1ull);
+}
+
+// ---- the given vertices
+// ----------------------------------------------------------------------------
+
+// Square of the longest edge at each vertex, as bits.
+__global__ void raise_longest_edges(DeviceMeshView mesh, unsigned long long* square_bits) {
+  const std::uint64_t h = thread_index();
+  if (h >= 3 * mesh.triangles) return;
+  const std::uint32_t a = mesh.corners[h], b = mesh.corners[h % 3 == 2 ? h - 2 : h + 1];
+  const double s = squared_distance(mesh.positions[a], mesh.positions[b]);
+  const auto bits = static_cast<unsigned long long>(__double_as_longlong(s));
+  atomicMax(&square_bits[a], bits);
+  atomicMax(&square_bits[b], bits);
+}
+
+__global__ void project_vertices(SurfaceView surface, DeviceMeshView mesh,
+                                 const unsigned long long* square_bits, Fate* fates,
+                                 DeviceStats* stats) {
+  const std::uint64_t v = thread_index();
+  if (v >= mesh.vertices) return;
+  const double reach = std::sqrt(__longlong_as_double(static_cast<long long>(square_bits[v])));
+  const ProjectedPoint p = surface.project(mesh.positions[v], reach);
+  fates[v] = Fate::stayed;
+  count_outcome(p, true, stats);
+  if (p.outcome != ProjectionOutcome::converged) return;
+  mesh.positions[v] = p.position;
+  const bool keeps_label =
+      p.steps == 0 && surface.on_label(p.position, ids(mesh.vertex_spheres[v]));
+  if (!keeps_label) mesh.vertex_spheres[v] = make_label(p.spheres);
+  if (p.steps > 0) fates[v] = Fate::moved;
+}
+
+template <class T>
+DeviceArray<T> copy_of(const DeviceArray<T>& array, const Stream& stream) {
+  DeviceArray<T> copy(array.size(), stream.get());
+  if (array.size() > 0) {
+    check_cuda(cudaMemcpyAsync(copy.data(), array.data(), array.bytes(), cudaMemcpyDeviceToDevice,
+                               stream.get()),
+               "copy on the device");
+  }
+  return copy;
+}
+
+ProjectionStats to_host(const DeviceArray<DeviceStats>& stats, std::uint64_t undone,
+                        const Stream& stream) {
+  const DeviceStats s = fetch(stats.data(), stream);
+  return {s.projected - undone,
+          s.unconverged,
+          s.out_of_reach,
+          undone,
+          s.turned,
+          s.iterations_max,
+          std::bit_cast<double>(s.residual_bits)};
+}
+
+void count_turned_triangles(const SurfaceView& surface, const DeviceMeshView& mesh,
+                            const DeviceArray<DeviceStats>& stats, const Stream& stream) {
+  if (mesh.triangles == 0) return;
+  count_turned<<<blocks_for(mesh.triangles, kThreads), kThreads, 0, stream.get()>>>(surface, mesh,
+                                                                                    stats.data());
+  check_launch("count_turned");
+}
+
+ProjectionStats project_given(const SurfaceView& surface, DeviceMesh& mesh, const Stream& stream) {
+  const DeviceArray<DeviceStats> stats(1, stream.get());
+  clear(stats, stream.get());
+  std::uint64_t undone = 0;
+  const DeviceMeshView view = mesh.view();
+  if (surface.projection != Projection::none && view.vertices > 0) {
+    const DeviceArray<Vec3d> positions = copy_of(mesh.positions, stream);
+    const DeviceArray<VertexSpheres> labels = copy_of(mesh.vertex_spheres, stream);
+    DeviceMeshView given = view;
+    given.positions = positions.data();
+    given.vertex_spheres = labels.data();
+    const DeviceArray<unsigned long long> squares(view.vertices, stream.get());
+    clear(squares, stream.get());
+    raise_longest_edges<<<blocks_for(3 * view.triangles, kThreads), kThreads, 0, stream.get()>>>(
+        given, squares.data());
+    check_launch("raise_longest_edges");
+    const DeviceArray<Fate> fates(view.vertices, stream.get());
+    project_vertices<<<blocks_for(view.vertices, kThreads), kThreads, 0, stream.get()>>>(
+        surface, view, squares.data(), fates.data(), stats.data());
+    check_launch("project_vertices");
+    undone =
+        take_back_turns(surface, GivenLevel{given, view}, view.triangles, fates.data(), stream);
+  }
+  count_turned_triangles(surface, view, stats, stream);
+  return to_host(stats, undone, stream);
+}
+
+// ---- subdivision
+// -------------------------------------------------------------------------------------
+
+struct OwnsEdge {
+  const std::uint32_t* opposite;
+  __host__ __device__ std::uint32_t operator()(std::uint64_t h) const {
+    return opposite[h] >= h ? 1u : 0u;
+  }
+};
+
+__global__ void number_edges(const std::uint32_t* opposite, const std::uint32_t* before,
+                             std::uint64_t half_edges, std::uint32_t* edge) {
+  const std::uint64_t h = thread_index();
+  if (h < half_edges) edge[h] = before[opposite[h] >= h ? h : opposite[h]];
+}
+
+__global__ void write_children(MidpointLevel level) {
+  const std::uint64_t t = thread_index();
+  if (t >= level.parent.triangles) return;
+  for (int child = 0; child < 4; ++child) {
+    for (int k = 0; k < 3; ++k) {
+      level.mesh.corners[3 * (4 * t + child) + k] = level.vertex(t, child_corner(child, k));
+    }
+  }
+  if (level.mesh.opposite == nullptr) return;
+  for (std::uint64_t h = 3 * t; h < 3 * t + 3; ++h) {
+    write_child_opposites(static_cast<std::uint32_t>(h), level.parent.opposite[h],
+                          level.mesh.opposite);
+  }
+}
+
+__global__ void make_midpoints(SurfaceView surface, MidpointLevel level, bool with_normals,
+                               Fate* fates, DeviceStats* stats) {
+  const std::uint64_t h = thread_index();
+  if (h >= 3 * level.parent.triangles || !level.has_item(h)) return;
+  const std::uint32_t v = level.midpoint_of(h);
+  const Vec3d start = level.start(h);
+  if (with_normals) {
+    level.mesh.normals[v] = unit_normal(cast<double>(level.parent.normals[level.start_of(h)]) +
+                                        cast<double>(level.parent.normals[level.end_of(h)]));
+  }
+  Fate fate = Fate::stayed;
+  bool projected = false;
+  if (surface.projection != Projection::none) {
+    const double reach = midpoint_reach(level.parent.positions[level.start_of(h)],
+                                        level.parent.positions[level.end_of(h)]);
+    const ProjectedPoint p = surface.project(start, reach);
+    count_outcome(p, true, stats);
+    projected = p.outcome == ProjectionOutcome::converged;
+    if (projected) {
+      level.mesh.positions[v] = p.position;
+      level.mesh.vertex_spheres[v] = make_label(p.spheres);
+      if (p.steps > 0) fate = Fate::moved;
+    }
+  }
+  if (!projected) level.take_back(surface, h);
+  fates[level.handled_by_item(h)] = fate;
+}
+
+__global__ void compute_normals(SurfaceView surface, DeviceMeshView mesh) {
+  const std::uint64_t v = thread_index();
+  if (v < mesh.vertices) {
+    mesh.normals[v] = surface.normal(mesh.positions[v], ids(mesh.vertex_spheres[v]));
+  }
+}
+
+DeviceArray<std::uint32_t> edge_numbers(const DeviceMeshView& parent, const Stream& stream) {
+  const std::uint64_t half_edges = 3 * parent.triangles;
+  DeviceArray<std::uint32_t> edge(half_edges, stream.get());
+  const DeviceArray<std::uint32_t> before(half_edges + 1, stream.get());
+  sums_before(thrust::make_transform_iterator(thrust::counting_iterator<std::uint64_t>(0),
+                                              OwnsEdge{parent.opposite}),
+              half_edges, before.data(), stream.get());
+  number_edges<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
+      parent.opposite, before.data(), half_edges, edge.data());
+  check_launch("number_edges");
+  return edge;
+}
+
+template <class T>
+void copy_front(const DeviceArray<T>& from, const DeviceArray<T>& to, const Stream& stream) {
+  if (from.size() == 0) return;
+  check_cuda(
+      cudaMemcpyAsync(to.data(), from.data(), from.bytes(), cudaMemcpyDeviceToDevice, stream.get()),
+      "copy on the device");
+}
+
+struct Subdivided {
+  DeviceMesh mesh;
+  ProjectionStats stats;
+};
+
+Subdivided subdivide(const SurfaceView& surface, const DeviceMesh& parent, const Stream& stream) {
+  const std::uint64_t half_edges = 3 * parent.triangle_count();
+  const std::uint64_t vertices = parent.vertex_count() + half_edges / 2;
+  Subdivided child;
+  DeviceMesh& mesh = child.mesh;
+  mesh.positions = DeviceArray<Vec3d>(vertices, stream.get());
+  mesh.normals = DeviceArray<Vec3f>(vertices, stream.get());
+  mesh.vertex_spheres = DeviceArray<VertexSpheres>(vertices, stream.get());
+  mesh.corners = DeviceArray<std::uint32_t>(4 * half_edges, stream.get());
+  if (4 * half_edges <= kMaxHalfEdges) {
+    mesh.opposite = DeviceArray<std::uint32_t>(4 * half_edges, stream.get());
+  }
+  copy_front(parent.positions, mesh.positions, stream);
+  copy_front(parent.vertex_spheres, mesh.vertex_spheres, stream);
+  const bool keeps_normals = surface.projection == Projection::none;
+  if (keeps_normals) copy_front(parent.normals, mesh.normals, stream);
+
+  const DeviceArray<std::uint32_t> edge = edge_numbers(parent.view(), stream);
+  const MidpointLevel level{parent.view(), mesh.view(), edge.data()};
+  const std::uint64_t triangles = parent.triangle_count();
+  write_children<<<blocks_for(triangles, kThreads), kThreads, 0, stream.get()>>>(level);
+  check_launch("write_children");
+  const DeviceArray<DeviceStats> stats(1, stream.get());
+  clear(stats, stream.get());
+  const DeviceArray<Fate> fates(half_edges / 2, stream.get());
+  make_midpoints<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
+      surface, level, keeps_normals, fates.data(), stats.data());
+  check_launch("make_midpoints");
+  const std::uint64_t undone = take_back_turns(surface, level, triangles, fates.data(), stream);
+  count_turned_triangles(surface, mesh.view(), stats, stream);
+  child.stats = to_host(stats, undone, stream);
+  return child;
+}
+
+}  // namespace
+
+DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
+                                  const RefineOptions& options, const Stream& stream) {
+  DeviceRefinement result;
+  StageClock clock(stream.get());
+  result.levels.push_back(project_given(surface, mesh, stream));
+  result.level_milliseconds.push_back(clock.lap());
+  advance(options.monitor, 1);
+  for (int l = 1; l <= options.subdivisions && mesh.triangle_count() > 0; ++l) {
+    Subdivided next = subdivide(surface, mesh, stream);
+    mesh = std::move(next.mesh);
+    result.levels.push_back(next.stats);
+    result.level_milliseconds.push_back(clock.lap());
+    advance(options.monitor, 1);
+  }
+  if (surface.projection != Projection::none && mesh.vertex_count() > 0) {
+    compute_normals<<<blocks_for(mesh.vertex_count(), kThreads), kThreads, 0, stream.get()>>>(
+        surface, mesh.view());
+    check_launch("compute_normals");
+  }
+  result.level_milliseconds.push_back(clock.lap());
+  result.mesh = std::move(mesh);
+  return result;
+}
+
+}  // namespace vdwmesh

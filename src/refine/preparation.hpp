@@ -1,0 +1,31 @@
+// What every refiner does before its first step, whichever backend it runs on.
+#pragma once
+
+#include <cstdint>
+
+#include "extract/cell_list.hpp"
+#include "extract/field.hpp"
+#include "extract/indexed_mesh.hpp"
+#include "refine/refiner.hpp"
+
+namespace vdwmesh {
+
+// Throws InvalidInput for options without sense or a mesh that does not fit the spheres,
+// LimitExceeded for sizes and bytes.
+void check_refinement(const SphereSet& spheres, const IndexedMesh& mesh,
+                      const RefineOptions& options);
+
+// The part of it that needs only the sizes.
+void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::uint64_t triangles,
+                           const RefineOptions& options);
+
+// The given mesh as level 0 begins with it: labels there, half-edges where a subdivision follows.
+// Normals are computed at the end, unless there is no surface to take them from.
+IndexedMesh prepare_mesh(const IndexedMesh& given, const RefineOptions& options);
+
+// The field and the list that the projection searches. Throw InvalidInput for options without
+// sense.
+FieldModel projection_model(const RefineOptions& options);
+CellList projection_list(const SphereSet& spheres, const RefineOptions& options);
+
+}  // namespace vdwmesh
