@@ -121,6 +121,7 @@ class ObjReader {
 }  // namespace
 
 void write_obj(const SurfaceMesh& mesh, ByteSink& sink) {
+  sink.expect(96 * mesh.n_vertices() + 52 * mesh.n_faces());  // of 7 digits and full doubles
   ChunkWriter out(sink);
   out.text("# made by vdwmesh; lengths in angstrom\n");
   const auto write_vector = [&](char kind, const auto& vector) {

@@ -101,6 +101,7 @@ class OffReader {
 }  // namespace
 
 void write_off(const SurfaceMesh& mesh, ByteSink& sink) {
+  sink.expect(58 * mesh.n_vertices() + 27 * mesh.n_faces());  // of 7 digits and full doubles
   ChunkWriter out(sink);
   out.text(fmt::format("OFF\n# made by vdwmesh; lengths in angstrom\n{} {} {}\n", mesh.n_vertices(),
                        mesh.n_faces(), mesh.n_edges()));

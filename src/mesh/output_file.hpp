@@ -6,16 +6,24 @@
 #include <string>
 #include <utility>
 
+#include "mesh/large_pages.hpp"
+
 namespace vdwmesh {
 
 class ByteSink {
  public:
   virtual ~ByteSink() = default;
+  // About how much will be written.
+  virtual void expect(std::size_t /*bytes*/) {}
   virtual void write(const char* data, std::size_t size) = 0;
 };
 
 class StringSink : public ByteSink {
  public:
+  void expect(std::size_t bytes) override {
+    bytes_.reserve(bytes);
+    advise_large_pages(bytes_.data(), bytes);
+  }
   void write(const char* data, std::size_t size) override { bytes_.append(data, size); }
   std::string take() && { return std::move(bytes_); }
 

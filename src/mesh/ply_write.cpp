@@ -31,6 +31,8 @@ constexpr const char* kHeader =
     "property list uchar int vertex_indices\n"
     "end_header\n";
 
+constexpr std::size_t kMostOfHeader = 1024;
+
 std::int32_t as_int(SphereId id) {
   if (id == kNoSphere) return -1;
   if (id > static_cast<SphereId>(std::numeric_limits<std::int32_t>::max()))
@@ -41,6 +43,7 @@ std::int32_t as_int(SphereId id) {
 }  // namespace
 
 void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
+  sink.expect(kMostOfHeader + 51 * mesh.n_vertices() + 13 * mesh.n_faces());
   ChunkWriter out(sink);
   out.text(fmt::format(kHeader, mesh.n_vertices(), mesh.n_faces()));
   const VertexSpheresProperty spheres = vertex_spheres(mesh);

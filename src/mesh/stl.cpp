@@ -46,7 +46,7 @@ MeshFile read_binary(std::string_view bytes) {
   MeshFile file;
   const std::size_t triangles = promised_triangles(bytes);
   file.mesh.triangles.resize(triangles);
-  VertexWelder welder(file.mesh.positions);
+  VertexWelder welder(file.mesh.positions, triangles / 2 + 2);  // as a closed mesh has
   const char* at = bytes.data() + kFirstTriangle;
   for (std::size_t t = 0; t < triangles; ++t, at += kTriangleSize) {
     std::array<Vec3f, 4> numbers;  // the normal, then the corners
@@ -114,6 +114,7 @@ bool begins_as_text(std::string_view bytes) {
 }  // namespace
 
 void write_stl(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings) {
+  sink.expect(kFirstTriangle + kTriangleSize * mesh.n_faces());
   ChunkWriter out(sink);
   std::string header = "binary STL made by vdwmesh; lengths in angstrom";
   header.resize(kHeaderSize);

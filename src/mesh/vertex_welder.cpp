@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "mesh/large_pages.hpp"
 #include "mesh/mesh_assembly.hpp"
 
 namespace vdwmesh::formats {
@@ -22,9 +23,11 @@ std::uint64_t hash_of(const Vec3d& p) {
 
 }  // namespace
 
-VertexWelder::VertexWelder(Buffer<Vec3d>& positions) : positions_(positions) {
+VertexWelder::VertexWelder(Buffer<Vec3d>& positions, std::size_t expected) : positions_(positions) {
   recent_.assign(kRecent, kEmpty);
-  slots_.assign(kFirstSlots, kEmpty);
+  positions_.reserve(expected);
+  advise_large_pages(positions_.data(), expected);
+  insert_all(std::max(kFirstSlots, std::bit_ceil(2 * expected)));
 }
 
 std::uint32_t VertexWelder::index(const Vec3d& given) {
@@ -44,12 +47,15 @@ std::uint32_t VertexWelder::find_or_add(const Vec3d& p, std::uint64_t hash) {
   const auto index = static_cast<std::uint32_t>(positions_.size());
   slots_[slot] = index;
   positions_.push_back(p);
-  if (2 * positions_.size() > slots_.size()) grow();
+  if (2 * positions_.size() > slots_.size()) insert_all(4 * slots_.size());
   return index;
 }
 
-void VertexWelder::grow() {
-  slots_.assign(4 * slots_.size(), kEmpty);
+void VertexWelder::insert_all(std::size_t slots) {
+  slots_.clear();
+  slots_.reserve(slots);
+  advise_large_pages(slots_.data(), slots);
+  slots_.assign(slots, kEmpty);
   const std::size_t mask = slots_.size() - 1;
   for (std::uint32_t i = 0; i < positions_.size(); ++i) {
     std::size_t slot = (hash_of(positions_[i]) >> 12) & mask;

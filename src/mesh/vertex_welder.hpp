@@ -1,6 +1,7 @@
 // Vertices merged where all three coordinates are equal, in order of first appearance.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "core/buffer.hpp"
@@ -10,14 +11,15 @@ namespace vdwmesh::formats {
 
 class VertexWelder {
  public:
-  explicit VertexWelder(Buffer<Vec3d>& positions);
+  // `expected` vertices or fewer take no growing.
+  explicit VertexWelder(Buffer<Vec3d>& positions, std::size_t expected = 0);
 
   // Index of the vertex at p, which is added where it is new. 0 and -0 are equal.
   std::uint32_t index(const Vec3d& p);
 
  private:
   std::uint32_t find_or_add(const Vec3d& p, std::uint64_t hash);
-  void grow();
+  void insert_all(std::size_t slots);
 
   Buffer<Vec3d>& positions_;
   Buffer<std::uint32_t> recent_;  // by hash: most vertices come again soon
