@@ -38,14 +38,14 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
 // One line on standard error, whatever the message holds.
 int fail(ExitCode code, std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "vdwmesh: {}\n", message);
+  std::fprintf(stderr, "vdwmesh: %s\n", message.c_str());
   return code;
 }
 
-int run(const Verb& verb) {
+template <class Work>
+int exit_code_of(Work&& work) {
   try {
-    verb.run();
-    return kDone;
+    return work();
   } catch (const Cancelled& error) {
     return fail(kOwnFault, error.what());
   } catch (const InvalidInput& error) {
@@ -98,17 +98,18 @@ int parse_and_run(int argc, char** argv) {
                                        app.get_subcommands().front()->get_name()));
   }
   for (const auto& verb : verbs) {
-    if (app.got_subcommand(verb->name())) return run(*verb);
+    if (app.got_subcommand(verb->name())) verb->run();
   }
-  return kOwnFault;
+  return kDone;
 }
 
 }  // namespace
 }  // namespace vdwmesh::apps
 
 int main(int argc, char** argv) {
-  vdwmesh::apps::install_signal_handlers();
-  const int code = vdwmesh::apps::parse_and_run(argc, argv);
-  const int signal = vdwmesh::apps::pending_signal();
-  return signal != 0 ? vdwmesh::apps::kSignalBase + signal : code;
+  using namespace vdwmesh::apps;
+  install_signal_handlers();
+  const int code = exit_code_of([&] { return parse_and_run(argc, argv); });
+  const int signal = pending_signal();
+  return signal != 0 ? kSignalBase + signal : code;
 }
