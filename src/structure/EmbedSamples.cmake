@@ -1,11 +1,8 @@
-# Writes OUTPUT, a C++ source with sample_text(), from the PDB files listed as name=path in SAMPLES.
+# Writes OUTPUT, a C++ source with sample_text(), from DATA_DIR/<name>.pdb of each of NAMES.
 set(arrays "")
 set(choices "")
-foreach(sample IN LISTS SAMPLES)
-  string(REPLACE "=" ";" pair "${sample}")
-  list(GET pair 0 name)
-  list(GET pair 1 path)
-  file(READ "${path}" bytes HEX)
+foreach(name IN LISTS NAMES)
+  file(READ "${DATA_DIR}/${name}.pdb" bytes HEX)
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
   string(APPEND arrays "constexpr char k_${name}[] = {${bytes}};\n")
   string(APPEND choices "  if (name == \"${name}\") return {k_${name}, sizeof k_${name}};\n")

@@ -120,15 +120,17 @@ void check_label(const Sites& sites, const std::string& label, const std::string
   if (label.size() == 1 && labels.count(label[0]) != 0) return;
   std::string known;
   for (const char c : labels) known += fmt::format("{}{}", known.empty() ? "" : " ", c);
-  throw InvalidInput(fmt::format(
-      "{}: no atom has the alternate location {}; {}", path, label,
-      known.empty() ? "the file has none" : fmt::format("there are {}, or highest", known)));
+  throw InvalidInput(fmt::format("{}: no atom has the alternate location {}; {}", path, label,
+                                 known.empty()
+                                     ? "the file has none"
+                                     : fmt::format("there are {}, or highest, or all", known)));
 }
 
 }  // namespace
 
 void choose_alternate_locations(Sites& sites, const std::string& label, const std::string& path,
                                 SkippedAtoms& skipped) {
+  if (label == "all") return;
   check_label(sites, label, path);
   Chooser chooser(label, skipped);
   for (auto first = sites.begin(); first != sites.end();) {

@@ -93,7 +93,9 @@ class Choice {
   bool is_chosen(std::size_t index) const {
     if (options_.model == "all") return true;
     if (options_.model == "first") return index == 0;
-    return file_.structure->models[index].name == options_.model;
+    const std::string& name = file_.structure->models[index].name;
+    const auto wanted = whole_number(options_.model);
+    return name == options_.model || (wanted && wanted == whole_number(name));
   }
 
   void choose_models() {

@@ -1,4 +1,5 @@
-// Structure files -> Molecule: PDB, mmCIF, PQR, XYZR, each also gzipped, and standard input.
+// Structure files -> Molecule: PDB, mmCIF, PQR, XYZR, each also gzipped, and standard input; CIF of
+// small molecules as its asymmetric unit.
 #pragma once
 
 #include <filesystem>
@@ -12,22 +13,28 @@ namespace vdwmesh {
 enum class StructureFormat { by_extension, pdb, mmcif, pqr, xyzr };
 enum class Inclusion { keep, drop };
 
+// What is taken from the file. Atoms are dropped in this order, each counted once: models, waters,
+// hydrogens, HETATM, alternate locations, selection, radii of zero, not in the assembly.
 struct ReadOptions {
   StructureFormat format = StructureFormat::by_extension;
   std::string model = "first";          // "first", "all", or a model number
   std::string assembly = "asymmetric";  // or the name of a biological assembly of the file
   std::string select;                   // gemmi selection, applied after the water rule; "" = all
   Inclusion waters = Inclusion::drop;
-  Inclusion hydrogens = Inclusion::keep;
+  Inclusion hydrogens = Inclusion::keep;     // deuterium counts as hydrogen
   Inclusion hetero_atoms = Inclusion::keep;  // HETATM records
-  std::string altloc = "highest";            // highest mean occupancy per residue, or a label
-  std::string radii = "bondi";               // "bondi", "alvarez", or the path of a radius file
+  // "highest": one label per residue, that of highest mean occupancy (ties: first in the file),
+  // likewise where several residues share a place; or a label; or "all", which keeps every one.
+  std::string altloc = "highest";
+  std::string radii = "bondi";  // "bondi", "alvarez", or the path of a radius file; PQR and XYZR
+                                // have their own
 };
 
-// Reads `path`; "-" is standard input and needs a format. Atoms keep the order of the file.
-// Throws FileFormatError (cannot be opened or understood; names file and line where known) and
-// InvalidInput (no atom left: says what dropped them; unknown radius: names the atom; unknown
-// model, assembly or label: says which the file has).
+// Reads `path`; "-" is standard input and needs a format. Gzip is told by the first bytes. Atoms
+// keep the order of the file; an assembly is copy after copy, chains named A1, A2, ...
+// Throws FileFormatError (cannot be opened or understood; names file and line where known),
+// LimitExceeded (more than 2 GiB of text) and InvalidInput (no atom left: says what dropped them;
+// unknown radius: names the atom; unknown model, assembly or label: says which the file has).
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // One of the samples built into the library: "ubiquitin" (1UBQ) or "bpti".

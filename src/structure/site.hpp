@@ -28,7 +28,7 @@ using Sites = std::vector<Site>;
 // Keeps one alternate location per residue: `label`, or where that is "highest" the one of highest
 // mean occupancy in the residue (ties: the first in the file), where several residues share a
 // place (microheterogeneity) the one of highest mean occupancy of them all. Atoms without a label
-// stay. Throws InvalidInput where no atom has `label`.
+// stay; "all" keeps everything. Throws InvalidInput where no atom has `label`.
 void choose_alternate_locations(Sites& sites, const std::string& label, const std::string& path,
                                 SkippedAtoms& skipped);
 

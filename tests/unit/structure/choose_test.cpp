@@ -53,6 +53,7 @@ TEST(Waters, AreDroppedByNameUnlessKept) {
 
 TEST(Waters, NamesOfOtherThingsAreJudgedByTheirAtoms) {
   EXPECT_EQ(left({{" C1 ", "SOL"}, {" O1 ", "SOL"}}).size(), 2U);
+  EXPECT_EQ(left({{" O1 ", "SOL"}, {" O2 ", "SOL"}, {" H1 ", "SOL"}}).size(), 3U);
   EXPECT_EQ(left({{" N  "}, {" OW ", "SOL", 2}, {" HW1", "SOL", 2}, {" HW2", "SOL", 2}}),
             Names{"N ALA"});
 }
@@ -109,6 +110,8 @@ TEST(AlternateLocations, ALabelMayBeAskedFor) {
   ReadOptions options;
   options.altloc = "A";
   EXPECT_EQ(positions(kTwoConformers, options), (std::vector<double>{0, 1, 3}));
+  options.altloc = "all";
+  EXPECT_EQ(positions(kTwoConformers, options), (std::vector<double>{0, 1, 2, 3, 4}));
   options.altloc = "C";
   EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", pdb(kTwoConformers), options),
               HasSubstr("there are A B"));

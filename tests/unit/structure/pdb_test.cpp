@@ -180,7 +180,7 @@ TEST(Pdb, ModelNumbersNeedNotBeginWithOne) {
       "MODEL        0\n" + two_atoms() + "ENDMDL\nMODEL        7\n" + two_atoms() + "ENDMDL\n";
   EXPECT_EQ(read_text_as("a.pdb", text).model, "0");
   ReadOptions options;
-  options.model = "7";
+  options.model = "07";
   EXPECT_EQ(read_text_as("a.pdb", text, options).atoms.at(0).model, 7);
 }
 
