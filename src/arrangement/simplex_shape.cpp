@@ -251,13 +251,14 @@ Vec3d orthogonal_center(const std::array<Sphere, 4>& balls) {
 CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
                          const TriangleShape& triangle) {
   const std::array<const Sphere*, 3> v{&a, &b, &c};
-  const bool thin = is_thin(from_to<double>(a, b), from_to<double>(a, c));
+  const bool wide = is_thin(from_to<double>(a, b), from_to<double>(a, c)) ||
+                    is_short(triangle.half_chord, a, b, c);
   const double determinant = triangle.twice_area * triangle.half_chord;
   CornerShape corner{};
   for (std::size_t k = 0; k < 3; ++k) {
     const Sphere &o = *v[k], &p = *v[(k + 1) % 3], &q = *v[(k + 2) % 3];
     const double denominator =
-        thin ? solid_angle_denominator<Wide>(o, p, q) : solid_angle_denominator<double>(o, p, q);
+        wide ? solid_angle_denominator<Wide>(o, p, q) : solid_angle_denominator<double>(o, p, q);
     corner.solid_angle[k] = 2 * std::atan2(determinant, denominator);
     corner.dihedral[k] = std::atan2(triangle.half_chord, triangle.distance[k]);
   }
