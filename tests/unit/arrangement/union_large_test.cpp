@@ -1,0 +1,15 @@
+// The ribosome 6ZU5 (165,175 balls) against the published values.
+#include "union_reference_sets.hpp"
+
+namespace vdwmesh {
+namespace {
+
+TEST(UnionLarge, Ribosome) {
+  VDWMESH_NEEDS_SHARED("reference/union_of_balls.csv");
+  for (const auto& row : testing::reference_rows()) {
+    if (row.set == "6ZU5") testing::expect_row(row);
+  }
+}
+
+}  // namespace
+}  // namespace vdwmesh

@@ -1,0 +1,252 @@
+// Properties of the exact union on degenerate input, with and without jitter, and its invariances.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "union_cases.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using testing::degenerate_grid;
+using testing::jittered;
+using testing::unite;
+
+// Relative. The two formula sets share the dual complex and nothing else.
+constexpr double kFormulas = 1e-12;
+// Relative, by issue 3: coordinates are rounded by the motion.
+constexpr double kMotion = 1e-9;
+
+bool same_topology(const UnionTopology& a, const UnionTopology& b) {
+  return a.components == b.components && a.tunnels == b.tunnels && a.voids == b.voids &&
+         a.euler_characteristic == b.euler_characteristic && a.shells.size() == b.shells.size();
+}
+
+std::string describe(const std::vector<Sphere>& spheres) {
+  std::string text;
+  for (const Sphere& s : spheres) {
+    char line[128];
+    std::snprintf(line, sizeof line, "%.17g %.17g %.17g %.17g\n", s.center.x, s.center.y,
+                  s.center.z, s.radius);
+    text += line;
+  }
+  return text;
+}
+
+// Closed balls that meet make one component.
+std::uint64_t components_by_pairs(const std::vector<Sphere>& spheres) {
+  std::vector<std::size_t> label(spheres.size());
+  std::iota(label.begin(), label.end(), std::size_t{0});
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double reach = spheres[i].radius + spheres[j].radius;
+      if (squared_norm(spheres[i].center - spheres[j].center) > reach * reach) continue;
+      const std::size_t from = label[i], to = label[j];
+      std::replace(label.begin(), label.end(), from, to);
+    }
+  }
+  std::sort(label.begin(), label.end());
+  return static_cast<std::uint64_t>(std::unique(label.begin(), label.end()) - label.begin());
+}
+
+void expect_consistent(const ExactUnion& u) {
+  EXPECT_RELATIVE(*u.check_area, u.area, kFormulas);
+  EXPECT_RELATIVE(*u.check_volume, u.volume, kFormulas);
+  double area = 0, volume = 0;
+  for (const Shell& s : u.topology->shells) {
+    area += s.area;
+    volume += s.volume;
+  }
+  EXPECT_RELATIVE(area, u.area, kFormulas);
+  EXPECT_RELATIVE(volume, u.volume, kFormulas);
+  EXPECT_RELATIVE(u.topology->outer_area + u.topology->void_area, u.area, kFormulas);
+  for (const SphereMeasures& m : u.per_sphere) {
+    EXPECT_GE(m.area, -kFormulas * u.area);
+    EXPECT_GE(m.volume, -kFormulas * u.volume);
+  }
+}
+
+TEST(UnionProperties, DegenerateGrids) {
+  std::mt19937_64 random(1);
+  for (int run = 0; run < 3000 && !HasFailure(); ++run) {
+    const auto balls = degenerate_grid(random);
+    SCOPED_TRACE(describe(balls));
+    const ExactUnion u = unite(balls);
+    expect_consistent(u);
+    EXPECT_EQ(u.topology->components, components_by_pairs(balls));
+  }
+}
+
+// Closed balls have the topology of balls a little larger, in general position.
+TEST(UnionProperties, DegenerateGridsHaveTheTopologyOfSlightlyLargerBalls) {
+  constexpr double kGrowth = 1e-6, kShift = 1e-10;  // Å; grid features differ by more than 1e-3
+  std::mt19937_64 random(2);
+  for (int run = 0; run < 3000 && !HasFailure(); ++run) {
+    const auto balls = degenerate_grid(random);
+    SCOPED_TRACE(describe(balls));
+    auto larger = jittered(balls, kShift, random);
+    for (Sphere& s : larger) s.radius += kGrowth;
+    EXPECT_TRUE(same_topology(*unite(balls).topology, *unite(larger).topology));
+  }
+}
+
+class Jitter : public ::testing::TestWithParam<double> {};
+
+TEST_P(Jitter, FormulasAgreeAndMeasuresAreContinuous) {
+  std::mt19937_64 random(3);
+  for (int run = 0; run < 400 && !HasFailure(); ++run) {
+    const auto exact = degenerate_grid(random);
+    const auto balls = jittered(exact, GetParam(), random);
+    SCOPED_TRACE(describe(balls));
+    const ExactUnion u = unite(balls), limit = unite(exact);
+    expect_consistent(u);
+    // Moving a ball by t changes the area by at most 4πr² t / r' where spheres cross at a finite
+    // angle, and by sqrt(t) where they touch along a circle; 30 bounds the grid's radii and counts.
+    const double change = 30 * std::sqrt(GetParam());
+    EXPECT_NEAR(u.area, limit.area, change * limit.area);
+    EXPECT_NEAR(u.volume, limit.volume, change * limit.volume);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(UnionProperties, Jitter,
+                         ::testing::Values(1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6));
+
+TEST(UnionProperties, JitteredLatticesOfCosphericalBalls) {
+  std::mt19937_64 random(4);
+  for (const double amplitude : {0.0, 1e-15, 1e-12, 1e-9, 1e-6}) {
+    // Spacing 1 and radius 0.8: face and body diagonals are covered or not by a margin, while
+    // every cell's corners are co-spherical.
+    const ExactUnion u = unite(jittered(testing::cubic_lattice(4, 1, 0.8), amplitude, random));
+    SCOPED_TRACE(amplitude);
+    expect_consistent(u);
+    EXPECT_EQ(u.topology->components, 1u);
+    EXPECT_EQ(u.topology->tunnels, 0u);
+    EXPECT_EQ(u.topology->voids, 27u);
+    EXPECT_EQ(u.topology->shells.size(), 28u);
+  }
+}
+
+std::vector<Sphere> cluster(unsigned seed, int count) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> place(0, 12), radius(1.2, 1.9);
+  std::vector<Sphere> balls(static_cast<std::size_t>(count));
+  for (Sphere& s : balls) {
+    // Coordinates with 20 binary places, so that a shift by 2^20 is exact.
+    const auto coordinate = [&] {
+      return std::ldexp(std::round(std::ldexp(place(random), 20)), -20);
+    };
+    s = {{coordinate(), coordinate(), coordinate()}, radius(random)};
+  }
+  return balls;
+}
+
+TEST(UnionProperties, Translation) {
+  const auto balls = cluster(5, 150);
+  const ExactUnion u = unite(balls);
+  for (const double shift : {1024.0, 0x1p20}) {
+    auto moved = balls;
+    for (Sphere& s : moved) s.center = s.center + Vec3d{shift, -shift, shift};
+    const ExactUnion v = unite(moved);
+    EXPECT_RELATIVE(v.area, u.area, kMotion);
+    EXPECT_RELATIVE(v.volume, u.volume, kMotion);
+    EXPECT_TRUE(same_topology(*v.topology, *u.topology));
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+      EXPECT_NEAR(v.per_sphere[i].area, u.per_sphere[i].area, kMotion);
+      EXPECT_NEAR(v.per_sphere[i].volume, u.per_sphere[i].volume, kMotion);
+    }
+  }
+}
+
+TEST(UnionProperties, ScalingByAPowerOfTwoIsExact) {
+  const auto balls = cluster(6, 150);
+  const ExactUnion u = unite(balls);
+  for (const int exponent : {-30, 20}) {
+    auto scaled = balls;
+    for (Sphere& s : scaled) {
+      s.center = std::ldexp(1.0, exponent) * s.center;
+      s.radius = std::ldexp(s.radius, exponent);
+    }
+    const ExactUnion v = unite(scaled);
+    EXPECT_EQ(v.area, std::ldexp(u.area, 2 * exponent));
+    EXPECT_EQ(v.volume, std::ldexp(u.volume, 3 * exponent));
+    EXPECT_EQ(*v.check_area, std::ldexp(*u.check_area, 2 * exponent));
+    EXPECT_EQ(v.topology->void_volume, std::ldexp(u.topology->void_volume, 3 * exponent));
+    EXPECT_TRUE(same_topology(*v.topology, *u.topology));
+  }
+}
+
+TEST(UnionProperties, PermutationIsExact) {
+  auto balls = cluster(7, 150);
+  const ExactUnion u = unite(balls);
+  std::vector<std::size_t> order(balls.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::shuffle(order.begin(), order.end(), std::mt19937_64(8));
+  std::vector<Sphere> permuted;
+  for (const std::size_t i : order) permuted.push_back(balls[i]);
+  const ExactUnion v = unite(permuted);
+  EXPECT_TRUE(same_topology(*v.topology, *u.topology));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    EXPECT_EQ(v.per_sphere[i].area, u.per_sphere[order[i]].area);
+    EXPECT_EQ(v.per_sphere[i].volume, u.per_sphere[order[i]].volume);
+  }
+}
+
+TEST(UnionProperties, Rotation) {
+  const auto balls = cluster(9, 150);
+  const ExactUnion u = unite(balls);
+  const double c = std::cos(0.7), s = std::sin(0.7), d = std::cos(2.1), e = std::sin(2.1);
+  auto turned = balls;
+  for (Sphere& b : turned) {
+    const Vec3d p{c * b.center.x - s * b.center.y, s * b.center.x + c * b.center.y, b.center.z};
+    b.center = {p.x, d * p.y - e * p.z, e * p.y + d * p.z};
+  }
+  const ExactUnion v = unite(turned);
+  EXPECT_RELATIVE(v.area, u.area, kMotion);
+  EXPECT_RELATIVE(v.volume, u.volume, kMotion);
+  EXPECT_TRUE(same_topology(*v.topology, *u.topology));
+}
+
+TEST(UnionProperties, SumsOverSpheresAreTheTotals) {
+  const ExactUnion u = unite(cluster(10, 400));
+  double area = 0, volume = 0;
+  for (const SphereMeasures& m : u.per_sphere) {
+    area += m.area;
+    volume += m.volume;
+  }
+  EXPECT_RELATIVE(area, u.area, 1e-12);
+  EXPECT_RELATIVE(volume, u.volume, 1e-12);
+}
+
+TEST(UnionProperties, RadiiOfVeryDifferentSize) {
+  // A ball of 1e-6 on the surface of one of 1e3: half a small sphere less half a disc, to first
+  // order in 1e-9.
+  const ExactUnion u = unite({{{0, 0, 0}, 1e3}, {{1e3, 0, 0}, 1e-6}});
+  EXPECT_RELATIVE(u.per_sphere[1].area, 2 * std::numbers::pi * 1e-12, 1e-8);
+  EXPECT_RELATIVE(*u.check_area, u.area, kFormulas);
+}
+
+TEST(UnionProperties, ArcsAndTheReferenceAgree) {
+  const auto balls = cluster(12, 300);
+  const ExactUnion u = unite(balls), arcs = unite(balls, UnionMethod::arcs),
+                   both = unite(balls, UnionMethod::both);
+  EXPECT_RELATIVE(arcs.area, u.area, kFormulas);
+  EXPECT_RELATIVE(arcs.volume, u.volume, kFormulas);
+  EXPECT_FALSE(arcs.topology.has_value());
+  EXPECT_EQ(both.area, u.area);
+  EXPECT_TRUE(both.topology.has_value());
+  EXPECT_RELATIVE(*both.check_area, u.area, kFormulas);
+  EXPECT_RELATIVE(*both.check_volume, u.volume, kFormulas);
+}
+
+TEST(UnionProperties, SuspectSpheresComeFromTheReference) {
+  // Arcs cannot be trusted where six circles meet in a point of an exposed sphere.
+  const auto balls = testing::cubic_lattice(3, 2, 1.5);
+  const ExactUnion u = unite(balls), arcs = unite(balls, UnionMethod::arcs);
+  EXPECT_GT(arcs.fallback_spheres, 0u);
+  EXPECT_RELATIVE(arcs.area, u.area, kFormulas);
+  EXPECT_RELATIVE(arcs.volume, u.volume, kFormulas);
+}
+
+}  // namespace
+}  // namespace vdwmesh
