@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/mesh_measures.hpp"
+#include "mesh/mesh_io.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "support/test_meshes.hpp"
 
@@ -100,6 +101,26 @@ void quality_of_triangles(benchmark::State& state) {
   count_triangles(state);
 }
 
+const SurfaceMesh& surface_mesh() {
+  static const SurfaceMesh mesh = to_surface_mesh(mesh_with_opposites());
+  return mesh;
+}
+
+void write_file(benchmark::State& state, MeshFormat format) {
+  const SurfaceMesh& mesh = surface_mesh();
+  const OneThread one;
+  std::int64_t bytes = 0;
+  for (auto _ : state) bytes += static_cast<std::int64_t>(encode_mesh(mesh, format).bytes.size());
+  state.SetBytesProcessed(bytes);
+}
+
+void read_file(benchmark::State& state, MeshFormat format) {
+  const OneThread one;
+  const std::string bytes = encode_mesh(surface_mesh(), format).bytes;
+  for (auto _ : state) benchmark::DoNotOptimize(decode_mesh(bytes, format).mesh.triangles.data());
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(bytes.size()));
+}
+
 BENCHMARK(resize_only)->Unit(benchmark::kMillisecond);
 BENCHMARK(build<mesh_with_opposites>)->Name("build_from_opposites")->Unit(benchmark::kMillisecond);
 BENCHMARK(build<bare_mesh>)->Name("build_from_indices")->Unit(benchmark::kMillisecond);
@@ -107,6 +128,15 @@ BENCHMARK(opposites)->Unit(benchmark::kMillisecond);
 BENCHMARK(build_with_add_face)->Unit(benchmark::kMillisecond);
 BENCHMARK(summary)->Unit(benchmark::kMillisecond);
 BENCHMARK(quality_of_triangles)->Unit(benchmark::kMillisecond);
+
+#define VDWMESH_BENCHMARK_FORMAT(format)                                                    \
+  BENCHMARK_CAPTURE(write_file, format, MeshFormat::format)->Unit(benchmark::kMillisecond); \
+  BENCHMARK_CAPTURE(read_file, format, MeshFormat::format)->Unit(benchmark::kMillisecond)
+VDWMESH_BENCHMARK_FORMAT(ply);
+VDWMESH_BENCHMARK_FORMAT(stl);
+VDWMESH_BENCHMARK_FORMAT(obj);
+VDWMESH_BENCHMARK_FORMAT(off);
+VDWMESH_BENCHMARK_FORMAT(glb);
 
 }  // namespace
 }  // namespace vdwmesh

@@ -10,7 +10,7 @@ namespace vdwmesh::formats {
 namespace {
 
 constexpr std::uint32_t kEmpty = 0xffffffffu;
-constexpr std::size_t kRecent = std::size_t{1} << 12;
+constexpr std::size_t kRecent = std::size_t{1} << 15;
 constexpr std::size_t kFirstSlots = std::size_t{1} << 16;
 
 std::uint64_t hash_of(const Vec3d& p) {
@@ -20,6 +20,8 @@ std::uint64_t hash_of(const Vec3d& p) {
   };
   return mix(mix(mix(0, p.x), p.y), p.z);
 }
+
+std::uint32_t tag_of(std::uint64_t hash) { return static_cast<std::uint32_t>(hash >> 32); }
 
 }  // namespace
 
@@ -33,19 +35,20 @@ VertexWelder::VertexWelder(Buffer<Vec3d>& positions, std::size_t expected) : pos
 std::uint32_t VertexWelder::index(const Vec3d& given) {
   const Vec3d p{given.x + 0.0, given.y + 0.0, given.z + 0.0};  // -0 becomes 0
   const std::uint64_t hash = hash_of(p);
-  std::uint32_t& recent = recent_[hash % kRecent];
+  std::uint32_t& recent = recent_[(hash >> 20) % kRecent];
   if (recent == kEmpty || !(positions_[recent] == p)) recent = find_or_add(p, hash);
   return recent;
 }
 
 std::uint32_t VertexWelder::find_or_add(const Vec3d& p, std::uint64_t hash) {
   const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = (hash >> 12) & mask;
-  for (; slots_[slot] != kEmpty; slot = (slot + 1) & mask)
-    if (positions_[slots_[slot]] == p) return slots_[slot];
+  std::size_t slot = hash & mask;
+  for (; slots_[slot].index != kEmpty; slot = (slot + 1) & mask)
+    if (slots_[slot].tag == tag_of(hash) && positions_[slots_[slot].index] == p)
+      return slots_[slot].index;
   check_vertex_limit(positions_.size() + 1);
   const auto index = static_cast<std::uint32_t>(positions_.size());
-  slots_[slot] = index;
+  slots_[slot] = {index, tag_of(hash)};
   positions_.push_back(p);
   if (2 * positions_.size() > slots_.size()) insert_all(4 * slots_.size());
   return index;
@@ -55,12 +58,13 @@ void VertexWelder::insert_all(std::size_t slots) {
   slots_.clear();
   slots_.reserve(slots);
   advise_large_pages(slots_.data(), slots);
-  slots_.assign(slots, kEmpty);
+  slots_.assign(slots, Slot{kEmpty, 0});
   const std::size_t mask = slots_.size() - 1;
   for (std::uint32_t i = 0; i < positions_.size(); ++i) {
-    std::size_t slot = (hash_of(positions_[i]) >> 12) & mask;
-    while (slots_[slot] != kEmpty) slot = (slot + 1) & mask;
-    slots_[slot] = i;
+    const std::uint64_t hash = hash_of(positions_[i]);
+    std::size_t slot = hash & mask;
+    while (slots_[slot].index != kEmpty) slot = (slot + 1) & mask;
+    slots_[slot] = {i, tag_of(hash)};
   }
 }
 

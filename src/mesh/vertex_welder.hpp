@@ -18,12 +18,16 @@ class VertexWelder {
   std::uint32_t index(const Vec3d& p);
 
  private:
+  // The tag is part of the hash: another vertex is told apart without looking at its position.
+  struct Slot {
+    std::uint32_t index, tag;
+  };
   std::uint32_t find_or_add(const Vec3d& p, std::uint64_t hash);
   void insert_all(std::size_t slots);
 
   Buffer<Vec3d>& positions_;
   Buffer<std::uint32_t> recent_;  // by hash: most vertices come again soon
-  Buffer<std::uint32_t> slots_;   // open addressing, at most half full
+  Buffer<Slot> slots_;            // open addressing, at most half full
 };
 
 }  // namespace vdwmesh::formats
