@@ -88,13 +88,34 @@ IndexedMesh download(const DeviceMesh& mesh, Connectivity connectivity, const St
   return host;
 }
 
-void require_device_memory(std::uint64_t bytes, const char* what) {
+std::uint64_t available_device_memory() {
   std::size_t free = 0, total = 0;
   check_cuda(cudaMemGetInfo(&free, &total), "device memory");
-  if (bytes <= free) return;
+  cudaMemPool_t pool = nullptr;
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "memory pool");
+  std::uint64_t reserved = 0, used = 0;
+  check_cuda(cudaMemPoolGetAttribute(pool, cudaMemPoolAttrReservedMemCurrent, &reserved), "pool");
+  check_cuda(cudaMemPoolGetAttribute(pool, cudaMemPoolAttrUsedMemCurrent, &used), "pool");
+  return free + (reserved - used);
+}
+
+void require_device_memory(std::uint64_t bytes, const char* what) {
+  const std::uint64_t available = available_device_memory();
+  if (bytes <= available) return;
   throw LimitExceeded(std::string(what) + " needs " + std::to_string(bytes) +
-                      " bytes of device memory, " + std::to_string(free) +
-                      " are free: choose a larger spacing or the cpu backend");
+                      " bytes of device memory, " + std::to_string(available) +
+                      " are available: choose a larger spacing or the cpu backend");
+}
+
+void keep_device_memory() {
+  cudaMemPool_t pool = nullptr;
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "memory pool");
+  std::uint64_t threshold = ~std::uint64_t{0};
+  check_cuda(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &threshold), "pool");
 }
 
 }  // namespace vdwmesh

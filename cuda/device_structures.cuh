@@ -72,7 +72,13 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
 // Copies the mesh to the host; `opposite` too where asked.
 IndexedMesh download(const DeviceMesh& mesh, Connectivity connectivity, const Stream& stream);
 
-// Throws LimitExceeded when the device has less than `bytes` free.
+// Bytes that can still be taken: free ones and those that the pool keeps.
+std::uint64_t available_device_memory();
+
+// Lets the pool keep what is given back, for runs in quick succession.
+void keep_device_memory();
+
+// Throws LimitExceeded when fewer than `bytes` are available.
 void require_device_memory(std::uint64_t bytes, const char* what);
 
 }  // namespace vdwmesh

@@ -1,0 +1,247 @@
+// Times of the CUDA backend on the device, by events; medians of repeated runs.
+//
+//   cuda_bench [XYZR...]     files: end to end against the CPU backend
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "cuda/backend.hpp"
+#include "cuda/device_refinement.cuh"
+#include "extract/field_sample.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr int kRepeats = 9;
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+// ms of work on the stream, median over repeats after one warm-up.
+double time_on_device(const Stream& stream, const std::function<void()>& work) {
+  std::vector<double> times;
+  work();
+  for (int i = 0; i < kRepeats; ++i) {
+    StageClock clock(stream.get());
+    work();
+    times.push_back(clock.lap());
+  }
+  return median(times);
+}
+
+double seconds_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double copy_rate(const Stream& stream) {
+  const std::size_t bytes = std::size_t{4} << 30;
+  const DeviceArray<std::uint8_t> from(bytes, stream.get()), to(bytes, stream.get());
+  const double ms = time_on_device(stream, [&] {
+    check_cuda(cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyDeviceToDevice,
+                               stream.get()),
+               "copy");
+  });
+  const double rate = 2.0 * static_cast<double>(bytes) / (ms * 1e-3);
+  std::printf("device copy: %.2f TB/s (read + written)\n", rate * 1e-12);
+  return rate;
+}
+
+SphereSet read_xyzr(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::vector<Sphere> spheres;
+  for (double x, y, z, r; file >> x >> y >> z >> r;) spheres.push_back({{x, y, z}, r});
+  return SphereSet(spheres);
+}
+
+// 4,000 atoms at 0.05 per Å³, at least 2 Å apart, in a ball; radii 1.52 to 1.80 Å.
+SphereSet synthetic_cluster() {
+  constexpr unsigned seed = 20240607;
+  constexpr std::size_t count = 4000;
+  const double ball = std::cbrt(count / 0.05 * 3 / (4 * std::acos(-1.0)));
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> place(-ball, ball), radius(1.52, 1.80);
+  std::vector<Sphere> spheres;
+  while (spheres.size() < count) {
+    const Vec3d p{place(random), place(random), place(random)};
+    if (norm(p) > ball) continue;
+    const bool free = std::all_of(spheres.begin(), spheres.end(), [&](const Sphere& s) {
+      return squared_norm(p - s.center) >= 4.0;
+    });
+    if (free) spheres.push_back({p, radius(random)});
+  }
+  std::printf("synthetic cluster: seed %u, %zu atoms in a ball of radius %.3f Å\n", seed,
+              spheres.size(), ball);
+  return SphereSet(spheres);
+}
+
+// Copies of a set side by side along x.
+SphereSet side_by_side(const SphereSet& one, int copies) {
+  const Box box = bounding_box(one);
+  std::vector<Sphere> all;
+  for (int c = 0; c < copies; ++c) {
+    for (Sphere s : one.spheres()) {
+      s.center.x += c * (box.upper.x - box.lower.x);
+      all.push_back(s);
+    }
+  }
+  return SphereSet(all);
+}
+
+void report_extraction(const char* name, const SphereSet& spheres, const ExtractOptions& options,
+                       double rate) {
+  const Stream stream;
+  const GridSpec grid = make_grid(spheres, options.grid);
+  const FieldModel model = make_field_model(options.field, grid);
+  const CellList list = make_field_list(spheres, model);
+  const DeviceCellList device_list(list.view(), stream.get());
+  std::vector<double> search, count, scan, emit, total;
+  std::uint64_t vertices = 0, triangles = 0, bricks = 0;
+  for (int i = 0; i <= kRepeats; ++i) {
+    const double seconds = seconds_of([&] {
+      const DeviceExtraction e = extract_on_device(device_list.view(), model, options, stream);
+      vertices = e.mesh.vertex_count();
+      triangles = e.mesh.triangle_count();
+      bricks = e.stats.surface_bricks;
+      if (i == 0) return;
+      search.push_back(e.timings.search);
+      count.push_back(e.timings.count);
+      scan.push_back(e.timings.scan);
+      emit.push_back(e.timings.emit);
+    });
+    if (i > 0) total.push_back(seconds * 1e3);
+  }
+  const double floor = static_cast<double>(indexed_mesh_bytes(vertices, triangles,
+                                                              Connectivity::half_edges)) /
+                       (rate / 2) * 1e3 / 2;
+  std::printf("%-34s %9lld x %6lld x %6lld cells  V %11llu T %11llu bricks %9llu\n", name,
+              static_cast<long long>(grid.cells.x), static_cast<long long>(grid.cells.y),
+              static_cast<long long>(grid.cells.z), static_cast<unsigned long long>(vertices),
+              static_cast<unsigned long long>(triangles),
+              static_cast<unsigned long long>(bricks));
+  std::printf("    search %.3f  count %.3f  scan %.3f  emit %.3f  sum %.3f  wall %.3f ms"
+              "  (mesh written once: %.3f ms)\n",
+              median(search), median(count), median(scan), median(emit),
+              median(search) + median(count) + median(scan) + median(emit), median(total), floor);
+}
+
+void report_refinement(const char* name, const SphereSet& spheres, double spacing,
+                       int subdivisions) {
+  const Stream stream;
+  ExtractOptions extract;
+  extract.grid.spacing = spacing;
+  extract.connectivity = Connectivity::half_edges;
+  const GridSpec grid = make_grid(spheres, extract.grid);
+  const FieldModel model = make_field_model(extract.field, grid);
+  const CellList list = make_field_list(spheres, model);
+  const DeviceCellList device_list(list.view(), stream.get());
+  RefineOptions refine;
+  refine.subdivisions = subdivisions;
+  refine.grid = grid;
+  const DeviceSurface surface(spheres, refine, stream);
+  std::vector<double> total;
+  std::vector<float> levels;
+  std::uint64_t vertices = 0, triangles = 0;
+  for (int i = 0; i < 4; ++i) {
+    const double seconds = seconds_of([&] {
+      DeviceExtraction e = extract_on_device(device_list.view(), model, extract, stream);
+      const DeviceRefinement r =
+          refine_on_device(surface.view(), std::move(e.mesh), refine, stream);
+      stream.wait();
+      levels = r.level_milliseconds;
+      vertices = r.mesh.vertex_count();
+      triangles = r.mesh.triangle_count();
+    });
+    if (i > 0) total.push_back(seconds * 1e3);
+  }
+  std::printf("%-34s %.2f Å x%d  V %llu T %llu  wall %.2f ms; levels", name, spacing, subdivisions,
+              static_cast<unsigned long long>(vertices), static_cast<unsigned long long>(triangles),
+              median(total));
+  for (const float ms : levels) std::printf(" %.2f", static_cast<double>(ms));
+  std::printf(" ms (last: normals)\n");
+}
+
+void report_end_to_end(const std::filesystem::path& path, double spacing) {
+  const SphereSet spheres = read_xyzr(path);
+  ExtractOptions options;
+  options.grid.spacing = spacing;
+  RefineOptions refine;
+  double seconds[2];
+  for (const Backend backend : {Backend::cpu, Backend::cuda}) {
+    std::vector<double> times;
+    for (int i = 0; i < 4; ++i) {
+      const double t =
+          seconds_of([&] { make_pipeline(backend)->run(spheres, options, refine); });
+      if (i > 0) times.push_back(t);
+    }
+    seconds[backend == Backend::cuda] = median(times);
+  }
+  std::printf("%-12s %.2f Å  atoms in memory -> mesh in memory: cpu %.3f s, cuda %.4f s, %.1f x\n",
+              path.stem().c_str(), spacing, seconds[0], seconds[1], seconds[0] / seconds[1]);
+}
+
+int run(int argc, char** argv) {
+  const DeviceList devices = cuda_devices();
+  if (devices.devices.empty()) {
+    std::printf("cuda_bench: %s\n", devices.reason.c_str());
+    return 2;
+  }
+  std::printf("%s, driver %s\n", devices.devices[0].name.c_str(),
+              devices.devices[0].driver.c_str());
+  keep_device_memory();
+  const double rate = copy_rate(Stream());
+  const SphereSet cluster = synthetic_cluster();
+  const Box box = bounding_box(cluster);
+  for (const int nodes : {256, 512, 1024}) {
+    ExtractOptions options;
+    options.field.kind = FieldKind::blinn;
+    options.grid.padding = 2.0;
+    options.grid.spacing = (box.upper.x - box.lower.x + 4.0) / (nodes - 1);
+    report_extraction(("synthetic blinn " + std::to_string(nodes)).c_str(), cluster, options, rate);
+    options.field.kind = FieldKind::vdw;
+    report_extraction(("synthetic vdw " + std::to_string(nodes)).c_str(), cluster, options, rate);
+  }
+  for (int i = 1; i < argc; ++i) {
+    const SphereSet spheres = read_xyzr(argv[i]);
+    ExtractOptions options;
+    report_extraction(std::filesystem::path(argv[i]).stem().c_str(), spheres, options, rate);
+    options.field.kind = FieldKind::blinn;
+    report_extraction("  blinn", spheres, options, rate);
+    report_refinement("  refined", spheres, 0.5, 2);
+    report_end_to_end(argv[i], 0.5);
+    report_end_to_end(argv[i], 0.25);
+  }
+  if (argc > 1) {
+    const SphereSet million = side_by_side(read_xyzr(argv[argc - 1]), 6);
+    ExtractOptions options;
+    report_extraction("six copies vdw", million, options, rate);
+    options.field.kind = FieldKind::blinn;
+    report_extraction("six copies blinn", million, options, rate);
+    report_refinement("six copies", million, 0.5, 1);
+    report_refinement("six copies", million, 0.5, 2);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace vdwmesh
+
+int main(int argc, char** argv) {
+  try {
+    return vdwmesh::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "cuda_bench: %s\n", error.what());
+    return 1;
+  }
+}
