@@ -51,7 +51,8 @@ OutputFile::OutputFile(const fs::path& path) : path_(path), target_(path) {
     return;
   }
 #ifdef O_TMPFILE
-  descriptor_ = ::open(directory_of(target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, kMode);
+  if (::access("/proc/self/fd", X_OK) == 0)  // link_unnamed() needs it
+    descriptor_ = ::open(directory_of(target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, kMode);
 #endif
   if (descriptor_ < 0) open_hidden();
 }

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
+#include <utility>
 
 #include "core/errors.hpp"
 #include "mesh/formats.hpp"
@@ -147,7 +149,7 @@ class PlyReader {
 
  private:
   void read_vertices(const PlyElement& element) {
-    has_vertices_ = true;
+    if (std::exchange(has_vertices_, true)) body_.fail("a second element 'vertex'");
     check_vertex_limit(element.count);
     std::array<bool, kSlots> present{};
     std::vector<Slot> slots;

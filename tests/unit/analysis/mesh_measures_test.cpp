@@ -161,6 +161,7 @@ TEST(Topology, RefusesIndicesOfNoVertex) {
 
 TEST(CgalMeasures, SayWhichWayShellsAreWound) {
   EXPECT_EQ(cgal_measures(to_surface_mesh(testing::cube())).outward, true);
+  EXPECT_EQ(cgal_measures(to_surface_mesh(testing::hollow_cube())).outward, true);
   EXPECT_EQ(cgal_measures(to_surface_mesh(testing::reversed(testing::cube()))).outward, false);
 }
 

@@ -202,6 +202,8 @@ std::vector<BadFile> bad_files() {
        ply("element face 1\nproperty list float int vertex_indices\n", ""), "whole number"},
       {"ply_negative_count", MeshFormat::ply, ply("element vertex -1\n", ""), "line 3"},
       {"ply_no_vertices", MeshFormat::ply, ply("", ""), "'vertex'"},
+      {"ply_two_vertices", MeshFormat::ply, ply(kThree + kThree, "0 0 0 1 1 1 2 2 2 3 3 3 4 4 4 5 5 5\n"),
+       "second"},
       {"ply_no_z", MeshFormat::ply,
        ply("element vertex 1\nproperty float x\nproperty float y\n", "0 0\n"), "x, y, z"},
       {"ply_lying", MeshFormat::ply, ply("element vertex 4000000000\n" + kXyz, filler), "promised"},
