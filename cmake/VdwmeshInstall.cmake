@@ -1,8 +1,16 @@
-# Headers, libraries and the package that find_package(vdwmesh) finds.
+# Headers, libraries and the package that find_package(vdwmesh) finds. Only the headers listed here
+# are for users; they include none of the others, which the consumer test would notice.
+set(core_headers buffer errors host_device monitor sum vec3)
+set(structure_headers molecule radii reader)
+set(extract_headers extractor field grid indexed_mesh sphere_set)
+set(refine_headers refiner)
+set(arrangement_headers exact_union)
+set(mesh_headers mesh_io surface_mesh)
+set(analysis_headers mesh_measures)
 foreach(room core structure extract refine arrangement mesh analysis)
-  install(DIRECTORY "${PROJECT_SOURCE_DIR}/src/${room}"
-          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vdwmesh
-          FILES_MATCHING PATTERN "*.hpp")
+  list(TRANSFORM ${room}_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/${room}/\\1.hpp"
+       OUTPUT_VARIABLE headers)
+  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vdwmesh/${room})
 endforeach()
 install(FILES "${PROJECT_SOURCE_DIR}/cuda/backend.hpp"
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vdwmesh/cuda)

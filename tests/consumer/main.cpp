@@ -3,7 +3,9 @@
 #include <vdwmesh/analysis/mesh_measures.hpp>
 #include <vdwmesh/arrangement/exact_union.hpp>
 #include <vdwmesh/cuda/backend.hpp>
+#include <vdwmesh/mesh/mesh_io.hpp>
 #include <vdwmesh/mesh/surface_mesh.hpp>
+#include <vdwmesh/structure/radii.hpp>
 #include <vdwmesh/structure/reader.hpp>
 
 int main() {
