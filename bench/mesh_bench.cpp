@@ -101,6 +101,13 @@ void quality_of_triangles(benchmark::State& state) {
   count_triangles(state);
 }
 
+void self_intersections_of_triangles(benchmark::State& state) {
+  const IndexedMesh mesh = testing::torus(500, 400);
+  const OneThread one;
+  for (auto _ : state) benchmark::DoNotOptimize(self_intersections(mesh));
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangle_count()));
+}
+
 const SurfaceMesh& surface_mesh() {
   static const SurfaceMesh mesh = to_surface_mesh(mesh_with_opposites());
   return mesh;
@@ -128,6 +135,7 @@ BENCHMARK(opposites)->Unit(benchmark::kMillisecond);
 BENCHMARK(build_with_add_face)->Unit(benchmark::kMillisecond);
 BENCHMARK(summary)->Unit(benchmark::kMillisecond);
 BENCHMARK(quality_of_triangles)->Unit(benchmark::kMillisecond);
+BENCHMARK(self_intersections_of_triangles)->Unit(benchmark::kMillisecond);
 
 #define VDWMESH_BENCHMARK_FORMAT(format)                                                    \
   BENCHMARK_CAPTURE(write_file, format, MeshFormat::format)->Unit(benchmark::kMillisecond); \

@@ -20,9 +20,10 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 // PLY: binary little-endian, double positions, float normals, uchar colours, int atom (and further
 // sphere ids). OBJ, OFF: shortest digits that read back the same double. STL: binary, float32.
 // GLB: float32 about an offset that the node transform carries. Returns warnings for people (STL,
-// GLB: coordinates that lose more than 1e-4 Å). Throws FileFormatError (the file cannot be
-// written; nothing is left of it), InvalidInput (deleted elements not yet collected, coordinates
-// that are not finite), LimitExceeded (more than the format can count).
+// GLB: coordinates that lose more than 1e-4 Å; STL: triangles whose corners fall together). Throws
+// FileFormatError (the file cannot be written; nothing is left of it), InvalidInput (deleted
+// elements not yet collected, coordinates that are not finite), LimitExceeded (more than the format
+// can count).
 std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesystem::path& path);
 
 // What a mesh file of any program holds. Triangles may be open, non-manifold or inside out.

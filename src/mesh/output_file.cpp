@@ -33,7 +33,7 @@ fs::path directory_of(const fs::path& target) {
 
 }  // namespace
 
-OutputFile::OutputFile(const fs::path& path) : path_(path), target_(path) {
+OutputFile::OutputFile(const fs::path& path, Staging staging) : path_(path), target_(path) {
   std::error_code ignored;
   if (fs::is_symlink(path, ignored)) {
     const fs::path followed = fs::weakly_canonical(path, ignored);
@@ -50,11 +50,15 @@ OutputFile::OutputFile(const fs::path& path) : path_(path), target_(path) {
     if (descriptor_ < 0) fail("cannot be written");
     return;
   }
+  if (staging == Staging::unnamed_where_possible) open_unnamed();
+  if (descriptor_ < 0) open_hidden();
+}
+
+void OutputFile::open_unnamed() {
 #ifdef O_TMPFILE
   if (::access("/proc/self/fd", X_OK) == 0)  // link_unnamed() needs it
     descriptor_ = ::open(directory_of(target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, kMode);
 #endif
-  if (descriptor_ < 0) open_hidden();
 }
 
 void OutputFile::open_hidden() {

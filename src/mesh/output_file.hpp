@@ -37,7 +37,10 @@ class StringSink : public ByteSink {
 // function throws FileFormatError that names the file and the system's reason.
 class OutputFile : public ByteSink {
  public:
-  explicit OutputFile(const std::filesystem::path& path);
+  enum class Staging { unnamed_where_possible, hidden };
+
+  explicit OutputFile(const std::filesystem::path& path,
+                      Staging staging = Staging::unnamed_where_possible);
   ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -47,6 +50,7 @@ class OutputFile : public ByteSink {
 
  private:
   enum class Kind { unnamed, hidden, direct };
+  void open_unnamed();
   void open_hidden();
   void link_unnamed();
   [[noreturn]] void fail(const char* what) const;

@@ -121,6 +121,7 @@ void write_stl(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings) {
   out.text(header);
   out.raw(static_cast<std::uint32_t>(mesh.n_faces()));
   FloatLoss loss;
+  std::uint64_t collapsed = 0;
   for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
     std::array<Vec3d, 3> corners;
     const auto vertices = face_vertices(mesh, f);
@@ -130,10 +131,18 @@ void write_stl(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings) {
     }
     out.begin_record();
     out.raw(unit_normal(corners[0], corners[1], corners[2]));
-    for (const Vec3d& corner : corners) out.raw(loss.round(corner));
+    const std::array<Vec3f, 3> rounded{loss.round(corners[0]), loss.round(corners[1]),
+                                       loss.round(corners[2])};
+    out.raw(rounded);
     out.raw(std::uint16_t{0});
+    collapsed += rounded[0] == rounded[1] || rounded[1] == rounded[2] || rounded[2] == rounded[0];
   }
   loss.finish("STL", warnings);
+  if (collapsed > 0)
+    warnings.push_back(
+        fmt::format("in STL's float32, corners of {} triangles fall together, so the "
+                    "welded mesh may not be the same; the other formats keep it",
+                    collapsed));
   out.flush();
 }
 

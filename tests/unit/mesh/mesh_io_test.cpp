@@ -13,6 +13,7 @@
 #include <random>
 
 #include "core/errors.hpp"
+#include "mesh/output_file.hpp"
 #include "support/test_meshes.hpp"
 
 namespace vdwmesh {
@@ -143,6 +144,15 @@ TEST(MeshIo, WarnsWhereFloatsLoseTooMuch) {
   EXPECT_THROW(warnings(testing::scaled(testing::cube(), 1e40), MeshFormat::stl), InvalidInput);
 }
 
+TEST(MeshIo, WarnsWhereStlCollapsesTriangles) {
+  IndexedMesh mesh = testing::tetrahedron();
+  mesh.positions[1] = {1e-12, 0, 0};
+  mesh = testing::translated(mesh, {1, 1, 1});
+  const EncodedMesh encoded = encode_mesh(to_surface_mesh(mesh), MeshFormat::stl);
+  ASSERT_EQ(encoded.warnings.size(), 1u);
+  EXPECT_THAT(encoded.warnings[0], HasSubstr("corners of 2 triangles"));
+}
+
 TEST(MeshIo, EmptyMeshesMakeTheRoundTrip) {
   for (const MeshFormat format : kFormats) {
     const MeshFile back = round_trip({}, format);
@@ -190,6 +200,35 @@ TEST(MeshIo, NothingIsLeftOfAFileThatCannotBeWrittenInFull) {
   std::signal(SIGXFSZ, handler);
   EXPECT_THAT(directory.names(), ElementsAre("old.ply"));
   EXPECT_EQ(fs::file_size(directory / "old.ply"), 4u) << "the old file is untouched";
+}
+
+TEST(OutputFile, AppearsAtCommitOnly) {
+  for (const auto staging :
+       {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {
+    const Directory directory;
+    {
+      OutputFile dropped(directory / "dropped", staging);
+      dropped.write("half", 4);
+    }
+    EXPECT_THAT(directory.names(), IsEmpty());
+    OutputFile kept(directory / "kept", staging);
+    kept.write("whole", 5);
+    EXPECT_FALSE(fs::exists(directory / "kept"));
+    kept.commit();
+    EXPECT_THAT(directory.names(), ElementsAre("kept"));
+    EXPECT_EQ(fs::file_size(directory / "kept"), 5u);
+  }
+}
+
+TEST(OutputFile, FollowsALink) {
+  const Directory directory;
+  std::ofstream(directory / "target") << "old";
+  fs::create_symlink("target", directory / "link");
+  OutputFile file(directory / "link");
+  file.write("fresh", 5);
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(directory / "link"));
+  EXPECT_EQ(fs::file_size(directory / "target"), 5u);
 }
 
 TEST(MeshIo, AFullDiskIsAnError) {
