@@ -1,51 +1,65 @@
 #include "refine/bad_moves.hpp"
 
 #include <algorithm>
-#include <array>
+#include <atomic>
+#include <limits>
+#include <vector>
 
 #include "refine/crossing_formulas.hpp"
 #include "refine/subdivision_formulas.hpp"
 
 namespace vdwmesh {
-namespace {
 
-struct Corners {
+template <class Level>
+struct BadMoves<Level>::Corners {
   std::array<std::uint32_t, 3> vertex;
   std::array<Vec3d, 3> position;
+  std::array<SphereId, 3> atom;
+  std::array<double, 6> box;  // lower, then negated upper: overlap is one comparison per side
+  bool has_moved;
 };
-
-Corners corners(const IndexedMesh& mesh, const std::array<std::uint32_t, 3>& v) {
-  return {v, {mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]}};
-}
-
-}  // namespace
 
 template <class Level>
 bool BadMoves<Level>::mark() {
-  const auto judge = [&](std::size_t patch, std::uint64_t& bad) {
+  if (pass_ > 0) find_dirty_cells();
+  const auto judge_patch = [&](std::size_t patch, std::uint64_t& bad) {
     const Vertices v = level_.vertices(patch);
-    if (pass_ > 0 && !is_judged(v)) return;
-    bad += mark_turned(v);
-    if (pass_ > 0 || is_crease(v)) bad += mark_crossed(patch);
+    if (pass_ == 0 || has_taken_back(v)) bad += mark_turned(v);
   };
-  const std::uint64_t bad = reduce_all(level_.patches(), std::uint64_t{0}, judge,
-                                       [](std::uint64_t a, std::uint64_t b) { return a + b; });
+  const auto judge_cell = [&](std::size_t cell, std::uint64_t& bad) {
+    if (dirty_[cell]) bad += mark_crossed(cell);
+  };
+  const auto add = [](std::uint64_t a, std::uint64_t b) { return a + b; };
+  const std::uint64_t bad = reduce_all(level_.patches(), std::uint64_t{0}, judge_patch, add) +
+                            reduce_all(grid_.cell_count(), std::uint64_t{0}, judge_cell, add);
   ++pass_;
   return bad > 0;
 }
 
 template <class Level>
-bool BadMoves<Level>::is_judged(const Vertices& v) {
+void BadMoves<Level>::find_dirty_cells() {
+  for_all(dirty_.size(), [&](std::size_t cell) { dirty_[cell] = 0; });
+  for_all(level_.patches(), [&](std::size_t patch) {
+    const Vertices v = level_.vertices(patch);
+    if (!has_taken_back(v)) return;
+    for (int child = 0; child < Level::kTriangles; ++child) {
+      grid_.visit_cells(bounds_of(level_, v, child), [&](std::size_t cell) {
+        std::atomic_ref(dirty_[cell]).store(1, std::memory_order_relaxed);
+      });
+    }
+  });
+}
+
+template <class Level>
+bool BadMoves<Level>::has_taken_back(const Vertices& v) {
   return std::any_of(v.begin(), v.end(), [&](std::uint32_t i) {
     return fate_of(level_, fates_, i) == Fate::taken_back;
   });
 }
 
 template <class Level>
-bool BadMoves<Level>::is_crease(const Vertices& v) const {
-  const SphereId atom = level_.mesh.vertex_spheres[v[0]][0];
-  return std::any_of(v.begin(), v.end(),
-                     [&](std::uint32_t i) { return level_.mesh.vertex_spheres[i][0] != atom; });
+void BadMoves<Level>::mark_vertices(const std::array<std::uint32_t, 3>& vertices) {
+  for (const std::uint32_t v : vertices) vdwmesh::mark(level_, fates_, v);
 }
 
 template <class Level>
@@ -64,39 +78,59 @@ bool BadMoves<Level>::mark_turned(const Vertices& v) {
     }
     if (facing(spheres_, now.data(), atom.data()) != Facing::against_one_atom) continue;
     if (facing(spheres_, before.data(), atom.data()) != Facing::outward) continue;
-    for (const std::uint32_t i : vertex) vdwmesh::mark(level_, fates_, i);
+    mark_vertices(vertex);
     any = true;
   }
   return any;
 }
 
 template <class Level>
-bool BadMoves<Level>::mark_crossed(std::size_t patch) {
-  bool any = false;
-  for (std::size_t child = 0; child < Level::kTriangles; ++child) {
-    const auto t = static_cast<std::uint32_t>(Level::kTriangles * patch + child);
-    grid_.visit_near(t, [&](std::uint32_t other) { any = mark_crossed(t, other) || any; });
+typename BadMoves<Level>::Corners BadMoves<Level>::corners(std::uint32_t triangle) {
+  Corners c;
+  c.vertex = level_.mesh.triangles[triangle];
+  c.box.fill(std::numeric_limits<double>::infinity());
+  c.has_moved = false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    c.position[k] = level_.mesh.positions[c.vertex[k]];
+    c.atom[k] = level_.mesh.vertex_spheres[c.vertex[k]][0];
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto low = static_cast<std::size_t>(axis);
+      c.box[low] = std::min(c.box[low], c.position[k][axis]);
+      c.box[low + 3] = std::min(c.box[low + 3], -c.position[k][axis]);
+    }
+    c.has_moved = c.has_moved || is_away(fate_of(level_, fates_, c.vertex[k]));
   }
-  return any;
+  return c;
+}
+
+// Not boxes_overlap(), from boxes at hand; without branches, since their outcome is as good as
+// random.
+inline bool are_apart(const std::array<double, 6>& a, const std::array<double, 6>& b) {
+  int apart = 0;
+  for (std::size_t i = 0; i < 3; ++i) apart |= (a[i] > -b[i + 3]) | (b[i] > -a[i + 3]);
+  return apart != 0;
 }
 
 template <class Level>
-bool BadMoves<Level>::mark_crossed(std::uint32_t triangle, std::uint32_t other) {
-  if (triangle == other) return false;
-  const Corners a = corners(level_.mesh, level_.mesh.triangles[triangle]);
-  const Corners b = corners(level_.mesh, level_.mesh.triangles[other]);
-  if (!boxes_overlap(a.position.data(), b.position.data())) return false;
-  const auto is_moved = [&](std::uint32_t v) { return is_away(fate_of(level_, fates_, v)); };
-  if (!std::any_of(a.vertex.begin(), a.vertex.end(), is_moved) &&
-      !std::any_of(b.vertex.begin(), b.vertex.end(), is_moved)) {
-    return false;
+bool BadMoves<Level>::mark_crossed(std::size_t cell) {
+  static thread_local std::vector<Corners> here;
+  here.clear();
+  for (const std::uint32_t t : grid_.triangles_in(cell)) here.push_back(corners(t));
+  bool any = false;
+  for (std::size_t i = 1; i < here.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Corners &a = here[i], &b = here[j];
+      if (!(a.has_moved || b.has_moved) || are_apart(a.box, b.box)) continue;
+      if (!triangles_cross(a.position.data(), a.vertex.data(), a.atom.data(), b.position.data(),
+                           b.vertex.data(), b.atom.data())) {
+        continue;
+      }
+      mark_vertices(a.vertex);
+      mark_vertices(b.vertex);
+      any = true;
+    }
   }
-  if (!triangles_cross(a.position.data(), a.vertex.data(), b.position.data(), b.vertex.data())) {
-    return false;
-  }
-  for (const std::uint32_t v : a.vertex) vdwmesh::mark(level_, fates_, v);
-  for (const std::uint32_t v : b.vertex) vdwmesh::mark(level_, fates_, v);
-  return true;
+  return any;
 }
 
 template class BadMoves<Given>;

@@ -1,6 +1,7 @@
 // Moves that spoil the mesh, and the passes that take them back.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -18,25 +19,31 @@ template <class Level>
 class BadMoves {
  public:
   BadMoves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates)
-      : spheres_(spheres.spheres().data()), level_(level), fates_(fates), grid_(level) {}
+      : spheres_(spheres.spheres().data()),
+        level_(level),
+        fates_(fates),
+        grid_(level),
+        dirty_(grid_.cell_count(), 1) {}
 
-  // Marks the vertices whose moves are bad; says whether there are any. The first pass looks for
-  // turns everywhere and for crossings where several atoms meet: around one atom the mesh lies in
-  // one sheet. Later ones look at the triangles of the vertices that the last one took back.
+  // Marks the vertices whose moves are bad; says whether there are any. The first pass looks at
+  // every triangle, later ones at those whose vertices the last one took back and what is near.
   bool mark();
 
  private:
   using Vertices = std::array<std::uint32_t, Level::kVertices>;
-  bool is_judged(const Vertices& v);
-  bool is_crease(const Vertices& v) const;
+  struct Corners;
+  void find_dirty_cells();
+  bool has_taken_back(const Vertices& v);
   bool mark_turned(const Vertices& v);
-  bool mark_crossed(std::size_t patch);
-  bool mark_crossed(std::uint32_t triangle, std::uint32_t other);
+  bool mark_crossed(std::size_t cell);
+  Corners corners(std::uint32_t triangle);
+  void mark_vertices(const std::array<std::uint32_t, 3>& vertices);
 
   const Sphere* spheres_;
   const Level& level_;
   Buffer<Fate>& fates_;
   TriangleGrid grid_;
+  Buffer<std::uint8_t> dirty_;  // of each cell: whether a triangle of it is to be looked at
   int pass_ = 0;
 };
 
@@ -50,6 +57,9 @@ extern template class BadMoves<Midpoints>;
 template <class Level, class Restore>
 std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates,
                                   const Restore& restore) {
+  const auto add = [](std::uint64_t a, std::uint64_t b) { return a + b; };
+  const auto count_moved = [&](std::size_t i, std::uint64_t& n) { n += fates[i] == Fate::moved; };
+  if (reduce_all(fates.size(), std::uint64_t{0}, count_moved, add) == 0) return 0;
   BadMoves<Level> bad(spheres, level, fates);
   std::uint64_t total = 0;
   while (bad.mark()) {
@@ -62,8 +72,7 @@ std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level, 
       restore(item);
       ++count;
     };
-    total += reduce_all(level.items(), std::uint64_t{0}, settle,
-                        [](std::uint64_t a, std::uint64_t b) { return a + b; });
+    total += reduce_all(level.items(), std::uint64_t{0}, settle, add);
   }
   return total;
 }

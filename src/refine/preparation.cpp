@@ -139,13 +139,15 @@ std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std:
     parent = size;
     size = next_size(size);
   }
-  // Edge numbers of the parent; the fate and, of given vertices, the reach of each vertex; spheres,
+  // Edge numbers of the parent; the fate and, of given vertices, the reach of each vertex; the grid
+  // that crossings are looked for in, with two cells and about four entries per triangle; spheres,
   // ranks, ids and cells of the list, of which there are at most 4096 or 8 per sphere on a level.
   const std::uint64_t edges = parent.triangles * 3 * sizeof(std::uint32_t);
   const std::uint64_t marks = size.vertices + vertices * sizeof(std::uint64_t);
+  const std::uint64_t grid = size.triangles * (2 * (4 + 1) + 4 * 4);
   const std::uint64_t list = spheres * (sizeof(Sphere) + 4 * sizeof(std::uint32_t) + 8 * 4) +
                              std::uint64_t{CellListView::kMaxLevels} * 4096 * 4;
-  return mesh_bytes(parent) + mesh_bytes(size) + edges + marks + list;
+  return mesh_bytes(parent) + mesh_bytes(size) + edges + marks + grid + list;
 }
 
 FieldModel projection_model(const RefineOptions& o) {

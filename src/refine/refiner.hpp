@@ -34,7 +34,7 @@ struct ProjectionStats {
   std::uint64_t projected = 0;     // vertices that converged and stayed there
   std::uint64_t unconverged = 0;   // left where they were: no convergence in the allowed steps
   std::uint64_t out_of_reach = 0;  // left where they were: too far from the surface
-  std::uint64_t undone = 0;        // moves taken back because they turned a triangle
+  std::uint64_t undone = 0;        // moves taken back: a triangle turned, or two crossed
   std::uint64_t turned = 0;        // triangles that still face against their atoms' normals
   int iterations_max = 0;
   double residual_max = 0;  // Å, over the converged vertices
@@ -46,8 +46,9 @@ struct RefineResult {
   double seconds = 0;
 };
 
-// Bytes that refine() takes at its peak beyond its arguments: the last level's mesh and the one it
-// comes from, and the cell list. About 1.4 times the bytes of the mesh that it returns.
+// Bytes that refine() takes at its peak beyond its arguments: the last level's mesh, the one it
+// comes from, and what finds the triangles that cross. About twice the bytes of the mesh that it
+// returns.
 std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t spheres,
                            int subdivisions);
 
@@ -60,6 +61,10 @@ class Refiner {
   // 4t .. 4t + 3. The given vertices are projected once, midpoints once on the level that makes
   // them; what is on the surface already is not touched. The result has `opposite` where it was
   // given or computed and its entries fit 32 bits.
+  //
+  // Moves that turn a triangle of one atom against that atom's outward normal, or that are of
+  // triangles that cross, are taken back in simultaneous passes until there are none, so that no
+  // self-intersection is added (measured: docs/refinement.md).
   //
   // Labels: of the surface that a vertex was projected to. A midpoint that could not be projected
   // takes the atom of that end which is nearer by distance - radius.

@@ -1,48 +1,80 @@
 // Triangles of a level binned by place, to find those that may cross.
 #pragma once
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <span>
 
 #include "extract/indexed_mesh.hpp"
 #include "refine/level_view.hpp"
 
 namespace vdwmesh {
 
-// Each triangle stands in the cell of the middle of the box of where its vertices were and are, and
-// no box is wider than a cell: whatever moves are taken back, triangles that touch are in the same
-// cell or in neighbouring ones. Within a cell the order depends on the threads.
+struct Bounds {
+  Vec3d lower, upper;
+};
+Bounds no_bounds();
+
+// The box of where the vertices of a patch's triangle were and are: it holds the triangle whichever
+// moves are taken back.
+template <class Level>
+Bounds bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVertices>& v,
+                 int child) {
+  Bounds box = no_bounds();
+  const auto add = [&box](const Vec3d& p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lower[axis] = std::min(box.lower[axis], p[axis]);
+      box.upper[axis] = std::max(box.upper[axis], p[axis]);
+    }
+  };
+  for (const int k : Level::triangle(child)) {
+    const auto i = static_cast<std::size_t>(k);
+    add(level.before(v, i));
+    add(level.mesh.positions[v[i]]);
+  }
+  return box;
+}
+
+// A uniform grid with at most two cells per triangle. Each triangle stands in every cell that its
+// bounds touch, so two triangles that cross, whatever is taken back, share a cell. Within a cell
+// the order depends on the threads.
 class TriangleGrid {
  public:
+  // Throws LimitExceeded beyond 2^32 - 1 entries.
   template <class Level>
   explicit TriangleGrid(const Level& level);
 
-  // Calls visit(triangle) for all triangles in the cell of `triangle` and its neighbours.
+  std::size_t cell_count() const { return start_.size() - 1; }
+  std::span<const std::uint32_t> triangles_in(std::size_t cell) const {
+    return {triangles_.data() + start_[cell], triangles_.data() + start_[cell + 1]};
+  }
+
   template <class Visit>
-  void visit_near(std::size_t triangle, const Visit& visit) const {
-    const std::uint32_t at = cell_of_[triangle];
-    const std::uint32_t x = at % cells_[0], y = at / cells_[0] % cells_[1],
-                        z = at / cells_[0] / cells_[1];
-    const auto low = [](std::uint32_t i) { return i > 0 ? i - 1 : 0; };
-    const auto high = [this](std::uint32_t i, int axis) {
-      return i + 1 < cells_[axis] ? i + 1 : i;
-    };
-    for (std::uint32_t k = low(z); k <= high(z, 2); ++k) {
-      for (std::uint32_t j = low(y); j <= high(y, 1); ++j) {
-        const std::uint32_t row = (k * cells_[1] + j) * cells_[0];
-        const std::uint32_t end = start_[row + high(x, 0) + 1];
-        for (std::uint32_t i = start_[row + low(x)]; i < end; ++i) visit(triangle_[i]);
+  void visit_cells(const Bounds& box, const Visit& visit) const {
+    std::array<std::uint32_t, 3> low, high;
+    for (int axis = 0; axis < 3; ++axis) {
+      low[static_cast<std::size_t>(axis)] = cell_along(axis, box.lower[axis]);
+      high[static_cast<std::size_t>(axis)] = cell_along(axis, box.upper[axis]);
+    }
+    for (std::size_t z = low[2]; z <= high[2]; ++z) {
+      for (std::size_t y = low[1]; y <= high[1]; ++y) {
+        const std::size_t row = (z * cells_[1] + y) * cells_[0];
+        for (std::size_t x = low[0]; x <= high[0]; ++x) visit(row + x);
       }
     }
   }
 
  private:
-  void sort(std::size_t cell_count);
+  std::uint32_t cell_along(int axis, double coordinate) const;
+  template <class Level>
+  void shape(const Level& level);
 
-  std::uint32_t cells_[3] = {1, 1, 1};
-  Buffer<std::uint32_t> cell_of_;   // of each triangle
-  Buffer<std::uint32_t> start_;     // of each cell, and the end
-  Buffer<std::uint32_t> triangle_;  // by cell
+  Vec3d origin_{0, 0, 0};
+  double cell_ = 1;  // Å
+  std::array<std::uint32_t, 3> cells_{1, 1, 1};
+  Buffer<std::uint32_t> start_;      // of each cell, and the end
+  Buffer<std::uint32_t> triangles_;  // by cell
 };
 
 extern template TriangleGrid::TriangleGrid(const Given&);
