@@ -118,8 +118,8 @@ void SurfaceFlags::add_to(CLI::App& verb, int default_subdivisions) {
   verb.add_option("--subdivide", subdivide_,
                   "midpoint subdivisions, Newton projection after each [" + subdivide_ + "]");
   verb.add_option("--project", project_,
-                  "surface vertices are moved to: vdw, field or none [as --field; without "
-                  "subdivision none]");
+                  "surface that vertices are moved to after a subdivision: vdw, field or none [as "
+                  "--field]");
 }
 
 FieldOptions SurfaceFlags::resolve_field() const {
@@ -157,14 +157,17 @@ SurfaceOptions SurfaceFlags::resolve() const {
   options.grid = preset_grid(options.field.preset, spacing, padding);
   options.subdivisions =
       static_cast<int>(parse_integer("--subdivide", subdivide_, 0, kMaxSubdivisions));
-  if (project_) {
-    options.projection = choose("--project", *project_, kProjections);
-  } else if (options.subdivisions > 0) {
-    const bool union_surface = options.field.kind == FieldKind::vdw;
-    options.projection = union_surface ? Projection::vdw : Projection::field;
-  }
-  if (options.projection == Projection::field && options.field.kind == FieldKind::vdw) {
-    options.projection = Projection::vdw;  // the field of --field vdw is the union itself
+  const bool union_surface = options.field.kind == FieldKind::vdw;
+  Projection projection = union_surface ? Projection::vdw : Projection::field;
+  if (project_) projection = choose("--project", *project_, kProjections);
+  // The field of --field vdw is the union itself.
+  if (union_surface && projection == Projection::field) projection = Projection::vdw;
+  if (options.subdivisions > 0) {
+    options.projection = projection;
+  } else if (project_ && projection != Projection::none) {
+    options.notes.push_back(fmt::format(
+        "--project {} has no effect with --subdivide 0: projection follows a subdivision",
+        *project_));
   }
   return options;
 }

@@ -31,6 +31,7 @@ struct SurfaceOptions {
   GridOptions grid;
   int subdivisions = 0;
   Projection projection = Projection::none;
+  std::vector<std::string> notes;  // for people: options that have no effect
 };
 
 enum class Switch { off, on };

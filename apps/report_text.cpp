@@ -93,7 +93,7 @@ void backend_text(Text out, const BackendReport& backend) {
   if (backend.driver) text += fmt::format(", driver {}", *backend.driver);
   text += fmt::format(", {}", counted(static_cast<std::uint64_t>(backend.threads), "CPU thread"));
   if (backend.requested == Backend::automatic) text += "; asked for: auto";
-  if (backend.reason) text += fmt::format(" ({})", *backend.reason);
+  if (backend.reason) text += fmt::format("; no CUDA: {}", *backend.reason);
   line(out, "Backend", text);
 }
 

@@ -120,6 +120,7 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
                       Report& report) {
   const GridSpec grid = make_grid(spheres, surface.grid);
   report.parameters = describe_parameters(surface, grid, machine.memory_limit);
+  report.notes.insert(report.notes.end(), surface.notes.begin(), surface.notes.end());
   report.backend = describe_backend(machine.backend, resolve(machine.backend));
   ExtractOptions extract;
   extract.field = surface.field;

@@ -89,6 +89,12 @@ class Refinement(ProgramTest):
         self.assertLessEqual(report["mesh"]["newton"]["residual_max"], 1e-9)
 
 
+    def test_projection_without_subdivision_is_said_to_have_no_effect(self):
+        report = self.report("report", UBIQUITIN, "--subdivide", "0", "--project", "vdw")
+        self.assertEqual(report["parameters"]["project"], "none")
+        self.assertTrue(any("--project vdw" in note for note in report["notes"]))
+
+
 class OddInput(ProgramTest):
     def test_no_atoms_is_an_error(self):
         empty = self.file("empty.pdb", "END\n")
