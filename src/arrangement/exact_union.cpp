@@ -1,5 +1,7 @@
 #include "arrangement/exact_union.hpp"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -39,16 +41,21 @@ std::vector<SphereMeasures> unscaled(const SphereSet& spheres, const PowerTriang
 }
 
 ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
-  constexpr std::uint64_t kSteps = 4;
+  constexpr std::uint64_t kSteps = 3;
   begin_stage(monitor, "exact union", kSteps);
   const PowerTriangulation triangulation = triangulate(spheres);
   advance(monitor, 1);
   const DualComplex complex = dual_complex(triangulation);
   advance(monitor, 1);
-  const auto measures = inclusion_exclusion(triangulation, complex);
-  const SphereMeasures check = total_measures(gauss_bonnet(triangulation, complex));
-  advance(monitor, 1);
-  UnionTopology topology = union_topology(triangulation, complex, measures);
+  std::vector<SphereMeasures> measures;
+  UnionTopology topology;
+  SphereMeasures check;
+  tbb::parallel_invoke(
+      [&] {
+        measures = inclusion_exclusion(triangulation, complex);
+        topology = union_topology(triangulation, complex, measures);
+      },
+      [&] { check = total_measures(gauss_bonnet(triangulation, complex)); });
   scale(topology, triangulation.scale_exponent);
   topology.hidden_spheres += spheres.size() - triangulation.balls.size();
   advance(monitor, 1);

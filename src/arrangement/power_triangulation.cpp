@@ -3,12 +3,13 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Regular_triangulation_3.h>
 #include <CGAL/Spatial_sort_traits_adapter_3.h>
-#include <CGAL/Triangulation_cell_base_with_info_3.h>
+#include <CGAL/Triangulation_ds_cell_base_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
+#include <CGAL/hilbert_sort.h>
 #include <CGAL/property_map.h>
-#include <CGAL/spatial_sort.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <numeric>
@@ -60,13 +61,32 @@ namespace {
 
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<
     std::uint32_t, PowerTraits, CGAL::Regular_triangulation_vertex_base_3<PowerTraits>>;
-using HidingCellBase = CGAL::Regular_triangulation_cell_base_3<
-    PowerTraits, CGAL::Triangulation_cell_base_3<PowerTraits>, CGAL::Discard_hidden_points>;
-using CellBase =
-    CGAL::Triangulation_cell_base_with_info_3<std::uint32_t, PowerTraits, HidingCellBase>;
+// A cell with a number that forgets the balls hidden in it: the cell of CGAL's concept
+// RegularTriangulationCellBase_3 without its list, for a smaller triangulation.
+template <class Base = CGAL::Triangulation_ds_cell_base_3<>>
+struct NumberedCell : Base {
+  template <class Tds>
+  struct Rebind_TDS {
+    using Other = NumberedCell<typename Base::template Rebind_TDS<Tds>::Other>;
+  };
+  using Base::Base;
+
+  using Point = PowerTraits::Weighted_point_3;
+  using Point_iterator = const Point*;
+  using Point_const_iterator = const Point*;
+  Point_iterator hidden_points_begin() const { return nullptr; }
+  Point_iterator hidden_points_end() const { return nullptr; }
+  void hide_point(const Point&) {}
+
+  std::uint32_t& info() { return number_; }
+  std::uint32_t info() const { return number_; }
+
+ private:
+  std::uint32_t number_ = kNoIndex;
+};
 using Triangulation =
     CGAL::Regular_triangulation_3<PowerTraits,
-                                  CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
+                                  CGAL::Triangulation_data_structure_3<VertexBase, NumberedCell<>>>;
 using WeightedPoint = PowerTraits::Weighted_point_3;
 using Point = PowerTraits::Point_3;
 
@@ -86,7 +106,7 @@ std::vector<SphereId> distinct_centers(const SphereSet& spheres) {
   return ids;
 }
 
-std::vector<SphereId> spatial_order(const SphereSet& spheres) {
+std::vector<SphereId> hilbert_order(const SphereSet& spheres) {
   const std::vector<SphereId> ids = distinct_centers(spheres);
   std::vector<Point> points;
   points.reserve(ids.size());
@@ -139,6 +159,26 @@ std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
   return points;
 }
 
+// Insertion in rounds, an eighth of the balls of a round in the one before it, each along the curve
+// (Amenta, Choi, Rote 2003: biased randomized insertion order). The choice depends on places alone.
+std::vector<std::uint32_t> insertion_order(std::size_t count) {
+  constexpr int kBitsPerRound = 3, kRounds = 6;
+  std::array<std::vector<std::uint32_t>, kRounds> rounds;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint64_t hash = (i + 1) * 0x9e3779b97f4a7c15u;  // splitmix64
+    hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9u;
+    hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
+    const int round = std::min(std::countr_zero(hash ^ (hash >> 31)) / kBitsPerRound, kRounds - 1);
+    rounds[static_cast<std::size_t>(round)].push_back(static_cast<std::uint32_t>(i));
+  }
+  std::vector<std::uint32_t> order;
+  order.reserve(count);
+  for (auto round = rounds.rbegin(); round != rounds.rend(); ++round) {
+    order.insert(order.end(), round->begin(), round->end());
+  }
+  return order;
+}
+
 void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls) {
   Triangulation::Cell_handle hint;
   const auto insert = [&](const Vec3d& c, double radius, std::size_t index) {
@@ -154,15 +194,29 @@ void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls) 
   };
   const auto points = auxiliary_points(balls);
   for (std::size_t k = 0; k < points.size(); ++k) insert(points[k], 0, balls.size() + k);
-  for (std::size_t i = 0; i < balls.size(); ++i) insert(balls[i].center, balls[i].radius, i);
+  for (const std::uint32_t i : insertion_order(balls.size())) {
+    insert(balls[i].center, balls[i].radius, i);
+  }
 }
 
-void flatten(const Triangulation& triangulation, PowerTriangulation& out) {
+// Numbers the cells by their lowest vertex, so that cells near in space are near in memory.
+std::size_t number_cells(const Triangulation& triangulation, std::size_t vertices) {
+  const auto lowest = [](const auto& cell) {
+    return std::min(std::min(cell->vertex(0)->info(), cell->vertex(1)->info()),
+                    std::min(cell->vertex(2)->info(), cell->vertex(3)->info()));
+  };
   const std::size_t count = triangulation.number_of_finite_cells();
   if (count >= kNoIndex) throw LimitExceeded("the triangulation has more than 2^32 cells");
   for (const auto cell : triangulation.all_cell_handles()) cell->info() = kNoIndex;
-  std::uint32_t next = 0;
-  for (const auto cell : triangulation.finite_cell_handles()) cell->info() = next++;
+  std::vector<std::uint32_t> next(vertices + 1, 0);
+  for (const auto cell : triangulation.finite_cell_handles()) ++next[lowest(cell) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (const auto cell : triangulation.finite_cell_handles()) cell->info() = next[lowest(cell)]++;
+  return count;
+}
+
+void flatten(const Triangulation& triangulation, PowerTriangulation& out) {
+  const std::size_t count = number_cells(triangulation, out.balls.size() + 4);
   out.cells.resize(count);
   out.neighbors.resize(count);
   for (const auto cell : triangulation.finite_cell_handles()) {
@@ -179,7 +233,7 @@ void flatten(const Triangulation& triangulation, PowerTriangulation& out) {
 PowerTriangulation triangulate(const SphereSet& spheres) {
   PowerTriangulation out;
   if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
-  out.ids = spatial_order(spheres);
+  out.ids = hilbert_order(spheres);
   out.scale_exponent = scale_exponent(spheres);
   out.balls.reserve(out.ids.size());
   for (const SphereId id : out.ids) out.balls.push_back(scaled(spheres[id], out.scale_exponent));

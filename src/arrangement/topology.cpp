@@ -116,8 +116,10 @@ class ShellFinder {
  private:
   // A void is its cells less the sectors of balls, cones over arcs and corner tetrahedra in them.
   void measure_voids() {
+    if (regions_.count == 1) return;
+    collect_void_edges();
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
-      if (regions_.of[c] != kNoIndex && regions_.of[c] != kOuter) add_void_cell(c);
+      if (is_void_cell(c)) add_void_cell(c);
     }
   }
 
@@ -171,12 +173,25 @@ class ShellFinder {
     }
   }
 
-  bool is_edge(std::uint32_t a, std::uint32_t b) {
-    if (edge_keys_.empty()) {
-      for (const DualEdge& e : k_.edges) edge_keys_.push_back(key(e.vertices[0], e.vertices[1]));
-      std::sort(edge_keys_.begin(), edge_keys_.end());
+  // Edges of the complex between balls that are vertices of void cells.
+  void collect_void_edges() {
+    std::vector<std::uint8_t> at_void(t_.balls.size(), 0);
+    for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
+      if (!is_void_cell(c)) continue;
+      for (const std::uint32_t v : t_.cells[c]) at_void[v] = 1;
     }
-    return std::binary_search(edge_keys_.begin(), edge_keys_.end(), key(a, b));
+    for (const DualEdge& e : k_.edges) {
+      const auto& [a, b] = e.vertices;
+      if (at_void[a] && at_void[b]) void_edges_.push_back(key(a, b));
+    }
+    std::sort(void_edges_.begin(), void_edges_.end());
+  }
+
+  bool is_void_cell(std::uint32_t c) const {
+    return regions_.of[c] != kNoIndex && regions_.of[c] != kOuter;
+  }
+  bool is_edge(std::uint32_t a, std::uint32_t b) const {
+    return std::binary_search(void_edges_.begin(), void_edges_.end(), key(a, b));
   }
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
     return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
@@ -290,7 +305,7 @@ class ShellFinder {
   std::vector<WideSum> void_volume_;  // per region
   Interfaces interfaces_;
   std::vector<std::pair<std::uint32_t, double>> in_voids_;  // ball, area
-  std::vector<std::uint64_t> edge_keys_;
+  std::vector<std::uint64_t> void_edges_;
 };
 
 }  // namespace
