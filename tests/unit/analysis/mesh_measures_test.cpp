@@ -113,6 +113,18 @@ TEST(Measures, DoNotMindTranslation) {
   expect_close(there.volume.value(), here.volume.value(), kTranslation);
 }
 
+TEST(Measures, AreTheSameBitsAfterAnExactTranslation) {
+  // Coordinates are multiples of 2^-20, so 2^20 is added to them without rounding, and what is
+  // summed about the mesh's own middle does not change at all.
+  IndexedMesh mesh = testing::icosphere(4);
+  for (Vec3d& p : mesh.positions)
+    for (int axis = 0; axis < 3; ++axis) p[axis] = std::round(p[axis] * 0x1p20) * 0x1p-20;
+  const MeshMeasures here = measures(mesh);
+  const MeshMeasures there = measures(testing::translated(mesh, {0x1p20, -0x1p20, 0x1p19}));
+  EXPECT_EQ(there.area, here.area);
+  EXPECT_EQ(there.volume, here.volume);
+}
+
 TEST(Measures, AreTheSameForAnyNumberOfThreads) {
   const IndexedMesh mesh = testing::icosphere(6);
   const auto with_threads = [&](std::size_t threads) {
