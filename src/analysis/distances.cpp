@@ -1,0 +1,333 @@
+#include "analysis/distances.hpp"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "analysis/distances_samples.hpp"
+#include "analysis/distances_statistics.hpp"
+#include "analysis/distances_triangle.hpp"
+#include "core/errors.hpp"
+#include "core/sum.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kTrianglesPerBlock = 2048, kVerticesPerBlock = 2048, kPatchesPerBlock = 8;
+constexpr double kLeastSamples = 1e4;    // on all spheres together, buried parts included
+constexpr double kMostSamples = 1e12;    // weeks of work
+constexpr double kWeightUnits = 0x1p60;  // the area of the mesh, in the histogram
+
+// body(block) for all blocks, on all cores.
+template <class Body>
+void for_blocks(std::size_t blocks, Monitor* monitor, const Body& body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1), [&](const auto& range) {
+    for (std::size_t block = range.begin(); block != range.end(); ++block) {
+      body(block);
+      advance(monitor, 1);
+    }
+  });
+}
+
+std::size_t blocks_of(std::size_t count, std::size_t per_block) {
+  return (count + per_block - 1) / per_block;
+}
+
+void check_vertices(const IndexedMesh& mesh) {
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3d& p = mesh.positions[v];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      throw InvalidInput(fmt::format("vertex {} of the mesh is not finite", v));
+  }
+}
+
+void check_triangles(const IndexedMesh& mesh) {
+  if (mesh.triangles.empty())
+    throw InvalidInput("the mesh has no triangles: there is nothing to measure distances of");
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      if (v >= mesh.vertex_count())
+        throw InvalidInput(
+            fmt::format("triangle {} has vertex {}, but there are {}", t, v, mesh.vertex_count()));
+    }
+  }
+}
+
+void check_spheres(const SphereSet& spheres) {
+  if (spheres.empty()) throw InvalidInput("no spheres: their union has no boundary");
+}
+
+void check_memory(const IndexedMesh& mesh, std::uint64_t limit) {
+  const std::uint64_t triangles = mesh.triangle_count();
+  if (triangles >= kNoSphere) {
+    throw LimitExceeded(
+        fmt::format("distances take at most {} triangles, the mesh has {}: subdivide it once less",
+                    kNoSphere - 1, triangles));
+  }
+  const std::uint64_t held = indexed_mesh_bytes(
+      mesh.vertex_count(), triangles,
+      mesh.opposite.empty() ? Connectivity::triangles : Connectivity::half_edges);
+  const std::uint64_t need = held + BoxTree::bytes(triangles) + mesh.vertex_count();
+  if (need <= limit) return;
+  const double ratio = static_cast<double>(need) / static_cast<double>(limit);
+  throw LimitExceeded(fmt::format(
+      "distances of {} triangles need {} bytes with the mesh, {} are allowed: choose {}, a spacing "
+      "{:.3g} times as wide, a higher memory limit or no distances",
+      triangles, need, limit,
+      ratio <= 4 ? "one subdivision less"
+                 : fmt::format("{:.0f} subdivisions less", std::ceil(0.5 * std::log2(ratio))),
+      1.02 * std::sqrt(ratio)));
+}
+
+double check_density(double total_area, double samples_per_area) {
+  if (!(samples_per_area > 0) || !std::isfinite(samples_per_area))
+    throw InvalidInput(
+        fmt::format("{} samples per Å²: a positive number is needed", samples_per_area));
+  if (!(total_area * samples_per_area <= kMostSamples)) {
+    throw LimitExceeded(fmt::format(
+        "{:.3g} Å² at {} samples per Å² are more than {:.0e} samples: choose at most {:.3g}",
+        total_area, samples_per_area, kMostSamples, kMostSamples / total_area));
+  }
+  return samples_per_area;
+}
+
+struct Corners {
+  const Vec3d &a, &b, &c;
+};
+
+Corners corners_of(const IndexedMesh& mesh, std::size_t triangle) {
+  const auto& [i, j, k] = mesh.triangles[triangle];
+  return {mesh.positions[i], mesh.positions[j], mesh.positions[k]};
+}
+
+double area_of(const Corners& t) { return 0.5 * norm(cross(t.b - t.a, t.c - t.a)); }
+
+double area_of(const IndexedMesh& mesh) {
+  std::vector<double> sums(blocks_of(mesh.triangle_count(), kTrianglesPerBlock));
+  for_blocks(sums.size(), nullptr, [&](std::size_t block) {
+    const std::size_t end = std::min(mesh.triangle_count(), (block + 1) * kTrianglesPerBlock);
+    for (std::size_t t = block * kTrianglesPerBlock; t < end; ++t)
+      sums[block] += area_of(corners_of(mesh, t));
+  });
+  WideSum total;
+  for (const double sum : sums) total.add(sum);
+  if (!(total.value() > 0)) throw InvalidInput("the mesh has no area");
+  return total.value();
+}
+
+double area_of(const SphereSet& spheres) {
+  WideSum total;
+  for (const Sphere& s : spheres.spheres()) total.add(2 * kTwoPi * s.radius * s.radius);
+  return total.value();
+}
+
+void include(Box& box, const Vec3d& p) {
+  for (int axis = 0; axis < 3; ++axis) {
+    box.lower[axis] = std::min(box.lower[axis], p[axis]);
+    box.upper[axis] = std::max(box.upper[axis], p[axis]);
+  }
+}
+
+Box world_of(const IndexedMesh& mesh, const SphereSet& spheres) {
+  Box box = bounding_box(spheres);
+  for (const Vec3d& p : mesh.positions) include(box, p);
+  return box;
+}
+
+// 1 for each vertex on a triangle.
+Buffer<std::uint8_t> used_vertices(const IndexedMesh& mesh) {
+  Buffer<std::uint8_t> used(mesh.vertex_count(), 0);
+  for_blocks(blocks_of(mesh.triangle_count(), kTrianglesPerBlock), nullptr, [&](std::size_t block) {
+    const std::size_t end = std::min(mesh.triangle_count(), (block + 1) * kTrianglesPerBlock);
+    for (std::size_t t = block * kTrianglesPerBlock; t < end; ++t)
+      for (const std::uint32_t v : mesh.triangles[t])
+        std::atomic_ref(used[v]).store(1, std::memory_order_relaxed);
+  });
+  return used;
+}
+
+// Sums of each block, and one histogram for each thread.
+class Statistics {
+ public:
+  explicit Statistics(std::size_t blocks) : blocks_(blocks) {}
+  DistanceSums& block(std::size_t i) { return blocks_[i]; }
+  DistanceHistogram& histogram() { return histograms_.local(); }
+  DistanceStatistics result() const {
+    DistanceHistogram all;
+    for (const DistanceHistogram& h : histograms_) all.add(h);
+    return summarize(blocks_, all);
+  }
+
+ private:
+  std::vector<DistanceSums> blocks_;
+  tbb::enumerable_thread_specific<DistanceHistogram> histograms_;
+};
+
+class MeshSampler {
+ public:
+  MeshSampler(const IndexedMesh& mesh, const SurfaceFinder& finder, double density)
+      : mesh_(mesh), finder_(finder), density_(density), area_(area_of(mesh)) {
+    check_density(area_, density);
+  }
+
+  DistanceStatistics run(Monitor* monitor) const {
+    const std::size_t face_blocks = blocks_of(mesh_.triangle_count(), kTrianglesPerBlock);
+    const std::size_t vertex_blocks = blocks_of(mesh_.vertex_count(), kVerticesPerBlock);
+    const Buffer<std::uint8_t> used = used_vertices(mesh_);
+    Statistics statistics(face_blocks + vertex_blocks);
+    begin_stage(monitor, "distances of the mesh", face_blocks + vertex_blocks);
+    for_blocks(face_blocks, monitor, [&](std::size_t block) {
+      sample_faces(block, statistics.block(block), statistics.histogram());
+    });
+    for_blocks(vertex_blocks, monitor, [&](std::size_t block) {
+      sample_vertices(block, used, statistics.block(face_blocks + block));
+    });
+    return statistics.result();
+  }
+
+ private:
+  void sample_faces(std::size_t block, DistanceSums& sums, DistanceHistogram& histogram) const {
+    std::uint32_t hint = 0;
+    const std::size_t end = std::min(mesh_.triangle_count(), (block + 1) * kTrianglesPerBlock);
+    for (std::size_t t = block * kTrianglesPerBlock; t < end; ++t) {
+      const Corners corners = corners_of(mesh_, t);
+      const double area = area_of(corners);
+      const std::uint64_t parts = parts_per_edge(area, density_);
+      const double weight = area / (static_cast<double>(parts) * static_cast<double>(parts));
+      const auto units = static_cast<std::uint64_t>(weight / area_ * kWeightUnits);
+      sample_triangle(corners.a, corners.b, corners.c, parts, [&](const Vec3d& p) {
+        const double distance = finder_.distance(p, hint);
+        sums.add(distance, weight);
+        histogram.add(distance, units);
+      });
+    }
+  }
+
+  void sample_vertices(std::size_t block, const Buffer<std::uint8_t>& used,
+                       DistanceSums& sums) const {
+    std::uint32_t hint = 0;
+    const std::size_t end = std::min(mesh_.vertex_count(), (block + 1) * kVerticesPerBlock);
+    for (std::size_t v = block * kVerticesPerBlock; v < end; ++v)
+      if (used[v]) sums.add_extreme(finder_.distance(mesh_.positions[v], hint));
+  }
+
+  const IndexedMesh& mesh_;
+  const SurfaceFinder& finder_;
+  double density_, area_;
+};
+
+Box box_of(const Corners& t) {
+  Box box{t.a, t.a};
+  include(box, t.b);
+  include(box, t.c);
+  return box;
+}
+
+// Distances to the mesh.
+class MeshFinder {
+ public:
+  MeshFinder(const IndexedMesh& mesh, const Box& world)
+      : mesh_(mesh),
+        tree_(static_cast<std::uint32_t>(mesh.triangle_count()), world,
+              [&](std::uint32_t t) { return box_of(corners_of(mesh, t)); }) {}
+
+  // `hint` is the triangle to try first and becomes the one found.
+  double distance(const Vec3d& p, std::uint32_t& hint) const {
+    double squared = squared_distance(p, hint);
+    tree_.nearest(p, squared, [&](std::uint32_t t, double& best) {
+      const double found = squared_distance(p, t);
+      if (!(found < best)) return;
+      best = found;
+      hint = t;
+    });
+    return std::sqrt(squared);
+  }
+
+ private:
+  double squared_distance(const Vec3d& p, std::uint32_t t) const {
+    const Corners corners = corners_of(mesh_, t);
+    return squared_distance_to_triangle(p, corners.a, corners.b, corners.c);
+  }
+
+  const IndexedMesh& mesh_;
+  BoxTree tree_;
+};
+
+DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFinder& finder,
+                                   double density, const DistanceOptions& options) {
+  const std::span<const Patch> patches = surface.patches();
+  const std::size_t blocks = blocks_of(patches.size(), kPatchesPerBlock);
+  Statistics statistics(blocks);
+  begin_stage(options.monitor, "distances of the surface", blocks);
+  for_blocks(blocks, options.monitor, [&](std::size_t block) {
+    DistanceSums& sums = statistics.block(block);
+    DistanceHistogram& histogram = statistics.histogram();
+    std::uint32_t hint = 0;
+    const std::size_t end = std::min(patches.size(), (block + 1) * kPatchesPerBlock);
+    for (std::size_t i = block * kPatchesPerBlock; i < end; ++i) {
+      // The rank in canonical order: the spheres' own order does not matter.
+      Random random(options.seed, surface.list().rank[patches[i].place]);
+      sample_patch(surface, patches[i], density, random, [&](const Vec3d& p) {
+        const double distance = finder.distance(p, hint);
+        sums.add(distance, 1);
+        histogram.add(distance, 1);
+      });
+      sample_border(surface, patches[i], std::sqrt(density), random,
+                    [&](const Vec3d& p) { sums.add_extreme(finder.distance(p, hint)); });
+    }
+  });
+  return statistics.result();
+}
+
+}  // namespace
+
+MeshDistances distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                        const DistanceOptions& options) {
+  check_spheres(spheres);
+  check_triangles(mesh);
+  check_vertices(mesh);
+  check_memory(mesh, options.memory_limit);
+  const double sphere_area = area_of(spheres);
+  const double density =
+      std::max(check_density(sphere_area, options.samples_per_area), kLeastSamples / sphere_area);
+  const Box world = world_of(mesh, spheres);
+  const ExposedSurface surface(spheres, options.monitor);
+  MeshDistances result{};
+  result.mesh_to_surface =
+      MeshSampler(mesh, SurfaceFinder(surface, world), options.samples_per_area)
+          .run(options.monitor);
+  result.surface_to_mesh = surface_to_mesh(surface, MeshFinder(mesh, world), density, options);
+  result.hausdorff_lower_bound = std::max(result.mesh_to_surface.max, result.surface_to_mesh.max);
+  result.samples = result.mesh_to_surface.samples + result.surface_to_mesh.samples;
+  result.seed = options.seed;
+  return result;
+}
+
+std::vector<float> vertex_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                                    Monitor* monitor) {
+  check_spheres(spheres);
+  check_vertices(mesh);
+  const ExposedSurface surface(spheres, monitor);
+  const SurfaceFinder finder(surface, world_of(mesh, spheres));
+  std::vector<float> signed_distances(mesh.vertex_count());
+  const std::size_t blocks = blocks_of(mesh.vertex_count(), kVerticesPerBlock);
+  begin_stage(monitor, "distances of the vertices", blocks);
+  for_blocks(blocks, monitor, [&](std::size_t block) {
+    std::uint32_t hint = 0;
+    const std::size_t end = std::min(mesh.vertex_count(), (block + 1) * kVerticesPerBlock);
+    for (std::size_t v = block * kVerticesPerBlock; v < end; ++v) {
+      const Vec3d& p = mesh.positions[v];
+      const double distance = finder.distance(p, hint);
+      signed_distances[v] = static_cast<float>(surface.contains(p) ? -distance : distance);
+    }
+  });
+  return signed_distances;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,122 @@
+// Where distances are taken: points on exposed patches, arcs and corners, and inside triangles.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "analysis/exposed_surface.hpp"
+
+namespace vdwmesh {
+
+// Numbers in [0, 1) that depend on seed, stream and how many were drawn (SplitMix64).
+class Random {
+ public:
+  Random(std::uint64_t seed, std::uint64_t stream) : state_(mix(mix(seed) + stream)) {}
+  double next() {
+    state_ += kStep;
+    return std::ldexp(static_cast<double>(mix(state_) >> 11), -53);
+  }
+
+ private:
+  static constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;
+  static std::uint64_t mix(std::uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+  }
+  std::uint64_t state_;
+};
+
+inline constexpr double kTwoPi = 6.283185307179586476925;
+
+// A turn of space, uniform over all turns (Shoemake 1992).
+class RandomTurn {
+ public:
+  explicit RandomTurn(Random& random) {
+    const double split = random.next();
+    const double a = kTwoPi * random.next(), b = kTwoPi * random.next();
+    const double p = std::sqrt(1 - split), q = std::sqrt(split);
+    vector_ = {p * std::sin(a), p * std::cos(a), q * std::sin(b)};
+    scalar_ = q * std::cos(b);
+  }
+  Vec3d operator()(const Vec3d& v) const {
+    const Vec3d t = 2.0 * cross(vector_, v);
+    return v + scalar_ * t + cross(vector_, t);
+  }
+
+ private:
+  Vec3d vector_;
+  double scalar_;
+};
+
+// visit(point) for the exposed points of a Fibonacci lattice (González 2010) of `density` points
+// per Å² on the whole sphere; what is left over of a point is one with that probability.
+template <class Visit>
+void sample_patch(const ExposedSurface& surface, const Patch& patch, double density, Random& random,
+                  Visit&& visit) {
+  const double r = patch.ball.radius;
+  const double wanted = 2 * kTwoPi * r * r * density;
+  const auto count = static_cast<std::uint64_t>(wanted + random.next());
+  const RandomTurn turn(random);
+  constexpr double kGoldenTurn = 0.6180339887498948482;
+  const std::span<const Cover> covers = surface.covers(patch);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto k = static_cast<double>(i);
+    const double z = 1 - (2 * k + 1) / static_cast<double>(count);
+    const double angle = kTwoPi * (k * kGoldenTurn - std::floor(k * kGoldenTurn));
+    const double s = std::sqrt((1 - z) * (1 + z));
+    const Vec3d direction = turn({s * std::cos(angle), s * std::sin(angle), z});
+    if (is_exposed(covers, direction)) visit(patch.ball.center + r * direction);
+  }
+}
+
+// The same for points evenly spaced on the circles, `density` per Å, and for all corners; each
+// circle and corner from the first of its spheres.
+template <class Visit>
+void sample_border(const ExposedSurface& surface, const Patch& patch, double density,
+                   Random& random, Visit&& visit) {
+  const double r = patch.ball.radius;
+  const std::span<const Cover> covers = surface.covers(patch);
+  for (std::size_t i = 0; i < patch.circles; ++i) {
+    if (covers[i].place < patch.place) continue;
+    const arcs::Cap& cap = covers[i].cap;
+    const double radius = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
+    const Frame frame = frame_of(cap.axis);
+    const auto count = static_cast<std::uint64_t>(std::ceil(kTwoPi * radius * r * density));
+    const double start = random.next();
+    for (std::uint64_t k = 0; k < count; ++k) {
+      const double angle = kTwoPi * (static_cast<double>(k) + start) / static_cast<double>(count);
+      const Vec3d direction = cap.cosine * cap.axis + radius * std::cos(angle) * frame.first +
+                              radius * std::sin(angle) * frame.second;
+      if (is_exposed(covers, direction, i)) visit(patch.ball.center + r * direction);
+    }
+  }
+  for (const Corner& corner : surface.corners(patch))
+    if (corner.first) visit(patch.ball.center + r * corner.position);
+}
+
+// Into how many equal parts each edge is cut, so that there are `density` parts per Å² at least.
+inline std::uint64_t parts_per_edge(double area, double density) {
+  return std::max<std::uint64_t>(1,
+                                 static_cast<std::uint64_t>(std::ceil(std::sqrt(area * density))));
+}
+
+// visit(point) for the centres of the parts² congruent triangles that abc is cut into.
+template <class Visit>
+void sample_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, std::uint64_t parts,
+                     Visit&& visit) {
+  const double step = 1 / static_cast<double>(parts);
+  const auto at = [&](double u, double v) {
+    return a + (u * step) * (b - a) + (v * step) * (c - a);
+  };
+  for (std::uint64_t i = 0; i < parts; ++i) {
+    const auto u = static_cast<double>(i);
+    for (std::uint64_t j = 0; i + j < parts; ++j) {
+      const auto v = static_cast<double>(j);
+      visit(at(u + 1.0 / 3, v + 1.0 / 3));
+      if (i + j + 1 < parts) visit(at(u + 2.0 / 3, v + 2.0 / 3));
+    }
+  }
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,74 @@
+#include "analysis/distances_statistics.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "core/sum.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr int kMantissaBits = 52, kBinBits = 8, kExponentBias = 1023, kFirstExponent = -48;
+constexpr std::uint64_t kFirstKey = static_cast<std::uint64_t>(kExponentBias + kFirstExponent)
+                                    << kBinBits;
+
+}  // namespace
+
+// Exponent and leading bits of the mantissa: doubles >= 0 are ordered as their bits are.
+std::size_t DistanceHistogram::bin_of(double distance) {
+  const std::uint64_t key = std::bit_cast<std::uint64_t>(distance) >> (kMantissaBits - kBinBits);
+  return std::min<std::size_t>(key > kFirstKey ? key - kFirstKey : 0, kBins - 1);
+}
+
+double DistanceHistogram::middle_of(std::size_t bin) {
+  if (bin == 0) return 0;
+  const std::uint64_t half = std::uint64_t{1} << (kMantissaBits - kBinBits - 1);
+  return std::bit_cast<double>(((kFirstKey + bin) << (kMantissaBits - kBinBits)) + half);
+}
+
+void DistanceHistogram::add(const DistanceHistogram& other) {
+  for (std::size_t i = 0; i < kBins; ++i) bins_[i] += other.bins_[i];
+}
+
+double DistanceHistogram::percentile(double fraction) const {
+  std::uint64_t total = 0;
+  for (const std::uint64_t weight : bins_) total += weight;
+  if (total == 0) return std::numeric_limits<double>::quiet_NaN();
+  const double wanted = std::max(1.0, std::ceil(fraction * static_cast<double>(total)));
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    below += bins_[i];
+    if (static_cast<double>(below) >= wanted) return middle_of(i);
+  }
+  return middle_of(kBins - 1);
+}
+
+DistanceStatistics summarize(const std::vector<DistanceSums>& blocks,
+                             const DistanceHistogram& histogram) {
+  WideSum weight, first, second;
+  double max = 0;
+  std::uint64_t samples = 0;
+  for (const DistanceSums& block : blocks) {
+    weight.add(block.weight);
+    first.add(block.first);
+    second.add(block.second);
+    max = std::max(max, block.max);
+    samples += block.samples;
+  }
+  // The middle of the last bin may lie beyond the largest distance.
+  const auto percentile = [&](double fraction) {
+    const double value = histogram.percentile(fraction);
+    return value > max ? max : value;
+  };
+  return {first.value() / weight.value(),
+          std::sqrt(second.value() / weight.value()),
+          percentile(0.50),
+          percentile(0.95),
+          percentile(0.99),
+          max,
+          samples};
+}
+
+}  // namespace vdwmesh

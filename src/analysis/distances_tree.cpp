@@ -1,0 +1,122 @@
+#include "analysis/distances_tree.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+
+template <class Body>
+void for_all(std::size_t count, const Body& body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+  });
+}
+
+// Every third bit of the result, from the lower 21 of x.
+std::uint64_t spread(std::uint64_t x) {
+  x = (x | x << 32) & 0x001f00000000ffffu;
+  x = (x | x << 16) & 0x001f0000ff0000ffu;
+  x = (x | x << 8) & 0x100f00f00f00f00fu;
+  x = (x | x << 4) & 0x10c30c30c30c30c3u;
+  return (x | x << 2) & 0x1249249249249249u;
+}
+
+// Place of a point of [-1, 1]³ on the Z-order curve, `bits` per axis.
+std::uint64_t morton(const Vec3d& p, int bits) {
+  const double cells = std::ldexp(1.0, bits);
+  const auto cell = [&](double x) {
+    return static_cast<std::uint64_t>(std::clamp(0.5 * (x + 1) * cells, 0.0, cells - 1));
+  };
+  return spread(cell(p.x)) | spread(cell(p.y)) << 1 | spread(cell(p.z)) << 2;
+}
+
+Vec3d middle(const Box& box) { return box.lower + 0.5 * (box.upper - box.lower); }
+
+}  // namespace
+
+BoxTree::BoxTree(std::uint32_t count, const Box& world,
+                 const std::function<Box(std::uint32_t)>& box_of)
+    : center_(middle(world)) {
+  const Vec3d extent = world.upper - world.lower;
+  const double half = 0.5 * std::max({extent.x, extent.y, extent.z});
+  scale_ = half > 0 ? 1 / half : 1;
+  sort(count, box_of);
+  make_leaves(box_of);
+  make_levels();
+}
+
+// Along the Z-order curve, by keys that hold the primitive in the bits it needs and the place in
+// all others: unique, so the order is one whatever sorts them.
+void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>& box_of) {
+  const int index_bits = std::bit_width(count);
+  const int axis_bits = std::min(21, (64 - index_bits) / 3);
+  Buffer<std::uint64_t> keys(count);
+  for_all(count, [&](std::size_t i) {
+    const Vec3d p = scaled(middle(box_of(static_cast<std::uint32_t>(i))));
+    keys[i] = morton(p, axis_bits) << index_bits | i;
+  });
+  tbb::parallel_sort(keys.begin(), keys.end());
+  order_.resize(count);
+  const std::uint64_t mask = (std::uint64_t{1} << index_bits) - 1;
+  for_all(count, [&](std::size_t i) { order_[i] = static_cast<std::uint32_t>(keys[i] & mask); });
+}
+
+void BoxTree::make_leaves(const std::function<Box(std::uint32_t)>& box_of) {
+  const std::size_t per_node = std::size_t{kLeaf} * kWidth;
+  Buffer<Node> nodes((order_.size() + per_node - 1) / per_node);
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  for_all(nodes.size(), [&](std::size_t n) {
+    for (std::size_t lane = 0; lane < kWidth; ++lane) {
+      for (int axis = 0; axis < 3; ++axis) {
+        nodes[n].lower[axis][lane] = kFar;
+        nodes[n].upper[axis][lane] = -kFar;
+      }
+      const std::size_t first = n * per_node + lane * kLeaf;
+      const std::size_t end = std::min(first + kLeaf, order_.size());
+      for (std::size_t i = first; i < end; ++i) {
+        const Box box = box_of(order_[i]);
+        const Vec3f lower = cast<float>(scaled(box.lower)), upper = cast<float>(scaled(box.upper));
+        for (int axis = 0; axis < 3; ++axis) {
+          float& low = nodes[n].lower[axis][lane];
+          float& high = nodes[n].upper[axis][lane];
+          low = std::min(low, lower[axis] - kInflate);
+          high = std::max(high, upper[axis] + kInflate);
+        }
+      }
+    }
+  });
+  levels_.push_back(std::move(nodes));
+}
+
+void BoxTree::make_levels() {
+  while (levels_.back().size() > 1) {
+    const Buffer<Node>& below = levels_.back();
+    Buffer<Node> nodes((below.size() + kWidth - 1) / kWidth);
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    for_all(nodes.size(), [&](std::size_t n) {
+      for (std::size_t lane = 0; lane < kWidth; ++lane) {
+        const std::size_t child = n * kWidth + lane;
+        for (int axis = 0; axis < 3; ++axis) {
+          const bool there = child < below.size();
+          nodes[n].lower[axis][lane] =
+              there ? *std::min_element(below[child].lower[axis], below[child].lower[axis] + kWidth)
+                    : kFar;
+          nodes[n].upper[axis][lane] =
+              there ? *std::max_element(below[child].upper[axis], below[child].upper[axis] + kWidth)
+                    : -kFar;
+        }
+      }
+    });
+    levels_.push_back(std::move(nodes));
+  }
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,196 @@
+// The pieces distances are made of, each against a plain search that shares no code with it.
+#include "analysis/distances_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "analysis/distances.hpp"
+#include "analysis/distances_statistics.hpp"
+#include "analysis/distances_triangle.hpp"
+#include "support/test_meshes.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using Uniform = std::uniform_real_distribution<double>;
+
+Vec3d random_point(std::mt19937_64& random, double size) {
+  Uniform place(-size, size);
+  const double x = place(random), y = place(random), z = place(random);
+  return {x, y, z};
+}
+
+double plain_distance(const Vec3d& a, const Vec3d& b) {
+  return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) +
+                   (a.z - b.z) * (a.z - b.z));
+}
+
+TEST(BoxTree, FindsTheNearestOfAnyNumberOfPoints) {
+  std::mt19937_64 random(1);
+  for (const std::uint32_t count : {1u, 3u, 4u, 5u, 31u, 32u, 33u, 257u, 3000u}) {
+    std::vector<Vec3d> points(count);
+    for (Vec3d& p : points) p = random_point(random, 10);
+    if (count > 2) points[1] = points[0];
+    const BoxTree tree(count, {{-20, -20, -20}, {20, 20, 20}}, [&](std::uint32_t i) {
+      return Box{points[i], points[i]};
+    });
+    for (int trial = 0; trial < 200; ++trial) {
+      const Vec3d p = trial < 10 ? points[0] : random_point(random, 20);
+      double expected = std::numeric_limits<double>::infinity();
+      for (const Vec3d& q : points) expected = std::min(expected, plain_distance(p, q));
+      double squared = std::numeric_limits<double>::infinity();
+      tree.nearest(p, squared, [&](std::uint32_t i, double& best) {
+        const double d = plain_distance(p, points[i]);
+        best = std::min(best, d * d);
+      });
+      EXPECT_NEAR(std::sqrt(squared), expected, 1e-13 * 40) << count;  // Å, a rounding or two
+    }
+  }
+}
+
+TEST(BoxTree, BoxesThatAreAllAlikeOrFarAway) {
+  const Box here{{5, 5, 5}, {5, 5, 5}};
+  const BoxTree same(100, here, [&](std::uint32_t) { return here; });
+  int visits = 0;
+  double squared = 1;
+  same.nearest({5, 5, 5}, squared, [&](std::uint32_t, double&) { ++visits; });
+  EXPECT_EQ(visits, 100);
+  const BoxTree far(100, {{0, 0, 0}, {1e6, 1, 1}}, [](std::uint32_t i) {
+    return Box{{1e6 - i, 0, 0}, {1e6 - i, 1, 1}};
+  });
+  squared = std::numeric_limits<double>::infinity();
+  far.nearest({0, 0, 0}, squared,
+              [&](std::uint32_t i, double& best) { best = std::min(best, (1e6 - i) * (1e6 - i)); });
+  EXPECT_EQ(squared, (1e6 - 99.0) * (1e6 - 99.0));
+}
+
+// Nested shrinking grids over (u, v): slow, and knows nothing of regions.
+double searched_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  double u0 = 0.5, v0 = 0.5, step = 0.5, best = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < 120; ++round, step *= 0.8) {
+    double nu = u0, nv = v0;
+    for (int i = -4; i <= 4; ++i)
+      for (int j = -4; j <= 4; ++j) {
+        double u = std::clamp(u0 + i * step / 4, 0.0, 1.0);
+        double v = std::clamp(v0 + j * step / 4, 0.0, 1.0);
+        if (u + v > 1) {
+          const double over = (u + v - 1) / 2;
+          u = std::max(0.0, u - over);
+          v = std::min(1.0 - u, std::max(0.0, v - over));
+        }
+        const Vec3d q = a + u * (b - a) + v * (c - a);
+        const double d = plain_distance(p, q);
+        if (d < best) {
+          best = d;
+          nu = u;
+          nv = v;
+        }
+      }
+    u0 = nu;
+    v0 = nv;
+  }
+  return best;
+}
+
+TEST(TriangleDistance, AgreesWithASearchInEveryRegion) {
+  std::mt19937_64 random(2);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Vec3d a = random_point(random, 1), b = random_point(random, 1),
+                c = random_point(random, 1);
+    const Vec3d p = random_point(random, trial % 2 ? 1.0 : 4.0);
+    // The search ends with steps of 1e-12, but may leave the valley a little early.
+    EXPECT_NEAR(std::sqrt(squared_distance_to_triangle(p, a, b, c)), searched_distance(p, a, b, c),
+                1e-6);
+  }
+}
+
+TEST(TriangleDistance, SegmentsAndPoints) {
+  const Vec3d o{0, 0, 0}, x{1, 0, 0}, far{3, 0, 0}, p{2, 1, 0};
+  EXPECT_DOUBLE_EQ(squared_distance_to_triangle(p, o, o, o), 5);
+  for (const auto& [a, b, c] :
+       {std::array{o, o, far}, std::array{o, far, o}, std::array{far, o, o}, std::array{o, x, far},
+        std::array{x, far, o}, std::array{far, o, x}})
+    EXPECT_DOUBLE_EQ(squared_distance_to_triangle(p, a, b, c), 1);
+  for (const auto& [a, b, c] : {std::array{o, x, x}, std::array{x, o, x}, std::array{x, x, o}})
+    EXPECT_DOUBLE_EQ(squared_distance_to_triangle(p, a, b, c), 2);
+  // All but a segment, in a direction where no coordinate is exact.
+  const Vec3d d{1 / 3.0, 1 / 7.0, 1 / 11.0};
+  const Vec3d beside = 0.4 * d + Vec3d{-1 / 7.0, 1 / 3.0, 0};  // at right angles to d
+  EXPECT_NEAR(std::sqrt(squared_distance_to_triangle(beside, o, 0.3 * d, d)),
+              std::hypot(1 / 7.0, 1 / 3.0), 1e-7);
+}
+
+TEST(DistanceHistogram, PercentilesAreGoodToTheirBin) {
+  DistanceHistogram histogram;
+  EXPECT_TRUE(std::isnan(histogram.percentile(0.5)));
+  for (int i = 1; i <= 1000; ++i) histogram.add(1e-3 * i, 7);
+  for (const double fraction : {0.001, 0.5, 0.95, 0.99, 1.0}) {
+    // A bin is 1/256 of its power of two; its middle is off by half of that at most.
+    EXPECT_NEAR(histogram.percentile(fraction), fraction, fraction / 256);
+  }
+  DistanceHistogram zeros;
+  zeros.add(0, 3);
+  zeros.add(1e-300, 1);
+  EXPECT_EQ(zeros.percentile(0.5), 0);
+}
+
+// Points on the boundary of the union, from a dense sampling that asks every ball.
+std::vector<Vec3d> sampled_boundary(const std::vector<Sphere>& balls, int per_ball) {
+  std::vector<Vec3d> points;
+  for (const Sphere& ball : balls) {
+    for (int k = 0; k < per_ball; ++k) {
+      const double z = 1 - (2 * k + 1.0) / per_ball;
+      const double angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
+      const double s = std::sqrt(1 - z * z);
+      const Vec3d p{ball.center.x + ball.radius * s * std::cos(angle),
+                    ball.center.y + ball.radius * s * std::sin(angle),
+                    ball.center.z + ball.radius * z};
+      const bool buried = std::any_of(balls.begin(), balls.end(), [&](const Sphere& other) {
+        return plain_distance(p, other.center) < other.radius - 1e-9;
+      });
+      if (!buried) points.push_back(p);
+    }
+  }
+  return points;
+}
+
+class RandomCluster : public ::testing::TestWithParam<int> {};
+
+TEST_P(RandomCluster, DistancesAgreeWithADenselySampledBoundary) {
+  std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
+  Uniform radius(0.7, 1.7);
+  std::vector<Sphere> balls(25);
+  for (Sphere& ball : balls) ball = {random_point(random, 2), radius(random)};
+  constexpr int kPerBall = 40000;
+  const std::vector<Vec3d> boundary = sampled_boundary(balls, kPerBall);
+  IndexedMesh points;
+  for (int i = 0; i < 300; ++i) points.positions.push_back(random_point(random, i % 3 ? 2.5 : 5));
+  const std::vector<float> found = vertex_distances(points, SphereSet(balls));
+  // A sphere's points cover it with caps of radius 1.9 √(area per point) at most (the lattice's
+  // covering radius); near a corner the exposed ones may be twice as far.
+  const double cover = 2 * 1.9 * 1.7 * std::sqrt(4 * std::numbers::pi / kPerBall);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Vec3d& p = points.positions[i];
+    double expected = std::numeric_limits<double>::infinity();
+    for (const Vec3d& q : boundary) expected = std::min(expected, plain_distance(p, q));
+    const double distance = std::abs(static_cast<double>(found[i]));
+    // Samples are on the boundary, so none is nearer than the true distance.
+    EXPECT_LE(distance, expected + 1e-6) << i;
+    // Where the nearest point is inside a patch the sampling is wrong only in second order.
+    EXPECT_GE(distance, expected - cover) << i;
+    const bool inside = std::any_of(balls.begin(), balls.end(), [&](const Sphere& ball) {
+      return plain_distance(p, ball.center) < ball.radius;
+    });
+    EXPECT_EQ(found[i] < 0, inside) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomCluster, ::testing::Range(1, 5));
+
+}  // namespace
+}  // namespace vdwmesh
