@@ -85,8 +85,10 @@ void warn_of_lost_components(Report& report) {
   const auto& topology = report.exact->topology;
   const auto& components = report.mesh->topology.components;
   if (!topology || !components || *components >= topology->components) return;
-  report.warnings.push_back(fmt::format("the mesh has {} components, the union of the spheres {}",
-                                        *components, topology->components));
+  report.warnings.push_back(fmt::format(
+      "components: {} in the mesh, {} in the union of the spheres; pieces closer together than the "
+      "spacing are joined, smaller ones are missed, and a smaller --spacing tells them apart",
+      *components, topology->components));
 }
 
 }  // namespace

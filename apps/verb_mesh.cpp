@@ -28,6 +28,9 @@ class MeshVerb : public Verb {
     const InputOptions input = input_.resolve(surface.field.preset);
     const MachineOptions machine_options = machine_.resolve();
     const OutputOptions output = output_.resolve();
+    if (output.json == mesh_path_) {
+      throw InvalidInput("-o and --json both name " + mesh_path_);
+    }
 
     Machine machine(machine_options);
     Report report;

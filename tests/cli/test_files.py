@@ -3,16 +3,17 @@
 import gzip
 import resource
 import signal
+import subprocess
 
-from program import BAD_INPUT, UBIQUITIN, ProgramTest, parse_json
+from program import BAD_INPUT, PROGRAM, UBIQUITIN, ProgramTest, parse_json
 
 MESH_FORMATS = ("ply", "obj", "off", "stl", "glb")
 
 
 def limit_file_size():
-    """Writing beyond 64 KiB fails, as on a full disk."""
+    """Writing beyond 4 KiB fails, as on a full disk."""
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 
 
 class Inputs(ProgramTest):
@@ -72,6 +73,19 @@ class Outputs(ProgramTest):
                 )
                 self.assertEqual(self.files(), [])
 
+    def test_full_disk_leaves_no_table(self):
+        path = self.folder / "a.csv"
+        arguments = ("exact", UBIQUITIN, "--per-atom", path)
+        self.assert_refused(BAD_INPUT, *arguments, says=("a.csv",), preexec_fn=limit_file_size)
+        self.assertEqual(self.files(), [])
+
+    def test_one_file_for_two_outputs(self):
+        path = self.folder / "a.ply"
+        self.assert_refused(BAD_INPUT, "mesh", UBIQUITIN, "-o", path, "--json", path, says=("--json",))
+        both = ("--json", path, "--per-atom", path)
+        self.assert_refused(BAD_INPUT, "exact", UBIQUITIN, *both, says=("--json", "--per-atom"))
+        self.assertEqual(self.files(), [])
+
     def test_full_disk_keeps_the_old_file(self):
         path = self.file("a.ply", "old")
         self.assert_refused(BAD_INPUT, "mesh", UBIQUITIN, "-o", path, preexec_fn=limit_file_size)
@@ -80,10 +94,6 @@ class Outputs(ProgramTest):
 
     def test_full_standard_output_is_an_error(self):
         with open("/dev/full", "w") as full:
-            import subprocess
-
-            from program import PROGRAM
-
             result = subprocess.run(
                 [PROGRAM, "info"], stdout=full, stderr=subprocess.PIPE, text=True
             )
