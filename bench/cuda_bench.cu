@@ -49,9 +49,9 @@ double copy_rate(const Stream& stream) {
   const std::size_t bytes = std::size_t{4} << 30;
   const DeviceArray<std::uint8_t> from(bytes, stream.get()), to(bytes, stream.get());
   const double ms = time_on_device(stream, [&] {
-    check_cuda(cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyDeviceToDevice,
-                               stream.get()),
-               "copy");
+    check_cuda(
+        cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyDeviceToDevice, stream.get()),
+        "copy");
   });
   const double rate = 2.0 * static_cast<double>(bytes) / (ms * 1e-3);
   std::printf("device copy: %.2f TB/s (read + written)\n", rate * 1e-12);
@@ -106,7 +106,7 @@ void report_extraction(const char* name, const SphereSet& spheres, const Extract
   const FieldModel model = make_field_model(options.field, grid);
   const CellList list = make_field_list(spheres, model);
   const DeviceCellList device_list(list.view(), stream.get());
-  std::vector<double> search, count, scan, emit, total;
+  std::vector<double> search, count, scan, vertex, triangle, total;
   std::uint64_t vertices = 0, triangles = 0, bricks = 0;
   for (int i = 0; i <= kRepeats; ++i) {
     const double seconds = seconds_of([&] {
@@ -118,22 +118,25 @@ void report_extraction(const char* name, const SphereSet& spheres, const Extract
       search.push_back(e.timings.search);
       count.push_back(e.timings.count);
       scan.push_back(e.timings.scan);
-      emit.push_back(e.timings.emit);
+      vertex.push_back(e.timings.vertices);
+      triangle.push_back(e.timings.triangles);
     });
     if (i > 0) total.push_back(seconds * 1e3);
   }
-  const double floor = static_cast<double>(indexed_mesh_bytes(vertices, triangles,
-                                                              Connectivity::half_edges)) /
-                       (rate / 2) * 1e3 / 2;
+  const double floor =
+      static_cast<double>(indexed_mesh_bytes(vertices, triangles, Connectivity::half_edges)) /
+      (rate / 2) * 1e3 / 2;
   std::printf("%-34s %9lld x %6lld x %6lld cells  V %11llu T %11llu bricks %9llu\n", name,
               static_cast<long long>(grid.cells.x), static_cast<long long>(grid.cells.y),
               static_cast<long long>(grid.cells.z), static_cast<unsigned long long>(vertices),
-              static_cast<unsigned long long>(triangles),
-              static_cast<unsigned long long>(bricks));
-  std::printf("    search %.3f  count %.3f  scan %.3f  emit %.3f  sum %.3f  wall %.3f ms"
-              "  (mesh written once: %.3f ms)\n",
-              median(search), median(count), median(scan), median(emit),
-              median(search) + median(count) + median(scan) + median(emit), median(total), floor);
+              static_cast<unsigned long long>(triangles), static_cast<unsigned long long>(bricks));
+  std::printf(
+      "    search %.3f  count %.3f  scan %.3f  vertices %.3f  triangles %.3f  sum %.3f  wall %.3f "
+      "ms"
+      "  (mesh written once: %.3f ms)\n",
+      median(search), median(count), median(scan), median(vertex), median(triangle),
+      median(search) + median(count) + median(scan) + median(vertex) + median(triangle),
+      median(total), floor);
 }
 
 void report_refinement(const char* name, const SphereSet& spheres, double spacing,
@@ -181,8 +184,7 @@ void report_end_to_end(const std::filesystem::path& path, double spacing) {
   for (const Backend backend : {Backend::cpu, Backend::cuda}) {
     std::vector<double> times;
     for (int i = 0; i < 4; ++i) {
-      const double t =
-          seconds_of([&] { make_pipeline(backend)->run(spheres, options, refine); });
+      const double t = seconds_of([&] { make_pipeline(backend)->run(spheres, options, refine); });
       if (i > 0) times.push_back(t);
     }
     seconds[backend == Backend::cuda] = median(times);

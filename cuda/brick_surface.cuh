@@ -2,8 +2,8 @@
 // and the vertex on an edge. The device counterparts of UnionBrick and BlendedBrick.
 #pragma once
 
+#include "cuda/extract_stages.cuh"
 #include "cuda/ordered_gather.cuh"
-#include "extract/block_bounds.hpp"
 #include "extract/brick_geometry.hpp"
 #include "extract/edge_formulas.hpp"
 #include "extract/field_sample.hpp"
@@ -13,11 +13,6 @@
 namespace vdwmesh {
 
 inline constexpr std::uint32_t kChunk = 128;  // spheres in shared memory at a time
-
-struct FieldContext {
-  CellListView list;
-  FieldModel model;
-};
 
 // Squared distance from a point to the box of a brick's nodes.
 __device__ inline double square_to_brick(const BrickGeometry& g, const Vec3d& c) {

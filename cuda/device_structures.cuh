@@ -55,7 +55,8 @@ struct ExtractTimings {
   float search = 0;  // bricks that may hold surface
   float count = 0;   // field, signs, configurations, counts
   float scan = 0;
-  float emit = 0;  // vertices, normals, labels, triangles, half-edges
+  float vertices = 0;   // positions, normals, labels
+  float triangles = 0;  // corners and half-edges
 };
 
 struct DeviceExtraction {

@@ -17,24 +17,6 @@ struct NearRows {
   std::uint32_t first_row[CellListView::kMaxLevels + 1];
 };
 
-__device__ inline void find_rows(const CellListView& list, const Vec3d& lower, const Vec3d& upper,
-                                 NearRows& rows) {
-  rows.first_row[0] = 0;
-  for (int l = 0; l < list.level_count; ++l) {
-    const CellListView::Level& level = list.levels[l];
-    rows.x[l] = cell_range(level, 0, lower.x, upper.x);
-    rows.y[l] = cell_range(level, 1, lower.y, upper.y);
-    rows.z[l] = cell_range(level, 2, lower.z, upper.z);
-    const bool any = rows.x[l].first <= rows.x[l].last && rows.y[l].first <= rows.y[l].last &&
-                     rows.z[l].first <= rows.z[l].last;
-    const std::uint32_t count =
-        any ? static_cast<std::uint32_t>(rows.y[l].last - rows.y[l].first + 1) *
-                  static_cast<std::uint32_t>(rows.z[l].last - rows.z[l].first + 1)
-            : 0u;
-    rows.first_row[l + 1] = rows.first_row[l] + count;
-  }
-}
-
 struct PlaceRange {
   std::uint32_t begin, end;
 };
@@ -60,11 +42,26 @@ struct GatherState {
   bool finished;
 };
 
-// Called by all threads of the block before the first chunk.
+// Called by all threads of the block (at least 3 * kMaxLevels of them) before the first chunk.
 __device__ inline void begin_gather(const CellListView& list, const Vec3d& lower,
                                     const Vec3d& upper, GatherState& state) {
+  NearRows& rows = state.rows;
+  const int l = static_cast<int>(threadIdx.x) / 3, axis = static_cast<int>(threadIdx.x) % 3;
+  if (l < list.level_count) {
+    CellRange* range = axis == 0 ? rows.x : (axis == 1 ? rows.y : rows.z);
+    range[l] = cell_range(list.levels[l], axis, lower[axis], upper[axis]);
+  }
+  __syncthreads();
   if (threadIdx.x == 0) {
-    find_rows(list, lower, upper, state.rows);
+    rows.first_row[0] = 0;
+    for (int i = 0; i < list.level_count; ++i) {
+      const CellRange &x = rows.x[i], &y = rows.y[i], &z = rows.z[i];
+      const bool any = x.first <= x.last && y.first <= y.last && z.first <= z.last;
+      const std::uint32_t count = any ? static_cast<std::uint32_t>(y.last - y.first + 1) *
+                                            static_cast<std::uint32_t>(z.last - z.first + 1)
+                                      : 0u;
+      rows.first_row[i + 1] = rows.first_row[i] + count;
+    }
     state.next_row = 0;
     state.next_place = 0;
     state.gathered = 0;

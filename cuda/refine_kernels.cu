@@ -53,8 +53,7 @@ __device__ const SphereId* ids(const VertexSpheres& label) {
   return reinterpret_cast<const SphereId*>(&label);
 }
 
-// ---- triangles judged together
-// ---------------------------------------------------------------------
+// ---- triangles judged together ----
 
 // A level as the kernels see it: patches of vertices with the triangles among them. Given: one
 // triangle of three vertices, all of which the level handles.
@@ -203,8 +202,7 @@ __global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, DeviceSta
   if (facing(surface.spheres, p, atom) != Facing::outward) atomicAdd(&stats->turned, 1ull);
 }
 
-// ---- the given vertices
-// ----------------------------------------------------------------------------
+// ---- the given vertices ----
 
 // Square of the longest edge at each vertex, as bits.
 __global__ void raise_longest_edges(DeviceMeshView mesh, unsigned long long* square_bits) {
@@ -292,8 +290,7 @@ ProjectionStats project_given(const SurfaceView& surface, DeviceMesh& mesh, cons
   return to_host(stats, undone, stream);
 }
 
-// ---- subdivision
-// -------------------------------------------------------------------------------------
+// ---- subdivision ----
 
 struct OwnsEdge {
   const std::uint32_t* opposite;

@@ -42,7 +42,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// ---- counting ----------------------------------------------------------------------------------
+// ---- counting ----
 
 void count_triangles(const BrickGeometry& geometry, const CaseTable& table, ActiveBrick& brick) {
   brick.triangles = 0;
@@ -88,7 +88,7 @@ void count_bricks(const Job& job, std::size_t begin, std::size_t end,
   }
 }
 
-// ---- emission ----------------------------------------------------------------------------------
+// ---- emission ----
 
 template <class Surface>
 std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface) {
@@ -179,8 +179,7 @@ std::uint64_t emit_bricks(const Emission& e, std::size_t begin, std::size_t end)
   return clamped;
 }
 
-// ---- the loops in both processor versions
-// --------------------------------------------------------
+// ---- the loops in both processor versions ----
 
 using Active = std::vector<ActiveBrick>;
 using Blinn = BlendedBrick<FieldKind::blinn>;

@@ -60,33 +60,30 @@ VDWMESH_HD inline Interval cover(const Sphere& ball, const Vec3d& node, int axis
 template <class ForEach>
 VDWMESH_HD EdgePoint first_exit(const Vec3d& node, int axis, double direction, double spacing,
                                 ForEach&& for_each) {
-  double reach = 0;
-  for_each([&](const Sphere& ball, std::uint32_t, std::uint32_t) {
+  double reach = -1;
+  std::uint32_t owner = 0, owner_rank = 0;
+  const auto end_at = [&](double exit, std::uint32_t rank, std::uint32_t index) {
+    if (exit == reach && rank >= owner_rank) return;
+    reach = exit;
+    owner = index;
+    owner_rank = rank;
+  };
+  for_each([&](const Sphere& ball, std::uint32_t rank, std::uint32_t index) {
     if (!inside_ball(node, ball)) return;
     const Interval i = cover(ball, node, axis, direction);
-    if (!i.empty && i.exit > reach) reach = i.exit;
+    // Rounding may end the interval before the node that its ball holds.
+    const double exit = i.empty || !(i.exit > 0) ? 0 : i.exit;
+    if (exit >= reach) end_at(exit, rank, index);
   });
   for (bool grown = true; grown;) {
     grown = false;
-    for_each([&](const Sphere& ball, std::uint32_t, std::uint32_t) {
+    for_each([&](const Sphere& ball, std::uint32_t rank, std::uint32_t index) {
       const Interval i = cover(ball, node, axis, direction);
-      if (i.empty || i.enter > reach || i.enter > spacing || i.exit <= reach) return;
-      reach = i.exit;
-      grown = true;
+      if (i.empty || i.exit < reach || i.enter > reach || i.enter > spacing) return;
+      grown |= i.exit > reach;
+      end_at(i.exit, rank, index);
     });
   }
-  bool owned = false;
-  std::uint32_t owner = 0, owner_rank = 0;
-  for_each([&](const Sphere& ball, std::uint32_t rank, std::uint32_t index) {
-    const Interval i = cover(ball, node, axis, direction);
-    const bool ends_here = !i.empty && i.exit == reach && !(i.enter > spacing);
-    // reach is 0 where rounding ends every interval before the node that its ball holds.
-    if (!ends_here && !(reach == 0 && inside_ball(node, ball))) return;
-    if (owned && rank > owner_rank) return;
-    owned = true;
-    owner = index;
-    owner_rank = rank;
-  });
   return clamp_to_edge(reach, spacing, owner);
 }
 
