@@ -78,6 +78,8 @@ inline constexpr double kCertain = 1e-13;
 inline constexpr double kParallel = 1e-18;
 // Parallel planes nearer than this may cross after all.
 inline constexpr double kParallelGap = 1e-8;
+// Far above the rounding of a Gram determinant, far below 1.
+inline constexpr double kRoughly = 1e-12;
 
 // Where an edge ends at a third plane. direct: along the edge, exact to rounding unless the plane
 // is all but parallel to it. shared: one point for the three edges that end there, so that faces
@@ -97,8 +99,8 @@ class BallCell {
   VDWMESH_HD bool closed() const {
     return active_count_ > 0 && exposed_ends_ == 0 && whole_disks_ == 0;
   }
-  // No plane farther than this from the centre cuts.
-  VDWMESH_HD double reach() const { return reach_; }
+  // Whether no plane at this distance from the centre, or farther, can cut.
+  VDWMESH_HD bool out_of_reach(double cosine);
   VDWMESH_HD std::uint32_t doubts() const { return doubts_; }
   VDWMESH_HD bool overflowed() const { return (doubts_ & kOverflow) != 0; }
 
@@ -116,6 +118,7 @@ class BallCell {
   VDWMESH_HD double end_at(const CellEdge& edge, std::uint32_t plane, double direct) const;
   VDWMESH_HD Relation relate(const CellFace& old, const CellFace& fresh, CellEdge& edge);
   VDWMESH_HD Relation relate_parallel(const CellFace& old, const CellFace& fresh, double cosine);
+  VDWMESH_HD static Relation relate_uncrossed(double toward_a, double toward_b);
   VDWMESH_HD bool add_face(std::uint32_t fresh, bool was_closed);
   VDWMESH_HD bool clip_chord(CellEdge& edge) const;
   VDWMESH_HD bool keeps_whole(const CellEdge& edge);
@@ -132,8 +135,10 @@ class BallCell {
   double reach_ = 1;
   double depth_ = 0;  // of the least deep corner beyond the last plane
   bool empty_ = false;
+  bool reach_is_stale_ = true;
 };
 
 }  // namespace vdwmesh::arcs
 
-#include "arrangement/arc_cell_impl.hpp"
+#include "arrangement/arc_cell_chords.hpp"
+#include "arrangement/arc_cell_cut.hpp"

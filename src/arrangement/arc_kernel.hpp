@@ -33,7 +33,7 @@ VDWMESH_HD inline BallMeasures measure_sorted(const Cap* caps, std::uint32_t cou
   BallCell cell(workspace, ending);
   std::uint32_t doubts = 0;
   for (std::uint32_t i = 0; i < count && !cell.empty(); ++i) {
-    if (cell.closed() && caps[i].cosine >= cell.reach()) break;
+    if (cell.out_of_reach(caps[i].cosine)) break;
     if (!repeats_plane(caps, i, doubts)) cell.cut(caps[i]);
   }
   BallMeasures measures = measure_cell(cell, caps, count);
