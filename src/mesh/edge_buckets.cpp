@@ -8,6 +8,7 @@
 #include <array>
 
 #include "core/errors.hpp"
+#include "mesh/large_pages.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -45,6 +46,7 @@ EdgeBuckets::EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex
     sum += size;
   }
   entries_.resize(sum);
+  advise_large_pages(entries_.data(), entries_.size());
   fill(triangles);
   sort();
 }

@@ -7,6 +7,7 @@
 
 #include "core/errors.hpp"
 #include "mesh/edge_buckets.hpp"
+#include "mesh/large_pages.hpp"
 #include "mesh/surface_mesh.hpp"
 
 namespace vdwmesh {
@@ -59,6 +60,7 @@ Buffer<std::uint32_t> opposite_half_edges(std::span<const Triangle> triangles,
     throw InvalidInput(fmt::format("triangle {} names a vertex twice: {} {} {}", *t,
                                    triangles[*t][0], triangles[*t][1], triangles[*t][2]));
   Buffer<std::uint32_t> opposite(3 * triangles.size());
+  advise_large_pages(opposite.data(), opposite.size());
   std::atomic<std::size_t> first_bad{vertex_count};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertex_count, kVerticesPerTask),
                     [&](const tbb::blocked_range<std::size_t>& range) {

@@ -136,6 +136,7 @@ class Builder {
                                       2 * std::uint64_t{edges}, kMaxSurfaceHalfEdges));
     edge_count_ = edges;
     handle_of_.resize(half_edges);
+    advise_large_pages(handle_of_.data(), half_edges);
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
       std::uint32_t edge = first_edge[b];
       for (std::size_t h = b * kItemsPerBlock; h < block_end(b); ++h) {
