@@ -45,42 +45,46 @@ Vector<T> difference(const Vector<T>& a, const Vector<T>& b) {
 // (c_b - c_a) · (orthogonal centre - c_a).
 template <class T>
 T half_power_offset(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
-  return (dot(ab, ab) + (T(a.radius) - T(b.radius)) * (T(a.radius) + T(b.radius))) / 2;
+  return (dot(ab, ab) + (T(a.radius) - T(b.radius)) * (T(a.radius) + T(b.radius))) * T(0.5);
 }
 
-// Signed distance at edge ab, towards c.
+// Sums and products alone cancel, so they alone are done in T; roots and quotients of their results
+// are left to double.
 template <class T>
-T distance_in_plane(const Sphere& a, const Sphere& b, const Sphere& c, const T& twice_area) {
-  const Vector<T> ab = from_to<T>(a, b), ac = from_to<T>(a, c);
-  const T wb = half_power_offset(a, b, ab), wc = half_power_offset(a, c, ac);
-  using std::sqrt;
-  const T squared_length = dot(ab, ab);
-  return (wc * squared_length - wb * dot(ab, ac)) / (twice_area * T(sqrt(squared_length)));
+double to_double(const T& value) {
+  return static_cast<double>(value);
+}
+template <class T>
+double root(const T& square) {
+  return std::sqrt(std::max(0.0, to_double(square)));
+}
+template <class T>
+Vec3d quotient(const Vector<T>& v, double divisor) {
+  return {to_double(v.x) / divisor, to_double(v.y) / divisor, to_double(v.z) / divisor};
 }
 
 template <class T>
 TriangleShape shape_in(const std::array<const Sphere*, 3>& v) {
-  using std::sqrt;
   const Vector<T> normal = cross(from_to<T>(*v[0], *v[1]), from_to<T>(*v[0], *v[2]));
-  const T twice_area = sqrt(dot(normal, normal));
+  const T gram = dot(normal, normal);
   TriangleShape shape{};
-  shape.twice_area = static_cast<double>(twice_area);
-  T smallest = 0;
-  T squared_chord = 0;
+  shape.twice_area = root(gram);
+  double smallest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Sphere &a = *v[(k + 1) % 3], &b = *v[(k + 2) % 3];
-    const T d = distance_in_plane(a, b, *v[k], twice_area);
-    shape.distance[k] = static_cast<double>(d);
+    const Sphere &a = *v[(k + 1) % 3], &b = *v[(k + 2) % 3], &c = *v[k];
+    const Vector<T> ab = from_to<T>(a, b), ac = from_to<T>(a, c);
+    const T wb = half_power_offset(a, b, ab), wc = half_power_offset(a, c, ac);
+    const T squared_length = dot(ab, ab);
+    const T distance = wc * squared_length - wb * dot(ab, ac);
+    shape.distance[k] = to_double(distance) / (shape.twice_area * root(squared_length));
     // The smallest of the three circles gives the chord with the least rounding.
-    const Vector<T> ab = from_to<T>(a, b);
-    const T height = half_power_offset(a, b, ab) / T(sqrt(dot(ab, ab)));
-    const T circle = (T(a.radius) - height) * (T(a.radius) + height);
-    if (k == 0 || circle < smallest) {
-      smallest = circle;
-      squared_chord = circle - d * d;
-    }
+    const T circle = T(a.radius) * T(a.radius) * squared_length - wb * wb;
+    const double squared_circle_radius = to_double(circle) / to_double(squared_length);
+    if (k > 0 && squared_circle_radius >= smallest) continue;
+    smallest = squared_circle_radius;
+    const T chord = circle * gram - distance * distance;
+    shape.half_chord = root(chord) / (shape.twice_area * root(squared_length));
   }
-  shape.half_chord = squared_chord > 0 ? static_cast<double>(T(sqrt(squared_chord))) : 0.0;
   return shape;
 }
 
@@ -92,16 +96,25 @@ bool is_thin(const Vector<double>& u, const Vector<double>& v) {
   return !(dot(normal, normal) >= kThinSine * kThinSine * two_longest);
 }
 
+double square_root(double square) { return std::sqrt(square); }
+
+// Newton from the double root; each step adds about 50 bits.
+Wide square_root(const Wide& square) {
+  const double start = std::sqrt(to_double(square));
+  Wide root = start;
+  const Wide slope = 0.5 / start;
+  for (int step = 0; step < 3; ++step) root += (square - root * root) * slope;
+  return root;
+}
+
 // Van Oosterom and Strackee 1983: the tangent of half the solid angle that p, q and a point common
 // to the three spheres span at o is their determinant over this.
 template <class T>
 double solid_angle_denominator(const Sphere& o, const Sphere& p, const Sphere& q) {
-  using std::sqrt;
   const Vector<T> op = from_to<T>(o, p), oq = from_to<T>(o, q);
-  const T lp = sqrt(dot(op, op)), lq = sqrt(dot(oq, oq));
-  return static_cast<double>(T(T(o.radius) * (lp * lq + dot(op, oq)) +
-                               half_power_offset(o, p, op) * lq +
-                               half_power_offset(o, q, oq) * lp));
+  const T lp = square_root(dot(op, op)), lq = square_root(dot(oq, oq));
+  return to_double(T(T(o.radius) * (lp * lq + dot(op, oq)) + half_power_offset(o, p, op) * lq +
+                     half_power_offset(o, q, oq) * lp));
 }
 
 bool is_short(double half_chord, const Sphere& a, const Sphere& b, const Sphere& c) {
@@ -133,62 +146,53 @@ constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
 template <class T>
 void set_dihedrals(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms,
                    TetrahedronShape& shape) {
-  using std::sqrt;
+  const double determinant = std::max(0.0, to_double(terms.determinant));
   for (std::size_t p = 0; p < 6; ++p) {
     // The facets at an edge are those opposite to the other two vertices.
     const auto &m = terms.normal[kPairs[5 - p][0]], &n = terms.normal[kPairs[5 - p][1]];
-    const Vector<T> edge = from_to<T>(v[kPairs[p][0]], v[kPairs[p][1]]);
-    const T sine = terms.determinant * T(sqrt(dot(edge, edge)));
-    shape.dihedral[p] =
-        std::atan2(std::max(0.0, static_cast<double>(sine)), -static_cast<double>(dot(m, n)));
+    const auto edge = from_to<double>(v[kPairs[p][0]], v[kPairs[p][1]]);
+    shape.dihedral[p] = std::atan2(determinant * root(dot(edge, edge)), -to_double(dot(m, n)));
   }
 }
 
+// The orthogonal centre, from ball 0, times minus the determinant.
 template <class T>
-Vector<T> center_of(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms) {
+Vector<T> center_numerator(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms) {
   std::array<T, 3> w;
   for (std::size_t k = 0; k < 3; ++k) w[k] = half_power_offset(v[0], v[k + 1], terms.edge[k]);
-  const auto along = [&](auto coordinate) {
-    return T((w[0] * coordinate(terms.normal[1]) + w[1] * coordinate(terms.normal[2]) +
-              w[2] * coordinate(terms.normal[3])) /
-             -terms.determinant);
-  };
-  return {along([](const Vector<T>& n) { return n.x; }),
-          along([](const Vector<T>& n) { return n.y; }),
-          along([](const Vector<T>& n) { return n.z; })};
+  const auto& n = terms.normal;
+  return {w[0] * n[1].x + w[1] * n[2].x + w[2] * n[3].x,
+          w[0] * n[1].y + w[1] * n[2].y + w[2] * n[3].y,
+          w[0] * n[1].z + w[1] * n[2].z + w[2] * n[3].z};
 }
 
 template <class T>
 void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms,
                         TetrahedronShape& shape) {
-  using std::sqrt;
-  const Vector<T> center = center_of(v, terms);
-  const Vector<T> from_first = difference(center, terms.edge[0]);
+  const Vector<T> center = center_numerator(v, terms);
+  const T& d = terms.determinant;
   for (std::size_t k = 0; k < 4; ++k) {
-    const T reach = -dot(k == 0 ? from_first : center, terms.normal[k]);
-    shape.center_height[k] = static_cast<double>(T(reach / T(sqrt(terms.squared_normal[k]))));
+    T reach = dot(center, terms.normal[k]);
+    if (k == 0) reach += d * d;  // this facet alone does not pass through ball 0
+    shape.center_height[k] = to_double(reach) / (to_double(d) * root(terms.squared_normal[k]));
   }
 }
 
 // The centre in the plane by the Gram matrix of the two edges at a.
 template <class T>
 CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
-  using std::sqrt;
   const Vector<T> u = from_to<T>(a, b), v = from_to<T>(a, c), n = cross(u, v);
   const T wu = half_power_offset(a, b, u), wv = half_power_offset(a, c, v);
   const T uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), gram = dot(n, n);
-  const T s = (wu * vv - wv * uv) / gram, t = (wv * uu - wu * uv) / gram;
+  const T s = wu * vv - wv * uv, t = wv * uu - wu * uv;
   const Vector<T> center{s * u.x + t * v.x, s * u.y + t * v.y, s * u.z + t * v.z};
-  const T squared_chord = T(a.radius) * T(a.radius) - dot(center, center);
-  const T half_chord = squared_chord > 0 ? T(sqrt(squared_chord)) : T(0);
-  const T lift = half_chord / T(sqrt(gram));
-  const auto point = [&](const T& step) {
-    return Vec3d{static_cast<double>(T(center.x + step * n.x)),
-                 static_cast<double>(T(center.y + step * n.y)),
-                 static_cast<double>(T(center.z + step * n.z))};
-  };
-  return {point(lift), point(T(-lift)), static_cast<double>(half_chord),
-          static_cast<double>(T(sqrt(gram)))};
+  const double twice_area = root(gram);
+  // The centre's squared distance from a is (s wu + t wv) / gram.
+  const T chord = T(a.radius) * T(a.radius) * gram - (s * wu + t * wv);
+  const double half_chord = root(chord) / twice_area;
+  const Vec3d middle = quotient(center, to_double(gram));
+  const Vec3d lift = half_chord * quotient(n, twice_area);
+  return {middle + lift, middle - lift, half_chord, twice_area};
 }
 
 template <class T>
@@ -240,12 +244,10 @@ CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c) {
 }
 
 Vec3d orthogonal_center(const std::array<Sphere, 4>& balls) {
-  const auto rounded = [](const auto& v) {
-    return Vec3d{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-  };
   const TetrahedronTerms<double> terms(balls);
-  if (is_flat(terms)) return rounded(center_of(balls, TetrahedronTerms<Wide>(balls)));
-  return rounded(center_of(balls, terms));
+  if (!is_flat(terms)) return quotient(center_numerator(balls, terms), -terms.determinant);
+  const TetrahedronTerms<Wide> wide(balls);
+  return quotient(center_numerator(balls, wide), -to_double(wide.determinant));
 }
 
 CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
