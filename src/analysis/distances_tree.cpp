@@ -38,6 +38,16 @@ std::uint64_t morton(const Vec3d& p, int bits) {
   return spread(cell(p.x)) | spread(cell(p.y)) << 1 | spread(cell(p.z)) << 2;
 }
 
+constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr Box kNothing{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+
+void include(Box& box, const Vec3d& lower, const Vec3d& upper) {
+  for (int axis = 0; axis < 3; ++axis) {
+    box.lower[axis] = std::min(box.lower[axis], lower[axis]);
+    box.upper[axis] = std::max(box.upper[axis], upper[axis]);
+  }
+}
+
 Vec3d middle(const Box& box) { return box.lower + 0.5 * (box.upper - box.lower); }
 
 }  // namespace
@@ -69,28 +79,28 @@ void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>&
   for_all(count, [&](std::size_t i) { order_[i] = static_cast<std::uint32_t>(keys[i] & mask); });
 }
 
+// An empty range has lower > upper = -infinity.
+void BoxTree::Node::set(std::size_t lane, int axis, double lower, double upper) {
+  const bool there = lower <= upper;
+  center[axis][lane] = there ? static_cast<float>(0.5 * (lower + upper)) : 0;
+  half[axis][lane] =
+      there ? static_cast<float>(0.5 * (upper - lower)) + kInflate : -static_cast<float>(kFar);
+}
+
 void BoxTree::make_leaves(const std::function<Box(std::uint32_t)>& box_of) {
   const std::size_t per_node = std::size_t{kLeaf} * kWidth;
   Buffer<Node> nodes((order_.size() + per_node - 1) / per_node);
-  constexpr float kFar = std::numeric_limits<float>::infinity();
   for_all(nodes.size(), [&](std::size_t n) {
     for (std::size_t lane = 0; lane < kWidth; ++lane) {
-      for (int axis = 0; axis < 3; ++axis) {
-        nodes[n].lower[axis][lane] = kFar;
-        nodes[n].upper[axis][lane] = -kFar;
-      }
       const std::size_t first = n * per_node + lane * kLeaf;
       const std::size_t end = std::min(first + kLeaf, order_.size());
+      Box all = kNothing;
       for (std::size_t i = first; i < end; ++i) {
         const Box box = box_of(order_[i]);
-        const Vec3f lower = cast<float>(scaled(box.lower)), upper = cast<float>(scaled(box.upper));
-        for (int axis = 0; axis < 3; ++axis) {
-          float& low = nodes[n].lower[axis][lane];
-          float& high = nodes[n].upper[axis][lane];
-          low = std::min(low, lower[axis] - kInflate);
-          high = std::max(high, upper[axis] + kInflate);
-        }
+        include(all, scaled(box.lower), scaled(box.upper));
       }
+      for (int axis = 0; axis < 3; ++axis)
+        nodes[n].set(lane, axis, all.lower[axis], all.upper[axis]);
     }
   });
   levels_.push_back(std::move(nodes));
@@ -100,18 +110,16 @@ void BoxTree::make_levels() {
   while (levels_.back().size() > 1) {
     const Buffer<Node>& below = levels_.back();
     Buffer<Node> nodes((below.size() + kWidth - 1) / kWidth);
-    constexpr float kFar = std::numeric_limits<float>::infinity();
     for_all(nodes.size(), [&](std::size_t n) {
       for (std::size_t lane = 0; lane < kWidth; ++lane) {
         const std::size_t child = n * kWidth + lane;
         for (int axis = 0; axis < 3; ++axis) {
-          const bool there = child < below.size();
-          nodes[n].lower[axis][lane] =
-              there ? *std::min_element(below[child].lower[axis], below[child].lower[axis] + kWidth)
-                    : kFar;
-          nodes[n].upper[axis][lane] =
-              there ? *std::max_element(below[child].upper[axis], below[child].upper[axis] + kWidth)
-                    : -kFar;
+          double lower = kFar, upper = -kFar;
+          for (std::size_t i = 0; child < below.size() && i < kWidth; ++i) {
+            lower = std::min(lower, below[child].lower(i, axis));
+            upper = std::max(upper, below[child].upper(i, axis));
+          }
+          nodes[n].set(lane, axis, lower, upper);
         }
       }
     });

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cfloat>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -31,12 +33,21 @@ class BoxTree {
   static constexpr std::uint32_t kLeaf = 4;
   static constexpr int kMaxLevels = 11;  // 4 * 8^11 > 2^32
   // Coordinates are scaled to [-1, 1]. A float is then wrong by 2^-25, in box and query, and their
-  // difference by 2^-24.
-  static constexpr float kInflate = 0x1p-22f;
+  // difference by 2^-24; boxes grow by four times that on every level.
+  static constexpr float kInflate = 0x1p-22F;
   static constexpr float kSlack = 1e-5F;  // relative, of squared lengths: many float roundings
 
+  // Lanes without a box have the half -infinity: nothing is near them.
   struct alignas(32) Node {
-    float lower[3][kWidth], upper[3][kWidth];
+    float center[3][kWidth], half[3][kWidth];
+
+    void set(std::size_t lane, int axis, double lower, double upper);
+    double lower(std::size_t lane, int axis) const {
+      return double{center[axis][lane]} - half[axis][lane];
+    }
+    double upper(std::size_t lane, int axis) const {
+      return double{center[axis][lane]} + half[axis][lane];
+    }
   };
   struct Entry {
     float distance;
@@ -59,6 +70,7 @@ class BoxTree {
     return static_cast<float>(squared * scale_ * scale_) * (1 + kSlack) + FLT_MIN;
   }
   static void measure(const Node& node, const FloatPoint& p, float (&distance)[kWidth]);
+  static std::uint32_t nearer_than(float bound, const float (&distance)[kWidth]);
   static int push(const Entry& entry, Entry* stack, int from, int size);
 
   Vec3d center_;
@@ -67,14 +79,26 @@ class BoxTree {
   std::vector<Buffer<Node>> levels_;  // leaves first
 };
 
-// Squared scaled distances to the eight boxes.
+// Squared scaled distances to the eight boxes. Without branches or comparisons, which would keep
+// the compiler from using vector instructions.
 inline void BoxTree::measure(const Node& node, const FloatPoint& p, float (&distance)[kWidth]) {
+  const auto twice_outside = [](float place, float center, float half) {
+    const float beyond = std::abs(place - center) - half;
+    return beyond + std::abs(beyond);
+  };
   for (int i = 0; i < kWidth; ++i) {
-    const float x = std::max(0.0F, std::max(node.lower[0][i] - p.x, p.x - node.upper[0][i]));
-    const float y = std::max(0.0F, std::max(node.lower[1][i] - p.y, p.y - node.upper[1][i]));
-    const float z = std::max(0.0F, std::max(node.lower[2][i] - p.z, p.z - node.upper[2][i]));
-    distance[i] = x * x + y * y + z * z;
+    const float x = twice_outside(p.x, node.center[0][i], node.half[0][i]);
+    const float y = twice_outside(p.y, node.center[1][i], node.half[1][i]);
+    const float z = twice_outside(p.z, node.center[2][i], node.half[2][i]);
+    distance[i] = 0.25F * (x * x + y * y + z * z);
   }
+}
+
+// As bits.
+inline std::uint32_t BoxTree::nearer_than(float bound, const float (&distance)[kWidth]) {
+  std::uint32_t near = 0;
+  for (int i = 0; i < kWidth; ++i) near |= static_cast<std::uint32_t>(distance[i] < bound) << i;
+  return near;
 }
 
 // Keeps the entries from `from` on in falling order of distance.
@@ -105,8 +129,8 @@ void BoxTree::nearest(const Vec3d& p, double& squared, Visit&& visit) const {
     float distance[kWidth];
     measure(levels_[static_cast<std::size_t>(entry.level)][entry.index], query, distance);
     const int from = size;
-    for (std::uint32_t i = 0; i < kWidth; ++i) {
-      if (!(distance[i] < bound)) continue;
+    for (std::uint32_t near = nearer_than(bound, distance); near != 0; near &= near - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(near));
       size = push({distance[i], entry.level - 1, kWidth * entry.index + i}, stack, from, size);
     }
   }

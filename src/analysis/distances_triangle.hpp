@@ -7,11 +7,15 @@
 
 namespace vdwmesh {
 
+// Plain products: where the processor is not known to have fma, it is a library call.
+inline double inner(const Vec3d& a, const Vec3d& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline double squared(const Vec3d& a) { return inner(a, a); }
+
 inline double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   const Vec3d ab = b - a, ap = p - a;
-  const double length = squared_norm(ab);
-  const double t = length > 0 ? std::clamp(dot(ap, ab) / length, 0.0, 1.0) : 0.0;
-  return squared_norm(ap - t * ab);
+  const double length = squared(ab);
+  const double t = length > 0 ? std::clamp(inner(ap, ab) / length, 0.0, 1.0) : 0.0;
+  return squared(ap - t * ab);
 }
 
 // Squared sine of the angle at a below which a triangle counts as its three edges: it is then
@@ -23,30 +27,30 @@ inline constexpr double kFlatTriangle = 1e-14;
 inline double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b,
                                            const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return squared_norm(ap);
+  const double d1 = inner(ab, ap), d2 = inner(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return squared(ap);
   const Vec3d bp = p - b;
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return squared_norm(bp);
+  const double d3 = inner(ab, bp), d4 = inner(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return squared(bp);
   const Vec3d cp = p - c;
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return squared_norm(cp);
+  const double d5 = inner(ab, cp), d6 = inner(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return squared(cp);
   const Vec3d normal = cross(ab, ac);
-  const double area = squared_norm(normal);
-  const bool flat = !(area > kFlatTriangle * squared_norm(ab) * squared_norm(ac));
+  const double area = squared(normal);
+  const bool flat = !(area > kFlatTriangle * squared(ab) * squared(ac));
   if (flat) {
     return std::min({squared_distance_to_segment(p, a, b), squared_distance_to_segment(p, b, c),
                      squared_distance_to_segment(p, c, a)});
   }
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return squared_norm(ap - (d1 / (d1 - d3)) * ab);
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return squared(ap - (d1 / (d1 - d3)) * ab);
   const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return squared_norm(ap - (d2 / (d2 - d6)) * ac);
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return squared(ap - (d2 / (d2 - d6)) * ac);
   const double va = d3 * d6 - d5 * d4;
   if (va <= 0 && d4 >= d3 && d5 >= d6) {
-    return squared_norm(bp - ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b));
+    return squared(bp - ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b));
   }
-  const double height = dot(normal, ap);
+  const double height = inner(normal, ap);
   return height * height / area;
 }
 

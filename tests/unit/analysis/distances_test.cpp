@@ -56,9 +56,7 @@ TEST(Distances, InscribedSphereIsOffByItsSagitta) {
   EXPECT_EQ(d.samples, d.mesh_to_surface.samples + d.surface_to_mesh.samples);
 }
 
-// The area of the sphere's part above a face, and the mean of its depth over it, from
-// d(direction) = 1 - inradius·cos… have closed forms; the mean depth over the whole sphere is
-// 1 - 3 V'/…; a finely subdivided mesh is simpler: everything goes to 0 with order 2.
+// Order 2, as for every inscribed mesh.
 TEST(Distances, BothDirectionsFallWithTheSquareOfTheEdge) {
   const MeshDistances coarse = distances(icosphere(3), unit_ball());
   const MeshDistances fine = distances(icosphere(4), unit_ball());
