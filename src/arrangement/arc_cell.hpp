@@ -19,7 +19,7 @@ enum Doubt : std::uint32_t {
   kTinyArc = 16,        // the exposed part of a circle is all but nothing, or all but all
   kGaussBonnet = 32,    // the patch fails the Gauss-Bonnet theorem
   kOpenSurface = 64,    // the vector areas of patch and faces do not add up to zero
-  kVanishing = 128,     // the plane that took the last of the body only just did
+  kVanishing = 128,     // a plane all but took the last of the body, or only just did
   kVanished = 256,      // the same, within rounding
 };
 
@@ -133,7 +133,6 @@ class BallCell {
   std::uint32_t exposed_ends_ = 0, whole_disks_ = 0;
   std::uint32_t doubts_ = 0;
   double reach_ = 1;
-  double depth_ = 0;  // of the least deep corner beyond the last plane
   bool empty_ = false;
   bool reach_is_stale_ = true;
 };

@@ -53,13 +53,15 @@ VDWMESH_HD inline double BallCell::end_at(const CellEdge& edge, std::uint32_t pl
 VDWMESH_HD inline bool BallCell::clip_edges(std::uint32_t fresh) {
   const Cap& cap = space_.faces[fresh].cap;
   bool touched = false, along = false;
-  depth_ = 1;
+  double depth = 1;  // beyond the plane, of the least deep corner
   for (std::uint32_t i = 0; i < edge_count_;) {
     CellEdge& e = space_.edges[i];
     const double room = cap.cosine - inner(cap.axis, e.middle);
     const double slope = inner(cap.axis, e.half);
     const double upper_depth = slope * e.upper - room;
     const double lower_depth = slope * e.lower - room;
+    const double least = upper_depth < lower_depth ? upper_depth : lower_depth;
+    depth = least < depth ? least : depth;
     const bool upper_out = upper_depth > kSlack;
     const bool lower_out = lower_depth > kSlack;
     if (!upper_out && !lower_out) {
@@ -69,8 +71,6 @@ VDWMESH_HD inline bool BallCell::clip_edges(std::uint32_t fresh) {
     }
     touched = true;
     along = along || (std::abs(upper_depth) < kTouching && std::abs(lower_depth) < kTouching);
-    const double least = upper_depth < lower_depth ? upper_depth : lower_depth;
-    depth_ = least < depth_ ? least : depth_;
     space_.faces[e.a].touched = space_.faces[e.b].touched = true;
     const std::uint8_t before = e.exposed;
     if (upper_out) {
@@ -90,6 +90,10 @@ VDWMESH_HD inline bool BallCell::clip_edges(std::uint32_t fresh) {
   }
   // A plane along an edge: with it, faces may be lost that still have a part on this side.
   if (touched && along) doubts_ |= kParallelPlanes;
+  // What is left, if anything, is next to nothing, and may be nothing.
+  if (touched && std::abs(depth) < kTouching) {
+    doubts_ |= std::abs(depth) < kCertain ? kVanished : kVanishing;
+  }
   return touched;
 }
 
@@ -128,7 +132,6 @@ VDWMESH_HD inline void BallCell::drop_faces(std::uint32_t fresh) {
     ++face_slots_;
   }
   empty_ = active_count_ == 0;
-  if (empty_ && depth_ < kTouching) doubts_ |= depth_ < kCertain ? kVanished : kVanishing;
 }
 
 VDWMESH_HD inline bool BallCell::out_of_reach(double cosine) {
