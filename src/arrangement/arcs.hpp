@@ -17,8 +17,10 @@ struct ArcMeasures {
   std::vector<SphereMeasures> per_sphere;
   // Spheres whose numbers are not to be trusted, ascending: they failed a check (Gauss-Bonnet on
   // the exposed patch; closedness of ball ∩ power cell) or are near-degenerate (circles all but
-  // tangent or equal, more than two circles through an exposed point, all but vanishing arcs).
-  // per_sphere still holds what was found, and the sums count it.
+  // tangent or equal, more than two circles through one point of the sphere, planes along an edge,
+  // all but vanishing arcs or cells).
+  // per_sphere holds what was found with planes nudged apart by parts in 10^11 of the radius, which
+  // is right to 1e-9 as a rule, not by guarantee; the sums count it.
   std::vector<SphereId> suspect;
 };
 
