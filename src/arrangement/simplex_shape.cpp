@@ -178,18 +178,17 @@ void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T
   }
 }
 
-// The centre in the plane by the Gram matrix of the two edges at a.
+// The centre in the plane is (wu v×n + wv n×u) / n².
 template <class T>
 CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
   const Vector<T> u = from_to<T>(a, b), v = from_to<T>(a, c), n = cross(u, v);
-  const T wu = half_power_offset(a, b, u), wv = half_power_offset(a, c, v);
-  const T uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), gram = dot(n, n);
-  const T s = wu * vv - wv * uv, t = wv * uu - wu * uv;
-  const Vector<T> center{s * u.x + t * v.x, s * u.y + t * v.y, s * u.z + t * v.z};
+  const Vector<T> vn = cross(v, n), nu = cross(n, u);
+  const T wu = half_power_offset(a, b, u), wv = half_power_offset(a, c, v), gram = dot(n, n);
+  const Vector<T> center{wu * vn.x + wv * nu.x, wu * vn.y + wv * nu.y, wu * vn.z + wv * nu.z};
+  const T scaled_radius = T(a.radius) * gram;
+  const double half_chord =
+      root(T(scaled_radius * scaled_radius - dot(center, center))) / to_double(gram);
   const double twice_area = root(gram);
-  // The centre's squared distance from a is (s wu + t wv) / gram.
-  const T chord = T(a.radius) * T(a.radius) * gram - (s * wu + t * wv);
-  const double half_chord = root(chord) / twice_area;
   const Vec3d middle = quotient(center, to_double(gram));
   const Vec3d lift = half_chord * quotient(n, twice_area);
   return {middle + lift, middle - lift, half_chord, twice_area};

@@ -110,20 +110,31 @@ TEST_P(Jitter, FormulasAgreeAndMeasuresAreContinuous) {
 }
 
 INSTANTIATE_TEST_SUITE_P(UnionProperties, Jitter,
-                         ::testing::Values(1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6));
+                         ::testing::Values(1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6, 1e-5,
+                                           1e-4, 1e-3));
 
 TEST(UnionProperties, JitteredLatticesOfCosphericalBalls) {
   std::mt19937_64 random(4);
-  for (const double amplitude : {0.0, 1e-15, 1e-12, 1e-9, 1e-6}) {
-    // Spacing 1 and radius 0.8: face and body diagonals are covered or not by a margin, while
-    // every cell's corners are co-spherical.
-    const ExactUnion u = unite(jittered(testing::cubic_lattice(4, 1, 0.8), amplitude, random));
-    SCOPED_TRACE(amplitude);
-    expect_consistent(u);
-    EXPECT_EQ(u.topology->components, 1u);
-    EXPECT_EQ(u.topology->tunnels, 0u);
-    EXPECT_EQ(u.topology->voids, 27u);
-    EXPECT_EQ(u.topology->shells.size(), 28u);
+  // Spacing 1 and radius 0.8: face and body diagonals are covered or not by a margin, while every
+  // cell's corners are co-spherical. Radius 0.9 fills the cells: flat tetrahedra join the complex.
+  for (const double radius : {0.8, 0.9}) {
+    const auto lattice = testing::cubic_lattice(4, 1, radius);
+    const ExactUnion limit = unite(lattice);
+    for (const double amplitude : {0.0, 1e-15, 1e-12, 1e-9, 1e-6}) {
+      SCOPED_TRACE(amplitude);
+      const ExactUnion u = unite(jittered(lattice, amplitude, random));
+      expect_consistent(u);
+      EXPECT_EQ(u.topology->components, 1u);
+      EXPECT_EQ(u.topology->tunnels, 0u);
+      EXPECT_EQ(u.topology->voids, radius == 0.8 ? 27u : 0u);
+      EXPECT_EQ(u.topology->shells.size(), u.topology->voids + 1);
+      // A ball ∩ power cell has less than 4π of boundary, which moves by less than 4 amplitudes.
+      constexpr double kRounding = 1e-13;  // Å³
+      for (std::size_t i = 0; i < lattice.size(); ++i) {
+        EXPECT_NEAR(u.per_sphere[i].volume, limit.per_sphere[i].volume,
+                    16 * std::numbers::pi * amplitude + kRounding);
+      }
+    }
   }
 }
 
