@@ -193,6 +193,29 @@ ExactOptions ExactFlags::resolve() const {
   return options;
 }
 
+void DistanceFlags::add_to(CLI::App& verb) {
+  verb.add_option("--distances", distances_, "between mesh and exact surface, on or off [on]");
+  verb.add_option("--samples", samples_, "of --distances, per Å² [10]");
+  verb.add_option("--seed", seed_, "of the samples [1]");
+}
+
+DistanceChoice DistanceFlags::resolve() const {
+  DistanceChoice choice;
+  choice.distances = choose("--distances", distances_, kSwitches);
+  if (samples_) {
+    choice.samples_per_area = parse_number("--samples", *samples_, Range::positive, "10");
+  }
+  if (seed_) {
+    const std::int64_t seed = parse_integer("--seed", *seed_, 0, 4'294'967'295);
+    choice.seed = static_cast<std::uint64_t>(seed);
+  }
+  if (choice.distances == Switch::off && (samples_ || seed_)) {
+    throw InvalidInput(fmt::format("{}: is of the distances; leave out --distances off",
+                                   samples_ ? "--samples" : "--seed"));
+  }
+  return choice;
+}
+
 void MachineFlags::add_to(CLI::App& verb, Backends backends) {
   if (backends == Backends::choose) {
     verb.add_option("--backend", backend_, "auto, cpu or cuda [auto]");

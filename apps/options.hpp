@@ -17,8 +17,6 @@
 
 namespace vdwmesh::apps {
 
-inline constexpr int kMaxSubdivisions = 10;
-
 struct InputOptions {
   std::filesystem::path path;
   std::string sample;  // used in place of `path` where not empty
@@ -39,6 +37,12 @@ enum class Switch { off, on };
 struct ExactOptions {
   UnionMethod method = UnionMethod::cgal;
   Switch topology = Switch::on;
+};
+
+struct DistanceChoice {
+  Switch distances = Switch::on;
+  double samples_per_area = 10;  // per Å²
+  std::uint64_t seed = 1;
 };
 
 enum class Progress { terminal_only, always, never };
@@ -97,6 +101,16 @@ class ExactFlags {
 
  private:
   std::optional<std::string> method_, topology_;
+};
+
+class DistanceFlags {
+ public:
+  void add_to(CLI::App& verb);
+  DistanceChoice resolve() const;
+
+ private:
+  std::string distances_ = "on";
+  std::optional<std::string> samples_, seed_;
 };
 
 class MachineFlags {

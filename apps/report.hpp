@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_union.hpp"
 #include "options.hpp"
@@ -47,19 +48,12 @@ struct MeshReport {
   std::vector<std::string> notes;           // how it was read
 };
 
-// Statistics of distances in Å.
-struct DistanceSummary {
-  double mean, rms, max;
-};
-
 struct Comparison {
   double area_relative_error = 0;  // (mesh - exact) / exact
   std::optional<double> volume_relative_error;
   // From the χ a 2-manifold can have: the exact one + 2 point contacts.
   std::optional<std::int64_t> euler_characteristic_difference;
-  std::optional<DistanceSummary> mesh_to_surface, surface_to_mesh;
-  std::optional<double> hausdorff_lower_bound;  // Å
-  std::optional<std::uint64_t> samples, seed;
+  std::optional<MeshDistances> distances;
 };
 
 // Wall-clock seconds.

@@ -154,19 +154,27 @@ Json exact_json(const ExactUnion& exact) {
           {"fallback_spheres", exact.fallback_spheres}};
 }
 
-Json summary_json(const DistanceSummary& d) {
-  return {{"mean", d.mean}, {"rms", d.rms}, {"max", d.max}};
+Json statistics_json(const DistanceStatistics& d) {
+  return {{"mean", d.mean}, {"rms", d.rms}, {"max", d.max},        {"p50", d.p50},
+          {"p95", d.p95},   {"p99", d.p99}, {"samples", d.samples}};
 }
 
 Json comparison_json(const Comparison& comparison) {
-  return {{"area_relative_error", comparison.area_relative_error},
-          {"volume_relative_error", or_null(comparison.volume_relative_error)},
-          {"euler_characteristic_difference", or_null(comparison.euler_characteristic_difference)},
-          {"mesh_to_surface", block(comparison.mesh_to_surface, summary_json)},
-          {"surface_to_mesh", block(comparison.surface_to_mesh, summary_json)},
-          {"hausdorff_lower_bound", or_null(comparison.hausdorff_lower_bound)},
-          {"samples", or_null(comparison.samples)},
-          {"seed", or_null(comparison.seed)}};
+  const auto of_distances = [&](auto read) -> Json {
+    return comparison.distances ? Json(read(*comparison.distances)) : Json(nullptr);
+  };
+  using D = MeshDistances;
+  return {
+      {"area_relative_error", comparison.area_relative_error},
+      {"volume_relative_error", or_null(comparison.volume_relative_error)},
+      {"euler_characteristic_difference", or_null(comparison.euler_characteristic_difference)},
+      {"mesh_to_surface",
+       of_distances([](const D& d) { return statistics_json(d.mesh_to_surface); })},
+      {"surface_to_mesh",
+       of_distances([](const D& d) { return statistics_json(d.surface_to_mesh); })},
+      {"hausdorff_lower_bound", of_distances([](const D& d) { return d.hausdorff_lower_bound; })},
+      {"samples", of_distances([](const D& d) { return d.samples; })},
+      {"seed", of_distances([](const D& d) { return d.seed; })}};
 }
 
 Json timing_json(const Timing& timing) {

@@ -253,22 +253,18 @@ void mesh_text(Text out, const MeshReport& mesh) {
   distribution_row(out, "Edge length", mesh.quality.edge_length, "Å");
 }
 
-void distance_text(Text out, std::string_view label, const DistanceSummary& d) {
-  fmt::format_to(out, "{:<22}mean {:.5f}, rms {:.5f}, max {:.5f} Å\n", label, d.mean, d.rms, d.max);
+void distance_row(Text out, std::string_view label, const DistanceStatistics& d) {
+  fmt::format_to(out, "{:<22}{:>14.5f}{:>10.5f}{:>10.5f}{:>10.5f}{:>10.5f}  Å\n", label, d.mean,
+                 d.rms, d.p95, d.p99, d.max);
 }
 
-void comparison_text(Text out, const Comparison& comparison) {
-  if (comparison.mesh_to_surface) {
-    distance_text(out, "Mesh to surface", *comparison.mesh_to_surface);
-  }
-  if (comparison.surface_to_mesh) {
-    distance_text(out, "Surface to mesh", *comparison.surface_to_mesh);
-  }
-  if (comparison.hausdorff_lower_bound) {
-    fmt::format_to(out, "{:<22}at least {:.5f} Å ({} samples, seed {})\n", "Hausdorff distance",
-                   *comparison.hausdorff_lower_bound, figure(comparison.samples),
-                   figure(comparison.seed));
-  }
+void distances_text(Text out, const MeshDistances& distances) {
+  fmt::format_to(out, "\n{:<22}{:>14}{:>10}{:>10}{:>10}{:>10}\n", "Distance", "mean", "rms", "95 %",
+                 "99 %", "max");
+  distance_row(out, "mesh to surface", distances.mesh_to_surface);
+  distance_row(out, "surface to mesh", distances.surface_to_mesh);
+  fmt::format_to(out, "Hausdorff distance: at least {:.5f} Å ({} samples, seed {})\n",
+                 distances.hausdorff_lower_bound, distances.samples, distances.seed);
 }
 
 void timing_text(Text out, const Timing& timing) {
@@ -298,7 +294,9 @@ std::string to_text(const Report& report) {
   if (report.exact) exact_text(out, *report.exact);
   table_text(out, report);
   if (report.mesh) mesh_text(out, *report.mesh);
-  if (report.comparison) comparison_text(out, *report.comparison);
+  if (report.comparison && report.comparison->distances) {
+    distances_text(out, *report.comparison->distances);
+  }
   text += '\n';
   if (report.mesh) remarks_text(out, "Note", report.mesh->notes);
   remarks_text(out, "Note", report.notes);

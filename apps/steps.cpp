@@ -182,9 +182,15 @@ void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Moni
   report.timing.exact = watch.seconds();
 }
 
-void compare_with_exact(Report& report) {
+void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
+                        const DistanceChoice& choice, std::uint64_t memory_limit, Monitor* monitor,
+                        Report& report) {
   const Stopwatch watch;
   report.comparison = compare(*report.mesh, *report.exact);
+  if (choice.distances == Switch::on) {
+    report.comparison->distances =
+        distances(mesh, spheres, {choice.samples_per_area, choice.seed, memory_limit, monitor});
+  }
   warn_of_lost_components(report);
   report.timing.compare = watch.seconds();
 }

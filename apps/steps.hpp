@@ -35,8 +35,10 @@ void measure(const IndexedMesh& mesh, SelfIntersections self_intersections, Moni
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Monitor* monitor,
                      Report& report);
 
-// Mesh beside exact union; both must be in the report.
-void compare_with_exact(Report& report);
+// Mesh beside exact union, which both must be in the report, and the distances between them.
+void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
+                        const DistanceChoice& choice, std::uint64_t memory_limit, Monitor* monitor,
+                        Report& report);
 
 // The half-edge mesh with normals, atoms and CPK colours.
 SurfaceMesh build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule, Report& report);

@@ -19,6 +19,7 @@ class CompareVerb : public Verb {
     app.add_option("MESH", mesh_path_, ".ply .obj .off .stl or .glb");
     input_.add_to(app);
     exact_.add_to(app);
+    distances_.add_to(app);
     machine_.add_to(app, MachineFlags::Backends::none);
     output_.add_to(app, OutputFlags::PerAtom::none);
   }
@@ -31,6 +32,7 @@ class CompareVerb : public Verb {
     mesh_format(mesh_path_);
     const InputOptions input = input_.resolve();
     const ExactOptions exact = exact_.resolve();
+    const DistanceChoice distance_choice = distances_.resolve();
     const MachineOptions machine_options = machine_.resolve();
     const OutputOptions output = output_.resolve();
 
@@ -38,9 +40,10 @@ class CompareVerb : public Verb {
     Report report;
     const Molecule molecule = load(input, report);
     const SphereSet spheres = to_spheres(molecule, input.probe);
-    read_and_measure(machine.monitor(), report);
+    const IndexedMesh mesh = read_and_measure(machine.monitor(), report);
     measure_exactly(spheres, exact, machine.monitor(), report);
-    compare_with_exact(report);
+    compare_with_exact(mesh, spheres, distance_choice, machine_options.memory_limit,
+                       machine.monitor(), report);
     machine.end_progress();
     add_warnings(report);
     report.timing.total = watch.seconds();
@@ -48,19 +51,21 @@ class CompareVerb : public Verb {
   }
 
  private:
-  void read_and_measure(Monitor* monitor, Report& report) const {
-    const MeshFile file = read_mesh(mesh_path_);
+  IndexedMesh read_and_measure(Monitor* monitor, Report& report) const {
+    MeshFile file = read_mesh(mesh_path_);
     if (file.mesh.triangle_count() == 0) {
       throw FileFormatError(mesh_path_ + ": holds no triangles; a triangle mesh is needed");
     }
     measure(file.mesh, SelfIntersections::small_meshes, monitor, report);
     report.mesh->path = mesh_path_;
     report.mesh->notes = file.notes;
+    return std::move(file.mesh);
   }
 
   std::string mesh_path_;
   InputFlags input_;
   ExactFlags exact_;
+  DistanceFlags distances_;
   MachineFlags machine_;
   OutputFlags output_;
 };

@@ -22,6 +22,7 @@ class ReportVerb : public Verb {
     input_.add_to(app);
     surface_.add_to(app, 1);
     exact_.add_to(app);
+    distances_.add_to(app);
     app.add_option("--self-intersections", self_intersections_,
                    "on, off, or auto: meshes of up to a million triangles [auto]");
     machine_.add_to(app, MachineFlags::Backends::choose);
@@ -33,6 +34,7 @@ class ReportVerb : public Verb {
     const SurfaceOptions surface = surface_.resolve();
     const InputOptions input = input_.resolve(surface.field.preset);
     const ExactOptions exact = exact_.resolve();
+    const DistanceChoice distance_choice = distances_.resolve();
     const MachineOptions machine_options = machine_.resolve();
     const OutputOptions output = output_.resolve();
     const SelfIntersections count =
@@ -46,7 +48,8 @@ class ReportVerb : public Verb {
                                        machine.monitor(), report);
     measure(mesh, count, machine.monitor(), report);
     measure_exactly(spheres, exact, machine.monitor(), report);
-    compare_with_exact(report);
+    compare_with_exact(mesh, spheres, distance_choice, machine_options.memory_limit,
+                       machine.monitor(), report);
     machine.end_progress();
     add_warnings(report);
     if (!output.per_atom.empty()) {
@@ -62,6 +65,7 @@ class ReportVerb : public Verb {
   InputFlags input_;
   SurfaceFlags surface_;
   ExactFlags exact_;
+  DistanceFlags distances_;
   std::string self_intersections_ = "auto";
   MachineFlags machine_;
   OutputFlags output_;

@@ -6,7 +6,7 @@ set(extract_headers extractor field grid indexed_mesh sphere_set)
 set(refine_headers refiner)
 set(arrangement_headers exact_union)
 set(mesh_headers mesh_io surface_mesh)
-set(analysis_headers mesh_measures)
+set(analysis_headers distances mesh_measures)
 foreach(room core structure extract refine arrangement mesh analysis)
   list(TRANSFORM ${room}_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/${room}/\\1.hpp"
        OUTPUT_VARIABLE headers)

@@ -35,6 +35,29 @@ class Octahedron(ProgramTest):
         self.assertIsNone(report["parameters"])
         self.assertIsNone(report["backend"])
 
+    def test_distances(self):
+        comparison = self.compare(FACES)["comparison"]
+        farthest = 1 - 1 / math.sqrt(3)  # between the centre of a face and the sphere
+        # 10^4 samples lie within 0.03 of any point of the unit sphere; the distance is flat there.
+        self.assertTrue(0.998 * farthest <= comparison["hausdorff_lower_bound"] <= farthest)
+        for direction in ("mesh_to_surface", "surface_to_mesh"):
+            distance = comparison[direction]
+            self.assertTrue(0 < distance["mean"] < distance["rms"] < distance["max"] <= farthest)
+
+    def test_distances_off(self):
+        mesh = self.file("octahedron.off", off(FACES))
+        ball = self.file("ball.xyzr", "0 0 0 1\n")
+        comparison = self.report("compare", mesh, ball, "--distances", "off")["comparison"]
+        for key in ("mesh_to_surface", "surface_to_mesh", "hausdorff_lower_bound", "samples"):
+            self.assertIsNone(comparison[key], key)
+
+    def test_the_wrong_molecule_is_far_away(self):
+        mesh = self.file("octahedron.off", off(FACES))
+        ball = self.file("elsewhere.xyzr", "100 0 0 1\n")
+        comparison = self.report("compare", mesh, ball)["comparison"]
+        self.assertGreater(comparison["mesh_to_surface"]["mean"], 98)
+        self.assertGreater(comparison["surface_to_mesh"]["mean"], 98)
+
     def test_open_mesh_has_an_area_and_no_volume(self):
         report = self.compare(FACES[1:])
         self.assert_close(report["mesh"]["area"], 7 / 8 * 4 * math.sqrt(3), 1e-14)

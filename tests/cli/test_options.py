@@ -16,6 +16,8 @@ class Refusals(ProgramTest):
             "--padding": ("-1", "nan", "inf"),
             "--probe": ("nan", "inf", "wide"),
             "--subdivide": ("-1", "40", "1.5", "nan", "99999999999999999999"),
+            "--samples": ("0", "-1", "nan", "many"),
+            "--seed": ("-1", "1.5", "luck"),
             "--threads": ("0", "-2", "many"),
             "--memory-limit": ("0", "-1G", "8Q", "G", "nan", "1e300G"),
         }.items():
@@ -31,6 +33,7 @@ class Refusals(ProgramTest):
             "--backend": ("auto", "cpu", "cuda"),
             "--method": ("cgal", "arcs", "both"),
             "--topology": ("on", "off"),
+            "--distances": ("on", "off"),
             "--mesher": ("marching-cubes",),
             "--self-intersections": ("auto", "on", "off"),
             "--format": ("pdb", "mmcif", "pqr", "xyzr"),
@@ -43,6 +46,7 @@ class Refusals(ProgramTest):
         self.refused("--isovalue", "2", says=("--field",))
         self.refused("--blobbiness", "2", "--field", "soft", says=("blinn",))
         self.refused("--topology", "on", "--method", "arcs", says=("cgal",))
+        self.refused("--samples", "3", "--distances", "off")
         self.refused("--no-hetatm", "--hetatm")
         self.refused("--group", "residue", says=("--per-atom",))
         self.refused("--sample", "ubiquitin")

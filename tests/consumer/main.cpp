@@ -1,5 +1,6 @@
 // A program outside the project: sample in, mesh and exact union out.
 #include <cstdio>
+#include <vdwmesh/analysis/distances.hpp>
 #include <vdwmesh/analysis/mesh_measures.hpp>
 #include <vdwmesh/arrangement/exact_union.hpp>
 #include <vdwmesh/cuda/backend.hpp>
