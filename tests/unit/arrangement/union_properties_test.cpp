@@ -115,10 +115,12 @@ INSTANTIATE_TEST_SUITE_P(UnionProperties, Jitter,
 
 TEST(UnionProperties, JitteredLatticesOfCosphericalBalls) {
   std::mt19937_64 random(4);
-  // Spacing 1 and radius 0.8: face and body diagonals are covered or not by a margin, while every
-  // cell's corners are co-spherical. Radius 0.9 fills the cells: flat tetrahedra join the complex.
-  for (const double radius : {0.8, 0.9}) {
-    const auto lattice = testing::cubic_lattice(4, 1, radius);
+  // Radius 0.8 of the spacing covers the cells' faces but not their centres, by a margin, while
+  // every cell's corners are co-spherical; 0.9 fills the cells, and flat tetrahedra join the
+  // complex.
+  constexpr double kSpacing = 1.1;  // not a short binary number, so that nothing cancels exactly
+  for (const double share : {0.8, 0.9}) {
+    const auto lattice = testing::cubic_lattice(4, kSpacing, share * kSpacing);
     const ExactUnion limit = unite(lattice);
     for (const double amplitude : {0.0, 1e-15, 1e-12, 1e-9, 1e-6}) {
       SCOPED_TRACE(amplitude);
@@ -126,7 +128,7 @@ TEST(UnionProperties, JitteredLatticesOfCosphericalBalls) {
       expect_consistent(u);
       EXPECT_EQ(u.topology->components, 1u);
       EXPECT_EQ(u.topology->tunnels, 0u);
-      EXPECT_EQ(u.topology->voids, radius == 0.8 ? 27u : 0u);
+      EXPECT_EQ(u.topology->voids, share == 0.8 ? 27u : 0u);
       EXPECT_EQ(u.topology->shells.size(), u.topology->voids + 1);
       // A ball ∩ power cell has less than 4π of boundary, which moves by less than 4 amplitudes.
       constexpr double kRounding = 1e-13;  // Å³

@@ -1,0 +1,71 @@
+// Shapes of simplices against solid geometry, where they are regular and where they are flat.
+#include "arrangement/simplex_shape.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace vdwmesh {
+namespace {
+
+// Relative to lengths and angles near 1: some tens of roundings of 1.1e-16.
+constexpr double kRounding = 1e-14;
+
+const double kHeight = std::sqrt(3.0) / 2;    // of the unit triangle
+const double kApex = std::sqrt(2.0 / 3);      // of the regular tetrahedron over it
+const double kDihedral = std::acos(1.0 / 3);  // of the regular tetrahedron
+const double kSolid = 3 * kDihedral - std::numbers::pi;
+const double kVolume = std::sqrt(2.0) / 12;
+
+TEST(SimplexShape, UnitSpheresOnARegularTriangleMeetAtTheApex) {
+  const Sphere a{{0, 0, 0}, 1}, b{{1, 0, 0}, 1}, c{{0.5, kHeight, 0}, 1};
+  const TriangleShape t = triangle_shape(a, b, c);
+  const CornerShape corner = corner_shape(a, b, c, t);
+  EXPECT_NEAR(t.twice_area, kHeight, kRounding);
+  EXPECT_NEAR(t.half_chord, kApex, kRounding);
+  EXPECT_NEAR(corner.volume, kVolume, kRounding);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(t.distance[k], kHeight / 3, kRounding);
+    EXPECT_NEAR(corner.dihedral[k], kDihedral, kRounding);
+    EXPECT_NEAR(corner.solid_angle[k], kSolid, kRounding);
+  }
+  const CommonPoints points = common_points(a, b, c);
+  EXPECT_NEAR(norm(points.above - Vec3d{0.5, kHeight / 3, kApex}), 0, kRounding);
+  EXPECT_NEAR(norm(points.below - Vec3d{0.5, kHeight / 3, -kApex}), 0, kRounding);
+}
+
+TEST(SimplexShape, RegularTetrahedron) {
+  const std::array<Sphere, 4> balls{
+      {{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{0.5, kHeight, 0}, 1}, {{0.5, kHeight / 3, kApex}, 1}}};
+  const TetrahedronShape t = tetrahedron_shape(balls);
+  EXPECT_NEAR(t.volume, kVolume, kRounding);
+  for (const double angle : t.dihedral) EXPECT_NEAR(angle, kDihedral, kRounding);
+  for (const double angle : t.solid_angle) EXPECT_NEAR(angle, kSolid, kRounding);
+  for (const double height : t.center_height) EXPECT_NEAR(height, kApex / 4, kRounding);
+  EXPECT_NEAR(norm(orthogonal_center(balls) - Vec3d{0.5, kHeight / 3, kApex / 4}), 0, kRounding);
+}
+
+// A square with one corner lifted by e: the circumcentre is e / 2 above the square's. The side has
+// 30 bits, so its square rounds in double, and a double centre would be off by 1e-16 / e.
+TEST(SimplexShape, FlatTetrahedronKeepsItsCenter) {
+  const double side = 1.1 - std::remainder(1.1, 0x1p-30), lift = 0x1p-40;
+  const std::array<Sphere, 4> balls{
+      {{{0, 0, 0}, 1}, {{side, 0, 0}, 1}, {{0, side, 0}, 1}, {{side, side, lift}, 1}}};
+  const TetrahedronShape t = tetrahedron_shape(balls);
+  EXPECT_NEAR(t.center_height[3], lift / 2, kRounding);
+  EXPECT_NEAR(norm(orthogonal_center(balls) - Vec3d{side / 2, side / 2, lift / 2}), 0, kRounding);
+}
+
+// Three spheres through the unit circle in x = 0 but for a lift of the middle one by e: the common
+// points stay on that circle, wherever on it the rounded radii put them.
+TEST(SimplexShape, ThinTriangleKeepsItsChord) {
+  const double lift = 0x1p-40, r = std::sqrt(2.0);
+  const TriangleShape t =
+      triangle_shape({{-1, 0, 0}, r}, {{1, 0, 0}, r}, {{0, lift, 0}, std::sqrt(1 + lift * lift)});
+  EXPECT_NEAR(t.twice_area, 2 * lift, kRounding * lift);
+  EXPECT_NEAR(t.half_chord * t.half_chord + t.distance[2] * t.distance[2], 1, kRounding);
+}
+
+}  // namespace
+}  // namespace vdwmesh
