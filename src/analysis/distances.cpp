@@ -273,12 +273,12 @@ DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFind
     for (std::size_t i = block * kPatchesPerBlock; i < end; ++i) {
       // The rank in canonical order: the spheres' own order does not matter.
       Random random(options.seed, surface.list().rank[patches[i].place]);
-      sample_patch(surface, patches[i], density, random, [&](const Vec3d& p) {
+      sample_patch(patches[i], density, random, [&](const Vec3d& p) {
         const double distance = finder.distance(p, hint);
         sums.add(distance, 1);
         histogram.add(distance, 1);
       });
-      sample_border(surface, patches[i], std::sqrt(density), random,
+      sample_border(patches[i], std::sqrt(density), random,
                     [&](const Vec3d& p) { sums.add_extreme(finder.distance(p, hint)); });
     }
   });

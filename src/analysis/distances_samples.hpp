@@ -52,14 +52,13 @@ class RandomTurn {
 // visit(point) for the exposed points of a Fibonacci lattice (González 2010) of `density` points
 // per Å² on the whole sphere; what is left over of a point is one with that probability.
 template <class Visit>
-void sample_patch(const ExposedSurface& surface, const Patch& patch, double density, Random& random,
-                  Visit&& visit) {
+void sample_patch(const Patch& patch, double density, Random& random, Visit&& visit) {
   const double r = patch.ball.radius;
   const double wanted = 2 * kTwoPi * r * r * density;
   const auto count = static_cast<std::uint64_t>(wanted + random.next());
   const RandomTurn turn(random);
   constexpr double kGoldenTurn = 0.6180339887498948482;
-  const std::span<const Cover> covers = surface.covers(patch);
+  const std::span<const Cover> covers = patch.covers;
   for (std::uint64_t i = 0; i < count; ++i) {
     const auto k = static_cast<double>(i);
     const double z = 1 - (2 * k + 1) / static_cast<double>(count);
@@ -73,10 +72,9 @@ void sample_patch(const ExposedSurface& surface, const Patch& patch, double dens
 // The same for points evenly spaced on the circles, `density` per Å, and for all corners; each
 // circle and corner from the first of its spheres.
 template <class Visit>
-void sample_border(const ExposedSurface& surface, const Patch& patch, double density,
-                   Random& random, Visit&& visit) {
+void sample_border(const Patch& patch, double density, Random& random, Visit&& visit) {
   const double r = patch.ball.radius;
-  const std::span<const Cover> covers = surface.covers(patch);
+  const std::span<const Cover> covers = patch.covers;
   for (std::size_t i = 0; i < patch.circles; ++i) {
     if (covers[i].place < patch.place) continue;
     const arcs::Cap& cap = covers[i].cap;
@@ -91,7 +89,7 @@ void sample_border(const ExposedSurface& surface, const Patch& patch, double den
       if (is_exposed(covers, direction, i)) visit(patch.ball.center + r * direction);
     }
   }
-  for (const Corner& corner : surface.corners(patch))
+  for (const Corner& corner : patch.corners)
     if (corner.first) visit(patch.ball.center + r * corner.position);
 }
 

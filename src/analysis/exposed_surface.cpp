@@ -16,11 +16,25 @@ constexpr double kParallel = 1e-18;
 // A cap is left out only where it lies this far within a larger one: several roundings.
 constexpr double kNested = 1e-14;
 
-// The patches of one block of spheres, with offsets of its own.
+// The patches of one block of spheres. Until all are found they refer to nothing; their covers and
+// corners end at these places.
 struct BlockPatches {
   std::vector<Patch> patches;
+  std::vector<std::size_t> covers_end, corners_end;
   std::vector<Cover> covers;
   std::vector<Corner> corners;
+
+  void refer() {
+    covers.shrink_to_fit();
+    corners.shrink_to_fit();
+    std::size_t cover = 0, corner = 0;
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+      patches[i].covers = std::span(covers).subspan(cover, covers_end[i] - cover);
+      patches[i].corners = std::span(corners).subspan(corner, corners_end[i] - corner);
+      cover = covers_end[i];
+      corner = corners_end[i];
+    }
+  }
 };
 
 bool same_ball(const Sphere& a, const Sphere& b) {
@@ -68,15 +82,14 @@ class PatchBuilder {
     const auto circles =
         static_cast<std::uint32_t>(std::count(exposed_.begin(), exposed_.end(), 1));
     if (circles == 0 && !covers_.empty()) return;
-    Patch patch{list_.spheres[place], place, circles, out.covers.size(), 0, out.corners.size(), 0};
     for (const bool wanted : {true, false}) {
       for (std::size_t i = 0; i < covers_.size(); ++i)
         if ((exposed_[i] != 0) == wanted) out.covers.push_back(covers_[i]);
     }
     out.corners.insert(out.corners.end(), corners_.begin(), corners_.end());
-    patch.covers_end = out.covers.size();
-    patch.corners_end = out.corners.size();
-    out.patches.push_back(patch);
+    out.patches.push_back({list_.spheres[place], place, circles, {}, {}});
+    out.covers_end.push_back(out.covers.size());
+    out.corners_end.push_back(out.corners.size());
   }
 
  private:
@@ -185,32 +198,26 @@ ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
       const std::uint32_t end = std::min(list.size, (block + 1) * kBlock);
       for (std::uint32_t place = block * kBlock; place < end; ++place)
         builder.add(place, found[block]);
+      found[block].refer();
       advance(monitor, 1);
     }
   });
   for (BlockPatches& block : found) {
-    for (Patch patch : block.patches) {
-      patch.covers_begin += covers_.size();
-      patch.covers_end += covers_.size();
-      patch.corners_begin += corners_.size();
-      patch.corners_end += corners_.size();
-      patches_.push_back(patch);
-    }
-    covers_.insert(covers_.end(), block.covers.begin(), block.covers.end());
-    corners_.insert(corners_.end(), block.corners.begin(), block.corners.end());
-    block = {};
+    patches_.insert(patches_.end(), block.patches.begin(), block.patches.end());
+    covers_.push_back(std::move(block.covers));
+    corners_.push_back(std::move(block.corners));
   }
 }
 
 // Along the sphere the distance grows with the angle from the radial direction, so where that is
 // covered, the nearest point is on the patch's border; and along a circle likewise.
-bool ExposedSurface::improve(const Patch& patch, const Vec3d& p, double& squared) const {
+bool improve(const Patch& patch, const Vec3d& p, double& squared) {
   const double r = patch.ball.radius;
   const Vec3d from_center = p - patch.ball.center;
   const double length = norm(from_center);
   const double gap = length - r;
   if (!(gap * gap < squared)) return false;
-  const std::span<const Cover> all = covers(patch);
+  const std::span<const Cover> all = patch.covers;
   // From the centre every point is as near.
   if (!(length > 0) || is_exposed(all, (1 / length) * from_center)) {
     squared = gap * gap;
@@ -220,7 +227,7 @@ bool ExposedSurface::improve(const Patch& patch, const Vec3d& p, double& squared
   const double before = squared / (r * r);
   double best = before;
   for (std::size_t i = 0; i < patch.circles; ++i) improve_by_circle(all, i, y, best);
-  for (const Corner& corner : corners(patch)) {
+  for (const Corner& corner : patch.corners) {
     const Vec3d to = y - corner.position;
     best = std::min(best, arcs::inner(to, to));
   }
@@ -246,7 +253,7 @@ SurfaceFinder::SurfaceFinder(const ExposedSurface& surface, const Box& world)
 double SurfaceFinder::distance(const Vec3d& p, std::uint32_t& hint) const {
   const std::span<const Patch> patches = surface_.patches();
   double squared = std::numeric_limits<double>::infinity();
-  surface_.improve(patches[hint], p, squared);
+  improve(patches[hint], p, squared);
   // Compared as a length: most balls near p are passed over without a square root.
   double reach = std::sqrt(squared);
   tree_.nearest(p, squared, [&](std::uint32_t i, double& best) {
@@ -255,7 +262,7 @@ double SurfaceFinder::distance(const Vec3d& p, std::uint32_t& hint) const {
     const double square = arcs::inner(to, to);
     const double most = ball.radius + reach, least = ball.radius - reach;
     if (square > most * most || (least > 0 && square < least * least)) return;
-    if (!surface_.improve(patches[i], p, best)) return;
+    if (!improve(patches[i], p, best)) return;
     hint = i;
     reach = std::sqrt(best);
   });

@@ -38,7 +38,8 @@ struct Patch {
   Sphere ball;
   std::uint32_t place;  // in the cell list
   std::uint32_t circles;
-  std::uint64_t covers_begin, covers_end, corners_begin, corners_end;
+  std::span<const Cover> covers;
+  std::span<const Corner> corners;
 };
 
 class ExposedSurface {
@@ -46,28 +47,20 @@ class ExposedSurface {
   // Precondition: not empty. Buried spheres have no patch; of exact duplicates the lowest id has
   // the patch. Time grows with the square of the neighbours that cross a sphere.
   explicit ExposedSurface(const SphereSet& spheres, Monitor* monitor = nullptr);
+  ExposedSurface(const ExposedSurface&) = delete;
+  ExposedSurface& operator=(const ExposedSurface&) = delete;
 
   const CellListView& list() const { return list_.view(); }
   std::span<const Patch> patches() const { return patches_; }
-  std::span<const Cover> covers(const Patch& patch) const {
-    return std::span(covers_).subspan(patch.covers_begin, patch.covers_end - patch.covers_begin);
-  }
-  std::span<const Corner> corners(const Patch& patch) const {
-    return std::span(corners_).subspan(patch.corners_begin,
-                                       patch.corners_end - patch.corners_begin);
-  }
-
-  // Lowers `squared` (Å²) to the squared distance from p to the patch, where that is less.
-  bool improve(const Patch& patch, const Vec3d& p, double& squared) const;
-
   // Whether p is in one of the balls.
   bool contains(const Vec3d& p) const;
 
  private:
   CellList list_;
   std::vector<Patch> patches_;
-  std::vector<Cover> covers_;
-  std::vector<Corner> corners_;
+  // What the patches refer to, for each block of spheres.
+  std::vector<std::vector<Cover>> covers_;
+  std::vector<std::vector<Corner>> corners_;
 };
 
 inline constexpr std::size_t kNoCover = ~std::size_t{0};
@@ -82,6 +75,9 @@ inline bool is_exposed(std::span<const Cover> covers, const Vec3d& direction,
   }
   return true;
 }
+
+// Lowers `squared` (Å²) to the squared distance from p to the patch, where that is less.
+bool improve(const Patch& patch, const Vec3d& p, double& squared);
 
 // Directions at right angles to a unit vector and each other (Duff et al. 2017).
 struct Frame {

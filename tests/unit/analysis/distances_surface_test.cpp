@@ -30,7 +30,7 @@ SphereSet cluster(std::size_t count, std::uint64_t seed) {
 std::size_t corners_of(const ExposedSurface& surface) {
   std::size_t count = 0;
   for (const Patch& patch : surface.patches())
-    for (const Corner& corner : surface.corners(patch)) count += corner.first;
+    for (const Corner& corner : patch.corners) count += corner.first;
   return count;
 }
 
@@ -38,8 +38,7 @@ std::size_t corners_of(const ExposedSurface& surface) {
 std::size_t circles_of(const ExposedSurface& surface) {
   std::size_t count = 0;
   for (const Patch& patch : surface.patches())
-    for (const Cover& cover : surface.covers(patch).first(patch.circles))
-      count += patch.place < cover.place;
+    for (const Cover& cover : patch.covers.first(patch.circles)) count += patch.place < cover.place;
   return count;
 }
 
@@ -59,7 +58,7 @@ double sampled_area(const ExposedSurface& surface, double density) {
   std::uint64_t count = 0;
   for (const Patch& patch : surface.patches()) {
     Random random(1, patch.place);
-    sample_patch(surface, patch, density, random, [&](const Vec3d&) { ++count; });
+    sample_patch(patch, density, random, [&](const Vec3d&) { ++count; });
   }
   return static_cast<double>(count) / density;
 }
@@ -104,7 +103,7 @@ TEST(ExposedSurface, BorderSamplesLieOnTwoSpheres) {
   int found = 0;
   for (const Patch& patch : surface.patches()) {
     Random random(1, 0);
-    sample_border(surface, patch, 20, random, [&](const Vec3d& p) {
+    sample_border(patch, 20, random, [&](const Vec3d& p) {
       int on = 0, inside = 0;
       for (const Sphere& s : balls.spheres()) {
         const double gap = norm(p - s.center) - s.radius;
