@@ -43,7 +43,7 @@ std::vector<SphereMeasures> unscaled(const SphereSet& spheres, const PowerTriang
 ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
   constexpr std::uint64_t kSteps = 3;
   begin_stage(monitor, "exact union", kSteps);
-  const PowerTriangulation triangulation = triangulate(spheres);
+  const PowerTriangulation triangulation = triangulate(spheres, monitor);
   advance(monitor, 1);
   const DualComplex complex = dual_complex(triangulation);
   advance(monitor, 1);

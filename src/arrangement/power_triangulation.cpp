@@ -179,7 +179,7 @@ std::vector<std::uint32_t> insertion_order(std::size_t count) {
   return order;
 }
 
-void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls) {
+void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, Monitor* monitor) {
   Triangulation::Cell_handle hint;
   const auto insert = [&](const Vec3d& c, double radius, std::size_t index) {
     Triangulation::Locate_type type;
@@ -194,7 +194,10 @@ void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls) 
   };
   const auto points = auxiliary_points(balls);
   for (std::size_t k = 0; k < points.size(); ++k) insert(points[k], 0, balls.size() + k);
+  constexpr std::size_t kBetweenQuestions = 4096;
+  std::size_t inserted = 0;
   for (const std::uint32_t i : insertion_order(balls.size())) {
+    if (++inserted % kBetweenQuestions == 0) advance(monitor, 0);
     insert(balls[i].center, balls[i].radius, i);
   }
 }
@@ -230,7 +233,7 @@ void flatten(const Triangulation& triangulation, PowerTriangulation& out) {
 
 }  // namespace
 
-PowerTriangulation triangulate(const SphereSet& spheres) {
+PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor) {
   PowerTriangulation out;
   if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
   out.ids = hilbert_order(spheres);
@@ -239,7 +242,7 @@ PowerTriangulation triangulate(const SphereSet& spheres) {
   for (const SphereId id : out.ids) out.balls.push_back(scaled(spheres[id], out.scale_exponent));
 
   Triangulation triangulation;
-  insert_all(triangulation, out.balls);
+  insert_all(triangulation, out.balls, monitor);
   flatten(triangulation, out);
   return out;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "core/monitor.hpp"
 #include "extract/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -35,7 +36,8 @@ inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacetVertices{
     {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
 
 // Exact for any finite input. Throws InvalidInput where the extent overflows a double,
-// LimitExceeded past 2^32 cells. Independent of the order of the spheres, ids apart.
-PowerTriangulation triangulate(const SphereSet& spheres);
+// LimitExceeded past 2^32 cells, Cancelled (asked every few thousand balls). Independent of the
+// order of the spheres, ids apart.
+PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor = nullptr);
 
 }  // namespace vdwmesh

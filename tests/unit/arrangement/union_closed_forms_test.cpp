@@ -129,8 +129,8 @@ TEST(UnionClosedForms, LatticeOfLenses) {
 }
 
 TEST(UnionClosedForms, LatticeFilledByBallsThroughOnePoint) {
-  // Radius 1.5 at (±1, ±1, ±0.5)-like corners of a 2 x 2 x 1 lattice: eight balls meet in every
-  // cell centre, exactly, and the union has no void there.
+  // Cells of 2 x 2 x 1: the eight corners are 1.5 from the centre, exactly, so that eight balls of
+  // that radius meet there and leave no void.
   std::vector<Sphere> balls;
   for (int z = 0; z < 3; ++z) {
     for (int y = 0; y < 3; ++y) {
@@ -169,8 +169,7 @@ TEST(UnionClosedForms, CageOfC60) {
   EXPECT_RELATIVE(outer.area + inner.area, u.area, kClosedForm);
   EXPECT_RELATIVE(outer.volume + inner.volume, u.volume, kClosedForm);
   EXPECT_RELATIVE(u.topology->void_volume, -inner.volume, kClosedForm);
-  // Every point of the void is nearer than the cage's radius less the balls', and the ball of that
-  // radius is in it: 4π/3 (ρ - r)³ <= volume.
+  // The ball about the centre that touches every atom lies in the void.
   const double cage = std::sqrt(squared_norm(buckminsterfullerene(1.42, 1.7)[0].center));
   const double r = cage - 1.7;
   EXPECT_GT(-inner.volume, 4 * kPi / 3 * r * r * r);

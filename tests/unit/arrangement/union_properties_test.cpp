@@ -220,6 +220,20 @@ TEST(UnionProperties, Rotation) {
   EXPECT_TRUE(same_topology(*v.topology, *u.topology));
 }
 
+class StopAtOnce : public Monitor {
+ public:
+  void begin_stage(std::string_view, std::uint64_t) override {}
+  void advance(std::uint64_t) override {}
+  bool cancelled() const override { return true; }
+};
+
+TEST(UnionProperties, StopsOnRequest) {
+  StopAtOnce monitor;
+  for (const auto method : {UnionMethod::cgal, UnionMethod::arcs, UnionMethod::both}) {
+    EXPECT_THROW(exact_union(SphereSet(cluster(10, 100)), {method, &monitor}), Cancelled);
+  }
+}
+
 TEST(UnionProperties, SumsOverSpheresAreTheTotals) {
   const ExactUnion u = unite(cluster(10, 400));
   double area = 0, volume = 0;
