@@ -27,6 +27,7 @@ bool BadMoves<Level>::mark() {
     if (pass_ == 0 || has_taken_back(v)) bad += mark_turned(v);
   };
   const auto judge_cell = [&](std::size_t cell, std::uint64_t& bad) {
+    if (cell % kBlock == 0) advance(monitor_, 0);
     if (dirty_[cell]) bad += mark_crossed(cell);
   };
   const auto add = [](std::uint64_t a, std::uint64_t b) { return a + b; };

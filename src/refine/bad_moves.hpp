@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/buffer.hpp"
+#include "core/monitor.hpp"
 #include "extract/sphere_set.hpp"
 #include "refine/blocks.hpp"
 #include "refine/level_view.hpp"
@@ -18,10 +19,11 @@ namespace vdwmesh {
 template <class Level>
 class BadMoves {
  public:
-  BadMoves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates)
+  BadMoves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates, Monitor* monitor)
       : spheres_(spheres.spheres().data()),
         level_(level),
         fates_(fates),
+        monitor_(monitor),
         grid_(level),
         dirty_(grid_.cell_count(), 1) {}
 
@@ -42,6 +44,7 @@ class BadMoves {
   const Sphere* spheres_;
   const Level& level_;
   Buffer<Fate>& fates_;
+  Monitor* monitor_;
   TriangleGrid grid_;
   Buffer<std::uint8_t> dirty_;  // of each cell: whether a triangle of it is to be looked at
   int pass_ = 0;
@@ -56,11 +59,11 @@ extern template class BadMoves<Midpoints>;
 // how many went.
 template <class Level, class Restore>
 std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates,
-                                  const Restore& restore) {
+                                  Monitor* monitor, const Restore& restore) {
   const auto add = [](std::uint64_t a, std::uint64_t b) { return a + b; };
   const auto count_moved = [&](std::size_t i, std::uint64_t& n) { n += fates[i] == Fate::moved; };
   if (reduce_all(fates.size(), std::uint64_t{0}, count_moved, add) == 0) return 0;
-  BadMoves<Level> bad(spheres, level, fates);
+  BadMoves<Level> bad(spheres, level, fates, monitor);
   std::uint64_t total = 0;
   while (bad.mark()) {
     const auto settle = [&](std::size_t item, std::uint64_t& count) {

@@ -28,10 +28,10 @@ class CpuRefiner : public Refiner {
     const TargetSurface surface(spheres, options);
     RefineResult result;
     result.mesh = prepare_mesh(mesh, options);
-    result.levels.push_back(project_given(spheres, surface, mesh, result.mesh));
+    result.levels.push_back(project_given(spheres, surface, mesh, result.mesh, options.monitor));
     advance(options.monitor, 1);
     for (int l = 1; l <= options.subdivisions; ++l) {
-      SubdividedMesh next = subdivide(spheres, surface, result.mesh);
+      SubdividedMesh next = subdivide(spheres, surface, result.mesh, options.monitor);
       result.mesh = std::move(next.mesh);
       result.levels.push_back(next.stats);
       advance(options.monitor, 1);

@@ -1,8 +1,10 @@
-// The steps of one level: subdivision, projection, and the moves taken back.
+// The steps of one level: subdivision, projection, and the moves taken back. All throw Cancelled
+// soon after `monitor` (may be null) asks for it.
 #pragma once
 
 #include <cstdint>
 
+#include "core/monitor.hpp"
 #include "extract/indexed_mesh.hpp"
 #include "refine/refiner.hpp"
 #include "refine/target_surface.hpp"
@@ -11,7 +13,7 @@ namespace vdwmesh {
 
 // Projects the vertices of a copy of `given`, and takes back the bad moves.
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
-                              const IndexedMesh& given, IndexedMesh& mesh);
+                              const IndexedMesh& given, IndexedMesh& mesh, Monitor* monitor);
 
 // Subdivides `parent` (with `opposite`) once and projects the midpoints.
 struct SubdividedMesh {
@@ -19,6 +21,6 @@ struct SubdividedMesh {
   ProjectionStats stats;
 };
 SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
-                         const IndexedMesh& parent);
+                         const IndexedMesh& parent, Monitor* monitor);
 
 }  // namespace vdwmesh
