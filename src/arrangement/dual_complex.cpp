@@ -107,7 +107,8 @@ class Builder {
     if (size == Sign::negative) mark_strict(v, 4);
   }
 
-  // Whether the triangle opposite to vertex k is in the complex by itself, not through a cell.
+  // Whether the triangle opposite to vertex k is in the complex by itself, not through a cell; if
+  // so and strict, its vertices are.
   bool is_free_triangle(std::uint32_t c, std::size_t k) {
     const auto& cell = t_.cells[c];
     const auto& f = kFacetVertices[k];
@@ -244,20 +245,26 @@ class Builder {
       if (seen[v] && !attached[v]) out_.in_complex[v] = strict_[v] = 1;
       doubtful = doubtful || (out_.in_complex[v] && !strict_[v]);
     }
-    if (doubtful) find_strict_edges();
+    if (doubtful) find_strict_faces();
   }
 
-  // An edge may be strict by itself though every triangle on it only touches.
-  void find_strict_edges() {
+  // Triangles and edges may be strict by themselves though every simplex on them only touches.
+  void find_strict_faces() {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
-      for (const auto& pair : kPairs) {
-        const std::uint32_t a = t_.cells[c][pair[0]], b = t_.cells[c][pair[1]];
-        if (!t_.is_ball(a) || !t_.is_ball(b) || (strict_[a] && strict_[b])) continue;
-        if (table_.find(a, b) == kNoIndex || size_sign(ball(a), ball(b)) != Sign::negative)
-          continue;
-        if (!is_attached(c, a, b)) strict_[a] = strict_[b] = 1;
+      const auto& v = t_.cells[c];
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (out_.cell_triangles[c][k] == kNoIndex) continue;
+        const auto& f = kFacetVertices[k];
+        if (!strict_[v[f[0]]] || !strict_[v[f[1]]] || !strict_[v[f[2]]]) is_free_triangle(c, k);
       }
+      for (const auto& pair : kPairs) find_strict_edge(c, v[pair[0]], v[pair[1]]);
     }
+  }
+
+  void find_strict_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b) {
+    if (!t_.is_ball(a) || !t_.is_ball(b) || (strict_[a] && strict_[b])) return;
+    if (table_.find(a, b) == kNoIndex || size_sign(ball(a), ball(b)) != Sign::negative) return;
+    if (!is_attached(c, a, b)) strict_[a] = strict_[b] = 1;
   }
 
   bool has_closer_ball(const std::array<std::uint32_t, 4>& cell, std::uint32_t v) const {

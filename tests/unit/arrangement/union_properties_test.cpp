@@ -78,6 +78,16 @@ TEST(UnionProperties, DegenerateGrids) {
   }
 }
 
+// Four spheres through one point, of which the last is exposed only beside it: every tetrahedron on
+// it merely touches, but one of its triangles does not.
+TEST(UnionProperties, ExposedBallWhoseTetrahedraOnlyTouch) {
+  const ExactUnion u =
+      unite({{{-2, -3, 2}, 3}, {{-1, -3, -1}, 3}, {{1, 1, -1}, 3}, {{0, -2, 1}, 1}});
+  expect_consistent(u);
+  EXPECT_EQ(u.topology->hidden_spheres, 0u);
+  EXPECT_GT(u.per_sphere[3].area, 0.1);
+}
+
 // Closed balls have the topology of balls a little larger, in general position.
 TEST(UnionProperties, DegenerateGridsHaveTheTopologyOfSlightlyLargerBalls) {
   constexpr double kGrowth = 1e-6, kShift = 1e-10;  // Å; grid features differ by more than 1e-3
