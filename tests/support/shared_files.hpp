@@ -18,6 +18,6 @@ inline std::filesystem::path shared_path(const std::string& relative) {
 }  // namespace vdwmesh::testing
 
 // Skips the running test, naming the file, where it is not there.
-#define VDWMESH_NEEDS_SHARED(relative)                                           \
-  if (!std::filesystem::exists(::vdwmesh::testing::shared_path(relative)))       \
+#define VDWMESH_NEEDS_SHARED(relative)                                     \
+  if (!std::filesystem::exists(::vdwmesh::testing::shared_path(relative))) \
   GTEST_SKIP() << "needs " << ::vdwmesh::testing::shared_path(relative).string()
