@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -207,6 +208,7 @@ ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
     covers_.push_back(std::move(block.covers));
     corners_.push_back(std::move(block.corners));
   }
+  assert(!patches_.empty());
 }
 
 // Along the sphere the distance grows with the angle from the radial direction, so where that is
