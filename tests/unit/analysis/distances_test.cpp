@@ -123,7 +123,7 @@ TEST(VertexDistances, NearestPointMayBeACorner) {
   EXPECT_NEAR(distance_of({0, 0, 1.2}, union_of_three), std::hypot(0.6, 1.2) - 1, kFloatRounding);
 }
 
-// A shell of balls around the origin leaves a void that one more ball fills but for nothing.
+// Nested balls and a duplicate: one sphere is all there is.
 TEST(VertexDistances, BuriedBallsHaveNoSurface) {
   const SphereSet balls({{{0, 0, 0}, 2}, {{0.3, 0, 0}, 1}, {{0, 0.5, 0}, 1.5}, {{0, 0, 0}, 2}});
   EXPECT_NEAR(distance_of({0.3, 0, 0}, balls), -1.7, kFloatRounding);
@@ -139,8 +139,8 @@ TEST(VertexDistances, LatticeWithManyBallsThroughOnePoint) {
     for (int y = 0; y < 3; ++y)
       for (int z = 0; z < 3; ++z) balls.push_back({{double(x), double(y), double(z)}, r});
   const SphereSet lattice(balls);
-  // Four spheres meet in the corner above the middle of a face's square, at 0.5 from the centres'
-  // plane; nothing inside is exposed, as the eight cover every cell up to the one point.
+  // Below a face of the lattice four spheres meet 0.5 from the plane of the centres. Above it are
+  // the middles of cells, as far away: points that eight closed balls share and none covers.
   EXPECT_NEAR(distance_of({0.5, 0.5, 0}, lattice), -0.5, kFloatRounding);
 }
 

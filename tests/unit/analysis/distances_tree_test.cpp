@@ -159,21 +159,19 @@ std::vector<Vec3d> sampled_boundary(const std::vector<Sphere>& balls, int per_ba
   return points;
 }
 
-class RandomCluster : public ::testing::TestWithParam<int> {};
-
-TEST_P(RandomCluster, DistancesAgreeWithADenselySampledBoundary) {
-  std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
-  Uniform radius(0.7, 1.7);
-  std::vector<Sphere> balls(25);
-  for (Sphere& ball : balls) ball = {random_point(random, 2), radius(random)};
+// Points of [-size, size]³ and of twice that.
+void expect_distances_to_sampled_boundary(const std::vector<Sphere>& balls, double size,
+                                          std::mt19937_64& random) {
   constexpr int kPerBall = 40000;
   const std::vector<Vec3d> boundary = sampled_boundary(balls, kPerBall);
   IndexedMesh points;
-  for (int i = 0; i < 300; ++i) points.positions.push_back(random_point(random, i % 3 ? 2.5 : 5));
+  for (int i = 0; i < 300; ++i)
+    points.positions.push_back(random_point(random, i % 3 ? size : 2 * size));
   const std::vector<float> found = vertex_distances(points, SphereSet(balls));
-  // A sphere's points cover it with caps of radius 1.9 √(area per point) at most (the lattice's
-  // covering radius); near a corner the exposed ones may be twice as far.
-  const double cover = 2 * 1.9 * 1.7 * std::sqrt(4 * std::numbers::pi / kPerBall);
+  // The lattice's cells are all but square, so a point of a sphere has a sample nearer than their
+  // side, √(area per point); where a border cuts the cells the next exposed one may be some cells
+  // away. The largest radius is 1.7.
+  const double cover = 4 * 1.7 * std::sqrt(4 * std::numbers::pi / kPerBall);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Vec3d& p = points.positions[i];
     double expected = std::numeric_limits<double>::infinity();
@@ -190,6 +188,33 @@ TEST_P(RandomCluster, DistancesAgreeWithADenselySampledBoundary) {
   }
 }
 
+class RandomCluster : public ::testing::TestWithParam<int> {};
+
+TEST_P(RandomCluster, DistancesAgreeWithADenselySampledBoundary) {
+  std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
+  Uniform radius(0.7, 1.7);
+  std::vector<Sphere> balls(25);
+  for (Sphere& ball : balls) ball = {random_point(random, 2), radius(random)};
+  expect_distances_to_sampled_boundary(balls, 2.5, random);
+}
+
+class JitteredLattice : public ::testing::TestWithParam<double> {};
+
+// Spacing √2: four unit spheres meet in the middle of each face of a cell, or nearly so.
+TEST_P(JitteredLattice, DistancesAgreeWithADenselySampledBoundary) {
+  std::mt19937_64 random(7);
+  const double jitter = GetParam(), step = std::numbers::sqrt2;
+  std::vector<Sphere> balls;
+  for (int i = 0; i < 27; ++i) {
+    const Vec3d place{step * (i % 3 - 1), step * (i / 3 % 3 - 1), step * (i / 9 - 1)};
+    balls.push_back({place + jitter * random_point(random, 1), 1});
+  }
+  balls.push_back(balls.front());
+  expect_distances_to_sampled_boundary(balls, 1.5, random);
+}
+
+INSTANTIATE_TEST_SUITE_P(Jitters, JitteredLattice,
+                         ::testing::Values(0, 1e-15, 1e-12, 1e-10, 1e-9, 1e-6));
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomCluster, ::testing::Range(1, 5));
 
 }  // namespace
