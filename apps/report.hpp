@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/cgal_measures.hpp"
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_union.hpp"
@@ -37,6 +38,14 @@ struct BackendReport {
   int threads = 1;
 };
 
+// The mesh between two levels of refinement; level 0 is the extracted one.
+struct LevelReport {
+  int level = 0;
+  std::uint64_t vertices = 0, triangles = 0;
+  MeshQuality quality;
+  std::optional<std::uint64_t> self_intersections;
+};
+
 struct MeshReport {
   MeshTopology topology;
   MeshMeasures measures;
@@ -44,6 +53,8 @@ struct MeshReport {
   std::optional<std::uint64_t> grid_clipped, clamped_vertices;  // of our own extraction only
   std::optional<std::uint64_t> self_intersections;
   std::vector<ProjectionStats> projection;  // empty: no refinement ran
+  std::vector<LevelReport> levels;          // empty: no refinement ran, or not asked for
+  std::optional<CgalMeasures> cgal;         // the same measures by CGAL, where asked for
   std::optional<std::string> path;          // of a mesh that was read
   std::vector<std::string> notes;           // how it was read
 };

@@ -94,6 +94,29 @@ Json newton_json(const std::vector<ProjectionStats>& levels) {
           {"levels", by_level}};
 }
 
+Json levels_json(const std::vector<LevelReport>& levels) {
+  Json list = Json::array();
+  for (const LevelReport& level : levels) {
+    list.push_back({{"level", level.level},
+                    {"vertices", level.vertices},
+                    {"triangles", level.triangles},
+                    {"self_intersections", or_null(level.self_intersections)},
+                    {"min_angle_deg", distribution_json(level.quality.min_angle_deg)},
+                    {"aspect_ratio", distribution_json(level.quality.aspect_ratio)},
+                    {"edge_length", distribution_json(level.quality.edge_length)}});
+  }
+  return list;
+}
+
+Json cgal_json(const std::optional<CgalMeasures>& cgal) {
+  if (!cgal) return nullptr;
+  return {{"closed", cgal->closed},
+          {"valid", cgal->valid},
+          {"shells", cgal->shells},
+          {"area", cgal->area},
+          {"volume", or_null(cgal->volume)}};
+}
+
 Json mesh_json(const MeshReport& mesh) {
   const MeshTopology& topology = mesh.topology;
   return {{"path", or_null(mesh.path)},
@@ -120,6 +143,8 @@ Json mesh_json(const MeshReport& mesh) {
           {"aspect_ratio", distribution_json(mesh.quality.aspect_ratio)},
           {"edge_length", distribution_json(mesh.quality.edge_length)},
           {"newton", newton_json(mesh.projection)},
+          {"levels", levels_json(mesh.levels)},
+          {"cgal", cgal_json(mesh.cgal)},
           {"notes", mesh.notes}};
 }
 

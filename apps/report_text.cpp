@@ -223,6 +223,29 @@ std::string self_intersections_text(const MeshReport& mesh) {
                                  : "self-intersections not computed";
 }
 
+std::string cgal_text(const MeshReport& mesh) {
+  const CgalMeasures& cgal = *mesh.cgal;
+  std::string text = fmt::format("CGAL's measures differ by {:.1e} (area)",
+                                 std::abs(cgal.area / mesh.measures.area - 1));
+  if (cgal.volume && mesh.measures.volume) {
+    text += fmt::format(", {:.1e} (volume)", std::abs(*cgal.volume / *mesh.measures.volume - 1));
+  }
+  return text;
+}
+
+// How each subdivision changed the mesh, the extracted one first.
+void levels_text(Text out, const std::vector<LevelReport>& levels) {
+  fmt::format_to(out, "\n{:<22}{:>14}{:>12}{:>12}{:>12}{:>12}\n", "Level", "triangles", "angle 1 %",
+                 "median", "edge", "crossings");
+  for (const LevelReport& level : levels) {
+    const std::string crossings =
+        level.self_intersections ? std::to_string(*level.self_intersections) : "-";
+    fmt::format_to(out, "{:<22}{:>14}{:>12.4g}{:>12.4g}{:>12.4g}{:>12}\n", level.level,
+                   level.triangles, level.quality.min_angle_deg.p01,
+                   level.quality.min_angle_deg.median, level.quality.edge_length.median, crossings);
+  }
+}
+
 void mesh_text(Text out, const MeshReport& mesh) {
   const MeshTopology& topology = mesh.topology;
   fmt::format_to(out, "\n");
@@ -246,6 +269,8 @@ void mesh_text(Text out, const MeshReport& mesh) {
                      newton.projected, newton.iterations_max, newton.residual_max,
                      newton.unconverged, newton.out_of_reach, newton.undone, newton.turned));
   }
+  if (mesh.cgal) line(out, "", cgal_text(mesh));
+  if (!mesh.levels.empty()) levels_text(out, mesh.levels);
   fmt::format_to(out, "\n{:<22}{:>14}{:>10}{:>10}{:>10}{:>10}\n", "", "min", "1 %", "median",
                  "99 %", "max");
   distribution_row(out, "Smallest angle", mesh.quality.min_angle_deg, "degrees");

@@ -91,6 +91,11 @@ void warn_of_lost_components(Report& report) {
       *components, topology->components));
 }
 
+bool counts_self_intersections(SelfIntersections wanted, const IndexedMesh& mesh) {
+  const bool small = mesh.triangle_count() <= kSelfIntersectionTriangles;
+  return wanted == SelfIntersections::count || (wanted == SelfIntersections::small_meshes && small);
+}
+
 }  // namespace
 
 Molecule load(const InputOptions& options, Report& report) {
@@ -119,7 +124,7 @@ SphereSet to_spheres(const Molecule& molecule, double probe) {
 
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
                       Connectivity connectivity, const MachineOptions& machine, Monitor* monitor,
-                      Report& report) {
+                      Report& report, const LevelObserver& on_level) {
   const GridSpec grid = make_grid(spheres, surface.grid);
   report.parameters = describe_parameters(surface, grid, machine.memory_limit);
   report.notes.insert(report.notes.end(), surface.notes.begin(), surface.notes.end());
@@ -136,12 +141,20 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
   refine.field = surface.field;
   refine.grid = grid;
   refine.memory_limit = machine.memory_limit;
+  double observed = 0;  // seconds, not the refinement's own
+  if (on_level) {
+    refine.on_level = [&](int level, const IndexedMesh& mesh) {
+      const Stopwatch watch;
+      on_level(level, mesh);
+      observed += watch.seconds();
+    };
+  }
   refine.monitor = monitor;
   PipelineResult result = make_pipeline(report.backend->used)->run(spheres, extract, refine);
   require_triangles(result.mesh, spheres, grid.spacing);
   report.timing.field = result.extract.field_seconds;
   report.timing.extract = result.extract.extract_seconds;
-  if (!result.levels.empty()) report.timing.refine = result.refine_seconds;
+  if (!result.levels.empty()) report.timing.refine = result.refine_seconds - observed;
   report.mesh.emplace();
   report.mesh->grid_clipped = result.extract.grid_clipped;
   report.mesh->clamped_vertices = result.extract.clamped_vertices;
@@ -149,11 +162,36 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
   return std::move(result.mesh);
 }
 
+LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& levels) {
+  return [wanted, &levels](int level, const IndexedMesh& mesh) {
+    LevelReport record{level, mesh.vertex_count(), mesh.triangle_count(), quality(mesh), {}};
+    if (counts_self_intersections(wanted, mesh))
+      record.self_intersections = self_intersections(mesh);
+    levels.push_back(std::move(record));
+  };
+}
+
+void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Report& report) {
+  if (check == CgalCheck::skip) return;
+  if (check == CgalCheck::small_meshes && mesh.triangle_count() > kCgalMeasuresLimit) {
+    report.notes.push_back(
+        fmt::format("area and volume were not checked by CGAL: more than {} triangles "
+                    "(--cgal-check on)",
+                    kCgalMeasuresLimit));
+    return;
+  }
+  const MeshTopology& topology = report.mesh->topology;
+  if (!topology.manifold || !topology.oriented) {
+    report.notes.push_back(
+        "area and volume were not checked by CGAL: the mesh is no oriented 2-manifold");
+    return;
+  }
+  report.mesh->cgal = cgal_measures(to_surface_mesh(mesh));
+}
+
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections_wanted, Monitor* monitor,
              Report& report) {
-  const bool small = mesh.triangle_count() <= kSelfIntersectionTriangles;
-  const bool count = self_intersections_wanted == SelfIntersections::count ||
-                     (self_intersections_wanted == SelfIntersections::small_meshes && small);
+  const bool count = counts_self_intersections(self_intersections_wanted, mesh);
   begin_stage(monitor, "measure", count ? 4 : 3);
   if (!report.mesh) report.mesh.emplace();
   MeshReport& result = *report.mesh;

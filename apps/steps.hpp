@@ -22,7 +22,7 @@ SphereSet to_spheres(const Molecule& molecule, double probe);
 // inside the surface, so that the mesh would be empty.
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
                       Connectivity connectivity, const MachineOptions& machine, Monitor* monitor,
-                      Report& report);
+                      Report& report, const LevelObserver& on_level = {});
 
 // Beyond this many triangles self-intersections are counted only on request.
 inline constexpr std::uint64_t kSelfIntersectionTriangles = 1'000'000;
@@ -31,6 +31,14 @@ enum class SelfIntersections { small_meshes, count, skip };
 // Topology, measures and quality of the mesh.
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections, Monitor* monitor,
              Report& report);
+
+// Size and quality of the mesh at each level of a refinement, for make_mesh().
+LevelObserver record_levels(SelfIntersections self_intersections, std::vector<LevelReport>& levels);
+
+// CGAL's measures of the OpenMesh mesh. Where the mesh is too large for the choice, or has no
+// half-edge structure, the report says so and they stay empty.
+enum class CgalCheck { small_meshes, run, skip };
+void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Report& report);
 
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Monitor* monitor,
                      Report& report);

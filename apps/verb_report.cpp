@@ -1,3 +1,6 @@
+#include <utility>
+#include <vector>
+
 #include "machine.hpp"
 #include "output.hpp"
 #include "parse.hpp"
@@ -13,6 +16,9 @@ constexpr Choice<SelfIntersections> kSelfIntersections[] = {
     {"on", SelfIntersections::count},
     {"off", SelfIntersections::skip}};
 
+constexpr Choice<CgalCheck> kCgalChecks[] = {
+    {"auto", CgalCheck::small_meshes}, {"on", CgalCheck::run}, {"off", CgalCheck::skip}};
+
 class ReportVerb : public Verb {
  public:
   std::string name() const override { return "report"; }
@@ -25,6 +31,9 @@ class ReportVerb : public Verb {
     distances_.add_to(app);
     app.add_option("--self-intersections", self_intersections_,
                    "on, off, or auto: meshes of up to a million triangles [auto]");
+    app.add_option("--cgal-check", cgal_check_,
+                   "area and volume of the mesh by CGAL as well: on, off, or auto: meshes of up to "
+                   "a million triangles [auto]");
     machine_.add_to(app, MachineFlags::Backends::choose);
     output_.add_to(app, OutputFlags::PerAtom::offered);
   }
@@ -39,14 +48,18 @@ class ReportVerb : public Verb {
     const OutputOptions output = output_.resolve();
     const SelfIntersections count =
         choose("--self-intersections", self_intersections_, kSelfIntersections);
+    const CgalCheck cgal_check = choose("--cgal-check", cgal_check_, kCgalChecks);
 
     Machine machine(machine_options);
     Report report;
     const Molecule molecule = load(input, report);
     const SphereSet spheres = to_spheres(molecule, input.probe);
+    std::vector<LevelReport> levels;
     const IndexedMesh mesh = make_mesh(spheres, surface, Connectivity::triangles, machine_options,
-                                       machine.monitor(), report);
+                                       machine.monitor(), report, record_levels(count, levels));
+    report.mesh->levels = std::move(levels);
     measure(mesh, count, machine.monitor(), report);
+    check_with_cgal(mesh, cgal_check, report);
     measure_exactly(spheres, exact, machine.monitor(), report);
     compare_with_exact(mesh, spheres, distance_choice, machine_options.memory_limit,
                        machine.monitor(), report);
@@ -66,7 +79,7 @@ class ReportVerb : public Verb {
   SurfaceFlags surface_;
   ExactFlags exact_;
   DistanceFlags distances_;
-  std::string self_intersections_ = "auto";
+  std::string self_intersections_ = "auto", cgal_check_ = "auto";
   MachineFlags machine_;
   OutputFlags output_;
 };

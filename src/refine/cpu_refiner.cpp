@@ -28,12 +28,14 @@ class CpuRefiner : public Refiner {
     const TargetSurface surface(spheres, options);
     RefineResult result;
     result.mesh = prepare_mesh(mesh, options);
+    if (options.on_level) options.on_level(0, result.mesh);
     result.levels.push_back(project_given(spheres, surface, mesh, result.mesh, options.monitor));
     advance(options.monitor, 1);
     for (int l = 1; l <= options.subdivisions; ++l) {
       SubdividedMesh next = subdivide(spheres, surface, result.mesh, options.monitor);
       result.mesh = std::move(next.mesh);
       result.levels.push_back(next.stats);
+      if (options.on_level) options.on_level(l, result.mesh);
       advance(options.monitor, 1);
     }
     compute_normals(surface, result.mesh);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -16,12 +17,17 @@ namespace vdwmesh {
 // union of the balls.
 enum class Projection : std::uint8_t { none, field, vdw };
 
+// Sees the mesh as it goes: level 0 is the given one, level l the one after subdivision l and its
+// projection. Normals are not computed yet.
+using LevelObserver = std::function<void(int level, const IndexedMesh& mesh)>;
+
 struct RefineOptions {
   int subdivisions = 0;  // 0 projects the given vertices only
   Projection projection = Projection::vdw;
   FieldOptions field;                           // for Projection::field
   GridSpec grid;                                // of the extraction (thesis sub-grids refer to it)
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes, compared with refine_bytes()
+  LevelObserver on_level;                       // may be empty
   Monitor* monitor = nullptr;
 };
 

@@ -91,6 +91,19 @@ class JsonReport(ProgramTest):
         self.assertEqual(mesh["euler_characteristic"], chi)
         self.assertEqual(mesh["genus"], mesh["shells"] - chi // 2)
 
+    def test_levels_and_cgal_stand_beside_the_mesh(self):
+        mesh = self.json["mesh"]
+        self.assertEqual([level["level"] for level in mesh["levels"]], [0, 1])
+        self.assertEqual(mesh["levels"][1]["triangles"], 4 * mesh["levels"][0]["triangles"])
+        self.assertEqual(mesh["levels"][1]["triangles"], mesh["triangles"])
+        # 10^5 terms summed in plain doubles by CGAL: at most 1e-16 each, and as many again.
+        self.assertLess(abs(mesh["cgal"]["area"] / mesh["area"] - 1), 1e-10)
+        self.assertLess(abs(mesh["cgal"]["volume"] / mesh["volume"] - 1), 1e-10)
+        off = parse_json(
+            run("report", "--sample", "bpti", "--cgal-check", "off", "--json", "-").stdout
+        )
+        self.assertIsNone(off["mesh"]["cgal"])
+
     def test_comparison_follows_from_mesh_and_exact(self):
         mesh, exact, comparison = (self.json[b] for b in ("mesh", "exact", "comparison"))
         for figure in ("area", "volume"):

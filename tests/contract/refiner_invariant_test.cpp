@@ -68,6 +68,23 @@ TEST_P(RefinerInvariant, CountsIndicesAndTopologyAreKept) {
   }
 }
 
+TEST_P(RefinerInvariant, ObserverSeesTheGivenMeshAndEachLevel) {
+  const SphereSet spheres = two_spheres(1.5, 1.2, 1.6);
+  const IndexedMesh given = marching_cubes(spheres, 0.5).mesh;
+  RefineOptions options = refine_options(2, Projection::vdw);
+  std::vector<IndexedMesh> seen;
+  options.on_level = [&](int level, const IndexedMesh& mesh) {
+    ASSERT_EQ(level, static_cast<int>(seen.size()));
+    seen.push_back(mesh);
+  };
+  const RefineResult result = refine(spheres, given, options);
+  ASSERT_EQ(seen.size(), 3u);
+  EXPECT_EQ(seen[0].positions, given.positions);
+  EXPECT_EQ(seen[1].triangle_count(), 4 * given.triangle_count());
+  EXPECT_EQ(seen[2].positions, result.mesh.positions);
+  EXPECT_EQ(seen[2].triangles, result.mesh.triangles);
+}
+
 TEST_P(RefinerInvariant, LevelsFollowOneAnother) {
   const SphereSet spheres = cluster(40, 21);
   const IndexedMesh mesh = marching_cubes(spheres, 0.6).mesh;
