@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "arrangement/number_vector.hpp"
+
 namespace vdwmesh {
 namespace {
 
@@ -18,26 +20,8 @@ constexpr double kRoundoff = std::numeric_limits<double>::epsilon() / 2;
 // Below it a bound may have lost its digits to underflow.
 constexpr double kTinyBound = 1e-280;
 
-template <class T>
-struct Vector {
-  T x, y, z;
-};
-
-template <class T>
-Vector<T> from_to(const Sphere& a, const Sphere& b) {
-  return {T(b.center.x) - T(a.center.x), T(b.center.y) - T(a.center.y),
-          T(b.center.z) - T(a.center.z)};
-}
-
-template <class T>
-T dot(const Vector<T>& a, const Vector<T>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-template <class T>
-Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+using numbers::from_to;
+using numbers::Vector;
 
 template <class T>
 T squared_radius(const Sphere& a) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "arrangement/number_vector.hpp"
+
 namespace vdwmesh {
 namespace {
 
@@ -19,24 +21,8 @@ constexpr double kFlatVolume = 1e-4;
 // Half chord by radius below which its square is too small a difference for double.
 constexpr double kShortChord = 1e-3;
 
-template <class T>
-struct Vector {
-  T x, y, z;
-};
-
-template <class T>
-Vector<T> from_to(const Sphere& a, const Sphere& b) {
-  return {T(b.center.x) - T(a.center.x), T(b.center.y) - T(a.center.y),
-          T(b.center.z) - T(a.center.z)};
-}
-template <class T>
-T dot(const Vector<T>& a, const Vector<T>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <class T>
-Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+using numbers::from_to;
+using numbers::Vector;
 template <class T>
 Vector<T> difference(const Vector<T>& a, const Vector<T>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "arrangement/simplex_shape.hpp"
+#include "core/disjoint_sets.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
@@ -16,25 +16,6 @@ namespace {
 constexpr std::uint32_t kOuter = 0;
 constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 struct Labels {
   std::vector<std::uint32_t> of;  // kNoIndex: not labelled
@@ -45,7 +26,7 @@ struct Labels {
 Labels label_components(const DualComplex& complex) {
   const std::size_t n = complex.in_complex.size();
   DisjointSets sets(n);
-  for (const DualEdge& e : complex.edges) sets.unite(e.vertices[0], e.vertices[1]);
+  for (const DualEdge& e : complex.edges) sets.join(e.vertices[0], e.vertices[1]);
   Labels labels{std::vector<std::uint32_t>(n, kNoIndex), 0};
   for (std::uint32_t v = 0; v < n; ++v) {
     if (!complex.in_complex[v]) continue;
