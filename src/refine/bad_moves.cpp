@@ -21,7 +21,7 @@ struct BadMoves<Level>::Corners {
 
 template <class Level>
 bool BadMoves<Level>::mark() {
-  if (pass_ > 0) find_dirty_cells();
+  if (pass_ > 0 && grid_) find_dirty_cells();
   const auto judge_patch = [&](std::size_t patch, std::uint64_t& bad) {
     const Vertices v = level_.vertices(patch);
     if (pass_ == 0 || has_taken_back(v)) bad += mark_turned(v);
@@ -32,7 +32,7 @@ bool BadMoves<Level>::mark() {
   };
   const auto add = [](std::uint64_t a, std::uint64_t b) { return a + b; };
   const std::uint64_t bad = reduce_all(level_.patches(), std::uint64_t{0}, judge_patch, add) +
-                            reduce_all(grid_.cell_count(), std::uint64_t{0}, judge_cell, add);
+                            reduce_all(dirty_.size(), std::uint64_t{0}, judge_cell, add);
   ++pass_;
   return bad > 0;
 }
@@ -44,7 +44,7 @@ void BadMoves<Level>::find_dirty_cells() {
     const Vertices v = level_.vertices(patch);
     if (!has_taken_back(v)) return;
     for (int child = 0; child < Level::kTriangles; ++child) {
-      grid_.visit_cells(bounds_of(level_, v, child), [&](std::size_t cell) {
+      grid_->visit_cells(bounds_of(level_, v, child), [&](std::size_t cell) {
         std::atomic_ref(dirty_[cell]).store(1, std::memory_order_relaxed);
       });
     }
@@ -116,7 +116,7 @@ template <class Level>
 bool BadMoves<Level>::mark_crossed(std::size_t cell) {
   static thread_local std::vector<Corners> here;
   here.clear();
-  for (const std::uint32_t t : grid_.triangles_in(cell)) here.push_back(corners(t));
+  for (const std::uint32_t t : grid_->triangles_in(cell)) here.push_back(corners(t));
   bool any = false;
   for (std::size_t i = 1; i < here.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

@@ -6,26 +6,29 @@
 #include <optional>
 
 #include "core/buffer.hpp"
-#include "core/monitor.hpp"
 #include "extract/sphere_set.hpp"
 #include "refine/blocks.hpp"
 #include "refine/level_view.hpp"
+#include "refine/refiner.hpp"
 #include "refine/triangle_grid.hpp"
 
 namespace vdwmesh {
 
 // A move is bad when it turns a triangle of one atom against that atom's outward normal, or when it
-// is of a triangle that crosses another.
+// is of a triangle that crosses another, unless the options allow that.
 template <class Level>
 class BadMoves {
  public:
-  BadMoves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates, Monitor* monitor)
+  BadMoves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates,
+           const RefineOptions& options)
       : spheres_(spheres.spheres().data()),
         level_(level),
         fates_(fates),
-        monitor_(monitor),
-        grid_(level),
-        dirty_(grid_.cell_count(), 1) {}
+        monitor_(options.monitor) {
+    if (options.crossings == Crossings::allow) return;
+    grid_.emplace(level);
+    dirty_.assign(grid_->cell_count(), 1);
+  }
 
   // Marks the vertices whose moves are bad; says whether there are any. The first pass looks at
   // every triangle, later ones at those whose vertices the last one took back and what is near.
@@ -45,8 +48,8 @@ class BadMoves {
   const Level& level_;
   Buffer<Fate>& fates_;
   Monitor* monitor_;
-  TriangleGrid grid_;
-  Buffer<std::uint8_t> dirty_;  // of each cell: whether a triangle of it is to be looked at
+  std::optional<TriangleGrid> grid_;  // none where crossings are allowed; then no cells either
+  Buffer<std::uint8_t> dirty_;        // of each cell: whether a triangle of it is to be looked at
   int pass_ = 0;
 };
 
@@ -59,11 +62,11 @@ extern template class BadMoves<Midpoints>;
 // how many went.
 template <class Level, class Restore>
 std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates,
-                                  Monitor* monitor, const Restore& restore) {
+                                  const RefineOptions& options, const Restore& restore) {
   const auto add = [](std::uint64_t a, std::uint64_t b) { return a + b; };
   const auto count_moved = [&](std::size_t i, std::uint64_t& n) { n += fates[i] == Fate::moved; };
   if (reduce_all(fates.size(), std::uint64_t{0}, count_moved, add) == 0) return 0;
-  BadMoves<Level> bad(spheres, level, fates, monitor);
+  BadMoves<Level> bad(spheres, level, fates, options);
   std::uint64_t total = 0;
   while (bad.mark()) {
     const auto settle = [&](std::size_t item, std::uint64_t& count) {

@@ -29,10 +29,10 @@ class CpuRefiner : public Refiner {
     RefineResult result;
     result.mesh = prepare_mesh(mesh, options);
     if (options.on_level) options.on_level(0, result.mesh);
-    result.levels.push_back(project_given(spheres, surface, mesh, result.mesh, options.monitor));
+    result.levels.push_back(project_given(spheres, surface, mesh, result.mesh, options));
     advance(options.monitor, 1);
     for (int l = 1; l <= options.subdivisions; ++l) {
-      SubdividedMesh next = subdivide(spheres, surface, result.mesh, options.monitor);
+      SubdividedMesh next = subdivide(spheres, surface, result.mesh, options);
       result.mesh = std::move(next.mesh);
       result.levels.push_back(next.stats);
       if (options.on_level) options.on_level(l, result.mesh);

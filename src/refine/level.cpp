@@ -161,18 +161,19 @@ Fate make_midpoint(const SphereSet& spheres, const TargetSurface& surface, const
 }  // namespace
 
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
-                              const IndexedMesh& given, IndexedMesh& mesh, Monitor* monitor) {
+                              const IndexedMesh& given, IndexedMesh& mesh,
+                              const RefineOptions& options) {
   ProjectionStats stats;
   if (surface.projection() != Projection::none) {
     Buffer<Fate> fates(mesh.vertex_count());
     const Buffer<std::uint64_t> squares = longest_edge_squares(given);
-    stats = tally(mesh.vertex_count(), monitor, [&](std::size_t v, ProjectionStats& total) {
+    stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
       const double reach = std::sqrt(std::bit_cast<double>(squares[v]));
       fates[v] = project_vertex(surface, v, reach, mesh, total);
     });
     const bool labelled = !given.vertex_spheres.empty();
     const Given level{given, mesh};
-    stats.undone = take_back_bad_moves(spheres, level, fates, monitor, [&](std::size_t v) {
+    stats.undone = take_back_bad_moves(spheres, level, fates, options, [&](std::size_t v) {
       mesh.positions[v] = given.positions[v];
       mesh.vertex_spheres[v] = labelled ? given.vertex_spheres[v] : on_sphere(kNoSphere);
     });
@@ -183,7 +184,7 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
 }
 
 SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
-                         const IndexedMesh& parent, Monitor* monitor) {
+                         const IndexedMesh& parent, const RefineOptions& options) {
   const Buffer<std::uint32_t> edge = number_edges(parent.opposite);
   SubdividedMesh child;
   IndexedMesh& mesh = child.mesh;
@@ -196,12 +197,12 @@ SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
   write_children(level, mesh);
 
   Buffer<Fate> fates(edges);
-  child.stats = tally(level.items(), monitor, [&](std::size_t h, ProjectionStats& total) {
+  child.stats = tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
     const std::optional<std::size_t> i = level.handled_by_item(h);
     if (i) fates[*i] = make_midpoint(spheres, surface, level, h, mesh, total);
   });
   if (surface.projection() != Projection::none) {
-    child.stats.undone = take_back_bad_moves(spheres, level, fates, monitor, [&](std::size_t h) {
+    child.stats.undone = take_back_bad_moves(spheres, level, fates, options, [&](std::size_t h) {
       const std::uint32_t v = level.midpoint_of(h);
       mesh.positions[v] = level.start(h);
       mesh.vertex_spheres[v] = level.unprojected_label(spheres.spheres().data(), h);

@@ -1,10 +1,9 @@
 // The steps of one level: subdivision, projection, and the moves taken back. All throw Cancelled
-// soon after `monitor` (may be null) asks for it.
+// soon after the options' monitor asks for it.
 #pragma once
 
 #include <cstdint>
 
-#include "core/monitor.hpp"
 #include "extract/indexed_mesh.hpp"
 #include "refine/refiner.hpp"
 #include "refine/target_surface.hpp"
@@ -13,7 +12,8 @@ namespace vdwmesh {
 
 // Projects the vertices of a copy of `given`, and takes back the bad moves.
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
-                              const IndexedMesh& given, IndexedMesh& mesh, Monitor* monitor);
+                              const IndexedMesh& given, IndexedMesh& mesh,
+                              const RefineOptions& options);
 
 // Subdivides `parent` (with `opposite`) once and projects the midpoints.
 struct SubdividedMesh {
@@ -21,6 +21,6 @@ struct SubdividedMesh {
   ProjectionStats stats;
 };
 SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
-                         const IndexedMesh& parent, Monitor* monitor);
+                         const IndexedMesh& parent, const RefineOptions& options);
 
 }  // namespace vdwmesh

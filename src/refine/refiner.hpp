@@ -17,6 +17,8 @@ namespace vdwmesh {
 // union of the balls.
 enum class Projection : std::uint8_t { none, field, vdw };
 
+enum class Crossings : std::uint8_t { allow, undo };
+
 // Sees the mesh as it goes: level 0 is the given one, level l the one after subdivision l and its
 // projection. Normals are not computed yet.
 using LevelObserver = std::function<void(int level, const IndexedMesh& mesh)>;
@@ -24,8 +26,9 @@ using LevelObserver = std::function<void(int level, const IndexedMesh& mesh)>;
 struct RefineOptions {
   int subdivisions = 0;  // 0 projects the given vertices only
   Projection projection = Projection::vdw;
-  FieldOptions field;                           // for Projection::field
-  GridSpec grid;                                // of the extraction (thesis sub-grids refer to it)
+  Crossings crossings = Crossings::undo;  // whether moves that make triangles cross are taken back
+  FieldOptions field;                     // for Projection::field
+  GridSpec grid;                          // of the extraction (thesis sub-grids refer to it)
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes, compared with refine_bytes()
   LevelObserver on_level;                       // may be empty
   Monitor* monitor = nullptr;
@@ -70,7 +73,7 @@ class Refiner {
   //
   // Moves that turn a triangle of one atom against that atom's outward normal, or that are of
   // triangles that cross, are taken back in simultaneous passes until there are none, so that no
-  // self-intersection is added (measured: docs/refinement.md).
+  // self-intersection is added (measured: docs/refinement.md). Crossings::allow leaves the latter.
   //
   // Labels: of the surface that a vertex was projected to. A midpoint that could not be projected
   // takes the atom of that end which is nearer by distance - radius.
