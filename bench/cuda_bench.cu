@@ -139,8 +139,8 @@ void report_extraction(const char* name, const SphereSet& spheres, const Extract
       median(total), floor);
 }
 
-void report_refinement(const char* name, const SphereSet& spheres, double spacing,
-                       int subdivisions) {
+void report_refinement(const char* name, const SphereSet& spheres, double spacing, int subdivisions,
+                       Crossings crossings) {
   const Stream stream;
   ExtractOptions extract;
   extract.grid.spacing = spacing;
@@ -151,6 +151,7 @@ void report_refinement(const char* name, const SphereSet& spheres, double spacin
   const DeviceCellList device_list(list.view(), stream.get());
   RefineOptions refine;
   refine.subdivisions = subdivisions;
+  refine.crossings = crossings;
   refine.grid = grid;
   const DeviceSurface surface(spheres, refine, stream);
   std::vector<double> total;
@@ -168,11 +169,19 @@ void report_refinement(const char* name, const SphereSet& spheres, double spacin
     });
     if (i > 0) total.push_back(seconds * 1e3);
   }
-  std::printf("%-34s %.2f Å x%d  V %llu T %llu  wall %.2f ms; levels", name, spacing, subdivisions,
+  std::printf("%-34s %.2f Å x%d, crossings %s  V %llu T %llu  wall %.2f ms; levels", name, spacing,
+              subdivisions, crossings == Crossings::allow ? "allowed" : "undone",
               static_cast<unsigned long long>(vertices), static_cast<unsigned long long>(triangles),
               median(total));
   for (const float ms : levels) std::printf(" %.2f", static_cast<double>(ms));
   std::printf(" ms (last: normals)\n");
+}
+
+void report_refinement(const char* name, const SphereSet& spheres, double spacing,
+                       int subdivisions) {
+  for (const Crossings crossings : {Crossings::allow, Crossings::undo}) {
+    report_refinement(name, spheres, spacing, subdivisions, crossings);
+  }
 }
 
 void report_end_to_end(const std::filesystem::path& path, double spacing) {

@@ -3,8 +3,11 @@
 
 #include <bit>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "cuda/cub_calls.cuh"
+#include "cuda/device_crossings.cuh"
 #include "cuda/device_refinement.cuh"
 
 namespace vdwmesh {
@@ -12,18 +15,12 @@ namespace {
 
 constexpr unsigned kThreads = 256;
 
-enum class Fate : std::uint8_t { stayed, moved, taking_back, taken_back };
-
 // ProjectionStats as kernels add to them. Residuals are not negative, so their bits order as they
 // do.
 struct DeviceStats {
   unsigned long long projected, unconverged, out_of_reach, turned, residual_bits;
   int iterations_max;
 };
-
-__device__ std::uint64_t thread_index() {
-  return static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
-}
 
 // Adds the warp's outcomes with one atomic operation each.
 __device__ void count_outcome(const ProjectedPoint& p, bool counts, DeviceStats* stats) {
@@ -61,12 +58,11 @@ struct GivenLevel {
   static constexpr int kVertices = 3, kTriangles = 1;
   DeviceMeshView given, mesh;
 
-  __device__ std::uint64_t patches() const { return given.triangles; }
+  __host__ __device__ std::uint64_t patches() const { return given.triangles; }
   __device__ int corner(int, int k) const { return k; }
   __device__ std::uint32_t vertex(std::uint64_t t, int i) const { return given.corners[3 * t + i]; }
   __device__ Vec3d before(std::uint64_t t, int i) const { return given.positions[vertex(t, i)]; }
-  __device__ bool is_handled(std::uint32_t) const { return true; }
-  __device__ std::uint64_t handled(std::uint32_t v) const { return v; }
+  std::uint64_t first_handled() const { return 0; }
   std::uint64_t items() const { return given.vertices; }
   __device__ bool has_item(std::uint64_t) const { return true; }
   __device__ std::uint64_t handled_by_item(std::uint64_t item) const { return item; }
@@ -82,7 +78,7 @@ struct MidpointLevel {
   DeviceMeshView parent, mesh;
   const std::uint32_t* edge;  // number of the edge of each half-edge of the parent
 
-  __device__ std::uint64_t patches() const { return parent.triangles; }
+  __host__ __device__ std::uint64_t patches() const { return parent.triangles; }
   __device__ int corner(int child, int k) const { return child_corner(child, k); }
   __device__ std::uint32_t midpoint_of(std::uint64_t h) const {
     return static_cast<std::uint32_t>(parent.vertices + edge[h]);
@@ -100,8 +96,7 @@ struct MidpointLevel {
   __device__ Vec3d before(std::uint64_t t, int i) const {
     return i < 3 ? parent.positions[parent.corners[3 * t + i]] : start(3 * t + i - 3);
   }
-  __device__ bool is_handled(std::uint32_t v) const { return v >= parent.vertices; }
-  __device__ std::uint64_t handled(std::uint32_t v) const { return v - parent.vertices; }
+  std::uint64_t first_handled() const { return parent.vertices; }
   std::uint64_t items() const { return 3 * parent.triangles; }
   __device__ bool has_item(std::uint64_t h) const { return parent.opposite[h] >= h; }
   __device__ std::uint64_t handled_by_item(std::uint64_t h) const { return edge[h]; }
@@ -120,20 +115,17 @@ struct MidpointLevel {
 // Marks the moved vertices of each triangle that its move turned. From the second pass on only a
 // patch with a vertex that the last one took back can have changed.
 template <class Level>
-__global__ void mark_turned(SurfaceView surface, Level level, Fate* fates, int pass,
+__global__ void mark_turned(SurfaceView surface, Level level, FatesView fates, int pass,
                             unsigned long long* count) {
   const std::uint64_t t = thread_index();
   if (t >= level.patches()) return;
   std::uint32_t vertex[Level::kVertices];
-  Fate fate[Level::kVertices];
   bool moved = false, taken_back = false;
   for (int i = 0; i < Level::kVertices; ++i) {
     vertex[i] = level.vertex(t, i);
-    fate[i] = level.is_handled(vertex[i])
-                  ? *const_cast<volatile Fate*>(&fates[level.handled(vertex[i])])
-                  : Fate::stayed;
-    moved |= fate[i] == Fate::moved || fate[i] == Fate::taking_back;
-    taken_back |= fate[i] == Fate::taken_back;
+    const Fate fate = fates.of(vertex[i]);
+    moved |= fate == Fate::moved || fate == Fate::taking_back;
+    taken_back |= fate == Fate::taken_back;
   }
   // Only a move can have turned a triangle.
   if (!moved || (pass > 0 && !taken_back)) return;
@@ -149,11 +141,7 @@ __global__ void mark_turned(SurfaceView surface, Level level, Fate* fates, int p
     if (facing(surface.spheres, now, atom) != Facing::against_one_atom) continue;
     if (facing(surface.spheres, before, atom) != Facing::outward) continue;
     atomicAdd(count, 1ull);
-    for (int k = 0; k < 3; ++k) {
-      const int i = level.corner(child, k);
-      if (fate[i] != Fate::moved && fate[i] != Fate::taking_back) continue;
-      *const_cast<volatile Fate*>(&fates[level.handled(vertex[i])]) = Fate::taking_back;
-    }
+    for (int k = 0; k < 3; ++k) fates.mark(vertex[level.corner(child, k)]);
   }
 }
 
@@ -163,6 +151,7 @@ __global__ void restore_marked(SurfaceView surface, Level level, std::uint64_t i
   const std::uint64_t item = thread_index();
   if (item >= items || !level.has_item(item)) return;
   Fate& fate = fates[level.handled_by_item(item)];
+  if (fate == Fate::taken_back) fate = Fate::stayed;
   if (fate != Fate::taking_back) return;
   fate = Fate::taken_back;
   level.take_back(surface, item);
@@ -170,17 +159,39 @@ __global__ void restore_marked(SurfaceView surface, Level level, std::uint64_t i
 }
 
 template <class Level>
-std::uint64_t take_back_turns(const SurfaceView& surface, const Level& level, std::uint64_t patches,
-                              Fate* fates, const Stream& stream) {
+CrossingFinder make_crossing_finder(const Level& level, const Stream& stream) {
+  const std::uint64_t patches = level.patches(), triangles = level.mesh.triangles;
+  require_device_memory(triangles * sizeof(FloatBox), "looking for crossing triangles");
+  DeviceArray<FloatBox> boxes(triangles, stream.get());
+  if (patches > 0) {
+    bound_triangles<<<blocks_for(patches, kThreads), kThreads, 0, stream.get()>>>(level,
+                                                                                  boxes.data());
+    check_launch("bound_triangles");
+  }
+  return CrossingFinder(std::move(boxes), stream);
+}
+
+// The simultaneous passes of refine/bad_moves.hpp: all triangles are judged before any vertex goes
+// back. Returns how many went.
+template <class Level>
+std::uint64_t take_back_bad_moves(const SurfaceView& surface, const Level& level, Fate* fates,
+                                  const DeviceStats* stats, Crossings crossings,
+                                  const Stream& stream) {
+  // What needed no step did not move.
+  if (fetch(stats, stream).iterations_max == 0) return 0;
+  std::optional<CrossingFinder> finder;
+  if (crossings == Crossings::undo) finder.emplace(make_crossing_finder(level, stream));
+  const FatesView view{fates, level.first_handled()};
   const DeviceArray<unsigned long long> counts(2, stream.get());
   std::uint64_t undone = 0;
   for (int pass = 0;; ++pass) {
     clear(counts, stream.get());
-    if (patches > 0) {
-      mark_turned<<<blocks_for(patches, kThreads), kThreads, 0, stream.get()>>>(
-          surface, level, fates, pass, counts.data());
+    if (level.patches() > 0) {
+      mark_turned<<<blocks_for(level.patches(), kThreads), kThreads, 0, stream.get()>>>(
+          surface, level, view, pass, counts.data());
       check_launch("mark_turned");
     }
+    if (finder) finder->mark(level.mesh, view, pass, counts.data());
     if (fetch(counts.data(), stream) == 0) return undone;
     restore_marked<<<blocks_for(level.items(), kThreads), kThreads, 0, stream.get()>>>(
         surface, level, level.items(), fates, counts.data() + 1);
@@ -263,7 +274,8 @@ void count_turned_triangles(const SurfaceView& surface, const DeviceMeshView& me
   check_launch("count_turned");
 }
 
-ProjectionStats project_given(const SurfaceView& surface, DeviceMesh& mesh, const Stream& stream) {
+ProjectionStats project_given(const SurfaceView& surface, DeviceMesh& mesh, Crossings crossings,
+                              const Stream& stream) {
   const DeviceArray<DeviceStats> stats(1, stream.get());
   clear(stats, stream.get());
   std::uint64_t undone = 0;
@@ -283,8 +295,8 @@ ProjectionStats project_given(const SurfaceView& surface, DeviceMesh& mesh, cons
     project_vertices<<<blocks_for(view.vertices, kThreads), kThreads, 0, stream.get()>>>(
         surface, view, squares.data(), fates.data(), stats.data());
     check_launch("project_vertices");
-    undone =
-        take_back_turns(surface, GivenLevel{given, view}, view.triangles, fates.data(), stream);
+    undone = take_back_bad_moves(surface, GivenLevel{given, view}, fates.data(), stats.data(),
+                                 crossings, stream);
   }
   count_turned_triangles(surface, view, stats, stream);
   return to_host(stats, undone, stream);
@@ -381,7 +393,8 @@ struct Subdivided {
   ProjectionStats stats;
 };
 
-Subdivided subdivide(const SurfaceView& surface, const DeviceMesh& parent, const Stream& stream) {
+Subdivided subdivide(const SurfaceView& surface, const DeviceMesh& parent, Crossings crossings,
+                     const Stream& stream) {
   const std::uint64_t half_edges = 3 * parent.triangle_count();
   const std::uint64_t vertices = parent.vertex_count() + half_edges / 2;
   Subdivided child;
@@ -409,7 +422,8 @@ Subdivided subdivide(const SurfaceView& surface, const DeviceMesh& parent, const
   make_midpoints<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
       surface, level, keeps_normals, fates.data(), stats.data());
   check_launch("make_midpoints");
-  const std::uint64_t undone = take_back_turns(surface, level, triangles, fates.data(), stream);
+  const std::uint64_t undone =
+      take_back_bad_moves(surface, level, fates.data(), stats.data(), crossings, stream);
   count_turned_triangles(surface, mesh.view(), stats, stream);
   child.stats = to_host(stats, undone, stream);
   return child;
@@ -421,11 +435,11 @@ DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
                                   const RefineOptions& options, const Stream& stream) {
   DeviceRefinement result;
   StageClock clock(stream.get());
-  result.levels.push_back(project_given(surface, mesh, stream));
+  result.levels.push_back(project_given(surface, mesh, options.crossings, stream));
   result.level_milliseconds.push_back(clock.lap());
   advance(options.monitor, 1);
   for (int l = 1; l <= options.subdivisions && mesh.triangle_count() > 0; ++l) {
-    Subdivided next = subdivide(surface, mesh, stream);
+    Subdivided next = subdivide(surface, mesh, options.crossings, stream);
     mesh = std::move(next.mesh);
     result.levels.push_back(next.stats);
     result.level_milliseconds.push_back(clock.lap());

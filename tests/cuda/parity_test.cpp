@@ -149,8 +149,10 @@ TEST_F(Parity, ThesisPresets) {
 
 // The whole pipeline: extraction, subdivision, projection.
 void expect_pipeline_parity(const SphereSet& spheres, const ExtractOptions& extract,
-                            int subdivisions, const std::string& what) {
+                            int subdivisions, const std::string& what,
+                            Crossings crossings = Crossings::undo) {
   RefineOptions refine;
+  refine.crossings = crossings;
   refine.subdivisions = subdivisions;
   refine.field = extract.field;
   refine.projection = extract.field.kind == FieldKind::vdw ? Projection::vdw : Projection::field;
@@ -178,6 +180,8 @@ TEST_F(Parity, RefinedCrowds) {
                              std::string("refined ") + name_of(kind));
     }
   }
+  expect_pipeline_parity(crowd(300, 8, 0.3, 2.0, 12), options_of(FieldKind::vdw, 0.5), 2,
+                         "refined, crossings allowed", Crossings::allow);
   ExtractOptions thesis = options_of(FieldKind::inverse_squared, 0.4);
   thesis.field.preset = FieldPreset::thesis_vdw;
   thesis.grid = preset_grid(thesis.field.preset, {}, {});
