@@ -434,6 +434,10 @@ Subdivided subdivide(const SurfaceView& surface, const DeviceMesh& parent, Cross
 DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
                                   const RefineOptions& options, const Stream& stream) {
   DeviceRefinement result;
+  const auto observe = [&](int level) {
+    if (options.on_level) options.on_level(level, download(mesh, Connectivity::triangles, stream));
+  };
+  observe(0);
   StageClock clock(stream.get());
   result.levels.push_back(project_given(surface, mesh, options.crossings, stream));
   result.level_milliseconds.push_back(clock.lap());
@@ -443,6 +447,8 @@ DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
     mesh = std::move(next.mesh);
     result.levels.push_back(next.stats);
     result.level_milliseconds.push_back(clock.lap());
+    observe(l);
+    clock.restart();
     advance(options.monitor, 1);
   }
   if (surface.projection != Projection::none && mesh.vertex_count() > 0) {
