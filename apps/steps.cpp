@@ -141,20 +141,13 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
   refine.field = surface.field;
   refine.grid = grid;
   refine.memory_limit = machine.memory_limit;
-  double observed = 0;  // seconds, not the refinement's own
-  if (on_level) {
-    refine.on_level = [&](int level, const IndexedMesh& mesh) {
-      const Stopwatch watch;
-      on_level(level, mesh);
-      observed += watch.seconds();
-    };
-  }
+  refine.on_level = on_level;
   refine.monitor = monitor;
   PipelineResult result = make_pipeline(report.backend->used)->run(spheres, extract, refine);
   require_triangles(result.mesh, spheres, grid.spacing);
   report.timing.field = result.extract.field_seconds;
   report.timing.extract = result.extract.extract_seconds;
-  if (!result.levels.empty()) report.timing.refine = result.refine_seconds - observed;
+  if (!result.levels.empty()) report.timing.refine = result.refine_seconds;
   report.mesh.emplace();
   report.mesh->grid_clipped = result.extract.grid_clipped;
   report.mesh->clamped_vertices = result.extract.clamped_vertices;

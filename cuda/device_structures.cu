@@ -67,8 +67,8 @@ DeviceMeshView DeviceMesh::view() const {
 IndexedMesh download(const DeviceMesh& mesh, Connectivity connectivity, const Stream& stream) {
   IndexedMesh host;
   host.positions.resize(mesh.vertex_count());
-  host.normals.resize(mesh.vertex_count());
-  host.vertex_spheres.resize(mesh.vertex_count());
+  host.normals.resize(mesh.normals.size());
+  host.vertex_spheres.resize(mesh.vertex_spheres.size());
   host.triangles.resize(mesh.triangle_count());
   static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
   auto* corners = reinterpret_cast<std::uint32_t*>(host.triangles.data());

@@ -288,9 +288,11 @@ ProjectionStats project_given(const SurfaceView& surface, DeviceMesh& mesh, Cros
     given.vertex_spheres = labels.data();
     const DeviceArray<unsigned long long> squares(view.vertices, stream.get());
     clear(squares, stream.get());
-    raise_longest_edges<<<blocks_for(3 * view.triangles, kThreads), kThreads, 0, stream.get()>>>(
-        given, squares.data());
-    check_launch("raise_longest_edges");
+    if (view.triangles > 0) {
+      raise_longest_edges<<<blocks_for(3 * view.triangles, kThreads), kThreads, 0, stream.get()>>>(
+          given, squares.data());
+      check_launch("raise_longest_edges");
+    }
     const DeviceArray<Fate> fates(view.vertices, stream.get());
     project_vertices<<<blocks_for(view.vertices, kThreads), kThreads, 0, stream.get()>>>(
         surface, view, squares.data(), fates.data(), stats.data());
@@ -400,7 +402,6 @@ Subdivided subdivide(const SurfaceView& surface, const DeviceMesh& parent, Cross
   Subdivided child;
   DeviceMesh& mesh = child.mesh;
   mesh.positions = DeviceArray<Vec3d>(vertices, stream.get());
-  mesh.normals = DeviceArray<Vec3f>(vertices, stream.get());
   mesh.vertex_spheres = DeviceArray<VertexSpheres>(vertices, stream.get());
   mesh.corners = DeviceArray<std::uint32_t>(4 * half_edges, stream.get());
   if (4 * half_edges <= kMaxHalfEdges) {
@@ -408,7 +409,11 @@ Subdivided subdivide(const SurfaceView& surface, const DeviceMesh& parent, Cross
   }
   copy_front(parent.positions, mesh.positions, stream);
   copy_front(parent.vertex_spheres, mesh.vertex_spheres, stream);
-  const bool keeps_normals = surface.projection == Projection::none;
+  // Without a surface to take them from, normals are interpolated where the parent has them.
+  const bool keeps_normals = surface.projection == Projection::none && parent.normals.size() > 0;
+  if (keeps_normals || surface.projection != Projection::none) {
+    mesh.normals = DeviceArray<Vec3f>(vertices, stream.get());
+  }
   if (keeps_normals) copy_front(parent.normals, mesh.normals, stream);
 
   const DeviceArray<std::uint32_t> edge = edge_numbers(parent.view(), stream);
@@ -442,10 +447,14 @@ DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
   result.levels.push_back(project_given(surface, mesh, options.crossings, stream));
   result.level_milliseconds.push_back(clock.lap());
   advance(options.monitor, 1);
-  for (int l = 1; l <= options.subdivisions && mesh.triangle_count() > 0; ++l) {
-    Subdivided next = subdivide(surface, mesh, options.crossings, stream);
-    mesh = std::move(next.mesh);
-    result.levels.push_back(next.stats);
+  for (int l = 1; l <= options.subdivisions; ++l) {
+    ProjectionStats stats;
+    if (mesh.triangle_count() > 0) {
+      Subdivided next = subdivide(surface, mesh, options.crossings, stream);
+      mesh = std::move(next.mesh);
+      stats = next.stats;
+    }
+    result.levels.push_back(stats);
     result.level_milliseconds.push_back(clock.lap());
     observe(l);
     clock.restart();

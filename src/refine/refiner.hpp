@@ -52,7 +52,7 @@ struct ProjectionStats {
 struct RefineResult {
   IndexedMesh mesh;
   std::vector<ProjectionStats> levels;  // [0]: the given vertices; [l]: after subdivision l
-  double seconds = 0;
+  double seconds = 0;                   // without those of the observer
 };
 
 // Bytes that refine() takes at its peak beyond its arguments: the last level's mesh, the one it
