@@ -1,6 +1,6 @@
 // The table of docs/refinement.md: what midpoint subdivision with projection onto the union cures.
 //
-//   refine_table [--spacing H] [--levels L] EXACT.csv FILE.xyzr...
+//   refine_table [--spacing H] [--levels L] [--crossings allow|undo] EXACT.csv FILE.xyzr...
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -86,7 +86,8 @@ void print_row(const std::string& set, int level, const CellList& list, const Re
   std::fflush(stdout);
 }
 
-void run(const std::string& csv, const std::string& file, double spacing, int levels) {
+void run(const std::string& csv, const std::string& file, double spacing, int levels,
+         Crossings crossings) {
   const std::string set = std::filesystem::path(file).stem().string();
   std::vector<Sphere> balls;
   for (const Atom& atom : read_structure(file).atoms) balls.push_back({atom.position, atom.radius});
@@ -97,6 +98,7 @@ void run(const std::string& csv, const std::string& file, double spacing, int le
   const ExtractResult extracted = make_cpu_extractor()->extract(spheres, extract);
   for (int level = 0; level <= levels; ++level) {
     RefineOptions options;
+    options.crossings = crossings;
     options.subdivisions = level;
     options.grid = extracted.grid;
     const RefineResult result = make_cpu_refiner()->refine(spheres, extracted.mesh, options);
@@ -110,12 +112,18 @@ void run(const std::string& csv, const std::string& file, double spacing, int le
 int main(int argc, char** argv) {
   double spacing = 0.5;
   int levels = 3, i = 1;
+  vdwmesh::Crossings crossings = vdwmesh::Crossings::undo;
   for (; i + 1 < argc && argv[i][0] == '-'; i += 2) {
     if (std::string_view(argv[i]) == "--spacing") spacing = std::stod(argv[i + 1]);
     if (std::string_view(argv[i]) == "--levels") levels = std::stoi(argv[i + 1]);
+    if (std::string_view(argv[i]) == "--crossings" && std::string_view(argv[i + 1]) == "allow") {
+      crossings = vdwmesh::Crossings::allow;
+    }
   }
   if (argc - i < 2) {
-    std::fprintf(stderr, "usage: refine_table [--spacing H] [--levels L] EXACT.csv FILE.xyzr...\n");
+    std::fprintf(stderr,
+                 "usage: refine_table [--spacing H] [--levels L] [--crossings allow|undo] "
+                 "EXACT.csv FILE.xyzr...\n");
     return 1;
   }
   std::puts(
@@ -124,6 +132,6 @@ int main(int argc, char** argv) {
       "distance rms | max | self-intersections | unconverged / out of reach | undone | turned | "
       "steps | residual | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
   for (const std::string csv = argv[i++]; i < argc; ++i) {
-    vdwmesh::run(csv, argv[i], spacing, levels);
+    vdwmesh::run(csv, argv[i], spacing, levels, crossings);
   }
 }

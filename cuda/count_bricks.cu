@@ -6,8 +6,8 @@
 namespace vdwmesh {
 namespace {
 
-// Exclusive sums over the 64 own rows, by the first two warps; returns the total in thread 63's
-// terms through `total`.
+// Exclusive sums over the 64 own rows, by the first two warps; `warp_total` keeps their two totals.
+// All threads of the block call it.
 __device__ void sum_rows(std::uint32_t value, std::uint16_t* before, std::uint32_t* warp_total) {
   const unsigned lane = threadIdx.x % kWarp;
   std::uint32_t sum = value;

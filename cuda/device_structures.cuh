@@ -26,7 +26,7 @@ class DeviceCellList {
   CellListView view_{};
 };
 
-// std::array is an aggregate of the plain array; kernels use these names.
+// The arrays of a DeviceMesh as kernels see them.
 struct DeviceMeshView {
   Vec3d* positions;
   Vec3f* normals;
@@ -61,7 +61,6 @@ struct ExtractTimings {
 
 struct DeviceExtraction {
   DeviceMesh mesh;
-  GridSpec grid;
   ExtractStats stats;
   ExtractTimings timings;
 };

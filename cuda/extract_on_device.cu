@@ -49,7 +49,6 @@ CountedBricks count_and_scan(const FieldContext& f, const KeyList& candidates,
 DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
                                    const ExtractOptions& options, const Stream& stream) {
   DeviceExtraction result;
-  result.grid = model.grid;
   const FieldContext f{list, model};
   const DeviceArray<CaseTable> table = upload(&case_table(), 1, stream.get());
   StageClock clock(stream.get());
