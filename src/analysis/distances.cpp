@@ -75,7 +75,8 @@ void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t li
   }
   const std::uint64_t held = indexed_mesh_bytes(
       mesh.vertex_count(), triangles,
-      mesh.opposite.empty() ? Connectivity::triangles : Connectivity::half_edges);
+      mesh.opposite.empty() ? Connectivity::triangles : Connectivity::half_edges,
+      mesh.triangle_spheres.empty() ? TriangleLabels::none : TriangleLabels::spheres);
   const std::uint64_t need =
       held + BoxTree::bytes(triangles) + mesh.vertex_count() + kBytesPerSphere * spheres;
   if (need <= limit) return;

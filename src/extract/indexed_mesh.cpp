@@ -16,16 +16,18 @@ std::uint64_t hash_bytes(const Buffer<T>& values) {
 }  // namespace
 
 std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles,
-                                 Connectivity connectivity) {
+                                 Connectivity connectivity, TriangleLabels labels) {
   const std::uint64_t per_triangle =
-      sizeof(Triangle) + (connectivity == Connectivity::half_edges ? 3 * sizeof(std::uint32_t) : 0);
+      sizeof(Triangle) +
+      (connectivity == Connectivity::half_edges ? 3 * sizeof(std::uint32_t) : 0) +
+      (labels == TriangleLabels::spheres ? sizeof(SphereId) : 0);
   return vertices * (sizeof(Vec3d) + sizeof(Vec3f) + sizeof(VertexSpheres)) +
          triangles * per_triangle;
 }
 
 IndexedMeshHash hash(const IndexedMesh& mesh) {
   return {hash_bytes(mesh.positions), hash_bytes(mesh.normals), hash_bytes(mesh.vertex_spheres),
-          hash_bytes(mesh.triangles)};
+          hash_bytes(mesh.triangles), hash_bytes(mesh.triangle_spheres)};
 }
 
 }  // namespace vdwmesh

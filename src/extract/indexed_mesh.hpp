@@ -14,7 +14,8 @@ namespace vdwmesh {
 using Triangle = std::array<std::uint32_t, 3>;
 
 // The spheres a vertex lies on, unused places kNoSphere: one on a patch, two on the circle of two
-// spheres, three at a corner. The first is the vertex's atom.
+// spheres, three at a corner. The first is the vertex's atom. Crease-exact meshes name two or three
+// in ascending order.
 using VertexSpheres = std::array<SphereId, 3>;
 
 inline constexpr VertexSpheres on_sphere(SphereId id) { return {id, kNoSphere, kNoSphere}; }
@@ -26,6 +27,9 @@ struct IndexedMesh {
   Buffer<Vec3f> normals;                 // unit, outward; one per vertex
   Buffer<VertexSpheres> vertex_spheres;  // one per vertex
   Buffer<Triangle> triangles;
+  // Empty, or one per triangle: the sphere whose patch it is part of. Crease-exact meshes have it:
+  // every vertex lies on the spheres of all triangles around it. Marching cubes leaves it empty.
+  Buffer<SphereId> triangle_spheres;
   Buffer<std::uint32_t> opposite;  // empty, or one per half-edge: the half-edge that runs back
 
   std::size_t vertex_count() const { return positions.size(); }
@@ -41,13 +45,17 @@ inline constexpr std::uint64_t kMaxHalfEdges = (std::uint64_t{1} << 32) - 1;
 // Whether `opposite` is filled as well.
 enum class Connectivity : std::uint8_t { triangles, half_edges };
 
+// Whether `triangle_spheres` is filled as well.
+enum class TriangleLabels : std::uint8_t { none, spheres };
+
 // Bytes of the arrays.
 std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles,
-                                 Connectivity connectivity = Connectivity::triangles);
+                                 Connectivity connectivity = Connectivity::triangles,
+                                 TriangleLabels labels = TriangleLabels::none);
 
 // A hash over all bits of all arrays (FNV-1a, 64 bits, array by array): equal for equal meshes.
 struct IndexedMeshHash {
-  std::uint64_t positions, normals, vertex_spheres, triangles;
+  std::uint64_t positions, normals, vertex_spheres, triangles, triangle_spheres;
   friend bool operator==(const IndexedMeshHash&, const IndexedMeshHash&) = default;
 };
 IndexedMeshHash hash(const IndexedMesh& mesh);

@@ -29,12 +29,13 @@ class Parity : public ::testing::Test {
 };
 
 std::string to_string(const IndexedMeshHash& h) {
-  char text[80];
-  std::snprintf(text, sizeof text, "%016llx %016llx %016llx %016llx",
+  char text[100];
+  std::snprintf(text, sizeof text, "%016llx %016llx %016llx %016llx %016llx",
                 static_cast<unsigned long long>(h.positions),
                 static_cast<unsigned long long>(h.normals),
                 static_cast<unsigned long long>(h.vertex_spheres),
-                static_cast<unsigned long long>(h.triangles));
+                static_cast<unsigned long long>(h.triangles),
+                static_cast<unsigned long long>(h.triangle_spheres));
   return text;
 }
 

@@ -1,0 +1,53 @@
+// IndexedMesh: its bytes and its hash.
+#include "extract/indexed_mesh.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::uint64_t kFnvOffset = 14695981039346656037ull;  // FNV-1a, 64 bits, of no bytes
+
+IndexedMesh one_triangle() {
+  IndexedMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.normals.assign(3, {0, 0, 1});
+  mesh.vertex_spheres.assign(3, on_sphere(0));
+  mesh.triangles = {{0, 1, 2}};
+  return mesh;
+}
+
+template <class T>
+std::uint64_t bytes_of(const Buffer<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+TEST(IndexedMesh, BytesAreThoseOfItsArrays) {
+  IndexedMesh mesh = one_triangle();
+  mesh.opposite = {2, 1, 0};
+  mesh.triangle_spheres = {7};
+  const std::uint64_t plain = bytes_of(mesh.positions) + bytes_of(mesh.normals) +
+                              bytes_of(mesh.vertex_spheres) + bytes_of(mesh.triangles);
+  EXPECT_EQ(indexed_mesh_bytes(3, 1), plain);
+  EXPECT_EQ(indexed_mesh_bytes(3, 1, Connectivity::half_edges), plain + bytes_of(mesh.opposite));
+  EXPECT_EQ(indexed_mesh_bytes(3, 1, Connectivity::triangles, TriangleLabels::spheres),
+            plain + bytes_of(mesh.triangle_spheres));
+}
+
+TEST(IndexedMesh, HashOfNoTriangleSpheresIsThatOfNoBytes) {
+  EXPECT_EQ(hash(one_triangle()).triangle_spheres, kFnvOffset);
+}
+
+TEST(IndexedMesh, HashSeesTriangleSpheresApart) {
+  IndexedMesh a = one_triangle(), b = one_triangle();
+  a.triangle_spheres = {1};
+  b.triangle_spheres = {2};
+  EXPECT_NE(hash(a), hash(b));
+  EXPECT_EQ(hash(a).vertex_spheres, hash(b).vertex_spheres);
+  EXPECT_EQ(hash(a).triangles, hash(b).triangles);
+  a.triangle_spheres = {2};
+  EXPECT_EQ(hash(a), hash(b));
+}
+
+}  // namespace
+}  // namespace vdwmesh
