@@ -1,0 +1,29 @@
+// Colour maps that people with colour-blindness can read.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace vdwmesh {
+
+// sRGB as a screen takes it (gamma-encoded), each channel in [0, 1].
+struct Rgb {
+  float r, g, b;
+  friend bool operator==(const Rgb&, const Rgb&) = default;
+};
+
+// Nearest bytes, as picture files and web pages have them.
+std::array<std::uint8_t, 3> to_bytes(const Rgb& color);
+
+enum class ColorMap {
+  viridis,  // sequential, dark violet to yellow (Smith and van der Walt 2015)
+  cividis,  // sequential, dark blue to yellow, the same for red-green blindness (Nuñez et al. 2018)
+  cool_warm,  // diverging, blue over grey to red; neutral at 1/2 (Moreland 2009)
+};
+
+// The colour at t of the map; below 0 and above 1 the colour of that end. The lightness of the
+// sequential maps rises with t; cool_warm is lightest, and grey, at t = 1/2 and falls alike on both
+// sides. Throws InvalidInput for NaN.
+Rgb color_at(ColorMap map, double t);
+
+}  // namespace vdwmesh
