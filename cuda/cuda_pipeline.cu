@@ -35,7 +35,7 @@ class CudaPipeline final : public SurfacePipeline {
                      spheres.size(), options.subdivisions),
         "refinement");
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
-    const DeviceSurface surface(spheres, options, stream);
+    const DeviceSurface surface(spheres, options, TriangleLabels::none, stream);
     DeviceRefinement refined =
         refine_on_device(surface.view(), std::move(extraction.mesh), options, stream);
     const bool has_half_edges = refined.mesh.opposite.size() > 0;

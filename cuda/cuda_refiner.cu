@@ -8,8 +8,8 @@
 namespace vdwmesh {
 
 DeviceSurface::DeviceSurface(const SphereSet& spheres, const RefineOptions& options,
-                             const Stream& stream)
-    : host_list_(projection_list(spheres, options)),
+                             TriangleLabels labels, const Stream& stream)
+    : host_list_(projection_list(spheres, options, labels)),
       list_(host_list_.view(), stream.get()),
       spheres_(upload(spheres.spheres().data(), spheres.size(), stream.get())),
       view_{options.projection, list_.view(), projection_model(options), spheres_.data()} {}
@@ -26,6 +26,8 @@ DeviceMesh upload_mesh(const IndexedMesh& host, Projection projection, const Str
                      : DeviceArray<Vec3f>(host.positions.size(), stream.get());
   mesh.corners = upload(reinterpret_cast<const std::uint32_t*>(host.triangles.data()),
                         3 * host.triangles.size(), stream.get());
+  mesh.triangle_spheres =
+      upload(host.triangle_spheres.data(), host.triangle_spheres.size(), stream.get());
   mesh.opposite = upload(host.opposite.data(), host.opposite.size(), stream.get());
   return mesh;
 }
@@ -35,12 +37,13 @@ class CudaRefiner final : public Refiner {
   RefineResult refine(const SphereSet& spheres, const IndexedMesh& mesh,
                       const RefineOptions& options) const override {
     check_refinement(spheres, mesh, options);
+    const TriangleLabels labels = mesh.triangle_labels();
     require_device_memory(refine_bytes(mesh.vertex_count(), mesh.triangle_count(), spheres.size(),
-                                       options.subdivisions),
+                                       options.subdivisions, labels),
                           "refinement");
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
     const Stream stream;
-    const DeviceSurface surface(spheres, options, stream);
+    const DeviceSurface surface(spheres, options, labels, stream);
     DeviceRefinement refined = refine_on_device(
         surface.view(), upload_mesh(prepare_mesh(mesh, options), options.projection, stream),
         options, stream);

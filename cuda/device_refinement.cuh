@@ -23,7 +23,8 @@ DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
 class DeviceSurface {
  public:
   // Throws InvalidInput for options without sense.
-  DeviceSurface(const SphereSet& spheres, const RefineOptions& options, const Stream& stream);
+  DeviceSurface(const SphereSet& spheres, const RefineOptions& options, TriangleLabels labels,
+                const Stream& stream);
   const SurfaceView& view() const { return view_; }
 
  private:

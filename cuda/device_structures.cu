@@ -61,7 +61,7 @@ DeviceMesh::DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStre
 
 DeviceMeshView DeviceMesh::view() const {
   return {positions.data(), normals.data(), vertex_spheres.data(), corners.data(),
-          opposite.data(),  vertex_count(), triangle_count()};
+          opposite.data(),  vertex_count(), triangle_count(),      triangle_spheres.data()};
 }
 
 IndexedMesh download(const DeviceMesh& mesh, Connectivity connectivity, const Stream& stream) {
@@ -70,6 +70,7 @@ IndexedMesh download(const DeviceMesh& mesh, Connectivity connectivity, const St
   host.normals.resize(mesh.normals.size());
   host.vertex_spheres.resize(mesh.vertex_spheres.size());
   host.triangles.resize(mesh.triangle_count());
+  host.triangle_spheres.resize(mesh.triangle_spheres.size());
   static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
   auto* corners = reinterpret_cast<std::uint32_t*>(host.triangles.data());
   const PinnedRange pin_positions(host.positions.data(), mesh.positions.bytes());
@@ -80,6 +81,7 @@ IndexedMesh download(const DeviceMesh& mesh, Connectivity connectivity, const St
   copy_down(host.normals.data(), mesh.normals, stream);
   copy_down(host.vertex_spheres.data(), mesh.vertex_spheres, stream);
   copy_down(corners, mesh.corners, stream);
+  copy_down(host.triangle_spheres.data(), mesh.triangle_spheres, stream);
   if (connectivity == Connectivity::half_edges) {
     host.opposite.resize(mesh.opposite.size());
     copy_down(host.opposite.data(), mesh.opposite, stream);

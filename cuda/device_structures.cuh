@@ -34,6 +34,7 @@ struct DeviceMeshView {
   std::uint32_t* corners;   // 3 per triangle
   std::uint32_t* opposite;  // 3 per triangle
   std::uint64_t vertices, triangles;
+  SphereId* triangle_spheres;  // null, or one per triangle
 };
 
 // An IndexedMesh in device memory, half-edges included.
@@ -42,11 +43,15 @@ struct DeviceMesh {
   DeviceArray<Vec3f> normals;
   DeviceArray<VertexSpheres> vertex_spheres;
   DeviceArray<std::uint32_t> corners, opposite;
+  DeviceArray<SphereId> triangle_spheres;  // empty, or one per triangle
 
   DeviceMesh() = default;
   DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream);
   std::uint64_t vertex_count() const { return positions.size(); }
   std::uint64_t triangle_count() const { return corners.size() / 3; }
+  TriangleLabels triangle_labels() const {
+    return triangle_spheres.size() > 0 ? TriangleLabels::spheres : TriangleLabels::none;
+  }
   DeviceMeshView view() const;
 };
 

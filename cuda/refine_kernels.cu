@@ -9,108 +9,15 @@
 #include "cuda/cub_calls.cuh"
 #include "cuda/device_crossings.cuh"
 #include "cuda/device_refinement.cuh"
+#include "cuda/refine_levels.cuh"
+#include "refine/constraint_formulas.hpp"
 
 namespace vdwmesh {
 namespace {
 
 constexpr unsigned kThreads = 256;
 
-// ProjectionStats as kernels add to them. Residuals are not negative, so their bits order as they
-// do.
-struct DeviceStats {
-  unsigned long long projected, unconverged, out_of_reach, turned, residual_bits;
-  int iterations_max;
-};
-
-// Adds the warp's outcomes with one atomic operation each.
-__device__ void count_outcome(const ProjectedPoint& p, bool counts, DeviceStats* stats) {
-  const unsigned lanes = __activemask();
-  const auto count = [&](ProjectionOutcome outcome, unsigned long long* slot) {
-    const unsigned votes = __ballot_sync(lanes, counts && p.outcome == outcome);
-    if (votes != 0 &&
-        (threadIdx.x % 32) == static_cast<unsigned>(__ffs(static_cast<int>(votes)) - 1)) {
-      atomicAdd(slot, static_cast<unsigned long long>(__popc(votes)));
-    }
-  };
-  count(ProjectionOutcome::converged, &stats->projected);
-  count(ProjectionOutcome::unconverged, &stats->unconverged);
-  count(ProjectionOutcome::out_of_reach, &stats->out_of_reach);
-  const int steps = __reduce_max_sync(lanes, counts ? p.steps : 0);
-  const bool leader =
-      (threadIdx.x % 32) == static_cast<unsigned>(__ffs(static_cast<int>(lanes)) - 1);
-  if (leader && steps > stats->iterations_max) atomicMax(&stats->iterations_max, steps);
-  if (counts && p.outcome == ProjectionOutcome::converged) {
-    const auto bits = static_cast<unsigned long long>(__double_as_longlong(p.residual));
-    if (bits > stats->residual_bits) atomicMax(&stats->residual_bits, bits);
-  }
-}
-
-__device__ VertexSpheres make_label(const SphereId* s) { return {s[0], s[1], s[2]}; }
-__device__ const SphereId* ids(const VertexSpheres& label) {
-  return reinterpret_cast<const SphereId*>(&label);
-}
-
 // ---- triangles judged together ----
-
-// A level as the kernels see it: patches of vertices with the triangles among them. Given: one
-// triangle of three vertices, all of which the level handles.
-struct GivenLevel {
-  static constexpr int kVertices = 3, kTriangles = 1;
-  DeviceMeshView given, mesh;
-
-  __host__ __device__ std::uint64_t patches() const { return given.triangles; }
-  __device__ int corner(int, int k) const { return k; }
-  __device__ std::uint32_t vertex(std::uint64_t t, int i) const { return given.corners[3 * t + i]; }
-  __device__ Vec3d before(std::uint64_t t, int i) const { return given.positions[vertex(t, i)]; }
-  std::uint64_t first_handled() const { return 0; }
-  std::uint64_t items() const { return given.vertices; }
-  __device__ bool has_item(std::uint64_t) const { return true; }
-  __device__ std::uint64_t handled_by_item(std::uint64_t item) const { return item; }
-  __device__ void take_back(const SurfaceView&, std::uint64_t v) const {
-    mesh.positions[v] = given.positions[v];
-    mesh.vertex_spheres[v] = given.vertex_spheres[v];
-  }
-};
-
-// Midpoints: a parent triangle, three old vertices and three midpoints, and its four children.
-struct MidpointLevel {
-  static constexpr int kVertices = 6, kTriangles = 4;
-  DeviceMeshView parent, mesh;
-  const std::uint32_t* edge;  // number of the edge of each half-edge of the parent
-
-  __host__ __device__ std::uint64_t patches() const { return parent.triangles; }
-  __device__ int corner(int child, int k) const { return child_corner(child, k); }
-  __device__ std::uint32_t midpoint_of(std::uint64_t h) const {
-    return static_cast<std::uint32_t>(parent.vertices + edge[h]);
-  }
-  __device__ std::uint32_t vertex(std::uint64_t t, int i) const {
-    return i < 3 ? parent.corners[3 * t + i] : midpoint_of(3 * t + i - 3);
-  }
-  __device__ std::uint32_t start_of(std::uint64_t h) const { return parent.corners[h]; }
-  __device__ std::uint32_t end_of(std::uint64_t h) const {
-    return parent.corners[h % 3 == 2 ? h - 2 : h + 1];
-  }
-  __device__ Vec3d start(std::uint64_t h) const {
-    return midpoint(parent.positions[start_of(h)], parent.positions[end_of(h)]);
-  }
-  __device__ Vec3d before(std::uint64_t t, int i) const {
-    return i < 3 ? parent.positions[parent.corners[3 * t + i]] : start(3 * t + i - 3);
-  }
-  std::uint64_t first_handled() const { return parent.vertices; }
-  std::uint64_t items() const { return 3 * parent.triangles; }
-  __device__ bool has_item(std::uint64_t h) const { return parent.opposite[h] >= h; }
-  __device__ std::uint64_t handled_by_item(std::uint64_t h) const { return edge[h]; }
-  __device__ VertexSpheres unprojected_label(const SurfaceView& surface, std::uint64_t h) const {
-    const SphereId a = ids(parent.vertex_spheres[start_of(h)])[0];
-    const SphereId b = ids(parent.vertex_spheres[end_of(h)])[0];
-    return on_sphere(nearer_sphere(surface.spheres, a, b, start(h)));
-  }
-  __device__ void take_back(const SurfaceView& surface, std::uint64_t h) const {
-    const std::uint32_t v = midpoint_of(h);
-    mesh.positions[v] = start(h);
-    mesh.vertex_spheres[v] = unprojected_label(surface, h);
-  }
-};
 
 // Marks the moved vertices of each triangle that its move turned. From the second pass on only a
 // patch with a vertex that the last one took back can have changed.
@@ -208,7 +115,8 @@ __global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, DeviceSta
   for (int k = 0; k < 3; ++k) {
     const std::uint32_t v = mesh.corners[3 * t + k];
     p[k] = mesh.positions[v];
-    atom[k] = ids(mesh.vertex_spheres[v])[0];
+    atom[k] = mesh.triangle_spheres != nullptr ? mesh.triangle_spheres[t]
+                                               : ids(mesh.vertex_spheres[v])[0];
   }
   if (facing(surface.spheres, p, atom) != Facing::outward) atomicAdd(&stats->turned, 1ull);
 }
@@ -241,6 +149,25 @@ __global__ void project_vertices(SurfaceView surface, DeviceMeshView mesh,
       p.steps == 0 && surface.on_label(p.position, ids(mesh.vertex_spheres[v]));
   if (!keeps_label) mesh.vertex_spheres[v] = make_label(p.spheres);
   if (p.steps > 0) fates[v] = Fate::moved;
+}
+
+// What count_outcome() is to be told of a vertex that must lie on the spheres of its label.
+__device__ ProjectedPoint judge_constrained(const SurfaceView& surface, const Vec3d& p,
+                                            const SphereId* label) {
+  const double residual = label_residual(surface.spheres, label, p);
+  const bool good = label[0] != kNoSphere && residual <= kProjectionTolerance;
+  return {p,
+          residual,
+          {label[0], label[1], label[2]},
+          0,
+          good ? ProjectionOutcome::converged : ProjectionOutcome::unconverged};
+}
+
+__global__ void count_constrained(SurfaceView surface, DeviceMeshView mesh, DeviceStats* stats) {
+  const std::uint64_t v = thread_index();
+  if (v >= mesh.vertices) return;
+  const SphereId* label = ids(mesh.vertex_spheres[v]);
+  count_outcome(judge_constrained(surface, mesh.positions[v], label), true, stats);
 }
 
 template <class T>
@@ -280,7 +207,12 @@ ProjectionStats project_given(const SurfaceView& surface, DeviceMesh& mesh, Cros
   clear(stats, stream.get());
   std::uint64_t undone = 0;
   const DeviceMeshView view = mesh.view();
-  if (surface.projection != Projection::none && view.vertices > 0) {
+  const bool projects = surface.projection != Projection::none && view.vertices > 0;
+  if (projects && mesh.triangle_labels() == TriangleLabels::spheres) {
+    count_constrained<<<blocks_for(view.vertices, kThreads), kThreads, 0, stream.get()>>>(
+        surface, view, stats.data());
+    check_launch("count_constrained");
+  } else if (projects) {
     const DeviceArray<Vec3d> positions = copy_of(mesh.positions, stream);
     const DeviceArray<VertexSpheres> labels = copy_of(mesh.vertex_spheres, stream);
     DeviceMeshView given = view;
@@ -327,11 +259,44 @@ __global__ void write_children(MidpointLevel level) {
       level.mesh.corners[3 * (4 * t + child) + k] = level.vertex(t, child_corner(child, k));
     }
   }
+  if (level.mesh.triangle_spheres != nullptr) {
+    for (int child = 0; child < 4; ++child) {
+      level.mesh.triangle_spheres[4 * t + child] = level.parent.triangle_spheres[t];
+    }
+  }
   if (level.mesh.opposite == nullptr) return;
   for (std::uint64_t h = 3 * t; h < 3 * t + 3; ++h) {
     write_child_opposites(static_cast<std::uint32_t>(h), level.parent.opposite[h],
                           level.mesh.opposite);
   }
+}
+
+__device__ void interpolate_normal(const MidpointLevel& level, std::uint64_t h) {
+  level.mesh.normals[level.midpoint_of(h)] =
+      unit_normal(cast<double>(level.parent.normals[level.start_of(h)]) +
+                  cast<double>(level.parent.normals[level.end_of(h)]));
+}
+
+// Midpoints on the spheres of the triangles on both sides.
+__global__ void make_constrained_midpoints(SurfaceView surface, MidpointLevel level,
+                                           bool with_normals, DeviceStats* stats) {
+  const std::uint64_t h = thread_index();
+  if (h >= 3 * level.parent.triangles || !level.has_item(h)) return;
+  if (with_normals) interpolate_normal(level, h);
+  const DeviceMeshView& parent = level.parent;
+  const VertexSpheres label =
+      edge_label(parent.triangle_spheres[h / 3], parent.triangle_spheres[parent.opposite[h] / 3]);
+  const std::uint32_t v = level.midpoint_of(h);
+  level.mesh.vertex_spheres[v] = label;
+  if (surface.projection == Projection::none) {
+    level.mesh.positions[v] = level.start(h);
+    return;
+  }
+  const Vec3d p =
+      constrained_midpoint(surface.spheres, ids(label), parent.positions[level.start_of(h)],
+                           parent.positions[level.end_of(h)]);
+  level.mesh.positions[v] = p;
+  count_outcome(judge_constrained(surface, p, ids(label)), true, stats);
 }
 
 __global__ void make_midpoints(SurfaceView surface, MidpointLevel level, bool with_normals,
@@ -340,10 +305,7 @@ __global__ void make_midpoints(SurfaceView surface, MidpointLevel level, bool wi
   if (h >= 3 * level.parent.triangles || !level.has_item(h)) return;
   const std::uint32_t v = level.midpoint_of(h);
   const Vec3d start = level.start(h);
-  if (with_normals) {
-    level.mesh.normals[v] = unit_normal(cast<double>(level.parent.normals[level.start_of(h)]) +
-                                        cast<double>(level.parent.normals[level.end_of(h)]));
-  }
+  if (with_normals) interpolate_normal(level, h);
   Fate fate = Fate::stayed;
   bool projected = false;
   if (surface.projection != Projection::none) {
@@ -364,9 +326,11 @@ __global__ void make_midpoints(SurfaceView surface, MidpointLevel level, bool wi
 
 __global__ void compute_normals(SurfaceView surface, DeviceMeshView mesh) {
   const std::uint64_t v = thread_index();
-  if (v < mesh.vertices) {
-    mesh.normals[v] = surface.normal(mesh.positions[v], ids(mesh.vertex_spheres[v]));
-  }
+  if (v >= mesh.vertices) return;
+  const Vec3d& p = mesh.positions[v];
+  const SphereId* label = ids(mesh.vertex_spheres[v]);
+  mesh.normals[v] = mesh.triangle_spheres != nullptr ? constrained_normal(surface.spheres, label, p)
+                                                     : surface.normal(p, label);
 }
 
 DeviceArray<std::uint32_t> edge_numbers(const DeviceMeshView& parent, const Stream& stream) {
@@ -407,6 +371,7 @@ Subdivided subdivide(const SurfaceView& surface, const DeviceMesh& parent, Cross
   if (4 * half_edges <= kMaxHalfEdges) {
     mesh.opposite = DeviceArray<std::uint32_t>(4 * half_edges, stream.get());
   }
+  mesh.triangle_spheres = DeviceArray<SphereId>(4 * parent.triangle_spheres.size(), stream.get());
   copy_front(parent.positions, mesh.positions, stream);
   copy_front(parent.vertex_spheres, mesh.vertex_spheres, stream);
   // Without a surface to take them from, normals are interpolated where the parent has them.
@@ -423,12 +388,18 @@ Subdivided subdivide(const SurfaceView& surface, const DeviceMesh& parent, Cross
   check_launch("write_children");
   const DeviceArray<DeviceStats> stats(1, stream.get());
   clear(stats, stream.get());
-  const DeviceArray<Fate> fates(half_edges / 2, stream.get());
-  make_midpoints<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
-      surface, level, keeps_normals, fates.data(), stats.data());
-  check_launch("make_midpoints");
-  const std::uint64_t undone =
-      take_back_bad_moves(surface, level, fates.data(), stats.data(), crossings, stream);
+  std::uint64_t undone = 0;
+  if (parent.triangle_labels() == TriangleLabels::spheres) {
+    make_constrained_midpoints<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
+        surface, level, keeps_normals, stats.data());
+    check_launch("make_constrained_midpoints");
+  } else {
+    const DeviceArray<Fate> fates(half_edges / 2, stream.get());
+    make_midpoints<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
+        surface, level, keeps_normals, fates.data(), stats.data());
+    check_launch("make_midpoints");
+    undone = take_back_bad_moves(surface, level, fates.data(), stats.data(), crossings, stream);
+  }
   count_turned_triangles(surface, mesh.view(), stats, stream);
   child.stats = to_host(stats, undone, stream);
   return child;

@@ -73,10 +73,10 @@ void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t li
         fmt::format("distances take at most {} triangles, the mesh has {}: subdivide it once less",
                     kNoSphere - 1, triangles));
   }
-  const std::uint64_t held = indexed_mesh_bytes(
-      mesh.vertex_count(), triangles,
-      mesh.opposite.empty() ? Connectivity::triangles : Connectivity::half_edges,
-      mesh.triangle_spheres.empty() ? TriangleLabels::none : TriangleLabels::spheres);
+  const std::uint64_t held =
+      indexed_mesh_bytes(mesh.vertex_count(), triangles,
+                         mesh.opposite.empty() ? Connectivity::triangles : Connectivity::half_edges,
+                         mesh.triangle_labels());
   const std::uint64_t need =
       held + BoxTree::bytes(triangles) + mesh.vertex_count() + kBytesPerSphere * spheres;
   if (need <= limit) return;

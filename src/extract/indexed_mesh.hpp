@@ -20,6 +20,9 @@ using VertexSpheres = std::array<SphereId, 3>;
 
 inline constexpr VertexSpheres on_sphere(SphereId id) { return {id, kNoSphere, kNoSphere}; }
 
+// Whether `triangle_spheres` is filled.
+enum class TriangleLabels : std::uint8_t { none, spheres };
+
 // Triangles wind counter-clockwise seen from outside. Half-edge 3t + k of triangle t runs from
 // its vertex k to vertex (k + 1) % 3.
 struct IndexedMesh {
@@ -34,6 +37,9 @@ struct IndexedMesh {
 
   std::size_t vertex_count() const { return positions.size(); }
   std::size_t triangle_count() const { return triangles.size(); }
+  TriangleLabels triangle_labels() const {
+    return triangle_spheres.empty() ? TriangleLabels::none : TriangleLabels::spheres;
+  }
 };
 
 // Most vertices an IndexedMesh can hold.
@@ -44,9 +50,6 @@ inline constexpr std::uint64_t kMaxHalfEdges = (std::uint64_t{1} << 32) - 1;
 
 // Whether `opposite` is filled as well.
 enum class Connectivity : std::uint8_t { triangles, half_edges };
-
-// Whether `triangle_spheres` is filled as well.
-enum class TriangleLabels : std::uint8_t { none, spheres };
 
 // Bytes of the arrays.
 std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles,

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "refine/blocks.hpp"
+#include "refine/constraint_formulas.hpp"
 #include "refine/level.hpp"
 #include "refine/preparation.hpp"
 #include "refine/refiner.hpp"
@@ -10,11 +11,15 @@
 namespace vdwmesh {
 namespace {
 
-void compute_normals(const TargetSurface& surface, IndexedMesh& mesh) {
+void compute_normals(const SphereSet& spheres, const TargetSurface& surface, IndexedMesh& mesh) {
   if (surface.projection() == Projection::none) return;
+  const bool constrained = mesh.triangle_labels() == TriangleLabels::spheres;
   mesh.normals.resize(mesh.vertex_count());
   for_all(mesh.vertex_count(), [&](std::size_t v) {
-    mesh.normals[v] = surface.normal(mesh.positions[v], mesh.vertex_spheres[v]);
+    const Vec3d& p = mesh.positions[v];
+    const VertexSpheres& label = mesh.vertex_spheres[v];
+    mesh.normals[v] = constrained ? constrained_normal(spheres.spheres().data(), label.data(), p)
+                                  : surface.normal(p, label);
   });
 }
 
@@ -25,7 +30,7 @@ class CpuRefiner : public Refiner {
     const auto begin = std::chrono::steady_clock::now();
     check_refinement(spheres, mesh, options);
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
-    const TargetSurface surface(spheres, options);
+    const TargetSurface surface(spheres, options, mesh.triangle_labels());
     RefineResult result;
     result.mesh = prepare_mesh(mesh, options);
     std::chrono::steady_clock::duration observed{};
@@ -45,7 +50,7 @@ class CpuRefiner : public Refiner {
       observe(l);
       advance(options.monitor, 1);
     }
-    compute_normals(surface, result.mesh);
+    compute_normals(spheres, surface, result.mesh);
     const auto end = std::chrono::steady_clock::now();
     result.seconds = std::chrono::duration<double>(end - begin - observed).count();
     return result;

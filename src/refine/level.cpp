@@ -9,6 +9,7 @@
 
 #include "refine/bad_moves.hpp"
 #include "refine/blocks.hpp"
+#include "refine/constraint_formulas.hpp"
 #include "refine/half_edges.hpp"
 #include "refine/subdivision_formulas.hpp"
 
@@ -57,12 +58,13 @@ VertexSpheres label_of(const ProjectedPoint& p) {
 }
 
 std::uint64_t count_turned(const SphereSet& spheres, const IndexedMesh& mesh) {
+  const bool labelled = mesh.triangle_labels() == TriangleLabels::spheres;
   const auto count = [&](std::size_t t, std::uint64_t& n) {
     std::array<Vec3d, 3> p;
     std::array<SphereId, 3> atom;
     for (std::size_t k = 0; k < 3; ++k) {
       p[k] = mesh.positions[mesh.triangles[t][k]];
-      atom[k] = mesh.vertex_spheres[mesh.triangles[t][k]][0];
+      atom[k] = labelled ? mesh.triangle_spheres[t] : mesh.vertex_spheres[mesh.triangles[t][k]][0];
     }
     n += facing(spheres.spheres().data(), p.data(), atom.data()) != Facing::outward;
   };
@@ -95,6 +97,7 @@ Buffer<std::uint64_t> longest_edge_squares(const IndexedMesh& mesh) {
 void write_children(const Midpoints& level, IndexedMesh& mesh) {
   const IndexedMesh& parent = level.parent;
   mesh.triangles.resize(4 * parent.triangle_count());
+  mesh.triangle_spheres.resize(4 * parent.triangle_spheres.size());
   if (12 * parent.triangle_count() <= kMaxHalfEdges) {
     mesh.opposite.resize(12 * parent.triangle_count());
   }
@@ -105,6 +108,9 @@ void write_children(const Midpoints& level, IndexedMesh& mesh) {
         mesh.triangles[4 * t + static_cast<std::size_t>(child)][static_cast<std::size_t>(k)] =
             v[static_cast<std::size_t>(child_corner(child, k))];
       }
+    }
+    if (!mesh.triangle_spheres.empty()) {
+      std::fill_n(&mesh.triangle_spheres[4 * t], 4, parent.triangle_spheres[t]);
     }
     if (mesh.opposite.empty()) return;
     for (std::size_t h = 3 * t; h < 3 * t + 3; ++h) {
@@ -121,6 +127,37 @@ void copy_front(const Buffer<T>& from, std::size_t size, Buffer<T>& to) {
   for_all(from.size(), [&](std::size_t i) { to[i] = from[i]; });
 }
 
+void count_constrained(const SphereSet& spheres, const IndexedMesh& mesh, std::size_t v,
+                       ProjectionStats& stats) {
+  const VertexSpheres& label = mesh.vertex_spheres[v];
+  const double residual = label_residual(spheres.spheres().data(), label.data(), mesh.positions[v]);
+  if (label[0] == kNoSphere || !(residual <= kProjectionTolerance)) {
+    ++stats.unconverged;
+    return;
+  }
+  ++stats.projected;
+  stats.residual_max = std::max(stats.residual_max, residual);
+}
+
+// Makes the midpoint of half-edge h on the spheres of its two triangles.
+void make_constrained_midpoint(const SphereSet& spheres, Projection projection,
+                               const Midpoints& level, std::size_t h, IndexedMesh& mesh,
+                               ProjectionStats& stats) {
+  const std::uint32_t v = level.midpoint_of(h);
+  const IndexedMesh& parent = level.parent;
+  const VertexSpheres label =
+      edge_label(parent.triangle_spheres[h / 3], parent.triangle_spheres[parent.opposite[h] / 3]);
+  mesh.vertex_spheres[v] = label;
+  if (projection == Projection::none) {
+    mesh.positions[v] = level.start(h);
+    return;
+  }
+  mesh.positions[v] =
+      constrained_midpoint(spheres.spheres().data(), label.data(),
+                           parent.positions[level.start_of(h)], parent.positions[level.end_of(h)]);
+  count_constrained(spheres, mesh, v, stats);
+}
+
 // Projects given vertex v, and says what became of it.
 Fate project_vertex(const TargetSurface& surface, std::size_t v, double reach, IndexedMesh& mesh,
                     ProjectionStats& stats) {
@@ -133,15 +170,18 @@ Fate project_vertex(const TargetSurface& surface, std::size_t v, double reach, I
   return p.steps > 0 ? Fate::moved : Fate::stayed;
 }
 
+void interpolate_normal(const Midpoints& level, std::size_t h, IndexedMesh& mesh) {
+  if (mesh.normals.empty()) return;
+  mesh.normals[level.midpoint_of(h)] =
+      unit_normal(cast<double>(level.parent.normals[level.start_of(h)]) +
+                  cast<double>(level.parent.normals[level.end_of(h)]));
+}
+
 // Makes the midpoint of half-edge h, projected where that succeeds.
 Fate make_midpoint(const SphereSet& spheres, const TargetSurface& surface, const Midpoints& level,
                    std::size_t h, IndexedMesh& mesh, ProjectionStats& stats) {
   const std::uint32_t v = level.midpoint_of(h);
   const Vec3d start = level.start(h);
-  if (!mesh.normals.empty()) {
-    mesh.normals[v] = unit_normal(cast<double>(level.parent.normals[level.start_of(h)]) +
-                                  cast<double>(level.parent.normals[level.end_of(h)]));
-  }
   if (surface.projection() != Projection::none) {
     const ProjectedPoint p =
         surface.project(start, midpoint_reach(level.parent.positions[level.start_of(h)],
@@ -158,13 +198,50 @@ Fate make_midpoint(const SphereSet& spheres, const TargetSurface& surface, const
   return Fate::stayed;
 }
 
+ProjectionStats constrain_midpoints(const SphereSet& spheres, const TargetSurface& surface,
+                                    const Midpoints& level, IndexedMesh& mesh,
+                                    const RefineOptions& options) {
+  return tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
+    if (!level.handled_by_item(h)) return;
+    interpolate_normal(level, h, mesh);
+    make_constrained_midpoint(spheres, surface.projection(), level, h, mesh, total);
+  });
+}
+
+// Projects the midpoints, and takes back the bad moves.
+ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface& surface,
+                                  const Midpoints& level, IndexedMesh& mesh,
+                                  const RefineOptions& options) {
+  Buffer<Fate> fates(level.items() / 2);
+  ProjectionStats stats =
+      tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
+        const std::optional<std::size_t> i = level.handled_by_item(h);
+        if (!i) return;
+        interpolate_normal(level, h, mesh);
+        fates[*i] = make_midpoint(spheres, surface, level, h, mesh, total);
+      });
+  if (surface.projection() == Projection::none) return stats;
+  stats.undone = take_back_bad_moves(spheres, level, fates, options, [&](std::size_t h) {
+    const std::uint32_t v = level.midpoint_of(h);
+    mesh.positions[v] = level.start(h);
+    mesh.vertex_spheres[v] = level.unprojected_label(spheres.spheres().data(), h);
+  });
+  stats.projected -= stats.undone;
+  return stats;
+}
+
 }  // namespace
 
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
                               const IndexedMesh& given, IndexedMesh& mesh,
                               const RefineOptions& options) {
   ProjectionStats stats;
-  if (surface.projection() != Projection::none) {
+  const bool constrained = given.triangle_labels() == TriangleLabels::spheres;
+  if (constrained && surface.projection() != Projection::none) {
+    stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
+      count_constrained(spheres, mesh, v, total);
+    });
+  } else if (surface.projection() != Projection::none) {
     Buffer<Fate> fates(mesh.vertex_count());
     const Buffer<std::uint64_t> squares = longest_edge_squares(given);
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
@@ -189,26 +266,14 @@ SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
   SubdividedMesh child;
   IndexedMesh& mesh = child.mesh;
   const Midpoints level{parent, edge, mesh};
-  const std::size_t edges = parent.opposite.size() / 2;
-  const std::size_t vertices = parent.vertex_count() + edges;
+  const std::size_t vertices = parent.vertex_count() + parent.opposite.size() / 2;
   copy_front(parent.positions, vertices, mesh.positions);
   copy_front(parent.vertex_spheres, vertices, mesh.vertex_spheres);
   copy_front(parent.normals, vertices, mesh.normals);
   write_children(level, mesh);
-
-  Buffer<Fate> fates(edges);
-  child.stats = tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
-    const std::optional<std::size_t> i = level.handled_by_item(h);
-    if (i) fates[*i] = make_midpoint(spheres, surface, level, h, mesh, total);
-  });
-  if (surface.projection() != Projection::none) {
-    child.stats.undone = take_back_bad_moves(spheres, level, fates, options, [&](std::size_t h) {
-      const std::uint32_t v = level.midpoint_of(h);
-      mesh.positions[v] = level.start(h);
-      mesh.vertex_spheres[v] = level.unprojected_label(spheres.spheres().data(), h);
-    });
-    child.stats.projected -= child.stats.undone;
-  }
+  child.stats = parent.triangle_labels() == TriangleLabels::spheres
+                    ? constrain_midpoints(spheres, surface, level, mesh, options)
+                    : project_midpoints(spheres, surface, level, mesh, options);
   child.stats.turned = count_turned(spheres, mesh);
   return child;
 }

@@ -26,8 +26,8 @@ LevelSize next_size(const LevelSize& s) {
   return {s.vertices + s.triangles * 3 / 2, 4 * s.triangles};
 }
 
-std::uint64_t mesh_bytes(const LevelSize& s) {
-  return indexed_mesh_bytes(s.vertices, s.triangles, Connectivity::half_edges);
+std::uint64_t mesh_bytes(const LevelSize& s, TriangleLabels labels) {
+  return indexed_mesh_bytes(s.vertices, s.triangles, Connectivity::half_edges, labels);
 }
 
 void check_options(const RefineOptions& o) {
@@ -37,7 +37,8 @@ void check_options(const RefineOptions& o) {
   }
 }
 
-void check_limits(std::uint64_t spheres, LevelSize size, const RefineOptions& o) {
+void check_limits(std::uint64_t spheres, LevelSize size, const RefineOptions& o,
+                  TriangleLabels labels) {
   const LevelSize given = size;
   for (int l = 1; l <= o.subdivisions; ++l) {
     const LevelSize next = next_size(size);
@@ -50,7 +51,7 @@ void check_limits(std::uint64_t spheres, LevelSize size, const RefineOptions& o)
     size = next;
   }
   const std::uint64_t bytes =
-      refine_bytes(given.vertices, given.triangles, spheres, o.subdivisions);
+      refine_bytes(given.vertices, given.triangles, spheres, o.subdivisions, labels);
   if (bytes > o.memory_limit) {
     throw LimitExceeded(fmt::format(
         "refinement to {} triangles needs {} bytes, {} are allowed: use fewer subdivisions or "
@@ -75,9 +76,31 @@ void check_size(const char* what, std::size_t size, std::size_t expected) {
   throw InvalidInput(fmt::format("the mesh has {} {}, {} are needed", size, what, expected));
 }
 
+bool is_beyond(const SphereSet& spheres, SphereId id) { return id >= spheres.size(); }
+
+void check_triangle_spheres(const SphereSet& spheres, const IndexedMesh& mesh,
+                            const RefineOptions& options) {
+  if (mesh.triangle_labels() == TriangleLabels::none) return;
+  if (options.projection == Projection::field) {
+    throw InvalidInput(
+        "the mesh's triangles lie on spheres, not on a blended field: project them to vdw");
+  }
+  if (mesh.vertex_spheres.empty()) {
+    throw InvalidInput("the mesh's triangles name their spheres, its vertices do not: label them");
+  }
+  const std::size_t triangle = first_bad(mesh.triangle_count(), [&](std::size_t t) {
+    return is_beyond(spheres, mesh.triangle_spheres[t]);
+  });
+  if (triangle != kAllGood) {
+    throw InvalidInput(
+        fmt::format("triangle {} lies on a sphere beyond the set's {}", triangle, spheres.size()));
+  }
+}
+
 void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh) {
   check_size("normals", mesh.normals.size(), mesh.vertex_count());
   check_size("vertex labels", mesh.vertex_spheres.size(), mesh.vertex_count());
+  check_size("triangle labels", mesh.triangle_spheres.size(), mesh.triangle_count());
   check_size("opposite half-edges", mesh.opposite.size(), 3 * mesh.triangle_count());
   const std::size_t triangle = first_bad(mesh.triangle_count(), [&](std::size_t t) {
     const Triangle& v = mesh.triangles[t];
@@ -97,7 +120,7 @@ void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh) {
   const std::size_t label = first_bad(mesh.vertex_spheres.size(), [&](std::size_t v) {
     const VertexSpheres& s = mesh.vertex_spheres[v];
     return std::any_of(s.begin(), s.end(),
-                       [&](SphereId id) { return id != kNoSphere && id >= spheres.size(); });
+                       [&](SphereId id) { return id != kNoSphere && is_beyond(spheres, id); });
   });
   if (label != kAllGood) {
     throw InvalidInput(
@@ -108,15 +131,17 @@ void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh) {
 }  // namespace
 
 void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::uint64_t triangles,
-                           const RefineOptions& options) {
+                           const RefineOptions& options, TriangleLabels labels) {
   check_options(options);
-  check_limits(spheres, {vertices, triangles}, options);
+  check_limits(spheres, {vertices, triangles}, options, labels);
 }
 
 void check_refinement(const SphereSet& spheres, const IndexedMesh& mesh,
                       const RefineOptions& options) {
-  check_refinement_size(spheres.size(), mesh.vertex_count(), mesh.triangle_count(), options);
+  check_refinement_size(spheres.size(), mesh.vertex_count(), mesh.triangle_count(), options,
+                        mesh.triangle_labels());
   check_mesh(spheres, mesh);
+  check_triangle_spheres(spheres, mesh, options);
 }
 
 IndexedMesh prepare_mesh(const IndexedMesh& given, const RefineOptions& options) {
@@ -124,6 +149,7 @@ IndexedMesh prepare_mesh(const IndexedMesh& given, const RefineOptions& options)
   mesh.positions = given.positions;
   mesh.triangles = given.triangles;
   mesh.vertex_spheres = given.vertex_spheres;
+  mesh.triangle_spheres = given.triangle_spheres;
   if (options.projection == Projection::none) mesh.normals = given.normals;
   if (given.vertex_spheres.empty()) {
     mesh.vertex_spheres.assign(given.vertex_count(), on_sphere(kNoSphere));
@@ -133,21 +159,24 @@ IndexedMesh prepare_mesh(const IndexedMesh& given, const RefineOptions& options)
 }
 
 std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t spheres,
-                           int subdivisions) {
+                           int subdivisions, TriangleLabels labels) {
   LevelSize parent{0, 0}, size{vertices, triangles};
   for (int l = 0; l < subdivisions; ++l) {
     parent = size;
     size = next_size(size);
   }
-  // Edge numbers of the parent; the fate and, of given vertices, the reach of each vertex; the grid
-  // that crossings are looked for in, with two cells and about four entries per triangle; spheres,
-  // ranks, ids and cells of the list, of which there are at most 4096 or 8 per sphere on a level.
+  // Beside the meshes: edge numbers of the parent.
   const std::uint64_t edges = parent.triangles * 3 * sizeof(std::uint32_t);
+  const std::uint64_t meshes = mesh_bytes(parent, labels) + mesh_bytes(size, labels) + edges;
+  if (labels == TriangleLabels::spheres) return meshes;
+  // The fate and, of given vertices, the reach of each vertex; the grid that crossings are looked
+  // for in, with two cells and about four entries per triangle; spheres, ranks, ids and cells of
+  // the list, of which there are at most 4096 or 8 per sphere on a level.
   const std::uint64_t marks = size.vertices + vertices * sizeof(std::uint64_t);
   const std::uint64_t grid = size.triangles * (2 * (4 + 1) + 4 * 4);
   const std::uint64_t list = spheres * (sizeof(Sphere) + 4 * sizeof(std::uint32_t) + 8 * 4) +
                              std::uint64_t{CellListView::kMaxLevels} * 4096 * 4;
-  return mesh_bytes(parent) + mesh_bytes(size) + edges + marks + grid + list;
+  return meshes + marks + grid + list;
 }
 
 FieldModel projection_model(const RefineOptions& o) {
@@ -163,7 +192,9 @@ FieldModel projection_model(const RefineOptions& o) {
   return make_field_model(o.field, o.grid);
 }
 
-CellList projection_list(const SphereSet& spheres, const RefineOptions& options) {
+CellList projection_list(const SphereSet& spheres, const RefineOptions& options,
+                         TriangleLabels labels) {
+  if (labels == TriangleLabels::spheres) return make_ball_list(SphereSet());
   if (options.projection == Projection::field) {
     return make_field_list(spheres, projection_model(options));
   }

@@ -17,15 +17,17 @@ void check_refinement(const SphereSet& spheres, const IndexedMesh& mesh,
 
 // The part of it that needs only the sizes.
 void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::uint64_t triangles,
-                           const RefineOptions& options);
+                           const RefineOptions& options,
+                           TriangleLabels labels = TriangleLabels::none);
 
 // The given mesh as level 0 begins with it: labels there, half-edges where a subdivision follows.
 // Normals are computed at the end, unless there is no surface to take them from.
 IndexedMesh prepare_mesh(const IndexedMesh& given, const RefineOptions& options);
 
-// The field and the list that the projection searches. Throw InvalidInput for options without
-// sense.
+// The field and the list that the projection searches, which is empty where triangles name their
+// spheres. Throw InvalidInput for options without sense.
 FieldModel projection_model(const RefineOptions& options);
-CellList projection_list(const SphereSet& spheres, const RefineOptions& options);
+CellList projection_list(const SphereSet& spheres, const RefineOptions& options,
+                         TriangleLabels labels);
 
 }  // namespace vdwmesh

@@ -57,9 +57,9 @@ struct RefineResult {
 
 // Bytes that refine() takes at its peak beyond its arguments: the last level's mesh, the one it
 // comes from, and what finds the triangles that cross. About twice the bytes of the mesh that it
-// returns.
+// returns; where triangles name their spheres, so that nothing is looked for, 4/3 of them.
 std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t spheres,
-                           int subdivisions);
+                           int subdivisions, TriangleLabels labels = TriangleLabels::none);
 
 class Refiner {
  public:
@@ -79,6 +79,17 @@ class Refiner {
   // takes the atom of that end which is nearer by distance - radius.
   // Normals: of that surface; on a circle or corner the mean of the spheres' outward normals.
   // Projection::none interpolates the given normals instead, and leaves them out if they are.
+  //
+  // A mesh with `triangle_spheres` (which needs vertex labels) is refined under constraints: the
+  // given vertices stay exactly where they are; the midpoint of an edge between triangles of one
+  // sphere goes to that sphere, radially, and is labelled {i}; that of an edge between triangles of
+  // two spheres goes to the nearest point of their circle and is labelled {i, j}, lower id first.
+  // Children are of their parent's sphere. No move is taken back, none being wrong by itself: an
+  // arc that bulges into its triangle past the opposite side is for the mesher to avoid, and shows
+  // in `turned`, where each triangle is measured against its own sphere. `projected` counts the
+  // vertices within kProjectionTolerance of all their spheres, `unconverged` the others. Such a
+  // mesh has no blended field: Projection::field throws InvalidInput. Projection::none leaves the
+  // midpoints on their edges; the labels are the same.
   //
   // The result is the same, bit for bit, for any number of threads. Throws InvalidInput (options,
   // a mesh that is not closed), LimitExceeded before memory is taken, Cancelled.

@@ -4,8 +4,9 @@
 
 namespace vdwmesh {
 
-TargetSurface::TargetSurface(const SphereSet& spheres, const RefineOptions& options)
-    : list_(projection_list(spheres, options)),
+TargetSurface::TargetSurface(const SphereSet& spheres, const RefineOptions& options,
+                             TriangleLabels labels)
+    : list_(projection_list(spheres, options, labels)),
       view_{options.projection, list_.view(), projection_model(options), spheres.spheres().data()} {
 }
 

@@ -10,8 +10,9 @@ namespace vdwmesh {
 
 class TargetSurface {
  public:
-  // Throws InvalidInput for options without sense. `spheres` must outlive it.
-  TargetSurface(const SphereSet& spheres, const RefineOptions& options);
+  // Throws InvalidInput for options without sense. `spheres` must outlive it. Where triangles name
+  // their spheres nothing is ever searched, and project() must not be called.
+  TargetSurface(const SphereSet& spheres, const RefineOptions& options, TriangleLabels labels);
 
   Projection projection() const { return view_.projection; }
   ProjectedPoint project(const Vec3d& start, double reach) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cuda/backend.hpp"
+#include "support/crease_meshes.hpp"
 #include "support/shared_files.hpp"
 #include "support/xyzr.hpp"
 
@@ -148,6 +149,21 @@ TEST_F(Parity, ThesisPresets) {
   }
 }
 
+void expect_same_levels(const std::vector<ProjectionStats>& cpu,
+                        const std::vector<ProjectionStats>& cuda, const std::string& name) {
+  ASSERT_EQ(cpu.size(), cuda.size());
+  for (std::size_t l = 0; l < cpu.size(); ++l) {
+    const ProjectionStats &a = cpu[l], &b = cuda[l];
+    EXPECT_EQ(a.projected, b.projected) << name << " level " << l;
+    EXPECT_EQ(a.unconverged, b.unconverged) << name << " level " << l;
+    EXPECT_EQ(a.out_of_reach, b.out_of_reach) << name << " level " << l;
+    EXPECT_EQ(a.undone, b.undone) << name << " level " << l;
+    EXPECT_EQ(a.turned, b.turned) << name << " level " << l;
+    EXPECT_EQ(a.iterations_max, b.iterations_max) << name << " level " << l;
+    EXPECT_EQ(a.residual_max, b.residual_max) << name << " level " << l;
+  }
+}
+
 // The whole pipeline: extraction, subdivision, projection.
 void expect_pipeline_parity(const SphereSet& spheres, const ExtractOptions& extract,
                             int subdivisions, const std::string& what,
@@ -161,16 +177,49 @@ void expect_pipeline_parity(const SphereSet& spheres, const ExtractOptions& extr
   const PipelineResult cuda = make_pipeline(Backend::cuda)->run(spheres, extract, refine);
   const std::string name = what + " x" + std::to_string(subdivisions);
   expect_same(cpu.mesh, cuda.mesh, name);
-  ASSERT_EQ(cpu.levels.size(), cuda.levels.size());
-  for (std::size_t l = 0; l < cpu.levels.size(); ++l) {
-    const ProjectionStats &a = cpu.levels[l], &b = cuda.levels[l];
-    EXPECT_EQ(a.projected, b.projected) << name << " level " << l;
-    EXPECT_EQ(a.unconverged, b.unconverged) << name << " level " << l;
-    EXPECT_EQ(a.out_of_reach, b.out_of_reach) << name << " level " << l;
-    EXPECT_EQ(a.undone, b.undone) << name << " level " << l;
-    EXPECT_EQ(a.turned, b.turned) << name << " level " << l;
-    EXPECT_EQ(a.iterations_max, b.iterations_max) << name << " level " << l;
-    EXPECT_EQ(a.residual_max, b.residual_max) << name << " level " << l;
+  expect_same_levels(cpu.levels, cuda.levels, name);
+}
+
+// Meshes whose triangles name their spheres.
+void expect_constrained_parity(const testing::CreaseMesh& m, Projection projection,
+                               const std::string& name) {
+  for (const int subdivisions : {0, 1, 3}) {
+    RefineOptions options;
+    options.subdivisions = subdivisions;
+    options.projection = projection;
+    std::vector<IndexedMeshHash> seen[2];
+    RefineResult results[2];
+    for (const Backend backend : {Backend::cpu, Backend::cuda}) {
+      const std::size_t which = backend == Backend::cuda;
+      options.on_level = [&](int, const IndexedMesh& mesh) {
+        IndexedMesh bare = mesh;  // normals are not computed yet
+        bare.normals.clear();
+        seen[which].push_back(hash(bare));
+      };
+      results[which] = make_refiner(backend)->refine(m.spheres, m.mesh, options);
+    }
+    expect_same(results[0].mesh, results[1].mesh, name + " x" + std::to_string(subdivisions));
+    expect_same_levels(results[0].levels, results[1].levels, name);
+    EXPECT_EQ(seen[0], seen[1]) << name << ": levels seen";
+  }
+}
+
+TEST_F(Parity, ConstrainedRefinement) {
+  std::mt19937_64 random(31);
+  std::uniform_real_distribution<double> place(-1, 1), size(1.2, 1.9), overlap(1e-9, 0.9);
+  for (int i = 0; i < 8; ++i) {
+    const Vec3d at{10 * place(random), 10 * place(random), 10 * place(random)};
+    const Vec3d along = testing::unit_along({place(random), place(random), place(random)});
+    const double r = size(random), s = size(random);
+    const Sphere a{at, r}, b{at + (r + s - overlap(random)) * along, s};
+    const testing::CreaseMesh two = testing::two_balls_mesh(a, b, 7 + i, 3 + i);
+    expect_constrained_parity(two, Projection::vdw, "two balls " + std::to_string(i));
+    const Vec3d across = testing::any_normal_to(along);
+    const Sphere c{at + (0.5 * (r + s) * along) + 1.3 * across, size(random)};
+    const std::array<Sphere, 3> three{Sphere{at, r}, {at + 1.8 * along, s}, c};
+    const testing::CreaseMesh cornered = testing::three_balls_mesh(three, 4 + i, 5 + i);
+    expect_constrained_parity(cornered, Projection::vdw, "three balls " + std::to_string(i));
+    expect_constrained_parity(cornered, Projection::none, "three balls, no projection");
   }
 }
 

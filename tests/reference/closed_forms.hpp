@@ -1,6 +1,10 @@
 // Areas and volumes known in closed form.
 #pragma once
 
+#include <array>
+
+#include "reference/point.hpp"
+
 namespace vdwmesh::reference {
 
 struct Measures {
@@ -18,6 +22,11 @@ Measures two_balls(double r1, double r2, double distance);
 
 // Ring of n equal balls whose centres lie on a circle; each meets its two neighbours and no other.
 Measures ring_of_balls(int n, double ring_radius, double ball_radius);
+
+// Union of three balls whose spheres have two points in common, which are on its boundary, so that
+// each pair's circle leaves one arc there. Areas by Gauss-Bonnet, the volume by the divergence
+// theorem.
+Measures three_balls(const std::array<Ball, 3>& balls);
 
 // Volume that two balls have in common.
 double lens_volume(double r1, double r2, double distance);
