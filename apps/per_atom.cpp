@@ -74,24 +74,6 @@ void print(std::string& csv, const Row& row, double probe, bool with_mesh) {
 
 }  // namespace
 
-std::vector<double> mesh_area_by_sphere(const IndexedMesh& mesh, std::size_t sphere_count) {
-  if (mesh.vertex_spheres.size() != mesh.vertex_count()) return {};
-  std::vector<WideSum> sums(sphere_count);
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3d a = mesh.positions[t[0]];
-    const double area = 0.5 * norm(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a));
-    for (const std::uint32_t vertex : t) {
-      const SphereId atom = mesh.vertex_spheres[vertex][0];
-      if (atom >= sphere_count) return {};
-      sums[atom].add(area / 3);
-    }
-  }
-  std::vector<double> areas;
-  areas.reserve(sphere_count);
-  for (const WideSum& sum : sums) areas.push_back(sum.value());
-  return areas;
-}
-
 std::string per_atom_csv(const Molecule& molecule, double probe, const ExactUnion& exact,
                          const std::vector<double>& mesh_area, AtomGroup group) {
   std::vector<std::size_t> row_of_atom;

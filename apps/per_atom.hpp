@@ -5,15 +5,10 @@
 #include <vector>
 
 #include "arrangement/exact_union.hpp"
-#include "extract/indexed_mesh.hpp"
 #include "options.hpp"
 #include "structure/molecule.hpp"
 
 namespace vdwmesh::apps {
-
-// Å² of the mesh that belong to each sphere: a triangle's area goes in thirds to the atoms of its
-// vertices. Empty when the mesh does not say whose its vertices are.
-std::vector<double> mesh_area_by_sphere(const IndexedMesh& mesh, std::size_t sphere_count);
 
 // One row per atom, residue or chain, in the order of the file. Columns that have no value for a
 // row, or were not computed, are empty. `mesh_area` is empty or has one entry per atom.

@@ -58,6 +58,16 @@ NewtonSummary summarize(const std::vector<ProjectionStats>& levels) {
   return sum;
 }
 
+void extrapolate(TriangleLabels labels, MeshReport& mesh) {
+  if (labels == TriangleLabels::none || mesh.levels.size() < 2) return;
+  const MeshMeasures &coarse = mesh.levels.rbegin()[1].measures,
+                     &fine = mesh.levels.back().measures;
+  mesh.extrapolated_area = extrapolate_second_order(coarse.area, fine.area);
+  if (coarse.volume && fine.volume) {
+    mesh.extrapolated_volume = extrapolate_second_order(*coarse.volume, *fine.volume);
+  }
+}
+
 Comparison compare(const MeshReport& mesh, const ExactUnion& exact) {
   Comparison result;
   result.area_relative_error = (mesh.measures.area - exact.area) / exact.area;

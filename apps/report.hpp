@@ -42,6 +42,7 @@ struct BackendReport {
 struct LevelReport {
   int level = 0;
   std::uint64_t vertices = 0, triangles = 0;
+  MeshMeasures measures;
   MeshQuality quality;
   std::optional<std::uint64_t> self_intersections;
 };
@@ -54,9 +55,10 @@ struct MeshReport {
   std::optional<std::uint64_t> self_intersections;
   std::vector<ProjectionStats> projection;  // empty: no refinement ran
   std::vector<LevelReport> levels;          // empty: no refinement ran, or not asked for
-  std::optional<CgalMeasures> cgal;         // the same measures by CGAL, where asked for
-  std::optional<std::string> path;          // of a mesh that was read
-  std::vector<std::string> notes;           // how it was read
+  std::optional<double> extrapolated_area, extrapolated_volume;  // Å², Å³; see extrapolate()
+  std::optional<CgalMeasures> cgal;  // the same measures by CGAL, where asked for
+  std::optional<std::string> path;   // of a mesh that was read
+  std::vector<std::string> notes;    // how it was read
 };
 
 struct Comparison {
@@ -93,6 +95,10 @@ struct NewtonSummary {
   std::uint64_t turned = 0;  // in the finished mesh
 };
 NewtonSummary summarize(const std::vector<ProjectionStats>& levels);
+
+// Area and volume at edge length 0, from the last two levels. Only a mesh that follows the creases
+// is of second order: others, and fewer than two levels, get none.
+void extrapolate(TriangleLabels labels, MeshReport& mesh);
 
 Comparison compare(const MeshReport& mesh, const ExactUnion& exact);
 

@@ -100,6 +100,8 @@ Json levels_json(const std::vector<LevelReport>& levels) {
     list.push_back({{"level", level.level},
                     {"vertices", level.vertices},
                     {"triangles", level.triangles},
+                    {"area", level.measures.area},
+                    {"volume", or_null(level.measures.volume)},
                     {"self_intersections", or_null(level.self_intersections)},
                     {"min_angle_deg", distribution_json(level.quality.min_angle_deg)},
                     {"aspect_ratio", distribution_json(level.quality.aspect_ratio)},
@@ -144,6 +146,8 @@ Json mesh_json(const MeshReport& mesh) {
           {"edge_length", distribution_json(mesh.quality.edge_length)},
           {"newton", newton_json(mesh.projection)},
           {"levels", levels_json(mesh.levels)},
+          {"extrapolated_area", or_null(mesh.extrapolated_area)},
+          {"extrapolated_volume", or_null(mesh.extrapolated_volume)},
           {"cgal", cgal_json(mesh.cgal)},
           {"notes", mesh.notes}};
 }

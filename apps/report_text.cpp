@@ -246,6 +246,14 @@ void levels_text(Text out, const std::vector<LevelReport>& levels) {
   }
 }
 
+std::string extrapolated_text(const MeshReport& mesh) {
+  std::string text = fmt::format("area {} Å²", length_figure(*mesh.extrapolated_area));
+  if (mesh.extrapolated_volume) {
+    text += fmt::format(", volume {} Å³", length_figure(*mesh.extrapolated_volume));
+  }
+  return text + ", from the last two levels";
+}
+
 void mesh_text(Text out, const MeshReport& mesh) {
   const MeshTopology& topology = mesh.topology;
   fmt::format_to(out, "\n");
@@ -271,6 +279,7 @@ void mesh_text(Text out, const MeshReport& mesh) {
   }
   if (mesh.cgal) line(out, "", cgal_text(mesh));
   if (!mesh.levels.empty()) levels_text(out, mesh.levels);
+  if (mesh.extrapolated_area) line(out, "Extrapolated", extrapolated_text(mesh));
   fmt::format_to(out, "\n{:<22}{:>14}{:>10}{:>10}{:>10}{:>10}\n", "", "min", "1 %", "median",
                  "99 %", "max");
   distribution_row(out, "Smallest angle", mesh.quality.min_angle_deg, "degrees");

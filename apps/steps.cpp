@@ -157,7 +157,8 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
 
 LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& levels) {
   return [wanted, &levels](int level, const IndexedMesh& mesh) {
-    LevelReport record{level, mesh.vertex_count(), mesh.triangle_count(), quality(mesh), {}};
+    LevelReport record{level,          mesh.vertex_count(), mesh.triangle_count(),
+                       measures(mesh), quality(mesh),       {}};
     if (counts_self_intersections(wanted, mesh))
       record.self_intersections = self_intersections(mesh);
     levels.push_back(std::move(record));

@@ -32,7 +32,7 @@ enum class SelfIntersections { small_meshes, count, skip };
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections, Monitor* monitor,
              Report& report);
 
-// Size and quality of the mesh at each level of a refinement, for make_mesh().
+// Size, measures and quality of the mesh at each level of a refinement, for make_mesh().
 LevelObserver record_levels(SelfIntersections self_intersections, std::vector<LevelReport>& levels);
 
 // CGAL's measures of the OpenMesh mesh. Where the mesh is too large for the choice, or has no

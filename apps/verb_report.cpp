@@ -1,6 +1,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/mesh_measures.hpp"
 #include "machine.hpp"
 #include "output.hpp"
 #include "parse.hpp"
@@ -58,6 +59,7 @@ class ReportVerb : public Verb {
     const IndexedMesh mesh = make_mesh(spheres, surface, Connectivity::triangles, machine_options,
                                        machine.monitor(), report, record_levels(count, levels));
     report.mesh->levels = std::move(levels);
+    extrapolate(mesh.triangle_labels(), *report.mesh);
     measure(mesh, count, machine.monitor(), report);
     check_with_cgal(mesh, cgal_check, report);
     measure_exactly(spheres, exact, machine.monitor(), report);

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -210,6 +211,10 @@ class PlyReader {
     }
   }
 
+  static SphereId sphere_id(double value) {
+    return value >= 0 && value < kNoSphere ? static_cast<SphereId>(value) : kNoSphere;
+  }
+
   void set(Slot slot, std::size_t i, double value) {
     IndexedMesh& mesh = file_.mesh;
     const int s = static_cast<int>(slot);
@@ -220,9 +225,8 @@ class PlyReader {
       if (!mesh.normals.empty())
         mesh.normals[i][s - static_cast<int>(Slot::nx)] = static_cast<float>(value);
     } else if (!mesh.vertex_spheres.empty()) {
-      const bool is_id = value >= 0 && value < kNoSphere;
       mesh.vertex_spheres[i][static_cast<std::size_t>(s - static_cast<int>(Slot::atom))] =
-          is_id ? static_cast<SphereId>(value) : kNoSphere;
+          sphere_id(value);
     }
   }
 
@@ -242,21 +246,44 @@ class PlyReader {
                                  static_cast<std::size_t>(element.count));
     std::uint64_t start = 0;
     if constexpr (!std::is_same_v<Body, AsciiBody>) start = read_plain_triangles(element);
-    for (std::uint64_t f = start; f < element.count; ++f)
-      for (std::size_t p = 0; p < element.properties.size(); ++p)
-        read_face_property(element.properties[p], p == indices);
+    for (std::uint64_t f = start; f < element.count; ++f) read_face(element, indices);
   }
 
-  // The usual case, (uchar 3, int, int, int) and nothing else; stops at the first other face.
+  static bool is_atom(const PlyProperty& property) {
+    return property.name == "atom" && !property.list_count;
+  }
+
+  // A polygon becomes a fan of triangles, all of its atom.
+  void read_face(const PlyElement& element, std::size_t indices) {
+    IndexedMesh& mesh = file_.mesh;
+    std::optional<SphereId> atom;
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (is_atom(property)) {
+        atom = sphere_id(body_.number(property.type));
+      } else {
+        read_face_property(property, p == indices);
+      }
+    }
+    if (atom) mesh.triangle_spheres.resize(mesh.triangle_count(), *atom);
+  }
+
+  // The usual cases, (uchar 3, int, int, int) and perhaps (int atom), and nothing else; stops at
+  // the first other face.
   std::uint64_t read_plain_triangles(const PlyElement& element) {
     const PlyProperty& list = element.properties[0];
-    const bool whole = list.type == PlyScalar::int32 || list.type == PlyScalar::uint32;
-    if (element.properties.size() != 1 || !whole || size_of(*list.list_count) != 1) return 0;
-    constexpr std::size_t kSize = 1 + 3 * sizeof(std::uint32_t);
-    const std::uint64_t most = std::min<std::uint64_t>(element.count, body_.bytes_left() / kSize);
+    const auto is_whole = [](const PlyProperty& property) {
+      return property.type == PlyScalar::int32 || property.type == PlyScalar::uint32;
+    };
+    const bool named = element.properties.size() == 2 && is_atom(element.properties[1]) &&
+                       is_whole(element.properties[1]);
+    if (element.properties.size() != (named ? 2u : 1u)) return 0;
+    if (!list.list_count || !is_whole(list) || size_of(*list.list_count) != 1) return 0;
+    const std::size_t size = 1 + (named ? 4 : 3) * sizeof(std::uint32_t);
+    const std::uint64_t most = std::min<std::uint64_t>(element.count, body_.bytes_left() / size);
     std::uint64_t f = 0;
     for (; f < most; ++f) {
-      const char* face = body_.take(kSize);
+      const char* face = body_.take(size);
       if (*face != 3) {
         body_.give_back(face);
         break;
@@ -265,6 +292,7 @@ class PlyReader {
         return body_.template load_as<std::uint32_t>(face + 1 + k * sizeof(std::uint32_t));
       };
       file_.mesh.triangles.push_back({index(0), index(1), index(2)});
+      if (named) file_.mesh.triangle_spheres.push_back(index(3));  // -1 is kNoSphere
     }
     return f;
   }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <optional>
 
 #include "core/errors.hpp"
 #include "mesh/chunk_writer.hpp"
@@ -14,6 +15,7 @@ constexpr const char* kHeader =
     "format binary_little_endian 1.0\n"
     "comment made by vdwmesh; lengths in angstrom\n"
     "comment atom, sphere2, sphere3: indices of the spheres a vertex lies on, -1 for none\n"
+    "{}"
     "element vertex {}\n"
     "property double x\n"
     "property double y\n"
@@ -29,7 +31,10 @@ constexpr const char* kHeader =
     "property int sphere3\n"
     "element face {}\n"
     "property list uchar int vertex_indices\n"
+    "{}"
     "end_header\n";
+constexpr const char* kFaceComment = "comment atom of a face: index of the sphere it is part of\n";
+constexpr const char* kFaceProperty = "property int atom\n";
 
 constexpr std::size_t kMostOfHeader = 1024;
 
@@ -43,9 +48,11 @@ std::int32_t as_int(SphereId id) {
 }  // namespace
 
 void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
-  sink.expect(kMostOfHeader + 51 * mesh.n_vertices() + 13 * mesh.n_faces());
+  const std::optional<FaceSphereProperty> sphere = face_spheres(mesh);
+  sink.expect(kMostOfHeader + 51 * mesh.n_vertices() + (sphere ? 17 : 13) * mesh.n_faces());
   ChunkWriter out(sink);
-  out.text(fmt::format(kHeader, mesh.n_vertices(), mesh.n_faces()));
+  out.text(fmt::format(kHeader, sphere ? kFaceComment : "", mesh.n_vertices(), mesh.n_faces(),
+                       sphere ? kFaceProperty : ""));
   const VertexSpheresProperty spheres = vertex_spheres(mesh);
   for (std::size_t i = 0; i < mesh.n_vertices(); ++i) {
     const auto v = vertex_handle(i);
@@ -59,6 +66,7 @@ void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
     out.begin_record();
     out.raw(std::uint8_t{3});
     out.raw(face_vertices(mesh, f));
+    if (sphere) out.raw(as_int(mesh.property(*sphere, OpenMesh::FaceHandle(static_cast<int>(f)))));
   }
   out.flush();
 }

@@ -51,6 +51,7 @@ void check_sizes(const IndexedMesh& mesh) {
   };
   check(mesh.normals.size(), mesh.vertex_count(), "vertex normals");
   check(mesh.vertex_spheres.size(), mesh.vertex_count(), "vertex labels");
+  check(mesh.triangle_spheres.size(), mesh.triangle_count(), "triangle labels");
   check(mesh.opposite.size(), 3 * mesh.triangle_count(), "opposite half-edges");
 }
 
@@ -283,12 +284,27 @@ void set_vertex_data(SurfaceMesh& mesh, const IndexedMesh& source, VertexSpheres
   if (source.normals.empty()) set_normals_of_triangles(mesh, source);
 }
 
+void set_face_data(SurfaceMesh& mesh, const IndexedMesh& source) {
+  if (source.triangle_labels() == TriangleLabels::none) return;
+  FaceSphereProperty spheres;
+  mesh.add_property(spheres, kFaceSphereName);
+  for_each_index(source.triangle_count(), [&](std::size_t t) {
+    mesh.property(spheres, face(t)) = source.triangle_spheres[t];
+  });
+}
+
 }  // namespace
 
 VertexSpheresProperty vertex_spheres(const SurfaceMesh& mesh) {
   VertexSpheresProperty property;
   if (!mesh.get_property_handle(property, kVertexSpheresName))
     throw InvalidInput(fmt::format("the mesh has no vertex property {}", kVertexSpheresName));
+  return property;
+}
+
+std::optional<FaceSphereProperty> face_spheres(const SurfaceMesh& mesh) {
+  FaceSphereProperty property;
+  if (!mesh.get_property_handle(property, kFaceSphereName)) return {};
   return property;
 }
 
@@ -307,6 +323,7 @@ SurfaceMesh to_surface_mesh(const IndexedMesh& source) {
   Builder(mesh, source.triangles, opposite, source.vertex_count())
       .build(source.opposite.empty() ? Opposites::computed : Opposites::given);
   set_vertex_data(mesh, source, spheres);
+  set_face_data(mesh, source);
   return mesh;
 }
 
@@ -334,6 +351,12 @@ IndexedMesh to_indexed_mesh(const SurfaceMesh& mesh) {
       result.triangles[t][k] = static_cast<std::uint32_t>(mesh.from_vertex_handle(h).idx());
     }
   });
+  if (const std::optional<FaceSphereProperty> spheres_of_faces = face_spheres(mesh)) {
+    result.triangle_spheres.resize(triangles);
+    for_each_index(triangles, [&](std::size_t t) {
+      result.triangle_spheres[t] = mesh.property(*spheres_of_faces, face(t));
+    });
+  }
   result.opposite.resize(3 * triangles);
   for_each_index(triangles, [&](std::size_t t) {
     auto h = mesh.halfedge_handle(face(t));

@@ -1,5 +1,5 @@
 // The half-edge mesh users work with: OpenMesh in double precision, with normals, CPK colours and
-// the spheres of every vertex.
+// the spheres of every vertex and, where known, of every face.
 #pragma once
 
 // GCC 12 takes the uninitialised OpenMesh::Vec3uc that PropertyT::push_back copies for a mistake.
@@ -13,6 +13,7 @@
 #endif
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -36,6 +37,12 @@ using SurfaceMesh = OpenMesh::TriMesh_ArrayKernelT<SurfaceMeshTraits>;
 using VertexSpheresProperty = OpenMesh::VPropHandleT<VertexSpheres>;
 VertexSpheresProperty vertex_spheres(const SurfaceMesh& mesh);
 inline constexpr const char* kVertexSpheresName = "v:spheres";
+
+// The property that holds the sphere of each face: present where the IndexedMesh had
+// triangle_spheres, so that each face is part of one sphere's patch.
+using FaceSphereProperty = OpenMesh::FPropHandleT<SphereId>;
+std::optional<FaceSphereProperty> face_spheres(const SurfaceMesh& mesh);
+inline constexpr const char* kFaceSphereName = "f:sphere";
 
 // Builds the half-edge structure in bulk (no add_face). The input must be closed or have boundary,
 // every edge on at most two triangles that run it in opposite directions, every vertex one fan.

@@ -57,6 +57,28 @@ void expect_same_bits(const IndexedMesh& a, const IndexedMesh& b) {
     EXPECT_TRUE(same_bits(a.positions[v], b.positions[v])) << "vertex " << v;
 }
 
+TEST(MeshIo, PlyKeepsTheSpheresOfFaces) {
+  IndexedMesh mesh = labelled_mesh();
+  EXPECT_TRUE(round_trip(mesh, MeshFormat::ply).mesh.triangle_spheres.empty());
+  for (SphereId t = 0; t < mesh.triangle_count(); ++t) mesh.triangle_spheres.push_back(3 * t);
+  mesh.triangle_spheres[4] = kNoSphere;
+  const IndexedMesh back = round_trip(mesh, MeshFormat::ply).mesh;
+  EXPECT_EQ(back.triangle_spheres, mesh.triangle_spheres);
+  EXPECT_EQ(back.triangles, mesh.triangles);
+  expect_same_bits(back, mesh);
+}
+
+// Not the layout that we write: the atom first, as another number, and a quadrilateral.
+TEST(MeshIo, PlyFansPolygonsOfAtoms) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 2\nproperty uchar atom\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n6 4 0 1 2 3\n2 3 0 2 1\n";
+  const IndexedMesh mesh = decode_mesh(text, MeshFormat::ply).mesh;
+  EXPECT_EQ(mesh.triangle_spheres, (Buffer<SphereId>{6, 6, 2}));
+}
+
 class Directory {
  public:
   Directory() {

@@ -116,6 +116,19 @@ TEST(SurfaceMesh, KeepsVertexData) {
   EXPECT_EQ(mesh.property(vertex_spheres(mesh), OpenMesh::VertexHandle(2))[1], 7u);
 }
 
+TEST(SurfaceMesh, KeepsTheSpheresOfFacesWhereThereAreAny) {
+  IndexedMesh source = testing::tetrahedron();
+  EXPECT_FALSE(face_spheres(to_surface_mesh(source)));
+  EXPECT_TRUE(to_indexed_mesh(to_surface_mesh(source)).triangle_spheres.empty());
+  source.triangle_spheres = {5, 0, 7, 5};
+  const SurfaceMesh mesh = to_surface_mesh(source);
+  ASSERT_TRUE(face_spheres(mesh));
+  EXPECT_EQ(mesh.property(*face_spheres(mesh), OpenMesh::FaceHandle(2)), 7u);
+  EXPECT_EQ(to_indexed_mesh(mesh).triangle_spheres, source.triangle_spheres);
+  source.triangle_spheres.pop_back();
+  EXPECT_THROW(to_surface_mesh(source), InvalidInput);
+}
+
 TEST(SurfaceMesh, TakesNormalsFromTrianglesWhereNoneAreGiven) {
   const SurfaceMesh mesh = to_surface_mesh(testing::octahedron());
   constexpr float kRounding = 1e-6f;  // of unit float vectors
