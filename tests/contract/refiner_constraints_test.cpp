@@ -373,7 +373,7 @@ TEST(RefineBytes, OfConstrainedMeshesAreTheMeshesAndTheEdges) {
   const auto mesh = [](std::uint64_t v, std::uint64_t t) {
     return indexed_mesh_bytes(v, t, Connectivity::half_edges, TriangleLabels::spheres);
   };
-  EXPECT_EQ(labelled, mesh(4002, 8000) + mesh(16002, 32000) + 8000 * 12);
+  EXPECT_EQ(labelled, mesh(4002, 8000) + mesh(16002, 32000) + std::uint64_t{8000} * 12);
   EXPECT_LT(labelled, refine_bytes(1002, 2000, 1, 2));
   EXPECT_EQ(labelled, refine_bytes(1002, 2000, 290000, 2, TriangleLabels::spheres));
 }
