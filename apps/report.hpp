@@ -11,6 +11,7 @@
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_union.hpp"
 #include "options.hpp"
+#include "render/color_scale.hpp"
 #include "structure/molecule.hpp"
 
 namespace vdwmesh::apps {
@@ -69,9 +70,16 @@ struct Comparison {
   std::optional<MeshDistances> distances;
 };
 
+struct PictureReport {
+  std::string path, view, device;
+  int width = 0, height = 0;  // pixels
+  std::uint64_t triangles = 0;
+  std::optional<ColorScale> scale;  // of a picture that shows values
+};
+
 // Wall-clock seconds.
 struct Timing {
-  std::optional<double> read, field, extract, build, refine, exact, compare;
+  std::optional<double> read, field, extract, build, refine, exact, compare, picture;
   double total = 0;
 };
 
@@ -82,6 +90,7 @@ struct Report {
   std::optional<MeshReport> mesh;
   std::optional<ExactUnion> exact;
   std::optional<Comparison> comparison;
+  std::optional<PictureReport> picture;
   Timing timing;
   std::vector<std::string> notes;     // for people: what was chosen or left out
   std::vector<std::string> warnings;  // for people: what may be wrong with the result
@@ -108,5 +117,7 @@ void add_warnings(Report& report);
 
 std::string to_json(const Report& report);
 std::string to_text(const Report& report);
+// The lines of to_text() about the picture.
+std::string picture_text(const PictureReport& picture);
 
 }  // namespace vdwmesh::apps

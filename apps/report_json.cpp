@@ -1,5 +1,6 @@
 // The document that docs/report.schema.json describes.
 #include "json_writer.hpp"
+#include "picture_options.hpp"
 #include "report.hpp"
 
 namespace vdwmesh::apps {
@@ -206,11 +207,29 @@ Json comparison_json(const Comparison& comparison) {
       {"seed", of_distances([](const D& d) { return d.seed; })}};
 }
 
+Json scale_json(const ColorScale& scale) {
+  return {{"title", scale.title},
+          {"color_map", color_map_name(scale.map)},
+          {"lower", scale.lower},
+          {"upper", scale.upper}};
+}
+
+Json picture_json(const PictureReport& picture) {
+  return {{"path", picture.path},     {"width", picture.width},
+          {"height", picture.height}, {"view", picture.view},
+          {"device", picture.device}, {"scale", block(picture.scale, scale_json)}};
+}
+
 Json timing_json(const Timing& timing) {
-  return {{"read", or_null(timing.read)},       {"field", or_null(timing.field)},
-          {"extract", or_null(timing.extract)}, {"build", or_null(timing.build)},
-          {"refine", or_null(timing.refine)},   {"exact", or_null(timing.exact)},
-          {"compare", or_null(timing.compare)}, {"total", timing.total}};
+  return {{"read", or_null(timing.read)},
+          {"field", or_null(timing.field)},
+          {"extract", or_null(timing.extract)},
+          {"build", or_null(timing.build)},
+          {"refine", or_null(timing.refine)},
+          {"exact", or_null(timing.exact)},
+          {"compare", or_null(timing.compare)},
+          {"picture", or_null(timing.picture)},
+          {"total", timing.total}};
 }
 
 }  // namespace
@@ -224,6 +243,7 @@ std::string to_json(const Report& report) {
                      {"mesh", block(report.mesh, mesh_json)},
                      {"exact", block(report.exact, exact_json)},
                      {"comparison", block(report.comparison, comparison_json)},
+                     {"picture", block(report.picture, picture_json)},
                      {"timing", timing_json(report.timing)},
                      {"notes", report.notes},
                      {"warnings", report.warnings}});

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "picture_options.hpp"
 #include "report.hpp"
 
 namespace vdwmesh::apps {
@@ -303,9 +304,9 @@ void distances_text(Text out, const MeshDistances& distances) {
 
 void timing_text(Text out, const Timing& timing) {
   const std::pair<const char*, std::optional<double>> stages[] = {
-      {"read", timing.read},      {"field", timing.field}, {"extract", timing.extract},
-      {"refine", timing.refine},  {"build", timing.build}, {"exact", timing.exact},
-      {"compare", timing.compare}};
+      {"read", timing.read},       {"field", timing.field},    {"extract", timing.extract},
+      {"refine", timing.refine},   {"build", timing.build},    {"exact", timing.exact},
+      {"compare", timing.compare}, {"picture", timing.picture}};
   std::string text;
   for (const auto& [name, seconds] : stages) {
     if (seconds) text += fmt::format("{} {:.3f}, ", name, *seconds);
@@ -318,6 +319,22 @@ void remarks_text(Text out, std::string_view label, const std::vector<std::strin
 }
 
 }  // namespace
+
+std::string picture_text(const PictureReport& picture) {
+  std::string text;
+  const Text out(text);
+  line(out, "Picture",
+       fmt::format("{}, {} x {} pixels, view {}, {} triangles", picture.path, picture.width,
+                   picture.height, picture.view, picture.triangles));
+  if (picture.scale) {
+    line(out, "",
+         fmt::format("{}: {} from {} to {}", picture.scale->title,
+                     color_map_name(picture.scale->map), picture.scale->lower,
+                     picture.scale->upper));
+  }
+  line(out, "Drawn by", picture.device);
+  return text;
+}
 
 std::string to_text(const Report& report) {
   std::string text;
@@ -332,6 +349,7 @@ std::string to_text(const Report& report) {
     distances_text(out, *report.comparison->distances);
   }
   text += '\n';
+  if (report.picture) text += picture_text(*report.picture);
   if (report.mesh) remarks_text(out, "Note", report.mesh->notes);
   remarks_text(out, "Note", report.notes);
   remarks_text(out, "WARNING", report.warnings);

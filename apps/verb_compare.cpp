@@ -2,6 +2,7 @@
 #include "mesh/mesh_io.hpp"
 #include "output.hpp"
 #include "per_atom.hpp"
+#include "picture.hpp"
 #include "stopwatch.hpp"
 #include "verbs.hpp"
 
@@ -21,6 +22,7 @@ class CompareVerb : public Verb {
     exact_.add_to(app);
     distances_.add_to(app);
     machine_.add_to(app, MachineFlags::Backends::none);
+    picture_.add_picture_to(app);
     output_.add_to(app, OutputFlags::PerAtom::none);
   }
 
@@ -35,6 +37,7 @@ class CompareVerb : public Verb {
     const DistanceChoice distance_choice = distances_.resolve();
     const MachineOptions machine_options = machine_.resolve();
     const OutputOptions output = output_.resolve();
+    const PictureOptions picture = picture_.resolve();
 
     Machine machine(machine_options);
     Report report;
@@ -44,6 +47,10 @@ class CompareVerb : public Verb {
     measure_exactly(spheres, exact, machine.monitor(), report);
     compare_with_exact(mesh, spheres, distance_choice, machine_options.memory_limit,
                        machine.monitor(), report);
+    if (!picture.path.empty()) {
+      write_picture(mesh, paint_by_distance(mesh, spheres, picture, machine.monitor()), picture,
+                    machine_options.memory_limit, machine.monitor(), report);
+    }
     machine.end_progress();
     add_warnings(report);
     report.timing.total = watch.seconds();
@@ -67,6 +74,7 @@ class CompareVerb : public Verb {
   ExactFlags exact_;
   DistanceFlags distances_;
   MachineFlags machine_;
+  PictureFlags picture_;
   OutputFlags output_;
 };
 

@@ -6,6 +6,7 @@
 #include "output.hpp"
 #include "parse.hpp"
 #include "per_atom.hpp"
+#include "picture.hpp"
 #include "stopwatch.hpp"
 #include "verbs.hpp"
 
@@ -36,6 +37,7 @@ class ReportVerb : public Verb {
                    "area and volume of the mesh by CGAL as well: on, off, or auto: meshes of up to "
                    "a million triangles [auto]");
     machine_.add_to(app, MachineFlags::Backends::choose);
+    picture_.add_picture_to(app);
     output_.add_to(app, OutputFlags::PerAtom::offered);
   }
 
@@ -47,6 +49,7 @@ class ReportVerb : public Verb {
     const DistanceChoice distance_choice = distances_.resolve();
     const MachineOptions machine_options = machine_.resolve();
     const OutputOptions output = output_.resolve();
+    const PictureOptions picture = picture_.resolve();
     const SelfIntersections count =
         choose("--self-intersections", self_intersections_, kSelfIntersections);
     const CgalCheck cgal_check = choose("--cgal-check", cgal_check_, kCgalChecks);
@@ -65,6 +68,10 @@ class ReportVerb : public Verb {
     measure_exactly(spheres, exact, machine.monitor(), report);
     compare_with_exact(mesh, spheres, distance_choice, machine_options.memory_limit,
                        machine.monitor(), report);
+    if (!picture.path.empty()) {
+      write_picture(mesh, paint_by_distance(mesh, spheres, picture, machine.monitor()), picture,
+                    machine_options.memory_limit, machine.monitor(), report);
+    }
     machine.end_progress();
     add_warnings(report);
     if (!output.per_atom.empty()) {
@@ -83,6 +90,7 @@ class ReportVerb : public Verb {
   DistanceFlags distances_;
   std::string self_intersections_ = "auto", cgal_check_ = "auto";
   MachineFlags machine_;
+  PictureFlags picture_;
   OutputFlags output_;
 };
 

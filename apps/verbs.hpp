@@ -24,6 +24,7 @@ std::unique_ptr<Verb> make_mesh_verb();
 std::unique_ptr<Verb> make_report_verb();
 std::unique_ptr<Verb> make_exact_verb();
 std::unique_ptr<Verb> make_compare_verb();
+std::unique_ptr<Verb> make_render_verb();
 std::unique_ptr<Verb> make_info_verb();
 
 }  // namespace vdwmesh::apps

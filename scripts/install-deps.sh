@@ -6,6 +6,7 @@ packages=(
   g++ cmake ninja-build ccache pkg-config git ca-certificates
   libopenmesh-dev libcgal-dev libeigen3-dev gemmi-dev tao-pegtl-dev libtbb-dev libtinygltf-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev
+  libepoxy-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libfreetype-dev fonts-dejavu-core
   libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema freesasa
 )
 

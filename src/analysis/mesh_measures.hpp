@@ -52,6 +52,10 @@ MeshTopology topology(const IndexedMesh& mesh);
 MeshMeasures measures(const IndexedMesh& mesh);
 MeshQuality quality(const IndexedMesh& mesh);
 
+// The smallest angle of each triangle, degrees; 0 for degenerate ones. Throws InvalidInput
+// for an index of no vertex.
+std::vector<float> min_angles_deg(const IndexedMesh& mesh);
+
 // topology() and measures() from one survey of the edges, in the time of topology().
 struct MeshSummary {
   MeshTopology topology;

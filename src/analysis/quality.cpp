@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -7,6 +8,7 @@
 #include <numbers>
 
 #include "analysis/mesh_measures.hpp"
+#include "core/errors.hpp"
 #include "core/sum.hpp"
 #include "mesh/edge_buckets.hpp"
 
@@ -70,6 +72,14 @@ Distribution distribution(Buffer<double>& values) {
 
 bool has_repeated_index(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
+void require_vertices(const IndexedMesh& mesh) {
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (v >= mesh.vertex_count())
+        throw InvalidInput(fmt::format("triangle {} names vertex {}, but there are {} vertices", t,
+                                       v, mesh.vertex_count()));
+}
+
 template <class Value>
 void fill(const IndexedMesh& mesh, Buffer<double>& values, Value&& value) {
   values.resize(mesh.triangle_count());
@@ -105,6 +115,13 @@ MeshQuality quality(const IndexedMesh& mesh) {
   values.erase(flat, values.end());
   result.aspect_ratio = distribution(values);
   return result;
+}
+
+std::vector<float> min_angles_deg(const IndexedMesh& mesh) {
+  require_vertices(mesh);
+  Buffer<double> values;
+  fill(mesh, values, min_angle_deg);
+  return {values.begin(), values.end()};
 }
 
 }  // namespace vdwmesh

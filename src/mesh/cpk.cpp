@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "core/errors.hpp"
+#include "mesh/element_color.hpp"
 #include "mesh/surface_mesh.hpp"
 
 namespace vdwmesh {
 namespace {
 
-using Color = SurfaceMesh::Color;
+using Color = std::array<std::uint8_t, 3>;
 
 struct ElementColor {
   std::string_view element;
@@ -34,7 +35,9 @@ const ElementColor kColors[] = {
 };
 const Color kOther{255, 20, 147};
 
-Color color_of(std::string_view element) {
+}  // namespace
+
+Color element_color(std::string_view element) {
   std::string upper(element);
   std::transform(upper.begin(), upper.end(), upper.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
@@ -43,11 +46,13 @@ Color color_of(std::string_view element) {
   return kOther;
 }
 
-}  // namespace
-
 void color_by_element(SurfaceMesh& mesh, std::span<const std::string> elements) {
-  std::vector<Color> colors(elements.size());
-  std::transform(elements.begin(), elements.end(), colors.begin(), color_of);
+  std::vector<SurfaceMesh::Color> colors;
+  colors.reserve(elements.size());
+  for (const std::string& element : elements) {
+    const Color c = element_color(element);
+    colors.emplace_back(c[0], c[1], c[2]);
+  }
   const VertexSpheresProperty spheres = vertex_spheres(mesh);
   for (const auto v : mesh.vertices()) {
     const SphereId atom = mesh.property(spheres, v)[0];

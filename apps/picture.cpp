@@ -1,0 +1,104 @@
+#include "picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "analysis/distances.hpp"
+#include "analysis/mesh_measures.hpp"
+#include "mesh/element_color.hpp"
+#include "output.hpp"
+#include "stopwatch.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+// Share of the values that a colour map shows in full; the rest have the colours of its ends.
+constexpr double kInside = 0.99;
+
+ColorScale scale_for(const std::vector<float>& values, ColorMap map, ScaleKind kind,
+                     const std::string& title, const PictureOptions& options) {
+  const ColorMap chosen = options.color_map.value_or(map);
+  if (options.range) return {chosen, options.range->lower, options.range->upper, title};
+  return fit_scale(chosen, kind, values, kInside, title);
+}
+
+// Points alone, which vertex_distances() takes.
+IndexedMesh triangle_centers(const IndexedMesh& mesh) {
+  IndexedMesh centers;
+  centers.positions.resize(mesh.triangle_count());
+  std::ranges::transform(mesh.triangles, centers.positions.begin(), [&](const Triangle& t) {
+    return (1.0 / 3) * (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]);
+  });
+  return centers;
+}
+
+std::uint64_t left_of(std::uint64_t limit, std::uint64_t taken) {
+  return limit > taken ? limit - taken : 0;
+}
+
+PictureReport describe(const PictureOptions& options, const MeshSource& source,
+                       const std::string& device) {
+  PictureReport report;
+  report.triangles = source.triangle_count();
+  report.path = options.path;
+  report.width = options.render.width;
+  report.height = options.render.height;
+  report.view = options.view;
+  report.device = device;
+  if (source.scale()) report.scale = *source.scale();
+  return report;
+}
+
+}  // namespace
+
+Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
+  std::vector<Rgb> atoms;
+  atoms.reserve(molecule.atoms.size());
+  for (const Atom& atom : molecule.atoms) {
+    const auto c = element_color(atom.element);
+    atoms.push_back({static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255,
+                     static_cast<float>(c[2]) / 255});
+  }
+  VertexColors paint;
+  paint.colors.resize(mesh.vertex_count());
+  std::ranges::transform(mesh.vertex_spheres, paint.colors.begin(),
+                         [&](const VertexSpheres& s) { return atoms.at(s[0]); });
+  return paint;
+}
+
+Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,
+                        const PictureOptions& options, Monitor* monitor) {
+  std::vector<float> values = vertex_distances(triangle_centers(mesh), spheres, monitor);
+  ColorScale scale =
+      scale_for(values, ColorMap::cool_warm, ScaleKind::symmetric,
+                "Triangle centres to the exact surface, Å (positive: outside)", options);
+  return TriangleValues{std::move(values), std::move(scale)};
+}
+
+Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options) {
+  std::vector<float> values = min_angles_deg(mesh);
+  PictureOptions whole = options;
+  if (!whole.range) whole.range = ColorRange{0, 60};  // no triangle has more
+  ColorScale scale = scale_for(values, ColorMap::viridis, ScaleKind::one_sided,
+                               "Smallest angle of each triangle, degrees", whole);
+  return TriangleValues{std::move(values), std::move(scale)};
+}
+
+void write_picture(const IndexedMesh& mesh, Paint paint, const PictureOptions& options,
+                   std::uint64_t memory_limit, Monitor* monitor, Report& report) {
+  begin_stage(monitor, "picture", 1);
+  const Stopwatch watch;
+  const Renderer renderer;
+  const MeshSource source(mesh, std::move(paint));
+  RenderOptions render = options.render;
+  render.memory_limit =
+      left_of(memory_limit, indexed_mesh_bytes(mesh.vertex_count(), mesh.triangle_count()));
+  const Picture picture = renderer.draw(source, render);
+  write_file(options.path, encode_png(picture));
+  report.picture = describe(options, source, renderer.device());
+  report.timing.picture = watch.seconds();
+  advance(monitor, 1);
+}
+
+}  // namespace vdwmesh::apps

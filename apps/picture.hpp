@@ -1,0 +1,26 @@
+// Pictures of meshes, as verbs make them.
+#pragma once
+
+#include "core/monitor.hpp"
+#include "extract/indexed_mesh.hpp"
+#include "extract/sphere_set.hpp"
+#include "picture_options.hpp"
+#include "report.hpp"
+#include "structure/molecule.hpp"
+
+namespace vdwmesh::apps {
+
+// CPK colours of the vertices' atoms.
+Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule);
+// Signed distance of every triangle's centre to the boundary of the union: where a mesh has its
+// vertices on the surface, its error is between them.
+Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,
+                        const PictureOptions& options, Monitor* monitor);
+// Smallest angle of every triangle.
+Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options);
+
+// Draws, writes the file, and fills report.picture.
+void write_picture(const IndexedMesh& mesh, Paint paint, const PictureOptions& options,
+                   std::uint64_t memory_limit, Monitor* monitor, Report& report);
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,119 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "machine.hpp"
+#include "mesh/mesh_io.hpp"
+#include "output.hpp"
+#include "picture.hpp"
+#include "stopwatch.hpp"
+#include "verbs.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+constexpr std::string_view kMeshExtensions[] = {".ply", ".obj", ".off", ".stl", ".glb"};
+
+bool names_mesh(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension();
+  return std::ranges::find(kMeshExtensions, extension) != std::end(kMeshExtensions);
+}
+
+std::string summary_of(const Report& report) {
+  std::string text = picture_text(*report.picture);
+  for (const std::string& note : report.notes) text += fmt::format("{:<12} {}\n", "Note", note);
+  return text + fmt::format("{:<12} total {:.3f}\n", "Time (s)", report.timing.total);
+}
+
+class RenderVerb : public Verb {
+ public:
+  std::string name() const override { return "render"; }
+  std::string summary() const override {
+    return "a picture of a structure's surface, or of a mesh file";
+  }
+
+  void add_options(CLI::App& app) override {
+    picture_.add_render_to(app);
+    input_.add_to(app);
+    surface_.add_to(app, 1);
+    machine_.add_to(app, MachineFlags::Backends::choose);
+  }
+
+  void run() const override {
+    const Stopwatch watch;
+    const SurfaceOptions surface = surface_.resolve();
+    const InputOptions input = input_.resolve(surface.field.preset);
+    const MachineOptions machine_options = machine_.resolve();
+    const PictureOptions picture = picture_.resolve();
+    if (picture.path.empty()) throw InvalidInput("-o: name the picture to write (.png)");
+
+    Machine machine(machine_options);
+    Report report;
+    if (names_mesh(input.path)) {
+      draw_file(input.path, picture, machine_options, machine.monitor(), report);
+    } else {
+      draw_structure(input, surface, picture, machine_options, machine.monitor(), report);
+    }
+    machine.end_progress();
+    report.timing.total = watch.seconds();
+    if (machine_options.verbosity == Verbosity::normal) write_standard_output(summary_of(report));
+  }
+
+ private:
+  void draw_file(const std::filesystem::path& path, const PictureOptions& picture,
+                 const MachineOptions& machine, Monitor* monitor, Report& report) const {
+    const ColorBy color = picture.color.value_or(ColorBy::plain);
+    if (color == ColorBy::element || color == ColorBy::distance) {
+      throw InvalidInput(
+          "--color: a mesh file has no atoms; vdwmesh compare MESH INPUT --picture FILE.png "
+          "colours it by distance");
+    }
+    const MeshFile file = read_mesh(path);
+    report.notes = file.notes;
+    Paint paint = color == ColorBy::angle ? paint_by_angle(file.mesh, picture) : picture.plain;
+    try {
+      write_picture(file.mesh, std::move(paint), picture, machine.memory_limit, monitor, report);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("{}: {}", path.string(), error.what()));
+    }
+  }
+
+  void draw_structure(const InputOptions& input, const SurfaceOptions& surface,
+                      const PictureOptions& picture, const MachineOptions& machine,
+                      Monitor* monitor, Report& report) const {
+    const Molecule molecule = load(input, report);
+    const SphereSet spheres = to_spheres(molecule, input.probe);
+    const IndexedMesh mesh =
+        make_mesh(spheres, surface, Connectivity::triangles, machine, monitor, report);
+    write_picture(mesh, paint_for(mesh, molecule, spheres, picture, monitor), picture,
+                  machine.memory_limit, monitor, report);
+  }
+
+  static Paint paint_for(const IndexedMesh& mesh, const Molecule& molecule,
+                         const SphereSet& spheres, const PictureOptions& picture,
+                         Monitor* monitor) {
+    switch (picture.color.value_or(ColorBy::element)) {
+      case ColorBy::element:
+        return paint_by_element(mesh, molecule);
+      case ColorBy::distance:
+        return paint_by_distance(mesh, spheres, picture, monitor);
+      case ColorBy::angle:
+        return paint_by_angle(mesh, picture);
+      case ColorBy::plain:
+        break;
+    }
+    return picture.plain;
+  }
+
+  PictureFlags picture_;
+  InputFlags input_;
+  SurfaceFlags surface_;
+  MachineFlags machine_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_render_verb() { return std::make_unique<RenderVerb>(); }
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,26 @@
+# Sets VDWMESH_WITH_RENDER: whether pictures can be drawn, or the stub stands in their place; and
+# VDWMESH_FONT, the font that is put into the library.
+macro(vdwmesh_detect_render)
+  set(VDWMESH_WITH_RENDER OFF)
+  if(NOT VDWMESH_RENDER STREQUAL "OFF")
+    find_package(PkgConfig)
+    if(PkgConfig_FOUND)
+      pkg_check_modules(EPOXY IMPORTED_TARGET GLOBAL epoxy>=1.5 egl)
+    endif()
+    find_package(PNG)
+    find_package(Freetype)
+    find_file(VDWMESH_FONT DejaVuSans.ttf
+              PATHS /usr/share/fonts/truetype/dejavu /usr/share/fonts/TTF /usr/share/fonts/dejavu)
+    if(EPOXY_FOUND AND PNG_FOUND AND FREETYPE_FOUND AND VDWMESH_FONT)
+      set(VDWMESH_WITH_RENDER ON)
+    elseif(VDWMESH_RENDER STREQUAL "ON")
+      message(FATAL_ERROR "VDWMESH_RENDER=ON, but libepoxy, EGL's headers, libpng, FreeType or "
+                          "DejaVuSans.ttf was not found (see scripts/install-deps.sh)")
+    endif()
+  endif()
+  if(VDWMESH_WITH_RENDER)
+    message(STATUS "Pictures: OpenGL through EGL")
+  else()
+    message(STATUS "Pictures: stub (libraries missing, or VDWMESH_RENDER=OFF)")
+  endif()
+endmacro()

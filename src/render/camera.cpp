@@ -1,0 +1,188 @@
+#include "render/camera.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// Spreads closer than this, relative to the largest, are the same.
+constexpr double kSameSpread = 1e-6;
+
+// Of a needle that points at the viewer: how wide it is taken to be, and how near the eye comes, as
+// shares of its half length.
+constexpr double kLeastAngle = 0.05;
+
+Vec3d unit(const Vec3d& v) { return (1 / norm(v)) * v; }
+
+Vec3d combine(const Axes& axes, const Vec3d& v) {
+  return v.x * axes[0] + v.y * axes[1] + v.z * axes[2];
+}
+
+double largest_component(const Vec3d& v) {
+  double largest = v.x;
+  for (const double c : {v.y, v.z}) {
+    if (std::abs(c) > std::abs(largest)) largest = c;
+  }
+  return largest;
+}
+
+// The one of ±axis that points to where the surface reaches farther from its middle.
+Vec3d oriented(const SurfaceExtent& surface, const Vec3d& middle, const Vec3d& axis) {
+  const Vec3d both[] = {axis, -1.0 * axis};
+  const std::vector<double> reach = surface.support(both);
+  const double ahead = reach[0] - dot(axis, middle), behind = reach[1] + dot(axis, middle);
+  const bool even = std::abs(ahead - behind) <= kSameSpread * (ahead + behind);
+  const bool keep = even ? largest_component(axis) > 0 : ahead > behind;
+  return keep ? both[0] : both[1];
+}
+
+// A surface reaches from `lower` to `upper` along an axis.
+struct Range {
+  double lower, upper;
+  double middle() const { return (lower + upper) / 2; }
+  double half() const { return (upper - lower) / 2; }
+};
+
+std::array<Range, 3> ranges(const SurfaceExtent& surface, const Axes& axes) {
+  const Vec3d directions[] = {axes[0],        axes[1],        axes[2],
+                              -1.0 * axes[0], -1.0 * axes[1], -1.0 * axes[2]};
+  const std::vector<double> reach = surface.support(directions);
+  return {Range{-reach[3], reach[0]}, Range{-reach[4], reach[1]}, Range{-reach[5], reach[2]}};
+}
+
+// Planes a little in front of and behind the surface, so that rounding clips nothing.
+void set_depth(Camera& camera, double eye_to_front, double depth) {
+  const double slack = 1e-3 * (depth + eye_to_front);
+  camera.nearest = std::max(eye_to_front - slack, 0.5 * eye_to_front);
+  camera.farthest = eye_to_front + depth + slack;
+}
+
+void frame_orthographic(Camera& camera, const std::array<Range, 3>& box, double aspect,
+                        double fill) {
+  const double seen = std::max(box[1].half(), box[0].half() / aspect);
+  camera.half_height = std::max(seen, kLeastAngle * box[2].half()) / fill;
+  camera.half_width = camera.half_height * aspect;
+  const double size = std::max(box[2].half(), camera.half_height);
+  camera.eye = {0, 0, box[2].half() + size};
+  set_depth(camera, size, 2 * box[2].half());
+}
+
+// A point is inside the picture's right edge where x - eye.x <= w (eye.z - z), w the half width at
+// distance 1; so the edge bounds w eye.z + eye.x by the support of (1, 0, w), and likewise for the
+// other three. The nearest eye that keeps all four bounds is that of the tighter pair.
+void frame_perspective(Camera& camera, const SurfaceExtent& surface,
+                       const std::array<Range, 3>& box, double aspect, double fill) {
+  camera.half_height = std::tan(kVerticalFieldOfView * std::numbers::pi / 360);
+  camera.half_width = camera.half_height * aspect;
+  const double w = camera.half_width * fill, h = camera.half_height * fill;
+  const Axes& a = camera.axes;
+  const Vec3d directions[] = {w * a[2] + a[0], w * a[2] - a[0], h * a[2] + a[1], h * a[2] - a[1]};
+  std::vector<double> bound = surface.support(directions);
+  for (std::size_t i = 0; i < bound.size(); ++i) bound[i] -= dot(directions[i], camera.origin);
+  const double distance =
+      std::max({(bound[0] + bound[1]) / (2 * w), (bound[2] + bound[3]) / (2 * h),
+                (1 + kLeastAngle) * box[2].half()});
+  camera.eye = {(bound[0] - bound[1]) / 2, (bound[2] - bound[3]) / 2, distance};
+  set_depth(camera, distance - box[2].half(), 2 * box[2].half());
+}
+
+}  // namespace
+
+Axes principal_axes(const SurfaceExtent& surface) {
+  const SurfaceExtent::Moments moments = surface.moments();
+  const auto& c = moments.covariance;
+  Eigen::Matrix3d matrix;
+  matrix << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
+  const Eigen::Vector3d& spread = solver.eigenvalues();  // ascending
+  if (spread[2] - spread[0] <= kSameSpread * spread[2]) {
+    return {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+  }
+  const auto axis = [&](int i) {
+    const Eigen::Vector3d v = solver.eigenvectors().col(i);
+    return oriented(surface, moments.middle, unit({v[0], v[1], v[2]}));
+  };
+  const Vec3d first = axis(2), second = axis(1);
+  return {first, second, unit(cross(first, second))};
+}
+
+Axes view_axes(const View& view, const SurfaceExtent& surface) {
+  const auto usable = [](const Vec3d& v) { return std::isfinite(norm(v)) && norm(v) > 0; };
+  constexpr double kLeastSine = 1e-6;  // between the two directions
+  if (!usable(view.toward_viewer) || !usable(view.up) ||
+      norm(cross(unit(view.up), unit(view.toward_viewer))) < kLeastSine) {
+    throw InvalidInput("a view needs two finite directions, to the viewer and up, not parallel");
+  }
+  Axes frame = {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+  if (view.frame == ViewFrame::principal) frame = principal_axes(surface);
+  const Vec3d back = unit(combine(frame, view.toward_viewer));
+  const Vec3d right = unit(cross(unit(combine(frame, view.up)), back));
+  return {right, cross(back, right), back};
+}
+
+Camera frame_surface(const SurfaceExtent& surface, const View& view, CameraProjection projection,
+                     double aspect, double margin) {
+  Camera camera;
+  camera.projection = projection;
+  camera.axes = view_axes(view, surface);
+  const std::array<Range, 3> box = ranges(surface, camera.axes);
+  if (!(std::max({box[0].half(), box[1].half(), box[2].half()}) > 0)) {
+    throw InvalidInput("the surface is a single point; there is nothing to see");
+  }
+  camera.origin = combine(camera.axes, {box[0].middle(), box[1].middle(), box[2].middle()});
+  const double fill = 1 - 2 * margin;
+  if (projection == CameraProjection::orthographic) {
+    frame_orthographic(camera, box, aspect, fill);
+  } else {
+    frame_perspective(camera, surface, box, aspect, fill);
+  }
+  return camera;
+}
+
+std::array<double, 16> clip_matrix(const Camera& camera) {
+  const double n = camera.nearest, f = camera.farthest;
+  const bool perspective = camera.projection == CameraProjection::perspective;
+  // Depth d = eye.z - z in [n, f] becomes clip z; w is d, or 1.
+  const double slope = perspective ? (f + n) / (f - n) : 2 / (f - n);
+  const double offset = perspective ? -2 * f * n / (f - n) : -(f + n) / (f - n);
+  const Vec3d x = (1 / camera.half_width) * camera.axes[0];
+  const Vec3d y = (1 / camera.half_height) * camera.axes[1];
+  const Vec3d z = -slope * camera.axes[2];
+  const Vec3d w = perspective ? -1.0 * camera.axes[2] : Vec3d{0, 0, 0};
+  const Vec3d& e = camera.eye;
+  return {x.x,
+          y.x,
+          z.x,
+          w.x,
+          x.y,
+          y.y,
+          z.y,
+          w.y,
+          x.z,
+          y.z,
+          z.z,
+          w.z,
+          -e.x / camera.half_width,
+          -e.y / camera.half_height,
+          slope * e.z + offset,
+          perspective ? e.z : 1};
+}
+
+Vec3d project(const Camera& camera, const Vec3d& point) {
+  const std::array<double, 16> m = clip_matrix(camera);
+  const Vec3d p = point - camera.origin;
+  const auto row = [&](std::size_t i) {
+    return m[i] * p.x + m[4 + i] * p.y + m[8 + i] * p.z + m[12 + i];
+  };
+  const double w = row(3);
+  return {row(0) / w, row(1) / w, row(2) / w};
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,144 @@
+#include "render/egl_context.hpp"
+
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+
+#include <string_view>
+#include <vector>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh {
+namespace {
+
+bool lists(const char* extensions, std::string_view name) {
+  const std::string padded = fmt::format(" {} ", extensions ? extensions : "");
+  return padded.find(fmt::format(" {} ", name)) != std::string::npos;
+}
+
+// By address, because epoxy ends the program where an extension function is missing.
+template <class Function>
+Function address_of(const char* name) {
+  return reinterpret_cast<Function>(eglGetProcAddress(name));
+}
+
+struct NamedDisplay {
+  EGLDisplay display;
+  std::string name;
+};
+
+// Mesa's enumeration puts hardware before its software rasterizer. Some drivers advertise only
+// EGL_EXT_device_base, which includes EGL_EXT_device_enumeration.
+std::vector<NamedDisplay> device_displays(const char* extensions) {
+  const bool devices =
+      lists(extensions, "EGL_EXT_device_base") || lists(extensions, "EGL_EXT_device_enumeration");
+  const auto query = address_of<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
+  const auto get = address_of<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
+  EGLint count = 0;
+  if (!devices || !query || !get || !query(0, nullptr, &count) || count <= 0) return {};
+  std::vector<EGLDeviceEXT> found(static_cast<std::size_t>(count));
+  if (!query(count, found.data(), &count)) return {};
+  std::vector<NamedDisplay> displays;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    displays.push_back(
+        {get(EGL_PLATFORM_DEVICE_EXT, found[i], nullptr), fmt::format("EGL device {}", i)});
+  }
+  return displays;
+}
+
+std::vector<NamedDisplay> displays_without_window() {
+  const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  std::vector<NamedDisplay> displays = device_displays(extensions);
+  const auto get = address_of<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
+  if (get && lists(extensions, "EGL_MESA_platform_surfaceless")) {
+    displays.push_back(
+        {get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr), "surfaceless platform"});
+  }
+  return displays;
+}
+
+[[noreturn]] void fail(const char* what) {
+  throw BackendUnavailable(
+      fmt::format("{} failed (EGL error {:#x})", what, static_cast<unsigned>(eglGetError())));
+}
+
+EGLConfig choose_config(EGLDisplay display) {
+  const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
+  EGLConfig config{};
+  EGLint count = 0;
+  if (!eglChooseConfig(display, wanted, &config, 1, &count)) fail("eglChooseConfig");
+  if (count == 0) throw BackendUnavailable("no configuration with desktop OpenGL");
+  return config;
+}
+
+}  // namespace
+
+EglContext::EglContext() {
+  if (!epoxy_has_egl()) throw BackendUnavailable("no pictures: there is no libEGL.so.1");
+  std::string reasons;
+  for (const NamedDisplay& candidate : displays_without_window()) {
+    if (try_open(candidate.display, candidate.name, reasons)) return;
+  }
+  throw BackendUnavailable(fmt::format(
+      "no pictures: EGL gives no OpenGL 3.3 context without a display ({}); Debian's software "
+      "driver is in libegl-mesa0 and libgl1-mesa-dri",
+      reasons.empty() ? "no device and no surfaceless platform" : reasons));
+}
+
+EglContext::~EglContext() { close(); }
+
+bool EglContext::try_open(EGLDisplay display, const std::string& name, std::string& reasons) {
+  try {
+    open(display);
+    return true;
+  } catch (const BackendUnavailable& error) {
+    close();
+    reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", name, error.what());
+    return false;
+  }
+}
+
+void EglContext::open(EGLDisplay display) {
+  if (display == EGL_NO_DISPLAY) fail("eglGetPlatformDisplayEXT");
+  if (!eglInitialize(display, nullptr, nullptr)) fail("eglInitialize");
+  display_ = display;
+  const char* extensions = eglQueryString(display, EGL_EXTENSIONS);
+  if (!lists(extensions, "EGL_KHR_surfaceless_context")) {
+    throw BackendUnavailable("no EGL_KHR_surfaceless_context");
+  }
+  if (!eglBindAPI(EGL_OPENGL_API)) fail("eglBindAPI");
+  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION_KHR,
+                               3,
+                               EGL_CONTEXT_MINOR_VERSION_KHR,
+                               3,
+                               EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
+                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
+                               EGL_NONE};
+  context_ = eglCreateContext(display, choose_config(display), EGL_NO_CONTEXT, attributes);
+  if (context_ == EGL_NO_CONTEXT) fail("eglCreateContext");
+  const Use use(*this);
+  const auto text = [](GLenum name) { return reinterpret_cast<const char*>(glGetString(name)); };
+  device_ = fmt::format("{}, OpenGL {}", text(GL_RENDERER), text(GL_VERSION));
+}
+
+void EglContext::close() {
+  if (display_ == EGL_NO_DISPLAY) return;
+  if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
+  // The display is the process's: others may be using it, so it is not terminated.
+  context_ = EGL_NO_CONTEXT;
+  display_ = EGL_NO_DISPLAY;
+}
+
+EglContext::Use::Use(const EglContext& context) : display_(context.display_) {
+  // The API bound is the thread's, and this may be another thread than the constructor's.
+  eglBindAPI(EGL_OPENGL_API);
+  if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context.context_)) {
+    fail("eglMakeCurrent");
+  }
+}
+
+EglContext::Use::~Use() {
+  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+}
+
+}  // namespace vdwmesh

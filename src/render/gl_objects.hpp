@@ -1,0 +1,69 @@
+// Owners of OpenGL names. All need their context current, in destructors too.
+#pragma once
+
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh {
+
+// Throws LimitExceeded where the device is out of memory, Error for what else went wrong.
+inline void check_gl(std::string_view what) {
+  const GLenum error = glGetError();
+  if (error == GL_NO_ERROR) return;
+  if (error == GL_OUT_OF_MEMORY) {
+    throw LimitExceeded(
+        fmt::format("the OpenGL device has not enough memory for {}; a coarser mesh or a smaller "
+                    "picture needs less",
+                    what));
+  }
+  throw Error(fmt::format("OpenGL error {:#x} at {}", error, what));
+}
+
+// One name, made by `Generate` and given back by `Delete`.
+template <class Traits>
+class GlObject {
+ public:
+  GlObject() { Traits::generate(&name_); }
+  ~GlObject() { Traits::release(&name_); }
+  GlObject(const GlObject&) = delete;
+  GlObject& operator=(const GlObject&) = delete;
+  GLuint name() const { return name_; }
+
+ private:
+  GLuint name_ = 0;
+};
+
+struct BufferTraits {
+  static void generate(GLuint* name) { glGenBuffers(1, name); }
+  static void release(const GLuint* name) { glDeleteBuffers(1, name); }
+};
+struct TextureTraits {
+  static void generate(GLuint* name) { glGenTextures(1, name); }
+  static void release(const GLuint* name) { glDeleteTextures(1, name); }
+};
+struct VertexArrayTraits {
+  static void generate(GLuint* name) { glGenVertexArrays(1, name); }
+  static void release(const GLuint* name) { glDeleteVertexArrays(1, name); }
+};
+struct RenderbufferTraits {
+  static void generate(GLuint* name) { glGenRenderbuffers(1, name); }
+  static void release(const GLuint* name) { glDeleteRenderbuffers(1, name); }
+};
+struct FramebufferTraits {
+  static void generate(GLuint* name) { glGenFramebuffers(1, name); }
+  static void release(const GLuint* name) { glDeleteFramebuffers(1, name); }
+};
+
+using GlBuffer = GlObject<BufferTraits>;
+using GlTexture = GlObject<TextureTraits>;
+using GlVertexArray = GlObject<VertexArrayTraits>;
+using GlRenderbuffer = GlObject<RenderbufferTraits>;
+using GlFramebuffer = GlObject<FramebufferTraits>;
+
+}  // namespace vdwmesh

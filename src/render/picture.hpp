@@ -1,0 +1,34 @@
+// A picture in memory and as a PNG file.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace vdwmesh {
+
+using Rgba8 = std::array<std::uint8_t, 4>;  // sRGB and straight alpha: 255 is opaque
+
+// Rows from the top, pixels from the left.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<Rgba8> pixels;
+
+  Rgba8& at(int x, int y) { return pixels[index(x, y)]; }
+  const Rgba8& at(int x, int y) const { return pixels[index(x, y)]; }
+
+ private:
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
+  }
+};
+
+// A PNG of 8 bits per channel: RGB where every pixel is opaque, else RGBA; the same picture gives
+// the same bytes. Throws InvalidInput for a picture without pixels, BackendUnavailable in a build
+// without libpng.
+std::string encode_png(const Picture& picture);
+
+}  // namespace vdwmesh

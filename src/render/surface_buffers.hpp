@@ -1,0 +1,42 @@
+// A surface in the device's memory.
+#pragma once
+
+#include "render/gl_objects.hpp"
+#include "render/surface_source.hpp"
+
+namespace vdwmesh {
+
+// Bytes a source takes in buffers.
+std::uint64_t buffer_bytes(const SurfaceSource& source);
+
+class SurfaceBuffers : public SurfaceTarget {
+ public:
+  // Allocates and has the source fill them. Throws LimitExceeded where the device cannot hold them.
+  SurfaceBuffers(const SurfaceSource& source, const Vec3d& origin);
+  ~SurfaceBuffers() override;
+
+  std::span<SurfaceVertex> vertices() override;
+  std::span<Triangle> triangles() override;
+  std::span<float> triangle_values() override;
+  unsigned vertex_buffer() const override { return vertex_buffer_.name(); }
+  unsigned index_buffer() const override { return index_buffer_.name(); }
+
+  // Binds vertices and indices, and the values of triangles to texture unit 1.
+  void bind() const;
+
+ private:
+  void allocate() const;
+  void describe_vertices() const;
+  void unmap();
+
+  std::uint64_t vertex_count_, triangle_count_;
+  PaintKind paint_;
+  GlVertexArray array_;
+  GlBuffer vertex_buffer_, index_buffer_, value_buffer_;
+  GlTexture value_texture_;
+  SurfaceVertex* mapped_vertices_ = nullptr;
+  Triangle* mapped_triangles_ = nullptr;
+  float* mapped_values_ = nullptr;
+};
+
+}  // namespace vdwmesh

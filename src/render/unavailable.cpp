@@ -1,0 +1,26 @@
+// The renderer of a build without the libraries it needs.
+#include "core/errors.hpp"
+#include "render/picture.hpp"
+#include "render/renderer.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr const char* kReason =
+    "no pictures: this build was made without them (VDWMESH_RENDER=OFF, or libepoxy, libpng, "
+    "FreeType or DejaVu Sans were not found)";
+
+}  // namespace
+
+struct Renderer::State {};
+
+Renderer::Renderer() { throw BackendUnavailable(kReason); }
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+const std::string& Renderer::device() const { throw BackendUnavailable(kReason); }
+Picture Renderer::draw(const SurfaceSource&, const RenderOptions&) const {
+  throw BackendUnavailable(kReason);
+}
+std::string encode_png(const Picture&) { throw BackendUnavailable(kReason); }
+
+}  // namespace vdwmesh

@@ -1,0 +1,233 @@
+"""Pictures as files: what they hold, and when they are refused."""
+
+import os
+import struct
+import tempfile
+import unittest
+import zlib
+
+from program import BAD_INPUT, LIMIT_HIT, NO_BACKEND, ProgramTest, run
+
+SMALL = ("--size", "320x240", "--subdivide", "0")
+
+
+def decode_png(path):
+    """Width, height, and rows of pixels as tuples; 8 bits per channel, RGB or RGBA."""
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    position, compressed = 8, b""
+    while position < len(data):
+        length, kind = struct.unpack(">I4s", data[position : position + 8])
+        body = data[position + 8 : position + 8 + length]
+        checksum = struct.unpack(">I", data[position + 8 + length : position + 12 + length])[0]
+        assert zlib.crc32(kind + body) == checksum
+        if kind == b"IHDR":
+            width, height, depth, color = struct.unpack(">IIBB", body[:10])
+            assert depth == 8
+        if kind == b"IDAT":
+            compressed += body
+        position += 12 + length
+    channels = {2: 3, 6: 4}[color]
+    return width, height, unfilter(zlib.decompress(compressed), width, height, channels)
+
+
+def paeth(a, b, c):
+    p = a + b - c
+    pa, pb, pc = abs(p - a), abs(p - b), abs(p - c)
+    return a if pa <= pb and pa <= pc else b if pb <= pc else c
+
+
+def unfilter(raw, width, height, channels):
+    """The five filters of the PNG specification, section 9."""
+    stride, rows, above = width * channels, [], bytearray(width * channels)
+    for y in range(height):
+        kind = raw[y * (stride + 1)]
+        line = bytearray(raw[y * (stride + 1) + 1 : (y + 1) * (stride + 1)])
+        for i in range(stride):
+            a = line[i - channels] if i >= channels else 0
+            c = above[i - channels] if i >= channels else 0
+            b = above[i]
+            add = (0, a, b, (a + b) // 2, paeth(a, b, c))[kind]
+            line[i] = (line[i] + add) & 255
+        rows.append([tuple(line[i : i + channels]) for i in range(0, stride, channels)])
+        above = line
+    return rows
+
+
+class PictureTest(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        """Skips where nothing can be drawn; fails there with VDWMESH_REQUIRE_EGL=1."""
+        super().setUpClass()
+        with tempfile.TemporaryDirectory() as folder:
+            result = run("render", f"{folder}/missing.off", "-o", f"{folder}/out.png")
+        if result.returncode == NO_BACKEND:
+            if os.environ.get("VDWMESH_REQUIRE_EGL") == "1":
+                raise AssertionError(result.stderr)
+            raise unittest.SkipTest(result.stderr)
+
+    def picture(self, *arguments):
+        path = self.folder / "picture.png"
+        self.run_ok(*arguments, "-o", path)
+        return decode_png(path)
+
+
+class Render(PictureTest):
+    def test_of_a_sample(self):
+        width, height, rows = self.picture("render", "--sample", "bpti", *SMALL)
+        self.assertEqual((width, height), (320, 240))
+        self.assertEqual(rows[0][0], (255, 255, 255))
+        colors = {pixel for row in rows for pixel in row}
+        self.assertTrue(any(r > 150 and g < 60 and b < 60 for r, g, b in colors), "no oxygen red")
+        self.assertTrue(any(b > 150 and r < 80 for r, g, b in colors), "no nitrogen blue")
+        self.assertFalse(any(max(pixel) < 20 for pixel in colors), "black pixels")
+
+    def test_fills_the_picture_from_every_side(self):
+        for view in ("front", "back", "left", "right", "top", "bottom", "x", "-y", "z", "1,2,3"):
+            with self.subTest(view=view):
+                options = ("--background", "transparent", "--view", view, "--antialias", "1")
+                width, height, rows = self.picture("render", "--sample", "bpti", *SMALL, *options)
+                inside = [(x, y) for y, row in enumerate(rows) for x, p in enumerate(row) if p[3]]
+                # 4 % of margin on the tighter pair of sides.
+                xs, ys = [x for x, _ in inside], [y for _, y in inside]
+                borders = (min(xs) / width, min(ys) / height)
+                self.assertAlmostEqual(min(borders), 0.04, delta=1.5 / height)
+                self.assertAlmostEqual((min(xs) + max(xs) + 1) / 2, width / 2, delta=2)
+                self.assertAlmostEqual((min(ys) + max(ys) + 1) / 2, height / 2, delta=2)
+
+    def test_the_same_picture_twice_is_the_same_file(self):
+        first, second = self.folder / "1.png", self.folder / "2.png"
+        for path, threads in ((first, "1"), (second, "2")):
+            self.run_ok("render", "--sample", "bpti", *SMALL, "--threads", threads, "-o", path)
+        self.assertEqual(first.read_bytes(), second.read_bytes())
+
+    def test_options_change_the_picture(self):
+        pictures = set()
+        for options in (
+            (),
+            ("--camera", "perspective"),
+            ("--shading", "gouraud"),
+            ("--color", "distance"),
+            ("--color", "angle"),
+            ("--color", "angle", "--color-map", "cividis"),
+            ("--color", "distance", "--color-range=-1,1"),
+            ("--color", "#4080c0"),
+            ("--background", "black"),
+        ):
+            path = self.folder / "picture.png"
+            self.run_ok("render", "--sample", "bpti", *SMALL, *options, "-o", path)
+            pictures.add(path.read_bytes())
+        self.assertEqual(len(pictures), 9)
+
+    def test_of_a_mesh_file(self):
+        mesh = self.folder / "mesh.stl"
+        self.run_ok("mesh", "--sample", "bpti", "-o", mesh)
+        plain = ("--color", "#ffffff", "--background", "black")
+        from_file = self.picture("render", mesh, *SMALL[:2], *plain)[2]
+        direct = self.picture("render", "--sample", "bpti", *SMALL, *plain)[2]
+        # STL has no normals: only the outlines are the same.
+        outline = [[pixel != (0, 0, 0) for pixel in row] for row in from_file]
+        differing = sum(
+            a != (b != (0, 0, 0)) for r, s in zip(outline, direct) for a, b in zip(r, s)
+        )
+        self.assertLessEqual(differing, 0.001 * 320 * 240)
+
+    def test_quiet(self):
+        path = self.folder / "picture.png"
+        result = self.run_ok("render", "--sample", "bpti", *SMALL, "--quiet", "-o", path)
+        self.assertEqual(result.stdout + result.stderr, "")
+
+
+class Refusals(PictureTest):
+    def refused(self, *arguments, says=(), code=BAD_INPUT):
+        self.assert_refused(code, "render", *arguments, says=says)
+        self.assertFalse([name for name in self.files() if name.endswith(".png")])
+
+    def test_broken_meshes(self):
+        out = self.folder / "out.png"
+        meshes = {
+            "empty.off": ("OFF\n0 0 0\n", "empty.off"),
+            "flat.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n", "no area"),
+            "nan.obj": ("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "nan.obj"),
+            "index.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n", "index.off"),
+            "cut.stl": ("solid x\nfacet normal 0 0 1\n", "cut.stl"),
+        }
+        for name, (text, says) in meshes.items():
+            with self.subTest(name=name):
+                self.refused(self.file(name, text), "-o", out, says=(says,))
+
+    def test_edge_on(self):
+        mesh = self.file("flat.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+        self.refused(mesh, "-o", self.folder / "out.png", "--view", "x", says=("view",))
+
+    def test_options(self):
+        out = ("-o", self.folder / "out.png")
+        for options, says in {
+            ("--size", "0x10"): "--size",
+            ("--size", "wide"): "--size",
+            ("--size", "100x99999"): "--size",
+            ("--view", "above"): "front",
+            ("--view", "0,0,0"): "--view",
+            ("--view", "1,2"): "--view",
+            ("--background", "#12345"): "--background",
+            ("--camera", "fisheye"): "orthographic",
+            ("--shading", "flat"): "gouraud",
+            ("--antialias", "9"): "--antialias",
+            ("--color", "rainbow"): "element",
+            ("--color-map", "jet"): "viridis",
+            ("--color-range", "1,0"): "--color-range",
+            ("--color", "angle", "--size", "100x100"): "colour bar",
+        }.items():
+            with self.subTest(options=options):
+                self.refused("--sample", "bpti", "--subdivide", "0", *out, *options, says=(says,))
+
+    def test_files(self):
+        self.refused("--sample", "bpti", says=("-o",))
+        self.refused("--sample", "bpti", "-o", self.folder / "x.jpg", says=("PNG",))
+        self.refused("--sample", "bpti", "-o", self.folder / "none" / "x.png", says=("folder",))
+        mesh = self.file("flat.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+        out = self.folder / "x.png"
+        self.refused(mesh, "-o", out, "--color", "distance", says=("compare",))
+
+    def test_memory_limit(self):
+        out = self.folder / "x.png"
+        mesh = self.file("flat.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+        self.refused(mesh, "-o", out, "--memory-limit", "1M", says=("limit",), code=LIMIT_HIT)
+
+
+class OfReports(PictureTest):
+    def test_report(self):
+        path = self.folder / "picture.png"
+        options = ("--picture", path, *SMALL, "--view", "top")
+        picture = self.report("report", "--sample", "bpti", *options)["picture"]
+        self.assertEqual(decode_png(path)[:2], (320, 240))
+        self.assertEqual((picture["width"], picture["height"]), (320, 240))
+        self.assertEqual(picture["view"], "top")
+        scale = picture["scale"]
+        self.assertEqual(scale["color_map"], "cool-warm")
+        self.assertEqual(scale["lower"], -scale["upper"])
+        self.assertIsNone(self.report("report", "--sample", "bpti", "--subdivide", "0")["picture"])
+
+    def test_compare(self):
+        mesh, path = self.folder / "mesh.ply", self.folder / "picture.png"
+        self.run_ok("mesh", "--sample", "bpti", "-o", mesh)
+        options = ("--picture", path, *SMALL[:2], "--distances", "off", "--color-range=-0.3,0.3")
+        picture = self.report("compare", mesh, "--sample", "bpti", *options)["picture"]
+        self.assertEqual((picture["scale"]["lower"], picture["scale"]["upper"]), (-0.3, 0.3))
+        self.assertEqual(decode_png(path)[:2], (320, 240))
+
+    # A mesh of a sphere that is too large by 0.1 Å is warm, one that is too small is cool.
+    def test_sign_of_the_distance(self):
+        atom = self.file("atom.xyzr", "0 0 0 1\n")
+        for radius, warm in ((1.1, True), (0.9, False)):
+            larger = self.file(f"{radius}.xyzr", f"0 0 0 {radius}\n")
+            mesh, path = self.folder / "mesh.ply", self.folder / "picture.png"
+            self.run_ok("mesh", larger, "-o", mesh, "--spacing", "0.1")
+            self.run_ok("compare", mesh, atom, "--picture", path, *SMALL[:2])
+            red, _, blue = decode_png(path)[2][90][160][:3]
+            self.assertEqual(red > blue, warm)
+
+    def test_style_without_picture(self):
+        self.assert_refused(
+            BAD_INPUT, "report", "--sample", "bpti", "--view", "top", says=("--view", "--picture")
+        )

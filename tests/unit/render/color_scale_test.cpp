@@ -1,0 +1,86 @@
+#include "render/color_scale.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr double kRounding = 1e-12;
+
+std::vector<std::string> labels(double lower, double upper, int most) {
+  std::vector<std::string> result;
+  for (const Tick& tick : ticks({ColorMap::viridis, lower, upper, ""}, most)) {
+    result.push_back(tick.label);
+  }
+  return result;
+}
+
+TEST(Ticks, StandAtRoundValues) {
+  EXPECT_THAT(labels(0, 60, 7), ElementsAre("0", "10", "20", "30", "40", "50", "60"));
+  EXPECT_THAT(labels(-0.15, 0.15, 7),
+              ElementsAre("−0.15", "−0.10", "−0.05", "0.00", "0.05", "0.10", "0.15"));
+  EXPECT_THAT(labels(-1, 1, 5), ElementsAre("−1.0", "−0.5", "0.0", "0.5", "1.0"));
+  EXPECT_THAT(labels(0.3, 7.1, 5), ElementsAre("2", "4", "6"));
+  EXPECT_THAT(labels(0, 2000, 5), ElementsAre("0", "500", "1000", "1500", "2000"));
+}
+
+TEST(Ticks, LieInsideEvenlyAndAreAtMostAsMany) {
+  for (const double width : {1e-6, 0.0037, 0.9999, 1.0, 17.3, 4.2e5}) {
+    for (const double lower : {-width / 2, 0.0, width * 0.77}) {
+      for (int most = 7; most <= 11; ++most) {
+        const auto marks = ticks({ColorMap::viridis, lower, lower + width, ""}, most);
+        EXPECT_GE(marks.size(), 2u);
+        EXPECT_LE(marks.size(), static_cast<std::size_t>(most));
+        EXPECT_GE(marks.front().value, lower - 1e-9 * width);
+        EXPECT_LE(marks.back().value, lower + width + 1e-9 * width);
+      }
+    }
+  }
+}
+
+TEST(FitScale, HoldsTheShareAsked) {
+  std::vector<float> values;
+  for (int i = 1; i <= 1000; ++i) values.push_back(static_cast<float>(i % 2 ? i : -i) / 1000);
+  const ColorScale scale = fit_scale(ColorMap::cool_warm, ScaleKind::symmetric, values, 0.95, "d");
+  EXPECT_NEAR(scale.upper, 0.95, kRounding);
+  EXPECT_EQ(scale.lower, -scale.upper);
+  const ColorScale all = fit_scale(ColorMap::viridis, ScaleKind::one_sided, values, 1, "d");
+  EXPECT_NEAR(all.upper, 1.0, kRounding);  // 0.999 to two digits, outwards
+  EXPECT_NEAR(all.lower, -1.0, kRounding);
+}
+
+TEST(FitScale, ValuesWithoutSpreadStillMakeAScale) {
+  for (const float value : {0.0f, 3.0f, -2.5e-9f}) {
+    for (const ScaleKind kind : {ScaleKind::symmetric, ScaleKind::one_sided}) {
+      const std::vector<float> values(5, value);
+      const ColorScale scale = fit_scale(ColorMap::viridis, kind, values, 0.99, "d");
+      EXPECT_GE(scale.upper - scale.lower, 1e-3 * (1 - kRounding));
+      EXPECT_TRUE(scale.lower <= value && value <= scale.upper);
+    }
+  }
+}
+
+TEST(FitScale, ValuesThatAreNotFiniteAreLeftOut) {
+  const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
+  const std::vector<float> some = {nan, 1, infinity, 2, -infinity};
+  EXPECT_NEAR(fit_scale(ColorMap::viridis, ScaleKind::one_sided, some, 1, "d").upper, 2, kRounding);
+  const std::vector<float> none = {nan, infinity};
+  EXPECT_THROW(fit_scale(ColorMap::viridis, ScaleKind::one_sided, none, 1, "d"), InvalidInput);
+}
+
+TEST(ColorScale, BoundsOutOfOrderAreRefused) {
+  EXPECT_THROW(check({ColorMap::viridis, 1, 1, ""}), InvalidInput);
+  EXPECT_THROW(check({ColorMap::viridis, 0, std::nan(""), ""}), InvalidInput);
+  EXPECT_NO_THROW(check({ColorMap::viridis, -1, 1, ""}));
+}
+
+}  // namespace
+}  // namespace vdwmesh

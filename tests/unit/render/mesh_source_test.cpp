@@ -1,0 +1,80 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/errors.hpp"
+#include "render/surface_source.hpp"
+#include "support/test_meshes.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using namespace testing;
+
+constexpr Rgb kGrey{0.5f, 0.5f, 0.5f};
+
+std::string refusal(const IndexedMesh& mesh, Paint paint = kGrey) {
+  try {
+    const MeshSource source(mesh, std::move(paint));
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+void expect_says(const std::string& message, const std::string& words) {
+  EXPECT_NE(message.find(words), std::string::npos) << message;
+}
+
+TEST(MeshSource, BrokenMeshesAreRefusedByName) {
+  expect_says(refusal(empty_mesh()), "no triangles");
+  IndexedMesh mesh = tetrahedron();
+  mesh.triangles[2][1] = 77;
+  expect_says(refusal(mesh), "triangle 2 has vertex 77");
+  mesh = tetrahedron();
+  mesh.positions[1].y = std::numeric_limits<double>::infinity();
+  expect_says(refusal(mesh), "vertex 1");
+  mesh = tetrahedron();
+  for (Vec3d& p : mesh.positions) p = {p.x, 0, 0};
+  expect_says(refusal(mesh), "no area");
+}
+
+TEST(MeshSource, PaintOfAnotherSizeIsRefused) {
+  const ColorScale scale;
+  const IndexedMesh mesh = tetrahedron();
+  expect_says(refusal(mesh, VertexColors{{kGrey, kGrey}}), "2 colours");
+  expect_says(refusal(mesh, VertexValues{{1, 2, 3}, scale}), "3 values");
+  expect_says(refusal(mesh, TriangleValues{{}, scale}), "0 values");
+  expect_says(refusal(mesh, TriangleValues{{1, 2, 3, 4}, {ColorMap::viridis, 1, 0, ""}}), "scale");
+}
+
+TEST(MeshSource, SupportIsThatOfTheTrianglesVertices) {
+  IndexedMesh mesh = scaled(cube(), 2);
+  mesh.positions.push_back({50, 50, 50});  // on no triangle
+  const Vec3d directions[] = {{1, 0, 0}, {0, -1, 0}, {1, 1, 1}};
+  EXPECT_EQ(MeshSource(mesh, kGrey).support(directions), (std::vector<double>{2, 0, 6}));
+}
+
+TEST(VertexNormals, OfASphereAreItsRadii) {
+  const IndexedMesh sphere = icosphere(4);
+  const Buffer<Vec3f> normals = vertex_normals(sphere);
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    // The triangles around a vertex differ from each other by about the square of their size, 0.07.
+    EXPECT_GT(dot(cast<double>(normals[v]), sphere.positions[v]), 1 - 0.5 * 0.005 * 0.005);
+  }
+}
+
+// At the corner of a cube three faces meet with a right angle each, however they are cut.
+TEST(VertexNormals, OfACubeAreItsDiagonals) {
+  const Buffer<Vec3f> normals = vertex_normals(cube());
+  const IndexedMesh mesh = cube();
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    const Vec3d diagonal = (1 / norm(mesh.positions[v] - Vec3d{0.5, 0.5, 0.5})) *
+                           (mesh.positions[v] - Vec3d{0.5, 0.5, 0.5});
+    EXPECT_NEAR(dot(cast<double>(normals[v]), diagonal), 1, 1e-6);  // of float
+  }
+}
+
+}  // namespace
+}  // namespace vdwmesh

@@ -1,0 +1,35 @@
+// For tests that draw: they skip with the reason where nothing can be drawn, and fail there with
+// VDWMESH_REQUIRE_EGL=1.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "core/errors.hpp"
+#include "render/renderer.hpp"
+
+namespace vdwmesh::testing {
+
+class DrawingTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      renderer_ = std::make_unique<Renderer>();
+    } catch (const BackendUnavailable& error) {
+      const char* required = std::getenv("VDWMESH_REQUIRE_EGL");
+      if (required && std::string(required) == "1") FAIL() << error.what();
+      GTEST_SKIP() << error.what();
+    }
+  }
+  Picture draw(const IndexedMesh& mesh, Paint paint, const RenderOptions& options) const {
+    return renderer_->draw(MeshSource(mesh, std::move(paint)), options);
+  }
+
+ private:
+  std::unique_ptr<Renderer> renderer_;
+};
+
+}  // namespace vdwmesh::testing
