@@ -1,21 +1,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "arrangement/arc_angle.hpp"
 #include "arrangement/exposed_arcs.hpp"
 #include "arrangement/measures.hpp"
-#include "arrangement/power_predicates.hpp"
 #include "arrangement/simplex_shape.hpp"
 
 namespace vdwmesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-// Circles smaller than this (squared, by the squared radius of the smaller sphere) have corners too
-// near to their centre for angles between them; and arcs this near to nothing (rad) may round to a
-// whole turn. Both then take their angle from the dihedral angles of the triangulation.
-constexpr double kSmallCircle = 1e-6;
-constexpr double kSmallArc = 1e-6;
 
 double triple_product(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return dot(a, cross(b, c));
@@ -151,46 +145,20 @@ class PatchSum {
   }
 
   double arc_angle(const ExposedArc& arc) const {
-    if (is_small(arc.edge)) return angle_by_dihedrals(arc);
+    if (is_small(arc.edge)) return angle_by_dihedrals(t_, k_, arc);
     const auto& [a, b] = k_.edges[arc.edge].vertices;
     const Vec3d p = corner_from_circle(arc.edge, arc.start),
                 q = corner_from_circle(arc.edge, arc.end);
     const double angle =
         std::atan2(triple_product(between(a, b), p, q) / edges_[arc.edge].length, dot(p, q));
     if (std::abs(angle) < kSmallArc) {
-      return angle_by_dihedrals(arc) > kPi ? 2 * kPi + angle : angle;
+      return angle_by_dihedrals(t_, k_, arc) > kPi ? 2 * kPi + angle : angle;
     }
     return angle < 0 ? angle + 2 * kPi : angle;
   }
 
   Vec3d corner_from_circle(std::uint32_t e, CornerIndex corner) const {
     return from_circle(e, k_.triangles[corner / 2], chords_[corner / 2].end[corner % 2]);
-  }
-
-  // The gap between the two triangles less what their corners take of it.
-  double angle_by_dihedrals(const ExposedArc& arc) const {
-    const DualTriangle &f = k_.triangles[arc.start / 2], &g = k_.triangles[arc.end / 2];
-    return gap_angle(arc.edge, f, g) - corner_dihedral(f, arc.edge) - corner_dihedral(g, arc.edge);
-  }
-
-  static std::size_t slot(const DualTriangle& f, std::uint32_t e) {
-    return f.edges[0] == e ? 0 : (f.edges[1] == e ? 1 : 2);
-  }
-
-  double corner_dihedral(const DualTriangle& f, std::uint32_t e) const {
-    const TriangleShape shape =
-        triangle_shape(ball(f.vertices[0]), ball(f.vertices[1]), ball(f.vertices[2]));
-    return std::atan2(shape.half_chord, shape.distance[slot(f, e)]);
-  }
-
-  double gap_angle(std::uint32_t e, const DualTriangle& f, const DualTriangle& g) const {
-    if (&f == &g) return 2 * kPi;
-    const auto& [a, b] = k_.edges[e].vertices;
-    const std::uint32_t c = f.vertices[slot(f, e)], d = g.vertices[slot(g, e)];
-    const bool convex = orientation_sign(ball(a), ball(b), ball(c), ball(d)) == Sign::positive;
-    const TetrahedronShape shape = convex ? tetrahedron_shape({ball(a), ball(b), ball(c), ball(d)})
-                                          : tetrahedron_shape({ball(a), ball(b), ball(d), ball(c)});
-    return convex ? shape.dihedral[0] : 2 * kPi - shape.dihedral[0];
   }
 
   std::vector<SphereMeasures> sum() const {

@@ -1,0 +1,158 @@
+#include "arrangement/boundary_arcs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "arrangement/arc_angle.hpp"
+#include "arrangement/simplex_shape.hpp"
+#include "core/disjoint_sets.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+double triple_product(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  return dot(a, cross(b, c));
+}
+
+// A direction at right angles to a unit vector: from the coordinate axis that is farthest off.
+Vec3d any_orthogonal(const Vec3d& axis) {
+  const Vec3d size{std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)};
+  Vec3d far{0, 0, 0};
+  far[size.x <= size.y && size.x <= size.z ? 0 : (size.y <= size.z ? 1 : 2)] = 1;
+  const Vec3d out = far - dot(far, axis) * axis;
+  return (1 / norm(out)) * out;
+}
+
+class Placer {
+ public:
+  Placer(const PowerTriangulation& triangulation, const DualComplex& complex)
+      : t_(triangulation), k_(complex), corner_of_(2 * k_.triangles.size(), kNoIndex) {}
+
+  BoundaryArcs run() && {
+    for (const ExposedArc& arc : exposed_arcs(t_, k_)) place(arc);
+    find_coincident_corners();
+    join_corners();
+    return std::move(out_);
+  }
+
+ private:
+  const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
+
+  std::uint32_t corner(CornerIndex index) {
+    std::uint32_t& place = corner_of_[index];
+    if (place != kNoIndex) return place;
+    const DualTriangle& f = k_.triangles[index / 2];
+    const Sphere& a = ball(f.vertices[0]);
+    const CommonPoints points = common_points(a, ball(f.vertices[1]), ball(f.vertices[2]));
+    place = static_cast<std::uint32_t>(out_.corners.size());
+    out_.corners.push_back({a.center + (index % 2 == 0 ? points.above : points.below), f.vertices});
+    return place;
+  }
+
+  void place(const ExposedArc& exposed) {
+    const DualEdge& e = k_.edges[exposed.edge];
+    const Sphere &a = ball(e.vertices[0]), &b = ball(e.vertices[1]);
+    const EdgeShape shape = edge_shape(a, b);
+    const Vec3d axis = (1 / shape.length) * (b.center - a.center);
+    BoundaryArc arc{e.vertices,
+                    {kNoIndex, kNoIndex},
+                    a.center + shape.height[0] * axis,
+                    {},
+                    {},
+                    0,
+                    std::sqrt(shape.squared_circle_radius)};
+    const bool small =
+        shape.squared_circle_radius < kSmallCircle * std::pow(std::min(a.radius, b.radius), 2);
+    Vec3d out = any_orthogonal(axis);
+    if (exposed.start == kNoCorner) {
+      arc.sweep = 2 * kPi;
+    } else {
+      arc.ends = {corner(exposed.start), corner(exposed.end)};
+      const Vec3d p = out_.corners[arc.ends[0]].position - arc.center,
+                  q = out_.corners[arc.ends[1]].position - arc.center;
+      const Vec3d radial = p - dot(p, axis) * axis;
+      if (norm(radial) > 0) out = (1 / norm(radial)) * radial;
+      arc.sweep = sweep(exposed, axis, p, q, small);
+    }
+    arc.cosine = arc.radius * out;
+    arc.sine = arc.radius * cross(axis, out);
+    add(arc, std::min(a.radius, b.radius));
+  }
+
+  double sweep(const ExposedArc& arc, const Vec3d& axis, const Vec3d& p, const Vec3d& q,
+               bool small) const {
+    if (small) return angle_by_dihedrals(t_, k_, arc);
+    const double angle = std::atan2(triple_product(axis, p, q), dot(p, q));
+    if (std::abs(angle) >= kSmallArc) return angle < 0 ? angle + 2 * kPi : angle;
+    return angle_by_dihedrals(t_, k_, arc) > kPi ? 2 * kPi + angle : std::abs(angle);
+  }
+
+  void add(const BoundaryArc& arc, double smaller_radius) {
+    if (arc.is_circle() && arc.radius <= kNoCircle * smaller_radius) {
+      ++out_.contacts;
+    } else if (!arc.is_circle() && arc.sweep * arc.radius <= kNoArc * smaller_radius) {
+      ++out_.points;
+      joined_.push_back(arc.ends);
+    } else {
+      out_.arcs.push_back(arc);
+    }
+  }
+
+  // Corners of one ball in one place: boundaries of a patch that meet in a point.
+  void find_coincident_corners() {
+    std::vector<std::array<std::uint32_t, 2>> places;  // ball, corner
+    for (std::uint32_t c = 0; c < out_.corners.size(); ++c) {
+      for (const std::uint32_t b : out_.corners[c].balls) places.push_back({b, c});
+    }
+    std::sort(places.begin(), places.end());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double reach = kNoArc * ball(places[i][0]).radius;
+      for (std::size_t j = i + 1; j < places.size() && places[j][0] == places[i][0]; ++j) {
+        const Vec3d gap = out_.corners[places[j][1]].position - out_.corners[places[i][1]].position;
+        if (squared_norm(gap) <= reach * reach) joined_.push_back({places[i][1], places[j][1]});
+      }
+    }
+  }
+
+  // Corners that are one point become the lowest of them; those that no arc ends in go.
+  void join_corners() {
+    out_.has_joined_corners = !joined_.empty();
+    DisjointSets sets(out_.corners.size());
+    for (const auto& pair : joined_) sets.join(pair[0], pair[1]);
+    std::vector<std::uint32_t> number(out_.corners.size(), kNoIndex);
+    std::vector<BoundaryCorner> kept;
+    for (BoundaryArc& arc : out_.arcs) {
+      if (arc.is_circle()) continue;
+      for (std::uint32_t& end : arc.ends) {
+        const std::uint32_t root = sets.find(end);
+        if (number[root] == kNoIndex) {
+          number[root] = static_cast<std::uint32_t>(kept.size());
+          kept.push_back(out_.corners[root]);
+        }
+        end = number[root];
+      }
+    }
+    out_.corners = std::move(kept);
+  }
+
+  const PowerTriangulation& t_;
+  const DualComplex& k_;
+  BoundaryArcs out_;
+  std::vector<std::uint32_t> corner_of_;  // of the dual complex -> of the result
+  std::vector<std::array<std::uint32_t, 2>> joined_;
+};
+
+}  // namespace
+
+Vec3d BoundaryArc::at(double angle) const {
+  return center + (std::cos(angle) * cosine + std::sin(angle) * sine);
+}
+
+BoundaryArcs boundary_arcs(const PowerTriangulation& triangulation, const DualComplex& complex) {
+  return Placer(triangulation, complex).run();
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,264 @@
+#include "arrangement/exact_mesher.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "arrangement/measures.hpp"
+#include "arrangement/patch_mesher.hpp"
+#include "arrangement/split_fans.hpp"
+#include "core/errors.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+// Rounds in which arcs are bisected for the shape of triangles, and for anything.
+constexpr int kQualityRounds = 12;
+constexpr int kMostRounds = 60;
+
+class UnionMesher {
+ public:
+  UnionMesher(const SphereSet& spheres, const ExactMeshOptions& options)
+      : options_(options),
+        begin_(Clock::now()),
+        t_(triangulate(spheres, options.monitor)),
+        complex_(dual_complex(t_)),
+        boundary_(boundary_arcs(t_, complex_)),
+        index_(t_, complex_, boundary_),
+        measures_(gauss_bonnet(t_, complex_)),
+        edge_length_(std::ldexp(options.edge_length, -t_.scale_exponent)),
+        sampling_(boundary_, edge_length_),
+        patches_(t_.balls.size()) {
+    stats_.arrangement_seconds = seconds_since(begin_);
+  }
+
+  ExactMesh run() && {
+    mesh_patches();
+    sampling_.number_vertices();
+    ExactMesh out{{}, stats_};
+    assemble(out.mesh);
+    if (boundary_.has_joined_corners) split_fans(boundary_.corners.size(), out.mesh);
+    out.stats.arcs = boundary_.arcs.size();
+    out.stats.corners = boundary_.corners.size();
+    out.stats.points = boundary_.points;
+    out.stats.contacts = boundary_.contacts;
+    for (std::uint32_t a = 0; a < boundary_.arcs.size(); ++a)
+      out.stats.pieces += sampling_.pieces(a);
+    out.stats.seconds = seconds_since(begin_);
+    return out;
+  }
+
+ private:
+  // Without arcs a sphere is exposed as a whole or, but for points, not at all.
+  bool is_whole(std::uint32_t ball) const {
+    const double r = t_.balls[ball].radius;
+    return index_.arcs(ball).empty() && measures_[ball].area > 2 * std::numbers::pi * r * r;
+  }
+
+  // First the boundaries alone, which is quick, then the patches; each until no piece is bisected.
+  void mesh_patches() {
+    std::vector<std::uint32_t> bounded, all;
+    for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
+      const bool has_arcs = !index_.arcs(b).empty();
+      if (has_arcs) bounded.push_back(b);
+      if (has_arcs || is_whole(b)) all.push_back(b);
+    }
+    run_rounds(std::move(bounded), PatchStage::boundary);
+    run_rounds(std::move(all), PatchStage::triangles);
+  }
+
+  void run_rounds(std::vector<std::uint32_t> balls, PatchStage stage) {
+    for (int round = 1; !balls.empty(); ++round) {
+      begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
+                  balls.size());
+      const Demand demand = round <= kQualityRounds ? Demand::quality : Demand::validity;
+      tbb::parallel_for(std::size_t{0}, balls.size(), [&](std::size_t i) {
+        mesh_ball(balls[i], demand, stage);
+        advance(options_.monitor, 1);
+      });
+      ++stats_.rounds;
+      stats_.patches_meshed += balls.size();
+      const std::vector<ArcPiece> pieces = pieces_to_bisect(balls);
+      if (pieces.empty()) return;
+      if (round == kMostRounds) give_up(pieces.front());
+      stats_.bisected += pieces.size();
+      sampling_.bisect(pieces);
+      balls = balls_beside(pieces);
+    }
+  }
+
+  [[noreturn]] void give_up(const ArcPiece& piece) const {
+    const auto& balls = boundary_.arcs[piece.arc].balls;
+    throw std::runtime_error(
+        fmt::format("the patches of spheres {} and {} could not be triangulated in {} rounds",
+                    t_.ids[balls[0]], t_.ids[balls[1]], kMostRounds));
+  }
+
+  void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
+    const double edge_length = edge_length_ / t_.balls[ball].radius;
+    if (is_whole(ball)) {
+      patches_[ball] = mesh_sphere(edge_length);
+      return;
+    }
+    PatchBoundary around;
+    gather_boundary(t_, boundary_, sampling_, index_, ball, around);
+    PatchMesh patch = mesh_patch(around, {edge_length, demand, stage});
+    wanted_pieces(around, patch);
+    patches_[ball] = std::move(patch);
+  }
+
+  // Pieces to bisect by their place in the sampling: kept in pairs of numbers as triangles are.
+  static void wanted_pieces(const PatchBoundary& around, PatchMesh& patch) {
+    patch.sources.clear();
+    for (const std::uint32_t p : patch.bisect) patch.sources.push_back(around.pieces[p].source);
+  }
+
+  std::vector<ArcPiece> pieces_to_bisect(const std::vector<std::uint32_t>& balls) const {
+    std::vector<ArcPiece> pieces;
+    for (const std::uint32_t b : balls) {
+      pieces.insert(pieces.end(), patches_[b].sources.begin(), patches_[b].sources.end());
+    }
+    std::sort(pieces.begin(), pieces.end());
+    pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
+    return pieces;
+  }
+
+  std::vector<std::uint32_t> balls_beside(const std::vector<ArcPiece>& pieces) const {
+    std::vector<std::uint32_t> balls;
+    for (const ArcPiece& p : pieces) {
+      const auto& beside = boundary_.arcs[p.arc].balls;
+      balls.insert(balls.end(), beside.begin(), beside.end());
+    }
+    std::sort(balls.begin(), balls.end());
+    balls.erase(std::unique(balls.begin(), balls.end()), balls.end());
+    return balls;
+  }
+
+  void assemble(IndexedMesh& mesh) {
+    std::vector<std::uint64_t> first_vertex(t_.balls.size() + 1),
+        first_triangle(t_.balls.size() + 1);
+    first_vertex[0] = sampling_.vertex_count();
+    for (std::size_t b = 0; b < t_.balls.size(); ++b) {
+      first_vertex[b + 1] = first_vertex[b] + patches_[b].interior.size();
+      first_triangle[b + 1] = first_triangle[b] + patches_[b].triangles.size();
+    }
+    if (first_vertex.back() > kMaxVertices) {
+      throw LimitExceeded(
+          fmt::format("{} vertices; a mesh holds at most {}: choose a larger edge "
+                      "length",
+                      first_vertex.back(), kMaxVertices));
+    }
+    mesh.positions.resize(first_vertex.back());
+    mesh.normals.resize(first_vertex.back());
+    mesh.vertex_spheres.resize(first_vertex.back());
+    mesh.triangles.resize(first_triangle.back());
+    mesh.triangle_spheres.resize(first_triangle.back());
+    place_corners(mesh);
+    place_arcs(mesh);
+    tbb::parallel_for(std::size_t{0}, t_.balls.size(), [&](std::size_t b) {
+      place_patch(static_cast<std::uint32_t>(b), first_vertex[b], first_triangle[b], mesh);
+      patches_[b] = {};
+    });
+  }
+
+  void place_corners(IndexedMesh& mesh) const {
+    for (std::size_t c = 0; c < boundary_.corners.size(); ++c) {
+      const BoundaryCorner& corner = boundary_.corners[c];
+      place(corner.position, corner.balls, c, mesh);
+    }
+  }
+
+  void place_arcs(IndexedMesh& mesh) const {
+    tbb::parallel_for(std::size_t{0}, boundary_.arcs.size(), [&](std::size_t i) {
+      const auto a = static_cast<std::uint32_t>(i);
+      const BoundaryArc& arc = boundary_.arcs[i];
+      for (std::uint32_t k = arc.is_circle() ? 0 : 1; k < sampling_.pieces(a); ++k) {
+        place(sampling_.point(a, k), {arc.balls[0], arc.balls[1], kNoIndex}, sampling_.vertex(a, k),
+              mesh);
+      }
+    });
+  }
+
+  // A vertex on several spheres: its normal is the mean of theirs.
+  void place(const Vec3d& p, const std::array<std::uint32_t, 3>& balls, std::size_t vertex,
+             IndexedMesh& mesh) const {
+    Vec3d sum{0, 0, 0}, first{0, 0, 0};
+    VertexSpheres label{kNoSphere, kNoSphere, kNoSphere};
+    for (std::size_t k = 0; k < 3 && balls[k] != kNoIndex; ++k) {
+      const Vec3d out = p - t_.balls[balls[k]].center;
+      sum = sum + (1 / norm(out)) * out;
+      if (k == 0) first = sum;
+      label[k] = t_.ids[balls[k]];
+    }
+    std::sort(label.begin(), label.end());
+    if (!(squared_norm(sum) > 1e-12)) sum = first;
+    mesh.positions[vertex] = unscaled(p);
+    mesh.normals[vertex] = cast<float>((1 / norm(sum)) * sum);
+    mesh.vertex_spheres[vertex] = label;
+  }
+
+  void place_patch(std::uint32_t ball, std::uint64_t first_vertex, std::uint64_t first_triangle,
+                   IndexedMesh& mesh) const {
+    const PatchMesh& patch = patches_[ball];
+    if (patch.triangles.empty()) return;
+    const Sphere& s = t_.balls[ball];
+    const SphereId id = t_.ids[ball];
+    std::vector<std::uint32_t> vertices;
+    boundary_vertices(boundary_, sampling_, index_, ball, vertices);
+    for (std::size_t i = 0; i < patch.interior.size(); ++i) {
+      const std::uint64_t v = first_vertex + i;
+      mesh.positions[v] = unscaled(s.center + s.radius * patch.interior[i]);
+      mesh.normals[v] = cast<float>(patch.interior[i]);
+      mesh.vertex_spheres[v] = on_sphere(id);
+      vertices.push_back(static_cast<std::uint32_t>(v));
+    }
+    for (std::size_t t = 0; t < patch.triangles.size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        mesh.triangles[first_triangle + t][k] = vertices[patch.triangles[t][k]];
+      }
+      mesh.triangle_spheres[first_triangle + t] = id;
+    }
+  }
+
+  Vec3d unscaled(const Vec3d& p) const {
+    const int e = t_.scale_exponent;
+    return {std::ldexp(p.x, e), std::ldexp(p.y, e), std::ldexp(p.z, e)};
+  }
+
+  ExactMeshOptions options_;
+  Clock::time_point begin_;
+  PowerTriangulation t_;
+  DualComplex complex_;
+  BoundaryArcs boundary_;
+  PatchIndex index_;
+  std::vector<SphereMeasures> measures_;
+  double edge_length_;
+  ArcSampling sampling_;
+  std::vector<PatchMesh> patches_;
+  ExactMeshStats stats_;
+};
+
+}  // namespace
+
+ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options) {
+  if (spheres.empty()) throw InvalidInput("an empty set of spheres has no surface");
+  if (!(options.edge_length > 0) || !std::isfinite(options.edge_length)) {
+    throw InvalidInput(
+        fmt::format("the edge length must be positive and finite, not {} Å", options.edge_length));
+  }
+  return UnionMesher(spheres, options).run();
+}
+
+}  // namespace vdwmesh

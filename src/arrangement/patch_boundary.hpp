@@ -1,0 +1,69 @@
+// The arcs around the exposed part of one sphere, as the patch mesher needs them: on the unit
+// sphere about its centre.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "arrangement/arc_sampling.hpp"
+
+namespace vdwmesh {
+
+// What another ball covers of the sphere: directions u with axis · u > cosine.
+struct CoveredCap {
+  Vec3d axis;
+  double cosine;
+};
+
+// A piece of an arc, with the patch on its left.
+struct BoundaryPiece {
+  std::uint32_t from, to;  // points
+  std::uint32_t neighbor;  // the ball on the other side
+  ArcPiece source;
+  double bulge;  // rad: by which the arc turns into the patch from its chord, at either end
+};
+
+// Points: corners first, then those between, arc by arc.
+struct PatchBoundary {
+  std::vector<Vec3d> points;
+  std::vector<BoundaryPiece> pieces;
+  std::vector<CoveredCap> caps;
+  std::uint32_t corners = 0;
+};
+
+// The circles that each point of a boundary lies on, as the balls they are shared with.
+class PointCircles {
+ public:
+  explicit PointCircles(const PatchBoundary& boundary);
+  // Whether both points, of the boundary or not, lie on one circle.
+  bool share(std::uint32_t a, std::uint32_t b) const;
+  bool on(std::uint32_t point, std::uint32_t neighbor) const;
+
+ private:
+  std::span<const std::uint32_t> of(std::uint32_t point) const;
+  std::vector<std::uint32_t> first_, neighbors_;
+};
+
+// The arcs and neighbours of each ball.
+class PatchIndex {
+ public:
+  PatchIndex(const PowerTriangulation& triangulation, const DualComplex& complex,
+             const BoundaryArcs& boundary);
+
+  std::span<const std::uint32_t> arcs(std::uint32_t ball) const;
+  std::span<const std::uint32_t> neighbors(std::uint32_t ball) const;
+
+ private:
+  std::vector<std::uint32_t> first_arc_, arcs_, first_neighbor_, neighbors_;
+};
+
+// Points of a ball in the numbering of the sampling's vertices: local corner or point -> vertex.
+// Both are empty for a sphere without arcs.
+void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
+                     const ArcSampling& sampling, const PatchIndex& index, std::uint32_t ball,
+                     PatchBoundary& out);
+void boundary_vertices(const BoundaryArcs& boundary, const ArcSampling& sampling,
+                       const PatchIndex& index, std::uint32_t ball,
+                       std::vector<std::uint32_t>& out);
+
+}  // namespace vdwmesh

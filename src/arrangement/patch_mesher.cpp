@@ -1,0 +1,450 @@
+#include "arrangement/patch_mesher.hpp"
+
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "arrangement/patch_triangles.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+struct FaceInfo {
+  bool inside = false;
+  std::uint32_t number = 0;
+};
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
+using FaceBase =
+    CGAL::Triangulation_face_base_with_info_2<FaceInfo, Kernel,
+                                              CGAL::Constrained_triangulation_face_base_2<Kernel>>;
+using Planar = CGAL::Constrained_Delaunay_triangulation_2<
+    Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
+    CGAL::No_constraint_intersection_tag>;
+using Point = Kernel::Point_2;
+using VertexHandle = Planar::Vertex_handle;
+using FaceHandle = Planar::Face_handle;
+
+constexpr double kPi = std::numbers::pi;
+
+// A piece is too long for the patch beside it where a triangle on it is lower than this part of it.
+constexpr double kLocalWidth = 0.3;
+// Of two pieces at a corner, one may be this much longer than the other.
+constexpr double kCornerRatio = 2;
+// A triangle is bad below this angle, and above this circumradius by the edge length.
+constexpr double kBadAngleSine = 0.4;  // 23.6°
+constexpr double kLargeCircle = 0.75;
+// Interior points of the first lattice keep this much of the edge length from the arcs.
+constexpr double kLatticeMargin = 0.55;
+// An inserted point may see a piece under an angle of this cosine at most.
+constexpr double kWidestView = -0.35;
+constexpr int kSmoothingPasses = 1;
+
+Vec3d unit(const Vec3d& v) { return (1 / norm(v)) * v; }
+
+struct Frame {
+  Vec3d pole, first, second;  // first × second = -pole
+};
+
+Frame frame_from(const Vec3d& pole) {
+  const Vec3d size{std::abs(pole.x), std::abs(pole.y), std::abs(pole.z)};
+  Vec3d far{0, 0, 0};
+  far[size.x <= size.y && size.x <= size.z ? 0 : (size.y <= size.z ? 1 : 2)] = 1;
+  const Vec3d first = unit(far - dot(far, pole) * pole);
+  return {pole, first, cross(first, pole)};
+}
+
+// The centre of the largest cap is buried and as far from the patch as can be.
+Vec3d buried_pole(const PatchBoundary& boundary) {
+  const auto largest =
+      std::min_element(boundary.caps.begin(), boundary.caps.end(),
+                       [](const auto& a, const auto& b) { return a.cosine < b.cosine; });
+  return largest->axis;
+}
+
+class PlanarPatch {
+ public:
+  PlanarPatch(const PatchBoundary& boundary, const PatchOptions& options)
+      : b_(boundary),
+        h_(options.edge_length),
+        options_(options),
+        frame_(frame_from(buried_pole(boundary))),
+        circles_(boundary),
+        points_(boundary.points) {
+    planar_.infinite_vertex()->info() = kNoNeighbor;
+  }
+
+  PatchMesh run() && {
+    if (insert_boundary() && mark_inside()) find_crowded();
+    if (!bisect_.empty() || options_.stage == PatchStage::boundary) return requests();
+    insert_lattice();
+    mark_inside();
+    refine();
+    separate_circles();
+    PatchTriangles patch{std::move(points_), numbered_triangles()};
+    smooth(b_, circles_, kSmoothingPasses, patch);
+    bisect_ = defects(b_, patch);
+    if (!bisect_.empty()) return requests();
+    return finish(patch);
+  }
+
+ private:
+  PatchMesh requests() {
+    std::sort(bisect_.begin(), bisect_.end());
+    bisect_.erase(std::unique(bisect_.begin(), bisect_.end()), bisect_.end());
+    return {{}, {}, std::move(bisect_), {}};
+  }
+
+  Point project(const Vec3d& u) const {
+    const double w = 2 / squared_norm(u - frame_.pole);
+    return {w * dot(u, frame_.first), w * dot(u, frame_.second)};
+  }
+
+  // Whether all pieces are edges of the triangulation.
+  bool insert_boundary() {
+    FaceHandle hint;
+    for (std::uint32_t i = 0; i < b_.points.size(); ++i) {
+      const VertexHandle v = planar_.insert(project(b_.points[i]), hint);
+      v->info() = i;
+      handles_.push_back(v);
+      hint = v->face();
+    }
+    find_double_pieces();
+    for (std::uint32_t p = 0; p < b_.pieces.size() && bisect_.empty(); ++p) insert_piece(p);
+    return bisect_.empty();
+  }
+
+  void find_double_pieces() {
+    std::vector<std::array<std::uint32_t, 3>> ends;
+    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
+      const auto [low, high] = std::minmax(b_.pieces[p].from, b_.pieces[p].to);
+      ends.push_back({low, high, p});
+      if (low == high) bisect_.push_back(p);
+    }
+    std::sort(ends.begin(), ends.end());
+    for (std::size_t i = 1; i < ends.size(); ++i) {
+      if (ends[i][0] != ends[i - 1][0] || ends[i][1] != ends[i - 1][1]) continue;
+      bisect_.push_back(ends[i - 1][2]);
+      bisect_.push_back(ends[i][2]);
+    }
+  }
+
+  Kernel::Segment_2 segment(std::uint32_t p) const {
+    return {handles_[b_.pieces[p].from]->point(), handles_[b_.pieces[p].to]->point()};
+  }
+
+  void insert_piece(std::uint32_t p) {
+    try {
+      planar_.insert_constraint(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to]);
+    } catch (const Planar::Intersection_of_constraints_exception&) {
+      find_crossings(p);
+    }
+  }
+
+  void find_crossings(std::uint32_t p) {
+    const BoundaryPiece& piece = b_.pieces[p];
+    bisect_.push_back(p);
+    for (std::uint32_t q = 0; q < b_.pieces.size(); ++q) {
+      const BoundaryPiece& other = b_.pieces[q];
+      const bool joined = other.from == piece.from || other.from == piece.to ||
+                          other.to == piece.from || other.to == piece.to;
+      if (!joined && CGAL::do_intersect(segment(p), segment(q))) bisect_.push_back(q);
+    }
+  }
+
+  // Marks the faces on the left of the pieces; false where the boundary does not separate them.
+  bool mark_inside() {
+    for (const FaceHandle f : planar_.all_face_handles()) f->info().inside = false;
+    std::vector<FaceHandle> stack;
+    const auto visit = [&](FaceHandle f) {
+      if (f->info().inside) return;
+      f->info().inside = true;
+      stack.push_back(f);
+    };
+    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
+      FaceHandle right;
+      int edge;
+      if (planar_.is_edge(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to], right, edge)) {
+        visit(right->neighbor(edge));
+      } else {
+        bisect_.push_back(p);
+      }
+    }
+    while (!stack.empty()) {
+      const FaceHandle f = stack.back();
+      stack.pop_back();
+      for (int k = 0; k < 3; ++k) {
+        if (!f->is_constrained(k)) visit(f->neighbor(k));
+      }
+    }
+    for (std::uint32_t p = 0; p < b_.pieces.size() && bisect_.empty(); ++p) {
+      FaceHandle right;
+      int edge;
+      planar_.is_edge(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to], right, edge);
+      if (right->info().inside || planar_.is_infinite(right->neighbor(edge))) bisect_.push_back(p);
+    }
+    return bisect_.empty();
+  }
+
+  bool is_inside(FaceHandle f) const { return f->info().inside && !planar_.is_infinite(f); }
+
+  const Vec3d& at(VertexHandle v) const { return points_[v->info()]; }
+
+  // The piece between the ends of a constrained edge.
+  std::uint32_t piece_between(std::uint32_t a, std::uint32_t b) const {
+    const auto key = std::minmax(a, b);
+    const auto found = std::lower_bound(
+        piece_of_.begin(), piece_of_.end(), key, [](const auto& entry, const auto& k) {
+          return std::pair(entry[0], entry[1]) < std::pair<std::uint32_t, std::uint32_t>(k);
+        });
+    return (*found)[2];
+  }
+
+  void index_pieces() {
+    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
+      const auto [low, high] = std::minmax(b_.pieces[p].from, b_.pieces[p].to);
+      piece_of_.push_back({low, high, p});
+    }
+    std::sort(piece_of_.begin(), piece_of_.end());
+  }
+
+  // Pieces that are long beside the width of the patch there.
+  void find_crowded() {
+    index_pieces();
+    if (options_.demand == Demand::validity) return;
+    for (const FaceHandle f : planar_.finite_face_handles()) {
+      if (!is_inside(f)) continue;
+      for (int k = 0; k < 3; ++k) {
+        if (f->is_constrained(k)) look_from(f, k);
+      }
+    }
+  }
+
+  void look_from(FaceHandle f, int k) {
+    const VertexHandle va = f->vertex(f->ccw(k)), vb = f->vertex(f->cw(k)), vp = f->vertex(k);
+    const std::uint32_t piece = piece_between(va->info(), vb->info());
+    if (circles_.on(vp->info(), b_.pieces[piece].neighbor)) return;
+    const Vec3d &a = at(va), &b = at(vb), &p = at(vp), ab = b - a, ap = p - a;
+    const double squared_length = squared_norm(ab), length = std::sqrt(squared_length);
+    if (length <= kShortest * h_) return;
+    for (const int other : {f->ccw(k), f->cw(k)}) {
+      // Edge `other` is opposite to that end, so it starts at the other one.
+      if (!f->is_constrained(other)) continue;
+      const double beside = other == f->ccw(k) ? norm(p - b) : norm(ap);
+      if (length > kCornerRatio * beside) bisect_.push_back(piece);
+      return;
+    }
+    const double foot = dot(ap, ab) / squared_length;
+    const double height = norm(cross(ab, ap)) / length;
+    if (foot > -0.2 && foot < 1.2 && height < kLocalWidth * length) bisect_.push_back(piece);
+  }
+
+  // The points of a divided icosahedron that are outside all caps by a margin.
+  void insert_lattice() {
+    margins_.clear();
+    for (const CoveredCap& cap : b_.caps) {
+      const double angle = std::acos(std::clamp(cap.cosine, -1.0, 1.0)) + kLatticeMargin * h_;
+      margins_.push_back(angle < kPi ? std::cos(angle) : -2);
+    }
+    FaceHandle hint;
+    for (const Vec3d& u : mesh_sphere(h_).interior) {
+      if (is_clear(u)) hint = insert_interior(u, hint)->face();
+    }
+  }
+
+  bool is_clear(const Vec3d& u) const {
+    for (std::size_t i = 0; i < margins_.size(); ++i) {
+      if (dot(u, b_.caps[i].axis) > margins_[i]) return false;
+    }
+    return true;
+  }
+
+  bool is_buried(const Vec3d& u) const {
+    return std::any_of(b_.caps.begin(), b_.caps.end(),
+                       [&](const CoveredCap& cap) { return dot(u, cap.axis) > cap.cosine; });
+  }
+
+  VertexHandle insert_interior(const Vec3d& u, FaceHandle hint) {
+    const VertexHandle v = planar_.insert(project(u), hint);
+    v->info() = static_cast<std::uint32_t>(points_.size());
+    points_.push_back(u);
+    return v;
+  }
+
+  // A face as it was when it was queued.
+  struct Candidate {
+    FaceHandle face;
+    std::array<std::uint32_t, 3> vertices;
+  };
+  static Candidate candidate(FaceHandle f) {
+    return {f, {f->vertex(0)->info(), f->vertex(1)->info(), f->vertex(2)->info()}};
+  }
+
+  struct FlatCircle {
+    Vec3d center;  // on the sphere
+    bool is_bad;
+  };
+  FlatCircle circle(FaceHandle f) const {
+    const Vec3d &a = at(f->vertex(0)), &b = at(f->vertex(1)), &c = at(f->vertex(2));
+    const Vec3d normal = cross(b - a, c - a);
+    const std::array<double, 3> edge{squared_norm(c - b), squared_norm(a - c), squared_norm(b - a)};
+    const double squared_area = squared_norm(normal);  // (2A)²
+    if (!(squared_area > 0)) return {a, false};
+    const double squared_radius = edge[0] * edge[1] * edge[2] / (4 * squared_area);
+    const auto shortest =
+        static_cast<std::size_t>(std::min_element(edge.begin(), edge.end()) - edge.begin());
+    const int s = static_cast<int>(shortest);
+    const bool sharp_corner =
+        f->is_constrained(f->cw(s)) && f->is_constrained(f->ccw(s)) && !f->is_constrained(s);
+    const bool is_large = squared_radius > kLargeCircle * kLargeCircle * h_ * h_;
+    const bool is_sharp =
+        edge[shortest] < 4 * kBadAngleSine * kBadAngleSine * squared_radius && !sharp_corner;
+    return {unit(normal), is_large || is_sharp};
+  }
+
+  // Circumcentres of bad triangles, until there are none or each is too near to the boundary.
+  void refine() {
+    std::vector<Candidate> queue;
+    for (const FaceHandle f : planar_.finite_face_handles()) {
+      if (is_inside(f)) queue.push_back(candidate(f));
+    }
+    const std::size_t most = 20 * (points_.size() + 50);
+    for (std::size_t i = 0; i < queue.size() && points_.size() < most; ++i) {
+      const Candidate c = queue[i];
+      if (candidate(c.face).vertices != c.vertices || !is_inside(c.face)) continue;
+      const FlatCircle circumcircle = circle(c.face);
+      if (circumcircle.is_bad) try_insert(circumcircle.center, c.face, queue);
+    }
+  }
+
+  void try_insert(const Vec3d& u, FaceHandle near, std::vector<Candidate>& queue) {
+    if (is_buried(u)) return;
+    const Point p = project(u);
+    Planar::Locate_type type;
+    int edge;
+    const FaceHandle face = planar_.locate(p, type, edge, near);
+    if (type != Planar::FACE && type != Planar::EDGE) return;
+    if (!is_inside(face) || (type == Planar::EDGE && face->is_constrained(edge))) return;
+    if (crowds_boundary(u, p, face)) return;
+    insert_marked(u, face, queue);
+  }
+
+  void insert_marked(const Vec3d& u, FaceHandle face, std::vector<Candidate>& queue) {
+    const VertexHandle v = insert_interior(u, face);
+    auto around = planar_.incident_faces(v), end = around;
+    do {
+      around->info().inside = true;
+      queue.push_back(candidate(around));
+    } while (++around != end);
+  }
+
+  // Whether a piece next to the place where u would go looks wide from there.
+  bool crowds_boundary(const Vec3d& u, const Point& p, FaceHandle face) {
+    edges_.clear();
+    planar_.get_boundary_of_conflicts(p, std::back_inserter(edges_), face);
+    for (const auto& [f, k] : edges_) {
+      if (!f->is_constrained(k)) continue;
+      const Vec3d a = at(f->vertex(f->ccw(k))) - u, b = at(f->vertex(f->cw(k))) - u;
+      if (dot(a, b) < kWidestView * std::sqrt(squared_norm(a) * squared_norm(b))) return true;
+    }
+    return false;
+  }
+
+  // Edges inside the patch between two points of one circle get a point in their middle.
+  void separate_circles() {
+    constexpr int kMostRounds = 8;
+    std::vector<Candidate> unused;
+    for (int round = 0; round < kMostRounds; ++round) {
+      std::vector<std::pair<Candidate, int>> found;
+      for (const auto& [f, k] : planar_.finite_edges()) {
+        if (f->is_constrained(k) || !is_inside(f)) continue;
+        const VertexHandle a = f->vertex(f->ccw(k)), b = f->vertex(f->cw(k));
+        if (circles_.share(a->info(), b->info())) found.push_back({candidate(f), k});
+      }
+      if (found.empty()) return;
+      for (const auto& [c, k] : found) {
+        if (candidate(c.face).vertices != c.vertices) continue;
+        const Vec3d middle =
+            unit(at(c.face->vertex(c.face->ccw(k))) + at(c.face->vertex(c.face->cw(k))));
+        Planar::Locate_type type;
+        int edge;
+        const FaceHandle face = planar_.locate(project(middle), type, edge, c.face);
+        if ((type == Planar::FACE || type == Planar::EDGE) && is_inside(face)) {
+          insert_marked(middle, face, unused);
+        }
+      }
+    }
+  }
+
+  std::vector<PatchTriangle> numbered_triangles() {
+    std::vector<FaceHandle> faces;
+    for (const FaceHandle f : planar_.finite_face_handles()) {
+      if (!is_inside(f)) continue;
+      f->info().number = static_cast<std::uint32_t>(faces.size());
+      faces.push_back(f);
+    }
+    std::vector<PatchTriangle> triangles(faces.size());
+    for (std::size_t t = 0; t < faces.size(); ++t) {
+      const FaceHandle f = faces[t];
+      for (int k = 0; k < 3; ++k) {
+        const auto slot = static_cast<std::size_t>(k);
+        const bool is_piece = f->is_constrained(k);
+        triangles[t].vertices[slot] = f->vertex(k)->info();
+        triangles[t].neighbors[slot] = is_piece ? kNoNeighbor : f->neighbor(k)->info().number;
+        triangles[t].pieces[slot] =
+            is_piece ? piece_between(f->vertex(f->ccw(k))->info(), f->vertex(f->cw(k))->info())
+                     : kNoPiece;
+      }
+    }
+    return triangles;
+  }
+
+  PatchMesh finish(const PatchTriangles& patch) const {
+    PatchMesh out;
+    // Points that ended up outside the patch are left out.
+    std::vector<std::uint32_t> number(patch.points.size(), kNoNeighbor);
+    for (std::uint32_t i = 0; i < b_.points.size(); ++i) number[i] = i;
+    for (const PatchTriangle& t : patch.triangles) {
+      std::array<std::uint32_t, 3> vertices{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::uint32_t& n = number[t.vertices[k]];
+        if (n == kNoNeighbor) {
+          n = static_cast<std::uint32_t>(b_.points.size() + out.interior.size());
+          out.interior.push_back(patch.points[t.vertices[k]]);
+        }
+        vertices[k] = n;
+      }
+      out.triangles.push_back(vertices);
+    }
+    return out;
+  }
+
+  static constexpr double kShortest = 1e-3;  // by the edge length: not bisected for quality
+
+  const PatchBoundary& b_;
+  double h_;
+  PatchOptions options_;
+  Frame frame_;
+  PointCircles circles_;
+  Planar planar_;
+  std::vector<Vec3d> points_;
+  std::vector<VertexHandle> handles_;
+  std::vector<std::array<std::uint32_t, 3>> piece_of_;  // low end, high end, piece
+  std::vector<double> margins_;
+  std::vector<Planar::Edge> edges_;
+  std::vector<std::uint32_t> bisect_;
+};
+
+}  // namespace
+
+PatchMesh mesh_patch(const PatchBoundary& boundary, const PatchOptions& options) {
+  return PlanarPatch(boundary, options).run();
+}
+
+}  // namespace vdwmesh
