@@ -9,6 +9,8 @@
 namespace vdwmesh::apps {
 namespace {
 
+constexpr Choice<Mesher> kMeshers[] = {{"marching-cubes", Mesher::marching_cubes},
+                                       {"exact", Mesher::exact}};
 constexpr Choice<FieldKind> kFields[] = {{"vdw", FieldKind::vdw},
                                          {"blinn", FieldKind::blinn},
                                          {"soft", FieldKind::soft_object},
@@ -56,6 +58,7 @@ Inclusion keep_unless(bool drop) { return drop ? Inclusion::drop : Inclusion::ke
 
 }  // namespace
 
+std::string_view mesher_name(Mesher mesher) { return name_of(mesher, kMeshers); }
 std::string_view field_name(FieldKind kind) { return name_of(kind, kFields); }
 std::string_view preset_name(FieldPreset preset) { return name_of(preset, kPresets); }
 std::string_view projection_name(Projection projection) {
@@ -108,7 +111,9 @@ InputOptions InputFlags::resolve(FieldPreset preset) const {
 
 void SurfaceFlags::add_to(CLI::App& verb, int default_subdivisions) {
   subdivide_ = std::to_string(default_subdivisions);
-  verb.add_option("--mesher", mesher_, "marching-cubes [marching-cubes]");
+  verb.add_option("--mesher", mesher_,
+                  "marching-cubes, or exact: crease-exact, one atom per triangle [marching-cubes]");
+  verb.add_option("--edge-length", edge_length_, "of --mesher exact, Å [0.35]");
   verb.add_option("--field", field_, "vdw, blinn, soft or inverse-squared [vdw]");
   verb.add_option("--preset", preset_, "radius-aware, thesis or thesis-vdw [radius-aware]");
   verb.add_option("--spacing", spacing_, "grid spacing, Å [0.5; thesis presets 0.4]");
@@ -145,12 +150,33 @@ FieldOptions SurfaceFlags::resolve_field() const {
   return field;
 }
 
-SurfaceOptions SurfaceFlags::resolve() const {
-  if (mesher_ != "marching-cubes") {
-    throw InvalidInput(fmt::format("--mesher {}: this version has only marching-cubes", mesher_));
+// The crease-exact mesher has neither field nor grid.
+void SurfaceFlags::resolve_mesher(SurfaceOptions& options) const {
+  options.mesher = choose("--mesher", mesher_, kMeshers);
+  if (options.mesher == Mesher::marching_cubes) {
+    if (edge_length_) {
+      throw InvalidInput(
+          "--edge-length: is of --mesher exact; marching cubes takes --spacing instead");
+    }
+    return;
   }
+  options.edge_length =
+      parse_number("--edge-length", edge_length_.value_or("0.35"), Range::positive, "0.35");
+  if (options.field.kind != FieldKind::vdw) {
+    throw InvalidInput(fmt::format(
+        "--field {}: --mesher exact meshes the union of the spheres, which is --field vdw",
+        field_));
+  }
+  if (spacing_ || padding_) {
+    throw InvalidInput(fmt::format("{}: --mesher exact has no grid; --edge-length sets the size",
+                                   spacing_ ? "--spacing" : "--padding"));
+  }
+}
+
+SurfaceOptions SurfaceFlags::resolve() const {
   SurfaceOptions options;
   options.field = resolve_field();
+  resolve_mesher(options);
   std::optional<double> spacing, padding;
   if (spacing_) spacing = parse_number("--spacing", *spacing_, Range::positive, "0.5");
   if (padding_) padding = parse_number("--padding", *padding_, Range::non_negative, "1.5");

@@ -24,7 +24,11 @@ struct InputOptions {
   double probe = 0;  // Å
 };
 
+enum class Mesher { marching_cubes, exact };
+
 struct SurfaceOptions {
+  Mesher mesher = Mesher::marching_cubes;
+  double edge_length = 0;  // Å, of Mesher::exact
   FieldOptions field;
   GridOptions grid;
   int subdivisions = 0;
@@ -65,6 +69,7 @@ struct OutputOptions {
 };
 
 // The names of the contract for values of the libraries, as the report prints them.
+std::string_view mesher_name(Mesher mesher);
 std::string_view field_name(FieldKind kind);
 std::string_view preset_name(FieldPreset preset);
 std::string_view projection_name(Projection projection);
@@ -90,8 +95,9 @@ class SurfaceFlags {
 
  private:
   FieldOptions resolve_field() const;
+  void resolve_mesher(SurfaceOptions& options) const;
   std::string mesher_ = "marching-cubes", field_ = "vdw", preset_ = "radius-aware", subdivide_;
-  std::optional<std::string> spacing_, padding_, isovalue_, blobbiness_, project_;
+  std::optional<std::string> edge_length_, spacing_, padding_, isovalue_, blobbiness_, project_;
 };
 
 class ExactFlags {

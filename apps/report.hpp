@@ -9,6 +9,7 @@
 #include "analysis/cgal_measures.hpp"
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
+#include "arrangement/exact_mesher.hpp"
 #include "arrangement/exact_union.hpp"
 #include "options.hpp"
 #include "render/color_scale.hpp"
@@ -26,7 +27,7 @@ struct InputReport {
 
 struct ParametersReport {
   SurfaceOptions surface;
-  GridSpec grid;
+  std::optional<GridSpec> grid;                // of marching cubes
   std::optional<double> isovalue, blobbiness;  // of the fields that have them
   std::uint64_t memory_limit = 0;              // bytes
 };
@@ -53,6 +54,7 @@ struct MeshReport {
   MeshMeasures measures;
   MeshQuality quality;
   std::optional<std::uint64_t> grid_clipped, clamped_vertices;  // of our own extraction only
+  std::optional<ExactMeshStats> arrangement;                    // of the crease-exact mesher
   std::optional<std::uint64_t> self_intersections;
   std::vector<ProjectionStats> projection;  // empty: no refinement ran
   std::vector<LevelReport> levels;          // empty: no refinement ran, or not asked for

@@ -35,23 +35,27 @@ Json input_json(const InputReport& input) {
           {"radii_assumed", assumed}};
 }
 
+Json grid_json(const GridSpec& grid) {
+  return {{"origin", vector_json(grid.origin)},
+          {"cells", vector_json(grid.cells)},
+          {"cell_count", grid.cell_count()}};
+}
+
 Json parameters_json(const ParametersReport& parameters) {
   const SurfaceOptions& surface = parameters.surface;
-  const GridSpec& grid = parameters.grid;
+  const auto& grid = parameters.grid;
   return {
-      {"mesher", "marching-cubes"},
+      {"mesher", mesher_name(surface.mesher)},
+      {"edge_length", surface.mesher == Mesher::exact ? Json(surface.edge_length) : Json(nullptr)},
       {"field", field_name(surface.field.kind)},
       {"preset", preset_name(surface.field.preset)},
-      {"spacing", grid.spacing},
-      {"padding", surface.grid.padding.value_or(3 * grid.spacing)},
+      {"spacing", grid ? Json(grid->spacing) : Json(nullptr)},
+      {"padding", grid ? Json(surface.grid.padding.value_or(3 * grid->spacing)) : Json(nullptr)},
       {"isovalue", or_null(parameters.isovalue)},
       {"blobbiness", or_null(parameters.blobbiness)},
       {"subdivide", surface.subdivisions},
       {"project", projection_name(surface.projection)},
-      {"grid",
-       {{"origin", vector_json(grid.origin)},
-        {"cells", vector_json(grid.cells)},
-        {"cell_count", grid.cell_count()}}},
+      {"grid", grid ? grid_json(*grid) : Json(nullptr)},
       {"memory_limit",
        parameters.memory_limit == kNoMemoryLimit ? Json(nullptr) : Json(parameters.memory_limit)}};
 }
@@ -63,6 +67,17 @@ Json backend_json(const BackendReport& backend) {
           {"driver", or_null(backend.driver)},
           {"reason", or_null(backend.reason)},
           {"threads", backend.threads}};
+}
+
+Json arrangement_json(const std::optional<ExactMeshStats>& stats) {
+  if (!stats) return nullptr;
+  return {{"arcs", stats->arcs},
+          {"corners", stats->corners},
+          {"points", stats->points},
+          {"contacts", stats->contacts},
+          {"pieces", stats->pieces},
+          {"bisected", stats->bisected},
+          {"seconds", stats->arrangement_seconds}};
 }
 
 Json distribution_json(const Distribution& d) {
@@ -147,6 +162,7 @@ Json mesh_json(const MeshReport& mesh) {
           {"edge_length", distribution_json(mesh.quality.edge_length)},
           {"newton", newton_json(mesh.projection)},
           {"levels", levels_json(mesh.levels)},
+          {"arrangement", arrangement_json(mesh.arrangement)},
           {"extrapolated_area", or_null(mesh.extrapolated_area)},
           {"extrapolated_volume", or_null(mesh.extrapolated_volume)},
           {"cgal", cgal_json(mesh.cgal)},

@@ -73,6 +73,10 @@ std::string refinement_text(const SurfaceOptions& surface) {
 
 std::string surface_text(const ParametersReport& parameters) {
   const FieldOptions& field = parameters.surface.field;
+  if (parameters.surface.mesher == Mesher::exact) {
+    return fmt::format("union of the spheres, crease-exact, edge length {} Å; {}",
+                       parameters.surface.edge_length, refinement_text(parameters.surface));
+  }
   std::string text = fmt::format("field {}", field_name(field.kind));
   if (field.kind != FieldKind::vdw) text += fmt::format(" ({})", preset_name(field.preset));
   if (parameters.isovalue) text += fmt::format(", isovalue {}", *parameters.isovalue);
@@ -81,8 +85,9 @@ std::string surface_text(const ParametersReport& parameters) {
 }
 
 void parameters_text(Text out, const ParametersReport& parameters) {
-  const GridSpec& grid = parameters.grid;
   line(out, "Surface", surface_text(parameters));
+  if (!parameters.grid) return;
+  const GridSpec& grid = *parameters.grid;
   line(out, "Grid",
        fmt::format("{} Å, {} × {} × {} = {} cells", grid.spacing, grid.cells.x, grid.cells.y,
                    grid.cells.z, grid.cell_count()));
@@ -267,6 +272,10 @@ void mesh_text(Text out, const MeshReport& mesh) {
                                    self_intersections_text(mesh));
   if (mesh.clamped_vertices) {
     counts += fmt::format(", {} clamped vertices", *mesh.clamped_vertices);
+  }
+  if (mesh.arrangement) {
+    counts += fmt::format(", {} arcs in {} pieces, {} corners", mesh.arrangement->arcs,
+                          mesh.arrangement->pieces, mesh.arrangement->corners);
   }
   if (mesh.grid_clipped) counts += fmt::format(", {} cells cut by the grid", *mesh.grid_clipped);
   line(out, "", counts);

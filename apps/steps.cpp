@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "arrangement/exact_mesher.hpp"
 #include "cuda/backend.hpp"
 #include "output.hpp"
 #include "stopwatch.hpp"
@@ -55,14 +56,15 @@ BackendReport describe_backend(Backend requested, Backend used) {
   return report;
 }
 
-ParametersReport describe_parameters(const SurfaceOptions& surface, const GridSpec& grid,
+ParametersReport describe_parameters(const SurfaceOptions& surface,
+                                     const std::optional<GridSpec>& grid,
                                      std::uint64_t memory_limit) {
   ParametersReport report;
   report.surface = surface;
   report.grid = grid;
   report.memory_limit = memory_limit;
   if (surface.field.kind == FieldKind::vdw) return report;
-  const FieldModel model = make_field_model(surface.field, grid);
+  const FieldModel model = make_field_model(surface.field, *grid);
   report.isovalue = model.isovalue;
   if (surface.field.kind == FieldKind::blinn && surface.field.preset == FieldPreset::radius_aware) {
     report.blobbiness = surface.field.blobbiness.value_or(2);
@@ -78,6 +80,43 @@ void require_triangles(const IndexedMesh& mesh, const SphereSet& spheres, double
   throw InvalidInput(fmt::format(
       "--spacing {}: too coarse, no grid node lies inside the surface; try --spacing {:.2g}",
       spacing, smallest));
+}
+
+IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
+                       Connectivity connectivity, RefineOptions& refine, Report& report) {
+  const GridSpec grid = make_grid(spheres, surface.grid);
+  report.parameters = describe_parameters(surface, grid, refine.memory_limit);
+  ExtractOptions extract;
+  extract.field = surface.field;
+  extract.grid = surface.grid;
+  extract.connectivity = connectivity;
+  extract.memory_limit = refine.memory_limit;
+  extract.monitor = refine.monitor;
+  refine.grid = grid;
+  PipelineResult result = make_pipeline(report.backend->used)->run(spheres, extract, refine);
+  require_triangles(result.mesh, spheres, grid.spacing);
+  report.timing.field = result.extract.field_seconds;
+  report.timing.extract = result.extract.extract_seconds;
+  if (!result.levels.empty()) report.timing.refine = result.refine_seconds;
+  report.mesh.emplace();
+  report.mesh->grid_clipped = result.extract.grid_clipped;
+  report.mesh->clamped_vertices = result.extract.clamped_vertices;
+  report.mesh->projection = std::move(result.levels);
+  return std::move(result.mesh);
+}
+
+IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& surface,
+                             const RefineOptions& refine, Report& report) {
+  report.parameters = describe_parameters(surface, std::nullopt, refine.memory_limit);
+  ExactMesh exact = mesh_union(spheres, {surface.edge_length, refine.memory_limit, refine.monitor});
+  report.timing.extract = exact.stats.seconds;
+  report.mesh.emplace();
+  report.mesh->arrangement = exact.stats;
+  if (refine.subdivisions == 0) return std::move(exact.mesh);
+  RefineResult refined = make_refiner(report.backend->used)->refine(spheres, exact.mesh, refine);
+  report.timing.refine = refined.seconds;
+  report.mesh->projection = std::move(refined.levels);
+  return std::move(refined.mesh);
 }
 
 // Components that fell between the grid nodes would otherwise be lost without a word.
@@ -125,34 +164,18 @@ SphereSet to_spheres(const Molecule& molecule, double probe) {
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
                       Connectivity connectivity, const MachineOptions& machine, Monitor* monitor,
                       Report& report, const LevelObserver& on_level) {
-  const GridSpec grid = make_grid(spheres, surface.grid);
-  report.parameters = describe_parameters(surface, grid, machine.memory_limit);
-  report.notes.insert(report.notes.end(), surface.notes.begin(), surface.notes.end());
   report.backend = describe_backend(machine.backend, resolve(machine.backend));
-  ExtractOptions extract;
-  extract.field = surface.field;
-  extract.grid = surface.grid;
-  extract.connectivity = connectivity;
-  extract.memory_limit = machine.memory_limit;
-  extract.monitor = monitor;
+  report.notes.insert(report.notes.end(), surface.notes.begin(), surface.notes.end());
   RefineOptions refine;
   refine.subdivisions = surface.subdivisions;
   refine.projection = surface.projection;
   refine.field = surface.field;
-  refine.grid = grid;
   refine.memory_limit = machine.memory_limit;
   refine.on_level = on_level;
   refine.monitor = monitor;
-  PipelineResult result = make_pipeline(report.backend->used)->run(spheres, extract, refine);
-  require_triangles(result.mesh, spheres, grid.spacing);
-  report.timing.field = result.extract.field_seconds;
-  report.timing.extract = result.extract.extract_seconds;
-  if (!result.levels.empty()) report.timing.refine = result.refine_seconds;
-  report.mesh.emplace();
-  report.mesh->grid_clipped = result.extract.grid_clipped;
-  report.mesh->clamped_vertices = result.extract.clamped_vertices;
-  report.mesh->projection = std::move(result.levels);
-  return std::move(result.mesh);
+  return surface.mesher == Mesher::exact
+             ? mesh_arrangement(spheres, surface, refine, report)
+             : mesh_field(spheres, surface, connectivity, refine, report);
 }
 
 LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& levels) {

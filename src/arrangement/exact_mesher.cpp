@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "arrangement/arcs.hpp"
 #include "arrangement/measures.hpp"
 #include "arrangement/patch_mesher.hpp"
 #include "arrangement/split_fans.hpp"
@@ -45,6 +46,7 @@ class UnionMesher {
   }
 
   ExactMesh run() && {
+    check_memory();
     mesh_patches();
     sampling_.number_vertices();
     ExactMesh out{{}, stats_};
@@ -61,6 +63,33 @@ class UnionMesher {
   }
 
  private:
+  // From the area: equilateral triangles of the edge length, and as many again as it takes to keep
+  // narrow places well shaped.
+  void check_memory() const {
+    constexpr double kFill = 1.4;
+    constexpr std::uint64_t kScratch = 40;  // bytes per triangle: patches before they are joined
+    std::uint64_t pieces = 0;
+    for (std::uint32_t a = 0; a < boundary_.arcs.size(); ++a) pieces += sampling_.pieces(a);
+    const double ideal =
+        total_measures(measures_).area / (std::sqrt(3.0) / 4) / (edge_length_ * edge_length_);
+    const double triangles = kFill * ideal + 4 * static_cast<double>(pieces);
+    constexpr double kMost = 1.8e19;  // fits 64 bits after the sums below
+    const auto count = static_cast<std::uint64_t>(std::min(triangles, kMost / 200));
+    const std::uint64_t need =
+        indexed_mesh_bytes(count / 2, count, Connectivity::triangles, TriangleLabels::spheres) +
+        kScratch * count;
+    if (need <= options_.memory_limit && count / 2 <= kMaxVertices) return;
+    throw LimitExceeded(fmt::format(
+        "an edge length of {} Å needs about {} triangles and {} bytes, {} are allowed: choose an "
+        "edge length of at least {:.2g} Å or a higher memory limit",
+        options_.edge_length, count, need, options_.memory_limit,
+        options_.edge_length *
+            std::max(
+                std::sqrt(static_cast<double>(need) / static_cast<double>(options_.memory_limit)),
+                std::sqrt(static_cast<double>(count / 2) / static_cast<double>(kMaxVertices))) *
+            1.05));
+  }
+
   // Without arcs a sphere is exposed as a whole or, but for points, not at all.
   bool is_whole(std::uint32_t ball) const {
     const double r = t_.balls[ball].radius;

@@ -34,7 +34,7 @@ class Refusals(ProgramTest):
             "--method": ("cgal", "arcs", "both"),
             "--topology": ("on", "off"),
             "--distances": ("on", "off"),
-            "--mesher": ("marching-cubes",),
+            "--mesher": ("marching-cubes", "exact"),
             "--self-intersections": ("auto", "on", "off"),
             "--format": ("pdb", "mmcif", "pqr", "xyzr"),
         }.items():
@@ -46,6 +46,12 @@ class Refusals(ProgramTest):
         self.refused("--isovalue", "2", says=("--field",))
         self.refused("--blobbiness", "2", "--field", "soft", says=("blinn",))
         self.refused("--topology", "on", "--method", "arcs", says=("cgal",))
+        self.refused("--edge-length", "0.3", says=("--mesher exact", "--spacing"))
+        for option in ("--spacing", "--padding"):
+            self.refused(option, "0.5", "--mesher", "exact", says=("--edge-length",))
+        self.refused("--mesher", "exact", "--field", "blinn", says=("vdw",))
+        for value in ("0", "-1", "nan", "inf"):
+            self.refused("--edge-length", value, "--mesher", "exact", says=(value,))
         self.refused("--samples", "3", "--distances", "off")
         self.refused("--no-hetatm", "--hetatm")
         self.refused("--group", "residue", says=("--per-atom",))
