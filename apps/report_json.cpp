@@ -76,7 +76,7 @@ Json arrangement_json(const std::optional<ExactMeshStats>& stats) {
           {"points", stats->points},
           {"contacts", stats->contacts},
           {"pieces", stats->pieces},
-          {"bisected", stats->bisected},
+          {"split", stats->split},
           {"seconds", stats->arrangement_seconds}};
 }
 

@@ -49,18 +49,20 @@ double ArcSampling::piece_angle(const ArcPiece& piece) const {
          (part(piece.arc, piece.piece + 1) - part(piece.arc, piece.piece));
 }
 
-void ArcSampling::bisect(std::span<const ArcPiece> pieces) {
-  for (std::size_t begin = 0, end = 0; begin < pieces.size(); begin = end) {
-    const std::uint32_t arc = pieces[begin].arc;
-    while (end < pieces.size() && pieces[end].arc == arc) ++end;
+void ArcSampling::split(std::span<const PieceSplit> splits) {
+  for (std::size_t begin = 0, end = 0; begin < splits.size(); begin = end) {
+    const std::uint32_t arc = splits[begin].piece.arc;
+    while (end < splits.size() && splits[end].piece.arc == arc) ++end;
     std::vector<double> parts;
-    parts.reserve(pieces_[arc] + (end - begin) - 1);
     std::size_t next = begin;
     for (std::uint32_t k = 0; k < pieces_[arc]; ++k) {
-      if (k > 0) parts.push_back(part(arc, k));
-      if (next == end || pieces[next].piece != k) continue;
-      parts.push_back((part(arc, k) + part(arc, k + 1)) / 2);
-      ++next;
+      const double low = part(arc, k), high = part(arc, k + 1);
+      if (k > 0) parts.push_back(low);
+      if (next == end || splits[next].piece.piece != k) continue;
+      const std::uint32_t count = 1u << splits[next++].halvings;
+      for (std::uint32_t i = 1; i < count; ++i) {
+        parts.push_back(low + (high - low) * static_cast<double>(i) / count);
+      }
     }
     unequal_[arc] = std::move(parts);
     pieces_[arc] = static_cast<std::uint32_t>(unequal_[arc].size() + 1);

@@ -20,6 +20,13 @@ struct ArcPiece {
   friend auto operator<=>(const ArcPiece&, const ArcPiece&) = default;
 };
 
+// A piece that is to be halved, its halves again and so on.
+struct PieceSplit {
+  ArcPiece piece;
+  std::uint32_t halvings;
+  friend auto operator<=>(const PieceSplit&, const PieceSplit&) = default;
+};
+
 class ArcSampling {
  public:
   // Equal pieces of at most `edge_length` (scaled). The arcs must outlive this.
@@ -28,11 +35,11 @@ class ArcSampling {
   std::uint32_t pieces(std::uint32_t arc) const;
   Vec3d point(std::uint32_t arc, std::uint32_t index) const;
   double piece_angle(const ArcPiece& piece) const;
-  // Halves each piece once. `pieces` are sorted, each once, as numbered before the call.
-  void bisect(std::span<const ArcPiece> pieces);
+  // `splits` are sorted, each piece once, as numbered before the call.
+  void split(std::span<const PieceSplit> splits);
 
   // Vertices: the corners, then the points between the ends of arc after arc. Valid until the next
-  // bisect().
+  // split().
   void number_vertices();
   std::uint32_t vertex(std::uint32_t arc, std::uint32_t index) const;
   std::uint32_t vertex_count() const;

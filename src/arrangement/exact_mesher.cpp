@@ -25,7 +25,7 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// Rounds in which arcs are bisected for the shape of triangles, and for anything.
+// Rounds in which arcs are split for the shape of triangles, and for anything.
 constexpr int kQualityRounds = 12;
 constexpr int kMostRounds = 60;
 
@@ -96,7 +96,8 @@ class UnionMesher {
     return index_.arcs(ball).empty() && measures_[ball].area > 2 * std::numbers::pi * r * r;
   }
 
-  // First the boundaries alone, which is quick, then the patches; each until no piece is bisected.
+  // First the boundaries alone, which is quick, then the patches; each until no piece is to be
+  // split.
   void mesh_patches() {
     std::vector<std::uint32_t> bounded, all;
     for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
@@ -119,12 +120,12 @@ class UnionMesher {
       });
       ++stats_.rounds;
       stats_.patches_meshed += balls.size();
-      const std::vector<ArcPiece> pieces = pieces_to_bisect(balls);
-      if (pieces.empty()) return;
-      if (round == kMostRounds) give_up(pieces.front());
-      stats_.bisected += pieces.size();
-      sampling_.bisect(pieces);
-      balls = balls_beside(pieces);
+      const std::vector<PieceSplit> splits = wanted_splits(balls);
+      if (splits.empty()) return;
+      if (round == kMostRounds) give_up(splits.front().piece);
+      stats_.split += splits.size();
+      sampling_.split(splits);
+      balls = balls_beside(splits);
     }
   }
 
@@ -143,31 +144,27 @@ class UnionMesher {
     }
     PatchBoundary around;
     gather_boundary(t_, boundary_, sampling_, index_, ball, around);
-    PatchMesh patch = mesh_patch(around, {edge_length, demand, stage});
-    wanted_pieces(around, patch);
-    patches_[ball] = std::move(patch);
+    patches_[ball] = mesh_patch(around, {edge_length, demand, stage});
   }
 
-  // Pieces to bisect by their place in the sampling: kept in pairs of numbers as triangles are.
-  static void wanted_pieces(const PatchBoundary& around, PatchMesh& patch) {
-    patch.sources.clear();
-    for (const std::uint32_t p : patch.bisect) patch.sources.push_back(around.pieces[p].source);
-  }
-
-  std::vector<ArcPiece> pieces_to_bisect(const std::vector<std::uint32_t>& balls) const {
-    std::vector<ArcPiece> pieces;
+  // Where both sides ask, the more halvings.
+  std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& balls) const {
+    std::vector<PieceSplit> splits;
     for (const std::uint32_t b : balls) {
-      pieces.insert(pieces.end(), patches_[b].sources.begin(), patches_[b].sources.end());
+      splits.insert(splits.end(), patches_[b].splits.begin(), patches_[b].splits.end());
     }
-    std::sort(pieces.begin(), pieces.end());
-    pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
-    return pieces;
+    std::sort(splits.begin(), splits.end(), [](const PieceSplit& a, const PieceSplit& b) {
+      return std::pair(a.piece, b.halvings) < std::pair(b.piece, a.halvings);
+    });
+    const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
+    splits.erase(std::unique(splits.begin(), splits.end(), same), splits.end());
+    return splits;
   }
 
-  std::vector<std::uint32_t> balls_beside(const std::vector<ArcPiece>& pieces) const {
+  std::vector<std::uint32_t> balls_beside(const std::vector<PieceSplit>& splits) const {
     std::vector<std::uint32_t> balls;
-    for (const ArcPiece& p : pieces) {
-      const auto& beside = boundary_.arcs[p.arc].balls;
+    for (const PieceSplit& s : splits) {
+      const auto& beside = boundary_.arcs[s.piece.arc].balls;
       balls.insert(balls.end(), beside.begin(), beside.end());
     }
     std::sort(balls.begin(), balls.end());

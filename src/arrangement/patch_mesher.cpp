@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -82,23 +83,29 @@ class PlanarPatch {
 
   PatchMesh run() && {
     if (insert_boundary() && mark_inside()) find_crowded();
-    if (!bisect_.empty() || options_.stage == PatchStage::boundary) return requests();
+    if (!splits_.empty() || options_.stage == PatchStage::boundary) return requests();
     insert_lattice();
     mark_inside();
     refine();
     separate_circles();
     PatchTriangles patch{std::move(points_), numbered_triangles()};
     smooth(b_, circles_, kSmoothingPasses, patch);
-    bisect_ = defects(b_, patch);
-    if (!bisect_.empty()) return requests();
+    for (const std::uint32_t piece : defects(b_, patch)) want_split(piece);
+    if (!splits_.empty()) return requests();
     return finish(patch);
   }
 
  private:
+  void want_split(std::uint32_t piece, std::uint32_t halvings = 1) {
+    splits_.push_back({b_.pieces[piece].source, halvings});
+  }
+
+  // The most halvings that any reason gave.
   PatchMesh requests() {
-    std::sort(bisect_.begin(), bisect_.end());
-    bisect_.erase(std::unique(bisect_.begin(), bisect_.end()), bisect_.end());
-    return {{}, {}, std::move(bisect_), {}};
+    std::sort(splits_.begin(), splits_.end(), std::greater<>());
+    const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
+    splits_.erase(std::unique(splits_.begin(), splits_.end(), same), splits_.end());
+    return {{}, {}, std::move(splits_)};
   }
 
   Point project(const Vec3d& u) const {
@@ -116,8 +123,8 @@ class PlanarPatch {
       hint = v->face();
     }
     find_double_pieces();
-    for (std::uint32_t p = 0; p < b_.pieces.size() && bisect_.empty(); ++p) insert_piece(p);
-    return bisect_.empty();
+    for (std::uint32_t p = 0; p < b_.pieces.size() && splits_.empty(); ++p) insert_piece(p);
+    return splits_.empty();
   }
 
   void find_double_pieces() {
@@ -125,13 +132,13 @@ class PlanarPatch {
     for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
       const auto [low, high] = std::minmax(b_.pieces[p].from, b_.pieces[p].to);
       ends.push_back({low, high, p});
-      if (low == high) bisect_.push_back(p);
+      if (low == high) want_split(p);
     }
     std::sort(ends.begin(), ends.end());
     for (std::size_t i = 1; i < ends.size(); ++i) {
       if (ends[i][0] != ends[i - 1][0] || ends[i][1] != ends[i - 1][1]) continue;
-      bisect_.push_back(ends[i - 1][2]);
-      bisect_.push_back(ends[i][2]);
+      want_split(ends[i - 1][2]);
+      want_split(ends[i][2]);
     }
   }
 
@@ -149,12 +156,12 @@ class PlanarPatch {
 
   void find_crossings(std::uint32_t p) {
     const BoundaryPiece& piece = b_.pieces[p];
-    bisect_.push_back(p);
+    want_split(p);
     for (std::uint32_t q = 0; q < b_.pieces.size(); ++q) {
       const BoundaryPiece& other = b_.pieces[q];
       const bool joined = other.from == piece.from || other.from == piece.to ||
                           other.to == piece.from || other.to == piece.to;
-      if (!joined && CGAL::do_intersect(segment(p), segment(q))) bisect_.push_back(q);
+      if (!joined && CGAL::do_intersect(segment(p), segment(q))) want_split(q);
     }
   }
 
@@ -173,7 +180,7 @@ class PlanarPatch {
       if (planar_.is_edge(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to], right, edge)) {
         visit(right->neighbor(edge));
       } else {
-        bisect_.push_back(p);
+        want_split(p);
       }
     }
     while (!stack.empty()) {
@@ -183,13 +190,13 @@ class PlanarPatch {
         if (!f->is_constrained(k)) visit(f->neighbor(k));
       }
     }
-    for (std::uint32_t p = 0; p < b_.pieces.size() && bisect_.empty(); ++p) {
+    for (std::uint32_t p = 0; p < b_.pieces.size() && splits_.empty(); ++p) {
       FaceHandle right;
       int edge;
       planar_.is_edge(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to], right, edge);
-      if (right->info().inside || planar_.is_infinite(right->neighbor(edge))) bisect_.push_back(p);
+      if (right->info().inside || planar_.is_infinite(right->neighbor(edge))) want_split(p);
     }
-    return bisect_.empty();
+    return splits_.empty();
   }
 
   bool is_inside(FaceHandle f) const { return f->info().inside && !planar_.is_infinite(f); }
@@ -237,12 +244,14 @@ class PlanarPatch {
       // Edge `other` is opposite to that end, so it starts at the other one.
       if (!f->is_constrained(other)) continue;
       const double beside = other == f->ccw(k) ? norm(p - b) : norm(ap);
-      if (length > kCornerRatio * beside) bisect_.push_back(piece);
+      if (length > kCornerRatio * beside) want_split(piece);
       return;
     }
     const double foot = dot(ap, ab) / squared_length;
     const double height = norm(cross(ab, ap)) / length;
-    if (foot > -0.2 && foot < 1.2 && height < kLocalWidth * length) bisect_.push_back(piece);
+    if (!(foot > -0.2 && foot < 1.2 && height < kLocalWidth * length)) return;
+    // As often as the width asks for, but it may grow along the piece.
+    want_split(piece, height * 2 < kLocalWidth * length ? 2 : 1);
   }
 
   // The points of a divided icosahedron that are outside all caps by a margin.
@@ -425,7 +434,7 @@ class PlanarPatch {
     return out;
   }
 
-  static constexpr double kShortest = 1e-3;  // by the edge length: not bisected for quality
+  static constexpr double kShortest = 1e-3;  // by the edge length: not split for quality
 
   const PatchBoundary& b_;
   double h_;
@@ -438,7 +447,7 @@ class PlanarPatch {
   std::vector<std::array<std::uint32_t, 3>> piece_of_;  // low end, high end, piece
   std::vector<double> margins_;
   std::vector<Planar::Edge> edges_;
-  std::vector<std::uint32_t> bisect_;
+  std::vector<PieceSplit> splits_;
 };
 
 }  // namespace

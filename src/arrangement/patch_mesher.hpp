@@ -13,7 +13,7 @@
 
 namespace vdwmesh {
 
-// What a piece of the boundary is bisected for: anything, or only what makes the triangles wrong.
+// What a piece of the boundary is split for: anything, or only what makes the triangles wrong.
 enum class Demand : std::uint8_t { quality, validity };
 
 // How far a patch is meshed: only its boundary is looked at, or all of it.
@@ -25,12 +25,11 @@ struct PatchOptions {
   PatchStage stage = PatchStage::triangles;
 };
 
-// Either triangles, or the pieces (by number, ascending) that must be bisected first.
+// Either triangles, or the pieces that must be split first.
 struct PatchMesh {
   std::vector<Vec3d> interior;  // directions; numbered after the points of the boundary
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
-  std::vector<std::uint32_t> bisect;
-  std::vector<ArcPiece> sources;  // of those pieces
+  std::vector<PieceSplit> splits;                       // each piece once
 };
 
 // Precondition: at least one piece, and one cap. Every triangle faces outwards, and no edge but a

@@ -196,6 +196,7 @@ std::vector<std::uint32_t> defects(const PatchBoundary& boundary, const PatchTri
       // Between two arcs there is the angle of the patch's corner, whatever the chords.
       if (!inward && t.pieces[k1] != kNoPiece && t.pieces[k2] != kNoPiece) continue;
       const double taken = std::max(0.0, bulge(k1)) + std::max(0.0, bulge(k2));
+      if (!inward && taken == 0) continue;
       if (!inward && !(taken > (1 - kLeastRest) * angle_at(p[k], p[k1], p[k2]))) continue;
       for (const std::size_t edge : {k1, k2}) {
         if (t.pieces[edge] != kNoPiece && (inward || bulge(edge) > 0)) {
