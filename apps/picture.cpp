@@ -8,6 +8,7 @@
 #include "analysis/mesh_measures.hpp"
 #include "mesh/element_color.hpp"
 #include "output.hpp"
+#include "render/crease_split.hpp"
 #include "stopwatch.hpp"
 
 namespace vdwmesh::apps {
@@ -16,11 +17,12 @@ namespace {
 // Share of the values that a colour map shows in full; the rest have the colours of its ends.
 constexpr double kInside = 0.99;
 
-ColorScale scale_for(const std::vector<float>& values, ColorMap map, ScaleKind kind,
+ColorScale scale_for(const std::vector<float>& values, ColorMap map, const ColorRange& range,
                      const std::string& title, const PictureOptions& options) {
-  const ColorMap chosen = options.color_map.value_or(map);
-  if (options.range) return {chosen, options.range->lower, options.range->upper, title};
-  return fit_scale(chosen, kind, values, kInside, title);
+  const ColorRange bounds = options.range.value_or(range);
+  ColorScale scale{options.color_map.value_or(map), bounds.lower, bounds.upper, title};
+  scale.tails = find_tails(scale, values);
+  return scale;
 }
 
 // Points alone, which vertex_distances() takes.
@@ -52,6 +54,11 @@ PictureReport describe(const PictureOptions& options, const MeshSource& source,
 
 }  // namespace
 
+IndexedMesh split_where_labelled(const IndexedMesh& mesh, const SphereSet& spheres) {
+  if (mesh.triangle_labels() == TriangleLabels::none) return {};
+  return split_at_creases(mesh, spheres);
+}
+
 Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
   std::vector<Rgb> atoms;
   atoms.reserve(molecule.atoms.size());
@@ -70,18 +77,18 @@ Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
 Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,
                         const PictureOptions& options, Monitor* monitor) {
   std::vector<float> values = vertex_distances(triangle_centers(mesh), spheres, monitor);
+  const double bound = symmetric_bound(values, kInside);
   ColorScale scale =
-      scale_for(values, ColorMap::cool_warm, ScaleKind::symmetric,
+      scale_for(values, ColorMap::cool_warm, {-bound, bound},
                 "Triangle centres to the exact surface, Å (positive: outside)", options);
   return TriangleValues{std::move(values), std::move(scale)};
 }
 
 Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options) {
   std::vector<float> values = min_angles_deg(mesh);
-  PictureOptions whole = options;
-  if (!whole.range) whole.range = ColorRange{0, 60};  // no triangle has more
-  ColorScale scale = scale_for(values, ColorMap::viridis, ScaleKind::one_sided,
-                               "Smallest angle of each triangle, degrees", whole);
+  constexpr ColorRange kPossible{0, 60};
+  ColorScale scale = scale_for(values, ColorMap::viridis, kPossible,
+                               "Smallest angle of each triangle, degrees", options);
   return TriangleValues{std::move(values), std::move(scale)};
 }
 

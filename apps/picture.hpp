@@ -10,6 +10,9 @@
 
 namespace vdwmesh::apps {
 
+// The mesh with sharp creases for drawing, where its triangles know their spheres; else empty.
+IndexedMesh split_where_labelled(const IndexedMesh& mesh, const SphereSet& spheres);
+
 // CPK colours of the vertices' atoms.
 Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule);
 // Signed distance of every triangle's centre to the boundary of the union: where a mesh has its

@@ -4,6 +4,7 @@
 #include "cuda/backend.hpp"
 #include "json_writer.hpp"
 #include "output.hpp"
+#include "render/renderer.hpp"
 #include "verbs.hpp"
 
 namespace vdwmesh::apps {
@@ -18,24 +19,45 @@ Json devices_json(const DeviceList& list) {
   return devices;
 }
 
-std::string info_json(const DeviceList& list) {
-  return write_json({{"schema", "vdwmesh-info/1"},
-                     {"version", VDWMESH_VERSION},
-                     {"build", VDWMESH_BUILD},
-                     {"threads", tbb::info::default_concurrency()},
-                     {"cuda", {{"devices", devices_json(list)}, {"reason", list.reason}}}});
+// What draws pictures, or why nothing does.
+struct PictureDevice {
+  std::optional<std::string> name;
+  std::string reason;
+};
+
+PictureDevice picture_device() {
+  try {
+    return {Renderer().device(), {}};
+  } catch (const BackendUnavailable& error) {
+    return {{}, error.what()};
+  }
 }
 
-std::string info_text(const DeviceList& list) {
-  std::string text = fmt::format("vdwmesh {}\nbuild     {}\ncpu       {} threads\n",
-                                 VDWMESH_VERSION, VDWMESH_BUILD, tbb::info::default_concurrency());
-  if (list.devices.empty()) return text + fmt::format("cuda      none: {}\n", list.reason);
+std::string info_json(const DeviceList& list, const PictureDevice& pictures) {
+  return write_json(
+      {{"schema", "vdwmesh-info/1"},
+       {"version", VDWMESH_VERSION},
+       {"build", VDWMESH_BUILD},
+       {"threads", tbb::info::default_concurrency()},
+       {"cuda", {{"devices", devices_json(list)}, {"reason", list.reason}}},
+       {"pictures", {{"device", or_null(pictures.name)}, {"reason", pictures.reason}}}});
+}
+
+std::string cuda_text(const DeviceList& list) {
+  if (list.devices.empty()) return fmt::format("cuda      none: {}\n", list.reason);
   constexpr double kGibibyte = 1024.0 * 1024 * 1024;
+  std::string text;
   for (const DeviceInfo& device : list.devices) {
     text += fmt::format("cuda      {}, driver {}, {:.1f} GiB\n", device.name, device.driver,
                         static_cast<double>(device.memory) / kGibibyte);
   }
   return text;
+}
+
+std::string info_text(const DeviceList& list, const PictureDevice& pictures) {
+  return fmt::format("vdwmesh {}\nbuild     {}\ncpu       {} threads\n{}pictures  {}\n",
+                     VDWMESH_VERSION, VDWMESH_BUILD, tbb::info::default_concurrency(),
+                     cuda_text(list), pictures.name.value_or(pictures.reason));
 }
 
 class InfoVerb : public Verb {
@@ -46,9 +68,10 @@ class InfoVerb : public Verb {
   void run() const override {
     const OutputOptions output = output_.resolve();
     const DeviceList list = cuda_devices();
-    if (output.json.empty()) return write_standard_output(info_text(list));
-    if (output.json == "-") return write_standard_output(info_json(list));
-    write_file(output.json, info_json(list));
+    const PictureDevice pictures = picture_device();
+    if (output.json.empty()) return write_standard_output(info_text(list, pictures));
+    if (output.json == "-") return write_standard_output(info_json(list, pictures));
+    write_file(output.json, info_json(list, pictures));
   }
 
  private:

@@ -86,7 +86,9 @@ class RenderVerb : public Verb {
     const SphereSet spheres = to_spheres(molecule, input.probe);
     const IndexedMesh mesh =
         make_mesh(spheres, surface, Connectivity::triangles, machine, monitor, report);
-    write_picture(mesh, paint_for(mesh, molecule, spheres, picture, monitor), picture,
+    const IndexedMesh split = split_where_labelled(mesh, spheres);
+    const IndexedMesh& shown = split.triangles.empty() ? mesh : split;
+    write_picture(shown, paint_for(shown, molecule, spheres, picture, monitor), picture,
                   machine.memory_limit, monitor, report);
   }
 

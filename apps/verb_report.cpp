@@ -69,7 +69,9 @@ class ReportVerb : public Verb {
     compare_with_exact(mesh, spheres, distance_choice, machine_options.memory_limit,
                        machine.monitor(), report);
     if (!picture.path.empty()) {
-      write_picture(mesh, paint_by_distance(mesh, spheres, picture, machine.monitor()), picture,
+      const IndexedMesh split = split_where_labelled(mesh, spheres);
+      const IndexedMesh& shown = split.triangles.empty() ? mesh : split;
+      write_picture(shown, paint_by_distance(shown, spheres, picture, machine.monitor()), picture,
                     machine_options.memory_limit, machine.monitor(), report);
     }
     machine.end_progress();

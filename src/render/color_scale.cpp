@@ -10,16 +10,17 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kLeastWidth = 1e-3;  // of a scale whose values are all alike
+constexpr double kLeastBound = 5e-4;  // of values that are all zero
+constexpr double kSlack = 1e-9;       // relative; what is round but for the last bits stays
 
-// `v` to two digits, away from zero (direction > 0) or, on either side of it, up (1) or down (-1).
-double round_to_two_digits(double v, double (*round)(double)) {
-  if (v == 0) return 0;
-  const double unit = std::pow(10, std::floor(std::log10(std::abs(v))) - 1);
-  constexpr double kSlack = 1e-9;  // what is round but for the last bits stays
-  const double digits = v / unit;
-  const double nearest = std::round(digits);
-  return unit * (std::abs(digits - nearest) < kSlack ? nearest : round(digits));
+// The least round number that is not below v > 0.
+double round_up(double v) {
+  constexpr double kRound[] = {1, 1.5, 2, 3, 4, 5, 6, 8, 10};
+  const double unit = std::pow(10, std::floor(std::log10(v)));
+  for (const double factor : kRound) {
+    if (factor * unit >= v * (1 - kSlack)) return factor * unit;
+  }
+  return 10 * unit;
 }
 
 // The value of rank ceil(share n), n >= 1.
@@ -31,8 +32,13 @@ double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(at)];
 }
 
-double up(double v) { return round_to_two_digits(v, std::ceil); }
-double down(double v) { return round_to_two_digits(v, std::floor); }
+// "≤ " or "≥ " for a label at an end beyond which there are values.
+const char* tail_sign(const ColorScale& scale, double value) {
+  const double near = kSlack * (scale.upper - scale.lower);
+  if (scale.tails == Tails::none) return "";
+  if (std::abs(value - scale.lower) <= near) return "\u2264 ";
+  return std::abs(value - scale.upper) <= near ? "\u2265 " : "";
+}
 
 }  // namespace
 
@@ -43,25 +49,21 @@ void check(const ColorScale& scale) {
                   scale.lower, scale.upper));
 }
 
-ColorScale fit_scale(ColorMap map, ScaleKind kind, std::span<const float> values, double inside,
-                     std::string title) {
-  std::vector<double> finite;
-  finite.reserve(values.size());
+double symmetric_bound(std::span<const float> values, double inside) {
+  std::vector<double> sizes;
+  sizes.reserve(values.size());
   for (const float v : values) {
-    if (std::isfinite(v)) finite.push_back(kind == ScaleKind::symmetric ? std::abs(v) : v);
+    if (std::isfinite(v)) sizes.push_back(std::abs(v));
   }
-  if (finite.empty()) throw InvalidInput("no value to colour by: none of them is finite");
-  ColorScale scale{map, 0, 0, std::move(title)};
-  if (kind == ScaleKind::symmetric) {
-    scale.upper = std::max(up(quantile(finite, inside)), kLeastWidth / 2);
-    scale.lower = -scale.upper;
-  } else {
-    scale.upper = up(quantile(finite, (1 + inside) / 2));
-    scale.lower = down(quantile(finite, (1 - inside) / 2));
-    if (!(scale.upper - scale.lower >= kLeastWidth)) scale.upper = scale.lower + kLeastWidth;
-  }
-  check(scale);
-  return scale;
+  if (sizes.empty()) throw InvalidInput("no value to colour by: none of them is finite");
+  return round_up(std::max(quantile(sizes, inside), kLeastBound));
+}
+
+Tails find_tails(const ColorScale& scale, std::span<const float> values) {
+  // Bounds that came from a float and were rounded up by slack hold it.
+  const double slack = kSlack * (scale.upper - scale.lower);
+  const auto beyond = [&](float v) { return v < scale.lower - slack || v > scale.upper + slack; };
+  return std::ranges::any_of(values, beyond) ? Tails::beyond : Tails::none;
 }
 
 std::vector<Tick> ticks(const ColorScale& scale, int most) {
@@ -69,7 +71,6 @@ std::vector<Tick> ticks(const ColorScale& scale, int most) {
   const double raw = (scale.upper - scale.lower) / std::max(most - 1, 1);
   const double power = std::floor(std::log10(raw) + 1e-12);
   const double unit = std::pow(10, power), mantissa = raw / unit;
-  constexpr double kSlack = 1e-9;  // relative; what is round but for the last bits stays
   const double factor = mantissa <= 1 + kSlack   ? 1
                         : mantissa <= 2 + kSlack ? 2
                         : mantissa <= 5 + kSlack ? 5
@@ -81,8 +82,8 @@ std::vector<Tick> ticks(const ColorScale& scale, int most) {
   const auto last = std::llround(std::floor(scale.upper / step + kSlack));
   for (auto i = first; i <= last; ++i) {
     const double value = static_cast<double>(i) * step;
-    result.push_back(
-        {value, fmt::format("{}{:.{}f}", i < 0 ? "\u2212" : "", std::abs(value), decimals)});
+    result.push_back({value, fmt::format("{}{}{:.{}f}", tail_sign(scale, value),
+                                         i < 0 ? "\u2212" : "", std::abs(value), decimals)});
   }
   return result;
 }

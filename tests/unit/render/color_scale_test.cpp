@@ -46,34 +46,38 @@ TEST(Ticks, LieInsideEvenlyAndAreAtMostAsMany) {
   }
 }
 
-TEST(FitScale, HoldsTheShareAsked) {
+TEST(SymmetricBound, HoldsTheShareAsked) {
   std::vector<float> values;
   for (int i = 1; i <= 1000; ++i) values.push_back(static_cast<float>(i % 2 ? i : -i) / 1000);
-  const ColorScale scale = fit_scale(ColorMap::cool_warm, ScaleKind::symmetric, values, 0.95, "d");
-  EXPECT_NEAR(scale.upper, 0.95, kRounding);
-  EXPECT_EQ(scale.lower, -scale.upper);
-  const ColorScale all = fit_scale(ColorMap::viridis, ScaleKind::one_sided, values, 1, "d");
-  EXPECT_NEAR(all.upper, 1.0, kRounding);  // 0.999 to two digits, outwards
-  EXPECT_NEAR(all.lower, -1.0, kRounding);
+  EXPECT_NEAR(symmetric_bound(values, 0.45), 0.5, kRounding);
+  EXPECT_NEAR(symmetric_bound(values, 0.5), 0.5, kRounding);
+  EXPECT_NEAR(symmetric_bound(values, 0.501), 0.6, kRounding);
+  EXPECT_NEAR(symmetric_bound(values, 1), 1, kRounding);
 }
 
-TEST(FitScale, ValuesWithoutSpreadStillMakeAScale) {
-  for (const float value : {0.0f, 3.0f, -2.5e-9f}) {
-    for (const ScaleKind kind : {ScaleKind::symmetric, ScaleKind::one_sided}) {
-      const std::vector<float> values(5, value);
-      const ColorScale scale = fit_scale(ColorMap::viridis, kind, values, 0.99, "d");
-      EXPECT_GE(scale.upper - scale.lower, 1e-3 * (1 - kRounding));
-      EXPECT_TRUE(scale.lower <= value && value <= scale.upper);
-    }
-  }
+TEST(SymmetricBound, OfZerosIsAboveZero) {
+  const std::vector<float> zeros(5, 0.0f);
+  EXPECT_GT(symmetric_bound(zeros, 0.99), 0);
 }
 
-TEST(FitScale, ValuesThatAreNotFiniteAreLeftOut) {
+TEST(SymmetricBound, ValuesThatAreNotFiniteAreLeftOut) {
   const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
-  const std::vector<float> some = {nan, 1, infinity, 2, -infinity};
-  EXPECT_NEAR(fit_scale(ColorMap::viridis, ScaleKind::one_sided, some, 1, "d").upper, 2, kRounding);
+  const std::vector<float> some = {nan, 1, infinity, -2, -infinity};
+  EXPECT_NEAR(symmetric_bound(some, 1), 2, kRounding);
   const std::vector<float> none = {nan, infinity};
-  EXPECT_THROW(fit_scale(ColorMap::viridis, ScaleKind::one_sided, none, 1, "d"), InvalidInput);
+  EXPECT_THROW(symmetric_bound(none, 1), InvalidInput);
+}
+
+TEST(Tails, AreFoundAndSaidAtTheEnds) {
+  ColorScale scale{ColorMap::cool_warm, -1, 1, ""};
+  const std::vector<float> within = {-1, 0, 1}, beyond = {0, 1.5f};
+  EXPECT_EQ(find_tails(scale, within), Tails::none);
+  EXPECT_EQ(find_tails(scale, beyond), Tails::beyond);
+  scale.tails = Tails::beyond;
+  const std::vector<Tick> marks = ticks(scale, 5);
+  EXPECT_EQ(marks.front().label, "≤ −1.0");
+  EXPECT_EQ(marks[2].label, "0.0");
+  EXPECT_EQ(marks.back().label, "≥ 1.0");
 }
 
 TEST(ColorScale, BoundsOutOfOrderAreRefused) {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/errors.hpp"
+#include "render/crease_split.hpp"
 #include "render/surface_source.hpp"
 #include "support/test_meshes.hpp"
 
@@ -74,6 +75,39 @@ TEST(VertexNormals, OfACubeAreItsDiagonals) {
                            (mesh.positions[v] - Vec3d{0.5, 0.5, 0.5});
     EXPECT_NEAR(dot(cast<double>(normals[v]), diagonal), 1, 1e-6);  // of float
   }
+}
+
+// Two triangles with an edge in common, on unit spheres about (-1, 0, 0) and (1, 0, 0).
+IndexedMesh two_patches() {
+  IndexedMesh mesh =
+      make_mesh({{0, 0, 0}, {0, 0, 1}, {-1, 1, 0}, {1, 1, 0}}, {{0, 1, 2}, {0, 3, 1}});
+  mesh.triangle_spheres.push_back(0);
+  mesh.triangle_spheres.push_back(1);
+  return mesh;
+}
+const SphereSet kTwoSpheres({{{-1, 0, 0}, 1}, {{1, 0, 0}, 1}});
+
+TEST(CreaseSplit, EveryCornerHasTheNormalOfItsTrianglesSphere) {
+  const IndexedMesh mesh = two_patches(), split = split_at_creases(mesh, kTwoSpheres);
+  EXPECT_EQ(split.vertex_count(), 6u);  // both vertices of the crease are there twice
+  for (std::size_t t = 0; t < 2; ++t) {
+    const SphereId sphere = mesh.triangle_spheres[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = split.triangles[t][k];
+      EXPECT_EQ(split.positions[v], mesh.positions[mesh.triangles[t][k]]);
+      EXPECT_EQ(split.vertex_spheres[v], on_sphere(sphere));
+      const Vec3d radius = split.positions[v] - kTwoSpheres[sphere].center;
+      EXPECT_NEAR(dot(cast<double>(split.normals[v]), radius), norm(radius), 1e-6);  // of float
+    }
+  }
+}
+
+TEST(CreaseSplit, NeedsLabelsThatNameSpheres) {
+  IndexedMesh mesh = two_patches();
+  mesh.triangle_spheres[1] = 2;
+  EXPECT_THROW(split_at_creases(mesh, kTwoSpheres), InvalidInput);
+  mesh.triangle_spheres.clear();
+  EXPECT_THROW(split_at_creases(mesh, kTwoSpheres), InvalidInput);
 }
 
 }  // namespace
