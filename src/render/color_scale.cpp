@@ -35,9 +35,11 @@ double quantile(std::vector<double>& values, double share) {
 // "≤ " or "≥ " for a label at an end beyond which there are values.
 const char* tail_sign(const ColorScale& scale, double value) {
   const double near = kSlack * (scale.upper - scale.lower);
-  if (scale.tails == Tails::none) return "";
-  if (std::abs(value - scale.lower) <= near) return "\u2264 ";
-  return std::abs(value - scale.upper) <= near ? "\u2265 " : "";
+  const bool at_lower = std::abs(value - scale.lower) <= near;
+  const bool at_upper = std::abs(value - scale.upper) <= near;
+  const bool below = scale.tails == Tails::below || scale.tails == Tails::both;
+  const bool above = scale.tails == Tails::above || scale.tails == Tails::both;
+  return at_lower && below ? "\u2264 " : at_upper && above ? "\u2265 " : "";
 }
 
 }  // namespace
@@ -62,8 +64,11 @@ double symmetric_bound(std::span<const float> values, double inside) {
 Tails find_tails(const ColorScale& scale, std::span<const float> values) {
   // Bounds that came from a float and were rounded up by slack hold it.
   const double slack = kSlack * (scale.upper - scale.lower);
-  const auto beyond = [&](float v) { return v < scale.lower - slack || v > scale.upper + slack; };
-  return std::ranges::any_of(values, beyond) ? Tails::beyond : Tails::none;
+  const auto below = [&](float v) { return v < scale.lower - slack; };
+  const auto above = [&](float v) { return v > scale.upper + slack; };
+  const bool lower = std::ranges::any_of(values, below);
+  const bool upper = std::ranges::any_of(values, above);
+  return lower && upper ? Tails::both : lower ? Tails::below : upper ? Tails::above : Tails::none;
 }
 
 std::vector<Tick> ticks(const ColorScale& scale, int most) {

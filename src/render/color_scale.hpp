@@ -9,8 +9,9 @@
 
 namespace vdwmesh {
 
-// Whether values lie outside of the bounds; they have the colours of the ends, and labels say so.
-enum class Tails { none, beyond };
+// On which sides values lie outside of the bounds; they have the colours of the ends, and labels
+// say so.
+enum class Tails { none, below, above, both };
 
 // Values from `lower` to `upper` run through the map.
 struct ColorScale {
@@ -28,7 +29,7 @@ void check(const ColorScale& scale);
 // is finite.
 double symmetric_bound(std::span<const float> values, double inside);
 
-// Whether any value lies outside of the bounds.
+// On which sides values lie outside of the bounds.
 Tails find_tails(const ColorScale& scale, std::span<const float> values);
 
 // Values in [lower, upper] that are multiples of a round step (1, 2 or 5 times a power of ten):

@@ -6,6 +6,8 @@
 #include <vdwmesh/cuda/backend.hpp>
 #include <vdwmesh/mesh/mesh_io.hpp>
 #include <vdwmesh/mesh/surface_mesh.hpp>
+#include <vdwmesh/render/crease_split.hpp>
+#include <vdwmesh/render/renderer.hpp>
 #include <vdwmesh/structure/radii.hpp>
 #include <vdwmesh/structure/reader.hpp>
 
@@ -25,6 +27,13 @@ int main() {
   const double exact = vdwmesh::exact_union(molecule).area;
   const double area = vdwmesh::measures(mesh).area;
   std::printf("%zu faces, area %.3f of %.3f square angstrom\n", surface.n_faces(), area, exact);
+  try {
+    const vdwmesh::MeshSource source(mesh, vdwmesh::Rgb{0.8f, 0.8f, 0.8f});
+    const vdwmesh::Picture picture = vdwmesh::Renderer().draw(source, {});
+    std::printf("picture of %zu bytes\n", vdwmesh::encode_png(picture).size());
+  } catch (const vdwmesh::BackendUnavailable& error) {
+    std::printf("%s\n", error.what());
+  }
   // Marching cubes at 0.5 Å cut the creases between the spheres: 4 to 6 % of the area.
   return area > 0.94 * exact && area < 0.96 * exact ? 0 : 1;
 }

@@ -70,10 +70,15 @@ TEST(SymmetricBound, ValuesThatAreNotFiniteAreLeftOut) {
 
 TEST(Tails, AreFoundAndSaidAtTheEnds) {
   ColorScale scale{ColorMap::cool_warm, -1, 1, ""};
-  const std::vector<float> within = {-1, 0, 1}, beyond = {0, 1.5f};
+  const std::vector<float> within = {-1, 0, 1}, above = {0, 1.5f}, below = {-2, 1}, both = {2, -2};
   EXPECT_EQ(find_tails(scale, within), Tails::none);
-  EXPECT_EQ(find_tails(scale, beyond), Tails::beyond);
-  scale.tails = Tails::beyond;
+  EXPECT_EQ(find_tails(scale, above), Tails::above);
+  EXPECT_EQ(find_tails(scale, below), Tails::below);
+  EXPECT_EQ(find_tails(scale, both), Tails::both);
+  scale.tails = Tails::above;
+  EXPECT_EQ(ticks(scale, 5).front().label, "−1.0");
+  EXPECT_EQ(ticks(scale, 5).back().label, "≥ 1.0");
+  scale.tails = Tails::both;
   const std::vector<Tick> marks = ticks(scale, 5);
   EXPECT_EQ(marks.front().label, "≤ −1.0");
   EXPECT_EQ(marks[2].label, "0.0");
