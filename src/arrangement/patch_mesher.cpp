@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "arrangement/patch_triangles.hpp"
+#include "core/multiversion.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -69,6 +70,21 @@ Vec3d buried_pole(const PatchBoundary& boundary) {
   return largest->axis;
 }
 
+// The points that are farther from every cap than its margin, the cosine of an angle from its axis.
+VDWMESH_MULTIVERSION std::vector<Vec3d> clear_points(const std::vector<CoveredCap>& caps,
+                                                     const std::vector<double>& margins,
+                                                     const std::vector<Vec3d>& points) {
+  std::vector<Vec3d> clear;
+  for (const Vec3d& u : points) {
+    bool is_clear = true;
+    for (std::size_t i = 0; i < caps.size() && is_clear; ++i) {
+      is_clear = dot(u, caps[i].axis) <= margins[i];
+    }
+    if (is_clear) clear.push_back(u);
+  }
+  return clear;
+}
+
 class PlanarPatch {
  public:
   PlanarPatch(const PatchBoundary& boundary, const PatchOptions& options)
@@ -122,23 +138,19 @@ class PlanarPatch {
       handles_.push_back(v);
       hint = v->face();
     }
+    index_pieces();
     find_double_pieces();
     for (std::uint32_t p = 0; p < b_.pieces.size() && splits_.empty(); ++p) insert_piece(p);
     return splits_.empty();
   }
 
   void find_double_pieces() {
-    std::vector<std::array<std::uint32_t, 3>> ends;
-    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
-      const auto [low, high] = std::minmax(b_.pieces[p].from, b_.pieces[p].to);
-      ends.push_back({low, high, p});
-      if (low == high) want_split(p);
-    }
-    std::sort(ends.begin(), ends.end());
-    for (std::size_t i = 1; i < ends.size(); ++i) {
-      if (ends[i][0] != ends[i - 1][0] || ends[i][1] != ends[i - 1][1]) continue;
-      want_split(ends[i - 1][2]);
-      want_split(ends[i][2]);
+    for (std::size_t i = 0; i < piece_of_.size(); ++i) {
+      const auto& [low, high, piece] = piece_of_[i];
+      if (low == high) want_split(piece);
+      if (i == 0 || piece_of_[i - 1][0] != low || piece_of_[i - 1][1] != high) continue;
+      want_split(piece_of_[i - 1][2]);
+      want_split(piece);
     }
   }
 
@@ -223,7 +235,6 @@ class PlanarPatch {
 
   // Pieces that are long beside the width of the patch there.
   void find_crowded() {
-    index_pieces();
     if (options_.demand == Demand::validity) return;
     for (const FaceHandle f : planar_.finite_face_handles()) {
       if (!is_inside(f)) continue;
@@ -254,24 +265,16 @@ class PlanarPatch {
     want_split(piece, height * 2 < kLocalWidth * length ? 2 : 1);
   }
 
-  // The points of a divided icosahedron that are outside all caps by a margin.
   void insert_lattice() {
-    margins_.clear();
+    std::vector<double> margins;
     for (const CoveredCap& cap : b_.caps) {
       const double angle = std::acos(std::clamp(cap.cosine, -1.0, 1.0)) + kLatticeMargin * h_;
-      margins_.push_back(angle < kPi ? std::cos(angle) : -2);
+      margins.push_back(angle < kPi ? std::cos(angle) : -2);
     }
     FaceHandle hint;
-    for (const Vec3d& u : mesh_sphere(h_).interior) {
-      if (is_clear(u)) hint = insert_interior(u, hint)->face();
+    for (const Vec3d& u : clear_points(b_.caps, margins, sphere_points(h_))) {
+      hint = insert_interior(u, hint)->face();
     }
-  }
-
-  bool is_clear(const Vec3d& u) const {
-    for (std::size_t i = 0; i < margins_.size(); ++i) {
-      if (dot(u, b_.caps[i].axis) > margins_[i]) return false;
-    }
-    return true;
   }
 
   bool is_buried(const Vec3d& u) const {
@@ -445,7 +448,6 @@ class PlanarPatch {
   std::vector<Vec3d> points_;
   std::vector<VertexHandle> handles_;
   std::vector<std::array<std::uint32_t, 3>> piece_of_;  // low end, high end, piece
-  std::vector<double> margins_;
   std::vector<Planar::Edge> edges_;
   std::vector<PieceSplit> splits_;
 };

@@ -38,5 +38,7 @@ PatchMesh mesh_patch(const PatchBoundary& boundary, const PatchOptions& options)
 
 // The whole sphere: an icosahedron with its faces divided, vertices on the unit sphere.
 PatchMesh mesh_sphere(double edge_length);
+// Its vertices alone, in another order.
+std::vector<Vec3d> sphere_points(double edge_length);
 
 }  // namespace vdwmesh

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "arrangement/patch_mesher.hpp"
+#include "core/multiversion.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -21,6 +22,12 @@ constexpr std::array<std::array<std::uint32_t, 3>, 20> kFaces{
     {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
      {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
      {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
+
+// The icosahedron's edge seen from the centre is 63.4°; the mean edge of its parts is within 3 % of
+// that over their number.
+std::uint32_t parts_of_edge(double edge_length) {
+  return static_cast<std::uint32_t>(std::ceil(std::max(1.0, std::atan(2.0) / edge_length)));
+}
 
 // A face divided into n² triangles; points of its edges are shared through `edges`.
 class FaceDivider {
@@ -81,13 +88,30 @@ class FaceDivider {
 PatchMesh mesh_sphere(double edge_length) {
   PatchMesh out;
   out.interior = icosahedron_points();
-  // The icosahedron's edge seen from the centre is 63.4°; the mean edge of its parts is within 3 %
-  // of that over n.
-  const double edge_angle = std::atan(2.0);
-  const double n = std::ceil(std::max(1.0, edge_angle / edge_length));
-  FaceDivider divider(static_cast<std::uint32_t>(n), out);
+  FaceDivider divider(parts_of_edge(edge_length), out);
   for (const auto& face : kFaces) divider.divide(face);
   return out;
+}
+
+VDWMESH_MULTIVERSION std::vector<Vec3d> sphere_points(double edge_length) {
+  const std::uint32_t n = parts_of_edge(edge_length);
+  const std::vector<Vec3d> corners = icosahedron_points();
+  std::vector<Vec3d> points = corners;
+  points.reserve(10 * std::size_t{n} * n + 2);
+  // Row i of a face from its corner a; an edge's points belong to the face that runs it upwards.
+  for (const auto& [a, b, c] : kFaces) {
+    for (std::uint32_t i = 1; i <= n; ++i) {
+      for (std::uint32_t j = 0; j <= i; ++j) {
+        const bool ab = j == 0, ac = j == i, bc = i == n;
+        if (ab + ac + bc > 1 || (ab && a > b) || (ac && c > a) || (bc && b > c)) continue;
+        const Vec3d p = static_cast<double>(n - i) * corners[a] +
+                        static_cast<double>(i - j) * corners[b] +
+                        static_cast<double>(j) * corners[c];
+        points.push_back((1 / norm(p)) * p);
+      }
+    }
+  }
+  return points;
 }
 
 }  // namespace vdwmesh
