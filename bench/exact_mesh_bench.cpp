@@ -1,0 +1,135 @@
+// Speed of the crease-exact mesher, and CGAL's Union_of_balls_3 beside it.
+//
+//   exact_mesh_bench [--edge-length H]... [--threads N]... [--cgal] STRUCTURE...
+//
+// A line per structure, edge length and number of threads: wall and CPU seconds (the least of three
+// runs), triangles per CPU second, the arrangement's part, and the growth of the peak memory.
+// --cgal meshes the first structure with CGAL and one subdivision as well.
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polyhedron_3.h>
+#include <CGAL/Union_of_balls_3.h>
+#include <CGAL/mesh_union_of_balls_3.h>
+#include <CGAL/subdivide_union_of_balls_mesh_3.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "arrangement/exact_mesher.hpp"
+#include "structure/reader.hpp"
+
+namespace vdwmesh {
+namespace {
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+double peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+struct Seconds {
+  double wall, cpu;
+};
+
+template <class Work>
+Seconds timed(const Work& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  const double cpu = cpu_seconds();
+  work();
+  return {std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
+          cpu_seconds() - cpu};
+}
+
+SphereSet read(const std::string& path) {
+  std::vector<Sphere> spheres;
+  for (const Atom& atom : read_structure(path).atoms)
+    spheres.push_back({atom.position, atom.radius});
+  return SphereSet(std::move(spheres));
+}
+
+void run(const std::string& path, const SphereSet& spheres, double edge_length, int threads) {
+  constexpr int kRuns = 3;
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
+  Seconds best{1e300, 1e300};
+  double arrangement = 1e300, triangles = 0;
+  const double before = peak_bytes();
+  for (int i = 0; i < kRuns; ++i) {
+    const Seconds seconds = timed([&] {
+      const ExactMesh made = mesh_union(spheres, {edge_length});
+      triangles = static_cast<double>(made.mesh.triangle_count());
+      arrangement = std::min(arrangement, made.stats.arrangement_seconds);
+    });
+    best = {std::min(best.wall, seconds.wall), std::min(best.cpu, seconds.cpu)};
+  }
+  fmt::print("{:<12} {:>5} {:>3} {:>10.0f} {:>8.3f} {:>8.3f} {:>10.0f} {:>10.1f} {:>8.1f}\n",
+             path.substr(path.find_last_of('/') + 1), edge_length, threads, triangles, best.wall,
+             best.cpu, triangles / best.cpu, 100 * arrangement / best.wall,
+             (peak_bytes() - before) / triangles);
+}
+
+void run_cgal(const SphereSet& spheres) {
+  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+  using Union = CGAL::Union_of_balls_3<CGAL::Skin_surface_traits_3<Kernel>>;
+  std::list<Union::Weighted_point> balls;
+  for (const Sphere& s : spheres.spheres()) {
+    balls.emplace_back(Union::Bare_point(s.center.x, s.center.y, s.center.z), s.radius * s.radius);
+  }
+  CGAL::Polyhedron_3<Kernel> mesh;
+  const Seconds seconds = timed([&] {
+    const Union surface(balls.begin(), balls.end());
+    CGAL::mesh_union_of_balls_3(surface, mesh);
+    CGAL::subdivide_union_of_balls_mesh_3(surface, mesh);
+  });
+  const auto triangles = static_cast<double>(mesh.size_of_facets());
+  fmt::print("CGAL Union_of_balls_3, one subdivision: {:.0f} triangles, {:.3f} s, {:.0f} per s\n",
+             triangles, seconds.cpu, triangles / seconds.cpu);
+}
+
+}  // namespace
+}  // namespace vdwmesh
+
+int main(int argc, char** argv) {
+  std::vector<double> edge_lengths;
+  std::vector<int> threads;
+  std::vector<std::string> paths;
+  bool with_cgal = false;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view argument = argv[i];
+    if (argument == "--edge-length" && i + 1 < argc) {
+      edge_lengths.push_back(std::stod(argv[++i]));
+    } else if (argument == "--threads" && i + 1 < argc) {
+      threads.push_back(std::stoi(argv[++i]));
+    } else if (argument == "--cgal") {
+      with_cgal = true;
+    } else {
+      paths.emplace_back(argument);
+    }
+  }
+  if (edge_lengths.empty()) edge_lengths = {0.35};
+  if (threads.empty()) threads = {1, 2};
+  fmt::print("{:<12} {:>5} {:>3} {:>10} {:>8} {:>8} {:>10} {:>10} {:>8}\n", "structure", "Å", "thr",
+             "triangles", "wall s", "CPU s", "tri/CPU s", "arrange %", "bytes/t");
+  for (const std::string& path : paths) {
+    const vdwmesh::SphereSet spheres = vdwmesh::read(path);
+    for (const double edge_length : edge_lengths) {
+      for (const int n : threads) vdwmesh::run(path, spheres, edge_length, n);
+    }
+    if (with_cgal && path == paths.front()) vdwmesh::run_cgal(spheres);
+  }
+  return 0;
+}
