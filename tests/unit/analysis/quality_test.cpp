@@ -6,6 +6,7 @@
 #include <random>
 
 #include "analysis/mesh_measures.hpp"
+#include "core/errors.hpp"
 #include "support/test_meshes.hpp"
 
 namespace vdwmesh {
@@ -52,6 +53,19 @@ TEST(Quality, CountsDegenerateTriangles) {
   EXPECT_EQ(found.min_angle_deg.min, 0);
   EXPECT_TRUE(std::isfinite(found.aspect_ratio.max));
   EXPECT_NEAR(found.min_angle_deg.max, 45, 45 * kRounding);
+}
+
+TEST(MinAngles, AreThoseOfEachTriangleInOrder) {
+  IndexedMesh mesh = testing::tetrahedron();  // three right isosceles faces, one equilateral
+  mesh.triangles.push_back({0, 1, 1});
+  const std::vector<float> angles = min_angles_deg(mesh);
+  constexpr float kFloatRounding = 60 * 0x1p-23f;  // degrees
+  ASSERT_EQ(angles.size(), 5u);
+  for (std::size_t t = 0; t < 3; ++t) EXPECT_NEAR(angles[t], 45, kFloatRounding) << t;
+  EXPECT_NEAR(angles[3], 60, kFloatRounding);
+  EXPECT_EQ(angles[4], 0);
+  mesh.triangles[1][2] = 4;
+  EXPECT_THROW(min_angles_deg(mesh), InvalidInput);
 }
 
 TEST(Quality, PercentilesAreThoseOfASort) {

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/errors.hpp"
+#include "mesh/element_color.hpp"
 #include "support/test_meshes.hpp"
 
 namespace vdwmesh {
@@ -211,6 +212,15 @@ TEST(SurfaceMesh, ColorsByElement) {
   EXPECT_EQ(color(1), color(2));
   EXPECT_NE(color(3), color(0));
   EXPECT_THROW(color_by_element(mesh, std::span(elements).first(2)), InvalidInput);
+}
+
+// Jmol's table gives these three; the symbol may be written in any case.
+TEST(ElementColor, IsThatOfTheTable) {
+  using Bytes = std::array<std::uint8_t, 3>;
+  EXPECT_EQ(element_color("O"), (Bytes{255, 13, 13}));
+  EXPECT_EQ(element_color("Fe"), (Bytes{224, 102, 51}));
+  EXPECT_EQ(element_color("FE"), element_color("fe"));
+  EXPECT_EQ(element_color("Uue"), element_color(""));
 }
 
 }  // namespace
