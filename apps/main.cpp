@@ -32,6 +32,8 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   verbs.push_back(make_exact_verb());
   verbs.push_back(make_compare_verb());
   verbs.push_back(make_render_verb());
+  verbs.push_back(make_study_verb());
+  verbs.push_back(make_bench_verb());
   verbs.push_back(make_info_verb());
   return verbs;
 }
@@ -64,15 +66,10 @@ int exit_code_of(Work&& work) {
   }
 }
 
-// The verbs of the contract that a later version brings are told apart from misspelt ones.
 std::string no_verb_message(int argc, char** argv, const std::string& names) {
   const std::string_view given = argc > 1 ? argv[1] : "";
-  const bool later = given == "study" || given == "bench";
   return fmt::format("{}: {}; the verbs are{}; vdwmesh VERB --help says more",
-                     given.empty() ? "VERB" : given,
-                     given.empty() ? "missing"
-                     : later       ? "not in this version"
-                                   : "not a verb",
+                     given.empty() ? "VERB" : given, given.empty() ? "missing" : "not a verb",
                      names);
 }
 

@@ -65,6 +65,21 @@ std::optional<std::uint64_t> cgroup_limit() {
 
 }  // namespace
 
+PeakMemory::PeakMemory() {
+  std::ofstream file("/proc/self/clear_refs");
+  file << "5" << std::flush;  // proc(5): resets the peak resident set size
+  reset_ = file.good();
+}
+
+std::optional<std::uint64_t> PeakMemory::bytes() const {
+  if (!reset_) return std::nullopt;
+  std::ifstream file("/proc/self/status");
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
+  }
+  return std::nullopt;
+}
+
 std::uint64_t default_memory_limit() {
   const std::uint64_t least = std::min(available_memory().value_or(kNoMemoryLimit),
                                        cgroup_limit().value_or(kNoMemoryLimit));

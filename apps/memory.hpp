@@ -2,11 +2,23 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 namespace vdwmesh::apps {
 
 // 80 % of the least of the available memory and what the cgroups of this process leave, in bytes.
 // Without either figure there is no limit.
 std::uint64_t default_memory_limit();
+
+// The largest resident size of this process since the object was made or assigned anew, in bytes.
+// Empty where the kernel does not let a process reset that mark. One object at a time.
+class PeakMemory {
+ public:
+  PeakMemory();
+  std::optional<std::uint64_t> bytes() const;
+
+ private:
+  bool reset_;
+};
 
 }  // namespace vdwmesh::apps

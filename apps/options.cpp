@@ -67,10 +67,29 @@ std::string_view projection_name(Projection projection) {
 std::string_view backend_name(Backend backend) { return name_of(backend, kBackends); }
 std::string_view method_name(UnionMethod method) { return name_of(method, kMethods); }
 
-void InputFlags::add_to(CLI::App& verb) {
-  verb.add_option("INPUT", path_,
-                  ".pdb .ent .cif .mmcif .pqr .xyzr, each also .gz; - is standard input");
-  verb.add_option("--sample", sample_, "built-in structure in place of INPUT: ubiquitin, bpti");
+Mesher mesher_of_name(std::string_view name, std::string_view option) {
+  return choose(option, name, kMeshers);
+}
+FieldKind field_of_name(std::string_view name, std::string_view option) {
+  return choose(option, name, kFields);
+}
+Projection projection_of_name(std::string_view name, std::string_view option) {
+  return choose(option, name, kProjections);
+}
+Backend backend_of_name(std::string_view name, std::string_view option) {
+  return choose(option, name, kBackends);
+}
+
+void InputFlags::add_to(CLI::App& verb, Inputs inputs) {
+  const char* formats = ".pdb .ent .cif .mmcif .pqr .xyzr, each also .gz; - is standard input";
+  const char* samples = "built-in structure in place of INPUT: ubiquitin, bpti";
+  if (inputs == Inputs::one) {
+    verb.add_option("INPUT", path_, formats);
+    verb.add_option("--sample", sample_, samples);
+  } else {
+    verb.add_option("INPUT", paths_, formats);
+    verb.add_option("--sample", samples_, samples)->delimiter(',')->allow_extra_args(false);
+  }
   verb.add_option("--format", format_, "of INPUT where its name does not tell: pdb mmcif pqr xyzr");
   verb.add_option("--radii", radii_, "bondi, alvarez, or a file of ELEMENT RADIUS lines [bondi]");
   verb.add_option("--probe", probe_, "added to every radius, Å [0]");
@@ -107,6 +126,22 @@ InputOptions InputFlags::resolve(FieldPreset preset) const {
   options.read.altloc = altloc_;
   options.read.radii = radii_;
   return options;
+}
+
+std::vector<InputOptions> InputFlags::resolve_all() const {
+  check_input_is_named(paths_.empty() && samples_.empty() ? "" : "given", "");
+  std::vector<InputOptions> inputs;
+  InputFlags one = *this;
+  for (const std::string& path : paths_) {
+    one.path_ = path;
+    inputs.push_back(one.resolve());
+  }
+  one.path_.clear();
+  for (const std::string& sample : samples_) {
+    one.sample_ = sample;
+    inputs.push_back(one.resolve());
+  }
+  return inputs;
 }
 
 void SurfaceFlags::add_to(CLI::App& verb, int default_subdivisions) {

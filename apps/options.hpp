@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/study.hpp"
 #include "arrangement/exact_union.hpp"
 #include "cuda/backend.hpp"
 #include "extract/extractor.hpp"
@@ -23,8 +24,6 @@ struct InputOptions {
   ReadOptions read;
   double probe = 0;  // Å
 };
-
-enum class Mesher { marching_cubes, exact };
 
 struct SurfaceOptions {
   Mesher mesher = Mesher::marching_cubes;
@@ -75,14 +74,23 @@ std::string_view preset_name(FieldPreset preset);
 std::string_view projection_name(Projection projection);
 std::string_view backend_name(Backend backend);
 std::string_view method_name(UnionMethod method);
+// The inverse. Throw InvalidInput for an unknown name, naming `option`.
+Mesher mesher_of_name(std::string_view name, std::string_view option = "--mesher");
+FieldKind field_of_name(std::string_view name, std::string_view option = "--field");
+Projection projection_of_name(std::string_view name, std::string_view option = "--project");
+Backend backend_of_name(std::string_view name, std::string_view option = "--backend");
 
 class InputFlags {
  public:
-  void add_to(CLI::App& verb);
+  enum class Inputs { one, several };
+  void add_to(CLI::App& verb, Inputs inputs = Inputs::one);
   // `preset` decides about HETATM records where neither flag is given.
   InputOptions resolve(FieldPreset preset = FieldPreset::radius_aware) const;
+  // Of Inputs::several: the files, then the samples.
+  std::vector<InputOptions> resolve_all() const;
 
  private:
+  std::vector<std::string> paths_, samples_;
   std::string path_, sample_, format_, model_ = "first", altloc_ = "highest", radii_ = "bondi";
   std::string assembly_ = "asymmetric", select_, probe_ = "0";
   bool waters_ = false, no_hydrogens_ = false, no_hetatm_ = false, hetatm_ = false;

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/sum.hpp"
+#include "csv.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -13,17 +14,6 @@ namespace {
 constexpr const char* kHeader =
     "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,exact_area,"
     "mesh_area,exact_volume\n";
-
-// Fields with a comma, quote or line break are quoted (RFC 4180).
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
-}
 
 // What the atoms of a row share; empty where they need not.
 using Key = std::tuple<std::int32_t, std::string, std::string, std::string>;
@@ -59,11 +49,11 @@ std::vector<Row> make_rows(const Molecule& molecule, AtomGroup group,
 
 void print(std::string& csv, const Row& row, double probe, bool with_mesh) {
   const auto& [model, chain, residue_number, residue_name] = row.key;
-  csv +=
-      fmt::format("{},{},{},{},", model, field(chain), field(residue_number), field(residue_name));
+  csv += fmt::format("{},{},{},{},", model, csv_field(chain), csv_field(residue_number),
+                     csv_field(residue_name));
   if (row.atom) {
-    csv += fmt::format("{},{},{},{},{}", field(row.atom->name), row.atom->element, row.atom->serial,
-                       row.atoms, row.atom->radius + probe);
+    csv += fmt::format("{},{},{},{},{}", csv_field(row.atom->name), row.atom->element,
+                       row.atom->serial, row.atoms, row.atom->radius + probe);
   } else {
     csv += fmt::format(",,,{},", row.atoms);
   }

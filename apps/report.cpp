@@ -68,20 +68,6 @@ void extrapolate(TriangleLabels labels, MeshReport& mesh) {
   }
 }
 
-Comparison compare(const MeshReport& mesh, const ExactUnion& exact) {
-  Comparison result;
-  result.area_relative_error = (mesh.measures.area - exact.area) / exact.area;
-  if (mesh.measures.volume) {
-    result.volume_relative_error = (*mesh.measures.volume - exact.volume) / exact.volume;
-  }
-  if (exact.topology && mesh.topology.closed && mesh.topology.manifold) {
-    const auto doubled = 2 * static_cast<std::int64_t>(exact.topology->point_contacts);
-    result.euler_characteristic_difference =
-        mesh.topology.euler_characteristic - (exact.topology->euler_characteristic + doubled);
-  }
-  return result;
-}
-
 void add_warnings(Report& report) {
   if (report.mesh) {
     add_shape_warnings(*report.mesh, report.warnings);

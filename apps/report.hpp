@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "analysis/cgal_measures.hpp"
-#include "analysis/distances.hpp"
+#include "analysis/comparison.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/exact_union.hpp"
@@ -64,14 +64,6 @@ struct MeshReport {
   std::vector<std::string> notes;    // how it was read
 };
 
-struct Comparison {
-  double area_relative_error = 0;  // (mesh - exact) / exact
-  std::optional<double> volume_relative_error;
-  // From the χ a 2-manifold can have: the exact one + 2 point contacts.
-  std::optional<std::int64_t> euler_characteristic_difference;
-  std::optional<MeshDistances> distances;
-};
-
 struct PictureReport {
   std::string path, view, device;
   int width = 0, height = 0;  // pixels
@@ -110,8 +102,6 @@ NewtonSummary summarize(const std::vector<ProjectionStats>& levels);
 // Area and volume at edge length 0, from the last two levels. Only a mesh that follows the creases
 // is of second order: others, and fewer than two levels, get none.
 void extrapolate(TriangleLabels labels, MeshReport& mesh);
-
-Comparison compare(const MeshReport& mesh, const ExactUnion& exact);
 
 // What the figures themselves say is wrong: an open or inside-out mesh, vertices left off the
 // surface, and so on. Added to report.warnings.

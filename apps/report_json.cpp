@@ -1,7 +1,7 @@
 // The document that docs/report.schema.json describes.
-#include "json_writer.hpp"
+#include "report_json.hpp"
+
 #include "picture_options.hpp"
-#include "report.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -14,26 +14,6 @@ Json block(const std::optional<T>& value, Convert convert) {
 }
 
 Json vector_json(const auto& v) { return Json::array({v.x, v.y, v.z}); }
-
-Json input_json(const InputReport& input) {
-  Json skipped = Json::object();
-  for (const auto& [reason, count] : input.skipped) skipped[reason] = count;
-  Json assumed = Json::array();
-  for (const AssumedRadius& radius : input.radii_assumed) {
-    assumed.push_back(
-        {{"element", radius.element}, {"radius", radius.radius}, {"count", radius.count}});
-  }
-  return {{"path", input.path},
-          {"format", input.format},
-          {"model", input.model},
-          {"assembly", input.assembly},
-          {"atoms_read", input.atoms_read},
-          {"atoms_used", input.atoms_used},
-          {"skipped", skipped},
-          {"radius_set", input.radius_set},
-          {"probe", input.probe},
-          {"radii_assumed", assumed}};
-}
 
 Json grid_json(const GridSpec& grid) {
   return {{"origin", vector_json(grid.origin)},
@@ -58,15 +38,6 @@ Json parameters_json(const ParametersReport& parameters) {
       {"grid", grid ? grid_json(*grid) : Json(nullptr)},
       {"memory_limit",
        parameters.memory_limit == kNoMemoryLimit ? Json(nullptr) : Json(parameters.memory_limit)}};
-}
-
-Json backend_json(const BackendReport& backend) {
-  return {{"requested", backend_name(backend.requested)},
-          {"used", backend_name(backend.used)},
-          {"device", or_null(backend.device)},
-          {"driver", or_null(backend.driver)},
-          {"reason", or_null(backend.reason)},
-          {"threads", backend.threads}};
 }
 
 Json arrangement_json(const std::optional<ExactMeshStats>& stats) {
@@ -176,30 +147,6 @@ Json shells_json(const std::vector<Shell>& shells) {
   return list;
 }
 
-Json exact_json(const ExactUnion& exact) {
-  const auto of_topology = [&](auto read) -> Json {
-    return exact.topology ? Json(read(*exact.topology)) : Json(nullptr);
-  };
-  using T = UnionTopology;
-  return {{"method", method_name(exact.method)},
-          {"area", exact.area},
-          {"outer_area", of_topology([](const T& t) { return t.outer_area; })},
-          {"void_area", of_topology([](const T& t) { return t.void_area; })},
-          {"volume", exact.volume},
-          {"void_volume", of_topology([](const T& t) { return t.void_volume; })},
-          {"shells", of_topology([](const T& t) { return t.shells.size(); })},
-          {"components", of_topology([](const T& t) { return t.components; })},
-          {"tunnels", of_topology([](const T& t) { return t.tunnels; })},
-          {"voids", of_topology([](const T& t) { return t.voids; })},
-          {"euler_characteristic", of_topology([](const T& t) { return t.euler_characteristic; })},
-          {"point_contacts", of_topology([](const T& t) { return t.point_contacts; })},
-          {"hidden_atoms", of_topology([](const T& t) { return t.hidden_spheres; })},
-          {"shell_measures", of_topology([](const T& t) { return shells_json(t.shells); })},
-          {"check_area", or_null(exact.check_area)},
-          {"check_volume", or_null(exact.check_volume)},
-          {"fallback_spheres", exact.fallback_spheres}};
-}
-
 Json statistics_json(const DistanceStatistics& d) {
   return {{"mean", d.mean}, {"rms", d.rms}, {"max", d.max},        {"p50", d.p50},
           {"p95", d.p95},   {"p99", d.p99}, {"samples", d.samples}};
@@ -249,6 +196,59 @@ Json timing_json(const Timing& timing) {
 }
 
 }  // namespace
+
+Json input_json(const InputReport& input) {
+  Json skipped = Json::object();
+  for (const auto& [reason, count] : input.skipped) skipped[reason] = count;
+  Json assumed = Json::array();
+  for (const AssumedRadius& radius : input.radii_assumed) {
+    assumed.push_back(
+        {{"element", radius.element}, {"radius", radius.radius}, {"count", radius.count}});
+  }
+  return {{"path", input.path},
+          {"format", input.format},
+          {"model", input.model},
+          {"assembly", input.assembly},
+          {"atoms_read", input.atoms_read},
+          {"atoms_used", input.atoms_used},
+          {"skipped", skipped},
+          {"radius_set", input.radius_set},
+          {"probe", input.probe},
+          {"radii_assumed", assumed}};
+}
+
+Json backend_json(const BackendReport& backend) {
+  return {{"requested", backend_name(backend.requested)},
+          {"used", backend_name(backend.used)},
+          {"device", or_null(backend.device)},
+          {"driver", or_null(backend.driver)},
+          {"reason", or_null(backend.reason)},
+          {"threads", backend.threads}};
+}
+
+Json exact_json(const ExactUnion& exact) {
+  const auto of_topology = [&](auto read) -> Json {
+    return exact.topology ? Json(read(*exact.topology)) : Json(nullptr);
+  };
+  using T = UnionTopology;
+  return {{"method", method_name(exact.method)},
+          {"area", exact.area},
+          {"outer_area", of_topology([](const T& t) { return t.outer_area; })},
+          {"void_area", of_topology([](const T& t) { return t.void_area; })},
+          {"volume", exact.volume},
+          {"void_volume", of_topology([](const T& t) { return t.void_volume; })},
+          {"shells", of_topology([](const T& t) { return t.shells.size(); })},
+          {"components", of_topology([](const T& t) { return t.components; })},
+          {"tunnels", of_topology([](const T& t) { return t.tunnels; })},
+          {"voids", of_topology([](const T& t) { return t.voids; })},
+          {"euler_characteristic", of_topology([](const T& t) { return t.euler_characteristic; })},
+          {"point_contacts", of_topology([](const T& t) { return t.point_contacts; })},
+          {"hidden_atoms", of_topology([](const T& t) { return t.hidden_spheres; })},
+          {"shell_measures", of_topology([](const T& t) { return shells_json(t.shells); })},
+          {"check_area", or_null(exact.check_area)},
+          {"check_volume", or_null(exact.check_volume)},
+          {"fallback_spheres", exact.fallback_spheres}};
+}
 
 std::string to_json(const Report& report) {
   return write_json({{"schema", kSchema},

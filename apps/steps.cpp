@@ -40,22 +40,6 @@ int cpu_threads() {
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
-BackendReport describe_backend(Backend requested, Backend used) {
-  BackendReport report;
-  report.requested = requested;
-  report.used = used;
-  report.threads = cpu_threads();
-  if (used == Backend::cpu && requested != Backend::automatic) return report;
-  const DeviceList list = cuda_devices();
-  if (used == Backend::cpu) {
-    report.reason = list.reason;
-  } else if (!list.devices.empty()) {
-    report.device = list.devices.front().name;
-    report.driver = list.devices.front().driver;
-  }
-  return report;
-}
-
 ParametersReport describe_parameters(const SurfaceOptions& surface,
                                      const std::optional<GridSpec>& grid,
                                      std::uint64_t memory_limit) {
@@ -130,12 +114,28 @@ void warn_of_lost_components(Report& report) {
       *components, topology->components));
 }
 
+}  // namespace
+
+BackendReport describe_backend(Backend requested, Backend used) {
+  BackendReport report;
+  report.requested = requested;
+  report.used = used;
+  report.threads = cpu_threads();
+  if (used == Backend::cpu && requested != Backend::automatic) return report;
+  const DeviceList list = cuda_devices();
+  if (used == Backend::cpu) {
+    report.reason = list.reason;
+  } else if (!list.devices.empty()) {
+    report.device = list.devices.front().name;
+    report.driver = list.devices.front().driver;
+  }
+  return report;
+}
+
 bool counts_self_intersections(SelfIntersections wanted, const IndexedMesh& mesh) {
   const bool small = mesh.triangle_count() <= kSelfIntersectionTriangles;
   return wanted == SelfIntersections::count || (wanted == SelfIntersections::small_meshes && small);
 }
-
-}  // namespace
 
 Molecule load(const InputOptions& options, Report& report) {
   const Stopwatch watch;
@@ -241,7 +241,7 @@ void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceChoice& choice, std::uint64_t memory_limit, Monitor* monitor,
                         Report& report) {
   const Stopwatch watch;
-  report.comparison = compare(*report.mesh, *report.exact);
+  report.comparison = compare(report.mesh->topology, report.mesh->measures, *report.exact);
   if (choice.distances == Switch::on) {
     report.comparison->distances =
         distances(mesh, spheres, {choice.samples_per_area, choice.seed, memory_limit, monitor});

@@ -24,9 +24,13 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
                       Connectivity connectivity, const MachineOptions& machine, Monitor* monitor,
                       Report& report, const LevelObserver& on_level = {});
 
+// What runs where `requested` was asked for and `used` was chosen.
+BackendReport describe_backend(Backend requested, Backend used);
+
 // Beyond this many triangles self-intersections are counted only on request.
 inline constexpr std::uint64_t kSelfIntersectionTriangles = 1'000'000;
 enum class SelfIntersections { small_meshes, count, skip };
+bool counts_self_intersections(SelfIntersections wanted, const IndexedMesh& mesh);
 
 // Topology, measures and quality of the mesh.
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections, Monitor* monitor,

@@ -25,6 +25,8 @@ std::unique_ptr<Verb> make_report_verb();
 std::unique_ptr<Verb> make_exact_verb();
 std::unique_ptr<Verb> make_compare_verb();
 std::unique_ptr<Verb> make_render_verb();
+std::unique_ptr<Verb> make_study_verb();
+std::unique_ptr<Verb> make_bench_verb();
 std::unique_ptr<Verb> make_info_verb();
 
 }  // namespace vdwmesh::apps

@@ -32,6 +32,13 @@ if [ -d "$shared/reference" ]; then
     gzip -dc "$packed" > "$target/data/reference/$(basename "$packed" .gz)"
   done
 fi
+# The structures of the thesis's tables, for `bin/vdwmesh bench thesis --structures data/thesis`.
+if [ -d "$shared/molecules/thesis" ]; then
+  mkdir -p "$target/data/thesis" "$target/data/molecules/thesis"
+  cp "$shared"/molecules/thesis/*.pdb "$shared"/molecules/thesis/*.cif "$target/data/thesis/"
+  # Where the tests look for them.
+  cp "$target"/data/thesis/* "$target/data/molecules/thesis/"
+fi
 
 cat > "$target/run-tests.sh" <<'RUN'
 #!/usr/bin/env bash

@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that the build and the tests need; a second run installs nothing.
+#   scripts/install-deps.sh [browser]     browser: Chromium too, which tests the page of a study
 set -euo pipefail
 
 packages=(
   g++ cmake ninja-build ccache pkg-config git ca-certificates
   libopenmesh-dev libcgal-dev libeigen3-dev gemmi-dev tao-pegtl-dev libtbb-dev libtinygltf-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev
+  libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libjs-vega libjs-three
   libepoxy-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libfreetype-dev fonts-dejavu-core
   libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema freesasa
 )
+[ "${1:-}" != browser ] || packages+=(chromium chromium-driver python3-selenium python3-pil)
 
 missing=()
 for package in "${packages[@]}"; do

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "analysis/mesh_measures.hpp"
+#include "analysis/quality_histograms.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
 #include "mesh/edge_buckets.hpp"
@@ -100,6 +101,20 @@ void fill_edge_lengths(const IndexedMesh& mesh, Buffer<double>& lengths) {
     });
 }
 
+// -1 where there is none.
+double aspect_ratio_or_none(const Shape& s) { return s.area > 0 ? aspect_ratio(s) : -1; }
+
+void fill_aspect_ratios(const IndexedMesh& mesh, Buffer<double>& values) {
+  fill(mesh, values, aspect_ratio_or_none);
+  std::erase(values, -1.0);
+}
+
+// From 0 at `lower` to 1 at `upper`.
+double place(double value, BinScale scale, double lower, double upper) {
+  if (scale == BinScale::linear) return (value - lower) / (upper - lower);
+  return std::log(value / lower) / std::log(upper / lower);
+}
+
 }  // namespace
 
 MeshQuality quality(const IndexedMesh& mesh) {
@@ -109,11 +124,44 @@ MeshQuality quality(const IndexedMesh& mesh) {
   result.edge_length = distribution(values);
   fill(mesh, values, min_angle_deg);
   result.min_angle_deg = distribution(values);
-  fill(mesh, values, [](const Shape& s) { return s.area > 0 ? aspect_ratio(s) : -1; });
-  const auto flat = std::remove(values.begin(), values.end(), -1.0);
-  result.degenerate_triangles = static_cast<std::uint64_t>(values.end() - flat);
-  values.erase(flat, values.end());
+  fill_aspect_ratios(mesh, values);
+  result.degenerate_triangles = mesh.triangle_count() - values.size();
   result.aspect_ratio = distribution(values);
+  return result;
+}
+
+Histogram histogram(std::span<const double> values, BinScale scale, double lower, double upper,
+                    std::size_t bins) {
+  if (bins == 0) throw InvalidInput("a histogram needs at least one bin");
+  if (!(lower < upper) || (scale == BinScale::logarithmic && !(lower > 0))) {
+    throw InvalidInput(
+        "the bounds of a histogram must rise, those of logarithmic bins from above 0");
+  }
+  Histogram result{scale, lower, upper, 0, 0, std::vector<std::uint64_t>(bins)};
+  for (const double value : values) {
+    if (!(value >= lower)) {
+      ++result.below;
+    } else if (value > upper) {
+      ++result.above;
+    } else {
+      const double bin = place(value, scale, lower, upper) * static_cast<double>(bins);
+      ++result.counts[std::min(static_cast<std::size_t>(bin), bins - 1)];
+    }
+  }
+  return result;
+}
+
+QualityHistograms quality_histograms(const IndexedMesh& mesh) {
+  QualityHistograms result;
+  Buffer<double> values;
+  fill_edge_lengths(mesh, values);
+  result.edge_length = histogram(values, BinScale::logarithmic, 0x1p-10, 4, 48);
+  // No smallest angle is above 60 degrees and no aspect ratio below 1, but for rounding.
+  fill(mesh, values, [](const Shape& s) { return std::min(min_angle_deg(s), 60.0); });
+  result.min_angle_deg = histogram(values, BinScale::linear, 0, 60, 30);
+  fill_aspect_ratios(mesh, values);
+  for (double& value : values) value = std::max(value, 1.0);
+  result.aspect_ratio = histogram(values, BinScale::logarithmic, 1, 1024, 40);
   return result;
 }
 

@@ -69,8 +69,6 @@ class Refusals(ProgramTest):
     def test_verbs(self):
         self.assert_refused(BAD_INPUT, says=("mesh", "report", "exact", "compare", "info"))
         self.assert_refused(BAD_INPUT, "frobnicate", says=("frobnicate", "report"))
-        for verb in ("study", "bench"):
-            self.assert_refused(BAD_INPUT, verb, says=(verb, "not in this version"))
 
     def test_missing_input(self):
         self.assert_refused(BAD_INPUT, "report", says=("INPUT", "--sample"))

@@ -1,5 +1,5 @@
 // Tables 4.1, 4.2 and 4.4 of the thesis: voxel counts to the unit, triangle counts as fitted.
-#include "reference/thesis_mc.hpp"
+#include "thesis/thesis_programs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "reference/mesh_checks.hpp"
 #include "support/shared_files.hpp"
 
-namespace vdwmesh::reference {
+namespace vdwmesh {
 namespace {
 
 // As printed in the thesis, Tables 4.2 and 4.4.
@@ -34,7 +34,7 @@ constexpr double kTable44Tolerance = 0.04;
 
 class ThesisTables : public ::testing::TestWithParam<Entry> {
  protected:
-  double triangles(const std::vector<Point>& atoms, const ThesisParameters& p,
+  double triangles(const std::vector<Vec3d>& atoms, const ThesisParameters& p,
                    std::int64_t voxels) {
     const ThesisGrid grid = thesis_grid(atoms, p);
     EXPECT_EQ(grid.voxel_count(), voxels);
@@ -46,7 +46,10 @@ TEST_P(ThesisTables, AreReproduced) {
   const Entry e = GetParam();
   const std::string file = std::string("molecules/thesis/") + e.file;
   VDWMESH_NEEDS_SHARED(file);
-  const std::vector<Point> atoms = read_atom_records(testing::shared_path(file));
+  std::vector<Vec3d> atoms;
+  for (const auto& p : reference::read_atom_records(testing::shared_path(file))) {
+    atoms.push_back({p[0], p[1], p[2]});
+  }
   ASSERT_EQ(atoms.size(), e.atoms);
   const auto table_4_2 = [&](ThesisFunction f) {
     return triangles(atoms, thesis_parameters(f), e.voxels);
@@ -60,7 +63,7 @@ TEST_P(ThesisTables, AreReproduced) {
 
 INSTANTIATE_TEST_SUITE_P(Files, ThesisTables, ::testing::ValuesIn(kEntries));
 
-std::vector<Point> chain() { return {{0, 0, 0}, {1.2, 0.3, 0}, {2.1, 1.2, 0.4}, {3.3, 1.1, -0.5}}; }
+std::vector<Vec3d> chain() { return {{0, 0, 0}, {1.2, 0.3, 0}, {2.1, 1.2, 0.4}, {3.3, 1.1, -0.5}}; }
 
 TEST(ThesisMarchingCubes, BothVariantsMakeTheSameTriangles) {
   const auto p = thesis_parameters(ThesisFunction::soft_object);
@@ -89,14 +92,14 @@ TEST(ThesisMarchingCubes, TheHashTableVariantIsClosed) {
     const ThesisGrid grid = thesis_grid(chain(), p);
     const ThesisMesh mesh = thesis_marching_cubes(chain(), thesis_field(chain(), grid, p), grid, p,
                                                   SharedVertices::hash_table);
-    TriangleMesh plain;
-    for (const auto& q : mesh.positions) plain.points.push_back({q[0], q[1], q[2]});
+    reference::TriangleMesh plain;
+    for (const Vec3f& q : mesh.positions) plain.points.push_back({q.x, q.y, q.z});
     plain.triangles = mesh.triangles;
-    const MeshFacts facts = inspect(plain);
+    const reference::MeshFacts facts = inspect(plain);
     EXPECT_TRUE(facts.closed_oriented_manifold()) << facts.summary();
     EXPECT_GT(facts.volume, 0);
   }
 }
 
 }  // namespace
-}  // namespace vdwmesh::reference
+}  // namespace vdwmesh

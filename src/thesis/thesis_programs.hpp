@@ -1,4 +1,5 @@
-// The two CPU programs of Dias's thesis (Tables 4.1 and 4.2), plain, on a dense grid, one thread.
+// The two CPU programs of Dias's thesis (Tables 4.1 and 4.2), plain, on a dense grid, one thread:
+// the baseline that `vdwmesh bench thesis` times. docs/thesis.md has how they were recovered.
 //
 // Stages: the field of every atom is added to the nodes of a sub-grid around the atom's voxel; an
 // 8-bit flag per voxel; the table of triangles; linear interpolation (2.3); the normal of a vertex
@@ -6,11 +7,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "reference/point.hpp"
+#include "core/vec3.hpp"
+#include "extract/indexed_mesh.hpp"
 
-namespace vdwmesh::reference {
+namespace vdwmesh {
 
 enum class ThesisFunction { blinn, soft_object, inverse_squared };
 
@@ -33,15 +36,15 @@ ThesisParameters thesis_parameters(ThesisFunction function);
 ThesisParameters thesis_vdw_parameters();
 
 struct ThesisGrid {
-  Point origin;
-  std::array<std::int64_t, 3> voxels;  // cells; one node more per axis
-  std::int64_t voxel_count() const { return voxels[0] * voxels[1] * voxels[2]; }
+  Vec3d origin;
+  Vec3i voxels;  // cells; one node more per axis
+  std::int64_t voxel_count() const { return voxels.x * voxels.y * voxels.z; }
 };
 // Voxels per axis: floor((extent + 2 padding) / h).
-ThesisGrid thesis_grid(const std::vector<Point>& atoms, const ThesisParameters& parameters);
+ThesisGrid thesis_grid(std::span<const Vec3d> atoms, const ThesisParameters& parameters);
 
 // Values at the nodes, x fastest.
-std::vector<float> thesis_field(const std::vector<Point>& atoms, const ThesisGrid& grid,
+std::vector<float> thesis_field(std::span<const Vec3d> atoms, const ThesisGrid& grid,
                                 const ThesisParameters& parameters);
 
 // Triangles that marching cubes makes of a field.
@@ -51,11 +54,11 @@ std::int64_t count_triangles(const std::vector<float>& field, const ThesisGrid& 
 enum class SharedVertices { recomputed, hash_table };  // Table 4.1; Table 4.2
 
 struct ThesisMesh {
-  std::vector<std::array<float, 3>> positions, normals;
-  std::vector<Corners> triangles;
+  std::vector<Vec3f> positions, normals;
+  std::vector<Triangle> triangles;
 };
-ThesisMesh thesis_marching_cubes(const std::vector<Point>& atoms, const std::vector<float>& field,
+ThesisMesh thesis_marching_cubes(std::span<const Vec3d> atoms, const std::vector<float>& field,
                                  const ThesisGrid& grid, const ThesisParameters& parameters,
                                  SharedVertices shared);
 
-}  // namespace vdwmesh::reference
+}  // namespace vdwmesh

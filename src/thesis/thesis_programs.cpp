@@ -1,16 +1,18 @@
-#include "reference/thesis_mc.hpp"
+#include "thesis/thesis_programs.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <unordered_map>
 
-#include "reference/cell_polygons.hpp"
+#include "extract/case_table.hpp"
 
-namespace vdwmesh::reference {
+namespace vdwmesh {
 namespace {
 
-using PointF = std::array<float, 3>;
-using Voxel = std::array<std::int64_t, 3>;
+using PointF = Vec3f;
+using Voxel = Vec3i;
 
 // Value of one atom's function at squared distance d2, in units of a or C.
 float contribution(const ThesisParameters& p, float d2) {
@@ -36,9 +38,8 @@ float slope(const ThesisParameters& p, float d2) {
 }
 
 // The atom relative to the grid's origin, where single precision is good enough.
-PointF relative(const Point& atom, const ThesisGrid& grid) {
-  const Point r = atom - grid.origin;
-  return {static_cast<float>(r[0]), static_cast<float>(r[1]), static_cast<float>(r[2])};
+PointF relative(const Vec3d& atom, const ThesisGrid& grid) {
+  return cast<float>(atom - grid.origin);
 }
 
 struct Nodes {
@@ -55,7 +56,7 @@ void add_atom(const PointF& c, const ThesisGrid& grid, const ThesisParameters& p
   const Nodes nodes(grid);
   const float h = static_cast<float>(p.spacing);
   Voxel first, last;
-  for (std::size_t a = 0; a < 3; ++a) {
+  for (int a = 0; a < 3; ++a) {
     const auto v = static_cast<std::int64_t>(std::floor(c[a] / h));
     const std::int64_t high = v + p.half_width + (p.sub_grid == SubGrid::voxels ? 1 : 0);
     first[a] = std::max<std::int64_t>(0, v - p.half_width);
@@ -93,10 +94,10 @@ void for_each_voxel(const ThesisGrid& grid, Visit&& visit) {
 
 class Marcher {
  public:
-  Marcher(const std::vector<Point>& atoms, const std::vector<float>& field, const ThesisGrid& grid,
+  Marcher(std::span<const Vec3d> atoms, const std::vector<float>& field, const ThesisGrid& grid,
           const ThesisParameters& parameters, SharedVertices shared)
       : field_(field), nodes_(grid), grid_(grid), p_(parameters), shared_(shared) {
-    for (const Point& atom : atoms) atoms_.push_back(relative(atom, grid));
+    for (const Vec3d& atom : atoms) atoms_.push_back(relative(atom, grid));
   }
 
   ThesisMesh run() {
@@ -110,11 +111,13 @@ class Marcher {
     if (flag == 0 || flag == 255) return;
     std::array<std::uint32_t, 12> ids;
     ids.fill(std::numeric_limits<std::uint32_t>::max());
-    for (const auto& triangle : cell_triangles(flag)) {
-      Corners corners;
+    const CaseTable& table = case_table();
+    for (std::uint32_t t = 0; t < table.count(flag); ++t) {
+      Triangle corners;
       for (std::size_t k = 0; k < 3; ++k) {
-        std::uint32_t& id = ids[static_cast<std::size_t>(triangle[k])];
-        if (id == std::numeric_limits<std::uint32_t>::max()) id = vertex(v, triangle[k]);
+        const int edge = table.edges[flag][3 * t + k];
+        std::uint32_t& id = ids[static_cast<std::size_t>(edge)];
+        if (id == std::numeric_limits<std::uint32_t>::max()) id = vertex(v, edge);
         corners[k] = id;
       }
       mesh_.triangles.push_back(corners);
@@ -122,16 +125,17 @@ class Marcher {
   }
 
   std::uint32_t vertex(const Voxel& v, int edge) {
-    const CellEdge e = cell_edges()[static_cast<std::size_t>(edge)];
-    const Voxel a{v[0] + (e.a & 1), v[1] + (e.a >> 1 & 1), v[2] + (e.a >> 2)};
-    const Voxel b{v[0] + (e.b & 1), v[1] + (e.b >> 1 & 1), v[2] + (e.b >> 2)};
+    const CellEdge e = cell_edge(edge);
+    const Voxel a{v.x + e.x, v.y + e.y, v.z + e.z};
+    Voxel b = a;
+    ++b[e.axis];
     const std::size_t node = nodes_.index(a[0], a[1], a[2]);
     if (shared_ == SharedVertices::recomputed) return new_vertex(a, b, node);
-    const int axis = b[0] != a[0] ? 0 : b[1] != a[1] ? 1 : 2;
-    const auto found = table_.find(3 * node + static_cast<std::size_t>(axis));
+    const std::size_t key = 3 * node + e.axis;
+    const auto found = table_.find(key);
     if (found != table_.end()) return found->second;
     const std::uint32_t id = new_vertex(a, b, node);
-    table_.emplace(3 * node + static_cast<std::size_t>(axis), id);
+    table_.emplace(key, id);
     return id;
   }
 
@@ -140,7 +144,7 @@ class Marcher {
     const float s = (static_cast<float>(p_.threshold) - fa) / (fb - fa);
     const float h = static_cast<float>(p_.spacing);
     PointF position;
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k) {
       position[k] = h * (static_cast<float>(a[k]) + s * static_cast<float>(b[k] - a[k]));
     }
     mesh_.positions.push_back(position);
@@ -189,16 +193,16 @@ ThesisParameters thesis_vdw_parameters() {
   return p;
 }
 
-ThesisGrid thesis_grid(const std::vector<Point>& atoms, const ThesisParameters& p) {
-  Point low = atoms.front(), high = atoms.front();
-  for (const Point& c : atoms) {
-    for (std::size_t a = 0; a < 3; ++a) {
+ThesisGrid thesis_grid(std::span<const Vec3d> atoms, const ThesisParameters& p) {
+  Vec3d low = atoms.front(), high = atoms.front();
+  for (const Vec3d& c : atoms) {
+    for (int a = 0; a < 3; ++a) {
       low[a] = std::min(low[a], c[a]);
       high[a] = std::max(high[a], c[a]);
     }
   }
   ThesisGrid grid{};
-  for (std::size_t a = 0; a < 3; ++a) {
+  for (int a = 0; a < 3; ++a) {
     grid.origin[a] = low[a] - p.padding;
     grid.voxels[a] =
         static_cast<std::int64_t>(std::floor((high[a] - low[a] + 2 * p.padding) / p.spacing));
@@ -206,11 +210,11 @@ ThesisGrid thesis_grid(const std::vector<Point>& atoms, const ThesisParameters& 
   return grid;
 }
 
-std::vector<float> thesis_field(const std::vector<Point>& atoms, const ThesisGrid& grid,
+std::vector<float> thesis_field(std::span<const Vec3d> atoms, const ThesisGrid& grid,
                                 const ThesisParameters& parameters) {
   const Nodes nodes(grid);
   std::vector<float> field(static_cast<std::size_t>(nodes.nx * nodes.ny * nodes.nz), 0.0f);
-  for (const Point& atom : atoms) add_atom(relative(atom, grid), grid, parameters, field);
+  for (const Vec3d& atom : atoms) add_atom(relative(atom, grid), grid, parameters, field);
   return field;
 }
 
@@ -219,16 +223,15 @@ std::int64_t count_triangles(const std::vector<float>& field, const ThesisGrid& 
   const Nodes nodes(grid);
   const float t = static_cast<float>(threshold);
   std::size_t count = 0;
-  for_each_voxel(grid, [&](const Voxel& v) {
-    count += cell_triangles(voxel_flag(field, nodes, v, t)).size();
-  });
+  for_each_voxel(
+      grid, [&](const Voxel& v) { count += case_table().count(voxel_flag(field, nodes, v, t)); });
   return static_cast<std::int64_t>(count);
 }
 
-ThesisMesh thesis_marching_cubes(const std::vector<Point>& atoms, const std::vector<float>& field,
+ThesisMesh thesis_marching_cubes(std::span<const Vec3d> atoms, const std::vector<float>& field,
                                  const ThesisGrid& grid, const ThesisParameters& parameters,
                                  SharedVertices shared) {
   return Marcher(atoms, field, grid, parameters, shared).run();
 }
 
-}  // namespace vdwmesh::reference
+}  // namespace vdwmesh

@@ -1,0 +1,104 @@
+#include "study/make_run.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "memory.hpp"
+#include "parse.hpp"
+#include "stopwatch.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+StudyRun measure(const IndexedMesh& mesh, const StudySetting& setting, const StudyInput& input,
+                 const StudyOptions& options, Monitor* monitor) {
+  begin_stage(monitor, "measure", 1);
+  StudyRun run;
+  run.setting = setting;
+  const MeshSummary summary = summarize(mesh);
+  run.topology = summary.topology;
+  run.measures = summary.measures;
+  run.quality = quality(mesh);
+  run.histograms = quality_histograms(mesh);
+  run.comparison = compare(run.topology, run.measures, input.exact);
+  if (counts_self_intersections(options.self_intersections, mesh)) {
+    run.self_intersections = self_intersections(mesh);
+  }
+  if (options.distances.distances == Switch::on) {
+    const Stopwatch watch;
+    run.comparison.distances =
+        distances(mesh, input.spheres,
+                  {options.distances.samples_per_area, options.distances.seed,
+                   options.machine.memory_limit, monitor});
+    run.seconds.distances = watch.seconds();
+  }
+  run.memory.mesh = indexed_mesh_bytes(mesh.vertex_count(), mesh.triangle_count(),
+                                       Connectivity::triangles, mesh.triangle_labels());
+  return run;
+}
+
+// Watches a refinement and measures the levels wanted, without their time and memory counting for
+// the levels that follow.
+class LevelRecorder {
+ public:
+  LevelRecorder(const StudyTask& task, const StudyInput& input, const StudyOptions& options,
+                Monitor* monitor)
+      : task_(task), input_(input), options_(options), monitor_(monitor) {}
+
+  void see(int level, const IndexedMesh& mesh) {
+    const double reached = watch_.seconds() - observed_;
+    if (level == 0) extracted_ = reached;
+    peak_ = std::max(peak_, memory_.bytes());
+    if (std::ranges::find(task_.levels, level) != task_.levels.end()) {
+      StudyRun run = measure(mesh, at_level(task_.setting, level), input_, options_, monitor_);
+      run.memory.peak = peak_;
+      if (level > 0) run.seconds.refine = reached - extracted_;
+      runs_.push_back(std::move(run));
+    }
+    memory_ = {};
+    observed_ = watch_.seconds() - reached;
+  }
+
+  // What the pipeline itself says of its times; the last level's is its own watch's.
+  std::vector<StudyRun> finish(const Timing& timing) && {
+    for (StudyRun& run : runs_) {
+      run.seconds.field = timing.field;
+      run.seconds.extract = timing.extract;
+      if (run.setting == task_.setting) run.seconds.refine = timing.refine;
+      run.seconds.mesh = run.seconds.field.value_or(0) + run.seconds.extract.value_or(0) +
+                         run.seconds.refine.value_or(0);
+    }
+    return std::move(runs_);
+  }
+
+ private:
+  const StudyTask& task_;
+  const StudyInput& input_;
+  const StudyOptions& options_;
+  Monitor* monitor_;
+  Stopwatch watch_;
+  PeakMemory memory_;
+  std::optional<std::uint64_t> peak_;
+  double observed_ = 0, extracted_ = 0;  // s
+  std::vector<StudyRun> runs_;
+};
+
+}  // namespace
+
+std::vector<StudyRun> make_runs(const StudyTask& task, const StudyInput& input,
+                                const StudyOptions& options, Monitor* monitor) {
+  MachineOptions machine = options.machine;
+  machine.backend = backend_of_name(task.setting.key.backend);
+  LevelRecorder recorder(task, input, options, monitor);
+  // A single level is measured once the pipeline is done, so that nothing interrupts its watch.
+  const bool one_level = task.levels.size() == 1;
+  LevelObserver observer;
+  if (!one_level) observer = [&](int level, const IndexedMesh& mesh) { recorder.see(level, mesh); };
+  Report report;
+  const IndexedMesh mesh = make_mesh(input.spheres, surface_options(task.setting),
+                                     Connectivity::triangles, machine, monitor, report, observer);
+  if (one_level) recorder.see(task.levels.front(), mesh);
+  return std::move(recorder).finish(report.timing);
+}
+
+}  // namespace vdwmesh::apps

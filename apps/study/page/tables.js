@@ -1,0 +1,115 @@
+"use strict";
+// Tables; every text goes in as text, whatever it holds.
+
+function formatNumber(value, digits) {
+  if (value === null || value === undefined) return "–";
+  if (Number.isInteger(value) && digits === undefined) return value.toLocaleString("en-US");
+  return Number(value).toLocaleString("en-US", { maximumSignificantDigits: digits ?? 4 });
+}
+
+function formatFixed(value, decimals) {
+  if (value === null || value === undefined) return "–";
+  return value.toLocaleString("en-US", { minimumFractionDigits: decimals, maximumFractionDigits: decimals });
+}
+
+function formatPercent(value) {
+  if (value === null || value === undefined) return "–";
+  const percent = 100 * value;
+  const decimals = Math.abs(percent) >= 1 ? 2 : Math.abs(percent) >= 0.01 ? 3 : 5;
+  return (percent > 0 ? "+" : percent < 0 ? "−" : "") + Math.abs(percent).toFixed(decimals) + " %";
+}
+
+function formatSigned(value) {
+  if (value === null || value === undefined) return "–";
+  return (value > 0 ? "+" : value < 0 ? "−" : "") + Math.abs(value).toLocaleString("en-US");
+}
+
+// Columns: { title, text: row -> string, align: "text" or nothing }.
+function drawTable(element, columns, rows) {
+  const table = document.createElement("table");
+  const head = table.createTHead().insertRow();
+  for (const column of columns) {
+    const cell = document.createElement("th");
+    cell.textContent = column.title;
+    if (column.align) cell.className = column.align;
+    head.appendChild(cell);
+  }
+  const body = table.createTBody();
+  for (const row of rows) {
+    const line = body.insertRow();
+    for (const column of columns) {
+      const cell = line.insertCell();
+      cell.textContent = column.text(row);
+      if (column.align) cell.className = column.align;
+    }
+  }
+  element.replaceChildren(table);
+}
+
+function drawMoleculeTable(element, input) {
+  const exact = input.exact;
+  drawTable(element, [
+    { title: "file", text: (i) => i.name, align: "text" },
+    { title: "atoms", text: (i) => formatNumber(i.input.atoms_used) },
+    { title: "radii", text: (i) => i.input.radius_set, align: "text" },
+    { title: "probe, Å", text: (i) => formatNumber(i.input.probe) },
+    { title: "exact area, Å²", text: () => formatFixed(exact.area, 3) },
+    { title: "exact volume, Å³", text: () => formatFixed(exact.volume, 3) },
+    { title: "Euler characteristic χ", text: () => formatNumber(exact.euler_characteristic) },
+    { title: "components", text: () => formatNumber(exact.components) },
+    { title: "tunnels", text: () => formatNumber(exact.tunnels) },
+    { title: "voids", text: () => formatNumber(exact.voids) },
+    { title: "hidden atoms", text: () => formatNumber(exact.hidden_atoms) },
+  ], [input]);
+}
+
+function drawOrdersTable(element, input) {
+  const order = (name) => (s) => formatFixed(s.by_resolution[name]?.order ?? null, 2);
+  drawTable(element, [
+    { title: "mesh", text: wayLabel, align: "text" },
+    { title: "backend", text: (s) => s.backend, align: "text" },
+    { title: "runs", text: (s) => formatNumber(s.runs.length) },
+    { title: "area", text: order("area_error") },
+    { title: "volume", text: order("volume_error") },
+    { title: "mesh → surface rms", text: order("mesh_to_surface_rms") },
+    { title: "surface → mesh rms", text: order("surface_to_mesh_rms") },
+    { title: "Hausdorff", text: order("hausdorff") },
+    { title: "extrapolated area, own order", text: (s) => formatFixed(s.area_extrapolated?.order ?? null, 2) },
+    { title: "from exact", text: (s) => formatPercent(s.area_extrapolated_relative_error) },
+    { title: "extrapolated volume, own order", text: (s) => formatFixed(s.volume_extrapolated?.order ?? null, 2) },
+    { title: "from exact", text: (s) => formatPercent(s.volume_extrapolated_relative_error) },
+  ], input.series);
+}
+
+function drawRunsTable(element, input) {
+  const comparison = (name) => (r) => r.comparison[name];
+  const distance = (side, name) => (r) => r.comparison.distances?.[side][name] ?? null;
+  const megabytes = (bytes) => bytes === null ? null : bytes / 1e6;
+  drawTable(element, [
+    { title: "mesh", text: (r) => wayLabel(r.parameters), align: "text" },
+    { title: "Å", text: (r) => formatNumber(r.parameters.resolution) },
+    { title: "backend", text: (r) => r.parameters.backend, align: "text" },
+    { title: "triangles", text: (r) => formatNumber(r.mesh.triangles) },
+    { title: "area error", text: (r) => formatPercent(comparison("area_relative_error")(r)) },
+    { title: "volume error", text: (r) => formatPercent(comparison("volume_relative_error")(r)) },
+    { title: "Δχ", text: (r) => formatSigned(comparison("euler_characteristic_difference")(r)) },
+    { title: "self-int.", text: (r) => formatNumber(r.mesh.self_intersections) },
+    { title: "angle min", text: (r) => formatNumber(r.mesh.min_angle_deg.min, 2) },
+    { title: "1 %", text: (r) => formatNumber(r.mesh.min_angle_deg.p01, 2) },
+    { title: "median °", text: (r) => formatNumber(r.mesh.min_angle_deg.median, 3) },
+    { title: "mesh → surface rms, Å", text: (r) => formatNumber(distance("mesh_to_surface", "rms")(r), 3) },
+    { title: "surface → mesh rms, Å", text: (r) => formatNumber(distance("surface_to_mesh", "rms")(r), 3) },
+    { title: "Hausdorff ≥, Å", text: (r) => formatNumber(r.comparison.distances?.hausdorff_lower_bound ?? null, 3) },
+    { title: "mesh, s", text: (r) => formatNumber(r.timing.mesh, 3) },
+    { title: "mesh, MB", text: (r) => formatNumber(megabytes(r.memory.mesh), 3) },
+    { title: "peak, MB", text: (r) => formatNumber(megabytes(r.memory.peak), 3) },
+  ], input.runs);
+}
+
+function drawRefused(element, input) {
+  if (input.refused.length === 0) return element.replaceChildren();
+  drawTable(element, [
+    { title: "refused", text: (r) => `${wayLabel(r.parameters)}, ${r.parameters.resolution} Å`, align: "text" },
+    { title: "why", text: (r) => r.reason, align: "text" },
+  ], input.refused);
+}

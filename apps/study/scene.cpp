@@ -1,0 +1,176 @@
+#include "study/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "analysis/mesh_measures.hpp"
+#include "mesh/element_color.hpp"
+#include "parse.hpp"
+#include "study/records.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+constexpr std::uint64_t kSceneTriangles = 200'000;
+constexpr double kMaxPosition = 65535;  // 16 bits
+constexpr double kMaxByte = 255;
+
+// The low bytes of all values, then the next ones, and so on: equal high bytes stand together and
+// pack well. Each value is less the one before it, modulo its width.
+template <class T>
+void append_planes(const std::vector<T>& values, std::string& bytes) {
+  for (std::size_t plane = 0; plane < sizeof(T); ++plane) {
+    T last = 0;
+    for (const T value : values) {
+      bytes += static_cast<char>(static_cast<T>(value - last) >> (8 * plane) & 0xff);
+      last = value;
+    }
+  }
+}
+
+Box box_of(const IndexedMesh& mesh) {
+  Box box{mesh.positions[0], mesh.positions[0]};
+  for (const Vec3d& p : mesh.positions) {
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lower[axis] = std::min(box.lower[axis], p[axis]);
+      box.upper[axis] = std::max(box.upper[axis], p[axis]);
+    }
+  }
+  return box;
+}
+
+void append_positions(const IndexedMesh& mesh, const Box& box, std::string& bytes) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double extent = box.upper[axis] - box.lower[axis];
+    const double scale = extent > 0 ? kMaxPosition / extent : 0;
+    std::vector<std::uint16_t> values;
+    values.reserve(mesh.vertex_count());
+    for (const Vec3d& p : mesh.positions) {
+      values.push_back(
+          static_cast<std::uint16_t>(std::lround((p[axis] - box.lower[axis]) * scale)));
+    }
+    append_planes(values, bytes);
+  }
+}
+
+void append_triangles(const IndexedMesh& mesh, std::string& bytes) {
+  std::vector<std::uint32_t> corners;
+  corners.reserve(3 * mesh.triangle_count());
+  for (const Triangle& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
+  append_planes(corners, bytes);
+}
+
+// The number of each vertex's element in the list of colours returned.
+Json append_elements(const IndexedMesh& mesh, const Molecule& molecule, std::string& bytes) {
+  Json elements = Json::array();
+  std::map<std::string, char> numbers;
+  for (const VertexSpheres& spheres : mesh.vertex_spheres) {
+    const std::string& element = molecule.atoms.at(spheres[0]).element;
+    const auto [entry, is_new] = numbers.try_emplace(element, static_cast<char>(numbers.size()));
+    if (is_new) {
+      elements.push_back({{"element", element}, {"color", element_color(element)}});
+    }
+    bytes += entry->second;
+  }
+  return elements;
+}
+
+// Signed distances of the triangles' centroids to the exact surface: vertices lie on it, and what
+// is wrong is what the triangles between them cut off.
+std::vector<float> centroid_distances(const IndexedMesh& mesh, const SphereSet& spheres) {
+  IndexedMesh centroids;
+  for (const Triangle& t : mesh.triangles) {
+    centroids.positions.push_back(
+        (1.0 / 3) * ((mesh.positions[t[0]] + mesh.positions[t[1]]) + mesh.positions[t[2]]));
+  }
+  return vertex_distances(centroids, spheres);
+}
+
+// [lower, upper] -> [0, 255].
+void append_bytes(const std::vector<float>& values, double lower, double upper,
+                  std::string& bytes) {
+  for (const float value : values) {
+    const double place = (static_cast<double>(value) - lower) / (upper - lower);
+    bytes += static_cast<char>(std::lround(kMaxByte * std::clamp(place, 0.0, 1.0)));
+  }
+}
+
+// The colours span 99 % of the distances; single large ones would leave the rest without contrast.
+double distance_range(const std::vector<float>& distances) {
+  std::vector<double> sizes;
+  for (const float d : distances) sizes.push_back(std::abs(static_cast<double>(d)));
+  const auto rank = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 99 / 100);
+  std::nth_element(sizes.begin(), rank, sizes.end());
+  return *rank > 0 ? *rank : 1e-9;
+}
+
+Scene make_scene(const Study& study, std::size_t input, const StudySetting& setting) {
+  const StudyInput& molecule = study.findings[input].input;
+  MachineOptions machine = study.options.machine;
+  machine.backend = backend_of_name(setting.key.backend);
+  Report report;
+  const IndexedMesh mesh = make_mesh(molecule.spheres, surface_options(setting),
+                                     Connectivity::triangles, machine, nullptr, report);
+  const Box box = box_of(mesh);
+  const std::vector<float> distances = centroid_distances(mesh, molecule.spheres);
+  const double range = distance_range(distances);
+  Scene scene{input, setting, {}, {}};
+  append_positions(mesh, box, scene.bytes);
+  append_triangles(mesh, scene.bytes);
+  const Json elements = append_elements(mesh, molecule.molecule, scene.bytes);
+  append_bytes(distances, -range, range, scene.bytes);
+  append_bytes(min_angles_deg(mesh), 0, 60, scene.bytes);
+  scene.description = {{"input", input},
+                       {"parameters", setting_json(setting)},
+                       {"vertices", mesh.vertex_count()},
+                       {"triangles", mesh.triangle_count()},
+                       {"lower", {box.lower.x, box.lower.y, box.lower.z}},
+                       {"upper", {box.upper.x, box.upper.y, box.upper.z}},
+                       {"elements", elements},
+                       {"distance_range", range}};
+  return scene;
+}
+
+// A way of making meshes, whatever the resolution and the number of subdivisions.
+using Way = std::tuple<Mesher, FieldKind>;
+
+// The run of each way that is best looked at.
+std::map<Way, const StudyRun*> choose_runs(const StudyFindings& findings) {
+  std::map<Way, const StudyRun*> chosen;
+  for (const StudyRun& run : findings.runs) {
+    const StudyRun*& best = chosen[{run.setting.key.mesher, run.setting.key.field}];
+    const auto fits = [](const StudyRun& r) { return r.topology.triangles <= kSceneTriangles; };
+    const auto better = [&](const StudyRun& a, const StudyRun& b) {
+      if (fits(a) != fits(b)) return fits(a);
+      return fits(a) == (a.topology.triangles > b.topology.triangles);
+    };
+    if (!best || better(run, *best)) best = &run;
+  }
+  return chosen;
+}
+
+}  // namespace
+
+std::vector<Scene> make_scenes(const Study& study) {
+  std::vector<std::pair<Way, std::pair<std::size_t, const StudyRun*>>> wanted;
+  for (std::size_t i = 0; i < study.findings.size(); ++i) {
+    for (const auto& [way, run] : choose_runs(study.findings[i])) wanted.push_back({way, {i, run}});
+  }
+  std::ranges::stable_sort(wanted, {}, [](const auto& entry) { return entry.first; });
+  std::vector<Scene> scenes;
+  std::uint64_t triangles = 0;
+  for (const auto& [way, place] : wanted) {
+    const auto& [input, run] = place;
+    if (triangles + run->topology.triangles > study.options.page_triangles) continue;
+    triangles += run->topology.triangles;
+    scenes.push_back(make_scene(study, input, run->setting));
+  }
+  std::ranges::stable_sort(scenes, {}, &Scene::input);
+  return scenes;
+}
+
+}  // namespace vdwmesh::apps

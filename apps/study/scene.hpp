@@ -1,0 +1,24 @@
+// The meshes that the page of a study shows.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "json_writer.hpp"
+#include "study/study.hpp"
+
+namespace vdwmesh::apps {
+
+// One mesh, quantised: positions to 16 bits of its box, distances and angles to 8 bits.
+struct Scene {
+  std::size_t input;
+  StudySetting setting;
+  Json description;  // counts, box, ranges, colours: what the page needs to read the bytes
+  std::string bytes;
+};
+
+// One mesh per molecule and way of making it, each the finest run of at most 200,000 triangles (or
+// the coarsest of all), first ways first, as long as the study's page_triangles hold them.
+std::vector<Scene> make_scenes(const Study& study);
+
+}  // namespace vdwmesh::apps

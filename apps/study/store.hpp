@@ -1,0 +1,31 @@
+// Finished runs of a study, each in a file of its own that appears whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "analysis/study.hpp"
+#include "json_writer.hpp"
+
+namespace vdwmesh::apps {
+
+// FNV-1a, 64 bits, as sixteen hexadecimal digits.
+std::string hash_text(std::string_view bytes);
+
+class StudyStore {
+ public:
+  // Makes the folder where it is not there; what it is in must be. Throws InvalidInput.
+  explicit StudyStore(const std::filesystem::path& folder);
+
+  // The run kept under exactly this key, which holds everything that a run depends on. A file that
+  // is damaged or of another key counts as none.
+  std::optional<StudyRun> find(const Json& key) const;
+  void keep(const Json& key, const StudyRun& run) const;
+
+ private:
+  std::filesystem::path path_of(const Json& key) const;
+  std::filesystem::path folder_;
+};
+
+}  // namespace vdwmesh::apps

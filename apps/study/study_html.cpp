@@ -1,0 +1,132 @@
+// The page: a template, the libraries, our scripts, and the data packed.
+#include <fmt/format.h>
+
+#include <array>
+
+#include "assets.hpp"
+#include "core/errors.hpp"
+#include "study/pack.hpp"
+#include "study/scene.hpp"
+#include "study/study_json.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+// In the order in which they need one another.
+constexpr std::array kVegaPackages = {
+    "vega-util",       "vega-time",       "vega-format",         "vega-loader",
+    "vega-dataflow",   "vega-statistics", "vega-scale",          "vega-canvas",
+    "vega-scenegraph", "vega-expression", "vega-event-selector", "vega-selection",
+    "vega-functions",  "vega-runtime",    "vega-transforms",     "vega-view-transforms",
+    "vega-encode",     "vega-label",      "vega-parser",         "vega-view"};
+
+std::string escape_html(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '&':
+        out += "&amp;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+// A script without the comment that would make browsers look for its source map.
+std::string_view without_source_map(std::string_view script) {
+  return script.substr(0, script.find("//# sourceMappingURL"));
+}
+
+// What an HTML parser would take for the end of the script, or for its escaped beginning, stands in
+// none of the libraries; if a new version brings it, the page would break.
+void check_script(std::string_view script) {
+  for (const char* mark : {"</script", "<!--"}) {
+    if (script.find(mark) != std::string_view::npos) {
+      throw Error(fmt::format("a script of the page holds {}", mark));
+    }
+  }
+}
+
+std::string libraries() {
+  std::string script(asset("modules.js"));
+  for (const char* name : kVegaPackages) {
+    script +=
+        fmt::format("vdwmeshModule(\"{}\", function (exports, require, module) {{\n{}\n}});\n",
+                    name, without_source_map(asset(name)));
+  }
+  script += without_source_map(asset("three"));
+  script += '\n';
+  script += asset("three-orbit");
+  check_script(script);
+  return script;
+}
+
+std::string own_scripts() {
+  std::string script;
+  for (const char* name : {"data.js", "charts.js", "tables.js", "viewer.js", "main.js"}) {
+    script += asset(name);
+  }
+  check_script(script);
+  return script;
+}
+
+// Base64 has no character that HTML takes for anything else.
+std::string data_block(const std::string& id, std::string_view bytes) {
+  return fmt::format("<script type=\"application/octet-stream\" id=\"{}\">{}</script>\n", id,
+                     pack(bytes));
+}
+
+std::string data_blocks(const Study& study) {
+  std::string blocks = data_block(
+      "study", study_document(study).dump(-1, ' ', false, Json::error_handler_t::replace));
+  Json descriptions = Json::array();
+  std::size_t number = 0;
+  for (const Scene& scene : make_scenes(study)) {
+    blocks += data_block(fmt::format("scene-{}", number++), scene.bytes);
+    descriptions.push_back(scene.description);
+  }
+  return blocks + data_block("scenes", descriptions.dump());
+}
+
+std::string title(const Study& study) {
+  std::string names;
+  for (const StudyFindings& f : study.findings) {
+    names += (names.empty() ? "" : ", ") + f.input.name;
+  }
+  return escape_html("vdwmesh study: " + names);
+}
+
+}  // namespace
+
+std::string study_html(const Study& study) {
+  const std::pair<std::string_view, std::string> parts[] = {
+      {"{{title}}", title(study)},
+      {"{{style}}", std::string(asset("style.css"))},
+      {"{{data}}", data_blocks(study)},
+      {"{{libraries}}", libraries()},
+      {"{{scripts}}", own_scripts()}};
+  std::string page;
+  std::string_view rest = asset("page.html");
+  for (const auto& [mark, content] : parts) {
+    const std::size_t at = rest.find(mark);
+    if (at == std::string_view::npos) throw Error(fmt::format("page.html lacks {}", mark));
+    page += rest.substr(0, at);
+    page += content;
+    rest.remove_prefix(at + mark.size());
+  }
+  page += rest;
+  return page;
+}
+
+}  // namespace vdwmesh::apps

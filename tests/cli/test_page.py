@@ -1,0 +1,139 @@
+"""The page of a study in a browser: Chromium, driven by ChromeDriver, from a local file."""
+
+import io
+import os
+import pathlib
+import shutil
+import unittest
+
+from program import ProgramTest
+
+try:
+    from PIL import Image
+    from selenium import webdriver
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.support.ui import Select, WebDriverWait
+except ImportError:
+    webdriver = None
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+WAIT = 120  # s: WebGL is software here
+PLOTS_PER_MOLECULE = 5 * 2 + 3 + 2  # convergence, quality, costs
+
+
+def start_browser(profile):
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for argument in ("--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader",
+                     "--window-size=1280,1000", "--hide-scrollbars", "--disable-dev-shm-usage",
+                     "--host-resolver-rules=MAP * ~NOTFOUND",
+                     f"--user-data-dir={profile}"):  # fmt: skip
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    service = webdriver.chrome.service.Service(DRIVER)
+    return webdriver.Chrome(service=service, options=options)
+
+
+@unittest.skipUnless(webdriver, "needs python3-selenium and python3-pil (scripts/install-deps.sh browser)")
+@unittest.skipUnless(CHROMIUM and DRIVER, "needs chromium and chromium-driver")
+class Page(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        out = self.folder / "out"
+        self.run_ok("study", self.two_balls(), "--sample", "ubiquitin", "-o", out,
+                    "--spacing", "1,0.7", "--field", "vdw,blinn")  # fmt: skip
+        self.browser = start_browser(self.folder / "profile")
+        self.addCleanup(self.browser.quit)
+        self.browser.get((out / "index.html").as_uri())
+        self.wait_until_drawn(0)
+
+    def two_balls(self):
+        return self.file('a & b <b>"c".xyzr', "0 0 0 2\n1.5 0 0 2\n")
+
+    def wait_until_drawn(self, molecule):
+        body = self.browser.find_element(By.TAG_NAME, "body")
+        WebDriverWait(self.browser, WAIT).until(
+            lambda _: body.get_attribute("data-drawn") == str(molecule), self.messages()
+        )
+
+    def messages(self):
+        """Errors in the console. WebGL in software gives warnings about its speed, which are none."""
+        log = self.browser.get_log("browser")
+        return [entry["message"] for entry in log if entry["level"] == "SEVERE"]
+
+    def plots(self):
+        return self.browser.find_elements(By.CSS_SELECTOR, ".plots > div[data-drawn]")
+
+    def count_marks(self, plot):
+        return len(plot.find_elements(By.CSS_SELECTOR, ".mark-symbol path, .mark-area path"))
+
+    def pixels(self):
+        """The 3D view as it is on the screen, (r, g, b) by (r, g, b)."""
+        canvas = self.browser.find_element(By.CSS_SELECTOR, "#view canvas")
+        self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", canvas)
+        return list(Image.open(io.BytesIO(canvas.screenshot_as_png)).convert("RGB").getdata())
+
+    def test_page(self):
+        self.check_names()
+        Select(self.browser.find_element(By.ID, "molecule")).select_by_visible_text("ubiquitin")
+        self.wait_until_drawn(1)
+        self.save_screenshots()
+        self.assertEqual(len(self.plots()), PLOTS_PER_MOLECULE)
+        for plot in self.plots():
+            self.assertGreater(self.count_marks(plot), 0, plot.get_attribute("data-drawn"))
+        self.check_orders_are_stated()
+        self.check_view()
+        self.check_colors()
+        self.assertEqual(self.messages(), [])
+        error = self.browser.find_element(By.ID, "error")
+        self.assertFalse(error.is_displayed(), error.text)
+
+    def check_orders_are_stated(self):
+        plot = self.browser.find_element(By.CSS_SELECTOR, "div[data-drawn='Area error against spacing']")
+        labels = [e.text for e in plot.find_elements(By.CSS_SELECTOR, ".mark-text text")]
+        self.assertTrue(any(label.startswith("p = ") for label in labels), labels)
+        rows = self.browser.find_elements(By.CSS_SELECTOR, "#orders tbody tr")
+        self.assertEqual(len(rows), 5)  # two fields, not subdivided; vdw once and Blinn twice, once
+
+    def check_view(self):
+        before = self.pixels()
+        colored = sum(1 for p in before if max(p) - min(p) > 20)
+        background = sum(1 for p in before if p == (255, 255, 255))
+        self.assertGreater(colored, len(before) * 0.02)
+        self.assertGreater(background, len(before) * 0.2)
+        canvas = self.browser.find_element(By.CSS_SELECTOR, "#view canvas")
+        ActionChains(self.browser).drag_and_drop_by_offset(canvas, 200, 60).perform()
+        after = self.pixels()
+        changed = sum(1 for a, b in zip(before, after) if a != b)
+        self.assertGreater(changed, len(before) * 0.05)
+
+    def check_colors(self):
+        seen = [self.pixels()]
+        for coloring in ("atom", "angle"):
+            Select(self.browser.find_element(By.ID, "coloring")).select_by_value(coloring)
+            seen.append(self.pixels())
+        for i, one in enumerate(seen):
+            for other in seen[i + 1 :]:
+                changed = sum(1 for a, b in zip(one, other) if a != b)
+                self.assertGreater(changed, len(one) * 0.05)
+        # Oxygen is red and nitrogen blue.
+        atoms = seen[1]
+        self.assertTrue(any(r > 150 and g < 80 and b < 80 for r, g, b in atoms))
+        self.assertTrue(any(b > 150 and r < 100 and g < 130 for r, g, b in atoms))
+
+    def check_names(self):
+        """A file may be named as badly as it likes."""
+        name = self.browser.find_element(By.CSS_SELECTOR, "#molecule-table tbody td").text
+        self.assertEqual(name, 'a & b <b>"c".xyzr')
+        self.assertEqual(len(self.plots()), PLOTS_PER_MOLECULE)
+
+    def save_screenshots(self):
+        """For people: of the whole page, where VDWMESH_SCREENSHOTS names a folder."""
+        folder = os.environ.get("VDWMESH_SCREENSHOTS")
+        if not folder:
+            return
+        height = self.browser.execute_script("return document.body.scrollHeight")
+        self.browser.set_window_size(1280, height + 150)
+        self.browser.save_screenshot(str(pathlib.Path(folder) / "page.png"))
+        self.browser.set_window_size(1280, 1000)

@@ -1,0 +1,235 @@
+"""The study: its figures, its files, and what an interrupted one leaves."""
+
+import csv
+import json
+import math
+import signal
+import subprocess
+
+from program import BAD_INPUT, PROGRAM, SOURCE_DIR, ProgramTest, parse_json
+
+SCHEMA = SOURCE_DIR / "docs" / "study.schema.json"
+FILES = ["index.html", "runs", "study.csv", "study.json"]
+# Two balls of radius 2 whose centres are 1.5 apart: each loses a cap of height 2 - 0.75.
+RADIUS, HALF_DISTANCE = 2.0, 0.75
+CAP = RADIUS - HALF_DISTANCE
+EXACT_AREA = 2 * (4 * math.pi * RADIUS**2 - 2 * math.pi * RADIUS * CAP)
+EXACT_VOLUME = 2 * (4 / 3 * math.pi * RADIUS**3 - math.pi * CAP**2 * (3 * RADIUS - CAP) / 3)
+
+
+def study_validator():
+    """None without python3-jsonschema."""
+    try:
+        import jsonschema
+    except ImportError:
+        return None
+    schema = json.loads(SCHEMA.read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    resolver = jsonschema.RefResolver(SCHEMA.as_uri(), schema)
+    return jsonschema.Draft202012Validator(schema, resolver=resolver)
+
+
+class StudyTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.out = self.folder / "out"
+        self.ball = self.file("ball.xyzr", f"0.1 0.2 0.3 {RADIUS}\n")
+        self.pair = self.file("pair.xyzr", f"0 0 0 {RADIUS}\n{2 * HALF_DISTANCE} 0 0 {RADIUS}\n")
+
+    def study(self, *arguments):
+        self.run_ok("study", *arguments, "-o", self.out)
+        document = parse_json((self.out / "study.json").read_text())
+        validator = study_validator()
+        if validator:
+            validator.validate(document)
+        return document
+
+    def outputs(self):
+        return sorted(path.name for path in self.out.iterdir())
+
+
+class Figures(StudyTest):
+    def test_one_ball_converges_with_second_order(self):
+        study = self.study(self.ball, "--spacing", "0.8,0.4,0.2,0.1", "--field", "vdw")
+        runs = study["inputs"][0]["runs"]
+        self.assertEqual(len(runs), 8)
+        series = {s["subdivide"]: s for s in study["inputs"][0]["series"]}
+        self.assertEqual(sorted(series), [0, 1])
+        for level, one in series.items():
+            self.assertEqual(one["project"], "vdw" if level else "none")
+            # Vertices on a sphere: area, volume and distances of the flat triangles are off by
+            # O(h²), triangles go by h^-2. The grid's place on the ball scatters the fit.
+            for figure in ("area_error", "volume_error", "mesh_to_surface_rms"):
+                order = one["by_resolution"][figure]["order"]
+                self.assertTrue(1.8 < order < 2.2, f"{figure} {order}")
+                by_triangles = one["by_triangles"][figure]["order"]
+                self.assertTrue(-1.1 < by_triangles < -0.9, f"{figure} {by_triangles}")
+            # The finest mesh is off by about 0.05² / 2² of the value; its limit by far less.
+            finest = abs(runs[one["runs"][0]]["comparison"]["area_relative_error"])
+            self.assertLess(abs(one["area_extrapolated_relative_error"]), finest / 5)
+
+    def test_exact_values_of_a_pair(self):
+        study = self.study(self.pair, "--spacing", "0.5", "--field", "vdw")
+        exact = study["inputs"][0]["exact"]
+        self.assert_close(exact["area"], EXACT_AREA, 1e-12)
+        self.assert_close(exact["volume"], EXACT_VOLUME, 1e-12)
+        for run in study["inputs"][0]["runs"]:
+            error = run["mesh"]["area"] / EXACT_AREA - 1
+            self.assert_close(run["comparison"]["area_relative_error"], error, 1e-9)
+            for name, total in (("min_angle_deg", "triangles"), ("edge_length", "edges")):
+                histogram = run["histograms"][name]
+                counted = sum(histogram["counts"]) + histogram["below"] + histogram["above"]
+                self.assertEqual(counted, run["mesh"][total])
+
+    def test_runs_are_those_of_the_report(self):
+        study = self.study("--sample", "bpti", "--spacing", "0.7", "--field", "vdw,blinn")
+        runs = study["inputs"][0]["runs"]
+        for run in runs:
+            p = run["parameters"]
+            report = self.report(
+                "report", "--sample", "bpti", "--spacing", "0.7", "--field", p["field"],
+                "--subdivide", p["subdivide"], "--project", p["project"])  # fmt: skip
+            for key in ("vertices", "triangles", "area", "volume", "euler_characteristic",
+                        "min_angle_deg", "edge_length", "self_intersections"):  # fmt: skip
+                self.assertEqual(run["mesh"][key], report["mesh"][key], (p, key))
+            self.assertEqual(
+                run["comparison"]["distances"]["mesh_to_surface"],
+                report["comparison"]["mesh_to_surface"],
+            )
+        self.assertEqual(len(runs), 5)  # level 0 of each field is the same for all projections
+
+    def test_csv_has_the_same_runs(self):
+        study = self.study(self.ball, self.pair, "--spacing", "1,0.5", "--field", "vdw,soft")
+        with (self.out / "study.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        runs = [(i["name"], run) for i in study["inputs"] for run in i["runs"]]
+        self.assertEqual(len(rows), len(runs))
+        for row, (name, run) in zip(rows, runs):
+            self.assertEqual(row["input"], name)
+            self.assertEqual(int(row["triangles"]), run["mesh"]["triangles"])
+            self.assertEqual(float(row["area"]), run["mesh"]["area"])
+            rms = run["comparison"]["distances"]["mesh_to_surface"]["rms"]
+            self.assertEqual(float(row["mesh_to_surface_rms"]), rms)
+
+    def test_what_was_not_computed_is_null(self):
+        study = self.study(
+            self.ball, "--spacing", "1", "--distances", "off", "--self-intersections", "off"
+        )
+        for run in study["inputs"][0]["runs"]:
+            self.assertIsNone(run["comparison"]["distances"])
+            self.assertIsNone(run["mesh"]["self_intersections"])
+        for series in study["inputs"][0]["series"]:
+            self.assertIsNone(series["by_resolution"]["area_error"])
+            self.assertIsNone(series["area_extrapolated"])
+
+    def test_what_cannot_be_made_is_refused_and_the_rest_made(self):
+        study = self.study(self.ball, "--spacing", "40,0.5", "--field", "vdw", "--subdivide", "0")
+        found = study["inputs"][0]
+        self.assertEqual([r["parameters"]["resolution"] for r in found["runs"]], [0.5])
+        self.assertEqual([r["parameters"]["resolution"] for r in found["refused"]], [40])
+        self.assertIn("coarse", found["refused"][0]["reason"])
+        small = self.study(self.ball, "--spacing", "0.02", "--field", "vdw", "--subdivide", "0,2",
+                           "--distances", "off", "--memory-limit", "200M")  # fmt: skip
+        self.assertEqual([r["parameters"]["subdivide"] for r in small["inputs"][0]["refused"]], [2])
+        self.assertEqual([r["parameters"]["subdivide"] for r in small["inputs"][0]["runs"]], [0])
+
+
+class Options(StudyTest):
+    def test_bad_options(self):
+        self.assert_refused(BAD_INPUT, "study", self.ball, says=("-o",))
+        self.assert_refused(BAD_INPUT, "study", "-o", self.out, says=("INPUT",))
+        for option, value in (("--spacing", "1,x"), ("--field", "vdw,xyz"), ("--subdivide", "-1"),
+                              ("--project", "x"), ("--backend", "gpu"),
+                              ("--resume", "maybe")):  # fmt: skip
+            self.assert_refused(
+                BAD_INPUT, "study", self.ball, "-o", self.out, option, value, says=(option,)
+            )
+        self.assert_refused(
+            BAD_INPUT, "study", self.ball, "-o", self.folder / "no" / "out", says=("no/out",)
+        )
+        self.assertFalse(self.out.exists())
+
+    def test_inputs_of_the_same_name_stay_apart(self):
+        other = self.folder / "other"
+        other.mkdir()
+        (other / "ball.xyzr").write_text("0 0 0 1\n")
+        study = self.study(self.ball, other / "ball.xyzr", "--spacing", "1", "--field", "vdw")
+        names = [i["name"] for i in study["inputs"]]
+        self.assertEqual(len(set(names)), 2)
+
+    def test_names_cannot_break_the_page(self):
+        name = "<script>alert(1)<!--.xyzr"
+        self.file(name, "0 0 0 1\n")
+        self.study(self.folder / name, "--spacing", "0.5", "--field", "vdw")
+        page = (self.out / "index.html").read_text()
+        self.assertNotIn("<script>alert(1)", page)
+        self.assertEqual(page.count("<script"), page.count("</script>"))
+        self.assertIn("vdwmesh study: &lt;script&gt;alert(1)&lt;!--.xyzr", page)
+
+
+class Resume(StudyTest):
+    def test_finished_runs_are_found_again(self):
+        arguments = (self.pair, "--spacing", "1,0.5", "--field", "vdw,soft")
+        first = self.study(*arguments)
+        self.assertEqual((first["runs_found"], first["runs_made"]), (0, 10))
+        again = self.study(*arguments)
+        self.assertEqual((again["runs_found"], again["runs_made"]), (10, 0))
+        self.assertEqual(first["inputs"][0]["runs"], again["inputs"][0]["runs"])
+        self.assertEqual(first["inputs"][0]["series"], again["inputs"][0]["series"])
+        more = self.study(*arguments[:-1], "vdw,soft,blinn")
+        self.assertEqual((more["runs_found"], more["runs_made"]), (10, 6))
+        anew = self.study(*arguments, "--resume", "off")
+        self.assertEqual((anew["runs_found"], anew["runs_made"]), (0, 10))
+
+    def test_other_spheres_or_options_are_other_runs(self):
+        arguments = ("--spacing", "1", "--field", "vdw", "--subdivide", "0")
+        self.study(self.pair, *arguments)
+        self.assertEqual(self.study(self.pair, *arguments, "--probe", "0.5")["runs_found"], 0)
+        self.assertEqual(self.study(self.pair, *arguments, "--samples", "20")["runs_found"], 0)
+        self.pair.write_text(self.pair.read_text().replace("1.5", "1.6"))
+        self.assertEqual(self.study(self.pair, *arguments)["runs_found"], 0)
+
+    def test_a_time_limit_leaves_the_rest_for_the_next_call(self):
+        arguments = (self.pair, "--spacing", "1,0.5", "--field", "vdw")
+        none = self.study(*arguments, "--time-limit", "0")
+        self.assertEqual((none["runs_made"], none["runs_left"]), (0, 4))
+        self.assertEqual(none["inputs"][0]["runs"], [])
+        rest = self.study(*arguments)
+        self.assertEqual((rest["runs_made"], rest["runs_left"]), (4, 0))
+
+    def test_damaged_files_are_made_anew(self):
+        arguments = (self.ball, "--spacing", "1,0.5", "--field", "vdw", "--subdivide", "0")
+        whole = self.study(*arguments)
+        kept = sorted((self.out / "runs").iterdir())
+        self.assertEqual(len(kept), 2)
+        kept[0].write_text(kept[0].read_text()[:100])
+        again = self.study(*arguments)
+        self.assertEqual((again["runs_found"], again["runs_made"]), (1, 1))
+        self.assertEqual(
+            [r["mesh"] for r in whole["inputs"][0]["runs"]],
+            [r["mesh"] for r in again["inputs"][0]["runs"]],
+        )
+
+    def test_an_interrupted_study_leaves_whole_runs_and_goes_on(self):
+        arguments = ["study", "--sample", "bpti", "-o", self.out, "--spacing", "1,0.5,0.05",
+                     "--field", "vdw", "--progress"]  # fmt: skip
+        process = subprocess.Popen(
+            [PROGRAM, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        )
+        # The line names the run in progress; the last one takes seconds.
+        seen = b""
+        while " 0.05 Å".encode() not in seen:
+            byte = process.stderr.read(1)
+            self.assertTrue(byte, "the program ended by itself")
+            seen += byte
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assertEqual(self.outputs(), ["runs"])
+        for path in (self.out / "runs").iterdir():
+            self.assertEqual(path.suffix, ".json")
+            parse_json(path.read_text())
+        study = self.study("--sample", "bpti", "--spacing", "1,0.5", "--field", "vdw")
+        self.assertEqual((study["runs_found"], study["runs_made"]), (4, 0))
+        self.assertEqual(self.outputs(), FILES)
+        self.assertRegex(seen.decode(), r"study +\d+ %, .* left: bpti vdw 0.05 Å")
