@@ -196,6 +196,9 @@ SurfaceOptions surface_options(const StudySetting& setting) {
 
 Study make_study(const std::vector<InputOptions>& inputs, const StudyOptions& options) {
   const Stopwatch watch;
+  MachineOptions threads_only = options.machine;
+  threads_only.progress = Progress::never;  // a study has a line of its own
+  const Machine machine(threads_only);
   Study study;
   study.options = options;
   study.backends = find_backends(options.axes.backends);

@@ -111,6 +111,29 @@ class Figures(StudyTest):
             rms = run["comparison"]["distances"]["mesh_to_surface"]["rms"]
             self.assertEqual(float(row["mesh_to_surface_rms"]), rms)
 
+    def test_threads_change_times_alone(self):
+        arguments = (self.pair, "--spacing", "0.25", "--field", "vdw,blinn")
+        one = self.study(*arguments, "--threads", "1")
+        three = self.study(*arguments, "--threads", "3")
+        self.assertEqual((one["backends"][0]["threads"], three["backends"][0]["threads"]), (1, 3))
+        self.assertEqual(three["runs_made"], one["runs_made"])
+        for a, b in zip(one["inputs"][0]["runs"], three["inputs"][0]["runs"]):
+            for block in ("parameters", "mesh", "histograms", "comparison"):
+                self.assertEqual(a[block], b[block])
+
+    def test_both_meshers_side_by_side(self):
+        study = self.study(self.pair, "--mesher", "marching-cubes,exact", "--spacing", "0.5,0.25",
+                           "--edge-length", "0.5,0.25,0.125", "--field", "vdw")  # fmt: skip
+        series = {(s["mesher"], s["subdivide"]): s for s in study["inputs"][0]["series"]}
+        self.assertEqual(len(series), 4)
+        # Triangles between vertices on the sphere and on the crease: second order, and χ = 2.
+        order = series["exact", 0]["by_resolution"]["area_error"]["order"]
+        self.assertTrue(1.7 < order < 2.3, order)
+        for run in study["inputs"][0]["runs"]:
+            if run["parameters"]["mesher"] == "exact":
+                self.assertEqual(run["comparison"]["euler_characteristic_difference"], 0)
+        self.assertEqual(study["inputs"][0]["refused"], [])
+
     def test_what_was_not_computed_is_null(self):
         study = self.study(
             self.ball, "--spacing", "1", "--distances", "off", "--self-intersections", "off"

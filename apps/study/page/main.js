@@ -57,7 +57,7 @@ function plotData(input, metric, size) {
       const fill = seriesStyle.colors[seriesStyle.fields.indexOf(colorKey(series))];
       // Runs are sorted by resolution, the finest first; the right-hand end has the free room.
       const end = size.name === "spacing" ? line[line.length - 1] : line[0];
-      ends.push({ ...end, label: `p = ${fit.order.toFixed(2).replace("-", "−")}`, fill });
+      ends.push({ ...end, label: `p = ${formatFixed(fit.order, 2)}`, fill });
     }
   }
   return { points, ends };

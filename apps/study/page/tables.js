@@ -9,7 +9,9 @@ function formatNumber(value, digits) {
 
 function formatFixed(value, decimals) {
   if (value === null || value === undefined) return "–";
-  return value.toLocaleString("en-US", { minimumFractionDigits: decimals, maximumFractionDigits: decimals });
+  const size = Math.abs(value).toLocaleString("en-US",
+    { minimumFractionDigits: decimals, maximumFractionDigits: decimals });
+  return (value < 0 && /[1-9]/.test(size) ? "−" : "") + size;
 }
 
 function formatPercent(value) {
