@@ -50,6 +50,10 @@ std::unique_ptr<Refiner> make_refiner(Backend backend) {
   return resolve(backend) == Backend::cuda ? make_cuda_refiner() : make_cpu_refiner();
 }
 
+std::unique_ptr<FieldMesher> make_field_mesher(Backend backend) {
+  return resolve(backend) == Backend::cuda ? make_cuda_field_mesher() : make_cpu_field_mesher();
+}
+
 std::unique_ptr<SurfacePipeline> make_pipeline(Backend backend) {
   if (resolve(backend) == Backend::cuda) return make_cuda_pipeline();
   return std::make_unique<CpuPipeline>();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "extract/extractor.hpp"
+#include "extract/sampled_field.hpp"
 #include "refine/refiner.hpp"
 
 namespace vdwmesh {
@@ -31,6 +32,7 @@ Backend resolve(Backend requested);
 
 std::unique_ptr<Extractor> make_extractor(Backend backend);
 std::unique_ptr<Refiner> make_refiner(Backend backend);
+std::unique_ptr<FieldMesher> make_field_mesher(Backend backend);
 
 struct PipelineResult {
   IndexedMesh mesh;

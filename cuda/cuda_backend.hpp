@@ -12,6 +12,7 @@ DeviceList find_cuda_devices();
 // Precondition: a device is present.
 std::unique_ptr<Extractor> make_cuda_extractor();
 std::unique_ptr<Refiner> make_cuda_refiner();
+std::unique_ptr<FieldMesher> make_cuda_field_mesher();
 std::unique_ptr<SurfacePipeline> make_cuda_pipeline();
 
 }  // namespace vdwmesh

@@ -21,4 +21,13 @@ VDWMESH_HD inline int count_bits(std::uint32_t bits) {
 #endif
 }
 
+// x, or 0 where x is not above 0; for x <= 1, which lets the device clamp for free.
+VDWMESH_HD inline float positive_part(float x) {
+#ifdef __CUDA_ARCH__
+  return __saturatef(x);
+#else
+  return x > 0.0f ? x : 0.0f;
+#endif
+}
+
 }  // namespace vdwmesh

@@ -13,6 +13,12 @@
 
 namespace vdwmesh {
 
+// The field at all nodes that the brick's cells touch: nodes x = 0 .. 7 of row [z][y], and node 8.
+struct BrickValues {
+  float row[kBrickReach][kBrickReach][kBrickSide];
+  float last[kBrickReach][kBrickReach];
+};
+
 template <FieldKind kind>
 class BlendedBrick {
  public:
@@ -20,26 +26,42 @@ class BlendedBrick {
       : list_(list),
         model_(model),
         shape_(shape_parameters<float>(model)),
-        spacing_(static_cast<float>(model.grid.spacing)),
+        nodes_(node_shape(model)),
         isovalue_(static_cast<float>(model.isovalue)) {}
 
   // Gathers the atoms that reach the brick's nodes, in list order.
   void visit(const BrickIndex& brick);
+  void values(BrickValues& values) const;
   void signs(BrickSigns& signs) const;
   SurfaceVertex vertex(const CrossedEdge& edge) const;
 
  private:
-  void add_rows(const LocalAtom& atom, float (&rows)[kBrickReach][kBrickReach][kBrickSide],
-                float (&last)[kBrickReach][kBrickReach]) const;
+  LocalAtom local_atom(const Sphere& atom) const;
+  void add_rows(const LocalAtom& atom, BrickValues& values) const;
 
   const CellListView& list_;
   const FieldModel& model_;
   ShapeParameters<float> shape_;
-  float spacing_, isovalue_;
+  NodeShape nodes_;
+  float isovalue_;
   BrickGeometry geometry_{};
   std::vector<LocalAtom> atoms_;
   std::vector<std::uint32_t> places_;
 };
+
+template <FieldKind kind>
+LocalAtom BlendedBrick<kind>::local_atom(const Sphere& atom) const {
+  LocalAtom local;
+  local.scale = static_cast<float>(inverse_square_scale(model_, atom.radius));
+  for (int axis = 0; axis < 3; ++axis) {
+    local.center[axis] = static_cast<float>(atom.center[axis] - geometry_.coordinate[axis][0]);
+    for (int node = 0; node < kBrickReach; ++node) {
+      local.term[axis][node] =
+          brick_term<kind>(model_, nodes_, geometry_, atom, local.scale, axis, node);
+    }
+  }
+  return local;
+}
 
 template <FieldKind kind>
 void BlendedBrick<kind>::visit(const BrickIndex& brick) {
@@ -48,51 +70,45 @@ void BlendedBrick<kind>::visit(const BrickIndex& brick) {
   places_.clear();
   visit_near_box(list_, geometry_.node(0, 0, 0), geometry_.node(kBrickSide, kBrickSide, kBrickSide),
                  [&](std::uint32_t place) {
-                   atoms_.push_back(local_atom(model_, geometry_, list_.spheres[place]));
+                   if (!reaches_brick(model_, geometry_, list_.spheres[place])) return false;
+                   atoms_.push_back(local_atom(list_.spheres[place]));
                    places_.push_back(place);
                    return false;
                  });
 }
 
-// Adds the atom to the nodes x = 0 .. 7 of every row, and to the nodes x = 8.
 template <FieldKind kind>
-void BlendedBrick<kind>::add_rows(const LocalAtom& atom,
-                                  float (&rows)[kBrickReach][kBrickReach][kBrickSide],
-                                  float (&last)[kBrickReach][kBrickReach]) const {
-  float dx[kBrickReach], dy[kBrickReach], dz[kBrickReach];
-  float mask_x[kBrickReach];
-  for (int i = 0; i < kBrickReach; ++i) {
-    dx[i] = node_offset(atom, 0, i, spacing_);
-    dy[i] = node_offset(atom, 1, i, spacing_);
-    dz[i] = node_offset(atom, 2, i, spacing_);
-    mask_x[i] = atom.reaches(0, i) ? 1.0f : 0.0f;
-  }
+void BlendedBrick<kind>::add_rows(const LocalAtom& atom, BrickValues& values) const {
+  AxisTerm along[kBrickReach];
+  for (int x = 0; x < kBrickReach; ++x) along[x] = atom.term[0][x];
   for (int z = 0; z < kBrickReach; ++z) {
-    if (!atom.reaches(2, z)) continue;
     for (int y = 0; y < kBrickReach; ++y) {
-      if (!atom.reaches(1, y)) continue;
-      const float dyz2 = std::fma(dy[y], dy[y], dz[z] * dz[z]);
-      if (dyz2 > atom.reach_square) continue;
-      float* row = rows[z][y];
+      const RowTerm term = row_term<kind>(nodes_, atom.term[1][y], atom.term[2][z]);
+      if (row_is_out_of_reach<kind>(nodes_, term)) continue;
+      float* row = values.row[z][y];
       for (int x = 0; x < kBrickSide; ++x) {
-        row[x] += mask_x[x] * shape_value<kind>(shape_, std::fma(dx[x], dx[x], dyz2), atom.scale);
+        row[x] = add_atom<kind>(nodes_, term, along[x], atom.scale, row[x]);
       }
-      constexpr int end = kBrickSide;
-      last[z][y] +=
-          mask_x[end] * shape_value<kind>(shape_, std::fma(dx[end], dx[end], dyz2), atom.scale);
+      float& last = values.last[z][y];
+      last = add_atom<kind>(nodes_, term, along[kBrickSide], atom.scale, last);
     }
   }
 }
 
 template <FieldKind kind>
+void BlendedBrick<kind>::values(BrickValues& values) const {
+  values = {};
+  for (const LocalAtom& atom : atoms_) add_rows(atom, values);
+}
+
+template <FieldKind kind>
 void BlendedBrick<kind>::signs(BrickSigns& signs) const {
-  float rows[kBrickReach][kBrickReach][kBrickSide] = {};
-  float last[kBrickReach][kBrickReach] = {};
-  for (const LocalAtom& atom : atoms_) add_rows(atom, rows, last);
+  BrickValues field;
+  values(field);
   for (int z = 0; z < kBrickReach; ++z) {
     for (int y = 0; y < kBrickReach; ++y) {
-      std::uint32_t bits = last[z][y] >= isovalue_ ? 1u << kBrickSide : 0u;
-      for (int x = 0; x < kBrickSide; ++x) bits |= (rows[z][y][x] >= isovalue_ ? 1u : 0u) << x;
+      std::uint32_t bits = field.last[z][y] >= isovalue_ ? 1u << kBrickSide : 0u;
+      for (int x = 0; x < kBrickSide; ++x) bits |= (field.row[z][y][x] >= isovalue_ ? 1u : 0u) << x;
       signs.row[z][y] = static_cast<std::uint16_t>(bits);
     }
   }
@@ -103,7 +119,7 @@ template <FieldKind kind>
 SurfaceVertex BlendedBrick<kind>::vertex(const CrossedEdge& edge) const {
   EdgeValues values;
   for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
-    add_to_edge<kind>(shape_, atoms_[k], edge, spacing_, list_.rank[places_[k]], k, values);
+    add_to_edge<kind>(nodes_, atoms_[k], edge, list_.rank[places_[k]], k, values);
   }
   const EdgePoint point =
       interpolate_edge(values.inside, values.outside, isovalue_, model_.grid.spacing);

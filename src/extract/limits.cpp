@@ -39,4 +39,16 @@ void check_mesh_limits(const MeshDemand& d, std::uint64_t memory_limit) {
   }
 }
 
+void check_sampling(const FieldModel& model, std::uint64_t memory_limit) {
+  if (model.kind == FieldKind::vdw) {
+    throw InvalidInput("the vdw field has no node values: sample blinn, soft or inverse-squared");
+  }
+  const std::uint64_t most = memory_limit / sizeof(float);
+  if (model.grid.node_count() <= most) return;
+  throw LimitExceeded(
+      fmt::format("the field has {} nodes, {} fit in the memory allowed: choose a "
+                  "larger spacing or a higher memory limit",
+                  model.grid.node_count(), most));
+}
+
 }  // namespace vdwmesh

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "extract/field.hpp"
 #include "extract/indexed_mesh.hpp"
 
 namespace vdwmesh {
@@ -18,5 +19,9 @@ struct MeshDemand {
 // Throws LimitExceeded beyond kMaxVertices, kMaxHalfEdges or `memory_limit` bytes; the message has
 // the number needed, the number there and a spacing that fits.
 void check_mesh_limits(const MeshDemand& demand, std::uint64_t memory_limit);
+
+// Before a field is sampled at every node: throws InvalidInput for vdw, which has no values, and
+// LimitExceeded where they take more than `memory_limit` bytes.
+void check_sampling(const FieldModel& model, std::uint64_t memory_limit);
 
 }  // namespace vdwmesh

@@ -1,4 +1,4 @@
-// An atom of a blended field in float32 coordinates relative to a brick. Host and device.
+// An atom of a blended field as one brick sees it, in float32. Host and device.
 #pragma once
 
 #include <cmath>
@@ -7,66 +7,58 @@
 #include "core/host_device.hpp"
 #include "extract/brick_geometry.hpp"
 #include "extract/field_formulas.hpp"
+#include "extract/node_terms.hpp"
 #include "extract/surface_vertex.hpp"
 
 namespace vdwmesh {
 
-// The first node of the next brick (local index 8) is measured from the next brick's own first
-// node, as that brick measures it: both bricks then compute the same value for it, bit for bit.
-struct LocalAtom {
-  float center[3];              // Å, from the brick's node 0
-  float next_center[3];         // Å, from its node 8
-  float scale;                  // q = d^2 * scale
-  float reach_square;           // Å²; contributes exactly 0 beyond
-  std::int8_t low[3], high[3];  // local nodes of its sub-grid; all of them without one
-
-  VDWMESH_HD bool reaches(int axis, int node) const {
-    return low[axis] <= node && node <= high[axis];
-  }
+struct alignas(16) LocalAtom {
+  float center[3];  // Å, from the brick's node 0
+  float scale;      // q = d^2 * scale
+  AxisTerm term[3][kBrickReach];
 };
 
-VDWMESH_HD inline std::int8_t clamp_local(std::int64_t node) {
-  return static_cast<std::int8_t>(node < -1 ? -1 : (node > kBrickReach ? kBrickReach : node));
-}
-
-VDWMESH_HD inline LocalAtom local_atom(const FieldModel& m, const BrickGeometry& g,
-                                       const Sphere& atom) {
-  LocalAtom local{};
-  const std::int32_t brick[3] = {g.brick.x, g.brick.y, g.brick.z};
+// Whether the atom can add anything but 0 to the brick's nodes.
+VDWMESH_HD inline bool reaches_brick(const FieldModel& m, const BrickGeometry& g,
+                                     const Sphere& atom) {
+  if (m.truncation == Truncation::subgrid) return true;
+  double d2 = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    local.center[axis] = static_cast<float>(atom.center[axis] - g.coordinate[axis][0]);
-    local.next_center[axis] =
-        static_cast<float>(atom.center[axis] - g.coordinate[axis][kBrickSide]);
-    local.low[axis] = 0;
-    local.high[axis] = kBrickSide;
-    if (m.truncation == Truncation::subgrid) {
-      const std::int64_t first = lattice_index(brick[axis], 0) - 1;  // node 0 in node units
-      const std::int64_t cell = subgrid_cell(m.grid, axis, atom.center[axis]);
-      local.low[axis] = clamp_local(cell - m.subgrid_cells - first);
-      local.high[axis] = clamp_local(cell + m.subgrid_cells - first);
-    }
+    const double below = g.coordinate[axis][0] - atom.center[axis];
+    const double above = atom.center[axis] - g.coordinate[axis][kBrickSide];
+    const double d = below > 0 ? below : (above > 0 ? above : 0);
+    d2 += d * d;
   }
-  const double scale = inverse_square_scale(m, atom.radius);
-  local.scale = static_cast<float>(scale);
-  const double reach = field_reach_square(m, scale);
-  local.reach_square = static_cast<float>(reach * (1 + 1e-5));
-  return local;
+  const double reach = field_reach(m, atom.radius);
+  return d2 <= reach * reach;
 }
 
-VDWMESH_HD inline float node_offset(const LocalAtom& a, int axis, int node, float spacing) {
-  return node == kBrickSide ? -a.next_center[axis]
-                            : static_cast<float>(node) * spacing - a.center[axis];
+// The atom's term at lattice plane `lattice` across an axis, whose coordinate is given, Å.
+template <FieldKind kind>
+VDWMESH_HD inline AxisTerm lattice_term(const FieldModel& m, const NodeShape& p, const Sphere& atom,
+                                        float scale, int axis, std::int64_t lattice,
+                                        double coordinate) {
+  if (m.truncation == Truncation::subgrid) {
+    const std::int64_t away = lattice - 1 - subgrid_cell(m.grid, axis, atom.center[axis]);
+    if (away < -m.subgrid_cells || away > m.subgrid_cells) return {0, 0};
+  }
+  return axis_term<kind>(p, scale, axis, static_cast<float>(coordinate - atom.center[axis]));
 }
 
 template <FieldKind kind>
-VDWMESH_HD inline float node_value(const ShapeParameters<float>& shape, const LocalAtom& a,
-                                   const int node[3], float spacing) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!a.reaches(axis, node[axis])) return 0;
-  }
-  const float dx = node_offset(a, 0, node[0], spacing), dy = node_offset(a, 1, node[1], spacing),
-              dz = node_offset(a, 2, node[2], spacing);
-  return shape_value<kind>(shape, std::fma(dx, dx, std::fma(dy, dy, dz * dz)), a.scale);
+VDWMESH_HD inline AxisTerm brick_term(const FieldModel& m, const NodeShape& p,
+                                      const BrickGeometry& g, const Sphere& atom, float scale,
+                                      int axis, int node) {
+  const std::int32_t brick = axis == 0 ? g.brick.x : (axis == 1 ? g.brick.y : g.brick.z);
+  return lattice_term<kind>(m, p, atom, scale, axis, lattice_index(brick, node),
+                            g.coordinate[axis][node]);
+}
+
+// What an atom alone adds to a node of the brick.
+template <FieldKind kind>
+VDWMESH_HD inline float node_value(const NodeShape& p, const LocalAtom& a, const int node[3]) {
+  const RowTerm row = row_term<kind>(p, a.term[1][node[1]], a.term[2][node[2]]);
+  return add_atom<kind>(p, row, a.term[0][node[0]], a.scale, 0.0f);
 }
 
 // The atom of largest contribution so far, lowest rank among equals. Atoms that add 0 do not count.
@@ -91,19 +83,22 @@ struct EdgeValues {
 };
 
 template <FieldKind kind>
-VDWMESH_HD inline void add_to_edge(const ShapeParameters<float>& shape, const LocalAtom& a,
-                                   const CrossedEdge& edge, float spacing, std::uint32_t rank,
-                                   std::uint32_t atom, EdgeValues& values) {
-  const float inside = node_value<kind>(shape, a, edge.inside, spacing);
-  values.inside += inside;
-  values.outside += node_value<kind>(shape, a, edge.outside, spacing);
-  values.strongest.meet(inside, rank, atom);
+VDWMESH_HD inline void add_to_edge(const NodeShape& p, const LocalAtom& a, const CrossedEdge& edge,
+                                   std::uint32_t rank, std::uint32_t atom, EdgeValues& values) {
+  const auto row = [&](const int node[3]) {
+    return row_term<kind>(p, a.term[1][node[1]], a.term[2][node[2]]);
+  };
+  const RowTerm inside = row(edge.inside), outside = row(edge.outside);
+  const AxisTerm &x_inside = a.term[0][edge.inside[0]], &x_outside = a.term[0][edge.outside[0]];
+  values.strongest.meet(add_atom<kind>(p, inside, x_inside, a.scale, 0.0f), rank, atom);
+  values.inside = add_atom<kind>(p, inside, x_inside, a.scale, values.inside);
+  values.outside = add_atom<kind>(p, outside, x_outside, a.scale, values.outside);
 }
 
 // Gradient of the field at a vertex, and the strongest atom there; begin with that of the inside
 // end, for a vertex that no atom reaches. Sub-grids count as at the inside end.
 struct LocalGradient {
-  Vec3d sum{0, 0, 0};
+  Vec3f sum{0, 0, 0};
   Strongest strongest;
 };
 
@@ -112,16 +107,15 @@ VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const L
                                     const int inside[3], const Vec3f& local, std::uint32_t rank,
                                     std::uint32_t atom, LocalGradient& g) {
   Vec3f d{};
+  float reached = 1;
   for (int axis = 0; axis < 3; ++axis) {
-    if (!a.reaches(axis, inside[axis])) return;
+    reached *= a.term[axis][inside[axis]].factor;
     d[axis] = local[axis] - a.center[axis];
   }
+  if (reached == 0) return;
   const float d2 = std::fma(d.x, d.x, std::fma(d.y, d.y, d.z * d.z));
   const ValueAndSlope<float> f = shape_value_and_slope<kind>(shape, d2, a.scale);
-  const double slope = f.slope;
-  for (int axis = 0; axis < 3; ++axis) {
-    g.sum[axis] = std::fma(slope, static_cast<double>(d[axis]), g.sum[axis]);
-  }
+  for (int axis = 0; axis < 3; ++axis) g.sum[axis] = std::fma(f.slope, d[axis], g.sum[axis]);
   g.strongest.meet(f.value, rank, atom);
 }
 

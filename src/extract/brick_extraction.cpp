@@ -1,0 +1,109 @@
+#include "extract/brick_extraction.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "extract/limits.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kBricksPerTask = 32;
+
+using Active = std::vector<ActiveBrick>;
+using Clock = std::chrono::steady_clock;
+
+struct Bases {
+  std::vector<std::uint64_t> vertices, triangles;  // before each active brick, and in all
+};
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Calls body(task, begin, end) for consecutive pieces of [0, count) on all cores.
+template <class Body>
+void for_tasks(std::size_t count, Monitor* monitor, Body body) {
+  const std::size_t tasks = (count + kBricksPerTask - 1) / kBricksPerTask;
+  tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
+    const std::size_t begin = task * kBricksPerTask;
+    const std::size_t end = std::min(count, begin + kBricksPerTask);
+    body(task, begin, end);
+    advance(monitor, end - begin);
+  });
+}
+
+std::size_t task_count(std::size_t count) { return (count + kBricksPerTask - 1) / kBricksPerTask; }
+
+Active count_all(std::span<const std::uint64_t> candidates, const BrickLoops& loops,
+                 Monitor* monitor) {
+  std::vector<Active> parts(task_count(candidates.size()));
+  begin_stage(monitor, "field", candidates.size());
+  for_tasks(candidates.size(), monitor, [&](std::size_t task, std::size_t a, std::size_t b) {
+    loops.count(candidates.subspan(a, b - a), parts[task]);
+  });
+  std::size_t total = 0;
+  for (const Active& part : parts) total += part.size();
+  Active all;
+  all.reserve(total);
+  for (Active& part : parts) {
+    all.insert(all.end(), part.begin(), part.end());
+    Active().swap(part);
+  }
+  return all;
+}
+
+Bases sum_up(const Active& bricks) {
+  Bases bases;
+  bases.vertices.resize(bricks.size() + 1);
+  bases.triangles.resize(bricks.size() + 1);
+  for (std::size_t b = 0; b < bricks.size(); ++b) {
+    bases.vertices[b + 1] = bases.vertices[b] + bricks[b].vertices;
+    bases.triangles[b + 1] = bases.triangles[b] + bricks[b].triangles;
+  }
+  return bases;
+}
+
+void resize(IndexedMesh& mesh, const Bases& bases, Labels labels, Connectivity connectivity) {
+  mesh.positions.resize(bases.vertices.back());
+  mesh.normals.resize(bases.vertices.back());
+  if (labels == Labels::spheres) mesh.vertex_spheres.resize(bases.vertices.back());
+  mesh.triangles.resize(bases.triangles.back());
+  if (connectivity == Connectivity::half_edges) mesh.opposite.resize(3 * bases.triangles.back());
+}
+
+}  // namespace
+
+ExtractResult mesh_bricks(const GridSpec& grid,
+                          const std::function<std::vector<std::uint64_t>()>& candidates,
+                          const BrickLoops& loops, Labels labels, const ExtractOptions& options) {
+  Clock::time_point start = Clock::now();
+  ExtractResult result;
+  result.grid = grid;
+  const Active bricks = count_all(candidates(), loops, options.monitor);
+  const Bases bases = sum_up(bricks);
+  result.stats.surface_bricks = bricks.size();
+  for (const ActiveBrick& brick : bricks) result.stats.grid_clipped += brick.clipped_cells;
+  check_mesh_limits({bases.vertices.back(), bases.triangles.back(), options.connectivity,
+                     bricks.size() * (sizeof(ActiveBrick) + 16), grid.spacing},
+                    options.memory_limit);
+  result.stats.field_seconds = seconds_since(start);
+
+  start = Clock::now();
+  resize(result.mesh, bases, labels, options.connectivity);
+  const BrickList numbered{bricks.data(), bases.vertices.data(), bases.triangles.data(),
+                           bricks.size()};
+  const Emission emission{numbered, result.mesh};
+  std::vector<std::uint64_t> clamped(task_count(bricks.size()));
+  begin_stage(options.monitor, "extract", bricks.size());
+  for_tasks(bricks.size(), options.monitor, [&](std::size_t task, std::size_t a, std::size_t b) {
+    clamped[task] = loops.emit(emission, a, b);
+  });
+  for (const std::uint64_t c : clamped) result.stats.clamped_vertices += c;
+  result.stats.extract_seconds = seconds_since(start);
+  return result;
+}
+
+}  // namespace vdwmesh

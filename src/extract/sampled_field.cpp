@@ -1,0 +1,174 @@
+#include "extract/sampled_field.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include "core/multiversion.hpp"
+#include "extract/blended_brick.hpp"
+#include "extract/brick_extraction.hpp"
+#include "extract/field_sample.hpp"
+#include "extract/limits.hpp"
+#include "extract/sampled_formulas.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using Keys = std::span<const std::uint64_t>;
+
+// ---- sampling ----
+
+// Bricks of one row along x.
+struct BrickRow {
+  std::int32_t y, z;
+};
+
+struct Sampling {
+  const CellListView& list;
+  const FieldModel& model;
+  float* values;
+};
+
+// Writes the nodes that the brick owns and the grid has.
+void store(const BrickValues& field, const BrickGeometry& g, const Sampling& s) {
+  const GridSpec& grid = s.model.grid;
+  for (int z = 0; z < kBrickSide; ++z) {
+    for (int y = 0; y < kBrickSide; ++y) {
+      if ((g.real[1] >> y & g.real[2] >> z & 1) == 0) continue;
+      for (int x = 0; x < kBrickSide; ++x) {
+        if ((g.real[0] >> x & 1) == 0) continue;
+        const int node[3] = {x, y, z};
+        const SampledFieldView view{grid, s.values, 0};
+        s.values[node_address(view, lattice_node(g.brick, node)) - view.values] =
+            field.row[z][y][x];
+      }
+    }
+  }
+}
+
+template <FieldKind kind>
+void sample_row(const Sampling& s, const BrickRow& row) {
+  BlendedBrick<kind> surface(s.list, s.model);
+  BrickValues field;
+  for (std::int32_t x = 0; x < brick_count(s.model.grid.cells.x); ++x) {
+    const BrickIndex brick{x, row.y, row.z};
+    surface.visit(brick);
+    surface.values(field);
+    store(field, brick_geometry(s.model.grid, brick), s);
+  }
+}
+
+VDWMESH_MULTIVERSION void sample_blinn(const Sampling& s, const BrickRow& row) {
+  sample_row<FieldKind::blinn>(s, row);
+}
+VDWMESH_MULTIVERSION void sample_soft(const Sampling& s, const BrickRow& row) {
+  sample_row<FieldKind::soft_object>(s, row);
+}
+VDWMESH_MULTIVERSION void sample_inverse(const Sampling& s, const BrickRow& row) {
+  sample_row<FieldKind::inverse_squared>(s, row);
+}
+
+using SampleRow = void (*)(const Sampling&, const BrickRow&);
+
+SampleRow sampler_of(FieldKind kind) {
+  if (kind == FieldKind::blinn) return sample_blinn;
+  return kind == FieldKind::soft_object ? sample_soft : sample_inverse;
+}
+
+// ---- meshing ----
+
+// A sampled field seen from one brick.
+class SampledBrick {
+ public:
+  explicit SampledBrick(const SampledFieldView& field) : field_(field) {}
+
+  void visit(const BrickIndex& brick) { geometry_ = brick_geometry(field_.grid, brick); }
+
+  void signs(BrickSigns& signs) const {
+    signs = {};
+    for (int z = 0; z < kBrickReach; ++z) {
+      for (int y = 0; y < kBrickReach; ++y) {
+        if ((geometry_.real[1] >> y & geometry_.real[2] >> z & 1) == 0) continue;
+        const int node[3] = {0, y, z};
+        // Of the row's node 0, whether the grid has it or not.
+        const float* const row = node_address(field_, lattice_node(geometry_.brick, node));
+        std::uint32_t bits = 0;
+        for (int x = 0; x < kBrickReach; ++x) {
+          if ((geometry_.real[0] >> x & 1) != 0 && row[x] >= field_.isovalue) bits |= 1u << x;
+        }
+        signs.row[z][y] = static_cast<std::uint16_t>(bits);
+      }
+    }
+  }
+
+  SurfaceVertex vertex(const CrossedEdge& edge) const {
+    return sampled_vertex(field_, geometry_.brick, edge,
+                          geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]));
+  }
+
+ private:
+  const SampledFieldView& field_;
+  BrickGeometry geometry_{};
+};
+
+VDWMESH_MULTIVERSION void count_sampled(const SampledFieldView& field, Keys keys,
+                                        std::vector<ActiveBrick>& active) {
+  SampledBrick surface(field);
+  count_bricks(surface, field.grid, keys, active);
+}
+
+VDWMESH_MULTIVERSION std::uint64_t emit_sampled(const SampledFieldView& field, const Emission& e,
+                                                std::size_t begin, std::size_t end) {
+  SampledBrick surface(field);
+  return emit_bricks(e, begin, end, surface);
+}
+
+std::vector<std::uint64_t> all_bricks(const GridSpec& grid) {
+  std::vector<std::uint64_t> keys;
+  for (std::int32_t z = 0; z < brick_count(grid.cells.z); ++z) {
+    for (std::int32_t y = 0; y < brick_count(grid.cells.y); ++y) {
+      for (std::int32_t x = 0; x < brick_count(grid.cells.x); ++x) {
+        keys.push_back(brick_key({x, y, z}));
+      }
+    }
+  }
+  return keys;
+}
+
+class CpuFieldMesher final : public FieldMesher {
+ public:
+  SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const override {
+    SampledField field;
+    field.grid = make_grid(spheres, options.grid);
+    const FieldModel model = make_field_model(options.field, field.grid);
+    check_sampling(model, options.memory_limit);
+    field.isovalue = static_cast<float>(model.isovalue);
+    field.values.resize(field.grid.node_count());
+    const CellList list = make_field_list(spheres, model);
+    const Sampling sampling{list.view(), model, field.values.data()};
+    const SampleRow sample_row = sampler_of(model.kind);
+    const std::int32_t height = brick_count(field.grid.cells.y);
+    const std::int32_t rows = height * brick_count(field.grid.cells.z);
+    begin_stage(options.monitor, "field", static_cast<std::uint64_t>(rows));
+    tbb::parallel_for(std::int32_t{0}, rows, [&](std::int32_t row) {
+      sample_row(sampling, {row % height, row / height});
+      advance(options.monitor, 1);
+    });
+    return field;
+  }
+
+  ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const override {
+    const SampledFieldView view = field.view();
+    const BrickLoops loops{
+        [&](Keys keys, std::vector<ActiveBrick>& active) { count_sampled(view, keys, active); },
+        [&](const Emission& e, std::size_t begin, std::size_t end) {
+          return emit_sampled(view, e, begin, end);
+        }};
+    return mesh_bricks(
+        field.grid, [&] { return all_bricks(field.grid); }, loops, Labels::none, options);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<FieldMesher> make_cpu_field_mesher() { return std::make_unique<CpuFieldMesher>(); }
+
+}  // namespace vdwmesh
