@@ -1,6 +1,8 @@
 // Times of the CUDA backend on the device, by events; medians of repeated runs.
 //
-//   cuda_bench [XYZR...]     files: end to end against the CPU backend
+//   cuda_bench [--extract] [XYZR...]     files: end to end against the CPU backend; --extract
+//   leaves
+//                                        out refinement and the comparison with the CPU
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -21,6 +23,8 @@ namespace vdwmesh {
 namespace {
 
 constexpr int kRepeats = 9;
+
+enum class Meshing { no, yes };
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -139,6 +143,55 @@ void report_extraction(const char* name, const SphereSet& spheres, const Extract
       median(total), floor);
 }
 
+// Spheres -> field at every node; then field in memory -> mesh, against the floor of this run: the
+// field read once and the mesh written once, at the rate of the copy.
+void report_field(const char* name, const SphereSet& spheres, const ExtractOptions& options,
+                  double rate, Meshing meshing) {
+  const Stream stream;
+  const GridSpec grid = make_grid(spheres, options.grid);
+  const FieldModel model = make_field_model(options.field, grid);
+  const CellList list = make_field_list(spheres, model);
+  const DeviceCellList device_list(list.view(), stream.get());
+  const DeviceArray<float> values(grid.node_count(), stream.get());
+  const double sampling = time_on_device(
+      stream, [&] { sample_field_on_device(device_list.view(), model, values.data(), stream); });
+  const double bytes = static_cast<double>(values.bytes());
+  std::printf(
+      "%-34s %lld x %lld x %lld nodes: field at every node %.3f ms (written once: %.3f ms)\n", name,
+      static_cast<long long>(grid.cells.x + 1), static_cast<long long>(grid.cells.y + 1),
+      static_cast<long long>(grid.cells.z + 1), sampling, bytes / rate * 1e3);
+  if (meshing == Meshing::no) return;
+  const SampledFieldView field{grid, values.data(), static_cast<float>(model.isovalue)};
+  std::vector<double> total;
+  std::vector<ExtractTimings> stages;
+  std::uint64_t vertices = 0, triangles = 0;
+  for (int i = 0; i <= 2 * kRepeats; ++i) {
+    stream.wait();
+    const double seconds = seconds_of([&] {
+      const DeviceExtraction e = mesh_field_on_device(field, options, stream);
+      vertices = e.mesh.vertex_count();
+      triangles = e.mesh.triangle_count();
+      stages.push_back(e.timings);
+    });
+    if (i > 0) total.push_back(seconds * 1e3);
+  }
+  const auto stage = [&](float ExtractTimings::*member) {
+    std::vector<double> times;
+    for (const ExtractTimings& t : stages) times.push_back(static_cast<double>(t.*member));
+    return median(times);
+  };
+  const double mesh_bytes = static_cast<double>(vertices * (sizeof(Vec3d) + sizeof(Vec3f)) +
+                                                triangles * 6 * sizeof(std::uint32_t));
+  const double floor = (bytes + mesh_bytes) / rate * 1e3;
+  std::printf(
+      "    field -> mesh: V %llu T %llu  wall %.3f ms, floor %.3f ms, %.2f x\n"
+      "    bits, bricks %.3f  count %.3f  scan %.3f  vertices %.3f  triangles %.3f ms\n",
+      static_cast<unsigned long long>(vertices), static_cast<unsigned long long>(triangles),
+      median(total), floor, median(total) / floor, stage(&ExtractTimings::search),
+      stage(&ExtractTimings::count), stage(&ExtractTimings::scan), stage(&ExtractTimings::vertices),
+      stage(&ExtractTimings::triangles));
+}
+
 void report_refinement(const char* name, const SphereSet& spheres, double spacing, int subdivisions,
                        Crossings crossings) {
   const Stream stream;
@@ -220,25 +273,31 @@ int run(int argc, char** argv) {
     options.grid.padding = 2.0;
     options.grid.spacing = (box.upper.x - box.lower.x + 4.0) / (nodes - 1);
     report_extraction(("synthetic blinn " + std::to_string(nodes)).c_str(), cluster, options, rate);
+    report_field(("synthetic blinn " + std::to_string(nodes)).c_str(), cluster, options, rate,
+                 Meshing::yes);
     options.field.kind = FieldKind::vdw;
     report_extraction(("synthetic vdw " + std::to_string(nodes)).c_str(), cluster, options, rate);
   }
-  for (int i = 1; i < argc; ++i) {
+  const bool extract_only = argc > 1 && std::string(argv[1]) == "--extract";
+  for (int i = extract_only ? 2 : 1; i < argc; ++i) {
     const SphereSet spheres = read_xyzr(argv[i]);
     ExtractOptions options;
     report_extraction(std::filesystem::path(argv[i]).stem().c_str(), spheres, options, rate);
     options.field.kind = FieldKind::blinn;
     report_extraction("  blinn", spheres, options, rate);
+    if (extract_only) continue;
     report_refinement("  refined", spheres, 0.5, 2);
     report_end_to_end(argv[i], 0.5);
     report_end_to_end(argv[i], 0.25);
   }
-  if (argc > 1) {
+  if (argc > (extract_only ? 2 : 1)) {
     const SphereSet million = side_by_side(read_xyzr(argv[argc - 1]), 6);
     ExtractOptions options;
     report_extraction("six copies vdw", million, options, rate);
     options.field.kind = FieldKind::blinn;
     report_extraction("six copies blinn", million, options, rate);
+    report_field("six copies blinn", million, options, rate, Meshing::no);
+    if (extract_only) return 0;
     report_refinement("six copies", million, 0.5, 1);
     report_refinement("six copies", million, 0.5, 2);
   }

@@ -1,8 +1,12 @@
 // What blocks of threads that work on one brick share.
 #pragma once
 
+#include "cuda/device_structures.cuh"
+#include "cuda/ordered_gather.cuh"
 #include "extract/brick_geometry.hpp"
 #include "extract/brick_numbering.hpp"
+#include "extract/case_table.hpp"
+#include "extract/surface_vertex.hpp"
 
 namespace vdwmesh {
 
@@ -10,7 +14,7 @@ inline constexpr unsigned kBrickThreads = 128;
 inline constexpr int kRows = kBrickReach * kBrickReach;   // rows of nodes that cells touch
 inline constexpr int kOwnRows = kBrickSide * kBrickSide;  // rows of own nodes, and of cells
 
-// brick_geometry() by the threads of a block.
+// brick_geometry() by the threads of a block, at least 27 of them.
 __device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, BrickGeometry& g) {
   const BrickIndex brick = brick_of_key(key);
   const int i = static_cast<int>(threadIdx.x) % kBrickReach;
@@ -30,14 +34,108 @@ __device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, B
   __syncthreads();
 }
 
-// Copies a brick between global and shared memory; the caller synchronises.
-__device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to) {
+// Row (y, z) of the brick's signs; virtual nodes are outside.
+__device__ inline void share_signs(const BrickGeometry& g, std::uint32_t inside, int y, int z,
+                                   BrickSigns& signs) {
+  const bool real = (g.real[1] >> y & g.real[2] >> z & 1) != 0;
+  signs.row[z][y] = real ? static_cast<std::uint16_t>(inside & g.real[0]) : std::uint16_t{0};
+}
+
+// Copies a brick between global and shared memory by `threads` threads; the caller synchronises.
+__device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsigned thread,
+                                  unsigned threads) {
   static_assert(sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
   const auto* source = reinterpret_cast<const std::uint64_t*>(from);
   auto* target = reinterpret_cast<std::uint64_t*>(to);
-  for (unsigned w = threadIdx.x; w < sizeof(ActiveBrick) / sizeof(std::uint64_t);
-       w += kBrickThreads) {
+  for (unsigned w = thread; w < sizeof(ActiveBrick) / sizeof(std::uint64_t); w += threads) {
     target[w] = source[w];
+  }
+}
+
+// Counts what the brick's signs imply, vertices and triangles per row and in all: by one warp, two
+// rows a lane. The caller synchronises before and after.
+__device__ inline void count_brick(const BrickGeometry& geometry, const CaseTable& table,
+                                   ActiveBrick& brick) {
+  static_assert(kOwnRows == 2 * kWarp);
+  const unsigned lane = threadIdx.x % kWarp;
+  std::uint32_t clipped = 0, before = 0;  // triangles << 16 | vertices
+  for (unsigned row = lane; row < kOwnRows; row += kWarp) {
+    const int y = static_cast<int>(row) % kBrickSide, z = static_cast<int>(row) / kBrickSide;
+    const auto vertices =
+        static_cast<std::uint32_t>(vertex_count(row_crossings(brick.signs, y, z)));
+    const std::uint32_t mixed = mixed_cells(brick.signs, y, z);
+    std::uint32_t triangles = 0;
+    for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+      triangles += table.count(cell_case(brick.signs, __ffs(static_cast<int>(cells)) - 1, y, z));
+    }
+    clipped += static_cast<std::uint32_t>(count_bits(mixed & border_cells(geometry, y, z)));
+    const std::uint32_t own = triangles << 16 | vertices, sum = warp_inclusive_sum(own);
+    brick.row_vertices[row] = static_cast<std::uint16_t>(before + sum - own);
+    brick.row_triangles[row] = static_cast<std::uint16_t>((before + sum - own) >> 16);
+    before += __shfl_sync(kAllLanes, sum, kWarp - 1);
+  }
+  clipped = __reduce_add_sync(kAllLanes, clipped);
+  if (lane != 0) return;
+  brick.vertices = before & 0xffffu;
+  brick.triangles = before >> 16;
+  brick.clipped_cells = clipped;
+}
+
+// Crossed edges of a brick in the order of their vertices: row * 32 + x * 4 + axis.
+struct EdgeList {
+  std::uint16_t code[3 * kBrickNodes];
+
+  // Without the vertex's position in memory: the edge as its inside end sees it.
+  __device__ CrossedEdge edge(const BrickSigns& signs, std::uint32_t vertex) const {
+    const int c = code[vertex];
+    const int axis = c & 3, x = c >> 2 & 7, y = c >> 5 & 7, z = c >> 8;
+    return crossed_edge((signs.row[z][y] >> x & 1) != 0, x, y, z, axis);
+  }
+};
+
+// A row per thread; the caller synchronises before and after.
+__device__ inline void list_edges(const ActiveBrick& brick, EdgeList& edges) {
+  if (threadIdx.x >= kOwnRows) return;
+  const int y = static_cast<int>(threadIdx.x) % kBrickSide;
+  const int z = static_cast<int>(threadIdx.x) / kBrickSide;
+  const RowCrossings c = row_crossings(brick.signs, y, z);
+  int next = brick.row_vertices[threadIdx.x];
+  for (std::uint32_t nodes = c.along[0] | c.along[1] | c.along[2]; nodes; nodes &= nodes - 1) {
+    const int x = __ffs(static_cast<int>(nodes)) - 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((c.along[axis] >> x & 1) == 0) continue;
+      const unsigned code = threadIdx.x * 32 + static_cast<unsigned>(x * 4 + axis);
+      edges.code[next++] = static_cast<std::uint16_t>(code);
+    }
+  }
+}
+
+// Through which a warp writes its vertices, one a lane, in whole lines of memory.
+struct VertexStage {
+  double position[3 * kWarp];
+  float normal[3 * kWarp];
+  SphereId sphere[kWarp];
+};
+
+// Writes `count` vertices of a warp from place `first` on; lane i holds the i-th.
+__device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& mesh,
+                                      std::uint64_t first, unsigned count,
+                                      const SurfaceVertex& vertex) {
+  const unsigned lane = threadIdx.x % kWarp;
+  __syncwarp();
+  for (int axis = 0; axis < 3; ++axis) {
+    stage.position[3 * lane + static_cast<unsigned>(axis)] = vertex.position[axis];
+    stage.normal[3 * lane + static_cast<unsigned>(axis)] = vertex.normal[axis];
+  }
+  stage.sphere[lane] = vertex.sphere;
+  __syncwarp();
+  auto* positions = reinterpret_cast<double*>(mesh.positions + first);
+  auto* normals = reinterpret_cast<float*>(mesh.normals + first);
+  auto* spheres = reinterpret_cast<SphereId*>(mesh.vertex_spheres + first);
+  for (unsigned w = lane; w < 3 * count; w += kWarp) {
+    positions[w] = stage.position[w];
+    normals[w] = stage.normal[w];
+    if (mesh.vertex_spheres) spheres[w] = w % 3 == 0 ? stage.sphere[w / 3] : kNoSphere;
   }
 }
 

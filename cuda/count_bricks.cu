@@ -1,115 +1,131 @@
 // Node signs and counts, a block of threads per brick.
+#include "cuda/blended_atoms.cuh"
 #include "cuda/brick_block.cuh"
-#include "cuda/brick_surface.cuh"
 #include "cuda/extract_stages.cuh"
+#include "cuda/union_surface.cuh"
 
 namespace vdwmesh {
 namespace {
-
-// Exclusive sums over the 64 own rows, by the first two warps; `warp_total` keeps their two totals.
-// All threads of the block call it.
-__device__ void sum_rows(std::uint32_t value, std::uint16_t* before, std::uint32_t* warp_total) {
-  const unsigned lane = threadIdx.x % kWarp;
-  std::uint32_t sum = value;
-  for (unsigned step = 1; step < kWarp; step *= 2) {
-    const std::uint32_t below = __shfl_up_sync(kAllLanes, sum, step);
-    if (lane >= step) sum += below;
-  }
-  if (threadIdx.x < kOwnRows && lane == kWarp - 1) warp_total[threadIdx.x / kWarp] = sum;
-  __syncthreads();
-  if (threadIdx.x < kOwnRows) {
-    const std::uint32_t earlier = threadIdx.x < kWarp ? 0 : warp_total[0];
-    before[threadIdx.x] = static_cast<std::uint16_t>(earlier + sum - value);
-  }
-  __syncthreads();
-}
 
 struct CountShared {
   GatherState gather;
   BrickGeometry geometry;
   ActiveBrick brick;
   std::uint32_t places[kChunk];
-  std::uint32_t warp_total[2];
 };
 
-// Counts what the brick's signs imply: vertices and triangles per row, and in all.
-__device__ void count_brick(CountShared& s, const CaseTable& table) {
-  std::uint32_t vertices = 0, triangles = 0, clipped = 0;
-  if (threadIdx.x < kOwnRows) {
-    const int y = static_cast<int>(threadIdx.x) % kBrickSide;
-    const int z = static_cast<int>(threadIdx.x) / kBrickSide;
-    vertices = static_cast<std::uint32_t>(vertex_count(row_crossings(s.brick.signs, y, z)));
-    const std::uint32_t mixed = mixed_cells(s.brick.signs, y, z);
-    for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
-      triangles += table.count(cell_case(s.brick.signs, __ffs(static_cast<int>(cells)) - 1, y, z));
-    }
-    clipped = static_cast<std::uint32_t>(count_bits(mixed & border_cells(s.geometry, y, z)));
-  }
-  sum_rows(vertices, s.brick.row_vertices, s.warp_total);
-  if (threadIdx.x == 0) s.brick.vertices = s.warp_total[0] + s.warp_total[1];
+// What a block does once the signs of its brick stand in shared memory.
+__device__ void finish_brick(const BrickGeometry& geometry, const CaseTable& table,
+                             ActiveBrick& brick, ActiveBrick* bricks, const BrickCounts& counts) {
   __syncthreads();
-  sum_rows(triangles, s.brick.row_triangles, s.warp_total);
-  if (threadIdx.x == 0) s.brick.triangles = s.warp_total[0] + s.warp_total[1];
+  if (threadIdx.x < kWarp) count_brick(geometry, table, brick);
   __syncthreads();
-  if (threadIdx.x == 0) s.brick.clipped_cells = 0;
-  __syncthreads();
-  if (clipped != 0) atomicAdd(&s.brick.clipped_cells, clipped);
-  __syncthreads();
+  copy_brick(&brick, &bricks[blockIdx.x], threadIdx.x, blockDim.x);
+  if (threadIdx.x != 0) return;
+  counts.vertices[blockIdx.x] = brick.vertices;
+  counts.triangles[blockIdx.x] = brick.triangles;
+  CountPart& part = counts.parts[blockIdx.x % kCountParts];
+  if (brick.clipped_cells != 0) atomicAdd(&part.clipped_cells, brick.clipped_cells);
+  if (brick.vertices + brick.triangles != 0) atomicAdd(&part.surface_bricks, 1ull);
 }
 
-template <class Surface>
 __global__ void __launch_bounds__(kBrickThreads)
-    count_bricks(FieldContext f, const std::uint64_t* keys, const CaseTable* table,
-                 ActiveBrick* bricks, BrickCounts counts) {
+    count_union(FieldContext f, const std::uint64_t* keys, const CaseTable* table,
+                ActiveBrick* bricks, BrickCounts counts) {
   __shared__ CountShared s;
-  __shared__ typename Surface::Item items[kChunk];
+  __shared__ UnionSurface::Item items[kChunk];
   if (threadIdx.x == 0) s.brick.key = keys[blockIdx.x];
   share_geometry(f.model.grid, keys[blockIdx.x], s.geometry);
   begin_gather(f.list, s.geometry.node(0, 0, 0),
                s.geometry.node(kBrickSide, kBrickSide, kBrickSide), s.gather);
-  typename Surface::RowState row;
+  UnionSurface::RowState row;
   const int y = static_cast<int>(threadIdx.x) % kBrickReach;
   const int z = static_cast<int>(threadIdx.x) / kBrickReach;
   do {
     next_chunk(f.list, s.gather, s.places, kChunk,
-               [&](std::uint32_t place) { return Surface::keep(f, s.geometry, place); });
+               [&](std::uint32_t place) { return UnionSurface::keep(f, s.geometry, place); });
     if (threadIdx.x < s.gather.gathered) {
-      items[threadIdx.x] = Surface::item(f, s.geometry, s.places[threadIdx.x]);
+      items[threadIdx.x] = UnionSurface::item(f, s.places[threadIdx.x]);
     }
     __syncthreads();
     if (threadIdx.x < kRows) {
-      Surface::add_row(f, s.geometry, items, s.gather.gathered, y, z, row);
+      UnionSurface::add_row(s.geometry, items, s.gather.gathered, y, z, row);
     }
   } while (!s.gather.finished);
-  if (threadIdx.x < kRows) {
-    const bool real = (s.geometry.real[1] >> y & s.geometry.real[2] >> z & 1) != 0;
-    const std::uint32_t signs = Surface::row_signs(f, row) & s.geometry.real[0];
-    s.brick.signs.row[z][y] = real ? static_cast<std::uint16_t>(signs) : std::uint16_t{0};
+  if (threadIdx.x < kRows) share_signs(s.geometry, row.inside, y, z, s.brick.signs);
+  finish_brick(s.geometry, *table, s.brick, bricks, counts);
+}
+
+constexpr unsigned kRowThreads = 3 * kWarp;  // a row of nodes each
+constexpr std::uint32_t kAtomChunk = 64;
+
+template <FieldKind kind>
+__device__ void add_rows(const NodeShape& nodes, const LocalAtom* atoms, std::uint32_t count, int y,
+                         int z, float (&row)[kBrickReach]) {
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const LocalAtom& atom = atoms[k];
+    const RowTerm term = row_term<kind>(nodes, atom.term[1][y], atom.term[2][z]);
+    if (row_is_out_of_reach<kind>(nodes, term)) continue;
+#pragma unroll
+    for (int x = 0; x < kBrickReach; ++x) {
+      row[x] = add_atom<kind>(nodes, term, atom.term[0][x], atom.scale, row[x]);
+    }
   }
-  __syncthreads();
-  count_brick(s, *table);
-  copy_brick(&s.brick, &bricks[blockIdx.x]);
-  if (threadIdx.x == 0) {
-    counts.vertices[blockIdx.x] = s.brick.vertices;
-    counts.triangles[blockIdx.x] = s.brick.triangles;
-    if (s.brick.clipped_cells != 0) atomicAdd(counts.clipped_cells, s.brick.clipped_cells);
-    if (s.brick.vertices + s.brick.triangles != 0) atomicAdd(counts.surface_bricks, 1ull);
+}
+
+template <FieldKind kind>
+__global__ void __launch_bounds__(kRowThreads)
+    count_blended(FieldContext f, const std::uint64_t* keys, const CaseTable* table,
+                  ActiveBrick* bricks, BrickCounts counts) {
+  __shared__ CountShared s;
+  __shared__ LocalAtom atoms[kAtomChunk];
+  const NodeShape nodes = node_shape(f.model);
+  if (threadIdx.x == 0) s.brick.key = keys[blockIdx.x];
+  share_geometry(f.model.grid, keys[blockIdx.x], s.geometry);
+  begin_gather(f.list, s.geometry.node(0, 0, 0),
+               s.geometry.node(kBrickSide, kBrickSide, kBrickSide), s.gather);
+  float row[kBrickReach] = {};
+  const int y = static_cast<int>(threadIdx.x) % kBrickReach;
+  const int z = static_cast<int>(threadIdx.x) / kBrickReach;
+  std::uint32_t met = 0;
+  do {
+    next_chunk(f.list, s.gather, s.places, kAtomChunk, [&](std::uint32_t place) {
+      return reaches_brick(f.model, s.geometry, f.list.spheres[place]);
+    });
+    share_atoms<kind>(f, nodes, s.geometry, s.places, s.gather.gathered, atoms);
+    if (threadIdx.x < kRows) add_rows<kind>(nodes, atoms, s.gather.gathered, y, z, row);
+    met += s.gather.gathered;
+  } while (!s.gather.finished);
+  if (threadIdx.x < kRows) {
+    const auto isovalue = static_cast<float>(f.model.isovalue);
+    std::uint32_t inside = 0;
+    for (int x = 0; x < kBrickReach; ++x) inside |= row[x] >= isovalue ? 1u << x : 0u;
+    share_signs(s.geometry, inside, y, z, s.brick.signs);
+  }
+  finish_brick(s.geometry, *table, s.brick, bricks, counts);
+  if (threadIdx.x == 0 && s.brick.vertices != 0) {
+    atomicMax(&counts.parts[blockIdx.x % kCountParts].most_atoms, met);
   }
 }
 
 using CountKernel = void (*)(FieldContext, const std::uint64_t*, const CaseTable*, ActiveBrick*,
                              BrickCounts);
 
-CountKernel kernel_of(FieldKind kind) {
+struct CountLaunch {
+  CountKernel kernel;
+  unsigned threads;
+};
+
+CountLaunch launch_of(FieldKind kind) {
   switch (kind) {
     case FieldKind::vdw:
-      return count_bricks<UnionSurface>;
+      return {count_union, kBrickThreads};
     case FieldKind::blinn:
-      return count_bricks<BlendedSurface<FieldKind::blinn>>;
+      return {count_blended<FieldKind::blinn>, kRowThreads};
     case FieldKind::soft_object:
-      return count_bricks<BlendedSurface<FieldKind::soft_object>>;
+      return {count_blended<FieldKind::soft_object>, kRowThreads};
     default:
-      return count_bricks<BlendedSurface<FieldKind::inverse_squared>>;
+      return {count_blended<FieldKind::inverse_squared>, kRowThreads};
   }
 }
 
@@ -119,8 +135,8 @@ void count_bricks_on_device(const FieldContext& f, const KeyList& candidates,
                             const CaseTable* table, ActiveBrick* bricks, const BrickCounts& counts,
                             const Stream& stream) {
   if (candidates.count == 0) return;
-  kernel_of(
-      f.model.kind)<<<static_cast<unsigned>(candidates.count), kBrickThreads, 0, stream.get()>>>(
+  const CountLaunch launch = launch_of(f.model.kind);
+  launch.kernel<<<static_cast<unsigned>(candidates.count), launch.threads, 0, stream.get()>>>(
       f, candidates.keys.data(), table, bricks, counts);
   check_launch("count_bricks");
 }

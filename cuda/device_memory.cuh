@@ -122,6 +122,35 @@ class StageClock {
   cudaEvent_t start_ = nullptr, stop_ = nullptr;
 };
 
+// Marks on a stream whose times are asked for later, so that marking waits for nothing.
+class StageMarks {
+ public:
+  explicit StageMarks(cudaStream_t stream) : stream_(stream) { mark(); }
+  ~StageMarks() {
+    for (const cudaEvent_t event : events_) cudaEventDestroy(event);
+  }
+  StageMarks(const StageMarks&) = delete;
+  StageMarks& operator=(const StageMarks&) = delete;
+
+  void mark() {
+    cudaEvent_t event = nullptr;
+    check_cuda(cudaEventCreate(&event), "event");
+    events_.push_back(event);
+    check_cuda(cudaEventRecord(event, stream_), "event");
+  }
+  // ms between marks i and i + 1, the first being the construction; waits for them.
+  float stage(std::size_t i) const {
+    check_cuda(cudaEventSynchronize(events_.at(i + 1)), "event");
+    float milliseconds = 0;
+    check_cuda(cudaEventElapsedTime(&milliseconds, events_.at(i), events_.at(i + 1)), "event");
+    return milliseconds;
+  }
+
+ private:
+  cudaStream_t stream_;
+  std::vector<cudaEvent_t> events_;
+};
+
 inline unsigned blocks_for(std::uint64_t items, unsigned threads) {
   return static_cast<unsigned>((items + threads - 1) / threads);
 }

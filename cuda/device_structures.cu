@@ -52,10 +52,11 @@ DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
   view_.id = id_.data();
 }
 
-DeviceMesh::DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream)
+DeviceMesh::DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
+                       DeviceLabels labels)
     : positions(vertices, stream),
       normals(vertices, stream),
-      vertex_spheres(vertices, stream),
+      vertex_spheres(labels == DeviceLabels::spheres ? vertices : 0, stream),
       corners(3 * triangles, stream),
       opposite(3 * triangles, stream) {}
 

@@ -9,6 +9,7 @@
 #include "extract/cell_list.hpp"
 #include "extract/extractor.hpp"
 #include "extract/field.hpp"
+#include "extract/sampled_field.hpp"
 
 namespace vdwmesh {
 
@@ -30,12 +31,15 @@ class DeviceCellList {
 struct DeviceMeshView {
   Vec3d* positions;
   Vec3f* normals;
-  VertexSpheres* vertex_spheres;
-  std::uint32_t* corners;   // 3 per triangle
-  std::uint32_t* opposite;  // 3 per triangle
+  VertexSpheres* vertex_spheres;  // null without labels
+  std::uint32_t* corners;         // 3 per triangle
+  std::uint32_t* opposite;        // 3 per triangle
   std::uint64_t vertices, triangles;
   SphereId* triangle_spheres;  // null, or one per triangle
 };
+
+// Whether vertices name their sphere.
+enum class DeviceLabels { none, spheres };
 
 // An IndexedMesh in device memory, half-edges included.
 struct DeviceMesh {
@@ -46,7 +50,8 @@ struct DeviceMesh {
   DeviceArray<SphereId> triangle_spheres;  // empty, or one per triangle
 
   DeviceMesh() = default;
-  DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream);
+  DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
+             DeviceLabels labels = DeviceLabels::spheres);
   std::uint64_t vertex_count() const { return positions.size(); }
   std::uint64_t triangle_count() const { return corners.size() / 3; }
   TriangleLabels triangle_labels() const {
@@ -73,6 +78,14 @@ struct DeviceExtraction {
 // Extraction on the device from a list that is there already.
 DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
                                    const ExtractOptions& options, const Stream& stream);
+
+// Marching cubes over a field in device memory; see FieldMesher::mesh.
+DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
+                                      const Stream& stream);
+
+// The blended field at every node of model.grid, written to values; see FieldMesher::sample.
+void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
+                            const Stream& stream);
 
 // Copies the mesh to the host; `opposite` too where asked.
 IndexedMesh download(const DeviceMesh& mesh, Connectivity connectivity, const Stream& stream);

@@ -8,11 +8,77 @@ namespace {
 
 constexpr int kMostTriangles = kMaxCaseTriangles * kBrickNodes;
 constexpr int kCellsPerFace = kBrickSide * kBrickSide;
-constexpr std::uint64_t kNoBrick = ~std::uint64_t{0};
+constexpr std::uint32_t kNoBrick = ~std::uint32_t{0};
+
+// Neighbours that triangles need: the seven at an upper side, at dx + 2 dy + 4 dz - 1, and the
+// three across a lower face, at 7 + axis.
+constexpr int kTriangleNeighbours = 10;
+
+__host__ __device__ constexpr int upper_neighbour(int dx, int dy, int dz) {
+  return dx + 2 * dy + 4 * dz - 1;
+}
+
+__host__ __device__ constexpr int neighbour_across(int face) {
+  return face % 2 == 0 ? 7 + face / 2 : (1 << face / 2) - 1;
+}
+
+// Places in the list; kNoBrick where a neighbour is not in it and so holds no surface.
+struct TriangleNeighbours {
+  std::uint32_t place[kTriangleNeighbours];
+};
+
+// What brick_key() of a neighbour is above that of the brick.
+constexpr std::uint64_t kStepY = std::uint64_t{1} << 21, kStepZ = std::uint64_t{1} << 42;
+
+__device__ std::uint64_t first_not_below(const std::uint64_t* keys, std::uint64_t size,
+                                         std::uint64_t key) {
+  std::uint64_t low = 0, high = size;
+  while (low < high) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    if (keys[middle] < key) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
+// Six threads per brick, each for one search: neighbours along x stand side by side.
+__global__ void find_neighbours(const std::uint64_t* keys, std::uint64_t size,
+                                TriangleNeighbours* neighbours) {
+  const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i >= 6 * size) return;
+  std::uint32_t* place = neighbours[i / 6].place;
+  const std::uint64_t own = i / 6, key = keys[own];
+  const auto place_of = [&](std::uint64_t at, std::uint64_t wanted) {
+    return at < size && keys[at] == wanted ? static_cast<std::uint32_t>(at) : kNoBrick;
+  };
+  const auto task = static_cast<int>(i % 6);
+  if (task == 0) {
+    const bool first = brick_of_key(key).x == 0 || own == 0;
+    place[neighbour_across(0)] = first ? kNoBrick : place_of(own - 1, key - 1);
+    place[upper_neighbour(1, 0, 0)] = place_of(own + 1, key + 1);
+  } else if (task <= 3) {
+    const int dy = task & 1, dz = task >> 1;
+    const std::uint64_t wanted = key + (dy ? kStepY : 0) + (dz ? kStepZ : 0);
+    const std::uint64_t at = first_not_below(keys, size, wanted);
+    const std::uint32_t there = place_of(at, wanted);
+    place[upper_neighbour(0, dy, dz)] = there;
+    place[upper_neighbour(1, dy, dz)] = place_of(there == kNoBrick ? at : at + 1, wanted + 1);
+  } else {
+    const bool along_y = task == 4;
+    const BrickIndex index = brick_of_key(key);
+    const bool first = (along_y ? index.y : index.z) == 0;
+    const std::uint64_t wanted = key - (along_y ? kStepY : kStepZ);
+    place[neighbour_across(along_y ? 2 : 4)] =
+        first ? kNoBrick : place_of(first_not_below(keys, own, wanted), wanted);
+  }
+}
 
 struct TriangleShared {
   ActiveBrick brick;
-  std::uint64_t neighbour[kNeighbours];
+  TriangleNeighbours near;
   // Nodes x = 0 .. 7 of row (z, y), and node x = 8: number of the first vertex, crossings.
   std::uint32_t row_first[kRows], last_first[kRows];
   std::uint32_t row_crossed[kRows], last_crossed[kRows];  // a byte per axis
@@ -31,30 +97,15 @@ __device__ RowCrossings unpack(std::uint32_t packed) {
   return {{packed & 255u, packed >> 8 & 255u, packed >> 16}};
 }
 
-// Places of the neighbours; kNoBrick where a neighbour is not in the list and so holds no surface.
-__device__ void share_neighbours(const BrickList& list, TriangleShared& s) {
-  if (threadIdx.x < kNeighbours) {
-    const auto slot = static_cast<int>(threadIdx.x);
-    const BrickIndex own = brick_of_key(s.brick.key);
-    const BrickIndex b{own.x + slot % 3 - 1, own.y + slot / 3 % 3 - 1, own.z + slot / 9 - 1};
-    std::uint64_t place = kNoBrick;
-    if (b.x >= 0 && b.y >= 0 && b.z >= 0) {
-      place = find_brick(list, brick_key(b));
-      if (place == list.size || list.bricks[place].key != brick_key(b)) place = kNoBrick;
-    }
-    s.neighbour[slot] = place;
-  }
-  __syncthreads();
-}
-
 // First vertex and crossings of row (y & 7, z & 7) of the brick at (dx, y >> 3, z >> 3).
 __device__ void share_row(const BrickList& list, const TriangleShared& s, int dx, int y, int z,
                           std::uint32_t& first, std::uint32_t& crossed) {
-  const std::uint64_t place = s.neighbour[neighbour_slot(dx, y >> 3, z >> 3)];
+  const int neighbour = upper_neighbour(dx, y >> 3, z >> 3);
+  const std::uint64_t place = neighbour < 0 ? blockIdx.x : s.near.place[neighbour];
   first = 0;
   crossed = 0;
   if (place == kNoBrick) return;
-  const ActiveBrick& owner = list.bricks[place];
+  const ActiveBrick& owner = neighbour < 0 ? s.brick : list.bricks[place];
   y &= kBrickSide - 1;
   z &= kBrickSide - 1;
   first = static_cast<std::uint32_t>(list.vertices[place] + owner.row_vertices[z * kBrickSide + y]);
@@ -72,8 +123,8 @@ __device__ void share_vertex_rows(const BrickList& list, TriangleShared& s) {
   }
 }
 
+// By threads 0 .. 63, a row of cells each.
 __device__ void share_own_cells(const CaseTable& table, TriangleShared& s) {
-  if (threadIdx.x >= kOwnRows) return;
   const int y = static_cast<int>(threadIdx.x) % kBrickSide;
   const int z = static_cast<int>(threadIdx.x) / kBrickSide;
   std::uint32_t next = s.brick.row_triangles[threadIdx.x];
@@ -88,30 +139,50 @@ __device__ void share_own_cells(const CaseTable& table, TriangleShared& s) {
   }
 }
 
-// Cell (u, v) of a face in the coordinates of the brick beyond it.
-__device__ Located cell_beyond(std::uint64_t brick, int face, int u, int v) {
-  const int last = face % 2 == 0 ? kBrickSide - 1 : 0, axis = face / 2;
-  if (axis == 0) return {brick, last, u, v};
-  if (axis == 1) return {brick, u, last, v};
-  return {brick, u, v, last};
+__device__ void share_cell_beyond(TriangleShared& s, int face, int uv, std::uint32_t inside,
+                                  std::uint64_t triangles_before) {
+  s.beyond_case[face][uv] = static_cast<std::uint8_t>(inside);
+  s.beyond_first[face][uv] = static_cast<std::uint32_t>(3 * triangles_before);
 }
 
-__device__ int slot_beyond(int face) {
-  const int step = face % 2 == 0 ? -1 : 1, axis = face / 2;
-  return neighbour_slot(axis == 0 ? step : 0, axis == 1 ? step : 0, axis == 2 ? step : 0);
+// Cells beyond the faces across y and z: by 32 threads, each a row of eight cells along x.
+__device__ void share_rows_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
+                                  int thread) {
+  const int face = 2 + thread / kBrickSide, v = thread % kBrickSide;
+  const std::uint32_t place = s.near.place[neighbour_across(face)];
+  if (place == kNoBrick) return;
+  const ActiveBrick& owner = list.bricks[place];
+  const int last = face % 2 == 0 ? kBrickSide - 1 : 0;
+  const int y = face / 2 == 1 ? last : v, z = face / 2 == 1 ? v : last;
+  std::uint64_t before = list.triangles[place] + owner.row_triangles[z * kBrickSide + y];
+  const std::uint32_t mixed = mixed_cells(owner.signs, y, z);
+  for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+    const int x = __ffs(static_cast<int>(cells)) - 1;
+    const std::uint32_t inside = cell_case(owner.signs, x, y, z);
+    share_cell_beyond(s, face, v * kBrickSide + x, inside, before);
+    before += table.count(inside);
+  }
 }
 
-__device__ void share_cells_beyond(const BrickList& list, const CaseTable& table,
-                                   TriangleShared& s) {
-  for (unsigned i = threadIdx.x; i < 6 * kCellsPerFace; i += kBrickThreads) {
-    const int face = static_cast<int>(i) / kCellsPerFace, uv = static_cast<int>(i) % kCellsPerFace;
-    const std::uint64_t place = s.neighbour[slot_beyond(face)];
+// Cells beyond the faces across x: by 32 threads. They are the first or the last of their rows.
+__device__ void share_ends_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
+                                  int thread) {
+  for (int i = thread; i < 2 * kCellsPerFace; i += static_cast<int>(kWarp)) {
+    const int face = i / kCellsPerFace, row = i % kCellsPerFace;
+    const std::uint32_t place = s.near.place[neighbour_across(face)];
     if (place == kNoBrick) continue;
-    const Located cell = cell_beyond(place, face, uv % kBrickSide, uv / kBrickSide);
-    const std::uint32_t inside = cell_case(list.bricks[place].signs, cell.x, cell.y, cell.z);
+    const ActiveBrick& owner = list.bricks[place];
+    const int x = face == 0 ? kBrickSide - 1 : 0, y = row % kBrickSide, z = row / kBrickSide;
+    const std::uint32_t inside = cell_case(owner.signs, x, y, z);
     if (table.count(inside) == 0) continue;
-    s.beyond_case[face][uv] = static_cast<std::uint8_t>(inside);
-    s.beyond_first[face][uv] = static_cast<std::uint32_t>(first_half_edge(list, table, cell));
+    std::uint64_t before = list.triangles[place] + owner.row_triangles[row];
+    if (face == 0) {
+      const std::uint64_t end = row + 1 < kCellsPerFace
+                                    ? list.triangles[place] + owner.row_triangles[row + 1]
+                                    : list.triangles[place + 1];
+      before = end - table.count(inside);
+    }
+    share_cell_beyond(s, face, row, inside, before);
   }
 }
 
@@ -146,16 +217,26 @@ __device__ std::uint32_t opposite_number(const TriangleShared& s, const CaseTabl
 }
 
 __global__ void __launch_bounds__(kBrickThreads)
-    emit_triangles(BrickList list, const CaseTable* global_table, DeviceMeshView mesh) {
+    emit_triangles(BrickList list, const TriangleNeighbours* neighbours,
+                   const CaseTable* global_table, DeviceMeshView mesh) {
   __shared__ TriangleShared s;
   const CaseTable& table = *global_table;
-  copy_brick(&list.bricks[blockIdx.x], &s.brick);
+  copy_brick(&list.bricks[blockIdx.x], &s.brick, threadIdx.x, kBrickThreads);
+  if (threadIdx.x >= kBrickThreads - kTriangleNeighbours) {
+    const unsigned slot = threadIdx.x - (kBrickThreads - kTriangleNeighbours);
+    s.near.place[slot] = neighbours[blockIdx.x].place[slot];
+  }
   __syncthreads();
   if (s.brick.triangles == 0) return;
-  share_neighbours(list, s);
+  const auto thread = static_cast<int>(threadIdx.x);
+  if (thread < kOwnRows) {
+    share_own_cells(table, s);
+  } else if (thread < kOwnRows + static_cast<int>(kWarp)) {
+    share_rows_beyond(list, table, s, thread - kOwnRows);
+  } else {
+    share_ends_beyond(list, table, s, thread - kOwnRows - static_cast<int>(kWarp));
+  }
   share_vertex_rows(list, s);
-  share_own_cells(table, s);
-  share_cells_beyond(list, table, s);
   __syncthreads();
   const std::uint64_t base = list.triangles[blockIdx.x];
   for (std::uint32_t n = threadIdx.x; n < 3 * s.brick.triangles; n += kBrickThreads) {
@@ -171,11 +252,16 @@ __global__ void __launch_bounds__(kBrickThreads)
 
 }  // namespace
 
-void emit_triangles_on_device(const BrickList& bricks, const CaseTable* table,
+void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const CaseTable* table,
                               const DeviceMeshView& mesh, const Stream& stream) {
   if (bricks.size == 0) return;
+  const DeviceArray<TriangleNeighbours> neighbours(bricks.size, stream.get());
+  constexpr unsigned threads = 192;
+  find_neighbours<<<blocks_for(6 * bricks.size, threads), threads, 0, stream.get()>>>(
+      keys.keys.data(), bricks.size, neighbours.data());
+  check_launch("find_neighbours");
   emit_triangles<<<static_cast<unsigned>(bricks.size), kBrickThreads, 0, stream.get()>>>(
-      bricks, table, mesh);
+      bricks, neighbours.data(), table, mesh);
   check_launch("emit_triangles");
 }
 

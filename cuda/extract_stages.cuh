@@ -6,6 +6,7 @@
 #include "cuda/device_structures.cuh"
 #include "extract/brick_numbering.hpp"
 #include "extract/case_table.hpp"
+#include "extract/sampled_field.hpp"
 
 namespace vdwmesh {
 
@@ -23,24 +24,50 @@ struct KeyList {
 // Keys of the bricks whose bounds admit surface, rising. Throws LimitExceeded beyond `most`.
 KeyList candidate_bricks_on_device(const FieldContext& f, std::uint64_t most, const Stream& stream);
 
+// Of the bricks b with b % kCountParts alike, so that not all of them add to one address.
+struct CountPart {
+  unsigned long long clipped_cells, surface_bricks;
+  std::uint32_t most_atoms;  // of a blended field, that reach one brick
+};
+inline constexpr unsigned kCountParts = 64;
+
 // Node signs and counts of the candidate bricks.
 struct BrickCounts {
-  std::uint64_t* vertices;             // per brick
-  std::uint64_t* triangles;            // per brick
-  unsigned long long* clipped_cells;   // in all
-  unsigned long long* surface_bricks;  // in all
+  std::uint64_t* vertices;   // per brick
+  std::uint64_t* triangles;  // per brick
+  CountPart* parts;          // kCountParts of them, to begin with 0
 };
 void count_bricks_on_device(const FieldContext& f, const KeyList& candidates,
                             const CaseTable* table, ActiveBrick* bricks, const BrickCounts& counts,
                             const Stream& stream);
 
+// In all.
+struct BrickTotals {
+  unsigned long long vertices, triangles, clipped_cells, surface_bricks;
+  std::uint32_t most_atoms;
+};
+
+// What counting leaves behind.
+struct CountedBricks {
+  DeviceArray<ActiveBrick> bricks;
+  DeviceArray<std::uint64_t> first_vertex, first_triangle;  // of each brick, and the totals
+  BrickTotals totals{};
+
+  BrickList list() const {
+    return {bricks.data(), first_vertex.data(), first_triangle.data(), bricks.size()};
+  }
+};
+
 // Positions, normals and labels; adds the clamped vertices to `clamped`.
-void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
+void emit_vertices_on_device(const FieldContext& f, const CountedBricks& counted,
                              const DeviceMeshView& mesh, unsigned long long* clamped,
                              const Stream& stream);
+void emit_sampled_vertices_on_device(const SampledFieldView& field, const CountedBricks& counted,
+                                     const DeviceMeshView& mesh, unsigned long long* clamped,
+                                     const Stream& stream);
 
 // Corners and opposite half-edges.
-void emit_triangles_on_device(const BrickList& bricks, const CaseTable* table,
+void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const CaseTable* table,
                               const DeviceMeshView& mesh, const Stream& stream);
 
 }  // namespace vdwmesh

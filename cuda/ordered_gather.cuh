@@ -33,6 +33,60 @@ __device__ inline PlaceRange places_of_row(const CellListView& list, const NearR
   return {level.cell_start[base + rows.x[l].first], level.cell_start[base + rows.x[l].last + 1]};
 }
 
+// The row among a warp's 32 that holds place `wanted` of all their places, given the inclusive sum
+// of the lengths of each lane's row; 32 beyond the last.
+__device__ inline unsigned row_holding(std::uint32_t sum, std::uint32_t wanted) {
+  unsigned owner = 0;
+  for (unsigned step = kWarp / 2; step > 0; step /= 2) {
+    const std::uint32_t s = __shfl_sync(kAllLanes, sum, owner + step - 1);
+    if (s <= wanted) owner += step;
+  }
+  return owner;
+}
+
+__device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {
+  const unsigned lane = threadIdx.x % kWarp;
+  for (unsigned step = 1; step < kWarp; step *= 2) {
+    const std::uint32_t below = __shfl_up_sync(kAllLanes, sum, step);
+    if (lane >= step) sum += below;
+  }
+  return sum;
+}
+
+// Calls visit(place) for the spheres of a level near a box, 32 at a time, a lane each, in any
+// order; `pause()` is called by all lanes after each 32, and stops the visit where it returns true.
+template <class Visit, class Pause>
+__device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3d& lower,
+                                    const Vec3d& upper, Visit&& visit, Pause&& pause) {
+  const unsigned lane = threadIdx.x % kWarp;
+  const CellRange x = cell_range(level, 0, lower.x, upper.x);
+  const CellRange y = cell_range(level, 1, lower.y, upper.y);
+  const CellRange z = cell_range(level, 2, lower.z, upper.z);
+  if (x.first > x.last || y.first > y.last || z.first > z.last) return;
+  const std::int32_t height = y.last - y.first + 1, rows = height * (z.last - z.first + 1);
+  for (std::int32_t first = 0; first < rows; first += static_cast<std::int32_t>(kWarp)) {
+    const std::int32_t row = first + static_cast<std::int32_t>(lane);
+    PlaceRange range{0, 0};
+    if (row < rows) {
+      const std::int64_t base =
+          (static_cast<std::int64_t>(z.first + row / height) * level.cells[1] + y.first +
+           row % height) *
+          level.cells[0];
+      range = {level.cell_start[base + x.first], level.cell_start[base + x.last + 1]};
+    }
+    const std::uint32_t sum = warp_inclusive_sum(range.end - range.begin);
+    const std::uint32_t total = __shfl_sync(kAllLanes, sum, kWarp - 1);
+    for (std::uint32_t t = 0; t < total; t += kWarp) {
+      const unsigned owner = row_holding(sum, t + lane);
+      const std::uint32_t end_place = __shfl_sync(kAllLanes, range.end, owner & (kWarp - 1));
+      const std::uint32_t end_sum = __shfl_sync(kAllLanes, sum, owner & (kWarp - 1));
+      if (t + lane < total) visit(end_place - (end_sum - (t + lane)));
+      __syncwarp();
+      if (pause()) return;
+    }
+  }
+}
+
 // Where a gather stands; lives in shared memory, one per block.
 struct GatherState {
   NearRows rows;
@@ -85,12 +139,7 @@ __device__ void next_chunk(const CellListView& list, GatherState& state, std::ui
     for (; row < rows && !full; row += kWarp) {
       PlaceRange range{0, 0};
       if (row + lane < rows) range = places_of_row(list, state.rows, row + lane);
-      // Inclusive sums of the lengths of the 32 rows.
-      std::uint32_t sum = range.end - range.begin;
-      for (unsigned step = 1; step < kWarp; step *= 2) {
-        const std::uint32_t below = __shfl_up_sync(kAllLanes, sum, step);
-        if (lane >= step) sum += below;
-      }
+      const std::uint32_t sum = warp_inclusive_sum(range.end - range.begin);
       const std::uint32_t total = __shfl_sync(kAllLanes, sum, kWarp - 1);
       for (std::uint32_t t = skip; t < total; t += kWarp) {
         if (gathered + kWarp > capacity) {
@@ -98,13 +147,8 @@ __device__ void next_chunk(const CellListView& list, GatherState& state, std::ui
           skip = t;
           break;
         }
-        // The row that holds the t-th place: the first whose sum exceeds it.
         const std::uint32_t wanted = t + lane;
-        unsigned owner = 0;
-        for (unsigned step = kWarp / 2; step > 0; step /= 2) {
-          const std::uint32_t s = __shfl_sync(kAllLanes, sum, owner + step - 1);
-          if (s <= wanted) owner += step;
-        }
+        const unsigned owner = row_holding(sum, wanted);
         const std::uint32_t end_place = __shfl_sync(kAllLanes, range.end, owner & (kWarp - 1));
         const std::uint32_t end_sum = __shfl_sync(kAllLanes, sum, owner & (kWarp - 1));
         const std::uint32_t place = end_place - (end_sum - wanted);

@@ -18,19 +18,23 @@ struct alignas(16) LocalAtom {
   AxisTerm term[3][kBrickReach];
 };
 
-// Whether the atom can add anything but 0 to the brick's nodes.
-VDWMESH_HD inline bool reaches_brick(const FieldModel& m, const BrickGeometry& g,
-                                     const Sphere& atom) {
+// Whether the atom can add anything but 0 to nodes in the box.
+VDWMESH_HD inline bool reaches_box(const FieldModel& m, const Vec3d& lower, const Vec3d& upper,
+                                   const Sphere& atom) {
   if (m.truncation == Truncation::subgrid) return true;
   double d2 = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double below = g.coordinate[axis][0] - atom.center[axis];
-    const double above = atom.center[axis] - g.coordinate[axis][kBrickSide];
+    const double below = lower[axis] - atom.center[axis], above = atom.center[axis] - upper[axis];
     const double d = below > 0 ? below : (above > 0 ? above : 0);
     d2 += d * d;
   }
   const double reach = field_reach(m, atom.radius);
   return d2 <= reach * reach;
+}
+
+VDWMESH_HD inline bool reaches_brick(const FieldModel& m, const BrickGeometry& g,
+                                     const Sphere& atom) {
+  return reaches_box(m, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), atom);
 }
 
 // The atom's term at lattice plane `lattice` across an axis, whose coordinate is given, Å.

@@ -4,6 +4,8 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -146,6 +148,59 @@ TEST_F(Parity, ThesisPresets) {
       options.grid = preset_grid(preset, {}, {});
       expect_parity(crowd(200, 8, 1, 2, 11), options, std::string("thesis ") + name_of(kind));
     }
+  }
+}
+
+// Fields that stand in memory: made from spheres, then meshed.
+void expect_mesher_parity(const SampledField& field, const ExtractOptions& options,
+                          const std::string& what) {
+  const ExtractResult cpu = make_field_mesher(Backend::cpu)->mesh(field, options);
+  const ExtractResult cuda = make_field_mesher(Backend::cuda)->mesh(field, options);
+  expect_same(cpu.mesh, cuda.mesh, what);
+  EXPECT_EQ(cpu.stats.clamped_vertices, cuda.stats.clamped_vertices) << what;
+  EXPECT_EQ(cpu.stats.grid_clipped, cuda.stats.grid_clipped) << what;
+  EXPECT_EQ(cpu.stats.surface_bricks, cuda.stats.surface_bricks) << what;
+}
+
+void expect_sampling_parity(const SphereSet& spheres, const ExtractOptions& options,
+                            const std::string& what) {
+  const SampledField cpu = make_field_mesher(Backend::cpu)->sample(spheres, options);
+  const SampledField cuda = make_field_mesher(Backend::cuda)->sample(spheres, options);
+  ASSERT_EQ(cpu.values.size(), cuda.values.size()) << what;
+  EXPECT_EQ(std::memcmp(cpu.values.data(), cuda.values.data(), cpu.values.size() * sizeof(float)),
+            0)
+      << what;
+  expect_mesher_parity(cpu, options, what);
+}
+
+TEST_F(Parity, SampledFields) {
+  for (const FieldKind kind :
+       {FieldKind::blinn, FieldKind::soft_object, FieldKind::inverse_squared}) {
+    const std::string name = std::string("sampled ") + name_of(kind);
+    expect_sampling_parity(crowd(300, 8, 0.3, 2.0, 14), options_of(kind, 0.37), name);
+    expect_sampling_parity(crowd(4000, 14, 0.8, 2.0, 15), options_of(kind, 1.7), name + " coarse");
+    expect_sampling_parity(SphereSet({{{0, 0, 0}, 1.5}}), options_of(kind, 0.5), name + " one");
+    ExtractOptions thesis = options_of(kind, 0.4);
+    thesis.field.preset = FieldPreset::thesis;
+    thesis.grid = preset_grid(thesis.field.preset, {}, {});
+    expect_sampling_parity(crowd(100, 6, 1, 2, 16), thesis, name + " thesis");
+  }
+}
+
+// Every case and every way to meet the border; some values are not numbers.
+TEST_F(Parity, SampledNoise) {
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<float> value(-1, 1);
+  for (const std::int64_t cells : {1, 6, 7, 8, 29, 30, 31, 32, 61}) {
+    SampledField field{{{0.1, -0.2, 0.3}, 0.25, {cells, 17, 40 - cells / 2}}, {}, 0.25f};
+    field.values.resize(field.grid.node_count());
+    for (float& v : field.values) {
+      v = value(random);
+      if (v > 0.99f) v = std::numeric_limits<float>::quiet_NaN();
+    }
+    ExtractOptions options;
+    options.connectivity = Connectivity::half_edges;
+    expect_mesher_parity(field, options, "noise " + std::to_string(cells));
   }
 }
 

@@ -1,0 +1,23 @@
+// From candidate bricks to a mesh on the device, for any kind of field.
+#pragma once
+
+#include <functional>
+
+#include "cuda/extract_stages.cuh"
+
+namespace vdwmesh {
+
+// What differs between kinds of field.
+struct BrickKernels {
+  std::function<void(const CaseTable*, ActiveBrick* bricks, const BrickCounts& counts)> count;
+  std::function<void(const CountedBricks&, const DeviceMeshView&, unsigned long long* clamped)>
+      emit_vertices;
+};
+
+// Counts the candidates, numbers what they hold and emits it; throws LimitExceeded before it takes
+// memory for the mesh. `marks` has one mark, made when the candidates were known.
+void mesh_bricks_on_device(const KeyList& candidates, double spacing, const BrickKernels& kernels,
+                           DeviceLabels labels, const ExtractOptions& options,
+                           DeviceExtraction& result, StageMarks& marks, const Stream& stream);
+
+}  // namespace vdwmesh

@@ -1,0 +1,206 @@
+// A blended field at every node of a grid: a block of threads for 2 x 2 x 2 bricks, which share the
+// atoms near them and their terms; a warp per brick, two rows of nodes a lane.
+#include "cuda/blended_atoms.cuh"
+#include "cuda/brick_block.cuh"
+
+namespace vdwmesh {
+namespace {
+
+constexpr int kBlockSide = 2 * kBrickSide;
+constexpr unsigned kBlockBricks = 8;
+constexpr unsigned kBlockThreads = kBlockBricks * kWarp;
+constexpr std::uint32_t kBlockAtoms = 64;  // in shared memory at a time
+
+struct alignas(16) BlockAtom {
+  AxisTerm term[3][kBlockSide];
+};
+
+struct BlockShared {
+  GatherState gather;
+  std::int64_t first[3];  // lattice indices of node 0
+  double coordinate[3][kBlockSide];
+  std::uint32_t places[kBlockAtoms];
+  float center[3][kBlockAtoms];  // Å, from the block's node 0
+  float reach_square[kBlockAtoms];
+  float scale[kBlockAtoms];
+  union {
+    BlockAtom atoms[kBlockAtoms];
+    float values[kBlockSide][kBlockSide][kBlockSide];
+  };
+};
+
+__host__ __device__ std::int64_t blocks_along(std::int64_t cells) {
+  return (brick_count(cells) + 1) / 2;
+}
+
+__device__ void share_block(const GridSpec& grid, BlockShared& s) {
+  const std::int64_t width = blocks_along(grid.cells.x), height = blocks_along(grid.cells.y);
+  const std::int64_t block[3] = {blockIdx.x % width, blockIdx.x / width % height,
+                                 blockIdx.x / width / height};
+  if (threadIdx.x < 3) s.first[threadIdx.x] = block[threadIdx.x] * kBlockSide;
+  const auto i = static_cast<int>(threadIdx.x) % kBlockSide;
+  const auto axis = static_cast<int>(threadIdx.x) / kBlockSide;
+  if (axis < 3) {
+    const std::int64_t lattice = block[axis] * kBlockSide + i;
+    s.coordinate[axis][i] = lattice_coordinate(grid, axis, lattice);
+  }
+  __syncthreads();
+}
+
+// Terms of the gathered atoms; leaves the block synchronised.
+template <FieldKind kind>
+__device__ void share_block_atoms(const FieldContext& f, const NodeShape& nodes, BlockShared& s) {
+  const std::uint32_t count = s.gather.gathered;
+  if (threadIdx.x < count) {
+    const Sphere& atom = f.list.spheres[s.places[threadIdx.x]];
+    const double scale = inverse_square_scale(f.model, atom.radius);
+    const double reach = field_reach(f.model, atom.radius);
+    const bool subgrid = f.model.truncation == Truncation::subgrid;
+    s.scale[threadIdx.x] = static_cast<float>(scale);
+    s.reach_square[threadIdx.x] = subgrid ? 1e30f : static_cast<float>(reach * reach * (1 + 1e-5));
+    for (int axis = 0; axis < 3; ++axis) {
+      s.center[axis][threadIdx.x] = static_cast<float>(atom.center[axis] - s.coordinate[axis][0]);
+    }
+  }
+  __syncthreads();
+  constexpr std::uint32_t terms = 3 * kBlockSide;
+  for (std::uint32_t i = threadIdx.x; i < terms * count; i += kBlockThreads) {
+    const std::uint32_t k = i / terms;
+    const auto axis = static_cast<int>(i % terms) / kBlockSide;
+    const auto node = static_cast<int>(i % terms) % kBlockSide;
+    s.atoms[k].term[axis][node] =
+        lattice_term<kind>(f.model, nodes, f.list.spheres[s.places[k]], s.scale[k], axis,
+                           s.first[axis] + node, s.coordinate[axis][node]);
+  }
+  __syncthreads();
+}
+
+// A brick of the block: its first node, and where its nodes end, Å from the block's node 0.
+struct OwnBrick {
+  int node[3];
+  float lower[3], upper[3];
+};
+
+__device__ OwnBrick own_brick(const GridSpec& grid) {
+  const auto warp = static_cast<int>(threadIdx.x / kWarp);
+  OwnBrick b{
+      {(warp & 1) * kBrickSide, (warp >> 1 & 1) * kBrickSide, (warp >> 2) * kBrickSide}, {}, {}};
+  for (int axis = 0; axis < 3; ++axis) {
+    b.lower[axis] = static_cast<float>(b.node[axis] * grid.spacing);
+    b.upper[axis] = static_cast<float>((b.node[axis] + kBrickSide - 1) * grid.spacing);
+  }
+  return b;
+}
+
+// Bit k: the atom first + k may add to the brick. By all lanes of its warp.
+__device__ unsigned atoms_in_reach(const BlockShared& s, const OwnBrick& b, std::uint32_t first) {
+  const std::uint32_t k = first + threadIdx.x % kWarp;
+  bool reaches = false;
+  if (k < s.gather.gathered) {
+    float d2 = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float c = s.center[axis][k];
+      const float d = fmaxf(fmaxf(b.lower[axis] - c, c - b.upper[axis]), 0.0f);
+      d2 = fmaf(d, d, d2);
+    }
+    // Beyond the rounding of the distance, the atom adds exactly 0.
+    reaches = d2 <= s.reach_square[k];
+  }
+  return __ballot_sync(kAllLanes, reaches);
+}
+
+template <FieldKind kind>
+__device__ void add_to_row(const NodeShape& nodes, const BlockShared& s, std::uint32_t k,
+                           const AxisTerm* along, const AxisTerm& y, const AxisTerm& z,
+                           float (&row)[kBrickSide]) {
+  const RowTerm term = row_term<kind>(nodes, y, z);
+  if (row_is_out_of_reach<kind>(nodes, term)) return;
+#pragma unroll
+  for (int x = 0; x < kBrickSide; ++x) {
+    row[x] = add_atom<kind>(nodes, term, along[x], s.scale[k], row[x]);
+  }
+}
+
+// Writes the nodes that the grid has, in whole rows of the block.
+__device__ void store_block(const GridSpec& grid, const BlockShared& s, float* values) {
+  const std::int64_t width = grid.cells.x + 1, height = grid.cells.y + 1;
+  constexpr unsigned nodes = kBlockSide * kBlockSide * kBlockSide;
+  for (unsigned i = threadIdx.x; i < nodes; i += kBlockThreads) {
+    const unsigned x = i % kBlockSide, y = i / kBlockSide % kBlockSide;
+    const unsigned z = i / (kBlockSide * kBlockSide);
+    const std::int64_t nx = s.first[0] + x - 1, ny = s.first[1] + y - 1, nz = s.first[2] + z - 1;
+    if (nx < 0 || ny < 0 || nz < 0 || nx >= width || ny >= height || nz > grid.cells.z) continue;
+    values[(nz * height + ny) * width + nx] = s.values[z][y][x];
+  }
+}
+
+template <FieldKind kind>
+__global__ void __launch_bounds__(kBlockThreads, 4) sample_blocks(FieldContext f, float* values) {
+  extern __shared__ __align__(16) unsigned char dynamic[];
+  BlockShared& s = *reinterpret_cast<BlockShared*>(dynamic);
+  const NodeShape nodes = node_shape(f.model);
+  share_block(f.model.grid, s);
+  constexpr int end = kBlockSide - 1;
+  const Vec3d lower{s.coordinate[0][0], s.coordinate[1][0], s.coordinate[2][0]};
+  const Vec3d upper{s.coordinate[0][end], s.coordinate[1][end], s.coordinate[2][end]};
+  begin_gather(f.list, lower, upper, s.gather);
+  const OwnBrick brick = own_brick(f.model.grid);
+  const unsigned lane = threadIdx.x % kWarp;
+  const unsigned y = lane % kBrickSide, z = lane / kBrickSide;
+  constexpr unsigned apart = kBrickSide / 2;  // rows z and z + 4
+  float low[kBrickSide] = {}, high[kBrickSide] = {};
+  do {
+    next_chunk(f.list, s.gather, s.places, kBlockAtoms, [&](std::uint32_t place) {
+      return reaches_box(f.model, lower, upper, f.list.spheres[place]);
+    });
+    share_block_atoms<kind>(f, nodes, s);
+    for (std::uint32_t first = 0; first < s.gather.gathered; first += kWarp) {
+      for (unsigned mask = atoms_in_reach(s, brick, first); mask != 0; mask &= mask - 1) {
+        const std::uint32_t k =
+            first + static_cast<std::uint32_t>(__ffs(static_cast<int>(mask))) - 1;
+        const BlockAtom& atom = s.atoms[k];
+        AxisTerm along[kBrickSide];
+#pragma unroll
+        for (int x = 0; x < kBrickSide; ++x) along[x] = atom.term[0][brick.node[0] + x];
+        const AxisTerm ty = atom.term[1][brick.node[1] + static_cast<int>(y)];
+        const AxisTerm* tz = &atom.term[2][brick.node[2] + static_cast<int>(z)];
+        add_to_row<kind>(nodes, s, k, along, ty, tz[0], low);
+        add_to_row<kind>(nodes, s, k, along, ty, tz[apart], high);
+      }
+    }
+  } while (!s.gather.finished);
+  __syncthreads();
+  for (int x = 0; x < kBrickSide; ++x) {
+    float(&rows)[kBlockSide][kBlockSide] = s.values[brick.node[2] + static_cast<int>(z)];
+    rows[brick.node[1] + static_cast<int>(y)][brick.node[0] + x] = low[x];
+    s.values[brick.node[2] + static_cast<int>(z + apart)][brick.node[1] + static_cast<int>(y)]
+            [brick.node[0] + x] = high[x];
+  }
+  __syncthreads();
+  store_block(f.model.grid, s, values);
+}
+
+using SampleKernel = void (*)(FieldContext, float*);
+
+SampleKernel kernel_of(FieldKind kind) {
+  if (kind == FieldKind::blinn) return sample_blocks<FieldKind::blinn>;
+  if (kind == FieldKind::soft_object) return sample_blocks<FieldKind::soft_object>;
+  return sample_blocks<FieldKind::inverse_squared>;
+}
+
+}  // namespace
+
+void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
+                            const Stream& stream) {
+  const SampleKernel kernel = kernel_of(model.kind);
+  const Vec3i& cells = model.grid.cells;
+  check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                  static_cast<int>(sizeof(BlockShared))),
+             "shared memory");
+  const std::int64_t blocks = blocks_along(cells.x) * blocks_along(cells.y) * blocks_along(cells.z);
+  kernel<<<static_cast<unsigned>(blocks), kBlockThreads, sizeof(BlockShared), stream.get()>>>(
+      {list, model}, values);
+  check_launch("sample_blocks");
+}
+
+}  // namespace vdwmesh
