@@ -100,10 +100,10 @@ __device__ inline void list_edges(const ActiveBrick& brick, EdgeList& edges) {
   const int z = static_cast<int>(threadIdx.x) / kBrickSide;
   const RowCrossings c = row_crossings(brick.signs, y, z);
   int next = brick.row_vertices[threadIdx.x];
-  for (std::uint32_t nodes = c.along[0] | c.along[1] | c.along[2]; nodes; nodes &= nodes - 1) {
+  for (std::uint32_t nodes = c.nodes(); nodes; nodes &= nodes - 1) {
     const int x = __ffs(static_cast<int>(nodes)) - 1;
     for (int axis = 0; axis < 3; ++axis) {
-      if ((c.along[axis] >> x & 1) == 0) continue;
+      if (!c.has(x, axis)) continue;
       const unsigned code = threadIdx.x * 32 + static_cast<unsigned>(x * 4 + axis);
       edges.code[next++] = static_cast<std::uint16_t>(code);
     }

@@ -10,6 +10,7 @@
 #include "cuda/extract_stages.cuh"
 #include "cuda/ordered_gather.cuh"
 #include "extract/block_bounds.hpp"
+#include "extract/local_atom.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -85,8 +86,7 @@ __device__ SubgridOverlap subgrid_overlap(const FieldModel& m, const Halves& h, 
 template <FieldKind kind>
 __device__ void add_to_bounds(const FieldModel& m, const ShapeParameters<float>& shape,
                               const Halves (&halves)[3], const Sphere& atom, ChildBounds& bounds) {
-  const double scale = inverse_square_scale(m, atom.radius);
-  const auto reach = static_cast<float>(field_reach_square(m, scale) * (1 + 1e-5));
+  const auto scale = static_cast<float>(inverse_square_scale(m, atom.radius));
   AxisRange range[3][2];
   SubgridOverlap overlap[3][2];
   for (int axis = 0; axis < 3; ++axis) {
@@ -95,22 +95,15 @@ __device__ void add_to_bounds(const FieldModel& m, const ShapeParameters<float>&
       overlap[axis][half] = subgrid_overlap(m, halves[axis], axis, half, atom.center[axis]);
     }
   }
-  float nearest = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    nearest += fminf(range[axis][0].least, range[axis][1].least);
-  }
-  if (!(nearest <= reach)) return;
 #pragma unroll
   for (int c = 0; c < kChildren; ++c) {
     const int x = c & 1, y = c >> 1 & 1, z = c >> 2;
     const float near = range[0][x].least + range[1][y].least + range[2][z].least;
     const float far = range[0][x].most + range[1][y].most + range[2][z].most;
-    if (!(near <= reach)) continue;
     if (!overlap[0][x].meets || !overlap[1][y].meets || !overlap[2][z].meets) continue;
-    bounds.most[c] += shape_value<kind>(shape, near, static_cast<float>(scale));
-    if (!(far <= reach)) continue;
+    bounds.most[c] += shape_value<kind>(shape, near, scale);
     if (!overlap[0][x].holds || !overlap[1][y].holds || !overlap[2][z].holds) continue;
-    bounds.least[c] += shape_value<kind>(shape, far, static_cast<float>(scale));
+    bounds.least[c] += shape_value<kind>(shape, far, scale);
   }
 }
 
@@ -133,24 +126,45 @@ __device__ bool all_mixed(const ChildBounds& bounds, float isovalue) {
   return mixed;
 }
 
-// The atoms near the parent, 32 at a time.
+// Places that wait until they fill a warp.
+struct WaitingAtoms {
+  std::uint32_t place[2 * kWarp];
+};
+
+// The atoms near the parent: those that reach it are collected, and bounded 32 at a time.
 template <FieldKind kind>
 __device__ ChildBounds bound_children(const FieldContext& f, const Halves (&halves)[3],
-                                      int child_level) {
+                                      int child_level, WaitingAtoms& waiting) {
+  const unsigned lane = threadIdx.x % kWarp;
   const ShapeParameters<float> shape = shape_parameters<float>(f.model);
   const auto isovalue = static_cast<float>(f.model.isovalue);
   const Halves &hx = halves[0], &hy = halves[1], &hz = halves[2];
   const auto top = [](const Halves& h) { return h.empty[1] ? h.upper[0] : h.upper[1]; };
+  const Vec3d lower{hx.lower[0], hy.lower[0], hz.lower[0]}, upper{top(hx), top(hy), top(hz)};
   ChildBounds bounds;
+  std::uint32_t count = 0;
   bool done = false;
+  const auto bound_first = [&](std::uint32_t atoms) {
+    __syncwarp();
+    if (lane < atoms) {
+      add_to_bounds<kind>(f.model, shape, halves, f.list.spheres[waiting.place[lane]], bounds);
+    }
+    __syncwarp();
+    count -= atoms;
+    if (lane < count) waiting.place[lane] = waiting.place[kWarp + lane];
+    done = child_level > 2 && all_mixed(bounds, isovalue);
+  };
   for (int l = 0; l < f.list.level_count && !done; ++l) {
-    visit_level_by_warp(
-        f.list.levels[l], {hx.lower[0], hy.lower[0], hz.lower[0]}, {top(hx), top(hy), top(hz)},
-        [&](std::uint32_t place) {
-          add_to_bounds<kind>(f.model, shape, halves, f.list.spheres[place], bounds);
-        },
-        [&] { return done = child_level > 2 && all_mixed(bounds, isovalue); });
+    visit_level_by_warp(f.list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
+      const bool kept = valid && reaches_box(f.model, lower, upper, f.list.spheres[place]);
+      const unsigned votes = __ballot_sync(kAllLanes, kept);
+      if (kept) waiting.place[count + __popc(votes & ((1u << lane) - 1))] = place;
+      count += static_cast<std::uint32_t>(__popc(votes));
+      if (count >= kWarp) bound_first(kWarp);
+      return done;
+    });
   }
+  if (!done) bound_first(count);
   return bounds;
 }
 
@@ -158,6 +172,7 @@ template <FieldKind kind>
 __global__ void __launch_bounds__(kThreads)
     test_blended_children(FieldContext f, const std::uint64_t* parents, std::uint64_t count,
                           int child_level, std::uint64_t* keys, std::uint8_t* keep) {
+  __shared__ WaitingAtoms waiting[kThreads / kWarp];
   const unsigned lane = threadIdx.x % kWarp;
   const std::uint64_t i =
       (static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x) / kWarp;
@@ -167,7 +182,8 @@ __global__ void __launch_bounds__(kThreads)
   const Halves halves[3] = {halves_of(grid, 0, parent.x, child_level),
                             halves_of(grid, 1, parent.y, child_level),
                             halves_of(grid, 2, parent.z, child_level)};
-  ChildBounds bounds = bound_children<kind>(f, halves, child_level);
+  const ChildBounds bounds =
+      bound_children<kind>(f, halves, child_level, waiting[threadIdx.x / kWarp]);
 #pragma unroll
   for (int c = 0; c < kChildren; ++c) {
     const int x = c & 1, y = c >> 1 & 1, z = c >> 2;

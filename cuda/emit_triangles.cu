@@ -83,19 +83,12 @@ struct TriangleShared {
   std::uint32_t row_first[kRows], last_first[kRows];
   std::uint32_t row_crossed[kRows], last_crossed[kRows];  // a byte per axis
   std::uint16_t cell_start[kBrickNodes];                  // triangles before each cell
+  std::uint8_t cell_inside[kBrickNodes];                  // case of each mixed cell
   std::uint16_t cell_of[kMostTriangles];
   // Cells across each face: first half-edge and case.
   std::uint32_t beyond_first[6][kCellsPerFace];
   std::uint8_t beyond_case[6][kCellsPerFace];
 };
-
-__device__ std::uint32_t pack(const RowCrossings& c) {
-  return c.along[0] | c.along[1] << 8 | c.along[2] << 16;
-}
-
-__device__ RowCrossings unpack(std::uint32_t packed) {
-  return {{packed & 255u, packed >> 8 & 255u, packed >> 16}};
-}
 
 // First vertex and crossings of row (y & 7, z & 7) of the brick at (dx, y >> 3, z >> 3).
 __device__ void share_row(const BrickList& list, const TriangleShared& s, int dx, int y, int z,
@@ -108,8 +101,9 @@ __device__ void share_row(const BrickList& list, const TriangleShared& s, int dx
   const ActiveBrick& owner = neighbour < 0 ? s.brick : list.bricks[place];
   y &= kBrickSide - 1;
   z &= kBrickSide - 1;
-  first = static_cast<std::uint32_t>(list.vertices[place] + owner.row_vertices[z * kBrickSide + y]);
-  crossed = pack(row_crossings(owner.signs, y, z));
+  first = static_cast<std::uint32_t>(list.before[place].vertices +
+                                     owner.row_vertices[z * kBrickSide + y]);
+  crossed = row_crossings(owner.signs, y, z).packed;
 }
 
 __device__ void share_vertex_rows(const BrickList& list, TriangleShared& s) {
@@ -134,7 +128,9 @@ __device__ void share_own_cells(const CaseTable& table, TriangleShared& s) {
         static_cast<std::uint16_t>(threadIdx.x * kBrickSide + static_cast<unsigned>(x));
     s.cell_start[cell] = static_cast<std::uint16_t>(next);
     if ((mixed >> x & 1) == 0) continue;
-    const std::uint32_t end = next + table.count(cell_case(s.brick.signs, x, y, z));
+    const std::uint32_t inside = cell_case(s.brick.signs, x, y, z);
+    s.cell_inside[cell] = static_cast<std::uint8_t>(inside);
+    const std::uint32_t end = next + table.count(inside);
     while (next < end) s.cell_of[next++] = cell;
   }
 }
@@ -154,7 +150,7 @@ __device__ void share_rows_beyond(const BrickList& list, const CaseTable& table,
   const ActiveBrick& owner = list.bricks[place];
   const int last = face % 2 == 0 ? kBrickSide - 1 : 0;
   const int y = face / 2 == 1 ? last : v, z = face / 2 == 1 ? v : last;
-  std::uint64_t before = list.triangles[place] + owner.row_triangles[z * kBrickSide + y];
+  std::uint64_t before = list.before[place].triangles + owner.row_triangles[z * kBrickSide + y];
   const std::uint32_t mixed = mixed_cells(owner.signs, y, z);
   for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
     const int x = __ffs(static_cast<int>(cells)) - 1;
@@ -175,11 +171,11 @@ __device__ void share_ends_beyond(const BrickList& list, const CaseTable& table,
     const int x = face == 0 ? kBrickSide - 1 : 0, y = row % kBrickSide, z = row / kBrickSide;
     const std::uint32_t inside = cell_case(owner.signs, x, y, z);
     if (table.count(inside) == 0) continue;
-    std::uint64_t before = list.triangles[place] + owner.row_triangles[row];
+    std::uint64_t before = list.before[place].triangles + owner.row_triangles[row];
     if (face == 0) {
       const std::uint64_t end = row + 1 < kCellsPerFace
-                                    ? list.triangles[place] + owner.row_triangles[row + 1]
-                                    : list.triangles[place + 1];
+                                    ? list.before[place].triangles + owner.row_triangles[row + 1]
+                                    : list.before[place + 1].triangles;
       before = end - table.count(inside);
     }
     share_cell_beyond(s, face, row, inside, before);
@@ -189,7 +185,7 @@ __device__ void share_ends_beyond(const BrickList& list, const CaseTable& table,
 __device__ std::uint32_t corner_number(const TriangleShared& s, int x, int y, int z, int axis) {
   const int row = z * kBrickReach + y;
   const bool own = x < kBrickSide;
-  const RowCrossings c = unpack(own ? s.row_crossed[row] : s.last_crossed[row]);
+  const RowCrossings c{own ? s.row_crossed[row] : s.last_crossed[row]};
   return (own ? s.row_first[row] : s.last_first[row]) +
          static_cast<std::uint32_t>(place_in_row(c, own ? x : 0, axis));
 }
@@ -211,9 +207,8 @@ __device__ std::uint32_t opposite_number(const TriangleShared& s, const CaseTabl
     return s.beyond_first[face][uv] + table.at_face(s.beyond_case[face][uv], face ^ 1, slot);
   }
   const int stride = axis == 0 ? 1 : (axis == 1 ? kBrickSide : kCellsPerFace);
-  const std::uint32_t beyond = cell_case(s.brick.signs, x + (axis == 0 ? step : 0),
-                                         y + (axis == 1 ? step : 0), z + (axis == 2 ? step : 0));
-  return first_of(cell + step * stride) + table.at_face(beyond, face ^ 1, slot);
+  const int beyond = cell + step * stride;
+  return first_of(beyond) + table.at_face(s.cell_inside[beyond], face ^ 1, slot);
 }
 
 __global__ void __launch_bounds__(kBrickThreads)
@@ -238,11 +233,11 @@ __global__ void __launch_bounds__(kBrickThreads)
   }
   share_vertex_rows(list, s);
   __syncthreads();
-  const std::uint64_t base = list.triangles[blockIdx.x];
+  const std::uint64_t base = list.before[blockIdx.x].triangles;
   for (std::uint32_t n = threadIdx.x; n < 3 * s.brick.triangles; n += kBrickThreads) {
     const int cell = s.cell_of[n / 3];
     const int x = cell % kBrickSide, y = cell / kBrickSide % kBrickSide, z = cell / kCellsPerFace;
-    const std::uint32_t inside = cell_case(s.brick.signs, x, y, z);
+    const std::uint32_t inside = s.cell_inside[cell];
     const int h = static_cast<int>(n) - 3 * s.cell_start[cell];
     const CellEdge edge = cell_edge(table.edges[inside][h]);
     mesh.corners[3 * base + n] = corner_number(s, x + edge.x, y + edge.y, z + edge.z, edge.axis);

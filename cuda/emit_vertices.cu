@@ -1,10 +1,10 @@
 // Vertices, a block of threads per brick.
 #include <algorithm>
 
-#include "cuda/blended_atoms.cuh"
 #include "cuda/brick_block.cuh"
 #include "cuda/extract_stages.cuh"
 #include "cuda/union_surface.cuh"
+#include "extract/local_atom.hpp"
 #include "extract/sampled_formulas.hpp"
 
 namespace vdwmesh {
@@ -28,11 +28,13 @@ __device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexSt
 
 // ---- the union of balls ----
 
+constexpr std::uint32_t kPlaces = 512;  // gathered at a time
+
 struct UnionShared {
   GatherState gather;
   BrickGeometry geometry;
   ActiveBrick brick;
-  std::uint32_t places[kChunk];
+  std::uint32_t places[kPlaces];
   EdgeList edges;
   VertexStage stages[kBrickThreads / kWarp];
 };
@@ -49,62 +51,100 @@ __global__ void __launch_bounds__(kBrickThreads)
   list_edges(s.brick, s.edges);
   begin_gather(f.list, s.geometry.node(0, 0, 0),
                s.geometry.node(kBrickSide, kBrickSide, kBrickSide), s.gather);
-  next_chunk(f.list, s.gather, s.places, kChunk,
+  next_chunk(f.list, s.gather, s.places, kPlaces,
              [&](std::uint32_t place) { return UnionSurface::keep(f, s.geometry, place); });
-  if (threadIdx.x < s.gather.gathered) {
+  if (threadIdx.x < min(s.gather.gathered, kChunk)) {
     items[threadIdx.x] = UnionSurface::item(f, s.places[threadIdx.x]);
   }
   __syncthreads();
-  const UnionSurface::Item* all = s.gather.finished ? items : nullptr;
-  store_all(s.brick, list.vertices[blockIdx.x], s.stages, mesh, clamped, [&](std::uint32_t n) {
-    return UnionSurface::vertex(f, s.geometry, all, s.gather.gathered,
-                                s.edges.edge(s.brick.signs, n));
-  });
+  const bool fit = s.gather.finished && s.gather.gathered <= kChunk;
+  const UnionSurface::Item* all = fit ? items : nullptr;
+  store_all(s.brick, list.before[blockIdx.x].vertices, s.stages, mesh, clamped,
+            [&](std::uint32_t n) {
+              return UnionSurface::vertex(f, s.geometry, all, s.gather.gathered,
+                                          s.edges.edge(s.brick.signs, n));
+            });
 }
 
 // ---- blended fields ----
 
-// The vertex where `values` stand at the ends of the edge; for_each(visit) calls
-// visit(atom, rank, place) for the atoms that reach the brick, in list order.
-template <FieldKind kind, class ForEach>
-__device__ SurfaceVertex blended_vertex(const FieldContext& f, const NodeShape& nodes,
-                                        const BrickGeometry& g, const CrossedEdge& edge,
-                                        ForEach&& for_each) {
-  EdgeValues values;
-  for_each([&](const LocalAtom& atom, std::uint32_t rank, std::uint32_t place) {
-    add_to_edge<kind>(nodes, atom, edge, rank, place, values);
-  });
-  const EdgePoint point = interpolate_edge(
-      values.inside, values.outside, static_cast<float>(f.model.isovalue), f.model.grid.spacing);
-  const Vec3d node = g.node(edge.inside[0], edge.inside[1], edge.inside[2]);
-  Vec3d p = node, outward{0, 0, 0};
-  p[edge.axis] = std::fma(edge.direction, point.distance, node[edge.axis]);
-  outward[edge.axis] = edge.direction;
-  const Vec3f local = cast<float>(p - g.node(0, 0, 0));
-  const ShapeParameters<float> shape = shape_parameters<float>(f.model);
-  LocalGradient gradient;
-  gradient.strongest.atom = values.strongest.atom;
-  for_each([&](const LocalAtom& atom, std::uint32_t rank, std::uint32_t place) {
-    add_gradient<kind>(shape, atom, edge.inside, local, rank, place, gradient);
-  });
-  const Vec3d fall{-gradient.sum.x, -gradient.sum.y, -gradient.sum.z};
-  return {p, unit_or(fall, outward), f.list.id[gradient.strongest.atom], point.clamped};
+// What a vertex needs of an atom.
+struct alignas(16) VertexAtom {
+  float center[3];  // Å, from the brick's node 0
+  float scale;
+  std::int32_t cell[3];  // of its sub-grid
+  std::uint32_t rank;
+};
+
+__device__ VertexAtom vertex_atom(const FieldContext& f, const BrickGeometry& g,
+                                  std::uint32_t place) {
+  const Sphere& atom = f.list.spheres[place];
+  VertexAtom a{};
+  a.scale = static_cast<float>(inverse_square_scale(f.model, atom.radius));
+  a.rank = f.list.rank[place];
+  for (int axis = 0; axis < 3; ++axis) {
+    a.center[axis] = static_cast<float>(atom.center[axis] - g.coordinate[axis][0]);
+    if (f.model.truncation != Truncation::subgrid) continue;
+    a.cell[axis] = static_cast<std::int32_t>(subgrid_cell(f.model.grid, axis, atom.center[axis]));
+  }
+  return a;
 }
 
-// An atom with only the terms that the nodes of one edge need.
-template <FieldKind kind>
-__device__ LocalAtom atom_at_edge(const FieldContext& f, const NodeShape& nodes,
-                                  const BrickGeometry& g, const CrossedEdge& edge,
-                                  const Sphere& atom) {
-  LocalAtom local;
-  local.scale = static_cast<float>(inverse_square_scale(f.model, atom.radius));
+// False where the sub-grid of the atom ends before the node.
+__device__ bool reaches_node(const FieldModel& m, const VertexAtom& a, const LatticeNode& node) {
+  if (m.truncation != Truncation::subgrid) return true;
+  bool reaches = true;
   for (int axis = 0; axis < 3; ++axis) {
-    local.center[axis] = static_cast<float>(atom.center[axis] - g.coordinate[axis][0]);
-    for (const int node : {edge.inside[axis], edge.outside[axis]}) {
-      local.term[axis][node] = brick_term<kind>(f.model, nodes, g, atom, local.scale, axis, node);
-    }
+    const std::int64_t away = node.index[axis] - 1 - a.cell[axis];
+    reaches &= away >= -m.subgrid_cells && away <= m.subgrid_cells;
   }
-  return local;
+  return reaches;
+}
+
+// What the atom alone adds to a node.
+template <FieldKind kind>
+__device__ float value_at_node(const FieldContext& f, const BrickGeometry& g, std::uint32_t place,
+                               float scale, const int node[3]) {
+  const NodeShape nodes = node_shape(f.model);
+  const Sphere& atom = f.list.spheres[place];
+  AxisTerm term[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    term[axis] = brick_term<kind>(f.model, nodes, g, atom, scale, axis, node[axis]);
+  }
+  return add_atom<kind>(nodes, row_term<kind>(nodes, term[1], term[2]), term[0], scale, 0.0f);
+}
+
+// `values` are those of the brick's nodes; for_each(visit) calls visit(atom, place) for the atoms
+// that reach the brick, in list order.
+template <FieldKind kind, class ForEach>
+__device__ SurfaceVertex blended_vertex(const FieldContext& f, const BrickGeometry& g,
+                                        const float* values, const CrossedEdge& edge,
+                                        ForEach&& for_each) {
+  const auto value = [&](const int node[3]) {
+    return values[(node[2] * kBrickReach + node[1]) * kBrickReach + node[0]];
+  };
+  SurfaceVertex v =
+      vertex_between(value(edge.inside), value(edge.outside), static_cast<float>(f.model.isovalue),
+                     f.model.grid, edge, g.node(edge.inside[0], edge.inside[1], edge.inside[2]));
+  const Vec3f local = cast<float>(v.position - g.node(0, 0, 0));
+  const LatticeNode inside = lattice_node(g.brick, edge.inside);
+  const ShapeParameters<float> shape = shape_parameters<float>(f.model);
+  LocalGradient gradient;
+  for_each([&](const VertexAtom& a, std::uint32_t place) {
+    if (!reaches_node(f.model, a, inside)) return;
+    add_gradient<kind>(shape, local - Vec3f{a.center[0], a.center[1], a.center[2]}, a.scale, a.rank,
+                       place, gradient);
+  });
+  // Where no atom reaches the vertex, the strongest at its inside end.
+  if (!(gradient.strongest.value > 0)) {
+    for_each([&](const VertexAtom& a, std::uint32_t place) {
+      const float alone = value_at_node<kind>(f, g, place, a.scale, edge.inside);
+      gradient.strongest.meet(alone, a.rank, place);
+    });
+  }
+  v.normal = outward_normal(gradient, v);
+  v.sphere = f.list.id[gradient.strongest.atom];
+  return v;
 }
 
 struct BlendedShared {
@@ -115,22 +155,20 @@ struct BlendedShared {
   VertexStage stages[kBrickThreads / kWarp];
 };
 
-// next_chunk() stops a warp's worth before its array is full.
+// next_chunk() stops when less than a block's worth is free in its array.
 __host__ __device__ constexpr std::uint32_t places_for(std::uint32_t atoms) {
-  return atoms + kWarp < 2 * kWarp ? 2 * kWarp : atoms + kWarp;
+  return atoms + kBrickThreads;
 }
 
-// Dynamic shared memory: `room` atoms, places_for(room) places and ranks.
+// Dynamic shared memory: `room` atoms and places_for(room) places.
 template <FieldKind kind>
 __global__ void __launch_bounds__(kBrickThreads)
-    emit_blended_vertices(FieldContext f, BrickList list, DeviceMeshView mesh,
+    emit_blended_vertices(FieldContext f, BrickList list, const float* values, DeviceMeshView mesh,
                           unsigned long long* clamped, std::uint32_t room) {
   __shared__ BlendedShared s;
   extern __shared__ __align__(16) unsigned char dynamic[];
-  auto* atoms = reinterpret_cast<LocalAtom*>(dynamic);
+  auto* atoms = reinterpret_cast<VertexAtom*>(dynamic);
   auto* places = reinterpret_cast<std::uint32_t*>(atoms + room);
-  std::uint32_t* ranks = places + places_for(room);
-  const NodeShape nodes = node_shape(f.model);
   copy_brick(&list.bricks[blockIdx.x], &s.brick, threadIdx.x, blockDim.x);
   __syncthreads();
   if (s.brick.vertices == 0) return;
@@ -143,15 +181,14 @@ __global__ void __launch_bounds__(kBrickThreads)
     return reaches_brick(f.model, s.geometry, f.list.spheres[place]);
   };
   next_chunk(f.list, s.gather, places, places_for(room), reaches);
-  const std::uint64_t base = list.vertices[blockIdx.x];
+  const std::uint64_t base = list.before[blockIdx.x].vertices;
+  const float* const own = values + static_cast<std::uint64_t>(blockIdx.x) * kBrickValues;
   if (!s.gather.finished || s.gather.gathered > room) {
     store_all(s.brick, base, s.stages, mesh, clamped, [&](std::uint32_t n) {
       const CrossedEdge edge = s.edges.edge(s.brick.signs, n);
-      return blended_vertex<kind>(f, nodes, s.geometry, edge, [&](auto&& visit) {
+      return blended_vertex<kind>(f, s.geometry, own, edge, [&](auto&& visit) {
         visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
-          if (!reaches(place)) return false;
-          visit(atom_at_edge<kind>(f, nodes, s.geometry, edge, f.list.spheres[place]),
-                f.list.rank[place], place);
+          if (reaches(place)) visit(vertex_atom(f, s.geometry, place), place);
           return false;
         });
       });
@@ -159,20 +196,19 @@ __global__ void __launch_bounds__(kBrickThreads)
     return;
   }
   for (std::uint32_t k = threadIdx.x; k < s.gather.gathered; k += blockDim.x) {
-    ranks[k] = f.list.rank[places[k]];
+    atoms[k] = vertex_atom(f, s.geometry, places[k]);
   }
-  share_atoms<kind>(f, nodes, s.geometry, places, s.gather.gathered, atoms);
+  __syncthreads();
   store_all(s.brick, base, s.stages, mesh, clamped, [&](std::uint32_t n) {
-    return blended_vertex<kind>(f, nodes, s.geometry, s.edges.edge(s.brick.signs, n),
-                                [&](auto&& visit) {
-                                  for (std::uint32_t k = 0; k < s.gather.gathered; ++k)
-                                    visit(atoms[k], ranks[k], places[k]);
-                                });
+    const CrossedEdge edge = s.edges.edge(s.brick.signs, n);
+    return blended_vertex<kind>(f, s.geometry, own, edge, [&](auto&& visit) {
+      for (std::uint32_t k = 0; k < s.gather.gathered; ++k) visit(atoms[k], places[k]);
+    });
   });
 }
 
-using BlendedKernel = void (*)(FieldContext, BrickList, DeviceMeshView, unsigned long long*,
-                               std::uint32_t);
+using BlendedKernel = void (*)(FieldContext, BrickList, const float*, DeviceMeshView,
+                               unsigned long long*, std::uint32_t);
 
 BlendedKernel blended_kernel_of(FieldKind kind) {
   if (kind == FieldKind::blinn) return emit_blended_vertices<FieldKind::blinn>;
@@ -181,7 +217,7 @@ BlendedKernel blended_kernel_of(FieldKind kind) {
 }
 
 // Atoms of a brick in shared memory; a brick that has more visits the list for every vertex.
-constexpr std::uint32_t kMostAtoms = 512;
+constexpr std::uint32_t kMostAtoms = 1024;
 
 // ---- sampled fields ----
 
@@ -201,22 +237,23 @@ __global__ void __launch_bounds__(kBrickThreads)
   list_edges(s.brick, s.edges);
   __syncthreads();
   const BrickIndex brick = brick_of_key(s.brick.key);
-  store_all(s.brick, list.vertices[blockIdx.x], s.stages, mesh, clamped, [&](std::uint32_t n) {
-    const CrossedEdge edge = s.edges.edge(s.brick.signs, n);
-    const LatticeNode inside = lattice_node(brick, edge.inside);
-    Vec3d node{};
-    for (int axis = 0; axis < 3; ++axis) {
-      node[axis] = lattice_coordinate(field.grid, axis, inside.index[axis]);
-    }
-    return sampled_vertex(field, brick, edge, node);
-  });
+  store_all(s.brick, list.before[blockIdx.x].vertices, s.stages, mesh, clamped,
+            [&](std::uint32_t n) {
+              const CrossedEdge edge = s.edges.edge(s.brick.signs, n);
+              const LatticeNode inside = lattice_node(brick, edge.inside);
+              Vec3d node{};
+              for (int axis = 0; axis < 3; ++axis) {
+                node[axis] = lattice_coordinate(field.grid, axis, inside.index[axis]);
+              }
+              return sampled_vertex(field, brick, edge, node);
+            });
 }
 
 }  // namespace
 
 void emit_vertices_on_device(const FieldContext& f, const CountedBricks& counted,
-                             const DeviceMeshView& mesh, unsigned long long* clamped,
-                             const Stream& stream) {
+                             const float* values, const DeviceMeshView& mesh,
+                             unsigned long long* clamped, const Stream& stream) {
   const BrickList bricks = counted.list();
   if (bricks.size == 0) return;
   const auto blocks = static_cast<unsigned>(bricks.size);
@@ -227,11 +264,11 @@ void emit_vertices_on_device(const FieldContext& f, const CountedBricks& counted
   }
   const BlendedKernel kernel = blended_kernel_of(f.model.kind);
   const std::uint32_t room = std::min(counted.totals.most_atoms, kMostAtoms);
-  const std::size_t bytes = room * sizeof(LocalAtom) + places_for(room) * 2 * sizeof(std::uint32_t);
+  const std::size_t bytes = room * sizeof(VertexAtom) + places_for(room) * sizeof(std::uint32_t);
   check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                   static_cast<int>(bytes)),
              "shared memory");
-  kernel<<<blocks, kBrickThreads, bytes, stream.get()>>>(f, bricks, mesh, clamped, room);
+  kernel<<<blocks, kBrickThreads, bytes, stream.get()>>>(f, bricks, values, mesh, clamped, room);
   check_launch("emit_blended_vertices");
 }
 

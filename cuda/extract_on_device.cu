@@ -13,12 +13,15 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
       candidate_bricks_on_device(f, options.memory_limit / sizeof(ActiveBrick), stream);
   marks.mark();
   advance(options.monitor, 1);
+  const std::uint64_t kept = model.kind == FieldKind::vdw ? 0 : candidates.count * kBrickValues;
+  require_device_memory(kept * sizeof(float), "the field in the surface bricks");
+  const DeviceArray<float> values(kept, stream.get());
   const BrickKernels kernels{
       [&](const CaseTable* table, ActiveBrick* bricks, const BrickCounts& counts) {
-        count_bricks_on_device(f, candidates, table, bricks, counts, stream);
+        count_bricks_on_device(f, candidates, table, bricks, values.data(), counts, stream);
       },
       [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {
-        emit_vertices_on_device(f, counted, mesh, clamped, stream);
+        emit_vertices_on_device(f, counted, values.data(), mesh, clamped, stream);
       }};
   mesh_bricks_on_device(candidates, model.grid.spacing, kernels, DeviceLabels::spheres, options,
                         result, marks, stream);

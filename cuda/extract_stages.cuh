@@ -31,37 +31,39 @@ struct CountPart {
 };
 inline constexpr unsigned kCountParts = 64;
 
-// Node signs and counts of the candidate bricks.
+// Nodes that the cells of a brick touch.
+inline constexpr int kBrickValues = kBrickReach * kBrickReach * kBrickReach;
+
+// Node signs and counts of the candidate bricks; of blended fields also the values at the nodes of
+// bricks that hold surface, kBrickValues of each, x fastest.
 struct BrickCounts {
-  std::uint64_t* vertices;   // per brick
-  std::uint64_t* triangles;  // per brick
-  CountPart* parts;          // kCountParts of them, to begin with 0
+  BrickSums* sums;   // per brick
+  CountPart* parts;  // kCountParts of them, to begin with 0
 };
 void count_bricks_on_device(const FieldContext& f, const KeyList& candidates,
-                            const CaseTable* table, ActiveBrick* bricks, const BrickCounts& counts,
-                            const Stream& stream);
+                            const CaseTable* table, ActiveBrick* bricks, float* values,
+                            const BrickCounts& counts, const Stream& stream);
 
 // In all.
 struct BrickTotals {
-  unsigned long long vertices, triangles, clipped_cells, surface_bricks;
+  BrickSums sums;
+  unsigned long long clipped_cells, surface_bricks;
   std::uint32_t most_atoms;
 };
 
 // What counting leaves behind.
 struct CountedBricks {
   DeviceArray<ActiveBrick> bricks;
-  DeviceArray<std::uint64_t> first_vertex, first_triangle;  // of each brick, and the totals
+  DeviceArray<BrickSums> before;  // each brick, and in all
   BrickTotals totals{};
 
-  BrickList list() const {
-    return {bricks.data(), first_vertex.data(), first_triangle.data(), bricks.size()};
-  }
+  BrickList list() const { return {bricks.data(), before.data(), bricks.size()}; }
 };
 
-// Positions, normals and labels; adds the clamped vertices to `clamped`.
+// Positions, normals and labels; adds the clamped vertices to `clamped`. `values` as counted.
 void emit_vertices_on_device(const FieldContext& f, const CountedBricks& counted,
-                             const DeviceMeshView& mesh, unsigned long long* clamped,
-                             const Stream& stream);
+                             const float* values, const DeviceMeshView& mesh,
+                             unsigned long long* clamped, const Stream& stream);
 void emit_sampled_vertices_on_device(const SampledFieldView& field, const CountedBricks& counted,
                                      const DeviceMeshView& mesh, unsigned long long* clamped,
                                      const Stream& stream);

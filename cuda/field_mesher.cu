@@ -178,8 +178,7 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
   __syncwarp();
   copy_brick(&brick, &bricks[i], lane, kWarp);
   if (lane != 0) return;
-  counts.vertices[i] = brick.vertices;
-  counts.triangles[i] = brick.triangles;
+  counts.sums[i] = {brick.vertices, brick.triangles};
   CountPart& part = counts.parts[i % kCountParts];
   if (brick.clipped_cells != 0) atomicAdd(&part.clipped_cells, brick.clipped_cells);
   if (brick.vertices + brick.triangles != 0) atomicAdd(&part.surface_bricks, 1ull);

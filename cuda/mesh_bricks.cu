@@ -5,41 +5,52 @@
 namespace vdwmesh {
 namespace {
 
-// By kCountParts threads.
-__global__ void add_up(const CountPart* parts, const std::uint64_t* vertices,
-                       const std::uint64_t* triangles, BrickTotals* totals) {
-  const CountPart& part = parts[threadIdx.x];
-  if (threadIdx.x == 0) {
-    totals->vertices = *vertices;
-    totals->triangles = *triangles;
+struct AddSums {
+  __host__ __device__ BrickSums operator()(const BrickSums& a, const BrickSums& b) const {
+    return {a.vertices + b.vertices, a.triangles + b.triangles};
   }
+};
+
+// By kCountParts threads.
+__global__ void add_up(const CountPart* parts, const BrickSums* sums, BrickTotals* totals) {
+  const CountPart& part = parts[threadIdx.x];
+  if (threadIdx.x == 0) totals->sums = *sums;
   if (part.clipped_cells != 0) atomicAdd(&totals->clipped_cells, part.clipped_cells);
   if (part.surface_bricks != 0) atomicAdd(&totals->surface_bricks, part.surface_bricks);
   atomicMax(&totals->most_atoms, part.most_atoms);
 }
 
+// What is counted besides the bricks themselves; begins as zeros.
+struct Tally {
+  CountPart parts[kCountParts];
+  BrickTotals totals;
+};
+
 CountedBricks count_and_scan(const KeyList& candidates, const CaseTable* table,
                              const BrickKernels& kernels, StageMarks& marks, const Stream& stream) {
   const std::uint64_t n = candidates.count;
-  require_device_memory(n * (sizeof(ActiveBrick) + 4 * sizeof(std::uint64_t)),
+  require_device_memory(n * (sizeof(ActiveBrick) + 2 * sizeof(BrickSums)),
                         "the list of surface bricks");
   CountedBricks counted;
   counted.bricks = DeviceArray<ActiveBrick>(n, stream.get());
-  const DeviceArray<CountPart> parts(kCountParts, stream.get());
-  const DeviceArray<BrickTotals> totals(1, stream.get());
-  clear(parts, stream.get());
-  clear(totals, stream.get());
-  const DeviceArray<std::uint64_t> vertices(n, stream.get()), triangles(n, stream.get());
-  kernels.count(table, counted.bricks.data(), {vertices.data(), triangles.data(), parts.data()});
+  const DeviceArray<Tally> tally(1, stream.get());
+  clear(tally, stream.get());
+  // One more than bricks, so that the sums before it are those of all.
+  const DeviceArray<BrickSums> sums(n + 1, stream.get());
+  check_cuda(cudaMemsetAsync(sums.data() + n, 0, sizeof(BrickSums), stream.get()), "scan");
+  kernels.count(table, counted.bricks.data(), {sums.data(), tally.data()->parts});
   marks.mark();
-  counted.first_vertex = DeviceArray<std::uint64_t>(n + 1, stream.get());
-  counted.first_triangle = DeviceArray<std::uint64_t>(n + 1, stream.get());
-  sums_before(vertices.data(), n, counted.first_vertex.data(), stream.get());
-  sums_before(triangles.data(), n, counted.first_triangle.data(), stream.get());
-  add_up<<<1, kCountParts, 0, stream.get()>>>(parts.data(), counted.first_vertex.data() + n,
-                                              counted.first_triangle.data() + n, totals.data());
+  counted.before = DeviceArray<BrickSums>(n + 1, stream.get());
+  run_cub("scan", stream.get(), [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceScan::ExclusiveScan(scratch, bytes, sums.data(), counted.before.data(),
+                                          AddSums{}, BrickSums{0, 0},
+                                          static_cast<std::int64_t>(n + 1), stream.get());
+  });
+  BrickTotals* const totals = &tally.data()->totals;
+  add_up<<<1, kCountParts, 0, stream.get()>>>(tally.data()->parts, counted.before.data() + n,
+                                              totals);
   check_launch("add_up");
-  counted.totals = fetch(totals.data(), stream);
+  counted.totals = fetch(totals, stream);
   marks.mark();
   return counted;
 }
@@ -55,13 +66,14 @@ void mesh_bricks_on_device(const KeyList& candidates, double spacing, const Bric
   advance(options.monitor, 1);
 
   begin_stage(options.monitor, "extract", 1);
-  check_mesh_limits({totals.vertices, totals.triangles, options.connectivity, 0, spacing},
+  check_mesh_limits({totals.sums.vertices, totals.sums.triangles, options.connectivity, 0, spacing},
                     options.memory_limit);
   require_device_memory(
-      indexed_mesh_bytes(totals.vertices, totals.triangles, Connectivity::half_edges), "the mesh");
+      indexed_mesh_bytes(totals.sums.vertices, totals.sums.triangles, Connectivity::half_edges),
+      "the mesh");
   const DeviceArray<unsigned long long> clamped(1, stream.get());
   clear(clamped, stream.get());
-  result.mesh = DeviceMesh(totals.vertices, totals.triangles, stream.get(), labels);
+  result.mesh = DeviceMesh(totals.sums.vertices, totals.sums.triangles, stream.get(), labels);
   kernels.emit_vertices(counted, result.mesh.view(), clamped.data());
   marks.mark();
   emit_triangles_on_device(counted.list(), candidates, table.data(), result.mesh.view(), stream);

@@ -53,11 +53,11 @@ __device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {
   return sum;
 }
 
-// Calls visit(place) for the spheres of a level near a box, 32 at a time, a lane each, in any
-// order; `pause()` is called by all lanes after each 32, and stops the visit where it returns true.
-template <class Visit, class Pause>
+// Calls visit(place, valid) for the spheres of a level near a box, in list order, 32 at a time: all
+// lanes call it, `valid` says which of them have a sphere. Stops where it returns true.
+template <class Visit>
 __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3d& lower,
-                                    const Vec3d& upper, Visit&& visit, Pause&& pause) {
+                                    const Vec3d& upper, Visit&& visit) {
   const unsigned lane = threadIdx.x % kWarp;
   const CellRange x = cell_range(level, 0, lower.x, upper.x);
   const CellRange y = cell_range(level, 1, lower.y, upper.y);
@@ -80,9 +80,7 @@ __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3
       const unsigned owner = row_holding(sum, t + lane);
       const std::uint32_t end_place = __shfl_sync(kAllLanes, range.end, owner & (kWarp - 1));
       const std::uint32_t end_sum = __shfl_sync(kAllLanes, sum, owner & (kWarp - 1));
-      if (t + lane < total) visit(end_place - (end_sum - (t + lane)));
-      __syncwarp();
-      if (pause()) return;
+      if (visit(end_place - (end_sum - (t + lane)), t + lane < total)) return;
     }
   }
 }
@@ -94,7 +92,19 @@ struct GatherState {
   std::uint32_t next_place;  // among the places of that batch
   std::uint32_t gathered;    // in the chunk
   bool finished;
+  // Of the batch: inclusive sums of the rows' lengths, and where each row ends.
+  std::uint32_t sum[kWarp], end[kWarp];
+  std::uint32_t kept[kWarp];  // by each warp of the block, of the last places looked at
 };
+
+// The first row of the batch whose sum exceeds `wanted`.
+__device__ inline unsigned row_holding(const GatherState& state, std::uint32_t wanted) {
+  unsigned owner = 0;
+  for (unsigned step = kWarp / 2; step > 0; step /= 2) {
+    if (state.sum[owner + step - 1] <= wanted) owner += step;
+  }
+  return owner;
+}
 
 // Called by all threads of the block (at least 3 * kMaxLevels of them) before the first chunk.
 __device__ inline void begin_gather(const CellListView& list, const Vec3d& lower,
@@ -124,48 +134,61 @@ __device__ inline void begin_gather(const CellListView& list, const Vec3d& lower
   __syncthreads();
 }
 
-// Fills the next chunk with the places for which keep(place) holds; all threads of the block call
-// it, the first warp works. Afterwards state.gathered places stand in `chunk` (capacity at least
-// 64), and state.finished says whether it was the last chunk.
+// Fills the next chunk with the places for which keep(place) holds, as many places at a time as the
+// block has threads; all of them call it. Afterwards state.gathered places stand in `chunk`, and
+// state.finished says whether it was the last chunk. The capacity is at least one place a thread; a
+// chunk ends when fewer than that are free.
 template <class Keep>
 __device__ void next_chunk(const CellListView& list, GatherState& state, std::uint32_t* chunk,
                            std::uint32_t capacity, Keep keep) {
   __syncthreads();
-  if (threadIdx.x < kWarp) {
-    const unsigned lane = threadIdx.x;
-    const std::uint32_t rows = state.rows.first_row[list.level_count];
-    std::uint32_t row = state.next_row, skip = state.next_place, gathered = 0;
-    bool full = false;
-    for (; row < rows && !full; row += kWarp) {
+  const unsigned lane = threadIdx.x % kWarp, warp = threadIdx.x / kWarp;
+  const std::uint32_t rows = state.rows.first_row[list.level_count];
+  std::uint32_t row = state.next_row, skip = state.next_place, gathered = 0;
+  bool full = false;
+  for (; row < rows; row += kWarp) {
+    if (warp == 0) {
       PlaceRange range{0, 0};
       if (row + lane < rows) range = places_of_row(list, state.rows, row + lane);
-      const std::uint32_t sum = warp_inclusive_sum(range.end - range.begin);
-      const std::uint32_t total = __shfl_sync(kAllLanes, sum, kWarp - 1);
-      for (std::uint32_t t = skip; t < total; t += kWarp) {
-        if (gathered + kWarp > capacity) {
-          full = true;
-          skip = t;
-          break;
-        }
-        const std::uint32_t wanted = t + lane;
-        const unsigned owner = row_holding(sum, wanted);
-        const std::uint32_t end_place = __shfl_sync(kAllLanes, range.end, owner & (kWarp - 1));
-        const std::uint32_t end_sum = __shfl_sync(kAllLanes, sum, owner & (kWarp - 1));
-        const std::uint32_t place = end_place - (end_sum - wanted);
-        const bool kept = wanted < total && keep(place);
-        const unsigned votes = __ballot_sync(kAllLanes, kept);
-        if (kept) chunk[gathered + __popc(votes & ((1u << lane) - 1))] = place;
-        gathered += __popc(votes);
+      state.sum[lane] = warp_inclusive_sum(range.end - range.begin);
+      state.end[lane] = range.end;
+    }
+    __syncthreads();
+    const std::uint32_t total = state.sum[kWarp - 1];
+    for (std::uint32_t t = skip; t < total; t += blockDim.x) {
+      full = gathered + blockDim.x > capacity;
+      if (full) {
+        skip = t;
+        break;
       }
-      if (full) break;
-      skip = 0;
+      const std::uint32_t wanted = t + threadIdx.x;
+      std::uint32_t place = 0;
+      bool kept = false;
+      if (wanted < total) {
+        const unsigned owner = row_holding(state, wanted);
+        place = state.end[owner] - (state.sum[owner] - wanted);
+        kept = keep(place);
+      }
+      const unsigned votes = __ballot_sync(kAllLanes, kept);
+      if (lane == 0) state.kept[warp] = static_cast<std::uint32_t>(__popc(votes));
+      __syncthreads();
+      std::uint32_t before = gathered;
+      for (unsigned w = 0; w < blockDim.x / kWarp; ++w) {
+        if (w < warp) before += state.kept[w];
+        gathered += state.kept[w];
+      }
+      if (kept) chunk[before + __popc(votes & ((1u << lane) - 1))] = place;
+      __syncthreads();
     }
-    if (lane == 0) {
-      state.next_row = row;
-      state.next_place = full ? skip : 0;
-      state.gathered = gathered;
-      state.finished = !full;
-    }
+    if (full) break;
+    skip = 0;
+    __syncthreads();
+  }
+  if (threadIdx.x == 0) {
+    state.next_row = row;
+    state.next_place = full ? skip : 0;
+    state.gathered = gathered;
+    state.finished = !full;
   }
   __syncthreads();
 }

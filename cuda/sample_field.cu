@@ -10,6 +10,7 @@ constexpr int kBlockSide = 2 * kBrickSide;
 constexpr unsigned kBlockBricks = 8;
 constexpr unsigned kBlockThreads = kBlockBricks * kWarp;
 constexpr std::uint32_t kBlockAtoms = 64;  // in shared memory at a time
+constexpr std::uint32_t kPlaces = 1024;    // gathered at a time
 
 struct alignas(16) BlockAtom {
   AxisTerm term[3][kBlockSide];
@@ -19,7 +20,7 @@ struct BlockShared {
   GatherState gather;
   std::int64_t first[3];  // lattice indices of node 0
   double coordinate[3][kBlockSide];
-  std::uint32_t places[kBlockAtoms];
+  std::uint32_t places[kPlaces];
   float center[3][kBlockAtoms];  // Å, from the block's node 0
   float reach_square[kBlockAtoms];
   float scale[kBlockAtoms];
@@ -49,10 +50,11 @@ __device__ void share_block(const GridSpec& grid, BlockShared& s) {
 
 // Terms of the gathered atoms; leaves the block synchronised.
 template <FieldKind kind>
-__device__ void share_block_atoms(const FieldContext& f, const NodeShape& nodes, BlockShared& s) {
-  const std::uint32_t count = s.gather.gathered;
+__device__ void share_block_atoms(const FieldContext& f, const NodeShape& nodes,
+                                  const std::uint32_t* places, std::uint32_t count,
+                                  BlockShared& s) {
   if (threadIdx.x < count) {
-    const Sphere& atom = f.list.spheres[s.places[threadIdx.x]];
+    const Sphere& atom = f.list.spheres[places[threadIdx.x]];
     const double scale = inverse_square_scale(f.model, atom.radius);
     const double reach = field_reach(f.model, atom.radius);
     const bool subgrid = f.model.truncation == Truncation::subgrid;
@@ -69,7 +71,7 @@ __device__ void share_block_atoms(const FieldContext& f, const NodeShape& nodes,
     const auto axis = static_cast<int>(i % terms) / kBlockSide;
     const auto node = static_cast<int>(i % terms) % kBlockSide;
     s.atoms[k].term[axis][node] =
-        lattice_term<kind>(f.model, nodes, f.list.spheres[s.places[k]], s.scale[k], axis,
+        lattice_term<kind>(f.model, nodes, f.list.spheres[places[k]], s.scale[k], axis,
                            s.first[axis] + node, s.coordinate[axis][node]);
   }
   __syncthreads();
@@ -93,10 +95,11 @@ __device__ OwnBrick own_brick(const GridSpec& grid) {
 }
 
 // Bit k: the atom first + k may add to the brick. By all lanes of its warp.
-__device__ unsigned atoms_in_reach(const BlockShared& s, const OwnBrick& b, std::uint32_t first) {
+__device__ unsigned atoms_in_reach(const BlockShared& s, const OwnBrick& b, std::uint32_t count,
+                                   std::uint32_t first) {
   const std::uint32_t k = first + threadIdx.x % kWarp;
   bool reaches = false;
-  if (k < s.gather.gathered) {
+  if (k < count) {
     float d2 = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const float c = s.center[axis][k];
@@ -134,6 +137,33 @@ __device__ void store_block(const GridSpec& grid, const BlockShared& s, float* v
   }
 }
 
+// The rows (y, z) and (y, z + 4) of a lane's brick.
+struct RowPair {
+  int y, z;
+  float low[kBrickSide] = {}, high[kBrickSide] = {};
+};
+constexpr int kRowsApart = kBrickSide / 2;
+
+__device__ RowPair own_rows(const OwnBrick& brick) {
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  return {brick.node[1] + lane % kBrickSide, brick.node[2] + lane / kBrickSide};
+}
+
+// Adds the first `count` atoms in shared memory, in their order.
+template <FieldKind kind>
+__device__ void add_atoms(const NodeShape& nodes, const BlockShared& s, std::uint32_t count,
+                          const OwnBrick& brick, RowPair& rows) {
+  for (std::uint32_t first = 0; first < count; first += kWarp) {
+    for (unsigned mask = atoms_in_reach(s, brick, count, first); mask != 0; mask &= mask - 1) {
+      const std::uint32_t k = first + static_cast<std::uint32_t>(__ffs(static_cast<int>(mask))) - 1;
+      const AxisTerm* const along = &s.atoms[k].term[0][brick.node[0]];
+      const AxisTerm y = s.atoms[k].term[1][rows.y];
+      add_to_row<kind>(nodes, s, k, along, y, s.atoms[k].term[2][rows.z], rows.low);
+      add_to_row<kind>(nodes, s, k, along, y, s.atoms[k].term[2][rows.z + kRowsApart], rows.high);
+    }
+  }
+}
+
 template <FieldKind kind>
 __global__ void __launch_bounds__(kBlockThreads, 4) sample_blocks(FieldContext f, float* values) {
   extern __shared__ __align__(16) unsigned char dynamic[];
@@ -145,36 +175,22 @@ __global__ void __launch_bounds__(kBlockThreads, 4) sample_blocks(FieldContext f
   const Vec3d upper{s.coordinate[0][end], s.coordinate[1][end], s.coordinate[2][end]};
   begin_gather(f.list, lower, upper, s.gather);
   const OwnBrick brick = own_brick(f.model.grid);
-  const unsigned lane = threadIdx.x % kWarp;
-  const unsigned y = lane % kBrickSide, z = lane / kBrickSide;
-  constexpr unsigned apart = kBrickSide / 2;  // rows z and z + 4
-  float low[kBrickSide] = {}, high[kBrickSide] = {};
+  RowPair rows = own_rows(brick);
   do {
-    next_chunk(f.list, s.gather, s.places, kBlockAtoms, [&](std::uint32_t place) {
+    next_chunk(f.list, s.gather, s.places, kPlaces, [&](std::uint32_t place) {
       return reaches_box(f.model, lower, upper, f.list.spheres[place]);
     });
-    share_block_atoms<kind>(f, nodes, s);
-    for (std::uint32_t first = 0; first < s.gather.gathered; first += kWarp) {
-      for (unsigned mask = atoms_in_reach(s, brick, first); mask != 0; mask &= mask - 1) {
-        const std::uint32_t k =
-            first + static_cast<std::uint32_t>(__ffs(static_cast<int>(mask))) - 1;
-        const BlockAtom& atom = s.atoms[k];
-        AxisTerm along[kBrickSide];
-#pragma unroll
-        for (int x = 0; x < kBrickSide; ++x) along[x] = atom.term[0][brick.node[0] + x];
-        const AxisTerm ty = atom.term[1][brick.node[1] + static_cast<int>(y)];
-        const AxisTerm* tz = &atom.term[2][brick.node[2] + static_cast<int>(z)];
-        add_to_row<kind>(nodes, s, k, along, ty, tz[0], low);
-        add_to_row<kind>(nodes, s, k, along, ty, tz[apart], high);
-      }
+    for (std::uint32_t first = 0; first < s.gather.gathered; first += kBlockAtoms) {
+      const std::uint32_t left = s.gather.gathered - first;
+      const std::uint32_t count = left < kBlockAtoms ? left : kBlockAtoms;
+      share_block_atoms<kind>(f, nodes, s.places + first, count, s);
+      add_atoms<kind>(nodes, s, count, brick, rows);
+      __syncthreads();
     }
   } while (!s.gather.finished);
-  __syncthreads();
   for (int x = 0; x < kBrickSide; ++x) {
-    float(&rows)[kBlockSide][kBlockSide] = s.values[brick.node[2] + static_cast<int>(z)];
-    rows[brick.node[1] + static_cast<int>(y)][brick.node[0] + x] = low[x];
-    s.values[brick.node[2] + static_cast<int>(z + apart)][brick.node[1] + static_cast<int>(y)]
-            [brick.node[0] + x] = high[x];
+    s.values[rows.z][rows.y][brick.node[0] + x] = rows.low[x];
+    s.values[rows.z + kRowsApart][rows.y][brick.node[0] + x] = rows.high[x];
   }
   __syncthreads();
   store_block(f.model.grid, s, values);

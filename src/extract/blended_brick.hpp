@@ -115,26 +115,39 @@ void BlendedBrick<kind>::signs(BrickSigns& signs) const {
   if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
 }
 
+// False where the sub-grid of the atom ends before the node; sub-grids count at a vertex as at its
+// inside end.
+inline bool reaches_node(const LocalAtom& a, const int node[3]) {
+  return a.term[0][node[0]].factor * a.term[1][node[1]].factor * a.term[2][node[2]].factor != 0;
+}
+
 template <FieldKind kind>
 SurfaceVertex BlendedBrick<kind>::vertex(const CrossedEdge& edge) const {
-  EdgeValues values;
-  for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
-    add_to_edge<kind>(nodes_, atoms_[k], edge, list_.rank[places_[k]], k, values);
+  float inside = 0, outside = 0;
+  for (const LocalAtom& atom : atoms_) {
+    inside = add_to_node<kind>(nodes_, atom, edge.inside, inside);
+    outside = add_to_node<kind>(nodes_, atom, edge.outside, outside);
   }
-  const EdgePoint point =
-      interpolate_edge(values.inside, values.outside, isovalue_, model_.grid.spacing);
-  const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
-  Vec3d p = node, outward{0, 0, 0};
-  p[edge.axis] = std::fma(edge.direction, point.distance, node[edge.axis]);
-  outward[edge.axis] = edge.direction;
-  const Vec3f local = cast<float>(p - geometry_.node(0, 0, 0));
+  SurfaceVertex v = vertex_between(inside, outside, isovalue_, model_.grid, edge,
+                                   geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]));
+  const Vec3f local = cast<float>(v.position - geometry_.node(0, 0, 0));
   LocalGradient g;
-  g.strongest.atom = values.strongest.atom;
   for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
-    add_gradient<kind>(shape_, atoms_[k], edge.inside, local, list_.rank[places_[k]], k, g);
+    const LocalAtom& a = atoms_[k];
+    if (!reaches_node(a, edge.inside)) continue;
+    add_gradient<kind>(shape_, local - Vec3f{a.center[0], a.center[1], a.center[2]}, a.scale,
+                       list_.rank[places_[k]], k, g);
   }
-  const Vec3d fall{-g.sum.x, -g.sum.y, -g.sum.z};
-  return {p, unit_or(fall, outward), list_.id[places_[g.strongest.atom]], point.clamped};
+  // Where no atom reaches the vertex, the strongest at its inside end.
+  if (!(g.strongest.value > 0)) {
+    for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
+      const float value = add_to_node<kind>(nodes_, atoms_[k], edge.inside, 0.0f);
+      g.strongest.meet(value, list_.rank[places_[k]], k);
+    }
+  }
+  v.normal = outward_normal(g, v);
+  v.sphere = list_.id[places_[g.strongest.atom]];
+  return v;
 }
 
 }  // namespace vdwmesh

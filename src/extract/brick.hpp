@@ -17,28 +17,32 @@ struct BrickSigns {
   std::uint16_t row[kBrickReach][kBrickReach];
 };
 
-// Nodes x = 0 .. 7 of a row whose edge along each axis crosses the surface.
+// Nodes x = 0 .. 7 of a row whose edge along each axis crosses the surface: a byte per axis.
 struct RowCrossings {
-  std::uint32_t along[3];
+  std::uint32_t packed;
+
+  VDWMESH_HD std::uint32_t along(int axis) const { return packed >> (8 * axis) & 255u; }
+  // Whether node x has a vertex on its edge along the axis.
+  VDWMESH_HD bool has(int x, int axis) const { return (packed >> (8 * axis + x) & 1u) != 0; }
+  // Nodes with a vertex on any of their edges.
+  VDWMESH_HD std::uint32_t nodes() const { return along(0) | along(1) | along(2); }
 };
 
 VDWMESH_HD inline RowCrossings row_crossings(const BrickSigns& s, int y, int z) {
   const std::uint32_t row = s.row[z][y];
   const std::uint32_t own = (1u << kBrickSide) - 1;
-  return {{(row ^ (row >> 1)) & own, (row ^ s.row[z][y + 1]) & own, (row ^ s.row[z + 1][y]) & own}};
+  return {((row ^ (row >> 1)) & own) | ((row ^ s.row[z][y + 1]) & own) << 8 |
+          ((row ^ s.row[z + 1][y]) & own) << 16};
 }
 
-VDWMESH_HD inline int vertex_count(const RowCrossings& c) {
-  return count_bits(c.along[0]) + count_bits(c.along[1]) + count_bits(c.along[2]);
-}
+VDWMESH_HD inline int vertex_count(const RowCrossings& c) { return count_bits(c.packed); }
 
 // Place of the vertex of node x's edge along `axis` among those of its row: by node, then axis.
 VDWMESH_HD inline int place_in_row(const RowCrossings& c, int x, int axis) {
-  const std::uint32_t below = (1u << x) - 1;
-  int place = count_bits(c.along[0] & below) + count_bits(c.along[1] & below) +
-              count_bits(c.along[2] & below);
-  for (int a = 0; a < axis; ++a) place += static_cast<int>(c.along[a] >> x & 1u);
-  return place;
+  constexpr std::uint32_t each_axis = 0x010101;
+  const std::uint32_t lower_nodes = each_axis * ((1u << x) - 1);
+  const std::uint32_t lower_axes = (each_axis << x) & ((1u << (8 * axis)) - 1);
+  return count_bits(c.packed & (lower_nodes | lower_axes));
 }
 
 // The case of the cell whose lower corner is node (x, y, z): see case_table.hpp.

@@ -15,9 +15,8 @@ constexpr std::size_t kBricksPerTask = 32;
 using Active = std::vector<ActiveBrick>;
 using Clock = std::chrono::steady_clock;
 
-struct Bases {
-  std::vector<std::uint64_t> vertices, triangles;  // before each active brick, and in all
-};
+// Before each active brick, and in all.
+using Bases = std::vector<BrickSums>;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -56,22 +55,20 @@ Active count_all(std::span<const std::uint64_t> candidates, const BrickLoops& lo
 }
 
 Bases sum_up(const Active& bricks) {
-  Bases bases;
-  bases.vertices.resize(bricks.size() + 1);
-  bases.triangles.resize(bricks.size() + 1);
+  Bases before(bricks.size() + 1);
   for (std::size_t b = 0; b < bricks.size(); ++b) {
-    bases.vertices[b + 1] = bases.vertices[b] + bricks[b].vertices;
-    bases.triangles[b + 1] = bases.triangles[b] + bricks[b].triangles;
+    before[b + 1] = {before[b].vertices + bricks[b].vertices,
+                     before[b].triangles + bricks[b].triangles};
   }
-  return bases;
+  return before;
 }
 
-void resize(IndexedMesh& mesh, const Bases& bases, Labels labels, Connectivity connectivity) {
-  mesh.positions.resize(bases.vertices.back());
-  mesh.normals.resize(bases.vertices.back());
-  if (labels == Labels::spheres) mesh.vertex_spheres.resize(bases.vertices.back());
-  mesh.triangles.resize(bases.triangles.back());
-  if (connectivity == Connectivity::half_edges) mesh.opposite.resize(3 * bases.triangles.back());
+void resize(IndexedMesh& mesh, const BrickSums& sums, Labels labels, Connectivity connectivity) {
+  mesh.positions.resize(sums.vertices);
+  mesh.normals.resize(sums.vertices);
+  if (labels == Labels::spheres) mesh.vertex_spheres.resize(sums.vertices);
+  mesh.triangles.resize(sums.triangles);
+  if (connectivity == Connectivity::half_edges) mesh.opposite.resize(3 * sums.triangles);
 }
 
 }  // namespace
@@ -83,18 +80,18 @@ ExtractResult mesh_bricks(const GridSpec& grid,
   ExtractResult result;
   result.grid = grid;
   const Active bricks = count_all(candidates(), loops, options.monitor);
-  const Bases bases = sum_up(bricks);
+  const Bases before = sum_up(bricks);
+  const BrickSums& all = before.back();
   result.stats.surface_bricks = bricks.size();
   for (const ActiveBrick& brick : bricks) result.stats.grid_clipped += brick.clipped_cells;
-  check_mesh_limits({bases.vertices.back(), bases.triangles.back(), options.connectivity,
+  check_mesh_limits({all.vertices, all.triangles, options.connectivity,
                      bricks.size() * (sizeof(ActiveBrick) + 16), grid.spacing},
                     options.memory_limit);
   result.stats.field_seconds = seconds_since(start);
 
   start = Clock::now();
-  resize(result.mesh, bases, labels, options.connectivity);
-  const BrickList numbered{bricks.data(), bases.vertices.data(), bases.triangles.data(),
-                           bricks.size()};
+  resize(result.mesh, all, labels, options.connectivity);
+  const BrickList numbered{bricks.data(), before.data(), bricks.size()};
   const Emission emission{numbered, result.mesh};
   std::vector<std::uint64_t> clamped(task_count(bricks.size()));
   begin_stage(options.monitor, "extract", bricks.size());

@@ -72,15 +72,15 @@ template <class Surface>
 std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface) {
   const ActiveBrick& brick = e.bricks.bricks[b];
   surface.visit(brick_of_key(brick.key));
-  std::uint64_t next = e.bricks.vertices[b], clamped = 0;
+  std::uint64_t next = e.bricks.before[b].vertices, clamped = 0;
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
       const RowCrossings c = row_crossings(brick.signs, y, z);
-      for (std::uint32_t nodes = c.along[0] | c.along[1] | c.along[2]; nodes; nodes &= nodes - 1) {
+      for (std::uint32_t nodes = c.nodes(); nodes; nodes &= nodes - 1) {
         const int x = std::countr_zero(nodes);
         const bool inside = (brick.signs.row[z][y] >> x & 1) != 0;
         for (int axis = 0; axis < 3; ++axis) {
-          if ((c.along[axis] >> x & 1) == 0) continue;
+          if (!c.has(x, axis)) continue;
           const SurfaceVertex v = surface.vertex(crossed_edge(inside, x, y, z, axis));
           e.mesh.positions[next] = v.position;
           e.mesh.normals[next] = v.normal;
@@ -133,7 +133,7 @@ inline void emit_cell(const Emission& e, Neighbourhood& near, std::uint64_t firs
 inline void emit_triangles(const Emission& e, std::size_t b) {
   const BrickSigns& signs = e.bricks.bricks[b].signs;
   Neighbourhood near(e.bricks, b);
-  std::uint64_t next = 3 * e.bricks.triangles[b];
+  std::uint64_t next = 3 * e.bricks.before[b].triangles;
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
       for (std::uint32_t cells = mixed_cells(signs, y, z); cells != 0; cells &= cells - 1) {

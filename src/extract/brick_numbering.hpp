@@ -20,11 +20,15 @@ struct ActiveBrick {
   BrickSigns signs;
 };
 
-// Bricks by rising key, and the vertices and triangles before each.
+// Vertices and triangles of a brick, or before it.
+struct BrickSums {
+  std::uint64_t vertices, triangles;
+};
+
+// Bricks by rising key, and what is before each; before[size] is the total.
 struct BrickList {
   const ActiveBrick* bricks;
-  const std::uint64_t* vertices;
-  const std::uint64_t* triangles;
+  const BrickSums* before;
   std::uint64_t size;
 };
 
@@ -73,7 +77,8 @@ VDWMESH_HD inline std::uint32_t vertex_number(const BrickList& list, const Locat
   const ActiveBrick& owner = list.bricks[node.brick];
   const int place = owner.row_vertices[node.z * kBrickSide + node.y] +
                     place_in_row(row_crossings(owner.signs, node.y, node.z), node.x, axis);
-  return static_cast<std::uint32_t>(list.vertices[node.brick] + static_cast<std::uint64_t>(place));
+  return static_cast<std::uint32_t>(list.before[node.brick].vertices +
+                                    static_cast<std::uint64_t>(place));
 }
 
 // Triangles of a row of cells before cell x.
@@ -90,8 +95,9 @@ VDWMESH_HD inline std::uint32_t triangles_before(const BrickSigns& signs, const 
 VDWMESH_HD inline std::uint64_t first_half_edge(const BrickList& list, const CaseTable& table,
                                                 const Located& cell) {
   const ActiveBrick& owner = list.bricks[cell.brick];
-  return 3 * (list.triangles[cell.brick] + owner.row_triangles[cell.z * kBrickSide + cell.y] +
-              triangles_before(owner.signs, table, cell.x, cell.y, cell.z));
+  return 3 *
+         (list.before[cell.brick].triangles + owner.row_triangles[cell.z * kBrickSide + cell.y] +
+          triangles_before(owner.signs, table, cell.x, cell.y, cell.z));
 }
 
 // The half-edge opposite to half-edge h of the cell (x, y, z), whose half-edges begin at `first`.

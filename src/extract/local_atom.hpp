@@ -6,6 +6,7 @@
 
 #include "core/host_device.hpp"
 #include "extract/brick_geometry.hpp"
+#include "extract/edge_formulas.hpp"
 #include "extract/field_formulas.hpp"
 #include "extract/node_terms.hpp"
 #include "extract/surface_vertex.hpp"
@@ -58,11 +59,12 @@ VDWMESH_HD inline AxisTerm brick_term(const FieldModel& m, const NodeShape& p,
                             g.coordinate[axis][node]);
 }
 
-// What an atom alone adds to a node of the brick.
+// The sum over atoms at a node of the brick, one atom further.
 template <FieldKind kind>
-VDWMESH_HD inline float node_value(const NodeShape& p, const LocalAtom& a, const int node[3]) {
+VDWMESH_HD inline float add_to_node(const NodeShape& p, const LocalAtom& a, const int node[3],
+                                    float sum) {
   const RowTerm row = row_term<kind>(p, a.term[1][node[1]], a.term[2][node[2]]);
-  return add_atom<kind>(p, row, a.term[0][node[0]], a.scale, 0.0f);
+  return add_atom<kind>(p, row, a.term[0][node[0]], a.scale, sum);
 }
 
 // The atom of largest contribution so far, lowest rank among equals. Atoms that add 0 do not count.
@@ -80,47 +82,37 @@ struct Strongest {
   }
 };
 
-// The field at the ends of an edge, and the strongest atom at its inside end.
-struct EdgeValues {
-  float inside = 0, outside = 0;
-  Strongest strongest;
-};
-
-template <FieldKind kind>
-VDWMESH_HD inline void add_to_edge(const NodeShape& p, const LocalAtom& a, const CrossedEdge& edge,
-                                   std::uint32_t rank, std::uint32_t atom, EdgeValues& values) {
-  const auto row = [&](const int node[3]) {
-    return row_term<kind>(p, a.term[1][node[1]], a.term[2][node[2]]);
-  };
-  const RowTerm inside = row(edge.inside), outside = row(edge.outside);
-  const AxisTerm &x_inside = a.term[0][edge.inside[0]], &x_outside = a.term[0][edge.outside[0]];
-  values.strongest.meet(add_atom<kind>(p, inside, x_inside, a.scale, 0.0f), rank, atom);
-  values.inside = add_atom<kind>(p, inside, x_inside, a.scale, values.inside);
-  values.outside = add_atom<kind>(p, outside, x_outside, a.scale, values.outside);
-}
-
-// Gradient of the field at a vertex, and the strongest atom there; begin with that of the inside
-// end, for a vertex that no atom reaches. Sub-grids count as at the inside end.
+// Gradient of the field at a vertex, and the strongest atom there.
 struct LocalGradient {
   Vec3f sum{0, 0, 0};
   Strongest strongest;
 };
 
+// `local`: the vertex less the centre of the atom, Å.
 template <FieldKind kind>
-VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const LocalAtom& a,
-                                    const int inside[3], const Vec3f& local, std::uint32_t rank,
-                                    std::uint32_t atom, LocalGradient& g) {
-  Vec3f d{};
-  float reached = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    reached *= a.term[axis][inside[axis]].factor;
-    d[axis] = local[axis] - a.center[axis];
-  }
-  if (reached == 0) return;
-  const float d2 = std::fma(d.x, d.x, std::fma(d.y, d.y, d.z * d.z));
-  const ValueAndSlope<float> f = shape_value_and_slope<kind>(shape, d2, a.scale);
-  for (int axis = 0; axis < 3; ++axis) g.sum[axis] = std::fma(f.slope, d[axis], g.sum[axis]);
+VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const Vec3f& local,
+                                    float scale, std::uint32_t rank, std::uint32_t atom,
+                                    LocalGradient& g) {
+  const float d2 = std::fma(local.x, local.x, std::fma(local.y, local.y, local.z * local.z));
+  const ValueAndSlope<float> f = shape_value_and_slope<kind>(shape, d2, scale);
+  for (int axis = 0; axis < 3; ++axis) g.sum[axis] = std::fma(f.slope, local[axis], g.sum[axis]);
   g.strongest.meet(f.value, rank, atom);
+}
+
+// The vertex between nodes of the given values, but for its normal and label.
+VDWMESH_HD inline SurfaceVertex vertex_between(float inside, float outside, float isovalue,
+                                               const GridSpec& grid, const CrossedEdge& edge,
+                                               const Vec3d& inside_node) {
+  const EdgePoint point = interpolate_edge(inside, outside, isovalue, grid.spacing);
+  SurfaceVertex v{inside_node, {0, 0, 0}, kNoSphere, point.clamped};
+  v.position[edge.axis] = std::fma(edge.direction, point.distance, inside_node[edge.axis]);
+  v.normal[edge.axis] = static_cast<float>(edge.direction);
+  return v;
+}
+
+// Outward: down the gradient, or along the edge where it vanishes.
+VDWMESH_HD inline Vec3f outward_normal(const LocalGradient& g, const SurfaceVertex& v) {
+  return unit_or({-g.sum.x, -g.sum.y, -g.sum.z}, cast<double>(v.normal));
 }
 
 }  // namespace vdwmesh
