@@ -206,7 +206,7 @@ void report_refinement(const char* name, const SphereSet& spheres, double spacin
   refine.subdivisions = subdivisions;
   refine.crossings = crossings;
   refine.grid = grid;
-  const DeviceSurface surface(spheres, refine, stream);
+  const DeviceSurface surface(spheres, refine, TriangleLabels::none, stream);
   std::vector<double> total;
   std::vector<float> levels;
   std::uint64_t vertices = 0, triangles = 0;
