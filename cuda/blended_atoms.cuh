@@ -18,11 +18,13 @@ __device__ void share_atoms(const FieldContext& f, const NodeShape& nodes, const
     }
   }
   __syncthreads();
-  constexpr std::uint32_t terms = 3 * kBrickReach;
-  for (std::uint32_t i = threadIdx.x; i < terms * count; i += blockDim.x) {
-    const std::uint32_t k = i / terms;
-    const auto axis = static_cast<int>(i % terms) / kBrickReach;
-    const auto node = static_cast<int>(i % terms) % kBrickReach;
+  // A thread keeps to one plane of nodes, atom after atom.
+  constexpr unsigned terms = 3 * kBrickReach;
+  const unsigned at_once = blockDim.x / terms, plane = threadIdx.x % terms;
+  const auto axis = static_cast<int>(plane) / kBrickReach;
+  const auto node = static_cast<int>(plane) % kBrickReach;
+  for (std::uint32_t k = threadIdx.x / terms; k < count && threadIdx.x < at_once * terms;
+       k += at_once) {
     atoms[k].term[axis][node] =
         brick_term<kind>(f.model, nodes, g, f.list.spheres[places[k]], atoms[k].scale, axis, node);
   }

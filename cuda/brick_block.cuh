@@ -52,6 +52,21 @@ __device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsi
   }
 }
 
+// Fills in brick and real[] of a brick's geometry, by one warp; every lane gets them.
+__device__ inline BrickGeometry real_nodes_by_warp(const GridSpec& grid, const BrickIndex& brick) {
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const int axis = lane / kBrickReach;
+  const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
+  const bool real = axis < 3 && !is_virtual(grid, axis, lattice_index(index, lane % kBrickReach));
+  const unsigned votes = __ballot_sync(kAllLanes, real);
+  BrickGeometry g;
+  g.brick = brick;
+  for (int a = 0; a < 3; ++a) {
+    g.real[a] = static_cast<std::uint16_t>(votes >> (kBrickReach * a) & ((1u << kBrickReach) - 1));
+  }
+  return g;
+}
+
 // Counts what the brick's signs imply, vertices and triangles per row and in all: by one warp, two
 // rows a lane. The caller synchronises before and after.
 __device__ inline void count_brick(const BrickGeometry& geometry, const CaseTable& table,

@@ -30,11 +30,11 @@ struct TriangleNeighbours {
 // What brick_key() of a neighbour is above that of the brick.
 constexpr std::uint64_t kStepY = std::uint64_t{1} << 21, kStepZ = std::uint64_t{1} << 42;
 
-__device__ std::uint64_t first_not_below(const std::uint64_t* keys, std::uint64_t size,
-                                         std::uint64_t key) {
-  std::uint64_t low = 0, high = size;
+// The first place from `low` on, and at most `high`, whose key is not below `key`.
+__device__ std::uint32_t first_not_below(const std::uint64_t* keys, std::uint32_t low,
+                                         std::uint32_t high, std::uint64_t key) {
   while (low < high) {
-    const std::uint64_t middle = low + (high - low) / 2;
+    const std::uint32_t middle = low + (high - low) / 2;
     if (keys[middle] < key) {
       low = middle + 1;
     } else {
@@ -44,17 +44,18 @@ __device__ std::uint64_t first_not_below(const std::uint64_t* keys, std::uint64_
   return low;
 }
 
-// Six threads per brick, each for one search: neighbours along x stand side by side.
-__global__ void find_neighbours(const std::uint64_t* keys, std::uint64_t size,
+// Six threads per brick, in as many rows of blocks, each for one search: neighbours along x stand
+// side by side.
+__global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
                                 TriangleNeighbours* neighbours) {
-  const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
-  if (i >= 6 * size) return;
-  std::uint32_t* place = neighbours[i / 6].place;
-  const std::uint64_t own = i / 6, key = keys[own];
-  const auto place_of = [&](std::uint64_t at, std::uint64_t wanted) {
-    return at < size && keys[at] == wanted ? static_cast<std::uint32_t>(at) : kNoBrick;
+  const std::uint32_t own = blockIdx.x * blockDim.x + threadIdx.x;
+  if (own >= size) return;
+  std::uint32_t* place = neighbours[own].place;
+  const std::uint64_t key = keys[own];
+  const auto place_of = [&](std::uint32_t at, std::uint64_t wanted) {
+    return at < size && keys[at] == wanted ? at : kNoBrick;
   };
-  const auto task = static_cast<int>(i % 6);
+  const auto task = static_cast<int>(blockIdx.y);
   if (task == 0) {
     const bool first = brick_of_key(key).x == 0 || own == 0;
     place[neighbour_across(0)] = first ? kNoBrick : place_of(own - 1, key - 1);
@@ -62,7 +63,7 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint64_t size,
   } else if (task <= 3) {
     const int dy = task & 1, dz = task >> 1;
     const std::uint64_t wanted = key + (dy ? kStepY : 0) + (dz ? kStepZ : 0);
-    const std::uint64_t at = first_not_below(keys, size, wanted);
+    const std::uint32_t at = first_not_below(keys, own + 1, size, wanted);
     const std::uint32_t there = place_of(at, wanted);
     place[upper_neighbour(0, dy, dz)] = there;
     place[upper_neighbour(1, dy, dz)] = place_of(there == kNoBrick ? at : at + 1, wanted + 1);
@@ -72,7 +73,7 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint64_t size,
     const bool first = (along_y ? index.y : index.z) == 0;
     const std::uint64_t wanted = key - (along_y ? kStepY : kStepZ);
     place[neighbour_across(along_y ? 2 : 4)] =
-        first ? kNoBrick : place_of(first_not_below(keys, own, wanted), wanted);
+        first ? kNoBrick : place_of(first_not_below(keys, 0, own, wanted), wanted);
   }
 }
 
@@ -82,7 +83,7 @@ struct TriangleShared {
   // Nodes x = 0 .. 7 of row (z, y), and node x = 8: number of the first vertex, crossings.
   std::uint32_t row_first[kRows], last_first[kRows];
   std::uint32_t row_crossed[kRows], last_crossed[kRows];  // a byte per axis
-  std::uint16_t cell_start[kBrickNodes];                  // triangles before each cell
+  std::uint16_t cell_start[kBrickNodes];                  // triangles before each mixed cell
   std::uint8_t cell_inside[kBrickNodes];                  // case of each mixed cell
   std::uint16_t cell_of[kMostTriangles];
   // Cells across each face: first half-edge and case.
@@ -123,12 +124,12 @@ __device__ void share_own_cells(const CaseTable& table, TriangleShared& s) {
   const int z = static_cast<int>(threadIdx.x) / kBrickSide;
   std::uint32_t next = s.brick.row_triangles[threadIdx.x];
   const std::uint32_t mixed = mixed_cells(s.brick.signs, y, z);
-  for (int x = 0; x < kBrickSide; ++x) {
+  for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+    const int x = __ffs(static_cast<int>(cells)) - 1;
     const auto cell =
         static_cast<std::uint16_t>(threadIdx.x * kBrickSide + static_cast<unsigned>(x));
-    s.cell_start[cell] = static_cast<std::uint16_t>(next);
-    if ((mixed >> x & 1) == 0) continue;
     const std::uint32_t inside = cell_case(s.brick.signs, x, y, z);
+    s.cell_start[cell] = static_cast<std::uint16_t>(next);
     s.cell_inside[cell] = static_cast<std::uint8_t>(inside);
     const std::uint32_t end = next + table.count(inside);
     while (next < end) s.cell_of[next++] = cell;
@@ -250,10 +251,11 @@ __global__ void __launch_bounds__(kBrickThreads)
 void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const CaseTable* table,
                               const DeviceMeshView& mesh, const Stream& stream) {
   if (bricks.size == 0) return;
+  if (bricks.size >= kNoBrick) throw LimitExceeded("more bricks than 32 bits number");
   const DeviceArray<TriangleNeighbours> neighbours(bricks.size, stream.get());
-  constexpr unsigned threads = 192;
-  find_neighbours<<<blocks_for(6 * bricks.size, threads), threads, 0, stream.get()>>>(
-      keys.keys.data(), bricks.size, neighbours.data());
+  constexpr unsigned threads = 128;
+  find_neighbours<<<dim3(blocks_for(bricks.size, threads), 6), threads, 0, stream.get()>>>(
+      keys.keys.data(), static_cast<std::uint32_t>(bricks.size), neighbours.data());
   check_launch("find_neighbours");
   emit_triangles<<<static_cast<unsigned>(bricks.size), kBrickThreads, 0, stream.get()>>>(
       bricks, neighbours.data(), table, mesh);

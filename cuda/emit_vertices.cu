@@ -101,10 +101,10 @@ __device__ bool reaches_node(const FieldModel& m, const VertexAtom& a, const Lat
   return reaches;
 }
 
-// What the atom alone adds to a node.
+// What the atom alone adds to a node. Hardly ever called, so not inlined.
 template <FieldKind kind>
-__device__ float value_at_node(const FieldContext& f, const BrickGeometry& g, std::uint32_t place,
-                               float scale, const int node[3]) {
+__device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGeometry& g,
+                                            std::uint32_t place, float scale, const int node[3]) {
   const NodeShape nodes = node_shape(f.model);
   const Sphere& atom = f.list.spheres[place];
   AxisTerm term[3];
@@ -160,9 +160,9 @@ __host__ __device__ constexpr std::uint32_t places_for(std::uint32_t atoms) {
   return atoms + kBrickThreads;
 }
 
-// Dynamic shared memory: `room` atoms and places_for(room) places.
+// Dynamic shared memory: `room` atoms, enough for every brick, and places_for(room) places.
 template <FieldKind kind>
-__global__ void __launch_bounds__(kBrickThreads)
+__global__ void __launch_bounds__(kBrickThreads, 8)
     emit_blended_vertices(FieldContext f, BrickList list, const float* values, DeviceMeshView mesh,
                           unsigned long long* clamped, std::uint32_t room) {
   __shared__ BlendedShared s;
@@ -177,24 +177,11 @@ __global__ void __launch_bounds__(kBrickThreads)
   const Vec3d lower = s.geometry.node(0, 0, 0);
   const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
   begin_gather(f.list, lower, upper, s.gather);
-  const auto reaches = [&](std::uint32_t place) {
+  next_chunk(f.list, s.gather, places, places_for(room), [&](std::uint32_t place) {
     return reaches_brick(f.model, s.geometry, f.list.spheres[place]);
-  };
-  next_chunk(f.list, s.gather, places, places_for(room), reaches);
+  });
   const std::uint64_t base = list.before[blockIdx.x].vertices;
   const float* const own = values + static_cast<std::uint64_t>(blockIdx.x) * kBrickValues;
-  if (!s.gather.finished || s.gather.gathered > room) {
-    store_all(s.brick, base, s.stages, mesh, clamped, [&](std::uint32_t n) {
-      const CrossedEdge edge = s.edges.edge(s.brick.signs, n);
-      return blended_vertex<kind>(f, s.geometry, own, edge, [&](auto&& visit) {
-        visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
-          if (reaches(place)) visit(vertex_atom(f, s.geometry, place), place);
-          return false;
-        });
-      });
-    });
-    return;
-  }
   for (std::uint32_t k = threadIdx.x; k < s.gather.gathered; k += blockDim.x) {
     atoms[k] = vertex_atom(f, s.geometry, places[k]);
   }
@@ -207,17 +194,50 @@ __global__ void __launch_bounds__(kBrickThreads)
   });
 }
 
+// The same with any number of atoms near a brick: every vertex visits the list.
+template <FieldKind kind>
+__global__ void __launch_bounds__(kBrickThreads)
+    emit_crowded_vertices(FieldContext f, BrickList list, const float* values, DeviceMeshView mesh,
+                          unsigned long long* clamped, std::uint32_t) {
+  __shared__ BlendedShared s;
+  copy_brick(&list.bricks[blockIdx.x], &s.brick, threadIdx.x, blockDim.x);
+  __syncthreads();
+  if (s.brick.vertices == 0) return;
+  share_geometry(f.model.grid, s.brick.key, s.geometry);
+  list_edges(s.brick, s.edges);
+  __syncthreads();
+  const Vec3d lower = s.geometry.node(0, 0, 0);
+  const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
+  const float* const own = values + static_cast<std::uint64_t>(blockIdx.x) * kBrickValues;
+  const std::uint64_t base = list.before[blockIdx.x].vertices;
+  store_all(s.brick, base, s.stages, mesh, clamped, [&](std::uint32_t n) {
+    const CrossedEdge edge = s.edges.edge(s.brick.signs, n);
+    return blended_vertex<kind>(f, s.geometry, own, edge, [&](auto&& visit) {
+      visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
+        if (!reaches_brick(f.model, s.geometry, f.list.spheres[place])) return false;
+        visit(vertex_atom(f, s.geometry, place), place);
+        return false;
+      });
+    });
+  });
+}
+
 using BlendedKernel = void (*)(FieldContext, BrickList, const float*, DeviceMeshView,
                                unsigned long long*, std::uint32_t);
 
-BlendedKernel blended_kernel_of(FieldKind kind) {
-  if (kind == FieldKind::blinn) return emit_blended_vertices<FieldKind::blinn>;
-  if (kind == FieldKind::soft_object) return emit_blended_vertices<FieldKind::soft_object>;
-  return emit_blended_vertices<FieldKind::inverse_squared>;
+// Atoms of a brick that fit in shared memory.
+constexpr std::uint32_t kMostAtoms = 1024;
+
+template <FieldKind kind>
+BlendedKernel blended_kernel(std::uint32_t most_atoms) {
+  return most_atoms <= kMostAtoms ? emit_blended_vertices<kind> : emit_crowded_vertices<kind>;
 }
 
-// Atoms of a brick in shared memory; a brick that has more visits the list for every vertex.
-constexpr std::uint32_t kMostAtoms = 1024;
+BlendedKernel blended_kernel_of(FieldKind kind, std::uint32_t most_atoms) {
+  if (kind == FieldKind::blinn) return blended_kernel<FieldKind::blinn>(most_atoms);
+  if (kind == FieldKind::soft_object) return blended_kernel<FieldKind::soft_object>(most_atoms);
+  return blended_kernel<FieldKind::inverse_squared>(most_atoms);
+}
 
 // ---- sampled fields ----
 
@@ -227,7 +247,7 @@ struct SampledShared {
   VertexStage stages[kBrickThreads / kWarp];
 };
 
-__global__ void __launch_bounds__(kBrickThreads)
+__global__ void __launch_bounds__(kBrickThreads, 12)
     emit_sampled_vertices(SampledFieldView field, BrickList list, DeviceMeshView mesh,
                           unsigned long long* clamped) {
   __shared__ SampledShared s;
@@ -262,7 +282,7 @@ void emit_vertices_on_device(const FieldContext& f, const CountedBricks& counted
     check_launch("emit_union_vertices");
     return;
   }
-  const BlendedKernel kernel = blended_kernel_of(f.model.kind);
+  const BlendedKernel kernel = blended_kernel_of(f.model.kind, counted.totals.most_atoms);
   const std::uint32_t room = std::min(counted.totals.most_atoms, kMostAtoms);
   const std::size_t bytes = room * sizeof(VertexAtom) + places_for(room) * sizeof(std::uint32_t);
   check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,

@@ -174,7 +174,7 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
   }
   if (lane == 0) brick.key = keys[i];
   __syncwarp();
-  count_brick(brick_geometry(spec, index), *table, brick);
+  count_brick(real_nodes_by_warp(spec, index), *table, brick);
   __syncwarp();
   copy_brick(&brick, &bricks[i], lane, kWarp);
   if (lane != 0) return;

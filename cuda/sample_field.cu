@@ -65,14 +65,16 @@ __device__ void share_block_atoms(const FieldContext& f, const NodeShape& nodes,
     }
   }
   __syncthreads();
-  constexpr std::uint32_t terms = 3 * kBlockSide;
-  for (std::uint32_t i = threadIdx.x; i < terms * count; i += kBlockThreads) {
-    const std::uint32_t k = i / terms;
-    const auto axis = static_cast<int>(i % terms) / kBlockSide;
-    const auto node = static_cast<int>(i % terms) % kBlockSide;
-    s.atoms[k].term[axis][node] =
-        lattice_term<kind>(f.model, nodes, f.list.spheres[places[k]], s.scale[k], axis,
-                           s.first[axis] + node, s.coordinate[axis][node]);
+  // A thread keeps to one plane of nodes, atom after atom.
+  constexpr unsigned terms = 3 * kBlockSide, at_once = kBlockThreads / terms;
+  const auto axis = static_cast<int>(threadIdx.x % terms) / kBlockSide;
+  const auto node = static_cast<int>(threadIdx.x % terms) % kBlockSide;
+  const std::int64_t lattice = s.first[axis] + node;
+  const double coordinate = s.coordinate[axis][node];
+  for (std::uint32_t k = threadIdx.x / terms; k < count && threadIdx.x < at_once * terms;
+       k += at_once) {
+    s.atoms[k].term[axis][node] = lattice_term<kind>(f.model, nodes, f.list.spheres[places[k]],
+                                                     s.scale[k], axis, lattice, coordinate);
   }
   __syncthreads();
 }
@@ -124,17 +126,19 @@ __device__ void add_to_row(const NodeShape& nodes, const BlockShared& s, std::ui
   }
 }
 
-// Writes the nodes that the grid has, in whole rows of the block.
+// Writes the nodes that the grid has, a plane of the block at a time.
 __device__ void store_block(const GridSpec& grid, const BlockShared& s, float* values) {
+  static_assert(kBlockThreads == kBlockSide * kBlockSide);
+  const auto x = static_cast<int>(threadIdx.x) % kBlockSide;
+  const auto y = static_cast<int>(threadIdx.x) / kBlockSide;
+  const std::int64_t nx = s.first[0] + x - 1, ny = s.first[1] + y - 1, nz = s.first[2] - 1;
   const std::int64_t width = grid.cells.x + 1, height = grid.cells.y + 1;
-  constexpr unsigned nodes = kBlockSide * kBlockSide * kBlockSide;
-  for (unsigned i = threadIdx.x; i < nodes; i += kBlockThreads) {
-    const unsigned x = i % kBlockSide, y = i / kBlockSide % kBlockSide;
-    const unsigned z = i / (kBlockSide * kBlockSide);
-    const std::int64_t nx = s.first[0] + x - 1, ny = s.first[1] + y - 1, nz = s.first[2] + z - 1;
-    if (nx < 0 || ny < 0 || nz < 0 || nx >= width || ny >= height || nz > grid.cells.z) continue;
-    values[(nz * height + ny) * width + nx] = s.values[z][y][x];
-  }
+  if (nx < 0 || ny < 0 || nx >= width || ny >= height) return;
+  float* out = values + (nz * height + ny) * width + nx;
+  const int begin = nz < 0 ? 1 : 0;
+  const std::int64_t above = grid.cells.z + 1 - nz;
+  const int end = above < kBlockSide ? static_cast<int>(above) : kBlockSide;
+  for (int z = begin; z < end; ++z) out[z * width * height] = s.values[z][y][x];
 }
 
 // The rows (y, z) and (y, z + 4) of a lane's brick.
