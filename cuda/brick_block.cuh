@@ -1,7 +1,7 @@
 // What blocks of threads that work on one brick share.
 #pragma once
 
-#include "cuda/device_structures.cuh"
+#include "cuda/extract_stages.cuh"
 #include "cuda/ordered_gather.cuh"
 #include "extract/brick_geometry.hpp"
 #include "extract/brick_numbering.hpp"
@@ -41,6 +41,24 @@ __device__ inline void share_signs(const BrickGeometry& g, std::uint32_t inside,
   signs.row[z][y] = real ? static_cast<std::uint16_t>(inside & g.real[0]) : std::uint16_t{0};
 }
 
+// The same by one warp, which it leaves synchronised.
+__device__ inline void share_geometry_by_warp(const GridSpec& grid, std::uint64_t key,
+                                              BrickGeometry& g) {
+  const BrickIndex brick = brick_of_key(key);
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const int axis = lane / kBrickReach, i = lane % kBrickReach;
+  const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
+  const std::int64_t lattice = lattice_index(index, i);
+  const unsigned real = __ballot_sync(kAllLanes, axis < 3 && !is_virtual(grid, axis, lattice));
+  if (lane == 0) g.brick = brick;
+  if (axis < 3) {
+    g.coordinate[axis][i] = lattice_coordinate(grid, axis, lattice);
+    constexpr unsigned nodes = (1u << kBrickReach) - 1;
+    if (i == 0) g.real[axis] = static_cast<std::uint16_t>(real >> (kBrickReach * axis) & nodes);
+  }
+  __syncwarp();
+}
+
 // Copies a brick between global and shared memory by `threads` threads; the caller synchronises.
 __device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsigned thread,
                                   unsigned threads) {
@@ -50,21 +68,6 @@ __device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsi
   for (unsigned w = thread; w < sizeof(ActiveBrick) / sizeof(std::uint64_t); w += threads) {
     target[w] = source[w];
   }
-}
-
-// Fills in brick and real[] of a brick's geometry, by one warp; every lane gets them.
-__device__ inline BrickGeometry real_nodes_by_warp(const GridSpec& grid, const BrickIndex& brick) {
-  const auto lane = static_cast<int>(threadIdx.x % kWarp);
-  const int axis = lane / kBrickReach;
-  const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
-  const bool real = axis < 3 && !is_virtual(grid, axis, lattice_index(index, lane % kBrickReach));
-  const unsigned votes = __ballot_sync(kAllLanes, real);
-  BrickGeometry g;
-  g.brick = brick;
-  for (int a = 0; a < 3; ++a) {
-    g.real[a] = static_cast<std::uint16_t>(votes >> (kBrickReach * a) & ((1u << kBrickReach) - 1));
-  }
-  return g;
 }
 
 // Counts what the brick's signs imply, vertices and triangles per row and in all: by one warp, two
@@ -94,6 +97,18 @@ __device__ inline void count_brick(const BrickGeometry& geometry, const CaseTabl
   brick.vertices = before & 0xffffu;
   brick.triangles = before >> 16;
   brick.clipped_cells = clipped;
+}
+
+// Writes a counted brick at place i, by one warp.
+__device__ inline void store_count(const ActiveBrick& brick, std::uint64_t i, ActiveBrick* bricks,
+                                   const BrickCounts& counts) {
+  const unsigned lane = threadIdx.x % kWarp;
+  copy_brick(&brick, &bricks[i], lane, kWarp);
+  if (lane != 0) return;
+  counts.sums[i] = {brick.vertices, brick.triangles};
+  CountPart& part = counts.parts[i % kCountParts];
+  if (brick.clipped_cells != 0) atomicAdd(&part.clipped_cells, brick.clipped_cells);
+  if (brick.vertices + brick.triangles != 0) atomicAdd(&part.surface_bricks, 1ull);
 }
 
 // Crossed edges of a brick in the order of their vertices: row * 32 + x * 4 + axis.

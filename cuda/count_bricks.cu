@@ -1,11 +1,13 @@
-// Node signs and counts, a block of threads per brick.
-#include "cuda/blended_atoms.cuh"
+// Node signs and counts.
 #include "cuda/brick_block.cuh"
 #include "cuda/extract_stages.cuh"
 #include "cuda/union_surface.cuh"
+#include "extract/local_atom.hpp"
 
 namespace vdwmesh {
 namespace {
+
+// ---- the union of balls: a block of threads per brick ----
 
 constexpr std::uint32_t kPlaces = 512;  // gathered at a time
 
@@ -16,23 +18,9 @@ struct CountShared {
   std::uint32_t places[kPlaces];
 };
 
-// What a block does once the signs of its brick stand in shared memory.
-__device__ void finish_brick(const BrickGeometry& geometry, const CaseTable& table,
-                             ActiveBrick& brick, ActiveBrick* bricks, const BrickCounts& counts) {
-  __syncthreads();
-  if (threadIdx.x < kWarp) count_brick(geometry, table, brick);
-  __syncthreads();
-  copy_brick(&brick, &bricks[blockIdx.x], threadIdx.x, blockDim.x);
-  if (threadIdx.x != 0) return;
-  counts.sums[blockIdx.x] = {brick.vertices, brick.triangles};
-  CountPart& part = counts.parts[blockIdx.x % kCountParts];
-  if (brick.clipped_cells != 0) atomicAdd(&part.clipped_cells, brick.clipped_cells);
-  if (brick.vertices + brick.triangles != 0) atomicAdd(&part.surface_bricks, 1ull);
-}
-
 __global__ void __launch_bounds__(kBrickThreads)
     count_union(FieldContext f, const std::uint64_t* keys, const CaseTable* table,
-                ActiveBrick* bricks, float*, BrickCounts counts) {
+                ActiveBrick* bricks, BrickCounts counts) {
   __shared__ CountShared s;
   __shared__ UnionSurface::Item items[kChunk];
   if (threadIdx.x == 0) s.brick.key = keys[blockIdx.x];
@@ -56,93 +44,153 @@ __global__ void __launch_bounds__(kBrickThreads)
     }
   } while (!s.gather.finished);
   if (threadIdx.x < kRows) share_signs(s.geometry, row.inside, y, z, s.brick.signs);
-  finish_brick(s.geometry, *table, s.brick, bricks, counts);
+  __syncthreads();
+  if (threadIdx.x >= kWarp) return;
+  count_brick(s.geometry, *table, s.brick);
+  __syncwarp();
+  store_count(s.brick, blockIdx.x, bricks, counts);
 }
 
-constexpr unsigned kRowThreads = 3 * kWarp;  // a row of nodes each
-constexpr std::uint32_t kAtomChunk = 32;
+// ---- blended fields: a warp per brick ----
 
-template <FieldKind kind>
-__device__ void add_rows(const NodeShape& nodes, const LocalAtom* atoms, std::uint32_t count, int y,
-                         int z, float (&row)[kBrickReach]) {
-  for (std::uint32_t k = 0; k < count; ++k) {
-    const LocalAtom& atom = atoms[k];
-    const RowTerm term = row_term<kind>(nodes, atom.term[1][y], atom.term[2][z]);
-    if (row_is_out_of_reach<kind>(nodes, term)) continue;
-#pragma unroll
-    for (int x = 0; x < kBrickReach; ++x) {
-      row[x] = add_atom<kind>(nodes, term, atom.term[0][x], atom.scale, row[x]);
-    }
-  }
-}
+constexpr unsigned kWarpsPerBlock = 4;
+constexpr std::uint32_t kAtomChunk = 16;
+constexpr int kLaneRows = 3;                  // rows of nodes a lane
+constexpr int kRowLanes = kRows / kLaneRows;  // lane i: rows i, i + 27, i + 54
+constexpr int kPlanesApart = kRowLanes / kBrickReach;
 
-template <FieldKind kind>
-__global__ void __launch_bounds__(kRowThreads)
-    count_blended(FieldContext f, const std::uint64_t* keys, const CaseTable* table,
-                  ActiveBrick* bricks, float* values, BrickCounts counts) {
-  __shared__ CountShared s;
-  __shared__ union {
+struct WarpShared {
+  BrickGeometry geometry;
+  ActiveBrick brick;
+  std::uint32_t waiting[kAtomChunk + kWarp];  // places of atoms that reach the brick
+  union {
     LocalAtom atoms[kAtomChunk];
     float values[kRows][kBrickReach];
-  } u;
-  const NodeShape nodes = node_shape(f.model);
-  if (threadIdx.x == 0) s.brick.key = keys[blockIdx.x];
-  share_geometry(f.model.grid, keys[blockIdx.x], s.geometry);
-  begin_gather(f.list, s.geometry.node(0, 0, 0),
-               s.geometry.node(kBrickSide, kBrickSide, kBrickSide), s.gather);
-  float row[kBrickReach] = {};
-  const int y = static_cast<int>(threadIdx.x) % kBrickReach;
-  const int z = static_cast<int>(threadIdx.x) / kBrickReach;
-  std::uint32_t met = 0;
-  do {
-    next_chunk(f.list, s.gather, s.places, kPlaces, [&](std::uint32_t place) {
-      return reaches_brick(f.model, s.geometry, f.list.spheres[place]);
-    });
-    for (std::uint32_t first = 0; first < s.gather.gathered; first += kAtomChunk) {
-      const std::uint32_t left = s.gather.gathered - first;
-      const std::uint32_t count = left < kAtomChunk ? left : kAtomChunk;
-      share_atoms<kind>(f, nodes, s.geometry, s.places + first, count, u.atoms);
-      if (threadIdx.x < kRows) add_rows<kind>(nodes, u.atoms, count, y, z, row);
-      __syncthreads();
-    }
-    met += s.gather.gathered;
-  } while (!s.gather.finished);
-  if (threadIdx.x < kRows) {
-    const auto isovalue = static_cast<float>(f.model.isovalue);
-    std::uint32_t inside = 0;
-    for (int x = 0; x < kBrickReach; ++x) {
-      inside |= row[x] >= isovalue ? 1u << x : 0u;
-      u.values[threadIdx.x][x] = row[x];
-    }
-    share_signs(s.geometry, inside, y, z, s.brick.signs);
-  }
-  finish_brick(s.geometry, *table, s.brick, bricks, counts);
-  if (s.brick.vertices == 0) return;
-  const float* const shared = &u.values[0][0];
-  float* const own = values + static_cast<std::uint64_t>(blockIdx.x) * kBrickValues;
-  for (unsigned i = threadIdx.x; i < kBrickValues; i += kRowThreads) own[i] = shared[i];
-  if (threadIdx.x == 0) atomicMax(&counts.parts[blockIdx.x % kCountParts].most_atoms, met);
-}
-
-using CountKernel = void (*)(FieldContext, const std::uint64_t*, const CaseTable*, ActiveBrick*,
-                             float*, BrickCounts);
-
-struct CountLaunch {
-  CountKernel kernel;
-  unsigned threads;
+  };
 };
 
-CountLaunch launch_of(FieldKind kind) {
-  switch (kind) {
-    case FieldKind::vdw:
-      return {count_union, kBrickThreads};
-    case FieldKind::blinn:
-      return {count_blended<FieldKind::blinn>, kRowThreads};
-    case FieldKind::soft_object:
-      return {count_blended<FieldKind::soft_object>, kRowThreads};
-    default:
-      return {count_blended<FieldKind::inverse_squared>, kRowThreads};
+using LaneRows = float[kLaneRows][kBrickReach];
+
+// Terms of the first `count` waiting atoms: a plane of nodes per lane, atom after atom.
+template <FieldKind kind>
+__device__ void share_terms(const FieldContext& f, const NodeShape& nodes, std::uint32_t count,
+                            WarpShared& s) {
+  const unsigned lane = threadIdx.x % kWarp;
+  __syncwarp();
+  if (lane < count) {
+    const Sphere& atom = f.list.spheres[s.waiting[lane]];
+    s.atoms[lane].scale = static_cast<float>(inverse_square_scale(f.model, atom.radius));
   }
+  __syncwarp();
+  const auto axis = static_cast<int>(lane) / kBrickReach;
+  const auto node = static_cast<int>(lane) % kBrickReach;
+  for (std::uint32_t k = 0; k < count && axis < 3; ++k) {
+    s.atoms[k].term[axis][node] = brick_term<kind>(
+        f.model, nodes, s.geometry, f.list.spheres[s.waiting[k]], s.atoms[k].scale, axis, node);
+  }
+  __syncwarp();
+}
+
+template <FieldKind kind>
+__device__ void add_atoms(const NodeShape& nodes, const LocalAtom* atoms, std::uint32_t count,
+                          LaneRows& rows) {
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  if (lane >= kRowLanes) return;
+  const int y = lane % kBrickReach, z = lane / kBrickReach;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const LocalAtom& atom = atoms[k];
+    const AxisTerm ty = atom.term[1][y];
+#pragma unroll
+    for (int r = 0; r < kLaneRows; ++r) {
+      const RowTerm term = row_term<kind>(nodes, ty, atom.term[2][z + r * kPlanesApart]);
+#pragma unroll
+      for (int x = 0; x < kBrickReach; ++x) {
+        rows[r][x] = add_atom<kind>(nodes, term, atom.term[0][x], atom.scale, rows[r][x]);
+      }
+    }
+  }
+}
+
+// Sums at the lane's nodes over all atoms, in list order; returns how many reach the brick.
+template <FieldKind kind>
+__device__ std::uint32_t sum_field(const FieldContext& f, WarpShared& s, LaneRows& rows) {
+  const NodeShape nodes = node_shape(f.model);
+  const unsigned lane = threadIdx.x % kWarp;
+  const Vec3d lower = s.geometry.node(0, 0, 0);
+  const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
+  std::uint32_t waiting = 0, met = 0;
+  const auto add = [&](std::uint32_t count) {
+    share_terms<kind>(f, nodes, count, s);
+    add_atoms<kind>(nodes, s.atoms, count, rows);
+    waiting -= count;
+    met += count;
+    const std::uint32_t next = lane < waiting ? s.waiting[count + lane] : 0;
+    __syncwarp();
+    if (lane < waiting) s.waiting[lane] = next;
+    __syncwarp();
+  };
+  for (int l = 0; l < f.list.level_count; ++l) {
+    visit_level_by_warp(f.list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
+      const bool kept = valid && reaches_box(f.model, lower, upper, f.list.spheres[place]);
+      const unsigned votes = __ballot_sync(kAllLanes, kept);
+      if (kept) s.waiting[waiting + __popc(votes & ((1u << lane) - 1))] = place;
+      waiting += static_cast<std::uint32_t>(__popc(votes));
+      while (waiting >= kAtomChunk) add(kAtomChunk);
+      return false;
+    });
+  }
+  if (waiting > 0) add(waiting);
+  return met;
+}
+
+// Signs of the lane's rows; the values go to shared memory.
+__device__ void share_rows(float isovalue, const LaneRows& rows, WarpShared& s) {
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  __syncwarp();
+  for (int r = 0; r < kLaneRows && lane < kRowLanes; ++r) {
+    const int row = lane + r * kRowLanes;
+    std::uint32_t inside = 0;
+    for (int x = 0; x < kBrickReach; ++x) {
+      inside |= rows[r][x] >= isovalue ? 1u << x : 0u;
+      s.values[row][x] = rows[r][x];
+    }
+    share_signs(s.geometry, inside, row % kBrickReach, row / kBrickReach, s.brick.signs);
+  }
+  __syncwarp();
+}
+
+template <FieldKind kind>
+__global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
+    count_blended(FieldContext f, const std::uint64_t* keys, std::uint64_t size,
+                  const CaseTable* table, ActiveBrick* bricks, float* values, BrickCounts counts) {
+  __shared__ WarpShared shared[kWarpsPerBlock];
+  const unsigned lane = threadIdx.x % kWarp;
+  const std::uint64_t i =
+      static_cast<std::uint64_t>(blockIdx.x) * kWarpsPerBlock + threadIdx.x / kWarp;
+  if (i >= size) return;
+  WarpShared& s = shared[threadIdx.x / kWarp];
+  share_geometry_by_warp(f.model.grid, keys[i], s.geometry);
+  LaneRows rows = {};
+  const std::uint32_t met = sum_field<kind>(f, s, rows);
+  share_rows(static_cast<float>(f.model.isovalue), rows, s);
+  count_brick(s.geometry, *table, s.brick);
+  if (lane == 0) s.brick.key = keys[i];
+  __syncwarp();
+  store_count(s.brick, i, bricks, counts);
+  if (s.brick.vertices == 0) return;
+  const float* const from = &s.values[0][0];
+  float* const to = values + i * kBrickValues;
+  for (unsigned v = lane; v < kBrickValues; v += kWarp) to[v] = from[v];
+  if (lane == 0) atomicMax(&counts.parts[i % kCountParts].most_atoms, met);
+}
+
+using BlendedCount = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, const CaseTable*,
+                              ActiveBrick*, float*, BrickCounts);
+
+BlendedCount blended_count_of(FieldKind kind) {
+  if (kind == FieldKind::blinn) return count_blended<FieldKind::blinn>;
+  if (kind == FieldKind::soft_object) return count_blended<FieldKind::soft_object>;
+  return count_blended<FieldKind::inverse_squared>;
 }
 
 }  // namespace
@@ -151,9 +199,16 @@ void count_bricks_on_device(const FieldContext& f, const KeyList& candidates,
                             const CaseTable* table, ActiveBrick* bricks, float* values,
                             const BrickCounts& counts, const Stream& stream) {
   if (candidates.count == 0) return;
-  const CountLaunch launch = launch_of(f.model.kind);
-  launch.kernel<<<static_cast<unsigned>(candidates.count), launch.threads, 0, stream.get()>>>(
-      f, candidates.keys.data(), table, bricks, values, counts);
+  const std::uint64_t size = candidates.count;
+  if (f.model.kind == FieldKind::vdw) {
+    count_union<<<static_cast<unsigned>(size), kBrickThreads, 0, stream.get()>>>(
+        f, candidates.keys.data(), table, bricks, counts);
+  } else {
+    blended_count_of(
+        f.model
+            .kind)<<<blocks_for(size, kWarpsPerBlock), kWarpsPerBlock * kWarp, 0, stream.get()>>>(
+        f, candidates.keys.data(), size, table, bricks, values, counts);
+  }
   check_launch("count_bricks");
 }
 

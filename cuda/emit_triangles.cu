@@ -80,11 +80,11 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
 struct TriangleShared {
   ActiveBrick brick;
   TriangleNeighbours near;
-  // Nodes x = 0 .. 7 of row (z, y), and node x = 8: number of the first vertex, crossings.
-  std::uint32_t row_first[kRows], last_first[kRows];
-  std::uint32_t row_crossed[kRows], last_crossed[kRows];  // a byte per axis
-  std::uint16_t cell_start[kBrickNodes];                  // triangles before each mixed cell
-  std::uint8_t cell_inside[kBrickNodes];                  // case of each mixed cell
+  // Nodes x = 0 .. 7 of row (z, y), then those of the next brick along x: number of the first
+  // vertex, crossings.
+  std::uint32_t row_first[2 * kRows], row_crossed[2 * kRows];
+  std::uint16_t cell_start[kBrickNodes];  // triangles before each mixed cell
+  std::uint8_t cell_inside[kBrickNodes];  // case of each mixed cell
   std::uint16_t cell_of[kMostTriangles];
   // Cells across each face: first half-edge and case.
   std::uint32_t beyond_first[6][kCellsPerFace];
@@ -110,11 +110,7 @@ __device__ void share_row(const BrickList& list, const TriangleShared& s, int dx
 __device__ void share_vertex_rows(const BrickList& list, TriangleShared& s) {
   for (unsigned i = threadIdx.x; i < 2 * kRows; i += kBrickThreads) {
     const int row = static_cast<int>(i) % kRows, y = row % kBrickReach, z = row / kBrickReach;
-    if (i < kRows) {
-      share_row(list, s, 0, y, z, s.row_first[row], s.row_crossed[row]);
-    } else {
-      share_row(list, s, 1, y, z, s.last_first[row], s.last_crossed[row]);
-    }
+    share_row(list, s, i < kRows ? 0 : 1, y, z, s.row_first[i], s.row_crossed[i]);
   }
 }
 
@@ -183,33 +179,31 @@ __device__ void share_ends_beyond(const BrickList& list, const CaseTable& table,
   }
 }
 
-__device__ std::uint32_t corner_number(const TriangleShared& s, int x, int y, int z, int axis) {
-  const int row = z * kBrickReach + y;
-  const bool own = x < kBrickSide;
-  const RowCrossings c{own ? s.row_crossed[row] : s.last_crossed[row]};
-  return (own ? s.row_first[row] : s.last_first[row]) +
-         static_cast<std::uint32_t>(place_in_row(c, own ? x : 0, axis));
+// The vertex on the edge that node (x, y, z), each at most 8, owns along the axis.
+__device__ std::uint32_t corner_number(const TriangleShared& s, unsigned x, unsigned y, unsigned z,
+                                       int axis) {
+  const unsigned row = (x / kBrickSide) * kRows + z * kBrickReach + y;
+  const RowCrossings c{s.row_crossed[row]};
+  return s.row_first[row] +
+         static_cast<std::uint32_t>(place_in_row(c, static_cast<int>(x % kBrickSide), axis));
 }
 
-__device__ std::uint32_t opposite_number(const TriangleShared& s, const CaseTable& table,
-                                         std::uint64_t base, int cell, std::uint32_t inside,
-                                         int h) {
-  const auto first_of = [&](int c) {
-    return static_cast<std::uint32_t>(3 * (base + s.cell_start[c]));
-  };
-  const int code = table.across_code(inside, h);
-  if (code < kFirstFaceCode) return first_of(cell) + static_cast<std::uint32_t>(code);
-  const int face = (code - kFirstFaceCode) / 4, slot = (code - kFirstFaceCode) % 4;
-  const int axis = face / 2, step = face % 2 == 0 ? -1 : 1;
-  const int x = cell % kBrickSide, y = cell / kBrickSide % kBrickSide, z = cell / kCellsPerFace;
-  const int at = (axis == 0 ? x : (axis == 1 ? y : z)) + step;
-  if (at < 0 || at >= kBrickSide) {
-    const int uv = (axis == 2 ? y : z) * kBrickSide + (axis == 0 ? y : x);
-    return s.beyond_first[face][uv] + table.at_face(s.beyond_case[face][uv], face ^ 1, slot);
+// The half-edge across a face of the cell; `base` is the first half-edge of the brick.
+__device__ std::uint32_t number_across(const TriangleShared& s, const CaseTable& table,
+                                       std::uint32_t base, unsigned cell, std::uint32_t code) {
+  const unsigned face = code / 4, slot = code % 4, shift = 3 * (face / 2);
+  const bool upper = face % 2 != 0;
+  const unsigned at = cell >> shift & (kBrickSide - 1);
+  const auto entry = static_cast<int>(face ^ 1);
+  if (at == (upper ? kBrickSide - 1u : 0u)) {
+    // The cell's place in the face: its other two coordinates.
+    const unsigned uv = (cell & ((1u << shift) - 1)) | (cell >> (shift + 3)) << shift;
+    return s.beyond_first[face][uv] +
+           table.at_face(s.beyond_case[face][uv], entry, static_cast<int>(slot));
   }
-  const int stride = axis == 0 ? 1 : (axis == 1 ? kBrickSide : kCellsPerFace);
-  const int beyond = cell + step * stride;
-  return first_of(beyond) + table.at_face(s.cell_inside[beyond], face ^ 1, slot);
+  const unsigned beyond = upper ? cell + (1u << shift) : cell - (1u << shift);
+  return base + 3 * s.cell_start[beyond] +
+         table.at_face(s.cell_inside[beyond], entry, static_cast<int>(slot));
 }
 
 __global__ void __launch_bounds__(kBrickThreads)
@@ -234,15 +228,23 @@ __global__ void __launch_bounds__(kBrickThreads)
   }
   share_vertex_rows(list, s);
   __syncthreads();
-  const std::uint64_t base = list.before[blockIdx.x].triangles;
+  const std::uint64_t base = 3 * list.before[blockIdx.x].triangles;
+  const auto base_number = static_cast<std::uint32_t>(base);
+  std::uint32_t* const corners = mesh.corners + base;
+  std::uint32_t* const opposite = mesh.opposite + base;
   for (std::uint32_t n = threadIdx.x; n < 3 * s.brick.triangles; n += kBrickThreads) {
-    const int cell = s.cell_of[n / 3];
-    const int x = cell % kBrickSide, y = cell / kBrickSide % kBrickSide, z = cell / kCellsPerFace;
-    const std::uint32_t inside = s.cell_inside[cell];
-    const int h = static_cast<int>(n) - 3 * s.cell_start[cell];
-    const CellEdge edge = cell_edge(table.edges[inside][h]);
-    mesh.corners[3 * base + n] = corner_number(s, x + edge.x, y + edge.y, z + edge.z, edge.axis);
-    mesh.opposite[3 * base + n] = opposite_number(s, table, base, cell, inside, h);
+    const unsigned cell = s.cell_of[n / 3];
+    const std::uint32_t h = n - 3 * s.cell_start[cell];
+    const PackedHalfEdge edge = table.half_edge[s.cell_inside[cell]][h];
+    const unsigned x = cell % kBrickSide, y = cell / kBrickSide % kBrickSide;
+    const unsigned z = cell / kCellsPerFace;
+    corners[n] =
+        corner_number(s, x + static_cast<unsigned>(edge.x()), y + static_cast<unsigned>(edge.y()),
+                      z + static_cast<unsigned>(edge.z()), edge.axis());
+    const std::uint32_t code = edge.across();
+    opposite[n] = code < kFirstFaceCode
+                      ? base_number + n - h + code
+                      : number_across(s, table, base_number, cell, code - kFirstFaceCode);
   }
 }
 

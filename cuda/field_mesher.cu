@@ -163,6 +163,7 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
                   const std::uint64_t* keys, std::uint64_t size, const CaseTable* table,
                   ActiveBrick* bricks, BrickCounts counts) {
   __shared__ ActiveBrick shared[kWarpsPerBlock];
+  __shared__ BrickGeometry geometry[kWarpsPerBlock];
   const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
   const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * kWarpsPerBlock + warp;
   if (i >= size) return;
@@ -173,15 +174,10 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
     brick.signs.row[z][y] = static_cast<std::uint16_t>(row_signs(grid, words, index, y, z));
   }
   if (lane == 0) brick.key = keys[i];
+  share_geometry_by_warp(spec, keys[i], geometry[warp]);
+  count_brick(geometry[warp], *table, brick);
   __syncwarp();
-  count_brick(real_nodes_by_warp(spec, index), *table, brick);
-  __syncwarp();
-  copy_brick(&brick, &bricks[i], lane, kWarp);
-  if (lane != 0) return;
-  counts.sums[i] = {brick.vertices, brick.triangles};
-  CountPart& part = counts.parts[i % kCountParts];
-  if (brick.clipped_cells != 0) atomicAdd(&part.clipped_cells, brick.clipped_cells);
-  if (brick.vertices + brick.triangles != 0) atomicAdd(&part.surface_bricks, 1ull);
+  store_count(brick, i, bricks, counts);
 }
 
 }  // namespace

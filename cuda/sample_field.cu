@@ -1,7 +1,7 @@
 // A blended field at every node of a grid: a block of threads for 2 x 2 x 2 bricks, which share the
 // atoms near them and their terms; a warp per brick, two rows of nodes a lane.
-#include "cuda/blended_atoms.cuh"
 #include "cuda/brick_block.cuh"
+#include "extract/local_atom.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -25,6 +25,17 @@ inline constexpr int kCaseHalfEdges = 3 * kMaxCaseTriangles;
 inline constexpr std::uint8_t kFirstFaceCode = 32;
 inline constexpr std::uint8_t kNoHalfEdge = 255;
 
+// A half-edge in one word: where the node that owns its corner is, that edge's axis, the opposite.
+struct PackedHalfEdge {
+  std::uint32_t bits;
+
+  VDWMESH_HD int x() const { return static_cast<int>(bits & 1); }
+  VDWMESH_HD int y() const { return static_cast<int>(bits >> 1 & 1); }
+  VDWMESH_HD int z() const { return static_cast<int>(bits >> 2 & 1); }
+  VDWMESH_HD int axis() const { return static_cast<int>(bits >> 3 & 3); }
+  VDWMESH_HD std::uint32_t across() const { return bits >> 8; }
+};
+
 struct CaseTable {
   std::uint8_t triangle_count[256];
   std::uint8_t edges[256][kCaseHalfEdges];  // cell edge of each corner
@@ -33,6 +44,8 @@ struct CaseTable {
   std::uint8_t across[256][kCaseHalfEdges];
   // Half-edge in face f that starts at slot s: [case][4 f + s], or kNoHalfEdge.
   std::uint8_t face_half_edge[256][24];
+
+  PackedHalfEdge half_edge[256][kCaseHalfEdges];  // what edges and across say
 
   VDWMESH_HD std::uint32_t count(std::uint32_t inside) const { return triangle_count[inside]; }
   VDWMESH_HD int across_code(std::uint32_t inside, int h) const { return across[inside][h]; }
