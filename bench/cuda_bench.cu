@@ -143,8 +143,44 @@ void report_extraction(const char* name, const SphereSet& spheres, const Extract
       median(total), floor);
 }
 
-// Spheres -> field at every node; then field in memory -> mesh, against the floor of this run: the
-// field read once and the mesh written once, at the rate of the copy.
+// Field in memory -> mesh with half-edges, double positions, no labels, against the floor of this
+// run: the field read once and the mesh written once, at the rate of the copy.
+void report_field_meshing(const SampledFieldView& field, DeviceNormals normals,
+                          const ExtractOptions& options, double rate) {
+  const Stream stream;
+  std::vector<double> total;
+  std::vector<ExtractTimings> stages;
+  std::uint64_t vertices = 0, triangles = 0;
+  for (int i = 0; i <= 2 * kRepeats; ++i) {
+    const double seconds = seconds_of([&] {
+      const DeviceExtraction e = mesh_field_on_device(field, normals, options, stream);
+      vertices = e.mesh.vertex_count();
+      triangles = e.mesh.triangle_count();
+      stages.push_back(e.timings);
+    });
+    if (i > 0) total.push_back(seconds * 1e3);
+  }
+  const auto stage = [&](float ExtractTimings::*member) {
+    std::vector<double> times;
+    for (const ExtractTimings& t : stages) times.push_back(static_cast<double>(t.*member));
+    return median(times);
+  };
+  const bool with_normals = normals == DeviceNormals::gradients;
+  const std::size_t vertex_bytes = sizeof(Vec3d) + (with_normals ? sizeof(Vec3f) : 0);
+  const double bytes =
+      static_cast<double>(field.grid.node_count() * sizeof(float) + vertices * vertex_bytes +
+                          triangles * 6 * sizeof(std::uint32_t));
+  const double floor = bytes / rate * 1e3;
+  std::printf(
+      "    field -> mesh, %s: V %llu T %llu  wall %.3f ms, floor %.3f ms, %.2f x\n"
+      "    bits, bricks %.3f  count %.3f  scan %.3f  vertices %.3f  triangles %.3f ms\n",
+      with_normals ? "normals" : "no normals", static_cast<unsigned long long>(vertices),
+      static_cast<unsigned long long>(triangles), median(total), floor, median(total) / floor,
+      stage(&ExtractTimings::search), stage(&ExtractTimings::count), stage(&ExtractTimings::scan),
+      stage(&ExtractTimings::vertices), stage(&ExtractTimings::triangles));
+}
+
+// Spheres -> field at every node; then the field is meshed.
 void report_field(const char* name, const SphereSet& spheres, const ExtractOptions& options,
                   double rate, Meshing meshing) {
   const Stream stream;
@@ -162,36 +198,10 @@ void report_field(const char* name, const SphereSet& spheres, const ExtractOptio
       static_cast<long long>(grid.cells.z + 1), sampling, bytes / rate * 1e3);
   if (meshing == Meshing::no) return;
   const SampledFieldView field{grid, values.data(), static_cast<float>(model.isovalue)};
-  std::vector<double> total;
-  std::vector<ExtractTimings> stages;
-  std::uint64_t vertices = 0, triangles = 0;
-  for (int i = 0; i <= 2 * kRepeats; ++i) {
-    stream.wait();
-    const double seconds = seconds_of([&] {
-      const DeviceExtraction e = mesh_field_on_device(field, options, stream);
-      vertices = e.mesh.vertex_count();
-      triangles = e.mesh.triangle_count();
-      stages.push_back(e.timings);
-    });
-    if (i > 0) total.push_back(seconds * 1e3);
+  for (const DeviceNormals normals : {DeviceNormals::none, DeviceNormals::gradients}) {
+    report_field_meshing(field, normals, options, rate);
   }
-  const auto stage = [&](float ExtractTimings::*member) {
-    std::vector<double> times;
-    for (const ExtractTimings& t : stages) times.push_back(static_cast<double>(t.*member));
-    return median(times);
-  };
-  const double mesh_bytes = static_cast<double>(vertices * (sizeof(Vec3d) + sizeof(Vec3f)) +
-                                                triangles * 6 * sizeof(std::uint32_t));
-  const double floor = (bytes + mesh_bytes) / rate * 1e3;
-  std::printf(
-      "    field -> mesh: V %llu T %llu  wall %.3f ms, floor %.3f ms, %.2f x\n"
-      "    bits, bricks %.3f  count %.3f  scan %.3f  vertices %.3f  triangles %.3f ms\n",
-      static_cast<unsigned long long>(vertices), static_cast<unsigned long long>(triangles),
-      median(total), floor, median(total) / floor, stage(&ExtractTimings::search),
-      stage(&ExtractTimings::count), stage(&ExtractTimings::scan), stage(&ExtractTimings::vertices),
-      stage(&ExtractTimings::triangles));
 }
-
 void report_refinement(const char* name, const SphereSet& spheres, double spacing, int subdivisions,
                        Crossings crossings) {
   const Stream stream;

@@ -164,7 +164,7 @@ __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& 
   auto* spheres = reinterpret_cast<SphereId*>(mesh.vertex_spheres + first);
   for (unsigned w = lane; w < 3 * count; w += kWarp) {
     positions[w] = stage.position[w];
-    normals[w] = stage.normal[w];
+    if (mesh.normals) normals[w] = stage.normal[w];
     if (mesh.vertex_spheres) spheres[w] = w % 3 == 0 ? stage.sphere[w / 3] : kNoSphere;
   }
 }

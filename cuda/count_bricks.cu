@@ -160,7 +160,7 @@ __device__ void share_rows(float isovalue, const LaneRows& rows, WarpShared& s) 
 }
 
 template <FieldKind kind>
-__global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
+__global__ void __launch_bounds__(kWarpsPerBlock* kWarp, 5)
     count_blended(FieldContext f, const std::uint64_t* keys, std::uint64_t size,
                   const CaseTable* table, ActiveBrick* bricks, float* values, BrickCounts counts) {
   __shared__ WarpShared shared[kWarpsPerBlock];

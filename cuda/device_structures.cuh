@@ -30,7 +30,7 @@ class DeviceCellList {
 // The arrays of a DeviceMesh as kernels see them.
 struct DeviceMeshView {
   Vec3d* positions;
-  Vec3f* normals;
+  Vec3f* normals;                 // null without normals
   VertexSpheres* vertex_spheres;  // null without labels
   std::uint32_t* corners;         // 3 per triangle
   std::uint32_t* opposite;        // 3 per triangle
@@ -40,6 +40,9 @@ struct DeviceMeshView {
 
 // Whether vertices name their sphere.
 enum class DeviceLabels { none, spheres };
+
+// Whether vertices have normals.
+enum class DeviceNormals { none, gradients };
 
 // An IndexedMesh in device memory, half-edges included.
 struct DeviceMesh {
@@ -51,7 +54,8 @@ struct DeviceMesh {
 
   DeviceMesh() = default;
   DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
-             DeviceLabels labels = DeviceLabels::spheres);
+             DeviceLabels labels = DeviceLabels::spheres,
+             DeviceNormals normals = DeviceNormals::gradients);
   std::uint64_t vertex_count() const { return positions.size(); }
   std::uint64_t triangle_count() const { return corners.size() / 3; }
   TriangleLabels triangle_labels() const {
@@ -80,8 +84,8 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
                                    const ExtractOptions& options, const Stream& stream);
 
 // Marching cubes over a field in device memory; see FieldMesher::mesh.
-DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
-                                      const Stream& stream);
+DeviceExtraction mesh_field_on_device(const SampledFieldView& field, DeviceNormals normals,
+                                      const ExtractOptions& options, const Stream& stream);
 
 // The blended field at every node of model.grid, written to values; see FieldMesher::sample.
 void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,

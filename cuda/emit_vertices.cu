@@ -162,9 +162,10 @@ __host__ __device__ constexpr std::uint32_t places_for(std::uint32_t atoms) {
 
 // Dynamic shared memory: `room` atoms, enough for every brick, and places_for(room) places.
 template <FieldKind kind>
-__global__ void __launch_bounds__(kBrickThreads, 8)
-    emit_blended_vertices(FieldContext f, BrickList list, const float* values, DeviceMeshView mesh,
-                          unsigned long long* clamped, std::uint32_t room) {
+__global__ void __launch_bounds__(kBrickThreads, 6)
+    emit_blended_vertices(const __grid_constant__ FieldContext f, BrickList list,
+                          const float* values, DeviceMeshView mesh, unsigned long long* clamped,
+                          std::uint32_t room) {
   __shared__ BlendedShared s;
   extern __shared__ __align__(16) unsigned char dynamic[];
   auto* atoms = reinterpret_cast<VertexAtom*>(dynamic);
@@ -197,8 +198,9 @@ __global__ void __launch_bounds__(kBrickThreads, 8)
 // The same with any number of atoms near a brick: every vertex visits the list.
 template <FieldKind kind>
 __global__ void __launch_bounds__(kBrickThreads)
-    emit_crowded_vertices(FieldContext f, BrickList list, const float* values, DeviceMeshView mesh,
-                          unsigned long long* clamped, std::uint32_t) {
+    emit_crowded_vertices(const __grid_constant__ FieldContext f, BrickList list,
+                          const float* values, DeviceMeshView mesh, unsigned long long* clamped,
+                          std::uint32_t) {
   __shared__ BlendedShared s;
   copy_brick(&list.bricks[blockIdx.x], &s.brick, threadIdx.x, blockDim.x);
   __syncthreads();
@@ -247,6 +249,7 @@ struct SampledShared {
   VertexStage stages[kBrickThreads / kWarp];
 };
 
+template <DeviceNormals normals>
 __global__ void __launch_bounds__(kBrickThreads, 12)
     emit_sampled_vertices(SampledFieldView field, BrickList list, DeviceMeshView mesh,
                           unsigned long long* clamped) {
@@ -265,7 +268,11 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
               for (int axis = 0; axis < 3; ++axis) {
                 node[axis] = lattice_coordinate(field.grid, axis, inside.index[axis]);
               }
-              return sampled_vertex(field, brick, edge, node);
+              SurfaceVertex v = sampled_vertex(field, brick, edge, node);
+              if constexpr (normals == DeviceNormals::gradients) {
+                v.normal = sampled_normal(field, brick, edge, v);
+              }
+              return v;
             });
 }
 
@@ -297,8 +304,10 @@ void emit_sampled_vertices_on_device(const SampledFieldView& field, const Counte
                                      const Stream& stream) {
   const BrickList bricks = counted.list();
   if (bricks.size == 0) return;
-  emit_sampled_vertices<<<static_cast<unsigned>(bricks.size), kBrickThreads, 0, stream.get()>>>(
-      field, bricks, mesh, clamped);
+  const auto kernel = mesh.normals ? emit_sampled_vertices<DeviceNormals::gradients>
+                                   : emit_sampled_vertices<DeviceNormals::none>;
+  kernel<<<static_cast<unsigned>(bricks.size), kBrickThreads, 0, stream.get()>>>(field, bricks,
+                                                                                 mesh, clamped);
   check_launch("emit_sampled_vertices");
 }
 

@@ -23,8 +23,8 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
       [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {
         emit_vertices_on_device(f, counted, values.data(), mesh, clamped, stream);
       }};
-  mesh_bricks_on_device(candidates, model.grid.spacing, kernels, DeviceLabels::spheres, options,
-                        result, marks, stream);
+  mesh_bricks_on_device(candidates, model.grid.spacing, kernels, DeviceLabels::spheres,
+                        DeviceNormals::gradients, options, result, marks, stream);
   return result;
 }
 

@@ -76,6 +76,7 @@ __global__ void __launch_bounds__(kThreads)
   std::uint32_t any = 0, all = bz < grid.bricks[2] ? ~0u : 0u;
   for (int z = 0; z < kBrickReach && bz < grid.bricks[2]; ++z) {
     const std::int64_t node_z = bz * kBrickSide + z - 1;
+#pragma unroll
     for (int y = 0; y < kBrickReach; ++y) {
       const std::int64_t node_y = by * kBrickSide + y - 1;
       const bool real = node_z >= 0 && node_z < grid.depth && node_y >= 0 && node_y < grid.height;
@@ -182,8 +183,8 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
 
 }  // namespace
 
-DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
-                                      const Stream& stream) {
+DeviceExtraction mesh_field_on_device(const SampledFieldView& field, DeviceNormals normals,
+                                      const ExtractOptions& options, const Stream& stream) {
   DeviceExtraction result;
   StageMarks marks(stream.get());
   begin_stage(options.monitor, "field", 2);
@@ -210,8 +211,8 @@ DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const Extra
       [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {
         emit_sampled_vertices_on_device(field, counted, mesh, clamped, stream);
       }};
-  mesh_bricks_on_device(candidates, field.grid.spacing, kernels, DeviceLabels::none, options,
-                        result, marks, stream);
+  mesh_bricks_on_device(candidates, field.grid.spacing, kernels, DeviceLabels::none, normals,
+                        options, result, marks, stream);
   return result;
 }
 

@@ -58,8 +58,9 @@ CountedBricks count_and_scan(const KeyList& candidates, const CaseTable* table,
 }  // namespace
 
 void mesh_bricks_on_device(const KeyList& candidates, double spacing, const BrickKernels& kernels,
-                           DeviceLabels labels, const ExtractOptions& options,
-                           DeviceExtraction& result, StageMarks& marks, const Stream& stream) {
+                           DeviceLabels labels, DeviceNormals normals,
+                           const ExtractOptions& options, DeviceExtraction& result,
+                           StageMarks& marks, const Stream& stream) {
   const DeviceArray<CaseTable> table = upload(&case_table(), 1, stream.get());
   const CountedBricks counted = count_and_scan(candidates, table.data(), kernels, marks, stream);
   const BrickTotals& totals = counted.totals;
@@ -73,7 +74,8 @@ void mesh_bricks_on_device(const KeyList& candidates, double spacing, const Bric
       "the mesh");
   const DeviceArray<unsigned long long> clamped(1, stream.get());
   clear(clamped, stream.get());
-  result.mesh = DeviceMesh(totals.sums.vertices, totals.sums.triangles, stream.get(), labels);
+  result.mesh =
+      DeviceMesh(totals.sums.vertices, totals.sums.triangles, stream.get(), labels, normals);
   kernels.emit_vertices(counted, result.mesh.view(), clamped.data());
   marks.mark();
   emit_triangles_on_device(counted.list(), candidates, table.data(), result.mesh.view(), stream);

@@ -100,8 +100,10 @@ class SampledBrick {
   }
 
   SurfaceVertex vertex(const CrossedEdge& edge) const {
-    return sampled_vertex(field_, geometry_.brick, edge,
-                          geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]));
+    const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
+    SurfaceVertex v = sampled_vertex(field_, geometry_.brick, edge, node);
+    v.normal = sampled_normal(field_, geometry_.brick, edge, v);
+    return v;
   }
 
  private:

@@ -49,26 +49,38 @@ VDWMESH_HD inline Vec3f node_difference(const SampledFieldView& f, const Lattice
   return difference;
 }
 
-// The vertex on a crossed edge; `node` is the position of its inside end, Å.
+// The vertex on a crossed edge, its normal along the edge; `node` is the position of its inside
+// end, Å.
 VDWMESH_HD inline SurfaceVertex sampled_vertex(const SampledFieldView& f, const BrickIndex& brick,
                                                const CrossedEdge& edge, const Vec3d& node) {
   const LatticeNode inside = lattice_node(brick, edge.inside);
   const LatticeNode outside = lattice_node(brick, edge.outside);
-  const bool cut = is_virtual(f.grid, outside);
   // No value beyond the border: interpolation then takes the outer end.
-  const float beyond = cut ? std::numeric_limits<float>::infinity() : *node_address(f, outside);
+  const float beyond = is_virtual(f.grid, outside) ? std::numeric_limits<float>::infinity()
+                                                   : *node_address(f, outside);
   const EdgePoint point =
       interpolate_edge(*node_address(f, inside), beyond, f.isovalue, f.grid.spacing);
-  Vec3d p = node, outward{0, 0, 0};
-  p[edge.axis] = std::fma(edge.direction, point.distance, node[edge.axis]);
-  outward[edge.axis] = edge.direction;
-  const Vec3f a = node_difference(f, inside), b = cut ? a : node_difference(f, outside);
-  const auto along = static_cast<float>(point.distance / f.grid.spacing);
+  SurfaceVertex v{node, {0, 0, 0}, kNoSphere, point.clamped};
+  v.position[edge.axis] = std::fma(edge.direction, point.distance, node[edge.axis]);
+  v.normal[edge.axis] = static_cast<float>(edge.direction);
+  return v;
+}
+
+// Down the gradient at a vertex, between those of its edge's ends.
+VDWMESH_HD inline Vec3f sampled_normal(const SampledFieldView& f, const BrickIndex& brick,
+                                       const CrossedEdge& edge, const SurfaceVertex& v) {
+  const LatticeNode inside = lattice_node(brick, edge.inside);
+  const LatticeNode outside = lattice_node(brick, edge.outside);
+  const Vec3f a = node_difference(f, inside);
+  const Vec3f b = is_virtual(f.grid, outside) ? a : node_difference(f, outside);
+  const double from = lattice_coordinate(f.grid, edge.axis, inside.index[edge.axis]);
+  const double distance = edge.direction * (v.position[edge.axis] - from);
+  const auto along = static_cast<float>(distance / f.grid.spacing);
   Vec3d fall{};
   for (int axis = 0; axis < 3; ++axis) {
     fall[axis] = -static_cast<double>(std::fma(along, b[axis] - a[axis], a[axis]));
   }
-  return {p, unit_or(fall, outward), kNoSphere, point.clamped};
+  return unit_or(fall, cast<double>(v.normal));
 }
 
 }  // namespace vdwmesh
