@@ -35,6 +35,8 @@ class Placer {
     for (const ExposedArc& arc : exposed_arcs(t_, k_)) place(arc);
     find_coincident_corners();
     join_corners();
+    while (close_slits()) {
+    }
     return std::move(out_);
   }
 
@@ -69,6 +71,8 @@ class Placer {
     Vec3d out = any_orthogonal(axis);
     if (exposed.start == kNoCorner) {
       arc.sweep = 2 * kPi;
+      // In lattices circles touch along the axes: they shall have no vertex there.
+      out = std::cos(1.0) * out + std::sin(1.0) * cross(axis, out);
     } else {
       arc.ends = {corner(exposed.start), corner(exposed.end)};
       const Vec3d p = out_.corners[arc.ends[0]].position - arc.center,
@@ -91,9 +95,11 @@ class Placer {
   }
 
   void add(const BoundaryArc& arc, double smaller_radius) {
-    if (arc.is_circle() && arc.radius <= kNoCircle * smaller_radius) {
+    const bool no_circle = arc.radius <= kNoCircle * smaller_radius;
+    if (arc.is_circle() && no_circle) {
       ++out_.contacts;
-    } else if (!arc.is_circle() && arc.sweep * arc.radius <= kNoArc * smaller_radius) {
+    } else if (!arc.is_circle() &&
+               (no_circle || arc.sweep * arc.radius <= kNoArc * smaller_radius)) {
       ++out_.points;
       joined_.push_back(arc.ends);
     } else {
@@ -136,6 +142,55 @@ class Placer {
       }
     }
     out_.corners = std::move(kept);
+  }
+
+  // A ball between two others on whose common circle it lies: its patch there has no width, and
+  // the arcs on either side of it become one between the other two. Says whether there was one.
+  bool close_slits() {
+    std::vector<std::array<std::uint32_t, 4>> places;  // ball, ends, arc
+    for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
+      const BoundaryArc& arc = out_.arcs[a];
+      const auto [low, high] = std::minmax(arc.ends[0], arc.ends[1]);
+      for (const std::uint32_t b : arc.balls) places.push_back({b, low, high, a});
+    }
+    std::sort(places.begin(), places.end());
+    std::vector<char> changed(out_.arcs.size(), 0), gone(out_.arcs.size(), 0);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const auto [ball, low, high, a] = places[i];
+      for (std::size_t j = i + 1; j < places.size(); ++j) {
+        const std::uint32_t b = places[j][3];
+        if (places[j][0] != ball || places[j][1] != low || places[j][2] != high) break;
+        if (changed[a] || changed[b] || !is_slit(ball, out_.arcs[a], out_.arcs[b])) continue;
+        (out_.arcs[a].balls[0] == ball ? out_.arcs[a].balls[0] : out_.arcs[a].balls[1]) =
+            other_ball(out_.arcs[b], ball);
+        changed[a] = changed[b] = gone[b] = 1;
+      }
+    }
+    std::size_t kept = 0;
+    for (std::size_t a = 0; a < gone.size(); ++a) {
+      if (!gone[a]) out_.arcs[kept++] = out_.arcs[a];
+    }
+    const bool any = kept < gone.size();
+    out_.arcs.resize(kept);
+    out_.has_joined_corners = out_.has_joined_corners || any;
+    return any;
+  }
+
+  static std::uint32_t other_ball(const BoundaryArc& arc, std::uint32_t ball) {
+    return arc.balls[arc.balls[0] == ball ? 1 : 0];
+  }
+
+  // Whether two arcs of the ball with the same ends are in one place, its patch between them.
+  bool is_slit(std::uint32_t ball_index, const BoundaryArc& a, const BoundaryArc& b) const {
+    const Sphere& s = ball(ball_index);
+    const Vec3d to_a = ball(other_ball(a, ball_index)).center - s.center,
+                to_b = ball(other_ball(b, ball_index)).center - s.center;
+    if (!(dot(to_a, to_b) < 0) || other_ball(a, ball_index) == other_ball(b, ball_index))
+      return false;
+    const double reach = kNoArc * s.radius;
+    if (!a.is_circle()) return norm(a.at(a.sweep / 2) - b.at(b.sweep / 2)) <= reach;
+    const double tilt = norm(cross(to_a, to_b)) / (norm(to_a) * norm(to_b));
+    return norm(a.center - b.center) + std::abs(a.radius - b.radius) + a.radius * tilt <= reach;
   }
 
   const PowerTriangulation& t_;

@@ -2,7 +2,8 @@
 // triangulation (scaled).
 //
 // What has no size in double coordinates is left out: an arc of no length (more than three spheres
-// through one point) makes its corners one, and a circle of no size (contact) parts its two balls.
+// through one point) makes its corners one, a circle of no size (contact) parts its two balls, and
+// a patch of no width (spheres through one circle) makes the arcs around it one.
 #pragma once
 
 #include <array>
@@ -17,8 +18,8 @@ namespace vdwmesh {
 
 // By the radius of the smaller ball: an arc shorter than this is a point.
 inline constexpr double kNoArc = 1e-8;
-// And a whole circle smaller than this a contact: beside it the two spheres are nearer to each
-// other than their coordinates are exact.
+// And a whole circle smaller than this a contact, an arc of one a point: beside it the two spheres
+// are nearer to each other than their coordinates are exact.
 inline constexpr double kNoCircle = 1e-6;
 
 // The point at angle x from 0 to `sweep` is center + cos x · cosine + sin x · sine, which turns

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <stdexcept>
 #include <utility>
 
 #include "arrangement/patch_triangles.hpp"
@@ -104,6 +105,7 @@ class PlanarPatch {
     mark_inside();
     refine();
     separate_circles();
+    if (!splits_.empty()) return requests();
     PatchTriangles patch{std::move(points_), numbered_triangles()};
     smooth(b_, circles_, kSmoothingPasses, patch);
     for (const std::uint32_t piece : defects(b_, patch)) want_split(piece);
@@ -134,6 +136,9 @@ class PlanarPatch {
     FaceHandle hint;
     for (std::uint32_t i = 0; i < b_.points.size(); ++i) {
       const VertexHandle v = planar_.insert(project(b_.points[i]), hint);
+      if (planar_.number_of_vertices() <= i) {
+        throw std::runtime_error("a patch has two boundaries that touch in a vertex");
+      }
       v->info() = i;
       handles_.push_back(v);
       hint = v->face();
@@ -387,7 +392,10 @@ class PlanarPatch {
         Planar::Locate_type type;
         int edge;
         const FaceHandle face = planar_.locate(project(middle), type, edge, c.face);
-        if ((type == Planar::FACE || type == Planar::EDGE) && is_inside(face)) {
+        if (type == Planar::EDGE && face->is_constrained(edge)) {
+          want_split(piece_between(face->vertex(face->ccw(edge))->info(),
+                                   face->vertex(face->cw(edge))->info()));
+        } else if ((type == Planar::FACE || type == Planar::EDGE) && is_inside(face)) {
           insert_marked(middle, face, unused);
         }
       }

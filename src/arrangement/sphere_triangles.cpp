@@ -10,12 +10,24 @@
 namespace vdwmesh {
 namespace {
 
-// Vertices (0, ±1, ±φ) and their rotations, on the unit sphere.
+// A turn by 1 rad about (2, 3, 6) / 7 (Rodrigues), which takes no axis or diagonal to another:
+// balls of a lattice that touch do so between the vertices of their meshes.
+Vec3d turned(const Vec3d& p) {
+  const Vec3d axis{2.0 / 7, 3.0 / 7, 6.0 / 7};
+  const double c = std::cos(1.0), s = std::sin(1.0);
+  const Vec3d out = c * p + s * cross(axis, p) + ((1 - c) * dot(axis, p)) * axis;
+  return (1 / norm(out)) * out;
+}
+
+// Vertices (0, ±1, ±φ) and their rotations, on the unit sphere, turned.
 std::vector<Vec3d> icosahedron_points() {
   const double golden = std::numbers::phi, scale = 1 / std::sqrt(1 + golden * golden);
   const double a = scale, b = golden * scale;
-  return {{-a, b, 0},  {a, b, 0},  {-a, -b, 0}, {a, -b, 0}, {0, -a, b},  {0, a, b},
-          {0, -a, -b}, {0, a, -b}, {b, 0, -a},  {b, 0, a},  {-b, 0, -a}, {-b, 0, a}};
+  std::vector<Vec3d> points{{-a, b, 0}, {a, b, 0}, {-a, -b, 0}, {a, -b, 0},
+                            {0, -a, b}, {0, a, b}, {0, -a, -b}, {0, a, -b},
+                            {b, 0, -a}, {b, 0, a}, {-b, 0, -a}, {-b, 0, a}};
+  std::transform(points.begin(), points.end(), points.begin(), turned);
+  return points;
 }
 
 constexpr std::array<std::array<std::uint32_t, 3>, 20> kFaces{

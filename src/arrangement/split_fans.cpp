@@ -40,6 +40,28 @@ std::uint32_t copy_of(std::uint32_t vertex, IndexedMesh& mesh) {
   return static_cast<std::uint32_t>(copy);
 }
 
+// The spheres of a fan's triangles, ascending; empty where they are more than three.
+std::vector<SphereId> spheres_of(const std::vector<Wedge>& wedges, DisjointSets& fans,
+                                 std::uint32_t fan, const IndexedMesh& mesh) {
+  std::vector<SphereId> spheres;
+  for (std::uint32_t w = 0; w < wedges.size(); ++w) {
+    if (fans.find(w) == fan) spheres.push_back(mesh.triangle_spheres[wedges[w].triangle]);
+  }
+  std::sort(spheres.begin(), spheres.end());
+  spheres.erase(std::unique(spheres.begin(), spheres.end()), spheres.end());
+  if (spheres.size() > 3) spheres.clear();
+  return spheres;
+}
+
+// A vertex that is more than one corner is labelled with the spheres around it, where its label
+// lacks one of them and they are few enough.
+void relabel(const std::vector<SphereId>& spheres, VertexSpheres& label) {
+  if (spheres.empty() || std::includes(label.begin(), label.end(), spheres.begin(), spheres.end()))
+    return;
+  label = {kNoSphere, kNoSphere, kNoSphere};
+  std::copy(spheres.begin(), spheres.end(), label.begin());
+}
+
 }  // namespace
 
 void split_fans(std::size_t count, IndexedMesh& mesh) {
@@ -55,7 +77,10 @@ void split_fans(std::size_t count, IndexedMesh& mesh) {
     std::vector<std::uint32_t> name(wedges[vertex].size(), vertex);
     for (std::uint32_t w = 0; w < wedges[vertex].size(); ++w) {
       const std::uint32_t fan = fans.find(w);
-      if (fan == w && w > 0) name[w] = copy_of(vertex, mesh);
+      if (fan == w) {
+        if (w > 0) name[w] = copy_of(vertex, mesh);
+        relabel(spheres_of(wedges[vertex], fans, fan, mesh), mesh.vertex_spheres[name[w]]);
+      }
       mesh.triangles[wedges[vertex][w].triangle][wedges[vertex][w].corner] = name[fan];
     }
   }
