@@ -1,0 +1,269 @@
+// Sets that break programs: nothing, coincident, nested, tangent, cospherical, lattices, jitter,
+// extreme sizes and places, and options that make no sense.
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "contract/exact_mesher_contract.hpp"
+#include "unit/arrangement/union_cases.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Arcs up to kNoArc of the radius may be left out, and circles up to kNoCircle, beside which
+// the spheres are within its square: 1e-8 and 1e-12 of radii up to 2 Å, with some room for
+// what a collapse moves.
+constexpr double kCollapsed = 1e-7;  // Å
+
+Demands collapsed(Topology topology = Topology::exact) {
+  Demands demands;
+  demands.distance = kCollapsed;
+  demands.topology = topology;
+  return demands;
+}
+
+void expect_set(std::vector<Sphere> spheres, double edge_length = 0.5, const Demands& demands = {},
+                int levels = 1) {
+  expect_union_meshes(SphereSet(std::move(spheres)), edge_length, levels, demands);
+}
+
+TEST(ExactMesherAwkward, NoSpheres) { EXPECT_THROW(mesh_at(SphereSet(), 0.5), InvalidInput); }
+
+TEST(ExactMesherAwkward, EdgeLengthsThatAreNone) {
+  for (const double h : {0.0, -0.0, -0.35, std::nan(""), kInfinity, -kInfinity}) {
+    EXPECT_THROW(mesh_at(one_sphere(1), h), InvalidInput) << h;
+  }
+}
+
+TEST(ExactMesherAwkward, EdgeLengthsFromTinyToHuge) {
+  for (const double h : {0.02, 0.1, 1.0, 3.0, 10.0, 1e3, 1e300}) {
+    SCOPED_TRACE(h);
+    expect_set({{{0, 0, 0}, 1}}, h);
+    expect_set({{{0, 0, 0}, 1}, {{1.2, 0.3, 0.4}, 0.9}}, h);
+  }
+  for (const double h : {2.0, 10.0, 1e9}) {
+    SCOPED_TRACE(h);
+    expect_union_meshes(cluster(50, 2), h, 2);
+    expect_union_meshes(hollow_shell(100, 5, 1.2), h, 1);
+  }
+}
+
+TEST(ExactMesherAwkward, TooFineIsRefusedBeforeMemoryIsTaken) {
+  EXPECT_THROW(mesh_at(one_sphere(1), 1e-6), LimitExceeded);
+  EXPECT_THROW(mesh_at(one_sphere(1), 1e-300), LimitExceeded);
+  ExactMeshOptions options;
+  options.memory_limit = 1000;
+  EXPECT_THROW(mesh_union(one_sphere(1), options), LimitExceeded);
+}
+
+class StopAtOnce : public Monitor {
+ public:
+  void begin_stage(std::string_view, std::uint64_t) override {}
+  void advance(std::uint64_t) override {}
+  bool cancelled() const override { return true; }
+};
+
+TEST(ExactMesherAwkward, StopsWhenAsked) {
+  StopAtOnce monitor;
+  ExactMeshOptions options;
+  options.monitor = &monitor;
+  EXPECT_THROW(mesh_union(cluster(100, 1), options), Cancelled);
+}
+
+TEST(ExactMesherAwkward, Coincident) {
+  expect_set({{{1, 2, 3}, 1.5}, {{1, 2, 3}, 1.5}});
+  expect_set({{{1, 2, 3}, 1.5}, {{2, 2, 3}, 1.5}, {{1, 2, 3}, 1.5}, {{2, 2, 3}, 1.5}});
+}
+
+TEST(ExactMesherAwkward, NestedAndConcentric) {
+  expect_set({{{0, 0, 0}, 1}, {{0, 0, 0}, 2}});
+  expect_set({{{0.2, 0.1, 0}, 1}, {{0, 0, 0}, 2}, {{3, 0, 0}, 1.5}});
+}
+
+TEST(ExactMesherAwkward, TangentOutside) {
+  expect_set({{{0, 0, 0}, 1}, {{2, 0, 0}, 1}});
+  expect_set({{{0, 0, 0}, 1}, {{3, 0, 0}, 2}, {{3, 2.5, 0}, 0.5}});
+  std::vector<Sphere> chain;
+  for (int i = 0; i < 8; ++i) chain.push_back({{2.0 * i, 0, 0}, 1});
+  expect_set(chain);
+}
+
+TEST(ExactMesherAwkward, TangentInside) {
+  expect_set({{{0, 0, 0}, 2}, {{1, 0, 0}, 1}});
+  expect_set({{{0, 0, 0}, 2}, {{1, 0, 0}, 1}, {{-1, 0, 0}, 1}, {{0, 1.5, 0}, 0.5}});
+  expect_set({{{0, 0, 0}, 2}, {{1, 0, 0}, 1}, {{2, 0, 0}, 1}});
+}
+
+// Three balls, two by two tangent: three contacts, and a ring parted into three.
+TEST(ExactMesherAwkward, RingOfContacts) {
+  const double h = std::sqrt(3.0);
+  expect_set({{{0, 0, 0}, 1}, {{2, 0, 0}, 1}, {{1, h, 0}, 1}}, 0.5, collapsed(Topology::parted));
+  expect_set({{{0, 0, 0}, 1}, {{2, 0, 0}, 1}, {{2, 2, 0}, 1}, {{0, 2, 0}, 1}});
+}
+
+// Circles of 1e-7 … 1e-2 Å between balls that all but touch.
+TEST(ExactMesherAwkward, NearlyTangent) {
+  for (const double overlap : {1e-15, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4}) {
+    SCOPED_TRACE(overlap);
+    const Demands demands = overlap < 1e-11 ? collapsed(Topology::parted) : Demands{};
+    expect_set({{{0, 0, 0}, 1}, {{2 - overlap, 0, 0}, 1}}, 0.5, demands);
+    expect_set({{{0.1, 0.2, 0.3}, 1.7}, {{0.1, 0.2 + 0.2 + overlap, 0.3}, 1.5}}, 0.5, demands);
+  }
+}
+
+// A third ball reaches into the crease of two by little, or just not.
+TEST(ExactMesherAwkward, ABallThatAllButTouchesACircle) {
+  // Balls of 5 at (±4, 0, 0) have the circle x = 0 of radius 3.
+  for (const double reach : {-1e-3, -1e-6, -1e-9, -1e-12, 0.0, 1e-12, 1e-9, 1e-6, 1e-3}) {
+    SCOPED_TRACE(reach);
+    const bool near = std::abs(reach) < 1e-6;
+    const Demands demands = near ? collapsed(Topology::parted) : Demands{};
+    expect_set({{{-4, 0, 0}, 5}, {{4, 0, 0}, 5}, {{0, 0, 4 - reach}, 1}}, 1, demands);
+    // The same from within: a ball that all but fills its place in the crease.
+    expect_set({{{-4, 0, 0}, 5}, {{4, 0, 0}, 5}, {{0, 0, 2 + reach}, 1}}, 1, demands);
+  }
+}
+
+// Spheres that share one circle: the middle one is exposed nowhere else.
+TEST(ExactMesherAwkward, SpheresThroughOneCircle) {
+  expect_set({{{-4, 0, 0}, 5}, {{4, 0, 0}, 5}, {{0, 0, 0}, 3}}, 1, collapsed());
+  expect_set({{{-4, 0, 0}, 5}, {{0, 0, 0}, 3}, {{0, 0, 0}, 3}, {{4, 0, 0}, 5}}, 1, collapsed());
+  for (const double off : {1e-14, 1e-12, 1e-9, 0.1}) {
+    SCOPED_TRACE(off);
+    expect_set({{{-4, 0, 0}, 5}, {{4, 0, 0}, 5}, {{0, 0, 0}, 3 + off}}, 1, collapsed());
+    expect_set({{{-4, 0, 0}, 5}, {{4, 0, 0}, 5}, {{off, 0, 0}, 3}}, 1, collapsed());
+  }
+}
+
+// (±a, ±b, 0) of 1, 2 and radius 3: four or eight spheres through (0, 0, ±2).
+TEST(ExactMesherAwkward, ManySpheresThroughOnePoint) {
+  std::vector<Sphere> four, eight;
+  for (const double s : {-1.0, 1.0}) {
+    for (const double t : {-1.0, 1.0}) {
+      four.push_back({{s, 2 * t, 0}, 3});
+      eight.push_back({{s, 2 * t, 0}, 3});
+      eight.push_back({{2 * s, t, 0}, 3});
+    }
+  }
+  expect_set(four, 1, collapsed(), 2);
+  expect_set(eight, 1, collapsed(), 2);
+}
+
+// Corners of a cube, radius where 2 (tangent), 4 (a face's middle) and 8 (the cube's) meet.
+TEST(ExactMesherAwkward, CubesWhoseSpheresMeetInPoints) {
+  for (const double radius : {1.0, std::sqrt(2.0), std::sqrt(3.0)}) {
+    for (const double off : {-1e-3, -1e-9, -1e-12, 0.0, 1e-12, 1e-9, 1e-3}) {
+      SCOPED_TRACE(std::to_string(radius) + " + " + std::to_string(off));
+      const bool clear = std::abs(off) >= 1e-3;
+      expect_set(cubic_lattice(2, 2, radius + off), 0.6,
+                 clear ? Demands{} : collapsed(Topology::parted));
+    }
+  }
+}
+
+TEST(ExactMesherAwkward, Lattices) {
+  expect_set(cubic_lattice(3, 2, 1.25), 0.6, collapsed());
+  expect_set(cubic_lattice(3, 2, 1.5), 0.6, collapsed());
+  expect_set(cubic_lattice(3, 1, 1.0), 0.4, collapsed());
+  std::vector<Sphere> fcc;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      for (int k = 0; k < 4; ++k) {
+        if ((i + j + k) % 2 == 0) fcc.push_back({{1.0 * i, 1.0 * j, 1.0 * k}, 0});
+      }
+    }
+  }
+  for (const double radius : {0.72, 0.75, 0.9, 1.0, 1.25, std::sqrt(1.5)}) {
+    SCOPED_TRACE(radius);
+    for (Sphere& s : fcc) s.radius = radius;
+    expect_set(fcc, 0.4, collapsed(radius == 1.0 ? Topology::parted : Topology::exact));
+  }
+}
+
+// Balls that overlap by 1e-12 have circles of 1e-6, which are made points up to kNoCircle. Circles
+// of one ball that touch (radius √2) within less than 1e-9 of it are a known limit: they are
+// refused (docs/exact_mesh.md).
+TEST(ExactMesherAwkward, JitteredLattices) {
+  std::mt19937_64 random(5);
+  Demands demands = collapsed(Topology::parted);
+  demands.distance = 4e-6;  // Å
+  for (const double jitter : {1e-14, 1e-9, 1e-6}) {
+    for (const double radius : {1.0, 1.25, std::sqrt(2.0)}) {
+      if (radius == std::sqrt(2.0) && jitter < 1e-9) continue;
+      SCOPED_TRACE(std::to_string(radius) + " jitter " + std::to_string(1e9 * jitter) + "e-9");
+      expect_set(jittered(cubic_lattice(3, 2, radius), jitter, random), 0.6, demands);
+    }
+  }
+}
+
+TEST(ExactMesherAwkward, Cages) {
+  expect_set(buckminsterfullerene(1.4, 1.7), 0.5, collapsed());
+  expect_set(buckminsterfullerene(1.4, 0.8), 0.4, collapsed());
+  std::mt19937_64 random(6);
+  expect_set(jittered(buckminsterfullerene(1.4, 1.7), 1e-9, random), 0.5, collapsed());
+}
+
+// Balls centred on a sphere through one point, all of the same radius: all pass through it.
+TEST(ExactMesherAwkward, Cospherical) {
+  std::vector<Sphere> balls;
+  for (const Vec3d& d : octahedron_corners()) balls.push_back({2.0 * d, 2});
+  expect_set(balls, 0.6, collapsed(Topology::parted));
+  for (Sphere& b : balls) b.radius = 2.5;
+  expect_set(balls, 0.6, collapsed());
+}
+
+TEST(ExactMesherAwkward, SmallSetsOnAGridOfIntegers) {
+  std::mt19937_64 random(11);
+  for (int i = 0; i < 250; ++i) {
+    SCOPED_TRACE(i);
+    Demands demands = collapsed(Topology::parted);
+    expect_set(degenerate_grid(random), 1.0, demands);
+  }
+}
+
+TEST(ExactMesherAwkward, RadiiFarApart) {
+  for (const double ratio : {1e-3, 1e3}) {
+    SCOPED_TRACE(ratio);
+    expect_set({{{0, 0, 0}, 1}, {{1, 0, 0}, ratio}}, 0.2 * std::max(1.0, ratio));
+    expect_set({{{0, 0, 0}, 1}, {{1 + 0.5 * ratio, 0, 0}, ratio}}, 0.2 * std::max(1.0, ratio));
+    expect_set({{{0, 0, 0}, 1}, {{ratio + 0.9, 0, 0}, ratio}, {{ratio + 0.3, 0.8, 0.4}, ratio}},
+               0.2 * std::max(1.0, ratio), [] {
+                 Demands demands;
+                 demands.distance = 1e-9 * 1e3;  // Å: relative to the largest radius
+                 return demands;
+               }());
+  }
+}
+
+TEST(ExactMesherAwkward, FarFromTheOrigin) {
+  expect_union_meshes(translated(cluster(40, 9), {1e4, -1e4, 1e4}), 0.5, 2);
+  // At 1e6 Å a coordinate is rounded to 1e-10 Å.
+  Demands demands;
+  demands.distance = 1e-8;
+  expect_union_meshes(translated(cluster(40, 9), {1e6, -1e6, 1e6}), 0.5, 1, demands);
+}
+
+TEST(ExactMesherAwkward, ManyBallsAlongALine) {
+  std::vector<Sphere> line;
+  for (int i = 0; i < 60; ++i) line.push_back({{0.3 * i, 0, 0}, 1.5});
+  expect_set(line, 0.5);
+}
+
+// A ball almost covered by many: patches like needles, and slits between them.
+TEST(ExactMesherAwkward, SliversBetweenManyCircles) {
+  for (const double radius : {1.04, 1.06, 1.08, 1.1}) {
+    SCOPED_TRACE(radius);
+    std::vector<Sphere> balls = {{{0, 0, 0}, radius}};
+    for (int i = 0; i < 12; ++i) {
+      const double a = 2 * std::numbers::pi * i / 12;
+      balls.push_back({{std::cos(a), std::sin(a), 0.01 * (i % 3)}, 1});
+    }
+    expect_set(balls, 0.4);
+  }
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing

@@ -1,0 +1,112 @@
+#include "contract/exact_mesher_contract.hpp"
+
+#include <array>
+#include <map>
+#include <numbers>
+#include <utility>
+
+namespace vdwmesh::testing {
+namespace {
+
+void expect_topology(const SphereSet& spheres, const MeshTopology& mesh,
+                     const UnionTopology& exact) {
+  const auto contacts = static_cast<std::int64_t>(exact.point_contacts);
+  EXPECT_EQ(mesh.euler_characteristic, exact.euler_characteristic + 2 * contacts);
+  EXPECT_EQ(mesh.voids, exact.voids);
+  const std::uint64_t components = contacts > 0 ? open_components(spheres) : exact.components;
+  EXPECT_EQ(mesh.components, components);
+  EXPECT_EQ(mesh.shells, components + exact.voids);
+}
+
+// With vertices in one place made one, so that shells which only touch there do not count as
+// crossing: a point of contact is doubled.
+IndexedMesh welded(const IndexedMesh& mesh) {
+  IndexedMesh result = mesh;
+  std::map<std::array<double, 3>, std::uint32_t> first;
+  std::vector<std::uint32_t> name;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3d& p = mesh.positions[v];
+    name.push_back(first.insert({{p.x, p.y, p.z}, v}).first->second);
+  }
+  for (Triangle& t : result.triangles) {
+    for (std::uint32_t& v : t) v = name[v];
+  }
+  return result;
+}
+
+}  // namespace
+
+ExactMesh mesh_at(const SphereSet& spheres, double edge_length) {
+  ExactMeshOptions options;
+  options.edge_length = edge_length;
+  return mesh_union(spheres, options);
+}
+
+IndexedMesh subdivided(const SphereSet& spheres, const IndexedMesh& mesh, int levels,
+                       const Demands& demands) {
+  RefineOptions options;
+  options.subdivisions = levels;
+  RefineResult result = make_cpu_refiner()->refine(spheres, mesh, options);
+  for (const ProjectionStats& s : result.levels) {
+    EXPECT_EQ(s.turned, 0u);
+    if (demands.distance <= kProjectionTolerance) {
+      EXPECT_EQ(s.unconverged, 0u);
+    }
+  }
+  return std::move(result.mesh);
+}
+
+void expect_union_mesh(const SphereSet& spheres, const IndexedMesh& mesh, const ExactUnion& exact,
+                       const Demands& demands) {
+  ASSERT_EQ(mesh.normals.size(), mesh.vertex_count());
+  ASSERT_EQ(mesh.vertex_spheres.size(), mesh.vertex_count());
+  ASSERT_EQ(mesh.triangle_spheres.size(), mesh.triangle_count());
+  const CreaseSurvey survey = survey_creases(spheres, mesh);
+  EXPECT_TRUE(survey.sound()) << survey.text();
+  EXPECT_LE(survey.off_sphere, demands.distance);
+  EXPECT_LE(survey.depth, demands.distance);
+  if (demands.topology == Topology::exact) {
+    EXPECT_EQ(survey.strange_labels, 0u) << survey.text();
+    expect_topology(spheres, survey.summary.topology, exact.topology.value());
+  }
+  if (mesh.triangle_count() <= demands.largest_searched) {
+    const bool touches = demands.topology == Topology::parted || exact.topology->point_contacts > 0;
+    EXPECT_EQ(self_intersections(touches ? welded(mesh) : mesh), 0u) << survey.text();
+  }
+}
+
+IndexedMesh expect_union_meshes(const SphereSet& spheres, double edge_length, int levels,
+                                const Demands& demands) {
+  const ExactUnion exact = exact_union(spheres);
+  IndexedMesh mesh = mesh_at(spheres, edge_length).mesh;
+  expect_union_mesh(spheres, mesh, exact, demands);
+  for (int level = 1; level <= levels; ++level) {
+    SCOPED_TRACE("level " + std::to_string(level));
+    expect_union_mesh(spheres, subdivided(spheres, mesh, level, demands), exact, demands);
+  }
+  return mesh;
+}
+
+SphereSet cage(const std::vector<Vec3d>& directions, double cage_radius, double ball_radius) {
+  std::vector<Sphere> spheres;
+  for (const Vec3d& d : directions) spheres.push_back({(cage_radius / norm(d)) * d, ball_radius});
+  return SphereSet(std::move(spheres));
+}
+
+std::vector<Vec3d> octahedron_corners() {
+  return {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+}
+
+std::vector<Vec3d> icosahedron_corners() {
+  std::vector<Vec3d> corners;
+  for (const double s : {-1.0, 1.0}) {
+    for (const double t : {-std::numbers::phi, std::numbers::phi}) {
+      corners.push_back({0, s, t});
+      corners.push_back({s, t, 0});
+      corners.push_back({t, 0, s});
+    }
+  }
+  return corners;
+}
+
+}  // namespace vdwmesh::testing

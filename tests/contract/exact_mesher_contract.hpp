@@ -1,0 +1,47 @@
+// What the crease-exact mesher's contract tests share.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "arrangement/exact_mesher.hpp"
+#include "arrangement/exact_union.hpp"
+#include "contract/extractor_contract.hpp"
+#include "refine/refiner.hpp"
+#include "support/crease_survey.hpp"
+
+namespace vdwmesh::testing {
+
+// Three or more balls that meet in one exposed point leave a boundary that is no surface there:
+// the Euler characteristic of a mesh is that of one way to part it.
+enum class Topology : std::uint8_t { exact, parted };
+
+struct Demands {
+  // Å: from each vertex to its spheres, and into a ball. The contract's; features up to kNoArc
+  // and kNoCircle of the radius may be left out, which shows as a distance.
+  double distance = 1e-9;
+  Topology topology = Topology::exact;
+  // Meshes with more triangles are not searched, for time.
+  std::uint64_t largest_searched = 300'000;
+};
+
+ExactMesh mesh_at(const SphereSet& spheres, double edge_length);
+IndexedMesh subdivided(const SphereSet& spheres, const IndexedMesh& mesh, int levels,
+                       const Demands& demands = {});
+
+// Everything the contract says of one mesh of the union, of any level.
+void expect_union_mesh(const SphereSet& spheres, const IndexedMesh& mesh, const ExactUnion& exact,
+                       const Demands& demands);
+
+// The same of mesh_union() and of its subdivisions. Returns the mesh before them.
+IndexedMesh expect_union_meshes(const SphereSet& spheres, double edge_length, int levels,
+                                const Demands& demands = {});
+
+// Balls at the corners of regular bodies inscribed in a sphere.
+SphereSet cage(const std::vector<Vec3d>& directions, double cage_radius, double ball_radius);
+std::vector<Vec3d> octahedron_corners();
+std::vector<Vec3d> icosahedron_corners();
+
+}  // namespace vdwmesh::testing

@@ -1,0 +1,154 @@
+// What stays the same: under translation, scale, order of the spheres, threads; and the angles.
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "contract/exact_mesher_contract.hpp"
+#include "structure/reader.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+SphereSet sample(const std::string& name, double probe = 0) {
+  std::vector<Sphere> spheres;
+  for (const Atom& atom : read_sample(name).atoms) {
+    spheres.push_back({atom.position, atom.radius + probe});
+  }
+  return SphereSet(std::move(spheres));
+}
+
+SphereSet scaled(const SphereSet& spheres, double by) {
+  std::vector<Sphere> result;
+  for (const Sphere& s : spheres.spheres()) result.push_back({by * s.center, by * s.radius});
+  return SphereSet(std::move(result));
+}
+
+TEST(ExactMesherInvariant, Samples) {
+  for (const std::string name : {"bpti", "ubiquitin"}) {
+    SCOPED_TRACE(name);
+    expect_union_meshes(sample(name), 0.5, 1);
+    expect_union_meshes(sample(name, 1.4), 0.5, 1);
+  }
+}
+
+TEST(ExactMesherInvariant, TwoRunsAreTheSame) {
+  const SphereSet spheres = sample("bpti");
+  EXPECT_EQ(hash(mesh_at(spheres, 0.5).mesh), hash(mesh_at(spheres, 0.5).mesh));
+}
+
+TEST(ExactMesherInvariant, AnyNumberOfThreads) {
+  const SphereSet spheres = sample("bpti");
+  const IndexedMeshHash expected = hash(mesh_at(spheres, 0.5).mesh);
+  for (const std::size_t threads : {1, 2, 3, 8}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    EXPECT_EQ(hash(mesh_at(spheres, 0.5).mesh), expected) << threads << " threads";
+  }
+}
+
+TEST(ExactMesherInvariant, PermutationPermutesLabelsOnly) {
+  for (const SphereSet& spheres :
+       {sample("bpti"), cage(octahedron_corners(), 2.0, 1.8),
+        SphereSet({{{0, 0, 0}, 1.5}, {{2, 0, 0}, 1.5}, {{0, 2, 0}, 1.5}, {{2, 2, 0}, 1.5}})}) {
+    std::vector<SphereId> place(spheres.size());
+    std::iota(place.begin(), place.end(), SphereId{0});
+    std::mt19937 random(7);
+    std::shuffle(place.begin(), place.end(), random);
+    std::vector<Sphere> permuted(spheres.size());
+    for (std::size_t i = 0; i < place.size(); ++i) permuted[place[i]] = spheres[i];
+    const IndexedMesh mesh = mesh_at(spheres, 0.5).mesh;
+    IndexedMesh expected = mesh;
+    for (VertexSpheres& label : expected.vertex_spheres) {
+      for (SphereId& id : label) id = id == kNoSphere ? id : place[id];
+      std::sort(label.begin(), label.end());
+    }
+    for (SphereId& id : expected.triangle_spheres) id = place[id];
+    const IndexedMesh found = mesh_at(SphereSet(permuted), 0.5).mesh;
+    EXPECT_EQ(hash(found), hash(expected));
+  }
+}
+
+// By whole numbers that leave the coordinates exact. The boundary is the same to rounding; where
+// two triangulations of a patch are equally good, rounding may choose.
+TEST(ExactMesherInvariant, Translation) {
+  std::vector<Sphere> spheres;  // of multiples of 2^-20 Å
+  const SphereSet free = cluster(60, 4);
+  for (const Sphere& s : free.spheres()) {
+    const auto round = [](double x) { return std::ldexp(std::round(std::ldexp(x, 20)), -20); };
+    spheres.push_back({{round(s.center.x), round(s.center.y), round(s.center.z)}, s.radius});
+  }
+  const SphereSet here(spheres), there = translated(here, {1024, -4096, 8192});
+  const ExactMesh one = mesh_at(here, 0.4), two = mesh_at(there, 0.4);
+  EXPECT_EQ(one.stats.arcs, two.stats.arcs);
+  EXPECT_EQ(one.stats.corners, two.stats.corners);
+  // Of an inscribed mesh with an area error of 0.7 %; a few triangles differ.
+  constexpr double kSameArea = 1e-4;
+  const double area = measures(one.mesh).area;
+  EXPECT_NEAR(measures(two.mesh).area, area, kSameArea * area);
+  expect_union_mesh(there, two.mesh, exact_union(there), {});
+}
+
+// Thresholds are relative: another unit of length that is a power of two changes no bit.
+TEST(ExactMesherInvariant, PowersOfTwoScaleTheMeshExactly) {
+  for (const SphereSet& spheres : {sample("bpti"), two_spheres(1.7, 1.5, 2.0), one_sphere(1)}) {
+    const IndexedMesh mesh = mesh_at(spheres, 0.5).mesh;
+    for (const int power : {-40, -3, 1, 60}) {
+      const double by = std::ldexp(1.0, power);
+      IndexedMesh expected = mesh;
+      for (Vec3d& p : expected.positions) p = by * p;
+      EXPECT_EQ(hash(mesh_at(scaled(spheres, by), 0.5 * by).mesh), hash(expected)) << power;
+    }
+  }
+}
+
+TEST(ExactMesherInvariant, StatisticsCountTheBoundary) {
+  // Two balls that overlap: one circle and no corner.
+  const ExactMeshStats two = mesh_at(two_spheres(1.7, 1.5, 2.0), 0.35).stats;
+  EXPECT_EQ(two.arcs, 1u);
+  EXPECT_EQ(two.corners, 0u);
+  // Every corner has three ends of arcs, and every arc that is no circle has two.
+  const ExactMeshStats cluster_stats = mesh_at(cage(octahedron_corners(), 2.0, 1.8), 0.35).stats;
+  EXPECT_EQ(2 * cluster_stats.arcs, 3 * cluster_stats.corners);
+  EXPECT_EQ(cluster_stats.corners, 16u);  // two at each of eight faces
+}
+
+// What a wedge of two planes through the pole of the unit sphere has for an angle.
+TEST(ExactMesherAngles, ExactAngleOfACorner) {
+  const Sphere ball{{0, 0, 0}, 1};
+  const Vec3d pole{0, 0, 1};
+  // Great circles through the pole: those with equal balls at right angles to it.
+  for (const double degrees : {0.5, 30.0, 90.0, 150.0, 200.0, 330.0}) {
+    const double a = degrees * std::numbers::pi / 180;
+    const Sphere right{{0, -1, 0}, std::sqrt(2)},
+        left{{-std::sin(a), std::cos(a), 0}, std::sqrt(2)};
+    const Vec3d start{0.1, 0, 1}, end{0.1 * std::cos(a), 0.1 * std::sin(a), 1};
+    EXPECT_NEAR(patch_corner_angle(ball, pole, right, start, left, end), degrees, 1e-9);
+  }
+}
+
+// Issue 6: median 53 degrees or more, 0.3 % under 15 degrees or less, none under its floor.
+TEST(ExactMesherAngles, OfUbiquitin) {
+  const AngleCensus census =
+      angle_census(sample("ubiquitin"), mesh_at(sample("ubiquitin"), 0.35).mesh);
+  EXPECT_GE(census.median, 53) << census.text();
+  EXPECT_LE(census.below_15, 0.003) << census.text();
+  EXPECT_EQ(census.unexplained, 0u) << census.text();
+  RecordProperty("angles", census.text());
+  std::cout << census.text() << '\n';
+}
+
+// The census itself: a mesh with one vertex dragged along its sphere to a neighbour is caught.
+TEST(ExactMesherAngles, TheCensusSeesASliver) {
+  const SphereSet spheres = one_sphere(1);
+  IndexedMesh mesh = mesh_at(spheres, 0.3).mesh;
+  EXPECT_EQ(angle_census(spheres, mesh).unexplained, 0u);
+  const Triangle t = mesh.triangles[0];
+  const Vec3d beside = mesh.positions[t[0]] + 0.01 * (mesh.positions[t[1]] - mesh.positions[t[0]]);
+  mesh.positions[t[1]] = (1 / norm(beside)) * beside;
+  EXPECT_GT(angle_census(spheres, mesh).unexplained, 0u);
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing
