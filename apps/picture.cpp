@@ -6,6 +6,7 @@
 
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
+#include "cuda/cuda_source.hpp"
 #include "mesh/element_color.hpp"
 #include "output.hpp"
 #include "render/crease_split.hpp"
@@ -39,8 +40,24 @@ std::uint64_t left_of(std::uint64_t limit, std::uint64_t taken) {
   return limit > taken ? limit - taken : 0;
 }
 
+struct Drawing {
+  Picture picture;
+  Backend filled_by = Backend::cpu;
+};
+
+Drawing draw(const Renderer& renderer, const MeshSource& host, const RenderOptions& options,
+             Backend backend, std::vector<std::string>& notes) {
+  if (backend == Backend::cpu) return {renderer.draw(host, options), Backend::cpu};
+  const CudaSource source(host, renderer.cuda_device());
+  Picture picture = renderer.draw(source, options);
+  if (source.obstacle().empty()) return {std::move(picture), Backend::cuda};
+  notes.push_back(fmt::format("vertex buffers of the picture were filled from host memory: {}",
+                              source.obstacle()));
+  return {std::move(picture), Backend::cpu};
+}
+
 PictureReport describe(const PictureOptions& options, const MeshSource& source,
-                       const std::string& device) {
+                       const std::string& device, Backend filled_by) {
   PictureReport report;
   report.triangles = source.triangle_count();
   report.path = options.path;
@@ -48,6 +65,7 @@ PictureReport describe(const PictureOptions& options, const MeshSource& source,
   report.height = options.render.height;
   report.view = options.view;
   report.device = device;
+  report.filled_by = filled_by;
   if (source.scale()) report.scale = *source.scale();
   return report;
 }
@@ -93,17 +111,18 @@ Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options) {
 }
 
 void write_picture(const IndexedMesh& mesh, Paint paint, const PictureOptions& options,
-                   std::uint64_t memory_limit, Monitor* monitor, Report& report) {
+                   const MachineOptions& machine, Monitor* monitor, Report& report) {
   begin_stage(monitor, "picture", 1);
   const Stopwatch watch;
+  const Backend backend = report.backend ? report.backend->used : resolve(machine.backend);
   const Renderer renderer;
   const MeshSource source(mesh, std::move(paint));
   RenderOptions render = options.render;
   render.memory_limit =
-      left_of(memory_limit, indexed_mesh_bytes(mesh.vertex_count(), mesh.triangle_count()));
-  const Picture picture = renderer.draw(source, render);
-  write_file(options.path, encode_png(picture));
-  report.picture = describe(options, source, renderer.device());
+      left_of(machine.memory_limit, indexed_mesh_bytes(mesh.vertex_count(), mesh.triangle_count()));
+  const Drawing drawing = draw(renderer, source, render, backend, report.notes);
+  write_file(options.path, encode_png(drawing.picture));
+  report.picture = describe(options, source, renderer.device(), drawing.filled_by);
   report.timing.picture = watch.seconds();
   advance(monitor, 1);
 }

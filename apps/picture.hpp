@@ -22,8 +22,10 @@ Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,
 // Smallest angle of every triangle.
 Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options);
 
-// Draws, writes the file, and fills report.picture.
+// Draws, writes the file, and fills report.picture. CUDA fills the vertex buffers where it is the
+// backend of the report, or, where that has none, of the machine; where it cannot, the host does,
+// and a note says why.
 void write_picture(const IndexedMesh& mesh, Paint paint, const PictureOptions& options,
-                   std::uint64_t memory_limit, Monitor* monitor, Report& report);
+                   const MachineOptions& machine, Monitor* monitor, Report& report);
 
 }  // namespace vdwmesh::apps

@@ -178,9 +178,13 @@ Json scale_json(const ColorScale& scale) {
 }
 
 Json picture_json(const PictureReport& picture) {
-  return {{"path", picture.path},     {"width", picture.width},
-          {"height", picture.height}, {"view", picture.view},
-          {"device", picture.device}, {"scale", block(picture.scale, scale_json)}};
+  return {{"path", picture.path},
+          {"width", picture.width},
+          {"height", picture.height},
+          {"view", picture.view},
+          {"device", picture.device},
+          {"scale", block(picture.scale, scale_json)},
+          {"filled_by", backend_name(picture.filled_by)}};
 }
 
 Json timing_json(const Timing& timing) {

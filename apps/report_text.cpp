@@ -341,7 +341,9 @@ std::string picture_text(const PictureReport& picture) {
                      color_map_name(picture.scale->map), picture.scale->lower,
                      picture.scale->upper));
   }
-  line(out, "Drawn by", picture.device);
+  line(out, "Drawn by",
+       picture.filled_by == Backend::cuda ? picture.device + "; vertex buffers filled by CUDA"
+                                          : picture.device);
   return text;
 }
 

@@ -49,7 +49,7 @@ class CompareVerb : public Verb {
                        machine.monitor(), report);
     if (!picture.path.empty()) {
       write_picture(mesh, paint_by_distance(mesh, spheres, picture, machine.monitor()), picture,
-                    machine_options.memory_limit, machine.monitor(), report);
+                    machine_options, machine.monitor(), report);
     }
     machine.end_progress();
     add_warnings(report);

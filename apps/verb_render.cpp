@@ -73,7 +73,7 @@ class RenderVerb : public Verb {
     report.notes = file.notes;
     Paint paint = color == ColorBy::angle ? paint_by_angle(file.mesh, picture) : picture.plain;
     try {
-      write_picture(file.mesh, std::move(paint), picture, machine.memory_limit, monitor, report);
+      write_picture(file.mesh, std::move(paint), picture, machine, monitor, report);
     } catch (const InvalidInput& error) {
       throw InvalidInput(fmt::format("{}: {}", path.string(), error.what()));
     }
@@ -88,8 +88,8 @@ class RenderVerb : public Verb {
         make_mesh(spheres, surface, Connectivity::triangles, machine, monitor, report);
     const IndexedMesh split = split_where_labelled(mesh, spheres);
     const IndexedMesh& shown = split.triangles.empty() ? mesh : split;
-    write_picture(shown, paint_for(shown, molecule, spheres, picture, monitor), picture,
-                  machine.memory_limit, monitor, report);
+    write_picture(shown, paint_for(shown, molecule, spheres, picture, monitor), picture, machine,
+                  monitor, report);
   }
 
   static Paint paint_for(const IndexedMesh& mesh, const Molecule& molecule,

@@ -72,7 +72,7 @@ class ReportVerb : public Verb {
       const IndexedMesh split = split_where_labelled(mesh, spheres);
       const IndexedMesh& shown = split.triangles.empty() ? mesh : split;
       write_picture(shown, paint_by_distance(shown, spheres, picture, machine.monitor()), picture,
-                    machine_options.memory_limit, machine.monitor(), report);
+                    machine_options, machine.monitor(), report);
     }
     machine.end_progress();
     add_warnings(report);

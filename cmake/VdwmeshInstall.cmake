@@ -7,7 +7,8 @@ set(refine_headers refiner)
 set(arrangement_headers exact_union)
 set(mesh_headers element_color mesh_io surface_mesh)
 set(analysis_headers comparison convergence distances mesh_measures quality_histograms study)
-set(render_headers camera color_map color_scale crease_split picture renderer surface_source)
+set(render_headers camera color_map color_scale crease_split picture renderer surface_source
+    surface_vertex)
 foreach(room core structure extract refine arrangement mesh analysis render)
   list(TRANSFORM ${room}_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/${room}/\\1.hpp"
        OUTPUT_VARIABLE headers)

@@ -25,6 +25,18 @@ for program in "${programs[@]}"; do
     grep -vE '/(libc|libm|libdl|libpthread|librt|ld-linux-x86-64|libcuda)\.so' |
     while read -r library; do install -m 644 "$library" "$target/lib/"; done
 done
+# The vendor-neutral dispatch of OpenGL and EGL (libglvnd), which is opened by name; an NVIDIA driver
+# brings its own half.
+if [ -f "$target/lib/libepoxy.so.0" ]; then
+  for name in libEGL.so.1 libOpenGL.so.0 libGL.so.1; do
+    library=$(ldconfig -p | awk -v name="$name" '$1 == name && /x86-64/ {print $NF; exit}')
+    [ -n "$library" ] || { echo "bundle: no $name; nothing is drawn on that host" >&2; continue; }
+    for needed in "$library" $(ldd "$library" | awk '$3 ~ /^\// {print $3}' |
+                               grep -vE '/(libc|libm|libdl|libpthread|librt)\.so'); do
+      install -m 644 "$needed" "$target/lib/"
+    done
+  done
+fi
 if [ -d "$shared/reference" ]; then
   mkdir -p "$target/data/reference"
   cp "$shared"/reference/*.xyzr "$shared"/reference/*.csv "$target/data/reference/"
@@ -42,7 +54,8 @@ fi
 
 cat > "$target/run-tests.sh" <<'RUN'
 #!/usr/bin/env bash
-# Every test over both backends; a missing device is a failure. Arguments go to every test program.
+# Every test over both backends; a missing device is a failure, and with VDWMESH_REQUIRE_CUDA_GL=1
+# so is an OpenGL that does not draw on it. Arguments go to every test program.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"

@@ -89,13 +89,6 @@ Rgb cool_warm(double t) {
 
 }  // namespace
 
-std::array<std::uint8_t, 3> to_bytes(const Rgb& color) {
-  const auto byte = [](float v) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
-  };
-  return {byte(color.r), byte(color.g), byte(color.b)};
-}
-
 Rgb color_at(ColorMap map, double t) {
   if (std::isnan(t)) throw InvalidInput("a colour map has no colour for NaN");
   const double clamped = std::clamp(t, 0.0, 1.0);

@@ -1,8 +1,12 @@
 // Colour maps that people with colour-blindness can read.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+
+#include "core/host_device.hpp"
 
 namespace vdwmesh {
 
@@ -13,7 +17,12 @@ struct Rgb {
 };
 
 // Nearest bytes, as picture files and web pages have them.
-std::array<std::uint8_t, 3> to_bytes(const Rgb& color);
+VDWMESH_HD inline std::uint8_t to_byte(float channel) {
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
+}
+VDWMESH_HD inline std::array<std::uint8_t, 3> to_bytes(const Rgb& color) {
+  return {to_byte(color.r), to_byte(color.g), to_byte(color.b)};
+}
 
 enum class ColorMap {
   viridis,  // sequential, dark violet to yellow (Smith and van der Walt 2015)

@@ -25,7 +25,18 @@ Function address_of(const char* name) {
 struct NamedDisplay {
   EGLDisplay display;
   std::string name;
+  std::optional<int> cuda_device;
 };
+
+// Number of the device in CUDA, where its driver has one for it (EGL_NV_device_cuda).
+std::optional<int> cuda_number(EGLDeviceEXT device) {
+  const auto text = address_of<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+  const auto query = address_of<PFNEGLQUERYDEVICEATTRIBEXTPROC>("eglQueryDeviceAttribEXT");
+  if (!text || !query || !lists(text(device, EGL_EXTENSIONS), "EGL_NV_device_cuda")) return {};
+  EGLAttrib number = 0;
+  if (!query(device, EGL_CUDA_DEVICE_NV, &number)) return {};
+  return static_cast<int>(number);
+}
 
 // Mesa's enumeration puts hardware before its software rasterizer. Some drivers advertise only
 // EGL_EXT_device_base, which includes EGL_EXT_device_enumeration.
@@ -40,8 +51,8 @@ std::vector<NamedDisplay> device_displays(const char* extensions) {
   if (!query(count, found.data(), &count)) return {};
   std::vector<NamedDisplay> displays;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    displays.push_back(
-        {get(EGL_PLATFORM_DEVICE_EXT, found[i], nullptr), fmt::format("EGL device {}", i)});
+    displays.push_back({get(EGL_PLATFORM_DEVICE_EXT, found[i], nullptr),
+                        fmt::format("EGL device {}", i), cuda_number(found[i])});
   }
   return displays;
 }
@@ -51,8 +62,8 @@ std::vector<NamedDisplay> displays_without_window() {
   std::vector<NamedDisplay> displays = device_displays(extensions);
   const auto get = address_of<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   if (get && lists(extensions, "EGL_MESA_platform_surfaceless")) {
-    displays.push_back(
-        {get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr), "surfaceless platform"});
+    displays.push_back({get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr),
+                        "surfaceless platform", std::nullopt});
   }
   return displays;
 }
@@ -77,7 +88,9 @@ EglContext::EglContext() {
   if (!epoxy_has_egl()) throw BackendUnavailable("no pictures: there is no libEGL.so.1");
   std::string reasons;
   for (const NamedDisplay& candidate : displays_without_window()) {
-    if (try_open(candidate.display, candidate.name, reasons)) return;
+    if (!try_open(candidate.display, candidate.name, reasons)) continue;
+    cuda_device_ = candidate.cuda_device;
+    return;
   }
   throw BackendUnavailable(fmt::format(
       "no pictures: EGL gives no OpenGL 3.3 context without a display ({}); Debian's software "

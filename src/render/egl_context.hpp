@@ -4,6 +4,7 @@
 #include <epoxy/egl.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace vdwmesh {
@@ -29,6 +30,8 @@ class EglContext {
   };
 
   const std::string& device() const { return device_; }
+  // See Renderer::cuda_device().
+  std::optional<int> cuda_device() const { return cuda_device_; }
 
  private:
   void open(EGLDisplay display);
@@ -38,6 +41,7 @@ class EglContext {
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;
   std::string device_;
+  std::optional<int> cuda_device_;
 };
 
 }  // namespace vdwmesh

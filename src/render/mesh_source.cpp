@@ -129,29 +129,6 @@ Buffer<Vec3f> completed_normals(const IndexedMesh& mesh) {
   return normals;
 }
 
-std::array<std::uint8_t, 4> opaque(const Rgb& color) {
-  const std::array<std::uint8_t, 3> bytes = to_bytes(color);
-  return {bytes[0], bytes[1], bytes[2], 255};
-}
-
-// Colour and value of a vertex.
-class VertexPainter {
- public:
-  explicit VertexPainter(const Paint& paint)
-      : colors_(std::get_if<VertexColors>(&paint)), values_(std::get_if<VertexValues>(&paint)) {
-    if (const auto* color = std::get_if<Rgb>(&paint)) color_ = opaque(*color);
-  }
-  std::array<std::uint8_t, 4> color(std::size_t v) const {
-    return colors_ ? opaque(colors_->colors[v]) : color_;
-  }
-  float value(std::size_t v) const { return values_ ? values_->values[v] : 0; }
-
- private:
-  const VertexColors* colors_;
-  const VertexValues* values_;
-  std::array<std::uint8_t, 4> color_{};
-};
-
 }  // namespace
 
 Buffer<Vec3f> vertex_normals(const IndexedMesh& mesh) {
@@ -214,20 +191,32 @@ const ColorScale* MeshSource::scale() const {
   return nullptr;
 }
 
+SurfaceArrays MeshSource::arrays() const {
+  SurfaceArrays arrays;
+  arrays.vertex_count = mesh_.vertex_count();
+  arrays.triangles = mesh_.triangles;
+  VertexArrays& vertices = arrays.vertices;
+  vertices.positions = mesh_.positions.data();
+  vertices.normals = normals_.empty() ? mesh_.normals.data() : normals_.data();
+  if (const auto* color = std::get_if<Rgb>(&paint_)) vertices.color = *color;
+  if (const auto* each = std::get_if<VertexColors>(&paint_)) vertices.colors = each->colors.data();
+  if (const auto* each = std::get_if<VertexValues>(&paint_)) vertices.values = each->values.data();
+  if (const auto* each = std::get_if<TriangleValues>(&paint_))
+    arrays.triangle_values = each->values;
+  return arrays;
+}
+
 void MeshSource::fill(SurfaceTarget& target, const Vec3d& origin) const {
+  const SurfaceArrays from = arrays();
   const std::span<SurfaceVertex> vertices = target.vertices();
-  const Buffer<Vec3f>& normals = normals_.empty() ? mesh_.normals : normals_;
-  const VertexPainter painter(paint_);
   for_blocks(vertices.size(), [&](std::size_t, std::size_t first, std::size_t last) {
     for (std::size_t v = first; v < last; ++v) {
-      vertices[v] = {cast<float>(mesh_.positions[v] - origin), normals[v], painter.color(v),
-                     painter.value(v)};
+      vertices[v] = surface_vertex(from.vertices, v, origin);
     }
   });
-  std::ranges::copy(mesh_.triangles, target.triangles().begin());
-  if (const auto* values = std::get_if<TriangleValues>(&paint_)) {
-    std::ranges::copy(values->values, target.triangle_values().begin());
-  }
+  std::ranges::copy(from.triangles, target.triangles().begin());
+  if (from.triangle_values.empty()) return;
+  std::ranges::copy(from.triangle_values, target.triangle_values().begin());
 }
 
 }  // namespace vdwmesh

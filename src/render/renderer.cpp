@@ -172,6 +172,7 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
 const std::string& Renderer::device() const { return state_->context.device(); }
+std::optional<int> Renderer::cuda_device() const { return state_->context.cuda_device(); }
 
 Picture Renderer::draw(const SurfaceSource& source, const RenderOptions& options) const {
   check_options(options);

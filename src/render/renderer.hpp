@@ -52,6 +52,9 @@ class Renderer {
   // What draws: "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5".
   const std::string& device() const;
 
+  // Its number in CUDA, where its driver has one for it; none for other devices.
+  std::optional<int> cuda_device() const;
+
   // The surface from outside and, where it is open, its inside; with a colour bar below where it
   // shows values. The same input gives the same picture, bit for bit, on the same device. Throws
   // InvalidInput for options out of range and where not a pixel is covered, LimitExceeded where

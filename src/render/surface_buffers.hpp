@@ -20,6 +20,9 @@ class SurfaceBuffers : public SurfaceTarget {
   std::span<float> triangle_values() override;
   unsigned vertex_buffer() const override { return vertex_buffer_.name(); }
   unsigned index_buffer() const override { return index_buffer_.name(); }
+  unsigned triangle_value_buffer() const override {
+    return paint_ == PaintKind::triangle_value ? value_buffer_.name() : 0;
+  }
 
   // Binds vertices and indices, and the values of triangles to texture unit 1.
   void bind() const;

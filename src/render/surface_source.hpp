@@ -12,17 +12,9 @@
 #include "extract/indexed_mesh.hpp"
 #include "render/camera.hpp"
 #include "render/color_scale.hpp"
+#include "render/surface_vertex.hpp"
 
 namespace vdwmesh {
-
-// As it lies in the vertex buffer.
-struct SurfaceVertex {
-  Vec3f position;  // Å, relative to Camera::origin
-  Vec3f normal;    // unit, outward
-  std::array<std::uint8_t, 4> color;
-  float value;
-};
-static_assert(sizeof(SurfaceVertex) == 32);
 
 // Which of its colours a surface shows.
 enum class PaintKind : std::uint8_t { vertex_color, vertex_value, triangle_value };
@@ -38,6 +30,7 @@ class SurfaceTarget {
   // OpenGL names of the same buffers, allocated, and not mapped until the host memory is asked for.
   virtual unsigned vertex_buffer() const = 0;
   virtual unsigned index_buffer() const = 0;
+  virtual unsigned triangle_value_buffer() const = 0;  // 0 unless they are painted
 };
 
 class SurfaceSource : public SurfaceExtent {
@@ -65,6 +58,14 @@ struct TriangleValues {
 };
 using Paint = std::variant<Rgb, VertexColors, VertexValues, TriangleValues>;
 
+// A surface and its paint in host memory, for who fills the buffers on a device.
+struct SurfaceArrays {
+  VertexArrays vertices;
+  std::uint64_t vertex_count = 0;
+  std::span<const Triangle> triangles;
+  std::span<const float> triangle_values;  // empty unless they are painted
+};
+
 // A mesh in host memory, which must outlive it. Normals of the mesh where it has one per vertex,
 // and for vertices whose normal is missing, zero or not finite those of vertex_normals(). Throws
 // InvalidInput, naming the first offender, for a mesh without triangles or without area, an index
@@ -80,6 +81,8 @@ class MeshSource : public SurfaceSource {
   PaintKind paint() const override;
   const ColorScale* scale() const override;
   void fill(SurfaceTarget& target, const Vec3d& origin) const override;
+  // What fill() fills from. Valid as long as the source.
+  SurfaceArrays arrays() const;
 
  private:
   const IndexedMesh& mesh_;

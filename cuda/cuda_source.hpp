@@ -1,0 +1,42 @@
+// Surfaces whose vertex buffers CUDA fills where they lie, in the memory of the device that draws.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/surface_source.hpp"
+
+namespace vdwmesh {
+
+// Shows what `host` shows, which must outlive it. Where OpenGL draws on the device on which CUDA
+// computes, the arrays go to the device as they are and a kernel makes vertices of them in the
+// shared buffers. Elsewhere, and where the driver does not share its buffers, `host` fills them;
+// their bytes are the same.
+class CudaSource final : public SurfaceSource {
+ public:
+  // `gl_device`: of the renderer it is for, Renderer::cuda_device().
+  CudaSource(const MeshSource& host, std::optional<int> gl_device)
+      : host_(host), gl_device_(gl_device) {}
+
+  std::vector<double> support(std::span<const Vec3d> directions) const override {
+    return host_.support(directions);
+  }
+  Moments moments() const override { return host_.moments(); }
+  std::uint64_t vertex_count() const override { return host_.vertex_count(); }
+  std::uint64_t triangle_count() const override { return host_.triangle_count(); }
+  PaintKind paint() const override { return host_.paint(); }
+  const ColorScale* scale() const override { return host_.scale(); }
+  // Throws CudaError for what fails once the buffers are shared.
+  void fill(SurfaceTarget& target, const Vec3d& origin) const override;
+
+  // Why the last fill() was the host's; empty where it was CUDA's.
+  const std::string& obstacle() const { return obstacle_; }
+
+ private:
+  const MeshSource& host_;
+  std::optional<int> gl_device_;
+  mutable std::string obstacle_;
+};
+
+}  // namespace vdwmesh
