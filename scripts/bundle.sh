@@ -29,7 +29,7 @@ done
 # brings its own half.
 if [ -f "$target/lib/libepoxy.so.0" ]; then
   for name in libEGL.so.1 libOpenGL.so.0 libGL.so.1; do
-    library=$(ldconfig -p | awk -v name="$name" '$1 == name && /x86-64/ {print $NF; exit}')
+    library=$(/sbin/ldconfig -p | awk -v name="$name" '$1 == name && /x86-64/ && !n++ {print $NF}')
     [ -n "$library" ] || { echo "bundle: no $name; nothing is drawn on that host" >&2; continue; }
     for needed in "$library" $(ldd "$library" | awk '$3 ~ /^\// {print $3}' |
                                grep -vE '/(libc|libm|libdl|libpthread|librt)\.so'); do
