@@ -126,8 +126,23 @@ class HostFill : public ::testing::Test {
       miss(error.what(), "VDWMESH_REQUIRE_EGL");
     }
   }
+  void expect_picture_of_the_host(std::optional<int> gl_device) const {
+    const IndexedMesh mesh = testing::icosphere(5);
+    RenderOptions options;
+    options.width = 320;  // with room for a colour bar
+    options.height = 240;
+    const Renderer renderer;
+    for (const Paint& paint : paints_for(mesh)) {
+      const MeshSource host(mesh, paint);
+      const CudaSource source(host, gl_device);
+      EXPECT_TRUE(renderer.draw(host, options).pixels == renderer.draw(source, options).pixels);
+      EXPECT_EQ(source.obstacle().empty(), gl_device.has_value()) << source.obstacle();
+    }
+  }
   std::unique_ptr<EglContext> context_;
 };
+
+TEST_F(HostFill, DrawsTheSamePicture) { expect_picture_of_the_host({}); }
 
 // The bytes of the host, and the reason.
 TEST_F(HostFill, StandsInWhereOpenGlIsNotOnTheCudaDevice) {
@@ -184,18 +199,7 @@ TEST_F(CudaFill, WritesTheBytesOfTheHostInSlices) {
   expect_bytes_of_the_host(scattered(2 * kPerSlice + 1));
 }
 
-TEST_F(CudaFill, DrawsThePictureOfTheHost) {
-  const IndexedMesh mesh = testing::icosphere(5);
-  RenderOptions options;
-  options.width = options.height = 200;
-  const Renderer renderer;
-  for (const Paint& paint : paints_for(mesh)) {
-    const MeshSource host(mesh, paint);
-    const CudaSource source(host, renderer.cuda_device());
-    EXPECT_TRUE(renderer.draw(host, options).pixels == renderer.draw(source, options).pixels);
-    EXPECT_EQ(source.obstacle(), "");
-  }
-}
+TEST_F(CudaFill, DrawsThePictureOfTheHost) { expect_picture_of_the_host(context_->cuda_device()); }
 
 }  // namespace
 }  // namespace vdwmesh
