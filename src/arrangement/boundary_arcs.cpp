@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "arrangement/arc_angle.hpp"
+#include "arrangement/directions.hpp"
 #include "arrangement/simplex_shape.hpp"
 #include "core/disjoint_sets.hpp"
 
@@ -12,19 +13,6 @@ namespace vdwmesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-double triple_product(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  return dot(a, cross(b, c));
-}
-
-// A direction at right angles to a unit vector: from the coordinate axis that is farthest off.
-Vec3d any_orthogonal(const Vec3d& axis) {
-  const Vec3d size{std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)};
-  Vec3d far{0, 0, 0};
-  far[size.x <= size.y && size.x <= size.z ? 0 : (size.y <= size.z ? 1 : 2)] = 1;
-  const Vec3d out = far - dot(far, axis) * axis;
-  return (1 / norm(out)) * out;
-}
 
 class Placer {
  public:

@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "arrangement/arc_angle.hpp"
+#include "arrangement/directions.hpp"
 #include "arrangement/exposed_arcs.hpp"
 #include "arrangement/measures.hpp"
 #include "arrangement/simplex_shape.hpp"
@@ -10,10 +11,6 @@ namespace vdwmesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-double triple_product(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  return dot(a, cross(b, c));
-}
 
 class PatchSum {
  public:

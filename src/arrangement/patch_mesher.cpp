@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "arrangement/directions.hpp"
 #include "arrangement/patch_triangles.hpp"
 #include "core/multiversion.hpp"
 
@@ -49,17 +50,12 @@ constexpr double kLatticeMargin = 0.55;
 constexpr double kWidestView = -0.35;
 constexpr int kSmoothingPasses = 1;
 
-Vec3d unit(const Vec3d& v) { return (1 / norm(v)) * v; }
-
 struct Frame {
   Vec3d pole, first, second;  // first × second = -pole
 };
 
 Frame frame_from(const Vec3d& pole) {
-  const Vec3d size{std::abs(pole.x), std::abs(pole.y), std::abs(pole.z)};
-  Vec3d far{0, 0, 0};
-  far[size.x <= size.y && size.x <= size.z ? 0 : (size.y <= size.z ? 1 : 2)] = 1;
-  const Vec3d first = unit(far - dot(far, pole) * pole);
+  const Vec3d first = any_orthogonal(pole);
   return {pole, first, cross(first, pole)};
 }
 

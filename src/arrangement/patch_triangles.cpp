@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arrangement/directions.hpp"
 #include "core/multiversion.hpp"
 
 namespace vdwmesh {
@@ -44,8 +45,6 @@ double angle_at(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
   const Vec3d u = a - apex, v = b - apex;
   return std::atan2(norm(cross(u, v)), dot(u, v));
 }
-
-Vec3d unit(const Vec3d& v) { return (1 / norm(v)) * v; }
 
 class Smoother {
  public:
