@@ -118,8 +118,6 @@ class UnionMesher {
         mesh_ball(balls[i], demand, stage);
         advance(options_.monitor, 1);
       });
-      ++stats_.rounds;
-      stats_.patches_meshed += balls.size();
       const std::vector<PieceSplit> splits = wanted_splits(balls);
       if (splits.empty()) return;
       if (round == kMostRounds) give_up(splits.front().piece);

@@ -22,12 +22,10 @@ struct ExactMeshOptions {
 
 struct ExactMeshStats {
   std::uint64_t arcs = 0, corners = 0;  // of the boundary, with a size
-  std::uint64_t points = 0;          // arcs of no length: more than three spheres through one point
-  std::uint64_t contacts = 0;        // circles of no size: balls that touch in a point, parted
-  std::uint64_t pieces = 0;          // of the arcs
-  std::uint64_t split = 0;           // pieces that were split on the way
-  std::uint64_t patches_meshed = 0;  // in all rounds
-  int rounds = 0;
+  std::uint64_t points = 0;    // arcs of no length: more than three spheres through one point
+  std::uint64_t contacts = 0;  // circles of no size: balls that touch in a point, parted
+  std::uint64_t pieces = 0;    // of the arcs
+  std::uint64_t split = 0;     // pieces that were split on the way
   double arrangement_seconds = 0, seconds = 0;
 };
 

@@ -110,7 +110,6 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
   out = {};
   std::vector<std::uint32_t> corners;
   collect_corners(boundary, index.arcs(ball), corners);
-  out.corners = static_cast<std::uint32_t>(corners.size());
   for (const std::uint32_t c : corners) {
     out.points.push_back(direction(boundary.corners[c].position));
   }

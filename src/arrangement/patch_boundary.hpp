@@ -28,7 +28,6 @@ struct PatchBoundary {
   std::vector<Vec3d> points;
   std::vector<BoundaryPiece> pieces;
   std::vector<CoveredCap> caps;
-  std::uint32_t corners = 0;
 };
 
 // The circles that each point of a boundary lies on, as the balls they are shared with.

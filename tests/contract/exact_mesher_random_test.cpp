@@ -1,26 +1,12 @@
 // Random sets of fixed seeds: every one has a sound mesh of the exact topology, before and after
 // subdivision.
 #include <cmath>
-#include <random>
 
 #include "contract/exact_mesher_contract.hpp"
+#include "support/dice.hpp"
 
 namespace vdwmesh::testing {
 namespace {
-
-class Dice {
- public:
-  explicit Dice(unsigned seed) : random_(seed) {}
-  double real(double low, double high) {
-    return low + (high - low) * (static_cast<double>(random_()) / 4294967296.0);
-  }
-  int whole(int low, int high) {
-    return low + static_cast<int>(random_() % static_cast<unsigned>(high - low + 1));
-  }
-
- private:
-  std::mt19937 random_;
-};
 
 // Å to the power of 3 for each ball: 4 is denser than a protein with its hydrogens, 40 is sparse.
 struct Recipe {

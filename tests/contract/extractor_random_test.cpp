@@ -2,10 +2,10 @@
 // every one makes a sound mesh, and where no node is undecided that of dense marching cubes.
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "contract/extractor_contract.hpp"
 #include "reference/dense_mc.hpp"
+#include "support/dice.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -13,21 +13,6 @@ namespace {
 class ExtractorRandom : public ExtractorContract {};
 
 constexpr unsigned kCases = 600;
-
-class Dice {
- public:
-  explicit Dice(unsigned seed) : random_(seed) {}
-  double real(double low, double high) {
-    return low + (high - low) * (static_cast<double>(random_()) / 4294967296.0);
-  }
-  int whole(int low, int high) {
-    return low + static_cast<int>(random_() % static_cast<unsigned>(high - low + 1));
-  }
-  bool one_in(int n) { return whole(1, n) == 1; }
-
- private:
-  std::mt19937 random_;
-};
 
 // free: anywhere. on_nodes: centres and radii whole multiples of the spacing. tangent: some spheres
 // touch another, from outside or inside, along an axis.
