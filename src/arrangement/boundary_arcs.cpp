@@ -7,12 +7,15 @@
 #include "arrangement/arc_angle.hpp"
 #include "arrangement/directions.hpp"
 #include "arrangement/simplex_shape.hpp"
+#include "arrangement/touching_arcs.hpp"
 #include "core/disjoint_sets.hpp"
 
 namespace vdwmesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+// Corners that are one by steps are this many times kNoArc apart, at most.
+constexpr double kCornersInOnePlace = 4;
 
 class Placer {
  public:
@@ -21,6 +24,7 @@ class Placer {
 
   BoundaryArcs run() && {
     for (const ExposedArc& arc : exposed_arcs(t_, k_)) place(arc);
+    find_touching_arcs();
     find_coincident_corners();
     join_corners();
     while (close_slits()) {
@@ -111,11 +115,26 @@ class Placer {
     }
   }
 
+  // An arc between corners that are one, and not around its circle.
+  bool is_point(const BoundaryArc& arc, DisjointSets& sets) const {
+    if (arc.is_circle() || sets.find(arc.ends[0]) != sets.find(arc.ends[1])) return false;
+    const double reach = kNoArc * std::max(ball(arc.balls[0]).radius, ball(arc.balls[1]).radius);
+    return arc.sweep * arc.radius <= kCornersInOnePlace * reach;
+  }
+
+  void find_touching_arcs() {
+    const std::size_t corners = out_.corners.size();
+    const auto joined = join_touching_arcs(t_, out_);
+    joined_.insert(joined_.end(), joined.begin(), joined.end());
+    out_.has_joined_corners = corners < out_.corners.size() || !joined.empty();
+  }
+
   // Corners that are one point become the lowest of them; those that no arc ends in go.
   void join_corners() {
-    out_.has_joined_corners = !joined_.empty();
+    out_.has_joined_corners = out_.has_joined_corners || !joined_.empty();
     DisjointSets sets(out_.corners.size());
     for (const auto& pair : joined_) sets.join(pair[0], pair[1]);
+    std::erase_if(out_.arcs, [&](const BoundaryArc& arc) { return is_point(arc, sets); });
     std::vector<std::uint32_t> number(out_.corners.size(), kNoIndex);
     std::vector<BoundaryCorner> kept;
     for (BoundaryArc& arc : out_.arcs) {

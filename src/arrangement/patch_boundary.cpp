@@ -56,6 +56,7 @@ PointCircles::PointCircles(const PatchBoundary& boundary) {
       visit(p.from, p.neighbor);
       visit(p.to, p.neighbor);
     }
+    for (const SphereThrough& s : boundary.through) visit(s.point, s.ball);
   };
   fill_lists(boundary.points.size(), each_end, first_, neighbors_);
 }
@@ -92,6 +93,16 @@ PatchIndex::PatchIndex(const PowerTriangulation& triangulation, const DualComple
     }
   };
   fill_lists(balls, each_neighbor, first_neighbor_, neighbors_);
+  if (!boundary.has_joined_corners) return;
+  const auto each_ball_of_corner = [&](const auto& visit) {
+    for (const BoundaryArc& arc : boundary.arcs) {
+      if (arc.is_circle()) continue;
+      for (const std::uint32_t end : arc.ends) {
+        for (const std::uint32_t ball : arc.balls) visit(end, ball);
+      }
+    }
+  };
+  fill_lists(boundary.corners.size(), each_ball_of_corner, first_ball_, balls_);
 }
 
 std::span<const std::uint32_t> PatchIndex::arcs(std::uint32_t ball) const {
@@ -100,6 +111,11 @@ std::span<const std::uint32_t> PatchIndex::arcs(std::uint32_t ball) const {
 
 std::span<const std::uint32_t> PatchIndex::neighbors(std::uint32_t ball) const {
   return list(first_neighbor_, neighbors_, ball);
+}
+
+std::span<const std::uint32_t> PatchIndex::balls_at(std::uint32_t corner) const {
+  if (first_ball_.empty()) return {};
+  return list(first_ball_, balls_, corner);
 }
 
 void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
@@ -111,6 +127,10 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
   std::vector<std::uint32_t> corners;
   collect_corners(boundary, index.arcs(ball), corners);
   for (const std::uint32_t c : corners) {
+    const auto point = static_cast<std::uint32_t>(out.points.size());
+    for (const std::uint32_t other : index.balls_at(c)) {
+      if (other != ball) out.through.push_back({point, other});
+    }
     out.points.push_back(direction(boundary.corners[c].position));
   }
   for (const std::uint32_t a : index.arcs(ball)) {

@@ -23,14 +23,21 @@ struct BoundaryPiece {
   double bulge;  // rad: by which the arc turns into the patch from its chord, at either end
 };
 
+// Another sphere through a point of the boundary.
+struct SphereThrough {
+  std::uint32_t point, ball;
+};
+
 // Points: corners first, then those between, arc by arc.
 struct PatchBoundary {
   std::vector<Vec3d> points;
   std::vector<BoundaryPiece> pieces;
   std::vector<CoveredCap> caps;
+  std::vector<SphereThrough> through;  // beside those that the pieces tell of
 };
 
-// The circles that each point of a boundary lies on, as the balls they are shared with.
+// The circles that each point of a boundary lies on, as the balls they are shared with (which at a
+// joined corner may touch the sphere's circle in that point alone).
 class PointCircles {
  public:
   explicit PointCircles(const PatchBoundary& boundary);
@@ -51,9 +58,11 @@ class PatchIndex {
 
   std::span<const std::uint32_t> arcs(std::uint32_t ball) const;
   std::span<const std::uint32_t> neighbors(std::uint32_t ball) const;
+  // The balls at a corner, some twice; none where all corners are plain ones of three arcs.
+  std::span<const std::uint32_t> balls_at(std::uint32_t corner) const;
 
  private:
-  std::vector<std::uint32_t> first_arc_, arcs_, first_neighbor_, neighbors_;
+  std::vector<std::uint32_t> first_arc_, arcs_, first_neighbor_, neighbors_, first_ball_, balls_;
 };
 
 // Points of a ball in the numbering of the sampling's vertices: local corner or point -> vertex.

@@ -183,16 +183,32 @@ TEST(ExactMesherAwkward, Lattices) {
   }
 }
 
+// Two balls shallow in a third: their circles on it are `gap` (rad) apart at the nearest, and the
+// two balls nearer still at no other place.
+std::vector<Sphere> two_lids(double gap) {
+  constexpr double kHalfAngle = 0.5, kHeight = 1;
+  const double turn = kHalfAngle + gap / 2;
+  const Vec3d left{-std::sin(turn), 0, std::cos(turn)}, right{std::sin(turn), 0, std::cos(turn)};
+  const double r = std::hypot(2 * std::sin(kHalfAngle), 2 * std::cos(kHalfAngle) - kHeight);
+  return {{{0, 0, 0}, 2}, {kHeight * left, r}, {kHeight * right, r}};
+}
+
+TEST(ExactMesherAwkward, CirclesOfOneBallThatAllButTouch) {
+  for (const double gap : {-1e-4, -1e-9, -1e-14, 0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-9, 1e-4}) {
+    SCOPED_TRACE(gap);
+    const bool clear = std::abs(gap) >= 1e-4;
+    expect_set(two_lids(gap), 0.5, clear ? Demands{} : collapsed(Topology::exact));
+  }
+}
+
 // Balls that overlap by 1e-12 have circles of 1e-6, which are made points up to kNoCircle. Circles
-// of one ball that touch (radius √2) within less than 1e-9 of it are a known limit: they are
-// refused (docs/exact_mesh.md).
+// of one ball touch at a radius of √2.
 TEST(ExactMesherAwkward, JitteredLattices) {
   std::mt19937_64 random(5);
   Demands demands = collapsed(Topology::parted);
   demands.distance = 4e-6;  // Å
-  for (const double jitter : {1e-14, 1e-9, 1e-6}) {
+  for (const double jitter : {1e-15, 1e-14, 1e-12, 1e-10, 1e-9, 1e-8, 2e-8, 1e-6}) {
     for (const double radius : {1.0, 1.25, std::sqrt(2.0)}) {
-      if (radius == std::sqrt(2.0) && jitter < 1e-9) continue;
       SCOPED_TRACE(std::to_string(radius) + " jitter " + std::to_string(1e9 * jitter) + "e-9");
       expect_set(jittered(cubic_lattice(3, 2, radius), jitter, random), 0.6, demands);
     }
