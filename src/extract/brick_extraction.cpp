@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "core/large_pages.hpp"
 #include "extract/limits.hpp"
 
 namespace vdwmesh {
@@ -64,11 +65,11 @@ Bases sum_up(const Active& bricks) {
 }
 
 void resize(IndexedMesh& mesh, const BrickSums& sums, Labels labels, Connectivity connectivity) {
-  mesh.positions.resize(sums.vertices);
-  mesh.normals.resize(sums.vertices);
-  if (labels == Labels::spheres) mesh.vertex_spheres.resize(sums.vertices);
-  mesh.triangles.resize(sums.triangles);
-  if (connectivity == Connectivity::half_edges) mesh.opposite.resize(3 * sums.triangles);
+  resize_untouched(mesh.positions, sums.vertices);
+  resize_untouched(mesh.normals, sums.vertices);
+  if (labels == Labels::spheres) resize_untouched(mesh.vertex_spheres, sums.vertices);
+  resize_untouched(mesh.triangles, sums.triangles);
+  if (connectivity == Connectivity::half_edges) resize_untouched(mesh.opposite, 3 * sums.triangles);
 }
 
 }  // namespace

@@ -3,13 +3,13 @@
 // Inlined whole into the loops that core/multiversion.hpp compiles twice.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
 
+#include "extract/brick_map.hpp"
 #include "extract/brick_numbering.hpp"
 #include "extract/case_table.hpp"
 #include "extract/extractor.hpp"
@@ -69,7 +69,7 @@ struct Emission {
 };
 
 template <class Surface>
-std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface) {
+std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, VertexMap& map) {
   const ActiveBrick& brick = e.bricks.bricks[b];
   surface.visit(brick_of_key(brick.key));
   std::uint64_t next = e.bricks.before[b].vertices, clamped = 0;
@@ -86,6 +86,7 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface) 
           e.mesh.normals[next] = v.normal;
           if (!e.mesh.vertex_spheres.empty()) e.mesh.vertex_spheres[next] = on_sphere(v.sphere);
           clamped += v.clamped ? 1 : 0;
+          map.set(x, y, z, axis, static_cast<std::uint32_t>(next));
           ++next;
         }
       }
@@ -94,65 +95,88 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface) 
   return clamped;
 }
 
-// Places of the brick's neighbours, each found when first asked for.
-class Neighbourhood {
+// Triangles and half-edges of one brick.
+class TriangleEmitter {
  public:
-  Neighbourhood(const BrickList& list, std::uint64_t brick)
-      : list_(list), key_(list.bricks[brick].key) {
-    found_.fill(kNotSought);
-    found_[neighbour_slot(0, 0, 0)] = brick;
-  }
+  TriangleEmitter(const Emission& e, std::size_t b, VertexMap& vertices)
+      : e_(e),
+        table_(case_table()),
+        signs_(e.bricks.bricks[b].signs),
+        first_(3 * e.bricks.before[b].triangles),
+        near_(e.bricks, b),
+        cells_(e.bricks.bricks[b], table_),
+        vertices_(vertices) {}
 
-  std::uint64_t operator()(int slot) {
-    std::uint64_t& found = found_[static_cast<std::size_t>(slot)];
-    if (found == kNotSought) found = find_neighbour(list_, key_, slot);
-    return found;
-  }
-
- private:
-  static constexpr std::uint64_t kNotSought = ~std::uint64_t{0};
-  const BrickList& list_;
-  std::uint64_t key_;
-  std::array<std::uint64_t, kNeighbours> found_;
-};
-
-inline void emit_cell(const Emission& e, Neighbourhood& near, std::uint64_t first, int x, int y,
-                      int z, std::uint32_t inside) {
-  const CaseTable& table = case_table();
-  for (std::uint32_t h = 0; h < 3 * table.count(inside); ++h) {
-    const CellEdge edge = cell_edge(table.edges[inside][h]);
-    const std::uint64_t half_edge = first + h;
-    e.mesh.triangles[half_edge / 3][half_edge % 3] =
-        vertex_number(e.bricks, locate(near, x + edge.x, y + edge.y, z + edge.z), edge.axis);
-    if (e.mesh.opposite.empty()) continue;
-    e.mesh.opposite[half_edge] =
-        opposite_half_edge(e.bricks, table, near, first, x, y, z, inside, static_cast<int>(h));
-  }
-}
-
-inline void emit_triangles(const Emission& e, std::size_t b) {
-  const BrickSigns& signs = e.bricks.bricks[b].signs;
-  Neighbourhood near(e.bricks, b);
-  std::uint64_t next = 3 * e.bricks.before[b].triangles;
-  for (int z = 0; z < kBrickSide; ++z) {
-    for (int y = 0; y < kBrickSide; ++y) {
-      for (std::uint32_t cells = mixed_cells(signs, y, z); cells != 0; cells &= cells - 1) {
-        const int x = std::countr_zero(cells);
-        const std::uint32_t inside = cell_case(signs, x, y, z);
-        emit_cell(e, near, next, x, y, z, inside);
-        next += 3 * case_table().count(inside);
+  void emit() {
+    for (int z = 0; z < kBrickSide; ++z) {
+      for (int y = 0; y < kBrickSide; ++y) {
+        for (std::uint32_t cells = mixed_cells(signs_, y, z); cells != 0; cells &= cells - 1) {
+          const int x = std::countr_zero(cells);
+          emit_corners(x, y, z);
+          if (!e_.mesh.opposite.empty()) emit_opposites(x, y, z);
+        }
       }
     }
   }
-}
+
+ private:
+  std::uint64_t first_half_edge_of(const CellMap::Cell& cell) const {
+    return first_ + 3u * cell.triangles_before;
+  }
+
+  void emit_corners(int x, int y, int z) {
+    const CellMap::Cell& cell = cells_.at(x, y, z);
+    // The corners of all triangles follow each other.
+    std::uint32_t* corner =
+        reinterpret_cast<std::uint32_t*>(e_.mesh.triangles.data()) + first_half_edge_of(cell);
+    const std::uint8_t* edges = table_.edges[cell.inside];
+    const int place = VertexMap::place(x, y, z);
+    for (std::uint32_t h = 0; h < 3 * table_.count(cell.inside); ++h)
+      corner[h] = vertices_.of_cell(e_.bricks, near_, place, x, y, z, edges[h]);
+  }
+
+  void emit_opposites(int x, int y, int z) {
+    const CellMap::Cell& cell = cells_.at(x, y, z);
+    const std::uint64_t first = first_half_edge_of(cell);
+    for (std::uint32_t h = 0; h < 3 * table_.count(cell.inside); ++h)
+      e_.mesh.opposite[first + h] = opposite(cell, first, x, y, z, static_cast<int>(h));
+  }
+
+  // As opposite_half_edge(), but the cells of this brick need no search.
+  std::uint32_t opposite(const CellMap::Cell& cell, std::uint64_t first, int x, int y, int z,
+                         int h) {
+    const int code = table_.across_code(cell.inside, h);
+    if (code < kFirstFaceCode)
+      return static_cast<std::uint32_t>(first + static_cast<unsigned>(code));
+    const int face = (code - kFirstFaceCode) / 4, slot = (code - kFirstFaceCode) % 4;
+    int next[3] = {x, y, z};
+    int& moved = next[face / 2];
+    moved += face % 2 == 0 ? -1 : 1;
+    if (moved < 0 || moved >= kBrickSide)
+      return opposite_half_edge(e_.bricks, table_, near_, first, x, y, z, cell.inside, h);
+    const CellMap::Cell& beyond = cells_.at(next[0], next[1], next[2]);
+    return static_cast<std::uint32_t>(first_half_edge_of(beyond) +
+                                      table_.at_face(beyond.inside, face ^ 1, slot));
+  }
+
+  const Emission& e_;
+  const CaseTable& table_;
+  const BrickSigns& signs_;
+  std::uint64_t first_;  // half-edge of the brick
+  Neighbourhood near_;
+  CellMap cells_;
+  VertexMap& vertices_;
+};
 
 // Vertices and triangles of bricks [begin, end); returns how many vertices were clamped.
 template <class Surface>
 std::uint64_t emit_bricks(const Emission& e, std::size_t begin, std::size_t end, Surface& surface) {
   std::uint64_t clamped = 0;
+  VertexMap vertices;
   for (std::size_t b = begin; b < end; ++b) {
-    clamped += emit_vertices(e, b, surface);
-    emit_triangles(e, b);
+    vertices.clear();
+    clamped += emit_vertices(e, b, surface, vertices);
+    TriangleEmitter(e, b, vertices).emit();
   }
   return clamped;
 }

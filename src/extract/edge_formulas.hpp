@@ -62,6 +62,7 @@ VDWMESH_HD EdgePoint first_exit(const Vec3d& node, int axis, double direction, d
                                 ForEach&& for_each) {
   double reach = -1;
   std::uint32_t owner = 0, owner_rank = 0;
+  bool others = false;  // balls that do not hold the node: those that do change nothing later
   const auto end_at = [&](double exit, std::uint32_t rank, std::uint32_t index) {
     if (exit == reach && rank >= owner_rank) return;
     reach = exit;
@@ -69,13 +70,16 @@ VDWMESH_HD EdgePoint first_exit(const Vec3d& node, int axis, double direction, d
     owner_rank = rank;
   };
   for_each([&](const Sphere& ball, std::uint32_t rank, std::uint32_t index) {
-    if (!inside_ball(node, ball)) return;
+    if (!inside_ball(node, ball)) {
+      others = true;
+      return;
+    }
     const Interval i = cover(ball, node, axis, direction);
     // Rounding may end the interval before the node that its ball holds.
     const double exit = i.empty || !(i.exit > 0) ? 0 : i.exit;
     if (exit >= reach) end_at(exit, rank, index);
   });
-  for (bool grown = true; grown;) {
+  for (bool grown = others; grown;) {
     grown = false;
     for_each([&](const Sphere& ball, std::uint32_t rank, std::uint32_t index) {
       const Interval i = cover(ball, node, axis, direction);

@@ -16,10 +16,9 @@ class UnionBrick {
  public:
   UnionBrick(const CellListView& list, const FieldModel& model) : list_(list), grid_(model.grid) {}
 
-  // Gathers the balls that touch the brick's nodes.
   void visit(const BrickIndex& brick);
   void signs(BrickSigns& signs) const;
-  SurfaceVertex vertex(const CrossedEdge& edge) const;
+  SurfaceVertex vertex(const CrossedEdge& edge);
 
  private:
   struct Candidate {
@@ -27,15 +26,35 @@ class UnionBrick {
     std::uint32_t rank;
     SphereId id;
   };
+  void add(const Candidate& candidate);
+  void find_near(const CrossedEdge& edge, const Vec3d& node);
+
   const CellListView& list_;
   const GridSpec& grid_;
   BrickGeometry geometry_{};
   std::vector<Candidate> candidates_;
+  std::vector<double> center_[3], reach2_;  // of the candidates, for all lanes at once
+  std::vector<std::int64_t> touches_;
+  std::vector<std::uint32_t> near_;  // candidates that the edge at hand can touch
 };
 
+// Covers the rounding of a squared distance against the predicate's.
+inline constexpr double kTouchMargin = 1 + 1e-12;
+
+inline void UnionBrick::add(const Candidate& candidate) {
+  candidates_.push_back(candidate);
+  for (int axis = 0; axis < 3; ++axis) center_[axis].push_back(candidate.ball.center[axis]);
+  // The second term covers the rounding of `past` in find_near().
+  const double radius = candidate.ball.radius;
+  reach2_.push_back(radius * radius * kTouchMargin + 1e-14 * radius * grid_.spacing);
+}
+
+// Gathers the balls that touch the brick's nodes.
 inline void UnionBrick::visit(const BrickIndex& brick) {
   geometry_ = brick_geometry(grid_, brick);
   candidates_.clear();
+  for (std::vector<double>& of_axis : center_) of_axis.clear();
+  reach2_.clear();
   const Vec3d lower = geometry_.node(0, 0, 0);
   const Vec3d upper = geometry_.node(kBrickSide, kBrickSide, kBrickSide);
   visit_near_box(list_, lower, upper, [&](std::uint32_t place) {
@@ -46,12 +65,13 @@ inline void UnionBrick::visit(const BrickIndex& brick) {
       const double d = below > 0 ? below : (above > 0 ? above : 0);
       d2 += d * d;
     }
-    // The factor covers the rounding of d2 against the predicate's.
-    if (d2 <= ball.radius * ball.radius * (1 + 1e-12)) {
-      candidates_.push_back({ball, list_.rank[place], list_.id[place]});
+    if (d2 <= ball.radius * ball.radius * kTouchMargin) {
+      add({ball, list_.rank[place], list_.id[place]});
     }
     return false;
   });
+  touches_.resize(candidates_.size());
+  near_.resize(candidates_.size());
 }
 
 inline void UnionBrick::signs(BrickSigns& signs) const {
@@ -88,13 +108,38 @@ inline void UnionBrick::signs(BrickSigns& signs) const {
   if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
 }
 
-inline SurfaceVertex UnionBrick::vertex(const CrossedEdge& edge) const {
+// Few of the brick's balls come near one of its edges; the others cannot change where it leaves the
+// union, and the test whether they do takes no root.
+inline void UnionBrick::find_near(const CrossedEdge& edge, const Vec3d& node) {
+  const int axis = edge.axis, u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  const double length = grid_.spacing, at_u = node[u], at_v = node[v], at = node[axis];
+  const double direction = edge.direction;
+  const double *cu = center_[u].data(), *cv = center_[v].data(), *c = center_[axis].data();
+  const double* reach2 = reach2_.data();
+  std::int64_t* touches = touches_.data();
+  const std::size_t count = candidates_.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const double du = at_u - cu[k], dv = at_v - cv[k], along = direction * (c[k] - at);
+    // How far from the edge's ends along its line, 0 between them, without a branch.
+    const double past = 0.5 * (std::fabs(along) + std::fabs(along - length) - length);
+    const double d2 = du * du + dv * dv + past * past;
+    touches[k] = d2 <= reach2[k] ? 1 : 0;
+  }
+  near_.resize(count);
+  std::size_t found = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    near_[found] = static_cast<std::uint32_t>(k);
+    found += static_cast<std::size_t>(touches[k]);
+  }
+  near_.resize(found);
+}
+
+inline SurfaceVertex UnionBrick::vertex(const CrossedEdge& edge) {
   const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
+  find_near(edge, node);
   const EdgePoint exit =
       first_exit(node, edge.axis, edge.direction, grid_.spacing, [&](auto&& visit) {
-        for (std::uint32_t k = 0; k < candidates_.size(); ++k) {
-          visit(candidates_[k].ball, candidates_[k].rank, k);
-        }
+        for (const std::uint32_t k : near_) visit(candidates_[k].ball, candidates_[k].rank, k);
       });
   const Candidate& owner = candidates_[exit.owner];
   Vec3d p = node;

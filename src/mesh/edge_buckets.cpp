@@ -8,7 +8,7 @@
 #include <array>
 
 #include "core/errors.hpp"
-#include "mesh/large_pages.hpp"
+#include "core/large_pages.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -12,8 +12,8 @@
 #include <system_error>
 
 #include "core/errors.hpp"
+#include "core/large_pages.hpp"
 #include "mesh/formats.hpp"
-#include "mesh/large_pages.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -6,8 +6,8 @@
 #include <atomic>
 
 #include "core/errors.hpp"
+#include "core/large_pages.hpp"
 #include "mesh/edge_buckets.hpp"
-#include "mesh/large_pages.hpp"
 #include "mesh/surface_mesh.hpp"
 
 namespace vdwmesh {

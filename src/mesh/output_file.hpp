@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "mesh/large_pages.hpp"
+#include "core/large_pages.hpp"
 
 namespace vdwmesh {
 

@@ -42,22 +42,32 @@ std::uint32_t promised_triangles(std::string_view bytes) {
   return count;
 }
 
+// The corners of one triangle; its normal, which comes first, is of no interest.
+void read_corners(std::string_view bytes, std::size_t triangle, Vec3d* corners) {
+  const std::size_t at = kFirstTriangle + kTriangleSize * triangle;
+  std::array<Vec3f, 4> numbers;
+  std::memcpy(numbers.data(), bytes.data() + at, sizeof numbers);
+  for (unsigned k = 0; k < 3; ++k) {
+    corners[k] = cast<double>(numbers[k + 1]);
+    if (!std::isfinite(corners[k].x + corners[k].y + corners[k].z))
+      throw FileFormatError(
+          fmt::format("byte {}: a corner of triangle {} is not finite", at, triangle));
+  }
+}
+
 MeshFile read_binary(std::string_view bytes) {
+  constexpr std::size_t kBlock = VertexWelder::kMost / 3;
   MeshFile file;
   const std::size_t triangles = promised_triangles(bytes);
   file.mesh.triangles.resize(triangles);
   VertexWelder welder(file.mesh.positions, triangles / 2 + 2);  // as a closed mesh has
-  const char* at = bytes.data() + kFirstTriangle;
-  for (std::size_t t = 0; t < triangles; ++t, at += kTriangleSize) {
-    std::array<Vec3f, 4> numbers;  // the normal, then the corners
-    std::memcpy(numbers.data(), at, sizeof numbers);
-    for (unsigned k = 0; k < 3; ++k) {
-      const Vec3d p = cast<double>(numbers[k + 1]);
-      if (!std::isfinite(p.x + p.y + p.z))
-        throw FileFormatError(
-            fmt::format("byte {}: a corner of triangle {} is not finite", at - bytes.data(), t));
-      file.mesh.triangles[t][k] = welder.index(p);
-    }
+  for (std::size_t first = 0; first < triangles; first += kBlock) {
+    const std::size_t count = std::min(kBlock, triangles - first);
+    std::array<Vec3d, 3 * kBlock> corners;
+    std::array<std::uint32_t, 3 * kBlock> index;
+    for (std::size_t i = 0; i < count; ++i) read_corners(bytes, first + i, &corners[3 * i]);
+    welder.index({corners.data(), 3 * count}, {index.data(), 3 * count});
+    std::memcpy(&file.mesh.triangles[first], index.data(), count * sizeof(Triangle));
   }
   say_welded(file, triangles);
   return file;

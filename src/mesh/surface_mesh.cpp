@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/errors.hpp"
+#include "core/large_pages.hpp"
 #include "mesh/edge_buckets.hpp"
-#include "mesh/large_pages.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -1,9 +1,10 @@
 #include "mesh/vertex_welder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
-#include "mesh/large_pages.hpp"
+#include "core/large_pages.hpp"
 #include "mesh/mesh_assembly.hpp"
 
 namespace vdwmesh::formats {
@@ -21,6 +22,8 @@ std::uint64_t hash_of(const Vec3d& p) {
   return mix(mix(mix(0, p.x), p.y), p.z);
 }
 
+Vec3d without_negative_zeros(const Vec3d& p) { return {p.x + 0.0, p.y + 0.0, p.z + 0.0}; }
+
 std::uint32_t tag_of(std::uint64_t hash) { return static_cast<std::uint32_t>(hash >> 32); }
 
 }  // namespace
@@ -33,8 +36,23 @@ VertexWelder::VertexWelder(Buffer<Vec3d>& positions, std::size_t expected) : pos
 }
 
 std::uint32_t VertexWelder::index(const Vec3d& given) {
-  const Vec3d p{given.x + 0.0, given.y + 0.0, given.z + 0.0};  // -0 becomes 0
-  const std::uint64_t hash = hash_of(p);
+  const Vec3d p = without_negative_zeros(given);
+  return index(p, hash_of(p));
+}
+
+void VertexWelder::index(std::span<const Vec3d> points, std::span<std::uint32_t> result) {
+  std::array<Vec3d, kMost> p;
+  std::array<std::uint64_t, kMost> hash;
+  const std::size_t mask = slots_.size() - 1;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    p[i] = without_negative_zeros(points[i]);
+    hash[i] = hash_of(p[i]);
+    __builtin_prefetch(&slots_[hash[i] & mask]);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) result[i] = index(p[i], hash[i]);
+}
+
+std::uint32_t VertexWelder::index(const Vec3d& p, std::uint64_t hash) {
   std::uint32_t& recent = recent_[(hash >> 20) % kRecent];
   if (recent == kEmpty || !(positions_[recent] == p)) recent = find_or_add(p, hash);
   return recent;

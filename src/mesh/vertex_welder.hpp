@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/buffer.hpp"
 #include "core/vec3.hpp"
@@ -17,11 +18,16 @@ class VertexWelder {
   // Index of the vertex at p, which is added where it is new. 0 and -0 are equal.
   std::uint32_t index(const Vec3d& p);
 
+  // The same for many points, at most kMost of them; memory is asked for all of them at once.
+  static constexpr std::size_t kMost = 96;
+  void index(std::span<const Vec3d> points, std::span<std::uint32_t> result);
+
  private:
   // The tag is part of the hash: another vertex is told apart without looking at its position.
   struct Slot {
     std::uint32_t index, tag;
   };
+  std::uint32_t index(const Vec3d& p, std::uint64_t hash);
   std::uint32_t find_or_add(const Vec3d& p, std::uint64_t hash);
   void insert_all(std::size_t slots);
 
