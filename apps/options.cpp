@@ -76,6 +76,10 @@ FieldKind field_of_name(std::string_view name, std::string_view option) {
 Projection projection_of_name(std::string_view name, std::string_view option) {
   return choose(option, name, kProjections);
 }
+Switch switch_of_name(std::string_view option, std::string_view name) {
+  return choose(option, name, kSwitches);
+}
+
 Backend backend_of_name(std::string_view name, std::string_view option) {
   return choose(option, name, kBackends);
 }
@@ -240,7 +244,7 @@ void ExactFlags::add_to(CLI::App& verb) {
 
 ExactOptions ExactFlags::resolve() const {
   ExactOptions options;
-  if (topology_) options.topology = choose("--topology", *topology_, kSwitches);
+  if (topology_) options.topology = switch_of_name("--topology", *topology_);
   options.method = options.topology == Switch::off ? UnionMethod::arcs : UnionMethod::cgal;
   if (method_) options.method = choose("--method", *method_, kMethods);
   if (options.method == UnionMethod::arcs) {
@@ -262,7 +266,7 @@ void DistanceFlags::add_to(CLI::App& verb) {
 
 DistanceChoice DistanceFlags::resolve() const {
   DistanceChoice choice;
-  choice.distances = choose("--distances", distances_, kSwitches);
+  choice.distances = switch_of_name("--distances", distances_);
   if (samples_) {
     choice.samples_per_area = parse_number("--samples", *samples_, Range::positive, "10");
   }

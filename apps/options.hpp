@@ -79,6 +79,7 @@ Mesher mesher_of_name(std::string_view name, std::string_view option = "--mesher
 FieldKind field_of_name(std::string_view name, std::string_view option = "--field");
 Projection projection_of_name(std::string_view name, std::string_view option = "--project");
 Backend backend_of_name(std::string_view name, std::string_view option = "--backend");
+Switch switch_of_name(std::string_view option, std::string_view name);
 
 class InputFlags {
  public:

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace vdwmesh::apps {
@@ -106,6 +107,14 @@ std::string list_names(std::span<const std::string_view> names) {
 void throw_unknown_name(std::string_view option, std::string_view text,
                         std::span<const std::string_view> known) {
   throw InvalidInput(fmt::format("{} {}: not known; choose {}", option, text, list_names(known)));
+}
+
+std::vector<double> parse_lengths(std::string_view option, const std::string& text) {
+  std::vector<double> lengths = parse_list(option, text, [&](const std::string& part) {
+    return parse_number(option, part, Range::positive, "1,0.5,0.25");
+  });
+  std::ranges::sort(lengths, std::greater());
+  return lengths;
 }
 
 }  // namespace vdwmesh::apps

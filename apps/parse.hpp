@@ -2,11 +2,14 @@
 // what was given and what would be accepted.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/errors.hpp"
 
@@ -52,5 +55,23 @@ std::string_view name_of(T value, const Choice<T> (&choices)[N]) {
   }
   return "unknown";
 }
+
+// "a,b,c" -> one value per name, each once, in the order given.
+template <class Parse>
+auto parse_list(std::string_view option, const std::string& text, Parse&& parse) {
+  std::vector<decltype(parse(text))> values;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const auto value = parse(part);
+    if (std::ranges::find(values, value) == values.end()) values.push_back(value);
+  }
+  if (values.empty()) {
+    throw InvalidInput(std::string(option) + ": needs at least one value, or several with commas");
+  }
+  return values;
+}
+
+// Positive lengths in Å, longest first.
+std::vector<double> parse_lengths(std::string_view option, const std::string& text);
 
 }  // namespace vdwmesh::apps

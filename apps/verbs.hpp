@@ -29,4 +29,8 @@ std::unique_ptr<Verb> make_study_verb();
 std::unique_ptr<Verb> make_bench_verb();
 std::unique_ptr<Verb> make_info_verb();
 
+// Of `bench`.
+std::unique_ptr<Verb> make_thesis_bench_verb();
+std::unique_ptr<Verb> make_pipeline_bench_verb();
+
 }  // namespace vdwmesh::apps

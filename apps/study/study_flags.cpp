@@ -1,7 +1,6 @@
 #include "study/study_flags.hpp"
 
 #include <algorithm>
-#include <sstream>
 
 #include "parse.hpp"
 #include "study/records.hpp"
@@ -18,29 +17,6 @@ constexpr Choice<SelfIntersections> kSelfIntersections[] = {
     {"auto", SelfIntersections::small_meshes},
     {"on", SelfIntersections::count},
     {"off", SelfIntersections::skip}};
-
-// "a,b,c" -> one value per name, each once, in the order given.
-template <class Parse>
-auto parse_list(std::string_view option, const std::string& text, Parse&& parse) {
-  std::vector<decltype(parse(text))> values;
-  std::istringstream parts(text);
-  for (std::string part; std::getline(parts, part, ',');) {
-    const auto value = parse(part);
-    if (std::ranges::find(values, value) == values.end()) values.push_back(value);
-  }
-  if (values.empty()) {
-    throw InvalidInput(std::string(option) + ": needs at least one value, or several with commas");
-  }
-  return values;
-}
-
-std::vector<double> parse_lengths(std::string_view option, const std::string& text) {
-  std::vector<double> lengths = parse_list(option, text, [&](const std::string& part) {
-    return parse_number(option, part, Range::positive, "1,0.5,0.25");
-  });
-  std::ranges::sort(lengths, std::greater());
-  return lengths;
-}
 
 }  // namespace
 

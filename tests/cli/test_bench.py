@@ -1,4 +1,4 @@
-"""The thesis's tables rerun."""
+"""The tables of `bench`: the thesis's rerun, and the pipeline stage by stage."""
 
 import csv
 import io
@@ -31,7 +31,8 @@ def printed_tables():
 
 class Options(ProgramTest):
     def test_bad_options(self):
-        self.assert_refused(BAD_INPUT, "bench", "pipeline", says=("pipeline", "thesis"))
+        self.assert_refused(BAD_INPUT, "bench", says=("pipeline", "thesis"))
+        self.assert_refused(BAD_INPUT, "bench", "speed", says=("speed", "bench --help"))
         self.assert_refused(BAD_INPUT, "bench", "thesis", says=("--structures",))
         self.assert_refused(
             BAD_INPUT, "bench", "thesis", "--structures", self.folder / "no", says=("no",)
@@ -140,3 +141,76 @@ class Tables(ProgramTest):
         self.assertEqual(rows[0]["voxels"], "346580")
         self.assertEqual(rows[-1]["missing"], "true")
         self.assertEqual(rows[-1]["triangles"], "")
+
+
+class Pipeline(ProgramTest):
+    STAGES = ["read", "spheres", "mesh", "measure", "build", "write PLY"]
+    MACHINE = ("--backend", "cpu", "--threads", "1")
+
+    def bench(self, *arguments):
+        command = ("bench", "pipeline", "--sample", "ubiquitin", "--repeat", "1", *self.MACHINE)
+        return parse_json(self.run_ok(*command, *arguments, "--json", "-").stdout)
+
+    def test_bad_options(self):
+        for says, arguments in (
+            (("INPUT",), ()),
+            (("--spacing",), ("--sample", "bpti", "--spacing", "0")),
+            (("--repeat",), ("--sample", "bpti", "--repeat", "0")),
+            (("--distances", "on", "off"), ("--sample", "bpti", "--distances", "maybe")),
+        ):
+            self.assert_refused(BAD_INPUT, "bench", "pipeline", *arguments, says=says)
+
+    def test_stages(self):
+        bench = self.bench("--spacing", "1,0.5", "--distances", "on")
+        self.assertEqual([case["spacing"] for case in bench["cases"]], [1, 0.5])
+        self.assertEqual(bench["backend"]["threads"], 1)
+        rate = bench["copy_bytes_per_second"]["warm"]
+        for case in bench["cases"]:
+            stages = case["stages"]
+            of_kind = lambda kind: [s for s in stages if s["kind"] == kind]
+            self.assertEqual([s["name"] for s in of_kind("stage")], self.STAGES)
+            self.assertEqual([s["name"] for s in of_kind("part")], ["search", "field", "extract"])
+            self.assertEqual(
+                {s["name"] for s in of_kind("beside")},
+                {"exact, arcs", "exact, topology", "distances", "resize of OpenMesh"})  # fmt: skip
+            for kind in ("cpu_seconds", "wall_seconds"):
+                total = sum(s[kind] for s in of_kind("stage"))
+                self.assert_close(case["total"][kind], total, 1e-9)
+                # The parts are within their stage.
+                mesh = next(s for s in stages if s["name"] == "mesh")
+                self.assertLessEqual(sum(s[kind] for s in of_kind("part")), mesh[kind])
+            for stage in stages:
+                moved = [stage[k] for k in ("bytes_read", "bytes_written") if stage[k] is not None]
+                if not moved:
+                    self.assertIsNone(stage["floor_seconds"])
+                    self.assertIsNone(stage["floor_ratio"])
+                    continue
+                self.assert_close(stage["floor_seconds"], sum(moved) / rate, 1e-9)
+                ratio = stage["cpu_seconds"] / stage["floor_seconds"]
+                self.assert_close(stage["floor_ratio"], ratio, 1e-9)
+
+    def test_bytes_are_those_of_the_files(self):
+        case = self.bench("--spacing", "1")["cases"][0]
+        mesh = self.folder / "mesh.ply"
+        self.run_ok("mesh", "--sample", "ubiquitin", "--spacing", "1", "-o", mesh, "--quiet")
+        stages = {s["name"]: s for s in case["stages"]}
+        self.assertEqual(stages["write PLY"]["bytes_written"], mesh.stat().st_size)
+        vertices, triangles = case["vertices"], case["triangles"]
+        # Positions 24, normals 12, spheres 12; corners and opposite half-edges 12 each.
+        self.assertEqual(stages["build"]["bytes_read"], 48 * vertices + 24 * triangles)
+        # Edges are half as many again as triangles: 32 bytes and three states of 4.
+        surface = (4 + 24 + 12 + 3 + 12 + 4) * vertices + (3 * 44 // 2 + 8) * triangles
+        self.assertEqual(stages["build"]["bytes_written"], surface)
+        self.assertEqual(stages["build"]["bytes_written"],
+                         stages["resize of OpenMesh"]["bytes_written"])  # fmt: skip
+
+    def test_text_and_csv(self):
+        command = ("bench", "pipeline", "--sample", "ubiquitin", "--spacing", "1", "--repeat", "1",
+                   *self.MACHINE)  # fmt: skip
+        text = self.run_ok(*command).stdout
+        self.assertRegex(text, r"\nubiquitin at 1 Å: \d+ spheres, \d+ vertices, \d+ triangles\n")
+        self.assertRegex(text, r"\nwrite PLY +\d+\.\d{4} ")
+        self.assertRegex(text, r"\nfile to file +\d+\.\d{4} ")
+        rows = list(csv.DictReader(io.StringIO(self.run_ok(*command, "--csv", "-").stdout)))
+        self.assertEqual([r["stage"] for r in rows if r["kind"] == "stage"], self.STAGES)
+        self.assertEqual({r["input"] for r in rows}, {"ubiquitin"})
