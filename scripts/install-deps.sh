@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that the build and the tests need; a second run installs nothing.
-#   scripts/install-deps.sh [browser]     browser: Chromium too, which tests the page of a study
+#   scripts/install-deps.sh [GROUP...]
+#     browser: Chromium too, which tests the page of a study
+#     anchors: VTK and OpenVDB too, which benchmarks compare with (1 GB)
 set -euo pipefail
 
 packages=(
@@ -8,9 +10,15 @@ packages=(
   libopenmesh-dev libcgal-dev libeigen3-dev gemmi-dev tao-pegtl-dev libtbb-dev libtinygltf-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libjs-vega libjs-three
   libepoxy-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libfreetype-dev fonts-dejavu-core
-  libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema freesasa
+  libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema freesasa valgrind
 )
-[ "${1:-}" != browser ] || packages+=(chromium chromium-driver python3-selenium python3-pil)
+for group in "$@"; do
+  case $group in
+    browser) packages+=(chromium chromium-driver python3-selenium python3-pil) ;;
+    anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
+    *) echo "install-deps: no group $group; there are browser and anchors" >&2; exit 1 ;;
+  esac
+done
 
 missing=()
 for package in "${packages[@]}"; do
