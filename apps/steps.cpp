@@ -209,12 +209,12 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Report& report) {
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections_wanted, Monitor* monitor,
              Report& report) {
   const bool count = counts_self_intersections(self_intersections_wanted, mesh);
-  begin_stage(monitor, "measure", count ? 4 : 3);
+  begin_stage(monitor, "measure", count ? 3 : 2);
   if (!report.mesh) report.mesh.emplace();
   MeshReport& result = *report.mesh;
-  result.topology = topology(mesh);
-  advance(monitor, 1);
-  result.measures = measures(mesh);
+  const MeshSummary summary = summarize(mesh);
+  result.topology = summary.topology;
+  result.measures = summary.measures;
   advance(monitor, 1);
   result.quality = quality(mesh);
   advance(monitor, 1);

@@ -65,10 +65,14 @@ class Pass {
                   StageKind kind = StageKind::stage) {
     StageClock clock(name, kind);
     const Bytes written = work();
-    result_.stages.push_back(clock.finish());
-    result_.stages.back().bytes_read = bytes_read;
-    result_.stages.back().bytes_written = written;
-    return result_.stages.back();
+    return add(clock, bytes_read, written);
+  }
+
+  StageRow& add(StageClock& clock, Bytes bytes_read, Bytes bytes_written) {
+    StageRow& row = result_.stages.emplace_back(clock.finish());
+    row.bytes_read = bytes_read;
+    row.bytes_written = bytes_written;
+    return row;
   }
 
   void read() {
@@ -161,11 +165,10 @@ class Pass {
           return bytes_of(empty);
         },
         StageKind::beside);
-    SurfaceMesh surface;
-    stage("build", in, [&]() -> Bytes {
-      surface = build_surface_mesh(mesh, molecule_, report_);
-      return bytes_of(surface);
-    });
+    // Made in place: an OpenMesh mesh that is assigned is copied.
+    StageClock build("build");
+    const SurfaceMesh surface = build_surface_mesh(mesh, molecule_, report_);
+    add(build, in, bytes_of(surface));
     mesh = {};
     std::uint64_t file = 0;
     StageRow& write = stage("write PLY", std::nullopt, [&]() -> Bytes {

@@ -71,7 +71,6 @@ inline void UnionBrick::visit(const BrickIndex& brick) {
     return false;
   });
   touches_.resize(candidates_.size());
-  near_.resize(candidates_.size());
 }
 
 inline void UnionBrick::signs(BrickSigns& signs) const {
@@ -117,17 +116,16 @@ inline void UnionBrick::find_near(const CrossedEdge& edge, const Vec3d& node) {
   const double *cu = center_[u].data(), *cv = center_[v].data(), *c = center_[axis].data();
   const double* reach2 = reach2_.data();
   std::int64_t* touches = touches_.data();
-  const std::size_t count = candidates_.size();
-  for (std::size_t k = 0; k < count; ++k) {
+  near_.resize(candidates_.size());
+  for (std::size_t k = 0; k < near_.size(); ++k) {
     const double du = at_u - cu[k], dv = at_v - cv[k], along = direction * (c[k] - at);
     // How far from the edge's ends along its line, 0 between them, without a branch.
     const double past = 0.5 * (std::fabs(along) + std::fabs(along - length) - length);
     const double d2 = du * du + dv * dv + past * past;
     touches[k] = d2 <= reach2[k] ? 1 : 0;
   }
-  near_.resize(count);
   std::size_t found = 0;
-  for (std::size_t k = 0; k < count; ++k) {
+  for (std::size_t k = 0; k < near_.size(); ++k) {
     near_[found] = static_cast<std::uint32_t>(k);
     found += static_cast<std::size_t>(touches[k]);
   }
