@@ -1,8 +1,10 @@
 // Times of the CUDA backend on the device, by events; medians of repeated runs.
 //
-//   cuda_bench [--extract] [XYZR...]     files: end to end against the CPU backend; --extract
-//   leaves
-//                                        out refinement and the comparison with the CPU
+//   cuda_bench [--extract | --refine | --crossings | --end-to-end] [XYZR...]
+//
+// Extraction from spheres and from fields; refinement with crossings allowed, and undone; end to
+// end against the CPU backend. An option leaves out the other three. The last file is also taken
+// six times, side by side.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -219,6 +221,7 @@ void report_refinement(const char* name, const SphereSet& spheres, double spacin
   const DeviceSurface surface(spheres, refine, TriangleLabels::none, stream);
   std::vector<double> total;
   std::vector<float> levels;
+  std::vector<RefineTimings> stages;
   std::uint64_t vertices = 0, triangles = 0;
   for (int i = 0; i < 4; ++i) {
     const double seconds = seconds_of([&] {
@@ -227,6 +230,7 @@ void report_refinement(const char* name, const SphereSet& spheres, double spacin
           refine_on_device(surface.view(), std::move(e.mesh), refine, stream);
       stream.wait();
       levels = r.level_milliseconds;
+      stages = r.timings;
       vertices = r.mesh.vertex_count();
       triangles = r.mesh.triangle_count();
     });
@@ -238,12 +242,10 @@ void report_refinement(const char* name, const SphereSet& spheres, double spacin
               median(total));
   for (const float ms : levels) std::printf(" %.2f", static_cast<double>(ms));
   std::printf(" ms (last: normals)\n");
-}
-
-void report_refinement(const char* name, const SphereSet& spheres, double spacing,
-                       int subdivisions) {
-  for (const Crossings crossings : {Crossings::allow, Crossings::undo}) {
-    report_refinement(name, spheres, spacing, subdivisions, crossings);
+  for (const RefineTimings& t : stages) {
+    std::printf("    edges %.2f  midpoints %.2f  children %.2f  moves %.2f ms\n",
+                static_cast<double>(t.edges), static_cast<double>(t.midpoints),
+                static_cast<double>(t.children), static_cast<double>(t.moves));
   }
 }
 
@@ -265,16 +267,7 @@ void report_end_to_end(const std::filesystem::path& path, double spacing) {
               path.stem().c_str(), spacing, seconds[0], seconds[1], seconds[0] / seconds[1]);
 }
 
-int run(int argc, char** argv) {
-  const DeviceList devices = cuda_devices();
-  if (devices.devices.empty()) {
-    std::printf("cuda_bench: %s\n", devices.reason.c_str());
-    return 2;
-  }
-  std::printf("%s, driver %s\n", devices.devices[0].name.c_str(),
-              devices.devices[0].driver.c_str());
-  keep_device_memory();
-  const double rate = copy_rate(Stream());
+void report_synthetic(double rate) {
   const SphereSet cluster = synthetic_cluster();
   const Box box = bounding_box(cluster);
   for (const int nodes : {256, 512, 1024}) {
@@ -288,29 +281,65 @@ int run(int argc, char** argv) {
     options.field.kind = FieldKind::vdw;
     report_extraction(("synthetic vdw " + std::to_string(nodes)).c_str(), cluster, options, rate);
   }
-  const bool extract_only = argc > 1 && std::string(argv[1]) == "--extract";
-  for (int i = extract_only ? 2 : 1; i < argc; ++i) {
-    const SphereSet spheres = read_xyzr(argv[i]);
+}
+
+void report_extractions(const std::string& name, const SphereSet& spheres, double rate) {
+  ExtractOptions options;
+  report_extraction((name + " vdw").c_str(), spheres, options, rate);
+  options.field.kind = FieldKind::blinn;
+  report_extraction((name + " blinn").c_str(), spheres, options, rate);
+}
+
+// What is asked for; each is a part of the output.
+struct Parts {
+  bool extract = true, refine = true, crossings = true, end_to_end = true;
+};
+
+void report_file(const std::filesystem::path& path, const Parts& parts, double rate) {
+  const SphereSet spheres = read_xyzr(path);
+  const std::string name = path.stem();
+  if (parts.extract) report_extractions(name, spheres, rate);
+  if (parts.refine) report_refinement(name.c_str(), spheres, 0.5, 2, Crossings::allow);
+  if (parts.crossings) report_refinement(name.c_str(), spheres, 0.5, 2, Crossings::undo);
+  if (!parts.end_to_end) return;
+  for (const double spacing : {0.5, 0.25}) report_end_to_end(path, spacing);
+}
+
+void report_million(const SphereSet& spheres, const Parts& parts, double rate) {
+  const char* const name = "six copies";
+  if (parts.extract) {
+    report_extractions(name, spheres, rate);
     ExtractOptions options;
-    report_extraction(std::filesystem::path(argv[i]).stem().c_str(), spheres, options, rate);
     options.field.kind = FieldKind::blinn;
-    report_extraction("  blinn", spheres, options, rate);
-    if (extract_only) continue;
-    report_refinement("  refined", spheres, 0.5, 2);
-    report_end_to_end(argv[i], 0.5);
-    report_end_to_end(argv[i], 0.25);
+    report_field(name, spheres, options, rate, Meshing::no);
   }
-  if (argc > (extract_only ? 2 : 1)) {
-    const SphereSet million = side_by_side(read_xyzr(argv[argc - 1]), 6);
-    ExtractOptions options;
-    report_extraction("six copies vdw", million, options, rate);
-    options.field.kind = FieldKind::blinn;
-    report_extraction("six copies blinn", million, options, rate);
-    report_field("six copies blinn", million, options, rate, Meshing::no);
-    if (extract_only) return 0;
-    report_refinement("six copies", million, 0.5, 1);
-    report_refinement("six copies", million, 0.5, 2);
+  for (const int subdivisions : {1, 2}) {
+    if (parts.refine) report_refinement(name, spheres, 0.5, subdivisions, Crossings::allow);
   }
+  if (parts.crossings) report_refinement(name, spheres, 0.5, 1, Crossings::undo);
+}
+
+int run(int argc, char** argv) {
+  const DeviceList devices = cuda_devices();
+  if (devices.devices.empty()) {
+    std::printf("cuda_bench: %s\n", devices.reason.c_str());
+    return 2;
+  }
+  std::printf("%s, driver %s\n", devices.devices[0].name.c_str(),
+              devices.devices[0].driver.c_str());
+  Parts parts;
+  int first = 1;
+  const std::string option = argc > 1 ? argv[1] : "";
+  if (option.starts_with("--")) {
+    first = 2;
+    parts = {option == "--extract", option == "--refine", option == "--crossings",
+             option == "--end-to-end"};
+  }
+  keep_device_memory();
+  const double rate = copy_rate(Stream());
+  if (parts.extract) report_synthetic(rate);
+  for (int i = first; i < argc; ++i) report_file(argv[i], parts, rate);
+  if (first < argc) report_million(side_by_side(read_xyzr(argv[argc - 1]), 6), parts, rate);
   return 0;
 }
 

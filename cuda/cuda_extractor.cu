@@ -16,7 +16,7 @@ class CudaExtractor final : public Extractor {
     const DeviceCellList device_list(list.view(), stream.get());
     const DeviceExtraction extraction =
         extract_on_device(device_list.view(), model, options, stream);
-    return {download(extraction.mesh, options.connectivity, stream), grid, extraction.stats};
+    return {download(extraction.mesh.view(), options.connectivity, stream), grid, extraction.stats};
   }
 };
 

@@ -37,7 +37,8 @@ class CudaFieldMesher final : public FieldMesher {
         upload(field.values.data(), field.values.size(), stream.get());
     const DeviceExtraction extraction = mesh_field_on_device(
         {field.grid, values.data(), field.isovalue}, DeviceNormals::gradients, options, stream);
-    return {download(extraction.mesh, options.connectivity, stream), field.grid, extraction.stats};
+    return {download(extraction.mesh.view(), options.connectivity, stream), field.grid,
+            extraction.stats};
   }
 };
 

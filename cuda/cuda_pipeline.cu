@@ -23,24 +23,21 @@ class CudaPipeline final : public SurfacePipeline {
     }();
     PipelineResult result{{}, grid, extraction.stats, {}, 0};
     if (refine.subdivisions == 0) {
-      result.mesh = download(extraction.mesh, extract.connectivity, stream);
+      result.mesh = download(extraction.mesh.view(), extract.connectivity, stream);
       return result;
     }
     RefineOptions options = refine;
     options.grid = grid;
     check_refinement_size(spheres.size(), extraction.mesh.vertex_count(),
                           extraction.mesh.triangle_count(), options);
-    require_device_memory(
-        refine_bytes(extraction.mesh.vertex_count(), extraction.mesh.triangle_count(),
-                     spheres.size(), options.subdivisions),
-        "refinement");
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
     const DeviceSurface surface(spheres, options, TriangleLabels::none, stream);
     DeviceRefinement refined =
         refine_on_device(surface.view(), std::move(extraction.mesh), options, stream);
     const bool has_half_edges = refined.mesh.opposite.size() > 0;
-    result.mesh = download(
-        refined.mesh, has_half_edges ? Connectivity::half_edges : Connectivity::triangles, stream);
+    result.mesh =
+        download(refined.mesh.view(),
+                 has_half_edges ? Connectivity::half_edges : Connectivity::triangles, stream);
     result.levels = std::move(refined.levels);
     for (const float ms : refined.level_milliseconds) result.refine_seconds += ms * 1e-3;
     return result;

@@ -38,9 +38,6 @@ class CudaRefiner final : public Refiner {
                       const RefineOptions& options) const override {
     check_refinement(spheres, mesh, options);
     const TriangleLabels labels = mesh.triangle_labels();
-    require_device_memory(refine_bytes(mesh.vertex_count(), mesh.triangle_count(), spheres.size(),
-                                       options.subdivisions, labels),
-                          "refinement");
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
     const Stream stream;
     const DeviceSurface surface(spheres, options, labels, stream);
@@ -50,7 +47,7 @@ class CudaRefiner final : public Refiner {
     RefineResult result;
     const Connectivity connectivity =
         refined.mesh.opposite.size() > 0 ? Connectivity::half_edges : Connectivity::triangles;
-    result.mesh = download(refined.mesh, connectivity, stream);
+    result.mesh = download(refined.mesh.view(), connectivity, stream);
     result.levels = std::move(refined.levels);
     for (const float ms : refined.level_milliseconds) result.seconds += ms * 1e-3;
     return result;

@@ -160,7 +160,7 @@ __device__ bool is_crossing(const Corners& a, const Corners& b) {
 // A thread looks at the triangles near its own: in the first pass at those behind it, later at all
 // of them, but only if its own has changed.
 __global__ void mark_crossed(CrossingGrid grid, const FloatBox* boxes, DeviceMeshView mesh,
-                             FatesView fates, int pass, unsigned long long* count) {
+                             FatesView fates, int pass) {
   const std::uint64_t t = thread_index();
   if (t >= mesh.triangles) return;
   Corners mine;
@@ -184,7 +184,6 @@ __global__ void mark_crossed(CrossingGrid grid, const FloatBox* boxes, DeviceMes
         fates.mark(mine.vertex[k]);
         fates.mark(theirs.vertex[k]);
       }
-      atomicAdd(count, 1ull);
     }
   });
 }
@@ -251,11 +250,10 @@ void CrossingFinder::fill() {
   check_launch("fill_cells");
 }
 
-void CrossingFinder::mark(const DeviceMeshView& mesh, const FatesView& fates, int pass,
-                          unsigned long long* count) const {
+void CrossingFinder::mark(const DeviceMeshView& mesh, const FatesView& fates, int pass) const {
   if (mesh.triangles == 0) return;
   mark_crossed<<<blocks_for(mesh.triangles, kThreads), kThreads, 0, stream_.get()>>>(
-      grid_, boxes_.data(), mesh, fates, pass, count);
+      grid_, boxes_.data(), mesh, fates, pass);
   check_launch("mark_crossed");
 }
 

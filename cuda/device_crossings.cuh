@@ -6,29 +6,9 @@
 #include <cstdint>
 
 #include "cuda/device_structures.cuh"
-#include "refine/level_view.hpp"
+#include "cuda/refine_levels.cuh"
 
 namespace vdwmesh {
-
-__device__ inline std::uint64_t thread_index() {
-  return static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
-}
-
-// What became of the vertices that the level handles, which are the last of the mesh. Other threads
-// may be marking them at the same time.
-struct FatesView {
-  Fate* fates;
-  std::uint64_t first_handled;
-
-  __device__ Fate of(std::uint32_t v) const {
-    if (v < first_handled) return Fate::stayed;
-    return *const_cast<const volatile Fate*>(&fates[v - first_handled]);
-  }
-  __device__ void mark(std::uint32_t v) const {
-    if (of(v) != Fate::moved) return;
-    *const_cast<volatile Fate*>(&fates[v - first_handled]) = Fate::taking_back;
-  }
-};
 
 // Of where a triangle's vertices were and are, rounded outward: it holds the triangle whichever
 // moves are taken back.
@@ -74,11 +54,10 @@ class CrossingFinder {
   // Throws LimitExceeded when the grid does not fit in device memory.
   CrossingFinder(DeviceArray<FloatBox> boxes, const Stream& stream);
 
-  // Marks the moved vertices of triangles that cross, of which one at least has moved vertices, and
-  // adds their pairs to `count`. From the second pass on only a pair with a vertex that the last
-  // one took back can have come to cross.
-  void mark(const DeviceMeshView& mesh, const FatesView& fates, int pass,
-            unsigned long long* count) const;
+  // Marks the moved vertices of triangles that cross, of which one at least has moved vertices.
+  // From the second pass on only a pair with a vertex that the last one took back can have come to
+  // cross.
+  void mark(const DeviceMeshView& mesh, const FatesView& fates, int pass) const;
 
  private:
   void shape();

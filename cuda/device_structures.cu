@@ -1,39 +1,7 @@
-#include <cstring>
-
 #include "cuda/device_structures.cuh"
+#include "cuda/download.cuh"
 
 namespace vdwmesh {
-namespace {
-
-template <class T>
-void copy_down(T* host, const DeviceArray<T>& device, const Stream& stream) {
-  if (device.size() == 0) return;
-  check_cuda(
-      cudaMemcpyAsync(host, device.data(), device.bytes(), cudaMemcpyDeviceToHost, stream.get()),
-      "download");
-}
-
-// Page-locks an array for the length of a copy: pinned copies run at the bus's full rate.
-class PinnedRange {
- public:
-  PinnedRange(void* data, std::size_t bytes) {
-    if (bytes > 0 && cudaHostRegister(data, bytes, cudaHostRegisterDefault) == cudaSuccess) {
-      data_ = data;
-    }
-    cudaGetLastError();  // not pinned: the copy is slower, and as right
-  }
-  ~PinnedRange() {
-    if (data_) cudaHostUnregister(data_);
-  }
-  PinnedRange(const PinnedRange&) = delete;
-  PinnedRange& operator=(const PinnedRange&) = delete;
-
- private:
-  void* data_ = nullptr;
-};
-
-}  // namespace
-
 DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
     : spheres_(upload(host.spheres, host.size, stream)),
       rank_(upload(host.rank, host.size, stream)),
@@ -65,29 +33,23 @@ DeviceMeshView DeviceMesh::view() const {
           opposite.data(),  vertex_count(), triangle_count(),      triangle_spheres.data()};
 }
 
-IndexedMesh download(const DeviceMesh& mesh, Connectivity connectivity, const Stream& stream) {
+IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream) {
   IndexedMesh host;
-  host.positions.resize(mesh.vertex_count());
-  host.normals.resize(mesh.normals.size());
-  host.vertex_spheres.resize(mesh.vertex_spheres.size());
-  host.triangles.resize(mesh.triangle_count());
-  host.triangle_spheres.resize(mesh.triangle_spheres.size());
+  host.positions.resize(mesh.vertices);
+  if (mesh.normals != nullptr) host.normals.resize(mesh.vertices);
+  if (mesh.vertex_spheres != nullptr) host.vertex_spheres.resize(mesh.vertices);
+  host.triangles.resize(mesh.triangles);
+  if (mesh.triangle_spheres != nullptr) host.triangle_spheres.resize(mesh.triangles);
+  if (connectivity == Connectivity::half_edges) host.opposite.resize(3 * mesh.triangles);
   static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
-  auto* corners = reinterpret_cast<std::uint32_t*>(host.triangles.data());
-  const PinnedRange pin_positions(host.positions.data(), mesh.positions.bytes());
-  const PinnedRange pin_normals(host.normals.data(), mesh.normals.bytes());
-  const PinnedRange pin_spheres(host.vertex_spheres.data(), mesh.vertex_spheres.bytes());
-  const PinnedRange pin_corners(corners, mesh.corners.bytes());
-  copy_down(host.positions.data(), mesh.positions, stream);
-  copy_down(host.normals.data(), mesh.normals, stream);
-  copy_down(host.vertex_spheres.data(), mesh.vertex_spheres, stream);
-  copy_down(corners, mesh.corners, stream);
-  copy_down(host.triangle_spheres.data(), mesh.triangle_spheres, stream);
-  if (connectivity == Connectivity::half_edges) {
-    host.opposite.resize(mesh.opposite.size());
-    copy_down(host.opposite.data(), mesh.opposite, stream);
-  }
-  stream.wait();
+  const auto part = [](auto& to, const void* from) {
+    return DownloadPart{to.data(), from, to.size() * sizeof(to[0])};
+  };
+  download_parts(
+      {part(host.positions, mesh.positions), part(host.normals, mesh.normals),
+       part(host.vertex_spheres, mesh.vertex_spheres), part(host.triangles, mesh.corners),
+       part(host.triangle_spheres, mesh.triangle_spheres), part(host.opposite, mesh.opposite)},
+      stream);
   return host;
 }
 

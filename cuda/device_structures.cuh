@@ -92,7 +92,7 @@ void sample_field_on_device(const CellListView& list, const FieldModel& model, f
                             const Stream& stream);
 
 // Copies the mesh to the host; `opposite` too where asked.
-IndexedMesh download(const DeviceMesh& mesh, Connectivity connectivity, const Stream& stream);
+IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream);
 
 // Bytes that can still be taken: free ones and those that the pool keeps.
 std::uint64_t available_device_memory();

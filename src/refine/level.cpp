@@ -115,7 +115,7 @@ void write_children(const Midpoints& level, IndexedMesh& mesh) {
     if (mesh.opposite.empty()) return;
     for (std::size_t h = 3 * t; h < 3 * t + 3; ++h) {
       write_child_opposites(static_cast<std::uint32_t>(h), parent.opposite[h],
-                            mesh.opposite.data());
+                            &mesh.opposite[12 * t]);
     }
   });
 }

@@ -98,16 +98,17 @@ VDWMESH_HD inline UnionStep step_to_union(const CellListView& list, SphereHistor
 
 // Projection onto the boundary of the union of the balls of `list` (reach = radius). |min(d - r)|
 // is never more than the distance to the boundary, so a start beyond `reach` by it is out of reach.
+// nearest(p) is the ball of least d - r among those within reach + kProjectionTolerance of p.
+template <class Nearest>
 VDWMESH_HD inline ProjectedPoint project_to_union(const CellListView& list, const Vec3d& start,
-                                                  double reach) {
+                                                  double reach, Nearest&& nearest) {
   using std::abs;
   ProjectedPoint result{
       start, 0, {kNoSphere, kNoSphere, kNoSphere}, 0, ProjectionOutcome::unconverged};
   SphereHistory history{{0, 0, 0}, 0, 0};
   UnionStep step{{start, true}, 0};
   for (;; ++result.steps) {
-    const NearestBall near =
-        nearest_ball(list, step.to.position, kProjectionTolerance, reach + kProjectionTolerance);
+    const NearestBall near = nearest(step.to.position);
     result.residual = abs(near.gap);
     if (near.found && result.residual <= kProjectionTolerance) {
       if (step.spheres == 0) history.place[0] = near.place;
@@ -124,6 +125,12 @@ VDWMESH_HD inline ProjectedPoint project_to_union(const CellListView& list, cons
     step = step_to_union(list, history, near.place, step.to.position);
     if (!step.to.found || !within_reach(step.to.position, start, reach)) return result;
   }
+}
+VDWMESH_HD inline ProjectedPoint project_to_union(const CellListView& list, const Vec3d& start,
+                                                  double reach) {
+  return project_to_union(list, start, reach, [&](const Vec3d& p) {
+    return nearest_ball(list, p, kProjectionTolerance, reach + kProjectionTolerance);
+  });
 }
 
 // Newton on F = T. A step is halved until |F - T| falls within the reach, so an overshoot across a

@@ -35,16 +35,17 @@ VDWMESH_HD constexpr std::uint32_t second_half(std::uint32_t h) {
 }
 
 // Writes the opposites of half-edge h's two halves and of the pair of half-edges that cut the
-// corner at its start. Over all h, each entry of the children is written once.
+// corner at its start. `own` are the twelve entries of the children of h's triangle; over its three
+// half-edges each is written once.
 VDWMESH_HD inline void write_child_opposites(std::uint32_t h, std::uint32_t opposite_of_h,
-                                             std::uint32_t* opposite) {
-  opposite[first_half(h)] = second_half(opposite_of_h);
-  opposite[second_half(h)] = first_half(opposite_of_h);
-  const std::uint32_t t = h / 3, k = h % 3;
-  const std::uint32_t outer = 3 * (4 * t + k) + 1;                       // m_k -> m_(k+2)
-  const std::uint32_t inner = 3 * (4 * t + 3) + (k == 0 ? 2u : k - 1u);  // m_(k+2) -> m_k
-  opposite[outer] = inner;
-  opposite[inner] = outer;
+                                             std::uint32_t* own) {
+  const std::uint32_t k = h % 3, base = 12 * (h / 3);
+  own[first_half(k)] = second_half(opposite_of_h);
+  own[second_half(k)] = first_half(opposite_of_h);
+  const std::uint32_t outer = 3 * k + 1;                   // m_k -> m_(k+2)
+  const std::uint32_t inner = 9 + (k == 0 ? 2u : k - 1u);  // m_(k+2) -> m_k
+  own[outer] = base + inner;
+  own[inner] = base + outer;
 }
 
 // The same bits from either end.
@@ -78,11 +79,19 @@ VDWMESH_HD inline Vec3d outward(const Sphere& s, const Vec3d& p) {
   return scale * out;
 }
 
+// Outward normal of a sphere at a point of it.
+VDWMESH_HD inline Vec3f sphere_normal(const Sphere& s, const Vec3d& p) {
+  return unit_normal(p - s.center);
+}
+
 // Normal of the union's boundary at a vertex: that of its sphere; on a circle or corner the mean of
 // the outward normals of the spheres that meet there, each once: the middle of the directions that
 // the crease spans, whatever triangles lie around it. Opposite normals (balls in point contact)
 // leave the first sphere's.
 VDWMESH_HD inline Vec3f union_normal(const Sphere* spheres, const SphereId* label, const Vec3d& p) {
+  if (label[0] != kNoSphere && label[1] == kNoSphere) {
+    return sphere_normal(spheres[label[0]], p);
+  }
   Vec3d sum{0, 0, 0};
   for (int i = 0; i < 3 && label[i] != kNoSphere; ++i) sum = sum + outward(spheres[label[i]], p);
   if (!(squared_norm(sum) > 1e-12) && label[0] != kNoSphere) sum = outward(spheres[label[0]], p);
@@ -93,8 +102,10 @@ VDWMESH_HD inline Vec3f union_normal(const Sphere* spheres, const SphereId* labe
 enum class Facing : std::uint8_t { outward, against_one_atom, against_several_atoms };
 
 // A triangle of one atom is measured against the atom's normal at its centroid, one of several
-// against the mean of their normals at its corners. Without atoms it faces outward.
-VDWMESH_HD inline Facing facing(const Sphere* spheres, const Vec3d* p, const SphereId* atom) {
+// against the mean of their normals at its corners, outward_at(k). Without atoms it faces outward.
+template <class OutwardAt>
+VDWMESH_HD inline Facing facing(const Sphere* spheres, const Vec3d* p, const SphereId* atom,
+                                const OutwardAt& outward_at) {
   if (atom[0] == kNoSphere || atom[1] == kNoSphere || atom[2] == kNoSphere) return Facing::outward;
   const Vec3d area = cross(p[1] - p[0], p[2] - p[0]);
   if (atom[0] == atom[1] && atom[0] == atom[2]) {
@@ -102,9 +113,11 @@ VDWMESH_HD inline Facing facing(const Sphere* spheres, const Vec3d* p, const Sph
     const Vec3d out = ((p[0] - c) + (p[1] - c)) + (p[2] - c);
     return dot(area, out) < 0 ? Facing::against_one_atom : Facing::outward;
   }
-  const Vec3d out = (outward(spheres[atom[0]], p[0]) + outward(spheres[atom[1]], p[1])) +
-                    outward(spheres[atom[2]], p[2]);
+  const Vec3d out = (outward_at(0) + outward_at(1)) + outward_at(2);
   return dot(area, out) < 0 ? Facing::against_several_atoms : Facing::outward;
+}
+VDWMESH_HD inline Facing facing(const Sphere* spheres, const Vec3d* p, const SphereId* atom) {
+  return facing(spheres, p, atom, [=](int k) { return outward(spheres[atom[k]], p[k]); });
 }
 
 }  // namespace vdwmesh

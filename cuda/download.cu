@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "cuda/download.cuh"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kChunk = std::size_t{2} << 20;
+constexpr std::size_t kChunksPerThread = 3;  // at least, or fewer threads are as fast
+constexpr unsigned kMostThreads = 16;
+
+struct Chunk {
+  std::byte* host;
+  const std::byte* device;
+  std::size_t bytes;
+};
+
+std::vector<Chunk> cut(const std::vector<DownloadPart>& parts) {
+  std::vector<Chunk> chunks;
+  for (const DownloadPart& part : parts) {
+    for (std::size_t at = 0; at < part.bytes; at += kChunk) {
+      chunks.push_back({static_cast<std::byte*>(part.host) + at,
+                        static_cast<const std::byte*>(part.device) + at,
+                        std::min(kChunk, part.bytes - at)});
+    }
+  }
+  return chunks;
+}
+
+// Two page-locked buffers and a stream: one buffer is filled while the other is emptied.
+class StagingLane {
+ public:
+  StagingLane() {
+    for (std::byte*& buffer : buffers_) {
+      check_cuda(cudaMallocHost(reinterpret_cast<void**>(&buffer), kChunk), "page-locked memory");
+    }
+  }
+  ~StagingLane() {
+    for (std::byte* buffer : buffers_) cudaFreeHost(buffer);
+  }
+  StagingLane(const StagingLane&) = delete;
+  StagingLane& operator=(const StagingLane&) = delete;
+
+  // Copies chunks until there are none left.
+  void work(const std::vector<Chunk>& chunks, std::atomic<std::size_t>& next, cudaEvent_t ready) {
+    check_cuda(cudaStreamWaitEvent(stream_.get(), ready), "download");
+    std::size_t filling = next++;
+    int side = 0;
+    if (filling < chunks.size()) fill(chunks[filling], side);
+    while (filling < chunks.size()) {
+      stream_.wait();
+      const Chunk& filled = chunks[filling];
+      filling = next++;
+      if (filling < chunks.size()) fill(chunks[filling], 1 - side);
+      std::memcpy(filled.host, buffers_[side], filled.bytes);
+      side = 1 - side;
+    }
+  }
+
+ private:
+  void fill(const Chunk& chunk, int side) {
+    check_cuda(cudaMemcpyAsync(buffers_[side], chunk.device, chunk.bytes, cudaMemcpyDeviceToHost,
+                               stream_.get()),
+               "download");
+  }
+
+  Stream stream_;
+  std::byte* buffers_[2] = {nullptr, nullptr};
+};
+
+// Lanes are kept: locking their pages takes as long as a small download. One download at a time
+// uses them.
+class Staging {
+ public:
+  void copy(const std::vector<Chunk>& chunks, cudaEvent_t ready) {
+    const std::lock_guard lock(mutex_);
+    int device = 0;
+    check_cuda(cudaGetDevice(&device), "device");
+    std::vector<std::unique_ptr<StagingLane>>& lanes = lanes_of(device);
+    const std::size_t cores = std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads);
+    const std::size_t threads = std::clamp<std::size_t>(chunks.size() / kChunksPerThread, 1, cores);
+    while (lanes.size() < threads) lanes.push_back(std::make_unique<StagingLane>());
+    std::atomic<std::size_t> next{0};
+    std::vector<std::exception_ptr> failures(threads);
+    const auto work = [&](std::size_t i) {
+      try {
+        check_cuda(cudaSetDevice(device), "device");
+        lanes[i]->work(chunks, next, ready);
+      } catch (...) {
+        failures[i] = std::current_exception();
+      }
+    };
+    {
+      std::vector<std::jthread> others;
+      for (std::size_t i = 1; i < threads; ++i) others.emplace_back(work, i);
+      work(0);
+    }
+    for (const std::exception_ptr& failure : failures) {
+      if (failure) std::rethrow_exception(failure);
+    }
+  }
+
+ private:
+  std::vector<std::unique_ptr<StagingLane>>& lanes_of(int device) {
+    const auto at = static_cast<std::size_t>(device);
+    if (lanes_.size() <= at) lanes_.resize(at + 1);
+    return lanes_[at];
+  }
+
+  std::mutex mutex_;
+  std::vector<std::vector<std::unique_ptr<StagingLane>>> lanes_;  // by device
+};
+
+// Never destroyed: at the end of the process the driver may be gone before it.
+Staging& staging() {
+  static Staging* const instance = new Staging;
+  return *instance;
+}
+
+class Event {
+ public:
+  explicit Event(cudaStream_t stream) {
+    check_cuda(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "event");
+    check_cuda(cudaEventRecord(event_, stream), "event");
+  }
+  ~Event() { cudaEventDestroy(event_); }
+  Event(const Event&) = delete;
+  Event& operator=(const Event&) = delete;
+  cudaEvent_t get() const { return event_; }
+
+ private:
+  cudaEvent_t event_ = nullptr;
+};
+
+}  // namespace
+
+void download_parts(const std::vector<DownloadPart>& parts, const Stream& stream) {
+  const std::vector<Chunk> chunks = cut(parts);
+  const Event ready(stream.get());
+  if (!chunks.empty()) staging().copy(chunks, ready.get());
+}
+
+}  // namespace vdwmesh
