@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/edge_survey.hpp"
+#include "core/multiversion.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
@@ -40,9 +41,9 @@ Vec3d local_origin(const IndexedMesh& mesh) {
   return lower + 0.5 * (upper - lower);
 }
 
-std::vector<Run> sum_block(const IndexedMesh& mesh, const EdgeSurvey& survey, const Vec3d& origin,
-                           std::size_t begin, std::size_t end) {
-  std::vector<Run> runs;
+VDWMESH_MULTIVERSION void sum_block(const IndexedMesh& mesh, const EdgeSurvey& survey,
+                                    const Vec3d& origin, std::size_t begin, std::size_t end,
+                                    std::vector<Run>& runs) {
   for (std::size_t t = begin; t < end; ++t) {
     const auto& [i, j, k] = mesh.triangles[t];
     const Vec3d a = mesh.positions[i];
@@ -52,7 +53,6 @@ std::vector<Run> sum_block(const IndexedMesh& mesh, const EdgeSurvey& survey, co
     runs.back().sums.area.add(norm(twice_area) / 2);
     runs.back().sums.volume.add(dot(a - origin, twice_area) / 6);
   }
-  return runs;
 }
 
 std::vector<Sums> sum_shells(const IndexedMesh& mesh, const EdgeSurvey& survey) {
@@ -61,8 +61,8 @@ std::vector<Sums> sum_shells(const IndexedMesh& mesh, const EdgeSurvey& survey) 
   std::vector<std::vector<Run>> blocks((triangles + kTrianglesPerBlock - 1) / kTrianglesPerBlock);
   tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
     const std::size_t begin = b * kTrianglesPerBlock;
-    blocks[b] =
-        sum_block(mesh, survey, origin, begin, std::min(begin + kTrianglesPerBlock, triangles));
+    sum_block(mesh, survey, origin, begin, std::min(begin + kTrianglesPerBlock, triangles),
+              blocks[b]);
   });
   std::vector<Sums> shells(survey.shells);
   for (const std::vector<Run>& runs : blocks)

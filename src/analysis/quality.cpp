@@ -6,17 +6,21 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
+#include <vector>
 
+#include "analysis/distribution.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "analysis/quality_histograms.hpp"
 #include "core/errors.hpp"
-#include "core/sum.hpp"
+#include "core/large_pages.hpp"
+#include "core/multiversion.hpp"
 #include "mesh/edge_buckets.hpp"
 
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kTrianglesPerTask = 1 << 13;
+constexpr std::size_t kItemsPerTask = 1 << 13;
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
 // Edge lengths a >= b >= c and area of one triangle.
@@ -49,28 +53,6 @@ double aspect_ratio(const Shape& s) {
   return std::min(ratio, std::numeric_limits<double>::max());
 }
 
-Distribution distribution(Buffer<double>& values) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  if (values.empty()) return {kNone, kNone, kNone, kNone, kNone, kNone};
-  WideSum sum;
-  for (const double value : values) sum.add(value);
-  const auto [min, max] = std::minmax_element(values.begin(), values.end());
-  Distribution result{*min, 0, 0, 0, *max, sum.value() / static_cast<double>(values.size())};
-  // Rank ceil(hundredths n / 100), in whole numbers.
-  const auto at = [&](std::size_t hundredths) {
-    const std::size_t rank = (values.size() * hundredths + 99) / 100;
-    return values.begin() + static_cast<std::ptrdiff_t>(rank - 1);
-  };
-  const auto low = at(1), middle = at(50), high = at(99);
-  std::nth_element(values.begin(), middle, values.end());
-  result.median = *middle;
-  if (low != middle) std::nth_element(values.begin(), low, middle);
-  result.p01 = *low;
-  if (high != middle) std::nth_element(middle + 1, high, values.end());
-  result.p99 = *high;
-  return result;
-}
-
 bool has_repeated_index(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 void require_vertices(const IndexedMesh& mesh) {
@@ -81,32 +63,79 @@ void require_vertices(const IndexedMesh& mesh) {
                                        v, mesh.vertex_count()));
 }
 
-template <class Value>
-void fill(const IndexedMesh& mesh, Buffer<double>& values, Value&& value) {
-  values.resize(mesh.triangle_count());
+// Calls body(first, last) for blocks of [0, count) on all cores.
+template <class Body>
+void for_blocks(std::size_t count, Body&& body) {
   tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, mesh.triangle_count(), kTrianglesPerTask),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t t = range.begin(); t < range.end(); ++t)
-          values[t] = value(has_repeated_index(mesh.triangles[t]) ? Shape{} : shape_of(mesh, t));
-      });
+      tbb::blocked_range<std::size_t>(0, count, kItemsPerTask),
+      [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
 }
 
-void fill_edge_lengths(const IndexedMesh& mesh, Buffer<double>& lengths) {
-  const EdgeBuckets buckets(mesh.triangles, mesh.vertex_count());
-  lengths.clear();
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    for_each_edge(buckets.at(v), [&](std::span<const EdgeEntry> edge) {
-      lengths.push_back(norm(mesh.positions[edge[0].larger()] - mesh.positions[v]));
-    });
+Shape shape_or_none(const IndexedMesh& mesh, std::size_t t) {
+  return has_repeated_index(mesh.triangles[t]) ? Shape{} : shape_of(mesh, t);
 }
 
 // -1 where there is none.
 double aspect_ratio_or_none(const Shape& s) { return s.area > 0 ? aspect_ratio(s) : -1; }
 
-void fill_aspect_ratios(const IndexedMesh& mesh, Buffer<double>& values) {
-  fill(mesh, values, aspect_ratio_or_none);
-  std::erase(values, -1.0);
+// ---- the loops in both processor versions ----
+
+VDWMESH_MULTIVERSION void fill_shapes(const IndexedMesh& mesh, std::size_t first, std::size_t last,
+                                      double* angles, double* ratios) {
+  for (std::size_t t = first; t < last; ++t) {
+    const Shape shape = shape_or_none(mesh, t);
+    angles[t] = min_angle_deg(shape);
+    ratios[t] = aspect_ratio_or_none(shape);
+  }
+}
+
+VDWMESH_MULTIVERSION void fill_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets,
+                                       std::size_t first, std::size_t last, double* lengths) {
+  for (std::size_t v = first; v < last; ++v)
+    for_each_edge(buckets.at(v), [&](std::span<const EdgeEntry> edge) {
+      *lengths++ = norm(mesh.positions[edge[0].larger()] - mesh.positions[v]);
+    });
+}
+
+struct TriangleShapes {
+  Buffer<double> min_angles_deg;
+  Buffer<double> aspect_ratios;  // of the triangles that have one
+};
+
+TriangleShapes triangle_shapes(const IndexedMesh& mesh) {
+  TriangleShapes shapes;
+  resize_untouched(shapes.min_angles_deg, mesh.triangle_count());
+  resize_untouched(shapes.aspect_ratios, mesh.triangle_count());
+  for_blocks(mesh.triangle_count(), [&](std::size_t first, std::size_t last) {
+    fill_shapes(mesh, first, last, shapes.min_angles_deg.data(), shapes.aspect_ratios.data());
+  });
+  std::erase(shapes.aspect_ratios, -1.0);
+  return shapes;
+}
+
+// Each edge once, by its smaller vertex.
+Buffer<double> edge_lengths(const IndexedMesh& mesh) {
+  const EdgeBuckets buckets(mesh.triangles, mesh.vertex_count());
+  std::vector<std::size_t> before(mesh.vertex_count() / kItemsPerTask + 2);
+  const auto each_task = [&](auto&& body) {
+    tbb::parallel_for(std::size_t{0}, before.size() - 1, [&](std::size_t task) {
+      const std::size_t first = task * kItemsPerTask;
+      body(task, first, std::min(first + kItemsPerTask, mesh.vertex_count()));
+    });
+  };
+  each_task([&](std::size_t task, std::size_t first, std::size_t last) {
+    std::size_t edges = 0;
+    for (std::size_t v = first; v < last; ++v)
+      for_each_edge(buckets.at(v), [&](std::span<const EdgeEntry>) { ++edges; });
+    before[task + 1] = edges;
+  });
+  std::partial_sum(before.begin(), before.end(), before.begin());
+  Buffer<double> lengths;
+  resize_untouched(lengths, before.back());
+  each_task([&](std::size_t task, std::size_t first, std::size_t last) {
+    fill_lengths(mesh, buckets, first, last, lengths.data() + before[task]);
+  });
+  return lengths;
 }
 
 // From 0 at `lower` to 1 at `upper`.
@@ -119,14 +148,11 @@ double place(double value, BinScale scale, double lower, double upper) {
 
 MeshQuality quality(const IndexedMesh& mesh) {
   MeshQuality result{};
-  Buffer<double> values;  // one array for all three, the largest thing here
-  fill_edge_lengths(mesh, values);
-  result.edge_length = distribution(values);
-  fill(mesh, values, min_angle_deg);
-  result.min_angle_deg = distribution(values);
-  fill_aspect_ratios(mesh, values);
-  result.degenerate_triangles = mesh.triangle_count() - values.size();
-  result.aspect_ratio = distribution(values);
+  result.edge_length = distribution_of(edge_lengths(mesh));
+  const TriangleShapes shapes = triangle_shapes(mesh);
+  result.min_angle_deg = distribution_of(shapes.min_angles_deg);
+  result.aspect_ratio = distribution_of(shapes.aspect_ratios);
+  result.degenerate_triangles = mesh.triangle_count() - shapes.aspect_ratios.size();
   return result;
 }
 
@@ -153,23 +179,20 @@ Histogram histogram(std::span<const double> values, BinScale scale, double lower
 
 QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   QualityHistograms result;
-  Buffer<double> values;
-  fill_edge_lengths(mesh, values);
-  result.edge_length = histogram(values, BinScale::logarithmic, 0x1p-10, 4, 48);
+  result.edge_length = histogram(edge_lengths(mesh), BinScale::logarithmic, 0x1p-10, 4, 48);
   // No smallest angle is above 60 degrees and no aspect ratio below 1, but for rounding.
-  fill(mesh, values, [](const Shape& s) { return std::min(min_angle_deg(s), 60.0); });
-  result.min_angle_deg = histogram(values, BinScale::linear, 0, 60, 30);
-  fill_aspect_ratios(mesh, values);
-  for (double& value : values) value = std::max(value, 1.0);
-  result.aspect_ratio = histogram(values, BinScale::logarithmic, 1, 1024, 40);
+  TriangleShapes shapes = triangle_shapes(mesh);
+  for (double& angle : shapes.min_angles_deg) angle = std::min(angle, 60.0);
+  result.min_angle_deg = histogram(shapes.min_angles_deg, BinScale::linear, 0, 60, 30);
+  for (double& ratio : shapes.aspect_ratios) ratio = std::max(ratio, 1.0);
+  result.aspect_ratio = histogram(shapes.aspect_ratios, BinScale::logarithmic, 1, 1024, 40);
   return result;
 }
 
 std::vector<float> min_angles_deg(const IndexedMesh& mesh) {
   require_vertices(mesh);
-  Buffer<double> values;
-  fill(mesh, values, min_angle_deg);
-  return {values.begin(), values.end()};
+  const Buffer<double> angles = triangle_shapes(mesh).min_angles_deg;
+  return {angles.begin(), angles.end()};
 }
 
 }  // namespace vdwmesh
