@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "core/large_pages.hpp"
 #include "structure/lines.hpp"
 #include "structure/site.hpp"
 
@@ -100,6 +101,7 @@ class Choice {
 
   void choose_models() {
     const std::vector<gemmi::Model>& models = file_.structure->models;
+    sites_.reserve(file_.atoms.size());
     for (std::size_t i = 0; i < models.size(); ++i) {
       std::uint64_t count = 0;
       const bool chosen = is_chosen(i);
@@ -209,25 +211,32 @@ class Choice {
   void take(const gemmi::Model& model, const gemmi::Chain& chain, const gemmi::Residue& residue,
             const gemmi::Atom& atom, double radius) {
     const AtomRecord& record = file_.atoms[static_cast<std::size_t>(atom.serial)];
-    Atom taken;
+    if (&residue != numbered_) {
+      numbered_ = &residue;
+      residue_number_ = residue.seqid.num ? residue.seqid.str() : std::string();
+    }
+    Atom& taken = molecule_.atoms.emplace_back();
     taken.position = {atom.pos.x, atom.pos.y, atom.pos.z};
     taken.radius = radius;
     taken.element = atom.element.name();
     taken.name = atom.name;
     taken.residue_name = residue.name;
     taken.chain = chain.name;
-    if (residue.seqid.num) taken.residue_number = residue.seqid.str();
+    taken.residue_number = residue_number_;
     taken.serial = record.serial;
     taken.model = number_of(model);
     taken.hetero = record.hetero;
-    molecule_.atoms.push_back(std::move(taken));
   }
 
   void take_asymmetric() {
     // gemmi gathers the atoms of a residue; the file may interleave them.
-    std::stable_sort(sites_.begin(), sites_.end(),
-                     [](const Site& a, const Site& b) { return a.atom->serial < b.atom->serial; });
+    const auto in_order = [](const Site& a, const Site& b) {
+      return a.atom->serial < b.atom->serial;
+    };
+    if (!std::is_sorted(sites_.begin(), sites_.end(), in_order))
+      std::stable_sort(sites_.begin(), sites_.end(), in_order);
     molecule_.atoms.reserve(sites_.size());
+    advise_large_pages(molecule_.atoms.data(), sites_.size());
     for (const Site& site : sites_)
       take(*site.model, *site.chain, *site.residue, *site.atom, site.radius);
     molecule_.atoms_used = sites_.size();
@@ -254,6 +263,7 @@ class Choice {
         radius_of[static_cast<std::size_t>(site->atom->serial)] = site->radius;
       const gemmi::Model copies = gemmi::make_assembly(
           wanted, chosen_part(first, last), gemmi::HowToNameCopiedChain::AddNumber, nullptr);
+      numbered_ = nullptr;  // these residues may be where others were
       for (const gemmi::Chain& chain : copies.chains)
         for (const gemmi::Residue& residue : chain.residues)
           for (const gemmi::Atom& atom : residue.atoms) {
@@ -285,6 +295,8 @@ class Choice {
   const ReadOptions& options_;
   Sites sites_;
   Molecule molecule_;
+  const gemmi::Residue* numbered_ = nullptr;  // whose number residue_number_ is
+  std::string residue_number_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "core/errors.hpp"
+#include "core/large_pages.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -59,7 +60,8 @@ Text read_bytes(const std::filesystem::path& path, std::uint64_t limit) {
   const Descriptor file(path);
   const std::uint64_t expected = expected_size(file.get(), path);
   if (expected > limit) refuse_size(path, limit);
-  Text bytes(static_cast<std::size_t>(expected) + 1);  // one more, to meet the end in one go
+  Text bytes;
+  resize_untouched(bytes, static_cast<std::size_t>(expected) + 1);  // one more, to meet the end
   std::size_t used = 0;
   for (;;) {
     if (used == bytes.size()) bytes.resize(std::max(2 * bytes.size(), kChunk));
@@ -100,7 +102,8 @@ class Inflater {
   ~Inflater() { inflateEnd(&stream_); }
 
   Text unpack(const Text& packed, std::uint64_t limit) {
-    Text text(unpacked_size_hint(packed, limit));
+    Text text;
+    resize_untouched(text, unpacked_size_hint(packed, limit));
     std::size_t used = 0, read = 0;
     for (;;) {
       if (used > limit) refuse_size(path_, limit);
