@@ -2,6 +2,7 @@
 # Installs the Debian packages that the build and the tests need; a second run installs nothing.
 #   scripts/install-deps.sh [GROUP...]
 #     browser: Chromium too, which tests the page of a study
+#     fuzz: Clang 19 and its runtime too, for the preset fuzz and for clang-tidy
 #     anchors: VTK and OpenVDB too, which benchmarks compare with (1 GB)
 set -euo pipefail
 
@@ -16,7 +17,8 @@ for group in "$@"; do
   case $group in
     browser) packages+=(chromium chromium-driver python3-selenium python3-pil) ;;
     anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
-    *) echo "install-deps: no group $group; there are browser and anchors" >&2; exit 1 ;;
+    fuzz) packages+=(clang-19 libclang-rt-19-dev clang-tidy-19) ;;
+    *) echo "install-deps: no group $group; there are browser, anchors and fuzz" >&2; exit 1 ;;
   esac
 done
 

@@ -1,12 +1,24 @@
-// Exceptions by cause. The message is one line that says what, where, and what would work.
+// Exceptions by cause. The message is one line that says what, where, and what would work; it may
+// name what stands in files and options, so control characters become question marks here.
 #pragma once
 
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace vdwmesh {
 
 class Error : public std::runtime_error {
-  using std::runtime_error::runtime_error;
+ public:
+  explicit Error(std::string message) : std::runtime_error(without_controls(std::move(message))) {}
+
+ private:
+  static std::string without_controls(std::string text) {
+    for (char& c : text) {
+      if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
+    }
+    return text;
+  }
 };
 
 // Options or data outside what the function's contract accepts.

@@ -17,6 +17,7 @@ constexpr std::size_t kInsertionSortLimit = 32;
 constexpr std::size_t kVerticesPerTask = 1 << 14;
 
 void sort_bucket(EdgeEntry* first, EdgeEntry* last) {
+  if (first == last) return;  // null where no triangle has an edge
   if (static_cast<std::size_t>(last - first) > kInsertionSortLimit) {
     std::sort(first, last);
     return;

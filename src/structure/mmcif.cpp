@@ -204,7 +204,7 @@ ParsedFile parse_mmcif(std::string_view text, const std::string& path) {
     throw;
   } catch (const std::exception& error) {
     const std::string what = one_line(error.what());
-    throw FileFormatError(what.starts_with(path) ? what : fmt::format("{}: {}", path, what));
+    throw FileFormatError(what.rfind(path, 0) == 0 ? what : fmt::format("{}: {}", path, what));
   }
   return file;
 }

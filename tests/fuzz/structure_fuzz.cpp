@@ -1,0 +1,41 @@
+// A structure reader on any bytes. VDWMESH_FUZZ_FORMAT names the format.
+#include "fuzz/memory_file.hpp"
+#include "fuzz/molecule_checks.hpp"
+#include "structure/reader.hpp"
+
+namespace vdwmesh::fuzz {
+namespace {
+
+ReadOptions everything() {
+  ReadOptions options;
+  options.model = "all";
+  options.altloc = "all";
+  options.waters = Inclusion::keep;
+  return options;
+}
+
+ReadOptions little() {
+  ReadOptions options;
+  options.assembly = std::string(1, '1');  // GCC 12 warns of a literal
+  options.hydrogens = Inclusion::drop;
+  options.hetero_atoms = Inclusion::drop;
+  options.radii = "alvarez";
+  return options;
+}
+
+void read(const MemoryFile& file, ReadOptions options) {
+  options.format = StructureFormat::VDWMESH_FUZZ_FORMAT;
+  allow_refusal([&] { check_molecule(read_structure(file.path(), options)); });
+}
+
+}  // namespace
+}  // namespace vdwmesh::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace vdwmesh::fuzz;
+  const MemoryFile file(as_text(data, size));
+  read(file, {});
+  read(file, everything());
+  read(file, little());
+  return 0;
+}

@@ -1,0 +1,77 @@
+// The exact union of any balls, by both methods.
+#include <algorithm>
+#include <cmath>
+
+#include "arrangement/exact_union.hpp"
+#include "fuzz/fuzz_target.hpp"
+#include "fuzz/one_thread.hpp"
+#include "fuzz/sphere_maker.hpp"
+
+namespace vdwmesh::fuzz {
+namespace {
+
+constexpr int kMostSpheres = 24;
+// Of the total. The two formula sets share the triangulation, arcs share nothing. The second
+// formula set loses digits where balls that touch differ much in size (docs/fuzzing.md).
+constexpr double kFormulas = 1e-11, kMethods = 1e-9;
+constexpr double kOrdinaryRatio = 100, kLost = 1e-5;
+
+double lost_digits(const SphereSet& spheres) {
+  double least = spheres[0].radius, largest = least;
+  for (const Sphere& s : spheres.spheres()) {
+    least = std::min(least, s.radius);
+    largest = std::max(largest, s.radius);
+  }
+  return largest > kOrdinaryRatio * least ? kLost : 0;
+}
+
+bool close(double a, double b, double tolerance) {
+  if (std::abs(a - b) <= tolerance * std::abs(b)) return true;
+  std::fprintf(stderr, "%.17g is not %.17g to %g\n", a, b, tolerance);
+  return false;
+}
+
+void check_measures(const ExactUnion& u, double tolerance) {
+  require(std::isfinite(u.area) && u.area > 0, "the area is finite and positive");
+  require(std::isfinite(u.volume) && u.volume > 0, "the volume is finite and positive");
+  require(close(*u.check_area, u.area, tolerance), "both ways give one area");
+  require(close(*u.check_volume, u.volume, tolerance), "both ways give one volume");
+  for (const SphereMeasures& m : u.per_sphere) {
+    require(m.area >= -tolerance * u.area, "no sphere has a negative area");
+    require(m.volume >= -tolerance * u.volume, "no sphere has a negative volume");
+  }
+}
+
+void check_topology(const ExactUnion& u, double tolerance) {
+  const UnionTopology& t = *u.topology;
+  const auto betti =
+      static_cast<std::int64_t>(t.components + t.voids) - static_cast<std::int64_t>(t.tunnels);
+  require(t.components >= 1, "a union has a component");
+  require(t.euler_characteristic == 2 * betti, "Betti numbers give the Euler characteristic");
+  require(t.hidden_spheres < u.per_sphere.size(), "some sphere is exposed");
+  double area = 0, volume = 0;
+  for (const Shell& shell : t.shells) {
+    area += shell.area;
+    volume += shell.volume;
+  }
+  require(close(area, u.area, tolerance), "the shells have the area");
+  require(close(volume, u.volume, tolerance), "the shells have the volume");
+}
+
+}  // namespace
+}  // namespace vdwmesh::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace vdwmesh;
+  using namespace vdwmesh::fuzz;
+  static const OneThread one_thread;
+  ByteSource bytes(data, size);
+  const SphereSet spheres = make_spheres(bytes, kMostSpheres);
+  if (is_told_to_print()) print(spheres);
+  const ExactUnion exact = exact_union(spheres, {UnionMethod::cgal, nullptr});
+  const double lost = lost_digits(spheres);
+  check_measures(exact, kFormulas + lost);
+  check_topology(exact, kFormulas + lost);
+  check_measures(exact_union(spheres, {UnionMethod::both, nullptr}), kMethods + lost);
+  return 0;
+}

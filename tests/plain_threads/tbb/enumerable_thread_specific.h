@@ -1,0 +1,29 @@
+#pragma once
+
+#include <deque>
+#include <map>
+
+#include "../plain_threads.hpp"
+
+namespace tbb {
+
+// One value for each thread that asks; places do not move.
+template <class Value>
+class enumerable_thread_specific {
+ public:
+  Value& local() {
+    const std::lock_guard lock(guard_);
+    const auto [found, fresh] = index_.try_emplace(std::this_thread::get_id(), values_.size());
+    if (fresh) values_.emplace_back();
+    return values_[found->second];
+  }
+  auto begin() const { return values_.begin(); }
+  auto end() const { return values_.end(); }
+
+ private:
+  std::mutex guard_;
+  std::map<std::thread::id, std::size_t> index_;
+  std::deque<Value> values_;
+};
+
+}  // namespace tbb
