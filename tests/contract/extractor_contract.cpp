@@ -180,4 +180,29 @@ SphereSet translated(const SphereSet& spheres, const Vec3d& by) {
   return SphereSet(std::move(moved));
 }
 
+SphereSet permuted(const SphereSet& spheres, const std::vector<SphereId>& order) {
+  std::vector<Sphere> result;
+  for (const SphereId id : order) result.push_back(spheres[id]);
+  return SphereSet(std::move(result));
+}
+
+void expect_permuted(const SphereSet& spheres, const ExtractResult& original,
+                     const ExtractResult& shuffled, const std::vector<SphereId>& order) {
+  ASSERT_EQ(original.mesh.vertex_count(), shuffled.mesh.vertex_count());
+  const IndexedMeshHash one = hash(original.mesh), other = hash(shuffled.mesh);
+  EXPECT_EQ(one.positions, other.positions);
+  EXPECT_EQ(one.normals, other.normals);
+  EXPECT_EQ(one.triangles, other.triangles);
+  for (std::size_t v = 0; v < original.mesh.vertex_count(); ++v) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const SphereId mine = original.mesh.vertex_spheres[v][k];
+      const SphereId theirs = shuffled.mesh.vertex_spheres[v][k];
+      ASSERT_EQ(theirs == kNoSphere, mine == kNoSphere) << "vertex " << v;
+      if (mine == kNoSphere) continue;
+      const Sphere &a = spheres[mine], &b = spheres[order[theirs]];
+      ASSERT_TRUE(a.center == b.center && a.radius == b.radius) << "vertex " << v;
+    }
+  }
+}
+
 }  // namespace vdwmesh::testing

@@ -81,4 +81,11 @@ SphereSet cluster(int count, unsigned seed);
 
 SphereSet translated(const SphereSet& spheres, const Vec3d& by);
 
+// Sphere i of the result is sphere order[i] of the set.
+SphereSet permuted(const SphereSet& spheres, const std::vector<SphereId>& order);
+// The same mesh, bit for bit, but for its labels, which are permuted. Of spheres that are equal the
+// lowest id is named, in either order.
+void expect_permuted(const SphereSet& spheres, const ExtractResult& original,
+                     const ExtractResult& shuffled, const std::vector<SphereId>& order);
+
 }  // namespace vdwmesh::testing

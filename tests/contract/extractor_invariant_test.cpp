@@ -52,28 +52,6 @@ TEST_P(ExtractorFieldInvariant, TranslationChangesNothing) {
   EXPECT_EQ(there.triangles, here.triangles);
 }
 
-SphereSet permuted(const SphereSet& spheres, const std::vector<SphereId>& order) {
-  std::vector<Sphere> result;
-  for (const SphereId id : order) result.push_back(spheres[id]);
-  return SphereSet(std::move(result));
-}
-
-void expect_permuted(const ExtractResult& original, const ExtractResult& shuffled,
-                     const std::vector<SphereId>& order) {
-  ASSERT_EQ(original.mesh.vertex_count(), shuffled.mesh.vertex_count());
-  const IndexedMeshHash a = hash(original.mesh), b = hash(shuffled.mesh);
-  EXPECT_EQ(a.positions, b.positions);
-  EXPECT_EQ(a.normals, b.normals);
-  EXPECT_EQ(a.triangles, b.triangles);
-  for (std::size_t v = 0; v < original.mesh.vertex_count(); ++v) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const SphereId mine = original.mesh.vertex_spheres[v][k];
-      const SphereId theirs = shuffled.mesh.vertex_spheres[v][k];
-      ASSERT_EQ(theirs == kNoSphere ? kNoSphere : order[theirs], mine) << "vertex " << v;
-    }
-  }
-}
-
 TEST_P(ExtractorFieldInvariant, PermutedAtomsGiveTheSameMeshWithPermutedLabels) {
   // The ring has exact ties between its spheres, the cluster has none.
   for (const SphereSet& spheres :
@@ -83,7 +61,8 @@ TEST_P(ExtractorFieldInvariant, PermutedAtomsGiveTheSameMeshWithPermutedLabels) 
     std::iota(order.begin(), order.end(), SphereId{0});
     std::shuffle(order.begin(), order.end(), std::mt19937(17));
     const ExtractOptions options = at_spacing(0.5);
-    expect_permuted(extract(spheres, options), extract(permuted(spheres, order), options), order);
+    expect_permuted(spheres, extract(spheres, options), extract(permuted(spheres, order), options),
+                    order);
   }
 }
 
