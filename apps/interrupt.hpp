@@ -1,6 +1,8 @@
 // SIGINT and SIGTERM. They end the program at once, except while an output file is being written:
-// then they wait until it stands whole under its name.
+// then they wait until what there is of it is removed, or it stands whole under its name.
 #pragma once
+
+#include "core/monitor.hpp"
 
 namespace vdwmesh::apps {
 
@@ -16,6 +18,14 @@ class HoldSignals {
   ~HoldSignals();
   HoldSignals(const HoldSignals&) = delete;
   HoldSignals& operator=(const HoldSignals&) = delete;
+};
+
+// Cancelled by a signal that waits. Shows no progress.
+class SignalMonitor : public Monitor {
+ public:
+  void begin_stage(std::string_view, std::uint64_t) override {}
+  void advance(std::uint64_t) override {}
+  bool cancelled() const override { return pending_signal() != 0; }
 };
 
 // Whether the cursor stands in a progress line, which an interrupted program ends.

@@ -38,9 +38,11 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   return verbs;
 }
 
-// One line on standard error, whatever the message holds.
+// One line on standard error, whatever the message holds: it may quote a damaged file.
 int fail(ExitCode code, std::string message) {
+  const auto is_control = [](unsigned char c) { return c < ' ' || c == 0x7f; };
   std::replace(message.begin(), message.end(), '\n', ' ');
+  std::replace_if(message.begin(), message.end(), is_control, '?');
   std::fprintf(stderr, "vdwmesh: %s\n", message.c_str());
   return code;
 }

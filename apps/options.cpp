@@ -95,7 +95,9 @@ void InputFlags::add_to(CLI::App& verb, Inputs inputs) {
     verb.add_option("--sample", samples_, samples)->delimiter(',')->allow_extra_args(false);
   }
   verb.add_option("--format", format_, "of INPUT where its name does not tell: pdb mmcif pqr xyzr");
-  verb.add_option("--radii", radii_, "bondi, alvarez, or a file of ELEMENT RADIUS lines [bondi]");
+  verb.add_option(
+      "--radii", radii_,
+      "bondi, alvarez, or a file of lines ELEMENT RADIUS or RESIDUE ATOM RADIUS [bondi]");
   verb.add_option("--probe", probe_, "added to every radius, Å [0]");
   verb.add_option("--model", model_, "model number, first, or all models as one set [first]");
   verb.add_option("--assembly", assembly_, "biological assembly of the file [asymmetric]");

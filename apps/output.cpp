@@ -26,11 +26,12 @@ using File = std::unique_ptr<std::FILE, CloseFile>;
       fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
 }
 
-void write_to(const fs::path& path, std::string_view content) {
+// Writes to `path`; what goes wrong is told of `name`, which the caller knows.
+void write_to(const fs::path& path, std::string_view content, const fs::path& name) {
   File file(std::fopen(path.c_str(), "wb"));
-  if (!file) throw_cannot_write(path);
+  if (!file) throw_cannot_write(name);
   const bool written = std::fwrite(content.data(), 1, content.size(), file.get()) == content.size();
-  if (!written || std::fflush(file.get()) != 0) throw_cannot_write(path);
+  if (!written || std::fflush(file.get()) != 0) throw_cannot_write(name);
 }
 
 fs::path folder_of(const fs::path& path) {
@@ -61,11 +62,11 @@ void check_writable(std::string_view option, const fs::path& path) {
 }
 
 void write_file(const fs::path& path, std::string_view content) {
-  if (is_special(path)) return write_to(path, content);
+  if (is_special(path)) return write_to(path, content, path);
   const HoldSignals hold;
   const fs::path temporary = path.string() + fmt::format(".{}.part", ::getpid());
   try {
-    write_to(temporary, content);
+    write_to(temporary, content, path);
     fs::rename(temporary, path);
   } catch (const std::exception&) {
     std::error_code ignored;

@@ -27,9 +27,10 @@ struct InputReport {
 
 struct ParametersReport {
   SurfaceOptions surface;
-  std::optional<GridSpec> grid;                // of marching cubes
-  std::optional<double> isovalue, blobbiness;  // of the fields that have them
-  std::uint64_t memory_limit = 0;              // bytes
+  std::optional<GridSpec> grid;                  // of marching cubes
+  std::optional<double> isovalue, blobbiness;    // of the fields that have them
+  std::uint64_t memory_limit = 0;                // bytes
+  std::optional<std::uint64_t> memory_estimate;  // bytes, of the stage that takes the most
 };
 
 struct BackendReport {

@@ -37,7 +37,8 @@ Json parameters_json(const ParametersReport& parameters) {
       {"project", projection_name(surface.projection)},
       {"grid", grid ? grid_json(*grid) : Json(nullptr)},
       {"memory_limit",
-       parameters.memory_limit == kNoMemoryLimit ? Json(nullptr) : Json(parameters.memory_limit)}};
+       parameters.memory_limit == kNoMemoryLimit ? Json(nullptr) : Json(parameters.memory_limit)},
+      {"memory_estimate", or_null(parameters.memory_estimate)}};
 }
 
 Json arrangement_json(const std::optional<ExactMeshStats>& stats) {

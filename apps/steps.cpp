@@ -137,11 +137,14 @@ bool counts_self_intersections(SelfIntersections wanted, const IndexedMesh& mesh
   return wanted == SelfIntersections::count || (wanted == SelfIntersections::small_meshes && small);
 }
 
-Molecule load(const InputOptions& options, Report& report) {
+Molecule load(const InputOptions& options, std::uint64_t memory_limit, Report& report) {
   const Stopwatch watch;
-  Molecule molecule = options.sample.empty() ? read_structure(options.path, options.read)
-                                             : read_sample(options.sample, options.read);
+  ReadOptions read = options.read;
+  read.memory_limit = memory_limit;
+  Molecule molecule = options.sample.empty() ? read_structure(options.path, read)
+                                             : read_sample(options.sample, read);
   report.input = describe(molecule, options.probe);
+  report.warnings.insert(report.warnings.end(), molecule.warnings.begin(), molecule.warnings.end());
   report.timing.read = watch.seconds();
   return molecule;
 }

@@ -11,8 +11,8 @@
 
 namespace vdwmesh::apps {
 
-// Reads the structure or sample.
-Molecule load(const InputOptions& options, Report& report);
+// Reads the structure or sample. A text too large for `memory_limit` bytes is refused.
+Molecule load(const InputOptions& options, std::uint64_t memory_limit, Report& report);
 
 // Radii grown by the probe. Throws InvalidInput naming the first atom whose radius would not be
 // positive.

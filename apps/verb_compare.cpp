@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include "machine.hpp"
+#include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
 #include "output.hpp"
 #include "per_atom.hpp"
@@ -41,9 +44,16 @@ class CompareVerb : public Verb {
 
     Machine machine(machine_options);
     Report report;
-    const Molecule molecule = load(input, report);
+    const Molecule molecule = load(input, machine_options.memory_limit, report);
     const SphereSet spheres = to_spheres(molecule, input.probe);
-    const IndexedMesh mesh = read_and_measure(machine.monitor(), report);
+    check_file_size(machine_options.memory_limit);
+    MeshFile file = read_mesh(mesh_path_);
+    const IndexedMesh& mesh = file.mesh;
+    MemoryDemand demand;
+    demand.exact = exact.method;
+    demand.distances = distance_choice.distances;
+    check_memory_after(demand, spheres, mesh, machine_options.memory_limit);
+    measure_file(file, machine.monitor(), report);
     measure_exactly(spheres, exact, machine.monitor(), report);
     compare_with_exact(mesh, spheres, distance_choice, machine_options.memory_limit,
                        machine.monitor(), report);
@@ -58,15 +68,28 @@ class CompareVerb : public Verb {
   }
 
  private:
-  IndexedMesh read_and_measure(Monitor* monitor, Report& report) const {
-    MeshFile file = read_mesh(mesh_path_);
+  // A mesh takes about the bytes of its file, and while it is read both are there.
+  void check_file_size(std::uint64_t limit) const {
+    std::error_code ignored;
+    const std::uintmax_t bytes = std::filesystem::file_size(mesh_path_, ignored);
+    if (ignored || bytes <= limit / 2) return;
+    throw LimitExceeded(
+        fmt::format("{}: reading its {} bytes needs twice as many, {} are allowed: allow more with "
+                    "--memory-limit, or write a mesh of fewer triangles",
+                    mesh_path_, bytes, limit));
+  }
+
+  void measure_file(const MeshFile& file, Monitor* monitor, Report& report) const {
     if (file.mesh.triangle_count() == 0) {
       throw FileFormatError(mesh_path_ + ": holds no triangles; a triangle mesh is needed");
     }
     measure(file.mesh, SelfIntersections::small_meshes, monitor, report);
+    if (!(report.mesh->measures.area > 0)) {
+      throw FileFormatError(mesh_path_ +
+                            ": none of its triangles has an area; it holds no surface");
+    }
     report.mesh->path = mesh_path_;
     report.mesh->notes = file.notes;
-    return std::move(file.mesh);
   }
 
   std::string mesh_path_;

@@ -1,4 +1,5 @@
 #include "machine.hpp"
+#include "memory_plan.hpp"
 #include "output.hpp"
 #include "per_atom.hpp"
 #include "stopwatch.hpp"
@@ -28,8 +29,12 @@ class ExactVerb : public Verb {
 
     Machine machine(machine_options);
     Report report;
-    const Molecule molecule = load(input, report);
-    measure_exactly(to_spheres(molecule, input.probe), exact, machine.monitor(), report);
+    const Molecule molecule = load(input, machine_options.memory_limit, report);
+    const SphereSet spheres = to_spheres(molecule, input.probe);
+    MemoryDemand demand;
+    demand.exact = exact.method;
+    check_memory_before(demand, spheres, machine_options.memory_limit);
+    measure_exactly(spheres, exact, machine.monitor(), report);
     machine.end_progress();
     if (!output.per_atom.empty()) {
       write_file(output.per_atom,

@@ -1,5 +1,6 @@
 #include "interrupt.hpp"
 #include "machine.hpp"
+#include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
 #include "output.hpp"
 #include "stopwatch.hpp"
@@ -34,10 +35,18 @@ class MeshVerb : public Verb {
 
     Machine machine(machine_options);
     Report report;
-    const Molecule molecule = load(input, report);
+    const Molecule molecule = load(input, machine_options.memory_limit, report);
     const SphereSet spheres = to_spheres(molecule, input.probe);
+    MemoryDemand demand;
+    demand.surface = surface;
+    demand.backend = resolve(machine_options.backend);
+    demand.connectivity = Connectivity::half_edges;
+    demand.build = Switch::on;
+    const auto estimate = check_memory_before(demand, spheres, machine_options.memory_limit);
     IndexedMesh mesh = make_mesh(spheres, surface, Connectivity::half_edges, machine_options,
                                  machine.monitor(), report);
+    report.parameters->memory_estimate = estimate;
+    check_memory_after(demand, spheres, mesh, machine_options.memory_limit);
     measure(mesh, SelfIntersections::skip, machine.monitor(), report);
     const SurfaceMesh built = build_surface_mesh(mesh, molecule, report);
     mesh = {};
@@ -60,7 +69,8 @@ class MeshVerb : public Verb {
   void write(const SurfaceMesh& mesh, Monitor* monitor, Report& report) const {
     begin_stage(monitor, "write", 1);
     const HoldSignals hold;
-    for (const std::string& warning : write_mesh(mesh, mesh_path_)) {
+    const SignalMonitor signals;
+    for (const std::string& warning : write_mesh(mesh, mesh_path_, &signals)) {
       report.warnings.push_back(warning);
     }
     report.mesh->path = mesh_path_;

@@ -82,7 +82,7 @@ class RenderVerb : public Verb {
   void draw_structure(const InputOptions& input, const SurfaceOptions& surface,
                       const PictureOptions& picture, const MachineOptions& machine,
                       Monitor* monitor, Report& report) const {
-    const Molecule molecule = load(input, report);
+    const Molecule molecule = load(input, machine.memory_limit, report);
     const SphereSet spheres = to_spheres(molecule, input.probe);
     const IndexedMesh mesh =
         make_mesh(spheres, surface, Connectivity::triangles, machine, monitor, report);

@@ -3,6 +3,7 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "machine.hpp"
+#include "memory_plan.hpp"
 #include "output.hpp"
 #include "parse.hpp"
 #include "per_atom.hpp"
@@ -56,11 +57,19 @@ class ReportVerb : public Verb {
 
     Machine machine(machine_options);
     Report report;
-    const Molecule molecule = load(input, report);
+    const Molecule molecule = load(input, machine_options.memory_limit, report);
     const SphereSet spheres = to_spheres(molecule, input.probe);
+    MemoryDemand demand;
+    demand.surface = surface;
+    demand.backend = resolve(machine_options.backend);
+    demand.exact = exact.method;
+    demand.distances = distance_choice.distances;
+    const auto estimate = check_memory_before(demand, spheres, machine_options.memory_limit);
     std::vector<LevelReport> levels;
     const IndexedMesh mesh = make_mesh(spheres, surface, Connectivity::triangles, machine_options,
                                        machine.monitor(), report, record_levels(count, levels));
+    report.parameters->memory_estimate = estimate;
+    check_memory_after(demand, spheres, mesh, machine_options.memory_limit);
     report.mesh->levels = std::move(levels);
     extrapolate(mesh.triangle_labels(), *report.mesh);
     measure(mesh, count, machine.monitor(), report);

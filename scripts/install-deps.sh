@@ -3,6 +3,7 @@
 #   scripts/install-deps.sh [GROUP...]
 #     browser: Chromium too, which tests the page of a study
 #     fuzz: Clang 19 and its runtime too, for the preset fuzz and for clang-tidy
+#     vtk: VTK's Python too, which reads our meshes again (meshio does so in any case)
 #     anchors: VTK and OpenVDB too, which benchmarks compare with (1 GB)
 set -euo pipefail
 
@@ -11,14 +12,15 @@ packages=(
   libopenmesh-dev libcgal-dev libeigen3-dev gemmi-dev tao-pegtl-dev libtbb-dev libtinygltf-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libjs-vega libjs-three
   libepoxy-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libfreetype-dev fonts-dejavu-core
-  libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema freesasa valgrind
+  libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema python3-meshio freesasa valgrind
 )
 for group in "$@"; do
   case $group in
     browser) packages+=(chromium chromium-driver python3-selenium python3-pil) ;;
+    vtk) packages+=(python3-vtk9) ;;
     anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
     fuzz) packages+=(clang-19 libclang-rt-19-dev clang-tidy-19) ;;
-    *) echo "install-deps: no group $group; there are browser, anchors and fuzz" >&2; exit 1 ;;
+    *) echo "install-deps: no group $group; there are browser, fuzz, vtk and anchors" >&2; exit 1 ;;
   esac
 done
 

@@ -77,7 +77,7 @@ class Pass {
 
   void read() {
     stage("read", input_.sample.empty() ? Bytes(file_bytes(input_)) : std::nullopt, [&]() -> Bytes {
-      molecule_ = load(input_, report_);
+      molecule_ = load(input_, options_.machine.memory_limit, report_);
       return molecule_.atoms.size() * sizeof(Atom);
     });
     stage("spheres", molecule_.atoms.size() * sizeof(Atom), [&]() -> Bytes {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "memory.hpp"
+#include "memory_plan.hpp"
 #include "parse.hpp"
 #include "stopwatch.hpp"
 
@@ -95,6 +96,11 @@ std::vector<StudyRun> make_runs(const StudyTask& task, const StudyInput& input,
   LevelObserver observer;
   if (!one_level) observer = [&](int level, const IndexedMesh& mesh) { recorder.see(level, mesh); };
   Report report;
+  MemoryDemand demand;
+  demand.surface = surface_options(task.setting);
+  demand.backend = resolve(machine.backend);
+  demand.distances = options.distances.distances;
+  check_memory_before(demand, input.spheres, machine.memory_limit);
   const IndexedMesh mesh = make_mesh(input.spheres, surface_options(task.setting),
                                      Connectivity::triangles, machine, monitor, report, observer);
   if (one_level) recorder.see(task.levels.front(), mesh);

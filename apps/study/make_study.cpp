@@ -39,11 +39,11 @@ std::string name_of_input(const InputOptions& options) {
   return options.sample.empty() ? options.path.filename().string() : options.sample;
 }
 
-StudyInput read_input(const InputOptions& options) {
+StudyInput read_input(const InputOptions& options, std::uint64_t memory_limit) {
   StudyInput input;
   input.name = name_of_input(options);
   Report report;
-  input.molecule = load(options, report);
+  input.molecule = load(options, memory_limit, report);
   input.report = report.input;
   input.spheres = to_spheres(input.molecule, options.probe);
   input.hash = hash_of(input.spheres);
@@ -203,7 +203,7 @@ Study make_study(const std::vector<InputOptions>& inputs, const StudyOptions& op
   study.options = options;
   study.backends = find_backends(options.axes.backends);
   for (const InputOptions& input : inputs) {
-    study.findings.push_back({read_input(input), {}, {}, {}});
+    study.findings.push_back({read_input(input, options.machine.memory_limit), {}, {}, {}});
   }
   make_names_unique(study.findings);
   const StudyStore store(options.folder);

@@ -13,6 +13,7 @@
 #include "analysis/distances_samples.hpp"
 #include "analysis/distances_statistics.hpp"
 #include "analysis/distances_triangle.hpp"
+#include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
 
@@ -20,11 +21,8 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kTrianglesPerBlock = 2048, kVerticesPerBlock = 2048, kPatchesPerBlock = 8;
-constexpr double kLeastSamples = 1e4;  // on all spheres together, buried parts included
-constexpr double kMostSamples = 1e12;  // weeks of work
-// Measured on molecules: 6 covers and 8 corners without a probe, 20 and 7 with one of 1.4 Å on two
-// thirds of the spheres; and the cell list.
-constexpr std::uint64_t kBytesPerSphere = 800;
+constexpr double kLeastSamples = 1e4;    // on all spheres together, buried parts included
+constexpr double kMostSamples = 1e12;    // weeks of work
 constexpr double kWeightUnits = 0x1p60;  // the area of the mesh, in the histogram
 
 // body(block) for all blocks, on all cores.
@@ -77,8 +75,7 @@ void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t li
       indexed_mesh_bytes(mesh.vertex_count(), triangles,
                          mesh.opposite.empty() ? Connectivity::triangles : Connectivity::half_edges,
                          mesh.triangle_labels());
-  const std::uint64_t need =
-      held + BoxTree::bytes(triangles) + mesh.vertex_count() + kBytesPerSphere * spheres;
+  const std::uint64_t need = held + distances_bytes({mesh.vertex_count(), triangles}, spheres);
   if (need <= limit) return;
   const double ratio = static_cast<double>(need) / static_cast<double>(limit);
   throw LimitExceeded(fmt::format(

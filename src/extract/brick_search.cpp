@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "core/multiversion.hpp"
 #include "extract/block_bounds.hpp"
@@ -43,10 +44,15 @@ std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& m
   std::uint64_t count = 0;
   for (const std::uint8_t s : survivors) count += static_cast<std::uint64_t>(std::popcount(s));
   if (count > most) {
+    // Each level down quadruples the bricks of a surface, and so does half the spacing.
+    const double bricks = std::ldexp(static_cast<double>(count), 2 * (level - 1));
+    const double fitting =
+        model.grid.spacing *
+        std::sqrt(bricks / static_cast<double>(std::max<std::uint64_t>(most, 1)));
     throw LimitExceeded(fmt::format(
-        "the surface crosses more than {} bricks of 8 x 8 x 8 nodes; at most {} fit in the memory "
-        "allowed: choose a larger spacing or a higher memory limit",
-        count, most));
+        "the surface crosses about {:.3g} bricks of 8 x 8 x 8 nodes; at most {} fit in the memory "
+        "allowed: choose a spacing of at least {:.3g} Å or a higher memory limit",
+        bricks, most, 1.05 * fitting));
   }
   std::vector<std::uint64_t> children;
   children.reserve(count);

@@ -79,7 +79,12 @@ class FileBytes {
       if (got == 0) break;
       size += static_cast<std::size_t>(got);
     }
-    bytes_.resize(size);
+    if (size != bytes_.size()) {
+      ::close(descriptor_);
+      throw FileFormatError(fmt::format(
+          "gave {} bytes where its size is {}: it changed while being read, so try again", size,
+          bytes_.size()));
+    }
   }
   [[noreturn]] void fail() const {
     const std::string reason = std::generic_category().message(errno);
@@ -106,10 +111,12 @@ MeshFormat mesh_format(const fs::path& path) {
                                  path.string()));
 }
 
-std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const fs::path& path) {
+std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const fs::path& path,
+                                    const Monitor* monitor) {
   const MeshFormat format = mesh_format(path);
   formats::Warnings warnings;
   OutputFile file(path);
+  file.watch(monitor);
   write(mesh, format, file, warnings);
   file.commit();
   return warnings;

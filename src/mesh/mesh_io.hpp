@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/monitor.hpp"
 #include "extract/indexed_mesh.hpp"
 #include "mesh/surface_mesh.hpp"
 
@@ -23,8 +24,9 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 // GLB: coordinates that lose more than 1e-4 Å; STL: triangles whose corners fall together). Throws
 // FileFormatError (the file cannot be written; nothing is left of it), InvalidInput (deleted
 // elements not yet collected, coordinates that are not finite), LimitExceeded (more than the format
-// can count).
-std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesystem::path& path);
+// can count), Cancelled.
+std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesystem::path& path,
+                                    const Monitor* monitor = nullptr);
 
 // What a mesh file of any program holds. Triangles may be open, non-manifold or inside out.
 struct MeshFile {

@@ -8,6 +8,7 @@
 #include "mesh/chunk_writer.hpp"
 #include "mesh/formats.hpp"
 #include "mesh/mesh_assembly.hpp"
+#include "mesh/plain_text.hpp"
 #include "mesh/text_scanner.hpp"
 
 namespace vdwmesh::formats {
@@ -153,6 +154,9 @@ void write_obj(const SurfaceMesh& mesh, ByteSink& sink) {
   out.flush();
 }
 
-MeshFile read_obj(std::string_view bytes) { return ObjReader(bytes).read(); }
+MeshFile read_obj(std::string_view bytes) {
+  const PlainText text(bytes);
+  return ObjReader(text.view()).read();
+}
 
 }  // namespace vdwmesh::formats

@@ -8,6 +8,7 @@
 #include "mesh/chunk_writer.hpp"
 #include "mesh/formats.hpp"
 #include "mesh/mesh_assembly.hpp"
+#include "mesh/plain_text.hpp"
 #include "mesh/text_scanner.hpp"
 
 namespace vdwmesh::formats {
@@ -26,6 +27,9 @@ class OffReader {
     check_vertex_limit(vertices);
     for (std::uint64_t i = 0; i < vertices; ++i) read_vertex();
     for (std::uint64_t i = 0; i < faces; ++i) read_face();
+    if (!in_.at_end())
+      in_.fail(
+          fmt::format("more follows than the {} vertices and {} faces promised", vertices, faces));
     polygons_.note(file_.notes);
     return std::move(file_);
   }
@@ -125,6 +129,9 @@ void write_off(const SurfaceMesh& mesh, ByteSink& sink) {
   out.flush();
 }
 
-MeshFile read_off(std::string_view bytes) { return OffReader(bytes).read(); }
+MeshFile read_off(std::string_view bytes) {
+  const PlainText text(bytes);
+  return OffReader(text.view()).read();
+}
 
 }  // namespace vdwmesh::formats

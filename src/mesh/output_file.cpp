@@ -76,8 +76,9 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::write(const char* data, std::size_t size) {
-  constexpr std::size_t kMost = std::size_t{1} << 30;  // of one system call
+  constexpr std::size_t kMost = std::size_t{1} << 24;  // of one system call, which nothing stops
   while (size > 0) {
+    if (monitor_ && monitor_->cancelled()) throw Cancelled("stopped on request");
     const ssize_t written = ::write(descriptor_, data, std::min(size, kMost));
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) fail("cannot be written in full");

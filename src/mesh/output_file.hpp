@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/large_pages.hpp"
+#include "core/monitor.hpp"
 
 namespace vdwmesh {
 
@@ -45,6 +46,8 @@ class OutputFile : public ByteSink {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
+  // From now on write() throws Cancelled once the monitor says so.
+  void watch(const Monitor* monitor) { monitor_ = monitor; }
   void write(const char* data, std::size_t size) override;
   void commit();
 
@@ -59,6 +62,7 @@ class OutputFile : public ByteSink {
   std::filesystem::path hidden_;
   Kind kind_ = Kind::unnamed;
   int descriptor_ = -1;
+  const Monitor* monitor_ = nullptr;
 };
 
 }  // namespace vdwmesh

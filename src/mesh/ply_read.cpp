@@ -12,6 +12,7 @@
 #include "core/errors.hpp"
 #include "mesh/formats.hpp"
 #include "mesh/mesh_assembly.hpp"
+#include "mesh/plain_text.hpp"
 #include "mesh/ply_header.hpp"
 #include "mesh/text_scanner.hpp"
 
@@ -83,6 +84,10 @@ class BinaryBody {
     return first;
   }
   void give_back(const char* position) { at_ = position; }
+  // A line break at the end does no harm.
+  bool at_end() const {
+    return std::all_of(at_, end_, [](char c) { return c == '\n' || c == '\r' || c == ' '; });
+  }
   [[noreturn]] void fail(const std::string& what) const {
     throw FileFormatError(fmt::format("byte {}: {}", at_ - begin_, what));
   }
@@ -109,6 +114,7 @@ class AsciiBody {
                        element.count, element.name, in_.bytes_left()));
   }
   std::size_t room(PlyScalar) const { return in_.bytes_left(); }
+  bool at_end() { return in_.at_end(); }
   [[noreturn]] void fail(const std::string& what) const { in_.fail(what); }
 
  private:
@@ -143,6 +149,7 @@ class PlyReader {
       }
     }
     if (!has_vertices_) body_.fail("the file has no element 'vertex'");
+    if (!body_.at_end()) body_.fail("more follows than the elements that the header promises");
     check_indices();
     polygons_.note(file_.notes);
     return std::move(file_);
@@ -304,6 +311,7 @@ class PlyReader {
     }
     if (!is_indices) return skip_list(property);
     const std::size_t corners = list_size(property);
+    if (corners == 0) body_.fail("a face of no corners");
     polygon_.clear();
     for (std::size_t k = 0; k < corners; ++k)
       polygon_.push_back(index(body_.number(property.type)));
@@ -351,9 +359,20 @@ class PlyReader {
   std::vector<std::uint32_t> polygon_;
 };
 
+// Told before the header is read, since its lines may need mending.
+bool is_text(std::string_view bytes) {
+  constexpr std::size_t kFirstLines = 200;
+  return bytes.substr(0, kFirstLines).find("format ascii") != std::string_view::npos;
+}
+
 }  // namespace
 
 MeshFile read_ply(std::string_view bytes) {
+  if (is_text(bytes)) {
+    const PlainText text(bytes);
+    const PlyHeader header = read_ply_header(text.view());
+    return PlyReader(AsciiBody(text.view(), header.size)).read(header);
+  }
   const PlyHeader header = read_ply_header(bytes);
   switch (header.encoding) {
     case PlyEncoding::ascii:

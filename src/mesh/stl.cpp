@@ -12,6 +12,7 @@
 #include "mesh/float_loss.hpp"
 #include "mesh/formats.hpp"
 #include "mesh/mesh_assembly.hpp"
+#include "mesh/plain_text.hpp"
 #include "mesh/text_scanner.hpp"
 #include "mesh/vertex_welder.hpp"
 
@@ -80,6 +81,7 @@ class AsciiReader {
   MeshFile read() {
     for (; !in_.at_end(); in_.next_line()) read_line();
     if (in_loop_) in_.fail("the file ends inside a facet");
+    if (!ended_) in_.fail("the file ends without 'endsolid'; it was cut off");
     polygons_.note(file_.notes);
     say_welded(file_, file_.mesh.triangle_count());
     return std::move(file_);
@@ -102,8 +104,9 @@ class AsciiReader {
       in_loop_ = false;
       polygons_.count(polygon_.size());
       add_fan(file_.mesh, polygon_);
-    } else if (keyword != "facet" && keyword != "endfacet" && keyword != "solid" &&
-               keyword != "endsolid") {
+    } else if (keyword == "solid" || keyword == "endsolid") {
+      ended_ = keyword == "endsolid";
+    } else if (keyword != "facet" && keyword != "endfacet") {
       in_.fail(fmt::format("'{}' has no place in an STL file", keyword.substr(0, 24)));
     }
   }
@@ -111,12 +114,13 @@ class AsciiReader {
   TextScanner in_;
   MeshFile file_;
   VertexWelder welder_;
-  bool in_loop_ = false;
+  bool in_loop_ = false, ended_ = false;
   PolygonCount polygons_;
   std::vector<std::uint32_t> polygon_;
 };
 
 bool begins_as_text(std::string_view bytes) {
+  bytes = without_byte_order_mark(bytes);
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
   return first != std::string_view::npos && bytes.substr(first, 5) == "solid";
 }
@@ -162,7 +166,10 @@ MeshFile read_stl(std::string_view bytes) {
   const std::size_t wanted =
       has_count ? kFirstTriangle + kTriangleSize * std::size_t{promised_triangles(bytes)} : 0;
   if (has_count && bytes.size() == wanted) return read_binary(bytes);
-  if (begins_as_text(bytes)) return AsciiReader(bytes).read();
+  if (begins_as_text(bytes)) {
+    const PlainText text(bytes);
+    return AsciiReader(text.view()).read();
+  }
   if (!has_count)
     throw FileFormatError(
         fmt::format("byte {}: too short for a binary STL file, and no 'solid'", bytes.size()));

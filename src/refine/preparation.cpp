@@ -52,12 +52,17 @@ void check_limits(std::uint64_t spheres, LevelSize size, const RefineOptions& o,
   }
   const std::uint64_t bytes =
       refine_bytes(given.vertices, given.triangles, spheres, o.subdivisions, labels);
-  if (bytes > o.memory_limit) {
-    throw LimitExceeded(fmt::format(
-        "refinement to {} triangles needs {} bytes, {} are allowed: use fewer subdivisions or "
-        "allow more memory",
-        size.triangles, bytes, o.memory_limit));
-  }
+  if (bytes <= o.memory_limit) return;
+  const auto fits = [&](int levels) {
+    return refine_bytes(given.vertices, given.triangles, spheres, levels, labels) <= o.memory_limit;
+  };
+  int fitting = o.subdivisions - 1;
+  while (fitting > 0 && !fits(fitting)) --fitting;
+  throw LimitExceeded(fmt::format(
+      "refinement to {} triangles needs {} bytes, {} are allowed: use {}, or allow more memory",
+      size.triangles, bytes, o.memory_limit,
+      fitting > 0 ? fmt::format("at most {} subdivisions", fitting)
+                  : "no subdivision, a coarser mesh"));
 }
 
 // First index below `count` for which bad(i), or kAllGood.

@@ -66,6 +66,7 @@ class Choice {
     molecule_.path = file.path;
     molecule_.format = file.format;
     molecule_.assembly = options.assembly;
+    molecule_.warnings = file.warnings;
   }
 
   Molecule run(const RadiusTable& table) {

@@ -46,6 +46,7 @@ struct Molecule {
                                  // holds copies, otherwise it is atoms.size()
   SkippedAtoms skipped;          // atoms_read = atoms_used + sum of skipped
   std::vector<AssumedRadius> radii_assumed;
+  std::vector<std::string> warnings;  // what may be wrong with the file
 };
 
 }  // namespace vdwmesh

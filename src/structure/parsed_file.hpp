@@ -30,6 +30,7 @@ struct ParsedFile {
   std::string path;
   std::string format;
   bool own_radii = false;
+  std::vector<std::string> warnings;  // what may be wrong with the file
 };
 
 // Each throws FileFormatError, one line that names the file and the line or row.

@@ -136,6 +136,8 @@ class Normaliser {
     } else if (is_record(line, "TER") || starts_with_record(line, "SEQRES") ||
                starts_with_record(line, "REMARK 350")) {
       text_.append(line.substr(0, kTagColumn)).append("\n");
+    } else if (line.starts_with(' ') && is_atom(trimmed(line))) {
+      refuse("an atom's record begins behind a blank; it belongs in column 1");
     }
   }
 

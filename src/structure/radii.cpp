@@ -14,6 +14,8 @@
 namespace vdwmesh {
 namespace {
 
+constexpr double kLargestRadius = 1000;  // Å; a bead of a coarse model, not a typing error
+
 struct Listed {
   const char* element;
   double radius;  // Å
@@ -67,8 +69,10 @@ constexpr std::array kAlvarez{
 
 double radius_or_refuse(std::string_view field, const std::filesystem::path& path, int line) {
   const std::optional<double> radius = finite_number(field);
-  if (!radius || *radius < 0)
-    refuse(path, line, fmt::format("{} is not a radius in angstrom", in_quotes(field)));
+  if (!radius || *radius < 0 || *radius > kLargestRadius)
+    refuse(path, line,
+           fmt::format("{} is not a radius in angstrom, which is a number from 0 to {}",
+                       in_quotes(field), kLargestRadius));
   return *radius;
 }
 

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <gemmi/model.hpp>
 #include <string_view>
 
 #include "core/errors.hpp"
@@ -41,18 +44,54 @@ ParsedFile parse(std::string_view text, StructureFormat format, const std::strin
   throw InvalidInput(path + ": its format is not known; say --format");
 }
 
-ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format) {
+// The last line holds atoms and does not end: its last number may be a part of what it was.
+void doubt_unfinished_line(std::string_view text, ParsedFile& file) {
+  if (text.ends_with('\n') || text.ends_with('\r')) return;
+  const std::size_t end = text.find_last_of("\r\n");
+  const std::string_view last = trimmed(text.substr(end == std::string_view::npos ? 0 : end + 1));
+  if (last.empty() || last[0] == '#' || last.starts_with("END") || last.starts_with("TER")) return;
+  file.warnings.push_back(
+      "the last line has no line break: the file may have been cut off, and what it says of the "
+      "last atom with it");
+}
+
+// Beyond this, in Å, doubles no longer keep the digits that meshes are promised to.
+constexpr double kFarthest = 1e6;
+
+void refuse_far(const ParsedFile& file, const gemmi::Atom& atom) {
+  const AtomRecord& record = file.atoms[static_cast<std::size_t>(atom.serial)];
+  const double far = std::max({std::abs(atom.pos.x), std::abs(atom.pos.y), std::abs(atom.pos.z)});
+  if (far <= kFarthest && record.radius <= kFarthest) return;
+  throw FileFormatError(fmt::format(
+      "{}:{} {}: {} of {:g} Å; coordinates and radii of up to {:g} Å can be meshed", file.path,
+      file.format == "mmcif" || file.format == "cif" ? "row" : "line", record.line,
+      far <= kFarthest ? "a radius" : "a coordinate", std::max(far, record.radius), kFarthest));
+}
+
+void refuse_far_atoms(const ParsedFile& file) {
+  for (const gemmi::Model& model : file.structure->models)
+    for (const gemmi::Chain& chain : model.chains)
+      for (const gemmi::Residue& residue : chain.residues)
+        for (const gemmi::Atom& atom : residue.atoms) refuse_far(file, atom);
+}
+
+ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
+                      std::uint64_t memory_limit) {
   if (format == StructureFormat::by_extension) format = format_of_name(path);
-  const Text bytes = read_text(path);
+  const Text bytes = read_text(path, std::min(kMaxTextBytes, memory_limit / kReadingFactor));
   const std::string name = path == "-" ? "standard input" : path.string();
-  return parse(checked_text({bytes.data(), bytes.size()}, format, name), format, name);
+  const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
+  ParsedFile file = parse(text, format, name);
+  refuse_far_atoms(file);
+  doubt_unfinished_line(text, file);
+  return file;
 }
 
 }  // namespace
 
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options) {
   const RadiusTable table = radius_table(options.radii);
-  return choose_atoms(parse_file(path, options.format), options, table);
+  return choose_atoms(parse_file(path, options.format, options.memory_limit), options, table);
 }
 
 Molecule read_sample(const std::string& name, const ReadOptions& options) {

@@ -2,6 +2,7 @@
 // small molecules as its asymmetric unit.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,6 +12,9 @@
 namespace vdwmesh {
 
 enum class StructureFormat { by_extension, pdb, mmcif, pqr, xyzr };
+// Reading takes up to this many times the bytes of the unpacked text.
+inline constexpr std::uint64_t kReadingFactor = 12;
+
 enum class Inclusion { keep, drop };
 
 // What is taken from the file. Atoms are dropped in this order, each counted once: models, waters,
@@ -26,6 +30,8 @@ struct ReadOptions {
   // "highest": one label per residue, that of highest mean occupancy (ties: first in the file),
   // likewise where several residues share a place; or a label; or "all", which keeps every one.
   std::string altloc = "highest";
+  std::uint64_t memory_limit = ~std::uint64_t{0};  // bytes; a text of more than a part of it is
+                                                   // refused, kReadingFactor
   std::string radii = "bondi";  // "bondi", "alvarez", or the path of a radius file; PQR and XYZR
                                 // have their own
 };
@@ -33,8 +39,9 @@ struct ReadOptions {
 // Reads `path`; "-" is standard input and needs a format. Gzip is told by the first bytes. Atoms
 // keep the order of the file; an assembly is copy after copy, chains named A1, A2, ...
 // Throws FileFormatError (cannot be opened or understood; names file and line where known),
-// LimitExceeded (more than 2 GiB of text) and InvalidInput (no atom left: says what dropped them;
-// unknown radius: names the atom; unknown model, assembly or label: says which the file has).
+// LimitExceeded (more than 2 GiB of text, or than the memory allows) and InvalidInput (no atom
+// left: says what dropped them; unknown radius: names the atom; unknown model, assembly or label:
+// says which the file has).
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // One of the samples built into the library: "ubiquitin" (1UBQ) or "bpti".

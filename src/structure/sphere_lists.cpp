@@ -1,6 +1,7 @@
 // PQR and XYZR: files that bring their own radii.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -167,19 +168,55 @@ Row pqr_row(std::string_view line, const std::string& path, std::uint32_t number
     row.chain = row.number.substr(0, 1);
     row.number.remove_prefix(1);
   }
+  if (row.number.find_first_of("0123456789") == std::string_view::npos)
+    refuse(path, number,
+           fmt::format("{} stands where the residue number should be: a field is missing",
+                       in_quotes(row.number)));
   number_or_refuse(fields[last - 1], "the charge", path, number);
   read_sphere(fields, last - 4, last, row, path, number);
   return row;
+}
+
+bool is_atom(std::string_view line) {
+  return line.starts_with("ATOM") || line.starts_with("HETATM");
+}
+
+// Occupancy and temperature factor where the PDB has them, with its two decimals.
+bool has_pdb_factors(std::string_view line) {
+  const auto has_two_decimals = [](std::string_view field) {
+    return field.size() == 6 && field[3] == '.' && is_number(field);
+  };
+  return has_two_decimals(columns(line, 54, 6)) && has_two_decimals(columns(line, 60, 6));
+}
+
+// A PDB file under the name of a PQR file would give its temperature factors for radii.
+void refuse_pdb(std::string_view text, const std::string& path) {
+  constexpr double kLargestOfAtoms = 5;  // Å; caesium has 3.5
+  bool pdb = true, elements = true;
+  double largest = 0;  // Å, were it a PQR file
+  std::string_view line;
+  while (pdb && next_line(text, line)) {
+    if (!is_atom(line)) continue;
+    pdb = has_pdb_factors(line);
+    elements = elements && !trimmed(columns(line, 76, 2)).empty();
+    if (pdb) largest = std::max(largest, *finite_number(columns(line, 60, 6)));
+  }
+  if (pdb && largest > 0 && (elements || largest > kLargestOfAtoms))
+    throw FileFormatError(path +
+                          ": holds PDB, not PQR: where the radii should be, its atoms have "
+                          "temperature factors; rename it to .pdb or say --format pdb");
 }
 
 }  // namespace
 
 ParsedFile parse_pqr(std::string_view text, const std::string& path) {
   Builder builder(path, "pqr");
+  refuse_pdb(text, path);
   std::string_view line;
   for (std::uint32_t number = 1; next_line(text, line); ++number) {
+    if (is_atom(trimmed(line)) && !is_atom(line)) line = trimmed(line);
     if (line.starts_with("MODEL")) builder.begin_model(std::string(trimmed(line.substr(5))));
-    if (!line.starts_with("ATOM") && !line.starts_with("HETATM")) continue;
+    if (!is_atom(line)) continue;
     const Row row = pqr_row(line, path, number);
     builder.add(row, element_of_bare_name(row.name, row.residue), number);
   }

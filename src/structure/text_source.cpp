@@ -43,9 +43,10 @@ class Descriptor {
 };
 
 [[noreturn]] void refuse_size(const std::filesystem::path& path, std::uint64_t limit) {
-  throw LimitExceeded(fmt::format(
-      "{}: holds more than {} MiB of text, the most that is read; cut it into smaller files",
-      path.string(), limit >> 20));
+  throw LimitExceeded(fmt::format("{}: holds more than {:.1f} MiB of text, the most that is read{}",
+                                  path.string(), static_cast<double>(limit) / 0x1p20,
+                                  limit < kMaxTextBytes ? " in the memory allowed; allow more"
+                                                        : "; cut it into smaller files"));
 }
 
 std::uint64_t expected_size(int fd, const std::filesystem::path& path) {
@@ -58,7 +59,7 @@ std::uint64_t expected_size(int fd, const std::filesystem::path& path) {
 
 Text read_bytes(const std::filesystem::path& path, std::uint64_t limit) {
   const Descriptor file(path);
-  const std::uint64_t expected = expected_size(file.get(), path);
+  const std::uint64_t expected = expected_size(file.get(), path);  // 0: of a pipe or the like
   if (expected > limit) refuse_size(path, limit);
   Text bytes;
   resize_untouched(bytes, static_cast<std::size_t>(expected) + 1);  // one more, to meet the end
@@ -73,6 +74,10 @@ Text read_bytes(const std::filesystem::path& path, std::uint64_t limit) {
     used += static_cast<std::size_t>(got);
     if (used > limit) refuse_size(path, limit);
   }
+  if (expected > 0 && used != expected)
+    throw FileFormatError(fmt::format(
+        "{}: gave {} bytes where its size is {}: it changed while being read, so try again",
+        path.string(), used, expected));
   bytes.resize(used);
   return bytes;
 }

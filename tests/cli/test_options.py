@@ -1,6 +1,20 @@
 """What the command line accepts, and how it refuses the rest."""
 
-from program import BAD_INPUT, LIMIT_HIT, NO_BACKEND, UBIQUITIN, ProgramTest, parse_json, run
+import os
+import re
+import subprocess
+
+from program import (
+    BAD_INPUT,
+    LIMIT_HIT,
+    NO_BACKEND,
+    PROGRAM,
+    SOURCE_DIR,
+    UBIQUITIN,
+    ProgramTest,
+    parse_json,
+    run,
+)
 
 FIELDS = ("vdw", "blinn", "soft", "inverse-squared")
 
@@ -19,11 +33,53 @@ class Refusals(ProgramTest):
             "--samples": ("0", "-1", "nan", "many"),
             "--seed": ("-1", "1.5", "luck"),
             "--threads": ("0", "-2", "many"),
-            "--memory-limit": ("0", "-1G", "8Q", "G", "nan", "1e300G"),
+            "--memory-limit": ("0", "-1G", "8Q", "G", "nan", "1e300G", "1e-9", "lots"),
         }.items():
             for value in values:
                 with self.subTest(option=option, value=value):
                     self.refused(option, value, says=(value,))
+
+    def test_sizes_that_no_machine_has(self):
+        for spacing in ("1e-9", "1e-3", "1e-300"):
+            arguments = ("report", UBIQUITIN, "--spacing", spacing)
+            self.assert_refused(LIMIT_HIT, *arguments, says=("spacing",))
+        for spacing in ("1e9", "1e300"):
+            self.refused("--spacing", spacing, says=("coarse", "try --spacing"))
+        for length in ("1e-9", "1e-3"):
+            arguments = ("report", UBIQUITIN, "--mesher", "exact", "--edge-length", length)
+            self.assert_refused(LIMIT_HIT, *arguments, says=("--edge-length",))
+        self.assert_refused(LIMIT_HIT, "report", UBIQUITIN, "--subdivide", "10",
+                            says=("--subdivide",))
+        self.assert_refused(LIMIT_HIT, "report", UBIQUITIN, "--padding", "1e9", says=("spacing",))
+        self.assert_refused(LIMIT_HIT, "report", UBIQUITIN, "--probe", "1e9", says=("spacing",))
+
+    def test_radius_files(self):
+        for text, says in {
+            "C 1.7\nN x\n": ("radii.txt:2:", "'x'"),
+            "C 1.7\n\n# none\nN -1\n": ("radii.txt:4:", "'-1'"),
+            "C nan\n": ("radii.txt:1:", "'nan'"),
+            "C 1e9\n": ("radii.txt:1:", "from 0 to"),
+            "C 1.7 2 3\n": ("radii.txt:1:", "ELEMENT RADIUS"),
+            "C\n": ("radii.txt:1:", "ELEMENT RADIUS"),
+            "Qq 1.7\n": ("radii.txt:1:", "'Qq'"),
+            "": ("radii.txt", "no radii"),
+            "C 1.7\n": ("no radius", "N"),
+        }.items():
+            with self.subTest(text=text):
+                path = self.file("radii.txt", text)
+                self.refused_with(("--radii", str(path)), says)
+        self.refused_with(("--radii", str(self.folder)), ("directory",))
+        self.refused_with(("--radii", "nonsense"), ("bondi", "alvarez"))
+
+    def refused_with(self, options, says):
+        self.assert_refused(BAD_INPUT, "report", UBIQUITIN, *options, says=says)
+
+    def test_selections_that_leave_nothing(self):
+        for options in (("--select", "/1/Z"), ("--select", "(HOH)"), ("--model", "7"),
+                        ("--assembly", "9"), ("--altloc", "Q")):
+            with self.subTest(options=options):
+                self.refused_with(options, ())
+        self.refused_with(("--select", "((("), ("select",))
 
     def test_unknown_names_list_the_known_ones(self):
         for option, known in {
@@ -96,8 +152,58 @@ class Limits(ProgramTest):
         self.assert_refused(LIMIT_HIT, *options, says=("memory",))
         self.assertEqual(self.files(), [])
 
+    def test_what_the_message_names_would_do(self):
+        quick = ("--distances", "off", "--self-intersections", "off", "--cgal-check", "off")
+        for surface in (("--spacing", "0.4", "--subdivide", "1"),
+                        ("--mesher", "exact", "--edge-length", "0.4", "--subdivide", "1")):
+            arguments = ["report", UBIQUITIN, *surface, "--memory-limit", "70M", *quick]
+            refused = self.assert_refused(LIMIT_HIT, *arguments, says=("of memory",))
+            named = re.findall(r"(--[a-z-]+) ([0-9.]+M?)", refused.stderr)
+            step = surface[-4]
+            self.assertEqual({option for option, _ in named}, {step, "--subdivide", "--memory-limit"})
+            for option, value in named:
+                with self.subTest(surface=surface, remedy=option):
+                    mended = list(arguments)
+                    mended[mended.index(option) + 1] = value
+                    self.run_ok(*mended, "--quiet")
+
+    def test_estimates_hold(self):
+        for arguments in (
+            ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--spacing", "0.25"),
+            ("report", UBIQUITIN, "--spacing", "0.4"),
+            ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--mesher", "exact", "--edge-length", "0.3"),
+        ):
+            with self.subTest(arguments=arguments):
+                output = self.folder / "a.json"
+                process = subprocess.Popen([PROGRAM, *map(str, arguments), "--quiet", "--threads", "2",
+                                            "--json", str(output)])
+                _, status, usage = os.wait4(process.pid, 0)
+                process.returncode = os.waitstatus_to_exitcode(status)
+                self.assertEqual(process.returncode, 0)
+                estimate = parse_json(output.read_text())["parameters"]["memory_estimate"]
+                self.assertLessEqual(usage.ru_maxrss * 1024, estimate)
+                self.assertLess(estimate, 2 * usage.ru_maxrss * 1024)
+
+    def test_no_estimate_of_blended_fields(self):
+        report = self.report("report", UBIQUITIN, "--field", "blinn", "--subdivide", "0",
+                             "--distances", "off")
+        self.assertIsNone(report["parameters"]["memory_estimate"])
+
     def test_grid_that_no_index_can_number(self):
         self.assert_refused(LIMIT_HIT, "report", UBIQUITIN, "--spacing", "1e-9")
+
+
+class Documentation(ProgramTest):
+    def test_every_option_is_in_the_table(self):
+        table = (SOURCE_DIR / "docs" / "options.md").read_text()
+        verbs = ("mesh", "report", "exact", "compare", "study", "render", "bench thesis",
+                 "bench pipeline", "info")
+        helps = [run(*verb.split(), "--help").stdout for verb in verbs]
+        told = {o for text in helps for o in re.findall(r"--[a-z-]+", text)}
+        told -= {"--help"}
+        self.assertGreater(len(told), 40)
+        self.assertEqual({o for o in told if f"`{o}`" not in table}, set())
+        self.assertEqual(set(re.findall(r"`(--[a-z-]+)`", table)) - told, set())
 
 
 class Backends(ProgramTest):

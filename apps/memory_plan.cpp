@@ -1,0 +1,233 @@
+#include "memory_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "analysis/cgal_measures.hpp"
+#include "core/errors.hpp"
+#include "extract/area_estimate.hpp"
+#include "steps.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+constexpr std::uint64_t kProgram = std::uint64_t{16} << 20;  // itself, libraries, threads
+constexpr std::uint64_t kReading = 1250;                     // bytes per atom, at the most
+constexpr std::uint64_t kBytesPerAtom = 450;                 // atoms, names, spheres, cell lists
+constexpr double kRefineSlack = 1.15;  // of refine_bytes(): what the allocator holds on to
+
+// Edges of a cubic grid that a surface crosses, per area and spacing², for directions at
+// random: 1.5 vertices, and twice as many triangles.
+constexpr double kTrianglesPerCell = 3.0;
+// Of the crease-exact mesher: equilateral ones, and per Å² those that arcs and corners take,
+// however long the edges.
+constexpr double kTrianglesPerPatch = 2.4, kTrianglesOfArcs = 3.5;
+constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays that grew
+
+MeshSize first_level(const MemoryDemand& d) {
+  const SurfaceOptions& surface = *d.surface;
+  const bool exact = surface.mesher == Mesher::exact;
+  const double step = exact ? surface.edge_length : surface.grid.spacing;
+  const double density = exact ? kTrianglesPerPatch / (step * step) + kTrianglesOfArcs
+                               : kTrianglesPerCell / (step * step);
+  const double most = 1e17;  // bytes of it still fit 64 bits
+  const auto triangles = static_cast<std::uint64_t>(std::min(density * d.area, most));
+  return {triangles / 2, triangles};
+}
+
+MeshSize next_level(const MeshSize& m) {
+  return {m.vertices + m.triangles * 3 / 2, 4 * m.triangles};
+}
+
+TriangleLabels labels_of(const MemoryDemand& d) {
+  return d.surface && d.surface->mesher == Mesher::exact ? TriangleLabels::spheres
+                                                         : TriangleLabels::none;
+}
+
+std::uint64_t mesh_bytes(const MemoryDemand& d, const MeshSize& m) {
+  const bool refined = d.surface && d.surface->subdivisions > 0;
+  const bool grown = labels_of(d) == TriangleLabels::spheres && !refined;
+  return indexed_mesh_bytes(m.vertices, m.triangles,
+                            refined ? Connectivity::half_edges : d.connectivity, labels_of(d)) +
+         (grown ? kPatchSlack * m.triangles : 0);
+}
+
+class Estimate {
+ public:
+  explicit Estimate(const MemoryDemand& demand) : d_(demand) {}
+
+  MemoryNeed run() {
+    take("read", d_.spheres * (kReading - kBytesPerAtom));
+    MeshSize mesh = d_.mesh;
+    if (d_.surface && mesh.triangles == 0) mesh = make();
+    need_.triangles = mesh.triangles;
+    const std::uint64_t held = mesh.triangles > 0 ? mesh_bytes(d_, mesh) : 0;
+    if (mesh.triangles > 0 && d_.measures == Switch::on) look_at(mesh, held);
+    if (d_.build == Switch::on) {
+      take("build", held + surface_mesh_bytes(mesh, d_.connectivity));
+    }
+    if (d_.exact) take("exact union", held + union_bytes(d_.spheres, *d_.exact, d_.exposed));
+    if (d_.distances == Switch::on) {
+      take("distances", held + union_result() + distances_bytes(mesh, d_.spheres));
+    }
+    return std::move(need_);
+  }
+
+ private:
+  // Extraction and refinement; the finished mesh.
+  MeshSize make() {
+    MeshSize mesh = first_level(d_);
+    const int levels = d_.surface->subdivisions;
+    const std::uint64_t patches =
+        labels_of(d_) == TriangleLabels::spheres
+            ? 40 * mesh.triangles + union_bytes(d_.spheres, UnionMethod::cgal, d_.exposed)
+            : mesh.triangles / 4;  // bricks: their counts and sums
+    if (d_.backend == Backend::cpu) take("extract", mesh_bytes(d_, mesh) + patches);
+    if (levels > 0 && d_.backend == Backend::cpu) {
+      const std::uint64_t bytes =
+          refine_bytes(mesh.vertices, mesh.triangles, d_.spheres, levels, labels_of(d_));
+      take("refine", static_cast<std::uint64_t>(kRefineSlack * static_cast<double>(bytes)));
+    }
+    for (int l = 0; l < levels; ++l) mesh = next_level(mesh);
+    take("mesh", mesh_bytes(d_, mesh));
+    return mesh;
+  }
+
+  void look_at(const MeshSize& mesh, std::uint64_t held) {
+    take("measure", held + measures_bytes(mesh));
+    if (mesh.triangles <= kSelfIntersectionTriangles) {
+      take("self-intersections", held + self_intersections_bytes(mesh));
+    }
+    if (mesh.triangles <= kCgalMeasuresLimit) {
+      take("check by CGAL", held + surface_mesh_bytes(mesh, d_.connectivity));
+    }
+  }
+
+  std::uint64_t union_result() const { return d_.exact ? d_.spheres * sizeof(SphereMeasures) : 0; }
+
+  void take(const char* stage, std::uint64_t bytes) {
+    bytes += kProgram + kBytesPerAtom * d_.spheres;
+    if (bytes <= need_.bytes) return;
+    need_.bytes = bytes;
+    need_.stage = stage;
+  }
+
+  const MemoryDemand& d_;
+  MemoryNeed need_;
+};
+
+bool fits(const MemoryDemand& demand, std::uint64_t limit) {
+  return estimate_memory(demand).bytes <= limit;
+}
+
+// The demand as it would be with another size of the cells or triangles.
+MemoryDemand scaled(MemoryDemand d, double factor) {
+  d.surface->grid.spacing *= factor;
+  d.surface->edge_length *= factor;
+  const double shrunk = 1 / (factor * factor);
+  d.mesh = {static_cast<std::uint64_t>(static_cast<double>(d.mesh.vertices) * shrunk),
+            static_cast<std::uint64_t>(static_cast<double>(d.mesh.triangles) * shrunk)};
+  return d;
+}
+
+MemoryDemand with_subdivisions(MemoryDemand d, int levels) {
+  for (int l = d.surface->subdivisions; l > levels; --l) {
+    d.mesh = {d.mesh.vertices / 4, d.mesh.triangles / 4};
+  }
+  d.surface->subdivisions = levels;
+  return d;
+}
+
+std::optional<std::string> fitting_step(const MemoryDemand& demand, std::uint64_t limit) {
+  constexpr double kGrain = 1.05, kWidest = 1e12;  // Å
+  const bool exact = demand.surface->mesher == Mesher::exact;
+  const double step = exact ? demand.surface->edge_length : demand.surface->grid.spacing;
+  for (double factor = kGrain; step * factor < kWidest; factor *= kGrain) {
+    if (!fits(scaled(demand, factor), limit)) continue;
+    return fmt::format("{} {:.2g}", exact ? "--edge-length" : "--spacing",
+                       std::ceil(step * factor * 100) / 100);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> fitting_subdivisions(const MemoryDemand& demand, std::uint64_t limit) {
+  for (int levels = demand.surface->subdivisions - 1; levels >= 0; --levels) {
+    if (fits(with_subdivisions(demand, levels), limit)) {
+      return fmt::format("--subdivide {}", levels);
+    }
+  }
+  return std::nullopt;
+}
+
+std::string gibibytes(std::uint64_t bytes) {
+  return fmt::format("{:.3g} GiB", static_cast<double>(bytes) / 0x1p30);
+}
+
+// "--spacing 0.7, --subdivide 0 or --memory-limit 32G", with what would fit.
+std::string remedies(const MemoryDemand& demand, std::uint64_t need, std::uint64_t limit) {
+  std::string list;
+  const auto add = [&](const std::optional<std::string>& remedy) {
+    if (remedy) list += *remedy + ", ";
+  };
+  if (demand.surface) {
+    add(fitting_step(demand, limit));
+    add(fitting_subdivisions(demand, limit));
+  }
+  MemoryDemand less = demand;
+  less.distances = Switch::off;
+  if (fits(less, limit)) add("--distances off");
+  less = demand;
+  if (less.exact) less.exact = UnionMethod::arcs;
+  if (fits(less, limit)) add("--topology off");
+  constexpr std::uint64_t kNobodyHas = std::uint64_t{1} << 46;
+  if (need < kNobodyHas) {
+    list += fmt::format("{}--memory-limit {}M, ", list.empty() ? "" : "or ", (need >> 20) + 1);
+  }
+  if (list.empty()) return "there is no setting that fits";
+  return list.substr(0, list.size() - 2) + " would do";
+}
+
+void describe(const SphereSet& spheres, MemoryDemand& demand) {
+  double all = 0;  // Å²
+  for (const Sphere& s : spheres.spheres()) all += 4 * std::numbers::pi * s.radius * s.radius;
+  demand.spheres = spheres.size();
+  demand.area = estimate_area(spheres);
+  demand.exposed = demand.area / all;
+}
+
+}  // namespace
+
+MemoryNeed estimate_memory(const MemoryDemand& demand) { return Estimate(demand).run(); }
+
+void check_memory(const MemoryDemand& demand, std::uint64_t limit) {
+  const MemoryNeed need = estimate_memory(demand);
+  if (need.bytes <= limit) return;
+  const std::string mesh =
+      need.triangles > 0 ? fmt::format(" for a mesh of {}{} triangles",
+                                       demand.mesh.triangles > 0 ? "" : "about ", need.triangles)
+                         : "";
+  throw LimitExceeded(fmt::format("the stage \"{}\" needs {} of memory{}, {} are allowed: {}",
+                                  need.stage, gibibytes(need.bytes), mesh, gibibytes(limit),
+                                  remedies(demand, need.bytes, limit)));
+}
+
+std::optional<std::uint64_t> check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
+                                                 std::uint64_t limit) {
+  describe(spheres, demand);
+  if (demand.surface && demand.surface->field.kind != FieldKind::vdw) return std::nullopt;
+  check_memory(demand, limit);
+  return estimate_memory(demand).bytes;
+}
+
+void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const IndexedMesh& mesh,
+                        std::uint64_t limit) {
+  if (demand.spheres == 0) describe(spheres, demand);
+  demand.mesh = {mesh.vertex_count(), mesh.triangle_count()};
+  check_memory(demand, limit);
+}
+
+}  // namespace vdwmesh::apps

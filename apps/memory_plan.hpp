@@ -1,0 +1,52 @@
+// What a run will need, stage by stage, asked before it begins and again when the mesh is there.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "analysis/stage_bytes.hpp"
+#include "extract/sphere_set.hpp"
+#include "options.hpp"
+
+namespace vdwmesh::apps {
+
+// What is done with the mesh, and beside it.
+struct MemoryDemand {
+  std::uint64_t spheres = 0;
+  double area = 0;                        // Å² of the union, about
+  double exposed = 1;                     // that part of the spheres' own area
+  std::optional<SurfaceOptions> surface;  // empty: no mesh is made here
+  Backend backend = Backend::cpu;         // that makes it
+  Connectivity connectivity = Connectivity::triangles;
+  MeshSize mesh;               // of the finished mesh, where it is known
+  Switch build = Switch::off;  // OpenMesh
+  Switch measures = Switch::on;
+  std::optional<UnionMethod> exact;  // empty: no exact union
+  Switch distances = Switch::off;
+};
+
+struct MemoryNeed {
+  std::string stage;
+  std::uint64_t bytes = 0;      // of the whole process while the stage runs
+  std::uint64_t triangles = 0;  // of the finished mesh
+};
+
+// The stage that needs the most. Where the mesh is not known yet, its size follows from the area:
+// good to a few per cent for `vdw`, not to be trusted for the blended fields.
+MemoryNeed estimate_memory(const MemoryDemand& demand);
+
+// Throws LimitExceeded when it is more than `limit` bytes: names stage, bytes, and the options that
+// would fit.
+void check_memory(const MemoryDemand& demand, std::uint64_t limit);
+
+// The same before anything is made, where the size of the mesh can be foretold. Fills in what
+// `demand` has of the spheres. Returns the bytes.
+std::optional<std::uint64_t> check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
+                                                 std::uint64_t limit);
+
+// The same for what follows a mesh that is there.
+void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const IndexedMesh& mesh,
+                        std::uint64_t limit);
+
+}  // namespace vdwmesh::apps

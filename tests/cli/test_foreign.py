@@ -1,0 +1,152 @@
+"""Every mesh format that is written is read by programs of others, who find the same mesh."""
+
+import collections
+import importlib
+import unittest
+
+from program import SOURCE_DIR, ProgramTest, parse_json
+
+# Per format, who reads it. Blank: nobody of that package.
+MESHIO_FORMATS = ("ply", "obj", "off", "stl")
+VTK_FORMATS = {"ply": "vtkPLYReader", "obj": "vtkOBJReader", "stl": "vtkSTLReader",
+               "glb": "vtkGLTFReader"}
+MOLECULE = SOURCE_DIR / "data" / "bpti.pdb"
+SURFACES = {
+    "marching cubes": ("--spacing", "1.6", "--subdivide", "1"),
+    "crease-exact": ("--mesher", "exact", "--edge-length", "1.2"),
+}
+
+
+def imported(name):
+    """The module, or None where its package is not installed."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        return None
+
+
+class Found:
+    """What a reader made of a file: plain lists, so that nothing is repaired on the way."""
+
+    def __init__(self, points, triangles):
+        self.points = [tuple(map(float, p)) for p in points]
+        self.triangles = [tuple(map(int, t)) for t in triangles]
+
+    def welded(self):
+        """Corners at one place become one vertex, as for formats without indices."""
+        numbers = {}
+        index = [numbers.setdefault(p, len(numbers)) for p in self.points]
+        return Found(list(numbers), [tuple(index[v] for v in t) for t in self.triangles])
+
+    def area(self):
+        return sum(length(normal(*(self.points[v] for v in t))) for t in self.triangles) / 2
+
+    def volume(self):
+        return sum(dot(self.points[a], cross(self.points[b], self.points[c]))
+                   for a, b, c in self.triangles) / 6
+
+    def is_closed_and_oriented(self):
+        """Every directed edge occurs once, and so does its opposite."""
+        edges = collections.Counter(
+            (t[k], t[(k + 1) % 3]) for t in self.triangles for k in range(3))
+        return all(n == 1 and edges[b, a] == 1 for (a, b), n in edges.items())
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def normal(a, b, c):
+    return cross([x - y for x, y in zip(b, a)], [x - y for x, y in zip(c, a)])
+
+
+def length(a):
+    return dot(a, a) ** 0.5
+
+
+def read_by_meshio(meshio, path):
+    mesh = meshio.read(path)
+    return Found(mesh.points, mesh.get_cells_type("triangle"))
+
+
+def polygons(data):
+    for i in range(data.GetNumberOfCells()):
+        cell = data.GetCell(i)
+        yield tuple(cell.GetPointId(k) for k in range(cell.GetNumberOfPoints()))
+
+
+def read_by_vtk(vtk, path, extension):
+    reader = getattr(vtk["vtkIOGeometry" if extension != "ply" else "vtkIOPLY"],
+                     VTK_FORMATS[extension])()
+    reader.SetFileName(str(path))
+    reader.Update()
+    data = reader.GetOutput()
+    if extension == "glb":  # a tree with one leaf
+        while data.IsA("vtkMultiBlockDataSet"):
+            if data.GetNumberOfBlocks() != 1:
+                raise AssertionError("one mesh was written")
+            data = data.GetBlock(0)
+    points = [data.GetPoint(i) for i in range(data.GetNumberOfPoints())]
+    return Found(points, polygons(data))
+
+
+class ForeignReaders(ProgramTest):
+    def check(self, extensions, read, unreadable=()):
+        for surface, options in SURFACES.items():
+            for extension in extensions:
+                if (surface, extension) in unreadable:
+                    continue
+                with self.subTest(surface=surface, format=extension):
+                    path = self.folder / f"a.{extension}"
+                    json_path = self.folder / "a.json"
+                    self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, *options)
+                    mesh = parse_json(json_path.read_text())["mesh"]
+                    self.assert_the_same(read(path, extension), mesh, extension)
+
+    def assert_the_same(self, found, mesh, extension):
+        if extension == "stl":
+            found = found.welded()
+        self.assertEqual(len(found.points), mesh["vertices"])
+        self.assertEqual(len(found.triangles), mesh["triangles"])
+        self.assertTrue(all(len(t) == 3 for t in found.triangles))
+        self.assertEqual(found.is_closed_and_oriented(), mesh["closed"] and mesh["oriented"])
+        # Coordinates of up to 50 Å in float32 on edges of 0.3 Å; VTK and meshio read PLY and OBJ
+        # into float32 as well.
+        self.assert_close(found.area(), mesh["area"], 1e-5)
+        self.assert_close(found.volume(), mesh["volume"], 1e-5)
+
+    def test_meshio(self):
+        meshio = imported("meshio")
+        if meshio is None:
+            self.skipTest("needs python3-meshio")
+        # It takes the properties of a face for columns, one behind the other, and so reads no PLY
+        # whose faces have more than their corners: here, their atoms.
+        unreadable = {("crease-exact", "ply")}
+        self.check(MESHIO_FORMATS, lambda path, _: read_by_meshio(meshio, path), unreadable)
+
+    def test_vtk(self):
+        names = ("vtkIOGeometry", "vtkIOPLY")
+        vtk = {name: imported("vtkmodules." + name) for name in names}
+        if None in vtk.values():
+            self.skipTest("needs python3-vtk9")
+        self.check(VTK_FORMATS, lambda path, extension: read_by_vtk(vtk, path, extension))
+
+
+class TheChecksThemselves(unittest.TestCase):
+    def test_an_open_and_a_turned_face_are_seen(self):
+        points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+        whole = Found(points, faces)
+        self.assertTrue(whole.is_closed_and_oriented())
+        self.assertAlmostEqual(whole.volume(), 1 / 6)
+        self.assertAlmostEqual(whole.area(), 1.5 + 3**0.5 / 2)
+        self.assertFalse(Found(points, faces[1:]).is_closed_and_oriented())
+        self.assertFalse(Found(points, [(0, 1, 2), *faces[1:]]).is_closed_and_oriented())
+
+
+if __name__ == "__main__":
+    unittest.main()

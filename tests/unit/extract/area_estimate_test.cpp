@@ -1,0 +1,50 @@
+#include "extract/area_estimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+namespace vdwmesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kTenPercent = 0.1;  // what the header promises small sets
+
+double estimate(std::vector<Sphere> spheres) {
+  return estimate_area(SphereSet(std::move(spheres)));
+}
+
+void expect_near(double value, double expected) {
+  EXPECT_LE(std::abs(value - expected), kTenPercent * expected) << value << " for " << expected;
+}
+
+TEST(AreaEstimate, SpheresThatTouchNothingKeepTheirArea) {
+  EXPECT_DOUBLE_EQ(estimate({{{1, 2, 3}, 2}}), 16 * kPi);
+  EXPECT_DOUBLE_EQ(estimate({{{0, 0, 0}, 1}, {{9, 0, 0}, 2}}), 20 * kPi);
+  EXPECT_EQ(estimate_area(SphereSet()), 0);
+}
+
+TEST(AreaEstimate, CapsAreTakenOff) {
+  // Two unit spheres at a distance of 1: each loses a cap of height 1/2.
+  expect_near(estimate({{{0, 0, 0}, 1}, {{1, 0, 0}, 1}}), 2 * (4 * kPi - kPi));
+}
+
+TEST(AreaEstimate, BuriedAndRepeatedSpheresCountOnce) {
+  EXPECT_DOUBLE_EQ(estimate({{{0, 0, 0}, 2}, {{0.5, 0, 0}, 1}}), 16 * kPi);
+  EXPECT_DOUBLE_EQ(estimate({{{0, 0, 0}, 2}, {{0, 0, 0}, 2}, {{0, 0, 0}, 2}}), 16 * kPi);
+}
+
+TEST(AreaEstimate, ASampleStandsForAllOfManySpheres) {
+  std::vector<Sphere> lattice;
+  for (int x = 0; x < 30; ++x)
+    for (int y = 0; y < 30; ++y)
+      for (int z = 0; z < 30; ++z) lattice.push_back({{4.0 * x, 4.0 * y, 4.0 * z}, 1.5});
+  const double each = 4 * kPi * 1.5 * 1.5;
+  EXPECT_NEAR(estimate(lattice), 27000 * each, 1e-6 * 27000 * each);
+}
+
+}  // namespace
+}  // namespace vdwmesh
