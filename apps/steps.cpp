@@ -183,8 +183,9 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
 
 LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& levels) {
   return [wanted, &levels](int level, const IndexedMesh& mesh) {
+    const MeshExamination found = examine(mesh);
     LevelReport record{level,          mesh.vertex_count(), mesh.triangle_count(),
-                       measures(mesh), quality(mesh),       {}};
+                       found.measures, found.quality,       {}};
     if (counts_self_intersections(wanted, mesh))
       record.self_intersections = self_intersections(mesh);
     levels.push_back(std::move(record));
@@ -212,14 +213,13 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Report& report) {
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections_wanted, Monitor* monitor,
              Report& report) {
   const bool count = counts_self_intersections(self_intersections_wanted, mesh);
-  begin_stage(monitor, "measure", count ? 3 : 2);
+  begin_stage(monitor, "measure", count ? 2 : 1);
   if (!report.mesh) report.mesh.emplace();
   MeshReport& result = *report.mesh;
-  const MeshSummary summary = summarize(mesh);
-  result.topology = summary.topology;
-  result.measures = summary.measures;
-  advance(monitor, 1);
-  result.quality = quality(mesh);
+  const MeshExamination found = examine(mesh);
+  result.topology = found.topology;
+  result.measures = found.measures;
+  result.quality = found.quality;
   advance(monitor, 1);
   if (count) {
     result.self_intersections = self_intersections(mesh);

@@ -16,10 +16,10 @@ StudyRun measure(const IndexedMesh& mesh, const StudySetting& setting, const Stu
   begin_stage(monitor, "measure", 1);
   StudyRun run;
   run.setting = setting;
-  const MeshSummary summary = summarize(mesh);
+  const MeshExamination summary = examine(mesh);
   run.topology = summary.topology;
   run.measures = summary.measures;
-  run.quality = quality(mesh);
+  run.quality = summary.quality;
   run.histograms = quality_histograms(mesh);
   run.comparison = compare(run.topology, run.measures, input.exact);
   if (counts_self_intersections(options.self_intersections, mesh)) {

@@ -9,7 +9,6 @@
 
 #include "core/disjoint_sets.hpp"
 #include "core/large_pages.hpp"
-#include "mesh/edge_buckets.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -50,8 +49,7 @@ constexpr std::size_t kVerticesPerTask = 1 << 13;
 
 class Surveyor {
  public:
-  explicit Surveyor(const IndexedMesh& mesh)
-      : mesh_(mesh), buckets_(mesh.triangles, mesh.vertex_count()) {}
+  Surveyor(const IndexedMesh& mesh, const EdgeBuckets& buckets) : mesh_(mesh), buckets_(buckets) {}
 
   EdgeSurvey run() {
     const EdgeCounts counts = count_edges();
@@ -166,12 +164,14 @@ class Surveyor {
   }
 
   const IndexedMesh& mesh_;
-  EdgeBuckets buckets_;
+  const EdgeBuckets& buckets_;
   EdgeSurvey result_{};
 };
 
 }  // namespace
 
-EdgeSurvey survey_edges(const IndexedMesh& mesh) { return Surveyor(mesh).run(); }
+EdgeSurvey survey_edges(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
+  return Surveyor(mesh, buckets).run();
+}
 
 }  // namespace vdwmesh

@@ -5,6 +5,7 @@
 
 #include "core/buffer.hpp"
 #include "extract/indexed_mesh.hpp"
+#include "mesh/edge_buckets.hpp"
 
 namespace vdwmesh {
 
@@ -16,6 +17,7 @@ struct EdgeSurvey {
   Buffer<std::uint32_t> shell_of;  // of each triangle; shells are numbered by their first triangle
 };
 
-EdgeSurvey survey_edges(const IndexedMesh& mesh);
+// `buckets` are those of the mesh.
+EdgeSurvey survey_edges(const IndexedMesh& mesh, const EdgeBuckets& buckets);
 
 }  // namespace vdwmesh

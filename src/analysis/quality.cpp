@@ -12,6 +12,7 @@
 #include "analysis/distribution.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "analysis/quality_histograms.hpp"
+#include "analysis/quality_parts.hpp"
 #include "core/errors.hpp"
 #include "core/large_pages.hpp"
 #include "core/multiversion.hpp"
@@ -114,8 +115,7 @@ TriangleShapes triangle_shapes(const IndexedMesh& mesh) {
 }
 
 // Each edge once, by its smaller vertex.
-Buffer<double> edge_lengths(const IndexedMesh& mesh) {
-  const EdgeBuckets buckets(mesh.triangles, mesh.vertex_count());
+Buffer<double> edge_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
   std::vector<std::size_t> before(mesh.vertex_count() / kItemsPerTask + 2);
   const auto each_task = [&](auto&& body) {
     tbb::parallel_for(std::size_t{0}, before.size() - 1, [&](std::size_t task) {
@@ -146,13 +146,24 @@ double place(double value, BinScale scale, double lower, double upper) {
 
 }  // namespace
 
-MeshQuality quality(const IndexedMesh& mesh) {
+Distribution edge_length_distribution(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
+  return distribution_of(edge_lengths(mesh, buckets));
+}
+
+MeshQuality quality_of_triangles(const IndexedMesh& mesh) {
   MeshQuality result{};
-  result.edge_length = distribution_of(edge_lengths(mesh));
   const TriangleShapes shapes = triangle_shapes(mesh);
   result.min_angle_deg = distribution_of(shapes.min_angles_deg);
   result.aspect_ratio = distribution_of(shapes.aspect_ratios);
   result.degenerate_triangles = mesh.triangle_count() - shapes.aspect_ratios.size();
+  return result;
+}
+
+MeshQuality quality(const IndexedMesh& mesh) {
+  const Distribution edge_length =
+      edge_length_distribution(mesh, EdgeBuckets(mesh.triangles, mesh.vertex_count()));
+  MeshQuality result = quality_of_triangles(mesh);
+  result.edge_length = edge_length;
   return result;
 }
 
@@ -179,7 +190,9 @@ Histogram histogram(std::span<const double> values, BinScale scale, double lower
 
 QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   QualityHistograms result;
-  result.edge_length = histogram(edge_lengths(mesh), BinScale::logarithmic, 0x1p-10, 4, 48);
+  result.edge_length =
+      histogram(edge_lengths(mesh, EdgeBuckets(mesh.triangles, mesh.vertex_count())),
+                BinScale::logarithmic, 0x1p-10, 4, 48);
   // No smallest angle is above 60 degrees and no aspect ratio below 1, but for rounding.
   TriangleShapes shapes = triangle_shapes(mesh);
   for (double& angle : shapes.min_angles_deg) angle = std::min(angle, 60.0);
