@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 
@@ -30,7 +31,7 @@ def end(program, arguments, folder, stage, delay):
     time.sleep(delay)
     start = time.monotonic()
     process.send_signal(signal.SIGTERM)
-    process.stderr.close()
+    threading.Thread(target=process.stderr.read, daemon=True).start()
     code = process.wait()
     seconds = time.monotonic() - start
     left = sorted(p.name for p in folder.rglob("*") if p.is_file())
