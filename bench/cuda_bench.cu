@@ -249,22 +249,54 @@ void report_refinement(const char* name, const SphereSet& spheres, double spacin
   }
 }
 
-void report_end_to_end(const std::filesystem::path& path, double spacing) {
+// GB/s from the device into page-locked memory.
+double download_rate() {
+  const Stream stream;
+  constexpr std::size_t bytes = std::size_t{512} << 20;
+  const DeviceArray<std::uint8_t> from(bytes, stream.get());
+  void* to = nullptr;
+  check_cuda(cudaMallocHost(&to, bytes), "page-locked memory");
+  const double ms = time_on_device(stream, [&] {
+    check_cuda(cudaMemcpyAsync(to, from.data(), bytes, cudaMemcpyDeviceToHost, stream.get()),
+               "copy");
+  });
+  check_cuda(cudaFreeHost(to), "page-locked memory");
+  return static_cast<double>(bytes) / ms * 1e-6;
+}
+
+// s from spheres in memory to mesh in memory, the second to fourth of four runs' median.
+double seconds_to_mesh(const SphereSet& spheres, const ExtractOptions& options, Backend backend,
+                       PipelineResult& result) {
+  std::vector<double> times;
+  for (int i = 0; i < 4; ++i) {
+    result = {};
+    const double t =
+        seconds_of([&] { result = make_pipeline(backend)->run(spheres, options, {}); });
+    if (i > 0) times.push_back(t);
+  }
+  return median(times);
+}
+
+void report_end_to_end(const std::filesystem::path& path, double spacing, double bus_rate) {
   const SphereSet spheres = read_xyzr(path);
   ExtractOptions options;
   options.grid.spacing = spacing;
-  RefineOptions refine;
-  double seconds[2];
-  for (const Backend backend : {Backend::cpu, Backend::cuda}) {
-    std::vector<double> times;
-    for (int i = 0; i < 4; ++i) {
-      const double t = seconds_of([&] { make_pipeline(backend)->run(spheres, options, refine); });
-      if (i > 0) times.push_back(t);
-    }
-    seconds[backend == Backend::cuda] = median(times);
+  PipelineResult result;
+  const double cpu = seconds_to_mesh(spheres, options, Backend::cpu, result);
+  std::printf("%-12s %.2f Å  atoms in memory -> mesh in memory: cpu %.4f s\n", path.stem().c_str(),
+              spacing, cpu);
+  const auto present = static_cast<int>(cuda_devices().devices.size());
+  for (options.devices = 1; options.devices <= present; ++options.devices) {
+    const double cuda = seconds_to_mesh(spheres, options, Backend::cuda, result);
+    const auto bytes = static_cast<double>(indexed_mesh_bytes(
+        result.mesh.vertex_count(), result.mesh.triangle_count(), options.connectivity));
+    std::printf(
+        "    cuda, %d devices: %.4f s, %.1f x; kernels %.4f, download %.4f s (page-locked at %.1f "
+        "GB/s: %.4f)\n",
+        options.devices, cuda, cpu / cuda,
+        result.extract.field_seconds + result.extract.extract_seconds,
+        result.extract.download_seconds, bus_rate, bytes / bus_rate * 1e-9);
   }
-  std::printf("%-12s %.2f Å  atoms in memory -> mesh in memory: cpu %.3f s, cuda %.4f s, %.1f x\n",
-              path.stem().c_str(), spacing, seconds[0], seconds[1], seconds[0] / seconds[1]);
 }
 
 void report_synthetic(double rate) {
@@ -302,7 +334,8 @@ void report_file(const std::filesystem::path& path, const Parts& parts, double r
   if (parts.refine) report_refinement(name.c_str(), spheres, 0.5, 2, Crossings::allow);
   if (parts.crossings) report_refinement(name.c_str(), spheres, 0.5, 2, Crossings::undo);
   if (!parts.end_to_end) return;
-  for (const double spacing : {0.5, 0.25}) report_end_to_end(path, spacing);
+  const double bus_rate = download_rate();
+  for (const double spacing : {0.5, 0.25}) report_end_to_end(path, spacing, bus_rate);
 }
 
 void report_million(const SphereSet& spheres, const Parts& parts, double rate) {

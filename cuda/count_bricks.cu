@@ -195,19 +195,18 @@ BlendedCount blended_count_of(FieldKind kind) {
 
 }  // namespace
 
-void count_bricks_on_device(const FieldContext& f, const KeyList& candidates,
+void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
                             const CaseTable* table, ActiveBrick* bricks, float* values,
                             const BrickCounts& counts, const Stream& stream) {
-  if (candidates.count == 0) return;
-  const std::uint64_t size = candidates.count;
+  if (size == 0) return;
   if (f.model.kind == FieldKind::vdw) {
-    count_union<<<static_cast<unsigned>(size), kBrickThreads, 0, stream.get()>>>(
-        f, candidates.keys.data(), table, bricks, counts);
+    count_union<<<static_cast<unsigned>(size), kBrickThreads, 0, stream.get()>>>(f, keys, table,
+                                                                                 bricks, counts);
   } else {
     blended_count_of(
         f.model
             .kind)<<<blocks_for(size, kWarpsPerBlock), kWarpsPerBlock * kWarp, 0, stream.get()>>>(
-        f, candidates.keys.data(), size, table, bricks, values, counts);
+        f, keys, size, table, bricks, values, counts);
   }
   check_launch("count_bricks");
 }

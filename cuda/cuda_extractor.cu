@@ -1,7 +1,6 @@
 // The Extractor on CUDA.
 #include "cuda/cuda_backend.hpp"
-#include "cuda/device_structures.cuh"
-#include "extract/field_sample.hpp"
+#include "cuda/extract_in_slabs.cuh"
 
 namespace vdwmesh {
 namespace {
@@ -9,14 +8,7 @@ namespace {
 class CudaExtractor final : public Extractor {
  public:
   ExtractResult extract(const SphereSet& spheres, const ExtractOptions& options) const override {
-    const GridSpec grid = make_grid(spheres, options.grid);
-    const FieldModel model = make_field_model(options.field, grid);
-    const CellList list = make_field_list(spheres, model);
-    const Stream stream;
-    const DeviceCellList device_list(list.view(), stream.get());
-    const DeviceExtraction extraction =
-        extract_on_device(device_list.view(), model, options, stream);
-    return {download(extraction.mesh.view(), options.connectivity, stream), grid, extraction.stats};
+    return extract_to_host(spheres, options);
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include "cuda/cuda_backend.hpp"
 #include "cuda/device_refinement.cuh"
+#include "cuda/extract_in_slabs.cuh"
 #include "extract/field_sample.hpp"
 #include "refine/preparation.hpp"
 
@@ -13,6 +14,10 @@ class CudaPipeline final : public SurfacePipeline {
  public:
   PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
                      const RefineOptions& refine) const override {
+    if (refine.subdivisions == 0) {
+      ExtractResult extracted = extract_to_host(spheres, extract);
+      return {std::move(extracted.mesh), extracted.grid, extracted.stats, {}, 0};
+    }
     const GridSpec grid = make_grid(spheres, extract.grid);
     const FieldModel model = make_field_model(extract.field, grid);
     const CellList list = make_field_list(spheres, model);
@@ -22,10 +27,6 @@ class CudaPipeline final : public SurfacePipeline {
       return extract_on_device(device_list.view(), model, extract, stream);
     }();
     PipelineResult result{{}, grid, extraction.stats, {}, 0};
-    if (refine.subdivisions == 0) {
-      result.mesh = download(extraction.mesh.view(), extract.connectivity, stream);
-      return result;
-    }
     RefineOptions options = refine;
     options.grid = grid;
     check_refinement_size(spheres.size(), extraction.mesh.vertex_count(),

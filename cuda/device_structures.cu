@@ -1,3 +1,4 @@
+#include "core/large_pages.hpp"
 #include "cuda/device_structures.cuh"
 #include "cuda/download.cuh"
 
@@ -35,12 +36,12 @@ DeviceMeshView DeviceMesh::view() const {
 
 IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream) {
   IndexedMesh host;
-  host.positions.resize(mesh.vertices);
-  if (mesh.normals != nullptr) host.normals.resize(mesh.vertices);
-  if (mesh.vertex_spheres != nullptr) host.vertex_spheres.resize(mesh.vertices);
-  host.triangles.resize(mesh.triangles);
-  if (mesh.triangle_spheres != nullptr) host.triangle_spheres.resize(mesh.triangles);
-  if (connectivity == Connectivity::half_edges) host.opposite.resize(3 * mesh.triangles);
+  resize_untouched(host.positions, mesh.vertices);
+  if (mesh.normals != nullptr) resize_untouched(host.normals, mesh.vertices);
+  if (mesh.vertex_spheres != nullptr) resize_untouched(host.vertex_spheres, mesh.vertices);
+  resize_untouched(host.triangles, mesh.triangles);
+  if (mesh.triangle_spheres != nullptr) resize_untouched(host.triangle_spheres, mesh.triangles);
+  if (connectivity == Connectivity::half_edges) resize_untouched(host.opposite, 3 * mesh.triangles);
   static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
   const auto part = [](auto& to, const void* from) {
     return DownloadPart{to.data(), from, to.size() * sizeof(to[0])};

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <cstring>
 #include <exception>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -21,13 +23,17 @@ struct Chunk {
   std::size_t bytes;
 };
 
+// Cut where the caller's memory crosses a multiple of a chunk, so that no large page is touched
+// first by two threads at once.
 std::vector<Chunk> cut(const std::vector<DownloadPart>& parts) {
   std::vector<Chunk> chunks;
   for (const DownloadPart& part : parts) {
-    for (std::size_t at = 0; at < part.bytes; at += kChunk) {
+    const auto address = reinterpret_cast<std::uintptr_t>(part.host);
+    for (std::size_t at = 0; at < part.bytes;) {
+      const std::size_t bytes = std::min(kChunk - (address + at) % kChunk, part.bytes - at);
       chunks.push_back({static_cast<std::byte*>(part.host) + at,
-                        static_cast<const std::byte*>(part.device) + at,
-                        std::min(kChunk, part.bytes - at)});
+                        static_cast<const std::byte*>(part.device) + at, bytes});
+      at += bytes;
     }
   }
   return chunks;
@@ -74,24 +80,21 @@ class StagingLane {
   std::byte* buffers_[2] = {nullptr, nullptr};
 };
 
-// Lanes are kept: locking their pages takes as long as a small download. One download at a time
-// uses them.
+// The lanes of a device. They are kept: locking their pages takes as long as a small download. One
+// download at a time uses them.
 class Staging {
  public:
-  void copy(const std::vector<Chunk>& chunks, cudaEvent_t ready) {
+  void copy(int device, const std::vector<Chunk>& chunks, cudaEvent_t ready) {
     const std::lock_guard lock(mutex_);
-    int device = 0;
-    check_cuda(cudaGetDevice(&device), "device");
-    std::vector<std::unique_ptr<StagingLane>>& lanes = lanes_of(device);
     const std::size_t cores = std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads);
     const std::size_t threads = std::clamp<std::size_t>(chunks.size() / kChunksPerThread, 1, cores);
-    while (lanes.size() < threads) lanes.push_back(std::make_unique<StagingLane>());
+    while (lanes_.size() < threads) lanes_.push_back(std::make_unique<StagingLane>());
     std::atomic<std::size_t> next{0};
     std::vector<std::exception_ptr> failures(threads);
     const auto work = [&](std::size_t i) {
       try {
         check_cuda(cudaSetDevice(device), "device");
-        lanes[i]->work(chunks, next, ready);
+        lanes_[i]->work(chunks, next, ready);
       } catch (...) {
         failures[i] = std::current_exception();
       }
@@ -107,20 +110,16 @@ class Staging {
   }
 
  private:
-  std::vector<std::unique_ptr<StagingLane>>& lanes_of(int device) {
-    const auto at = static_cast<std::size_t>(device);
-    if (lanes_.size() <= at) lanes_.resize(at + 1);
-    return lanes_[at];
-  }
-
   std::mutex mutex_;
-  std::vector<std::vector<std::unique_ptr<StagingLane>>> lanes_;  // by device
+  std::vector<std::unique_ptr<StagingLane>> lanes_;
 };
 
 // Never destroyed: at the end of the process the driver may be gone before it.
-Staging& staging() {
-  static Staging* const instance = new Staging;
-  return *instance;
+Staging& staging_of(int device) {
+  static std::mutex* const mutex = new std::mutex;
+  static auto* const all = new std::map<int, Staging>;
+  const std::lock_guard lock(*mutex);
+  return (*all)[device];
 }
 
 class Event {
@@ -142,8 +141,11 @@ class Event {
 
 void download_parts(const std::vector<DownloadPart>& parts, const Stream& stream) {
   const std::vector<Chunk> chunks = cut(parts);
+  if (chunks.empty()) return stream.wait();
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "device");
   const Event ready(stream.get());
-  if (!chunks.empty()) staging().copy(chunks, ready.get());
+  staging_of(device).copy(device, chunks, ready.get());
 }
 
 }  // namespace vdwmesh

@@ -92,10 +92,10 @@ struct TriangleShared {
 };
 
 // First vertex and crossings of row (y & 7, z & 7) of the brick at (dx, y >> 3, z >> 3).
-__device__ void share_row(const BrickList& list, const TriangleShared& s, int dx, int y, int z,
-                          std::uint32_t& first, std::uint32_t& crossed) {
+__device__ void share_row(const BrickList& list, const TriangleShared& s, std::uint32_t own, int dx,
+                          int y, int z, std::uint32_t& first, std::uint32_t& crossed) {
   const int neighbour = upper_neighbour(dx, y >> 3, z >> 3);
-  const std::uint64_t place = neighbour < 0 ? blockIdx.x : s.near.place[neighbour];
+  const std::uint64_t place = neighbour < 0 ? own : s.near.place[neighbour];
   first = 0;
   crossed = 0;
   if (place == kNoBrick) return;
@@ -107,10 +107,10 @@ __device__ void share_row(const BrickList& list, const TriangleShared& s, int dx
   crossed = row_crossings(owner.signs, y, z).packed;
 }
 
-__device__ void share_vertex_rows(const BrickList& list, TriangleShared& s) {
+__device__ void share_vertex_rows(const BrickList& list, std::uint32_t own, TriangleShared& s) {
   for (unsigned i = threadIdx.x; i < 2 * kRows; i += kBrickThreads) {
     const int row = static_cast<int>(i) % kRows, y = row % kBrickReach, z = row / kBrickReach;
-    share_row(list, s, i < kRows ? 0 : 1, y, z, s.row_first[i], s.row_crossed[i]);
+    share_row(list, s, own, i < kRows ? 0 : 1, y, z, s.row_first[i], s.row_crossed[i]);
   }
 }
 
@@ -207,14 +207,15 @@ __device__ std::uint32_t number_across(const TriangleShared& s, const CaseTable&
 }
 
 __global__ void __launch_bounds__(kBrickThreads)
-    emit_triangles(BrickList list, const TriangleNeighbours* neighbours,
+    emit_triangles(BrickList list, std::uint32_t first, const TriangleNeighbours* neighbours,
                    const CaseTable* global_table, DeviceMeshView mesh) {
   __shared__ TriangleShared s;
   const CaseTable& table = *global_table;
-  copy_brick(&list.bricks[blockIdx.x], &s.brick, threadIdx.x, kBrickThreads);
+  const std::uint32_t own = first + blockIdx.x;
+  copy_brick(&list.bricks[own], &s.brick, threadIdx.x, kBrickThreads);
   if (threadIdx.x >= kBrickThreads - kTriangleNeighbours) {
     const unsigned slot = threadIdx.x - (kBrickThreads - kTriangleNeighbours);
-    s.near.place[slot] = neighbours[blockIdx.x].place[slot];
+    s.near.place[slot] = neighbours[own].place[slot];
   }
   __syncthreads();
   if (s.brick.triangles == 0) return;
@@ -226,9 +227,9 @@ __global__ void __launch_bounds__(kBrickThreads)
   } else {
     share_ends_beyond(list, table, s, thread - kOwnRows - static_cast<int>(kWarp));
   }
-  share_vertex_rows(list, s);
+  share_vertex_rows(list, own, s);
   __syncthreads();
-  const std::uint64_t base = 3 * list.before[blockIdx.x].triangles;
+  const std::uint64_t base = 3 * list.before[own].triangles;
   const auto base_number = static_cast<std::uint32_t>(base);
   std::uint32_t* const corners = mesh.corners + base;
   std::uint32_t* const opposite = mesh.opposite + base;
@@ -250,17 +251,18 @@ __global__ void __launch_bounds__(kBrickThreads)
 
 }  // namespace
 
-void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const CaseTable* table,
-                              const DeviceMeshView& mesh, const Stream& stream) {
-  if (bricks.size == 0) return;
+void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const BrickRange& range,
+                              const CaseTable* table, const DeviceMeshView& mesh,
+                              const Stream& stream) {
+  if (range.size() == 0) return;
   if (bricks.size >= kNoBrick) throw LimitExceeded("more bricks than 32 bits number");
   const DeviceArray<TriangleNeighbours> neighbours(bricks.size, stream.get());
   constexpr unsigned threads = 128;
   find_neighbours<<<dim3(blocks_for(bricks.size, threads), 6), threads, 0, stream.get()>>>(
       keys.keys.data(), static_cast<std::uint32_t>(bricks.size), neighbours.data());
   check_launch("find_neighbours");
-  emit_triangles<<<static_cast<unsigned>(bricks.size), kBrickThreads, 0, stream.get()>>>(
-      bricks, neighbours.data(), table, mesh);
+  emit_triangles<<<static_cast<unsigned>(range.size()), kBrickThreads, 0, stream.get()>>>(
+      bricks, static_cast<std::uint32_t>(range.begin), neighbours.data(), table, mesh);
   check_launch("emit_triangles");
 }
 

@@ -278,10 +278,10 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
 
 }  // namespace
 
-void emit_vertices_on_device(const FieldContext& f, const CountedBricks& counted,
-                             const float* values, const DeviceMeshView& mesh,
-                             unsigned long long* clamped, const Stream& stream) {
-  const BrickList bricks = counted.list();
+void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
+                             std::uint32_t most_atoms, const float* values,
+                             const DeviceMeshView& mesh, unsigned long long* clamped,
+                             const Stream& stream) {
   if (bricks.size == 0) return;
   const auto blocks = static_cast<unsigned>(bricks.size);
   if (f.model.kind == FieldKind::vdw) {
@@ -289,8 +289,8 @@ void emit_vertices_on_device(const FieldContext& f, const CountedBricks& counted
     check_launch("emit_union_vertices");
     return;
   }
-  const BlendedKernel kernel = blended_kernel_of(f.model.kind, counted.totals.most_atoms);
-  const std::uint32_t room = std::min(counted.totals.most_atoms, kMostAtoms);
+  const BlendedKernel kernel = blended_kernel_of(f.model.kind, most_atoms);
+  const std::uint32_t room = std::min(most_atoms, kMostAtoms);
   const std::size_t bytes = room * sizeof(VertexAtom) + places_for(room) * sizeof(std::uint32_t);
   check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                   static_cast<int>(bytes)),

@@ -18,10 +18,12 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
   const DeviceArray<float> values(kept, stream.get());
   const BrickKernels kernels{
       [&](const CaseTable* table, ActiveBrick* bricks, const BrickCounts& counts) {
-        count_bricks_on_device(f, candidates, table, bricks, values.data(), counts, stream);
+        count_bricks_on_device(f, candidates.keys.data(), candidates.count, table, bricks,
+                               values.data(), counts, stream);
       },
       [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {
-        emit_vertices_on_device(f, counted, values.data(), mesh, clamped, stream);
+        emit_vertices_on_device(f, counted.list(), counted.totals.most_atoms, values.data(), mesh,
+                                clamped, stream);
       }};
   mesh_bricks_on_device(candidates, model.grid.spacing, kernels, DeviceLabels::spheres,
                         DeviceNormals::gradients, options, result, marks, stream);

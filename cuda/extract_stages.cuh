@@ -40,7 +40,7 @@ struct BrickCounts {
   BrickSums* sums;   // per brick
   CountPart* parts;  // kCountParts of them, to begin with 0
 };
-void count_bricks_on_device(const FieldContext& f, const KeyList& candidates,
+void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
                             const CaseTable* table, ActiveBrick* bricks, float* values,
                             const BrickCounts& counts, const Stream& stream);
 
@@ -60,16 +60,29 @@ struct CountedBricks {
   BrickList list() const { return {bricks.data(), before.data(), bricks.size()}; }
 };
 
-// Positions, normals and labels; adds the clamped vertices to `clamped`. `values` as counted.
-void emit_vertices_on_device(const FieldContext& f, const CountedBricks& counted,
-                             const float* values, const DeviceMeshView& mesh,
-                             unsigned long long* clamped, const Stream& stream);
+// A run of bricks in the list of all.
+struct BrickRange {
+  std::uint64_t begin, end;
+  std::uint64_t size() const { return end - begin; }
+};
+
+inline BrickList part_of(const BrickList& list, const BrickRange& range) {
+  return {list.bricks + range.begin, list.before + range.begin, range.size()};
+}
+
+// Positions, normals and labels of the vertices of the bricks, at their numbers; adds the clamped
+// ones to `clamped`. `values` as counted, of these bricks.
+void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
+                             std::uint32_t most_atoms, const float* values,
+                             const DeviceMeshView& mesh, unsigned long long* clamped,
+                             const Stream& stream);
 void emit_sampled_vertices_on_device(const SampledFieldView& field, const CountedBricks& counted,
                                      const DeviceMeshView& mesh, unsigned long long* clamped,
                                      const Stream& stream);
 
-// Corners and opposite half-edges.
-void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const CaseTable* table,
-                              const DeviceMeshView& mesh, const Stream& stream);
+// Corners and opposite half-edges of the bricks of a range, at their numbers; `bricks` are all.
+void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const BrickRange& range,
+                              const CaseTable* table, const DeviceMeshView& mesh,
+                              const Stream& stream);
 
 }  // namespace vdwmesh

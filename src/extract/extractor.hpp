@@ -21,14 +21,21 @@ struct ExtractOptions {
   Connectivity connectivity = Connectivity::triangles;
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
   Monitor* monitor = nullptr;
+  // For the CUDA backend; the mesh does not depend on them. What does not fit in `device_memory`
+  // bytes (or in what is free) is made in slabs, runs of bricks; the slabs are shared among
+  // `devices`, and where there are fewer of them, some work for several.
+  std::uint64_t device_memory = kNoMemoryLimit;
+  int devices = 1;
 };
 
 struct ExtractStats {
   std::uint64_t surface_bricks = 0;
   std::uint64_t clamped_vertices = 0;  // edge parameter clamped to [2^-20, 1 - 2^-20]
   std::uint64_t grid_clipped = 0;      // cells of the virtual border layer that hold surface
+  std::uint64_t slabs = 0;             // in which CUDA made the mesh on the host
   double field_seconds = 0;            // bounds, node signs and counts
   double extract_seconds = 0;          // vertices and triangles
+  double download_seconds = 0;         // from the device, where CUDA made them
 };
 
 struct ExtractResult {

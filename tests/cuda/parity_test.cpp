@@ -2,6 +2,7 @@
 // bit by bit, twice in a row. Skips without a device; VDWMESH_REQUIRE_CUDA=1 makes that a failure.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -148,6 +149,48 @@ TEST_F(Parity, ThesisPresets) {
       options.grid = preset_grid(preset, {}, {});
       expect_parity(crowd(200, 8, 1, 2, 11), options, std::string("thesis ") + name_of(kind));
     }
+  }
+}
+
+// What does not fit is made in slabs, and several devices share them: the mesh is the same.
+TEST_F(Parity, SlabsAndDevices) {
+  const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
+  for (const FieldKind kind : kFields) {
+    ExtractOptions options = options_of(kind, 0.4);
+    const ExtractResult whole = make_extractor(Backend::cuda)->extract(spheres, options);
+    EXPECT_EQ(whole.stats.slabs, 1u);
+    for (const int devices : {1, 2, 3, 7}) {
+      for (const std::uint64_t memory : {kNoMemoryLimit, std::uint64_t{3} << 20}) {
+        options.devices = devices;
+        options.device_memory = memory;
+        const ExtractResult result = make_extractor(Backend::cuda)->extract(spheres, options);
+        const std::string what = std::string(name_of(kind)) + " " + std::to_string(devices) +
+                                 " devices, " + std::to_string(memory) + " bytes";
+        expect_same(whole.mesh, result.mesh, what);
+        EXPECT_EQ(whole.stats.clamped_vertices, result.stats.clamped_vertices) << what;
+        EXPECT_EQ(whole.stats.grid_clipped, result.stats.grid_clipped) << what;
+        EXPECT_EQ(whole.stats.surface_bricks, result.stats.surface_bricks) << what;
+        const auto shares = static_cast<std::uint64_t>(devices);
+        if (memory == kNoMemoryLimit) {
+          EXPECT_EQ(result.stats.slabs, shares) << what;
+        } else {
+          EXPECT_GE(result.stats.slabs, std::max(shares, std::uint64_t{4})) << what;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(Parity, NoRoomForASlab) {
+  ExtractOptions options = options_of(FieldKind::vdw, 0.4);
+  options.device_memory = 1000;
+  try {
+    make_extractor(Backend::cuda)->extract(crowd(2000, 15, 0.8, 2.0, 18), options);
+    FAIL() << "1000 bytes were enough";
+  } catch (const LimitExceeded& error) {
+    EXPECT_NE(std::string(error.what()).find("needs"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("1000 are available"), std::string::npos)
+        << error.what();
   }
 }
 

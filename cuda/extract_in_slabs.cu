@@ -1,0 +1,296 @@
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "core/large_pages.hpp"
+#include "cuda/download.cuh"
+#include "cuda/extract_in_slabs.cuh"
+#include "cuda/mesh_bricks.cuh"
+#include "extract/field_sample.hpp"
+#include "extract/limits.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::uint64_t kVertexBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(VertexSpheres);
+constexpr std::uint64_t kTriangleBytes = 6 * sizeof(std::uint32_t);  // corners, half-edges
+// Beside the mesh and the field: key, signs and counts, sums, neighbours.
+constexpr std::uint64_t kBrickBytes =
+    sizeof(std::uint64_t) + sizeof(ActiveBrick) + 2 * sizeof(BrickSums) + 64;
+
+[[noreturn]] void throw_no_room(std::uint64_t need, std::uint64_t have) {
+  throw LimitExceeded("extraction needs " + std::to_string(need) + " bytes of device memory, " +
+                      std::to_string(have) +
+                      " are available: choose a larger spacing or the cpu backend");
+}
+
+struct Slab {
+  BrickRange bricks;
+  BrickSums from, to;  // numbers of its vertices and triangles
+};
+
+// What one device does.
+class SlabWorker {
+ public:
+  // `sharers` workers share the device's memory.
+  SlabWorker(int device, int sharers, const CellListView& list, const FieldModel& model,
+             const ExtractOptions& options)
+      : device_(device), sharers_(sharers), model_(model), options_(options), list_(list) {}
+
+  // All bricks: candidates, counts, numbers.
+  void count() {
+    check_cuda(cudaSetDevice(device_), "device");
+    stream_.emplace();
+    device_list_.emplace(list_, stream_->get());
+    marks_.emplace(stream_->get());
+    room_ = std::min(options_.device_memory,
+                     available_device_memory() / static_cast<std::uint64_t>(sharers_));
+    candidates_ = candidate_bricks_on_device(context(), options_.memory_limit / sizeof(ActiveBrick),
+                                             *stream_);
+    marks_->mark();
+    const std::uint64_t fixed = candidates_.count * kBrickBytes;
+    if (fixed + field_bytes(1) > room_) throw_no_room(fixed + field_bytes(1), room_);
+    room_ -= fixed;
+    table_ = upload(&case_table(), 1, stream_->get());
+    const std::uint64_t at_once = bricks_at_once();
+    values_ = DeviceArray<float>(at_once * values_per_brick(), stream_->get());
+    counted_ = count_and_scan(
+        candidates_, table_.data(),
+        [&](const CaseTable*, ActiveBrick* bricks, const BrickCounts& counts) {
+          for (std::uint64_t begin = 0; begin < candidates_.count; begin += at_once) {
+            count_range({begin, std::min(begin + at_once, candidates_.count)}, bricks, counts);
+          }
+        },
+        *marks_, *stream_);
+    holds_field_ = at_once >= candidates_.count;
+  }
+
+  const BrickTotals& totals() const { return counted_.totals; }
+
+  // Share `k` of `shares` of the bricks, by triangles.
+  void emit(std::uint64_t k, std::uint64_t shares, IndexedMesh& host) {
+    check_cuda(cudaSetDevice(device_), "device");
+    const DeviceArray<unsigned long long> clamped(1, stream_->get());
+    clear(clamped, stream_->get());
+    for (const Slab& slab : slabs_of(k, shares)) {
+      emit_slab(slab, clamped.data(), host);
+      ++slabs_;
+    }
+    clamped_ = fetch(clamped.data(), *stream_);
+  }
+
+  std::uint64_t clamped() const { return clamped_; }
+  std::uint64_t slabs() const { return slabs_; }
+  double field_seconds() const {
+    return (marks_->stage(0) + marks_->stage(1) + marks_->stage(2)) * 1e-3;
+  }
+  double emit_seconds() const { return emit_seconds_; }
+  double download_seconds() const { return download_seconds_; }
+
+ private:
+  FieldContext context() const { return {device_list_->view(), model_}; }
+  std::uint64_t values_per_brick() const {
+    return model_.kind == FieldKind::vdw ? 0 : std::uint64_t{kBrickValues};
+  }
+  std::uint64_t field_bytes(std::uint64_t bricks) const {
+    return bricks * values_per_brick() * sizeof(float);
+  }
+  std::uint64_t bricks_at_once() const {
+    const std::uint64_t each = field_bytes(1);
+    return each == 0 ? candidates_.count : std::min(candidates_.count, room_ / each);
+  }
+  static std::uint64_t mesh_bytes(const BrickSums& from, const BrickSums& to) {
+    return (to.vertices - from.vertices) * kVertexBytes +
+           (to.triangles - from.triangles) * kTriangleBytes;
+  }
+
+  void count_range(const BrickRange& range, ActiveBrick* bricks, const BrickCounts& counts) const {
+    count_bricks_on_device(context(), candidates_.keys.data() + range.begin, range.size(),
+                           table_.data(), bricks + range.begin, values_.data(),
+                           {counts.sums + range.begin, counts.parts}, *stream_);
+  }
+
+  // The slabs of a share: one where the mesh and what is kept of the field fit, else runs of as
+  // many bricks as do.
+  std::vector<Slab> slabs_of(std::uint64_t k, std::uint64_t shares) {
+    const std::uint64_t bricks = candidates_.count;
+    if (bricks == 0) return {};
+    const std::uint64_t all = mesh_bytes({0, 0}, totals().sums);
+    if (shares == 1 && holds_field_ && field_bytes(bricks) + all <= room_) {
+      return {{{0, bricks}, {0, 0}, totals().sums}};
+    }
+    std::vector<BrickSums> before(bricks + 1);
+    download_parts({{before.data(), counted_.before.data(), before.size() * sizeof(BrickSums)}},
+                   *stream_);
+    const auto share_begin = [&](std::uint64_t share) -> std::uint64_t {
+      if (share == shares) return bricks;
+      const std::uint64_t triangles = totals().sums.triangles / shares * share;
+      const auto at =
+          std::partition_point(before.begin(), before.end() - 1,
+                               [&](const BrickSums& s) { return s.triangles < triangles; });
+      return static_cast<std::uint64_t>(at - before.begin());
+    };
+    const std::uint64_t end = share_begin(k + 1);
+    std::vector<Slab> slabs;
+    for (std::uint64_t begin = share_begin(k); begin < end;) {
+      std::uint64_t to = begin + 1;
+      const auto bytes = [&](std::uint64_t last) {
+        return field_bytes(last - begin) + mesh_bytes(before[begin], before[last]);
+      };
+      if (bytes(to) > room_) throw_no_room(bytes(to), room_);
+      while (to < end && bytes(to + 1) <= room_) ++to;
+      slabs.push_back({{begin, to}, before[begin], before[to]});
+      begin = to;
+    }
+    make_room_for_fields(slabs);
+    return slabs;
+  }
+
+  // From here on the field is made again, slab by slab.
+  void make_room_for_fields(const std::vector<Slab>& slabs) {
+    std::uint64_t most = 0;
+    for (const Slab& slab : slabs) most = std::max(most, slab.bricks.size());
+    holds_field_ = false;
+    values_ = DeviceArray<float>();
+    values_ = DeviceArray<float>(most * values_per_brick(), stream_->get());
+  }
+
+  void emit_slab(const Slab& slab, unsigned long long* clamped, IndexedMesh& host) {
+    advance(options_.monitor, 0);
+    if (!holds_field_ && values_per_brick() > 0) recount(slab.bricks);
+    const BrickSums &from = slab.from, &to = slab.to;
+    const std::uint64_t vertices = to.vertices - from.vertices;
+    const std::uint64_t triangles = to.triangles - from.triangles;
+    if (triangles == 0 && vertices == 0) return;
+    const DeviceMesh mesh(vertices, triangles, stream_->get());
+    // Seen from the numbers that the kernels write at.
+    DeviceMeshView numbered = mesh.view();
+    numbered.positions -= from.vertices;
+    numbered.normals -= from.vertices;
+    numbered.vertex_spheres -= from.vertices;
+    numbered.corners -= 3 * from.triangles;
+    numbered.opposite -= 3 * from.triangles;
+    emit_vertices_on_device(context(), part_of(counted_.list(), slab.bricks), totals().most_atoms,
+                            values_.data(), numbered, clamped, *stream_);
+    emit_triangles_on_device(counted_.list(), candidates_, slab.bricks, table_.data(), numbered,
+                             *stream_);
+    std::vector<DownloadPart> parts = {
+        {host.positions.data() + from.vertices, mesh.positions.data(), mesh.positions.bytes()},
+        {host.normals.data() + from.vertices, mesh.normals.data(), mesh.normals.bytes()},
+        {host.vertex_spheres.data() + from.vertices, mesh.vertex_spheres.data(),
+         mesh.vertex_spheres.bytes()},
+        {host.triangles.data() + from.triangles, mesh.corners.data(), mesh.corners.bytes()}};
+    if (options_.connectivity == Connectivity::half_edges) {
+      parts.push_back(
+          {host.opposite.data() + 3 * from.triangles, mesh.opposite.data(), mesh.opposite.bytes()});
+    }
+    marks_->mark();
+    download_parts(parts, *stream_);
+    marks_->mark();
+    emit_seconds_ += marks_->stage(marked_) * 1e-3;
+    download_seconds_ += marks_->stage(marked_ + 1) * 1e-3;
+    marked_ += 2;
+  }
+
+  // The field of a slab; what is counted along the way is known.
+  void recount(const BrickRange& slab) const {
+    const DeviceArray<CountPart> parts(kCountParts, stream_->get());
+    clear(parts, stream_->get());
+    const DeviceArray<BrickSums> sums(slab.size(), stream_->get());
+    count_bricks_on_device(context(), candidates_.keys.data() + slab.begin, slab.size(),
+                           table_.data(), counted_.bricks.data() + slab.begin, values_.data(),
+                           {sums.data(), parts.data()}, *stream_);
+  }
+
+  int device_, sharers_;
+  FieldModel model_;
+  ExtractOptions options_;
+  CellListView list_;
+  std::optional<Stream> stream_;
+  std::optional<DeviceCellList> device_list_;
+  std::optional<StageMarks> marks_;
+  std::uint64_t room_ = 0;  // bytes, beside what is kept of every brick
+  KeyList candidates_;
+  DeviceArray<CaseTable> table_;
+  DeviceArray<float> values_;
+  bool holds_field_ = false;  // of all candidates
+  CountedBricks counted_;
+  std::uint64_t clamped_ = 0, slabs_ = 0;
+  std::size_t marked_ = 3;  // stages before the next slab
+  double emit_seconds_ = 0, download_seconds_ = 0;
+};
+
+// work(k) for each k, at once; throws what the first of them threw.
+template <class Work>
+void on_all(std::size_t count, const Work& work) {
+  std::vector<std::exception_ptr> failures(count);
+  const auto guarded = [&](std::size_t k) {
+    try {
+      work(k);
+    } catch (...) {
+      failures[k] = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (std::size_t k = 1; k < count; ++k) others.emplace_back(guarded, k);
+    guarded(0);
+  }
+  for (const std::exception_ptr& failure : failures) {
+    if (failure) std::rethrow_exception(failure);
+  }
+}
+
+void make_room(const BrickSums& sums, const ExtractOptions& options, double spacing,
+               IndexedMesh& host) {
+  check_mesh_limits({sums.vertices, sums.triangles, options.connectivity, 0, spacing},
+                    options.memory_limit);
+  resize_untouched(host.positions, sums.vertices);
+  resize_untouched(host.normals, sums.vertices);
+  resize_untouched(host.vertex_spheres, sums.vertices);
+  resize_untouched(host.triangles, sums.triangles);
+  if (options.connectivity == Connectivity::half_edges)
+    resize_untouched(host.opposite, 3 * sums.triangles);
+}
+
+}  // namespace
+
+ExtractResult extract_to_host(const SphereSet& spheres, const ExtractOptions& options) {
+  if (options.devices < 1) throw InvalidInput("the number of devices must be at least 1");
+  ExtractResult result;
+  result.grid = make_grid(spheres, options.grid);
+  const FieldModel model = make_field_model(options.field, result.grid);
+  const CellList list = make_field_list(spheres, model);
+  int present = 0, current = 0;
+  check_cuda(cudaGetDeviceCount(&present), "devices");
+  check_cuda(cudaGetDevice(&current), "device");
+  const auto shares = static_cast<std::size_t>(options.devices);
+  const int sharers = (options.devices + present - 1) / present;
+  std::vector<std::unique_ptr<SlabWorker>> workers;
+  for (int k = 0; k < options.devices; ++k) {
+    workers.push_back(std::make_unique<SlabWorker>((current + k) % present, sharers, list.view(),
+                                                   model, options));
+  }
+  begin_stage(options.monitor, "field", 1);
+  on_all(shares, [&](std::size_t k) { workers[k]->count(); });
+  advance(options.monitor, 1);
+  begin_stage(options.monitor, "extract", 1);
+  make_room(workers[0]->totals().sums, options, result.grid.spacing, result.mesh);
+  on_all(shares, [&](std::size_t k) { workers[k]->emit(k, shares, result.mesh); });
+  advance(options.monitor, 1);
+  result.stats.grid_clipped = workers[0]->totals().clipped_cells;
+  result.stats.surface_bricks = workers[0]->totals().surface_bricks;
+  for (const std::unique_ptr<SlabWorker>& worker : workers) {
+    result.stats.clamped_vertices += worker->clamped();
+    result.stats.slabs += worker->slabs();
+    result.stats.field_seconds = std::max(result.stats.field_seconds, worker->field_seconds());
+    result.stats.extract_seconds = std::max(result.stats.extract_seconds, worker->emit_seconds());
+    result.stats.download_seconds =
+        std::max(result.stats.download_seconds, worker->download_seconds());
+  }
+  return result;
+}
+
+}  // namespace vdwmesh
