@@ -203,13 +203,30 @@ class PlanarPatch {
         if (!f->is_constrained(k)) visit(f->neighbor(k));
       }
     }
-    for (std::uint32_t p = 0; p < b_.pieces.size() && splits_.empty(); ++p) {
+    if (splits_.empty()) split_leaks();
+    return splits_.empty();
+  }
+
+  // Where a boundary lies on the far side of another's chords, what was marked leaks past them. The
+  // chord that is too coarse is among those with marks on both sides, and not among the short ones.
+  void split_leaks() {
+    std::vector<std::uint32_t> leaks;
+    double longest = 0;
+    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
       FaceHandle right;
       int edge;
       planar_.is_edge(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to], right, edge);
-      if (right->info().inside || planar_.is_infinite(right->neighbor(edge))) want_split(p);
+      if (!right->info().inside && !planar_.is_infinite(right->neighbor(edge))) continue;
+      leaks.push_back(p);
+      longest = std::max(longest, chord(p));
     }
-    return splits_.empty();
+    for (const std::uint32_t p : leaks) {
+      if (chord(p) >= longest / 2) want_split(p);
+    }
+  }
+
+  double chord(std::uint32_t p) const {
+    return norm(points_[b_.pieces[p].to] - points_[b_.pieces[p].from]);
   }
 
   bool is_inside(FaceHandle f) const { return f->info().inside && !planar_.is_infinite(f); }

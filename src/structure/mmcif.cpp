@@ -80,6 +80,20 @@ void check_columns(cif::Block& block, const std::string& path) {
       refuse(path, fmt::format("its _atom_site table lacks the column {}", tag));
 }
 
+// gemmi reads whole numbers into an int and does not look whether they fit.
+void check_whole_numbers(cif::Block& block, const std::string& path) {
+  constexpr std::size_t kMostDigits = 9;
+  for (const char* tag : {"label_seq_id", "auth_seq_id", "pdbx_formal_charge"}) {
+    const cif::Column column = block.find_values(std::string(kAtoms) + tag);
+    for (int row = 0; row < column.length(); ++row) {
+      const std::string& value = column.at(row);
+      if (value.size() > kMostDigits && value.find_first_not_of("+-0123456789") == value.npos)
+        refuse(path, fmt::format("row {} of _atom_site: {} is {}, a number of more than {} digits",
+                                 row + 1, tag, in_quotes(value), kMostDigits));
+    }
+  }
+}
+
 // Notes what gemmi's atom cannot hold, and numbers the atoms by their row.
 std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) {
   cif::Table table = block.find(kAtoms, {"id", "?group_PDB"});
@@ -135,6 +149,7 @@ void complete_atoms(cif::Block& block, const ParsedFile& file) {
 void read_macromolecule(cif::Block& block, ParsedFile& file) {
   complete_columns(block);
   check_columns(block, file.path);
+  check_whole_numbers(block, file.path);
   file.atoms = number_rows(block, file.path);
   for (cif::Item& item : block.items)  // not needed, and slow to match with the atoms
     if (item.has_prefix("_atom_site_anisotrop.")) item.erase();

@@ -62,6 +62,17 @@ TEST(MmCif, BadCoordinateNamesItsRow) {
         HasSubstr("row 2 of _atom_site (id 2): Cartn_y"));
 }
 
+TEST(MmCif, WholeNumbersThatDoNotFitNameTheirRow) {
+  const std::string first = kColumns + "ATOM 1 N N . GLY A 1 0 0 0 1 10 1 A 1\n";
+  EXPECT_EQ(read_text_as("a.cif", first + "ATOM 2 C CA . GLY A 1 0 0 0 1 10 -12345678 A 1\n")
+                .atoms.at(1)
+                .residue_number,
+            "-12345678");
+  EXPECT_THAT(refusal_of_text<FileFormatError>(
+                  "a.cif", first + "ATOM 2 C CA . GLY A 1 0 0 0 1 10 18888888888 A 1\n"),
+              HasSubstr("row 2 of _atom_site: auth_seq_id is '18888888888'"));
+}
+
 TEST(MmCif, SyntaxErrorNamesItsLine) {
   EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif", "data_x\n_cell.length_a\n"),
               HasSubstr("a.cif:"));
