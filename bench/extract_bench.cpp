@@ -22,6 +22,7 @@
 #include "cuda/backend.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh/surface_mesh.hpp"
+#include "parse_list.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh {
@@ -143,16 +144,6 @@ void print_header() {
       "set", "atoms", "h/A", "vertices", "triangles", "CPU s", "wall s", "wall s", "wall s", "MB",
       "MB", "CPU s", "wall s", "MB", "CPU s", "wall s", "MB");
   std::fflush(stdout);
-}
-
-std::vector<double> parse_list(const std::string& text) {
-  std::vector<double> values;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', at), text.size());
-    values.push_back(std::stod(text.substr(at, comma - at)));
-    at = comma + 1;
-  }
-  return values;
 }
 
 Backend parse_backend(const std::string& name) {

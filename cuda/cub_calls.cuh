@@ -16,15 +16,4 @@ void run_cub(const char* what, cudaStream_t stream, Algorithm algorithm) {
   check_cuda(algorithm(scratch.data(), bytes), what);
 }
 
-// Sums before each element, and the total behind the last.
-template <class Values, class Sum>
-void sums_before(Values values, std::uint64_t count, Sum* sums, cudaStream_t stream) {
-  check_cuda(cudaMemsetAsync(sums, 0, sizeof(Sum), stream), "scan");
-  if (count == 0) return;
-  run_cub("scan", stream, [&](void* scratch, std::size_t& bytes) {
-    return cub::DeviceScan::InclusiveSum(scratch, bytes, values, sums + 1,
-                                         static_cast<std::int64_t>(count), stream);
-  });
-}
-
 }  // namespace vdwmesh

@@ -21,6 +21,7 @@
 #include "anchors/apart.hpp"
 #include "arrangement/exact_union.hpp"
 #include "extract/extractor.hpp"
+#include "parse_list.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh::anchors {
@@ -121,16 +122,6 @@ std::vector<Sphere> read_spheres(const std::string& file) {
   for (const Atom& atom : read_structure(file).atoms)
     spheres.push_back({atom.position, atom.radius});
   return spheres;
-}
-
-std::vector<double> parse_list(const std::string& text) {
-  std::vector<double> values;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', at), text.size());
-    values.push_back(std::stod(text.substr(at, comma - at)));
-    at = comma + 1;
-  }
-  return values;
 }
 
 Options parse(int argc, char** argv) {
