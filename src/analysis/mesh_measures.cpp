@@ -116,26 +116,21 @@ MeshTopology describe(const IndexedMesh& mesh, const EdgeSurvey& survey,
   return result;
 }
 
-struct Summary {
-  MeshTopology topology;
-  MeshMeasures measures;
-};
-
-Summary summarize(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
+MeshSummary summarize(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
   const EdgeSurvey survey = survey_edges(mesh, buckets);
   const std::vector<Sums> shells = sum_shells(mesh, survey);
   return {describe(mesh, survey, shells), totals(shells, survey)};
 }
 
-Summary summarize(const IndexedMesh& mesh) {
+}  // namespace
+
+MeshSummary summarize(const IndexedMesh& mesh) {
   return summarize(mesh, EdgeBuckets(mesh.triangles, mesh.vertex_count()));
 }
 
-}  // namespace
-
 MeshExamination examine(const IndexedMesh& mesh) {
   std::optional<EdgeBuckets> buckets(std::in_place, mesh.triangles, mesh.vertex_count());
-  const Summary summary = summarize(mesh, *buckets);
+  const MeshSummary summary = summarize(mesh, *buckets);
   const Distribution edge_length = edge_length_distribution(mesh, *buckets);
   buckets.reset();  // as large as the triangles' shapes, which come now
   MeshExamination result{summary.topology, summary.measures, quality_of_triangles(mesh)};

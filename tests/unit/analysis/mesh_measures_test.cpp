@@ -57,7 +57,7 @@ class KnownHalfEdge : public ::testing::TestWithParam<KnownMesh> {};
 
 TEST_P(KnownHalfEdge, MeasuresAreWhatCgalFinds) {
   const KnownMesh& known = GetParam();
-  const auto [topology, measures, quality] = examine(known.mesh);
+  const auto [topology, measures] = summarize(known.mesh);
   const CgalMeasures cgal = cgal_measures(to_surface_mesh(known.mesh), SelfIntersectionTest::run);
   EXPECT_TRUE(cgal.valid);
   EXPECT_EQ(cgal.closed, topology.closed);
