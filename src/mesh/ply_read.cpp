@@ -183,6 +183,7 @@ class PlyReader {
           set(slots[p], i, body_.number(element.properties[p].type));
         }
       }
+    check_finite(0, count);
   }
 
   // Column by column within blocks that stay in the cache, so that the type is looked at once.

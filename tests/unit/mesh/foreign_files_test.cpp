@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "core/errors.hpp"
 #include "mesh/mesh_io.hpp"
@@ -189,6 +190,16 @@ std::string lying_stl() {
   return bytes + std::string(1000, '\0');
 }
 
+// One vertex, with a list, whose y is not a number.
+std::string nan_beside_a_list() {
+  std::string body;
+  for (const float coordinate : {0.f, std::numeric_limits<float>::quiet_NaN(), 0.f})
+    append(body, coordinate);
+  body += '\0';  // an empty list
+  return ply("element vertex 1\n" + kXyz + "property list uchar int neighbours\n", body,
+             "binary_little_endian");
+}
+
 std::vector<BadFile> bad_files() {
   const std::string filler(1000, '0');
   return {
@@ -223,6 +234,7 @@ std::vector<BadFile> bad_files() {
       {"ply_negative_index", MeshFormat::ply,
        ply(kThree + kFace, "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"), "-1 is no vertex"},
       {"ply_nan", MeshFormat::ply, ply(kThree, "0 0 0\n1 nan 0\n0 1 0\n"), "line 9"},
+      {"ply_nan_beside_a_list", MeshFormat::ply, nan_beside_a_list(), "vertex 0"},
       {"ply_truncated", MeshFormat::ply, ply(kThree, "0 0 0\n1 0 0\n0 1\n"), "ends"},
       {"obj_number", MeshFormat::obj, "v 0 0 0\nv 0 zero 0\n", "line 2: 'zero'"},
       {"obj_short", MeshFormat::obj, "v 0 0\n", "line 1"},

@@ -90,6 +90,16 @@ TEST(MmCif, LackingTablesAndColumnsAreNamed) {
               HasSubstr("lacks the column type_symbol"));
 }
 
+TEST(MmCif, ColumnsInTwoLoopsAreNotLost) {
+  const std::string positions =
+      "loop_\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n1 2 3\n4 5 6\n";
+  const std::string others =
+      "loop_\n_atom_site.id\n_atom_site.type_symbol\n_atom_site.label_asym_id\n"
+      "_atom_site.auth_seq_id\n1 C A 1\n2 N A 1\n";
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif", "data_x\n" + others + positions),
+              HasSubstr("in one loop"));
+}
+
 TEST(MmCif, LineEndsDoNotMatter) {
   const std::string text = kColumns + "ATOM 1 N N . GLY A 1 0 0 0 1 10 1 A 1\n";
   for (const std::string& end : {std::string("\r\n"), std::string("\r")}) {
