@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Tests under the sanitizers.
 #   scripts/test-sanitized.sh fuzz     every fuzz target for some seconds, where Clang 19 is or can be
-#                                      installed; CI runs this
+#                                      installed
 #   scripts/test-sanitized.sh asan     the tests with the label `quick`
+# CI runs both.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
