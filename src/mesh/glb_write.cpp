@@ -1,14 +1,12 @@
 // glTF 2.0 in one binary file: float32 positions about the middle of the box, which the node's
-// translation, printed as double, puts back.
+// translation, printed as double, puts back. Written array by array straight into the sink, which
+// looks for signals with every write.
 #include <fmt/format.h>
-#include <tiny_gltf.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <limits>
-#include <ostream>
-#include <streambuf>
+#include <nlohmann/json.hpp>
+#include <string>
 
 #include "core/errors.hpp"
 #include "mesh/chunk_writer.hpp"
@@ -18,27 +16,21 @@
 namespace vdwmesh::formats {
 namespace {
 
-// Lets tinygltf's stream write into a sink.
-class SinkBuffer : public std::streambuf {
- public:
-  explicit SinkBuffer(ByteSink& sink) : sink_(sink) {}
+using Json = nlohmann::json;
 
- private:
-  std::streamsize xsputn(const char* data, std::streamsize size) override {
-    sink_.write(data, static_cast<std::size_t>(size));
-    return size;
-  }
-  int_type overflow(int_type c) override {
-    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
-    const char character = traits_type::to_char_type(c);
-    sink_.write(&character, 1);
-    return c;
-  }
-  ByteSink& sink_;
-};
+// Numbers of the glTF 2.0 specification.
+constexpr int kFloat = 5126, kUnsignedByte = 5121, kUnsignedInt = 5125;  // component types
+constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;         // targets
+constexpr int kTriangles = 4;                                            // mode
+constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2;               // "glTF"
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+constexpr std::uint32_t kHeaderSize = 12, kChunkHeaderSize = 8;
+constexpr std::uint64_t kVectorSize = 12, kColorSize = 4, kTriangleSize = 12;  // bytes, all of 4
+constexpr std::uint64_t kMostOfJson = 4096;
 
 struct Box3 {
   Vec3d lower, upper;
+  Vec3d middle() const { return lower + 0.5 * (upper - lower); }
 };
 
 Box3 box_of(const SurfaceMesh& mesh) {
@@ -54,126 +46,124 @@ Box3 box_of(const SurfaceMesh& mesh) {
   return box;
 }
 
-class GlbBuilder {
- public:
-  explicit GlbBuilder(const SurfaceMesh& mesh) : mesh_(mesh) {}
+std::uint64_t binary_size(const SurfaceMesh& mesh) {
+  return (2 * kVectorSize + kColorSize) * std::uint64_t{mesh.n_vertices()} +
+         kTriangleSize * std::uint64_t{mesh.n_faces()};
+}
 
-  tinygltf::Model build(Warnings& warnings) {
-    check_size();
-    const Box3 box = box_of(mesh_);
-    const Vec3d origin = box.lower + 0.5 * (box.upper - box.lower);
-    model_.buffers.resize(1);
-    model_.asset.version = "2.0";
-    model_.asset.generator = "vdwmesh; lengths in angstrom";
-    model_.defaultScene = 0;
-    model_.scenes.resize(1);
-    model_.scenes[0].nodes = {0};
-    model_.nodes.resize(1);
-    model_.nodes[0].translation = {origin.x, origin.y, origin.z};
-    if (mesh_.n_faces() > 0) {
-      add_mesh(origin, warnings);
-      model_.nodes[0].mesh = 0;
-    } else {
-      model_.buffers.clear();  // glTF has no empty buffers
-    }
-    return std::move(model_);
+void check_size(const SurfaceMesh& mesh) {
+  const std::uint64_t bytes = binary_size(mesh) + kMostOfJson;
+  if (bytes > std::numeric_limits<std::uint32_t>::max())
+    throw LimitExceeded(fmt::format(
+        "a GLB file of {} bytes is more than its 32 bits can count; PLY holds any mesh", bytes));
+}
+
+template <class T>
+Json as_json(const Vec3<T>& v) {
+  return {v.x, v.y, v.z};
+}
+
+// The arrays, one after the other: positions, normals, colours, corners.
+void describe_arrays(const SurfaceMesh& mesh, const Box3& box, Json& json) {
+  const std::uint64_t vertices = mesh.n_vertices(), faces = mesh.n_faces();
+  std::uint64_t offset = 0;
+  const auto add = [&](std::uint64_t bytes, int target, Json accessor) {
+    Json view{{"buffer", 0}, {"byteLength", bytes}, {"target", target}};
+    if (offset > 0) view["byteOffset"] = offset;
+    accessor["bufferView"] = json["bufferViews"].size();
+    json["bufferViews"].push_back(std::move(view));
+    json["accessors"].push_back(std::move(accessor));
+    offset += bytes;
+  };
+  const auto rounded = [&](const Vec3d& p) {  // as every vertex is, which keeps their order
+    return as_json(cast<float>(p - box.middle()));
+  };
+  add(kVectorSize * vertices, kArrayBuffer,
+      {{"componentType", kFloat},
+       {"count", vertices},
+       {"type", "VEC3"},
+       {"min", rounded(box.lower)},
+       {"max", rounded(box.upper)}});
+  add(kVectorSize * vertices, kArrayBuffer,
+      {{"componentType", kFloat}, {"count", vertices}, {"type", "VEC3"}});
+  add(kColorSize * vertices, kArrayBuffer,
+      {{"componentType", kUnsignedByte},
+       {"count", vertices},
+       {"type", "VEC4"},
+       {"normalized", true}});
+  add(kTriangleSize * faces, kElementArrayBuffer,
+      {{"componentType", kUnsignedInt}, {"count", 3 * faces}, {"type", "SCALAR"}});
+  json["buffers"] = {{{"byteLength", offset}}};
+  json["meshes"] = {{{"primitives",
+                      {{{"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"COLOR_0", 2}}},
+                        {"indices", 3},
+                        {"mode", kTriangles}}}}}};
+}
+
+// Padded with blanks to whole words.
+std::string json_of(const SurfaceMesh& mesh, const Box3& box) {
+  Json json{{"asset", {{"version", "2.0"}, {"generator", "vdwmesh; lengths in angstrom"}}},
+            {"scene", 0},
+            {"scenes", {{{"nodes", {0}}}}},
+            {"nodes", {{{"translation", as_json(box.middle())}}}}};
+  if (mesh.n_faces() > 0) {  // glTF has no empty buffers
+    describe_arrays(mesh, box, json);
+    json["nodes"][0]["mesh"] = 0;
   }
+  std::string text = json.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  return text;
+}
 
- private:
-  void check_size() const {
-    const std::uint64_t bytes = 28 * std::uint64_t{mesh_.n_vertices()} +
-                                12 * std::uint64_t{mesh_.n_faces()} + 4096;  // and the JSON
-    if (bytes > std::numeric_limits<std::uint32_t>::max())
-      throw LimitExceeded(fmt::format(
-          "a GLB file of {} bytes is more than its 32 bits can count; PLY holds any mesh", bytes));
-  }
+void write_header(const std::string& json, std::uint64_t binary, ChunkWriter& out) {
+  const auto json_size = static_cast<std::uint32_t>(json.size());
+  const auto binary_chunk = static_cast<std::uint32_t>(binary > 0 ? kChunkHeaderSize + binary : 0);
+  out.begin_record();
+  out.raw(kMagic);
+  out.raw(kVersion);
+  out.raw(kHeaderSize + kChunkHeaderSize + json_size + binary_chunk);
+  out.raw(json_size);
+  out.raw(kJsonChunk);
+  out.text(json);
+  if (binary == 0) return;
+  out.raw(static_cast<std::uint32_t>(binary));
+  out.raw(kBinaryChunk);
+}
 
-  void add_mesh(const Vec3d& origin, Warnings& warnings) {
-    tinygltf::Primitive primitive;
-    primitive.mode = TINYGLTF_MODE_TRIANGLES;
-    primitive.attributes["POSITION"] = add_positions(origin, warnings);
-    primitive.attributes["NORMAL"] =
-        add_vectors(mesh_.n_vertices(), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3,
-                    [&](std::size_t v) { return mesh_.normal(vertex_handle(v)); });
-    primitive.attributes["COLOR_0"] =
-        add_vectors(mesh_.n_vertices(), TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_TYPE_VEC4,
-                    [&](std::size_t v) {
-                      const auto& c = mesh_.color(vertex_handle(v));
-                      return std::array<unsigned char, 4>{c[0], c[1], c[2], 255};
-                    });
-    model_.accessors.back().normalized = true;
-    primitive.indices = add_indices();
-    model_.meshes.resize(1);
-    model_.meshes[0].primitives.push_back(std::move(primitive));
-  }
-
-  int add_positions(const Vec3d& origin, Warnings& warnings) {
-    FloatLoss loss;
-    constexpr float kHuge = std::numeric_limits<float>::max();
-    Vec3f lower{kHuge, kHuge, kHuge}, upper{-kHuge, -kHuge, -kHuge};
-    const int accessor = add_vectors(mesh_.n_vertices(), TINYGLTF_COMPONENT_TYPE_FLOAT,
-                                     TINYGLTF_TYPE_VEC3, [&](std::size_t v) {
-                                       const auto& p = mesh_.point(vertex_handle(v));
-                                       const Vec3f q = loss.round(Vec3d{p[0], p[1], p[2]} - origin);
-                                       for (int axis = 0; axis < 3; ++axis) {
-                                         lower[axis] = std::min(lower[axis], q[axis]);
-                                         upper[axis] = std::max(upper[axis], q[axis]);
-                                       }
-                                       return q;
-                                     });
-    loss.finish("GLB", warnings);
-    model_.accessors.back().minValues = {lower.x, lower.y, lower.z};
-    model_.accessors.back().maxValues = {upper.x, upper.y, upper.z};
-    return accessor;
-  }
-
-  int add_indices() {
-    const int accessor =
-        add_vectors(mesh_.n_faces(), TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
-                    [&](std::size_t f) { return face_vertices(mesh_, f); });
-    model_.accessors.back().count *= 3;
-    model_.bufferViews.back().target = TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER;
-    return accessor;
-  }
-
-  // One array with its view and accessor; value(i) is stored as it lies in memory.
-  template <class Value>
-  int add_vectors(std::size_t count, int component, int type, Value&& value) {
-    auto& data = model_.buffers[0].data;
-    constexpr std::size_t kSize = sizeof(value(0));
-    tinygltf::BufferView view;
-    view.buffer = 0;
-    view.byteOffset = data.size();
-    view.byteLength = count * kSize;
-    view.target = TINYGLTF_TARGET_ARRAY_BUFFER;
-    data.resize(data.size() + view.byteLength);
+void write_arrays(const SurfaceMesh& mesh, const Vec3d& origin, ChunkWriter& out,
+                  Warnings& warnings) {
+  const auto for_each = [&](std::size_t count, const auto& write) {
     for (std::size_t i = 0; i < count; ++i) {
-      const auto item = value(i);
-      std::memcpy(data.data() + view.byteOffset + i * kSize, &item, kSize);
+      out.begin_record();
+      write(i);
     }
-    tinygltf::Accessor accessor;
-    accessor.bufferView = static_cast<int>(model_.bufferViews.size());
-    accessor.componentType = component;
-    accessor.type = type;
-    accessor.count = count;
-    model_.bufferViews.push_back(std::move(view));
-    model_.accessors.push_back(std::move(accessor));
-    return static_cast<int>(model_.accessors.size()) - 1;
-  }
-
-  const SurfaceMesh& mesh_;
-  tinygltf::Model model_;
-};
+  };
+  FloatLoss loss;
+  for_each(mesh.n_vertices(), [&](std::size_t v) {
+    const auto& p = mesh.point(vertex_handle(v));
+    out.raw(loss.round(Vec3d{p[0], p[1], p[2]} - origin));
+  });
+  loss.finish("GLB", warnings);
+  for_each(mesh.n_vertices(), [&](std::size_t v) { out.raw(mesh.normal(vertex_handle(v))); });
+  for_each(mesh.n_vertices(), [&](std::size_t v) {
+    const auto& c = mesh.color(vertex_handle(v));
+    out.raw(std::array<unsigned char, kColorSize>{c[0], c[1], c[2], 255});
+  });
+  for_each(mesh.n_faces(), [&](std::size_t f) { out.raw(face_vertices(mesh, f)); });
+}
 
 }  // namespace
 
 void write_glb(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings) {
-  const tinygltf::Model model = GlbBuilder(mesh).build(warnings);
-  SinkBuffer buffer(sink);
-  std::ostream stream(&buffer);
-  stream.exceptions(std::ios::badbit);  // so that the sink's own exception comes through
-  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, true))
-    throw FileFormatError("the GLB writer gave up");
+  check_size(mesh);
+  const Box3 box = box_of(mesh);
+  const std::string json = json_of(mesh, box);
+  const std::uint64_t binary = mesh.n_faces() > 0 ? binary_size(mesh) : 0;
+  sink.expect(kHeaderSize + 2 * kChunkHeaderSize + json.size() + binary);
+  ChunkWriter out(sink);
+  write_header(json, binary, out);
+  if (binary > 0) write_arrays(mesh, box.middle(), out, warnings);
+  out.flush();
 }
 
 }  // namespace vdwmesh::formats

@@ -8,8 +8,10 @@
 #include <bit>
 #include <cmath>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "core/errors.hpp"
@@ -152,6 +154,28 @@ TEST(MeshIo, GlbKeepsFloatsAboutItsOffset) {
   EXPECT_EQ(back.mesh.normals, mesh.normals);
 }
 
+// The least and the greatest of the floats as stored, bit for bit, as glTF wants them.
+TEST(MeshIo, GlbNamesTheBoundsOfItsFloats) {
+  const IndexedMesh mesh = testing::translated(labelled_mesh(), {7, -13, 0.1});
+  const std::string bytes = encode_mesh(to_surface_mesh(mesh), MeshFormat::glb).bytes;
+  std::uint32_t json_size;
+  std::memcpy(&json_size, bytes.data() + 12, sizeof json_size);
+  const auto json = nlohmann::json::parse(bytes.substr(20, json_size));
+  const auto& accessor = json.at("accessors").at(0);
+  ASSERT_EQ(accessor.at("count"), mesh.vertex_count());
+  std::vector<float> floats(3 * mesh.vertex_count());
+  std::memcpy(floats.data(), bytes.data() + 20 + json_size + 8, floats.size() * sizeof(float));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    float least = floats[axis], greatest = floats[axis];
+    for (std::size_t i = axis; i < floats.size(); i += 3) {
+      least = std::min(least, floats[i]);
+      greatest = std::max(greatest, floats[i]);
+    }
+    EXPECT_EQ(accessor.at("min").at(axis).get<double>(), double{least});
+    EXPECT_EQ(accessor.at("max").at(axis).get<double>(), double{greatest});
+  }
+}
+
 TEST(MeshIo, WarnsWhereFloatsLoseTooMuch) {
   const auto warnings = [](const IndexedMesh& mesh, MeshFormat format) {
     return encode_mesh(to_surface_mesh(mesh), format).warnings.size();
@@ -204,6 +228,35 @@ TEST(MeshIo, FilesAppearUnderTheirNames) {
     EXPECT_EQ(read_mesh(directory / name).mesh.triangle_count(), 12u) << name;
   }
   EXPECT_EQ(directory.names().size(), 5u);
+}
+
+// Stops after some questions; counts them.
+class CountingMonitor : public Monitor {
+ public:
+  explicit CountingMonitor(int most) : most_(most) {}
+  void begin_stage(std::string_view, std::uint64_t) override {}
+  void advance(std::uint64_t) override {}
+  bool cancelled() const override { return ++asked_ > most_; }
+  int asked() const { return asked_; }
+
+ private:
+  int most_;
+  mutable int asked_ = 0;
+};
+
+TEST(MeshIo, WritersAskOftenWhetherToStop) {
+  constexpr std::uintmax_t kBetween = std::uintmax_t{1} << 19;  // bytes: milliseconds of work
+  const Directory directory;
+  const SurfaceMesh mesh = to_surface_mesh(testing::icosphere(7));
+  for (const char* name : {"a.ply", "a.obj", "a.off", "a.stl", "a.glb"}) {
+    const CountingMonitor patient(std::numeric_limits<int>::max());
+    write_mesh(mesh, directory / name, &patient);
+    EXPECT_GE(patient.asked() * kBetween, fs::file_size(directory / name)) << name;
+    fs::remove(directory / name);
+    const CountingMonitor impatient(patient.asked() / 2);
+    EXPECT_THROW(write_mesh(mesh, directory / name, &impatient), Cancelled) << name;
+  }
+  EXPECT_THAT(directory.names(), IsEmpty());
 }
 
 TEST(MeshIo, NothingIsLeftOfAFileThatCannotBeWrittenInFull) {
