@@ -1,9 +1,11 @@
 // A blended field seen from one brick, in float32 relative to it. CPU.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "extract/brick_edges.hpp"
 #include "extract/brick_geometry.hpp"
 #include "extract/cell_list.hpp"
 #include "extract/edge_formulas.hpp"
@@ -33,9 +35,14 @@ class BlendedBrick {
   void visit(const BrickIndex& brick);
   void values(BrickValues& values) const;
   void signs(BrickSigns& signs) const;
-  SurfaceVertex vertex(const CrossedEdge& edge) const;
+  // Calls put(i, vertex) for every edge i.
+  template <class Put>
+  void vertices(const BrickEdges& edges, Put&& put) const {
+    for (std::size_t i = 0; i < edges.all().size(); ++i) put(i, vertex(edges.all()[i].crossed()));
+  }
 
  private:
+  SurfaceVertex vertex(const CrossedEdge& edge) const;
   LocalAtom local_atom(const Sphere& atom) const;
   void add_rows(const LocalAtom& atom, BrickValues& values) const;
 

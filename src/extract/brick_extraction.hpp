@@ -1,6 +1,6 @@
 // Marching cubes over bricks on the CPU, for anything that knows the node signs of a brick and the
-// vertex on an edge: a Surface has visit(BrickIndex), signs(BrickSigns&) and vertex(CrossedEdge).
-// Inlined whole into the loops that core/multiversion.hpp compiles twice.
+// vertices on its edges: a Surface has visit(BrickIndex), signs(BrickSigns&) and vertices(edges,
+// put). Inlined whole into the loops that core/multiversion.hpp compiles twice.
 #pragma once
 
 #include <bit>
@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "extract/brick_cases.hpp"
+#include "extract/brick_edges.hpp"
 #include "extract/brick_numbering.hpp"
 #include "extract/case_table.hpp"
 #include "extract/extractor.hpp"
@@ -17,19 +19,28 @@
 
 namespace vdwmesh {
 
-inline void count_triangles(const BrickGeometry& geometry, const CaseTable& table,
-                            ActiveBrick& brick) {
-  brick.triangles = 0;
-  brick.clipped_cells = 0;
+// Before each row, and in all.
+inline void count_triangles(const CaseTable& table, ActiveBrick& brick) {
+  std::uint32_t triangles = 0;
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
-      brick.row_triangles[z * kBrickSide + y] = static_cast<std::uint16_t>(brick.triangles);
-      const std::uint32_t mixed = mixed_cells(brick.signs, y, z);
-      for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
-        brick.triangles += table.count(cell_case(brick.signs, std::countr_zero(cells), y, z));
-      }
-      brick.clipped_cells +=
-          static_cast<std::uint32_t>(count_bits(mixed & border_cells(geometry, y, z)));
+      brick.row_triangles[z * kBrickSide + y] = static_cast<std::uint16_t>(triangles);
+      if (mixed_cells(brick.signs, y, z) == 0) continue;
+      // Cells that the surface does not cross have none.
+      const RowCases cases = row_cases(brick.signs, y, z);
+      for (int x = 0; x < kBrickSide; ++x) triangles += table.count(cases.at(x));
+    }
+  }
+  brick.triangles = triangles;
+}
+
+inline void count_clipped_cells(const BrickGeometry& geometry, ActiveBrick& brick) {
+  brick.clipped_cells = 0;
+  if (!geometry.has_virtual_nodes()) return;
+  for (int z = 0; z < kBrickSide; ++z) {
+    for (int y = 0; y < kBrickSide; ++y) {
+      brick.clipped_cells += static_cast<std::uint32_t>(
+          count_bits(mixed_cells(brick.signs, y, z) & border_cells(geometry, y, z)));
     }
   }
 }
@@ -45,6 +56,19 @@ inline void count_vertices(ActiveBrick& brick) {
   brick.vertices = static_cast<std::uint32_t>(vertices);
 }
 
+// Whether all signs are alike, so that the brick holds no surface.
+inline bool is_uniform(const BrickSigns& signs) {
+  constexpr std::uint32_t all = (1u << kBrickReach) - 1;
+  std::uint32_t any = 0, every = all;
+  for (const auto& layer : signs.row) {
+    for (const std::uint16_t row : layer) {
+      any |= row;
+      every &= row;
+    }
+  }
+  return any == 0 || every == all;
+}
+
 // Appends those of the bricks that hold surface.
 template <class Surface>
 void count_bricks(Surface& surface, const GridSpec& grid, std::span<const std::uint64_t> keys,
@@ -56,36 +80,27 @@ void count_bricks(Surface& surface, const GridSpec& grid, std::span<const std::u
     const BrickIndex index = brick_of_key(key);
     surface.visit(index);
     surface.signs(brick.signs);
-    count_triangles(brick_geometry(grid, index), table, brick);
+    if (is_uniform(brick.signs)) continue;
+    count_triangles(table, brick);
+    count_clipped_cells(brick_geometry(grid, index), brick);
     count_vertices(brick);
     if (brick.triangles != 0 || brick.vertices != 0) active.push_back(brick);
   }
 }
 
 template <class Surface>
-std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, VertexMap& map) {
+std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, BrickEdges& edges) {
   const ActiveBrick& brick = e.bricks.bricks[b];
+  const std::uint64_t first = e.bricks.before[b].vertices;
+  std::uint64_t clamped = 0;
+  edges.gather(brick.signs);
   surface.visit(brick_of_key(brick.key));
-  std::uint64_t next = e.bricks.before[b].vertices, clamped = 0;
-  for (int z = 0; z < kBrickSide; ++z) {
-    for (int y = 0; y < kBrickSide; ++y) {
-      const RowCrossings c = row_crossings(brick.signs, y, z);
-      for (std::uint32_t nodes = c.nodes(); nodes; nodes &= nodes - 1) {
-        const int x = std::countr_zero(nodes);
-        const bool inside = (brick.signs.row[z][y] >> x & 1) != 0;
-        for (int axis = 0; axis < 3; ++axis) {
-          if (!c.has(x, axis)) continue;
-          const SurfaceVertex v = surface.vertex(crossed_edge(inside, x, y, z, axis));
-          e.mesh.positions[next] = v.position;
-          e.mesh.normals[next] = v.normal;
-          if (!e.mesh.vertex_spheres.empty()) e.mesh.vertex_spheres[next] = on_sphere(v.sphere);
-          clamped += v.clamped ? 1 : 0;
-          map.set(x, y, z, axis, static_cast<std::uint32_t>(next));
-          ++next;
-        }
-      }
-    }
-  }
+  surface.vertices(edges, [&](std::size_t i, const SurfaceVertex& v) {
+    e.mesh.positions[first + i] = v.position;
+    e.mesh.normals[first + i] = v.normal;
+    if (!e.mesh.vertex_spheres.empty()) e.mesh.vertex_spheres[first + i] = on_sphere(v.sphere);
+    clamped += v.clamped ? 1 : 0;
+  });
   return clamped;
 }
 
@@ -93,11 +108,11 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, 
 template <class Surface>
 std::uint64_t emit_bricks(const Emission& e, std::size_t begin, std::size_t end, Surface& surface) {
   std::uint64_t clamped = 0;
-  VertexMap vertices;
+  BrickEdges edges;
+  TriangleEmitter triangles(e);
   for (std::size_t b = begin; b < end; ++b) {
-    vertices.clear();
-    clamped += emit_vertices(e, b, surface, vertices);
-    TriangleEmitter(e, b, vertices).emit();
+    clamped += emit_vertices(e, b, surface, edges);
+    triangles.emit(b, edges.all());
   }
   return clamped;
 }

@@ -4,9 +4,14 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
+#include "extract/brick_cases.hpp"
+#include "extract/brick_edges.hpp"
 #include "extract/brick_numbering.hpp"
+#include "extract/case_table.hpp"
 
 namespace vdwmesh {
 
@@ -32,6 +37,11 @@ class Neighbourhood {
   std::array<std::uint64_t, kNeighbours> found_;
 };
 
+// Where the corners of a case's triangles are, from the place of the cell's own edges.
+struct CornerPlaces {
+  std::uint16_t of[256][kCaseHalfEdges];
+};
+
 // Vertices of the edges of nodes 0 .. 8, those of the brick itself and of its upper neighbours.
 class VertexMap {
  public:
@@ -39,42 +49,65 @@ class VertexMap {
   static constexpr int place(int x, int y, int z, int axis = 0) {
     return ((z * kBrickReach + y) * kBrickReach + x) * 3 + axis;
   }
-
-  void clear() { number_.fill(kUnknown); }
-  void set(int x, int y, int z, int axis, std::uint32_t vertex) {
-    number_[static_cast<std::size_t>(place(x, y, z, axis))] = vertex;
-  }
-  // The vertex on edge e of the cell (x, y, z), whose place is `cell`.
-  std::uint32_t of_cell(const BrickList& list, Neighbourhood& near, int cell, int x, int y, int z,
-                        int e) {
-    std::uint32_t& number = number_[static_cast<std::size_t>(cell + kEdgePlaces[e])];
-    if (number == kUnknown) {
-      const CellEdge edge = cell_edge(e);
-      number = vertex_number(list, locate(near, x + edge.x, y + edge.y, z + edge.z), edge.axis);
-    }
-    return number;
-  }
-
- private:
-  static constexpr std::uint32_t kUnknown = 0xffffffffu;  // no mesh has that many vertices
-  static constexpr int kCellEdges = 12;
-  struct EdgePlaces {
-    int of[kCellEdges];
-    constexpr int operator[](int e) const { return of[e]; }
-  };
-  static constexpr EdgePlaces edge_places() {
-    EdgePlaces places{};
-    for (int e = 0; e < kCellEdges; ++e) {
-      const CellEdge edge = cell_edge(e);
-      places.of[e] = ((edge.z * kBrickReach + edge.y) * kBrickReach + edge.x) * 3 + edge.axis;
+  static CornerPlaces corner_places(const CaseTable& table) {
+    CornerPlaces places{};
+    for (std::size_t inside = 0; inside < 256; ++inside) {
+      for (std::size_t h = 0; h < kCaseHalfEdges; ++h) {
+        const CellEdge edge = cell_edge(table.edges[inside][h]);
+        places.of[inside][h] = static_cast<std::uint16_t>(place(edge.x, edge.y, edge.z, edge.axis));
+      }
     }
     return places;
   }
-  static const EdgePlaces kEdgePlaces;
 
-  std::array<std::uint32_t, 3 * kBrickReach * kBrickReach * kBrickReach> number_;
+  // The brick's own, numbered from `first`.
+  void set(std::span<const BrickEdge> edges, std::uint64_t first) {
+    auto vertex = static_cast<std::uint32_t>(first);
+    for (const BrickEdge& e : edges)
+      number_[static_cast<std::size_t>(place(e.x(), e.y(), e.z(), e.axis()))] = vertex++;
+  }
+
+  // Those of the neighbours on nodes x = 8, y = 8 or z = 8 that the brick's cells touch.
+  void set_neighbours(const BrickList& list, const BrickSigns& signs, Neighbourhood& near) {
+    constexpr std::uint32_t own = (1u << kBrickSide) - 1;
+    for (int z = 0; z < kBrickSide; ++z) {
+      const std::uint32_t row = signs.row[z][kBrickSide];
+      set_row(list, near, kBrickSide, z, 0, (row ^ row >> 1) & own);
+      set_row(list, near, kBrickSide, z, 2, row ^ signs.row[z + 1][kBrickSide]);
+    }
+    for (int y = 0; y < kBrickReach; ++y) {
+      const std::uint32_t row = signs.row[kBrickSide][y];
+      set_row(list, near, y, kBrickSide, 0, (row ^ row >> 1) & own);
+      if (y < kBrickSide) set_row(list, near, y, kBrickSide, 1, row ^ signs.row[kBrickSide][y + 1]);
+    }
+    // Nodes x = 8 of the rows whose other nodes are the brick's own.
+    for (int z = 0; z < kBrickSide; ++z) {
+      for (int y = 0; y < kBrickSide; ++y) {
+        const std::uint32_t here = signs.row[z][y];
+        const std::uint32_t along_y = here ^ signs.row[z][y + 1],
+                            along_z = here ^ signs.row[z + 1][y];
+        if (((along_y | along_z) >> kBrickSide & 1) == 0) continue;
+        set_row(list, near, y, z, 1, along_y & ~own);
+        set_row(list, near, y, z, 2, along_z & ~own);
+      }
+    }
+  }
+
+  // Numbers from `place` on; those of edges without a vertex mean nothing.
+  const std::uint32_t* from(int place) const { return &number_[static_cast<std::size_t>(place)]; }
+
+ private:
+  void set_row(const BrickList& list, Neighbourhood& near, int y, int z, int axis,
+               std::uint32_t nodes) {
+    for (; nodes != 0; nodes &= nodes - 1) {
+      const int x = std::countr_zero(nodes);
+      number_[static_cast<std::size_t>(place(x, y, z, axis))] =
+          vertex_number(list, locate(near, x, y, z), axis);
+    }
+  }
+
+  std::array<std::uint32_t, 3 * kBrickReach * kBrickReach * kBrickReach> number_{};
 };
-inline constexpr VertexMap::EdgePlaces VertexMap::kEdgePlaces = VertexMap::edge_places();
 
 // The cells that the surface crosses: their cases, and the triangles of the brick before them.
 class CellMap {
@@ -84,14 +117,17 @@ class CellMap {
     std::uint8_t inside;  // the case
   };
 
-  CellMap(const ActiveBrick& brick, const CaseTable& table) {
+  // Precondition of at().
+  void fill(const ActiveBrick& brick, const CaseTable& table) {
     std::uint32_t triangles = 0;
     for (int z = 0; z < kBrickSide; ++z) {
       for (int y = 0; y < kBrickSide; ++y) {
         const std::uint32_t mixed = mixed_cells(brick.signs, y, z);
+        if (mixed == 0) continue;
+        const RowCases cases = row_cases(brick.signs, y, z);
         for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
           const int x = std::countr_zero(cells);
-          const std::uint32_t inside = cell_case(brick.signs, x, y, z);
+          const std::uint32_t inside = cases.at(x);
           cell_[z][y][x] = {static_cast<std::uint16_t>(triangles),
                             static_cast<std::uint8_t>(inside)};
           triangles += table.count(inside);

@@ -52,13 +52,18 @@ VDWMESH_HD inline Interval cover(const Sphere& ball, const Vec3d& node, int axis
   return {middle - half, middle + half, false};
 }
 
+struct UnionExit {
+  double distance;      // from the inside node along the edge, Å
+  std::uint32_t owner;  // index of the ball whose interval ends there
+};
+
 // Union of balls: the first exit from the union seen from the inside node. Intervals are merged
 // from the node outwards; the balls that hold the node (same predicate as its sign) begin the run,
 // and balls that reach the edge within its length extend it. Where several end it exactly, the
 // lowest rank owns. for_each(visit) calls visit(ball, rank, index) for any superset of the balls
-// that touch the edge: further ones change nothing.
+// that touch the edge: further ones change nothing. Not clamped to the edge.
 template <class ForEach>
-VDWMESH_HD EdgePoint first_exit(const Vec3d& node, int axis, double direction, double spacing,
+VDWMESH_HD UnionExit union_exit(const Vec3d& node, int axis, double direction, double spacing,
                                 ForEach&& for_each) {
   double reach = -1;
   std::uint32_t owner = 0, owner_rank = 0;
@@ -88,7 +93,14 @@ VDWMESH_HD EdgePoint first_exit(const Vec3d& node, int axis, double direction, d
       end_at(i.exit, rank, index);
     });
   }
-  return clamp_to_edge(reach, spacing, owner);
+  return {reach, owner};
+}
+
+template <class ForEach>
+VDWMESH_HD EdgePoint first_exit(const Vec3d& node, int axis, double direction, double spacing,
+                                ForEach&& for_each) {
+  const UnionExit exit = union_exit(node, axis, direction, spacing, for_each);
+  return clamp_to_edge(exit.distance, spacing, exit.owner);
 }
 
 }  // namespace vdwmesh

@@ -99,6 +99,13 @@ class SampledBrick {
     }
   }
 
+  // Calls put(i, vertex) for every edge i.
+  template <class Put>
+  void vertices(const BrickEdges& edges, Put&& put) const {
+    for (std::size_t i = 0; i < edges.all().size(); ++i) put(i, vertex(edges.all()[i].crossed()));
+  }
+
+ private:
   SurfaceVertex vertex(const CrossedEdge& edge) const {
     const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
     SurfaceVertex v = sampled_vertex(field_, geometry_.brick, edge, node);
@@ -106,7 +113,6 @@ class SampledBrick {
     return v;
   }
 
- private:
   const SampledFieldView& field_;
   BrickGeometry geometry_{};
 };

@@ -1,8 +1,12 @@
-// The triangles of one brick on the CPU, from what its map knows.
+// The triangles of bricks on the CPU, from what their maps know.
 #pragma once
 
+#include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <span>
 
 #include "extract/brick_map.hpp"
 #include "extract/case_table.hpp"
@@ -16,44 +20,71 @@ struct Emission {
   IndexedMesh& mesh;  // vertex_spheres and opposite may be empty: then they are left out
 };
 
-// Triangles and half-edges of one brick.
+// Triangles and half-edges, brick by brick.
 class TriangleEmitter {
  public:
-  TriangleEmitter(const Emission& e, std::size_t b, VertexMap& vertices)
-      : e_(e),
-        table_(case_table()),
-        signs_(e.bricks.bricks[b].signs),
-        first_(3 * e.bricks.before[b].triangles),
-        near_(e.bricks, b),
-        cells_(e.bricks.bricks[b], table_),
-        vertices_(vertices) {}
+  explicit TriangleEmitter(const Emission& e)
+      : e_(e), table_(case_table()), places_(corner_places()) {}
 
-  void emit() {
+  // Brick b, whose own vertices are on `edges`.
+  void emit(std::size_t b, std::span<const BrickEdge> edges) {
+    const ActiveBrick& brick = e_.bricks.bricks[b];
+    Neighbourhood near(e_.bricks, b);
+    vertices_.set(edges, e_.bricks.before[b].vertices);
+    vertices_.set_neighbours(e_.bricks, brick.signs, near);
+    emit_corners(brick, e_.bricks.before[b].triangles);
+    if (e_.mesh.opposite.empty()) return;
+    cells_.fill(brick, table_);
+    first_ = 3 * e_.bricks.before[b].triangles;
+    near_ = &near;
     for (int z = 0; z < kBrickSide; ++z) {
       for (int y = 0; y < kBrickSide; ++y) {
-        for (std::uint32_t cells = mixed_cells(signs_, y, z); cells != 0; cells &= cells - 1) {
-          const int x = std::countr_zero(cells);
-          emit_corners(x, y, z);
-          if (!e_.mesh.opposite.empty()) emit_opposites(x, y, z);
-        }
+        for (std::uint32_t cells = mixed_cells(brick.signs, y, z); cells != 0; cells &= cells - 1)
+          emit_opposites(std::countr_zero(cells), y, z);
       }
     }
   }
 
  private:
-  std::uint64_t first_half_edge_of(const CellMap::Cell& cell) const {
-    return first_ + 3u * cell.triangles_before;
+  static const CornerPlaces& corner_places() {
+    static const CornerPlaces places = VertexMap::corner_places(case_table());
+    return places;
   }
 
-  void emit_corners(int x, int y, int z) {
-    const CellMap::Cell& cell = cells_.at(x, y, z);
-    // The corners of all triangles follow each other.
-    std::uint32_t* corner =
-        reinterpret_cast<std::uint32_t*>(e_.mesh.triangles.data()) + first_half_edge_of(cell);
-    const std::uint8_t* edges = table_.edges[cell.inside];
-    const int place = VertexMap::place(x, y, z);
-    for (std::uint32_t h = 0; h < 3 * table_.count(cell.inside); ++h)
-      corner[h] = vertices_.of_cell(e_.bricks, near_, place, x, y, z, edges[h]);
+  static constexpr std::uint32_t kMostCorners = kBrickNodes * kCaseHalfEdges;
+
+  // Copies the corners of a case, those of more triangles than it has as well: what is written
+  // beyond them means nothing and is written over.
+  void copy_corners(std::uint32_t inside, const std::uint32_t* vertex,
+                    std::uint32_t* corner) const {
+    constexpr std::uint32_t few = 6;  // corners of two triangles: what most cells have
+    const std::uint16_t* place = places_.of[inside];
+    for (std::uint32_t h = 0; h < few; ++h) corner[h] = vertex[place[h]];
+    if (table_.count(inside) <= few / 3) return;
+    for (std::uint32_t h = few; h < kCaseHalfEdges; ++h) corner[h] = vertex[place[h]];
+  }
+
+  void emit_corners(const ActiveBrick& brick, std::uint64_t first_triangle) {
+    std::uint32_t* corner = corners_.data();
+    for (int z = 0; z < kBrickSide; ++z) {
+      for (int y = 0; y < kBrickSide; ++y) {
+        const std::uint32_t mixed = mixed_cells(brick.signs, y, z);
+        if (mixed == 0) continue;
+        const RowCases cases = row_cases(brick.signs, y, z);
+        for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+          const int x = std::countr_zero(cells);
+          copy_corners(cases.at(x), vertices_.from(VertexMap::place(x, y, z)), corner);
+          corner += 3 * table_.count(cases.at(x));
+        }
+      }
+    }
+    if (brick.triangles == 0) return;
+    std::memcpy(e_.mesh.triangles.data() + first_triangle, corners_.data(),
+                brick.triangles * sizeof(Triangle));
+  }
+
+  std::uint64_t first_half_edge_of(const CellMap::Cell& cell) const {
+    return first_ + 3u * cell.triangles_before;
   }
 
   void emit_opposites(int x, int y, int z) {
@@ -74,7 +105,7 @@ class TriangleEmitter {
     int& moved = next[face / 2];
     moved += face % 2 == 0 ? -1 : 1;
     if (moved < 0 || moved >= kBrickSide)
-      return opposite_half_edge(e_.bricks, table_, near_, first, x, y, z, cell.inside, h);
+      return opposite_half_edge(e_.bricks, table_, *near_, first, x, y, z, cell.inside, h);
     const CellMap::Cell& beyond = cells_.at(next[0], next[1], next[2]);
     return static_cast<std::uint32_t>(first_half_edge_of(beyond) +
                                       table_.at_face(beyond.inside, face ^ 1, slot));
@@ -82,11 +113,13 @@ class TriangleEmitter {
 
   const Emission& e_;
   const CaseTable& table_;
-  const BrickSigns& signs_;
-  std::uint64_t first_;  // half-edge of the brick
-  Neighbourhood near_;
+  const CornerPlaces& places_;
+  VertexMap vertices_;
+  std::array<std::uint32_t, kMostCorners + kCaseHalfEdges> corners_;
+  // Of the brick at hand, for half-edges.
   CellMap cells_;
-  VertexMap& vertices_;
+  std::uint64_t first_ = 0;
+  Neighbourhood* near_ = nullptr;
 };
 
 }  // namespace vdwmesh

@@ -1,150 +1,172 @@
-// The union of balls seen from one brick: node signs and the vertex on an edge. CPU.
+// The union of balls seen from one brick: node signs and the vertices on its edges. CPU.
 #pragma once
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "extract/ball_run.hpp"
+#include "extract/brick_edges.hpp"
 #include "extract/brick_geometry.hpp"
 #include "extract/cell_list.hpp"
 #include "extract/edge_formulas.hpp"
 #include "extract/field.hpp"
+#include "extract/sign_lanes.hpp"
 #include "extract/surface_vertex.hpp"
+#include "extract/union_lanes.hpp"
 
 namespace vdwmesh {
 
 class UnionBrick {
  public:
-  UnionBrick(const CellListView& list, const FieldModel& model) : list_(list), grid_(model.grid) {}
+  UnionBrick(const CellListView& list, const FieldModel& model)
+      : list_(list), grid_(model.grid), run_(list, model.grid) {}
 
+  // Gathers the balls that touch the brick's nodes, in list order.
   void visit(const BrickIndex& brick);
-  void signs(BrickSigns& signs) const;
-  SurfaceVertex vertex(const CrossedEdge& edge);
+  void signs(BrickSigns& signs);
+  // Calls put(i, vertex) for every edge i.
+  template <class Put>
+  void vertices(const BrickEdges& edges, Put&& put);
 
  private:
-  struct Candidate {
-    Sphere ball;
-    std::uint32_t rank;
-    SphereId id;
-  };
-  void add(const Candidate& candidate);
-  void find_near(const CrossedEdge& edge, const Vec3d& node);
+  void signs_in_double(BrickSigns& signs) const;
+  void find_touching(const BrickEdges& edges);
+  template <int axis>
+  void find_exits(const BrickEdges& edges);
+  void find_normals(const BrickEdges& edges);
 
   const CellListView& list_;
   const GridSpec& grid_;
+  BallRun run_;
   BrickGeometry geometry_{};
-  std::vector<Candidate> candidates_;
-  std::vector<double> center_[3], reach2_;  // of the candidates, for all lanes at once
-  std::vector<std::int64_t> touches_;
-  std::vector<std::uint32_t> near_;  // candidates that the edge at hand can touch
+  std::vector<std::uint32_t> places_;  // of the brick's balls in the list
+  std::vector<Sphere> balls_;
+  NearBalls near_;
+  SignLanes sign_lanes_;
+  EdgeLanes lanes_;
+  std::vector<std::uint32_t> touching_;  // 32 balls a word: word, edge
 };
 
-// Covers the rounding of a squared distance against the predicate's.
-inline constexpr double kTouchMargin = 1 + 1e-12;
-
-inline void UnionBrick::add(const Candidate& candidate) {
-  candidates_.push_back(candidate);
-  for (int axis = 0; axis < 3; ++axis) center_[axis].push_back(candidate.ball.center[axis]);
-  // The second term covers the rounding of `past` in find_near().
-  const double radius = candidate.ball.radius;
-  reach2_.push_back(radius * radius * kTouchMargin + 1e-14 * radius * grid_.spacing);
-}
-
-// Gathers the balls that touch the brick's nodes.
 inline void UnionBrick::visit(const BrickIndex& brick) {
   geometry_ = brick_geometry(grid_, brick);
-  candidates_.clear();
-  for (std::vector<double>& of_axis : center_) of_axis.clear();
-  reach2_.clear();
-  const Vec3d lower = geometry_.node(0, 0, 0);
-  const Vec3d upper = geometry_.node(kBrickSide, kBrickSide, kBrickSide);
-  visit_near_box(list_, lower, upper, [&](std::uint32_t place) {
-    const Sphere& ball = list_.spheres[place];
-    double d2 = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double below = lower[axis] - ball.center[axis], above = ball.center[axis] - upper[axis];
-      const double d = below > 0 ? below : (above > 0 ? above : 0);
-      d2 += d * d;
-    }
-    if (d2 <= ball.radius * ball.radius * kTouchMargin) {
-      add({ball, list_.rank[place], list_.id[place]});
-    }
-    return false;
-  });
-  touches_.resize(candidates_.size());
+  run_.find(geometry_, places_);
+  balls_.resize(places_.size());
+  for (std::size_t k = 0; k < balls_.size(); ++k) balls_[k] = list_.spheres[places_[k]];
+  near_.gather(balls_, geometry_.node(0, 0, 0));
 }
 
-inline void UnionBrick::signs(BrickSigns& signs) const {
-  constexpr int lanes = 12;  // 9 nodes, filled up to whole vectors of 4
-  std::int64_t inside[kBrickReach][kBrickReach][lanes] = {};
-  for (const Candidate& c : candidates_) {
-    const double r2 = c.ball.radius * c.ball.radius;
-    double dx[lanes], dy[kBrickReach], dz2[kBrickReach];
-    for (int x = 0; x < lanes; ++x) {
-      dx[x] = geometry_.coordinate[0][x < kBrickReach ? x : 0] - c.ball.center.x;
-    }
-    for (int i = 0; i < kBrickReach; ++i) {
-      dy[i] = geometry_.coordinate[1][i] - c.ball.center.y;
-      const double dz = geometry_.coordinate[2][i] - c.ball.center.z;
-      dz2[i] = dz * dz;
-    }
-    for (int z = 0; z < kBrickReach; ++z) {
-      if (dz2[z] > r2) continue;
-      for (int y = 0; y < kBrickReach; ++y) {
-        const double dyz2 = std::fma(dy[y], dy[y], dz2[z]);
-        if (dyz2 > r2) continue;
-        std::int64_t* row = inside[z][y];
-        for (int x = 0; x < lanes; ++x) row[x] |= std::fma(dx[x], dx[x], dyz2) <= r2 ? 1 : 0;
-      }
-    }
-  }
-  for (int z = 0; z < kBrickReach; ++z) {
-    for (int y = 0; y < kBrickReach; ++y) {
-      std::int64_t bits = 0;
-      for (int x = 0; x < kBrickReach; ++x) bits |= inside[z][y][x] << x;
-      signs.row[z][y] = static_cast<std::uint16_t>(bits);
-    }
-  }
+inline void UnionBrick::signs(BrickSigns& signs) {
+  if (!sign_lanes_.signs(near_, geometry_, static_cast<float>(grid_.spacing), signs))
+    signs_in_double(signs);
   if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
 }
 
-// Few of the brick's balls come near one of its edges; the others cannot change where it leaves the
-// union, and the test whether they do takes no root.
-inline void UnionBrick::find_near(const CrossedEdge& edge, const Vec3d& node) {
-  const int axis = edge.axis, u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-  const double length = grid_.spacing, at_u = node[u], at_v = node[v], at = node[axis];
-  const double direction = edge.direction;
-  const double *cu = center_[u].data(), *cv = center_[v].data(), *c = center_[axis].data();
-  const double* reach2 = reach2_.data();
-  std::int64_t* touches = touches_.data();
-  near_.resize(candidates_.size());
-  for (std::size_t k = 0; k < near_.size(); ++k) {
-    const double du = at_u - cu[k], dv = at_v - cv[k], along = direction * (c[k] - at);
-    // How far from the edge's ends along its line, 0 between them, without a branch.
-    const double past = 0.5 * (std::fabs(along) + std::fabs(along - length) - length);
-    const double d2 = du * du + dv * dv + past * past;
-    touches[k] = d2 <= reach2[k] ? 1 : 0;
+inline void UnionBrick::signs_in_double(BrickSigns& signs) const {
+  signs = {};
+  for (const Sphere& ball : balls_) {
+    const double r2 = ball.radius * ball.radius;
+    double dx[kBrickReach];
+    for (int x = 0; x < kBrickReach; ++x) dx[x] = geometry_.coordinate[0][x] - ball.center.x;
+    for (int z = 0; z < kBrickReach; ++z) {
+      const double dz = geometry_.coordinate[2][z] - ball.center.z;
+      for (int y = 0; y < kBrickReach; ++y) {
+        const double dy = geometry_.coordinate[1][y] - ball.center.y;
+        // As squared_distance().
+        const double dyz2 = std::fma(dy, dy, dz * dz);
+        if (dyz2 > r2) continue;
+        std::uint32_t bits = 0;
+        for (int x = 0; x < kBrickReach; ++x)
+          bits |= std::fma(dx[x], dx[x], dyz2) <= r2 ? 1u << x : 0u;
+        signs.row[z][y] = static_cast<std::uint16_t>(signs.row[z][y] | bits);
+      }
+    }
   }
-  std::size_t found = 0;
-  for (std::size_t k = 0; k < near_.size(); ++k) {
-    near_[found] = static_cast<std::uint32_t>(k);
-    found += static_cast<std::size_t>(touches[k]);
-  }
-  near_.resize(found);
 }
 
-inline SurfaceVertex UnionBrick::vertex(const CrossedEdge& edge) {
-  const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
-  find_near(edge, node);
-  const EdgePoint exit =
-      first_exit(node, edge.axis, edge.direction, grid_.spacing, [&](auto&& visit) {
-        for (const std::uint32_t k : near_) visit(candidates_[k].ball, candidates_[k].rank, k);
-      });
-  const Candidate& owner = candidates_[exit.owner];
-  Vec3d p = node;
-  p[edge.axis] = std::fma(edge.direction, exit.distance, node[edge.axis]);
-  Vec3d outward{0, 0, 0};
-  outward[edge.axis] = edge.direction;
-  return {p, unit_or(p - owner.ball.center, outward), owner.id, exit.clamped};
+// Few of the brick's balls come near one of its edges; the others cannot change where it leaves the
+// union.
+inline void UnionBrick::find_touching(const BrickEdges& edges) {
+  lanes_.count = edges.all().size();
+  const float half = 0.5f * static_cast<float>(grid_.spacing);
+  float offset[3][kBrickReach];
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i < kBrickReach; ++i)
+      offset[axis][i] =
+          static_cast<float>(geometry_.coordinate[axis][i] - geometry_.coordinate[axis][0]);
+  }
+  for (std::size_t e = 0; e < lanes_.count; ++e) {
+    const BrickEdge edge = edges.all()[e];
+    lanes_.middle[0][e] = offset[0][edge.x()];
+    lanes_.middle[1][e] = offset[1][edge.y()];
+    lanes_.middle[2][e] = offset[2][edge.z()];
+    lanes_.middle[edge.axis()][e] += half;
+  }
+  const std::size_t words = (balls_.size() + 31) / 32;
+  if (touching_.size() < words * EdgeLanes::kMost) touching_.resize(words * EdgeLanes::kMost);
+  for (std::size_t w = 0; w < words; ++w)
+    lanes_.find_touching(near_, static_cast<float>(grid_.spacing), 32 * w,
+                         touching_.data() + w * EdgeLanes::kMost);
+}
+
+template <int axis>
+void UnionBrick::find_exits(const BrickEdges& edges) {
+  const std::size_t words = (balls_.size() + 31) / 32;
+  for (const std::size_t e : edges.along<axis>()) {
+    const BrickEdge edge = edges.all()[e];
+    int place[3] = {edge.x(), edge.y(), edge.z()};
+    const double direction = edge.lower_inside() ? 1.0 : -1.0;
+    if (!edge.lower_inside()) ++place[axis];
+    const Vec3d node = geometry_.node(place[0], place[1], place[2]);
+    const EdgePoint exit = first_exit(node, axis, direction, grid_.spacing, [&](auto&& visit) {
+      for (std::size_t w = 0; w < words; ++w) {
+        for (std::uint32_t bits = touching_[w * EdgeLanes::kMost + e]; bits; bits &= bits - 1) {
+          const auto k = static_cast<std::uint32_t>(32 * w) +
+                         static_cast<std::uint32_t>(std::countr_zero(bits));
+          visit(balls_[k], list_.rank[places_[k]], k);
+        }
+      }
+    });
+    Vec3d p = node;
+    p[axis] = std::fma(direction, exit.distance, node[axis]);
+    for (int i = 0; i < 3; ++i) {
+      lanes_.position[i][e] = p[i];
+      lanes_.radial[i][e] = p[i] - balls_[exit.owner].center[i];
+    }
+    lanes_.sphere[e] = list_.id[places_[exit.owner]];
+    lanes_.clamped[e] = exit.clamped ? 1 : 0;
+  }
+}
+
+inline void UnionBrick::find_normals(const BrickEdges& edges) {
+  if (lanes_.find_normals() == 0) return;
+  for (std::size_t e = 0; e < lanes_.count; ++e) {
+    const CrossedEdge edge = edges.all()[e].crossed();
+    Vec3d outward{0, 0, 0};
+    outward[edge.axis] = edge.direction;
+    const Vec3f normal =
+        unit_or({lanes_.radial[0][e], lanes_.radial[1][e], lanes_.radial[2][e]}, outward);
+    for (int i = 0; i < 3; ++i) lanes_.normal[i][e] = normal[i];
+  }
+}
+
+template <class Put>
+void UnionBrick::vertices(const BrickEdges& edges, Put&& put) {
+  find_touching(edges);
+  find_exits<0>(edges);
+  find_exits<1>(edges);
+  find_exits<2>(edges);
+  find_normals(edges);
+  const EdgeLanes& l = lanes_;
+  for (std::size_t e = 0; e < l.count; ++e) {
+    put(e, SurfaceVertex{{l.position[0][e], l.position[1][e], l.position[2][e]},
+                         {l.normal[0][e], l.normal[1][e], l.normal[2][e]},
+                         l.sphere[e],
+                         l.clamped[e] != 0});
+  }
 }
 
 }  // namespace vdwmesh

@@ -1,0 +1,73 @@
+// The grid edges of one brick that carry a vertex, in the order of their vertices. CPU.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "extract/brick.hpp"
+#include "extract/surface_vertex.hpp"
+
+namespace vdwmesh {
+
+// From node (x, y, z) one step up along the axis: one word, so that it is written at once.
+struct BrickEdge {
+  std::uint32_t bits;
+
+  int x() const { return static_cast<int>(bits & 15u); }
+  int y() const { return static_cast<int>(bits >> 4 & 15u); }
+  int z() const { return static_cast<int>(bits >> 8 & 15u); }
+  int axis() const { return static_cast<int>(bits >> 12 & 3u); }
+  bool lower_inside() const { return (bits >> 14 & 1u) != 0; }
+  CrossedEdge crossed() const { return crossed_edge(lower_inside(), x(), y(), z(), axis()); }
+};
+
+// The edges, and the places of those along each axis among them.
+class BrickEdges {
+ public:
+  void gather(const BrickSigns& signs) {
+    count_ = 0;
+    for (std::size_t& count : count_along_) count = 0;
+    for (int z = 0; z < kBrickSide; ++z) {
+      for (int y = 0; y < kBrickSide; ++y) gather_row(signs, y, z);
+    }
+  }
+
+  std::span<const BrickEdge> all() const { return {edge_.data(), count_}; }
+  template <int axis>
+  std::span<const std::uint16_t> along() const {
+    return {along_[axis].data(), count_along_[axis]};
+  }
+
+ private:
+  static constexpr std::size_t kMost = 3 * kBrickNodes;
+
+  // Written always, kept where the edge is crossed: no branch to guess.
+  void gather_row(const BrickSigns& signs, int y, int z) {
+    const RowCrossings c = row_crossings(signs, y, z);
+    const std::uint32_t row = signs.row[z][y];
+    const std::uint32_t place = static_cast<std::uint32_t>(y) << 4 | static_cast<std::uint32_t>(z)
+                                                                         << 8;
+    std::size_t count = count_;
+    for (std::uint32_t nodes = c.nodes(); nodes != 0; nodes &= nodes - 1) {
+      const int x = std::countr_zero(nodes);
+      const std::uint32_t node = place | static_cast<std::uint32_t>(x) | (row >> x & 1u) << 14;
+      const std::uint32_t has = c.packed >> x;
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        edge_[count] = {node | axis << 12};
+        along_[axis][count_along_[axis]] = static_cast<std::uint16_t>(count);
+        count += has >> (8 * axis) & 1u;
+        count_along_[axis] += has >> (8 * axis) & 1u;
+      }
+    }
+    count_ = count;
+  }
+
+  std::size_t count_ = 0, count_along_[3] = {};
+  std::array<BrickEdge, kMost + 1> edge_;
+  std::array<std::uint16_t, kBrickNodes + 1> along_[3];
+};
+
+}  // namespace vdwmesh
