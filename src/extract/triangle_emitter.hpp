@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 
 #include "extract/brick_map.hpp"
@@ -29,14 +30,13 @@ class TriangleEmitter {
   // Brick b, whose own vertices are on `edges`.
   void emit(std::size_t b, std::span<const BrickEdge> edges) {
     const ActiveBrick& brick = e_.bricks.bricks[b];
-    Neighbourhood near(e_.bricks, b);
+    near_.emplace(e_.bricks, b);
     vertices_.set(edges, e_.bricks.before[b].vertices);
-    vertices_.set_neighbours(e_.bricks, brick.signs, near);
+    vertices_.set_neighbours(e_.bricks, brick.signs, *near_);
     emit_corners(brick, e_.bricks.before[b].triangles);
     if (e_.mesh.opposite.empty()) return;
     cells_.fill(brick, table_);
     first_ = 3 * e_.bricks.before[b].triangles;
-    near_ = &near;
     for (int z = 0; z < kBrickSide; ++z) {
       for (int y = 0; y < kBrickSide; ++y) {
         for (std::uint32_t cells = mixed_cells(brick.signs, y, z); cells != 0; cells &= cells - 1)
@@ -115,11 +115,11 @@ class TriangleEmitter {
   const CaseTable& table_;
   const CornerPlaces& places_;
   VertexMap vertices_;
+  std::optional<Neighbourhood> near_;  // of the brick at hand
   std::array<std::uint32_t, kMostCorners + kCaseHalfEdges> corners_;
   // Of the brick at hand, for half-edges.
   CellMap cells_;
   std::uint64_t first_ = 0;
-  Neighbourhood* near_ = nullptr;
 };
 
 }  // namespace vdwmesh

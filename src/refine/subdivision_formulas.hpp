@@ -14,7 +14,6 @@
 
 namespace vdwmesh {
 
-VDWMESH_HD constexpr int next_corner(int k) { return k == 2 ? 0 : k + 1; }
 VDWMESH_HD constexpr int previous_corner(int k) { return k == 0 ? 2 : k - 1; }
 
 // Corners of the four triangles, in terms of those of the parent: 0, 1, 2 its corners, 3, 4, 5 its

@@ -85,6 +85,19 @@ TEST(NodeTerms, SoftObjectAndInverseSquaredAreWithinTheirRoundings) {
   }
 }
 
+// The quotient stops growing at min_square, whatever the radius.
+TEST(NodeTerms, InverseSquaredIsCappedAboutTheCentre) {
+  const FieldModel m = model_of(FieldKind::inverse_squared, 0);
+  Offsets offsets;
+  for (const double radius : {0.7, 1.7}) {
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3d offset = std::sqrt(m.min_square) / 3 * offsets.next();  // most of them inside
+      const double v = exactly<FieldKind::inverse_squared>(m, radius, offset);
+      ASSERT_NEAR(at_node<FieldKind::inverse_squared>(m, radius, offset), v, 20 * kUnit * v);
+    }
+  }
+}
+
 TEST(NodeTerms, NothingBeyondTheReach) {
   const double radius = 1.7;
   for (const FieldKind kind :
