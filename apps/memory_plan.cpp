@@ -191,21 +191,32 @@ std::string remedies(const MemoryDemand& demand, std::uint64_t need, std::uint64
   return list.substr(0, list.size() - 2) + " would do";
 }
 
+// Of the surface that is meshed, Å².
+double area_of_surface(const SphereSet& spheres, const MemoryDemand& demand, double of_union) {
+  if (!demand.surface || demand.surface->mesher == Mesher::exact ||
+      demand.surface->field.kind == FieldKind::vdw) {
+    return of_union;
+  }
+  const GridSpec grid = make_grid(spheres, demand.surface->grid);
+  return estimate_area(spheres, make_field_model(demand.surface->field, grid));
+}
+
 void describe(const SphereSet& spheres, MemoryDemand& demand) {
   double all = 0;  // Å²
   for (const Sphere& s : spheres.spheres()) all += 4 * std::numbers::pi * s.radius * s.radius;
   demand.spheres = spheres.size();
-  demand.area = estimate_area(spheres);
-  demand.exposed = demand.area / all;
+  const double of_union = estimate_area(spheres);
+  demand.exposed = of_union / all;
+  demand.area = area_of_surface(spheres, demand, of_union);
 }
 
 }  // namespace
 
 MemoryNeed estimate_memory(const MemoryDemand& demand) { return Estimate(demand).run(); }
 
-void check_memory(const MemoryDemand& demand, std::uint64_t limit) {
+std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit) {
   const MemoryNeed need = estimate_memory(demand);
-  if (need.bytes <= limit) return;
+  if (need.bytes <= limit) return need.bytes;
   const std::string mesh =
       need.triangles > 0 ? fmt::format(" for a mesh of {}{} triangles",
                                        demand.mesh.triangles > 0 ? "" : "about ", need.triangles)
@@ -215,12 +226,10 @@ void check_memory(const MemoryDemand& demand, std::uint64_t limit) {
                                   remedies(demand, need.bytes, limit)));
 }
 
-std::optional<std::uint64_t> check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
-                                                 std::uint64_t limit) {
+std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
+                                  std::uint64_t limit) {
   describe(spheres, demand);
-  if (demand.surface && demand.surface->field.kind != FieldKind::vdw) return std::nullopt;
-  check_memory(demand, limit);
-  return estimate_memory(demand).bytes;
+  return check_memory(demand, limit);
 }
 
 void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const IndexedMesh& mesh,

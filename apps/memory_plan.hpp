@@ -33,17 +33,16 @@ struct MemoryNeed {
 };
 
 // The stage that needs the most. Where the mesh is not known yet, its size follows from the area:
-// good to a few per cent for `vdw`, not to be trusted for the blended fields.
+// good to a few per cent for `vdw`, to about ten for the blended fields.
 MemoryNeed estimate_memory(const MemoryDemand& demand);
 
 // Throws LimitExceeded when it is more than `limit` bytes: names stage, bytes, and the options that
-// would fit.
-void check_memory(const MemoryDemand& demand, std::uint64_t limit);
+// would fit. Returns the bytes.
+std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit);
 
-// The same before anything is made, where the size of the mesh can be foretold. Fills in what
-// `demand` has of the spheres. Returns the bytes.
-std::optional<std::uint64_t> check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
-                                                 std::uint64_t limit);
+// The same before anything is made. Fills in what `demand` has of the spheres.
+std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
+                                  std::uint64_t limit);
 
 // The same for what follows a mesh that is there.
 void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const IndexedMesh& mesh,

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "machine.hpp"
+#include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
 #include "output.hpp"
 #include "picture.hpp"
@@ -84,12 +85,23 @@ class RenderVerb : public Verb {
                       Monitor* monitor, Report& report) const {
     const Molecule molecule = load(input, machine.memory_limit, report);
     const SphereSet spheres = to_spheres(molecule, input.probe);
+    check_memory(spheres, surface, machine);
     const IndexedMesh mesh =
         make_mesh(spheres, surface, Connectivity::triangles, machine, monitor, report);
     const IndexedMesh split = split_where_labelled(mesh, spheres);
     const IndexedMesh& shown = split.triangles.empty() ? mesh : split;
     write_picture(shown, paint_for(shown, molecule, spheres, picture, monitor), picture, machine,
                   monitor, report);
+  }
+
+  // Of the mesh; the renderer checks buffers and picture by itself.
+  static void check_memory(const SphereSet& spheres, const SurfaceOptions& surface,
+                           const MachineOptions& machine) {
+    MemoryDemand demand;
+    demand.surface = surface;
+    demand.backend = resolve(machine.backend);
+    demand.measures = Switch::off;
+    check_memory_before(demand, spheres, machine.memory_limit);
   }
 
   static Paint paint_for(const IndexedMesh& mesh, const Molecule& molecule,

@@ -172,6 +172,10 @@ class Limits(ProgramTest):
             ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--spacing", "0.25"),
             ("report", UBIQUITIN, "--spacing", "0.4"),
             ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--mesher", "exact", "--edge-length", "0.3"),
+            *(("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--spacing", "0.2", "--field", field)
+              for field in ("blinn", "soft", "inverse-squared")),
+            ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--spacing", "0.2", "--preset", "thesis",
+             "--field", "blinn"),
         ):
             with self.subTest(arguments=arguments):
                 output = self.folder / "a.json"
@@ -184,10 +188,13 @@ class Limits(ProgramTest):
                 self.assertLessEqual(usage.ru_maxrss * 1024, estimate)
                 self.assertLess(estimate, 2 * usage.ru_maxrss * 1024)
 
-    def test_no_estimate_of_blended_fields(self):
-        report = self.report("report", UBIQUITIN, "--field", "blinn", "--subdivide", "0",
-                             "--distances", "off")
-        self.assertIsNone(report["parameters"]["memory_estimate"])
+    def test_blended_fields_are_refused_before_the_first_stage(self):
+        mesh = ("mesh", UBIQUITIN, "-o", self.folder / "a.ply")
+        for verb in (mesh, ("report", UBIQUITIN), ("render", UBIQUITIN, "-o", self.folder / "a.png")):
+            with self.subTest(verb=verb[0]):
+                self.assert_refused(LIMIT_HIT, *verb, "--field", "blinn", "--spacing", "0.1",
+                                    "--subdivide", "1", "--memory-limit", "100M",
+                                    says=["the stage", "--spacing", "0.0977 GiB are allowed"])
 
     def test_grid_that_no_index_can_number(self):
         self.assert_refused(LIMIT_HIT, "report", UBIQUITIN, "--spacing", "1e-9")
