@@ -163,18 +163,37 @@ class PlanarPatch {
     try {
       planar_.insert_constraint(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to]);
     } catch (const Planar::Intersection_of_constraints_exception&) {
-      find_crossings(p);
+      if (options_.demand == Demand::quality) return find_crossings(p);
+      find_all_crossings();
     }
   }
 
+  bool do_cross(std::uint32_t p, std::uint32_t q) const {
+    const BoundaryPiece &one = b_.pieces[p], &other = b_.pieces[q];
+    const bool joined = other.from == one.from || other.from == one.to || other.to == one.from ||
+                        other.to == one.to;
+    return !joined && CGAL::do_intersect(segment(p), segment(q));
+  }
+
   void find_crossings(std::uint32_t p) {
-    const BoundaryPiece& piece = b_.pieces[p];
     want_split(p);
     for (std::uint32_t q = 0; q < b_.pieces.size(); ++q) {
-      const BoundaryPiece& other = b_.pieces[q];
-      const bool joined = other.from == piece.from || other.from == piece.to ||
-                          other.to == piece.from || other.to == piece.to;
-      if (!joined && CGAL::do_intersect(segment(p), segment(q))) want_split(q);
+      if (do_cross(p, q)) want_split(q);
+    }
+  }
+
+  // Two circles side by side cross in a hundred places: one of them in each round would not end.
+  void find_all_crossings() {
+    std::vector<std::pair<CGAL::Bbox_2, std::uint32_t>> boxes;
+    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) boxes.push_back({segment(p).bbox(), p});
+    std::sort(boxes.begin(), boxes.end(),
+              [](const auto& a, const auto& b) { return a.first.xmin() < b.first.xmin(); });
+    for (auto a = boxes.begin(); a != boxes.end(); ++a) {
+      for (auto b = a + 1; b != boxes.end() && b->first.xmin() <= a->first.xmax(); ++b) {
+        if (!CGAL::do_overlap(a->first, b->first) || !do_cross(a->second, b->second)) continue;
+        want_split(a->second);
+        want_split(b->second);
+      }
     }
   }
 

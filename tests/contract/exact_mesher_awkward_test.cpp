@@ -98,6 +98,15 @@ TEST(ExactMesherAwkward, TangentInside) {
 }
 
 // Three balls, two by two tangent: three contacts, and a ring parted into three.
+// Two balls touch, and a third stands on their contact: what is left of it is a band that is
+// narrower than the chords of its two circles bulge.
+TEST(ExactMesherAwkward, ATinyBallOnAContact) {
+  for (const int exponent : {-6, -10, -12, -14, -18}) {
+    SCOPED_TRACE(exponent);
+    expect_set({{{0, 0, 0}, 1.5}, {{2.1, 2.8, 0}, 2}, {{0.9, 1.2, 0}, std::ldexp(1.0, exponent)}});
+  }
+}
+
 TEST(ExactMesherAwkward, RingOfContacts) {
   const double h = std::sqrt(3.0);
   expect_set({{{0, 0, 0}, 1}, {{2, 0, 0}, 1}, {{1, h, 0}, 1}}, 0.5, collapsed(Topology::parted));
