@@ -1,7 +1,6 @@
 // Parses the command line, runs a verb and turns exceptions into exit codes.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -38,12 +37,9 @@ std::vector<std::unique_ptr<Verb>> make_verbs() {
   return verbs;
 }
 
-// One line on standard error, whatever the message holds: it may quote a damaged file.
-int fail(ExitCode code, std::string message) {
-  const auto is_control = [](unsigned char c) { return c < ' ' || c == 0x7f; };
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  std::replace_if(message.begin(), message.end(), is_control, '?');
-  std::fprintf(stderr, "vdwmesh: %s\n", message.c_str());
+// One line on standard error, whatever the message quotes: Error sees to that.
+int fail(ExitCode code, const Error& error) {
+  std::fprintf(stderr, "vdwmesh: %s\n", error.what());
   return code;
 }
 
@@ -52,19 +48,20 @@ int exit_code_of(Work&& work) {
   try {
     return work();
   } catch (const Cancelled& error) {
-    return fail(kOwnFault, error.what());
+    return fail(kOwnFault, error);
   } catch (const InvalidInput& error) {
-    return fail(kBadInput, error.what());
+    return fail(kBadInput, error);
   } catch (const FileFormatError& error) {
-    return fail(kBadInput, error.what());
+    return fail(kBadInput, error);
   } catch (const BackendUnavailable& error) {
-    return fail(kNoBackend, error.what());
+    return fail(kNoBackend, error);
   } catch (const LimitExceeded& error) {
-    return fail(kLimitHit, error.what());
+    return fail(kLimitHit, error);
   } catch (const std::bad_alloc&) {
-    return fail(kLimitHit, "out of memory; a larger --spacing or fewer --subdivide needs less");
+    return fail(kLimitHit,
+                LimitExceeded("out of memory; a larger --spacing or fewer --subdivide needs less"));
   } catch (const std::exception& error) {
-    return fail(kOwnFault, fmt::format("internal error: {}", error.what()));
+    return fail(kOwnFault, Error(fmt::format("internal error: {}", error.what())));
   }
 }
 
@@ -93,9 +90,12 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::CallForVersion& version) {
     return app.exit(version);
   } catch (const CLI::ParseError& error) {
-    if (app.get_subcommands().empty()) return fail(kBadInput, no_verb_message(argc, argv, names));
-    return fail(kBadInput, fmt::format("{}; vdwmesh {} --help lists the options", error.what(),
-                                       app.get_subcommands().front()->get_name()));
+    if (app.get_subcommands().empty()) {
+      return fail(kBadInput, InvalidInput(no_verb_message(argc, argv, names)));
+    }
+    return fail(kBadInput,
+                InvalidInput(fmt::format("{}; vdwmesh {} --help lists the options", error.what(),
+                                         app.get_subcommands().front()->get_name())));
   }
   for (const auto& verb : verbs) {
     if (app.got_subcommand(verb->name())) verb->run();

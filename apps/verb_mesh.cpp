@@ -73,6 +73,10 @@ class MeshVerb : public Verb {
     for (const std::string& warning : write_mesh(mesh, mesh_path_, &signals)) {
       report.warnings.push_back(warning);
     }
+    if (face_spheres(mesh) && mesh_format(mesh_path_) != MeshFormat::ply) {
+      report.notes.push_back(mesh_path_ +
+                             ": does not say which sphere each triangle is part of; only PLY does");
+    }
     report.mesh->path = mesh_path_;
   }
 

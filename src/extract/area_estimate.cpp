@@ -105,8 +105,7 @@ double estimate_area(const SphereSet& spheres, const FieldModel& model) {
   const int rays = static_cast<int>(std::clamp<std::uint64_t>(wanted, kFewestRays, kMostRays));
   return sum_over_sample(spheres.size(), [&](std::uint32_t place) {
     double sum = 0;
-    for (int k = 0; k < rays; ++k)
-      sum += area_along(list.view(), model, place, direction(k, rays));
+    for (int k = 0; k < rays; ++k) sum += area_along(list.view(), model, place, direction(k, rays));
     return 4 * std::numbers::pi / rays * sum;
   });
 }

@@ -10,8 +10,8 @@ namespace vdwmesh {
 // thousands, to 10 % for less. For limits, not for reports. Always the same for the same set.
 double estimate_area(const SphereSet& spheres);
 
-// Area of the isosurface of a blended field, Å², likewise: to 10 % where the surface is smooth. What
-// an atom with the largest contribution in other places as well has there is left out.
+// Area of the isosurface of a blended field, Å², likewise: to 10 % where the surface is smooth.
+// What an atom with the largest contribution in other places as well has there is left out.
 // Precondition: model.kind is not vdw.
 double estimate_area(const SphereSet& spheres, const FieldModel& model);
 

@@ -23,6 +23,16 @@ class ExactMesher(ProgramTest):
         self.assertIsNone(document["parameters"]["grid"])
         self.assertGreater(mesh["arrangement"]["corners"], 0)
 
+    def test_says_which_files_lose_the_spheres_of_triangles(self):
+        for name in ("a.ply", "a.obj", "a.off", "a.stl", "a.glb"):
+            for mesher in ("exact", "marching-cubes"):
+                with self.subTest(name=name, mesher=mesher):
+                    document = self.report("mesh", "--sample", "bpti", "-o", self.folder / name,
+                                           "--mesher", mesher)
+                    told = [note for note in document["notes"] if "which sphere" in note]
+                    lost = mesher == "exact" and name != "a.ply"
+                    self.assertEqual(len(told), 1 if lost else 0)
+
     def test_extrapolates_to_the_exact_area_and_volume(self):
         document = self.exact_report("--edge-length", "0.5", "--subdivide", "2", "--distances", "off")
         mesh, exact = document["mesh"], document["exact"]

@@ -213,6 +213,16 @@ class Documentation(ProgramTest):
         self.assertEqual(set(re.findall(r"`(--[a-z-]+)`", table)) - told, set())
 
 
+class Messages(ProgramTest):
+    def test_stay_one_line_whatever_was_typed(self):
+        for arguments in (("no\nverb",), ("mesh", "--no\nsuch\x1b[2J"), ("report", UBIQUITIN, "--mesher", "a\rb"),
+                          ("report", UBIQUITIN, "--field", "no\nfield"), ("report", "no\nfile.pdb")):
+            with self.subTest(arguments=arguments):
+                result = self.assert_refused(BAD_INPUT, *arguments)
+                self.assertIn("?", result.stderr)
+                self.assertTrue(result.stderr[:-1].isprintable())
+
+
 class Backends(ProgramTest):
     def test_cuda_without_a_device(self):
         info = parse_json(self.run_ok("info", "--json", "-").stdout)
