@@ -3,7 +3,6 @@
 
 #include "arrangement/exact_mesher.hpp"
 #include "fuzz/mesh_promises.hpp"
-#include "fuzz/one_thread.hpp"
 #include "fuzz/sphere_maker.hpp"
 
 namespace vdwmesh::fuzz {
@@ -24,16 +23,11 @@ void check_labels(const IndexedMesh& mesh, std::size_t spheres) {
 }
 
 }  // namespace
-}  // namespace vdwmesh::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace vdwmesh;
-  using namespace vdwmesh::fuzz;
-  static const OneThread one_thread;
+void run_input(const std::uint8_t* data, std::size_t size) {
   ByteSource bytes(data, size);
   const double share = bytes.real(0.3, 1.2);
   const SphereSet spheres = make_spheres(bytes, kMostSpheres);
-  if (is_told_to_print()) print(spheres);
   ExactMeshOptions options;
   options.edge_length = share * largest_radius(spheres);
   options.memory_limit = kMemory;
@@ -42,5 +36,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_mesh(mesh, spheres.size());
     check_labels(mesh, spheres.size());
   });
-  return 0;
 }
+
+}  // namespace vdwmesh::fuzz

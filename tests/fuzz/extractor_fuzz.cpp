@@ -3,7 +3,6 @@
 
 #include "extract/extractor.hpp"
 #include "fuzz/mesh_promises.hpp"
-#include "fuzz/one_thread.hpp"
 #include "fuzz/sphere_maker.hpp"
 #include "refine/refiner.hpp"
 
@@ -51,16 +50,11 @@ void refine(ByteSource& bytes, const SphereSet& spheres, const ExtractResult& re
 }
 
 }  // namespace
-}  // namespace vdwmesh::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace vdwmesh;
-  using namespace vdwmesh::fuzz;
-  static const OneThread one_thread;
+void run_input(const std::uint8_t* data, std::size_t size) {
   ByteSource choices(data, std::min<std::size_t>(size, 16));
   ByteSource balls(data + std::min<std::size_t>(size, 16), size - std::min<std::size_t>(size, 16));
   const SphereSet spheres = make_spheres(balls, kMostSpheres);
-  if (is_told_to_print()) print(spheres);
   allow_refusal([&] {
     const ExtractOptions options = choose_options(choices, longest_side(spheres));
     const ExtractResult result = make_cpu_extractor()->extract(spheres, options);
@@ -69,5 +63,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       refine(choices, spheres, result, options.field);
     }
   });
-  return 0;
 }
+
+}  // namespace vdwmesh::fuzz

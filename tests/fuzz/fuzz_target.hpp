@@ -15,6 +15,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace vdwmesh::fuzz {
 
+// What each target defines: one input.
+void run_input(const std::uint8_t* data, std::size_t size);
+
 inline void require(bool holds, const char* promise) {
   if (holds) return;
   std::fprintf(stderr, "broken promise: %s\n", promise);
@@ -33,9 +36,6 @@ void allow_refusal(Use&& use) {
     require(message.find_first_of("\r\n") == std::string_view::npos, "a refusal is one line");
   }
 }
-
-// FUZZ_PRINT=1: targets that make something of their bytes say what.
-inline bool is_told_to_print() { return std::getenv("FUZZ_PRINT") != nullptr; }
 
 inline std::string_view as_text(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};

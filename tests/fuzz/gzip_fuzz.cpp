@@ -33,16 +33,15 @@ std::string unpacked(std::string_view bytes) {
 }
 
 }  // namespace
-}  // namespace vdwmesh::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace vdwmesh::fuzz;
+void run_input(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes = as_text(data, size);
   allow_refusal([&] { require(unpacked(bytes).size() <= kLimit, "the limit holds"); });
-  if (size > kLimit / 2) return 0;
+  if (size > kLimit / 2) return;
   const std::string once = packed(bytes);
   require(unpacked(once) == bytes, "what was packed comes back");
   require(unpacked(once + once) == std::string(bytes) + std::string(bytes),
           "members that were joined come back");
-  return 0;
 }
+
+}  // namespace vdwmesh::fuzz

@@ -7,7 +7,6 @@
 #include "analysis/mesh_measures.hpp"
 #include "analysis/quality_histograms.hpp"
 #include "fuzz/fuzz_target.hpp"
-#include "fuzz/one_thread.hpp"
 #include "mesh/mesh_io.hpp"
 
 namespace vdwmesh::fuzz {
@@ -55,12 +54,8 @@ void write_and_read(const IndexedMesh& mesh) {
 }
 
 }  // namespace
-}  // namespace vdwmesh::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace vdwmesh;
-  using namespace vdwmesh::fuzz;
-  static const OneThread one_thread;
+void run_input(const std::uint8_t* data, std::size_t size) {
   allow_refusal([&] {
     const MeshFile file = decode_mesh(as_text(data, size), kFormat);
     check_arrays(file.mesh);
@@ -68,5 +63,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     measure(file.mesh);
     write_and_read(file.mesh);
   });
-  return 0;
 }
+
+}  // namespace vdwmesh::fuzz

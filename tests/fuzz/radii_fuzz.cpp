@@ -4,9 +4,9 @@
 #include "fuzz/memory_file.hpp"
 #include "structure/radii.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace vdwmesh;
-  using namespace vdwmesh::fuzz;
+namespace vdwmesh::fuzz {
+
+void run_input(const std::uint8_t* data, std::size_t size) {
   const MemoryFile file(as_text(data, size));
   allow_refusal([&] {
     const RadiusTable table = RadiusTable::from_file(file.path());
@@ -16,5 +16,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
               "radii are finite and not negative");
     }
   });
-  return 0;
 }
+
+}  // namespace vdwmesh::fuzz

@@ -38,11 +38,8 @@ std::string take_line(std::string_view& rest) {
 }
 
 }  // namespace
-}  // namespace vdwmesh::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace vdwmesh;
-  using namespace vdwmesh::fuzz;
+void run_input(const std::uint8_t* data, std::size_t size) {
   static const MemoryFile file(kMolecule);
   std::string_view rest = as_text(data, size);
   ReadOptions options;
@@ -53,5 +50,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!rest.empty()) *option = take_line(rest);
   }
   allow_refusal([&] { check_molecule(read_structure(file.path(), options)); });
-  return 0;
 }
+
+}  // namespace vdwmesh::fuzz

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -65,6 +66,12 @@ Sphere next_sphere(ByteSource& bytes, const std::vector<Sphere>& others) {
   return of_another_size(bytes, other);
 }
 
+void print(const std::vector<Sphere>& spheres) {
+  for (const Sphere& s : spheres) {
+    std::fprintf(stderr, "%.17g %.17g %.17g %.17g\n", s.center.x, s.center.y, s.center.z, s.radius);
+  }
+}
+
 }  // namespace
 
 SphereSet make_spheres(ByteSource& bytes, int most) {
@@ -72,13 +79,8 @@ SphereSet make_spheres(ByteSource& bytes, int most) {
   do {
     spheres.push_back(next_sphere(bytes, spheres));
   } while (!bytes.empty() && static_cast<int>(spheres.size()) < most);
+  if (std::getenv("FUZZ_PRINT") != nullptr) print(spheres);
   return SphereSet(std::move(spheres));
-}
-
-void print(const SphereSet& spheres) {
-  for (const Sphere& s : spheres.spheres()) {
-    std::fprintf(stderr, "%.17g %.17g %.17g %.17g\n", s.center.x, s.center.y, s.center.z, s.radius);
-  }
 }
 
 }  // namespace vdwmesh::fuzz

@@ -29,13 +29,12 @@ void read(const MemoryFile& file, ReadOptions options) {
 }
 
 }  // namespace
-}  // namespace vdwmesh::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace vdwmesh::fuzz;
+void run_input(const std::uint8_t* data, std::size_t size) {
   const MemoryFile file(as_text(data, size));
   read(file, {});
   read(file, everything());
   read(file, little());
-  return 0;
 }
+
+}  // namespace vdwmesh::fuzz

@@ -4,7 +4,6 @@
 
 #include "arrangement/exact_union.hpp"
 #include "fuzz/fuzz_target.hpp"
-#include "fuzz/one_thread.hpp"
 #include "fuzz/sphere_maker.hpp"
 
 namespace vdwmesh::fuzz {
@@ -59,19 +58,15 @@ void check_topology(const ExactUnion& u, double tolerance) {
 }
 
 }  // namespace
-}  // namespace vdwmesh::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace vdwmesh;
-  using namespace vdwmesh::fuzz;
-  static const OneThread one_thread;
+void run_input(const std::uint8_t* data, std::size_t size) {
   ByteSource bytes(data, size);
   const SphereSet spheres = make_spheres(bytes, kMostSpheres);
-  if (is_told_to_print()) print(spheres);
   const ExactUnion exact = exact_union(spheres, {UnionMethod::cgal, nullptr});
   const double lost = lost_digits(spheres);
   if (lost == 0) check_measures(exact, kFormulas);
   check_topology(exact, kFormulas + lost);
   check_measures(exact_union(spheres, {UnionMethod::both, nullptr}), kMethods + lost);
-  return 0;
 }
+
+}  // namespace vdwmesh::fuzz
