@@ -1,4 +1,4 @@
-// A hint to the kernel; the program does the same without it.
+// Hints to the kernel and the allocator; the program does the same without them.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,9 @@
 
 #ifdef __linux__
 #include <sys/mman.h>
+#endif
+#ifdef __GLIBC__
+#include <malloc.h>
 #endif
 
 namespace vdwmesh {
@@ -35,6 +38,14 @@ template <class T>
 void resize_untouched(Buffer<T>& array, std::size_t count) {
   array.resize(count);
   advise_large_pages(array.data(), count);
+}
+
+// Gives the pages of freed small blocks back, of which the allocator keeps what lies between blocks
+// in use: worth its milliseconds between many small blocks and a few large ones.
+inline void return_freed_pages() {
+#ifdef __GLIBC__
+  (void)malloc_trim(0);
+#endif
 }
 
 }  // namespace vdwmesh

@@ -41,6 +41,10 @@ class BallRun {
   // Covers the rounding of a squared distance against the predicate's.
   static constexpr double kTouchMargin = 1 + 1e-12;
 
+  static double touch_square(const Sphere& ball) {
+    return ball.radius * ball.radius * kTouchMargin;
+  }
+
   static double square_to_box(const Vec3d& c, const Vec3d& lower, const Vec3d& upper) {
     const double dx = std::max(std::max(lower.x - c.x, c.x - upper.x), 0.0);
     const double dy = std::max(std::max(lower.y - c.y, c.y - upper.y), 0.0);
@@ -53,19 +57,25 @@ class BallRun {
     Vec3d lower = brick.node(0, 0, 0), upper = brick.node(kBrickSide, kBrickSide, kBrickSide);
     lower.x = lattice_coordinate(grid_, 0, lattice_index(start.x, 0));
     upper.x = lattice_coordinate(grid_, 0, lattice_index(start.x + kBricks, 0));
-    place_.clear();
-    for (std::vector<double>* values : {&x_, &y_, &z_, &reach2_}) values->clear();
+    // Kept without a branch to guess, as in find().
+    std::size_t found = 0;
+    place_.resize(std::max(place_.capacity(), std::size_t{64}));
     visit_near_box(list_, lower, upper, [&](std::uint32_t place) {
       const Sphere& ball = list_.spheres[place];
-      const double reach2 = ball.radius * ball.radius * kTouchMargin;
-      if (square_to_box(ball.center, lower, upper) > reach2) return false;
-      place_.push_back(place);
-      x_.push_back(ball.center.x);
-      y_.push_back(ball.center.y);
-      z_.push_back(ball.center.z);
-      reach2_.push_back(reach2);
+      place_[found] = place;
+      found += square_to_box(ball.center, lower, upper) <= touch_square(ball) ? 1 : 0;
+      if (found == place_.size()) place_.resize(2 * found);
       return false;
     });
+    place_.resize(found);
+    for (std::vector<double>* values : {&x_, &y_, &z_, &reach2_}) values->resize(found);
+    for (std::size_t k = 0; k < found; ++k) {
+      const Sphere& ball = list_.spheres[place_[k]];
+      x_[k] = ball.center.x;
+      y_[k] = ball.center.y;
+      z_[k] = ball.center.z;
+      reach2_[k] = touch_square(ball);
+    }
   }
 
   const CellListView& list_;

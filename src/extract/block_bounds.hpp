@@ -65,14 +65,18 @@ VDWMESH_HD inline SquareRange square_range(const BlockBox& box, const Vec3d& c) 
 }
 
 // Union of balls: no ball touches the box, or one ball holds all of it -> no surface.
-VDWMESH_HD inline bool union_may_cross(const CellListView& list, const BlockBox& box) {
+// visit_near(visit) calls visit(place) for any superset of the balls that touch the box, until it
+// returns true.
+template <class VisitNear>
+VDWMESH_HD bool union_may_cross(const CellListView& list, const BlockBox& box,
+                                VisitNear&& visit_near) {
   double largest = 0;
   for (int l = 0; l < list.level_count; ++l) {
     largest = list.levels[l].reach > largest ? list.levels[l].reach : largest;
   }
   const bool coverable = box.upper.x - box.lower.x <= 2 * largest;
   bool touched = false, covered = false;
-  visit_near_box(list, box.lower, box.upper, [&](std::uint32_t place) {
+  visit_near([&](std::uint32_t place) {
     const Sphere& ball = list.spheres[place];
     const SquareRange d2 = square_range(box, ball.center);
     const double r2 = ball.radius * ball.radius;
@@ -81,6 +85,11 @@ VDWMESH_HD inline bool union_may_cross(const CellListView& list, const BlockBox&
     return covered || (touched && !coverable);
   });
   return touched && (!covered || box.touches_border);
+}
+
+VDWMESH_HD inline bool union_may_cross(const CellListView& list, const BlockBox& box) {
+  return union_may_cross(list, box,
+                         [&](auto&& visit) { visit_near_box(list, box.lower, box.upper, visit); });
 }
 
 // Sub-grid against a block: whether the atom's box meets the block, and whether it holds it.

@@ -28,44 +28,46 @@ struct BrickEdge {
 class BrickEdges {
  public:
   void gather(const BrickSigns& signs) {
-    count_ = 0;
-    for (std::size_t& count : count_along_) count = 0;
+    Counts counts{};
     for (int z = 0; z < kBrickSide; ++z) {
-      for (int y = 0; y < kBrickSide; ++y) gather_row(signs, y, z);
+      for (int y = 0; y < kBrickSide; ++y) counts = gather_row(signs, y, z, counts);
     }
+    count_ = counts;
   }
 
-  std::span<const BrickEdge> all() const { return {edge_.data(), count_}; }
+  std::span<const BrickEdge> all() const { return {edge_.data(), count_.all}; }
   template <int axis>
   std::span<const std::uint16_t> along() const {
-    return {along_[axis].data(), count_along_[axis]};
+    return {along_[axis].data(), count_.along[axis]};
   }
 
  private:
   static constexpr std::size_t kMost = 3 * kBrickNodes;
+  struct Counts {
+    std::size_t all, along[3];
+  };
 
   // Written always, kept where the edge is crossed: no branch to guess.
-  void gather_row(const BrickSigns& signs, int y, int z) {
+  Counts gather_row(const BrickSigns& signs, int y, int z, Counts counts) {
     const RowCrossings c = row_crossings(signs, y, z);
     const std::uint32_t row = signs.row[z][y];
     const std::uint32_t place = static_cast<std::uint32_t>(y) << 4 | static_cast<std::uint32_t>(z)
                                                                          << 8;
-    std::size_t count = count_;
     for (std::uint32_t nodes = c.nodes(); nodes != 0; nodes &= nodes - 1) {
       const int x = std::countr_zero(nodes);
       const std::uint32_t node = place | static_cast<std::uint32_t>(x) | (row >> x & 1u) << 14;
       const std::uint32_t has = c.packed >> x;
       for (std::uint32_t axis = 0; axis < 3; ++axis) {
-        edge_[count] = {node | axis << 12};
-        along_[axis][count_along_[axis]] = static_cast<std::uint16_t>(count);
-        count += has >> (8 * axis) & 1u;
-        count_along_[axis] += has >> (8 * axis) & 1u;
+        edge_[counts.all] = {node | axis << 12};
+        along_[axis][counts.along[axis]] = static_cast<std::uint16_t>(counts.all);
+        counts.all += has >> (8 * axis) & 1u;
+        counts.along[axis] += has >> (8 * axis) & 1u;
       }
     }
-    count_ = count;
+    return counts;
   }
 
-  std::size_t count_ = 0, count_along_[3] = {};
+  Counts count_{};
   std::array<BrickEdge, kMost + 1> edge_;
   std::array<std::uint16_t, kBrickNodes + 1> along_[3];
 };

@@ -12,6 +12,7 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kBricksPerTask = 32;
+constexpr std::size_t kManyBricks = 4096;  // some MB
 
 using Active = std::vector<ActiveBrick>;
 using Clock = std::chrono::steady_clock;
@@ -91,6 +92,7 @@ ExtractResult mesh_bricks(const GridSpec& grid,
   result.stats.field_seconds = seconds_since(start);
 
   start = Clock::now();
+  if (bricks.size() > kManyBricks) return_freed_pages();
   resize(result.mesh, all, labels, options.connectivity);
   const BrickList numbered{bricks.data(), before.data(), bricks.size()};
   const Emission emission{numbered, result.mesh};

@@ -20,10 +20,37 @@ BrickIndex child(const BrickIndex& b, int c) {
   return {2 * b.x + (c & 1), 2 * b.y + (c >> 1 & 1), 2 * b.z + (c >> 2)};
 }
 
+// The last step of a union of balls: one search for all eight bricks of a block.
+inline std::uint8_t surviving_bricks(const CellListView& list, const GridSpec& grid,
+                                     const BrickIndex& parent, std::vector<std::uint32_t>& near) {
+  const BlockBox whole = block_box(grid, lattice_block(parent, 1));
+  near.clear();
+  if (whole.empty) return 0;
+  visit_near_box(list, whole.lower, whole.upper, [&](std::uint32_t place) {
+    const Sphere& ball = list.spheres[place];
+    if (square_range(whole, ball.center).least <= ball.radius * ball.radius) near.push_back(place);
+    return false;
+  });
+  std::uint32_t survivors = 0;
+  for (int c = 0; c < kChildren; ++c) {
+    const BlockBox box = block_box(grid, lattice_block(child(parent, c), 0));
+    const bool may = !box.empty && union_may_cross(list, box, [&](auto&& visit) {
+      for (const std::uint32_t place : near) {
+        if (visit(place)) return;
+      }
+    });
+    if (may) survivors |= 1u << c;
+  }
+  return static_cast<std::uint8_t>(survivors);
+}
+
 // Which of the eight half-size blocks of `parent` may hold surface.
 VDWMESH_MULTIVERSION std::uint8_t surviving_children(const CellListView& list,
                                                      const FieldModel& model,
-                                                     const BrickIndex& parent, int level) {
+                                                     const BrickIndex& parent, int level,
+                                                     std::vector<std::uint32_t>& near) {
+  if (level == 1 && model.kind == FieldKind::vdw)
+    return surviving_bricks(list, model.grid, parent, near);
   std::uint32_t survivors = 0;
   for (int c = 0; c < kChildren; ++c) {
     const LatticeBlock block = lattice_block(child(parent, c), level - 1);
@@ -37,8 +64,9 @@ std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& m
                                    std::uint64_t most) {
   std::vector<std::uint8_t> survivors(parents.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parents.size(), 16), [&](const auto& range) {
+    std::vector<std::uint32_t> near;
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      survivors[i] = surviving_children(list, model, brick_of_key(parents[i]), level);
+      survivors[i] = surviving_children(list, model, brick_of_key(parents[i]), level, near);
     }
   });
   std::uint64_t count = 0;
