@@ -1,0 +1,50 @@
+"""Runs the program with the loops that the processor chooses and the one with plain loops alone.
+
+    compare_hashes.py CHOSEN PLAIN SOURCE...
+
+Each prints which loops it has, and then a line of hashes for every result. The lines must be equal.
+SOURCE: the files compiled into PLAIN; every file of the project that has two versions of its loops
+must be among them.
+"""
+
+import pathlib
+import subprocess
+import sys
+
+DONE, FAILED, SKIPPED = 0, 1, 77
+
+
+def forgotten(sources):
+    """Files with loops in two versions, by their own word or by refine/blocks.hpp's."""
+    root = pathlib.Path(__file__).resolve().parents[2] / "src"
+    marks = ("core/multiversion.hpp", "refine/blocks.hpp")
+    given = {pathlib.Path(source).resolve() for source in sources}
+    marked = (p for p in root.rglob("*.cpp") if any(m in p.read_text() for m in marks))
+    return sorted(str(p.relative_to(root)) for p in marked if p not in given)
+
+
+def main(chosen, plain, *sources):
+    if missing := forgotten(sources):
+        print("not compiled in their plain version:", ", ".join(missing))
+        return FAILED
+    outputs = [
+        subprocess.run([program], capture_output=True, text=True, check=True).stdout.splitlines()
+        for program in (chosen, plain)
+    ]
+    loops, plain_loops = (lines[0] for lines in outputs)
+    if plain_loops != "baseline":
+        print("the plain program says that it has the loops of", plain_loops)
+        return FAILED
+    if loops == plain_loops:
+        print("skipped: this processor or compiler has the plain loops only")
+        return SKIPPED
+    differing = [pair for pair in zip(*outputs) if pair[0] != pair[1]][1:]
+    for line, plain_line in differing:
+        print(f"{loops}: {line}\nbaseline: {plain_line}")
+    print(f"{len(outputs[0]) - 1} results, {len(differing)} differ")
+    same = len(outputs[0]) == len(outputs[1]) > 1 and not differing
+    return DONE if same else FAILED
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

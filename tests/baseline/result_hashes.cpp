@@ -1,0 +1,113 @@
+// Hashes of what the loops of core/multiversion.hpp make, a line each: see compare_hashes.py. The
+// first line says which version of the loops runs.
+#include <fmt/format.h>
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "analysis/mesh_measures.hpp"
+#include "arrangement/exact_mesher.hpp"
+#include "core/multiversion.hpp"
+#include "extract/extractor.hpp"
+#include "extract/sampled_field.hpp"
+#include "refine/refiner.hpp"
+#include "structure/reader.hpp"
+
+namespace vdwmesh {
+namespace {
+
+const char* loops() {
+#ifdef VDWMESH_TWO_VERSIONS
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("x86-64-v3")) return "x86-64-v3";
+#endif
+  return "baseline";
+}
+
+void print(const std::string& name, const IndexedMesh& mesh) {
+  const IndexedMeshHash h = hash(mesh);
+  fmt::print("{}: {} triangles, {:016x} {:016x} {:016x} {:016x} {:016x}\n", name,
+             mesh.triangle_count(), h.positions, h.normals, h.vertex_spheres, h.triangles,
+             h.triangle_spheres);
+}
+
+void print(const std::string& name, const std::vector<double>& values) {
+  fmt::print("{}:", name);
+  for (const double value : values) fmt::print(" {:a}", value);
+  fmt::print("\n");
+}
+
+void print_measures(const std::string& name, const IndexedMesh& mesh) {
+  const MeshExamination found = examine(mesh);
+  const auto of = [](const Distribution& d) {
+    return std::vector<double>{d.min, d.p01, d.median, d.p99, d.max, d.mean};
+  };
+  print(name + ", area and volume",
+        std::vector<double>{found.measures.area, found.measures.volume.value_or(0)});
+  print(name + ", angles", of(found.quality.min_angle_deg));
+  print(name + ", aspect ratios", of(found.quality.aspect_ratio));
+  print(name + ", edges", of(found.quality.edge_length));
+}
+
+void print_surface(const std::string& name, const SphereSet& spheres, FieldKind kind,
+                   Projection projection) {
+  ExtractOptions options;
+  options.field.kind = kind;
+  options.grid.spacing = 0.7;
+  options.connectivity = Connectivity::half_edges;
+  const ExtractResult extracted = make_cpu_extractor()->extract(spheres, options);
+  print(name, extracted.mesh);
+  RefineOptions refine;
+  refine.subdivisions = 1;
+  refine.projection = projection;
+  refine.field = options.field;
+  refine.grid = extracted.grid;
+  print(name + ", refined", make_cpu_refiner()->refine(spheres, extracted.mesh, refine).mesh);
+  print_measures(name, extracted.mesh);
+}
+
+void print_sampled(const SphereSet& spheres) {
+  const auto mesher = make_cpu_field_mesher();
+  for (const FieldKind kind :
+       {FieldKind::blinn, FieldKind::soft_object, FieldKind::inverse_squared}) {
+    ExtractOptions options;
+    options.field.kind = kind;
+    options.grid.spacing = 0.9;
+    print(fmt::format("sampled field {}", static_cast<int>(kind)),
+          mesher->mesh(mesher->sample(spheres, options), options).mesh);
+  }
+}
+
+// Spheres on the nodes of the grid, whose squared distances are whole: every comparison is a tie.
+SphereSet lattice() {
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 27; ++i)
+    spheres.push_back({{1.4 * (i % 3), 1.4 * (i / 3 % 3), 1.4 * (i / 9)}, 1.4});
+  return SphereSet(std::move(spheres));
+}
+
+SphereSet bpti() {
+  std::vector<Sphere> spheres;
+  for (const Atom& atom : read_sample("bpti").atoms)
+    spheres.push_back({atom.position, atom.radius});
+  return SphereSet(std::move(spheres));
+}
+
+}  // namespace
+}  // namespace vdwmesh
+
+int main() {
+  using namespace vdwmesh;
+  fmt::print("{}\n", loops());
+  const SphereSet spheres = bpti();
+  print_surface("vdw", spheres, FieldKind::vdw, Projection::vdw);
+  print_surface("vdw on a lattice", lattice(), FieldKind::vdw, Projection::vdw);
+  print_surface("Blinn", spheres, FieldKind::blinn, Projection::field);
+  print_surface("soft object", spheres, FieldKind::soft_object, Projection::field);
+  print_surface("inverse squared", spheres, FieldKind::inverse_squared, Projection::field);
+  print_sampled(spheres);
+  const IndexedMesh exact = mesh_union(spheres).mesh;
+  print("crease-exact", exact);
+  print_measures("crease-exact", exact);
+}
