@@ -66,21 +66,38 @@ class Ranks {
     for (const double value : values) ++counts_[std::min(bin_of(value), kBins)];
   }
 
-  // The value of rank ceil(hundredths n / 100), counted from 1.
-  double percentile(std::size_t hundredths) const {
-    std::size_t rank = (values_.size() * hundredths + 99) / 100 - 1;
-    std::size_t bin = 0;
-    for (; rank >= counts_[bin]; ++bin) rank -= counts_[bin];
-    std::vector<double> inside;
-    inside.reserve(counts_[bin]);
-    for (const double value : values_)
-      if (std::min(bin_of(value), kBins) == bin) inside.push_back(value);
-    const auto place = inside.begin() + static_cast<std::ptrdiff_t>(rank);
-    std::nth_element(inside.begin(), place, inside.end());
-    return *place;
+  // The values of rank ceil(hundredths n / 100), counted from 1, from one more look at all values.
+  std::array<double, 3> percentiles(const std::array<std::size_t, 3>& hundredths) const {
+    std::array<Wanted, 3> wanted;
+    for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = find(hundredths[i]);
+    for (const double value : values_) {
+      const std::size_t bin = std::min(bin_of(value), kBins);
+      for (Wanted& w : wanted)
+        if (bin == w.bin) w.inside.push_back(value);
+    }
+    std::array<double, 3> result;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      const auto place = wanted[i].inside.begin() + static_cast<std::ptrdiff_t>(wanted[i].rank);
+      std::nth_element(wanted[i].inside.begin(), place, wanted[i].inside.end());
+      result[i] = *place;
+    }
+    return result;
   }
 
  private:
+  // A percentile: its bin, its rank among the values inside.
+  struct Wanted {
+    std::size_t bin = 0, rank = 0;
+    std::vector<double> inside;
+  };
+  Wanted find(std::size_t hundredths) const {
+    Wanted w;
+    w.rank = (values_.size() * hundredths + 99) / 100 - 1;
+    for (; w.rank >= counts_[w.bin]; ++w.bin) w.rank -= counts_[w.bin];
+    w.inside.reserve(counts_[w.bin]);
+    return w;
+  }
+
   std::span<const double> values_;
   std::vector<std::size_t> counts_;
 };
@@ -90,13 +107,8 @@ class Ranks {
 Distribution distribution_of(std::span<const double> values) {
   if (values.empty()) return {kNone, kNone, kNone, kNone, kNone, kNone};
   const Summary all = summarize_all(values);
-  const Ranks ranks(values);
-  return {all.min,
-          ranks.percentile(1),
-          ranks.percentile(50),
-          ranks.percentile(99),
-          all.max,
-          all.sum.value() / static_cast<double>(values.size())};
+  const auto [p01, median, p99] = Ranks(values).percentiles({1, 50, 99});
+  return {all.min, p01, median, p99, all.max, all.sum.value() / static_cast<double>(values.size())};
 }
 
 }  // namespace vdwmesh
