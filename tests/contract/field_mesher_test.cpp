@@ -118,6 +118,21 @@ TEST_P(FieldMesherContract, APlaneIsExact) {
   EXPECT_GT(on_plane, 400u);  // a cut of a box of 20 x 19 x 18 cells, whatever its direction
 }
 
+// Central differences of a quadratic are its gradient, which is linear along an edge: normals point
+// away from the centre, whatever the spacing.
+TEST_P(FieldMesherContract, NormalsOfAQuadraticAreRadial) {
+  const Vec3d centre{1.2, 3.1, 4.5};
+  const SampledField field = sampled({10, 10, 10}, 0.5, -2.0f, [&](const Vec3d& p) {
+    return static_cast<float>(-squared_norm(p - centre));
+  });
+  const IndexedMesh mesh = mesher()->mesh(field, {}).mesh;
+  ASSERT_GT(mesh.vertex_count(), 100u);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3d away = mesh.positions[v] - centre;
+    ASSERT_LE(norm(cast<double>(mesh.normals[v]) - (1 / norm(away)) * away), 1e-5) << v;
+  }
+}
+
 TEST_P(FieldMesherContract, NoiseIsMeshedLikeDenseMarchingCubes) {
   std::mt19937 random(3);
   for (const std::int64_t cells : {1, 7, 8, 31, 33}) {

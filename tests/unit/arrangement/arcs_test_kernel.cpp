@@ -37,6 +37,14 @@ std::vector<Cap> prism(double t) {
   return {cap(2, 0, 0, t), cap(-1, s, 0, t), cap(-1, -s, 0, t)};
 }
 
+TEST(ArcKernel, ConcentricBallsAreBuriedByLargerOnesAlone) {
+  const Sphere ball{{1, 2, 3}, 1.5};
+  Cap unused;
+  EXPECT_EQ(make_cap(ball, {ball.center, 1.6}, unused), CapKind::buries);
+  EXPECT_EQ(make_cap(ball, {ball.center, 1.4}, unused), CapKind::none);
+  EXPECT_EQ(make_cap(ball, ball, unused), CapKind::none);  // else both would be lost
+}
+
 TEST(ArcKernel, OctantOfTheBall) {
   const BallMeasures m = measure({cap(1, 0, 0, 0), cap(0, 1, 0, 0), cap(0, 0, 1, 0)});
   EXPECT_EQ(m.doubts, 0u);
