@@ -34,6 +34,22 @@ IndexedMesh welded(const IndexedMesh& mesh) {
   return result;
 }
 
+// A vertex on several spheres has the mean of their normals, unless they cancel.
+void expect_mean_normals(const SphereSet& spheres, const IndexedMesh& mesh) {
+  std::size_t wrong = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    Vec3d sum{};
+    for (const SphereId id : mesh.vertex_spheres[v]) {
+      if (id == kNoSphere) continue;
+      const Vec3d out = mesh.positions[v] - spheres.spheres()[id].center;
+      sum = sum + (1 / norm(out)) * out;
+    }
+    if (norm(sum) < 1e-3) continue;
+    wrong += !(norm(cast<double>(mesh.normals[v]) - (1 / norm(sum)) * sum) < 1e-5);
+  }
+  EXPECT_EQ(wrong, 0u);
+}
+
 }  // namespace
 
 ExactMesh mesh_at(const SphereSet& spheres, double edge_length) {
@@ -80,6 +96,7 @@ IndexedMesh expect_union_meshes(const SphereSet& spheres, double edge_length, in
   const ExactUnion exact = exact_union(spheres);
   IndexedMesh mesh = mesh_at(spheres, edge_length).mesh;
   expect_union_mesh(spheres, mesh, exact, demands);
+  expect_mean_normals(spheres, mesh);
   for (int level = 1; level <= levels; ++level) {
     SCOPED_TRACE("level " + std::to_string(level));
     expect_union_mesh(spheres, subdivided(spheres, mesh, level, demands), exact, demands);
