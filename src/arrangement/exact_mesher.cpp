@@ -28,6 +28,8 @@ double seconds_since(Clock::time_point begin) {
 // Rounds in which arcs are split for the shape of triangles, and for anything.
 constexpr int kQualityRounds = 12;
 constexpr int kMostRounds = 60;
+// Pieces that splitting may add, besides 64 for each there was.
+constexpr std::uint64_t kMostGrowth = std::uint64_t{1} << 18;
 
 class UnionMesher {
  public:
@@ -41,6 +43,7 @@ class UnionMesher {
         measures_(gauss_bonnet(t_, complex_)),
         edge_length_(std::ldexp(options.edge_length, -t_.scale_exponent)),
         sampling_(boundary_, edge_length_),
+        pieces_at_first_(count_pieces()),
         patches_(t_.balls.size()) {
     stats_.arrangement_seconds = seconds_since(begin_);
   }
@@ -56,20 +59,24 @@ class UnionMesher {
     out.stats.corners = boundary_.corners.size();
     out.stats.points = boundary_.points;
     out.stats.contacts = boundary_.contacts;
-    for (std::uint32_t a = 0; a < boundary_.arcs.size(); ++a)
-      out.stats.pieces += sampling_.pieces(a);
+    out.stats.pieces = count_pieces();
     out.stats.seconds = seconds_since(begin_);
     return out;
   }
 
  private:
+  std::uint64_t count_pieces() const {
+    std::uint64_t pieces = 0;
+    for (std::uint32_t a = 0; a < boundary_.arcs.size(); ++a) pieces += sampling_.pieces(a);
+    return pieces;
+  }
+
   // From the area: equilateral triangles of the edge length, and as many again as it takes to keep
   // narrow places well shaped.
   void check_memory() const {
     constexpr double kFill = 1.4;
     constexpr std::uint64_t kScratch = 40;  // bytes per triangle: patches before they are joined
-    std::uint64_t pieces = 0;
-    for (std::uint32_t a = 0; a < boundary_.arcs.size(); ++a) pieces += sampling_.pieces(a);
+    const std::uint64_t pieces = count_pieces();
     const double ideal =
         total_measures(measures_).area / (std::sqrt(3.0) / 4) / (edge_length_ * edge_length_);
     const double triangles = kFill * ideal + 4 * static_cast<double>(pieces);
@@ -123,8 +130,28 @@ class UnionMesher {
       if (round == kMostRounds) give_up(splits.front().piece);
       stats_.split += splits.size();
       sampling_.split(splits);
+      check_growth(splits);
       balls = balls_beside(splits);
     }
+  }
+
+  // Curves that all but coincide ask for ever shorter pieces; each has four triangles at least.
+  void check_growth(const std::vector<PieceSplit>& splits) const {
+    const std::uint64_t pieces = count_pieces();
+    const std::uint64_t need = indexed_mesh_bytes(2 * pieces, 4 * pieces, Connectivity::triangles,
+                                                  TriangleLabels::spheres);
+    const bool fits = need <= options_.memory_limit;
+    if (fits && pieces <= kMostGrowth + 64 * pieces_at_first_) return;
+    const auto& longest = *std::max_element(
+        splits.begin(), splits.end(), [&](const PieceSplit& a, const PieceSplit& b) {
+          return sampling_.pieces(a.piece.arc) < sampling_.pieces(b.piece.arc);
+        });
+    const auto& balls = boundary_.arcs[longest.piece.arc].balls;
+    throw LimitExceeded(fmt::format(
+        "where spheres {} and {} meet, curves lie so close that {} points are not enough to tell "
+        "them apart: {}leave out one of two spheres that all but coincide",
+        t_.ids[balls[0]], t_.ids[balls[1]], pieces,
+        fits ? "" : fmt::format("allow more memory than {} bytes, or ", options_.memory_limit)));
   }
 
   [[noreturn]] void give_up(const ArcPiece& piece) const {
@@ -142,7 +169,14 @@ class UnionMesher {
     }
     PatchBoundary around;
     gather_boundary(t_, boundary_, sampling_, index_, ball, around);
-    patches_[ball] = mesh_patch(around, {edge_length, demand, stage});
+    try {
+      patches_[ball] = mesh_patch(around, {edge_length, demand, stage});
+    } catch (const CoincidentPoints&) {
+      throw LimitExceeded(fmt::format(
+          "two curves on sphere {} are closer than double precision can tell: leave out one of two "
+          "spheres that all but coincide",
+          t_.ids[ball]));
+    }
   }
 
   // Where both sides ask, the more halvings.
@@ -270,6 +304,7 @@ class UnionMesher {
   std::vector<SphereMeasures> measures_;
   double edge_length_;
   ArcSampling sampling_;
+  std::uint64_t pieces_at_first_;
   std::vector<PatchMesh> patches_;
   ExactMeshStats stats_;
 };

@@ -36,7 +36,8 @@ struct ExactMesh {
 
 // Vertex labels are the ids of the spheres it lies on, ascending. The same for any number of
 // threads; a permuted input permutes labels only. Throws InvalidInput (an empty set, an edge length
-// that is not finite and positive), LimitExceeded before memory is taken, Cancelled.
+// that is not finite and positive), Cancelled; LimitExceeded before memory is taken, or later where
+// curves of the boundary lie too close to be told apart.
 ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options = {});
 
 }  // namespace vdwmesh

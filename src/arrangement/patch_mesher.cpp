@@ -132,9 +132,7 @@ class PlanarPatch {
     FaceHandle hint;
     for (std::uint32_t i = 0; i < b_.points.size(); ++i) {
       const VertexHandle v = planar_.insert(project(b_.points[i]), hint);
-      if (planar_.number_of_vertices() <= i) {
-        throw std::runtime_error("a patch has two boundaries that touch in a vertex");
-      }
+      if (planar_.number_of_vertices() <= i) throw CoincidentPoints();
       v->info() = i;
       handles_.push_back(v);
       hint = v->face();

@@ -25,6 +25,9 @@ struct PatchOptions {
   PatchStage stage = PatchStage::triangles;
 };
 
+// Thrown where two points of a boundary are one in double precision.
+struct CoincidentPoints {};
+
 // Either triangles, or the pieces that must be split first.
 struct PatchMesh {
   std::vector<Vec3d> interior;  // directions; numbered after the points of the boundary

@@ -1,15 +1,21 @@
 // Sets that break programs: nothing, coincident, nested, tangent, cospherical, lattices, jitter,
 // extreme sizes and places, and options that make no sense.
+#include <gmock/gmock.h>
+
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <random>
+#include <string>
 
 #include "contract/exact_mesher_contract.hpp"
+#include "core/errors.hpp"
 #include "unit/arrangement/union_cases.hpp"
 
 namespace vdwmesh::testing {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -105,6 +111,32 @@ TEST(ExactMesherAwkward, ATinyBallOnAContact) {
     SCOPED_TRACE(exponent);
     expect_set({{{0, 0, 0}, 1.5}, {{2.1, 2.8, 0}, 2}, {{0.9, 1.2, 0}, std::ldexp(1.0, exponent)}});
   }
+}
+
+std::string refusal(const SphereSet& spheres, double edge_length) {
+  try {
+    mesh_at(spheres, edge_length);
+  } catch (const LimitExceeded& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// A ball and its twin a hair beside it: the band between their circles is narrower than any chord
+// bulges, or no double lies between them.
+TEST(ExactMesherAwkward, CurvesThatAllButCoincideAreRefused) {
+  const double x = -3.9901123046875, z = -3.125732421875;
+  EXPECT_THAT(refusal(SphereSet({{{x, 2.5001220703125, z}, 1.0068959960937498},
+                                 {{x, 0.4932260742187502, z}, 1},
+                                 {{x, 0.49322607421965969, z}, 1}}),
+                      1.6),
+              HasSubstr("all but coincide"));
+  EXPECT_THAT(refusal(SphereSet({{{3.9991455078125, -2.913818359375, -4}, 0.1075185546875},
+                                 {{-1, -0.5, 2.5}, 2.5},
+                                 {{3.9991455078125, -1.5213369140624999, -4}, 1.5},
+                                 {{3.9991455078127274, -2.913818359375, -4}, 0.1075185546875}}),
+                      1.0),
+              HasSubstr("all but coincide"));
 }
 
 TEST(ExactMesherAwkward, RingOfContacts) {
