@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "extract/brick.hpp"
@@ -27,6 +28,22 @@ struct RowCases {
 inline RowCases row_cases(const BrickSigns& s, int y, int z) {
   return {kSignPairs[s.row[z][y]] | kSignPairs[s.row[z][y + 1]] << 2 |
           kSignPairs[s.row[z + 1][y]] << 4 | kSignPairs[s.row[z + 1][y + 1]] << 6};
+}
+
+// visit(x, y, z, case) for the cells that the surface crosses, in order, x fastest.
+template <class Visit>
+inline void for_each_mixed_cell(const BrickSigns& s, Visit&& visit) {
+  for (int z = 0; z < kBrickSide; ++z) {
+    for (int y = 0; y < kBrickSide; ++y) {
+      const std::uint32_t mixed = mixed_cells(s, y, z);
+      if (mixed == 0) continue;
+      const RowCases cases = row_cases(s, y, z);
+      for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+        const int x = std::countr_zero(cells);
+        visit(x, y, z, cases.at(x));
+      }
+    }
+  }
 }
 
 }  // namespace vdwmesh

@@ -120,20 +120,10 @@ class CellMap {
   // Precondition of at().
   void fill(const ActiveBrick& brick, const CaseTable& table) {
     std::uint32_t triangles = 0;
-    for (int z = 0; z < kBrickSide; ++z) {
-      for (int y = 0; y < kBrickSide; ++y) {
-        const std::uint32_t mixed = mixed_cells(brick.signs, y, z);
-        if (mixed == 0) continue;
-        const RowCases cases = row_cases(brick.signs, y, z);
-        for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
-          const int x = std::countr_zero(cells);
-          const std::uint32_t inside = cases.at(x);
-          cell_[z][y][x] = {static_cast<std::uint16_t>(triangles),
-                            static_cast<std::uint8_t>(inside)};
-          triangles += table.count(inside);
-        }
-      }
-    }
+    for_each_mixed_cell(brick.signs, [&](int x, int y, int z, std::uint32_t inside) {
+      cell_[z][y][x] = {static_cast<std::uint16_t>(triangles), static_cast<std::uint8_t>(inside)};
+      triangles += table.count(inside);
+    });
   }
   const Cell& at(int x, int y, int z) const { return cell_[z][y][x]; }
 

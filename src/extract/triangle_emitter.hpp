@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "extract/brick_cases.hpp"
 #include "extract/brick_map.hpp"
 #include "extract/case_table.hpp"
 #include "extract/indexed_mesh.hpp"
@@ -66,18 +67,10 @@ class TriangleEmitter {
 
   void emit_corners(const ActiveBrick& brick, std::uint64_t first_triangle) {
     std::uint32_t* corner = corners_.data();
-    for (int z = 0; z < kBrickSide; ++z) {
-      for (int y = 0; y < kBrickSide; ++y) {
-        const std::uint32_t mixed = mixed_cells(brick.signs, y, z);
-        if (mixed == 0) continue;
-        const RowCases cases = row_cases(brick.signs, y, z);
-        for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
-          const int x = std::countr_zero(cells);
-          copy_corners(cases.at(x), vertices_.from(VertexMap::place(x, y, z)), corner);
-          corner += 3 * table_.count(cases.at(x));
-        }
-      }
-    }
+    for_each_mixed_cell(brick.signs, [&](int x, int y, int z, std::uint32_t inside) {
+      copy_corners(inside, vertices_.from(VertexMap::place(x, y, z)), corner);
+      corner += 3 * table_.count(inside);
+    });
     if (brick.triangles == 0) return;
     std::memcpy(e_.mesh.triangles.data() + first_triangle, corners_.data(),
                 brick.triangles * sizeof(Triangle));
