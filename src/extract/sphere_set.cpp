@@ -1,10 +1,10 @@
 #include "extract/sphere_set.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 
 #include "core/errors.hpp"
@@ -54,13 +54,22 @@ Box center_bounding_box(const SphereSet& spheres) {
 }
 
 std::vector<SphereId> canonical_order(const SphereSet& spheres) {
-  std::vector<SphereId> order(spheres.size());
-  std::iota(order.begin(), order.end(), SphereId{0});
-  const auto key = [&](SphereId i) {
-    const Sphere& s = spheres[i];
-    return std::tuple(s.center.x, s.center.y, s.center.z, s.radius, i);
+  // Most comparisons are of x alone, which stands beside the number: no sphere is looked up.
+  struct Key {
+    double x;
+    SphereId id;
   };
-  std::sort(order.begin(), order.end(), [&](SphereId a, SphereId b) { return key(a) < key(b); });
+  std::vector<Key> keys(spheres.size());
+  for (SphereId i = 0; i < keys.size(); ++i) keys[i] = {spheres[i].center.x, i};
+  const auto rest = [&](SphereId i) {
+    const Sphere& s = spheres[i];
+    return std::tuple(s.center.y, s.center.z, s.radius, i);
+  };
+  tbb::parallel_sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
+    return a.x != b.x ? a.x < b.x : rest(a.id) < rest(b.id);
+  });
+  std::vector<SphereId> order(keys.size());
+  std::ranges::transform(keys, order.begin(), &Key::id);
   return order;
 }
 
