@@ -110,27 +110,104 @@ VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const Latt
   return o;
 }
 
-// Blended: every f falls with distance, so the sums of f at the nearest and farthest points of the
-// box bound the field. The margin covers float32 sums at the nodes.
+// Bounds on a blended field over a box. Every f falls with d^2, so its values at the nearest and
+// the farthest point bound it; and it is convex in d^2 (a product of falling convex functions,
+// inverse squared beyond its least distance), so it lies above its tangent at the middle of the
+// box and below its chord. With d^2 = |m|^2 + 2 m (x - middle) + |x - middle|^2, where m leads from
+// the atom to the middle, the sums of tangents and of chords are linear in x but for a term that
+// is at most 0 and at least slope * |half|^2: second order in the size of the box.
+template <class T>
+struct FieldBounds {
+  T least = 0, most = 0;                         // sums of values
+  T tangents = 0, chords = 0;                    // sums at the middle
+  T tangent_slope[3] = {}, chord_slope[3] = {};  // 1/Å
+
+  // An atom whose box `overlap`s that of the nodes; `m` leads from it to the middle, Å.
+  template <FieldKind kind>
+  VDWMESH_HD void add(const ShapeParameters<T>& shape, T scale, const T (&m)[3], const T (&half)[3],
+                      const SubgridOverlap& overlap) {
+    if (!overlap.meets) return;
+    T near = 0, middle = 0, far = 0, extent = 0;  // squares
+    for (int axis = 0; axis < 3; ++axis) {
+      const T away = m[axis] < 0 ? -m[axis] : m[axis];
+      const T gap = away > half[axis] ? away - half[axis] : T(0);
+      near = std::fma(gap, gap, near);
+      middle = std::fma(away, away, middle);
+      far = std::fma(away + half[axis], away + half[axis], far);
+      extent = std::fma(half[axis], half[axis], extent);
+    }
+    const T at_near = shape_value<kind>(shape, near, scale);
+    const T at_far = shape_value<kind>(shape, far, scale);
+    const bool convex = kind != FieldKind::inverse_squared || near >= shape.min_square;
+    const T chord = convex && far > near ? (at_far - at_near) / (far - near) : T(0);
+    most += at_near;
+    chords += std::fma(chord, middle - near, at_near);
+    for (int axis = 0; axis < 3; ++axis) {
+      chord_slope[axis] = std::fma(2 * chord, m[axis], chord_slope[axis]);
+    }
+    if (!overlap.holds) return;
+    least += at_far;
+    if (!convex) {
+      tangents += at_far;
+      return;
+    }
+    const ValueAndSlope<T> f = shape_value_and_slope<kind>(shape, middle, scale);
+    tangents += std::fma(f.slope, extent, f.value);
+    for (int axis = 0; axis < 3; ++axis) {
+      tangent_slope[axis] = std::fma(2 * f.slope, m[axis], tangent_slope[axis]);
+    }
+  }
+
+  // What the field is nowhere below, or above. The margin covers sums in single precision, here and
+  // at the nodes: where these decide, all terms are below `most`.
+  VDWMESH_HD T lower(const T (&half)[3]) const {
+    T bound = tangents;
+    for (int axis = 0; axis < 3; ++axis) bound -= half[axis] * std::fabs(tangent_slope[axis]);
+    return (bound > least ? bound : least) - kMargin * most;
+  }
+  VDWMESH_HD T upper(const T (&half)[3]) const {
+    T bound = chords;
+    for (int axis = 0; axis < 3; ++axis) bound += half[axis] * std::fabs(chord_slope[axis]);
+    return (bound < most ? bound : most) + kMargin * most;
+  }
+
+  static constexpr T kMargin = T(1e-3);
+};
+
+// Middle and half sizes of a box.
+template <class T>
+struct BoxFrame {
+  Vec3d middle;
+  T half[3];
+};
+
+template <class T>
+VDWMESH_HD inline BoxFrame<T> box_frame(const Vec3d& lower, const Vec3d& upper) {
+  BoxFrame<T> f{};
+  for (int axis = 0; axis < 3; ++axis) {
+    f.middle[axis] = 0.5 * (lower[axis] + upper[axis]);
+    f.half[axis] = static_cast<T>(0.5 * (upper[axis] - lower[axis]));
+  }
+  return f;
+}
+
 template <FieldKind kind>
 VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
                                 const LatticeBlock& block, const BlockBox& box) {
-  constexpr double margin = 1e-3;
   const ShapeParameters<double> shape = shape_parameters<double>(m);
-  double least = 0, most = 0;
+  const BoxFrame<double> frame = box_frame<double>(box.lower, box.upper);
+  FieldBounds<double> bounds;
   visit_near_box(list, box.lower, box.upper, [&](std::uint32_t place) {
     const Sphere& ball = list.spheres[place];
-    const SubgridOverlap o = subgrid_overlap(m, block, ball.center);
-    if (!o.meets) return false;
-    const SquareRange d2 = square_range(box, ball.center);
-    const double s = inverse_square_scale(m, ball.radius);
-    most += shape_value<kind>(shape, d2.least, s);
-    if (o.holds) least += shape_value<kind>(shape, d2.most, s);
+    const Vec3d from = frame.middle - ball.center;
+    const double to_middle[3] = {from.x, from.y, from.z};
+    bounds.add<kind>(shape, inverse_square_scale(m, ball.radius), to_middle, frame.half,
+                     subgrid_overlap(m, block, ball.center));
     // A block with enough of both sides in sight needs no exact sums.
-    return block.level > 2 && most * (1 + margin) >= m.isovalue && least == 0;
+    return block.level > 2 && bounds.most >= m.isovalue && bounds.least == 0;
   });
-  return most * (1 + margin) >= m.isovalue &&
-         (least * (1 - margin) < m.isovalue || box.touches_border);
+  return bounds.upper(frame.half) >= m.isovalue &&
+         (bounds.lower(frame.half) < m.isovalue || box.touches_border);
 }
 
 VDWMESH_HD inline bool may_hold_surface(const CellListView& list, const FieldModel& m,
