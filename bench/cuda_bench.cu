@@ -113,13 +113,14 @@ void report_extraction(const char* name, const SphereSet& spheres, const Extract
   const CellList list = make_field_list(spheres, model);
   const DeviceCellList device_list(list.view(), stream.get());
   std::vector<double> search, count, scan, vertex, triangle, total;
-  std::uint64_t vertices = 0, triangles = 0, bricks = 0;
+  std::uint64_t vertices = 0, triangles = 0, bricks = 0, candidates = 0;
   for (int i = 0; i <= kRepeats; ++i) {
     const double seconds = seconds_of([&] {
       const DeviceExtraction e = extract_on_device(device_list.view(), model, options, stream);
       vertices = e.mesh.vertex_count();
       triangles = e.mesh.triangle_count();
       bricks = e.stats.surface_bricks;
+      candidates = e.candidates;
       if (i == 0) return;
       search.push_back(e.timings.search);
       count.push_back(e.timings.count);
@@ -132,10 +133,11 @@ void report_extraction(const char* name, const SphereSet& spheres, const Extract
   const double floor =
       static_cast<double>(indexed_mesh_bytes(vertices, triangles, Connectivity::half_edges)) /
       (rate / 2) * 1e3 / 2;
-  std::printf("%-34s %9lld x %6lld x %6lld cells  V %11llu T %11llu bricks %9llu\n", name,
+  std::printf("%-34s %9lld x %6lld x %6lld cells  V %11llu T %11llu bricks %9llu of %llu\n", name,
               static_cast<long long>(grid.cells.x), static_cast<long long>(grid.cells.y),
               static_cast<long long>(grid.cells.z), static_cast<unsigned long long>(vertices),
-              static_cast<unsigned long long>(triangles), static_cast<unsigned long long>(bricks));
+              static_cast<unsigned long long>(triangles), static_cast<unsigned long long>(bricks),
+              static_cast<unsigned long long>(candidates));
   std::printf(
       "    search %.3f  count %.3f  scan %.3f  vertices %.3f  triangles %.3f  sum %.3f  wall %.3f "
       "ms"

@@ -1,6 +1,6 @@
 // Which bricks the surface can cross: octree descent. A thread per block for the union of balls;
-// for blended fields a warp per parent, whose lanes take an atom each and bound it for all
-// children.
+// for blended fields a warp per parent, four lanes per child, each of which takes every fourth
+// atom.
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_select.cuh>
 #include <string>
@@ -17,209 +17,206 @@ namespace {
 
 constexpr unsigned kThreads = 128;
 
-// One thread per child of a block: keeps the key of the child where it may hold surface.
-__global__ void test_children(FieldContext f, const std::uint64_t* parents, std::uint64_t count,
-                              int child_level, std::uint64_t* keys, std::uint8_t* keep) {
-  const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
-  if (i >= 8 * count) return;
-  const BrickIndex parent = brick_of_key(parents[i / 8]);
-  const int c = static_cast<int>(i % 8);
-  const BrickIndex child{2 * parent.x + (c & 1), 2 * parent.y + (c >> 1 & 1),
-                         2 * parent.z + (c >> 2)};
-  keys[i] = brick_key(child);
-  keep[i] = may_hold_surface(f.list, f.model, lattice_block(child, child_level)) ? 1 : 0;
-}
-
-// Squared distances along one axis from an atom to the nearest and the farthest of a block's nodes.
-struct AxisRange {
-  float least, most;
-};
-
-// Both halves of a parent along one axis.
-struct Halves {
-  double lower[2], upper[2];       // Å
-  std::int64_t first[2], last[2];  // lattice nodes
-  bool empty[2], touches_border[2];
-};
-
-__device__ Halves halves_of(const GridSpec& grid, int axis, std::int32_t parent, int child_level) {
-  Halves h{};
-  const std::int64_t side = static_cast<std::int64_t>(kBrickSide) << child_level;
-  const std::int64_t end = grid.cells[axis] + 1;
-  for (int half = 0; half < 2; ++half) {
-    h.first[half] = (2 * static_cast<std::int64_t>(parent) + half) * side;
-    h.last[half] = h.first[half] + side;
-    const std::int64_t first = h.first[half] < 1 ? 1 : h.first[half];
-    const std::int64_t last = h.last[half] > end ? end : h.last[half];
-    h.touches_border[half] = first != h.first[half] || last != h.last[half];
-    h.empty[half] = first > last;
-    h.lower[half] = lattice_coordinate(grid, axis, first);
-    h.upper[half] = lattice_coordinate(grid, axis, last);
-  }
-  return h;
-}
-
-__device__ AxisRange range_to(const Halves& h, int half, double center) {
-  const double a = h.lower[half] - center, b = h.upper[half] - center;
-  const auto near = static_cast<float>(a > 0 ? a : (b < 0 ? -b : 0));
-  const auto far = static_cast<float>(-a > b ? -a : b);
-  return {near * near, far * far};
-}
-
 constexpr int kChildren = 8;
+constexpr unsigned kLanesPerChild = kWarp / kChildren;  // lane: child + kChildren * part
 
-// Bounds on the field in the children of a parent; float sums, which the margin covers.
-struct ChildBounds {
-  float least[kChildren] = {}, most[kChildren] = {};
+__device__ int own_child() { return static_cast<int>(threadIdx.x % kChildren); }
+__device__ unsigned own_part() { return threadIdx.x % kWarp / kChildren; }
+
+// A sphere near a parent block.
+struct NearSphere {
+  float from[3];  // from it to the middle of the parent, Å
+  float number;   // what the test wants of it
+  Vec3d center;   // for the sub-grid
 };
 
-// Whether the atom's sub-grid meets, and whether it holds, a half of the parent along an axis.
-__device__ SubgridOverlap subgrid_overlap(const FieldModel& m, const Halves& h, int axis, int half,
-                                          double center) {
-  if (m.truncation != Truncation::subgrid) return {true, true};
-  const std::int64_t cell = subgrid_cell(m.grid, axis, center);
-  const std::int64_t low = cell - m.subgrid_cells + 1, high = cell + m.subgrid_cells + 1;
-  return {h.last[half] >= low && h.first[half] <= high,
-          h.first[half] >= low && h.last[half] <= high};
-}
-
-template <FieldKind kind>
-__device__ void add_to_bounds(const FieldModel& m, const ShapeParameters<float>& shape,
-                              const Halves (&halves)[3], const Sphere& atom, ChildBounds& bounds) {
-  const auto scale = static_cast<float>(inverse_square_scale(m, atom.radius));
-  AxisRange range[3][2];
-  SubgridOverlap overlap[3][2];
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int half = 0; half < 2; ++half) {
-      range[axis][half] = range_to(halves[axis], half, atom.center[axis]);
-      overlap[axis][half] = subgrid_overlap(m, halves[axis], axis, half, atom.center[axis]);
-    }
-  }
-#pragma unroll
-  for (int c = 0; c < kChildren; ++c) {
-    const int x = c & 1, y = c >> 1 & 1, z = c >> 2;
-    const float near = range[0][x].least + range[1][y].least + range[2][z].least;
-    const float far = range[0][x].most + range[1][y].most + range[2][z].most;
-    if (!overlap[0][x].meets || !overlap[1][y].meets || !overlap[2][z].meets) continue;
-    bounds.most[c] += shape_value<kind>(shape, near, scale);
-    if (!overlap[0][x].holds || !overlap[1][y].holds || !overlap[2][z].holds) continue;
-    bounds.least[c] += shape_value<kind>(shape, far, scale);
-  }
-}
-
-__device__ float warp_sum(float value) {
-  for (unsigned step = kWarp / 2; step > 0; step /= 2) {
-    value += __shfl_xor_sync(kAllLanes, value, static_cast<int>(step));
-  }
-  return value;
-}
-
-constexpr double kBoundMargin = 1e-3;  // relative, of sums in single precision
-
-// Large blocks with enough of both sides in sight need no exact sums.
-__device__ bool all_mixed(const ChildBounds& bounds, float isovalue) {
-  bool mixed = true;
-  for (int c = 0; c < kChildren; ++c) {
-    mixed &= __any_sync(kAllLanes, bounds.most[c] >= isovalue) &&
-             __all_sync(kAllLanes, bounds.least[c] == 0);
-  }
-  return mixed;
-}
-
-// Places that wait until they fill a warp.
-struct WaitingAtoms {
+// Spheres that wait until they fill a warp.
+struct Waiting {
   std::uint32_t place[2 * kWarp];
+  NearSphere sphere[kWarp];
 };
 
-// The atoms near the parent: those that reach it are collected, and bounded 32 at a time.
-template <FieldKind kind>
-__device__ ChildBounds bound_children(const FieldContext& f, const Halves (&halves)[3],
-                                      int child_level, WaitingAtoms& waiting) {
-  const unsigned lane = threadIdx.x % kWarp;
-  const ShapeParameters<float> shape = shape_parameters<float>(f.model);
-  const auto isovalue = static_cast<float>(f.model.isovalue);
-  const Halves &hx = halves[0], &hy = halves[1], &hz = halves[2];
-  const auto top = [](const Halves& h) { return h.empty[1] ? h.upper[0] : h.upper[1]; };
-  const Vec3d lower{hx.lower[0], hy.lower[0], hz.lower[0]}, upper{top(hx), top(hy), top(hz)};
-  ChildBounds bounds;
-  std::uint32_t count = 0;
-  bool done = false;
-  const auto bound_first = [&](std::uint32_t atoms) {
-    __syncwarp();
-    if (lane < atoms) {
-      add_to_bounds<kind>(f.model, shape, halves, f.list.spheres[waiting.place[lane]], bounds);
-    }
-    __syncwarp();
-    count -= atoms;
-    if (lane < count) waiting.place[lane] = waiting.place[kWarp + lane];
-    done = child_level > 2 && all_mixed(bounds, isovalue);
-  };
-  for (int l = 0; l < f.list.level_count && !done; ++l) {
-    visit_level_by_warp(f.list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
-      const bool kept = valid && reaches_box(f.model, lower, upper, f.list.spheres[place]);
-      const unsigned votes = __ballot_sync(kAllLanes, kept);
-      if (kept) waiting.place[count + __popc(votes & ((1u << lane) - 1))] = place;
-      count += static_cast<std::uint32_t>(__popc(votes));
-      if (count >= kWarp) bound_first(kWarp);
-      return done;
-    });
+// The block of a lane.
+struct ChildBlock {
+  LatticeBlock nodes;
+  BlockBox box;
+  float from_parent[3], half[3];  // Å: its middle less that of the parent
+};
+
+__device__ ChildBlock child_block(const GridSpec& grid, const BrickIndex& child, int level,
+                                  const Vec3d& parent_middle) {
+  ChildBlock c{};
+  c.nodes = lattice_block(child, level);
+  c.box = block_box(grid, c.nodes);
+  const BoxFrame<float> frame = box_frame<float>(c.box.lower, c.box.upper);
+  for (int axis = 0; axis < 3; ++axis) {
+    c.from_parent[axis] = static_cast<float>(frame.middle[axis] - parent_middle[axis]);
+    c.half[axis] = frame.half[axis];
   }
-  if (!done) bound_first(count);
-  return bounds;
+  return c;
 }
 
+// Bit c: some lane of child c says so.
+__device__ unsigned children_where(bool says) {
+  unsigned votes = __ballot_sync(kAllLanes, says);
+  for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) votes |= votes >> step;
+  return votes & ((1u << kChildren) - 1);
+}
+constexpr unsigned kAllChildren = (1u << kChildren) - 1;
+
+// The test of a child for a blended field: bounds on it.
 template <FieldKind kind>
-__global__ void __launch_bounds__(kThreads)
-    test_blended_children(FieldContext f, const std::uint64_t* parents, std::uint64_t count,
-                          int child_level, std::uint64_t* keys, std::uint8_t* keep) {
-  __shared__ WaitingAtoms waiting[kThreads / kWarp];
+struct BlendedTest {
+  ShapeParameters<float> shape;
+  float isovalue;
+  FieldBounds<float> bounds;
+
+  __device__ explicit BlendedTest(const FieldContext& f)
+      : shape(shape_parameters<float>(f.model)), isovalue(static_cast<float>(f.model.isovalue)) {}
+  __device__ static float number(const FieldModel& m, const Sphere& s) {
+    return static_cast<float>(inverse_square_scale(m, s.radius));
+  }
+  __device__ void add(const FieldModel& m, const NearSphere& s, const float (&to_middle)[3],
+                      const ChildBlock& child) {
+    bounds.add<kind>(shape, s.number, to_middle, child.half,
+                     subgrid_overlap(m, child.nodes, s.center));
+  }
+  // Large blocks with enough of both sides in sight need no exact sums.
+  __device__ bool is_settled(const ChildBlock& child) const {
+    return child.nodes.level > 2 && __all_sync(kAllLanes, bounds.least == 0) &&
+           children_where(bounds.most >= isovalue) == kAllChildren;
+  }
+  __device__ void join() {
+    join(bounds.least);
+    join(bounds.most);
+    join(bounds.tangents);
+    join(bounds.chords);
+    for (int axis = 0; axis < 3; ++axis) {
+      join(bounds.tangent_slope[axis]);
+      join(bounds.chord_slope[axis]);
+    }
+  }
+  __device__ bool is_outside(const ChildBlock& child) const {
+    return bounds.upper(child.half) < isovalue;
+  }
+  __device__ bool is_inside(const ChildBlock& child) const {
+    return bounds.lower(child.half) >= isovalue;
+  }
+
+ private:
+  __device__ static void join(float& value) {
+    for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) {
+      value += __shfl_xor_sync(kAllLanes, value, static_cast<int>(step));
+    }
+  }
+};
+
+// The test of a child for the union: no ball touches it, or one holds all of it.
+struct UnionTest {
+  float largest = 0;  // radius, Å
+  bool touched = false, covered = false;
+
+  __device__ explicit UnionTest(const FieldContext& f) {
+    for (int l = 0; l < f.list.level_count; ++l) {
+      largest = fmaxf(largest, __double2float_ru(f.list.levels[l].reach));
+    }
+  }
+  __device__ static float number(const FieldModel&, const Sphere& s) {
+    return static_cast<float>(s.radius);
+  }
+  __device__ void add(const FieldModel&, const NearSphere& s, const float (&to_middle)[3],
+                      const ChildBlock& child) {
+    float near = 0, far = 0, extent = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float away = fabsf(to_middle[axis]), end = away + child.half[axis];
+      const float gap = fmaxf(away - child.half[axis], 0.0f);
+      near = fmaf(gap, gap, near);
+      far = fmaf(end, end, far);
+      extent += end;
+    }
+    // More than single precision rounds distances of this size.
+    const float doubt = 2e-6f * extent, outer = s.number + doubt;
+    const float inner = fmaxf(s.number - doubt, 0.0f);
+    touched |= near <= outer * outer;
+    covered |= far <= inner * inner;
+  }
+  // Wider blocks than the largest ball are never covered.
+  __device__ bool is_settled(const ChildBlock& child) const {
+    return children_where(covered || (touched && child.half[0] > largest)) == kAllChildren;
+  }
+  __device__ void join() {
+    const unsigned child = 1u << own_child();
+    const unsigned touched_children = children_where(touched),
+                   covered_children = children_where(covered);
+    touched = (touched_children & child) != 0;
+    covered = (covered_children & child) != 0;
+  }
+  __device__ bool is_outside(const ChildBlock&) const { return !touched; }
+  __device__ bool is_inside(const ChildBlock&) const { return covered; }
+};
+
+// The spheres near the parent are collected, and looked at 32 at a time.
+template <class Test>
+__device__ void test_child(const FieldContext& f, const BlockBox& parent,
+                           const Vec3d& parent_middle, const ChildBlock& child, Waiting& waiting,
+                           Test& test) {
   const unsigned lane = threadIdx.x % kWarp;
+  gather_by_warp(f, parent.lower, parent.upper, waiting.place, kWarp, [&](std::uint32_t count) {
+    if (lane < count) {
+      const Sphere& s = f.list.spheres[waiting.place[lane]];
+      const Vec3d from = parent_middle - s.center;
+      waiting.sphere[lane] = {
+          {static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(from.z)},
+          Test::number(f.model, s),
+          s.center};
+    }
+    __syncwarp();
+    for (std::uint32_t k = own_part(); k < count; k += kLanesPerChild) {
+      const NearSphere& s = waiting.sphere[k];
+      const float to_middle[3] = {s.from[0] + child.from_parent[0],
+                                  s.from[1] + child.from_parent[1],
+                                  s.from[2] + child.from_parent[2]};
+      test.add(f.model, s, to_middle, child);
+    }
+    __syncwarp();
+    return test.is_settled(child);
+  });
+  test.join();
+}
+
+template <class Test>
+__global__ void __launch_bounds__(kThreads, 6)
+    test_children(const __grid_constant__ FieldContext f, const std::uint64_t* parents,
+                  std::uint64_t count, int child_level, std::uint64_t* keys, std::uint8_t* keep) {
+  __shared__ Waiting waiting[kThreads / kWarp];
   const std::uint64_t i =
       (static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x) / kWarp;
   if (i >= count) return;
   const BrickIndex parent = brick_of_key(parents[i]);
   const GridSpec& grid = f.model.grid;
-  const Halves halves[3] = {halves_of(grid, 0, parent.x, child_level),
-                            halves_of(grid, 1, parent.y, child_level),
-                            halves_of(grid, 2, parent.z, child_level)};
-  const ChildBounds bounds =
-      bound_children<kind>(f, halves, child_level, waiting[threadIdx.x / kWarp]);
-#pragma unroll
-  for (int c = 0; c < kChildren; ++c) {
-    const int x = c & 1, y = c >> 1 & 1, z = c >> 2;
-    const double most = static_cast<double>(warp_sum(bounds.most[c])) * (1 + kBoundMargin);
-    const double least = static_cast<double>(warp_sum(bounds.least[c])) * (1 - kBoundMargin);
-    const bool empty = halves[0].empty[x] || halves[1].empty[y] || halves[2].empty[z];
-    const bool border =
-        halves[0].touches_border[x] || halves[1].touches_border[y] || halves[2].touches_border[z];
-    if (static_cast<int>(lane) != c) continue;
-    keys[kChildren * i + lane] = brick_key({2 * parent.x + x, 2 * parent.y + y, 2 * parent.z + z});
-    keep[kChildren * i + lane] =
-        !empty && most >= f.model.isovalue && (least < f.model.isovalue || border) ? 1 : 0;
-  }
+  const BlockBox box = block_box(grid, lattice_block(parent, child_level + 1));
+  const Vec3d middle = box_frame<float>(box.lower, box.upper).middle;
+  const int c = own_child();
+  const BrickIndex index{2 * parent.x + (c & 1), 2 * parent.y + (c >> 1 & 1),
+                         2 * parent.z + (c >> 2)};
+  const ChildBlock child = child_block(grid, index, child_level, middle);
+  Test test(f);
+  test_child(f, box, middle, child, waiting[threadIdx.x / kWarp], test);
+  if (own_part() != 0) return;
+  const bool crosses =
+      !test.is_outside(child) && (!test.is_inside(child) || child.box.touches_border);
+  keys[kChildren * i + static_cast<unsigned>(c)] = brick_key(index);
+  keep[kChildren * i + static_cast<unsigned>(c)] = !child.box.empty && crosses ? 1 : 0;
 }
 
-using BlendedTest = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, int, std::uint64_t*,
-                             std::uint8_t*);
+using TestKernel = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, int, std::uint64_t*,
+                            std::uint8_t*);
 
-BlendedTest blended_test_of(FieldKind kind) {
-  if (kind == FieldKind::blinn) return test_blended_children<FieldKind::blinn>;
-  if (kind == FieldKind::soft_object) return test_blended_children<FieldKind::soft_object>;
-  return test_blended_children<FieldKind::inverse_squared>;
-}
-
-void launch_test(const FieldContext& f, const KeyList& parents, int child_level,
-                 std::uint64_t* keys, std::uint8_t* keep, const Stream& stream) {
-  const std::uint64_t children = kChildren * parents.count;
-  if (f.model.kind == FieldKind::vdw) {
-    test_children<<<blocks_for(children, kThreads), kThreads, 0, stream.get()>>>(
-        f, parents.keys.data(), parents.count, child_level, keys, keep);
-  } else {
-    blended_test_of(
-        f.model.kind)<<<blocks_for(kWarp * parents.count, kThreads), kThreads, 0, stream.get()>>>(
-        f, parents.keys.data(), parents.count, child_level, keys, keep);
-  }
-  check_launch("test_children");
+TestKernel kernel_of(FieldKind kind) {
+  if (kind == FieldKind::vdw) return test_children<UnionTest>;
+  if (kind == FieldKind::blinn) return test_children<BlendedTest<FieldKind::blinn>>;
+  if (kind == FieldKind::soft_object) return test_children<BlendedTest<FieldKind::soft_object>>;
+  return test_children<BlendedTest<FieldKind::inverse_squared>>;
 }
 
 KeyList surviving_children(const FieldContext& f, const KeyList& parents, int child_level,
@@ -229,7 +226,10 @@ KeyList surviving_children(const FieldContext& f, const KeyList& parents, int ch
   if (children == 0) return result;
   const DeviceArray<std::uint64_t> keys(children, stream.get());
   const DeviceArray<std::uint8_t> keep(children, stream.get());
-  launch_test(f, parents, child_level, keys.data(), keep.data(), stream);
+  const TestKernel kernel = kernel_of(f.model.kind);
+  kernel<<<blocks_for(kWarp * parents.count, kThreads), kThreads, 0, stream.get()>>>(
+      f, parents.keys.data(), parents.count, child_level, keys.data(), keep.data());
+  check_launch("test_children");
   result.keys = DeviceArray<std::uint64_t>(children, stream.get());
   const DeviceArray<std::uint64_t> count(1, stream.get());
   run_cub("select", stream.get(), [&](void* scratch, std::size_t& bytes) {

@@ -11,6 +11,10 @@ namespace vdwmesh {
 
 inline void check_cuda(cudaError_t status, const char* what) {
   if (status == cudaSuccess) return;
+  if (status == cudaErrorMemoryAllocation) {
+    cudaGetLastError();  // or the next launch reports it again
+    throw DeviceMemoryExceeded(std::string(what) + ": " + cudaGetErrorString(status));
+  }
   throw CudaError(std::string(what) + ": " + cudaGetErrorString(status));
 }
 

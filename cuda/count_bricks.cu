@@ -1,5 +1,5 @@
-// Node signs and counts.
-#include "cuda/brick_block.cuh"
+// Node signs and counts, a warp per brick.
+#include "cuda/brick_warp.cuh"
 #include "cuda/extract_stages.cuh"
 #include "cuda/union_surface.cuh"
 #include "extract/local_atom.hpp"
@@ -7,57 +7,77 @@
 namespace vdwmesh {
 namespace {
 
-// ---- the union of balls: a block of threads per brick ----
-
-constexpr std::uint32_t kPlaces = 512;  // gathered at a time
-
-struct CountShared {
-  GatherState gather;
-  BrickGeometry geometry;
-  ActiveBrick brick;
-  std::uint32_t places[kPlaces];
-};
-
-__global__ void __launch_bounds__(kBrickThreads)
-    count_union(FieldContext f, const std::uint64_t* keys, const CaseTable* table,
-                ActiveBrick* bricks, BrickCounts counts) {
-  __shared__ CountShared s;
-  __shared__ UnionSurface::Item items[kChunk];
-  if (threadIdx.x == 0) s.brick.key = keys[blockIdx.x];
-  share_geometry(f.model.grid, keys[blockIdx.x], s.geometry);
-  begin_gather(f.list, s.geometry.node(0, 0, 0),
-               s.geometry.node(kBrickSide, kBrickSide, kBrickSide), s.gather);
-  UnionSurface::RowState row;
-  const int y = static_cast<int>(threadIdx.x) % kBrickReach;
-  const int z = static_cast<int>(threadIdx.x) / kBrickReach;
-  do {
-    next_chunk(f.list, s.gather, s.places, kPlaces,
-               [&](std::uint32_t place) { return UnionSurface::keep(f, s.geometry, place); });
-    for (std::uint32_t first = 0; first < s.gather.gathered; first += kChunk) {
-      const std::uint32_t left = s.gather.gathered - first, count = left < kChunk ? left : kChunk;
-      if (threadIdx.x < count) {
-        items[threadIdx.x] = UnionSurface::item(f, s.places[first + threadIdx.x]);
-      }
-      __syncthreads();
-      if (threadIdx.x < kRows) UnionSurface::add_row(s.geometry, items, count, y, z, row);
-      __syncthreads();
-    }
-  } while (!s.gather.finished);
-  if (threadIdx.x < kRows) share_signs(s.geometry, row.inside, y, z, s.brick.signs);
-  __syncthreads();
-  if (threadIdx.x >= kWarp) return;
-  count_brick(s.geometry, *table, s.brick);
-  __syncwarp();
-  store_count(s.brick, blockIdx.x, bricks, counts);
-}
-
-// ---- blended fields: a warp per brick ----
-
-constexpr unsigned kWarpsPerBlock = 4;
-constexpr std::uint32_t kAtomChunk = 16;
 constexpr int kLaneRows = 3;                  // rows of nodes a lane
 constexpr int kRowLanes = kRows / kLaneRows;  // lane i: rows i, i + 27, i + 54
 constexpr int kPlanesApart = kRowLanes / kBrickReach;
+
+// ---- the union of balls ----
+
+struct UnionShared {
+  BrickGeometry geometry;
+  ActiveBrick brick;
+  std::uint32_t places[kNearItems + kWarp];
+  Sphere balls[kNearItems];
+};
+
+// Adds the nodes of row (y, z) that lie in the balls.
+__device__ void add_to_row(const BrickGeometry& g, const Sphere* balls, std::uint32_t count, int y,
+                           int z, std::uint32_t& inside) {
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const Sphere& ball = balls[k];
+    const double r2 = ball.radius * ball.radius;
+    const double dy = g.coordinate[1][y] - ball.center.y, dz = g.coordinate[2][z] - ball.center.z;
+    const double dyz2 = std::fma(dy, dy, dz * dz);
+    if (dyz2 > r2) continue;
+    for (int x = 0; x < kBrickReach; ++x) {
+      const double dx = g.coordinate[0][x] - ball.center.x;
+      inside |= std::fma(dx, dx, dyz2) <= r2 ? 1u << x : 0u;
+    }
+  }
+}
+
+__global__ void __launch_bounds__(kBrickThreads)
+    count_union(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
+                std::uint64_t size, const CaseTable* table, ActiveBrick* bricks,
+                BrickCounts counts) {
+  __shared__ UnionShared shared[kBrickWarps];
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const std::uint64_t i =
+      static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
+  if (i >= size) return;
+  UnionShared& s = shared[threadIdx.x / kWarp];
+  share_geometry(f.model.grid, keys[i], s.geometry);
+  const int y = lane % kBrickReach, z = lane / kBrickReach;
+  std::uint32_t inside[kLaneRows] = {};
+  const Vec3d lower = s.geometry.node(0, 0, 0);
+  const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
+  gather_by_warp(f, lower, upper, s.places, kNearItems, [&](std::uint32_t count) {
+    for (auto k = static_cast<std::uint32_t>(lane); k < count; k += kWarp) {
+      s.balls[k] = f.list.spheres[s.places[k]];
+    }
+    __syncwarp();
+#pragma unroll
+    for (int r = 0; r < kLaneRows && lane < kRowLanes; ++r) {
+      add_to_row(s.geometry, s.balls, count, y, z + r * kPlanesApart, inside[r]);
+    }
+    return false;
+  });
+#pragma unroll
+  for (int r = 0; r < kLaneRows; ++r) {
+    if (lane < kRowLanes) {
+      share_signs(s.geometry, inside[r], y, z + r * kPlanesApart, s.brick.signs);
+    }
+  }
+  __syncwarp();
+  count_brick(s.geometry, *table, s.brick);
+  if (lane == 0) s.brick.key = keys[i];
+  __syncwarp();
+  store_count(s.brick, i, bricks, counts);
+}
+
+// ---- blended fields ----
+
+constexpr std::uint32_t kAtomChunk = 16;
 
 struct WarpShared {
   BrickGeometry geometry;
@@ -115,32 +135,13 @@ __device__ void add_atoms(const NodeShape& nodes, const LocalAtom* atoms, std::u
 template <FieldKind kind>
 __device__ std::uint32_t sum_field(const FieldContext& f, WarpShared& s, LaneRows& rows) {
   const NodeShape nodes = node_shape(f.model);
-  const unsigned lane = threadIdx.x % kWarp;
   const Vec3d lower = s.geometry.node(0, 0, 0);
   const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
-  std::uint32_t waiting = 0, met = 0;
-  const auto add = [&](std::uint32_t count) {
+  return gather_by_warp(f, lower, upper, s.waiting, kAtomChunk, [&](std::uint32_t count) {
     share_terms<kind>(f, nodes, count, s);
     add_atoms<kind>(nodes, s.atoms, count, rows);
-    waiting -= count;
-    met += count;
-    const std::uint32_t next = lane < waiting ? s.waiting[count + lane] : 0;
-    __syncwarp();
-    if (lane < waiting) s.waiting[lane] = next;
-    __syncwarp();
-  };
-  for (int l = 0; l < f.list.level_count; ++l) {
-    visit_level_by_warp(f.list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
-      const bool kept = valid && reaches_box(f.model, lower, upper, f.list.spheres[place]);
-      const unsigned votes = __ballot_sync(kAllLanes, kept);
-      if (kept) s.waiting[waiting + __popc(votes & ((1u << lane) - 1))] = place;
-      waiting += static_cast<std::uint32_t>(__popc(votes));
-      while (waiting >= kAtomChunk) add(kAtomChunk);
-      return false;
-    });
-  }
-  if (waiting > 0) add(waiting);
-  return met;
+    return false;
+  });
 }
 
 // Signs of the lane's rows; the values go to shared memory.
@@ -160,16 +161,17 @@ __device__ void share_rows(float isovalue, const LaneRows& rows, WarpShared& s) 
 }
 
 template <FieldKind kind>
-__global__ void __launch_bounds__(kWarpsPerBlock* kWarp, 5)
-    count_blended(FieldContext f, const std::uint64_t* keys, std::uint64_t size,
-                  const CaseTable* table, ActiveBrick* bricks, float* values, BrickCounts counts) {
-  __shared__ WarpShared shared[kWarpsPerBlock];
+__global__ void __launch_bounds__(kBrickThreads, 12)
+    count_blended(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
+                  std::uint64_t size, const CaseTable* table, ActiveBrick* bricks, float* values,
+                  BrickCounts counts) {
+  __shared__ WarpShared shared[kBrickWarps];
   const unsigned lane = threadIdx.x % kWarp;
   const std::uint64_t i =
-      static_cast<std::uint64_t>(blockIdx.x) * kWarpsPerBlock + threadIdx.x / kWarp;
+      static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
   if (i >= size) return;
   WarpShared& s = shared[threadIdx.x / kWarp];
-  share_geometry_by_warp(f.model.grid, keys[i], s.geometry);
+  share_geometry(f.model.grid, keys[i], s.geometry);
   LaneRows rows = {};
   const std::uint32_t met = sum_field<kind>(f, s, rows);
   share_rows(static_cast<float>(f.model.isovalue), rows, s);
@@ -196,17 +198,17 @@ BlendedCount blended_count_of(FieldKind kind) {
 }  // namespace
 
 void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
-                            const CaseTable* table, ActiveBrick* bricks, float* values,
-                            const BrickCounts& counts, const Stream& stream) {
+                            ActiveBrick* bricks, float* values, const BrickCounts& counts,
+                            const Stream& stream) {
   if (size == 0) return;
+  const CaseTable* const table = case_table_on_device();
+  const unsigned blocks = blocks_for(size, kBrickWarps);
   if (f.model.kind == FieldKind::vdw) {
-    count_union<<<static_cast<unsigned>(size), kBrickThreads, 0, stream.get()>>>(f, keys, table,
-                                                                                 bricks, counts);
+    count_union<<<blocks, kBrickThreads, 0, stream.get()>>>(f, keys, size, table, bricks, counts);
   } else {
-    blended_count_of(
-        f.model
-            .kind)<<<blocks_for(size, kWarpsPerBlock), kWarpsPerBlock * kWarp, 0, stream.get()>>>(
-        f, keys, size, table, bricks, values, counts);
+    const BlendedCount kernel = blended_count_of(f.model.kind);
+    kernel<<<blocks, kBrickThreads, 0, stream.get()>>>(f, keys, size, table, bricks, values,
+                                                       counts);
   }
   check_launch("count_bricks");
 }

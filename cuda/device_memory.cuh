@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -81,13 +83,39 @@ DeviceArray<T> upload(const T* host, std::size_t size, cudaStream_t stream) {
   return device;
 }
 
+// Page-locked memory, which the device writes without a copy by the driver.
+class PageLocked {
+ public:
+  explicit PageLocked(std::size_t bytes) {
+    check_cuda(cudaHostAlloc(&data_, bytes, cudaHostAllocPortable), "page-locked memory");
+  }
+  ~PageLocked() { cudaFreeHost(data_); }
+  PageLocked(const PageLocked&) = delete;
+  PageLocked& operator=(const PageLocked&) = delete;
+
+  void* data() const { return data_; }
+
+ private:
+  void* data_ = nullptr;
+};
+
+// Where fetch() lands. A thread keeps it: locking memory takes far longer than fetching.
+inline constexpr std::size_t kFetchBytes = 4096;
+inline void* fetch_place() {
+  thread_local const PageLocked place(kFetchBytes);
+  return place.data();
+}
+
 // One value from the device; waits for it.
 template <class T>
 T fetch(const T* device, const Stream& stream) {
-  T value{};
-  check_cuda(cudaMemcpyAsync(&value, device, sizeof(T), cudaMemcpyDeviceToHost, stream.get()),
+  static_assert(sizeof(T) <= kFetchBytes && std::is_trivially_copyable_v<T>);
+  void* const place = fetch_place();
+  check_cuda(cudaMemcpyAsync(place, device, sizeof(T), cudaMemcpyDeviceToHost, stream.get()),
              "download");
   stream.wait();
+  T value{};
+  std::memcpy(&value, place, sizeof(T));
   return value;
 }
 

@@ -1,6 +1,10 @@
+#include <algorithm>
+#include <map>
+#include <mutex>
+
 #include "core/large_pages.hpp"
-#include "cuda/device_structures.cuh"
 #include "cuda/download.cuh"
+#include "cuda/extract_stages.cuh"
 
 namespace vdwmesh {
 DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
@@ -76,14 +80,32 @@ std::uint64_t available_device_memory() {
   return free + spare_in_pool();
 }
 
-void require_device_memory(std::uint64_t bytes, const char* what) {
+void require_device_memory(std::uint64_t bytes, const char* what, std::uint64_t allowed) {
   // The pool answers at once; the driver takes as long as a small extraction.
-  if (bytes <= spare_in_pool()) return;
-  const std::uint64_t available = available_device_memory();
+  if (bytes <= std::min(allowed, spare_in_pool())) return;
+  const std::uint64_t available = std::min(allowed, available_device_memory());
   if (bytes <= available) return;
-  throw LimitExceeded(std::string(what) + " needs " + std::to_string(bytes) +
-                      " bytes of device memory, " + std::to_string(available) +
-                      " are available: choose a larger spacing or the cpu backend");
+  throw DeviceMemoryExceeded(std::string(what) + " needs " + std::to_string(bytes) +
+                             " bytes of device memory, " + std::to_string(available) +
+                             " are available: choose a larger spacing or the cpu backend");
+}
+
+const CaseTable* case_table_on_device() {
+  // Never given back: at the end of the process the driver may be gone before the map.
+  static std::mutex* const mutex = new std::mutex;
+  static auto* const tables = new std::map<int, const CaseTable*>;
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  const std::lock_guard lock(*mutex);
+  const CaseTable*& table = (*tables)[device];
+  if (table == nullptr) {
+    void* memory = nullptr;
+    check_cuda(cudaMalloc(&memory, sizeof(CaseTable)), "case table");
+    check_cuda(cudaMemcpy(memory, &case_table(), sizeof(CaseTable), cudaMemcpyHostToDevice),
+               "case table");
+    table = static_cast<const CaseTable*>(memory);
+  }
+  return table;
 }
 
 void keep_device_memory() {

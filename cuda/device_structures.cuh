@@ -75,6 +75,7 @@ struct ExtractTimings {
 
 struct DeviceExtraction {
   DeviceMesh mesh;
+  std::uint64_t candidates = 0;  // bricks that were looked into
   ExtractStats stats;
   ExtractTimings timings;
 };
@@ -100,7 +101,8 @@ std::uint64_t available_device_memory();
 // Lets the pool keep what is given back, for runs in quick succession.
 void keep_device_memory();
 
-// Throws LimitExceeded when fewer than `bytes` are available.
-void require_device_memory(std::uint64_t bytes, const char* what);
+// Throws DeviceMemoryExceeded when fewer than `bytes` are available or allowed.
+void require_device_memory(std::uint64_t bytes, const char* what,
+                           std::uint64_t allowed = kNoMemoryLimit);
 
 }  // namespace vdwmesh

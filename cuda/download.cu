@@ -2,13 +2,13 @@
 #include <atomic>
 #include <cstdint>
 #include <cstring>
-#include <exception>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <thread>
 
 #include "cuda/download.cuh"
+#include "cuda/run_on_threads.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -42,17 +42,6 @@ std::vector<Chunk> cut(const std::vector<DownloadPart>& parts) {
 // Two page-locked buffers and a stream: one buffer is filled while the other is emptied.
 class StagingLane {
  public:
-  StagingLane() {
-    for (std::byte*& buffer : buffers_) {
-      check_cuda(cudaMallocHost(reinterpret_cast<void**>(&buffer), kChunk), "page-locked memory");
-    }
-  }
-  ~StagingLane() {
-    for (std::byte* buffer : buffers_) cudaFreeHost(buffer);
-  }
-  StagingLane(const StagingLane&) = delete;
-  StagingLane& operator=(const StagingLane&) = delete;
-
   // Copies chunks until there are none left.
   void work(const std::vector<Chunk>& chunks, std::atomic<std::size_t>& next, cudaEvent_t ready) {
     check_cuda(cudaStreamWaitEvent(stream_.get(), ready), "download");
@@ -64,20 +53,20 @@ class StagingLane {
       const Chunk& filled = chunks[filling];
       filling = next++;
       if (filling < chunks.size()) fill(chunks[filling], 1 - side);
-      std::memcpy(filled.host, buffers_[side], filled.bytes);
+      std::memcpy(filled.host, buffers_[side].data(), filled.bytes);
       side = 1 - side;
     }
   }
 
  private:
   void fill(const Chunk& chunk, int side) {
-    check_cuda(cudaMemcpyAsync(buffers_[side], chunk.device, chunk.bytes, cudaMemcpyDeviceToHost,
-                               stream_.get()),
+    check_cuda(cudaMemcpyAsync(buffers_[side].data(), chunk.device, chunk.bytes,
+                               cudaMemcpyDeviceToHost, stream_.get()),
                "download");
   }
 
   Stream stream_;
-  std::byte* buffers_[2] = {nullptr, nullptr};
+  PageLocked buffers_[2] = {PageLocked(kChunk), PageLocked(kChunk)};
 };
 
 // The lanes of a device. They are kept: locking their pages takes as long as a small download. One
@@ -90,23 +79,10 @@ class Staging {
     const std::size_t threads = std::clamp<std::size_t>(chunks.size() / kChunksPerThread, 1, cores);
     while (lanes_.size() < threads) lanes_.push_back(std::make_unique<StagingLane>());
     std::atomic<std::size_t> next{0};
-    std::vector<std::exception_ptr> failures(threads);
-    const auto work = [&](std::size_t i) {
-      try {
-        check_cuda(cudaSetDevice(device), "device");
-        lanes_[i]->work(chunks, next, ready);
-      } catch (...) {
-        failures[i] = std::current_exception();
-      }
-    };
-    {
-      std::vector<std::jthread> others;
-      for (std::size_t i = 1; i < threads; ++i) others.emplace_back(work, i);
-      work(0);
-    }
-    for (const std::exception_ptr& failure : failures) {
-      if (failure) std::rethrow_exception(failure);
-    }
+    run_on_threads(threads, [&](std::size_t i) {
+      check_cuda(cudaSetDevice(device), "device");
+      lanes_[i]->work(chunks, next, ready);
+    });
   }
 
  private:

@@ -1,11 +1,12 @@
 // Triangles and their half-edges, a block of threads per brick. First the block lays out in shared
 // memory what the numbers are made from, then a thread writes a half-edge at a time, in order.
-#include "cuda/brick_block.cuh"
+#include "cuda/brick_warp.cuh"
 #include "cuda/extract_stages.cuh"
 
 namespace vdwmesh {
 namespace {
 
+constexpr unsigned kTriangleThreads = 4 * kWarp;
 constexpr int kMostTriangles = kMaxCaseTriangles * kBrickNodes;
 constexpr int kCellsPerFace = kBrickSide * kBrickSide;
 constexpr std::uint32_t kNoBrick = ~std::uint32_t{0};
@@ -77,40 +78,50 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
   }
 }
 
+struct alignas(8) VertexRow {
+  std::uint32_t first;  // number of its first vertex
+  std::uint32_t crossed;
+};
+
+struct alignas(4) MixedCell {
+  std::uint16_t start;   // triangles before it
+  std::uint16_t inside;  // its case
+};
+
 struct TriangleShared {
   ActiveBrick brick;
   TriangleNeighbours near;
-  // Nodes x = 0 .. 7 of row (z, y), then those of the next brick along x: number of the first
-  // vertex, crossings.
-  std::uint32_t row_first[2 * kRows], row_crossed[2 * kRows];
-  std::uint16_t cell_start[kBrickNodes];  // triangles before each mixed cell
-  std::uint8_t cell_inside[kBrickNodes];  // case of each mixed cell
+  // Nodes x = 0 .. 7 of row (z, y), then those of the next brick along x.
+  VertexRow rows[2 * kRows];
+  std::uint32_t before[4 * kBrickSide];  // crossings_before(x, axis), at 4 x + axis
+  MixedCell cells[kBrickNodes];
   std::uint16_t cell_of[kMostTriangles];
   // Cells across each face: first half-edge and case.
   std::uint32_t beyond_first[6][kCellsPerFace];
   std::uint8_t beyond_case[6][kCellsPerFace];
 };
 
-// First vertex and crossings of row (y & 7, z & 7) of the brick at (dx, y >> 3, z >> 3).
-__device__ void share_row(const BrickList& list, const TriangleShared& s, std::uint32_t own, int dx,
-                          int y, int z, std::uint32_t& first, std::uint32_t& crossed) {
+// Row (y & 7, z & 7) of the brick at (dx, y >> 3, z >> 3).
+__device__ VertexRow vertex_row(const BrickList& list, const TriangleShared& s, std::uint32_t own,
+                                int dx, int y, int z) {
   const int neighbour = upper_neighbour(dx, y >> 3, z >> 3);
   const std::uint64_t place = neighbour < 0 ? own : s.near.place[neighbour];
-  first = 0;
-  crossed = 0;
-  if (place == kNoBrick) return;
+  if (place == kNoBrick) return {0, 0};
   const ActiveBrick& owner = neighbour < 0 ? s.brick : list.bricks[place];
   y &= kBrickSide - 1;
   z &= kBrickSide - 1;
-  first = static_cast<std::uint32_t>(list.before[place].vertices +
-                                     owner.row_vertices[z * kBrickSide + y]);
-  crossed = row_crossings(owner.signs, y, z).packed;
+  const std::uint64_t first = list.before[place].vertices + owner.row_vertices[z * kBrickSide + y];
+  return {static_cast<std::uint32_t>(first), row_crossings(owner.signs, y, z).packed};
 }
 
 __device__ void share_vertex_rows(const BrickList& list, std::uint32_t own, TriangleShared& s) {
-  for (unsigned i = threadIdx.x; i < 2 * kRows; i += kBrickThreads) {
+  for (unsigned i = threadIdx.x; i < 2 * kRows; i += kTriangleThreads) {
     const int row = static_cast<int>(i) % kRows, y = row % kBrickReach, z = row / kBrickReach;
-    share_row(list, s, own, i < kRows ? 0 : 1, y, z, s.row_first[i], s.row_crossed[i]);
+    s.rows[i] = vertex_row(list, s, own, i < kRows ? 0 : 1, y, z);
+  }
+  if (threadIdx.x < 4 * kBrickSide) {
+    const auto x = static_cast<int>(threadIdx.x) / 4, axis = static_cast<int>(threadIdx.x) % 4;
+    s.before[threadIdx.x] = crossings_before(x, axis);
   }
 }
 
@@ -125,8 +136,7 @@ __device__ void share_own_cells(const CaseTable& table, TriangleShared& s) {
     const auto cell =
         static_cast<std::uint16_t>(threadIdx.x * kBrickSide + static_cast<unsigned>(x));
     const std::uint32_t inside = cell_case(s.brick.signs, x, y, z);
-    s.cell_start[cell] = static_cast<std::uint16_t>(next);
-    s.cell_inside[cell] = static_cast<std::uint8_t>(inside);
+    s.cells[cell] = {static_cast<std::uint16_t>(next), static_cast<std::uint16_t>(inside)};
     const std::uint32_t end = next + table.count(inside);
     while (next < end) s.cell_of[next++] = cell;
   }
@@ -181,11 +191,10 @@ __device__ void share_ends_beyond(const BrickList& list, const CaseTable& table,
 
 // The vertex on the edge that node (x, y, z), each at most 8, owns along the axis.
 __device__ std::uint32_t corner_number(const TriangleShared& s, unsigned x, unsigned y, unsigned z,
-                                       int axis) {
-  const unsigned row = (x / kBrickSide) * kRows + z * kBrickReach + y;
-  const RowCrossings c{s.row_crossed[row]};
-  return s.row_first[row] +
-         static_cast<std::uint32_t>(place_in_row(c, static_cast<int>(x % kBrickSide), axis));
+                                       unsigned axis) {
+  const VertexRow row = s.rows[(x / kBrickSide) * kRows + z * kBrickReach + y];
+  const std::uint32_t before = s.before[4 * (x % kBrickSide) + axis];
+  return row.first + static_cast<std::uint32_t>(__popc(row.crossed & before));
 }
 
 // The half-edge across a face of the cell; `base` is the first half-edge of the brick.
@@ -202,19 +211,19 @@ __device__ std::uint32_t number_across(const TriangleShared& s, const CaseTable&
            table.at_face(s.beyond_case[face][uv], entry, static_cast<int>(slot));
   }
   const unsigned beyond = upper ? cell + (1u << shift) : cell - (1u << shift);
-  return base + 3 * s.cell_start[beyond] +
-         table.at_face(s.cell_inside[beyond], entry, static_cast<int>(slot));
+  const MixedCell there = s.cells[beyond];
+  return base + 3 * there.start + table.at_face(there.inside, entry, static_cast<int>(slot));
 }
 
-__global__ void __launch_bounds__(kBrickThreads)
+__global__ void __launch_bounds__(kTriangleThreads)
     emit_triangles(BrickList list, std::uint32_t first, const TriangleNeighbours* neighbours,
                    const CaseTable* global_table, DeviceMeshView mesh) {
   __shared__ TriangleShared s;
   const CaseTable& table = *global_table;
   const std::uint32_t own = first + blockIdx.x;
-  copy_brick(&list.bricks[own], &s.brick, threadIdx.x, kBrickThreads);
-  if (threadIdx.x >= kBrickThreads - kTriangleNeighbours) {
-    const unsigned slot = threadIdx.x - (kBrickThreads - kTriangleNeighbours);
+  copy_brick(&list.bricks[own], &s.brick, threadIdx.x, kTriangleThreads);
+  if (threadIdx.x >= kTriangleThreads - kTriangleNeighbours) {
+    const unsigned slot = threadIdx.x - (kTriangleThreads - kTriangleNeighbours);
     s.near.place[slot] = neighbours[own].place[slot];
   }
   __syncthreads();
@@ -233,15 +242,16 @@ __global__ void __launch_bounds__(kBrickThreads)
   const auto base_number = static_cast<std::uint32_t>(base);
   std::uint32_t* const corners = mesh.corners + base;
   std::uint32_t* const opposite = mesh.opposite + base;
-  for (std::uint32_t n = threadIdx.x; n < 3 * s.brick.triangles; n += kBrickThreads) {
+  for (std::uint32_t n = threadIdx.x; n < 3 * s.brick.triangles; n += kTriangleThreads) {
     const unsigned cell = s.cell_of[n / 3];
-    const std::uint32_t h = n - 3 * s.cell_start[cell];
-    const PackedHalfEdge edge = table.half_edge[s.cell_inside[cell]][h];
+    const MixedCell own_cell = s.cells[cell];
+    const std::uint32_t h = n - 3 * own_cell.start;
+    const PackedHalfEdge edge = table.half_edge[own_cell.inside][h];
     const unsigned x = cell % kBrickSide, y = cell / kBrickSide % kBrickSide;
     const unsigned z = cell / kCellsPerFace;
     corners[n] =
         corner_number(s, x + static_cast<unsigned>(edge.x()), y + static_cast<unsigned>(edge.y()),
-                      z + static_cast<unsigned>(edge.z()), edge.axis());
+                      z + static_cast<unsigned>(edge.z()), static_cast<unsigned>(edge.axis()));
     const std::uint32_t code = edge.across();
     opposite[n] = code < kFirstFaceCode
                       ? base_number + n - h + code
@@ -252,8 +262,7 @@ __global__ void __launch_bounds__(kBrickThreads)
 }  // namespace
 
 void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const BrickRange& range,
-                              const CaseTable* table, const DeviceMeshView& mesh,
-                              const Stream& stream) {
+                              const DeviceMeshView& mesh, const Stream& stream) {
   if (range.size() == 0) return;
   if (bricks.size >= kNoBrick) throw LimitExceeded("more bricks than 32 bits number");
   const DeviceArray<TriangleNeighbours> neighbours(bricks.size, stream.get());
@@ -261,8 +270,9 @@ void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, cons
   find_neighbours<<<dim3(blocks_for(bricks.size, threads), 6), threads, 0, stream.get()>>>(
       keys.keys.data(), static_cast<std::uint32_t>(bricks.size), neighbours.data());
   check_launch("find_neighbours");
-  emit_triangles<<<static_cast<unsigned>(range.size()), kBrickThreads, 0, stream.get()>>>(
-      bricks, static_cast<std::uint32_t>(range.begin), neighbours.data(), table, mesh);
+  emit_triangles<<<static_cast<unsigned>(range.size()), kTriangleThreads, 0, stream.get()>>>(
+      bricks, static_cast<std::uint32_t>(range.begin), neighbours.data(), case_table_on_device(),
+      mesh);
   check_launch("emit_triangles");
 }
 

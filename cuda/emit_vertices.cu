@@ -1,7 +1,7 @@
-// Vertices, a block of threads per brick.
+// Vertices, a warp per brick.
 #include <algorithm>
 
-#include "cuda/brick_block.cuh"
+#include "cuda/brick_warp.cuh"
 #include "cuda/extract_stages.cuh"
 #include "cuda/union_surface.cuh"
 #include "extract/local_atom.hpp"
@@ -10,60 +10,52 @@
 namespace vdwmesh {
 namespace {
 
-// Writes vertex(n) for the vertices n of a brick, a warp at a time; all threads of the block call
-// it.
-template <class Vertex>
-__device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexStage* stages,
-                          const DeviceMeshView& mesh, unsigned long long* clamped, Vertex vertex) {
-  const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
-  for (std::uint32_t first = warp * kWarp; first < brick.vertices; first += blockDim.x) {
-    const std::uint32_t left = brick.vertices - first;
-    const unsigned count = left < kWarp ? left : kWarp;
-    SurfaceVertex v{};
-    if (lane < count) v = vertex(first + lane);
-    if (v.clamped) atomicAdd(clamped, 1ull);
-    store_vertices(stages[warp], mesh, base + first, count, v);
-  }
+// The place in the list of the brick that a warp works on.
+__device__ std::uint64_t own_brick() {
+  return static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
+}
+
+// What a warp knows of its brick.
+struct WarpBrick {
+  ActiveBrick brick;
+  BrickGeometry geometry;
+  VertexStage stage;
+};
+
+// False where there is nothing to do.
+__device__ bool load_brick(const BrickList& list, ActiveBrick& brick) {
+  if (own_brick() >= list.size) return false;
+  copy_brick(&list.bricks[own_brick()], &brick, threadIdx.x % kWarp, kWarp);
+  __syncwarp();
+  return brick.vertices > 0;
 }
 
 // ---- the union of balls ----
 
-constexpr std::uint32_t kPlaces = 512;  // gathered at a time
-
 struct UnionShared {
-  GatherState gather;
-  BrickGeometry geometry;
-  ActiveBrick brick;
-  std::uint32_t places[kPlaces];
-  EdgeList edges;
-  VertexStage stages[kBrickThreads / kWarp];
+  WarpBrick own;
+  std::uint32_t places[kNearItems + kWarp];
+  UnionItems items;
 };
 
 __global__ void __launch_bounds__(kBrickThreads)
-    emit_union_vertices(FieldContext f, BrickList list, DeviceMeshView mesh,
+    emit_union_vertices(const __grid_constant__ FieldContext f, BrickList list, DeviceMeshView mesh,
                         unsigned long long* clamped) {
-  __shared__ UnionShared s;
-  __shared__ UnionSurface::Item items[kChunk];
-  copy_brick(&list.bricks[blockIdx.x], &s.brick, threadIdx.x, blockDim.x);
-  __syncthreads();
-  if (s.brick.vertices == 0) return;
-  share_geometry(f.model.grid, s.brick.key, s.geometry);
-  list_edges(s.brick, s.edges);
-  begin_gather(f.list, s.geometry.node(0, 0, 0),
-               s.geometry.node(kBrickSide, kBrickSide, kBrickSide), s.gather);
-  next_chunk(f.list, s.gather, s.places, kPlaces,
-             [&](std::uint32_t place) { return UnionSurface::keep(f, s.geometry, place); });
-  if (threadIdx.x < min(s.gather.gathered, kChunk)) {
-    items[threadIdx.x] = UnionSurface::item(f, s.places[threadIdx.x]);
-  }
-  __syncthreads();
-  const bool fit = s.gather.finished && s.gather.gathered <= kChunk;
-  const UnionSurface::Item* all = fit ? items : nullptr;
-  store_all(s.brick, list.before[blockIdx.x].vertices, s.stages, mesh, clamped,
-            [&](std::uint32_t n) {
-              return UnionSurface::vertex(f, s.geometry, all, s.gather.gathered,
-                                          s.edges.edge(s.brick.signs, n));
-            });
+  __shared__ UnionShared shared[kBrickWarps];
+  UnionShared& s = shared[threadIdx.x / kWarp];
+  WarpBrick& own = s.own;
+  if (!load_brick(list, own.brick)) return;
+  share_geometry(f.model.grid, own.brick.key, own.geometry);
+  const BrickGeometry& g = own.geometry;
+  const std::uint32_t near =
+      gather_by_warp(f, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), s.places,
+                     kNearItems, [&](std::uint32_t count) {
+                       s.items.load(f, g, s.places, count);
+                       return false;
+                     });
+  const UnionItems* const all = near <= kNearItems ? &s.items : nullptr;
+  store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
+            [&](const CrossedEdge& edge) { return union_vertex(f, g, all, near, edge); });
 }
 
 // ---- blended fields ----
@@ -131,9 +123,11 @@ __device__ SurfaceVertex blended_vertex(const FieldContext& f, const BrickGeomet
   const ShapeParameters<float> shape = shape_parameters<float>(f.model);
   LocalGradient gradient;
   for_each([&](const VertexAtom& a, std::uint32_t place) {
-    if (!reaches_node(f.model, a, inside)) return;
-    add_gradient<kind>(shape, local - Vec3f{a.center[0], a.center[1], a.center[2]}, a.scale, a.rank,
-                       place, gradient);
+    const bool reaches = reaches_node(f.model, a, inside);
+    const Vec3f from = local - Vec3f{a.center[0], a.center[1], a.center[2]};
+    // Where it adds nothing to any vertex of the warp, nothing is computed.
+    if (!__any_sync(kAllLanes, reaches && is_in_window<kind>(shape, from, a.scale))) return;
+    if (reaches) add_gradient<kind>(shape, from, a.scale, a.rank, place, gradient);
   });
   // Where no atom reaches the vertex, the strongest at its inside end.
   if (!(gradient.strongest.value > 0)) {
@@ -147,52 +141,39 @@ __device__ SurfaceVertex blended_vertex(const FieldContext& f, const BrickGeomet
   return v;
 }
 
-struct BlendedShared {
-  GatherState gather;
-  BrickGeometry geometry;
-  ActiveBrick brick;
-  EdgeList edges;
-  VertexStage stages[kBrickThreads / kWarp];
-};
-
-// next_chunk() stops when less than a block's worth is free in its array.
-__host__ __device__ constexpr std::uint32_t places_for(std::uint32_t atoms) {
-  return atoms + kBrickThreads;
-}
-
-// Dynamic shared memory: `room` atoms, enough for every brick, and places_for(room) places.
+// Dynamic shared memory: for each warp `room` atoms, enough for every brick, and the places of
+// kWarp more.
 template <FieldKind kind>
-__global__ void __launch_bounds__(kBrickThreads, 6)
+__global__ void __launch_bounds__(kBrickThreads, 16)
     emit_blended_vertices(const __grid_constant__ FieldContext f, BrickList list,
                           const float* values, DeviceMeshView mesh, unsigned long long* clamped,
                           std::uint32_t room) {
-  __shared__ BlendedShared s;
+  __shared__ WarpBrick shared[kBrickWarps];
   extern __shared__ __align__(16) unsigned char dynamic[];
-  auto* atoms = reinterpret_cast<VertexAtom*>(dynamic);
-  auto* places = reinterpret_cast<std::uint32_t*>(atoms + room);
-  copy_brick(&list.bricks[blockIdx.x], &s.brick, threadIdx.x, blockDim.x);
-  __syncthreads();
-  if (s.brick.vertices == 0) return;
-  share_geometry(f.model.grid, s.brick.key, s.geometry);
-  list_edges(s.brick, s.edges);
-  const Vec3d lower = s.geometry.node(0, 0, 0);
-  const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
-  begin_gather(f.list, lower, upper, s.gather);
-  next_chunk(f.list, s.gather, places, places_for(room), [&](std::uint32_t place) {
-    return reaches_brick(f.model, s.geometry, f.list.spheres[place]);
-  });
-  const std::uint64_t base = list.before[blockIdx.x].vertices;
-  const float* const own = values + static_cast<std::uint64_t>(blockIdx.x) * kBrickValues;
-  for (std::uint32_t k = threadIdx.x; k < s.gather.gathered; k += blockDim.x) {
-    atoms[k] = vertex_atom(f, s.geometry, places[k]);
-  }
-  __syncthreads();
-  store_all(s.brick, base, s.stages, mesh, clamped, [&](std::uint32_t n) {
-    const CrossedEdge edge = s.edges.edge(s.brick.signs, n);
-    return blended_vertex<kind>(f, s.geometry, own, edge, [&](auto&& visit) {
-      for (std::uint32_t k = 0; k < s.gather.gathered; ++k) visit(atoms[k], places[k]);
-    });
-  });
+  const unsigned warp = threadIdx.x / kWarp;
+  auto* const atoms = reinterpret_cast<VertexAtom*>(dynamic) + warp * room;
+  auto* const places = reinterpret_cast<std::uint32_t*>(reinterpret_cast<VertexAtom*>(dynamic) +
+                                                        kBrickWarps * room) +
+                       warp * (room + kWarp);
+  WarpBrick& own = shared[warp];
+  if (!load_brick(list, own.brick)) return;
+  const BrickGeometry& g = own.geometry;
+  share_geometry(f.model.grid, own.brick.key, own.geometry);
+  const std::uint32_t met =
+      gather_by_warp(f, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), places, room,
+                     [&](std::uint32_t count) {
+                       for (std::uint32_t k = threadIdx.x % kWarp; k < count; k += kWarp) {
+                         atoms[k] = vertex_atom(f, g, places[k]);
+                       }
+                       return false;
+                     });
+  const float* const values_of_brick = values + own_brick() * kBrickValues;
+  store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
+            [&](const CrossedEdge& edge) {
+              return blended_vertex<kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
+                for (std::uint32_t k = 0; k < met; ++k) visit(atoms[k], places[k]);
+              });
+            });
 }
 
 // The same with any number of atoms near a brick: every vertex visits the list.
@@ -201,34 +182,30 @@ __global__ void __launch_bounds__(kBrickThreads)
     emit_crowded_vertices(const __grid_constant__ FieldContext f, BrickList list,
                           const float* values, DeviceMeshView mesh, unsigned long long* clamped,
                           std::uint32_t) {
-  __shared__ BlendedShared s;
-  copy_brick(&list.bricks[blockIdx.x], &s.brick, threadIdx.x, blockDim.x);
-  __syncthreads();
-  if (s.brick.vertices == 0) return;
-  share_geometry(f.model.grid, s.brick.key, s.geometry);
-  list_edges(s.brick, s.edges);
-  __syncthreads();
-  const Vec3d lower = s.geometry.node(0, 0, 0);
-  const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
-  const float* const own = values + static_cast<std::uint64_t>(blockIdx.x) * kBrickValues;
-  const std::uint64_t base = list.before[blockIdx.x].vertices;
-  store_all(s.brick, base, s.stages, mesh, clamped, [&](std::uint32_t n) {
-    const CrossedEdge edge = s.edges.edge(s.brick.signs, n);
-    return blended_vertex<kind>(f, s.geometry, own, edge, [&](auto&& visit) {
-      visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
-        if (!reaches_brick(f.model, s.geometry, f.list.spheres[place])) return false;
-        visit(vertex_atom(f, s.geometry, place), place);
-        return false;
-      });
-    });
-  });
+  __shared__ WarpBrick shared[kBrickWarps];
+  WarpBrick& own = shared[threadIdx.x / kWarp];
+  if (!load_brick(list, own.brick)) return;
+  const BrickGeometry& g = own.geometry;
+  share_geometry(f.model.grid, own.brick.key, own.geometry);
+  const Vec3d lower = g.node(0, 0, 0), upper = g.node(kBrickSide, kBrickSide, kBrickSide);
+  const float* const values_of_brick = values + own_brick() * kBrickValues;
+  store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
+            [&](const CrossedEdge& edge) {
+              return blended_vertex<kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
+                visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
+                  if (!reaches_brick(f.model, g, f.list.spheres[place])) return false;
+                  visit(vertex_atom(f, g, place), place);
+                  return false;
+                });
+              });
+            });
 }
 
 using BlendedKernel = void (*)(FieldContext, BrickList, const float*, DeviceMeshView,
                                unsigned long long*, std::uint32_t);
 
 // Atoms of a brick that fit in shared memory.
-constexpr std::uint32_t kMostAtoms = 1024;
+constexpr std::uint32_t kMostAtoms = 512;
 
 template <FieldKind kind>
 BlendedKernel blended_kernel(std::uint32_t most_atoms) {
@@ -243,34 +220,25 @@ BlendedKernel blended_kernel_of(FieldKind kind, std::uint32_t most_atoms) {
 
 // ---- sampled fields ----
 
-struct SampledShared {
-  ActiveBrick brick;
-  EdgeList edges;
-  VertexStage stages[kBrickThreads / kWarp];
-};
-
 template <DeviceNormals normals>
-__global__ void __launch_bounds__(kBrickThreads, 12)
+__global__ void __launch_bounds__(kBrickThreads, normals == DeviceNormals::none ? 24 : 16)
     emit_sampled_vertices(SampledFieldView field, BrickList list, DeviceMeshView mesh,
                           unsigned long long* clamped) {
-  __shared__ SampledShared s;
-  copy_brick(&list.bricks[blockIdx.x], &s.brick, threadIdx.x, blockDim.x);
-  __syncthreads();
-  if (s.brick.vertices == 0) return;
-  list_edges(s.brick, s.edges);
-  __syncthreads();
-  const BrickIndex brick = brick_of_key(s.brick.key);
-  store_all(s.brick, list.before[blockIdx.x].vertices, s.stages, mesh, clamped,
-            [&](std::uint32_t n) {
-              const CrossedEdge edge = s.edges.edge(s.brick.signs, n);
-              const LatticeNode inside = lattice_node(brick, edge.inside);
+  __shared__ ActiveBrick bricks[kBrickWarps];
+  __shared__ VertexStage stages[kBrickWarps];
+  const unsigned warp = threadIdx.x / kWarp;
+  if (!load_brick(list, bricks[warp])) return;
+  const BrickIndex index = brick_of_key(bricks[warp].key);
+  store_all(bricks[warp], list.before[own_brick()].vertices, stages[warp], mesh, clamped,
+            [&](const CrossedEdge& edge) {
+              const LatticeNode inside = lattice_node(index, edge.inside);
               Vec3d node{};
               for (int axis = 0; axis < 3; ++axis) {
                 node[axis] = lattice_coordinate(field.grid, axis, inside.index[axis]);
               }
-              SurfaceVertex v = sampled_vertex(field, brick, edge, node);
+              SurfaceVertex v = sampled_vertex(field, index, edge, node);
               if constexpr (normals == DeviceNormals::gradients) {
-                v.normal = sampled_normal(field, brick, edge, v);
+                v.normal = sampled_normal(field, index, edge, v);
               }
               return v;
             });
@@ -283,7 +251,7 @@ void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
                              const DeviceMeshView& mesh, unsigned long long* clamped,
                              const Stream& stream) {
   if (bricks.size == 0) return;
-  const auto blocks = static_cast<unsigned>(bricks.size);
+  const unsigned blocks = blocks_for(bricks.size, kBrickWarps);
   if (f.model.kind == FieldKind::vdw) {
     emit_union_vertices<<<blocks, kBrickThreads, 0, stream.get()>>>(f, bricks, mesh, clamped);
     check_launch("emit_union_vertices");
@@ -291,7 +259,8 @@ void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
   }
   const BlendedKernel kernel = blended_kernel_of(f.model.kind, most_atoms);
   const std::uint32_t room = std::min(most_atoms, kMostAtoms);
-  const std::size_t bytes = room * sizeof(VertexAtom) + places_for(room) * sizeof(std::uint32_t);
+  const std::size_t bytes =
+      kBrickWarps * (room * sizeof(VertexAtom) + (room + kWarp) * sizeof(std::uint32_t));
   check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                   static_cast<int>(bytes)),
              "shared memory");
@@ -306,8 +275,8 @@ void emit_sampled_vertices_on_device(const SampledFieldView& field, const Counte
   if (bricks.size == 0) return;
   const auto kernel = mesh.normals ? emit_sampled_vertices<DeviceNormals::gradients>
                                    : emit_sampled_vertices<DeviceNormals::none>;
-  kernel<<<static_cast<unsigned>(bricks.size), kBrickThreads, 0, stream.get()>>>(field, bricks,
-                                                                                 mesh, clamped);
+  kernel<<<blocks_for(bricks.size, kBrickWarps), kBrickThreads, 0, stream.get()>>>(field, bricks,
+                                                                                   mesh, clamped);
   check_launch("emit_sampled_vertices");
 }
 

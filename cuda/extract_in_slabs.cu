@@ -1,13 +1,12 @@
 #include <algorithm>
-#include <exception>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include "core/large_pages.hpp"
 #include "cuda/download.cuh"
 #include "cuda/extract_in_slabs.cuh"
 #include "cuda/mesh_bricks.cuh"
+#include "cuda/run_on_threads.hpp"
 #include "extract/field_sample.hpp"
 #include "extract/limits.hpp"
 
@@ -21,9 +20,9 @@ constexpr std::uint64_t kBrickBytes =
     sizeof(std::uint64_t) + sizeof(ActiveBrick) + 2 * sizeof(BrickSums) + 64;
 
 [[noreturn]] void throw_no_room(std::uint64_t need, std::uint64_t have) {
-  throw LimitExceeded("extraction needs " + std::to_string(need) + " bytes of device memory, " +
-                      std::to_string(have) +
-                      " are available: choose a larger spacing or the cpu backend");
+  throw DeviceMemoryExceeded("extraction needs " + std::to_string(need) +
+                             " bytes of device memory, " + std::to_string(have) +
+                             " are available: choose a larger spacing or the cpu backend");
 }
 
 struct Slab {
@@ -44,6 +43,7 @@ class SlabWorker {
     check_cuda(cudaSetDevice(device_), "device");
     stream_.emplace();
     device_list_.emplace(list_, stream_->get());
+    field_.emplace(device_list_->view(), model_, *stream_);
     marks_.emplace(stream_->get());
     room_ = std::min(options_.device_memory,
                      available_device_memory() / static_cast<std::uint64_t>(sharers_));
@@ -53,12 +53,11 @@ class SlabWorker {
     const std::uint64_t fixed = candidates_.count * kBrickBytes;
     if (fixed + field_bytes(1) > room_) throw_no_room(fixed + field_bytes(1), room_);
     room_ -= fixed;
-    table_ = upload(&case_table(), 1, stream_->get());
     const std::uint64_t at_once = bricks_at_once();
     values_ = DeviceArray<float>(at_once * values_per_brick(), stream_->get());
     counted_ = count_and_scan(
-        candidates_, table_.data(),
-        [&](const CaseTable*, ActiveBrick* bricks, const BrickCounts& counts) {
+        candidates_,
+        [&](ActiveBrick* bricks, const BrickCounts& counts) {
           for (std::uint64_t begin = 0; begin < candidates_.count; begin += at_once) {
             count_range({begin, std::min(begin + at_once, candidates_.count)}, bricks, counts);
           }
@@ -90,7 +89,7 @@ class SlabWorker {
   double download_seconds() const { return download_seconds_; }
 
  private:
-  FieldContext context() const { return {device_list_->view(), model_}; }
+  const FieldContext& context() const { return field_->context(); }
   std::uint64_t values_per_brick() const {
     return model_.kind == FieldKind::vdw ? 0 : std::uint64_t{kBrickValues};
   }
@@ -108,7 +107,7 @@ class SlabWorker {
 
   void count_range(const BrickRange& range, ActiveBrick* bricks, const BrickCounts& counts) const {
     count_bricks_on_device(context(), candidates_.keys.data() + range.begin, range.size(),
-                           table_.data(), bricks + range.begin, values_.data(),
+                           bricks + range.begin, values_.data(),
                            {counts.sums + range.begin, counts.parts}, *stream_);
   }
 
@@ -174,8 +173,7 @@ class SlabWorker {
     numbered.opposite -= 3 * from.triangles;
     emit_vertices_on_device(context(), part_of(counted_.list(), slab.bricks), totals().most_atoms,
                             values_.data(), numbered, clamped, *stream_);
-    emit_triangles_on_device(counted_.list(), candidates_, slab.bricks, table_.data(), numbered,
-                             *stream_);
+    emit_triangles_on_device(counted_.list(), candidates_, slab.bricks, numbered, *stream_);
     std::vector<DownloadPart> parts = {
         {host.positions.data() + from.vertices, mesh.positions.data(), mesh.positions.bytes()},
         {host.normals.data() + from.vertices, mesh.normals.data(), mesh.normals.bytes()},
@@ -200,7 +198,7 @@ class SlabWorker {
     clear(parts, stream_->get());
     const DeviceArray<BrickSums> sums(slab.size(), stream_->get());
     count_bricks_on_device(context(), candidates_.keys.data() + slab.begin, slab.size(),
-                           table_.data(), counted_.bricks.data() + slab.begin, values_.data(),
+                           counted_.bricks.data() + slab.begin, values_.data(),
                            {sums.data(), parts.data()}, *stream_);
   }
 
@@ -210,10 +208,10 @@ class SlabWorker {
   CellListView list_;
   std::optional<Stream> stream_;
   std::optional<DeviceCellList> device_list_;
+  std::optional<DeviceField> field_;
   std::optional<StageMarks> marks_;
   std::uint64_t room_ = 0;  // bytes, beside what is kept of every brick
   KeyList candidates_;
-  DeviceArray<CaseTable> table_;
   DeviceArray<float> values_;
   bool holds_field_ = false;  // of all candidates
   CountedBricks counted_;
@@ -221,27 +219,6 @@ class SlabWorker {
   std::size_t marked_ = 3;  // stages before the next slab
   double emit_seconds_ = 0, download_seconds_ = 0;
 };
-
-// work(k) for each k, at once; throws what the first of them threw.
-template <class Work>
-void on_all(std::size_t count, const Work& work) {
-  std::vector<std::exception_ptr> failures(count);
-  const auto guarded = [&](std::size_t k) {
-    try {
-      work(k);
-    } catch (...) {
-      failures[k] = std::current_exception();
-    }
-  };
-  {
-    std::vector<std::jthread> others;
-    for (std::size_t k = 1; k < count; ++k) others.emplace_back(guarded, k);
-    guarded(0);
-  }
-  for (const std::exception_ptr& failure : failures) {
-    if (failure) std::rethrow_exception(failure);
-  }
-}
 
 void make_room(const BrickSums& sums, const ExtractOptions& options, double spacing,
                IndexedMesh& host) {
@@ -274,11 +251,11 @@ ExtractResult extract_to_host(const SphereSet& spheres, const ExtractOptions& op
                                                    model, options));
   }
   begin_stage(options.monitor, "field", 1);
-  on_all(shares, [&](std::size_t k) { workers[k]->count(); });
+  run_on_threads(shares, [&](std::size_t k) { workers[k]->count(); });
   advance(options.monitor, 1);
   begin_stage(options.monitor, "extract", 1);
   make_room(workers[0]->totals().sums, options, result.grid.spacing, result.mesh);
-  on_all(shares, [&](std::size_t k) { workers[k]->emit(k, shares, result.mesh); });
+  run_on_threads(shares, [&](std::size_t k) { workers[k]->emit(k, shares, result.mesh); });
   advance(options.monitor, 1);
   result.stats.grid_clipped = workers[0]->totals().clipped_cells;
   result.stats.surface_bricks = workers[0]->totals().surface_bricks;

@@ -6,9 +6,10 @@ namespace vdwmesh {
 DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
                                    const ExtractOptions& options, const Stream& stream) {
   DeviceExtraction result;
-  const FieldContext f{list, model};
   StageMarks marks(stream.get());
   begin_stage(options.monitor, "field", 2);
+  const DeviceField field(list, model, stream);
+  const FieldContext& f = field.context();
   const KeyList candidates =
       candidate_bricks_on_device(f, options.memory_limit / sizeof(ActiveBrick), stream);
   marks.mark();
@@ -17,9 +18,9 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
   require_device_memory(kept * sizeof(float), "the field in the surface bricks");
   const DeviceArray<float> values(kept, stream.get());
   const BrickKernels kernels{
-      [&](const CaseTable* table, ActiveBrick* bricks, const BrickCounts& counts) {
-        count_bricks_on_device(f, candidates.keys.data(), candidates.count, table, bricks,
-                               values.data(), counts, stream);
+      [&](ActiveBrick* bricks, const BrickCounts& counts) {
+        count_bricks_on_device(f, candidates.keys.data(), candidates.count, bricks, values.data(),
+                               counts, stream);
       },
       [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {
         emit_vertices_on_device(f, counted.list(), counted.totals.most_atoms, values.data(), mesh,

@@ -10,11 +10,33 @@
 
 namespace vdwmesh {
 
+// Of each sphere of a list its centre from `origin` and its reach, Å, in single precision; the
+// reach so much wider that it covers the rounding.
+struct RoughSpheres {
+  const float4* spheres;
+  Vec3d origin;
+};
+
 // What every kernel about the field needs; passed by value.
 struct FieldContext {
   CellListView list;
   FieldModel model;
+  RoughSpheres rough;
 };
+
+// The list and the model, whose rough spheres it owns.
+class DeviceField {
+ public:
+  DeviceField(const CellListView& list, const FieldModel& model, const Stream& stream);
+  const FieldContext& context() const { return context_; }
+
+ private:
+  DeviceArray<float4> rough_;
+  FieldContext context_;
+};
+
+// The case table in the memory of the current device, where it stays.
+const CaseTable* case_table_on_device();
 
 struct KeyList {
   DeviceArray<std::uint64_t> keys;
@@ -41,8 +63,8 @@ struct BrickCounts {
   CountPart* parts;  // kCountParts of them, to begin with 0
 };
 void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
-                            const CaseTable* table, ActiveBrick* bricks, float* values,
-                            const BrickCounts& counts, const Stream& stream);
+                            ActiveBrick* bricks, float* values, const BrickCounts& counts,
+                            const Stream& stream);
 
 // In all.
 struct BrickTotals {
@@ -82,7 +104,6 @@ void emit_sampled_vertices_on_device(const SampledFieldView& field, const Counte
 
 // Corners and opposite half-edges of the bricks of a range, at their numbers; `bricks` are all.
 void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const BrickRange& range,
-                              const CaseTable* table, const DeviceMeshView& mesh,
-                              const Stream& stream);
+                              const DeviceMeshView& mesh, const Stream& stream);
 
 }  // namespace vdwmesh

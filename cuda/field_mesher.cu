@@ -5,7 +5,7 @@
 
 #include <cub/device/device_select.cuh>
 
-#include "cuda/brick_block.cuh"
+#include "cuda/brick_warp.cuh"
 #include "cuda/cub_calls.cuh"
 #include "cuda/mesh_bricks.cuh"
 #include "extract/sampled_formulas.hpp"
@@ -38,7 +38,8 @@ SignGrid sign_grid(const GridSpec& grid) {
   return g;
 }
 
-// A warp per row of nodes; eight words at a time keep enough reads in flight.
+// A warp per row of nodes; eight words at a time keep enough reads in flight. Reads begin where the
+// row does, so that they fall on whole lines; bits move up by one, past the virtual node.
 __global__ void __launch_bounds__(kThreads)
     pack_signs(SampledFieldView field, SignGrid grid, std::uint32_t* words) {
   constexpr int at_once = 8;
@@ -47,13 +48,14 @@ __global__ void __launch_bounds__(kThreads)
   if (row >= grid.height * grid.depth) return;
   const std::int64_t width = field.grid.cells.x + 1;
   const float* const values = field.values + row * width;
+  std::uint32_t before = 0;  // the word before
   for (std::int64_t first = 0; first < grid.words; first += at_once) {
     float value[at_once];
 #pragma unroll
     for (int w = 0; w < at_once; ++w) {
-      const std::int64_t node = kWarp * (first + w) + lane - 1;
+      const std::int64_t node = kWarp * (first + w) + lane;
       // Not a number: outside.
-      value[w] = node >= 0 && node < width ? __ldcs(values + node) : __int_as_float(0x7fc00000);
+      value[w] = node < width ? __ldcs(values + node) : __int_as_float(0x7fc00000);
     }
     std::uint32_t own = 0;
 #pragma unroll
@@ -61,7 +63,10 @@ __global__ void __launch_bounds__(kThreads)
       const std::uint32_t word = __ballot_sync(kAllLanes, value[w] >= field.isovalue);
       if (lane == static_cast<unsigned>(w)) own = word;
     }
-    if (lane < at_once && first + lane < grid.words) words[row * grid.words + first + lane] = own;
+    const std::uint32_t lower = __shfl_up_sync(kAllLanes, own, 1);
+    const std::uint32_t moved = __funnelshift_l(lane == 0 ? before : lower, own, 1);
+    before = __shfl_sync(kAllLanes, own, at_once - 1);
+    if (lane < at_once && first + lane < grid.words) words[row * grid.words + first + lane] = moved;
   }
 }
 
@@ -156,17 +161,15 @@ __device__ std::uint32_t row_signs(const SignGrid& grid, const std::uint32_t* wo
   return bits & ((1u << kBrickReach) - 1);
 }
 
-constexpr unsigned kWarpsPerBlock = 4;
-
 // A warp per brick.
-__global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
+__global__ void __launch_bounds__(kBrickThreads)
     count_sampled(GridSpec spec, SignGrid grid, const std::uint32_t* words,
                   const std::uint64_t* keys, std::uint64_t size, const CaseTable* table,
                   ActiveBrick* bricks, BrickCounts counts) {
-  __shared__ ActiveBrick shared[kWarpsPerBlock];
-  __shared__ BrickGeometry geometry[kWarpsPerBlock];
+  __shared__ ActiveBrick shared[kBrickWarps];
+  __shared__ BrickGeometry geometry[kBrickWarps];
   const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
-  const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * kWarpsPerBlock + warp;
+  const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + warp;
   if (i >= size) return;
   ActiveBrick& brick = shared[warp];
   const BrickIndex index = brick_of_key(keys[i]);
@@ -175,7 +178,7 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
     brick.signs.row[z][y] = static_cast<std::uint16_t>(row_signs(grid, words, index, y, z));
   }
   if (lane == 0) brick.key = keys[i];
-  share_geometry_by_warp(spec, keys[i], geometry[warp]);
+  share_geometry(spec, keys[i], geometry[warp]);
   count_brick(geometry[warp], *table, brick);
   __syncwarp();
   store_count(brick, i, bricks, counts);
@@ -201,11 +204,11 @@ DeviceExtraction mesh_field_on_device(const SampledFieldView& field, DeviceNorma
   marks.mark();
   advance(options.monitor, 1);
   const BrickKernels kernels{
-      [&](const CaseTable* table, ActiveBrick* bricks, const BrickCounts& counts) {
+      [&](ActiveBrick* bricks, const BrickCounts& counts) {
         if (candidates.count == 0) return;
-        count_sampled<<<blocks_for(candidates.count, kWarpsPerBlock), kWarpsPerBlock * kWarp, 0,
+        count_sampled<<<blocks_for(candidates.count, kBrickWarps), kBrickThreads, 0,
                         stream.get()>>>(field.grid, grid, words.data(), candidates.keys.data(),
-                                        candidates.count, table, bricks, counts);
+                                        candidates.count, case_table_on_device(), bricks, counts);
         check_launch("count_sampled");
       },
       [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {

@@ -28,8 +28,8 @@ struct Tally {
 
 }  // namespace
 
-CountedBricks count_and_scan(const KeyList& candidates, const CaseTable* table,
-                             const CountKernel& count, StageMarks& marks, const Stream& stream) {
+CountedBricks count_and_scan(const KeyList& candidates, const CountKernel& count, StageMarks& marks,
+                             const Stream& stream) {
   const std::uint64_t n = candidates.count;
   require_device_memory(n * (sizeof(ActiveBrick) + 2 * sizeof(BrickSums)),
                         "the list of surface bricks");
@@ -40,7 +40,7 @@ CountedBricks count_and_scan(const KeyList& candidates, const CaseTable* table,
   // One more than bricks, so that the sums before it are those of all.
   const DeviceArray<BrickSums> sums(n + 1, stream.get());
   check_cuda(cudaMemsetAsync(sums.data() + n, 0, sizeof(BrickSums), stream.get()), "scan");
-  count(table, counted.bricks.data(), {sums.data(), tally.data()->parts});
+  count(counted.bricks.data(), {sums.data(), tally.data()->parts});
   marks.mark();
   counted.before = DeviceArray<BrickSums>(n + 1, stream.get());
   run_cub("scan", stream.get(), [&](void* scratch, std::size_t& bytes) {
@@ -61,9 +61,7 @@ void mesh_bricks_on_device(const KeyList& candidates, double spacing, const Bric
                            DeviceLabels labels, DeviceNormals normals,
                            const ExtractOptions& options, DeviceExtraction& result,
                            StageMarks& marks, const Stream& stream) {
-  const DeviceArray<CaseTable> table = upload(&case_table(), 1, stream.get());
-  const CountedBricks counted =
-      count_and_scan(candidates, table.data(), kernels.count, marks, stream);
+  const CountedBricks counted = count_and_scan(candidates, kernels.count, marks, stream);
   const BrickTotals& totals = counted.totals;
   advance(options.monitor, 1);
 
@@ -79,11 +77,12 @@ void mesh_bricks_on_device(const KeyList& candidates, double spacing, const Bric
       DeviceMesh(totals.sums.vertices, totals.sums.triangles, stream.get(), labels, normals);
   kernels.emit_vertices(counted, result.mesh.view(), clamped.data());
   marks.mark();
-  emit_triangles_on_device(counted.list(), candidates, {0, candidates.count}, table.data(),
-                           result.mesh.view(), stream);
+  emit_triangles_on_device(counted.list(), candidates, {0, candidates.count}, result.mesh.view(),
+                           stream);
   marks.mark();
   advance(options.monitor, 1);
 
+  result.candidates = candidates.count;
   result.stats.grid_clipped = totals.clipped_cells;
   result.stats.surface_bricks = totals.surface_bricks;
   result.stats.clamped_vertices = fetch(clamped.data(), stream);

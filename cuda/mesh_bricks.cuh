@@ -7,8 +7,7 @@
 
 namespace vdwmesh {
 
-using CountKernel =
-    std::function<void(const CaseTable*, ActiveBrick* bricks, const BrickCounts& counts)>;
+using CountKernel = std::function<void(ActiveBrick* bricks, const BrickCounts& counts)>;
 
 // What differs between kinds of field.
 struct BrickKernels {
@@ -18,8 +17,8 @@ struct BrickKernels {
 };
 
 // Counts the candidates and numbers what they hold; two marks.
-CountedBricks count_and_scan(const KeyList& candidates, const CaseTable* table,
-                             const CountKernel& count, StageMarks& marks, const Stream& stream);
+CountedBricks count_and_scan(const KeyList& candidates, const CountKernel& count, StageMarks& marks,
+                             const Stream& stream);
 
 // Counts the candidates, numbers what they hold and emits it; throws LimitExceeded before it takes
 // memory for the mesh. `marks` has one mark, made when the candidates were known.

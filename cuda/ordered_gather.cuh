@@ -1,37 +1,18 @@
-// A block of threads gathers the spheres near a box into shared memory, chunk by chunk, in list
-// order: the order in which the CPU meets them.
+// A warp gathers the spheres near a box in list order: the order in which the CPU meets them.
 #pragma once
 
 #include <cstdint>
 
-#include "extract/cell_list.hpp"
+#include "cuda/extract_stages.cuh"
 
 namespace vdwmesh {
 
 inline constexpr unsigned kWarp = 32;
 inline constexpr unsigned kAllLanes = 0xffffffffu;
 
-// Rows of cells near a box, over all levels of the list, numbered through.
-struct NearRows {
-  CellRange x[CellListView::kMaxLevels], y[CellListView::kMaxLevels], z[CellListView::kMaxLevels];
-  std::uint32_t first_row[CellListView::kMaxLevels + 1];
-};
-
 struct PlaceRange {
   std::uint32_t begin, end;
 };
-
-__device__ inline PlaceRange places_of_row(const CellListView& list, const NearRows& rows,
-                                           std::uint32_t row) {
-  int l = 0;
-  while (row >= rows.first_row[l + 1]) ++l;
-  const CellListView::Level& level = list.levels[l];
-  const auto local = static_cast<std::int32_t>(row - rows.first_row[l]);
-  const std::int32_t height = rows.y[l].last - rows.y[l].first + 1;
-  const std::int32_t y = rows.y[l].first + local % height, z = rows.z[l].first + local / height;
-  const std::int64_t base = (static_cast<std::int64_t>(z) * level.cells[1] + y) * level.cells[0];
-  return {level.cell_start[base + rows.x[l].first], level.cell_start[base + rows.x[l].last + 1]};
-}
 
 // The row among a warp's 32 that holds place `wanted` of all their places, given the inclusive sum
 // of the lengths of each lane's row; 32 beyond the last.
@@ -59,9 +40,13 @@ template <class Visit>
 __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3d& lower,
                                     const Vec3d& upper, Visit&& visit) {
   const unsigned lane = threadIdx.x % kWarp;
-  const CellRange x = cell_range(level, 0, lower.x, upper.x);
-  const CellRange y = cell_range(level, 1, lower.y, upper.y);
-  const CellRange z = cell_range(level, 2, lower.z, upper.z);
+  // A lane per axis.
+  const int axis = static_cast<int>(lane % 3);
+  const CellRange own = cell_range(level, axis, lower[axis], upper[axis]);
+  const auto of_axis = [&](unsigned a) {
+    return CellRange{__shfl_sync(kAllLanes, own.first, a), __shfl_sync(kAllLanes, own.last, a)};
+  };
+  const CellRange x = of_axis(0), y = of_axis(1), z = of_axis(2);
   if (x.first > x.last || y.first > y.last || z.first > z.last) return;
   const std::int32_t height = y.last - y.first + 1, rows = height * (z.last - z.first + 1);
   for (std::int32_t first = 0; first < rows; first += static_cast<std::int32_t>(kWarp)) {
@@ -85,112 +70,65 @@ __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3
   }
 }
 
-// Where a gather stands; lives in shared memory, one per block.
-struct GatherState {
-  NearRows rows;
-  std::uint32_t next_row;    // of the batch of 32 rows in hand
-  std::uint32_t next_place;  // among the places of that batch
-  std::uint32_t gathered;    // in the chunk
-  bool finished;
-  // Of the batch: inclusive sums of the rows' lengths, and where each row ends.
-  std::uint32_t sum[kWarp], end[kWarp];
-  std::uint32_t kept[kWarp];  // by each warp of the block, of the last places looked at
+// A box from the origin of rough spheres, Å.
+struct RoughBox {
+  float lower[3], upper[3];
 };
 
-// The first row of the batch whose sum exceeds `wanted`.
-__device__ inline unsigned row_holding(const GatherState& state, std::uint32_t wanted) {
-  unsigned owner = 0;
-  for (unsigned step = kWarp / 2; step > 0; step /= 2) {
-    if (state.sum[owner + step - 1] <= wanted) owner += step;
+__device__ inline RoughBox rough_box(const Vec3d& origin, const Vec3d& lower, const Vec3d& upper) {
+  RoughBox box{};
+  for (int axis = 0; axis < 3; ++axis) {
+    box.lower[axis] = static_cast<float>(lower[axis] - origin[axis]);
+    box.upper[axis] = static_cast<float>(upper[axis] - origin[axis]);
   }
-  return owner;
+  return box;
 }
 
-// Called by all threads of the block (at least 3 * kMaxLevels of them) before the first chunk.
-__device__ inline void begin_gather(const CellListView& list, const Vec3d& lower,
-                                    const Vec3d& upper, GatherState& state) {
-  NearRows& rows = state.rows;
-  const int l = static_cast<int>(threadIdx.x) / 3, axis = static_cast<int>(threadIdx.x) % 3;
-  if (l < list.level_count) {
-    CellRange* range = axis == 0 ? rows.x : (axis == 1 ? rows.y : rows.z);
-    range[l] = cell_range(list.levels[l], axis, lower[axis], upper[axis]);
-  }
-  __syncthreads();
-  if (threadIdx.x == 0) {
-    rows.first_row[0] = 0;
-    for (int i = 0; i < list.level_count; ++i) {
-      const CellRange &x = rows.x[i], &y = rows.y[i], &z = rows.z[i];
-      const bool any = x.first <= x.last && y.first <= y.last && z.first <= z.last;
-      const std::uint32_t count = any ? static_cast<std::uint32_t>(y.last - y.first + 1) *
-                                            static_cast<std::uint32_t>(z.last - z.first + 1)
-                                      : 0u;
-      rows.first_row[i + 1] = rows.first_row[i] + count;
-    }
-    state.next_row = 0;
-    state.next_place = 0;
-    state.gathered = 0;
-    state.finished = false;
-  }
-  __syncthreads();
+// Whether a sphere of that reach may touch the box: never false where it does.
+__device__ inline bool may_reach(const RoughBox& box, const float4& sphere) {
+  const float x = fmaxf(fmaxf(box.lower[0] - sphere.x, sphere.x - box.upper[0]), 0.0f);
+  const float y = fmaxf(fmaxf(box.lower[1] - sphere.y, sphere.y - box.upper[1]), 0.0f);
+  const float z = fmaxf(fmaxf(box.lower[2] - sphere.z, sphere.z - box.upper[2]), 0.0f);
+  return fmaf(x, x, fmaf(y, y, z * z)) <= sphere.w * sphere.w;
 }
 
-// Fills the next chunk with the places for which keep(place) holds, as many places at a time as the
-// block has threads; all of them call it. Afterwards state.gathered places stand in `chunk`, and
-// state.finished says whether it was the last chunk. The capacity is at least one place a thread; a
-// chunk ends when fewer than that are free.
-template <class Keep>
-__device__ void next_chunk(const CellListView& list, GatherState& state, std::uint32_t* chunk,
-                           std::uint32_t capacity, Keep keep) {
-  __syncthreads();
-  const unsigned lane = threadIdx.x % kWarp, warp = threadIdx.x / kWarp;
-  const std::uint32_t rows = state.rows.first_row[list.level_count];
-  std::uint32_t row = state.next_row, skip = state.next_place, gathered = 0;
-  bool full = false;
-  for (; row < rows; row += kWarp) {
-    if (warp == 0) {
-      PlaceRange range{0, 0};
-      if (row + lane < rows) range = places_of_row(list, state.rows, row + lane);
-      state.sum[lane] = warp_inclusive_sum(range.end - range.begin);
-      state.end[lane] = range.end;
-    }
-    __syncthreads();
-    const std::uint32_t total = state.sum[kWarp - 1];
-    for (std::uint32_t t = skip; t < total; t += blockDim.x) {
-      full = gathered + blockDim.x > capacity;
-      if (full) {
-        skip = t;
-        break;
-      }
-      const std::uint32_t wanted = t + threadIdx.x;
-      std::uint32_t place = 0;
-      bool kept = false;
-      if (wanted < total) {
-        const unsigned owner = row_holding(state, wanted);
-        place = state.end[owner] - (state.sum[owner] - wanted);
-        kept = keep(place);
-      }
+// Collects the places of the spheres that may reach a box, in list order, by one warp; those that
+// do not reach it add nothing to what is made of them. Whenever `size` of them stand in `waiting`,
+// which has room for kWarp more, and at the end for the rest, it calls batch(count) for the first
+// `count`; the warp is synchronised before and after. Stops where batch() returns true. Returns how
+// many there were.
+template <class Batch>
+__device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lower,
+                                        const Vec3d& upper, std::uint32_t* waiting,
+                                        std::uint32_t size, Batch&& batch) {
+  const CellListView& list = f.list;
+  const RoughBox box = rough_box(f.rough.origin, lower, upper);
+  const unsigned lane = threadIdx.x % kWarp;
+  std::uint32_t count = 0, met = 0;
+  bool done = false;
+  const auto hand_over = [&](std::uint32_t first) {
+    __syncwarp();
+    done = batch(first);
+    __syncwarp();
+    count -= first;
+    met += first;
+    const std::uint32_t next = lane < count ? waiting[first + lane] : 0;
+    __syncwarp();
+    if (lane < count) waiting[lane] = next;
+    __syncwarp();
+  };
+  for (int l = 0; l < list.level_count && !done; ++l) {
+    visit_level_by_warp(list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
+      const bool kept = valid && may_reach(box, f.rough.spheres[place]);
       const unsigned votes = __ballot_sync(kAllLanes, kept);
-      if (lane == 0) state.kept[warp] = static_cast<std::uint32_t>(__popc(votes));
-      __syncthreads();
-      std::uint32_t before = gathered;
-      for (unsigned w = 0; w < blockDim.x / kWarp; ++w) {
-        if (w < warp) before += state.kept[w];
-        gathered += state.kept[w];
-      }
-      if (kept) chunk[before + __popc(votes & ((1u << lane) - 1))] = place;
-      __syncthreads();
-    }
-    if (full) break;
-    skip = 0;
-    __syncthreads();
+      if (kept) waiting[count + __popc(votes & ((1u << lane) - 1))] = place;
+      count += static_cast<std::uint32_t>(__popc(votes));
+      while (count >= size && !done) hand_over(size);
+      return done;
+    });
   }
-  if (threadIdx.x == 0) {
-    state.next_row = row;
-    state.next_place = full ? skip : 0;
-    state.gathered = gathered;
-    state.finished = !full;
-  }
-  __syncthreads();
+  if (count > 0 && !done) hand_over(count);
+  return met;
 }
 
 }  // namespace vdwmesh

@@ -214,7 +214,7 @@ DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
   LevelSize last{mesh.vertex_count(), mesh.triangle_count()};
   require_device_memory(
       device_refine_bytes(last.vertices, last.triangles, options, mesh.triangle_labels()),
-      "refinement");
+      "refinement", options.device_memory);
   for (int l = 0; l < options.subdivisions; ++l) last = last.next();
   DeviceRefinement result;
   StageClock clock(stream.get());

@@ -1,211 +1,166 @@
-// A blended field at every node of a grid: a block of threads for 2 x 2 x 2 bricks, which share the
-// atoms near them and their terms; a warp per brick, two rows of nodes a lane.
-#include "cuda/brick_block.cuh"
+// A blended field at every node of a grid: a warp per brick, two rows of nodes a lane.
+#include "cuda/brick_warp.cuh"
 #include "extract/local_atom.hpp"
 
 namespace vdwmesh {
 namespace {
 
-constexpr int kBlockSide = 2 * kBrickSide;
-constexpr unsigned kBlockBricks = 8;
+constexpr unsigned kBlockBricks = 4;  // side by side, so that they write whole lines together
 constexpr unsigned kBlockThreads = kBlockBricks * kWarp;
-constexpr std::uint32_t kBlockAtoms = 64;  // in shared memory at a time
-constexpr std::uint32_t kPlaces = 1024;    // gathered at a time
+constexpr std::uint32_t kAtomChunk = 16;  // in shared memory at a time
+constexpr int kRowsApart = kBrickSide / 2;
 
-struct alignas(16) BlockAtom {
-  AxisTerm term[3][kBlockSide];
+struct SampleAtom {
+  alignas(16) AxisTerm term[3][kBrickSide];
 };
 
-struct BlockShared {
-  GatherState gather;
+struct SampleShared {
   std::int64_t first[3];  // lattice indices of node 0
-  double coordinate[3][kBlockSide];
-  std::uint32_t places[kPlaces];
-  float center[3][kBlockAtoms];  // Å, from the block's node 0
-  float reach_square[kBlockAtoms];
-  float scale[kBlockAtoms];
+  double coordinate[3][kBrickSide];
+  std::uint32_t waiting[kAtomChunk + kWarp];  // places of atoms that reach the brick
+  Sphere spheres[kAtomChunk];
+  float scale[kAtomChunk];
   union {
-    BlockAtom atoms[kBlockAtoms];
-    float values[kBlockSide][kBlockSide][kBlockSide];
+    SampleAtom atoms[kAtomChunk];
+    float values[kOwnRows][kBrickSide];
   };
 };
 
-__host__ __device__ std::int64_t blocks_along(std::int64_t cells) {
-  return (brick_count(cells) + 1) / 2;
-}
+// Bricks along the axes, those of a block one after the other along x.
+struct BrickGrid {
+  std::int32_t width, height, depth;
 
-__device__ void share_block(const GridSpec& grid, BlockShared& s) {
-  const std::int64_t width = blocks_along(grid.cells.x), height = blocks_along(grid.cells.y);
-  const std::int64_t block[3] = {blockIdx.x % width, blockIdx.x / width % height,
-                                 blockIdx.x / width / height};
-  if (threadIdx.x < 3) s.first[threadIdx.x] = block[threadIdx.x] * kBlockSide;
-  const auto i = static_cast<int>(threadIdx.x) % kBlockSide;
-  const auto axis = static_cast<int>(threadIdx.x) / kBlockSide;
-  if (axis < 3) {
-    const std::int64_t lattice = block[axis] * kBlockSide + i;
-    s.coordinate[axis][i] = lattice_coordinate(grid, axis, lattice);
+  __host__ __device__ explicit BrickGrid(const GridSpec& grid)
+      : width((brick_count(grid.cells.x) + static_cast<int>(kBlockBricks) - 1) /
+              static_cast<int>(kBlockBricks) * static_cast<int>(kBlockBricks)),
+        height(brick_count(grid.cells.y)),
+        depth(brick_count(grid.cells.z)) {}
+  __host__ __device__ std::int64_t blocks() const {
+    return static_cast<std::int64_t>(width) * height * depth / kBlockBricks;
   }
-  __syncthreads();
-}
-
-// Terms of the gathered atoms; leaves the block synchronised.
-template <FieldKind kind>
-__device__ void share_block_atoms(const FieldContext& f, const NodeShape& nodes,
-                                  const std::uint32_t* places, std::uint32_t count,
-                                  BlockShared& s) {
-  if (threadIdx.x < count) {
-    const Sphere& atom = f.list.spheres[places[threadIdx.x]];
-    const double scale = inverse_square_scale(f.model, atom.radius);
-    const double reach = field_reach(f.model, atom.radius);
-    const bool subgrid = f.model.truncation == Truncation::subgrid;
-    s.scale[threadIdx.x] = static_cast<float>(scale);
-    s.reach_square[threadIdx.x] = subgrid ? 1e30f : static_cast<float>(reach * reach * (1 + 1e-5));
-    for (int axis = 0; axis < 3; ++axis) {
-      s.center[axis][threadIdx.x] = static_cast<float>(atom.center[axis] - s.coordinate[axis][0]);
-    }
-  }
-  __syncthreads();
-  // A thread keeps to one plane of nodes, atom after atom.
-  constexpr unsigned terms = 3 * kBlockSide, at_once = kBlockThreads / terms;
-  const auto axis = static_cast<int>(threadIdx.x % terms) / kBlockSide;
-  const auto node = static_cast<int>(threadIdx.x % terms) % kBlockSide;
-  const std::int64_t lattice = s.first[axis] + node;
-  const double coordinate = s.coordinate[axis][node];
-  for (std::uint32_t k = threadIdx.x / terms; k < count && threadIdx.x < at_once * terms;
-       k += at_once) {
-    s.atoms[k].term[axis][node] = lattice_term<kind>(f.model, nodes, f.list.spheres[places[k]],
-                                                     s.scale[k], axis, lattice, coordinate);
-  }
-  __syncthreads();
-}
-
-// A brick of the block: its first node, and where its nodes end, Å from the block's node 0.
-struct OwnBrick {
-  int node[3];
-  float lower[3], upper[3];
 };
 
-__device__ OwnBrick own_brick(const GridSpec& grid) {
-  const auto warp = static_cast<int>(threadIdx.x / kWarp);
-  OwnBrick b{
-      {(warp & 1) * kBrickSide, (warp >> 1 & 1) * kBrickSide, (warp >> 2) * kBrickSide}, {}, {}};
-  for (int axis = 0; axis < 3; ++axis) {
-    b.lower[axis] = static_cast<float>(b.node[axis] * grid.spacing);
-    b.upper[axis] = static_cast<float>((b.node[axis] + kBrickSide - 1) * grid.spacing);
+// By one warp, which it leaves synchronised.
+__device__ void share_nodes(const GridSpec& grid, SampleShared& s) {
+  const BrickGrid bricks(grid);
+  const std::int64_t i = static_cast<std::int64_t>(blockIdx.x) * kBlockBricks + threadIdx.x / kWarp;
+  const std::int64_t brick[3] = {i % bricks.width, i / bricks.width % bricks.height,
+                                 i / bricks.width / bricks.height};
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const int axis = lane / kBrickSide, node = lane % kBrickSide;
+  if (axis < 3) {
+    const std::int64_t lattice = brick[axis] * kBrickSide + node;
+    if (node == 0) s.first[axis] = lattice;
+    s.coordinate[axis][node] = lattice_coordinate(grid, axis, lattice);
   }
-  return b;
+  __syncwarp();
 }
 
-// Bit k: the atom first + k may add to the brick. By all lanes of its warp.
-__device__ unsigned atoms_in_reach(const BlockShared& s, const OwnBrick& b, std::uint32_t count,
-                                   std::uint32_t first) {
-  const std::uint32_t k = first + threadIdx.x % kWarp;
-  bool reaches = false;
-  if (k < count) {
-    float d2 = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const float c = s.center[axis][k];
-      const float d = fmaxf(fmaxf(b.lower[axis] - c, c - b.upper[axis]), 0.0f);
-      d2 = fmaf(d, d, d2);
-    }
-    // Beyond the rounding of the distance, the atom adds exactly 0.
-    reaches = d2 <= s.reach_square[k];
-  }
-  return __ballot_sync(kAllLanes, reaches);
-}
-
+// Terms of the first `count` waiting atoms, all lanes at work; leaves the warp synchronised.
 template <FieldKind kind>
-__device__ void add_to_row(const NodeShape& nodes, const BlockShared& s, std::uint32_t k,
-                           const AxisTerm* along, const AxisTerm& y, const AxisTerm& z,
-                           float (&row)[kBrickSide]) {
-  const RowTerm term = row_term<kind>(nodes, y, z);
-  if (row_is_out_of_reach<kind>(nodes, term)) return;
-#pragma unroll
-  for (int x = 0; x < kBrickSide; ++x) {
-    row[x] = add_atom<kind>(nodes, term, along[x], s.scale[k], row[x]);
+__device__ void share_terms(const FieldContext& f, const NodeShape& nodes, std::uint32_t count,
+                            SampleShared& s) {
+  const unsigned lane = threadIdx.x % kWarp;
+  if (lane < count) {
+    s.spheres[lane] = f.list.spheres[s.waiting[lane]];
+    s.scale[lane] = static_cast<float>(inverse_square_scale(f.model, s.spheres[lane].radius));
   }
+  __syncwarp();
+  constexpr unsigned terms = 3 * kBrickSide;
+  for (unsigned i = lane; i < count * terms; i += kWarp) {
+    const unsigned k = i / terms;
+    const auto axis = static_cast<int>(i % terms) / kBrickSide;
+    const auto node = static_cast<int>(i % terms) % kBrickSide;
+    s.atoms[k].term[axis][node] =
+        lattice_term<kind>(f.model, nodes, s.spheres[k], s.scale[k], axis, s.first[axis] + node,
+                           s.coordinate[axis][node]);
+  }
+  __syncwarp();
 }
 
-// Writes the nodes that the grid has, a plane of the block at a time.
-__device__ void store_block(const GridSpec& grid, const BlockShared& s, float* values) {
-  static_assert(kBlockThreads == kBlockSide * kBlockSide);
-  const auto x = static_cast<int>(threadIdx.x) % kBlockSide;
-  const auto y = static_cast<int>(threadIdx.x) / kBlockSide;
-  const std::int64_t nx = s.first[0] + x - 1, ny = s.first[1] + y - 1, nz = s.first[2] - 1;
-  const std::int64_t width = grid.cells.x + 1, height = grid.cells.y + 1;
-  if (nx < 0 || ny < 0 || nx >= width || ny >= height) return;
-  float* out = values + (nz * height + ny) * width + nx;
-  const int begin = nz < 0 ? 1 : 0;
-  const std::int64_t above = grid.cells.z + 1 - nz;
-  const int end = above < kBlockSide ? static_cast<int>(above) : kBlockSide;
-  for (int z = begin; z < end; ++z) out[z * width * height] = s.values[z][y][x];
-}
-
-// The rows (y, z) and (y, z + 4) of a lane's brick.
+// The rows (y, z) and (y, z + kRowsApart) of a lane.
 struct RowPair {
   int y, z;
   float low[kBrickSide] = {}, high[kBrickSide] = {};
 };
-constexpr int kRowsApart = kBrickSide / 2;
 
-__device__ RowPair own_rows(const OwnBrick& brick) {
-  const auto lane = static_cast<int>(threadIdx.x % kWarp);
-  return {brick.node[1] + lane % kBrickSide, brick.node[2] + lane / kBrickSide};
-}
-
-// Adds the first `count` atoms in shared memory, in their order.
+// Adds an atom to a row, where it reaches that of any lane.
 template <FieldKind kind>
-__device__ void add_atoms(const NodeShape& nodes, const BlockShared& s, std::uint32_t count,
-                          const OwnBrick& brick, RowPair& rows) {
-  for (std::uint32_t first = 0; first < count; first += kWarp) {
-    for (unsigned mask = atoms_in_reach(s, brick, count, first); mask != 0; mask &= mask - 1) {
-      const std::uint32_t k = first + static_cast<std::uint32_t>(__ffs(static_cast<int>(mask))) - 1;
-      const AxisTerm* const along = &s.atoms[k].term[0][brick.node[0]];
-      const AxisTerm y = s.atoms[k].term[1][rows.y];
-      add_to_row<kind>(nodes, s, k, along, y, s.atoms[k].term[2][rows.z], rows.low);
-      add_to_row<kind>(nodes, s, k, along, y, s.atoms[k].term[2][rows.z + kRowsApart], rows.high);
-    }
+__device__ void add_to_row(const NodeShape& nodes, const SampleAtom& atom, float scale,
+                           const RowTerm& term, float (&row)[kBrickSide]) {
+  if (__all_sync(kAllLanes, row_is_out_of_reach<kind>(nodes, term))) return;
+  const auto* const pairs = reinterpret_cast<const float4*>(atom.term[0]);
+#pragma unroll
+  for (int x = 0; x < kBrickSide; x += 2) {
+    const float4 pair = pairs[x / 2];
+    row[x] = add_atom<kind>(nodes, term, {pair.x, pair.y}, scale, row[x]);
+    row[x + 1] = add_atom<kind>(nodes, term, {pair.z, pair.w}, scale, row[x + 1]);
   }
 }
 
 template <FieldKind kind>
-__global__ void __launch_bounds__(kBlockThreads, 4) sample_blocks(FieldContext f, float* values) {
-  extern __shared__ __align__(16) unsigned char dynamic[];
-  BlockShared& s = *reinterpret_cast<BlockShared*>(dynamic);
+__device__ void add_atoms(const NodeShape& nodes, const SampleShared& s, std::uint32_t count,
+                          RowPair& rows) {
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const SampleAtom& atom = s.atoms[k];
+    const AxisTerm y = atom.term[1][rows.y];
+    const RowTerm low = row_term<kind>(nodes, y, atom.term[2][rows.z]);
+    const RowTerm high = row_term<kind>(nodes, y, atom.term[2][rows.z + kRowsApart]);
+    add_to_row<kind>(nodes, atom, s.scale[k], low, rows.low);
+    add_to_row<kind>(nodes, atom, s.scale[k], high, rows.high);
+  }
+}
+
+// Writes the nodes that the grid has, four rows at a time.
+__device__ void store_rows(const GridSpec& grid, const RowPair& rows, SampleShared& s,
+                           float* values) {
+  __syncwarp();
+  const int low = rows.z * kBrickSide + rows.y, high = low + kRowsApart * kBrickSide;
+#pragma unroll
+  for (int x = 0; x < kBrickSide; ++x) {
+    s.values[low][x] = rows.low[x];
+    s.values[high][x] = rows.high[x];
+  }
+  __syncwarp();
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const std::int64_t width = grid.cells.x + 1, height = grid.cells.y + 1;
+  const std::int64_t nx = s.first[0] + lane % kBrickSide - 1;
+  if (nx < 0 || nx >= width) return;
+#pragma unroll 4
+  for (int row = lane / kBrickSide; row < kOwnRows; row += static_cast<int>(kWarp) / kBrickSide) {
+    const std::int64_t ny = s.first[1] + row % kBrickSide - 1;
+    const std::int64_t nz = s.first[2] + row / kBrickSide - 1;
+    if (ny < 0 || ny >= height || nz < 0 || nz > grid.cells.z) continue;
+    values[(nz * height + ny) * width + nx] = s.values[row][lane % kBrickSide];
+  }
+}
+
+template <FieldKind kind>
+__global__ void __launch_bounds__(kBlockThreads, 8)
+    sample_bricks(const __grid_constant__ FieldContext f, float* values) {
+  __shared__ SampleShared shared[kBlockBricks];
+  SampleShared& s = shared[threadIdx.x / kWarp];
   const NodeShape nodes = node_shape(f.model);
-  share_block(f.model.grid, s);
-  constexpr int end = kBlockSide - 1;
+  share_nodes(f.model.grid, s);
+  constexpr int end = kBrickSide - 1;
   const Vec3d lower{s.coordinate[0][0], s.coordinate[1][0], s.coordinate[2][0]};
   const Vec3d upper{s.coordinate[0][end], s.coordinate[1][end], s.coordinate[2][end]};
-  begin_gather(f.list, lower, upper, s.gather);
-  const OwnBrick brick = own_brick(f.model.grid);
-  RowPair rows = own_rows(brick);
-  do {
-    next_chunk(f.list, s.gather, s.places, kPlaces, [&](std::uint32_t place) {
-      return reaches_box(f.model, lower, upper, f.list.spheres[place]);
-    });
-    for (std::uint32_t first = 0; first < s.gather.gathered; first += kBlockAtoms) {
-      const std::uint32_t left = s.gather.gathered - first;
-      const std::uint32_t count = left < kBlockAtoms ? left : kBlockAtoms;
-      share_block_atoms<kind>(f, nodes, s.places + first, count, s);
-      add_atoms<kind>(nodes, s, count, brick, rows);
-      __syncthreads();
-    }
-  } while (!s.gather.finished);
-  for (int x = 0; x < kBrickSide; ++x) {
-    s.values[rows.z][rows.y][brick.node[0] + x] = rows.low[x];
-    s.values[rows.z + kRowsApart][rows.y][brick.node[0] + x] = rows.high[x];
-  }
-  __syncthreads();
-  store_block(f.model.grid, s, values);
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  RowPair rows{lane % kBrickSide, lane / kBrickSide};
+  gather_by_warp(f, lower, upper, s.waiting, kAtomChunk, [&](std::uint32_t count) {
+    share_terms<kind>(f, nodes, count, s);
+    add_atoms<kind>(nodes, s, count, rows);
+    return false;
+  });
+  store_rows(f.model.grid, rows, s, values);
 }
 
 using SampleKernel = void (*)(FieldContext, float*);
 
 SampleKernel kernel_of(FieldKind kind) {
-  if (kind == FieldKind::blinn) return sample_blocks<FieldKind::blinn>;
-  if (kind == FieldKind::soft_object) return sample_blocks<FieldKind::soft_object>;
-  return sample_blocks<FieldKind::inverse_squared>;
+  if (kind == FieldKind::blinn) return sample_bricks<FieldKind::blinn>;
+  if (kind == FieldKind::soft_object) return sample_bricks<FieldKind::soft_object>;
+  return sample_bricks<FieldKind::inverse_squared>;
 }
 
 }  // namespace
@@ -213,14 +168,10 @@ SampleKernel kernel_of(FieldKind kind) {
 void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
                             const Stream& stream) {
   const SampleKernel kernel = kernel_of(model.kind);
-  const Vec3i& cells = model.grid.cells;
-  check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                  static_cast<int>(sizeof(BlockShared))),
-             "shared memory");
-  const std::int64_t blocks = blocks_along(cells.x) * blocks_along(cells.y) * blocks_along(cells.z);
-  kernel<<<static_cast<unsigned>(blocks), kBlockThreads, sizeof(BlockShared), stream.get()>>>(
-      {list, model}, values);
-  check_launch("sample_blocks");
+  const auto blocks = static_cast<unsigned>(BrickGrid(model.grid).blocks());
+  const DeviceField field(list, model, stream);
+  kernel<<<blocks, kBlockThreads, 0, stream.get()>>>(field.context(), values);
+  check_launch("sample_bricks");
 }
 
 }  // namespace vdwmesh

@@ -46,6 +46,11 @@ class LimitExceeded : public Error {
   using Error::Error;
 };
 
+// The same of a device's memory: the host may have room.
+class DeviceMemoryExceeded : public LimitExceeded {
+  using LimitExceeded::LimitExceeded;
+};
+
 // The caller's Monitor asked to stop.
 class Cancelled : public Error {
   using Error::Error;

@@ -37,12 +37,17 @@ VDWMESH_HD inline RowCrossings row_crossings(const BrickSigns& s, int y, int z) 
 
 VDWMESH_HD inline int vertex_count(const RowCrossings& c) { return count_bits(c.packed); }
 
-// Place of the vertex of node x's edge along `axis` among those of its row: by node, then axis.
-VDWMESH_HD inline int place_in_row(const RowCrossings& c, int x, int axis) {
+// Bits of RowCrossings that come before node x's edge along `axis`: by node, then axis.
+VDWMESH_HD inline std::uint32_t crossings_before(int x, int axis) {
   constexpr std::uint32_t each_axis = 0x010101;
   const std::uint32_t lower_nodes = each_axis * ((1u << x) - 1);
   const std::uint32_t lower_axes = (each_axis << x) & ((1u << (8 * axis)) - 1);
-  return count_bits(c.packed & (lower_nodes | lower_axes));
+  return lower_nodes | lower_axes;
+}
+
+// Place of the vertex of node x's edge along `axis` among those of its row.
+VDWMESH_HD inline int place_in_row(const RowCrossings& c, int x, int axis) {
+  return count_bits(c.packed & crossings_before(x, axis));
 }
 
 // The case of the cell whose lower corner is node (x, y, z): see case_table.hpp.

@@ -88,12 +88,24 @@ struct LocalGradient {
   Strongest strongest;
 };
 
+VDWMESH_HD inline float local_square(const Vec3f& local) {
+  return std::fma(local.x, local.x, std::fma(local.y, local.y, local.z * local.z));
+}
+
+// False only where add_gradient() adds exactly 0.
+template <FieldKind kind>
+VDWMESH_HD inline bool is_in_window(const ShapeParameters<float>& shape, const Vec3f& local,
+                                    float scale) {
+  const float q = local_square(local) * scale;
+  return kind == FieldKind::soft_object ? q < 1 : window_root(shape, q) > 0;
+}
+
 // `local`: the vertex less the centre of the atom, Å.
 template <FieldKind kind>
 VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const Vec3f& local,
                                     float scale, std::uint32_t rank, std::uint32_t atom,
                                     LocalGradient& g) {
-  const float d2 = std::fma(local.x, local.x, std::fma(local.y, local.y, local.z * local.z));
+  const float d2 = local_square(local);
   const ValueAndSlope<float> f = shape_value_and_slope<kind>(shape, d2, scale);
   for (int axis = 0; axis < 3; ++axis) g.sum[axis] = std::fma(f.slope, local[axis], g.sum[axis]);
   g.strongest.meet(f.value, rank, atom);
@@ -104,10 +116,8 @@ VDWMESH_HD inline SurfaceVertex vertex_between(float inside, float outside, floa
                                                const GridSpec& grid, const CrossedEdge& edge,
                                                const Vec3d& inside_node) {
   const EdgePoint point = interpolate_edge(inside, outside, isovalue, grid.spacing);
-  SurfaceVertex v{inside_node, {0, 0, 0}, kNoSphere, point.clamped};
-  v.position[edge.axis] = std::fma(edge.direction, point.distance, inside_node[edge.axis]);
-  v.normal[edge.axis] = static_cast<float>(edge.direction);
-  return v;
+  return {point_on_edge(edge, inside_node, point.distance), cast<float>(edge_direction(edge)),
+          kNoSphere, point.clamped};
 }
 
 // Outward: down the gradient, or along the edge where it vanishes.

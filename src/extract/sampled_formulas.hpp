@@ -60,10 +60,8 @@ VDWMESH_HD inline SurfaceVertex sampled_vertex(const SampledFieldView& f, const 
                                                    : *node_address(f, outside);
   const EdgePoint point =
       interpolate_edge(*node_address(f, inside), beyond, f.isovalue, f.grid.spacing);
-  SurfaceVertex v{node, {0, 0, 0}, kNoSphere, point.clamped};
-  v.position[edge.axis] = std::fma(edge.direction, point.distance, node[edge.axis]);
-  v.normal[edge.axis] = static_cast<float>(edge.direction);
-  return v;
+  return {point_on_edge(edge, node, point.distance), cast<float>(edge_direction(edge)), kNoSphere,
+          point.clamped};
 }
 
 // Down the gradient at a vertex, between those of its edge's ends.

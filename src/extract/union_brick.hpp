@@ -145,10 +145,8 @@ inline void UnionBrick::find_normals(const BrickEdges& edges) {
   if (lanes_.find_normals() == 0) return;
   for (std::size_t e = 0; e < lanes_.count; ++e) {
     const CrossedEdge edge = edges.all()[e].crossed();
-    Vec3d outward{0, 0, 0};
-    outward[edge.axis] = edge.direction;
-    const Vec3f normal =
-        unit_or({lanes_.radial[0][e], lanes_.radial[1][e], lanes_.radial[2][e]}, outward);
+    const Vec3f normal = unit_or({lanes_.radial[0][e], lanes_.radial[1][e], lanes_.radial[2][e]},
+                                 edge_direction(edge));
     for (int i = 0; i < 3; ++i) lanes_.normal[i][e] = normal[i];
   }
 }

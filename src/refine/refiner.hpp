@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/monitor.hpp"
@@ -32,6 +33,7 @@ struct RefineOptions {
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes, compared with refine_bytes()
   LevelObserver on_level;                       // may be empty
   Monitor* monitor = nullptr;
+  std::uint64_t device_memory = kNoMemoryLimit;  // bytes, for the CUDA backend
 };
 
 inline constexpr int kMaxSubdivisions = 16;           // 4^16 = 2^32 triangles from one
@@ -53,6 +55,7 @@ struct RefineResult {
   IndexedMesh mesh;
   std::vector<ProjectionStats> levels;  // [0]: the given vertices; [l]: after subdivision l
   double seconds = 0;                   // without those of the observer
+  std::string fallback;  // why the CPU did what a device was to do; empty: it did not
 };
 
 // Bytes that refine() takes at its peak beyond its arguments: the last level's mesh, the one it

@@ -1,4 +1,4 @@
-// What blocks of threads that work on one brick share.
+// What the warps share that work on one brick each.
 #pragma once
 
 #include "cuda/extract_stages.cuh"
@@ -10,29 +10,10 @@
 
 namespace vdwmesh {
 
-inline constexpr unsigned kBrickThreads = 128;
+inline constexpr unsigned kBrickWarps = 2;  // of a block: more would wait for the longest
+inline constexpr unsigned kBrickThreads = kBrickWarps * kWarp;
 inline constexpr int kRows = kBrickReach * kBrickReach;   // rows of nodes that cells touch
 inline constexpr int kOwnRows = kBrickSide * kBrickSide;  // rows of own nodes, and of cells
-
-// brick_geometry() by the threads of a block, at least 27 of them.
-__device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, BrickGeometry& g) {
-  const BrickIndex brick = brick_of_key(key);
-  const int i = static_cast<int>(threadIdx.x) % kBrickReach;
-  const int axis = static_cast<int>(threadIdx.x) / kBrickReach;
-  if (threadIdx.x == 0) g.brick = brick;
-  if (axis < 3) {
-    const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
-    g.coordinate[axis][i] = lattice_coordinate(grid, axis, lattice_index(index, i));
-    if (i == 0) {
-      std::uint32_t real = 0;
-      for (int n = 0; n < kBrickReach; ++n) {
-        if (!is_virtual(grid, axis, lattice_index(index, n))) real |= 1u << n;
-      }
-      g.real[axis] = static_cast<std::uint16_t>(real);
-    }
-  }
-  __syncthreads();
-}
 
 // Row (y, z) of the brick's signs; virtual nodes are outside.
 __device__ inline void share_signs(const BrickGeometry& g, std::uint32_t inside, int y, int z,
@@ -41,9 +22,8 @@ __device__ inline void share_signs(const BrickGeometry& g, std::uint32_t inside,
   signs.row[z][y] = real ? static_cast<std::uint16_t>(inside & g.real[0]) : std::uint16_t{0};
 }
 
-// The same by one warp, which it leaves synchronised.
-__device__ inline void share_geometry_by_warp(const GridSpec& grid, std::uint64_t key,
-                                              BrickGeometry& g) {
+// brick_geometry() by one warp, which it leaves synchronised.
+__device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, BrickGeometry& g) {
   const BrickIndex brick = brick_of_key(key);
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   const int axis = lane / kBrickReach, i = lane % kBrickReach;
@@ -111,33 +91,39 @@ __device__ inline void store_count(const ActiveBrick& brick, std::uint64_t i, Ac
   if (brick.vertices + brick.triangles != 0) atomicAdd(&part.surface_bricks, 1ull);
 }
 
-// Crossed edges of a brick in the order of their vertices: row * 32 + x * 4 + axis.
-struct EdgeList {
-  std::uint16_t code[3 * kBrickNodes];
+// The 8 low bits, each followed by two zeros.
+__device__ inline std::uint32_t spread_by_three(std::uint32_t bits) {
+  bits = (bits | bits << 8) & 0x00f00fu;
+  bits = (bits | bits << 4) & 0x0c30c3u;
+  return (bits | bits << 2) & 0x249249u;
+}
 
-  // Without the vertex's position in memory: the edge as its inside end sees it.
-  __device__ CrossedEdge edge(const BrickSigns& signs, std::uint32_t vertex) const {
-    const int c = code[vertex];
-    const int axis = c & 3, x = c >> 2 & 7, y = c >> 5 & 7, z = c >> 8;
-    return crossed_edge((signs.row[z][y] >> x & 1) != 0, x, y, z, axis);
+// Place of the n-th set bit, from 0; there are more than n.
+__device__ inline int nth_bit(std::uint32_t bits, int n) {
+  int place = 0;
+  for (int width = 16; width > 0; width /= 2) {
+    const int below = __popc(bits >> place & ((1u << width) - 1));
+    if (n < below) continue;
+    n -= below;
+    place += width;
   }
-};
+  return place;
+}
 
-// A row per thread; the caller synchronises before and after.
-__device__ inline void list_edges(const ActiveBrick& brick, EdgeList& edges) {
-  if (threadIdx.x >= kOwnRows) return;
-  const int y = static_cast<int>(threadIdx.x) % kBrickSide;
-  const int z = static_cast<int>(threadIdx.x) / kBrickSide;
+// The edge of vertex n of a brick.
+__device__ inline CrossedEdge edge_of_vertex(const ActiveBrick& brick, std::uint32_t n) {
+  int row = 0;  // the last that begins at or before n
+  for (int step = kOwnRows / 2; step > 0; step /= 2) {
+    if (brick.row_vertices[row + step] <= n) row += step;
+  }
+  const int y = row % kBrickSide, z = row / kBrickSide;
   const RowCrossings c = row_crossings(brick.signs, y, z);
-  int next = brick.row_vertices[threadIdx.x];
-  for (std::uint32_t nodes = c.nodes(); nodes; nodes &= nodes - 1) {
-    const int x = __ffs(static_cast<int>(nodes)) - 1;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!c.has(x, axis)) continue;
-      const unsigned code = threadIdx.x * 32 + static_cast<unsigned>(x * 4 + axis);
-      edges.code[next++] = static_cast<std::uint16_t>(code);
-    }
-  }
+  // By node, then axis.
+  const std::uint32_t crossed = spread_by_three(c.along(0)) | spread_by_three(c.along(1)) << 1 |
+                                spread_by_three(c.along(2)) << 2;
+  const int place = nth_bit(crossed, static_cast<int>(n - brick.row_vertices[row]));
+  const int x = place / 3;
+  return crossed_edge((brick.signs.row[z][y] >> x & 1) != 0, x, y, z, place % 3);
 }
 
 // Through which a warp writes its vertices, one a lane, in whole lines of memory.
@@ -166,6 +152,23 @@ __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& 
     positions[w] = stage.position[w];
     if (mesh.normals) normals[w] = stage.normal[w];
     if (mesh.vertex_spheres) spheres[w] = w % 3 == 0 ? stage.sphere[w / 3] : kNoSphere;
+  }
+}
+
+// Writes vertex(edge) for the vertices of a brick, by one warp, all lanes of which call it; adds
+// those that were clamped to `clamped`.
+template <class Vertex>
+__device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexStage& stage,
+                          const DeviceMeshView& mesh, unsigned long long* clamped, Vertex vertex) {
+  const unsigned lane = threadIdx.x % kWarp;
+  for (std::uint32_t first = 0; first < brick.vertices; first += kWarp) {
+    const std::uint32_t left = brick.vertices - first;
+    const unsigned count = left < kWarp ? left : kWarp;
+    // Lanes without a vertex make the last one too, so that all of the warp stay together.
+    const unsigned own = lane < count ? lane : count - 1;
+    const SurfaceVertex v = vertex(edge_of_vertex(brick, first + own));
+    if (lane < count && v.clamped) atomicAdd(clamped, 1ull);
+    store_vertices(stage, mesh, base + first, count, v);
   }
 }
 
