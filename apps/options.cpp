@@ -286,6 +286,7 @@ DistanceChoice DistanceFlags::resolve() const {
 void MachineFlags::add_to(CLI::App& verb, Backends backends) {
   if (backends == Backends::choose) {
     verb.add_option("--backend", backend_, "auto, cpu or cuda [auto]");
+    verb.add_option("--devices", devices_, "CUDA devices that share an extraction [1]");
   }
   verb.add_option("--threads", threads_, "CPU threads [all]");
   verb.add_option("--memory-limit", memory_limit_,
@@ -297,6 +298,10 @@ void MachineFlags::add_to(CLI::App& verb, Backends backends) {
 MachineOptions MachineFlags::resolve() const {
   MachineOptions options;
   options.backend = choose("--backend", backend_, kBackends);
+  if (devices_) options.devices = static_cast<int>(parse_integer("--devices", *devices_, 1, 64));
+  if (devices_ && options.backend == Backend::cpu) {
+    throw InvalidInput("--devices: says how many CUDA devices work; leave out --backend cpu");
+  }
   if (threads_) options.threads = static_cast<int>(parse_integer("--threads", *threads_, 1, 4096));
   options.memory_limit =
       memory_limit_ ? parse_bytes("--memory-limit", *memory_limit_) : default_memory_limit();

@@ -53,6 +53,7 @@ enum class Verbosity { normal, quiet };
 
 struct MachineOptions {
   Backend backend = Backend::automatic;
+  int devices = 1;                 // CUDA devices that share an extraction
   int threads = 0;                 // 0: all
   std::uint64_t memory_limit = 0;  // bytes
   Progress progress = Progress::terminal_only;
@@ -136,7 +137,7 @@ class MachineFlags {
 
  private:
   std::string backend_ = "auto";
-  std::optional<std::string> threads_, memory_limit_;
+  std::optional<std::string> devices_, threads_, memory_limit_;
   bool quiet_ = false, progress_ = false;
 };
 

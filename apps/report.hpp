@@ -38,6 +38,7 @@ struct BackendReport {
   Backend used = Backend::cpu;
   std::optional<std::string> device, driver;
   std::optional<std::string> reason;  // why automatic did not take CUDA
+  int devices = 0;                    // that made the mesh; 0 on the CPU
   int threads = 1;
 };
 

@@ -228,6 +228,7 @@ Json backend_json(const BackendReport& backend) {
           {"device", or_null(backend.device)},
           {"driver", or_null(backend.driver)},
           {"reason", or_null(backend.reason)},
+          {"devices", backend.devices},
           {"threads", backend.threads}};
 }
 

@@ -96,6 +96,7 @@ void parameters_text(Text out, const ParametersReport& parameters) {
 void backend_text(Text out, const BackendReport& backend) {
   std::string text = fmt::format("{}", backend_name(backend.used));
   if (backend.device) text += fmt::format(", {}", *backend.device);
+  if (backend.devices > 1) text += fmt::format(" and {} more", backend.devices - 1);
   if (backend.driver) text += fmt::format(", driver {}", *backend.driver);
   text += fmt::format(", {}", counted(static_cast<std::uint64_t>(backend.threads), "CPU thread"));
   if (backend.requested == Backend::automatic) text += "; asked for: auto";

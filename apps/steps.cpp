@@ -66,6 +66,22 @@ void require_triangles(const IndexedMesh& mesh, const SphereSet& spheres, double
       spacing, smallest));
 }
 
+// How many devices make a mesh; only an extraction is shared among several.
+int devices_for(const MachineOptions& machine, const SurfaceOptions& surface, Report& report) {
+  if (report.backend->used == Backend::cpu) return 0;
+  const std::size_t present = cuda_devices().devices.size();
+  if (static_cast<std::size_t>(machine.devices) > present) {
+    throw InvalidInput(fmt::format("--devices {}: the CUDA devices here are {}, so at most {}",
+                                   machine.devices, present, present));
+  }
+  if (machine.devices == 1) return 1;
+  if (surface.mesher == Mesher::marching_cubes && surface.subdivisions == 0) return machine.devices;
+  report.notes.push_back(
+      fmt::format("--devices {}: only marching cubes without --subdivide is shared; one was used",
+                  machine.devices));
+  return 1;
+}
+
 IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
                        Connectivity connectivity, RefineOptions& refine, Report& report) {
   const GridSpec grid = make_grid(spheres, surface.grid);
@@ -76,8 +92,10 @@ IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
   extract.connectivity = connectivity;
   extract.memory_limit = refine.memory_limit;
   extract.monitor = refine.monitor;
+  extract.devices = std::max(report.backend->devices, 1);
   refine.grid = grid;
-  PipelineResult result = make_pipeline(report.backend->used)->run(spheres, extract, refine);
+  PipelineResult result = make_pipeline(report.backend->requested)->run(spheres, extract, refine);
+  if (!result.fallback.empty()) report.notes.push_back(result.fallback);
   require_triangles(result.mesh, spheres, grid.spacing);
   report.timing.field = result.extract.field_seconds;
   report.timing.extract = result.extract.extract_seconds;
@@ -97,7 +115,9 @@ IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& sur
   report.mesh.emplace();
   report.mesh->arrangement = exact.stats;
   if (refine.subdivisions == 0) return std::move(exact.mesh);
-  RefineResult refined = make_refiner(report.backend->used)->refine(spheres, exact.mesh, refine);
+  RefineResult refined =
+      make_refiner(report.backend->requested)->refine(spheres, exact.mesh, refine);
+  if (!refined.fallback.empty()) report.notes.push_back(refined.fallback);
   report.timing.refine = refined.seconds;
   report.mesh->projection = std::move(refined.levels);
   return std::move(refined.mesh);
@@ -169,6 +189,7 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
                       Report& report, const LevelObserver& on_level) {
   report.backend = describe_backend(machine.backend, resolve(machine.backend));
   report.notes.insert(report.notes.end(), surface.notes.begin(), surface.notes.end());
+  report.backend->devices = devices_for(machine, surface, report);
   RefineOptions refine;
   refine.subdivisions = surface.subdivisions;
   refine.projection = surface.projection;

@@ -40,11 +40,13 @@ struct PipelineResult {
   ExtractStats extract;
   std::vector<ProjectionStats> levels;
   double refine_seconds = 0;
+  std::string fallback;  // why the CPU did a part that a device was to do; empty: it did none
 };
 
 // Extraction, then refinement; with 0 subdivisions the extracted mesh as it is. The grid of
 // `refine` is that of the extraction, whatever it says. The CUDA pipeline keeps everything on the
-// device in between.
+// device in between. The automatic one leaves to the CPU what does not fit the device's memory,
+// the refinement or all of it, where the CUDA one throws DeviceMemoryExceeded.
 class SurfacePipeline {
  public:
   virtual ~SurfacePipeline() = default;

@@ -26,7 +26,7 @@ class CudaPipeline final : public SurfacePipeline {
       const DeviceCellList device_list(list.view(), stream.get());
       return extract_on_device(device_list.view(), model, extract, stream);
     }();
-    PipelineResult result{{}, grid, extraction.stats, {}, 0};
+    PipelineResult result{{}, grid, extraction.stats, {}, 0, {}};
     RefineOptions options = refine;
     options.grid = grid;
     check_refinement_size(spheres.size(), extraction.mesh.vertex_count(),

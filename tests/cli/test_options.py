@@ -106,6 +106,7 @@ class Refusals(ProgramTest):
         for option in ("--spacing", "--padding"):
             self.refused(option, "0.5", "--mesher", "exact", says=("--edge-length",))
         self.refused("--mesher", "exact", "--field", "blinn", says=("vdw",))
+        self.refused("--devices", "2", "--backend", "cpu", says=("--backend cpu",))
         for value in ("0", "-1", "nan", "inf"):
             self.refused("--edge-length", value, "--mesher", "exact", says=(value,))
         self.refused("--samples", "3", "--distances", "off")

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/errors.hpp"
 #include "cuda/backend.hpp"
 #include "support/crease_meshes.hpp"
 #include "support/shared_files.hpp"
@@ -192,6 +193,39 @@ TEST_F(Parity, NoRoomForASlab) {
     EXPECT_NE(std::string(error.what()).find("1000 are available"), std::string::npos)
         << error.what();
   }
+}
+
+// What does not fit the device is refused by the CUDA backend, and left to the CPU by the automatic
+// one, which says so.
+TEST_F(Parity, RefinementThatDoesNotFit) {
+  const SphereSet spheres = crowd(300, 8, 0.8, 2.0, 19);
+  const ExtractOptions extract = options_of(FieldKind::vdw, 0.5);
+  RefineOptions refine;
+  refine.subdivisions = 1;
+  const PipelineResult cpu = make_pipeline(Backend::cpu)->run(spheres, extract, refine);
+  std::vector<int> levels;
+  refine.on_level = [&](int level, const IndexedMesh&) { levels.push_back(level); };
+  refine.device_memory = 1 << 20;
+  EXPECT_THROW(make_pipeline(Backend::cuda)->run(spheres, extract, refine), DeviceMemoryExceeded);
+  const PipelineResult automatic = make_pipeline(Backend::automatic)->run(spheres, extract, refine);
+  EXPECT_EQ(levels, (std::vector<int>{0, 1}));
+  expect_same(cpu.mesh, automatic.mesh, "refined on the CPU");
+  EXPECT_GT(automatic.extract.slabs, 0u) << "extracted on the CPU too";
+  EXPECT_NE(automatic.fallback.find("refinement needs"), std::string::npos) << automatic.fallback;
+  EXPECT_NE(automatic.fallback.find("1048576 are available"), std::string::npos)
+      << automatic.fallback;
+  refine.device_memory = kNoMemoryLimit;
+  EXPECT_EQ(make_pipeline(Backend::automatic)->run(spheres, extract, refine).fallback, "");
+}
+
+TEST_F(Parity, ExtractionThatDoesNotFit) {
+  const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
+  ExtractOptions extract = options_of(FieldKind::vdw, 0.4);
+  const PipelineResult cpu = make_pipeline(Backend::cpu)->run(spheres, extract, {});
+  extract.device_memory = 1000;
+  const PipelineResult automatic = make_pipeline(Backend::automatic)->run(spheres, extract, {});
+  expect_same(cpu.mesh, automatic.mesh, "meshed on the CPU");
+  EXPECT_NE(automatic.fallback.find("extraction needs"), std::string::npos) << automatic.fallback;
 }
 
 // Fields that stand in memory: made from spheres, then meshed.
