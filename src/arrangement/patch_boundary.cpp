@@ -1,10 +1,12 @@
 #include "arrangement/patch_boundary.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
 #include "arrangement/simplex_shape.hpp"
+#include "core/multiversion.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -159,6 +161,40 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
   for (const std::uint32_t n : index.neighbors(ball)) {
     out.caps.push_back(cap_on(s, triangulation.balls[n]));
   }
+}
+
+Vec3d buried_pole(const PatchBoundary& boundary) {
+  const auto largest =
+      std::min_element(boundary.caps.begin(), boundary.caps.end(),
+                       [](const auto& a, const auto& b) { return a.cosine < b.cosine; });
+  return largest->axis;
+}
+
+VDWMESH_MULTIVERSION std::vector<Vec3d> clear_points(const std::vector<CoveredCap>& caps,
+                                                     const std::vector<double>& margins,
+                                                     const std::vector<Vec3d>& points) {
+  std::vector<Vec3d> clear;
+  for (const Vec3d& u : points) {
+    bool is_clear = true;
+    for (std::size_t i = 0; i < caps.size() && is_clear; ++i) {
+      is_clear = dot(u, caps[i].axis) <= margins[i];
+    }
+    if (is_clear) clear.push_back(u);
+  }
+  return clear;
+}
+
+std::vector<std::uint32_t> insertion_order(const PatchBoundary& boundary) {
+  constexpr std::uint32_t kMany = 1024;
+  const auto count = static_cast<std::uint32_t>(boundary.points.size());
+  std::vector<std::uint32_t> order;
+  order.reserve(count);
+  std::uint32_t step = count < kMany ? 1 : std::bit_floor(count);
+  for (std::uint32_t i = 0; i < count; i += step) order.push_back(i);
+  for (; step > 1; step /= 2) {
+    for (std::uint32_t i = step / 2; i < count; i += step) order.push_back(i);
+  }
+  return order;
 }
 
 void boundary_vertices(const BoundaryArcs& boundary, const ArcSampling& sampling,

@@ -36,6 +36,20 @@ struct PatchBoundary {
   std::vector<SphereThrough> through;  // beside those that the pieces tell of
 };
 
+// The centre of the largest cap, which is buried and as far from the patch as can be.
+// Precondition: a cap.
+Vec3d buried_pole(const PatchBoundary& boundary);
+
+// The points that are farther from every cap than its margin, the cosine of an angle from its axis.
+std::vector<Vec3d> clear_points(const std::vector<CoveredCap>& caps,
+                                const std::vector<double>& margins,
+                                const std::vector<Vec3d>& points);
+
+// An order to insert the points in a Delaunay triangulation. Few come as they are; each next one on
+// a circle would turn most of the edges there are, so of many every second of those left, over and
+// over, begins with the coarsest.
+std::vector<std::uint32_t> insertion_order(const PatchBoundary& boundary);
+
 // The circles that each point of a boundary lies on, as the balls they are shared with (which at a
 // joined corner may touch the sphere's circle in that point alone).
 class PointCircles {

@@ -14,7 +14,7 @@
 
 #include "arrangement/directions.hpp"
 #include "arrangement/patch_triangles.hpp"
-#include "core/multiversion.hpp"
+#include "arrangement/stereographic.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -49,46 +49,17 @@ constexpr double kLatticeMargin = 0.55;
 // An inserted point may see a piece under an angle of this cosine at most.
 constexpr double kWidestView = -0.35;
 constexpr int kSmoothingPasses = 1;
-
-struct Frame {
-  Vec3d pole, first, second;  // first × second = -pole
-};
-
-Frame frame_from(const Vec3d& pole) {
-  const Vec3d first = any_orthogonal(pole);
-  return {pole, first, cross(first, pole)};
-}
-
-// The centre of the largest cap is buried and as far from the patch as can be.
-Vec3d buried_pole(const PatchBoundary& boundary) {
-  const auto largest =
-      std::min_element(boundary.caps.begin(), boundary.caps.end(),
-                       [](const auto& a, const auto& b) { return a.cosine < b.cosine; });
-  return largest->axis;
-}
-
-// The points that are farther from every cap than its margin, the cosine of an angle from its axis.
-VDWMESH_MULTIVERSION std::vector<Vec3d> clear_points(const std::vector<CoveredCap>& caps,
-                                                     const std::vector<double>& margins,
-                                                     const std::vector<Vec3d>& points) {
-  std::vector<Vec3d> clear;
-  for (const Vec3d& u : points) {
-    bool is_clear = true;
-    for (std::size_t i = 0; i < caps.size() && is_clear; ++i) {
-      is_clear = dot(u, caps[i].axis) <= margins[i];
-    }
-    if (is_clear) clear.push_back(u);
-  }
-  return clear;
-}
+// By the radius; without points inside, the triangles of a patch larger than half a sphere face
+// inwards.
+constexpr double kLongestEdge = 1;
 
 class PlanarPatch {
  public:
   PlanarPatch(const PatchBoundary& boundary, const PatchOptions& options)
       : b_(boundary),
-        h_(options.edge_length),
+        h_(std::min(options.edge_length, kLongestEdge)),
         options_(options),
-        frame_(frame_from(buried_pole(boundary))),
+        plane_(buried_pole(boundary)),
         circles_(boundary),
         points_(boundary.points) {
     planar_.infinite_vertex()->info() = kNoNeighbor;
@@ -123,19 +94,20 @@ class PlanarPatch {
   }
 
   Point project(const Vec3d& u) const {
-    const double w = 2 / squared_norm(u - frame_.pole);
-    return {w * dot(u, frame_.first), w * dot(u, frame_.second)};
+    const PlanePoint p = plane_.project(u);
+    return {p.x, p.y};
   }
 
   // Whether all pieces are edges of the triangulation.
   bool insert_boundary() {
     FaceHandle hint;
-    for (std::uint32_t i = 0; i < b_.points.size(); ++i) {
-      const VertexHandle v = planar_.insert(project(b_.points[i]), hint);
-      if (planar_.number_of_vertices() <= i) throw CoincidentPoints();
-      v->info() = i;
-      handles_.push_back(v);
-      hint = v->face();
+    handles_.resize(b_.points.size());
+    for (const std::uint32_t i : insertion_order(b_)) {
+      const std::size_t before = planar_.number_of_vertices();
+      handles_[i] = planar_.insert(project(b_.points[i]), hint);
+      if (planar_.number_of_vertices() == before) throw CoincidentPoints();
+      handles_[i]->info() = i;
+      hint = handles_[i]->face();
     }
     index_pieces();
     find_double_pieces();
@@ -406,7 +378,6 @@ class PlanarPatch {
   // Edges inside the patch between two points of one circle get a point in their middle.
   void separate_circles() {
     constexpr int kMostRounds = 8;
-    std::vector<Candidate> unused;
     for (int round = 0; round < kMostRounds; ++round) {
       std::vector<std::pair<Candidate, int>> found;
       for (const auto& [f, k] : planar_.finite_edges()) {
@@ -416,20 +387,36 @@ class PlanarPatch {
       }
       if (found.empty()) return;
       for (const auto& [c, k] : found) {
-        if (candidate(c.face).vertices != c.vertices) continue;
-        const Vec3d middle =
-            unit(at(c.face->vertex(c.face->ccw(k))) + at(c.face->vertex(c.face->cw(k))));
-        Planar::Locate_type type;
-        int edge;
-        const FaceHandle face = planar_.locate(project(middle), type, edge, c.face);
-        if (type == Planar::EDGE && face->is_constrained(edge)) {
-          want_split(piece_between(face->vertex(face->ccw(edge))->info(),
-                                   face->vertex(face->cw(edge))->info()));
-        } else if ((type == Planar::FACE || type == Planar::EDGE) && is_inside(face)) {
-          insert_marked(middle, face, unused);
-        }
+        if (candidate(c.face).vertices == c.vertices) divide_edge(c.face, k);
       }
     }
+  }
+
+  // In the middle of its great circle, which lies outside the patch where the circle of both ends
+  // is a large part of the sphere; that of the edge in the plane lies inside.
+  void divide_edge(FaceHandle f, int k) {
+    const VertexHandle a = f->vertex(f->ccw(k)), b = f->vertex(f->cw(k));
+    const Vec3d sum = at(a) + at(b);
+    if (squared_norm(sum) > 0 && divide_at(unit(sum), f)) return;
+    const Point middle = CGAL::midpoint(a->point(), b->point());
+    divide_at(plane_.lift({middle.x(), middle.y()}), f);
+  }
+
+  // A point there, or a piece that is split, or false.
+  bool divide_at(const Vec3d& u, FaceHandle near) {
+    if (u == plane_.pole()) return false;
+    Planar::Locate_type type;
+    int edge;
+    const FaceHandle face = planar_.locate(project(u), type, edge, near);
+    if (type == Planar::EDGE && face->is_constrained(edge)) {
+      want_split(piece_between(face->vertex(face->ccw(edge))->info(),
+                               face->vertex(face->cw(edge))->info()));
+      return true;
+    }
+    if ((type != Planar::FACE && type != Planar::EDGE) || !is_inside(face)) return false;
+    std::vector<Candidate> unused;
+    insert_marked(u, face, unused);
+    return true;
   }
 
   std::vector<PatchTriangle> numbered_triangles() {
@@ -480,7 +467,7 @@ class PlanarPatch {
   const PatchBoundary& b_;
   double h_;
   PatchOptions options_;
-  Frame frame_;
+  Stereographic plane_;
   PointCircles circles_;
   Planar planar_;
   std::vector<Vec3d> points_;
