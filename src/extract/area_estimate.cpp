@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/multiversion.hpp"
 #include "extract/cell_list.hpp"
 #include "extract/field_sample.hpp"
 
@@ -89,6 +90,13 @@ double area_along(const CellListView& list, const FieldModel& model, std::uint32
   return 0;
 }
 
+VDWMESH_MULTIVERSION double area_along_rays(const CellListView& list, const FieldModel& model,
+                                            std::uint32_t own, int rays) {
+  double sum = 0;
+  for (int k = 0; k < rays; ++k) sum += area_along(list, model, own, direction(k, rays));
+  return 4 * std::numbers::pi / rays * sum;
+}
+
 }  // namespace
 
 double estimate_area(const SphereSet& spheres) {
@@ -104,9 +112,7 @@ double estimate_area(const SphereSet& spheres, const FieldModel& model) {
   const std::uint64_t wanted = kRays / std::max<std::uint64_t>(spheres.size(), 1);
   const int rays = static_cast<int>(std::clamp<std::uint64_t>(wanted, kFewestRays, kMostRays));
   return sum_over_sample(spheres.size(), [&](std::uint32_t place) {
-    double sum = 0;
-    for (int k = 0; k < rays; ++k) sum += area_along(list.view(), model, place, direction(k, rays));
-    return 4 * std::numbers::pi / rays * sum;
+    return area_along_rays(list.view(), model, place, rays);
   });
 }
 
