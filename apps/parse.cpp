@@ -13,8 +13,8 @@ namespace {
 template <class T>
 bool read_whole(std::string_view text, T& value) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  const char* end = text.data() + text.size();
-  const std::from_chars_result result = std::from_chars(text.data(), end, value);
+  const char *begin = text.data(), *end = begin + text.size();
+  const std::from_chars_result result = std::from_chars(begin, end, value);
   return !text.empty() && result.ec == std::errc() && result.ptr == end;
 }
 

@@ -37,10 +37,10 @@ using Choice = std::pair<std::string_view, T>;
                                      std::span<const std::string_view> known);
 
 // The value named `text`; an unknown name lists the known ones.
-template <class T, std::size_t N>
-T choose(std::string_view option, std::string_view text, const Choice<T> (&choices)[N]) {
-  std::string_view names[N];
-  for (std::size_t i = 0; i < N; ++i) {
+template <class T, std::size_t count>
+T choose(std::string_view option, std::string_view text, const Choice<T> (&choices)[count]) {
+  std::string_view names[count];
+  for (std::size_t i = 0; i < count; ++i) {
     if (choices[i].first == text) return choices[i].second;
     names[i] = choices[i].first;
   }
@@ -48,8 +48,8 @@ T choose(std::string_view option, std::string_view text, const Choice<T> (&choic
 }
 
 // The first name of `value`: the inverse of choose().
-template <class T, std::size_t N>
-std::string_view name_of(T value, const Choice<T> (&choices)[N]) {
+template <class T, std::size_t count>
+std::string_view name_of(T value, const Choice<T> (&choices)[count]) {
   for (const Choice<T>& choice : choices) {
     if (choice.second == value) return choice.first;
   }

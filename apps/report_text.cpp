@@ -45,6 +45,7 @@ std::string atoms_text(const InputReport& input) {
 
 std::string radii_text(const InputReport& input) {
   std::vector<std::string> assumed;
+  assumed.reserve(input.radii_assumed.size());
   for (const AssumedRadius& radius : input.radii_assumed) {
     assumed.push_back(
         fmt::format("{} {} Å ({})", radius.element, radius.radius, counted(radius.count, "atom")));

@@ -209,7 +209,7 @@ LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& 
                        found.measures, found.quality,       {}};
     if (counts_self_intersections(wanted, mesh))
       record.self_intersections = self_intersections(mesh);
-    levels.push_back(std::move(record));
+    levels.push_back(record);
   };
 }
 

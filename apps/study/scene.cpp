@@ -102,6 +102,7 @@ void append_bytes(const std::vector<float>& values, double lower, double upper,
 // The colours span 99 % of the distances; single large ones would leave the rest without contrast.
 double distance_range(const std::vector<float>& distances) {
   std::vector<double> sizes;
+  sizes.reserve(distances.size());
   for (const float d : distances) sizes.push_back(std::abs(static_cast<double>(d)));
   const auto rank = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 99 / 100);
   std::nth_element(sizes.begin(), rank, sizes.end());

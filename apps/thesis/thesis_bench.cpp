@@ -54,6 +54,7 @@ std::vector<Vec3d> read_atoms(const std::filesystem::path& path) {
 
 SphereSet to_spheres(const std::vector<Vec3d>& atoms) {
   std::vector<Sphere> spheres;
+  spheres.reserve(atoms.size());
   for (const Vec3d& atom : atoms) spheres.push_back({atom, 1.7});  // radii play no part
   return SphereSet(std::move(spheres));
 }

@@ -17,11 +17,12 @@ inline constexpr double kNudge = 4e-11;
 // Whether an earlier of the sorted caps has all but the same plane, and so leaves nothing to cut.
 VDWMESH_HD inline bool repeats_plane(const Cap* caps, std::uint32_t index, std::uint32_t& doubts) {
   const Cap& cap = caps[index];
-  for (std::uint32_t i = index; i-- > 0 && cap.cosine - caps[i].cosine < kParallelGap;) {
-    if (inner(cap.axis, caps[i].axis) < 0) continue;
-    const Vec3d normal = cross(cap.axis, caps[i].axis);
+  for (std::uint32_t i = index; i > 0 && cap.cosine - caps[i - 1].cosine < kParallelGap; --i) {
+    const Cap& earlier = caps[i - 1];
+    if (inner(cap.axis, earlier.axis) < 0) continue;
+    const Vec3d normal = cross(cap.axis, earlier.axis);
     if (inner(normal, normal) >= kParallel) continue;
-    if (!same_cap(cap, caps[i])) doubts |= kParallelPlanes;
+    if (!same_cap(cap, earlier)) doubts |= kParallelPlanes;
     return true;
   }
   return false;

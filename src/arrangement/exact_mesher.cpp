@@ -82,10 +82,11 @@ class UnionMesher {
     const double triangles = kFill * ideal + 4 * static_cast<double>(pieces);
     constexpr double kMost = 1.8e19;  // fits 64 bits after the sums below
     const auto count = static_cast<std::uint64_t>(std::min(triangles, kMost / 200));
+    const std::uint64_t vertices = count / 2;
     const std::uint64_t need =
-        indexed_mesh_bytes(count / 2, count, Connectivity::triangles, TriangleLabels::spheres) +
+        indexed_mesh_bytes(vertices, count, Connectivity::triangles, TriangleLabels::spheres) +
         kScratch * count;
-    if (need <= options_.memory_limit && count / 2 <= kMaxVertices) return;
+    if (need <= options_.memory_limit && vertices <= kMaxVertices) return;
     throw LimitExceeded(fmt::format(
         "an edge length of {} Å needs about {} triangles and {} bytes, {} are allowed: choose an "
         "edge length of at least {:.2g} Å or a higher memory limit",
@@ -93,7 +94,7 @@ class UnionMesher {
         options_.edge_length *
             std::max(
                 std::sqrt(static_cast<double>(need) / static_cast<double>(options_.memory_limit)),
-                std::sqrt(static_cast<double>(count / 2) / static_cast<double>(kMaxVertices))) *
+                std::sqrt(static_cast<double>(vertices) / static_cast<double>(kMaxVertices))) *
             1.05));
   }
 

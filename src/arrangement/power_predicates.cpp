@@ -162,51 +162,51 @@ Sign filtered_sign(double roundings, Evaluate evaluate) {
 }  // namespace
 
 Sign orientation_sign(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d) {
-  return filtered_sign(16, [&](auto type, double* magnitude) {
-    return orientation_value<decltype(type)>(a, b, c, d, magnitude);
+  return filtered_sign(16, [&]<class T>(const T&, double* magnitude) {
+    return orientation_value<T>(a, b, c, d, magnitude);
   });
 }
 
 Sign power_side(const Sphere& p, const Sphere& q, const Sphere& r, const Sphere& s,
                 const Sphere& t) {
-  return filtered_sign(24, [&](auto type, double* magnitude) {
-    return power_side_value<decltype(type)>(p, q, r, s, t, magnitude);
+  return filtered_sign(24, [&]<class T>(const T&, double* magnitude) {
+    return power_side_value<T>(p, q, r, s, t, magnitude);
   });
 }
 
 Sign size_sign(const Sphere& a, const Sphere& b) {
-  return filtered_sign(24, [&](auto type, double* magnitude) {
-    return edge_size_value<decltype(type)>(a, b, magnitude);
+  return filtered_sign(24, [&]<class T>(const T&, double* magnitude) {
+    return edge_size_value<T>(a, b, magnitude);
   });
 }
 
 Sign size_sign(const Sphere& a, const Sphere& b, const Sphere& c) {
-  return filtered_sign(32, [&](auto type, double* magnitude) {
-    return triangle_size_value<decltype(type)>(a, b, c, magnitude);
+  return filtered_sign(32, [&]<class T>(const T&, double* magnitude) {
+    return triangle_size_value<T>(a, b, c, magnitude);
   });
 }
 
 Sign size_sign(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d) {
-  return filtered_sign(64, [&](auto type, double* magnitude) {
-    return tetrahedron_size_value<decltype(type)>(a, b, c, d, magnitude);
+  return filtered_sign(64, [&]<class T>(const T&, double* magnitude) {
+    return tetrahedron_size_value<T>(a, b, c, d, magnitude);
   });
 }
 
 Sign side_sign(const Sphere& a, const Sphere& d) {
-  return filtered_sign(12, [&](auto type, double* magnitude) {
-    return vertex_side_value<decltype(type)>(a, d, magnitude);
+  return filtered_sign(12, [&]<class T>(const T&, double* magnitude) {
+    return vertex_side_value<T>(a, d, magnitude);
   });
 }
 
 Sign side_sign(const Sphere& a, const Sphere& b, const Sphere& d) {
-  return filtered_sign(24, [&](auto type, double* magnitude) {
-    return edge_side_value<decltype(type)>(a, b, d, magnitude);
+  return filtered_sign(24, [&]<class T>(const T&, double* magnitude) {
+    return edge_side_value<T>(a, b, d, magnitude);
   });
 }
 
 Sign side_sign(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d) {
-  return filtered_sign(32, [&](auto type, double* magnitude) {
-    return triangle_side_value<decltype(type)>(a, b, c, d, magnitude);
+  return filtered_sign(32, [&]<class T>(const T&, double* magnitude) {
+    return triangle_side_value<T>(a, b, c, d, magnitude);
   });
 }
 

@@ -24,7 +24,9 @@ inline void advise_large_pages([[maybe_unused]] const void* begin,
   const auto address = reinterpret_cast<std::uintptr_t>(begin);
   const std::uintptr_t first = (address + kPage - 1) / kPage * kPage;
   const std::uintptr_t last = (address + bytes) / kPage * kPage;
-  if (last > first) (void)madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
+  if (last <= first) return;
+  const char* pages = static_cast<const char*>(begin) + (first - address);
+  (void)madvise(const_cast<char*>(pages), last - first, MADV_HUGEPAGE);
 #endif
 }
 

@@ -81,7 +81,7 @@ constexpr bool allowed(const Loop& loop, int i, int j) {
 }
 
 struct Triangles {
-  std::array<std::uint8_t, 3 * kMaxCaseTriangles> edges{};
+  std::array<std::uint8_t, std::size_t{3} * kMaxCaseTriangles> edges{};
   int count = 0;
 };
 

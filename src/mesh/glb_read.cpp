@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <ranges>
 
 #include "core/errors.hpp"
 #include "mesh/formats.hpp"
@@ -177,8 +178,7 @@ class GlbReader {
       visited_[static_cast<std::size_t>(index)] = true;
       const Transform here = above.after(transform_of(node));
       if (node.mesh >= 0) add(item(model_.meshes, node.mesh, "mesh"), here);
-      for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-        open.push_back({*child, here});
+      for (const int child : std::views::reverse(node.children)) open.push_back({child, here});
     }
   }
 

@@ -19,11 +19,11 @@
 namespace vdwmesh::formats {
 namespace {
 
-template <class T, PlyEncoding kEncoding>
+template <class T, PlyEncoding encoding>
 T load(const char* from) {
   std::array<char, sizeof(T)> bytes;
   std::memcpy(bytes.data(), from, sizeof(T));
-  if constexpr (kEncoding == PlyEncoding::big_endian) std::reverse(bytes.begin(), bytes.end());
+  if constexpr (encoding == PlyEncoding::big_endian) std::reverse(bytes.begin(), bytes.end());
   return std::bit_cast<T>(bytes);
 }
 
@@ -51,7 +51,7 @@ auto with_type(PlyScalar scalar, Use&& use) {
 }
 
 // Numbers of a body one by one, as doubles: every PLY scalar fits.
-template <PlyEncoding kEncoding>
+template <PlyEncoding encoding>
 class BinaryBody {
  public:
   BinaryBody(std::string_view bytes, std::size_t start)
@@ -60,14 +60,14 @@ class BinaryBody {
   double number(PlyScalar scalar) {
     return with_type(scalar, [&]<class T>(T) {
       if (bytes_left() < sizeof(T)) fail("the file ends inside an element");
-      const T value = load<T, kEncoding>(at_);
+      const T value = load<T, encoding>(at_);
       at_ += sizeof(T);
       return static_cast<double>(value);
     });
   }
   template <class T>
   static T load_as(const char* from) {
-    return load<T, kEncoding>(from);
+    return load<T, encoding>(from);
   }
   void check_room(const PlyElement& element) const {
     const std::size_t least = element.least_size();

@@ -179,7 +179,7 @@ std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std:
   // the list, of which there are at most 4096 or 8 per sphere on a level.
   const std::uint64_t marks = size.vertices + vertices * sizeof(std::uint64_t);
   const std::uint64_t grid = size.triangles * (2 * (4 + 1) + 4 * 4);
-  const std::uint64_t list = spheres * (sizeof(Sphere) + 4 * sizeof(std::uint32_t) + 8 * 4) +
+  const std::uint64_t list = spheres * (sizeof(Sphere) + (4 + 8) * sizeof(std::uint32_t)) +
                              std::uint64_t{CellListView::kMaxLevels} * 4096 * 4;
   return meshes + marks + grid + list;
 }

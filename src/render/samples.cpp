@@ -11,12 +11,12 @@ namespace {
 
 // IEC 61966-2-1.
 const std::array<double, 256>& linear_of_byte() {
-  static const auto table = [] {
+  static const auto kTable = [] {
     std::array<double, 256> t{};
     for (std::size_t i = 0; i < t.size(); ++i) t[i] = to_linear(static_cast<double>(i) / 255);
     return t;
   }();
-  return table;
+  return kTable;
 }
 
 struct Light {

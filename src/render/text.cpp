@@ -3,6 +3,7 @@
 #include <ft2build.h>
 #include FT_FREETYPE_H
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -100,7 +101,7 @@ void blend(const Rgb& ink, double coverage, Rgba8& pixel) {
         coverage * to_linear(bytes[c] / 255.0) + behind * to_linear(pixel[c] / 255.0);
     pixel[c] = to_srgb_byte(light / alpha);
   }
-  pixel[3] = static_cast<std::uint8_t>(255 * alpha + 0.5);
+  pixel[3] = static_cast<std::uint8_t>(std::lround(255 * alpha));
 }
 
 }  // namespace vdwmesh
