@@ -3,7 +3,8 @@
 #   scripts/fuzz.sh SECONDS [TARGET...]     each target for so long; all of them unless named
 #   scripts/fuzz.sh account                 what was done so far, summed over the runs
 # Working corpora, found inputs and the account lie in build/fuzz/fuzzing; FUZZ_BUILD and FUZZ_JOBS
-# name another build tree and the number of processes at a time (1).
+# name another build tree and the number of processes at a time (1), FUZZ_TIMEOUT the seconds that one
+# input may take (60; by the clock, so more where the cores are busy).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -26,7 +27,8 @@ fuzz_one() {
   local target=$1 seconds=$2 log="$work/$1.log" before after TIMEFORMAT='%U %S'
   mkdir -p "$work/corpus/$target" "$work/found/$target"
   before=$(find "$work/found/$target" -type f | wc -l)
-  { time "$build/tests/fuzz/fuzz_$target" -max_total_time="$seconds" -timeout=60 \
+  { time "$build/tests/fuzz/fuzz_$target" -max_total_time="$seconds" \
+      "-timeout=${FUZZ_TIMEOUT:-60}" "-report_slow_units=${FUZZ_TIMEOUT:-10}" \
       -rss_limit_mb=2048 -print_final_stats=1 "-artifact_prefix=$work/found/$target/" \
       "$work/corpus/$target" "tests/fuzz/corpus/$target" > "$log" 2>&1 || true; } 2> "$log.time"
   after=$(find "$work/found/$target" -type f | wc -l)
