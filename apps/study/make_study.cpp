@@ -99,8 +99,10 @@ class Sweep {
  private:
   std::vector<StudyTask> plan() const {
     std::vector<Backend> backends;
+    backends.reserve(study_.backends.size());
     for (const BackendReport& backend : study_.backends) backends.push_back(backend.used);
     std::vector<double> areas;
+    areas.reserve(study_.findings.size());
     for (const StudyFindings& f : study_.findings) areas.push_back(f.input.exact.area);
     return plan_study(study_.options.axes, backends, areas);
   }

@@ -34,7 +34,7 @@ ThesisEntry parse_entry(const std::string& line) {
 
 std::optional<fs::path> find_file(const fs::path& folder, std::string_view id) {
   for (const char* extension : {".pdb", ".cif", ".ent", ".mmcif", ".pdb.gz", ".cif.gz"}) {
-    const fs::path path = folder / (std::string(id) + extension);
+    fs::path path = folder / (std::string(id) + extension);
     if (fs::is_regular_file(path)) return path;
   }
   return std::nullopt;
