@@ -155,6 +155,7 @@ class PlanarPatch {
   // Two circles side by side cross in a hundred places: one of them in each round would not end.
   void find_all_crossings() {
     std::vector<std::pair<CGAL::Bbox_2, std::uint32_t>> boxes;
+    boxes.reserve(b_.pieces.size());
     for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) boxes.push_back({segment(p).bbox(), p});
     std::sort(boxes.begin(), boxes.end(),
               [](const auto& a, const auto& b) { return a.first.xmin() < b.first.xmin(); });
