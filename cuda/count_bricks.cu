@@ -1,8 +1,8 @@
 // Node signs and counts, a warp per brick.
 #include "cuda/brick_warp.cuh"
 #include "cuda/extract_stages.cuh"
+#include "cuda/node_atoms.cuh"
 #include "cuda/union_surface.cuh"
-#include "extract/local_atom.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -77,55 +77,34 @@ __global__ void __launch_bounds__(kBrickThreads)
 
 // ---- blended fields ----
 
-constexpr std::uint32_t kAtomChunk = 16;
-
 struct WarpShared {
   BrickGeometry geometry;
   ActiveBrick brick;
-  std::uint32_t waiting[kAtomChunk + kWarp];  // places of atoms that reach the brick
+  AtomStage stage;
   union {
-    LocalAtom atoms[kAtomChunk];
+    NodeAtom<kBrickReach> atoms[kAtomChunk];
     float values[kRows][kBrickReach];
   };
 };
 
 using LaneRows = float[kLaneRows][kBrickReach];
 
-// Terms of the first `count` waiting atoms: a plane of nodes per lane, atom after atom.
 template <FieldKind kind>
-__device__ void share_terms(const FieldContext& f, const NodeShape& nodes, std::uint32_t count,
-                            WarpShared& s) {
-  const unsigned lane = threadIdx.x % kWarp;
-  __syncwarp();
-  if (lane < count) {
-    const Sphere& atom = f.list.spheres[s.waiting[lane]];
-    s.atoms[lane].scale = static_cast<float>(inverse_square_scale(f.model, atom.radius));
-  }
-  __syncwarp();
-  const auto axis = static_cast<int>(lane) / kBrickReach;
-  const auto node = static_cast<int>(lane) % kBrickReach;
-  for (std::uint32_t k = 0; k < count && axis < 3; ++k) {
-    s.atoms[k].term[axis][node] = brick_term<kind>(
-        f.model, nodes, s.geometry, f.list.spheres[s.waiting[k]], s.atoms[k].scale, axis, node);
-  }
-  __syncwarp();
-}
-
-template <FieldKind kind>
-__device__ void add_atoms(const NodeShape& nodes, const LocalAtom* atoms, std::uint32_t count,
+__device__ void add_atoms(const NodeShape& nodes, const WarpShared& s, std::uint32_t count,
                           LaneRows& rows) {
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   if (lane >= kRowLanes) return;
   const int y = lane % kBrickReach, z = lane / kBrickReach;
   for (std::uint32_t k = 0; k < count; ++k) {
-    const LocalAtom& atom = atoms[k];
+    const NodeAtom<kBrickReach>& atom = s.atoms[k];
+    const float scale = s.stage.scale[k];
     const AxisTerm ty = atom.term[1][y];
 #pragma unroll
     for (int r = 0; r < kLaneRows; ++r) {
       const RowTerm term = row_term<kind>(nodes, ty, atom.term[2][z + r * kPlanesApart]);
 #pragma unroll
       for (int x = 0; x < kBrickReach; ++x) {
-        rows[r][x] = add_atom<kind>(nodes, term, atom.term[0][x], atom.scale, rows[r][x]);
+        rows[r][x] = add_atom<kind>(nodes, term, atom.term[0][x], scale, rows[r][x]);
       }
     }
   }
@@ -137,9 +116,9 @@ __device__ std::uint32_t sum_field(const FieldContext& f, WarpShared& s, LaneRow
   const NodeShape nodes = node_shape(f.model);
   const Vec3d lower = s.geometry.node(0, 0, 0);
   const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
-  return gather_by_warp(f, lower, upper, s.waiting, kAtomChunk, [&](std::uint32_t count) {
-    share_terms<kind>(f, nodes, count, s);
-    add_atoms<kind>(nodes, s.atoms, count, rows);
+  return gather_by_warp(f, lower, upper, s.stage.waiting, kAtomChunk, [&](std::uint32_t count) {
+    share_terms<kind>(f, nodes, count, s.geometry.brick, s.geometry.coordinate, s.stage, s.atoms);
+    add_atoms<kind>(nodes, s, count, rows);
     return false;
   });
 }
