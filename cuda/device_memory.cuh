@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -99,23 +100,35 @@ class PageLocked {
   void* data_ = nullptr;
 };
 
-// Where fetch() lands. A thread keeps it: locking memory takes far longer than fetching.
+// Page-locked memory for one fetch. Given back, it waits for the next one: locking takes far longer
+// than fetching.
 inline constexpr std::size_t kFetchBytes = 4096;
-inline void* fetch_place() {
-  thread_local const PageLocked place(kFetchBytes);
-  return place.data();
-}
+class FetchPlace {
+ public:
+  FetchPlace() : place_(take()) {}
+  ~FetchPlace() { give_back(std::move(place_)); }
+  FetchPlace(const FetchPlace&) = delete;
+  FetchPlace& operator=(const FetchPlace&) = delete;
+  void* data() const { return place_->data(); }
+
+ private:
+  using Place = std::unique_ptr<PageLocked>;
+  static Place take();
+  static void give_back(Place place);
+
+  Place place_;
+};
 
 // One value from the device; waits for it.
 template <class T>
 T fetch(const T* device, const Stream& stream) {
   static_assert(sizeof(T) <= kFetchBytes && std::is_trivially_copyable_v<T>);
-  void* const place = fetch_place();
-  check_cuda(cudaMemcpyAsync(place, device, sizeof(T), cudaMemcpyDeviceToHost, stream.get()),
+  const FetchPlace place;
+  check_cuda(cudaMemcpyAsync(place.data(), device, sizeof(T), cudaMemcpyDeviceToHost, stream.get()),
              "download");
   stream.wait();
   T value{};
-  std::memcpy(&value, place, sizeof(T));
+  std::memcpy(&value, place.data(), sizeof(T));
   return value;
 }
 

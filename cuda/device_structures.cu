@@ -7,6 +7,7 @@
 #include "cuda/extract_stages.cuh"
 
 namespace vdwmesh {
+
 DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
     : spheres_(upload(host.spheres, host.size, stream)),
       rank_(upload(host.rank, host.size, stream)),
