@@ -50,6 +50,7 @@ std::vector<NamedDisplay> device_displays(const char* extensions) {
   std::vector<EGLDeviceEXT> found(static_cast<std::size_t>(count));
   if (!query(count, found.data(), &count)) return {};
   std::vector<NamedDisplay> displays;
+  displays.reserve(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     displays.push_back({get(EGL_PLATFORM_DEVICE_EXT, found[i], nullptr),
                         fmt::format("EGL device {}", i), cuda_number(found[i])});

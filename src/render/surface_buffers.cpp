@@ -110,17 +110,18 @@ std::span<float> SurfaceBuffers::triangle_values() {
 }
 
 void SurfaceBuffers::unmap() {
-  unmap_buffer(GL_ARRAY_BUFFER, vertex_buffer(), mapped_vertices_);
-  unmap_buffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer(), mapped_triangles_);
+  unmap_buffer(GL_ARRAY_BUFFER, vertex_buffer_.name(), mapped_vertices_);
+  unmap_buffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer_.name(), mapped_triangles_);
   unmap_buffer(GL_TEXTURE_BUFFER, value_buffer_.name(), mapped_values_);
 }
 
 void SurfaceBuffers::describe_vertices() const {
-  glBindBuffer(GL_ARRAY_BUFFER, vertex_buffer());
+  glBindBuffer(GL_ARRAY_BUFFER, vertex_buffer_.name());
   const auto attribute = [](GLuint place, GLint size, GLenum type, GLboolean normalized,
                             std::size_t offset) {
     glEnableVertexAttribArray(place);
     glVertexAttribPointer(place, size, type, normalized, sizeof(SurfaceVertex),
+                          // NOLINTNEXTLINE(performance-no-int-to-ptr): OpenGL takes offsets so
                           reinterpret_cast<const void*>(offset));
   };
   attribute(kPosition, 3, GL_FLOAT, GL_FALSE, offsetof(SurfaceVertex, position));

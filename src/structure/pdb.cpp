@@ -86,12 +86,13 @@ Layout layout_of(std::string_view text) {
 std::optional<std::int64_t> serial_number(std::string_view field) {
   const std::string_view digits = trimmed(field);
   if (digits.size() == 5 && is_letter(digits[0])) {
-    constexpr std::int64_t kUpper = 100'000 - 10 * 36 * 36 * 36 * 36;
-    constexpr std::int64_t kLower = kUpper + 26 * 36 * 36 * 36 * 36;
+    constexpr std::int64_t kUpper = 100'000 - std::int64_t{10} * 36 * 36 * 36 * 36;
+    constexpr std::int64_t kLower = kUpper + std::int64_t{26} * 36 * 36 * 36 * 36;
     std::int64_t value = 0;
     const bool lower = std::islower(static_cast<unsigned char>(digits[0])) != 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + 5, value, 36);
-    if (error != std::errc() || end != digits.data() + 5) return std::nullopt;
+    const char* begin = digits.data();
+    const auto [end, error] = std::from_chars(begin, begin + 5, value, 36);
+    if (error != std::errc() || end != begin + 5) return std::nullopt;
     return value + (lower ? kLower : kUpper);
   }
   return whole_number(digits);

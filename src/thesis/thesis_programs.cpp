@@ -115,7 +115,7 @@ class Marcher {
     for (std::uint32_t t = 0; t < table.count(flag); ++t) {
       Triangle corners;
       for (std::size_t k = 0; k < 3; ++k) {
-        const int edge = table.edges[flag][3 * t + k];
+        const int edge = table.edges[flag][std::size_t{3} * t + k];
         std::uint32_t& id = ids[static_cast<std::size_t>(edge)];
         if (id == std::numeric_limits<std::uint32_t>::max()) id = vertex(v, edge);
         corners[k] = id;
