@@ -19,6 +19,7 @@ namespace {
 
 using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kItemsPerBlock = 1 << 14;
+constexpr std::size_t kFewFaces = 1 << 10;
 constexpr std::uint32_t kNone = 0xffffffffu;
 const SurfaceMesh::Color kPlainColor{176, 176, 176};
 
@@ -136,8 +137,7 @@ class Builder {
       throw LimitExceeded(fmt::format("{} half-edges, where OpenMesh can hold {}",
                                       2 * std::uint64_t{edges}, kMaxSurfaceHalfEdges));
     edge_count_ = edges;
-    handle_of_.resize(half_edges);
-    advise_large_pages(handle_of_.data(), half_edges);
+    resize_untouched(handle_of_, half_edges);
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
       std::uint32_t edge = first_edge[b];
       for (std::size_t h = b * kItemsPerBlock; h < block_end(b); ++h) {
@@ -149,23 +149,24 @@ class Builder {
     });
   }
 
-  // Most of the time of resize() is the kernel's, handing out pages: large ones cost less. They
-  // must be asked for between reserve() and the first touch.
+  // Most of the time of resize() is the kernel's, handing out pages: that can cost less, but must
+  // be asked for between reserve() and the first touch.
   void resize_mesh() {
     const std::size_t edges = edge_count_, faces = triangles_.size();
-    if (faces > kItemsPerBlock) {
+    if (faces > kFewFaces) {
       mesh_.resize(1, 1, 1);
       mesh_.reserve(vertex_count_, edges, faces);
-      advise_large_pages(&mesh_.edge(OpenMesh::EdgeHandle(0)), edges);
-      advise_large_pages(&mesh_.face(face(0)), faces);
-      advise_large_pages(&mesh_.vertex(vertex(0)), vertex_count_);
-      advise_large_pages(mesh_.points(), vertex_count_);
-      advise_large_pages(mesh_.vertex_normals(), vertex_count_);
-      advise_large_pages(&mesh_.status(vertex(0)), vertex_count_);
-      advise_large_pages(&mesh_.status(half_edge(0)), 2 * edges);
-      advise_large_pages(&mesh_.status(OpenMesh::EdgeHandle(0)), edges);
-      advise_large_pages(&mesh_.status(face(0)), faces);
-      advise_large_pages(&mesh_.property(vertex_spheres(mesh_), vertex(0)), vertex_count_);
+      expect_writing(&mesh_.edge(OpenMesh::EdgeHandle(0)), edges);
+      expect_writing(&mesh_.face(face(0)), faces);
+      expect_writing(&mesh_.vertex(vertex(0)), vertex_count_);
+      expect_writing(mesh_.points(), vertex_count_);
+      expect_writing(mesh_.vertex_normals(), vertex_count_);
+      expect_writing(mesh_.vertex_colors(), vertex_count_);
+      expect_writing(&mesh_.status(vertex(0)), vertex_count_);
+      expect_writing(&mesh_.status(half_edge(0)), 2 * edges);
+      expect_writing(&mesh_.status(OpenMesh::EdgeHandle(0)), edges);
+      expect_writing(&mesh_.status(face(0)), faces);
+      expect_writing(&mesh_.property(vertex_spheres(mesh_), vertex(0)), vertex_count_);
     }
     mesh_.resize(vertex_count_, edges, faces);
   }
