@@ -46,9 +46,11 @@ class BallRun {
   }
 
   static double square_to_box(const Vec3d& c, const Vec3d& lower, const Vec3d& upper) {
-    const double dx = std::max(std::max(lower.x - c.x, c.x - upper.x), 0.0);
-    const double dy = std::max(std::max(lower.y - c.y, c.y - upper.y), 0.0);
-    const double dz = std::max(std::max(lower.z - c.z, c.z - upper.z), 0.0);
+    // By value: std::max() becomes a branch that cannot be guessed.
+    const auto larger = [](double a, double b) { return a > b ? a : b; };
+    const double dx = larger(larger(lower.x - c.x, c.x - upper.x), 0.0);
+    const double dy = larger(larger(lower.y - c.y, c.y - upper.y), 0.0);
+    const double dz = larger(larger(lower.z - c.z, c.z - upper.z), 0.0);
     return dx * dx + dy * dy + dz * dz;
   }
 

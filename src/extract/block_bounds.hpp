@@ -57,7 +57,8 @@ VDWMESH_HD inline SquareRange square_range(const BlockBox& box, const Vec3d& c) 
   double near[3], far[3];
   for (int axis = 0; axis < 3; ++axis) {
     const double a = box.lower[axis] - c[axis], b = box.upper[axis] - c[axis];
-    near[axis] = a > 0 ? a : (b < 0 ? -b : 0);
+    const double outside = a > -b ? a : -b;
+    near[axis] = outside > 0 ? outside : 0;
     far[axis] = -a > b ? -a : b;
   }
   return {std::fma(near[0], near[0], std::fma(near[1], near[1], near[2] * near[2])),

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "extract/brick.hpp"
+#include "extract/brick_cases.hpp"
 #include "extract/surface_vertex.hpp"
 
 namespace vdwmesh {
@@ -29,9 +30,7 @@ class BrickEdges {
  public:
   void gather(const BrickSigns& signs) {
     Counts counts{};
-    for (int z = 0; z < kBrickSide; ++z) {
-      for (int y = 0; y < kBrickSide; ++y) counts = gather_row(signs, y, z, counts);
-    }
+    for (int z = 0; z < kBrickSide; ++z) counts = gather_layer(signs, z, counts);
     count_ = counts;
   }
 
@@ -48,20 +47,24 @@ class BrickEdges {
   };
 
   // Written always, kept where the edge is crossed: no branch to guess.
-  Counts gather_row(const BrickSigns& signs, int y, int z, Counts counts) {
-    const RowCrossings c = row_crossings(signs, y, z);
-    const std::uint32_t row = signs.row[z][y];
-    const std::uint32_t place = static_cast<std::uint32_t>(y) << 4 | static_cast<std::uint32_t>(z)
-                                                                         << 8;
-    for (std::uint32_t nodes = c.nodes(); nodes != 0; nodes &= nodes - 1) {
-      const int x = std::countr_zero(nodes);
-      const std::uint32_t node = place | static_cast<std::uint32_t>(x) | (row >> x & 1u) << 14;
-      const std::uint32_t has = c.packed >> x;
+  Counts gather_layer(const BrickSigns& signs, int z, Counts counts) {
+    const auto row = [&](int y) { return std::uint32_t{signs.row[z][y]}; };
+    const std::uint64_t inside = layer_bits(row);
+    const std::uint64_t crossed[3] = {
+        layer_bits([&](int y) { return row(y) ^ row(y) >> 1; }),
+        layer_bits([&](int y) { return row(y) ^ row(y + 1); }),
+        layer_bits([&](int y) { return row(y) ^ signs.row[z + 1][y]; })};
+    for (std::uint64_t nodes = crossed[0] | crossed[1] | crossed[2]; nodes != 0;
+         nodes &= nodes - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(nodes));
+      const std::uint32_t x = i % kBrickSide, y = i / kBrickSide;
+      const std::uint32_t node = x | y << 4 | static_cast<std::uint32_t>(z) << 8 |
+                                 static_cast<std::uint32_t>(inside >> i & 1u) << 14;
       for (std::uint32_t axis = 0; axis < 3; ++axis) {
         edge_[counts.all] = {node | axis << 12};
         along_[axis][counts.along[axis]] = static_cast<std::uint16_t>(counts.all);
-        counts.all += has >> (8 * axis) & 1u;
-        counts.along[axis] += has >> (8 * axis) & 1u;
+        counts.all += crossed[axis] >> i & 1u;
+        counts.along[axis] += crossed[axis] >> i & 1u;
       }
     }
     return counts;

@@ -12,9 +12,10 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kBricksPerTask = 32;
-constexpr std::size_t kManyBricks = 4096;  // some MB
+constexpr std::size_t kBricksPerWave = 256 * kBricksPerTask;  // some MB
+constexpr std::size_t kManyBricks = 4096;                     // some MB
 
-using Active = std::vector<ActiveBrick>;
+using Active = Buffer<ActiveBrick>;
 using Clock = std::chrono::steady_clock;
 
 // Before each active brick, and in all.
@@ -38,21 +39,35 @@ void for_tasks(std::size_t count, Monitor* monitor, Body body) {
 
 std::size_t task_count(std::size_t count) { return (count + kBricksPerTask - 1) / kBricksPerTask; }
 
+// Moves the parts of a wave, which begin at `first` and every kBricksPerTask further on, to the end
+// of the bricks before them; returns the new end.
+ActiveBrick* close_up(ActiveBrick* end, ActiveBrick* first, std::span<const std::size_t> sizes) {
+  for (const std::size_t size : sizes) {
+    end = end == first ? end + size : std::move(first, first + size, end);
+    first += kBricksPerTask;
+  }
+  return end;
+}
+
+// In place and wave by wave, so that little more is touched than what is kept.
 Active count_all(std::span<const std::uint64_t> candidates, const BrickLoops& loops,
                  Monitor* monitor) {
-  std::vector<Active> parts(task_count(candidates.size()));
-  begin_stage(monitor, "field", candidates.size());
-  for_tasks(candidates.size(), monitor, [&](std::size_t task, std::size_t a, std::size_t b) {
-    loops.count(candidates.subspan(a, b - a), parts[task]);
-  });
-  std::size_t total = 0;
-  for (const Active& part : parts) total += part.size();
   Active all;
-  all.reserve(total);
-  for (Active& part : parts) {
-    all.insert(all.end(), part.begin(), part.end());
-    Active().swap(part);
+  resize_untouched(all, candidates.size());
+  ActiveBrick* end = all.data();
+  std::vector<std::size_t> sizes;
+  begin_stage(monitor, "field", candidates.size());
+  for (std::size_t first = 0; first < candidates.size(); first += kBricksPerWave) {
+    const auto wave =
+        candidates.subspan(first, std::min(kBricksPerWave, candidates.size() - first));
+    ActiveBrick* const slots = all.data() + first;
+    sizes.resize(task_count(wave.size()));
+    for_tasks(wave.size(), monitor, [&](std::size_t task, std::size_t a, std::size_t b) {
+      sizes[task] = loops.count(wave.subspan(a, b - a), slots + a);
+    });
+    end = close_up(end, slots, sizes);
   }
+  all.resize(static_cast<std::size_t>(end - all.data()));
   return all;
 }
 

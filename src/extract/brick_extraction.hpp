@@ -20,16 +20,16 @@
 namespace vdwmesh {
 
 // Before each row, and in all.
-inline void count_triangles(const CaseTable& table, ActiveBrick& brick) {
+inline void count_triangles(const CaseTable& table, const BrickCases& cases, ActiveBrick& brick) {
+  std::uint16_t of_row[kBrickSide * kBrickSide] = {};
+  cases.for_each_mixed([&](int, int y, int z, std::uint32_t inside) {
+    std::uint16_t& count = of_row[z * kBrickSide + y];
+    count = static_cast<std::uint16_t>(count + table.count(inside));
+  });
   std::uint32_t triangles = 0;
-  for (int z = 0; z < kBrickSide; ++z) {
-    for (int y = 0; y < kBrickSide; ++y) {
-      brick.row_triangles[z * kBrickSide + y] = static_cast<std::uint16_t>(triangles);
-      if (mixed_cells(brick.signs, y, z) == 0) continue;
-      // Cells that the surface does not cross have none.
-      const RowCases cases = row_cases(brick.signs, y, z);
-      for (int x = 0; x < kBrickSide; ++x) triangles += table.count(cases.at(x));
-    }
+  for (int row = 0; row < kBrickSide * kBrickSide; ++row) {
+    brick.row_triangles[row] = static_cast<std::uint16_t>(triangles);
+    triangles += of_row[row];
   }
   brick.triangles = triangles;
 }
@@ -69,23 +69,28 @@ inline bool is_uniform(const BrickSigns& signs) {
   return any == 0 || every == all;
 }
 
-// Appends those of the bricks that hold surface.
+// Writes those of the bricks that hold surface from `out` on, which has room for all; returns how
+// many.
 template <class Surface>
-void count_bricks(Surface& surface, const GridSpec& grid, std::span<const std::uint64_t> keys,
-                  std::vector<ActiveBrick>& active) {
+std::size_t count_bricks(Surface& surface, const GridSpec& grid,
+                         std::span<const std::uint64_t> keys, ActiveBrick* out) {
   const CaseTable& table = case_table();
+  const ActiveBrick* const first = out;
+  BrickCases cases;
   for (const std::uint64_t key : keys) {
-    ActiveBrick brick;
+    ActiveBrick& brick = *out;
     brick.key = key;
     const BrickIndex index = brick_of_key(key);
     surface.visit(index);
     surface.signs(brick.signs);
     if (is_uniform(brick.signs)) continue;
-    count_triangles(table, brick);
+    cases.set(brick.signs);
+    count_triangles(table, cases, brick);
     count_clipped_cells(brick_geometry(grid, index), brick);
     count_vertices(brick);
-    if (brick.triangles != 0 || brick.vertices != 0) active.push_back(brick);
+    out += brick.triangles != 0 || brick.vertices != 0 ? 1 : 0;
   }
+  return static_cast<std::size_t>(out - first);
 }
 
 template <class Surface>
@@ -119,7 +124,8 @@ std::uint64_t emit_bricks(const Emission& e, std::size_t begin, std::size_t end,
 
 // The loops over one kind of surface, called from many threads.
 struct BrickLoops {
-  std::function<void(std::span<const std::uint64_t> keys, std::vector<ActiveBrick>& active)> count;
+  // As count_bricks().
+  std::function<std::size_t(std::span<const std::uint64_t> keys, ActiveBrick* out)> count;
   std::function<std::uint64_t(const Emission&, std::size_t begin, std::size_t end)> emit;
 };
 

@@ -1,5 +1,4 @@
-// What the emission of one brick on the CPU looks up again and again: the vertex on each grid edge
-// and where the triangles of each cell begin. Each is worked out once.
+// The vertex on each grid edge of one brick, for the emission on the CPU.
 #pragma once
 
 #include <array>
@@ -8,7 +7,6 @@
 #include <cstdint>
 #include <span>
 
-#include "extract/brick_cases.hpp"
 #include "extract/brick_edges.hpp"
 #include "extract/brick_numbering.hpp"
 #include "extract/case_table.hpp"
@@ -72,24 +70,17 @@ class VertexMap {
     constexpr std::uint32_t own = (1u << kBrickSide) - 1;
     for (int z = 0; z < kBrickSide; ++z) {
       const std::uint32_t row = signs.row[z][kBrickSide];
-      set_row(list, near, kBrickSide, z, 0, (row ^ row >> 1) & own);
-      set_row(list, near, kBrickSide, z, 2, row ^ signs.row[z + 1][kBrickSide]);
+      const std::uint32_t crossed = (row ^ row >> 1) | (row ^ signs.row[z + 1][kBrickSide]);
+      if ((crossed & own) != 0) set_row(list, near, kBrickSide, z);
     }
     for (int y = 0; y < kBrickReach; ++y) {
       const std::uint32_t row = signs.row[kBrickSide][y];
-      set_row(list, near, y, kBrickSide, 0, (row ^ row >> 1) & own);
-      if (y < kBrickSide) set_row(list, near, y, kBrickSide, 1, row ^ signs.row[kBrickSide][y + 1]);
+      const std::uint32_t up = y < kBrickSide ? signs.row[kBrickSide][y + 1] : row;
+      if ((((row ^ row >> 1) | (row ^ up)) & own) != 0) set_row(list, near, y, kBrickSide);
     }
-    // Nodes x = 8 of the rows whose other nodes are the brick's own.
-    for (int z = 0; z < kBrickSide; ++z) {
-      for (int y = 0; y < kBrickSide; ++y) {
-        const std::uint32_t here = signs.row[z][y];
-        const std::uint32_t along_y = here ^ signs.row[z][y + 1],
-                            along_z = here ^ signs.row[z + 1][y];
-        if (((along_y | along_z) >> kBrickSide & 1) == 0) continue;
-        set_row(list, near, y, z, 1, along_y & ~own);
-        set_row(list, near, y, z, 2, along_z & ~own);
-      }
+    for (int z = 0; z < kBrickReach; ++z) {
+      for (std::uint32_t rows = crossed_at_end(signs, z); rows != 0; rows &= rows - 1)
+        set_end(list, near, std::countr_zero(rows), z);
     }
   }
 
@@ -97,38 +88,53 @@ class VertexMap {
   const std::uint32_t* from(int place) const { return &number_[static_cast<std::size_t>(place)]; }
 
  private:
-  void set_row(const BrickList& list, Neighbourhood& near, int y, int z, int axis,
-               std::uint32_t nodes) {
-    for (; nodes != 0; nodes &= nodes - 1) {
+  // Nodes 0 .. 7 of a row of a neighbour.
+  void set_row(const BrickList& list, Neighbourhood& near, int y, int z) {
+    const NeighbourRow row = neighbour_row(list, locate(near, 0, y, z));
+    std::uint32_t vertex = row.first_vertex;
+    for (std::uint32_t nodes = row.crossings.nodes(); nodes != 0; nodes &= nodes - 1) {
       const int x = std::countr_zero(nodes);
-      number_[static_cast<std::size_t>(place(x, y, z, axis))] =
-          vertex_number(list, locate(near, x, y, z), axis);
+      for (int axis = 0; axis < 3; ++axis) {
+        number_[static_cast<std::size_t>(place(x, y, z, axis))] = vertex;
+        vertex += row.crossings.has(x, axis) ? 1 : 0;
+      }
     }
   }
 
-  std::array<std::uint32_t, 3 * kBrickReach * kBrickReach * kBrickReach> number_{};
-};
-
-// The cells that the surface crosses: their cases, and the triangles of the brick before them.
-class CellMap {
- public:
-  struct Cell {
-    std::uint16_t triangles_before;
-    std::uint8_t inside;  // the case
-  };
-
-  // Precondition of at().
-  void fill(const ActiveBrick& brick, const CaseTable& table) {
-    std::uint32_t triangles = 0;
-    for_each_mixed_cell(brick.signs, [&](int x, int y, int z, std::uint32_t inside) {
-      cell_[z][y][x] = {static_cast<std::uint16_t>(triangles), static_cast<std::uint8_t>(inside)};
-      triangles += table.count(inside);
-    });
+  // Rows y whose node x = 8 has a vertex on its edge along y or z that the brick's cells touch.
+  static std::uint32_t crossed_at_end(const BrickSigns& signs, int z) {
+    std::uint32_t rows = 0;
+    for (int y = 0; y < kBrickReach; ++y) {
+      const std::uint32_t here = signs.row[z][y];
+      const std::uint32_t along_y = y < kBrickSide ? here ^ signs.row[z][y + 1] : 0;
+      const std::uint32_t along_z = z < kBrickSide ? here ^ signs.row[z + 1][y] : 0;
+      rows |= ((along_y | along_z) >> kBrickSide & 1) << y;
+    }
+    return rows;
   }
-  const Cell& at(int x, int y, int z) const { return cell_[z][y][x]; }
 
- private:
-  Cell cell_[kBrickSide][kBrickSide][kBrickSide];  // others are not read
+  // Node 8 of a row.
+  void set_end(const BrickList& list, Neighbourhood& near, int y, int z) {
+    const NeighbourRow row = neighbour_row(list, locate(near, kBrickSide, y, z));
+    std::uint32_t vertex = row.first_vertex;
+    for (int axis = 0; axis < 3; ++axis) {
+      number_[static_cast<std::size_t>(place(kBrickSide, y, z, axis))] = vertex;
+      vertex += row.crossings.has(0, axis) ? 1 : 0;
+    }
+  }
+
+  struct NeighbourRow {
+    RowCrossings crossings;
+    std::uint32_t first_vertex;
+  };
+  static NeighbourRow neighbour_row(const BrickList& list, const Located& at) {
+    const ActiveBrick& owner = list.bricks[at.brick];
+    return {row_crossings(owner.signs, at.y, at.z),
+            static_cast<std::uint32_t>(list.before[at.brick].vertices +
+                                       owner.row_vertices[at.z * kBrickSide + at.y])};
+  }
+
+  std::array<std::uint32_t, 3 * kBrickReach * kBrickReach * kBrickReach> number_{};
 };
 
 }  // namespace vdwmesh

@@ -81,41 +81,6 @@ VDWMESH_HD inline std::uint32_t vertex_number(const BrickList& list, const Locat
                                     static_cast<std::uint64_t>(place));
 }
 
-// Triangles of a row of cells before cell x.
-VDWMESH_HD inline std::uint32_t triangles_before(const BrickSigns& signs, const CaseTable& table,
-                                                 int x, int y, int z) {
-  std::uint32_t triangles = 0;
-  const std::uint32_t mixed = mixed_cells(signs, y, z);
-  for (int before = 0; before < x; ++before) {
-    if (mixed >> before & 1) triangles += table.count(cell_case(signs, before, y, z));
-  }
-  return triangles;
-}
-
-VDWMESH_HD inline std::uint64_t first_half_edge(const BrickList& list, const CaseTable& table,
-                                                const Located& cell) {
-  const ActiveBrick& owner = list.bricks[cell.brick];
-  return 3 *
-         (list.before[cell.brick].triangles + owner.row_triangles[cell.z * kBrickSide + cell.y] +
-          triangles_before(owner.signs, table, cell.x, cell.y, cell.z));
-}
-
-// The half-edge opposite to half-edge h of the cell (x, y, z), whose half-edges begin at `first`.
-template <class Neighbour>
-VDWMESH_HD std::uint32_t opposite_half_edge(const BrickList& list, const CaseTable& table,
-                                            Neighbour&& neighbour, std::uint64_t first, int x,
-                                            int y, int z, std::uint32_t inside, int h) {
-  const int code = table.across_code(inside, h);
-  if (code < kFirstFaceCode) return static_cast<std::uint32_t>(first + static_cast<unsigned>(code));
-  const int face = (code - kFirstFaceCode) / 4, slot = (code - kFirstFaceCode) % 4;
-  const int step = face % 2 == 0 ? -1 : 1, axis = face / 2;
-  const Located cell = locate(neighbour, x + (axis == 0 ? step : 0), y + (axis == 1 ? step : 0),
-                              z + (axis == 2 ? step : 0));
-  const std::uint32_t beyond = cell_case(list.bricks[cell.brick].signs, cell.x, cell.y, cell.z);
-  return static_cast<std::uint32_t>(first_half_edge(list, table, cell) +
-                                    table.at_face(beyond, face ^ 1, slot));
-}
-
 // Cells of a row x = 0 .. 7 that have a virtual corner.
 VDWMESH_HD inline std::uint32_t border_cells(const BrickGeometry& g, int y, int z) {
   const bool border_row = (g.real[1] >> y & 3) != 3 || (g.real[2] >> z & 3) != 3;

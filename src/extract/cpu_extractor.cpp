@@ -17,15 +17,14 @@ struct Job {
 };
 
 using Keys = std::span<const std::uint64_t>;
-using Active = std::vector<ActiveBrick>;
 using Blinn = BlendedBrick<FieldKind::blinn>;
 using SoftObject = BlendedBrick<FieldKind::soft_object>;
 using InverseSquared = BlendedBrick<FieldKind::inverse_squared>;
 
 template <class Surface>
-void count(const Job& j, Keys keys, Active& out) {
+std::size_t count(const Job& j, Keys keys, ActiveBrick* out) {
   Surface surface(j.list, j.model);
-  count_bricks(surface, j.model.grid, keys, out);
+  return count_bricks(surface, j.model.grid, keys, out);
 }
 
 template <class Surface>
@@ -36,17 +35,17 @@ std::uint64_t emit(const Job& j, const Emission& e, std::size_t begin, std::size
 
 // ---- the loops in both processor versions ----
 
-VDWMESH_MULTIVERSION void count_vdw(const Job& j, Keys keys, Active& out) {
-  count<UnionBrick>(j, keys, out);
+VDWMESH_MULTIVERSION std::size_t count_vdw(const Job& j, Keys keys, ActiveBrick* out) {
+  return count<UnionBrick>(j, keys, out);
 }
-VDWMESH_MULTIVERSION void count_blinn(const Job& j, Keys keys, Active& out) {
-  count<Blinn>(j, keys, out);
+VDWMESH_MULTIVERSION std::size_t count_blinn(const Job& j, Keys keys, ActiveBrick* out) {
+  return count<Blinn>(j, keys, out);
 }
-VDWMESH_MULTIVERSION void count_soft(const Job& j, Keys keys, Active& out) {
-  count<SoftObject>(j, keys, out);
+VDWMESH_MULTIVERSION std::size_t count_soft(const Job& j, Keys keys, ActiveBrick* out) {
+  return count<SoftObject>(j, keys, out);
 }
-VDWMESH_MULTIVERSION void count_inverse(const Job& j, Keys keys, Active& out) {
-  count<InverseSquared>(j, keys, out);
+VDWMESH_MULTIVERSION std::size_t count_inverse(const Job& j, Keys keys, ActiveBrick* out) {
+  return count<InverseSquared>(j, keys, out);
 }
 VDWMESH_MULTIVERSION std::uint64_t emit_vdw(const Job& j, const Emission& e, std::size_t a,
                                             std::size_t b) {
@@ -66,7 +65,7 @@ VDWMESH_MULTIVERSION std::uint64_t emit_inverse(const Job& j, const Emission& e,
 }
 
 struct Kernels {
-  void (*count)(const Job&, Keys, Active&);
+  std::size_t (*count)(const Job&, Keys, ActiveBrick*);
   std::uint64_t (*emit)(const Job&, const Emission&, std::size_t, std::size_t);
 };
 
@@ -95,10 +94,11 @@ class CpuExtractor final : public Extractor {
       return candidate_bricks(list.view(), model, options.memory_limit / sizeof(ActiveBrick),
                               options.monitor);
     };
-    const BrickLoops loops{[&](Keys keys, Active& active) { kernels.count(job, keys, active); },
-                           [&](const Emission& e, std::size_t begin, std::size_t end) {
-                             return kernels.emit(job, e, begin, end);
-                           }};
+    const BrickLoops loops{
+        [&](Keys keys, ActiveBrick* out) { return kernels.count(job, keys, out); },
+        [&](const Emission& e, std::size_t begin, std::size_t end) {
+          return kernels.emit(job, e, begin, end);
+        }};
     return mesh_bricks(grid, candidates, loops, Labels::spheres, options);
   }
 };

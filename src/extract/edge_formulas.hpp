@@ -52,6 +52,13 @@ VDWMESH_HD inline Interval cover(const Sphere& ball, const Vec3d& node, int axis
   return {middle - half, middle + half, false};
 }
 
+// Where a ball that holds the node ends: rounding may end its interval before the node.
+VDWMESH_HD inline double exit_of_holder(const Sphere& ball, const Vec3d& node, int axis,
+                                        double direction) {
+  const Interval i = cover(ball, node, axis, direction);
+  return i.empty || !(i.exit > 0) ? 0 : i.exit;
+}
+
 struct UnionExit {
   double distance;      // from the inside node along the edge, Å
   std::uint32_t owner;  // index of the ball whose interval ends there
@@ -79,9 +86,7 @@ VDWMESH_HD UnionExit union_exit(const Vec3d& node, int axis, double direction, d
       others = true;
       return;
     }
-    const Interval i = cover(ball, node, axis, direction);
-    // Rounding may end the interval before the node that its ball holds.
-    const double exit = i.empty || !(i.exit > 0) ? 0 : i.exit;
+    const double exit = exit_of_holder(ball, node, axis, direction);
     if (exit >= reach) end_at(exit, rank, index);
   });
   for (bool grown = others; grown;) {

@@ -117,10 +117,10 @@ class SampledBrick {
   BrickGeometry geometry_{};
 };
 
-VDWMESH_MULTIVERSION void count_sampled(const SampledFieldView& field, Keys keys,
-                                        std::vector<ActiveBrick>& active) {
+VDWMESH_MULTIVERSION std::size_t count_sampled(const SampledFieldView& field, Keys keys,
+                                               ActiveBrick* out) {
   SampledBrick surface(field);
-  count_bricks(surface, field.grid, keys, active);
+  return count_bricks(surface, field.grid, keys, out);
 }
 
 VDWMESH_MULTIVERSION std::uint64_t emit_sampled(const SampledFieldView& field, const Emission& e,
@@ -166,7 +166,7 @@ class CpuFieldMesher final : public FieldMesher {
   ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const override {
     const SampledFieldView view = field.view();
     const BrickLoops loops{
-        [&](Keys keys, std::vector<ActiveBrick>& active) { count_sampled(view, keys, active); },
+        [&](Keys keys, ActiveBrick* out) { return count_sampled(view, keys, out); },
         [&](const Emission& e, std::size_t begin, std::size_t end) {
           return emit_sampled(view, e, begin, end);
         }};

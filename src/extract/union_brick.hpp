@@ -33,10 +33,22 @@ class UnionBrick {
   void vertices(const BrickEdges& edges, Put&& put);
 
  private:
+  // Of a crossed edge, and which way the edge runs from it.
+  struct InsideEnd {
+    Vec3d node;
+    double direction;
+  };
+
   void signs_in_double(BrickSigns& signs) const;
   void find_touching(const BrickEdges& edges);
   template <int axis>
+  InsideEnd inside_end(const BrickEdge& edge) const;
+  template <int axis>
+  void put_exit(std::size_t e, const InsideEnd& from, const EdgePoint& exit);
+  template <int axis>
   void find_exits(const BrickEdges& edges);
+  template <int axis>
+  void find_shared_exit(std::size_t e, const BrickEdges& edges);
   void find_normals(const BrickEdges& edges);
 
   const CellListView& list_;
@@ -49,6 +61,7 @@ class UnionBrick {
   SignLanes sign_lanes_;
   EdgeLanes lanes_;
   std::vector<std::uint32_t> touching_;  // 32 balls a word: word, edge
+  std::vector<std::uint16_t> shared_;    // edges that several balls may touch
 };
 
 inline void UnionBrick::visit(const BrickIndex& brick) {
@@ -113,32 +126,60 @@ inline void UnionBrick::find_touching(const BrickEdges& edges) {
 }
 
 template <int axis>
-void UnionBrick::find_exits(const BrickEdges& edges) {
-  const std::size_t words = (balls_.size() + 31) / 32;
-  for (const std::size_t e : edges.along<axis>()) {
-    const BrickEdge edge = edges.all()[e];
-    int place[3] = {edge.x(), edge.y(), edge.z()};
-    const double direction = edge.lower_inside() ? 1.0 : -1.0;
-    if (!edge.lower_inside()) ++place[axis];
-    const Vec3d node = geometry_.node(place[0], place[1], place[2]);
-    const EdgePoint exit = first_exit(node, axis, direction, grid_.spacing, [&](auto&& visit) {
-      for (std::size_t w = 0; w < words; ++w) {
-        for (std::uint32_t bits = touching_[w * EdgeLanes::kMost + e]; bits; bits &= bits - 1) {
-          const auto k = static_cast<std::uint32_t>(32 * w) +
-                         static_cast<std::uint32_t>(std::countr_zero(bits));
-          visit(balls_[k], list_.rank[places_[k]], k);
-        }
-      }
-    });
-    Vec3d p = node;
-    p[axis] = std::fma(direction, exit.distance, node[axis]);
-    for (int i = 0; i < 3; ++i) {
-      lanes_.position[i][e] = p[i];
-      lanes_.radial[i][e] = p[i] - balls_[exit.owner].center[i];
-    }
-    lanes_.sphere[e] = list_.id[places_[exit.owner]];
-    lanes_.clamped[e] = exit.clamped ? 1 : 0;
+UnionBrick::InsideEnd UnionBrick::inside_end(const BrickEdge& edge) const {
+  // By arithmetic: which end is inside cannot be guessed.
+  const int upper = edge.lower_inside() ? 0 : 1;
+  int place[3] = {edge.x(), edge.y(), edge.z()};
+  place[axis] += upper;
+  return {geometry_.node(place[0], place[1], place[2]), static_cast<double>(1 - 2 * upper)};
+}
+
+template <int axis>
+void UnionBrick::put_exit(std::size_t e, const InsideEnd& from, const EdgePoint& exit) {
+  Vec3d p = from.node;
+  p[axis] = std::fma(from.direction, exit.distance, from.node[axis]);
+  for (int i = 0; i < 3; ++i) {
+    lanes_.position[i][e] = p[i];
+    lanes_.radial[i][e] = p[i] - balls_[exit.owner].center[i];
   }
+  lanes_.sphere[e] = list_.id[places_[exit.owner]];
+  lanes_.clamped[e] = exit.clamped ? 1 : 0;
+}
+
+// Most edges are touched by one ball alone, which then holds the inside node and ends the union:
+// that is worked out for all of them, without a branch, and again for those with more balls.
+template <int axis>
+void UnionBrick::find_exits(const BrickEdges& edges) {
+  const std::span<const std::uint16_t> along = edges.along<axis>();
+  shared_.resize(along.size() + 1);
+  std::size_t shared = 0;
+  for (const std::uint16_t e : along) {
+    const std::uint32_t bits = touching_[e];
+    shared_[shared] = e;
+    shared += (bits & (bits - 1)) != 0 || balls_.size() > 32 ? 1 : 0;
+    const auto k = static_cast<std::uint32_t>(std::countr_zero(bits | 1u << 31));
+    const InsideEnd from = inside_end<axis>(edges.all()[e]);
+    const double exit = exit_of_holder(balls_[k], from.node, axis, from.direction);
+    put_exit<axis>(e, from, clamp_to_edge(exit, grid_.spacing, k));
+  }
+  for (std::size_t i = 0; i < shared; ++i) find_shared_exit<axis>(shared_[i], edges);
+}
+
+template <int axis>
+void UnionBrick::find_shared_exit(std::size_t e, const BrickEdges& edges) {
+  const std::size_t words = (balls_.size() + 31) / 32;
+  const InsideEnd from = inside_end<axis>(edges.all()[e]);
+  const EdgePoint exit =
+      first_exit(from.node, axis, from.direction, grid_.spacing, [&](auto&& visit) {
+        for (std::size_t w = 0; w < words; ++w) {
+          for (std::uint32_t bits = touching_[w * EdgeLanes::kMost + e]; bits; bits &= bits - 1) {
+            const auto k = static_cast<std::uint32_t>(32 * w) +
+                           static_cast<std::uint32_t>(std::countr_zero(bits));
+            visit(balls_[k], list_.rank[places_[k]], k);
+          }
+        }
+      });
+  put_exit<axis>(e, from, exit);
 }
 
 inline void UnionBrick::find_normals(const BrickEdges& edges) {

@@ -146,13 +146,23 @@ TEST_P(UnionBrickTest, EdgesStandInTheOrderOfTheirVertices) {
   EXPECT_EQ(edges.along<0>().size() + edges.along<1>().size() + edges.along<2>().size(), along);
 }
 
-TEST_P(UnionBrickTest, CasesOfARowAreThoseOfItsCells) {
+TEST_P(UnionBrickTest, CasesAreThoseOfTheCells) {
+  BrickCases cases;
+  cases.set(signs_);
+  std::vector<std::array<int, 4>> expected, visited;
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
-      for (int x = 0; x < kBrickSide; ++x)
-        EXPECT_EQ(row_cases(signs_, y, z).at(x), cell_case(signs_, x, y, z));
+      for (int x = 0; x < kBrickSide; ++x) {
+        const auto inside = static_cast<int>(cell_case(signs_, x, y, z));
+        EXPECT_EQ(static_cast<int>(cases.at(x, y, z)), inside);
+        if (inside != 0 && inside != 255) expected.push_back({x, y, z, inside});
+      }
     }
   }
+  cases.for_each_mixed([&](int x, int y, int z, std::uint32_t inside) {
+    visited.push_back({x, y, z, static_cast<int>(inside)});
+  });
+  EXPECT_EQ(visited, expected);
 }
 
 INSTANTIATE_TEST_SUITE_P(Balls, UnionBrickTest, testing::Range(std::size_t{0}, cases().size()));
