@@ -9,6 +9,7 @@ namespace vdwmesh::anchors {
 
 struct Cost {
   double cpu = 0, wall = 0;  // s, the kernel's share included
+  double kernel = 0;         // s, of cpu: first touches of pages, for the most part
   std::uint64_t memory = 0;  // bytes at the peak, beyond what the process began with
   std::uint64_t items = 0;   // what the work returned
 };
