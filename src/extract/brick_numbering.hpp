@@ -72,15 +72,6 @@ VDWMESH_HD Located locate(Neighbour&& neighbour, int x, int y, int z) {
   return {neighbour(neighbour_slot(x >> 3, y >> 3, z >> 3)), x & 7, y & 7, z & 7};
 }
 
-VDWMESH_HD inline std::uint32_t vertex_number(const BrickList& list, const Located& node,
-                                              int axis) {
-  const ActiveBrick& owner = list.bricks[node.brick];
-  const int place = owner.row_vertices[node.z * kBrickSide + node.y] +
-                    place_in_row(row_crossings(owner.signs, node.y, node.z), node.x, axis);
-  return static_cast<std::uint32_t>(list.before[node.brick].vertices +
-                                    static_cast<std::uint64_t>(place));
-}
-
 // Cells of a row x = 0 .. 7 that have a virtual corner.
 VDWMESH_HD inline std::uint32_t border_cells(const BrickGeometry& g, int y, int z) {
   const bool border_row = (g.real[1] >> y & 3) != 3 || (g.real[2] >> z & 3) != 3;

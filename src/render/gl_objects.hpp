@@ -4,6 +4,7 @@
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <utility>
@@ -23,6 +24,11 @@ inline void check_gl(std::string_view what) {
                     what));
   }
   throw Error(fmt::format("OpenGL error {:#x} at {}", error, what));
+}
+
+// An offset into the bound buffer, as OpenGL takes it: in the place of a pointer.
+inline const void* buffer_offset(std::size_t bytes) {
+  return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr)
 }
 
 // One name, made by `Generate` and given back by `Delete`.

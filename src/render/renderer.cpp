@@ -116,8 +116,7 @@ void draw_triangles(const SurfaceProgram& program, std::uint64_t count) {
     const std::uint64_t here = std::min(count - first, kTrianglesPerCall);
     program.set_first_triangle(first);
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * here), GL_UNSIGNED_INT,
-                   // NOLINTNEXTLINE(performance-no-int-to-ptr): OpenGL takes offsets so
-                   reinterpret_cast<const void*>(first * sizeof(Triangle)));
+                   buffer_offset(first * sizeof(Triangle)));
   }
 }
 

@@ -121,8 +121,7 @@ void SurfaceBuffers::describe_vertices() const {
                             std::size_t offset) {
     glEnableVertexAttribArray(place);
     glVertexAttribPointer(place, size, type, normalized, sizeof(SurfaceVertex),
-                          // NOLINTNEXTLINE(performance-no-int-to-ptr): OpenGL takes offsets so
-                          reinterpret_cast<const void*>(offset));
+                          buffer_offset(offset));
   };
   attribute(kPosition, 3, GL_FLOAT, GL_FALSE, offsetof(SurfaceVertex, position));
   attribute(kNormal, 3, GL_FLOAT, GL_FALSE, offsetof(SurfaceVertex, normal));
