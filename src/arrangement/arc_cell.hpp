@@ -76,6 +76,9 @@ inline constexpr double kTouching = 1e-9;
 inline constexpr double kCertain = 1e-13;
 // Squared sine of the angle below which two planes count as parallel.
 inline constexpr double kParallel = 1e-18;
+// And that below which it is not certain where they meet, to kSlack / sine: one may lie within the
+// slack of the other in one place and far from it in the next.
+inline constexpr double kNearlyParallel = 1e-10;
 // Parallel planes nearer than this may cross after all.
 inline constexpr double kParallelGap = 1e-8;
 // Far above the rounding of a Gram determinant, far below 1.

@@ -39,6 +39,7 @@ VDWMESH_HD inline BallCell::Relation BallCell::relate(const CellFace& old, const
   const Vec3d normal = cross(a.axis, apart);
   const double squared_sine = inner(normal, normal);
   if (squared_sine < kParallel) return relate_parallel(old, fresh, cosine);
+  if (squared_sine < kNearlyParallel) doubts_ |= kParallelPlanes;
   const double gram = old.squared_sine * squared_sine - toward_b * toward_b;
   if (!(gram > 0)) return relate_uncrossed(toward_a, toward_b);
   const double root = std::sqrt(gram);

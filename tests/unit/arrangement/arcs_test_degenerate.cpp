@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -58,12 +59,31 @@ std::vector<Sphere> random_set(std::mt19937& random) {
   return spheres;
 }
 
-TEST(ArcsDegenerate, WhatIsNotDoubtedAgreesWithTheTriangulation) {
-  constexpr unsigned kSets = 3000;
+// Two balls that all but coincide, small ones on the circle between them and on those.
+std::vector<Sphere> twins_set(std::mt19937& random) {
+  constexpr Vec3d kDirections[] = {{0.6, 0.8, 0}, {-0.8, 0.6, 0}, {1, 0, 0},        {0, -1, 0},
+                                   {0, 0, 1},     {0, 0, -1},     {0.48, 0.64, 0.6}};
+  const auto power = [&](int least, int most) {
+    return std::ldexp(1.0,
+                      least + static_cast<int>(random() % static_cast<unsigned>(most - least)));
+  };
+  const double radius = pick({1.5, 1.0, 2.5}, random);
+  std::vector<Sphere> spheres{{{0.5, -2.5, 3}, radius}, {{0.5, -2.5, 3}, radius}};
+  spheres[1].center[static_cast<int>(random() % 3)] += power(-50, -20);
+  for (std::size_t more = 2 + random() % 8; more > 0; --more) {
+    const Sphere& on = spheres[random() % spheres.size()];
+    const double size = power(-12, 0);
+    spheres.push_back({on.center + std::max(on.radius, size) * pick(kDirections, random), size});
+  }
+  return spheres;
+}
+
+// The number of spheres that the arcs trusted.
+std::size_t expect_agreement(unsigned sets, std::vector<Sphere> (*make)(std::mt19937&)) {
   std::size_t trusted = 0;
-  for (unsigned seed = 0; seed < kSets; ++seed) {
+  for (unsigned seed = 0; seed < sets; ++seed) {
     std::mt19937 random(seed);
-    const SphereSet spheres(random_set(random));
+    const SphereSet spheres(make(random));
     const ArcMeasures arcs = arc_measures(spheres);
     const ExactUnion exact = exact_union(spheres);
     for (std::size_t i = 0; i < spheres.size(); ++i) {
@@ -76,7 +96,34 @@ TEST(ArcsDegenerate, WhatIsNotDoubtedAgreesWithTheTriangulation) {
           << "set " << seed << ", sphere " << i;
     }
   }
-  EXPECT_GT(trusted, kSets);  // the arcs must not doubt everything
+  return trusted;
+}
+
+// The arcs must not doubt everything either.
+TEST(ArcsDegenerate, WhatIsNotDoubtedAgreesWithTheTriangulation) {
+  constexpr unsigned kSets = 3000;
+  EXPECT_GT(expect_agreement(kSets, random_set), kSets);
+}
+
+TEST(ArcsDegenerate, AmongTwinsToo) {
+  constexpr unsigned kSets = 6000;
+  EXPECT_GT(expect_agreement(kSets, twins_set), kSets / 2);
+}
+
+// A ball half in two that all but coincide: planes a hair apart each took the other's chord in the
+// cap of a tiny ball, and with it all of the ball.
+TEST(ArcsDegenerate, ABallOnTheCircleOfTwinsIsKept) {
+  const SphereSet spheres({{{0.5, -2.5, 3.0}, 1.5},
+                           {{0.5, -2.5, 3.000000001862645}, 1.5},
+                           {{1.4, -1.2999999999999998, 3.0625}, 0.0625},
+                           {{1.4, -1.2999999999999998, 3.0}, 0.000244140625}});
+  const double distance = std::hypot(1.5, 0.0625), r = 0.0625;
+  const double cosine = (distance * distance + r * r - 1.5 * 1.5) / (2 * distance * r);
+  const double outside = 2 * std::numbers::pi * r * r * (1 + cosine);  // of either twin
+  const double tiny =
+      std::numbers::pi * 0.000244140625 * 0.000244140625;  // what the tiny ball hides
+  const ExactUnion exact = exact_union(spheres, {UnionMethod::arcs, nullptr});
+  EXPECT_NEAR(exact.per_sphere[2].area, outside, tiny);
 }
 
 }  // namespace
