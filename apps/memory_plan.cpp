@@ -39,10 +39,6 @@ MeshSize first_level(const MemoryDemand& d) {
   return {triangles / 2, triangles};
 }
 
-MeshSize next_level(const MeshSize& m) {
-  return {m.vertices + m.triangles * 3 / 2, 4 * m.triangles};
-}
-
 TriangleLabels labels_of(const MemoryDemand& d) {
   return d.surface && d.surface->mesher == Mesher::exact ? TriangleLabels::spheres
                                                          : TriangleLabels::none;
@@ -66,10 +62,12 @@ class Estimate {
     if (d_.surface && mesh.triangles == 0) mesh = make();
     need_.triangles = mesh.triangles;
     const std::uint64_t held = mesh.triangles > 0 ? mesh_bytes(d_, mesh) : 0;
-    if (mesh.triangles > 0 && d_.measures == Switch::on) look_at(mesh, held);
-    if (d_.build == Switch::on) {
-      take("build", held + surface_mesh_bytes(mesh, d_.connectivity));
+    const std::uint64_t built =
+        d_.build == Switch::on ? surface_mesh_bytes(mesh, d_.connectivity) : 0;
+    if (mesh.triangles > 0 && d_.measures == Switch::on) {
+      look_at(mesh, held + (d_.early == Switch::on ? built : 0));
     }
+    if (d_.build == Switch::on) take("build", held + built);
     if (d_.exact) take("exact union", held + union_bytes(d_.spheres, *d_.exact, d_.exposed));
     if (d_.distances == Switch::on) {
       take("distances", held + union_result() + distances_bytes(mesh, d_.spheres));
@@ -92,7 +90,7 @@ class Estimate {
           refine_bytes(mesh.vertices, mesh.triangles, d_.spheres, levels, labels_of(d_));
       take("refine", static_cast<std::uint64_t>(kRefineSlack * static_cast<double>(bytes)));
     }
-    for (int l = 0; l < levels; ++l) mesh = next_level(mesh);
+    mesh = subdivided(mesh, levels);
     take("mesh", mesh_bytes(d_, mesh));
     return mesh;
   }
@@ -229,7 +227,14 @@ std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit) {
 std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
                                   std::uint64_t limit) {
   describe(spheres, demand);
+  if (demand.early == Switch::on && !fits(demand, limit)) demand.early = Switch::off;
   return check_memory(demand, limit);
+}
+
+bool early_build_fits(const MemoryDemand& demand, const MeshSize& mesh, std::uint64_t limit) {
+  MemoryDemand known = demand;
+  known.mesh = mesh;
+  return demand.early == Switch::on && fits(known, limit);
 }
 
 void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const IndexedMesh& mesh,

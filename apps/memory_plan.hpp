@@ -21,6 +21,7 @@ struct MemoryDemand {
   Connectivity connectivity = Connectivity::triangles;
   MeshSize mesh;               // of the finished mesh, where it is known
   Switch build = Switch::off;  // OpenMesh
+  Switch early = Switch::off;  // room for it is made before the mesh is measured
   Switch measures = Switch::on;
   std::optional<UnionMethod> exact;  // empty: no exact union
   Switch distances = Switch::off;
@@ -40,9 +41,13 @@ MemoryNeed estimate_memory(const MemoryDemand& demand);
 // would fit. Returns the bytes.
 std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit);
 
-// The same before anything is made. Fills in what `demand` has of the spheres.
+// The same before anything is made. Fills in what `demand` has of the spheres, and gives `early` up
+// where it would take too much.
 std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
                                   std::uint64_t limit);
+
+// Whether the mesh, whose size is known now, leaves what `early` takes.
+bool early_build_fits(const MemoryDemand& demand, const MeshSize& mesh, std::uint64_t limit);
 
 // The same for what follows a mesh that is there.
 void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const IndexedMesh& mesh,

@@ -83,7 +83,8 @@ int devices_for(const MachineOptions& machine, const SurfaceOptions& surface, Re
 }
 
 IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
-                       Connectivity connectivity, RefineOptions& refine, Report& report) {
+                       Connectivity connectivity, const MeshSizeObserver& on_size,
+                       RefineOptions& refine, Report& report) {
   const GridSpec grid = make_grid(spheres, surface.grid);
   report.parameters = describe_parameters(surface, grid, refine.memory_limit);
   ExtractOptions extract;
@@ -92,6 +93,7 @@ IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
   extract.connectivity = connectivity;
   extract.memory_limit = refine.memory_limit;
   extract.monitor = refine.monitor;
+  extract.on_size = on_size;
   extract.devices = std::max(report.backend->devices, 1);
   refine.grid = grid;
   PipelineResult result = make_pipeline(report.backend->requested)->run(spheres, extract, refine);
@@ -186,7 +188,7 @@ SphereSet to_spheres(const Molecule& molecule, double probe) {
 
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
                       Connectivity connectivity, const MachineOptions& machine, Monitor* monitor,
-                      Report& report, const LevelObserver& on_level) {
+                      Report& report, const MeshObservers& observers) {
   report.backend = describe_backend(machine.backend, resolve(machine.backend));
   report.notes.insert(report.notes.end(), surface.notes.begin(), surface.notes.end());
   report.backend->devices = devices_for(machine, surface, report);
@@ -195,11 +197,11 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
   refine.projection = surface.projection;
   refine.field = surface.field;
   refine.memory_limit = machine.memory_limit;
-  refine.on_level = on_level;
+  refine.on_level = observers.on_level;
   refine.monitor = monitor;
   return surface.mesher == Mesher::exact
              ? mesh_arrangement(spheres, surface, refine, report)
-             : mesh_field(spheres, surface, connectivity, refine, report);
+             : mesh_field(spheres, surface, connectivity, observers.on_size, refine, report);
 }
 
 LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& levels) {
@@ -274,15 +276,15 @@ void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
   report.timing.compare = watch.seconds();
 }
 
-SurfaceMesh build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule, Report& report) {
+void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
+                        SurfaceMeshBuilder& builder, Report& report) {
   const Stopwatch watch;
-  SurfaceMesh surface = to_surface_mesh(mesh);
+  SurfaceMesh& surface = builder.build(mesh);
   std::vector<std::string> elements;
   elements.reserve(molecule.atoms.size());
   for (const Atom& atom : molecule.atoms) elements.push_back(atom.element);
   color_by_element(surface, elements);
   report.timing.build = watch.seconds();
-  return surface;
 }
 
 void deliver(Report& report, const OutputOptions& output, Verbosity verbosity) {

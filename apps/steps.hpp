@@ -5,6 +5,7 @@
 #include "extract/indexed_mesh.hpp"
 #include "extract/sphere_set.hpp"
 #include "mesh/surface_mesh.hpp"
+#include "mesh/surface_mesh_builder.hpp"
 #include "options.hpp"
 #include "report.hpp"
 #include "structure/molecule.hpp"
@@ -18,11 +19,17 @@ Molecule load(const InputOptions& options, std::uint64_t memory_limit, Report& r
 // positive.
 SphereSet to_spheres(const Molecule& molecule, double probe);
 
+// Who hears of a mesh while it is made; each may be empty.
+struct MeshObservers {
+  LevelObserver on_level;
+  MeshSizeObserver on_size;  // of marching cubes
+};
+
 // Extraction and refinement on the backend asked for. Throws InvalidInput when no grid node lies
 // inside the surface, so that the mesh would be empty.
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
                       Connectivity connectivity, const MachineOptions& machine, Monitor* monitor,
-                      Report& report, const LevelObserver& on_level = {});
+                      Report& report, const MeshObservers& observers = {});
 
 // What runs where `requested` was asked for and `used` was chosen.
 BackendReport describe_backend(Backend requested, Backend used);
@@ -52,8 +59,9 @@ void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceChoice& choice, std::uint64_t memory_limit, Monitor* monitor,
                         Report& report);
 
-// The half-edge mesh with normals, atoms and CPK colours.
-SurfaceMesh build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule, Report& report);
+// The half-edge mesh with normals, atoms and CPK colours, where the builder makes it.
+void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
+                        SurfaceMeshBuilder& builder, Report& report);
 
 // Prints the report and writes its JSON where asked for, with the seconds since `start`.
 void deliver(Report& report, const OutputOptions& output, Verbosity verbosity);

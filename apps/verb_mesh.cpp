@@ -42,13 +42,23 @@ class MeshVerb : public Verb {
     demand.backend = resolve(machine_options.backend);
     demand.connectivity = Connectivity::half_edges;
     demand.build = Switch::on;
+    demand.early = demand.backend == Backend::cuda ? Switch::on : Switch::off;
     const auto estimate = check_memory_before(demand, spheres, machine_options.memory_limit);
+    SurfaceMesh built;
+    SurfaceMeshBuilder builder(built);
+    const auto prepare = [&](const MeshSize& size) {
+      if (early_build_fits(demand, size, machine_options.memory_limit)) {
+        builder.prepare(size);
+      } else {
+        demand.early = Switch::off;
+      }
+    };
     IndexedMesh mesh = make_mesh(spheres, surface, Connectivity::half_edges, machine_options,
-                                 machine.monitor(), report);
+                                 machine.monitor(), report, {.on_level = {}, .on_size = prepare});
     report.parameters->memory_estimate = estimate;
     check_memory_after(demand, spheres, mesh, machine_options.memory_limit);
     measure(mesh, SelfIntersections::skip, machine.monitor(), report);
-    const SurfaceMesh built = build_surface_mesh(mesh, molecule, report);
+    build_surface_mesh(mesh, molecule, builder, report);
     mesh = {};
     write(built, machine.monitor(), report);
     machine.end_progress();

@@ -66,8 +66,9 @@ class ReportVerb : public Verb {
     demand.distances = distance_choice.distances;
     const auto estimate = check_memory_before(demand, spheres, machine_options.memory_limit);
     std::vector<LevelReport> levels;
-    const IndexedMesh mesh = make_mesh(spheres, surface, Connectivity::triangles, machine_options,
-                                       machine.monitor(), report, record_levels(count, levels));
+    const IndexedMesh mesh =
+        make_mesh(spheres, surface, Connectivity::triangles, machine_options, machine.monitor(),
+                  report, {.on_level = record_levels(count, levels), .on_size = {}});
     report.parameters->memory_estimate = estimate;
     check_memory_after(demand, spheres, mesh, machine_options.memory_limit);
     report.mesh->levels = std::move(levels);

@@ -11,13 +11,13 @@
 #include <cstdio>
 #include <ctime>
 #include <exception>
-#include <fstream>
 #include <limits>
 #include <random>
 #include <string>
 
 #include "arrangement/arcs.hpp"
 #include "core/errors.hpp"
+#include "read_xyzr.hpp"
 
 namespace {
 
@@ -25,18 +25,6 @@ using vdwmesh::Sphere;
 using vdwmesh::SphereSet;
 
 constexpr int kRepeats = 3;
-
-std::vector<Sphere> read_spheres(const std::string& path, double probe) {
-  std::ifstream file(path);
-  if (!file) throw vdwmesh::InvalidInput("cannot open " + path);
-  std::vector<Sphere> spheres;
-  Sphere s;
-  while (file >> s.center.x >> s.center.y >> s.center.z >> s.radius) {
-    s.radius += probe;
-    spheres.push_back(s);
-  }
-  return spheres;
-}
 
 // About as dense as heavy atoms in a protein (0.05 per Å³) and as crowded.
 std::vector<Sphere> synthetic_spheres(double probe) {
@@ -127,7 +115,7 @@ void write_pdb(const std::vector<Sphere>& spheres, const char* path) {
 int main(int argc, char** argv) try {
   const double probe = argc > 2 ? std::stod(argv[2]) : 0;
   const std::vector<Sphere> base =
-      argc > 1 ? read_spheres(argv[1], probe) : synthetic_spheres(probe);
+      argc > 1 ? vdwmesh::read_xyzr(argv[1], probe) : synthetic_spheres(probe);
   if (argc > 3) {
     write_pdb(base, argv[3]);
     return 0;

@@ -11,7 +11,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <random>
 #include <string>
@@ -20,6 +19,7 @@
 #include "cuda/backend.hpp"
 #include "cuda/device_refinement.cuh"
 #include "extract/field_sample.hpp"
+#include "read_xyzr.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -62,13 +62,6 @@ double copy_rate(const Stream& stream) {
   const double rate = 2.0 * static_cast<double>(bytes) / (ms * 1e-3);
   std::printf("device copy: %.2f TB/s (read + written)\n", rate * 1e-12);
   return rate;
-}
-
-SphereSet read_xyzr(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::vector<Sphere> spheres;
-  for (double x, y, z, r; file >> x >> y >> z >> r;) spheres.push_back({{x, y, z}, r});
-  return SphereSet(spheres);
 }
 
 // 4,000 atoms at 0.05 per Å³, at least 2 Å apart, in a ball; radii 1.52 to 1.80 Å.
@@ -280,7 +273,7 @@ double seconds_to_mesh(const SphereSet& spheres, const ExtractOptions& options, 
 }
 
 void report_end_to_end(const std::filesystem::path& path, double spacing, double bus_rate) {
-  const SphereSet spheres = read_xyzr(path);
+  const SphereSet spheres(read_xyzr(path));
   ExtractOptions options;
   options.grid.spacing = spacing;
   PipelineResult result;
@@ -330,7 +323,7 @@ struct Parts {
 };
 
 void report_file(const std::filesystem::path& path, const Parts& parts, double rate) {
-  const SphereSet spheres = read_xyzr(path);
+  const SphereSet spheres(read_xyzr(path));
   const std::string name = path.stem();
   if (parts.extract) report_extractions(name, spheres, rate);
   if (parts.refine) report_refinement(name.c_str(), spheres, 0.5, 2, Crossings::allow);
@@ -374,7 +367,8 @@ int run(int argc, char** argv) {
   const double rate = copy_rate(Stream());
   if (parts.extract) report_synthetic(rate);
   for (int i = first; i < argc; ++i) report_file(argv[i], parts, rate);
-  if (first < argc) report_million(side_by_side(read_xyzr(argv[argc - 1]), 6), parts, rate);
+  if (first < argc)
+    report_million(side_by_side(SphereSet(read_xyzr(argv[argc - 1])), 6), parts, rate);
   return 0;
 }
 

@@ -8,12 +8,19 @@
 namespace vdwmesh {
 namespace {
 
+void tell_size(const MeshSizeObserver& observer, const IndexedMesh& mesh) {
+  if (observer) observer({mesh.vertex_count(), mesh.triangle_count()});
+}
+
 class CpuPipeline final : public SurfacePipeline {
  public:
   PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
                      const RefineOptions& refine) const override {
     ExtractOptions extraction = extract;
-    if (refine.subdivisions > 0) extraction.connectivity = Connectivity::half_edges;
+    if (refine.subdivisions > 0) {
+      extraction.connectivity = Connectivity::half_edges;
+      extraction.on_size = {};
+    }
     ExtractResult extracted = make_cpu_extractor()->extract(spheres, extraction);
     PipelineResult result{{}, extracted.grid, extracted.stats, {}, 0, {}};
     if (refine.subdivisions == 0) {
@@ -26,6 +33,7 @@ class CpuPipeline final : public SurfacePipeline {
     result.mesh = std::move(refined.mesh);
     result.levels = std::move(refined.levels);
     result.refine_seconds = refined.seconds;
+    tell_size(extract.on_size, result.mesh);
     return result;
   }
 };
@@ -90,10 +98,12 @@ class AutomaticPipeline final : public SurfacePipeline {
   // refinement.
   static PipelineResult extract_then_refine(const SphereSet& spheres, ExtractOptions extract,
                                             RefineOptions refine) {
+    const MeshSizeObserver on_size = std::exchange(extract.on_size, {});
     extract.connectivity = Connectivity::half_edges;
     const ExtractResult extracted = make_cuda_extractor()->extract(spheres, extract);
     refine.grid = extracted.grid;
     RefineResult refined = AutomaticRefiner().refine(spheres, extracted.mesh, refine);
+    tell_size(on_size, refined.mesh);
     return {std::move(refined.mesh),   extracted.grid,  extracted.stats,
             std::move(refined.levels), refined.seconds, std::move(refined.fallback)};
   }

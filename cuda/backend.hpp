@@ -46,7 +46,9 @@ struct PipelineResult {
 // Extraction, then refinement; with 0 subdivisions the extracted mesh as it is. The grid of
 // `refine` is that of the extraction, whatever it says. The CUDA pipeline keeps everything on the
 // device in between. The automatic one leaves to the CPU what does not fit the device's memory,
-// the refinement or all of it, where the CUDA one throws DeviceMemoryExceeded.
+// the refinement or all of it, where the CUDA one throws DeviceMemoryExceeded. `extract.on_size`
+// hears of the mesh that comes out: before it is brought from a device, after the CPU refined it.
+// Where the CPU takes over from a device it may hear so twice.
 class SurfacePipeline {
  public:
   virtual ~SurfacePipeline() = default;

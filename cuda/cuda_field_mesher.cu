@@ -37,8 +37,9 @@ class CudaFieldMesher final : public FieldMesher {
         upload(field.values.data(), field.values.size(), stream.get());
     const DeviceExtraction extraction = mesh_field_on_device(
         {field.grid, values.data(), field.isovalue}, DeviceNormals::gradients, options, stream);
-    return {download(extraction.mesh.view(), options.connectivity, stream), field.grid,
-            extraction.stats};
+    const DeviceMeshView mesh = extraction.mesh.view();
+    if (options.on_size) options.on_size({mesh.vertices, mesh.triangles});
+    return {download(mesh, options.connectivity, stream), field.grid, extraction.stats};
   }
 };
 

@@ -35,10 +35,11 @@ class CudaPipeline final : public SurfacePipeline {
     const DeviceSurface surface(spheres, options, TriangleLabels::none, stream);
     DeviceRefinement refined =
         refine_on_device(surface.view(), std::move(extraction.mesh), options, stream);
+    const DeviceMeshView mesh = refined.mesh.view();
+    if (extract.on_size) extract.on_size({mesh.vertices, mesh.triangles});
     const bool has_half_edges = refined.mesh.opposite.size() > 0;
     result.mesh =
-        download(refined.mesh.view(),
-                 has_half_edges ? Connectivity::half_edges : Connectivity::triangles, stream);
+        download(mesh, has_half_edges ? Connectivity::half_edges : Connectivity::triangles, stream);
     result.levels = std::move(refined.levels);
     for (const float ms : refined.level_milliseconds) result.refine_seconds += ms * 1e-3;
     return result;

@@ -224,6 +224,7 @@ void make_room(const BrickSums& sums, const ExtractOptions& options, double spac
                IndexedMesh& host) {
   check_mesh_limits({sums.vertices, sums.triangles, options.connectivity, 0, spacing},
                     options.memory_limit);
+  if (options.on_size) options.on_size({sums.vertices, sums.triangles});
   resize_untouched(host.positions, sums.vertices);
   resize_untouched(host.normals, sums.vertices);
   resize_untouched(host.vertex_spheres, sums.vertices);

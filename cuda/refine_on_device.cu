@@ -9,11 +9,6 @@
 namespace vdwmesh {
 namespace {
 
-struct LevelSize {
-  std::uint64_t vertices, triangles;
-  LevelSize next() const { return {vertices + 3 * triangles / 2, 4 * triangles}; }
-};
-
 bool has_half_edges(std::uint64_t triangles) { return 3 * triangles <= kMaxHalfEdges; }
 
 template <class T>
@@ -107,7 +102,7 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
                           const Stream& stream) {
   StageMarks marks(stream.get());
   const DeviceMeshView parent = growing.view();
-  const LevelSize size = LevelSize{parent.vertices, parent.triangles}.next();
+  const MeshSize size = subdivided({parent.vertices, parent.triangles});
   const DeviceEdgeNumbers edges(parent.opposite, 3 * parent.triangles, stream);
   DeviceMesh children;
   children.corners = DeviceArray<std::uint32_t>(3 * size.triangles, stream.get());
@@ -182,12 +177,11 @@ void finish_normals(const SurfaceView& surface, DeviceMesh& mesh, const Stream& 
 
 std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangles,
                                   const RefineOptions& options, TriangleLabels labels) {
-  LevelSize parent{0, 0}, size{vertices, triangles};
-  for (int l = 0; l < options.subdivisions; ++l) {
-    parent = size;
-    size = size.next();
-  }
-  const auto triangle_bytes = [&](const LevelSize& s) {
+  const MeshSize given{vertices, triangles};
+  const MeshSize parent =
+      options.subdivisions > 0 ? subdivided(given, options.subdivisions - 1) : MeshSize{};
+  const MeshSize size = subdivided(given, options.subdivisions);
+  const auto triangle_bytes = [&](const MeshSize& s) {
     const std::uint64_t arrays = has_half_edges(s.triangles) ? 6 : 3;
     return s.triangles * (arrays * sizeof(std::uint32_t) +
                           (labels == TriangleLabels::spheres ? sizeof(SphereId) : 0));
@@ -211,14 +205,14 @@ std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangle
 
 DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
                                   const RefineOptions& options, const Stream& stream) {
-  LevelSize last{mesh.vertex_count(), mesh.triangle_count()};
+  const MeshSize given{mesh.vertex_count(), mesh.triangle_count()};
   require_device_memory(
-      device_refine_bytes(last.vertices, last.triangles, options, mesh.triangle_labels()),
+      device_refine_bytes(given.vertices, given.triangles, options, mesh.triangle_labels()),
       "refinement", options.device_memory);
-  for (int l = 0; l < options.subdivisions; ++l) last = last.next();
   DeviceRefinement result;
   StageClock clock(stream.get());
-  GrowingMesh growing = with_room(std::move(mesh), options.projection, last.vertices, stream);
+  GrowingMesh growing = with_room(std::move(mesh), options.projection,
+                                  subdivided(given, options.subdivisions).vertices, stream);
   const auto observe = [&](int level) {
     if (!options.on_level) return;
     DeviceMeshView seen = growing.view();

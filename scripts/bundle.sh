@@ -13,7 +13,7 @@ shared=${VDWMESH_SHARED:-$source_dir/../shared}
 mkdir -p "$target/bin" "$target/lib" "$target/data"
 programs=()
 for program in "$build/apps/vdwmesh" "$build"/tests/cuda/cuda_* "$build"/tests/contract/*_test \
-               "$build"/bench/cuda_*; do
+               "$build"/bench/cuda_* "$build/bench/half_edges_bench"; do
   if [ -f "$program" ] && [ -x "$program" ]; then programs+=("$program"); fi
 done
 [ "${#programs[@]}" -gt 0 ] || { echo "bundle: nothing built in $build" >&2; exit 1; }

@@ -55,7 +55,7 @@ class Pass {
     IndexedMesh mesh = extract();
     exact(mesh);
     measure_mesh(mesh);
-    half_edges(std::move(mesh));
+    build(std::move(mesh));
     return std::move(result_);
   }
 
@@ -96,7 +96,7 @@ class Pass {
     IndexedMesh mesh;
     StageRow& row = stage("mesh", spheres_->size() * sizeof(Sphere), [&]() -> Bytes {
       mesh = make_mesh(*spheres_, surface_, Connectivity::half_edges, options_.machine, &parts,
-                       report_);
+                       report_, {.on_level = {}, .on_size = room_for_half_edges()});
       parts.finish();
       return bytes_of(mesh);
     });
@@ -107,6 +107,12 @@ class Pass {
     result_.vertices = mesh.vertex_count();
     result_.triangles = mesh.triangle_count();
     return mesh;
+  }
+
+  // As in `vdwmesh mesh`: while a device makes the mesh, the CPU makes room for the half-edges.
+  MeshSizeObserver room_for_half_edges() {
+    if (resolve(options_.machine.backend) == Backend::cpu) return {};
+    return [this](const MeshSize& size) { builder_.prepare(size); };
   }
 
   Rows device_parts(double wall_seconds) const {
@@ -153,7 +159,7 @@ class Pass {
     });
   }
 
-  void half_edges(IndexedMesh&& mesh) {
+  void build(IndexedMesh&& mesh) {
     const std::uint64_t in = bytes_of(mesh);
     stage(
         "resize of OpenMesh", std::nullopt,
@@ -165,14 +171,14 @@ class Pass {
           return bytes_of(empty);
         },
         StageKind::beside);
-    // Made in place: an OpenMesh mesh that is assigned is copied.
-    StageClock build("build");
-    const SurfaceMesh surface = build_surface_mesh(mesh, molecule_, report_);
-    add(build, in, bytes_of(surface));
+    stage("build", in, [&]() -> Bytes {
+      build_surface_mesh(mesh, molecule_, builder_, report_);
+      return bytes_of(half_edges_);
+    });
     mesh = {};
     std::uint64_t file = 0;
     StageRow& write = stage("write PLY", std::nullopt, [&]() -> Bytes {
-      return file = encode_mesh(surface, MeshFormat::ply).bytes.size();
+      return file = encode_mesh(half_edges_, MeshFormat::ply).bytes.size();
     });
     write.bytes_read = file;  // every number of the file is in the mesh, at the same width
   }
@@ -182,6 +188,8 @@ class Pass {
   SurfaceOptions surface_;
   Molecule molecule_;
   std::optional<SphereSet> spheres_;
+  SurfaceMesh half_edges_;
+  SurfaceMeshBuilder builder_{half_edges_};
   Report report_;
   PipelineCase result_;
 };

@@ -10,10 +10,6 @@
 
 namespace vdwmesh {
 
-struct MeshSize {
-  std::uint64_t vertices = 0, triangles = 0;
-};
-
 // to_surface_mesh() and the mesh that it makes.
 std::uint64_t surface_mesh_bytes(const MeshSize& mesh, Connectivity given);
 

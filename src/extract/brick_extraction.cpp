@@ -106,6 +106,8 @@ ExtractResult mesh_bricks(const GridSpec& grid,
                     options.memory_limit);
   result.stats.field_seconds = seconds_since(start);
 
+  if (options.on_size) options.on_size({all.vertices, all.triangles});
+
   start = Clock::now();
   if (bricks.size() > kManyBricks) return_freed_pages();
   resize(result.mesh, all, labels, options.connectivity);

@@ -21,6 +21,7 @@ struct ExtractOptions {
   Connectivity connectivity = Connectivity::triangles;
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
   Monitor* monitor = nullptr;
+  MeshSizeObserver on_size;  // may be empty; called once all is counted, before the mesh is made
   // For the CUDA backend; the mesh does not depend on them. What does not fit in `device_memory`
   // bytes (or in what is free) is made in slabs, runs of bricks; the slabs are shared among
   // `devices`, and where there are fewer of them, some work for several.

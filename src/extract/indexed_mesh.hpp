@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 
 #include "core/buffer.hpp"
 #include "core/vec3.hpp"
@@ -19,6 +20,13 @@ using Triangle = std::array<std::uint32_t, 3>;
 using VertexSpheres = std::array<SphereId, 3>;
 
 inline constexpr VertexSpheres on_sphere(SphereId id) { return {id, kNoSphere, kNoSphere}; }
+
+struct MeshSize {
+  std::uint64_t vertices = 0, triangles = 0;
+};
+
+// Hears how large a mesh will be before it is there.
+using MeshSizeObserver = std::function<void(const MeshSize&)>;
 
 // Whether `triangle_spheres` is filled.
 enum class TriangleLabels : std::uint8_t { none, spheres };

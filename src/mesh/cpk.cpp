@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <string_view>
 #include <vector>
 
 #include "core/errors.hpp"
 #include "mesh/element_color.hpp"
+#include "mesh/surface_handles.hpp"
 #include "mesh/surface_mesh.hpp"
 
 namespace vdwmesh {
@@ -35,6 +37,18 @@ const ElementColor kColors[] = {
 };
 const Color kOther{255, 20, 147};
 
+[[noreturn]] void throw_first_without_element(const SurfaceMesh& mesh,
+                                              VertexSpheresProperty spheres, std::size_t elements) {
+  const auto has_none = [&](const auto v) {
+    const SphereId atom = mesh.property(spheres, v)[0];
+    return atom != kNoSphere && atom >= elements;
+  };
+  const auto all = mesh.vertices();
+  const OpenMesh::VertexHandle first = *std::find_if(all.begin(), all.end(), has_none);
+  throw InvalidInput(fmt::format("vertex {} lies on sphere {}, but there are {} elements",
+                                 first.idx(), mesh.property(spheres, first)[0], elements));
+}
+
 }  // namespace
 
 Color element_color(std::string_view element) {
@@ -54,14 +68,17 @@ void color_by_element(SurfaceMesh& mesh, std::span<const std::string> elements) 
     colors.emplace_back(c[0], c[1], c[2]);
   }
   const VertexSpheresProperty spheres = vertex_spheres(mesh);
-  for (const auto v : mesh.vertices()) {
-    const SphereId atom = mesh.property(spheres, v)[0];
-    if (atom == kNoSphere) continue;
-    if (atom >= colors.size())
-      throw InvalidInput(fmt::format("vertex {} lies on sphere {}, but there are {} elements",
-                                     v.idx(), atom, colors.size()));
-    mesh.set_color(v, colors[atom]);
-  }
+  std::atomic<bool> all_named = true;
+  handles::for_each_index(mesh.n_vertices(), [&](std::size_t v) {
+    const SphereId atom = mesh.property(spheres, handles::vertex(v))[0];
+    if (atom == kNoSphere) return;
+    if (atom < colors.size()) {
+      mesh.set_color(handles::vertex(v), colors[atom]);
+    } else {
+      all_named = false;
+    }
+  });
+  if (!all_named) throw_first_without_element(mesh, spheres, elements.size());
 }
 
 }  // namespace vdwmesh

@@ -17,16 +17,7 @@ namespace {
 
 constexpr std::size_t kAllGood = std::numeric_limits<std::size_t>::max();
 
-// Half-edges of every level but the last must fit 32 bits, and the vertices of the last.
-struct LevelSize {
-  std::uint64_t vertices, triangles;
-};
-
-LevelSize next_size(const LevelSize& s) {
-  return {s.vertices + s.triangles * 3 / 2, 4 * s.triangles};
-}
-
-std::uint64_t mesh_bytes(const LevelSize& s, TriangleLabels labels) {
+std::uint64_t mesh_bytes(const MeshSize& s, TriangleLabels labels) {
   return indexed_mesh_bytes(s.vertices, s.triangles, Connectivity::half_edges, labels);
 }
 
@@ -37,11 +28,12 @@ void check_options(const RefineOptions& o) {
   }
 }
 
-void check_limits(std::uint64_t spheres, LevelSize size, const RefineOptions& o,
+// Half-edges of every level but the last must fit 32 bits, and the vertices of the last.
+void check_limits(std::uint64_t spheres, MeshSize size, const RefineOptions& o,
                   TriangleLabels labels) {
-  const LevelSize given = size;
+  const MeshSize given = size;
   for (int l = 1; l <= o.subdivisions; ++l) {
-    const LevelSize next = next_size(size);
+    const MeshSize next = subdivided(size);
     if (3 * size.triangles > kMaxHalfEdges || next.vertices > kMaxVertices) {
       throw LimitExceeded(fmt::format(
           "subdivision {} of {} would have {} vertices and {} triangles; at most {} vertices, and "
@@ -165,11 +157,9 @@ IndexedMesh prepare_mesh(const IndexedMesh& given, const RefineOptions& options)
 
 std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t spheres,
                            int subdivisions, TriangleLabels labels) {
-  LevelSize parent{0, 0}, size{vertices, triangles};
-  for (int l = 0; l < subdivisions; ++l) {
-    parent = size;
-    size = next_size(size);
-  }
+  const MeshSize given{vertices, triangles};
+  const MeshSize parent = subdivisions > 0 ? subdivided(given, subdivisions - 1) : MeshSize{};
+  const MeshSize size = subdivided(given, subdivisions);
   // Beside the meshes: edge numbers of the parent.
   const std::uint64_t edges = parent.triangles * 3 * sizeof(std::uint32_t);
   const std::uint64_t meshes = mesh_bytes(parent, labels) + mesh_bytes(size, labels) + edges;

@@ -18,6 +18,14 @@ namespace vdwmesh {
 // union of the balls.
 enum class Projection : std::uint8_t { none, field, vdw };
 
+// Of a closed mesh after so many midpoint subdivisions.
+constexpr MeshSize subdivided(MeshSize mesh, int levels = 1) {
+  for (int l = 0; l < levels; ++l) {
+    mesh = {mesh.vertices + mesh.triangles * 3 / 2, 4 * mesh.triangles};
+  }
+  return mesh;
+}
+
 enum class Crossings : std::uint8_t { allow, undo };
 
 // Sees the mesh as it goes: level 0 is the given one, level l the one after subdivision l and its

@@ -230,6 +230,33 @@ TEST_P(ExtractorAwkward, StopsOnRequest) {
   EXPECT_THROW(extract(cluster(50, 1), options), Cancelled);
 }
 
+TEST_P(ExtractorAwkward, TellsTheSizeBeforeTheMeshIsMade) {
+  std::vector<MeshSize> told;
+  ExtractOptions options;
+  options.on_size = [&](const MeshSize& size) { told.push_back(size); };
+  const ExtractResult result = extract(cluster(50, 1), options);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].vertices, result.mesh.vertex_count());
+  EXPECT_EQ(told[0].triangles, result.mesh.triangle_count());
+  options.on_size = [](const MeshSize&) { throw Cancelled("no room"); };
+  EXPECT_THROW(extract(cluster(50, 1), options), Cancelled);
+}
+
+// With subdivisions it is the refined mesh whose size is told.
+TEST_P(ExtractorAwkward, ThePipelineTellsTheSizeOfItsMesh) {
+  for (const int subdivisions : {0, 1, 2}) {
+    std::vector<MeshSize> told;
+    ExtractOptions options;
+    options.on_size = [&](const MeshSize& size) { told.push_back(size); };
+    RefineOptions refine;
+    refine.subdivisions = subdivisions;
+    const IndexedMesh mesh = make_pipeline(GetParam())->run(cluster(20, 1), options, refine).mesh;
+    ASSERT_EQ(told.size(), 1u) << subdivisions;
+    EXPECT_EQ(told[0].vertices, mesh.vertex_count()) << subdivisions;
+    EXPECT_EQ(told[0].triangles, mesh.triangle_count()) << subdivisions;
+  }
+}
+
 VDWMESH_INSTANTIATE_BACKENDS(ExtractorAwkward);
 VDWMESH_INSTANTIATE_FIELDS(ExtractorFieldAwkward);
 

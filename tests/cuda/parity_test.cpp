@@ -199,7 +199,8 @@ TEST_F(Parity, NoRoomForASlab) {
 // one, which says so.
 TEST_F(Parity, RefinementThatDoesNotFit) {
   const SphereSet spheres = crowd(300, 8, 0.8, 2.0, 19);
-  const ExtractOptions extract = options_of(FieldKind::vdw, 0.5);
+  ExtractOptions extract = options_of(FieldKind::vdw, 0.5);
+  std::vector<std::uint64_t> told;
   RefineOptions refine;
   refine.subdivisions = 1;
   const PipelineResult cpu = make_pipeline(Backend::cpu)->run(spheres, extract, refine);
@@ -207,7 +208,9 @@ TEST_F(Parity, RefinementThatDoesNotFit) {
   refine.on_level = [&](int level, const IndexedMesh&) { levels.push_back(level); };
   refine.device_memory = 1 << 20;
   EXPECT_THROW(make_pipeline(Backend::cuda)->run(spheres, extract, refine), DeviceMemoryExceeded);
+  extract.on_size = [&](const MeshSize& size) { told.push_back(size.triangles); };
   const PipelineResult automatic = make_pipeline(Backend::automatic)->run(spheres, extract, refine);
+  EXPECT_EQ(told, std::vector<std::uint64_t>{automatic.mesh.triangle_count()});
   EXPECT_EQ(levels, (std::vector<int>{0, 1}));
   expect_same(cpu.mesh, automatic.mesh, "refined on the CPU");
   EXPECT_GT(automatic.extract.slabs, 0u) << "extracted on the CPU too";

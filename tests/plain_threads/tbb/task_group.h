@@ -1,4 +1,4 @@
-// Used by CGAL's box intersection alone.
+// Used by CGAL's box intersection and for the arrays of a SurfaceMesh.
 #pragma once
 
 #include <functional>

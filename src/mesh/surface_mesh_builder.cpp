@@ -1,0 +1,135 @@
+#include "mesh/surface_mesh_builder.hpp"
+
+#include <fmt/format.h>
+#include <tbb/task_group.h>
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+#include "core/errors.hpp"
+#include "mesh/connectivity.hpp"
+#include "mesh/edge_buckets.hpp"
+#include "mesh/surface_handles.hpp"
+#include "mesh/surface_room.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using handles::face;
+using handles::for_each_index;
+using handles::vertex;
+const SurfaceMesh::Color kPlainColor{176, 176, 176};
+
+void check_limits(std::size_t vertices, std::size_t triangles) {
+  constexpr auto kMaxHandle = static_cast<std::size_t>(std::numeric_limits<int>::max());
+  if (vertices > kMaxHandle || triangles > kMaxSurfaceHalfEdges / 3)
+    throw LimitExceeded(
+        fmt::format("{} vertices and {} triangles are more than OpenMesh's {} half-edges can "
+                    "hold; a coarser spacing makes fewer",
+                    vertices, triangles, kMaxSurfaceHalfEdges));
+}
+
+void check_sizes(const IndexedMesh& mesh) {
+  const auto check = [&](std::size_t size, std::size_t wanted, const char* what) {
+    if (size != 0 && size != wanted)
+      throw InvalidInput(fmt::format("{} {}, where {} are needed", size, what, wanted));
+  };
+  check(mesh.normals.size(), mesh.vertex_count(), "vertex normals");
+  check(mesh.vertex_spheres.size(), mesh.vertex_count(), "vertex labels");
+  check(mesh.triangle_spheres.size(), mesh.triangle_count(), "triangle labels");
+  check(mesh.opposite.size(), 3 * mesh.triangle_count(), "opposite half-edges");
+}
+
+SurfaceMesh::Normal unit(const Vec3d& a) {
+  const double length = norm(a);
+  if (!(length > 0)) return {0, 0, 0};
+  return {static_cast<float>(a.x / length), static_cast<float>(a.y / length),
+          static_cast<float>(a.z / length)};
+}
+
+// Without a field's gradient: the sum of the area vectors of the triangles around each vertex.
+void set_normals_of_triangles(SurfaceMesh& mesh, const IndexedMesh& source) {
+  Buffer<Vec3d> sums(source.vertex_count());
+  std::fill(sums.begin(), sums.end(), Vec3d{0, 0, 0});
+  for (const auto& [a, b, c] : source.triangles) {
+    const Vec3d area =
+        cross(source.positions[b] - source.positions[a], source.positions[c] - source.positions[a]);
+    for (const std::uint32_t v : {a, b, c}) sums[v] = sums[v] + area;
+  }
+  for_each_index(sums.size(), [&](std::size_t v) { mesh.set_normal(vertex(v), unit(sums[v])); });
+}
+
+void set_vertex_data(SurfaceMesh& mesh, const IndexedMesh& source, VertexSpheresProperty spheres) {
+  for_each_index(source.vertex_count(), [&](std::size_t v) {
+    const Vec3d& p = source.positions[v];
+    mesh.set_point(vertex(v), {p.x, p.y, p.z});
+    mesh.set_color(vertex(v), kPlainColor);
+    if (!source.normals.empty()) {
+      const Vec3f& n = source.normals[v];
+      mesh.set_normal(vertex(v), {n.x, n.y, n.z});
+    }
+    mesh.property(spheres, vertex(v)) =
+        source.vertex_spheres.empty() ? on_sphere(kNoSphere) : source.vertex_spheres[v];
+  });
+  if (source.normals.empty()) set_normals_of_triangles(mesh, source);
+}
+
+void set_face_data(SurfaceMesh& mesh, const IndexedMesh& source) {
+  if (source.triangle_labels() == TriangleLabels::none) return;
+  FaceSphereProperty spheres;
+  mesh.add_property(spheres, kFaceSphereName);
+  for_each_index(source.triangle_count(), [&](std::size_t t) {
+    mesh.property(spheres, face(t)) = source.triangle_spheres[t];
+  });
+}
+
+}  // namespace
+
+// The room that is being made.
+class SurfaceMeshBuilder::Room {
+ public:
+  ~Room() {
+    try {
+      task_.wait();
+    } catch (...) {  // nobody waits for the mesh any more
+    }
+  }
+  void begin(SurfaceMesh& mesh, const ElementCounts& counts) {
+    task_.run([&mesh, counts] { make_room(mesh, counts); });
+  }
+  void wait() { task_.wait(); }
+
+ private:
+  tbb::task_group task_;
+};
+
+SurfaceMeshBuilder::SurfaceMeshBuilder(SurfaceMesh& mesh) : mesh_(mesh) {
+  VertexSpheresProperty spheres;
+  mesh_.add_property(spheres, kVertexSpheresName);
+}
+
+SurfaceMeshBuilder::~SurfaceMeshBuilder() = default;
+
+void SurfaceMeshBuilder::prepare(const MeshSize& size) {
+  if (room_) return;
+  check_limits(size.vertices, size.triangles);
+  room_ = std::make_unique<Room>();
+  room_->begin(mesh_, {size.vertices, 3 * size.triangles / 2, size.triangles});
+}
+
+SurfaceMesh& SurfaceMeshBuilder::build(const IndexedMesh& source) {
+  check_limits(source.vertex_count(), source.triangle_count());
+  check_sizes(source);
+  const bool given = !source.opposite.empty();
+  Buffer<std::uint32_t> computed;
+  if (!given) computed = opposite_half_edges(source.triangles, source.vertex_count());
+  if (room_) room_->wait();
+  connect(mesh_, source.triangles, given ? std::span(source.opposite) : std::span(computed),
+          source.vertex_count(), given ? Opposites::given : Opposites::computed);
+  set_vertex_data(mesh_, source, vertex_spheres(mesh_));
+  set_face_data(mesh_, source);
+  return mesh_;
+}
+
+}  // namespace vdwmesh
