@@ -46,9 +46,11 @@ TriangleLabels labels_of(const MemoryDemand& d) {
 
 std::uint64_t mesh_bytes(const MemoryDemand& d, const MeshSize& m) {
   const bool refined = d.surface && d.surface->subdivisions > 0;
-  const bool grown = labels_of(d) == TriangleLabels::spheres && !refined;
+  const bool by_patches = labels_of(d) == TriangleLabels::spheres;
+  const bool grown = by_patches && !refined;
   return indexed_mesh_bytes(m.vertices, m.triangles,
-                            refined ? Connectivity::half_edges : d.connectivity, labels_of(d)) +
+                            refined ? Connectivity::half_edges : d.connectivity, labels_of(d),
+                            refined || by_patches ? Normals::gradients : d.normals) +
          (grown ? kPatchSlack * m.triangles : 0);
 }
 

@@ -19,6 +19,7 @@ struct MemoryDemand {
   std::optional<SurfaceOptions> surface;  // empty: no mesh is made here
   Backend backend = Backend::cpu;         // that makes it
   Connectivity connectivity = Connectivity::triangles;
+  Normals normals = Normals::gradients;
   MeshSize mesh;               // of the finished mesh, where it is known
   Switch build = Switch::off;  // OpenMesh
   Switch early = Switch::off;  // room for it is made before the mesh is measured

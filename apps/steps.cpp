@@ -83,14 +83,15 @@ int devices_for(const MachineOptions& machine, const SurfaceOptions& surface, Re
 }
 
 IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
-                       Connectivity connectivity, const MeshSizeObserver& on_size,
+                       const MeshParts& parts, const MeshSizeObserver& on_size,
                        RefineOptions& refine, Report& report) {
   const GridSpec grid = make_grid(spheres, surface.grid);
   report.parameters = describe_parameters(surface, grid, refine.memory_limit);
   ExtractOptions extract;
   extract.field = surface.field;
   extract.grid = surface.grid;
-  extract.connectivity = connectivity;
+  extract.connectivity = parts.connectivity;
+  extract.normals = parts.normals;
   extract.memory_limit = refine.memory_limit;
   extract.monitor = refine.monitor;
   extract.on_size = on_size;
@@ -187,7 +188,7 @@ SphereSet to_spheres(const Molecule& molecule, double probe) {
 }
 
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
-                      Connectivity connectivity, const MachineOptions& machine, Monitor* monitor,
+                      const MeshParts& parts, const MachineOptions& machine, Monitor* monitor,
                       Report& report, const MeshObservers& observers) {
   report.backend = describe_backend(machine.backend, resolve(machine.backend));
   report.notes.insert(report.notes.end(), surface.notes.begin(), surface.notes.end());
@@ -201,7 +202,7 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
   refine.monitor = monitor;
   return surface.mesher == Mesher::exact
              ? mesh_arrangement(spheres, surface, refine, report)
-             : mesh_field(spheres, surface, connectivity, observers.on_size, refine, report);
+             : mesh_field(spheres, surface, parts, observers.on_size, refine, report);
 }
 
 LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& levels) {

@@ -25,10 +25,16 @@ struct MeshObservers {
   MeshSizeObserver on_size;  // of marching cubes
 };
 
+// What of a mesh is made; a refined one has normals and half-edges anyway.
+struct MeshParts {
+  Connectivity connectivity = Connectivity::triangles;
+  Normals normals = Normals::gradients;
+};
+
 // Extraction and refinement on the backend asked for. Throws InvalidInput when no grid node lies
 // inside the surface, so that the mesh would be empty.
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
-                      Connectivity connectivity, const MachineOptions& machine, Monitor* monitor,
+                      const MeshParts& parts, const MachineOptions& machine, Monitor* monitor,
                       Report& report, const MeshObservers& observers = {});
 
 // What runs where `requested` was asked for and `used` was chosen.

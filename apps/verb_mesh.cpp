@@ -53,7 +53,7 @@ class MeshVerb : public Verb {
         demand.early = Switch::off;
       }
     };
-    IndexedMesh mesh = make_mesh(spheres, surface, Connectivity::half_edges, machine_options,
+    IndexedMesh mesh = make_mesh(spheres, surface, {Connectivity::half_edges}, machine_options,
                                  machine.monitor(), report, {.on_level = {}, .on_size = prepare});
     report.parameters->memory_estimate = estimate;
     check_memory_after(demand, spheres, mesh, machine_options.memory_limit);

@@ -86,8 +86,7 @@ class RenderVerb : public Verb {
     const Molecule molecule = load(input, machine.memory_limit, report);
     const SphereSet spheres = to_spheres(molecule, input.probe);
     check_memory(spheres, surface, machine);
-    const IndexedMesh mesh =
-        make_mesh(spheres, surface, Connectivity::triangles, machine, monitor, report);
+    const IndexedMesh mesh = make_mesh(spheres, surface, {}, machine, monitor, report);
     const IndexedMesh split = split_where_labelled(mesh, spheres);
     const IndexedMesh& shown = split.triangles.empty() ? mesh : split;
     write_picture(shown, paint_for(shown, molecule, spheres, picture, monitor), picture, machine,

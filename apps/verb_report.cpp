@@ -62,13 +62,14 @@ class ReportVerb : public Verb {
     MemoryDemand demand;
     demand.surface = surface;
     demand.backend = resolve(machine_options.backend);
+    demand.normals = picture.path.empty() ? Normals::none : Normals::gradients;
     demand.exact = exact.method;
     demand.distances = distance_choice.distances;
     const auto estimate = check_memory_before(demand, spheres, machine_options.memory_limit);
     std::vector<LevelReport> levels;
-    const IndexedMesh mesh =
-        make_mesh(spheres, surface, Connectivity::triangles, machine_options, machine.monitor(),
-                  report, {.on_level = record_levels(count, levels), .on_size = {}});
+    const IndexedMesh mesh = make_mesh(spheres, surface, {Connectivity::triangles, demand.normals},
+                                       machine_options, machine.monitor(), report,
+                                       {.on_level = record_levels(count, levels), .on_size = {}});
     report.parameters->memory_estimate = estimate;
     check_memory_after(demand, spheres, mesh, machine_options.memory_limit);
     report.mesh->levels = std::move(levels);

@@ -142,15 +142,15 @@ void report_extraction(const char* name, const SphereSet& spheres, const Extract
 
 // Field in memory -> mesh with half-edges, double positions, no labels, against the floor of this
 // run: the field read once and the mesh written once, at the rate of the copy.
-void report_field_meshing(const SampledFieldView& field, DeviceNormals normals,
-                          const ExtractOptions& options, double rate) {
+void report_field_meshing(const SampledFieldView& field, const ExtractOptions& options,
+                          double rate) {
   const Stream stream;
   std::vector<double> total;
   std::vector<ExtractTimings> stages;
   std::uint64_t vertices = 0, triangles = 0;
   for (int i = 0; i <= 2 * kRepeats; ++i) {
     const double seconds = seconds_of([&] {
-      const DeviceExtraction e = mesh_field_on_device(field, normals, options, stream);
+      const DeviceExtraction e = mesh_field_on_device(field, options, stream);
       vertices = e.mesh.vertex_count();
       triangles = e.mesh.triangle_count();
       stages.push_back(e.timings);
@@ -162,7 +162,7 @@ void report_field_meshing(const SampledFieldView& field, DeviceNormals normals,
     for (const ExtractTimings& t : stages) times.push_back(static_cast<double>(t.*member));
     return median(times);
   };
-  const bool with_normals = normals == DeviceNormals::gradients;
+  const bool with_normals = options.normals == Normals::gradients;
   const std::size_t vertex_bytes = sizeof(Vec3d) + (with_normals ? sizeof(Vec3f) : 0);
   const double bytes =
       static_cast<double>(field.grid.node_count() * sizeof(float) + vertices * vertex_bytes +
@@ -195,8 +195,10 @@ void report_field(const char* name, const SphereSet& spheres, const ExtractOptio
       static_cast<long long>(grid.cells.z + 1), sampling, bytes / rate * 1e3);
   if (meshing == Meshing::no) return;
   const SampledFieldView field{grid, values.data(), static_cast<float>(model.isovalue)};
-  for (const DeviceNormals normals : {DeviceNormals::none, DeviceNormals::gradients}) {
-    report_field_meshing(field, normals, options, rate);
+  ExtractOptions meshed = options;
+  for (const Normals normals : {Normals::none, Normals::gradients}) {
+    meshed.normals = normals;
+    report_field_meshing(field, meshed, rate);
   }
 }
 void report_refinement(const char* name, const SphereSet& spheres, double spacing, int subdivisions,

@@ -35,8 +35,8 @@ class CudaFieldMesher final : public FieldMesher {
     const Stream stream;
     const DeviceArray<float> values =
         upload(field.values.data(), field.values.size(), stream.get());
-    const DeviceExtraction extraction = mesh_field_on_device(
-        {field.grid, values.data(), field.isovalue}, DeviceNormals::gradients, options, stream);
+    const DeviceExtraction extraction =
+        mesh_field_on_device({field.grid, values.data(), field.isovalue}, options, stream);
     const DeviceMeshView mesh = extraction.mesh.view();
     if (options.on_size) options.on_size({mesh.vertices, mesh.triangles});
     return {download(mesh, options.connectivity, stream), field.grid, extraction.stats};

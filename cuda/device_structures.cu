@@ -27,9 +27,9 @@ DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
 }
 
 DeviceMesh::DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
-                       DeviceLabels labels, DeviceNormals with_normals)
+                       DeviceLabels labels, Normals with_normals)
     : positions(vertices, stream),
-      normals(with_normals == DeviceNormals::gradients ? vertices : 0, stream),
+      normals(with_normals == Normals::gradients ? vertices : 0, stream),
       vertex_spheres(labels == DeviceLabels::spheres ? vertices : 0, stream),
       corners(3 * triangles, stream),
       opposite(3 * triangles, stream) {}

@@ -41,9 +41,6 @@ struct DeviceMeshView {
 // Whether vertices name their sphere.
 enum class DeviceLabels { none, spheres };
 
-// Whether vertices have normals.
-enum class DeviceNormals { none, gradients };
-
 // An IndexedMesh in device memory, half-edges included.
 struct DeviceMesh {
   DeviceArray<Vec3d> positions;
@@ -54,8 +51,7 @@ struct DeviceMesh {
 
   DeviceMesh() = default;
   DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
-             DeviceLabels labels = DeviceLabels::spheres,
-             DeviceNormals normals = DeviceNormals::gradients);
+             DeviceLabels labels = DeviceLabels::spheres, Normals normals = Normals::gradients);
   std::uint64_t vertex_count() const { return positions.size(); }
   std::uint64_t triangle_count() const { return corners.size() / 3; }
   TriangleLabels triangle_labels() const {
@@ -85,8 +81,8 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
                                    const ExtractOptions& options, const Stream& stream);
 
 // Marching cubes over a field in device memory; see FieldMesher::mesh.
-DeviceExtraction mesh_field_on_device(const SampledFieldView& field, DeviceNormals normals,
-                                      const ExtractOptions& options, const Stream& stream);
+DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
+                                      const Stream& stream);
 
 // The blended field at every node of model.grid, written to values; see FieldMesher::sample.
 void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,

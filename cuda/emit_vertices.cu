@@ -220,8 +220,8 @@ BlendedKernel blended_kernel_of(FieldKind kind, std::uint32_t most_atoms) {
 
 // ---- sampled fields ----
 
-template <DeviceNormals normals>
-__global__ void __launch_bounds__(kBrickThreads, normals == DeviceNormals::none ? 24 : 16)
+template <Normals normals>
+__global__ void __launch_bounds__(kBrickThreads, normals == Normals::none ? 24 : 16)
     emit_sampled_vertices(SampledFieldView field, BrickList list, DeviceMeshView mesh,
                           unsigned long long* clamped) {
   __shared__ ActiveBrick bricks[kBrickWarps];
@@ -237,7 +237,7 @@ __global__ void __launch_bounds__(kBrickThreads, normals == DeviceNormals::none 
                 node[axis] = lattice_coordinate(field.grid, axis, inside.index[axis]);
               }
               SurfaceVertex v = sampled_vertex(field, index, edge, node);
-              if constexpr (normals == DeviceNormals::gradients) {
+              if constexpr (normals == Normals::gradients) {
                 v.normal = sampled_normal(field, index, edge, v);
               }
               return v;
@@ -273,8 +273,8 @@ void emit_sampled_vertices_on_device(const SampledFieldView& field, const Counte
                                      const Stream& stream) {
   const BrickList bricks = counted.list();
   if (bricks.size == 0) return;
-  const auto kernel = mesh.normals ? emit_sampled_vertices<DeviceNormals::gradients>
-                                   : emit_sampled_vertices<DeviceNormals::none>;
+  const auto kernel = mesh.normals ? emit_sampled_vertices<Normals::gradients>
+                                   : emit_sampled_vertices<Normals::none>;
   kernel<<<blocks_for(bricks.size, kBrickWarps), kBrickThreads, 0, stream.get()>>>(field, bricks,
                                                                                    mesh, clamped);
   check_launch("emit_sampled_vertices");

@@ -163,11 +163,12 @@ class SlabWorker {
     const std::uint64_t vertices = to.vertices - from.vertices;
     const std::uint64_t triangles = to.triangles - from.triangles;
     if (triangles == 0 && vertices == 0) return;
-    const DeviceMesh mesh(vertices, triangles, stream_->get());
+    const DeviceMesh mesh(vertices, triangles, stream_->get(), DeviceLabels::spheres,
+                          options_.normals);
     // Seen from the numbers that the kernels write at.
     DeviceMeshView numbered = mesh.view();
     numbered.positions -= from.vertices;
-    numbered.normals -= from.vertices;
+    if (numbered.normals != nullptr) numbered.normals -= from.vertices;
     numbered.vertex_spheres -= from.vertices;
     numbered.corners -= 3 * from.triangles;
     numbered.opposite -= 3 * from.triangles;
@@ -176,10 +177,13 @@ class SlabWorker {
     emit_triangles_on_device(counted_.list(), candidates_, slab.bricks, numbered, *stream_);
     std::vector<DownloadPart> parts = {
         {host.positions.data() + from.vertices, mesh.positions.data(), mesh.positions.bytes()},
-        {host.normals.data() + from.vertices, mesh.normals.data(), mesh.normals.bytes()},
         {host.vertex_spheres.data() + from.vertices, mesh.vertex_spheres.data(),
          mesh.vertex_spheres.bytes()},
         {host.triangles.data() + from.triangles, mesh.corners.data(), mesh.corners.bytes()}};
+    if (options_.normals == Normals::gradients) {
+      parts.push_back(
+          {host.normals.data() + from.vertices, mesh.normals.data(), mesh.normals.bytes()});
+    }
     if (options_.connectivity == Connectivity::half_edges) {
       parts.push_back(
           {host.opposite.data() + 3 * from.triangles, mesh.opposite.data(), mesh.opposite.bytes()});
@@ -222,11 +226,12 @@ class SlabWorker {
 
 void make_room(const BrickSums& sums, const ExtractOptions& options, double spacing,
                IndexedMesh& host) {
-  check_mesh_limits({sums.vertices, sums.triangles, options.connectivity, 0, spacing},
-                    options.memory_limit);
+  check_mesh_limits(
+      {sums.vertices, sums.triangles, options.connectivity, 0, spacing, options.normals},
+      options.memory_limit);
   if (options.on_size) options.on_size({sums.vertices, sums.triangles});
   resize_untouched(host.positions, sums.vertices);
-  resize_untouched(host.normals, sums.vertices);
+  if (options.normals == Normals::gradients) resize_untouched(host.normals, sums.vertices);
   resize_untouched(host.vertex_spheres, sums.vertices);
   resize_untouched(host.triangles, sums.triangles);
   if (options.connectivity == Connectivity::half_edges)

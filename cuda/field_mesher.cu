@@ -186,8 +186,8 @@ __global__ void __launch_bounds__(kBrickThreads)
 
 }  // namespace
 
-DeviceExtraction mesh_field_on_device(const SampledFieldView& field, DeviceNormals normals,
-                                      const ExtractOptions& options, const Stream& stream) {
+DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
+                                      const Stream& stream) {
   DeviceExtraction result;
   StageMarks marks(stream.get());
   begin_stage(options.monitor, "field", 2);
@@ -214,8 +214,8 @@ DeviceExtraction mesh_field_on_device(const SampledFieldView& field, DeviceNorma
       [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {
         emit_sampled_vertices_on_device(field, counted, mesh, clamped, stream);
       }};
-  mesh_bricks_on_device(candidates, field.grid.spacing, kernels, DeviceLabels::none, normals,
-                        options, result, marks, stream);
+  mesh_bricks_on_device(candidates, field.grid.spacing, kernels, DeviceLabels::none, options,
+                        result, marks, stream);
   return result;
 }
 

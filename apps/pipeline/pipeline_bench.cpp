@@ -95,7 +95,7 @@ class Pass {
     PartClock parts;
     IndexedMesh mesh;
     StageRow& row = stage("mesh", spheres_->size() * sizeof(Sphere), [&]() -> Bytes {
-      mesh = make_mesh(*spheres_, surface_, Connectivity::half_edges, options_.machine, &parts,
+      mesh = make_mesh(*spheres_, surface_, {Connectivity::half_edges}, options_.machine, &parts,
                        report_, {.on_level = {}, .on_size = room_for_half_edges()});
       parts.finish();
       return bytes_of(mesh);

@@ -101,9 +101,8 @@ std::vector<StudyRun> make_runs(const StudyTask& task, const StudyInput& input,
   demand.backend = resolve(machine.backend);
   demand.distances = options.distances.distances;
   check_memory_before(demand, input.spheres, machine.memory_limit);
-  const IndexedMesh mesh =
-      make_mesh(input.spheres, surface_options(task.setting), Connectivity::triangles, machine,
-                monitor, report, {.on_level = observer, .on_size = {}});
+  const IndexedMesh mesh = make_mesh(input.spheres, surface_options(task.setting), {}, machine,
+                                     monitor, report, {.on_level = observer, .on_size = {}});
   if (one_level) recorder.see(task.levels.front(), mesh);
   return std::move(recorder).finish(report.timing);
 }

@@ -114,8 +114,8 @@ Scene make_scene(const Study& study, std::size_t input, const StudySetting& sett
   MachineOptions machine = study.options.machine;
   machine.backend = backend_of_name(setting.key.backend);
   Report report;
-  const IndexedMesh mesh = make_mesh(molecule.spheres, surface_options(setting),
-                                     Connectivity::triangles, machine, nullptr, report);
+  const IndexedMesh mesh =
+      make_mesh(molecule.spheres, surface_options(setting), {}, machine, nullptr, report);
   const Box box = box_of(mesh);
   const std::vector<float> distances = centroid_distances(mesh, molecule.spheres);
   const double range = distance_range(distances);

@@ -40,10 +40,12 @@ struct Runner {
   Cost cost{};
 };
 
-std::uint64_t our_mesh(const std::vector<Sphere>& spheres, double spacing, std::size_t threads) {
+std::uint64_t our_mesh(const std::vector<Sphere>& spheres, double spacing, std::size_t threads,
+                       Normals normals = Normals::gradients) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   ExtractOptions options;
   options.grid.spacing = spacing;
+  options.normals = normals;
   return make_cpu_extractor()->extract(SphereSet(spheres), options).mesh.triangle_count();
 }
 
@@ -83,7 +85,8 @@ void compare_meshes(const std::string& file, const std::vector<Sphere>& spheres,
   for (const double spacing : options.spacings) {
     std::vector<Runner> runners{
         {"ours, one thread", [&] { return our_mesh(spheres, spacing, 1); }},
-        {"ours, two threads", [&] { return our_mesh(spheres, spacing, 2); }}};
+        {"ours, two threads", [&] { return our_mesh(spheres, spacing, 2); }},
+        {"ours, no normals", [&] { return our_mesh(spheres, spacing, 1, Normals::none); }}};
 #ifdef VDWMESH_ANCHOR_VTK
     runners.push_back({"VTK Flying Edges", [&] { return flying_edges(spheres, spacing); }});
 #endif

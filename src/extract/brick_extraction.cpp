@@ -80,12 +80,14 @@ Bases sum_up(const Active& bricks) {
   return before;
 }
 
-void resize(IndexedMesh& mesh, const BrickSums& sums, Labels labels, Connectivity connectivity) {
+void resize(IndexedMesh& mesh, const BrickSums& sums, Labels labels,
+            const ExtractOptions& options) {
   resize_untouched(mesh.positions, sums.vertices);
-  resize_untouched(mesh.normals, sums.vertices);
+  if (options.normals == Normals::gradients) resize_untouched(mesh.normals, sums.vertices);
   if (labels == Labels::spheres) resize_untouched(mesh.vertex_spheres, sums.vertices);
   resize_untouched(mesh.triangles, sums.triangles);
-  if (connectivity == Connectivity::half_edges) resize_untouched(mesh.opposite, 3 * sums.triangles);
+  if (options.connectivity == Connectivity::half_edges)
+    resize_untouched(mesh.opposite, 3 * sums.triangles);
 }
 
 }  // namespace
@@ -102,7 +104,7 @@ ExtractResult mesh_bricks(const GridSpec& grid,
   result.stats.surface_bricks = bricks.size();
   for (const ActiveBrick& brick : bricks) result.stats.grid_clipped += brick.clipped_cells;
   check_mesh_limits({all.vertices, all.triangles, options.connectivity,
-                     bricks.size() * (sizeof(ActiveBrick) + 16), grid.spacing},
+                     bricks.size() * (sizeof(ActiveBrick) + 16), grid.spacing, options.normals},
                     options.memory_limit);
   result.stats.field_seconds = seconds_since(start);
 
@@ -110,7 +112,7 @@ ExtractResult mesh_bricks(const GridSpec& grid,
 
   start = Clock::now();
   if (bricks.size() > kManyBricks) return_freed_pages();
-  resize(result.mesh, all, labels, options.connectivity);
+  resize(result.mesh, all, labels, options);
   const BrickList numbered{bricks.data(), before.data(), bricks.size()};
   const Emission emission{numbered, result.mesh};
   std::vector<std::uint64_t> clamped(task_count(bricks.size()));

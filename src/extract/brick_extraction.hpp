@@ -102,7 +102,7 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, 
   surface.visit(brick_of_key(brick.key));
   surface.vertices(edges, [&](std::size_t i, const SurfaceVertex& v) {
     e.mesh.positions[first + i] = v.position;
-    e.mesh.normals[first + i] = v.normal;
+    if (!e.mesh.normals.empty()) e.mesh.normals[first + i] = v.normal;
     if (!e.mesh.vertex_spheres.empty()) e.mesh.vertex_spheres[first + i] = on_sphere(v.sphere);
     clamped += v.clamped ? 1 : 0;
   });

@@ -19,6 +19,7 @@ struct ExtractOptions {
   FieldOptions field;
   GridOptions grid;
   Connectivity connectivity = Connectivity::triangles;
+  Normals normals = Normals::gradients;  // none: a sixth less memory where nobody looks at them
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
   Monitor* monitor = nullptr;
   MeshSizeObserver on_size;  // may be empty; called once all is counted, before the mesh is made

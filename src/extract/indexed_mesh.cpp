@@ -16,13 +16,15 @@ std::uint64_t hash_bytes(const Buffer<T>& values) {
 }  // namespace
 
 std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles,
-                                 Connectivity connectivity, TriangleLabels labels) {
+                                 Connectivity connectivity, TriangleLabels labels,
+                                 Normals normals) {
   const std::uint64_t per_triangle =
       sizeof(Triangle) +
       (connectivity == Connectivity::half_edges ? 3 * sizeof(std::uint32_t) : 0) +
       (labels == TriangleLabels::spheres ? sizeof(SphereId) : 0);
-  return vertices * (sizeof(Vec3d) + sizeof(Vec3f) + sizeof(VertexSpheres)) +
-         triangles * per_triangle;
+  const std::uint64_t per_vertex =
+      sizeof(Vec3d) + sizeof(VertexSpheres) + (normals == Normals::gradients ? sizeof(Vec3f) : 0);
+  return vertices * per_vertex + triangles * per_triangle;
 }
 
 IndexedMeshHash hash(const IndexedMesh& mesh) {

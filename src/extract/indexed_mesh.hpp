@@ -35,7 +35,7 @@ enum class TriangleLabels : std::uint8_t { none, spheres };
 // its vertex k to vertex (k + 1) % 3.
 struct IndexedMesh {
   Buffer<Vec3d> positions;               // Å
-  Buffer<Vec3f> normals;                 // unit, outward; one per vertex
+  Buffer<Vec3f> normals;                 // unit, outward; empty, or one per vertex
   Buffer<VertexSpheres> vertex_spheres;  // one per vertex
   Buffer<Triangle> triangles;
   // Empty, or one per triangle: the sphere whose patch it is part of. Crease-exact meshes have it:
@@ -59,10 +59,14 @@ inline constexpr std::uint64_t kMaxHalfEdges = (std::uint64_t{1} << 32) - 1;
 // Whether `opposite` is filled as well.
 enum class Connectivity : std::uint8_t { triangles, half_edges };
 
+// Whether `normals` is filled: with those of the field's gradient.
+enum class Normals : std::uint8_t { none, gradients };
+
 // Bytes of the arrays.
 std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles,
                                  Connectivity connectivity = Connectivity::triangles,
-                                 TriangleLabels labels = TriangleLabels::none);
+                                 TriangleLabels labels = TriangleLabels::none,
+                                 Normals normals = Normals::gradients);
 
 // A hash over all bits of all arrays (FNV-1a, 64 bits, array by array): equal for equal meshes.
 struct IndexedMeshHash {

@@ -14,6 +14,7 @@ struct MeshDemand {
   Connectivity connectivity;
   std::uint64_t scratch_bytes;  // held beside the mesh
   double spacing;               // Å
+  Normals normals = Normals::gradients;
 };
 
 // Throws LimitExceeded beyond kMaxVertices, kMaxHalfEdges or `memory_limit` bytes; the message has

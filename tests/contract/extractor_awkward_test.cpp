@@ -230,6 +230,35 @@ TEST_P(ExtractorAwkward, StopsOnRequest) {
   EXPECT_THROW(extract(cluster(50, 1), options), Cancelled);
 }
 
+TEST_P(ExtractorFieldAwkward, LeavesNormalsOutAlone) {
+  ExtractOptions options = at_spacing(0.5);
+  const IndexedMesh whole = extract(cluster(50, 1), options).mesh;
+  options.normals = Normals::none;
+  const IndexedMesh mesh = extract(cluster(50, 1), options).mesh;
+  EXPECT_EQ(whole.normals.size(), whole.vertex_count());
+  EXPECT_TRUE(mesh.normals.empty());
+  EXPECT_EQ(mesh.positions, whole.positions);
+  EXPECT_EQ(mesh.vertex_spheres, whole.vertex_spheres);
+  EXPECT_EQ(mesh.triangles, whole.triangles);
+}
+
+// Nor does a refinement need them, whose own are those of the surface it projects to.
+TEST_P(ExtractorAwkward, RefinesWithoutNormals) {
+  RefineOptions refine;
+  refine.subdivisions = 1;
+  ExtractOptions options;
+  const auto mesh_of = [&] {
+    return make_pipeline(GetParam())->run(cluster(20, 1), options, refine).mesh;
+  };
+  const IndexedMesh whole = mesh_of();
+  options.normals = Normals::none;
+  const IndexedMesh mesh = mesh_of();
+  EXPECT_EQ(mesh.positions, whole.positions);
+  EXPECT_EQ(mesh.normals, whole.normals);
+  refine.projection = Projection::none;
+  EXPECT_TRUE(mesh_of().normals.empty());
+}
+
 TEST_P(ExtractorAwkward, TellsTheSizeBeforeTheMeshIsMade) {
   std::vector<MeshSize> told;
   ExtractOptions options;

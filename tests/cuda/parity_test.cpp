@@ -154,6 +154,18 @@ TEST_F(Parity, ThesisPresets) {
 }
 
 // What does not fit is made in slabs, and several devices share them: the mesh is the same.
+TEST_F(Parity, SlabsWithoutNormals) {
+  const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
+  ExtractOptions options = options_of(FieldKind::vdw, 0.4);
+  options.normals = Normals::none;
+  const ExtractResult cpu = make_extractor(Backend::cpu)->extract(spheres, options);
+  options.device_memory = std::uint64_t{3} << 20;
+  const ExtractResult cuda = make_extractor(Backend::cuda)->extract(spheres, options);
+  EXPECT_GT(cuda.stats.slabs, 1u);
+  EXPECT_TRUE(cuda.mesh.normals.empty());
+  expect_same(cpu.mesh, cuda.mesh, "no normals");
+}
+
 TEST_F(Parity, SlabsAndDevices) {
   const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
   for (const FieldKind kind : kFields) {

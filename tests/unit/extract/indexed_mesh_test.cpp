@@ -29,6 +29,8 @@ TEST(IndexedMesh, BytesAreThoseOfItsArrays) {
   const std::uint64_t plain = bytes_of(mesh.positions) + bytes_of(mesh.normals) +
                               bytes_of(mesh.vertex_spheres) + bytes_of(mesh.triangles);
   EXPECT_EQ(indexed_mesh_bytes(3, 1), plain);
+  EXPECT_EQ(indexed_mesh_bytes(3, 1, Connectivity::triangles, TriangleLabels::none, Normals::none),
+            plain - bytes_of(mesh.normals));
   EXPECT_EQ(indexed_mesh_bytes(3, 1, Connectivity::half_edges), plain + bytes_of(mesh.opposite));
   EXPECT_EQ(indexed_mesh_bytes(3, 1, Connectivity::triangles, TriangleLabels::spheres),
             plain + bytes_of(mesh.triangle_spheres));
