@@ -1,11 +1,10 @@
 // Large blocks of all containers, those inside gemmi among them, in large pages: memory touched for
-// the first time is half the cost of reading a large file. The sanitizers keep their own operators.
+// the first time is half the cost of reading a large file. Not built where the sanitizers have
+// their own operators.
 #include <cstdlib>
 #include <new>
 
 #include "core/large_pages.hpp"
-
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
 namespace {
 constexpr std::size_t kLargeBlock = std::size_t{4} << 20;  // bytes: two large pages
@@ -25,5 +24,3 @@ void* operator new(std::size_t bytes) {
 
 void operator delete(void* block) noexcept { std::free(block); }
 void operator delete(void* block, std::size_t) noexcept { std::free(block); }
-
-#endif

@@ -34,7 +34,7 @@ MeshSize first_level(const MemoryDemand& d) {
   const double step = exact ? surface.edge_length : surface.grid.spacing;
   const double density = exact ? kTrianglesPerPatch / (step * step) + kTrianglesOfArcs
                                : kTrianglesPerCell / (step * step);
-  const double most = 1e17;  // bytes of it still fit 64 bits
+  const double most = std::ldexp(1e16, -2 * surface.subdivisions);  // in bytes it fits 64 bits
   const auto triangles = static_cast<std::uint64_t>(std::min(density * d.area, most));
   return {triangles / 2, triangles};
 }

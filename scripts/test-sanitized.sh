@@ -3,7 +3,8 @@
 #   scripts/test-sanitized.sh fuzz     every fuzz target for some seconds, where Clang 19 is or can be
 #                                      installed
 #   scripts/test-sanitized.sh asan     the tests with the label `quick`
-# CI runs both.
+#   scripts/test-sanitized.sh program  the tests that drive the program, and those of drawing
+# CI runs the first two.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,7 +16,12 @@ case ${1:-} in
     fi
     scripts/build.sh fuzz fuzzers ;;
   asan) scripts/build.sh asan quick_tests ;;
-  *) echo "usage: scripts/test-sanitized.sh fuzz | asan" >&2; exit 1 ;;
+  program) scripts/build.sh asan vdwmesh render_test picture_test ;;
+  *) echo "usage: scripts/test-sanitized.sh fuzz | asan | program" >&2; exit 1 ;;
 esac
-label=$([ "$1" = fuzz ] && echo fuzz || echo quick)
-exec ctest --test-dir "build/$1" --output-on-failure --parallel "$(nproc)" -L "^$label\$"
+case $1 in
+  fuzz) build=fuzz tests=(-L '^fuzz$') ;;
+  asan) build=asan tests=(-L '^quick$') ;;
+  program) build=asan tests=(-L '^(program|drawing)$') ;;
+esac
+exec ctest --test-dir "build/$build" --output-on-failure --parallel "$(nproc)" "${tests[@]}"

@@ -42,7 +42,7 @@ class BrickCases {
       for (int y = 0; y < kBrickSide; ++y) {
         const std::uint64_t above = pairs(s, y, z + 1);
         const std::uint64_t row = below[y] | above << 4;
-        std::memcpy(cases_.data() + kBrickSide * (kBrickSide * z + y), &row, sizeof row);
+        std::memcpy(cases_.data() + row_begin(y, z), &row, sizeof row);
         below[y] = above;
       }
       mixed_[static_cast<std::size_t>(z)] = layer_bits([&](int y) { return mixed_cells(s, y, z); });
@@ -51,7 +51,7 @@ class BrickCases {
 
   // As cell_case().
   std::uint32_t at(int x, int y, int z) const {
-    return cases_[static_cast<std::size_t>(kBrickSide * (kBrickSide * z + y) + x)];
+    return cases_[row_begin(y, z) + static_cast<std::size_t>(x)];
   }
 
   // visit(x, y, z, case) for the cells that the surface crosses, in order, x fastest.
@@ -68,6 +68,10 @@ class BrickCases {
   }
 
  private:
+  static std::size_t row_begin(int y, int z) {
+    return std::size_t{kBrickSide} * static_cast<std::size_t>(kBrickSide * z + y);
+  }
+
   static std::uint64_t pairs(const BrickSigns& s, int y, int z) {
     return kSignPairs[s.row[z][y]] | kSignPairs[s.row[z][y + 1]] << 2;
   }

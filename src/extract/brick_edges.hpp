@@ -41,7 +41,7 @@ class BrickEdges {
   }
 
  private:
-  static constexpr std::size_t kMost = 3 * kBrickNodes;
+  static constexpr std::size_t kMost = std::size_t{3} * kBrickNodes;
   struct Counts {
     std::size_t all, along[3];
   };

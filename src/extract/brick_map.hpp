@@ -134,7 +134,7 @@ class VertexMap {
                                        owner.row_vertices[at.z * kBrickSide + at.y])};
   }
 
-  std::array<std::uint32_t, 3 * kBrickReach * kBrickReach * kBrickReach> number_{};
+  std::array<std::uint32_t, std::size_t{3} * kBrickReach * kBrickReach * kBrickReach> number_{};
 };
 
 }  // namespace vdwmesh

@@ -74,7 +74,8 @@ inline OppositePlaces CellMap::opposite_places(const CaseTable& table) {
   }
   for (int face = 0; face < 6; ++face) {
     const int step = face % 2 == 0 ? -strides[face / 2] : strides[face / 2];
-    std::fill_n(places.step + kFirstFaceCode + 4 * face, 4, static_cast<std::int16_t>(step));
+    std::fill_n(places.step + kFirstFaceCode + std::ptrdiff_t{4} * face, 4,
+                static_cast<std::int16_t>(step));
   }
   return places;
 }

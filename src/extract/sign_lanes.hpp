@@ -69,9 +69,10 @@ inline void SignLanes::read_layer(std::uint16_t* row) const {
   static_assert(std::endian::native == std::endian::little);
   for (int y = 0; y < kBrickReach; ++y) {
     std::uint64_t bytes;
-    std::memcpy(&bytes, inside_.data() + y * kBrickSide, sizeof bytes);
+    std::memcpy(&bytes, inside_.data() + std::ptrdiff_t{kBrickSide} * y, sizeof bytes);
     const std::uint64_t bits = bytes * 0x0102040810204080u >> 56;
-    const auto last = static_cast<std::uint64_t>(inside_[static_cast<std::size_t>(kRows + y)]);
+    const auto last =
+        static_cast<std::uint64_t>(inside_[std::size_t{kRows} + static_cast<std::size_t>(y)]);
     row[y] = static_cast<std::uint16_t>(bits | last << kBrickSide);
   }
 }

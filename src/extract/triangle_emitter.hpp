@@ -47,12 +47,12 @@ class TriangleEmitter {
 
  private:
   static const CornerPlaces& corner_places() {
-    static const CornerPlaces places = VertexMap::corner_places(case_table());
-    return places;
+    static const CornerPlaces kPlaces = VertexMap::corner_places(case_table());
+    return kPlaces;
   }
   static const OppositePlaces& opposite_places() {
-    static const OppositePlaces places = CellMap::opposite_places(case_table());
-    return places;
+    static const OppositePlaces kPlaces = CellMap::opposite_places(case_table());
+    return kPlaces;
   }
 
   static constexpr std::uint32_t kMostWords = kBrickNodes * kCaseHalfEdges;
@@ -66,7 +66,7 @@ class TriangleEmitter {
     if (table_.count(inside) > few / 3) {
       for (std::uint32_t h = few; h < kCaseHalfEdges; ++h) words[h] = word(h);
     }
-    return words + 3 * table_.count(inside);
+    return words + std::size_t{3} * table_.count(inside);
   }
 
   void write_corners() {

@@ -4,6 +4,7 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <exception>
 #include <limits>
 #include <span>
 
@@ -89,19 +90,27 @@ void set_face_data(SurfaceMesh& mesh, const IndexedMesh& source) {
 // The room that is being made.
 class SurfaceMeshBuilder::Room {
  public:
-  ~Room() {
-    try {
-      task_.wait();
-    } catch (...) {  // nobody waits for the mesh any more
-    }
+  Room(SurfaceMesh& mesh, const ElementCounts& counts) {
+    task_.run([this, &mesh, counts] {
+      try {
+        make_room(mesh, counts);
+      } catch (...) {
+        failure_ = std::current_exception();
+      }
+    });
   }
-  void begin(SurfaceMesh& mesh, const ElementCounts& counts) {
-    task_.run([&mesh, counts] { make_room(mesh, counts); });
+  ~Room() { task_.wait(); }
+  Room(const Room&) = delete;
+  Room& operator=(const Room&) = delete;
+
+  void wait() {
+    task_.wait();
+    if (failure_) std::rethrow_exception(failure_);
   }
-  void wait() { task_.wait(); }
 
  private:
   tbb::task_group task_;
+  std::exception_ptr failure_;
 };
 
 SurfaceMeshBuilder::SurfaceMeshBuilder(SurfaceMesh& mesh) : mesh_(mesh) {
@@ -114,8 +123,8 @@ SurfaceMeshBuilder::~SurfaceMeshBuilder() = default;
 void SurfaceMeshBuilder::prepare(const MeshSize& size) {
   if (room_) return;
   check_limits(size.vertices, size.triangles);
-  room_ = std::make_unique<Room>();
-  room_->begin(mesh_, {size.vertices, 3 * size.triangles / 2, size.triangles});
+  room_ = std::make_unique<Room>(
+      mesh_, ElementCounts{size.vertices, 3 * size.triangles / 2, size.triangles});
 }
 
 SurfaceMesh& SurfaceMeshBuilder::build(const IndexedMesh& source) {

@@ -13,6 +13,8 @@ SOURCE_DIR = pathlib.Path(os.environ["VDWMESH_SOURCE_DIR"])
 SHARED_DIR = pathlib.Path(os.environ.get("VDWMESH_SHARED", SOURCE_DIR.parent / "shared"))
 UBIQUITIN = SOURCE_DIR / "data" / "ubiquitin.pdb"
 
+SANITIZED = "VDWMESH_SANITIZED" in os.environ  # the program, which takes more time and memory so
+
 DONE, BAD_INPUT, NO_BACKEND, LIMIT_HIT = 0, 1, 2, 3
 
 

@@ -3,6 +3,7 @@
 import os
 import re
 import subprocess
+import unittest
 
 from program import (
     BAD_INPUT,
@@ -168,6 +169,7 @@ class Limits(ProgramTest):
                     mended[mended.index(option) + 1] = value
                     self.run_ok(*mended, "--quiet")
 
+    @unittest.skipIf(SANITIZED, "the sanitizers take memory of their own")
     def test_estimates_hold(self):
         for arguments in (
             ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--spacing", "0.25"),
