@@ -42,7 +42,10 @@ class MeshVerb : public Verb {
     demand.backend = resolve(machine_options.backend);
     demand.connectivity = Connectivity::half_edges;
     demand.build = Switch::on;
-    demand.early = demand.backend == Backend::cuda ? Switch::on : Switch::off;
+    // A device makes marching cubes while the CPU has nothing to do.
+    const bool by_device =
+        demand.backend == Backend::cuda && surface.mesher == Mesher::marching_cubes;
+    demand.early = by_device ? Switch::on : Switch::off;
     const auto estimate = check_memory_before(demand, spheres, machine_options.memory_limit);
     SurfaceMesh built;
     SurfaceMeshBuilder builder(built);
