@@ -10,6 +10,7 @@ from program import (
     LIMIT_HIT,
     NO_BACKEND,
     PROGRAM,
+    SANITIZED,
     SOURCE_DIR,
     UBIQUITIN,
     ProgramTest,
