@@ -201,6 +201,7 @@ void report_field(const char* name, const SphereSet& spheres, const ExtractOptio
     report_field_meshing(field, meshed, rate);
   }
 }
+
 void report_refinement(const char* name, const SphereSet& spheres, double spacing, int subdivisions,
                        Crossings crossings) {
   const Stream stream;

@@ -37,10 +37,10 @@ class FieldMesher {
   // LimitExceeded beyond options.memory_limit.
   virtual SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const = 0;
 
-  // Marching cubes, in the Extractor's order, closed like its meshes; only connectivity, memory
-  // limit and monitor of `options` are used. Vertices interpolate between the values of two nodes;
-  // normals are those of central differences, interpolated likewise; vertex_spheres is empty.
-  // Where the grid's border cuts the surface, the vertex is a whole edge outside. Throws
+  // Marching cubes, in the Extractor's order, closed like its meshes; only connectivity, normals,
+  // memory limit, monitor and on_size of `options` are used. Vertices interpolate between two
+  // nodes; normals are those of central differences, interpolated likewise; vertex_spheres is
+  // empty. Where the grid's border cuts the surface, the vertex is a whole edge outside. Throws
   // LimitExceeded. A value that is not a number counts as outside.
   virtual ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const = 0;
 };

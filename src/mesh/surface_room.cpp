@@ -38,7 +38,7 @@ void for_each_array(SurfaceMesh& mesh, const ElementCounts& n, Visit&& visit) {
 // The pages of an array that is not written yet, on all cores.
 template <class T>
 void touch(const T* begin, std::size_t count) {
-  expect_writing(begin, count);
+  advise_large_pages(begin, count);
   const PageRange pages = whole_pages(begin, count * sizeof(T), kPage);
   const auto bytes = static_cast<std::size_t>(pages.last - pages.first);
   tbb::parallel_for(std::size_t{0}, (bytes + kTouchedAtOnce - 1) / kTouchedAtOnce,

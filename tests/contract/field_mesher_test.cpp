@@ -99,6 +99,23 @@ TEST_P(FieldMesherContract, MeshOfTheSamplesIsTheExtractors) {
 }
 
 // Linear interpolation and central differences are exact for a plane, up to float32 values.
+TEST_P(FieldMesherContract, LeavesNormalsOutAndTellsTheSize) {
+  ExtractOptions options = options_of(FieldKind::blinn, 0.5);
+  const SampledField field = mesher()->sample(cluster(60, 8), options);
+  const IndexedMesh whole = mesher()->mesh(field, options).mesh;
+  std::vector<MeshSize> told;
+  options.normals = Normals::none;
+  options.on_size = [&](const MeshSize& size) { told.push_back(size); };
+  const IndexedMesh mesh = mesher()->mesh(field, options).mesh;
+  EXPECT_EQ(whole.normals.size(), whole.vertex_count());
+  EXPECT_TRUE(mesh.normals.empty());
+  EXPECT_EQ(mesh.positions, whole.positions);
+  EXPECT_EQ(mesh.triangles, whole.triangles);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].vertices, mesh.vertex_count());
+  EXPECT_EQ(told[0].triangles, mesh.triangle_count());
+}
+
 TEST_P(FieldMesherContract, APlaneIsExact) {
   const Vec3d n{2.0 / 7, 3.0 / 7, 6.0 / 7};
   const Vec3d through{1.0, 2.5, 4.0};
