@@ -30,7 +30,10 @@ std::uint32_t place_of(const std::vector<std::uint32_t>& corners, std::uint32_t 
 
 CoveredCap cap_on(const Sphere& s, const Sphere& neighbor) {
   const EdgeShape shape = edge_shape(s, neighbor);
-  return {(1 / shape.length) * (neighbor.center - s.center), shape.height[0] / s.radius};
+  const double cosine = shape.height[0] / s.radius;
+  const double squared_sine = shape.squared_circle_radius / (s.radius * s.radius);
+  return {(1 / shape.length) * (neighbor.center - s.center), cosine,
+          2 * squared_sine / (1 + std::abs(cosine))};
 }
 
 // Lists of `count` balls, from pairs (ball, entry) by counting.
@@ -164,9 +167,13 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
 }
 
 Vec3d buried_pole(const PatchBoundary& boundary) {
-  const auto largest =
-      std::min_element(boundary.caps.begin(), boundary.caps.end(),
-                       [](const auto& a, const auto& b) { return a.cosine < b.cosine; });
+  // From the axis to the rim; none for a contact.
+  const auto squared_reach = [](const CoveredCap& cap) {
+    return cap.cosine >= 0 ? cap.squared_distance : 4 - cap.squared_distance;
+  };
+  const auto largest = std::max_element(
+      boundary.caps.begin(), boundary.caps.end(),
+      [&](const auto& a, const auto& b) { return squared_reach(a) < squared_reach(b); });
   return largest->axis;
 }
 

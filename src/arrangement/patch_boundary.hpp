@@ -13,6 +13,14 @@ namespace vdwmesh {
 struct CoveredCap {
   Vec3d axis;
   double cosine;
+  // From the rim to the nearer of axis and -axis: the cosine of a tiny cap, or of one that leaves
+  // little, has no digits left to tell them by.
+  double squared_distance;
+
+  bool covers(const Vec3d& u) const {
+    return cosine >= 0 ? squared_norm(u - axis) < squared_distance
+                       : squared_norm(u + axis) > squared_distance;
+  }
 };
 
 // A piece of an arc, with the patch on its left.
@@ -37,7 +45,7 @@ struct PatchBoundary {
 };
 
 // The centre of the largest cap, which is buried and as far from the patch as can be.
-// Precondition: a cap.
+// Precondition: a cap that is more than a point.
 Vec3d buried_pole(const PatchBoundary& boundary);
 
 // The points that are farther from every cap than its margin, the cosine of an angle from its axis.

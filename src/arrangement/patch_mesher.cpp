@@ -287,7 +287,7 @@ class PlanarPatch {
 
   bool is_buried(const Vec3d& u) const {
     return std::any_of(b_.caps.begin(), b_.caps.end(),
-                       [&](const CoveredCap& cap) { return dot(u, cap.axis) > cap.cosine; });
+                       [&](const CoveredCap& cap) { return cap.covers(u); });
   }
 
   VertexHandle insert_interior(const Vec3d& u, FaceHandle hint) {

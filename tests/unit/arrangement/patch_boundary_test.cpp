@@ -1,0 +1,81 @@
+// What a ball covers of its neighbour's sphere, down to caps of which the cosine knows nothing.
+#include "arrangement/patch_boundary.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "arrangement/directions.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// Of the ball that stands at the origin.
+PatchBoundary boundary_at_origin(const SphereSet& spheres) {
+  const PowerTriangulation triangulation = triangulate(spheres);
+  const DualComplex complex = dual_complex(triangulation);
+  const BoundaryArcs arcs = boundary_arcs(triangulation, complex);
+  const ArcSampling sampling(arcs, 1);
+  const PatchIndex index(triangulation, complex, arcs);
+  std::uint32_t ball = 0;
+  while (norm(triangulation.balls[ball].center) > 0) ++ball;
+  PatchBoundary boundary;
+  gather_boundary(triangulation, arcs, sampling, index, ball, boundary);
+  return boundary;
+}
+
+// A hair on either side of the rim, whose points come from the arcs.
+void expect_rim(const CoveredCap& cap, const std::vector<Vec3d>& rim) {
+  const Vec3d middle = cap.cosine >= 0 ? cap.axis : -1.0 * cap.axis;
+  for (const Vec3d& p : rim) {
+    const Vec3d inwards = unit(p + 0.001 * (middle - p)), outwards = unit(p - 0.001 * (middle - p));
+    EXPECT_EQ(cap.covers(inwards), cap.cosine >= 0);
+    EXPECT_EQ(cap.covers(outwards), cap.cosine < 0);
+  }
+}
+
+TEST(PatchBoundary, ACapCoversWhatLiesWithinItsRim) {
+  for (const double overlap : {1e-15, 1e-12, 1e-8, 1e-4, 0.1}) {
+    for (const double radius : {0.0001220703125, 0.5, 2.5, 4.0}) {
+      SCOPED_TRACE(::testing::Message() << overlap << " of " << radius);
+      if (overlap >= radius || overlap < 1e-11 * radius) continue;  // within, or a contact
+      const PatchBoundary boundary = boundary_at_origin(
+          SphereSet({{{0, 0, 0}, 2.5}, {{2.5 + radius - overlap, 0, 0}, radius}}));
+      ASSERT_EQ(boundary.caps.size(), 1u);
+      const CoveredCap& cap = boundary.caps[0];
+      EXPECT_TRUE(cap.covers(cap.axis));
+      EXPECT_FALSE(cap.covers(-1.0 * cap.axis));
+      ASSERT_GE(boundary.points.size(), 8u);
+      expect_rim(cap, boundary.points);
+    }
+  }
+}
+
+TEST(PatchBoundary, ACapMayLeaveNextToNothing) {
+  for (const double left : {1e-11, 1e-9, 1e-6, 1e-3, 0.1}) {
+    SCOPED_TRACE(left);
+    const PatchBoundary boundary =
+        boundary_at_origin(SphereSet({{{0, 0, 0}, 0.5}, {{0, 2 + left, 0}, 2.5}}));
+    ASSERT_EQ(boundary.caps.size(), 1u);
+    const CoveredCap& cap = boundary.caps[0];
+    EXPECT_TRUE(cap.covers(cap.axis));
+    EXPECT_FALSE(cap.covers(-1.0 * cap.axis));
+    ASSERT_GE(boundary.points.size(), 8u);
+    expect_rim(cap, boundary.points);
+  }
+}
+
+// Both have the cosine 1; the contact, which comes first or last, covers nothing.
+TEST(PatchBoundary, ThePoleIsNoContact) {
+  const double radius = std::ldexp(1.0, -13);
+  const Sphere large{{0, 0, 0}, 1.5}, touching{{1.5 + radius, 0, 0}, radius},
+      overlapping{{0, std::nextafter(1.5 + radius, 0), 0}, radius};
+  for (const auto& spheres :
+       {SphereSet({large, touching, overlapping}), SphereSet({overlapping, touching, large})}) {
+    const Vec3d pole = buried_pole(boundary_at_origin(spheres));
+    EXPECT_EQ(norm(pole - Vec3d{0, 1, 0}), 0) << pole.x << ' ' << pole.y << ' ' << pole.z;
+  }
+}
+
+}  // namespace
+}  // namespace vdwmesh
