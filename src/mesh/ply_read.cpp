@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "core/large_pages.hpp"
 #include "mesh/formats.hpp"
 #include "mesh/mesh_assembly.hpp"
 #include "mesh/plain_text.hpp"
@@ -151,6 +152,7 @@ class PlyReader {
     if (!has_vertices_) body_.fail("the file has no element 'vertex'");
     if (!body_.at_end()) body_.fail("more follows than the elements that the header promises");
     check_indices();
+    label_all_triangles();
     polygons_.note(file_.notes);
     return std::move(file_);
   }
@@ -168,10 +170,15 @@ class PlyReader {
     const auto has = [&](Slot slot) { return present[static_cast<std::size_t>(slot)]; };
     if (!has(Slot::x) || !has(Slot::y) || !has(Slot::z)) body_.fail("vertices without x, y, z");
     const auto count = static_cast<std::size_t>(element.count);
-    file_.mesh.positions.resize(count);
-    if (has(Slot::nx) && has(Slot::ny) && has(Slot::nz)) file_.mesh.normals.resize(count);
-    if (has(Slot::atom))
-      file_.mesh.vertex_spheres.assign(count, VertexSpheres{kNoSphere, kNoSphere, kNoSphere});
+    resize_untouched(file_.mesh.positions, count);
+    if (has(Slot::nx) && has(Slot::ny) && has(Slot::nz))
+      resize_untouched(file_.mesh.normals, count);
+    if (has(Slot::atom)) {
+      Buffer<VertexSpheres>& spheres = file_.mesh.vertex_spheres;
+      resize_untouched(spheres, count);
+      if (!has(Slot::sphere2) || !has(Slot::sphere3))
+        std::fill(spheres.begin(), spheres.end(), VertexSpheres{kNoSphere, kNoSphere, kNoSphere});
+    }
     if constexpr (!std::is_same_v<Body, AsciiBody>) {
       if (!element.has_lists()) return read_columns(element, slots);
     }
@@ -264,6 +271,7 @@ class PlyReader {
   // A polygon becomes a fan of triangles, all of its atom.
   void read_face(const PlyElement& element, std::size_t indices) {
     IndexedMesh& mesh = file_.mesh;
+    const std::size_t before = mesh.triangle_count();
     std::optional<SphereId> atom;
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const PlyProperty& property = element.properties[p];
@@ -273,7 +281,9 @@ class PlyReader {
         read_face_property(property, p == indices);
       }
     }
-    if (atom) mesh.triangle_spheres.resize(mesh.triangle_count(), *atom);
+    if (!atom) return;
+    mesh.triangle_spheres.resize(before, kNoSphere);
+    mesh.triangle_spheres.resize(mesh.triangle_count(), *atom);
   }
 
   // The usual cases, (uchar 3, int, int, int) and perhaps (int atom), and nothing else; stops at
@@ -288,9 +298,18 @@ class PlyReader {
     if (element.properties.size() != (named ? 2u : 1u)) return 0;
     if (!list.list_count || !is_whole(list) || size_of(*list.list_count) != 1) return 0;
     const std::size_t size = 1 + (named ? 4 : 3) * sizeof(std::uint32_t);
-    const std::uint64_t most = std::min<std::uint64_t>(element.count, body_.bytes_left() / size);
-    std::uint64_t f = 0;
-    for (; f < most; ++f) {
+    Buffer<Triangle>& triangles = file_.mesh.triangles;
+    Buffer<SphereId>& spheres = file_.mesh.triangle_spheres;
+    const std::size_t before = triangles.size();
+    const std::size_t most =
+        before + std::min<std::uint64_t>(element.count, body_.bytes_left() / size);
+    resize_untouched(triangles, most);
+    if (named) {
+      spheres.resize(before, kNoSphere);
+      resize_untouched(spheres, most);
+    }
+    std::size_t t = before;
+    for (; t < most; ++t) {
       const char* face = body_.take(size);
       if (*face != 3) {
         body_.give_back(face);
@@ -299,10 +318,12 @@ class PlyReader {
       const auto index = [&](std::size_t k) {
         return body_.template load_as<std::uint32_t>(face + 1 + k * sizeof(std::uint32_t));
       };
-      file_.mesh.triangles.push_back({index(0), index(1), index(2)});
-      if (named) file_.mesh.triangle_spheres.push_back(index(3));  // -1 is kNoSphere
+      triangles[t] = {index(0), index(1), index(2)};
+      if (named) spheres[t] = index(3);  // -1 is kNoSphere
     }
-    return f;
+    triangles.resize(t);
+    if (named) spheres.resize(t);
+    return t - before;
   }
 
   void read_face_property(const PlyProperty& property, bool is_indices) {
@@ -342,6 +363,13 @@ class PlyReader {
     if (element.properties.empty()) return;
     for (std::uint64_t i = 0; i < element.count; ++i)
       for (const PlyProperty& property : element.properties) read_face_property(property, false);
+  }
+
+  // Of several elements of faces some may name no atoms.
+  void label_all_triangles() {
+    IndexedMesh& mesh = file_.mesh;
+    if (!mesh.triangle_spheres.empty())
+      mesh.triangle_spheres.resize(mesh.triangle_count(), kNoSphere);
   }
 
   // Faces may stand before the vertices, so indices are checked when all is read.

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/errors.hpp"
+#include "core/large_pages.hpp"
 #include "mesh/chunk_writer.hpp"
 #include "mesh/float_loss.hpp"
 #include "mesh/formats.hpp"
@@ -60,7 +61,7 @@ MeshFile read_binary(std::string_view bytes) {
   constexpr std::size_t kBlock = VertexWelder::kMost / 3;
   MeshFile file;
   const std::size_t triangles = promised_triangles(bytes);
-  file.mesh.triangles.resize(triangles);
+  resize_untouched(file.mesh.triangles, triangles);
   VertexWelder welder(file.mesh.positions, triangles / 2 + 2);  // as a closed mesh has
   for (std::size_t first = 0; first < triangles; first += kBlock) {
     const std::size_t count = std::min(kBlock, triangles - first);

@@ -96,6 +96,31 @@ TEST(PlyFile, FacesBeforeVertices) {
   EXPECT_THAT(file.mesh.triangles, ElementsAre(Triangle{0, 1, 2}));
 }
 
+// Triangles without a label, then with one (the second of them a quadrilateral), then without.
+TEST(PlyFile, OnlySomeFacesNameAnAtom) {
+  const std::string list = "property list uchar int vertex_indices\n";
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\n"
+      "property float y\nproperty float z\nelement face 1\n" +
+      list + "element face 2\n" + list + "property int atom\nelement face 1\n" + list +
+      "end_header\n";
+  for (int k = 0; k < 12; ++k) append(bytes, static_cast<float>(k * k));
+  const auto append_face = [&](int corners) {
+    append(bytes, static_cast<std::uint8_t>(corners));
+    for (int k = 0; k < corners; ++k) append(bytes, k);
+  };
+  append_face(3);
+  append_face(3);
+  append(bytes, 7);
+  append_face(4);
+  append(bytes, 9);
+  append_face(3);
+  const IndexedMesh mesh = decode_mesh(bytes, MeshFormat::ply).mesh;
+  EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 1, 2}, Triangle{0, 1, 2},
+                                          Triangle{0, 2, 3}, Triangle{0, 1, 2}));
+  EXPECT_THAT(mesh.triangle_spheres, ElementsAre(kNoSphere, 7, 9, 9, kNoSphere));
+}
+
 TEST(ObjFile, EveryKindOfCorner) {
   const MeshFile file = decode_mesh(
       "# comment\nmtllib a.mtl\no thing\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv +0 1.0e0 0\nv 0 0 1\n"
