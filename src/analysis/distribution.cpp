@@ -1,5 +1,6 @@
 #include "analysis/distribution.hpp"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "core/sum.hpp"
@@ -42,43 +44,75 @@ Summary summarize_block(std::span<const double> values) {
   return lanes[0];
 }
 
-Summary summarize_all(std::span<const double> values) {
-  std::vector<Summary> blocks((values.size() + kValuesPerBlock - 1) / kValuesPerBlock);
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-    const std::size_t begin = b * kValuesPerBlock;
-    blocks[b] =
-        summarize_block(values.subspan(begin, std::min(kValuesPerBlock, values.size() - begin)));
-  });
-  Summary all;
-  for (const Summary& block : blocks) all.add(block);
-  return all;
-}
-
 // The bits of a double that is not negative rise with it, so the upper ones are a bin: 32 of them
 // in an octave.
 constexpr int kLowerBits = 47;
 constexpr std::size_t kBins = std::size_t{1} << (63 - kLowerBits);
-std::size_t bin_of(double value) { return std::bit_cast<std::uint64_t>(value) >> kLowerBits; }
+std::size_t bin_of(double value) {
+  return std::min<std::size_t>(std::bit_cast<std::uint64_t>(value) >> kLowerBits, kBins);
+}
 
+// Calls body(b, values of block b) on all cores.
+template <class Body>
+void for_blocks(std::span<const double> values, Body&& body) {
+  const std::size_t blocks = (values.size() + kValuesPerBlock - 1) / kValuesPerBlock;
+  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
+    const std::size_t begin = b * kValuesPerBlock;
+    body(b, values.subspan(begin, std::min(kValuesPerBlock, values.size() - begin)));
+  });
+}
+
+// Values by rank, in two looks at all of them: how many there are in each bin, then those in the
+// bins that matter.
 class Ranks {
  public:
-  explicit Ranks(std::span<const double> values) : values_(values), counts_(kBins + 1) {
-    for (const double value : values) ++counts_[std::min(bin_of(value), kBins)];
+  explicit Ranks(std::span<const double> values) : values_(values) {
+    std::vector<Summary> blocks((values.size() + kValuesPerBlock - 1) / kValuesPerBlock);
+    tbb::enumerable_thread_specific<std::vector<std::size_t>> counts;
+    for_blocks(values, [&](std::size_t b, std::span<const double> block) {
+      std::vector<std::size_t>& mine = counts.local();
+      mine.resize(kBins + 1);
+      for (const double value : block) ++mine[bin_of(value)];
+      blocks[b] = summarize_block(block);
+    });
+    for (const Summary& block : blocks) summary_.add(block);
+    for (std::vector<std::size_t>& theirs : counts) {
+      if (counts_.empty()) {
+        counts_ = std::move(theirs);
+      } else {
+        for (std::size_t bin = 0; bin <= kBins; ++bin) counts_[bin] += theirs[bin];
+      }
+    }
   }
 
-  // The values of rank ceil(hundredths n / 100), counted from 1, from one more look at all values.
+  const Summary& summary() const { return summary_; }
+
+  // The values of rank ceil(hundredths n / 100), counted from 1.
   std::array<double, 3> percentiles(const std::array<std::size_t, 3>& hundredths) const {
     std::array<Wanted, 3> wanted;
     for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = find(hundredths[i]);
-    for (const double value : values_) {
-      const std::size_t bin = std::min(bin_of(value), kBins);
-      for (Wanted& w : wanted)
-        if (bin == w.bin) w.inside.push_back(value);
-    }
+    using Inside = std::array<std::vector<double>, 3>;
+    tbb::enumerable_thread_specific<Inside> inside;
+    for_blocks(values_, [&](std::size_t, std::span<const double> block) {
+      Inside& mine = inside.local();
+      for (const double value : block) {
+        const std::size_t bin = bin_of(value);
+        for (std::size_t i = 0; i < wanted.size(); ++i)
+          if (bin == wanted[i].bin) mine[i].push_back(value);
+      }
+    });
     std::array<double, 3> result;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-      const auto place = wanted[i].inside.begin() + static_cast<std::ptrdiff_t>(wanted[i].rank);
-      std::nth_element(wanted[i].inside.begin(), place, wanted[i].inside.end());
+      std::vector<double> all;
+      for (Inside& theirs : inside) {
+        if (all.empty()) {
+          all = std::move(theirs[i]);
+        } else {
+          all.insert(all.end(), theirs[i].begin(), theirs[i].end());
+        }
+      }
+      const auto place = all.begin() + static_cast<std::ptrdiff_t>(wanted[i].rank);
+      std::nth_element(all.begin(), place, all.end());
       result[i] = *place;
     }
     return result;
@@ -88,17 +122,16 @@ class Ranks {
   // A percentile: its bin, its rank among the values inside.
   struct Wanted {
     std::size_t bin = 0, rank = 0;
-    std::vector<double> inside;
   };
   Wanted find(std::size_t hundredths) const {
     Wanted w;
     w.rank = (values_.size() * hundredths + 99) / 100 - 1;
     for (; w.rank >= counts_[w.bin]; ++w.bin) w.rank -= counts_[w.bin];
-    w.inside.reserve(counts_[w.bin]);
     return w;
   }
 
   std::span<const double> values_;
+  Summary summary_;
   std::vector<std::size_t> counts_;
 };
 
@@ -106,8 +139,9 @@ class Ranks {
 
 Distribution distribution_of(std::span<const double> values) {
   if (values.empty()) return {kNone, kNone, kNone, kNone, kNone, kNone};
-  const Summary all = summarize_all(values);
-  const auto [p01, median, p99] = Ranks(values).percentiles({1, 50, 99});
+  const Ranks ranks(values);
+  const auto [p01, median, p99] = ranks.percentiles({1, 50, 99});
+  const Summary& all = ranks.summary();
   return {all.min, p01, median, p99, all.max, all.sum.value() / static_cast<double>(values.size())};
 }
 

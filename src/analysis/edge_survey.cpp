@@ -5,6 +5,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 
 #include "core/disjoint_sets.hpp"
@@ -45,21 +46,42 @@ struct EdgeCounts {
 };
 
 using Range = tbb::blocked_range<std::size_t>;
-constexpr std::size_t kVerticesPerTask = 1 << 13;
+constexpr std::size_t kItemsPerTask = 1 << 13;
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+// Calls body(i) for all of [0, count) on all cores.
+template <class Body>
+void for_all(std::size_t count, Body&& body) {
+  tbb::parallel_for(Range(0, count, kItemsPerTask), [&](const Range& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
+  });
+}
+
+// The sum of term(i) over [0, count).
+template <class Total, class Term>
+Total sum_all(std::size_t count, Term&& term) {
+  return tbb::parallel_reduce(
+      Range(0, count, kItemsPerTask), Total{},
+      [&](const Range& range, Total sum) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) sum = sum + term(i);
+        return sum;
+      },
+      std::plus<>());
+}
+
+Buffer<std::uint32_t> filled(std::size_t count, std::uint32_t value) {
+  Buffer<std::uint32_t> array;
+  resize_untouched(array, count);
+  for_all(count, [&](std::size_t i) { array[i] = value; });
+  return array;
+}
 
 class Surveyor {
  public:
   Surveyor(const IndexedMesh& mesh, const EdgeBuckets& buckets) : mesh_(mesh), buckets_(buckets) {}
 
   EdgeSurvey run() {
-    const EdgeCounts counts = count_edges();
-    result_.closed = counts.closed;
-    result_.oriented = counts.oriented;
-    result_.edges = counts.edges;
-    result_.manifold = counts.manifold && !buckets_.repeated_index();
-    result_.used_vertices = count_used();
-    const bool every_edge_has_two_sides = result_.closed && result_.oriented && result_.manifold;
-    if (every_edge_has_two_sides && has_one_fan_everywhere()) {
+    if (survey_locally()) {
       number_shells_by_vertices();
     } else {
       join_across_edges();
@@ -68,83 +90,92 @@ class Surveyor {
   }
 
  private:
-  EdgeCounts count_edges() const {
+  // What edges and vertices say one by one. Says whether every edge has two sides and every vertex
+  // one fan.
+  bool survey_locally() {
+    Buffer<std::uint32_t> opposite;
+    resize_untouched(opposite, 3 * mesh_.triangle_count());
+    const EdgeCounts counts = count_edges(opposite);
+    result_.closed = counts.closed;
+    result_.oriented = counts.oriented;
+    result_.edges = counts.edges;
+    result_.manifold = counts.manifold && !buckets_.repeated_index();
+    const Buffer<std::uint32_t> corner = a_corner_of_each_vertex();
+    result_.used_vertices = sum_all<std::uint64_t>(
+        corner.size(), [&](std::size_t v) { return corner[v] == kNone ? 0u : 1u; });
+    const bool every_edge_has_two_sides = result_.closed && result_.oriented && result_.manifold;
+    return every_edge_has_two_sides && has_one_fan_everywhere(corner, opposite);
+  }
+
+  // Pairs the half-edges of edges that have two.
+  EdgeCounts count_edges(Buffer<std::uint32_t>& opposite) const {
     return tbb::parallel_reduce(
-        Range(0, buckets_.vertex_count(), kVerticesPerTask), EdgeCounts{},
+        Range(0, buckets_.vertex_count(), kItemsPerTask), EdgeCounts{},
         [&](const Range& range, EdgeCounts counts) {
           for (std::size_t v = range.begin(); v < range.end(); ++v)
-            for_each_edge(buckets_.at(v),
-                          [&](std::span<const EdgeEntry> edge) { counts.take(edge); });
+            for_each_edge(buckets_.at(v), [&](std::span<const EdgeEntry> edge) {
+              counts.take(edge);
+              if (edge.size() != 2) return;
+              opposite[edge[0].half_edge()] = edge[1].half_edge();
+              opposite[edge[1].half_edge()] = edge[0].half_edge();
+            });
           return counts;
         },
         std::plus<>());
   }
 
-  std::uint64_t count_used() const {
-    Buffer<std::uint8_t> used(mesh_.vertex_count());
-    std::fill(used.begin(), used.end(), std::uint8_t{0});
-    for (const Triangle& triangle : mesh_.triangles)
-      for (const std::uint32_t v : triangle) used[v] = 1;
-    return static_cast<std::uint64_t>(std::count(used.begin(), used.end(), std::uint8_t{1}));
-  }
-
-  Buffer<std::uint32_t> pair_half_edges() const {
-    Buffer<std::uint32_t> opposite;
-    resize_untouched(opposite, 3 * mesh_.triangle_count());
-    tbb::parallel_for(Range(0, buckets_.vertex_count(), kVerticesPerTask), [&](const Range& range) {
-      for (std::size_t v = range.begin(); v < range.end(); ++v)
-        for_each_edge(buckets_.at(v), [&](std::span<const EdgeEntry> edge) {
-          opposite[edge[0].half_edge()] = edge[1].half_edge();
-          opposite[edge[1].half_edge()] = edge[0].half_edge();
-        });
+  // Any one of them; kNone for a vertex of no triangle.
+  Buffer<std::uint32_t> a_corner_of_each_vertex() const {
+    Buffer<std::uint32_t> corner = filled(mesh_.vertex_count(), kNone);
+    for_all(mesh_.triangle_count(), [&](std::size_t t) {
+      for (std::uint32_t k = 0; k < 3; ++k)
+        std::atomic_ref(corner[mesh_.triangles[t][k]])
+            .store(3 * static_cast<std::uint32_t>(t) + k, std::memory_order_relaxed);
     });
-    return opposite;
+    return corner;
   }
 
   // Whether going round each vertex from one of its corners meets all of them, where every edge has
   // two sides.
-  bool has_one_fan_everywhere() const {
-    const Buffer<std::uint32_t> opposite = pair_half_edges();
-    constexpr std::uint32_t kNoCorner = 0xffffffffu;
-    Buffer<std::uint32_t> corner;
-    resize_untouched(corner, mesh_.vertex_count());
-    std::fill(corner.begin(), corner.end(), kNoCorner);
-    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t)
-      for (std::uint32_t k = 0; k < 3; ++k) corner[mesh_.triangles[t][k]] = 3 * t + k;
-    const auto met = tbb::parallel_reduce(
-        Range(0, corner.size(), kVerticesPerTask), std::uint64_t{0},
-        [&](const Range& range, std::uint64_t sum) {
-          for (std::size_t v = range.begin(); v < range.end(); ++v) {
-            if (corner[v] == kNoCorner) continue;
-            std::uint32_t at = corner[v];
-            do {
-              ++sum;
-              at = opposite[previous_in_triangle(at)];
-            } while (at != corner[v]);
-          }
-          return sum;
-        },
-        std::plus<>());
+  bool has_one_fan_everywhere(const Buffer<std::uint32_t>& corner,
+                              const Buffer<std::uint32_t>& opposite) const {
+    const auto met = sum_all<std::uint64_t>(corner.size(), [&](std::size_t v) {
+      std::uint64_t corners = 0;
+      if (corner[v] == kNone) return corners;
+      std::uint32_t at = corner[v];
+      do {
+        ++corners;
+        at = opposite[previous_in_triangle(at)];
+      } while (at != corner[v]);
+      return corners;
+    });
     return met == 3 * static_cast<std::uint64_t>(mesh_.triangle_count());
   }
 
   // Triangles that meet in a vertex are connected across edges where each vertex has one fan.
   void number_shells_by_vertices() {
     DisjointSets vertices(mesh_.vertex_count());
-    for (const auto& [a, b, c] : mesh_.triangles) {
-      vertices.join(a, b);
-      vertices.join(b, c);
-    }
-    constexpr std::uint32_t kNoShell = 0xffffffffu;
-    Buffer<std::uint32_t> shell(mesh_.vertex_count());  // of the set that the vertex represents
-    std::fill(shell.begin(), shell.end(), kNoShell);
+    for_all(buckets_.vertex_count(), [&](std::size_t v) {
+      for (const EdgeEntry entry : buckets_.at(v))
+        if (!entry.descending()) vertices.join(static_cast<std::uint32_t>(v), entry.larger());
+    });
     resize_untouched(result_.shell_of, mesh_.triangle_count());
+    for_all(mesh_.triangle_count(),
+            [&](std::size_t t) { result_.shell_of[t] = vertices.find(mesh_.triangles[t][0]); });
+    number_in_order(result_.shell_of);
+  }
+
+  // Names become numbers from 0 by first appearance.
+  void number_in_order(Buffer<std::uint32_t>& names) {
+    Buffer<std::uint32_t> number = filled(mesh_.vertex_count(), kNone);
     result_.shells = 0;
-    for (std::size_t t = 0; t < mesh_.triangle_count(); ++t) {
-      std::uint32_t& number = shell[vertices.find(mesh_.triangles[t][0])];
-      if (number == kNoShell) number = result_.shells++;
-      result_.shell_of[t] = number;
+    std::uint32_t last = kNone;
+    for (const std::uint32_t name : names) {
+      if (name == last) continue;
+      last = name;
+      if (number[name] == kNone) number[name] = result_.shells++;
     }
+    for_all(names.size(), [&](std::size_t i) { names[i] = number[names[i]]; });
   }
 
   // Any soup: every corner of a vertex must be reached from every other across the edges between

@@ -1,8 +1,11 @@
 #include "analysis/mesh_measures.hpp"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -15,7 +18,7 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kTrianglesPerBlock = 1 << 13;
+constexpr std::size_t kItemsPerBlock = 1 << 13;
 
 struct Sums {
   WideSum area;    // Å²
@@ -32,15 +35,31 @@ struct Run {
   Sums sums;
 };
 
+struct Box {
+  Vec3d lower, upper;
+  Box operator+(const Box& other) const {
+    Box sum = *this;
+    for (int axis = 0; axis < 3; ++axis) {
+      sum.lower[axis] = std::min(lower[axis], other.lower[axis]);
+      sum.upper[axis] = std::max(upper[axis], other.upper[axis]);
+    }
+    return sum;
+  }
+};
+
 // The middle of the box: products of coordinates about it stay as small as the mesh is.
 Vec3d local_origin(const IndexedMesh& mesh) {
   if (mesh.positions.empty()) return {0, 0, 0};
-  Vec3d lower = mesh.positions[0], upper = lower;
-  for (const Vec3d& p : mesh.positions)
-    for (int axis = 0; axis < 3; ++axis) {
-      lower[axis] = std::min(lower[axis], p[axis]);
-      upper[axis] = std::max(upper[axis], p[axis]);
-    }
+  using Range = tbb::blocked_range<std::size_t>;
+  const Box first{mesh.positions[0], mesh.positions[0]};
+  const auto [lower, upper] = tbb::parallel_reduce(
+      Range(0, mesh.vertex_count(), kItemsPerBlock), first,
+      [&](const Range& range, Box box) {
+        for (std::size_t v = range.begin(); v < range.end(); ++v)
+          box = box + Box{mesh.positions[v], mesh.positions[v]};
+        return box;
+      },
+      std::plus<>());
   return lower + 0.5 * (upper - lower);
 }
 
@@ -61,11 +80,10 @@ VDWMESH_MULTIVERSION void sum_block(const IndexedMesh& mesh, const EdgeSurvey& s
 std::vector<Sums> sum_shells(const IndexedMesh& mesh, const EdgeSurvey& survey) {
   const Vec3d origin = local_origin(mesh);
   const std::size_t triangles = mesh.triangle_count();
-  std::vector<std::vector<Run>> blocks((triangles + kTrianglesPerBlock - 1) / kTrianglesPerBlock);
+  std::vector<std::vector<Run>> blocks((triangles + kItemsPerBlock - 1) / kItemsPerBlock);
   tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-    const std::size_t begin = b * kTrianglesPerBlock;
-    sum_block(mesh, survey, origin, begin, std::min(begin + kTrianglesPerBlock, triangles),
-              blocks[b]);
+    const std::size_t begin = b * kItemsPerBlock;
+    sum_block(mesh, survey, origin, begin, std::min(begin + kItemsPerBlock, triangles), blocks[b]);
   });
   std::vector<Sums> shells(survey.shells);
   for (const std::vector<Run>& runs : blocks)

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -81,13 +82,17 @@ double aspect_ratio_or_none(const Shape& s) { return s.area > 0 ? aspect_ratio(s
 
 // ---- the loops in both processor versions ----
 
-VDWMESH_MULTIVERSION void fill_shapes(const IndexedMesh& mesh, std::size_t first, std::size_t last,
+// Says whether all triangles have an aspect ratio.
+VDWMESH_MULTIVERSION bool fill_shapes(const IndexedMesh& mesh, std::size_t first, std::size_t last,
                                       double* angles, double* ratios) {
+  bool all = true;
   for (std::size_t t = first; t < last; ++t) {
     const Shape shape = shape_or_none(mesh, t);
     angles[t] = min_angle_deg(shape);
     ratios[t] = aspect_ratio_or_none(shape);
+    all &= shape.area > 0;
   }
+  return all;
 }
 
 VDWMESH_MULTIVERSION void fill_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets,
@@ -107,10 +112,12 @@ TriangleShapes triangle_shapes(const IndexedMesh& mesh) {
   TriangleShapes shapes;
   resize_untouched(shapes.min_angles_deg, mesh.triangle_count());
   resize_untouched(shapes.aspect_ratios, mesh.triangle_count());
+  std::atomic<bool> all = true;
   for_blocks(mesh.triangle_count(), [&](std::size_t first, std::size_t last) {
-    fill_shapes(mesh, first, last, shapes.min_angles_deg.data(), shapes.aspect_ratios.data());
+    if (!fill_shapes(mesh, first, last, shapes.min_angles_deg.data(), shapes.aspect_ratios.data()))
+      all = false;
   });
-  std::erase(shapes.aspect_ratios, -1.0);
+  if (!all) std::erase(shapes.aspect_ratios, -1.0);
   return shapes;
 }
 

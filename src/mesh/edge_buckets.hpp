@@ -1,5 +1,6 @@
-// Half-edges of a triangle soup grouped by the edge they run along: a counting sort by the smaller
-// vertex, then a small sort inside each bucket, so the time is linear in the triangles.
+// Half-edges of a triangle soup grouped by the edge they run along: counting sorts by ranges of the
+// smaller vertex and by that vertex, then a small sort inside each bucket, so the time is linear in
+// the triangles; on all cores.
 #pragma once
 
 #include <cstddef>
@@ -49,11 +50,7 @@ class EdgeBuckets {
   std::optional<std::size_t> repeated_index() const { return repeated_index_; }
 
  private:
-  void count(std::span<const Triangle> triangles);
-  void fill(std::span<const Triangle> triangles);
-  void sort();
-
-  Buffer<std::uint32_t> end_;  // while filling: where the next entry of the bucket goes
+  Buffer<std::uint32_t> end_;
   Buffer<EdgeEntry> entries_;
   std::optional<std::size_t> repeated_index_;
 };

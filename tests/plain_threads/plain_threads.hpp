@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -130,9 +131,9 @@ void parallel_invoke(const First& first, const Second& second) {
   plain::run_tasks(2, [&](std::size_t i) { i == 0 ? first() : second(); });
 }
 
-template <class Iterator>
-void parallel_sort(Iterator begin, Iterator end) {
-  std::sort(begin, end);
+template <class Iterator, class Less = std::less<>>
+void parallel_sort(Iterator begin, Iterator end, const Less& less = {}) {
+  std::sort(begin, end, less);
 }
 
 }  // namespace tbb

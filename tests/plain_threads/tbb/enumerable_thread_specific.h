@@ -17,6 +17,8 @@ class enumerable_thread_specific {
     if (fresh) values_.emplace_back();
     return values_[found->second];
   }
+  auto begin() { return values_.begin(); }
+  auto end() { return values_.end(); }
   auto begin() const { return values_.begin(); }
   auto end() const { return values_.end(); }
 
