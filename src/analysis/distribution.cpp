@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "core/buffer.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
@@ -87,47 +89,62 @@ class Ranks {
 
   const Summary& summary() const { return summary_; }
 
-  // The values of rank ceil(hundredths n / 100), counted from 1.
+  // The values of rank ceil(hundredths n / 100), counted from 1; `hundredths` rise.
   std::array<double, 3> percentiles(const std::array<std::size_t, 3>& hundredths) const {
-    std::array<Wanted, 3> wanted;
-    for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = find(hundredths[i]);
-    using Inside = std::array<std::vector<double>, 3>;
-    tbb::enumerable_thread_specific<Inside> inside;
-    for_blocks(values_, [&](std::size_t, std::span<const double> block) {
-      Inside& mine = inside.local();
-      for (const double value : block) {
-        const std::size_t bin = bin_of(value);
-        for (std::size_t i = 0; i < wanted.size(); ++i)
-          if (bin == wanted[i].bin) mine[i].push_back(value);
-      }
-    });
+    std::array<Place, 3> places;
+    Bins bins;
+    for (std::size_t i = 0; i < bins.size(); ++i) {
+      places[i] = find(hundredths[i]);
+      const bool again = i > 0 && places[i].bin == places[i - 1].bin;
+      bins[i] = again ? kNoBin : places[i].bin;
+    }
+    std::array<Buffer<double>, 3> inside = gather(bins);
     std::array<double, 3> result;
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-      std::vector<double> all;
-      for (Inside& theirs : inside) {
-        if (all.empty()) {
-          all = std::move(theirs[i]);
-        } else {
-          all.insert(all.end(), theirs[i].begin(), theirs[i].end());
-        }
-      }
-      const auto place = all.begin() + static_cast<std::ptrdiff_t>(wanted[i].rank);
-      std::nth_element(all.begin(), place, all.end());
+    for (std::size_t i = 0, from = 0; i < result.size(); ++i) {
+      if (bins[i] != kNoBin) from = i;
+      const auto place = inside[from].begin() + static_cast<std::ptrdiff_t>(places[i].rank);
+      std::nth_element(inside[from].begin(), place, inside[from].end());
       result[i] = *place;
     }
     return result;
   }
 
  private:
-  // A percentile: its bin, its rank among the values inside.
-  struct Wanted {
+  using Bins = std::array<std::size_t, 3>;
+  static constexpr std::size_t kNoBin = kBins + 1;
+
+  // A bin, and a rank among the values inside.
+  struct Place {
     std::size_t bin = 0, rank = 0;
   };
-  Wanted find(std::size_t hundredths) const {
-    Wanted w;
-    w.rank = (values_.size() * hundredths + 99) / 100 - 1;
-    for (; w.rank >= counts_[w.bin]; ++w.bin) w.rank -= counts_[w.bin];
-    return w;
+  Place find(std::size_t hundredths) const {
+    Place place;
+    place.rank = (values_.size() * hundredths + 99) / 100 - 1;
+    for (; place.rank >= counts_[place.bin]; ++place.bin) place.rank -= counts_[place.bin];
+    return place;
+  }
+
+  // The values in each bin, in any order.
+  std::array<Buffer<double>, 3> gather(const Bins& bins) const {
+    std::array<Buffer<double>, 3> inside;
+    std::array<std::atomic<std::size_t>, 3> next{};
+    for (std::size_t i = 0; i < bins.size(); ++i)
+      if (bins[i] != kNoBin) inside[i].resize(counts_[bins[i]]);
+    tbb::enumerable_thread_specific<std::array<std::vector<double>, 3>> found;
+    for_blocks(values_, [&](std::size_t, std::span<const double> block) {
+      std::array<std::vector<double>, 3>& mine = found.local();
+      for (const double value : block) {
+        const std::size_t bin = bin_of(value);
+        for (std::size_t i = 0; i < bins.size(); ++i)
+          if (bin == bins[i]) mine[i].push_back(value);
+      }
+      for (std::size_t i = 0; i < bins.size(); ++i) {
+        const std::size_t place = next[i].fetch_add(mine[i].size());
+        std::copy(mine[i].begin(), mine[i].end(), inside[i].data() + place);
+        mine[i].clear();
+      }
+    });
+    return inside;
   }
 
   std::span<const double> values_;

@@ -47,7 +47,7 @@ struct EdgeCounts {
 
 using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kItemsPerTask = 1 << 13;
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
 // Calls body(i) for all of [0, count) on all cores.
 template <class Body>
@@ -102,7 +102,7 @@ class Surveyor {
     result_.manifold = counts.manifold && !buckets_.repeated_index();
     const Buffer<std::uint32_t> corner = a_corner_of_each_vertex();
     result_.used_vertices = sum_all<std::uint64_t>(
-        corner.size(), [&](std::size_t v) { return corner[v] == kNone ? 0u : 1u; });
+        corner.size(), [&](std::size_t v) { return corner[v] == kNoIndex ? 0u : 1u; });
     const bool every_edge_has_two_sides = result_.closed && result_.oriented && result_.manifold;
     return every_edge_has_two_sides && has_one_fan_everywhere(corner, opposite);
   }
@@ -124,9 +124,9 @@ class Surveyor {
         std::plus<>());
   }
 
-  // Any one of them; kNone for a vertex of no triangle.
+  // Any one of them; kNoIndex for a vertex of no triangle.
   Buffer<std::uint32_t> a_corner_of_each_vertex() const {
-    Buffer<std::uint32_t> corner = filled(mesh_.vertex_count(), kNone);
+    Buffer<std::uint32_t> corner = filled(mesh_.vertex_count(), kNoIndex);
     for_all(mesh_.triangle_count(), [&](std::size_t t) {
       for (std::uint32_t k = 0; k < 3; ++k)
         std::atomic_ref(corner[mesh_.triangles[t][k]])
@@ -141,7 +141,7 @@ class Surveyor {
                               const Buffer<std::uint32_t>& opposite) const {
     const auto met = sum_all<std::uint64_t>(corner.size(), [&](std::size_t v) {
       std::uint64_t corners = 0;
-      if (corner[v] == kNone) return corners;
+      if (corner[v] == kNoIndex) return corners;
       std::uint32_t at = corner[v];
       do {
         ++corners;
@@ -162,20 +162,21 @@ class Surveyor {
     resize_untouched(result_.shell_of, mesh_.triangle_count());
     for_all(mesh_.triangle_count(),
             [&](std::size_t t) { result_.shell_of[t] = vertices.find(mesh_.triangles[t][0]); });
-    number_in_order(result_.shell_of);
+    number_shells();
   }
 
-  // Names become numbers from 0 by first appearance.
-  void number_in_order(Buffer<std::uint32_t>& names) {
-    Buffer<std::uint32_t> number = filled(mesh_.vertex_count(), kNone);
+  // Shells are named by a vertex so far; now by numbers from 0 in the order of their triangles.
+  void number_shells() {
+    Buffer<std::uint32_t> number = filled(mesh_.vertex_count(), kNoIndex);
     result_.shells = 0;
-    std::uint32_t last = kNone;
-    for (const std::uint32_t name : names) {
-      if (name == last) continue;
-      last = name;
-      if (number[name] == kNone) number[name] = result_.shells++;
+    std::uint32_t last = kNoIndex;
+    for (const std::uint32_t vertex : result_.shell_of) {
+      if (vertex == last) continue;
+      last = vertex;
+      if (number[vertex] == kNoIndex) number[vertex] = result_.shells++;
     }
-    for_all(names.size(), [&](std::size_t i) { names[i] = number[names[i]]; });
+    for_all(mesh_.triangle_count(),
+            [&](std::size_t t) { result_.shell_of[t] = number[result_.shell_of[t]]; });
   }
 
   // Any soup: every corner of a vertex must be reached from every other across the edges between

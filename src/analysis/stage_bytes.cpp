@@ -15,6 +15,8 @@ constexpr std::uint64_t kIndex = sizeof(std::uint32_t);
 std::uint64_t edge_buckets_bytes(const MeshSize& m) {
   return m.vertices * kIndex + 3 * m.triangles * sizeof(EdgeEntry);
 }
+// And while they are filled: the half-edges of each range.
+std::uint64_t edge_buckets_scratch(const MeshSize& m) { return 3 * m.triangles * kIndex; }
 
 }  // namespace
 
@@ -31,14 +33,14 @@ std::uint64_t surface_mesh_bytes(const MeshSize& m, Connectivity given) {
   const std::uint64_t mesh = m.vertices * vertex + edges * edge + m.triangles * face;
   const std::uint64_t opposite = given == Connectivity::half_edges ? 0 : 3 * m.triangles * kIndex;
   const std::uint64_t handles = 3 * m.triangles * kIndex + m.vertices * kIndex;
-  return std::max(edge_buckets_bytes(m), mesh + handles) + opposite;
+  return std::max(edge_buckets_bytes(m) + edge_buckets_scratch(m), mesh + handles) + opposite;
 }
 
 std::uint64_t measures_bytes(const MeshSize& m) {
-  // Sets of triangles and of corners, and the shell of each triangle; the vertices in use.
-  const std::uint64_t survey = (1 + 3 + 1) * m.triangles * kIndex + m.vertices / 8;
+  // Sets of triangles and of corners, and the shell of each triangle; less where all is closed.
+  const std::uint64_t survey = (1 + 3 + 1) * m.triangles * kIndex;
   const std::uint64_t lengths = 3 * m.triangles / 2 * sizeof(double);
-  return edge_buckets_bytes(m) + std::max(survey, lengths);
+  return edge_buckets_bytes(m) + std::max({edge_buckets_scratch(m), survey, lengths});
 }
 
 std::uint64_t self_intersections_bytes(const MeshSize& m) {

@@ -87,7 +87,7 @@ class Placer {
   }
 
   void add(const BoundaryArc& arc, double smaller_radius) {
-    const bool no_circle = arc.radius <= kNoCircle * smaller_radius;
+    const bool no_circle = is_contact(arc.radius, smaller_radius);
     if (arc.is_circle() && no_circle) {
       ++out_.contacts;
     } else if (!arc.is_circle() &&

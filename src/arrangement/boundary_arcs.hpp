@@ -21,6 +21,9 @@ inline constexpr double kNoArc = 1e-8;
 // And a whole circle smaller than this a contact, an arc of one a point: beside it the two spheres
 // are nearer to each other than their coordinates are exact.
 inline constexpr double kNoCircle = 1e-6;
+constexpr bool is_contact(double circle_radius, double smaller_radius) {
+  return circle_radius <= kNoCircle * smaller_radius;
+}
 
 // The point at angle x from 0 to `sweep` is center + cos x · cosine + sin x · sine, which turns
 // counter-clockwise about the axis from the first ball to the second: the patch of the second ball

@@ -31,7 +31,10 @@ std::uint32_t place_of(const std::vector<std::uint32_t>& corners, std::uint32_t 
 CoveredCap cap_on(const Sphere& s, const Sphere& neighbor) {
   const EdgeShape shape = edge_shape(s, neighbor);
   const double cosine = shape.height[0] / s.radius;
-  const double squared_sine = shape.squared_circle_radius / (s.radius * s.radius);
+  // A contact has no arcs, so it must not look like a cap beside which there is a patch.
+  const bool contact =
+      is_contact(std::sqrt(shape.squared_circle_radius), std::min(s.radius, neighbor.radius));
+  const double squared_sine = contact ? 0 : shape.squared_circle_radius / (s.radius * s.radius);
   return {(1 / shape.length) * (neighbor.center - s.center), cosine,
           2 * squared_sine / (1 + std::abs(cosine))};
 }
@@ -167,7 +170,7 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
 }
 
 Vec3d buried_pole(const PatchBoundary& boundary) {
-  // From the axis to the rim; none for a contact.
+  // From the axis to the rim.
   const auto squared_reach = [](const CoveredCap& cap) {
     return cap.cosine >= 0 ? cap.squared_distance : 4 - cap.squared_distance;
   };

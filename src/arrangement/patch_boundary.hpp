@@ -14,7 +14,7 @@ struct CoveredCap {
   Vec3d axis;
   double cosine;
   // From the rim to the nearer of axis and -axis: the cosine of a tiny cap, or of one that leaves
-  // little, has no digits left to tell them by.
+  // little, has no digits left to tell them by. 0 for a contact, which covers nothing (or all).
   double squared_distance;
 
   bool covers(const Vec3d& u) const {

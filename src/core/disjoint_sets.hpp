@@ -23,8 +23,6 @@ class DisjointSets {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
-  std::size_t size() const { return parent_.size(); }
-
   // While others join, a member that was the representative at some time during the call.
   std::uint32_t find(std::uint32_t i) {
     for (;;) {
@@ -43,6 +41,7 @@ class DisjointSets {
     }
   }
 
+  // Not while others join, nor number_sets().
   std::size_t count() const {
     std::size_t roots = 0;
     for (std::uint32_t i = 0; i < parent_.size(); ++i) roots += parent_[i] == i;

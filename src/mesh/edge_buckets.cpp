@@ -21,7 +21,8 @@ namespace {
 constexpr std::size_t kInsertionSortLimit = 32;
 // A range's half-edges, and where they go, stay in the cache of a core.
 constexpr std::size_t kVerticesPerRange = 1 << 13;
-constexpr std::size_t kTrianglesPerBlock = 1 << 16;
+constexpr std::size_t kTrianglesPerBlock = 1 << 16;  // or more, where that makes too many
+constexpr std::size_t kMostBlocks = 256;
 
 void sort_bucket(EdgeEntry* first, EdgeEntry* last) {
   if (first == last) return;  // null where no triangle has an edge
@@ -53,11 +54,13 @@ class HalfEdge {
 };
 static_assert(kMaxSurfaceHalfEdges / 3 < std::uint64_t{1} << 30);
 
+constexpr unsigned next_corner(unsigned k) { return k == 2 ? 0 : k + 1; }
+
 // Calls visit(side, from, to) for the sides of a triangle that have two ends.
 template <class Visit>
 void for_each_side(const Triangle& triangle, Visit&& visit) {
   for (unsigned k = 0; k < 3; ++k) {
-    const std::uint32_t from = triangle[k], to = triangle[k == 2 ? 0 : k + 1];
+    const std::uint32_t from = triangle[k], to = triangle[next_corner(k)];
     if (from != to) visit(k, from, to);
   }
 }
@@ -121,7 +124,8 @@ class HalfEdgesByRange {
  public:
   HalfEdgesByRange(std::span<const Triangle> triangles, std::size_t vertex_count)
       : triangles_(triangles),
-        blocks_((triangles.size() + kTrianglesPerBlock - 1) / kTrianglesPerBlock),
+        per_block_(std::max(kTrianglesPerBlock, triangles.size() / kMostBlocks + 1)),
+        blocks_((triangles.size() + per_block_ - 1) / per_block_),
         ranges_((vertex_count + kVerticesPerRange - 1) / kVerticesPerRange),
         next_(ranges_ * blocks_, 0),
         first_of_range_(ranges_ + 1, 0) {
@@ -151,8 +155,8 @@ class HalfEdgesByRange {
   // Calls visit(half-edge, its range) for the half-edges of a block.
   template <class Visit>
   void for_block(std::size_t b, Visit&& visit) const {
-    const std::size_t end = std::min((b + 1) * kTrianglesPerBlock, triangles_.size());
-    for (std::size_t t = b * kTrianglesPerBlock; t < end; ++t)
+    const std::size_t end = std::min((b + 1) * per_block_, triangles_.size());
+    for (std::size_t t = b * per_block_; t < end; ++t)
       for_each_side(triangles_[t], [&](unsigned side, std::uint32_t from, std::uint32_t to) {
         visit(HalfEdge(t, side), std::min(from, to) / kVerticesPerRange);
       });
@@ -172,14 +176,15 @@ class HalfEdgesByRange {
   }
 
   std::span<const Triangle> triangles_;
-  std::size_t blocks_, ranges_;
+  std::size_t per_block_, blocks_, ranges_;
   std::vector<std::uint32_t> next_;  // [range][block]: how many, then where the next one goes
   std::vector<std::uint32_t> first_of_range_;
   Buffer<HalfEdge> half_edges_;
 };
 
 // Buckets of some vertices, from `first_vertex` on; their entries begin at `place`.
-// for_each_half_edge(visit) calls visit(number, from, to) for all of theirs.
+// for_each_half_edge(visit) calls visit(number, from, to) for all of theirs. `end` is first how
+// many entries each has, then where its next one goes, and so its end when all are there.
 template <class ForEach>
 void fill_buckets(ForEach&& for_each_half_edge, std::uint32_t place, std::size_t first_vertex,
                   std::span<std::uint32_t> end, EdgeEntry* entries) {
@@ -215,7 +220,7 @@ void fill_on_all_cores(std::span<const Triangle> triangles, std::span<std::uint3
     const auto of_range = [&](const auto& visit) {
       for (const HalfEdge h : listed.of(r)) {
         const Triangle& triangle = triangles[h.triangle()];
-        visit(h.number(), triangle[h.side()], triangle[h.side() == 2 ? 0 : h.side() + 1]);
+        visit(h.number(), triangle[h.side()], triangle[next_corner(h.side())]);
       }
     };
     const std::size_t first = r * kVerticesPerRange;

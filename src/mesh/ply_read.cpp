@@ -126,6 +126,8 @@ class AsciiBody {
 enum class Slot { other, x, y, z, nx, ny, nz, atom, sphere2, sphere3 };
 constexpr std::size_t kSlots = 10;
 
+constexpr std::uint32_t kMostSigned = 0x7fffffffu;
+
 Slot slot_named(std::string_view name) {
   static constexpr std::string_view kNames[kSlots] = {"",   "x",  "y",    "z",       "nx",
                                                       "ny", "nz", "atom", "sphere2", "sphere3"};
@@ -257,11 +259,17 @@ class PlyReader {
       file_.notes.push_back("faces without vertex indices were left out");
       return skip(element);
     }
-    file_.mesh.triangles.reserve(file_.mesh.triangles.size() +
-                                 static_cast<std::size_t>(element.count));
+    make_room(file_.mesh.triangles, static_cast<std::size_t>(element.count));
     std::uint64_t start = 0;
     if constexpr (!std::is_same_v<Body, AsciiBody>) start = read_plain_triangles(element);
     for (std::uint64_t f = start; f < element.count; ++f) read_face(element, indices);
+  }
+
+  // For just as many more, but in steps that double where a file has many elements of few faces.
+  static void make_room(Buffer<Triangle>& triangles, std::size_t more) {
+    const std::size_t needed = triangles.size() + more;
+    if (needed > triangles.capacity())
+      triangles.reserve(std::max(needed, 2 * triangles.capacity()));
   }
 
   static bool is_atom(const PlyProperty& property) {
@@ -298,31 +306,34 @@ class PlyReader {
     if (element.properties.size() != (named ? 2u : 1u)) return 0;
     if (!list.list_count || !is_whole(list) || size_of(*list.list_count) != 1) return 0;
     const std::size_t size = 1 + (named ? 4 : 3) * sizeof(std::uint32_t);
+    const std::size_t most = std::min<std::uint64_t>(element.count, body_.bytes_left() / size);
+    if (most == 0) return 0;
     Buffer<Triangle>& triangles = file_.mesh.triangles;
     Buffer<SphereId>& spheres = file_.mesh.triangle_spheres;
-    const std::size_t before = triangles.size();
-    const std::size_t most =
-        before + std::min<std::uint64_t>(element.count, body_.bytes_left() / size);
-    resize_untouched(triangles, most);
+    const std::size_t before = triangles.size(), spheres_before = spheres.size();
+    triangles.resize(before + most);
+    expect_writing(&triangles[before], most);
     if (named) {
       spheres.resize(before, kNoSphere);
-      resize_untouched(spheres, most);
+      spheres.resize(before + most);
+      expect_writing(&spheres[before], most);
     }
+    const bool is_signed = named && element.properties[1].type == PlyScalar::int32;
     std::size_t t = before;
-    for (; t < most; ++t) {
+    for (; t < before + most; ++t) {
       const char* face = body_.take(size);
       if (*face != 3) {
         body_.give_back(face);
         break;
       }
-      const auto index = [&](std::size_t k) {
+      const auto number = [&](std::size_t k) {
         return body_.template load_as<std::uint32_t>(face + 1 + k * sizeof(std::uint32_t));
       };
-      triangles[t] = {index(0), index(1), index(2)};
-      if (named) spheres[t] = index(3);  // -1 is kNoSphere
+      triangles[t] = {number(0), number(1), number(2)};
+      if (named) spheres[t] = is_signed && number(3) > kMostSigned ? kNoSphere : number(3);
     }
     triangles.resize(t);
-    if (named) spheres.resize(t);
+    if (named) spheres.resize(t == before ? spheres_before : t);
     return t - before;
   }
 

@@ -144,6 +144,19 @@ TEST(ExactMesherAwkward, ALargePatchWithLongEdges) {
   }
 }
 
+// Beside a cap of 2e-10 rad one of 2e-8, which counts as a contact and has no arc: a patch goes
+// across it.
+TEST(ExactMesherAwkward, ATinyCapBesideAContact) {
+  const double small = std::ldexp(1.0, -13);
+  for (const double edge_length : {0.35, 1.0}) {
+    SCOPED_TRACE(edge_length);
+    expect_set({{{0, 0, 0}, 1.5},
+                {{std::nextafter(1.5 + small, 0), 0, 0}, small},
+                {{0, std::nextafter(2, 0), 0}, 0.5}},
+               edge_length, collapsed(Topology::parted), 0);
+  }
+}
+
 // A ball and its twin a hair beside it: no double lies between their circles.
 TEST(ExactMesherAwkward, CurvesThatAllButCoincideAreRefused) {
   EXPECT_THAT(refusal(SphereSet({{{3.9991455078125, -2.913818359375, -4}, 0.1075185546875},

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import os
 import pathlib
 import re
 import resource
@@ -10,8 +11,9 @@ import subprocess
 import program
 from .case import Expect
 
-SECONDS = 20  # of CPU time, a hundred times what such a file needs
-ADDRESS_SPACE = 3 << 30
+# Of CPU time, a hundred times what such a file needs.
+SECONDS = 200 if program.SANITIZED else 20
+MEMORY = 3 << 30  # bytes
 ODD = "the file may have been cut off"
 
 
@@ -33,8 +35,14 @@ class Outcome:
 
 def bound():
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
-    resource.setrlimit(resource.RLIMIT_AS, (ADDRESS_SPACE, ADDRESS_SPACE))
+    if not program.SANITIZED:  # address space, of which the sanitizers reserve terabytes
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def environment():
+    options = [os.environ.get("ASAN_OPTIONS", ""), f"hard_rss_limit_mb={MEMORY >> 20}"]
+    return {**os.environ, "ASAN_OPTIONS": ":".join(filter(None, options))}
 
 
 def run_bounded(arguments, folder, path):
@@ -44,7 +52,8 @@ def run_bounded(arguments, folder, path):
                str(report_path)]
     before = set(folder.iterdir())
     try:
-        result = subprocess.run(command, capture_output=True, timeout=10 * SECONDS, preexec_fn=bound)
+        result = subprocess.run(command, capture_output=True, timeout=10 * SECONDS, preexec_fn=bound,
+                                env=environment())
     except subprocess.TimeoutExpired:
         return Outcome(-1, "", None, [], ["it hung"])
     message = result.stderr.decode(errors="replace")

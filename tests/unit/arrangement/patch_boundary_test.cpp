@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "arrangement/directions.hpp"
@@ -38,14 +39,16 @@ TEST(PatchBoundary, ACapCoversWhatLiesWithinItsRim) {
   for (const double overlap : {1e-15, 1e-12, 1e-8, 1e-4, 0.1}) {
     for (const double radius : {0.0001220703125, 0.5, 2.5, 4.0}) {
       SCOPED_TRACE(::testing::Message() << overlap << " of " << radius);
-      if (overlap >= radius || overlap < 1e-11 * radius) continue;  // within, or a contact
+      if (overlap >= radius) continue;
       const PatchBoundary boundary = boundary_at_origin(
           SphereSet({{{0, 0, 0}, 2.5}, {{2.5 + radius - overlap, 0, 0}, radius}}));
       ASSERT_EQ(boundary.caps.size(), 1u);
       const CoveredCap& cap = boundary.caps[0];
-      EXPECT_TRUE(cap.covers(cap.axis));
+      const bool has_no_arc = boundary.pieces.empty();
+      const double squared_circle_radius = 2 * overlap * radius * 2.5 / (2.5 + radius);
+      EXPECT_EQ(has_no_arc, is_contact(std::sqrt(squared_circle_radius), std::min(radius, 2.5)));
+      EXPECT_EQ(cap.covers(cap.axis), !has_no_arc);
       EXPECT_FALSE(cap.covers(-1.0 * cap.axis));
-      ASSERT_GE(boundary.points.size(), 8u);
       expect_rim(cap, boundary.points);
     }
   }
@@ -65,15 +68,24 @@ TEST(PatchBoundary, ACapMayLeaveNextToNothing) {
   }
 }
 
-// Both have the cosine 1; the contact, which comes first or last, covers nothing.
+// Of what all but touches no arc is left, so it covers nothing, however much wider than the cap of
+// the small ball it would be. Of both the cosine is 1.
 TEST(PatchBoundary, ThePoleIsNoContact) {
   const double radius = std::ldexp(1.0, -13);
-  const Sphere large{{0, 0, 0}, 1.5}, touching{{1.5 + radius, 0, 0}, radius},
-      overlapping{{0, std::nextafter(1.5 + radius, 0), 0}, radius};
-  for (const auto& spheres :
-       {SphereSet({large, touching, overlapping}), SphereSet({overlapping, touching, large})}) {
-    const Vec3d pole = buried_pole(boundary_at_origin(spheres));
-    EXPECT_EQ(norm(pole - Vec3d{0, 1, 0}), 0) << pole.x << ' ' << pole.y << ' ' << pole.z;
+  const Sphere large{{0, 0, 0}, 1.5}, small{{0, std::nextafter(1.5 + radius, 0), 0}, radius};
+  for (const double touching_radius : {radius, 0.5, 2.0}) {
+    for (const int steps : {0, 1, 4}) {
+      SCOPED_TRACE(::testing::Message() << steps << " steps, radius " << touching_radius);
+      if (touching_radius == radius && steps > 0) continue;  // a cap like the other
+      double x = 1.5 + touching_radius;
+      for (int i = 0; i < steps; ++i) x = std::nextafter(x, 0);
+      const Sphere touching{{x, 0, 0}, touching_radius};
+      for (const auto& spheres :
+           {SphereSet({large, touching, small}), SphereSet({small, touching, large})}) {
+        const Vec3d pole = buried_pole(boundary_at_origin(spheres));
+        EXPECT_EQ(norm(pole - Vec3d{0, 1, 0}), 0) << pole.x << ' ' << pole.y << ' ' << pole.z;
+      }
+    }
   }
 }
 

@@ -96,29 +96,51 @@ TEST(PlyFile, FacesBeforeVertices) {
   EXPECT_THAT(file.mesh.triangles, ElementsAre(Triangle{0, 1, 2}));
 }
 
-// Triangles without a label, then with one (the second of them a quadrilateral), then without.
+// A binary file of a square's corners and elements of faces that name an atom, or not.
+class LabelledFaces {
+ public:
+  using Face = std::pair<int, int>;  // corners, atom
+  void add(bool names_atom, const std::vector<Face>& faces) {
+    elements_ += "element face " + std::to_string(faces.size()) +
+                 "\nproperty list uchar int vertex_indices\n";
+    if (names_atom) elements_ += "property int atom\n";
+    for (const auto& [corners, atom] : faces) {
+      append(body_, static_cast<std::uint8_t>(corners));
+      for (int k = 0; k < corners; ++k) append(body_, k);
+      if (names_atom) append(body_, atom);
+    }
+  }
+  IndexedMesh read() const {
+    std::string bytes =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\n"
+        "property float y\nproperty float z\n" +
+        elements_ + "end_header\n";
+    for (int k = 0; k < 12; ++k) append(bytes, static_cast<float>(k * k));
+    return decode_mesh(bytes + body_, MeshFormat::ply).mesh;
+  }
+
+ private:
+  std::string elements_, body_;
+};
+
 TEST(PlyFile, OnlySomeFacesNameAnAtom) {
-  const std::string list = "property list uchar int vertex_indices\n";
-  std::string bytes =
-      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\n"
-      "property float y\nproperty float z\nelement face 1\n" +
-      list + "element face 2\n" + list + "property int atom\nelement face 1\n" + list +
-      "end_header\n";
-  for (int k = 0; k < 12; ++k) append(bytes, static_cast<float>(k * k));
-  const auto append_face = [&](int corners) {
-    append(bytes, static_cast<std::uint8_t>(corners));
-    for (int k = 0; k < corners; ++k) append(bytes, k);
-  };
-  append_face(3);
-  append_face(3);
-  append(bytes, 7);
-  append_face(4);
-  append(bytes, 9);
-  append_face(3);
-  const IndexedMesh mesh = decode_mesh(bytes, MeshFormat::ply).mesh;
-  EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 1, 2}, Triangle{0, 1, 2},
-                                          Triangle{0, 2, 3}, Triangle{0, 1, 2}));
-  EXPECT_THAT(mesh.triangle_spheres, ElementsAre(kNoSphere, 7, 9, 9, kNoSphere));
+  LabelledFaces file;
+  file.add(false, {{3, 0}});
+  file.add(true, {{3, 7}, {3, -5}, {4, 9}});
+  file.add(false, {{3, 0}});
+  const IndexedMesh mesh = file.read();
+  const Triangle first{0, 1, 2};
+  EXPECT_THAT(mesh.triangles, ElementsAre(first, first, first, first, Triangle{0, 2, 3}, first));
+  EXPECT_THAT(mesh.triangle_spheres, ElementsAre(kNoSphere, 7, kNoSphere, 9, 9, kNoSphere));
+}
+
+TEST(PlyFile, NoFacesNameNoAtom) {
+  LabelledFaces file;
+  file.add(false, {{3, 0}, {3, 0}});
+  file.add(true, {});
+  EXPECT_THAT(file.read().triangle_spheres, ElementsAre());
+  file.add(true, {{4, 2}});
+  EXPECT_THAT(file.read().triangle_spheres, ElementsAre(kNoSphere, kNoSphere, 2, 2));
 }
 
 TEST(ObjFile, EveryKindOfCorner) {
