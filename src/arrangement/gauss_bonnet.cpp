@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -11,6 +12,10 @@ namespace vdwmesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+// On a sphere circles smaller than this (squared, by the squared radius) have corners too near to
+// their centre: angles of arcs lose digits, and cosines of turning angles are differences that lose
+// twice as many.
+constexpr double kSmallOnSphere = 1e-3;
 
 class PatchSum {
  public:
@@ -78,10 +83,8 @@ class PatchSum {
     }
   }
 
-  bool is_small(std::uint32_t e) const {
-    const auto& v = k_.edges[e].vertices;
-    const double r = std::min(ball(v[0]).radius, ball(v[1]).radius);
-    return edges_[e].squared_circle_radius < kSmallCircle * r * r;
+  bool is_small(std::uint32_t e, double radius) const {
+    return edges_[e].squared_circle_radius < kSmallOnSphere * radius * radius;
   }
 
   // From the centre of edge e's circle to an end of a triangle's chord.
@@ -111,12 +114,13 @@ class PatchSum {
   // one other centre each.
   double turning_angle(const DualTriangle& f, std::size_t k, double determinant) const {
     const std::size_t m = (k + 1) % 3, n = (k + 2) % 3;
-    if (is_small(f.edges[m]) || is_small(f.edges[n])) return angle_by_excess(f, k);
+    const double radius = ball(f.vertices[k]).radius;
+    if (is_small(f.edges[m], radius) || is_small(f.edges[n], radius)) return angle_by_excess(f, k);
     const std::uint32_t o = f.vertices[k], p = f.vertices[m], q = f.vertices[n];
     const Vec3d op = between(o, p), oq = between(o, q);
-    const double r = ball(o).radius;
-    const double cosine = r * r * dot(op, oq) - reach(f.edges[n], o) * reach(f.edges[m], o);
-    return std::atan2(r * determinant, cosine);
+    const double cosine =
+        radius * radius * dot(op, oq) - reach(f.edges[n], o) * reach(f.edges[m], o);
+    return std::atan2(radius * determinant, cosine);
   }
 
   // (other centre - centre of v) · (corner - centre of v), for any corner on the edge's circle.
@@ -142,8 +146,9 @@ class PatchSum {
   }
 
   double arc_angle(const ExposedArc& arc) const {
-    if (is_small(arc.edge)) return angle_by_dihedrals(t_, k_, arc);
     const auto& [a, b] = k_.edges[arc.edge].vertices;
+    if (is_small(arc.edge, std::max(ball(a).radius, ball(b).radius)))
+      return angle_by_dihedrals(t_, k_, arc);
     const Vec3d p = corner_from_circle(arc.edge, arc.start),
                 q = corner_from_circle(arc.edge, arc.end);
     const double angle =

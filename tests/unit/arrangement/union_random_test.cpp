@@ -133,5 +133,34 @@ TEST(UnionRandom, DegenerateSets) {
   }
 }
 
+// Balls of sizes e^-10 to e^5 on the surface of another, touching it from inside or outside, or
+// nearly.
+std::vector<Sphere> sizes_far_apart(Dice& dice) {
+  const auto size = [&] { return std::exp(dice.real(-5, 5)); };
+  std::vector<Sphere> spheres{{{0, 0, 0}, size()}};
+  const double side = dice.whole(-1, 1);
+  for (int i = 0; i < 5; ++i) {
+    const double radius = (i % 2 == 0 ? 0.01 : 1) * size();
+    const Vec3d towards{dice.real(-1, 1), dice.real(-1, 1), dice.real(-1, 1)};
+    const double near = 1 + dice.real(-1, 1) * std::pow(10, -dice.real(0, 8));
+    const double distance = std::abs(spheres[0].radius + side * radius) * near;
+    spheres.push_back({(distance / norm(towards)) * towards, radius});
+  }
+  return spheres;
+}
+
+// Their circles are small on the larger of two balls.
+TEST(UnionRandom, FormulaSetsAgreeWhereSizesAreFarApart) {
+  constexpr double kFormulas = 1e-11;
+  Dice dice(11);
+  for (int n = 0; n < 5000; ++n) {
+    SCOPED_TRACE(n);
+    const std::vector<Sphere> spheres = sizes_far_apart(dice);
+    const ExactUnion u = unite(spheres);
+    EXPECT_RELATIVE(*u.check_area, u.area, kFormulas);
+    EXPECT_RELATIVE(*u.check_volume, u.volume, kFormulas);
+  }
+}
+
 }  // namespace
 }  // namespace vdwmesh
