@@ -67,6 +67,7 @@ std::vector<StudySeries> find_series(std::span<const StudyRun> runs) {
   std::map<StudyKey, std::vector<std::size_t>> by_key;
   for (const auto& [setting, run] : by_setting) by_key[setting.key].push_back(run);
   std::vector<StudySeries> result;
+  result.reserve(by_key.size());
   for (auto& [key, picked] : by_key) result.push_back(make_series(runs, key, std::move(picked)));
   return result;
 }

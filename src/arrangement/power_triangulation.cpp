@@ -13,6 +13,7 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <ranges>
 #include <tuple>
 
 #include "arrangement/power_predicates.hpp"
@@ -173,8 +174,8 @@ std::vector<std::uint32_t> insertion_order(std::size_t count) {
   }
   std::vector<std::uint32_t> order;
   order.reserve(count);
-  for (auto round = rounds.rbegin(); round != rounds.rend(); ++round) {
-    order.insert(order.end(), round->begin(), round->end());
+  for (const auto& round : std::views::reverse(rounds)) {
+    order.insert(order.end(), round.begin(), round.end());
   }
   return order;
 }

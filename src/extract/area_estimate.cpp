@@ -72,12 +72,13 @@ double area_along(const CellListView& list, const FieldModel& model, std::uint32
                   const Vec3d& u) {
   const Sphere& ball = list.spheres[own];
   const double step = kRayStep * ball.radius, reach = field_reach(model, ball.radius);
-  double value = 0;  // at r, from the second step on
-  for (double r = 0; r < reach; r += step) {
+  double r = 0, value = 0;  // at r, from the second step on
+  while (r < reach) {
     const FieldSample next = sample_field(list, model, ball.center + (r + step) * u);
     if (next.value >= model.isovalue) {
       if (next.place != own) return 0;
       value = next.value;
+      r += step;
       continue;
     }
     if (!(value > 0)) return 0;
