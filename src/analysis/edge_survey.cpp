@@ -1,13 +1,10 @@
 #include "analysis/edge_survey.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <atomic>
 #include <functional>
 
+#include "core/blocks.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/large_pages.hpp"
 
@@ -45,29 +42,7 @@ struct EdgeCounts {
   }
 };
 
-using Range = tbb::blocked_range<std::size_t>;
-constexpr std::size_t kItemsPerTask = 1 << 13;
 constexpr std::uint32_t kNoIndex = 0xffffffffu;
-
-// Calls body(i) for all of [0, count) on all cores.
-template <class Body>
-void for_all(std::size_t count, Body&& body) {
-  tbb::parallel_for(Range(0, count, kItemsPerTask), [&](const Range& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
-  });
-}
-
-// The sum of term(i) over [0, count).
-template <class Total, class Term>
-Total sum_all(std::size_t count, Term&& term) {
-  return tbb::parallel_reduce(
-      Range(0, count, kItemsPerTask), Total{},
-      [&](const Range& range, Total sum) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) sum = sum + term(i);
-        return sum;
-      },
-      std::plus<>());
-}
 
 Buffer<std::uint32_t> filled(std::size_t count, std::uint32_t value) {
   Buffer<std::uint32_t> array;
@@ -101,27 +76,24 @@ class Surveyor {
     result_.edges = counts.edges;
     result_.manifold = counts.manifold && !buckets_.repeated_index();
     const Buffer<std::uint32_t> corner = a_corner_of_each_vertex();
-    result_.used_vertices = sum_all<std::uint64_t>(
-        corner.size(), [&](std::size_t v) { return corner[v] == kNoIndex ? 0u : 1u; });
+    result_.used_vertices = reduce_all(
+        corner.size(), std::uint64_t{0},
+        [&](std::size_t v, std::uint64_t& used) { used += corner[v] != kNoIndex; }, std::plus<>());
     const bool every_edge_has_two_sides = result_.closed && result_.oriented && result_.manifold;
     return every_edge_has_two_sides && has_one_fan_everywhere(corner, opposite);
   }
 
   // Pairs the half-edges of edges that have two.
   EdgeCounts count_edges(Buffer<std::uint32_t>& opposite) const {
-    return tbb::parallel_reduce(
-        Range(0, buckets_.vertex_count(), kItemsPerTask), EdgeCounts{},
-        [&](const Range& range, EdgeCounts counts) {
-          for (std::size_t v = range.begin(); v < range.end(); ++v)
-            for_each_edge(buckets_.at(v), [&](std::span<const EdgeEntry> edge) {
-              counts.take(edge);
-              if (edge.size() != 2) return;
-              opposite[edge[0].half_edge()] = edge[1].half_edge();
-              opposite[edge[1].half_edge()] = edge[0].half_edge();
-            });
-          return counts;
-        },
-        std::plus<>());
+    const auto count = [&](std::size_t v, EdgeCounts& counts) {
+      for_each_edge(buckets_.at(v), [&](std::span<const EdgeEntry> edge) {
+        counts.take(edge);
+        if (edge.size() != 2) return;
+        opposite[edge[0].half_edge()] = edge[1].half_edge();
+        opposite[edge[1].half_edge()] = edge[0].half_edge();
+      });
+    };
+    return reduce_all(buckets_.vertex_count(), EdgeCounts{}, count, std::plus<>());
   }
 
   // Any one of them; kNoIndex for a vertex of no triangle.
@@ -139,16 +111,15 @@ class Surveyor {
   // two sides.
   bool has_one_fan_everywhere(const Buffer<std::uint32_t>& corner,
                               const Buffer<std::uint32_t>& opposite) const {
-    const auto met = sum_all<std::uint64_t>(corner.size(), [&](std::size_t v) {
-      std::uint64_t corners = 0;
-      if (corner[v] == kNoIndex) return corners;
+    const auto go_round = [&](std::size_t v, std::uint64_t& corners) {
+      if (corner[v] == kNoIndex) return;
       std::uint32_t at = corner[v];
       do {
         ++corners;
         at = opposite[previous_in_triangle(at)];
       } while (at != corner[v]);
-      return corners;
-    });
+    };
+    const std::uint64_t met = reduce_all(corner.size(), std::uint64_t{0}, go_round, std::plus<>());
     return met == 3 * static_cast<std::uint64_t>(mesh_.triangle_count());
   }
 

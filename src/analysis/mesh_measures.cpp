@@ -1,8 +1,6 @@
 #include "analysis/mesh_measures.hpp"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <functional>
@@ -12,13 +10,14 @@
 
 #include "analysis/edge_survey.hpp"
 #include "analysis/quality_parts.hpp"
+#include "core/blocks.hpp"
 #include "core/multiversion.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kItemsPerBlock = 1 << 13;
+constexpr std::size_t kTrianglesPerBlock = 1 << 13;
 
 struct Sums {
   WideSum area;    // Å²
@@ -50,16 +49,11 @@ struct Box {
 // The middle of the box: products of coordinates about it stay as small as the mesh is.
 Vec3d local_origin(const IndexedMesh& mesh) {
   if (mesh.positions.empty()) return {0, 0, 0};
-  using Range = tbb::blocked_range<std::size_t>;
+  const auto include = [&](std::size_t v, Box& box) {
+    box = box + Box{mesh.positions[v], mesh.positions[v]};
+  };
   const Box first{mesh.positions[0], mesh.positions[0]};
-  const auto [lower, upper] = tbb::parallel_reduce(
-      Range(0, mesh.vertex_count(), kItemsPerBlock), first,
-      [&](const Range& range, Box box) {
-        for (std::size_t v = range.begin(); v < range.end(); ++v)
-          box = box + Box{mesh.positions[v], mesh.positions[v]};
-        return box;
-      },
-      std::plus<>());
+  const auto [lower, upper] = reduce_all(mesh.vertex_count(), first, include, std::plus<>());
   return lower + 0.5 * (upper - lower);
 }
 
@@ -80,10 +74,11 @@ VDWMESH_MULTIVERSION void sum_block(const IndexedMesh& mesh, const EdgeSurvey& s
 std::vector<Sums> sum_shells(const IndexedMesh& mesh, const EdgeSurvey& survey) {
   const Vec3d origin = local_origin(mesh);
   const std::size_t triangles = mesh.triangle_count();
-  std::vector<std::vector<Run>> blocks((triangles + kItemsPerBlock - 1) / kItemsPerBlock);
+  std::vector<std::vector<Run>> blocks((triangles + kTrianglesPerBlock - 1) / kTrianglesPerBlock);
   tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-    const std::size_t begin = b * kItemsPerBlock;
-    sum_block(mesh, survey, origin, begin, std::min(begin + kItemsPerBlock, triangles), blocks[b]);
+    const std::size_t begin = b * kTrianglesPerBlock;
+    sum_block(mesh, survey, origin, begin, std::min(begin + kTrianglesPerBlock, triangles),
+              blocks[b]);
   });
   std::vector<Sums> shells(survey.shells);
   for (const std::vector<Run>& runs : blocks)

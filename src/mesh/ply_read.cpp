@@ -126,8 +126,6 @@ class AsciiBody {
 enum class Slot { other, x, y, z, nx, ny, nz, atom, sphere2, sphere3 };
 constexpr std::size_t kSlots = 10;
 
-constexpr std::uint32_t kMostSigned = 0x7fffffffu;
-
 Slot slot_named(std::string_view name) {
   static constexpr std::string_view kNames[kSlots] = {"",   "x",  "y",    "z",       "nx",
                                                       "ny", "nz", "atom", "sphere2", "sphere3"};
@@ -307,10 +305,10 @@ class PlyReader {
     if (!list.list_count || !is_whole(list) || size_of(*list.list_count) != 1) return 0;
     const std::size_t size = 1 + (named ? 4 : 3) * sizeof(std::uint32_t);
     const std::size_t most = std::min<std::uint64_t>(element.count, body_.bytes_left() / size);
-    if (most == 0) return 0;
+    if (most == 0 || *body_.take(0) != 3) return 0;
     Buffer<Triangle>& triangles = file_.mesh.triangles;
     Buffer<SphereId>& spheres = file_.mesh.triangle_spheres;
-    const std::size_t before = triangles.size(), spheres_before = spheres.size();
+    const std::size_t before = triangles.size();
     triangles.resize(before + most);
     expect_writing(&triangles[before], most);
     if (named) {
@@ -330,10 +328,11 @@ class PlyReader {
         return body_.template load_as<std::uint32_t>(face + 1 + k * sizeof(std::uint32_t));
       };
       triangles[t] = {number(0), number(1), number(2)};
-      if (named) spheres[t] = is_signed && number(3) > kMostSigned ? kNoSphere : number(3);
+      if (named)
+        spheres[t] = is_signed ? sphere_id(static_cast<std::int32_t>(number(3))) : number(3);
     }
     triangles.resize(t);
-    if (named) spheres.resize(t == before ? spheres_before : t);
+    if (named) spheres.resize(t);
     return t - before;
   }
 

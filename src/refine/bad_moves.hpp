@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/blocks.hpp"
 #include "core/buffer.hpp"
 #include "extract/sphere_set.hpp"
-#include "refine/blocks.hpp"
 #include "refine/level_view.hpp"
 #include "refine/refiner.hpp"
 #include "refine/triangle_grid.hpp"

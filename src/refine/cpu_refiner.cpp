@@ -1,7 +1,7 @@
 #include <chrono>
 #include <utility>
 
-#include "refine/blocks.hpp"
+#include "core/blocks.hpp"
 #include "refine/constraint_formulas.hpp"
 #include "refine/level.hpp"
 #include "refine/preparation.hpp"

@@ -6,8 +6,8 @@
 #include <atomic>
 #include <limits>
 
+#include "core/blocks.hpp"
 #include "core/errors.hpp"
-#include "refine/blocks.hpp"
 
 namespace vdwmesh {
 namespace {

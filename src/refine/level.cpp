@@ -7,8 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/blocks.hpp"
 #include "refine/bad_moves.hpp"
-#include "refine/blocks.hpp"
 #include "refine/constraint_formulas.hpp"
 #include "refine/half_edges.hpp"
 #include "refine/subdivision_formulas.hpp"

@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/blocks.hpp"
 #include "core/errors.hpp"
 #include "extract/field_sample.hpp"
-#include "refine/blocks.hpp"
 #include "refine/half_edges.hpp"
 
 namespace vdwmesh {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/blocks.hpp"
 #include "core/errors.hpp"
-#include "refine/blocks.hpp"
 
 namespace vdwmesh {
 namespace {

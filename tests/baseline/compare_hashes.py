@@ -15,9 +15,9 @@ DONE, FAILED, SKIPPED = 0, 1, 77
 
 
 def forgotten(sources):
-    """Files with loops in two versions, by their own word or by refine/blocks.hpp's."""
+    """Files with loops in two versions, by their own word or by core/blocks.hpp's."""
     root = pathlib.Path(__file__).resolve().parents[2] / "src"
-    marks = ("core/multiversion.hpp", "refine/blocks.hpp")
+    marks = ("core/multiversion.hpp", "core/blocks.hpp")
     given = {pathlib.Path(source).resolve() for source in sources}
     marked = (p for p in root.rglob("*.cpp") if any(m in p.read_text() for m in marks))
     return sorted(str(p.relative_to(root)) for p in marked if p not in given)
