@@ -48,9 +48,11 @@ std::uint64_t mesh_bytes(const MemoryDemand& d, const MeshSize& m) {
   const bool refined = d.surface && d.surface->subdivisions > 0;
   const bool by_patches = labels_of(d) == TriangleLabels::spheres;
   const bool grown = by_patches && !refined;
-  return indexed_mesh_bytes(m.vertices, m.triangles,
-                            refined ? Connectivity::half_edges : d.connectivity, labels_of(d),
-                            refined || by_patches ? Normals::gradients : d.normals) +
+  const bool has_creases = refined || by_patches;
+  return indexed_mesh_bytes(m, {.connectivity = refined ? Connectivity::half_edges : d.connectivity,
+                                .labels = labels_of(d),
+                                .normals = has_creases ? Normals::gradients : d.normals,
+                                .width = has_creases ? LabelWidth::three : LabelWidth::one}) +
          (grown ? kPatchSlack * m.triangles : 0);
 }
 

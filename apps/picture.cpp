@@ -87,8 +87,8 @@ Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
   }
   VertexColors paint;
   paint.colors.resize(mesh.vertex_count());
-  std::ranges::transform(mesh.vertex_spheres, paint.colors.begin(),
-                         [&](const VertexSpheres& s) { return atoms.at(s[0]); });
+  std::ranges::transform(mesh.vertex_spheres.atoms, paint.colors.begin(),
+                         [&](SphereId atom) { return atoms.at(atom); });
   return paint;
 }
 
@@ -118,8 +118,7 @@ void write_picture(const IndexedMesh& mesh, Paint paint, const PictureOptions& o
   const Renderer renderer;
   const MeshSource source(mesh, std::move(paint));
   RenderOptions render = options.render;
-  render.memory_limit =
-      left_of(machine.memory_limit, indexed_mesh_bytes(mesh.vertex_count(), mesh.triangle_count()));
+  render.memory_limit = left_of(machine.memory_limit, indexed_mesh_bytes(mesh));
   const Drawing drawing = draw(renderer, source, render, backend, report.notes);
   write_file(options.path, encode_png(drawing.picture));
   report.picture = describe(options, source, renderer.device(), drawing.filled_by);

@@ -123,9 +123,9 @@ void report_extraction(const char* name, const SphereSet& spheres, const Extract
     });
     if (i > 0) total.push_back(seconds * 1e3);
   }
-  const double floor =
-      static_cast<double>(indexed_mesh_bytes(vertices, triangles, Connectivity::half_edges)) /
-      (rate / 2) * 1e3 / 2;
+  const double floor = static_cast<double>(indexed_mesh_bytes(
+                           {vertices, triangles}, {.connectivity = Connectivity::half_edges})) /
+                       (rate / 2) * 1e3 / 2;
   std::printf("%-34s %9lld x %6lld x %6lld cells  V %11llu T %11llu bricks %9llu of %llu\n", name,
               static_cast<long long>(grid.cells.x), static_cast<long long>(grid.cells.y),
               static_cast<long long>(grid.cells.z), static_cast<unsigned long long>(vertices),
@@ -286,8 +286,7 @@ void report_end_to_end(const std::filesystem::path& path, double spacing, double
   const auto present = static_cast<int>(cuda_devices().devices.size());
   for (options.devices = 1; options.devices <= present; ++options.devices) {
     const double cuda = seconds_to_mesh(spheres, options, Backend::cuda, result);
-    const auto bytes = static_cast<double>(indexed_mesh_bytes(
-        result.mesh.vertex_count(), result.mesh.triangle_count(), options.connectivity));
+    const auto bytes = static_cast<double>(indexed_mesh_bytes(result.mesh));
     std::printf(
         "    cuda, %d devices: %.4f s, %.1f x; kernels %.4f, download %.4f s (page-locked at %.1f "
         "GB/s: %.4f)\n",

@@ -18,11 +18,11 @@ const IndexedMesh& bare_mesh() {
   static const IndexedMesh mesh = [] {
     IndexedMesh made = testing::torus(2000, 1000);
     made.normals.resize(made.vertex_count());
-    made.vertex_spheres.resize(made.vertex_count());
+    made.vertex_spheres.resize(made.vertex_count(), LabelWidth::one);
     for (std::size_t v = 0; v < made.vertex_count(); ++v) {
       const Vec3d& p = made.positions[v];
       made.normals[v] = cast<float>((1 / norm(p)) * p);
-      made.vertex_spheres[v] = on_sphere(static_cast<SphereId>(v / 1000));
+      made.vertex_spheres.atoms[v] = static_cast<SphereId>(v / 1000);
     }
     return made;
   }();

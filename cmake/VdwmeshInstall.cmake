@@ -2,7 +2,7 @@
 # are for users; they include none of the others, which the consumer test would notice.
 set(core_headers buffer errors host_device monitor sum vec3)
 set(structure_headers molecule radii reader)
-set(extract_headers extractor field grid indexed_mesh sampled_field sphere_set)
+set(extract_headers extractor field grid indexed_mesh sampled_field sphere_set vertex_labels)
 set(refine_headers refiner)
 set(arrangement_headers exact_union)
 set(mesh_headers element_color mesh_io surface_mesh)

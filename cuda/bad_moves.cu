@@ -62,7 +62,7 @@ __global__ void mark_turned(SurfaceView surface, GivenLevel level, FatesView fat
   for (int k = 0; k < 3; ++k) {
     now[k] = level.mesh.positions[vertex[k]];
     before[k] = level.before(t, k);
-    atom[k] = ids(level.mesh.vertex_spheres[vertex[k]])[0];
+    atom[k] = level.mesh.vertex_spheres.atoms[vertex[k]];
   }
   if (facing(surface.spheres, now, atom) != Facing::against_one_atom) return;
   if (facing(surface.spheres, before, atom) != Facing::outward) return;
@@ -149,8 +149,8 @@ __global__ void restore_listed(SurfaceView surface, MidpointLevel level, Fate* f
   const auto v = static_cast<std::uint32_t>(level.parent.vertices + edges[i]);
   level.take_back(surface, level.edges.half_edge(edges[i]), v);
   if (level.mesh.normals != nullptr) {
-    level.mesh.normals[v] =
-        surface.normal(level.mesh.positions[v], ids(level.mesh.vertex_spheres[v]));
+    const VertexSpheres label = level.mesh.vertex_spheres[v];
+    level.mesh.normals[v] = surface.normal(level.mesh.positions[v], ids(label));
   }
   fates[edges[i]] = Fate::taken_back;
 }
@@ -212,7 +212,7 @@ __global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, std::uint
       const std::uint32_t v = mesh.corners[3 * t + k];
       p[k] = mesh.positions[v];
       atom[k] = mesh.triangle_spheres != nullptr ? mesh.triangle_spheres[t]
-                                                 : ids(mesh.vertex_spheres[v])[0];
+                                                 : mesh.vertex_spheres.atoms[v];
     }
     turned = facing(surface.spheres, p, atom) != Facing::outward ? 1 : 0;
     is_safe_now = safe != nullptr && is_safe(surface.spheres, p, atom);

@@ -130,7 +130,6 @@ __device__ inline CrossedEdge edge_of_vertex(const ActiveBrick& brick, std::uint
 struct VertexStage {
   double position[3 * kWarp];
   float normal[3 * kWarp];
-  SphereId sphere[kWarp];
 };
 
 // Writes `count` vertices of a warp from place `first` on; lane i holds the i-th.
@@ -143,15 +142,15 @@ __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& 
     stage.position[3 * lane + static_cast<unsigned>(axis)] = vertex.position[axis];
     stage.normal[3 * lane + static_cast<unsigned>(axis)] = vertex.normal[axis];
   }
-  stage.sphere[lane] = vertex.sphere;
   __syncwarp();
   auto* positions = reinterpret_cast<double*>(mesh.positions + first);
   auto* normals = reinterpret_cast<float*>(mesh.normals + first);
-  auto* spheres = reinterpret_cast<SphereId*>(mesh.vertex_spheres + first);
   for (unsigned w = lane; w < 3 * count; w += kWarp) {
     positions[w] = stage.position[w];
     if (mesh.normals) normals[w] = stage.normal[w];
-    if (mesh.vertex_spheres) spheres[w] = w % 3 == 0 ? stage.sphere[w / 3] : kNoSphere;
+  }
+  if (mesh.vertex_spheres.atoms && lane < count) {
+    mesh.vertex_spheres.atoms[first + lane] = vertex.sphere;
   }
 }
 

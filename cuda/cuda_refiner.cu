@@ -19,8 +19,9 @@ namespace {
 DeviceMesh upload_mesh(const IndexedMesh& host, Projection projection, const Stream& stream) {
   DeviceMesh mesh;
   mesh.positions = upload(host.positions.data(), host.positions.size(), stream.get());
-  mesh.vertex_spheres =
-      upload(host.vertex_spheres.data(), host.vertex_spheres.size(), stream.get());
+  const VertexLabels& labels = host.vertex_spheres;
+  mesh.vertex_spheres = {upload(labels.atoms.data(), labels.atoms.size(), stream.get()),
+                         upload(labels.others.data(), labels.others.size(), stream.get())};
   mesh.normals = projection == Projection::none
                      ? upload(host.normals.data(), host.normals.size(), stream.get())
                      : DeviceArray<Vec3f>(host.positions.size(), stream.get());

@@ -115,7 +115,7 @@ __device__ void load_vertices(const DeviceMeshView& mesh, std::uint64_t t, std::
 __device__ void load_places(const DeviceMeshView& mesh, Corners& c) {
   for (int k = 0; k < 3; ++k) {
     c.position[k] = mesh.positions[c.vertex[k]];
-    c.atom[k] = reinterpret_cast<const SphereId*>(&mesh.vertex_spheres[c.vertex[k]])[0];
+    c.atom[k] = mesh.vertex_spheres.atoms[c.vertex[k]];
   }
 }
 

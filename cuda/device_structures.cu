@@ -30,12 +30,13 @@ DeviceMesh::DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStre
                        DeviceLabels labels, Normals with_normals)
     : positions(vertices, stream),
       normals(with_normals == Normals::gradients ? vertices : 0, stream),
-      vertex_spheres(labels == DeviceLabels::spheres ? vertices : 0, stream),
+      vertex_spheres{DeviceArray<SphereId>(labels == DeviceLabels::spheres ? vertices : 0, stream),
+                     {}},
       corners(3 * triangles, stream),
       opposite(3 * triangles, stream) {}
 
 DeviceMeshView DeviceMesh::view() const {
-  return {positions.data(), normals.data(), vertex_spheres.data(), corners.data(),
+  return {positions.data(), normals.data(), vertex_spheres.view(), corners.data(),
           opposite.data(),  vertex_count(), triangle_count(),      triangle_spheres.data()};
 }
 
@@ -43,7 +44,10 @@ IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, cons
   IndexedMesh host;
   resize_untouched(host.positions, mesh.vertices);
   if (mesh.normals != nullptr) resize_untouched(host.normals, mesh.vertices);
-  if (mesh.vertex_spheres != nullptr) resize_untouched(host.vertex_spheres, mesh.vertices);
+  if (mesh.vertex_spheres.atoms != nullptr) {
+    host.vertex_spheres.resize(
+        mesh.vertices, mesh.vertex_spheres.others != nullptr ? LabelWidth::three : LabelWidth::one);
+  }
   resize_untouched(host.triangles, mesh.triangles);
   if (mesh.triangle_spheres != nullptr) resize_untouched(host.triangle_spheres, mesh.triangles);
   if (connectivity == Connectivity::half_edges) resize_untouched(host.opposite, 3 * mesh.triangles);
@@ -53,8 +57,10 @@ IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, cons
   };
   download_parts(
       {part(host.positions, mesh.positions), part(host.normals, mesh.normals),
-       part(host.vertex_spheres, mesh.vertex_spheres), part(host.triangles, mesh.corners),
-       part(host.triangle_spheres, mesh.triangle_spheres), part(host.opposite, mesh.opposite)},
+       part(host.vertex_spheres.atoms, mesh.vertex_spheres.atoms),
+       part(host.vertex_spheres.others, mesh.vertex_spheres.others),
+       part(host.triangles, mesh.corners), part(host.triangle_spheres, mesh.triangle_spheres),
+       part(host.opposite, mesh.opposite)},
       stream);
   return host;
 }

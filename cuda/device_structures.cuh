@@ -27,13 +27,32 @@ class DeviceCellList {
   CellListView view_{};
 };
 
+// VertexLabels as kernels see them.
+struct DeviceLabelsView {
+  SphereId* atoms;       // null without labels
+  OtherSpheres* others;  // null where there is room for the atom alone
+
+  __device__ VertexSpheres operator[](std::uint64_t v) const {
+    if (others == nullptr) return on_sphere(atoms[v]);
+    const OtherSpheres more = others[v];
+    const auto* const ids = reinterpret_cast<const SphereId*>(&more);
+    return {atoms[v], ids[0], ids[1]};
+  }
+  // Precondition: there is room for the label.
+  __device__ void set(std::uint64_t v, const VertexSpheres& label) const {
+    const auto* const ids = reinterpret_cast<const SphereId*>(&label);
+    atoms[v] = ids[0];
+    if (others != nullptr) others[v] = {ids[1], ids[2]};
+  }
+};
+
 // The arrays of a DeviceMesh as kernels see them.
 struct DeviceMeshView {
   Vec3d* positions;
-  Vec3f* normals;                 // null without normals
-  VertexSpheres* vertex_spheres;  // null without labels
-  std::uint32_t* corners;         // 3 per triangle
-  std::uint32_t* opposite;        // 3 per triangle
+  Vec3f* normals;  // null without normals
+  DeviceLabelsView vertex_spheres;
+  std::uint32_t* corners;   // 3 per triangle
+  std::uint32_t* opposite;  // 3 per triangle
   std::uint64_t vertices, triangles;
   SphereId* triangle_spheres;  // null, or one per triangle
 };
@@ -41,15 +60,23 @@ struct DeviceMeshView {
 // Whether vertices name their sphere.
 enum class DeviceLabels { none, spheres };
 
+struct DeviceVertexLabels {
+  DeviceArray<SphereId> atoms;
+  DeviceArray<OtherSpheres> others;  // empty, or as many as atoms
+
+  DeviceLabelsView view() const { return {atoms.data(), others.data()}; }
+};
+
 // An IndexedMesh in device memory, half-edges included.
 struct DeviceMesh {
   DeviceArray<Vec3d> positions;
   DeviceArray<Vec3f> normals;
-  DeviceArray<VertexSpheres> vertex_spheres;
+  DeviceVertexLabels vertex_spheres;
   DeviceArray<std::uint32_t> corners, opposite;
   DeviceArray<SphereId> triangle_spheres;  // empty, or one per triangle
 
   DeviceMesh() = default;
+  // As extraction makes it: labels have room for the atom.
   DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
              DeviceLabels labels = DeviceLabels::spheres, Normals normals = Normals::gradients);
   std::uint64_t vertex_count() const { return positions.size(); }

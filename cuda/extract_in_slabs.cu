@@ -13,7 +13,7 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::uint64_t kVertexBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(VertexSpheres);
+constexpr std::uint64_t kVertexBytes = sizeof(Vec3d) + sizeof(Vec3f) + label_bytes(LabelWidth::one);
 constexpr std::uint64_t kTriangleBytes = 6 * sizeof(std::uint32_t);  // corners, half-edges
 // Beside the mesh and the field: key, signs and counts, sums, neighbours.
 constexpr std::uint64_t kBrickBytes =
@@ -169,7 +169,7 @@ class SlabWorker {
     DeviceMeshView numbered = mesh.view();
     numbered.positions -= from.vertices;
     if (numbered.normals != nullptr) numbered.normals -= from.vertices;
-    numbered.vertex_spheres -= from.vertices;
+    numbered.vertex_spheres.atoms -= from.vertices;
     numbered.corners -= 3 * from.triangles;
     numbered.opposite -= 3 * from.triangles;
     emit_vertices_on_device(context(), part_of(counted_.list(), slab.bricks), totals().most_atoms,
@@ -177,8 +177,8 @@ class SlabWorker {
     emit_triangles_on_device(counted_.list(), candidates_, slab.bricks, numbered, *stream_);
     std::vector<DownloadPart> parts = {
         {host.positions.data() + from.vertices, mesh.positions.data(), mesh.positions.bytes()},
-        {host.vertex_spheres.data() + from.vertices, mesh.vertex_spheres.data(),
-         mesh.vertex_spheres.bytes()},
+        {host.vertex_spheres.atoms.data() + from.vertices, mesh.vertex_spheres.atoms.data(),
+         mesh.vertex_spheres.atoms.bytes()},
         {host.triangles.data() + from.triangles, mesh.corners.data(), mesh.corners.bytes()}};
     if (options_.normals == Normals::gradients) {
       parts.push_back(
@@ -232,7 +232,7 @@ void make_room(const BrickSums& sums, const ExtractOptions& options, double spac
   if (options.on_size) options.on_size({sums.vertices, sums.triangles});
   resize_untouched(host.positions, sums.vertices);
   if (options.normals == Normals::gradients) resize_untouched(host.normals, sums.vertices);
-  resize_untouched(host.vertex_spheres, sums.vertices);
+  host.vertex_spheres.resize(sums.vertices, LabelWidth::one);
   resize_untouched(host.triangles, sums.triangles);
   if (options.connectivity == Connectivity::half_edges)
     resize_untouched(host.opposite, 3 * sums.triangles);

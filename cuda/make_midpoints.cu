@@ -42,7 +42,7 @@ __device__ Fate store_midpoint(const SurfaceView& surface, const MidpointLevel& 
     return Fate::stayed;
   }
   level.mesh.positions[v] = p.position;
-  level.mesh.vertex_spheres[v] = make_label(p.spheres);
+  level.mesh.vertex_spheres.set(v, make_label(p.spheres));
   return p.steps > 0 ? Fate::moved : Fate::stayed;
 }
 
@@ -71,8 +71,8 @@ __device__ WarpBox load_middles(const MidpointLevel& level, unsigned count, Edge
     const std::uint64_t h = half_edge(i);
     const std::uint32_t u = level.start_of(h), v = level.end_of(h);
     const Vec3d a = parent.positions[u], b = parent.positions[v];
-    const SphereId atom = ids(parent.vertex_spheres[u])[0];
-    middles.atom[i] = ids(parent.vertex_spheres[v])[0] == atom ? atom : kNoSphere;
+    const SphereId atom = parent.vertex_spheres.atoms[u];
+    middles.atom[i] = parent.vertex_spheres.atoms[v] == atom ? atom : kNoSphere;
     const double reach = midpoint_reach(a, b);
     middles.start[i] = midpoint(a, b);
     middles.reach[i] = reach;
@@ -104,9 +104,12 @@ __device__ void finish_midpoint(const SurfaceView& surface, const MidpointLevel&
   const auto v = static_cast<std::uint32_t>(level.parent.vertices + edge);
   fates[edge] = store_midpoint(surface, level, h, v, p);
   level.marks.regular[edge] = is_regular(p, atom_of_ends);
-  level.mesh.normals[v] = p.outcome == ProjectionOutcome::converged
-                              ? surface.normal(p.position, p.spheres)
-                              : surface.normal(start, ids(level.mesh.vertex_spheres[v]));
+  if (p.outcome == ProjectionOutcome::converged) {
+    level.mesh.normals[v] = surface.normal(p.position, p.spheres);
+  } else {
+    const VertexSpheres label = level.mesh.vertex_spheres[v];
+    level.mesh.normals[v] = surface.normal(start, ids(label));
+  }
 }
 
 struct MidpointShared {
@@ -171,7 +174,7 @@ __global__ void __launch_bounds__(kThreads, 6)
           const std::uint32_t edge = first_edge + group + i;
           const std::uint64_t v = level.parent.vertices + edge;
           level.mesh.positions[v] = p.position;
-          level.mesh.vertex_spheres[v] = on_sphere(atom);
+          level.mesh.vertex_spheres.set(v, on_sphere(atom));
           level.mesh.normals[v] = sphere_normal(surface.spheres[atom], p.position);
           level.marks.regular[edge] = 1;
           outputs.fates[edge] = Fate::moved;
@@ -307,7 +310,8 @@ __global__ void count_constrained(SurfaceView surface, DeviceMeshView mesh, Devi
   const std::uint64_t v = thread_index();
   OutcomeTally tally;
   if (v < mesh.vertices) {
-    tally.add(judge_constrained(surface, mesh.positions[v], ids(mesh.vertex_spheres[v])));
+    const VertexSpheres label = mesh.vertex_spheres[v];
+    tally.add(judge_constrained(surface, mesh.positions[v], ids(label)));
   }
   tally.add_to(stats);
 }
@@ -326,7 +330,7 @@ __global__ void make_constrained_midpoints(SurfaceView surface, MidpointLevel le
                                                     parent.positions[level.start_of(h)],
                                                     parent.positions[level.end_of(h)])
                              : level.start(h);
-    level.mesh.vertex_spheres[v] = label;
+    level.mesh.vertex_spheres.set(v, label);
     level.mesh.positions[v] = p;
     if (projects) {
       tally.add(judge_constrained(surface, p, ids(label)));
@@ -341,9 +345,10 @@ __global__ void compute_normals(SurfaceView surface, DeviceMeshView mesh) {
   const std::uint64_t v = thread_index();
   if (v >= mesh.vertices) return;
   const Vec3d& p = mesh.positions[v];
-  const SphereId* label = ids(mesh.vertex_spheres[v]);
-  mesh.normals[v] = mesh.triangle_spheres != nullptr ? constrained_normal(surface.spheres, label, p)
-                                                     : surface.normal(p, label);
+  const VertexSpheres label = mesh.vertex_spheres[v];
+  mesh.normals[v] = mesh.triangle_spheres != nullptr
+                        ? constrained_normal(surface.spheres, ids(label), p)
+                        : surface.normal(p, ids(label));
 }
 
 }  // namespace

@@ -69,7 +69,8 @@ void mesh_bricks_on_device(const KeyList& candidates, double spacing, const Bric
                      options.normals},
                     options.memory_limit);
   require_device_memory(
-      indexed_mesh_bytes(totals.sums.vertices, totals.sums.triangles, Connectivity::half_edges),
+      indexed_mesh_bytes({totals.sums.vertices, totals.sums.triangles},
+                         {.connectivity = Connectivity::half_edges, .normals = options.normals}),
       "the mesh");
   const DeviceArray<unsigned long long> clamped(1, stream.get());
   clear(clamped, stream.get());

@@ -21,7 +21,7 @@ __device__ inline void load_places(const MidpointLevel& level, std::uint64_t t, 
   for (int i = 0; i < 6; ++i) {
     patch.position[i] = level.mesh.positions[patch.vertex[i]];
     patch.atom[i] =
-        triangle != nullptr ? triangle[t] : ids(level.mesh.vertex_spheres[patch.vertex[i]])[0];
+        triangle != nullptr ? triangle[t] : level.mesh.vertex_spheres.atoms[patch.vertex[i]];
   }
 }
 

@@ -19,15 +19,16 @@ constexpr Fate kAstray = Fate::taking_back;
 
 __device__ void relabel(const SurfaceView& surface, const DeviceMeshView& mesh, std::uint64_t v,
                         const ProjectedPoint& p) {
-  const bool keeps_label =
-      p.steps == 0 && surface.on_label(p.position, ids(mesh.vertex_spheres[v]));
-  if (!keeps_label) mesh.vertex_spheres[v] = make_label(p.spheres);
+  const VertexSpheres label = mesh.vertex_spheres[v];
+  const bool keeps_label = p.steps == 0 && surface.on_label(p.position, ids(label));
+  if (!keeps_label) mesh.vertex_spheres.set(v, make_label(p.spheres));
 }
 
 __device__ void renew_normal(const SurfaceView& surface, const DeviceMeshView& mesh,
                              std::uint64_t v) {
   if (mesh.normals == nullptr) return;
-  mesh.normals[v] = surface.normal(mesh.positions[v], ids(mesh.vertex_spheres[v]));
+  const VertexSpheres label = mesh.vertex_spheres[v];
+  mesh.normals[v] = surface.normal(mesh.positions[v], ids(label));
 }
 
 constexpr unsigned kRounds = 4;  // of 32 vertices for which balls are gathered together
@@ -151,10 +152,11 @@ std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMe
   const DeviceArray<Fate> fates(fate_bytes(mesh.vertices), stream.get());
   if (mark_astray(surface, mesh, fates.data(), stats, stream) == 0) return 0;
   const DeviceArray<Vec3d> positions = copy_of(mesh.positions, mesh.vertices, stream);
-  const DeviceArray<VertexSpheres> labels = copy_of(mesh.vertex_spheres, mesh.vertices, stream);
+  const DeviceVertexLabels labels{copy_of(mesh.vertex_spheres.atoms, mesh.vertices, stream),
+                                  copy_of(mesh.vertex_spheres.others, mesh.vertices, stream)};
   DeviceMeshView given = mesh;
   given.positions = positions.data();
-  given.vertex_spheres = labels.data();
+  given.vertex_spheres = labels.view();
   {
     const DeviceArray<unsigned long long> squares(mesh.vertices, stream.get());
     clear(squares, stream.get());

@@ -110,9 +110,10 @@ struct GivenLevel {
   __device__ Vec3d before(std::uint64_t t, int i) const { return given.positions[vertex(t, i)]; }
   __device__ void take_back(const SurfaceView& surface, std::uint64_t v) const {
     mesh.positions[v] = given.positions[v];
-    mesh.vertex_spheres[v] = given.vertex_spheres[v];
+    const VertexSpheres label = given.vertex_spheres[v];
+    mesh.vertex_spheres.set(v, label);
     if (mesh.normals != nullptr) {
-      mesh.normals[v] = surface.normal(mesh.positions[v], ids(mesh.vertex_spheres[v]));
+      mesh.normals[v] = surface.normal(mesh.positions[v], ids(label));
     }
   }
 };
@@ -163,14 +164,14 @@ struct MidpointLevel {
     return i < 3 ? parent.positions[parent.corners[3 * t + i]] : start(3 * t + i - 3);
   }
   __device__ VertexSpheres unprojected_label(const SurfaceView& surface, std::uint64_t h) const {
-    const SphereId a = ids(parent.vertex_spheres[start_of(h)])[0];
-    const SphereId b = ids(parent.vertex_spheres[end_of(h)])[0];
+    const SphereId a = parent.vertex_spheres.atoms[start_of(h)];
+    const SphereId b = parent.vertex_spheres.atoms[end_of(h)];
     return on_sphere(nearer_sphere(surface.spheres, a, b, start(h)));
   }
   // Vertex v, the midpoint of h, goes back to the middle of its edge.
   __device__ void take_back(const SurfaceView& surface, std::uint64_t h, std::uint32_t v) const {
     mesh.positions[v] = start(h);
-    mesh.vertex_spheres[v] = unprojected_label(surface, h);
+    mesh.vertex_spheres.set(v, unprojected_label(surface, h));
   }
 };
 

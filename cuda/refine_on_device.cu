@@ -36,6 +36,20 @@ struct GrowingMesh {
   }
 };
 
+// Room for the labels of `vertices`, three spheres each.
+DeviceVertexLabels with_room(DeviceVertexLabels labels, std::uint64_t vertices,
+                             const Stream& stream) {
+  if (labels.others.size() == 0) {
+    labels.others = DeviceArray<OtherSpheres>(vertices, stream.get());
+    static_assert(kNoSphere == 0xffffffffu);
+    check_cuda(cudaMemsetAsync(labels.others.data(), 0xff, labels.others.bytes(), stream.get()),
+               "labels");
+  }
+  labels.atoms = grown(std::move(labels.atoms), vertices, stream);
+  labels.others = grown(std::move(labels.others), vertices, stream);
+  return labels;
+}
+
 // Normals of vdw are made with the vertices, those of other surfaces at the end; without a surface
 // they are interpolated.
 GrowingMesh with_room(DeviceMesh mesh, Projection projection, std::uint64_t vertices,
@@ -45,7 +59,7 @@ GrowingMesh with_room(DeviceMesh mesh, Projection projection, std::uint64_t vert
   growing.vertices = m.vertex_count();
   const bool has_normals = m.normals.size() > 0;
   m.positions = grown(std::move(m.positions), vertices, stream);
-  m.vertex_spheres = grown(std::move(m.vertex_spheres), vertices, stream);
+  m.vertex_spheres = with_room(std::move(m.vertex_spheres), vertices, stream);
   if (projection == Projection::none) {
     if (has_normals) m.normals = grown(std::move(m.normals), vertices, stream);
   } else if (projection == Projection::vdw && m.triangle_labels() == TriangleLabels::none) {
@@ -187,7 +201,7 @@ std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangle
                           (labels == TriangleLabels::spheres ? sizeof(SphereId) : 0));
   };
   const std::uint64_t mesh =
-      size.vertices * (sizeof(Vec3d) + sizeof(Vec3f) + sizeof(VertexSpheres)) +
+      size.vertices * (sizeof(Vec3d) + sizeof(Vec3f) + label_bytes(LabelWidth::three)) +
       triangle_bytes(size) + triangle_bytes(parent) +
       DeviceEdgeNumbers::bytes(3 * parent.triangles);
   if (labels == TriangleLabels::spheres) return mesh;

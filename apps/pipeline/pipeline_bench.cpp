@@ -17,12 +17,6 @@ constexpr double kEnoughSeconds = 20;  // of the repeats of one case, together
 using Rows = std::vector<StageRow>;
 using Bytes = std::optional<std::uint64_t>;
 
-std::uint64_t bytes_of(const IndexedMesh& mesh) {
-  return indexed_mesh_bytes(
-      mesh.vertex_count(), mesh.triangle_count(),
-      mesh.opposite.empty() ? Connectivity::triangles : Connectivity::half_edges);
-}
-
 // OpenMesh's arrays with our properties.
 std::uint64_t bytes_of(const SurfaceMesh& mesh) {
   constexpr std::uint64_t kPerVertex = sizeof(OpenMesh::ArrayItems::Vertex) +
@@ -98,7 +92,7 @@ class Pass {
       mesh = make_mesh(*spheres_, surface_, {Connectivity::half_edges}, options_.machine, &parts,
                        report_, {.on_level = {}, .on_size = room_for_half_edges()});
       parts.finish();
-      return bytes_of(mesh);
+      return indexed_mesh_bytes(mesh);
     });
     if (report_.backend->used == Backend::cuda) parts.parts() = device_parts(row.wall_seconds);
     for (const StageRow& part : parts.parts())
@@ -141,7 +135,7 @@ class Pass {
     unite("exact, topology", UnionMethod::cgal);
     if (options_.distances == Switch::off) return;
     stage(
-        "distances", in + bytes_of(mesh),
+        "distances", in + indexed_mesh_bytes(mesh),
         [&]() -> Bytes {
           DistanceChoice choice;
           (void)distances(
@@ -153,14 +147,14 @@ class Pass {
   }
 
   void measure_mesh(const IndexedMesh& mesh) {
-    stage("measure", bytes_of(mesh), [&]() -> Bytes {
+    stage("measure", indexed_mesh_bytes(mesh), [&]() -> Bytes {
       measure(mesh, SelfIntersections::skip, nullptr, report_);
       return std::nullopt;
     });
   }
 
   void build(IndexedMesh&& mesh) {
-    const std::uint64_t in = bytes_of(mesh);
+    const std::uint64_t in = indexed_mesh_bytes(mesh);
     stage(
         "resize of OpenMesh", std::nullopt,
         [&]() -> Bytes {

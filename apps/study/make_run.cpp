@@ -33,8 +33,13 @@ StudyRun measure(const IndexedMesh& mesh, const StudySetting& setting, const Stu
                    options.machine.memory_limit, monitor});
     run.seconds.distances = watch.seconds();
   }
-  run.memory.mesh = indexed_mesh_bytes(mesh.vertex_count(), mesh.triangle_count(),
-                                       Connectivity::triangles, mesh.triangle_labels());
+  // As the setting alone has it: not with what the way there left in the mesh.
+  const TriangleLabels labels = mesh.triangle_labels();
+  const bool has_creases =
+      labels == TriangleLabels::spheres || surface_options(setting).subdivisions > 0;
+  run.memory.mesh = indexed_mesh_bytes(
+      {mesh.vertex_count(), mesh.triangle_count()},
+      {.labels = labels, .width = has_creases ? LabelWidth::three : LabelWidth::one});
   return run;
 }
 

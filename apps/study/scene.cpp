@@ -68,8 +68,8 @@ void append_triangles(const IndexedMesh& mesh, std::string& bytes) {
 Json append_elements(const IndexedMesh& mesh, const Molecule& molecule, std::string& bytes) {
   Json elements = Json::array();
   std::map<std::string, char> numbers;
-  for (const VertexSpheres& spheres : mesh.vertex_spheres) {
-    const std::string& element = molecule.atoms.at(spheres[0]).element;
+  for (const SphereId atom : mesh.vertex_spheres.atoms) {
+    const std::string& element = molecule.atoms.at(atom).element;
     const auto [entry, is_new] = numbers.try_emplace(element, static_cast<char>(numbers.size()));
     if (is_new) {
       elements.push_back({{"element", element}, {"color", element_color(element)}});

@@ -21,7 +21,7 @@ bool visit_areas(const IndexedMesh& mesh, std::size_t count, const Add& add) {
       continue;
     }
     for (const std::uint32_t vertex : mesh.triangles[t]) {
-      const SphereId atom = mesh.vertex_spheres[vertex][0];
+      const SphereId atom = mesh.vertex_spheres.atoms[vertex];
       if (atom >= count) return false;
       add(atom, area / 3);
     }

@@ -71,11 +71,8 @@ void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t li
         fmt::format("distances take at most {} triangles, the mesh has {}: subdivide it once less",
                     kNoSphere - 1, triangles));
   }
-  const std::uint64_t held =
-      indexed_mesh_bytes(mesh.vertex_count(), triangles,
-                         mesh.opposite.empty() ? Connectivity::triangles : Connectivity::half_edges,
-                         mesh.triangle_labels());
-  const std::uint64_t need = held + distances_bytes({mesh.vertex_count(), triangles}, spheres);
+  const std::uint64_t need =
+      indexed_mesh_bytes(mesh) + distances_bytes({mesh.vertex_count(), triangles}, spheres);
   if (need <= limit) return;
   const double ratio = static_cast<double>(need) / static_cast<double>(limit);
   throw LimitExceeded(fmt::format(

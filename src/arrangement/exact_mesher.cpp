@@ -31,6 +31,8 @@ constexpr int kMostRounds = 60;
 // Pieces that splitting may add, besides 64 for each there was.
 constexpr std::uint64_t kMostGrowth = std::uint64_t{1} << 18;
 
+constexpr MeshArrays kArrays = {.labels = TriangleLabels::spheres, .width = LabelWidth::three};
+
 class UnionMesher {
  public:
   UnionMesher(const SphereSet& spheres, const ExactMeshOptions& options)
@@ -83,9 +85,7 @@ class UnionMesher {
     constexpr double kMost = 1.8e19;  // fits 64 bits after the sums below
     const auto count = static_cast<std::uint64_t>(std::min(triangles, kMost / 200));
     const std::uint64_t vertices = count / 2;
-    const std::uint64_t need =
-        indexed_mesh_bytes(vertices, count, Connectivity::triangles, TriangleLabels::spheres) +
-        kScratch * count;
+    const std::uint64_t need = indexed_mesh_bytes({vertices, count}, kArrays) + kScratch * count;
     if (need <= options_.memory_limit && vertices <= kMaxVertices) return;
     throw LimitExceeded(fmt::format(
         "an edge length of {} Å needs about {} triangles and {} bytes, {} are allowed: choose an "
@@ -139,8 +139,7 @@ class UnionMesher {
   // Curves that all but coincide ask for ever shorter pieces; each has four triangles at least.
   void check_growth(const std::vector<PieceSplit>& splits) const {
     const std::uint64_t pieces = count_pieces();
-    const std::uint64_t need = indexed_mesh_bytes(2 * pieces, 4 * pieces, Connectivity::triangles,
-                                                  TriangleLabels::spheres);
+    const std::uint64_t need = indexed_mesh_bytes({2 * pieces, 4 * pieces}, kArrays);
     const bool fits = need <= options_.memory_limit;
     if (fits && pieces <= kMostGrowth + 64 * pieces_at_first_) return;
     const auto& longest = *std::max_element(
@@ -221,7 +220,7 @@ class UnionMesher {
     }
     mesh.positions.resize(first_vertex.back());
     mesh.normals.resize(first_vertex.back());
-    mesh.vertex_spheres.resize(first_vertex.back());
+    mesh.vertex_spheres.resize(first_vertex.back(), LabelWidth::three);
     mesh.triangles.resize(first_triangle.back());
     mesh.triangle_spheres.resize(first_triangle.back());
     place_corners(mesh);
@@ -265,7 +264,7 @@ class UnionMesher {
     if (!(squared_norm(sum) > 1e-12)) sum = first;
     mesh.positions[vertex] = unscaled(p);
     mesh.normals[vertex] = cast<float>((1 / norm(sum)) * sum);
-    mesh.vertex_spheres[vertex] = label;
+    mesh.vertex_spheres.set(vertex, label);
   }
 
   void place_patch(std::uint32_t ball, std::uint64_t first_vertex, std::uint64_t first_triangle,
@@ -280,7 +279,7 @@ class UnionMesher {
       const std::uint64_t v = first_vertex + i;
       mesh.positions[v] = unscaled(s.center + s.radius * patch.interior[i]);
       mesh.normals[v] = cast<float>(patch.interior[i]);
-      mesh.vertex_spheres[v] = on_sphere(id);
+      mesh.vertex_spheres.set(v, on_sphere(id));
       vertices.push_back(static_cast<std::uint32_t>(v));
     }
     for (std::size_t t = 0; t < patch.triangles.size(); ++t) {

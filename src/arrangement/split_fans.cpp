@@ -36,7 +36,7 @@ std::uint32_t copy_of(std::uint32_t vertex, IndexedMesh& mesh) {
   if (copy >= kMaxVertices) throw LimitExceeded("the mesh has more than 2^32 vertices");
   mesh.positions.push_back(Vec3d(mesh.positions[vertex]));
   mesh.normals.push_back(Vec3f(mesh.normals[vertex]));
-  mesh.vertex_spheres.push_back(VertexSpheres(mesh.vertex_spheres[vertex]));
+  mesh.vertex_spheres.push_back(mesh.vertex_spheres[vertex]);
   return static_cast<std::uint32_t>(copy);
 }
 
@@ -55,11 +55,12 @@ std::vector<SphereId> spheres_of(const std::vector<Wedge>& wedges, DisjointSets&
 
 // A vertex that is more than one corner is labelled with the spheres around it, where its label
 // lacks one of them and they are few enough.
-void relabel(const std::vector<SphereId>& spheres, VertexSpheres& label) {
+VertexSpheres relabelled(const VertexSpheres& label, const std::vector<SphereId>& spheres) {
   if (spheres.empty() || std::includes(label.begin(), label.end(), spheres.begin(), spheres.end()))
-    return;
-  label = {kNoSphere, kNoSphere, kNoSphere};
-  std::copy(spheres.begin(), spheres.end(), label.begin());
+    return label;
+  VertexSpheres result{kNoSphere, kNoSphere, kNoSphere};
+  std::copy(spheres.begin(), spheres.end(), result.begin());
+  return result;
 }
 
 }  // namespace
@@ -79,7 +80,8 @@ void split_fans(std::size_t count, IndexedMesh& mesh) {
       const std::uint32_t fan = fans.find(w);
       if (fan == w) {
         if (w > 0) name[w] = copy_of(vertex, mesh);
-        relabel(spheres_of(wedges[vertex], fans, fan, mesh), mesh.vertex_spheres[name[w]]);
+        mesh.vertex_spheres.set(name[w], relabelled(mesh.vertex_spheres[name[w]],
+                                                    spheres_of(wedges[vertex], fans, fan, mesh)));
       }
       mesh.triangles[wedges[vertex][w].triangle][wedges[vertex][w].corner] = name[fan];
     }

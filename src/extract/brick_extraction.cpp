@@ -84,7 +84,7 @@ void resize(IndexedMesh& mesh, const BrickSums& sums, Labels labels,
             const ExtractOptions& options) {
   resize_untouched(mesh.positions, sums.vertices);
   if (options.normals == Normals::gradients) resize_untouched(mesh.normals, sums.vertices);
-  if (labels == Labels::spheres) resize_untouched(mesh.vertex_spheres, sums.vertices);
+  if (labels == Labels::spheres) mesh.vertex_spheres.resize(sums.vertices, LabelWidth::one);
   resize_untouched(mesh.triangles, sums.triangles);
   if (options.connectivity == Connectivity::half_edges)
     resize_untouched(mesh.opposite, 3 * sums.triangles);

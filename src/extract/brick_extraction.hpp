@@ -103,7 +103,7 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, 
   surface.vertices(edges, [&](std::size_t i, const SurfaceVertex& v) {
     e.mesh.positions[first + i] = v.position;
     if (!e.mesh.normals.empty()) e.mesh.normals[first + i] = v.normal;
-    if (!e.mesh.vertex_spheres.empty()) e.mesh.vertex_spheres[first + i] = on_sphere(v.sphere);
+    if (!e.mesh.vertex_spheres.empty()) e.mesh.vertex_spheres.atoms[first + i] = v.sphere;
     clamped += v.clamped ? 1 : 0;
   });
   return clamped;

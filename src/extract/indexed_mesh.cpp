@@ -5,26 +5,57 @@
 namespace vdwmesh {
 namespace {
 
+class Hash {
+ public:
+  template <class T>
+  void add(std::span<const T> values) {
+    for (const std::byte b : std::as_bytes(values))
+      value_ = (value_ ^ static_cast<std::uint64_t>(b)) * 1099511628211ull;
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 14695981039346656037ull;
+};
+
 template <class T>
 std::uint64_t hash_bytes(const Buffer<T>& values) {
-  std::uint64_t hash = 14695981039346656037ull;
-  const auto bytes = std::as_bytes(std::span<const T>(values));
-  for (const std::byte b : bytes) hash = (hash ^ static_cast<std::uint64_t>(b)) * 1099511628211ull;
-  return hash;
+  Hash hash;
+  hash.add(std::span<const T>(values));
+  return hash.value();
+}
+
+// With all three places of every vertex, so that only the labels count, not their room.
+std::uint64_t hash_bytes(const VertexLabels& labels) {
+  Hash hash;
+  for (std::size_t v = 0; v < labels.size(); ++v) {
+    const VertexSpheres label = labels[v];
+    hash.add(std::span<const SphereId>(label));
+  }
+  return hash.value();
+}
+
+template <class T>
+std::uint64_t bytes_of(const Buffer<T>& values) {
+  return values.size() * sizeof(T);
 }
 
 }  // namespace
 
-std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles,
-                                 Connectivity connectivity, TriangleLabels labels,
-                                 Normals normals) {
+std::uint64_t indexed_mesh_bytes(const MeshSize& size, const MeshArrays& arrays) {
   const std::uint64_t per_triangle =
       sizeof(Triangle) +
-      (connectivity == Connectivity::half_edges ? 3 * sizeof(std::uint32_t) : 0) +
-      (labels == TriangleLabels::spheres ? sizeof(SphereId) : 0);
-  const std::uint64_t per_vertex =
-      sizeof(Vec3d) + sizeof(VertexSpheres) + (normals == Normals::gradients ? sizeof(Vec3f) : 0);
-  return vertices * per_vertex + triangles * per_triangle;
+      (arrays.connectivity == Connectivity::half_edges ? 3 * sizeof(std::uint32_t) : 0) +
+      (arrays.labels == TriangleLabels::spheres ? sizeof(SphereId) : 0);
+  const std::uint64_t per_vertex = sizeof(Vec3d) + label_bytes(arrays.width) +
+                                   (arrays.normals == Normals::gradients ? sizeof(Vec3f) : 0);
+  return size.vertices * per_vertex + size.triangles * per_triangle;
+}
+
+std::uint64_t indexed_mesh_bytes(const IndexedMesh& m) {
+  return bytes_of(m.positions) + bytes_of(m.normals) + bytes_of(m.vertex_spheres.atoms) +
+         bytes_of(m.vertex_spheres.others) + bytes_of(m.triangles) + bytes_of(m.triangle_spheres) +
+         bytes_of(m.opposite);
 }
 
 IndexedMeshHash hash(const IndexedMesh& mesh) {

@@ -9,17 +9,11 @@
 #include "core/buffer.hpp"
 #include "core/vec3.hpp"
 #include "extract/sphere_set.hpp"
+#include "extract/vertex_labels.hpp"
 
 namespace vdwmesh {
 
 using Triangle = std::array<std::uint32_t, 3>;
-
-// The spheres a vertex lies on, unused places kNoSphere: one on a patch, two on the circle of two
-// spheres, three at a corner. The first is the vertex's atom. Crease-exact meshes name two or three
-// in ascending order.
-using VertexSpheres = std::array<SphereId, 3>;
-
-inline constexpr VertexSpheres on_sphere(SphereId id) { return {id, kNoSphere, kNoSphere}; }
 
 struct MeshSize {
   std::uint64_t vertices = 0, triangles = 0;
@@ -34,9 +28,9 @@ enum class TriangleLabels : std::uint8_t { none, spheres };
 // Triangles wind counter-clockwise seen from outside. Half-edge 3t + k of triangle t runs from
 // its vertex k to vertex (k + 1) % 3.
 struct IndexedMesh {
-  Buffer<Vec3d> positions;               // Å
-  Buffer<Vec3f> normals;                 // unit, outward; empty, or one per vertex
-  Buffer<VertexSpheres> vertex_spheres;  // one per vertex
+  Buffer<Vec3d> positions;      // Å
+  Buffer<Vec3f> normals;        // unit, outward; empty, or one per vertex
+  VertexLabels vertex_spheres;  // empty, or one per vertex
   Buffer<Triangle> triangles;
   // Empty, or one per triangle: the sphere whose patch it is part of. Crease-exact meshes have it:
   // every vertex lies on the spheres of all triangles around it. Marching cubes leaves it empty.
@@ -62,11 +56,17 @@ enum class Connectivity : std::uint8_t { triangles, half_edges };
 // Whether `normals` is filled: with those of the field's gradient.
 enum class Normals : std::uint8_t { none, gradients };
 
+// What a mesh has beside positions, triangles and the atoms of vertices.
+struct MeshArrays {
+  Connectivity connectivity = Connectivity::triangles;
+  TriangleLabels labels = TriangleLabels::none;
+  Normals normals = Normals::gradients;
+  LabelWidth width = LabelWidth::one;
+};
+
 // Bytes of the arrays.
-std::uint64_t indexed_mesh_bytes(std::uint64_t vertices, std::uint64_t triangles,
-                                 Connectivity connectivity = Connectivity::triangles,
-                                 TriangleLabels labels = TriangleLabels::none,
-                                 Normals normals = Normals::gradients);
+std::uint64_t indexed_mesh_bytes(const MeshSize& size, const MeshArrays& arrays = {});
+std::uint64_t indexed_mesh_bytes(const IndexedMesh& mesh);
 
 // A hash over all bits of all arrays (FNV-1a, 64 bits, array by array): equal for equal meshes.
 struct IndexedMeshHash {

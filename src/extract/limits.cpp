@@ -29,7 +29,8 @@ void check_mesh_limits(const MeshDemand& d, std::uint64_t memory_limit) {
         fitting_spacing(d.spacing, 3 * d.triangles, kMaxHalfEdges)));
   }
   const std::uint64_t need =
-      indexed_mesh_bytes(d.vertices, d.triangles, d.connectivity, TriangleLabels::none, d.normals) +
+      indexed_mesh_bytes({d.vertices, d.triangles},
+                         {.connectivity = d.connectivity, .normals = d.normals}) +
       d.scratch_bytes;
   if (need > memory_limit) {
     throw LimitExceeded(fmt::format(

@@ -174,10 +174,11 @@ class PlyReader {
     if (has(Slot::nx) && has(Slot::ny) && has(Slot::nz))
       resize_untouched(file_.mesh.normals, count);
     if (has(Slot::atom)) {
-      Buffer<VertexSpheres>& spheres = file_.mesh.vertex_spheres;
-      resize_untouched(spheres, count);
+      const bool has_others = has(Slot::sphere2) || has(Slot::sphere3);
+      VertexLabels& labels = file_.mesh.vertex_spheres;
+      labels.resize(count, has_others ? LabelWidth::three : LabelWidth::one);
       if (!has(Slot::sphere2) || !has(Slot::sphere3))
-        std::fill(spheres.begin(), spheres.end(), VertexSpheres{kNoSphere, kNoSphere, kNoSphere});
+        std::fill(labels.others.begin(), labels.others.end(), kNoOthers);
     }
     if constexpr (!std::is_same_v<Body, AsciiBody>) {
       if (!element.has_lists()) return read_columns(element, slots);
@@ -212,9 +213,12 @@ class PlyReader {
 
   void read_column(Slot slot, PlyScalar type, const char* from, std::size_t stride,
                    std::size_t first, std::size_t last) {
-    with_type(type, [&]<class T>(T) {
-      for (std::size_t i = first; i < last; ++i, from += stride)
-        set(slot, i, static_cast<double>(body_.template load_as<T>(from)));
+    with_store(slot, [&](const auto& store) {
+      with_type(type, [&]<class T>(T) {
+        const char* at = from;
+        for (std::size_t i = first; i < last; ++i, at += stride)
+          store(i, static_cast<double>(body_.template load_as<T>(at)));
+      });
     });
   }
 
@@ -230,19 +234,36 @@ class PlyReader {
     return value >= 0 && value < kNoSphere ? static_cast<SphereId>(value) : kNoSphere;
   }
 
-  void set(Slot slot, std::size_t i, double value) {
+  // Calls use(store) where the values of a slot are kept: store(i, value) keeps vertex i's.
+  template <class Use>
+  void with_store(Slot slot, const Use& use) {
     IndexedMesh& mesh = file_.mesh;
-    const int s = static_cast<int>(slot);
+    VertexLabels& labels = mesh.vertex_spheres;
+    const auto place = [slot](Slot first) {
+      return static_cast<std::size_t>(slot) - static_cast<std::size_t>(first);
+    };
     if (slot == Slot::other) return;
     if (slot <= Slot::z) {
-      mesh.positions[i][s - static_cast<int>(Slot::x)] = value;
+      const auto axis = static_cast<int>(place(Slot::x));
+      use([&mesh, axis](std::size_t i, double value) { mesh.positions[i][axis] = value; });
     } else if (slot <= Slot::nz) {
-      if (!mesh.normals.empty())
-        mesh.normals[i][s - static_cast<int>(Slot::nx)] = static_cast<float>(value);
-    } else if (!mesh.vertex_spheres.empty()) {
-      mesh.vertex_spheres[i][static_cast<std::size_t>(s - static_cast<int>(Slot::atom))] =
-          sphere_id(value);
+      const auto axis = static_cast<int>(place(Slot::nx));
+      if (mesh.normals.empty()) return;
+      use([&mesh, axis](std::size_t i, double value) {
+        mesh.normals[i][axis] = static_cast<float>(value);
+      });
+    } else if (labels.empty()) {
+      return;
+    } else if (slot == Slot::atom) {
+      use([&labels](std::size_t i, double value) { labels.atoms[i] = sphere_id(value); });
+    } else {
+      const std::size_t k = place(Slot::sphere2);
+      use([&labels, k](std::size_t i, double value) { labels.others[i][k] = sphere_id(value); });
     }
+  }
+
+  void set(Slot slot, std::size_t i, double value) {
+    with_store(slot, [&](const auto& store) { store(i, value); });
   }
 
   void read_faces(const PlyElement& element) {

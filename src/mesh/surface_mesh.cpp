@@ -39,13 +39,13 @@ IndexedMesh to_indexed_mesh(const SurfaceMesh& mesh) {
   const VertexSpheresProperty spheres = vertex_spheres(mesh);
   result.positions.resize(vertices);
   result.normals.resize(vertices);
-  result.vertex_spheres.resize(vertices);
+  result.vertex_spheres.resize(vertices, LabelWidth::three);
   for_each_index(vertices, [&](std::size_t v) {
     const auto& p = mesh.point(vertex(v));
     const auto& n = mesh.normal(vertex(v));
     result.positions[v] = {p[0], p[1], p[2]};
     result.normals[v] = {n[0], n[1], n[2]};
-    result.vertex_spheres[v] = mesh.property(spheres, vertex(v));
+    result.vertex_spheres.set(v, mesh.property(spheres, vertex(v)));
   });
   Buffer<std::uint32_t> index_of(mesh.n_halfedges());
   std::fill(index_of.begin(), index_of.end(), kNoOpposite);

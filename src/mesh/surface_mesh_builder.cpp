@@ -38,6 +38,7 @@ void check_sizes(const IndexedMesh& mesh) {
   };
   check(mesh.normals.size(), mesh.vertex_count(), "vertex normals");
   check(mesh.vertex_spheres.size(), mesh.vertex_count(), "vertex labels");
+  check(mesh.vertex_spheres.others.size(), mesh.vertex_count(), "labels of creases");
   check(mesh.triangle_spheres.size(), mesh.triangle_count(), "triangle labels");
   check(mesh.opposite.size(), 3 * mesh.triangle_count(), "opposite half-edges");
 }

@@ -75,7 +75,7 @@ bool BadMoves<Level>::mark_turned(const Vertices& v) {
       vertex[k] = v[i];
       now[k] = level_.mesh.positions[v[i]];
       before[k] = level_.before(v, i);
-      atom[k] = level_.mesh.vertex_spheres[v[i]][0];
+      atom[k] = level_.mesh.vertex_spheres.atoms[v[i]];
     }
     if (facing(spheres_, now.data(), atom.data()) != Facing::against_one_atom) continue;
     if (facing(spheres_, before.data(), atom.data()) != Facing::outward) continue;
@@ -93,7 +93,7 @@ typename BadMoves<Level>::Corners BadMoves<Level>::corners(std::uint32_t triangl
   c.has_moved = false;
   for (std::size_t k = 0; k < 3; ++k) {
     c.position[k] = level_.mesh.positions[c.vertex[k]];
-    c.atom[k] = level_.mesh.vertex_spheres[c.vertex[k]][0];
+    c.atom[k] = level_.mesh.vertex_spheres.atoms[c.vertex[k]];
     for (int axis = 0; axis < 3; ++axis) {
       const auto low = static_cast<std::size_t>(axis);
       c.box[low] = std::min(c.box[low], c.position[k][axis]);

@@ -17,7 +17,7 @@ void compute_normals(const SphereSet& spheres, const TargetSurface& surface, Ind
   mesh.normals.resize(mesh.vertex_count());
   for_all(mesh.vertex_count(), [&](std::size_t v) {
     const Vec3d& p = mesh.positions[v];
-    const VertexSpheres& label = mesh.vertex_spheres[v];
+    const VertexSpheres label = mesh.vertex_spheres[v];
     mesh.normals[v] = constrained ? constrained_normal(spheres.spheres().data(), label.data(), p)
                                   : surface.normal(p, label);
   });

@@ -64,7 +64,8 @@ std::uint64_t count_turned(const SphereSet& spheres, const IndexedMesh& mesh) {
     std::array<SphereId, 3> atom;
     for (std::size_t k = 0; k < 3; ++k) {
       p[k] = mesh.positions[mesh.triangles[t][k]];
-      atom[k] = labelled ? mesh.triangle_spheres[t] : mesh.vertex_spheres[mesh.triangles[t][k]][0];
+      atom[k] =
+          labelled ? mesh.triangle_spheres[t] : mesh.vertex_spheres.atoms[mesh.triangles[t][k]];
     }
     n += facing(spheres.spheres().data(), p.data(), atom.data()) != Facing::outward;
   };
@@ -129,7 +130,7 @@ void copy_front(const Buffer<T>& from, std::size_t size, Buffer<T>& to) {
 
 void count_constrained(const SphereSet& spheres, const IndexedMesh& mesh, std::size_t v,
                        ProjectionStats& stats) {
-  const VertexSpheres& label = mesh.vertex_spheres[v];
+  const VertexSpheres label = mesh.vertex_spheres[v];
   const double residual = label_residual(spheres.spheres().data(), label.data(), mesh.positions[v]);
   if (label[0] == kNoSphere || !(residual <= kProjectionTolerance)) {
     ++stats.unconverged;
@@ -147,7 +148,7 @@ void make_constrained_midpoint(const SphereSet& spheres, Projection projection,
   const IndexedMesh& parent = level.parent;
   const VertexSpheres label =
       edge_label(parent.triangle_spheres[h / 3], parent.triangle_spheres[parent.opposite[h] / 3]);
-  mesh.vertex_spheres[v] = label;
+  mesh.vertex_spheres.set(v, label);
   if (projection == Projection::none) {
     mesh.positions[v] = level.start(h);
     return;
@@ -166,7 +167,7 @@ Fate project_vertex(const TargetSurface& surface, std::size_t v, double reach, I
   if (p.outcome != ProjectionOutcome::converged) return Fate::stayed;
   mesh.positions[v] = p.position;
   const bool keeps_label = p.steps == 0 && surface.on_label(p.position, mesh.vertex_spheres[v]);
-  if (!keeps_label) mesh.vertex_spheres[v] = label_of(p);
+  if (!keeps_label) mesh.vertex_spheres.set(v, label_of(p));
   return p.steps > 0 ? Fate::moved : Fate::stayed;
 }
 
@@ -189,12 +190,12 @@ Fate make_midpoint(const SphereSet& spheres, const TargetSurface& surface, const
     count_outcome(p, stats);
     if (p.outcome == ProjectionOutcome::converged) {
       mesh.positions[v] = p.position;
-      mesh.vertex_spheres[v] = label_of(p);
+      mesh.vertex_spheres.set(v, label_of(p));
       return p.steps > 0 ? Fate::moved : Fate::stayed;
     }
   }
   mesh.positions[v] = start;
-  mesh.vertex_spheres[v] = level.unprojected_label(spheres.spheres().data(), h);
+  mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), h));
   return Fate::stayed;
 }
 
@@ -224,7 +225,7 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
   stats.undone = take_back_bad_moves(spheres, level, fates, options, [&](std::size_t h) {
     const std::uint32_t v = level.midpoint_of(h);
     mesh.positions[v] = level.start(h);
-    mesh.vertex_spheres[v] = level.unprojected_label(spheres.spheres().data(), h);
+    mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), h));
   });
   stats.projected -= stats.undone;
   return stats;
@@ -252,7 +253,7 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
     const Given level{given, mesh};
     stats.undone = take_back_bad_moves(spheres, level, fates, options, [&](std::size_t v) {
       mesh.positions[v] = given.positions[v];
-      mesh.vertex_spheres[v] = labelled ? given.vertex_spheres[v] : on_sphere(kNoSphere);
+      mesh.vertex_spheres.set(v, labelled ? given.vertex_spheres[v] : on_sphere(kNoSphere));
     });
     stats.projected -= stats.undone;
   }
@@ -268,7 +269,8 @@ SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
   const Midpoints level{parent, edge, mesh};
   const std::size_t vertices = parent.vertex_count() + parent.opposite.size() / 2;
   copy_front(parent.positions, vertices, mesh.positions);
-  copy_front(parent.vertex_spheres, vertices, mesh.vertex_spheres);
+  copy_front(parent.vertex_spheres.atoms, vertices, mesh.vertex_spheres.atoms);
+  copy_front(parent.vertex_spheres.others, vertices, mesh.vertex_spheres.others);
   copy_front(parent.normals, vertices, mesh.normals);
   write_children(level, mesh);
   child.stats = parent.triangle_labels() == TriangleLabels::spheres

@@ -72,8 +72,8 @@ struct Midpoints {
   }
   // The atom of a midpoint that is not on the surface.
   VertexSpheres unprojected_label(const Sphere* spheres, std::size_t h) const {
-    return on_sphere(nearer_sphere(spheres, parent.vertex_spheres[start_of(h)][0],
-                                   parent.vertex_spheres[end_of(h)][0], start(h)));
+    return on_sphere(nearer_sphere(spheres, parent.vertex_spheres.atoms[start_of(h)],
+                                   parent.vertex_spheres.atoms[end_of(h)], start(h)));
   }
 };
 

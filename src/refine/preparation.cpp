@@ -18,7 +18,8 @@ namespace {
 constexpr std::size_t kAllGood = std::numeric_limits<std::size_t>::max();
 
 std::uint64_t mesh_bytes(const MeshSize& s, TriangleLabels labels) {
-  return indexed_mesh_bytes(s.vertices, s.triangles, Connectivity::half_edges, labels);
+  return indexed_mesh_bytes(
+      s, {.connectivity = Connectivity::half_edges, .labels = labels, .width = LabelWidth::three});
 }
 
 void check_options(const RefineOptions& o) {
@@ -97,6 +98,7 @@ void check_triangle_spheres(const SphereSet& spheres, const IndexedMesh& mesh,
 void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh) {
   check_size("normals", mesh.normals.size(), mesh.vertex_count());
   check_size("vertex labels", mesh.vertex_spheres.size(), mesh.vertex_count());
+  check_size("labels of creases", mesh.vertex_spheres.others.size(), mesh.vertex_count());
   check_size("triangle labels", mesh.triangle_spheres.size(), mesh.triangle_count());
   check_size("opposite half-edges", mesh.opposite.size(), 3 * mesh.triangle_count());
   const std::size_t triangle = first_bad(mesh.triangle_count(), [&](std::size_t t) {
@@ -115,7 +117,7 @@ void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh) {
     throw InvalidInput(fmt::format("vertex {} has a coordinate that is not finite", vertex));
   }
   const std::size_t label = first_bad(mesh.vertex_spheres.size(), [&](std::size_t v) {
-    const VertexSpheres& s = mesh.vertex_spheres[v];
+    const VertexSpheres s = mesh.vertex_spheres[v];
     return std::any_of(s.begin(), s.end(),
                        [&](SphereId id) { return id != kNoSphere && is_beyond(spheres, id); });
   });
@@ -151,6 +153,7 @@ IndexedMesh prepare_mesh(const IndexedMesh& given, const RefineOptions& options)
   if (given.vertex_spheres.empty()) {
     mesh.vertex_spheres.assign(given.vertex_count(), on_sphere(kNoSphere));
   }
+  mesh.vertex_spheres.widen();
   mesh.opposite = options.subdivisions > 0 ? find_opposite(given) : given.opposite;
   return mesh;
 }

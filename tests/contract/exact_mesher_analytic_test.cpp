@@ -73,8 +73,8 @@ TEST(ExactMesherAnalytic, TwoSpheres) {
 
 TEST(ExactMesherAnalytic, ThreeSpheresWithTwoCorners) {
   const IndexedMesh mesh = expect_union_meshes(three_balls(), 0.35, 2);
-  EXPECT_EQ(std::count_if(mesh.vertex_spheres.begin(), mesh.vertex_spheres.end(),
-                          [](const VertexSpheres& v) { return v[2] != kNoSphere; }),
+  EXPECT_EQ(std::count_if(mesh.vertex_spheres.others.begin(), mesh.vertex_spheres.others.end(),
+                          [](const OtherSpheres& o) { return o[1] != kNoSphere; }),
             2);
   const ExactMeshStats stats = mesh_at(three_balls(), 0.35).stats;
   EXPECT_EQ(stats.corners, 2u);

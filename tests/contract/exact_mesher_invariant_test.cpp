@@ -60,9 +60,11 @@ TEST(ExactMesherInvariant, PermutationPermutesLabelsOnly) {
     for (std::size_t i = 0; i < place.size(); ++i) permuted[place[i]] = spheres[i];
     const IndexedMesh mesh = mesh_at(spheres, 0.5).mesh;
     IndexedMesh expected = mesh;
-    for (VertexSpheres& label : expected.vertex_spheres) {
+    for (std::size_t v = 0; v < expected.vertex_count(); ++v) {
+      VertexSpheres label = expected.vertex_spheres[v];
       for (SphereId& id : label) id = id == kNoSphere ? id : place[id];
       std::sort(label.begin(), label.end());
+      expected.vertex_spheres.set(v, label);
     }
     for (SphereId& id : expected.triangle_spheres) id = place[id];
     const IndexedMesh found = mesh_at(SphereSet(permuted), 0.5).mesh;

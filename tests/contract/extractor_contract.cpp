@@ -118,6 +118,7 @@ void expect_sound(const ExtractResult& result, const std::string& what) {
   const IndexedMesh& mesh = result.mesh;
   ASSERT_EQ(mesh.normals.size(), mesh.vertex_count()) << what;
   ASSERT_EQ(mesh.vertex_spheres.size(), mesh.vertex_count()) << what;
+  ASSERT_EQ(mesh.vertex_spheres.width(), LabelWidth::one) << what;
   expect_opposites(mesh, what);
   const reference::MeshFacts facts = facts_of(result);
   EXPECT_TRUE(facts.closed_oriented_manifold()) << what << ": " << facts.summary();

@@ -166,7 +166,7 @@ TEST_P(ExtractorReference, AVertexLiesOnTheSpheresItNames) {
   const ExtractResult result = extract(spheres, {});
   const double clamp = result.grid.spacing * kClampParameter;
   for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
-    const VertexSpheres& on = result.mesh.vertex_spheres[v];
+    const VertexSpheres on = result.mesh.vertex_spheres[v];
     ASSERT_LT(on[0], spheres.size());
     for (const SphereId id : on) {
       if (id == kNoSphere) continue;
@@ -243,7 +243,7 @@ TEST_P(ExtractorFieldReference, NormalsAreTheFieldsGradient) {
     const Point n = to_point(cast<double>(result.mesh.normals[v]));
     Point expected;
     if (kind() == FieldKind::vdw) {
-      expected = p - oracle.balls()[result.mesh.vertex_spheres[v][0]].center;
+      expected = p - oracle.balls()[result.mesh.vertex_spheres.atoms[v]].center;
     } else {
       expected = -1.0 * oracle.gradient(p);
       if (reference::length(expected) < 1e-2) continue;  // a saddle has no direction
@@ -262,7 +262,7 @@ TEST_P(ExtractorFieldReference, ABlendedVertexNamesItsLargestContribution) {
   const auto balls = to_balls(spheres);
   const auto field = to_oracle(options.field, result.grid);
   for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
-    const VertexSpheres& on = result.mesh.vertex_spheres[v];
+    const VertexSpheres on = result.mesh.vertex_spheres[v];
     ASSERT_LT(on[0], spheres.size());
     EXPECT_EQ(on[1], kNoSphere);
     EXPECT_EQ(on[2], kNoSphere);

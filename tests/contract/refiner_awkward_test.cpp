@@ -74,7 +74,8 @@ TEST_P(RefinerAwkward, OfCoincidentSpheresTheLowestOwns) {
       spheres_of({{{5, 0, 0}, 1}, {{0, 0, 0}, 1.5}, {{0, 0, 0}, 1.5}, {{0, 0, 0}, 1.5}});
   const RefineResult result = refine(spheres, octahedron(), refine_options(3, Projection::vdw));
   EXPECT_EQ(left_out(result), 0u);
-  for (const VertexSpheres& s : result.mesh.vertex_spheres) EXPECT_EQ(s, on_sphere(1));
+  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v)
+    EXPECT_EQ(result.mesh.vertex_spheres[v], on_sphere(1));
 }
 
 TEST_P(RefinerAwkward, NestedSpheresAreNotSeen) {
@@ -83,7 +84,7 @@ TEST_P(RefinerAwkward, NestedSpheresAreNotSeen) {
   EXPECT_EQ(left_out(result), 0u);
   for (const Vec3d& p : result.mesh.positions) EXPECT_NEAR(norm(p), 1.5, 1e-9);
   // The third touches the second from inside, in (0, 1.5, 0).
-  for (const VertexSpheres& s : result.mesh.vertex_spheres) EXPECT_NE(s[0], 0u);
+  for (const SphereId atom : result.mesh.vertex_spheres.atoms) EXPECT_NE(atom, 0u);
 }
 
 TEST_P(RefinerAwkward, LimitsNameTheirNumbers) {

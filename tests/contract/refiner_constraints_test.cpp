@@ -185,7 +185,7 @@ TEST_P(RefinerConstraints, AnEdgeBetweenPointsOfTheCircleGoesToItsTrianglesSpher
   expect_on_boundary(m.spheres, result.mesh);
   int across = 0, along_circle = 0;
   for (std::size_t v = m.mesh.vertex_count(); v < result.mesh.vertex_count(); ++v) {
-    const VertexSpheres& label = result.mesh.vertex_spheres[v];
+    const VertexSpheres label = result.mesh.vertex_spheres[v];
     along_circle += label_size(label) == 2;
     if (label != on_sphere(1)) continue;
     ++across;
@@ -363,7 +363,7 @@ TEST_P(RefinerConstraints, BadInputIsRefused) {
   bad.triangle_spheres[3] = 2;
   refuse(bad, once, "triangle 3");
   bad = m.mesh;
-  bad.vertex_spheres.clear();
+  bad.vertex_spheres = {};
   refuse(bad, once, "label them");
 }
 
@@ -371,7 +371,9 @@ TEST_P(RefinerConstraints, BadInputIsRefused) {
 TEST(RefineBytes, OfConstrainedMeshesAreTheMeshesAndTheEdges) {
   const std::uint64_t labelled = refine_bytes(1002, 2000, 1, 2, TriangleLabels::spheres);
   const auto mesh = [](std::uint64_t v, std::uint64_t t) {
-    return indexed_mesh_bytes(v, t, Connectivity::half_edges, TriangleLabels::spheres);
+    return indexed_mesh_bytes({v, t}, {.connectivity = Connectivity::half_edges,
+                                       .labels = TriangleLabels::spheres,
+                                       .width = LabelWidth::three});
   };
   EXPECT_EQ(labelled, mesh(4002, 8000) + mesh(16002, 32000) + std::uint64_t{8000} * 12);
   EXPECT_LT(labelled, refine_bytes(1002, 2000, 1, 2));

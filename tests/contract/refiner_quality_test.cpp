@@ -56,8 +56,9 @@ TEST_P(RefinerQuality, NoTriangleOfOneAtomIsTurned) {
     const IndexedMesh moved = refine(spheres, mesh, refine_options(1, Projection::vdw)).mesh;
     ASSERT_EQ(flat.triangles, moved.triangles);
     for (const Triangle& t : moved.triangles) {
-      const SphereId atom = moved.vertex_spheres[t[0]][0];
-      if (moved.vertex_spheres[t[1]][0] != atom || moved.vertex_spheres[t[2]][0] != atom) continue;
+      const SphereId atom = moved.vertex_spheres.atoms[t[0]];
+      if (moved.vertex_spheres.atoms[t[1]] != atom || moved.vertex_spheres.atoms[t[2]] != atom)
+        continue;
       const auto corners = [&](const IndexedMesh& m) {
         return std::array<Vec3d, 3>{m.positions[t[0]], m.positions[t[1]], m.positions[t[2]]};
       };

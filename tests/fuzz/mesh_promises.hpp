@@ -18,7 +18,8 @@ inline reference::TriangleMesh to_reference(const IndexedMesh& mesh) {
 inline reference::MeshFacts check_mesh(const IndexedMesh& mesh, std::size_t spheres) {
   require(mesh.normals.size() == mesh.vertex_count(), "every vertex has a normal");
   require(mesh.vertex_spheres.size() == mesh.vertex_count(), "every vertex has its spheres");
-  for (const VertexSpheres& labels : mesh.vertex_spheres) {
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const VertexSpheres labels = mesh.vertex_spheres[v];
     require(labels[0] < spheres, "the first label is a sphere");
     for (const SphereId id : labels) require(id < spheres || id == kNoSphere, "labels are spheres");
   }

@@ -218,9 +218,11 @@ inline CreaseMesh relabelled(const CreaseMesh& m, const std::vector<SphereId>& p
   std::vector<Sphere> spheres(m.spheres.size());
   for (std::size_t i = 0; i < spheres.size(); ++i) spheres[place[i]] = m.spheres[i];
   CreaseMesh result{SphereSet(spheres), m.mesh};
-  for (VertexSpheres& label : result.mesh.vertex_spheres) {
+  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+    VertexSpheres label = result.mesh.vertex_spheres[v];
     for (SphereId& id : label) id = id == kNoSphere ? id : place[id];
     std::sort(label.begin(), label.end());  // kNoSphere is the largest
+    result.mesh.vertex_spheres.set(v, label);
   }
   for (SphereId& id : result.mesh.triangle_spheres) id = place[id];
   return result;

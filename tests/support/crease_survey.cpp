@@ -90,7 +90,7 @@ void survey_vertices(const SphereSet& spheres, const IndexedMesh& mesh, const Ar
     const Vec3d& p = mesh.positions[v];
     const double length = norm(cast<double>(mesh.normals[v]));
     if (!std::isfinite(p.x + p.y + p.z) || !(std::abs(length - 1) < 1e-5)) ++survey.bad_numbers;
-    const VertexSpheres& label = mesh.vertex_spheres[v];
+    const VertexSpheres label = mesh.vertex_spheres[v];
     if (!is_label(label, spheres.size())) {
       ++survey.bad_labels;
       continue;
@@ -141,7 +141,7 @@ void survey_arc_edges(const IndexedMesh& mesh, const Around& around, CreaseSurve
     const HalfEdge &e = edges[i], &f = edges[i + 1];
     if (e.low != f.low || e.high != f.high || e.sphere == f.sphere) continue;
     for (const std::uint32_t v : {e.low, e.high}) {
-      const VertexSpheres& label = mesh.vertex_spheres[v];
+      const VertexSpheres label = mesh.vertex_spheres[v];
       const bool named = holds(label, e.sphere) && holds(label, f.sphere);
       if (!named && !around.crowded[v]) ++survey.bad_arc_edges;
     }

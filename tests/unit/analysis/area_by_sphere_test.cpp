@@ -26,7 +26,7 @@ TEST(AreaBySphere, IsThatOfTheTrianglesOfTheSphere) {
 TEST(AreaBySphere, GoesInThirdsToTheAtomsOfTheVerticesOtherwise) {
   IndexedMesh mesh = testing::tetrahedron();
   mesh.vertex_spheres.assign(4, on_sphere(0));
-  mesh.vertex_spheres[0] = on_sphere(1);  // on the three faces of 1/2
+  mesh.vertex_spheres.set(0, on_sphere(1));  // on the three faces of 1/2
   const std::vector<double> areas = mesh_area_by_sphere(mesh, 2);
   ASSERT_EQ(areas.size(), 2u);
   EXPECT_NEAR(areas[1], 0.5, kRounding);

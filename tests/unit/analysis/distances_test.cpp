@@ -260,7 +260,7 @@ TEST(Distances, RefusesBeforeItTakesTooMuch) {
   }
   EXPECT_THROW(distances(mesh, unit_ball(), {.samples_per_area = 1e15}), LimitExceeded);
   // Half as much again as the mesh is enough.
-  const std::uint64_t mesh_bytes = indexed_mesh_bytes(mesh.vertex_count(), mesh.triangle_count());
+  const std::uint64_t mesh_bytes = indexed_mesh_bytes({mesh.vertex_count(), mesh.triangle_count()});
   EXPECT_NO_THROW(distances(mesh, unit_ball(), {.memory_limit = mesh_bytes + mesh_bytes / 2}));
 }
 

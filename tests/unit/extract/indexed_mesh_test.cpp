@@ -27,13 +27,21 @@ TEST(IndexedMesh, BytesAreThoseOfItsArrays) {
   mesh.opposite = {2, 1, 0};
   mesh.triangle_spheres = {7};
   const std::uint64_t plain = bytes_of(mesh.positions) + bytes_of(mesh.normals) +
-                              bytes_of(mesh.vertex_spheres) + bytes_of(mesh.triangles);
-  EXPECT_EQ(indexed_mesh_bytes(3, 1), plain);
-  EXPECT_EQ(indexed_mesh_bytes(3, 1, Connectivity::triangles, TriangleLabels::none, Normals::none),
-            plain - bytes_of(mesh.normals));
-  EXPECT_EQ(indexed_mesh_bytes(3, 1, Connectivity::half_edges), plain + bytes_of(mesh.opposite));
-  EXPECT_EQ(indexed_mesh_bytes(3, 1, Connectivity::triangles, TriangleLabels::spheres),
+                              bytes_of(mesh.vertex_spheres.atoms) + bytes_of(mesh.triangles);
+  constexpr MeshSize size{3, 1};
+  EXPECT_EQ(indexed_mesh_bytes(size), plain);
+  EXPECT_EQ(indexed_mesh_bytes(size, {.normals = Normals::none}), plain - bytes_of(mesh.normals));
+  EXPECT_EQ(indexed_mesh_bytes(size, {.connectivity = Connectivity::half_edges}),
+            plain + bytes_of(mesh.opposite));
+  EXPECT_EQ(indexed_mesh_bytes(size, {.labels = TriangleLabels::spheres}),
             plain + bytes_of(mesh.triangle_spheres));
+  mesh.vertex_spheres.widen();
+  EXPECT_EQ(indexed_mesh_bytes(size, {.width = LabelWidth::three}),
+            plain + bytes_of(mesh.vertex_spheres.others));
+  EXPECT_EQ(indexed_mesh_bytes(mesh),
+            indexed_mesh_bytes(size, {.connectivity = Connectivity::half_edges,
+                                      .labels = TriangleLabels::spheres,
+                                      .width = LabelWidth::three}));
 }
 
 TEST(IndexedMesh, HashOfNoTriangleSpheresIsThatOfNoBytes) {
@@ -49,6 +57,14 @@ TEST(IndexedMesh, HashSeesTriangleSpheresApart) {
   EXPECT_EQ(hash(a).triangles, hash(b).triangles);
   a.triangle_spheres = {2};
   EXPECT_EQ(hash(a), hash(b));
+}
+
+TEST(IndexedMesh, HashSeesLabelsNotTheirRoom) {
+  IndexedMesh a = one_triangle(), b = one_triangle();
+  b.vertex_spheres.widen();
+  EXPECT_EQ(hash(a), hash(b));
+  b.vertex_spheres.set(2, {0, 1, kNoSphere});
+  EXPECT_NE(hash(a).vertex_spheres, hash(b).vertex_spheres);
 }
 
 }  // namespace

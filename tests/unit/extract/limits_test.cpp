@@ -14,11 +14,11 @@ using ::testing::ThrowsMessage;
 
 TEST(Limits, AreSaidWithNeedAllowanceAndWhatFits) {
   const MeshDemand demand{1000, 2000, Connectivity::triangles, 0, 0.5};
-  // 1000 vertices of 24 + 12 + 12 bytes, 2000 triangles of 12.
-  EXPECT_NO_THROW(check_mesh_limits(demand, 72000));
-  EXPECT_THAT([&] { check_mesh_limits(demand, 18000); },
+  // 1000 vertices of 24 + 12 + 4 bytes, 2000 triangles of 12.
+  EXPECT_NO_THROW(check_mesh_limits(demand, 64000));
+  EXPECT_THAT([&] { check_mesh_limits(demand, 16000); },
               ThrowsMessage<LimitExceeded>(
-                  ::testing::AllOf(HasSubstr("72000"), HasSubstr("18000"), HasSubstr("1.02 Å"))));
+                  ::testing::AllOf(HasSubstr("64000"), HasSubstr("16000"), HasSubstr("1.02 Å"))));
 }
 
 TEST(Limits, OfVertexAndHalfEdgeNumbers) {

@@ -196,7 +196,7 @@ TEST(SurfaceMesh, RefusesInconsistentOpposites) {
 
 TEST(SurfaceMesh, RefusesMissingLabels) {
   IndexedMesh mesh = testing::cube();
-  mesh.vertex_spheres.resize(3);
+  mesh.vertex_spheres.assign(3, on_sphere(0));
   EXPECT_THAT(refusal(mesh), HasSubstr("labels"));
 }
 
