@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <atomic>
@@ -32,42 +33,54 @@ class Connector {
  public:
   Connector(SurfaceMesh& mesh, std::span<const Triangle> triangles,
             std::span<const std::uint32_t> opposite, std::size_t vertex_count)
-      : mesh_(mesh), triangles_(triangles), opposite_(opposite), vertex_count_(vertex_count) {}
+      : mesh_(mesh),
+        triangles_(triangles),
+        corners_(reinterpret_cast<const std::uint32_t*>(triangles.data())),
+        opposite_(opposite),
+        vertex_count_(vertex_count) {}
 
   void run(Opposites origin) {
     if (origin == Opposites::given) check_opposite();
     number_edges();
-    make_room(mesh_, {vertex_count_, edge_count_, triangles_.size()});
+    tbb::parallel_invoke(
+        [&] {
+          choose_outgoing();
+          check_fans();
+        },
+        [&] {
+          make_room(mesh_, {vertex_count_, edge_count_, triangles_.size()});
+        });
     link_faces();
+    link_vertices();
     handle_of_ = {};
     if (2 * edge_count_ != opposite_.size()) link_boundary();
-    check_fans();
   }
 
  private:
   bool owns(std::uint32_t h) const { return h < opposite_[h]; }  // kNoOpposite is the largest
+  static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
   // What a producer hands over is believed only as far as it is consistent.
   void check_opposite() const {
-    const auto half_edges = static_cast<std::uint32_t>(opposite_.size());
-    std::atomic<std::uint32_t> first_bad{kNone};
+    std::atomic<bool> all_good = true;
     for_each_index(triangles_.size(), [&](std::size_t t) {
-      const Triangle& triangle = triangles_[t];
-      bool good = true;
-      for (unsigned k = 0; k < 3; ++k)
-        good &= is_consistent(static_cast<std::uint32_t>(3 * t + k), triangle[k],
-                              triangle[(k + 1) % 3], half_edges);
-      if (!good) keep_smallest(first_bad, static_cast<std::uint32_t>(t));
+      const std::size_t h = 3 * t;
+      if (!(is_consistent(h, h + 1) & is_consistent(h + 1, h + 2) & is_consistent(h + 2, h)))
+        all_good = false;
     });
-    if (first_bad != kNone) throw_bad_triangle(first_bad);
+    if (all_good) return;
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h)
+      if (!is_consistent(h, next(h))) throw_bad_triangle(h / 3);
   }
 
-  bool is_consistent(std::uint32_t h, std::uint32_t from, std::uint32_t to,
-                     std::uint32_t half_edges) const {
-    const std::uint32_t o = opposite_[h];
-    if (from >= vertex_count_ || from == to) return false;
-    if (o == kNoOpposite) return true;
-    return o < half_edges && opposite_[o] == h && triangles_[o / 3][o % 3] == to;
+  // Of half-edge h, which `after` follows in its triangle.
+  bool is_consistent(std::size_t h, std::size_t after) const {
+    const std::uint32_t o = opposite_[h], from = corners_[h], to = corners_[after];
+    const bool good = (from < vertex_count_) & (from != to);
+    if (o == kNoOpposite) return good;
+    if (o >= opposite_.size()) return false;
+    return good & (opposite_[o] == h) & (corners_[o] == to);
   }
 
   [[noreturn]] void throw_bad_triangle(std::uint32_t t) const {
@@ -77,12 +90,6 @@ class Connector {
                                      t, vertex_count_, a, b, c));
     throw InvalidInput(fmt::format(
         "a half-edge of triangle {} (vertices {} {} {}) has no consistent opposite", t, a, b, c));
-  }
-
-  static void keep_smallest(std::atomic<std::uint32_t>& smallest, std::uint32_t value) {
-    std::uint32_t seen = smallest.load();
-    while (value < seen && !smallest.compare_exchange_weak(seen, value)) {
-    }
   }
 
   // Edges are numbered by their owners in order: count by block, scan, number.
@@ -128,9 +135,13 @@ class Connector {
       }
       mesh_.set_halfedge_handle(face(t), half_edge(h[0]));
     });
-    for (std::size_t t = 0; t < triangles_.size(); ++t)  // in order: the last one stays
-      for (unsigned k = 0; k < 3; ++k)
-        mesh_.set_halfedge_handle(vertex(triangles_[t][k]), half_edge(handle_of_[3 * t + k]));
+  }
+
+  void link_vertices() {
+    for_each_index(vertex_count_, [&](std::size_t v) {
+      if (outgoing_[v] != kNone)
+        mesh_.set_halfedge_handle(vertex(v), half_edge(handle_of_[outgoing_[v]]));
+    });
   }
 
   // A boundary half-edge is the second of its edge. Its start becomes the outgoing half-edge of
@@ -142,8 +153,8 @@ class Connector {
     for (const std::uint32_t h : boundary) {
       const auto inner = half_edge(h - 1);
       const auto from = mesh_.to_vertex_handle(inner);
-      mesh_.set_vertex_handle(half_edge(h), start_of(inner));
-      if (mesh_.is_boundary(mesh_.halfedge_handle(from))) throw_two_fans(from);
+      mesh_.set_vertex_handle(half_edge(h),
+                              mesh_.to_vertex_handle(mesh_.prev_halfedge_handle(inner)));
       mesh_.set_halfedge_handle(from, half_edge(h));
     }
     for (const std::uint32_t h : boundary)
@@ -151,8 +162,11 @@ class Connector {
                                      mesh_.halfedge_handle(mesh_.to_vertex_handle(half_edge(h))));
   }
 
-  OpenMesh::VertexHandle start_of(OpenMesh::HalfedgeHandle inner) const {
-    return mesh_.to_vertex_handle(mesh_.prev_halfedge_handle(inner));
+  // The last half-edge that starts at each vertex.
+  void choose_outgoing() {
+    outgoing_.assign(vertex_count_, kNone);
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t)
+      for (std::uint32_t k = 0; k < 3; ++k) outgoing_[triangles_[t][k]] = 3 * t + k;
   }
 
   // Every corner must be met by going round the vertices from their outgoing half-edges.
@@ -160,41 +174,42 @@ class Connector {
     std::atomic<std::uint64_t> met{0};
     tbb::parallel_for(Range(0, vertex_count_, kItemsPerBlock), [&](const Range& range) {
       std::uint64_t corners = 0;
-      for (std::size_t v = range.begin(); v < range.end(); ++v) corners += fan_size(vertex(v));
+      for (std::size_t v = range.begin(); v < range.end(); ++v) corners += fan_size(v);
       met += corners;
     });
-    if (met == 3 * static_cast<std::uint64_t>(triangles_.size())) return;
+    if (met == opposite_.size()) return;
     std::vector<std::uint32_t> corners(vertex_count_);
     for (const Triangle& triangle : triangles_)
       for (const std::uint32_t v : triangle) ++corners[v];
     for (std::size_t v = 0; v < vertex_count_; ++v)
-      if (corners[v] != fan_size(vertex(v))) throw_two_fans(vertex(v));
+      if (corners[v] != fan_size(v)) throw_two_fans(v);
   }
 
-  std::uint32_t fan_size(OpenMesh::VertexHandle v) const {
-    const auto first = mesh_.halfedge_handle(v);
-    if (!first.is_valid()) return 0;
-    std::uint32_t size = 0;
-    auto h = first;
-    do {
-      size += !mesh_.is_boundary(h);
-      h = mesh_.cw_rotated_halfedge_handle(h);
-    } while (h != first);
+  // Triangles met from the outgoing half-edge on, one way and, from a boundary, the other.
+  std::uint32_t fan_size(std::size_t v) const {
+    const std::uint32_t first = outgoing_[v];
+    if (first == kNone) return 0;
+    std::uint32_t size = 1, h = opposite_[first];
+    for (; h != kNoOpposite && next(h) != first; h = opposite_[next(h)]) ++size;
+    if (h != kNoOpposite) return size;
+    h = opposite_[previous(first)];
+    for (; h != kNoOpposite; h = opposite_[previous(h)]) ++size;
     return size;
   }
 
-  [[noreturn]] static void throw_two_fans(OpenMesh::VertexHandle v) {
+  [[noreturn]] static void throw_two_fans(std::size_t v) {
     throw InvalidInput(fmt::format(
-        "the triangles around vertex {} are more than one fan; a half-edge mesh takes one",
-        v.idx()));
+        "the triangles around vertex {} are more than one fan; a half-edge mesh takes one", v));
   }
 
   SurfaceMesh& mesh_;
   std::span<const Triangle> triangles_;
+  const std::uint32_t* corners_;  // where each half-edge starts: the triangles once more
   std::span<const std::uint32_t> opposite_;
   std::size_t vertex_count_;
   std::size_t edge_count_ = 0;
   Buffer<std::uint32_t> handle_of_;  // of each input half-edge
+  Buffer<std::uint32_t> outgoing_;   // input half-edge of each vertex, or kNone
 };
 
 }  // namespace

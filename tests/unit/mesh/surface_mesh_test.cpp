@@ -138,6 +138,16 @@ TEST(SurfaceMesh, TakesNormalsFromTrianglesWhereNoneAreGiven) {
       EXPECT_NEAR(mesh.normal(v)[axis], static_cast<float>(mesh.point(v)[axis]), kRounding);
 }
 
+// The last of a vertex's half-edges stands in the middle of its fan, which is open at both ends.
+TEST(SurfaceMesh, TakesAnOpenFanInAnyOrder) {
+  const IndexedMesh source = testing::make_mesh(
+      {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {-1, 0, 0}}, {{0, 1, 2}, {0, 3, 4}, {0, 2, 3}});
+  const SurfaceMesh mesh = to_surface_mesh(source);
+  EXPECT_EQ(mesh.n_edges(), 7u);
+  EXPECT_TRUE(mesh.is_boundary(OpenMesh::VertexHandle(0)));
+  expect_openmesh_invariants(mesh);
+}
+
 TEST(SurfaceMesh, KeepsIsolatedVertices) {
   IndexedMesh source = testing::tetrahedron();
   source.positions.push_back({9, 9, 9});
@@ -175,6 +185,10 @@ TEST(SurfaceMesh, NamesWhatIsNotManifold) {
   IndexedMesh bow_tie = testing::make_mesh(
       {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
   EXPECT_THAT(refusal(bow_tie), HasSubstr("vertex 0"));
+  IndexedMesh flag = testing::tetrahedron();  // a closed fan and an open one
+  flag.positions.insert(flag.positions.end(), {{9, 0, 0}, {9, 1, 0}});
+  flag.triangles.push_back({0, 4, 5});
+  EXPECT_THAT(refusal(flag), HasSubstr("vertex 0"));
   IndexedMesh repeated = testing::tetrahedron();
   repeated.triangles[2] = {1, 1, 2};
   EXPECT_THAT(refusal(repeated), HasSubstr("triangle 2"));
@@ -190,6 +204,9 @@ TEST(SurfaceMesh, RefusesInconsistentOpposites) {
   EXPECT_THAT(refusal(mesh), HasSubstr("half-edge"));
   mesh.opposite[4] = 1000;
   EXPECT_THAT(refusal(mesh), HasSubstr("half-edge"));
+  mesh.opposite = opposite_half_edges(mesh.triangles, mesh.vertex_count());
+  mesh.opposite[0] = 1;  // which starts where it should
+  EXPECT_THAT(refusal(mesh), HasSubstr("triangle 0"));
   mesh.opposite.pop_back();
   EXPECT_THAT(refusal(mesh), HasSubstr("opposite half-edges"));
 }
