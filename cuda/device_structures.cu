@@ -2,7 +2,6 @@
 #include <map>
 #include <mutex>
 
-#include "core/large_pages.hpp"
 #include "cuda/download.cuh"
 #include "cuda/extract_stages.cuh"
 
@@ -27,11 +26,11 @@ DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
 }
 
 DeviceMesh::DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
-                       DeviceLabels labels, Normals with_normals)
+                       LabelWidth width, Normals with_normals)
     : positions(vertices, stream),
       normals(with_normals == Normals::gradients ? vertices : 0, stream),
-      vertex_spheres{DeviceArray<SphereId>(labels == DeviceLabels::spheres ? vertices : 0, stream),
-                     {}},
+      vertex_spheres{DeviceArray<SphereId>(width == LabelWidth::none ? 0 : vertices, stream),
+                     DeviceArray<OtherSpheres>(width == LabelWidth::three ? vertices : 0, stream)},
       corners(3 * triangles, stream),
       opposite(3 * triangles, stream) {}
 
@@ -42,15 +41,12 @@ DeviceMeshView DeviceMesh::view() const {
 
 IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream) {
   IndexedMesh host;
-  resize_untouched(host.positions, mesh.vertices);
-  if (mesh.normals != nullptr) resize_untouched(host.normals, mesh.vertices);
-  if (mesh.vertex_spheres.atoms != nullptr) {
-    host.vertex_spheres.resize(
-        mesh.vertices, mesh.vertex_spheres.others != nullptr ? LabelWidth::three : LabelWidth::one);
-  }
-  resize_untouched(host.triangles, mesh.triangles);
-  if (mesh.triangle_spheres != nullptr) resize_untouched(host.triangle_spheres, mesh.triangles);
-  if (connectivity == Connectivity::half_edges) resize_untouched(host.opposite, 3 * mesh.triangles);
+  make_room(
+      host, {mesh.vertices, mesh.triangles},
+      {.connectivity = connectivity,
+       .labels = mesh.triangle_spheres != nullptr ? TriangleLabels::spheres : TriangleLabels::none,
+       .normals = mesh.normals != nullptr ? Normals::gradients : Normals::none,
+       .width = mesh.vertex_spheres.width()});
   static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
   const auto part = [](auto& to, const void* from) {
     return DownloadPart{to.data(), from, to.size() * sizeof(to[0])};

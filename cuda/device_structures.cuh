@@ -32,6 +32,11 @@ struct DeviceLabelsView {
   SphereId* atoms;       // null without labels
   OtherSpheres* others;  // null where there is room for the atom alone
 
+  LabelWidth width() const {
+    if (atoms == nullptr) return LabelWidth::none;
+    return others == nullptr ? LabelWidth::one : LabelWidth::three;
+  }
+
   __device__ VertexSpheres operator[](std::uint64_t v) const {
     if (others == nullptr) return on_sphere(atoms[v]);
     const OtherSpheres more = others[v];
@@ -57,9 +62,6 @@ struct DeviceMeshView {
   SphereId* triangle_spheres;  // null, or one per triangle
 };
 
-// Whether vertices name their sphere.
-enum class DeviceLabels { none, spheres };
-
 struct DeviceVertexLabels {
   DeviceArray<SphereId> atoms;
   DeviceArray<OtherSpheres> others;  // empty, or as many as atoms
@@ -76,9 +78,8 @@ struct DeviceMesh {
   DeviceArray<SphereId> triangle_spheres;  // empty, or one per triangle
 
   DeviceMesh() = default;
-  // As extraction makes it: labels have room for the atom.
   DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
-             DeviceLabels labels = DeviceLabels::spheres, Normals normals = Normals::gradients);
+             LabelWidth width = LabelWidth::one, Normals normals = Normals::gradients);
   std::uint64_t vertex_count() const { return positions.size(); }
   std::uint64_t triangle_count() const { return corners.size() / 3; }
   TriangleLabels triangle_labels() const {

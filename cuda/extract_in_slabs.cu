@@ -2,7 +2,6 @@
 #include <memory>
 #include <optional>
 
-#include "core/large_pages.hpp"
 #include "cuda/download.cuh"
 #include "cuda/extract_in_slabs.cuh"
 #include "cuda/mesh_bricks.cuh"
@@ -13,8 +12,6 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::uint64_t kVertexBytes = sizeof(Vec3d) + sizeof(Vec3f) + label_bytes(LabelWidth::one);
-constexpr std::uint64_t kTriangleBytes = 6 * sizeof(std::uint32_t);  // corners, half-edges
 // Beside the mesh and the field: key, signs and counts, sums, neighbours.
 constexpr std::uint64_t kBrickBytes =
     sizeof(std::uint64_t) + sizeof(ActiveBrick) + 2 * sizeof(BrickSums) + 64;
@@ -100,9 +97,10 @@ class SlabWorker {
     const std::uint64_t each = field_bytes(1);
     return each == 0 ? candidates_.count : std::min(candidates_.count, room_ / each);
   }
-  static std::uint64_t mesh_bytes(const BrickSums& from, const BrickSums& to) {
-    return (to.vertices - from.vertices) * kVertexBytes +
-           (to.triangles - from.triangles) * kTriangleBytes;
+  std::uint64_t mesh_bytes(const BrickSums& from, const BrickSums& to) const {
+    return indexed_mesh_bytes(
+        {to.vertices - from.vertices, to.triangles - from.triangles},
+        {.connectivity = Connectivity::half_edges, .normals = options_.normals});
   }
 
   void count_range(const BrickRange& range, ActiveBrick* bricks, const BrickCounts& counts) const {
@@ -163,8 +161,7 @@ class SlabWorker {
     const std::uint64_t vertices = to.vertices - from.vertices;
     const std::uint64_t triangles = to.triangles - from.triangles;
     if (triangles == 0 && vertices == 0) return;
-    const DeviceMesh mesh(vertices, triangles, stream_->get(), DeviceLabels::spheres,
-                          options_.normals);
+    const DeviceMesh mesh(vertices, triangles, stream_->get(), LabelWidth::one, options_.normals);
     // Seen from the numbers that the kernels write at.
     DeviceMeshView numbered = mesh.view();
     numbered.positions -= from.vertices;
@@ -224,18 +221,13 @@ class SlabWorker {
   double emit_seconds_ = 0, download_seconds_ = 0;
 };
 
-void make_room(const BrickSums& sums, const ExtractOptions& options, double spacing,
-               IndexedMesh& host) {
-  check_mesh_limits(
-      {sums.vertices, sums.triangles, options.connectivity, 0, spacing, options.normals},
-      options.memory_limit);
-  if (options.on_size) options.on_size({sums.vertices, sums.triangles});
-  resize_untouched(host.positions, sums.vertices);
-  if (options.normals == Normals::gradients) resize_untouched(host.normals, sums.vertices);
-  host.vertex_spheres.resize(sums.vertices, LabelWidth::one);
-  resize_untouched(host.triangles, sums.triangles);
-  if (options.connectivity == Connectivity::half_edges)
-    resize_untouched(host.opposite, 3 * sums.triangles);
+void make_checked_room(const BrickSums& sums, const ExtractOptions& options, double spacing,
+                       IndexedMesh& host) {
+  const MeshSize size{sums.vertices, sums.triangles};
+  const MeshArrays arrays{.connectivity = options.connectivity, .normals = options.normals};
+  check_mesh_limits({size, arrays, 0, spacing}, options.memory_limit);
+  if (options.on_size) options.on_size(size);
+  make_room(host, size, arrays);
 }
 
 }  // namespace
@@ -260,7 +252,7 @@ ExtractResult extract_to_host(const SphereSet& spheres, const ExtractOptions& op
   run_on_threads(shares, [&](std::size_t k) { workers[k]->count(); });
   advance(options.monitor, 1);
   begin_stage(options.monitor, "extract", 1);
-  make_room(workers[0]->totals().sums, options, result.grid.spacing, result.mesh);
+  make_checked_room(workers[0]->totals().sums, options, result.grid.spacing, result.mesh);
   run_on_threads(shares, [&](std::size_t k) { workers[k]->emit(k, shares, result.mesh); });
   advance(options.monitor, 1);
   result.stats.grid_clipped = workers[0]->totals().clipped_cells;

@@ -26,8 +26,8 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
         emit_vertices_on_device(f, counted.list(), counted.totals.most_atoms, values.data(), mesh,
                                 clamped, stream);
       }};
-  mesh_bricks_on_device(candidates, model.grid.spacing, kernels, DeviceLabels::spheres, options,
-                        result, marks, stream);
+  mesh_bricks_on_device(candidates, model.grid.spacing, kernels, LabelWidth::one, options, result,
+                        marks, stream);
   return result;
 }
 

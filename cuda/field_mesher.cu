@@ -214,8 +214,8 @@ DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const Extra
       [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {
         emit_sampled_vertices_on_device(field, counted, mesh, clamped, stream);
       }};
-  mesh_bricks_on_device(candidates, field.grid.spacing, kernels, DeviceLabels::none, options,
-                        result, marks, stream);
+  mesh_bricks_on_device(candidates, field.grid.spacing, kernels, LabelWidth::none, options, result,
+                        marks, stream);
   return result;
 }
 

@@ -58,24 +58,22 @@ CountedBricks count_and_scan(const KeyList& candidates, const CountKernel& count
 }
 
 void mesh_bricks_on_device(const KeyList& candidates, double spacing, const BrickKernels& kernels,
-                           DeviceLabels labels, const ExtractOptions& options,
+                           LabelWidth width, const ExtractOptions& options,
                            DeviceExtraction& result, StageMarks& marks, const Stream& stream) {
   const CountedBricks counted = count_and_scan(candidates, kernels.count, marks, stream);
   const BrickTotals& totals = counted.totals;
   advance(options.monitor, 1);
 
   begin_stage(options.monitor, "extract", 1);
-  check_mesh_limits({totals.sums.vertices, totals.sums.triangles, options.connectivity, 0, spacing,
-                     options.normals},
-                    options.memory_limit);
-  require_device_memory(
-      indexed_mesh_bytes({totals.sums.vertices, totals.sums.triangles},
-                         {.connectivity = Connectivity::half_edges, .normals = options.normals}),
-      "the mesh");
+  const MeshSize size{totals.sums.vertices, totals.sums.triangles};
+  MeshArrays arrays{
+      .connectivity = options.connectivity, .normals = options.normals, .width = width};
+  check_mesh_limits({size, arrays, 0, spacing}, options.memory_limit);
+  arrays.connectivity = Connectivity::half_edges;
+  require_device_memory(indexed_mesh_bytes(size, arrays), "the mesh");
   const DeviceArray<unsigned long long> clamped(1, stream.get());
   clear(clamped, stream.get());
-  result.mesh = DeviceMesh(totals.sums.vertices, totals.sums.triangles, stream.get(), labels,
-                           options.normals);
+  result.mesh = DeviceMesh(size.vertices, size.triangles, stream.get(), width, options.normals);
   kernels.emit_vertices(counted, result.mesh.view(), clamped.data());
   marks.mark();
   emit_triangles_on_device(counted.list(), candidates, {0, candidates.count}, result.mesh.view(),

@@ -23,7 +23,7 @@ CountedBricks count_and_scan(const KeyList& candidates, const CountKernel& count
 // Counts the candidates, numbers what they hold and emits it; throws LimitExceeded before it takes
 // memory for the mesh. `marks` has one mark, made when the candidates were known.
 void mesh_bricks_on_device(const KeyList& candidates, double spacing, const BrickKernels& kernels,
-                           DeviceLabels labels, const ExtractOptions& options,
+                           LabelWidth width, const ExtractOptions& options,
                            DeviceExtraction& result, StageMarks& marks, const Stream& stream);
 
 }  // namespace vdwmesh

@@ -218,11 +218,7 @@ class UnionMesher {
                       "length",
                       first_vertex.back(), kMaxVertices));
     }
-    mesh.positions.resize(first_vertex.back());
-    mesh.normals.resize(first_vertex.back());
-    mesh.vertex_spheres.resize(first_vertex.back(), LabelWidth::three);
-    mesh.triangles.resize(first_triangle.back());
-    mesh.triangle_spheres.resize(first_triangle.back());
+    make_room(mesh, {first_vertex.back(), first_triangle.back()}, kArrays);
     place_corners(mesh);
     place_arcs(mesh);
     tbb::parallel_for(std::size_t{0}, t_.balls.size(), [&](std::size_t b) {

@@ -80,21 +80,12 @@ Bases sum_up(const Active& bricks) {
   return before;
 }
 
-void resize(IndexedMesh& mesh, const BrickSums& sums, Labels labels,
-            const ExtractOptions& options) {
-  resize_untouched(mesh.positions, sums.vertices);
-  if (options.normals == Normals::gradients) resize_untouched(mesh.normals, sums.vertices);
-  if (labels == Labels::spheres) mesh.vertex_spheres.resize(sums.vertices, LabelWidth::one);
-  resize_untouched(mesh.triangles, sums.triangles);
-  if (options.connectivity == Connectivity::half_edges)
-    resize_untouched(mesh.opposite, 3 * sums.triangles);
-}
-
 }  // namespace
 
 ExtractResult mesh_bricks(const GridSpec& grid,
                           const std::function<std::vector<std::uint64_t>()>& candidates,
-                          const BrickLoops& loops, Labels labels, const ExtractOptions& options) {
+                          const BrickLoops& loops, LabelWidth width,
+                          const ExtractOptions& options) {
   Clock::time_point start = Clock::now();
   ExtractResult result;
   result.grid = grid;
@@ -103,16 +94,18 @@ ExtractResult mesh_bricks(const GridSpec& grid,
   const BrickSums& all = before.back();
   result.stats.surface_bricks = bricks.size();
   for (const ActiveBrick& brick : bricks) result.stats.grid_clipped += brick.clipped_cells;
-  check_mesh_limits({all.vertices, all.triangles, options.connectivity,
-                     bricks.size() * (sizeof(ActiveBrick) + 16), grid.spacing, options.normals},
+  const MeshSize size{all.vertices, all.triangles};
+  const MeshArrays arrays{
+      .connectivity = options.connectivity, .normals = options.normals, .width = width};
+  check_mesh_limits({size, arrays, bricks.size() * (sizeof(ActiveBrick) + 16), grid.spacing},
                     options.memory_limit);
   result.stats.field_seconds = seconds_since(start);
 
-  if (options.on_size) options.on_size({all.vertices, all.triangles});
+  if (options.on_size) options.on_size(size);
 
   start = Clock::now();
   if (bricks.size() > kManyBricks) return_freed_pages();
-  resize(result.mesh, all, labels, options);
+  make_room(result.mesh, size, arrays);
   const BrickList numbered{bricks.data(), before.data(), bricks.size()};
   const Emission emission{numbered, result.mesh};
   std::vector<std::uint64_t> clamped(task_count(bricks.size()));

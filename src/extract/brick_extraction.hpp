@@ -129,12 +129,11 @@ struct BrickLoops {
   std::function<std::uint64_t(const Emission&, std::size_t begin, std::size_t end)> emit;
 };
 
-enum class Labels { none, spheres };
-
 // Counts the candidates (keys, rising), numbers what they hold and emits it, on all cores; throws
-// LimitExceeded before it takes memory for the mesh. `candidates` gives the keys and its memory up.
+// LimitExceeded before it takes memory for the mesh. `candidates` gives the keys and its memory up;
+// `width` is that of the labels of vertices.
 ExtractResult mesh_bricks(const GridSpec& grid,
                           const std::function<std::vector<std::uint64_t>()>& candidates,
-                          const BrickLoops& loops, Labels labels, const ExtractOptions& options);
+                          const BrickLoops& loops, LabelWidth width, const ExtractOptions& options);
 
 }  // namespace vdwmesh

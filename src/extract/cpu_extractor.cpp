@@ -99,7 +99,7 @@ class CpuExtractor final : public Extractor {
         [&](const Emission& e, std::size_t begin, std::size_t end) {
           return kernels.emit(job, e, begin, end);
         }};
-    return mesh_bricks(grid, candidates, loops, Labels::spheres, options);
+    return mesh_bricks(grid, candidates, loops, LabelWidth::one, options);
   }
 };
 

@@ -1,6 +1,10 @@
 #include "extract/indexed_mesh.hpp"
 
+#include <tbb/parallel_invoke.h>
+
 #include <span>
+
+#include "core/large_pages.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -56,6 +60,24 @@ std::uint64_t indexed_mesh_bytes(const IndexedMesh& m) {
   return bytes_of(m.positions) + bytes_of(m.normals) + bytes_of(m.vertex_spheres.atoms) +
          bytes_of(m.vertex_spheres.others) + bytes_of(m.triangles) + bytes_of(m.triangle_spheres) +
          bytes_of(m.opposite);
+}
+
+// Side by side: it takes as long as the kernel needs to hand out pages.
+void make_room(IndexedMesh& mesh, const MeshSize& size, const MeshArrays& arrays) {
+  const auto where = [](bool there, std::uint64_t count) { return there ? count : 0; };
+  const bool has_half_edges = arrays.connectivity == Connectivity::half_edges;
+  tbb::parallel_invoke(
+      [&] { resize_untouched(mesh.positions, size.vertices); },
+      [&] {
+        resize_untouched(mesh.normals, where(arrays.normals == Normals::gradients, size.vertices));
+      },
+      [&] { mesh.vertex_spheres.resize(size.vertices, arrays.width); },
+      [&] { resize_untouched(mesh.triangles, size.triangles); },
+      [&] {
+        resize_untouched(mesh.triangle_spheres,
+                         where(arrays.labels == TriangleLabels::spheres, size.triangles));
+      },
+      [&] { resize_untouched(mesh.opposite, where(has_half_edges, 3 * size.triangles)); });
 }
 
 IndexedMeshHash hash(const IndexedMesh& mesh) {

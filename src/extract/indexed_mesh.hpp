@@ -56,7 +56,7 @@ enum class Connectivity : std::uint8_t { triangles, half_edges };
 // Whether `normals` is filled: with those of the field's gradient.
 enum class Normals : std::uint8_t { none, gradients };
 
-// What a mesh has beside positions, triangles and the atoms of vertices.
+// What a mesh has beside positions and triangles.
 struct MeshArrays {
   Connectivity connectivity = Connectivity::triangles;
   TriangleLabels labels = TriangleLabels::none;
@@ -67,6 +67,9 @@ struct MeshArrays {
 // Bytes of the arrays.
 std::uint64_t indexed_mesh_bytes(const MeshSize& size, const MeshArrays& arrays = {});
 std::uint64_t indexed_mesh_bytes(const IndexedMesh& mesh);
+
+// Gives a mesh its arrays, which have to be written in full.
+void make_room(IndexedMesh& mesh, const MeshSize& size, const MeshArrays& arrays);
 
 // A hash over all bits of all arrays (FNV-1a, 64 bits, array by array): equal for equal meshes.
 struct IndexedMeshHash {

@@ -17,26 +17,23 @@ double fitting_spacing(double spacing, std::uint64_t need, std::uint64_t limit) 
 }  // namespace
 
 void check_mesh_limits(const MeshDemand& d, std::uint64_t memory_limit) {
-  if (d.vertices > kMaxVertices) {
+  if (d.size.vertices > kMaxVertices) {
     throw LimitExceeded(fmt::format(
-        "{} vertices; a mesh holds at most {}: choose a spacing of at least {:.3g} Å", d.vertices,
-        kMaxVertices, fitting_spacing(d.spacing, d.vertices, kMaxVertices)));
+        "{} vertices; a mesh holds at most {}: choose a spacing of at least {:.3g} Å",
+        d.size.vertices, kMaxVertices, fitting_spacing(d.spacing, d.size.vertices, kMaxVertices)));
   }
-  if (d.connectivity == Connectivity::half_edges && 3 * d.triangles > kMaxHalfEdges) {
+  if (d.arrays.connectivity == Connectivity::half_edges && 3 * d.size.triangles > kMaxHalfEdges) {
     throw LimitExceeded(fmt::format(
         "{} half-edges; at most {} can be numbered: choose a spacing of at least {:.3g} Å",
-        3 * d.triangles, kMaxHalfEdges,
-        fitting_spacing(d.spacing, 3 * d.triangles, kMaxHalfEdges)));
+        3 * d.size.triangles, kMaxHalfEdges,
+        fitting_spacing(d.spacing, 3 * d.size.triangles, kMaxHalfEdges)));
   }
-  const std::uint64_t need =
-      indexed_mesh_bytes({d.vertices, d.triangles},
-                         {.connectivity = d.connectivity, .normals = d.normals}) +
-      d.scratch_bytes;
+  const std::uint64_t need = indexed_mesh_bytes(d.size, d.arrays) + d.scratch_bytes;
   if (need > memory_limit) {
     throw LimitExceeded(fmt::format(
         "{} vertices and {} triangles need {} bytes, {} are allowed: choose a spacing of at least "
         "{:.3g} Å or a higher memory limit",
-        d.vertices, d.triangles, need, memory_limit,
+        d.size.vertices, d.size.triangles, need, memory_limit,
         fitting_spacing(d.spacing, need, memory_limit)));
   }
 }

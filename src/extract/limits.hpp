@@ -10,11 +10,10 @@ namespace vdwmesh {
 
 // What a mesh of marching cubes is about to need.
 struct MeshDemand {
-  std::uint64_t vertices, triangles;
-  Connectivity connectivity;
+  MeshSize size;
+  MeshArrays arrays;
   std::uint64_t scratch_bytes;  // held beside the mesh
   double spacing;               // Å
-  Normals normals = Normals::gradients;
 };
 
 // Throws LimitExceeded beyond kMaxVertices, kMaxHalfEdges or `memory_limit` bytes; the message has

@@ -171,7 +171,7 @@ class CpuFieldMesher final : public FieldMesher {
           return emit_sampled(view, e, begin, end);
         }};
     return mesh_bricks(
-        field.grid, [&] { return all_bricks(field.grid); }, loops, Labels::none, options);
+        field.grid, [&] { return all_bricks(field.grid); }, loops, LabelWidth::none, options);
   }
 };
 

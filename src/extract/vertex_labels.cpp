@@ -17,7 +17,7 @@ bool has_none(const Buffer<OtherSpheres>& others) {
 }  // namespace
 
 void VertexLabels::resize(std::size_t size, LabelWidth width) {
-  resize_untouched(atoms, size);
+  resize_untouched(atoms, width == LabelWidth::none ? 0 : size);
   resize_untouched(others, width == LabelWidth::three ? size : 0);
 }
 

@@ -21,11 +21,13 @@ inline constexpr VertexSpheres on_sphere(SphereId id) { return {id, kNoSphere, k
 using OtherSpheres = std::array<SphereId, 2>;
 inline constexpr OtherSpheres kNoOthers = {kNoSphere, kNoSphere};
 
-// How many spheres a label has room for: marching cubes names the atom alone.
-enum class LabelWidth : std::uint8_t { one, three };
+// How many spheres a label has room for: marching cubes names the atom alone, and nothing where the
+// field is given.
+enum class LabelWidth : std::uint8_t { none, one, three };
 
 constexpr std::uint64_t label_bytes(LabelWidth width) {
-  return sizeof(SphereId) + (width == LabelWidth::three ? sizeof(OtherSpheres) : 0);
+  return (width == LabelWidth::none ? 0 : sizeof(SphereId)) +
+         (width == LabelWidth::three ? sizeof(OtherSpheres) : 0);
 }
 
 // The labels of all vertices.
@@ -35,7 +37,10 @@ struct VertexLabels {
 
   std::size_t size() const { return atoms.size(); }
   bool empty() const { return atoms.empty(); }
-  LabelWidth width() const { return others.empty() ? LabelWidth::one : LabelWidth::three; }
+  LabelWidth width() const {
+    if (empty()) return LabelWidth::none;
+    return others.empty() ? LabelWidth::one : LabelWidth::three;
+  }
   VertexSpheres operator[](std::size_t v) const {
     const OtherSpheres more = others.empty() ? kNoOthers : others[v];
     return {atoms[v], more[0], more[1]};

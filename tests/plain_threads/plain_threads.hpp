@@ -126,9 +126,10 @@ Total parallel_reduce(const blocked_range<T>& range, const Total& none, const Bo
   return parallel_deterministic_reduce(range, none, body, join);
 }
 
-template <class First, class Second>
-void parallel_invoke(const First& first, const Second& second) {
-  plain::run_tasks(2, [&](std::size_t i) { i == 0 ? first() : second(); });
+template <class... Task>
+void parallel_invoke(const Task&... task) {
+  const std::function<void()> tasks[] = {task...};
+  plain::run_tasks(sizeof...(task), [&](std::size_t i) { tasks[i](); });
 }
 
 template <class Iterator, class Less = std::less<>>

@@ -44,6 +44,24 @@ TEST(IndexedMesh, BytesAreThoseOfItsArrays) {
                                       .width = LabelWidth::three}));
 }
 
+TEST(IndexedMesh, RoomIsMadeForWhatIsAskedFor) {
+  constexpr MeshSize size{5, 7};
+  const MeshArrays few{.normals = Normals::none, .width = LabelWidth::none};
+  const MeshArrays all{.connectivity = Connectivity::half_edges,
+                       .labels = TriangleLabels::spheres,
+                       .width = LabelWidth::three};
+  for (const MeshArrays& arrays : {few, MeshArrays{}, all}) {
+    IndexedMesh mesh;
+    make_room(mesh, size, arrays);
+    EXPECT_EQ(mesh.vertex_count(), 5u);
+    EXPECT_EQ(mesh.triangle_count(), 7u);
+    EXPECT_EQ(mesh.vertex_spheres.width(), arrays.width);
+    EXPECT_EQ(mesh.triangle_labels(), arrays.labels);
+    EXPECT_EQ(mesh.normals.empty(), arrays.normals == Normals::none);
+    EXPECT_EQ(indexed_mesh_bytes(mesh), indexed_mesh_bytes(size, arrays));
+  }
+}
+
 TEST(IndexedMesh, HashOfNoTriangleSpheresIsThatOfNoBytes) {
   EXPECT_EQ(hash(one_triangle()).triangle_spheres, kFnvOffset);
 }

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 TEST(Limits, AreSaidWithNeedAllowanceAndWhatFits) {
-  const MeshDemand demand{1000, 2000, Connectivity::triangles, 0, 0.5};
+  const MeshDemand demand{{1000, 2000}, {}, 0, 0.5};
   // 1000 vertices of 24 + 12 + 4 bytes, 2000 triangles of 12.
   EXPECT_NO_THROW(check_mesh_limits(demand, 64000));
   EXPECT_THAT([&] { check_mesh_limits(demand, 16000); },
@@ -22,11 +22,12 @@ TEST(Limits, AreSaidWithNeedAllowanceAndWhatFits) {
 }
 
 TEST(Limits, OfVertexAndHalfEdgeNumbers) {
-  MeshDemand demand{kMaxVertices + 1, 10, Connectivity::triangles, 0, 0.5};
+  MeshDemand demand{{kMaxVertices + 1, 10}, {}, 0, 0.5};
   EXPECT_THROW(check_mesh_limits(demand, kNoMemoryLimit), LimitExceeded);
-  demand = {10, kMaxHalfEdges / 3 + 1, Connectivity::half_edges, 0, 0.5};
+  demand.size = {10, kMaxHalfEdges / 3 + 1};
+  demand.arrays.connectivity = Connectivity::half_edges;
   EXPECT_THROW(check_mesh_limits(demand, kNoMemoryLimit), LimitExceeded);
-  demand.connectivity = Connectivity::triangles;
+  demand.arrays.connectivity = Connectivity::triangles;
   EXPECT_NO_THROW(check_mesh_limits(demand, kNoMemoryLimit));
 }
 

@@ -11,6 +11,7 @@ constexpr VertexSpheres kCrease{2, 5, kNoSphere}, kCorner{1, 2, 5};
 TEST(VertexLabels, AtomsAloneTakeOneArray) {
   VertexLabels labels;
   EXPECT_TRUE(labels.empty());
+  EXPECT_EQ(labels.width(), LabelWidth::none);
   labels.push_back(on_sphere(4));
   labels.push_back(on_sphere(kNoSphere));
   EXPECT_EQ(labels.size(), 2u);
@@ -73,6 +74,7 @@ TEST(VertexLabels, AreEqualWhateverTheirRoom) {
 }
 
 TEST(VertexLabels, BytesAreThoseOfTheirIds) {
+  EXPECT_EQ(label_bytes(LabelWidth::none), 0u);
   EXPECT_EQ(label_bytes(LabelWidth::one), 4u);
   EXPECT_EQ(label_bytes(LabelWidth::three), 12u);
 }
