@@ -45,14 +45,14 @@ TriangleLabels labels_of(const MemoryDemand& d) {
 }
 
 std::uint64_t mesh_bytes(const MemoryDemand& d, const MeshSize& m) {
+  if (d.mesh_bytes) return *d.mesh_bytes;
   const bool refined = d.surface && d.surface->subdivisions > 0;
   const bool by_patches = labels_of(d) == TriangleLabels::spheres;
   const bool grown = by_patches && !refined;
-  const bool has_creases = refined || by_patches;
   return indexed_mesh_bytes(m, {.connectivity = refined ? Connectivity::half_edges : d.connectivity,
                                 .labels = labels_of(d),
-                                .normals = has_creases ? Normals::gradients : d.normals,
-                                .width = has_creases ? LabelWidth::three : LabelWidth::one}) +
+                                .normals = refined || by_patches ? Normals::gradients : d.normals,
+                                .width = d.surface ? label_width(*d.surface) : LabelWidth::three}) +
          (grown ? kPatchSlack * m.triangles : 0);
 }
 
@@ -214,6 +214,11 @@ void describe(const SphereSet& spheres, MemoryDemand& demand) {
 
 }  // namespace
 
+LabelWidth label_width(const SurfaceOptions& surface) {
+  const bool names_creases = surface.mesher == Mesher::exact || surface.subdivisions > 0;
+  return names_creases ? LabelWidth::three : LabelWidth::one;
+}
+
 MemoryNeed estimate_memory(const MemoryDemand& demand) { return Estimate(demand).run(); }
 
 std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit) {
@@ -245,6 +250,7 @@ void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const In
                         std::uint64_t limit) {
   if (demand.spheres == 0) describe(spheres, demand);
   demand.mesh = {mesh.vertex_count(), mesh.triangle_count()};
+  if (!demand.surface) demand.mesh_bytes = indexed_mesh_bytes(mesh);
   check_memory(demand, limit);
 }
 

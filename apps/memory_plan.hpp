@@ -20,13 +20,17 @@ struct MemoryDemand {
   Backend backend = Backend::cpu;         // that makes it
   Connectivity connectivity = Connectivity::triangles;
   Normals normals = Normals::gradients;
-  MeshSize mesh;               // of the finished mesh, where it is known
-  Switch build = Switch::off;  // OpenMesh
-  Switch early = Switch::off;  // room for it is made before the mesh is measured
+  MeshSize mesh;                            // of the finished mesh, where it is known
+  std::optional<std::uint64_t> mesh_bytes;  // of one that is not made here, where it is known
+  Switch build = Switch::off;               // OpenMesh
+  Switch early = Switch::off;               // room for it is made before the mesh is measured
   Switch measures = Switch::on;
   std::optional<UnionMethod> exact;  // empty: no exact union
   Switch distances = Switch::off;
 };
+
+// Room of the labels of vertices that make_mesh() gives.
+LabelWidth label_width(const SurfaceOptions& surface);
 
 struct MemoryNeed {
   std::string stage;

@@ -27,6 +27,10 @@ class DeviceCellList {
   CellListView view_{};
 };
 
+__device__ inline const SphereId* ids(const VertexSpheres& label) {
+  return reinterpret_cast<const SphereId*>(&label);
+}
+
 // VertexLabels as kernels see them.
 struct DeviceLabelsView {
   SphereId* atoms;       // null without labels
@@ -40,14 +44,14 @@ struct DeviceLabelsView {
   __device__ VertexSpheres operator[](std::uint64_t v) const {
     if (others == nullptr) return on_sphere(atoms[v]);
     const OtherSpheres more = others[v];
-    const auto* const ids = reinterpret_cast<const SphereId*>(&more);
-    return {atoms[v], ids[0], ids[1]};
+    const auto* const two = reinterpret_cast<const SphereId*>(&more);
+    return {atoms[v], two[0], two[1]};
   }
   // Precondition: there is room for the label.
   __device__ void set(std::uint64_t v, const VertexSpheres& label) const {
-    const auto* const ids = reinterpret_cast<const SphereId*>(&label);
-    atoms[v] = ids[0];
-    if (others != nullptr) others[v] = {ids[1], ids[2]};
+    const SphereId* const id = ids(label);
+    atoms[v] = id[0];
+    if (others != nullptr) others[v] = {id[1], id[2]};
   }
 };
 

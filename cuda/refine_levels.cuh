@@ -94,9 +94,6 @@ struct FatesView {
 inline std::uint64_t fate_bytes(std::uint64_t handled) { return (handled + 3) / 4 * 4; }
 
 __device__ inline VertexSpheres make_label(const SphereId* s) { return {s[0], s[1], s[2]}; }
-__device__ inline const SphereId* ids(const VertexSpheres& label) {
-  return reinterpret_cast<const SphereId*>(&label);
-}
 
 // A level as the kernels see it: patches of vertices with the triangles among them. Given: one
 // triangle of three vertices, all of which the level handles.

@@ -39,7 +39,7 @@ struct GrowingMesh {
 // Room for the labels of `vertices`, three spheres each.
 DeviceVertexLabels with_room(DeviceVertexLabels labels, std::uint64_t vertices,
                              const Stream& stream) {
-  if (labels.others.size() == 0) {
+  if (labels.others.size() == 0 && vertices > 0) {
     labels.others = DeviceArray<OtherSpheres>(vertices, stream.get());
     static_assert(kNoSphere == 0xffffffffu);
     check_cuda(cudaMemsetAsync(labels.others.data(), 0xff, labels.others.bytes(), stream.get()),

@@ -34,12 +34,9 @@ StudyRun measure(const IndexedMesh& mesh, const StudySetting& setting, const Stu
     run.seconds.distances = watch.seconds();
   }
   // As the setting alone has it: not with what the way there left in the mesh.
-  const TriangleLabels labels = mesh.triangle_labels();
-  const bool has_creases =
-      labels == TriangleLabels::spheres || surface_options(setting).subdivisions > 0;
   run.memory.mesh = indexed_mesh_bytes(
       {mesh.vertex_count(), mesh.triangle_count()},
-      {.labels = labels, .width = has_creases ? LabelWidth::three : LabelWidth::one});
+      {.labels = mesh.triangle_labels(), .width = label_width(surface_options(setting))});
   return run;
 }
 

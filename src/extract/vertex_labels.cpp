@@ -1,7 +1,5 @@
 #include "extract/vertex_labels.hpp"
 
-#include <algorithm>
-
 #include "core/large_pages.hpp"
 
 namespace vdwmesh {
@@ -10,8 +8,9 @@ namespace {
 OtherSpheres others_of(const VertexSpheres& label) { return {label[1], label[2]}; }
 
 bool has_none(const Buffer<OtherSpheres>& others) {
-  return std::all_of(others.begin(), others.end(),
-                     [](const OtherSpheres& o) { return o == kNoOthers; });
+  SphereId bits = kNoSphere;  // which has them all
+  for (const auto& [second, third] : others) bits &= second & third;
+  return bits == kNoSphere;
 }
 
 }  // namespace
@@ -37,6 +36,10 @@ void VertexLabels::push_back(const VertexSpheres& label) {
 
 void VertexLabels::widen() {
   if (others.empty()) others.assign(atoms.size(), kNoOthers);
+}
+
+void VertexLabels::narrow() {
+  if (has_none(others)) others = {};
 }
 
 bool operator==(const VertexLabels& a, const VertexLabels& b) {

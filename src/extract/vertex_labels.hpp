@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 
@@ -48,6 +49,7 @@ struct VertexLabels {
 
   // Precondition: there is room for the label.
   void set(std::size_t v, const VertexSpheres& label) {
+    assert(!others.empty() || label == on_sphere(label[0]));
     atoms[v] = label[0];
     if (!others.empty()) others[v] = {label[1], label[2]};
   }
@@ -58,8 +60,9 @@ struct VertexLabels {
   void assign(std::size_t size, const VertexSpheres& label);
   // Makes room for three spheres where the label needs it.
   void push_back(const VertexSpheres& label);
-  // Room for three spheres.
+  // Room for three spheres; and for one where no label names more.
   void widen();
+  void narrow();
 
   // Of the labels, whatever their room.
   friend bool operator==(const VertexLabels& a, const VertexLabels& b);

@@ -66,8 +66,9 @@ class Connector {
     std::atomic<bool> all_good = true;
     for_each_index(triangles_.size(), [&](std::size_t t) {
       const std::size_t h = 3 * t;
-      if (!(is_consistent(h, h + 1) & is_consistent(h + 1, h + 2) & is_consistent(h + 2, h)))
-        all_good = false;
+      const bool good[] = {is_consistent(h, h + 1), is_consistent(h + 1, h + 2),
+                           is_consistent(h + 2, h)};
+      if (!(good[0] && good[1] && good[2])) all_good = false;
     });
     if (all_good) return;
     for (std::uint32_t h = 0; h < opposite_.size(); ++h)
@@ -77,10 +78,9 @@ class Connector {
   // Of half-edge h, which `after` follows in its triangle.
   bool is_consistent(std::size_t h, std::size_t after) const {
     const std::uint32_t o = opposite_[h], from = corners_[h], to = corners_[after];
-    const bool good = (from < vertex_count_) & (from != to);
-    if (o == kNoOpposite) return good;
-    if (o >= opposite_.size()) return false;
-    return good & (opposite_[o] == h) & (corners_[o] == to);
+    if (from >= vertex_count_ || from == to) return false;
+    if (o == kNoOpposite) return true;
+    return o < opposite_.size() && opposite_[o] == h && corners_[o] == to;
   }
 
   [[noreturn]] void throw_bad_triangle(std::uint32_t t) const {

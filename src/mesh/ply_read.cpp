@@ -152,6 +152,7 @@ class PlyReader {
     if (!has_vertices_) body_.fail("the file has no element 'vertex'");
     if (!body_.at_end()) body_.fail("more follows than the elements that the header promises");
     check_indices();
+    file_.mesh.vertex_spheres.narrow();
     label_all_triangles();
     polygons_.note(file_.notes);
     return std::move(file_);

@@ -196,7 +196,7 @@ class Pipeline(ProgramTest):
         stages = {s["name"]: s for s in case["stages"]}
         self.assertEqual(stages["write PLY"]["bytes_written"], mesh.stat().st_size)
         vertices, triangles = case["vertices"], case["triangles"]
-        # Positions 24, normals 12, spheres 12; corners and opposite half-edges 12 each.
+        # Positions 24, normals 12, atoms 4; corners and opposite half-edges 12 each.
         self.assertEqual(stages["build"]["bytes_read"], 40 * vertices + 24 * triangles)
         # Edges are half as many again as triangles: 32 bytes and three states of 4.
         surface = (4 + 24 + 12 + 3 + 12 + 4) * vertices + (3 * 44 // 2 + 8) * triangles

@@ -73,6 +73,19 @@ TEST(VertexLabels, AreEqualWhateverTheirRoom) {
   EXPECT_NE(narrow, wide);
 }
 
+TEST(VertexLabels, GiveBackTheRoomThatNoneOfThemNeeds) {
+  VertexLabels labels;
+  labels.assign(2, on_sphere(1));
+  labels.widen();
+  labels.narrow();
+  EXPECT_EQ(labels.width(), LabelWidth::one);
+  EXPECT_EQ(labels[1], on_sphere(1));
+  labels.push_back(kCrease);
+  labels.narrow();
+  EXPECT_EQ(labels.width(), LabelWidth::three);
+  EXPECT_EQ(labels[2], kCrease);
+}
+
 TEST(VertexLabels, BytesAreThoseOfTheirIds) {
   EXPECT_EQ(label_bytes(LabelWidth::none), 0u);
   EXPECT_EQ(label_bytes(LabelWidth::one), 4u);
