@@ -11,8 +11,6 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::uint32_t next_in_triangle(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
-
 // Corner 3t + k is that of vertex k of triangle t.
 std::uint32_t corner_at_smaller(EdgeEntry e) {
   return e.descending() ? next_in_triangle(e.half_edge()) : e.half_edge();
@@ -20,8 +18,6 @@ std::uint32_t corner_at_smaller(EdgeEntry e) {
 std::uint32_t corner_at_larger(EdgeEntry e) {
   return e.descending() ? e.half_edge() : next_in_triangle(e.half_edge());
 }
-
-constexpr std::uint32_t previous_in_triangle(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
 // What the edges say one by one.
 struct EdgeCounts {

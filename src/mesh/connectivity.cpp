@@ -58,21 +58,18 @@ class Connector {
 
  private:
   bool owns(std::uint32_t h) const { return h < opposite_[h]; }  // kNoOpposite is the largest
-  static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
-  static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
   // What a producer hands over is believed only as far as it is consistent.
   void check_opposite() const {
     std::atomic<bool> all_good = true;
     for_each_index(triangles_.size(), [&](std::size_t t) {
       const std::size_t h = 3 * t;
-      const bool good[] = {is_consistent(h, h + 1), is_consistent(h + 1, h + 2),
-                           is_consistent(h + 2, h)};
-      if (!(good[0] && good[1] && good[2])) all_good = false;
+      if (!is_consistent(h, h + 1) || !is_consistent(h + 1, h + 2) || !is_consistent(h + 2, h))
+        all_good = false;
     });
     if (all_good) return;
     for (std::uint32_t h = 0; h < opposite_.size(); ++h)
-      if (!is_consistent(h, next(h))) throw_bad_triangle(h / 3);
+      if (!is_consistent(h, next_in_triangle(h))) throw_bad_triangle(h / 3);
   }
 
   // Of half-edge h, which `after` follows in its triangle.
@@ -165,8 +162,7 @@ class Connector {
   // The last half-edge that starts at each vertex.
   void choose_outgoing() {
     outgoing_.assign(vertex_count_, kNone);
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t)
-      for (std::uint32_t k = 0; k < 3; ++k) outgoing_[triangles_[t][k]] = 3 * t + k;
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h) outgoing_[corners_[h]] = h;
   }
 
   // Every corner must be met by going round the vertices from their outgoing half-edges.
@@ -190,10 +186,11 @@ class Connector {
     const std::uint32_t first = outgoing_[v];
     if (first == kNone) return 0;
     std::uint32_t size = 1, h = opposite_[first];
-    for (; h != kNoOpposite && next(h) != first; h = opposite_[next(h)]) ++size;
+    for (; h != kNoOpposite && next_in_triangle(h) != first; h = opposite_[next_in_triangle(h)])
+      ++size;
     if (h != kNoOpposite) return size;
-    h = opposite_[previous(first)];
-    for (; h != kNoOpposite; h = opposite_[previous(h)]) ++size;
+    h = opposite_[previous_in_triangle(first)];
+    for (; h != kNoOpposite; h = opposite_[previous_in_triangle(h)]) ++size;
     return size;
   }
 

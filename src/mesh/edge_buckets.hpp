@@ -16,6 +16,10 @@ namespace vdwmesh {
 // OpenMesh handles are int, so 2^31 - 1 half-edges are the most a mesh can have.
 inline constexpr std::uint64_t kMaxSurfaceHalfEdges = 0x7fffffffu;
 
+// Half-edges 3t + k of one triangle, the one after and the one before.
+constexpr std::uint32_t next_in_triangle(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+constexpr std::uint32_t previous_in_triangle(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
+
 // One half-edge in the bucket of its smaller vertex. Comparison sorts by larger vertex, then
 // half-edge.
 class EdgeEntry {
