@@ -3,17 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
 namespace vdwmesh::testing {
 
 // VDWMESH_SHARED overrides where they are looked for.
-inline std::filesystem::path shared_path(const std::string& relative) {
-  const char* root = std::getenv("VDWMESH_SHARED");
-  return std::filesystem::path(root ? root : VDWMESH_SHARED_DIR) / relative;
-}
+std::filesystem::path shared_path(const std::string& relative);
 
 }  // namespace vdwmesh::testing
 

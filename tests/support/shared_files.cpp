@@ -1,0 +1,13 @@
+// The folder of shared files of this checkout, the only path compiled into the tests.
+#include "support/shared_files.hpp"
+
+#include <cstdlib>
+
+namespace vdwmesh::testing {
+
+std::filesystem::path shared_path(const std::string& relative) {
+  const char* root = std::getenv("VDWMESH_SHARED");
+  return std::filesystem::path(root ? root : VDWMESH_SHARED_DIR) / relative;
+}
+
+}  // namespace vdwmesh::testing
