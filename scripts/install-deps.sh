@@ -3,7 +3,7 @@
 #   scripts/install-deps.sh [GROUP...]
 #     browser: Chromium too, which tests the page of a study
 #     fuzz: Clang 19 and its runtime too, for the preset fuzz and for clang-tidy
-#     vtk: VTK's Python too, which reads our meshes again (meshio does so in any case)
+#     witnesses: programs and modules of others too, against which tests check ours
 #     anchors: VTK and OpenVDB too, which benchmarks compare with (1 GB)
 set -euo pipefail
 
@@ -17,10 +17,10 @@ packages=(
 for group in "$@"; do
   case $group in
     browser) packages+=(chromium chromium-driver python3-selenium python3-pil) ;;
-    vtk) packages+=(python3-vtk9) ;;
+    witnesses) packages+=(python3-vtk9 assimp-utils admesh) ;;
     anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
     fuzz) packages+=(clang-19 libclang-rt-19-dev clang-tidy-19) ;;
-    *) echo "install-deps: no group $group; there are browser, fuzz, vtk and anchors" >&2; exit 1 ;;
+    *) echo "install-deps: no group $group; there are browser, witnesses, fuzz and anchors" >&2; exit 1 ;;
   esac
 done
 

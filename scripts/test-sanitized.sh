@@ -24,4 +24,4 @@ case $1 in
   asan) build=asan tests=(-L '^quick$') ;;
   program) build=asan tests=(-L '^(program|drawing)$') ;;
 esac
-exec ctest --test-dir "build/$build" --output-on-failure --parallel "$(nproc)" "${tests[@]}"
+exec scripts/run-ctest.sh "build/$build" "${tests[@]}"

@@ -8,4 +8,4 @@ preset=${1:-release}
 [ "$#" -eq 0 ] || shift
 if [ "$preset" = ci ]; then scripts/check-format.sh; fi
 scripts/build.sh "$preset"
-exec ctest --test-dir "build/$preset" --output-on-failure --parallel "$(nproc)" "$@"
+exec scripts/run-ctest.sh "build/$preset" "$@"

@@ -1,9 +1,11 @@
-"""Runs the program under test and keeps what it wrote."""
+"""Runs the program under test and keeps what it wrote; says what a test does where something is missing."""
 
 import functools
+import importlib
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import tempfile
 import unittest
@@ -16,6 +18,42 @@ UBIQUITIN = SOURCE_DIR / "data" / "ubiquitin.pdb"
 SANITIZED = "VDWMESH_SANITIZED" in os.environ  # the program, which takes more time and memory so
 
 DONE, BAD_INPUT, NO_BACKEND, LIMIT_HIT = 0, 1, 2, 3
+
+
+def is_required(variable):
+    """An unset variable, an empty one and "0" require nothing."""
+    return os.environ.get(variable, "") not in ("", "0")
+
+
+def missing(variable, what):
+    """Ends the running test: it fails where the variable requires the thing, otherwise it skips."""
+    if is_required(variable):
+        raise AssertionError(f"{variable} is set, but {what}")
+    raise unittest.SkipTest(what)
+
+
+def need_package(package, module=None, program=None):
+    """The imported module, or the path of the program, that comes with a Debian package.
+
+    Where it is not there the running test skips and names the package; with
+    VDWMESH_REQUIRE_PACKAGES=1 it fails. Call it in the test, in setUp or in setUpClass.
+    """
+    try:
+        found = importlib.import_module(module) if module else shutil.which(program)
+    except ImportError:
+        found = None
+    if found is None:
+        missing("VDWMESH_REQUIRE_PACKAGES", f"{package} is not installed")
+    return found
+
+
+def need_shared(relative):
+    """The path of a file or folder of the shared folder; VDWMESH_REQUIRE_SHARED=1 makes it a failure
+    that it is not there."""
+    path = SHARED_DIR / relative
+    if not path.exists():
+        missing("VDWMESH_REQUIRE_SHARED", f"{path} is not there")
+    return path
 
 
 def run(*arguments, **options):
@@ -33,15 +71,14 @@ def parse_json(text):
 
 
 @functools.cache
-def schema_validator():
-    """Of the report; None without python3-jsonschema."""
-    try:
-        import jsonschema
-    except ImportError:
-        return None
-    schema = json.loads((SOURCE_DIR / "docs" / "report.schema.json").read_text())
+def schema_validator(name="report"):
+    """Checks documents against docs/NAME.schema.json, which may refer to its neighbours."""
+    jsonschema = need_package("python3-jsonschema", module="jsonschema")
+    path = SOURCE_DIR / "docs" / f"{name}.schema.json"
+    schema = json.loads(path.read_text())
     jsonschema.Draft202012Validator.check_schema(schema)
-    return jsonschema.Draft202012Validator(schema)
+    resolver = jsonschema.RefResolver(path.as_uri(), schema)
+    return jsonschema.Draft202012Validator(schema, resolver=resolver)
 
 
 class ProgramTest(unittest.TestCase):
@@ -70,8 +107,7 @@ class ProgramTest(unittest.TestCase):
     def report(self, *arguments, **options):
         """The JSON report of a run that must succeed, checked against the schema."""
         document = parse_json(self.run_ok(*arguments, "--json", "-", **options).stdout)
-        if schema_validator():
-            schema_validator().validate(document)
+        schema_validator().validate(document)
         return document
 
     def assert_refused(self, code, *arguments, says=(), **options):

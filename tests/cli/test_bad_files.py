@@ -63,9 +63,7 @@ class OddFiles(BadFiles):
     """Files that other projects keep because they once broke a reader."""
 
     def test_odd_files(self):
-        odd = program.SHARED_DIR / "molecules" / "odd"
-        if not odd.is_dir():
-            self.skipTest("the shared folder is not beside this checkout")
+        odd = program.need_shared("molecules/odd")
         paths = sorted(odd.iterdir())
         self.assertEqual(len(paths), 38)
         refused = []

@@ -3,9 +3,8 @@
 import csv
 import io
 import math
-import unittest
 
-from program import BAD_INPUT, SHARED_DIR, SOURCE_DIR, ProgramTest, parse_json
+from program import BAD_INPUT, SHARED_DIR, SOURCE_DIR, ProgramTest, need_shared, parse_json
 
 STRUCTURES = SHARED_DIR / "molecules" / "thesis"
 STAND_INS = {"1QL1": "1QL2_chainA", "2INS": "4INS", "1BIJ": "4HHB", "1GT0": "1F4K", "200D": "133D"}
@@ -54,10 +53,11 @@ class Options(ProgramTest):
         self.assertRegex(text, r"Missing, no structure file: 110D, 1BIJ, .*, 4PTI\.")
 
 
-@unittest.skipUnless(STRUCTURES.is_dir(), f"needs {STRUCTURES}")
 class Tables(ProgramTest):
     @classmethod
     def setUpClass(cls):
+        super().setUpClass()
+        need_shared("molecules/thesis")
         cls.printed = printed_tables()
 
     def bench(self, *arguments):

@@ -1,10 +1,9 @@
 """Every mesh format that is written is read by programs of others, who find the same mesh."""
 
 import collections
-import importlib
 import unittest
 
-from program import SOURCE_DIR, ProgramTest, parse_json
+from program import SOURCE_DIR, ProgramTest, need_package, parse_json
 
 # Per format, who reads it. Blank: nobody of that package.
 MESHIO_FORMATS = ("ply", "obj", "off", "stl")
@@ -15,14 +14,6 @@ SURFACES = {
     "marching cubes": ("--spacing", "1.6", "--subdivide", "1"),
     "crease-exact": ("--mesher", "exact", "--edge-length", "1.2"),
 }
-
-
-def imported(name):
-    """The module, or None where its package is not installed."""
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        return None
 
 
 class Found:
@@ -120,9 +111,7 @@ class ForeignReaders(ProgramTest):
         self.assert_close(found.volume(), mesh["volume"], 1e-5)
 
     def test_meshio(self):
-        meshio = imported("meshio")
-        if meshio is None:
-            self.skipTest("needs python3-meshio")
+        meshio = need_package("python3-meshio", module="meshio")
         # It takes the properties of a face for columns, one behind the other, and so reads no PLY
         # whose faces have more than their corners: here, their atoms.
         unreadable = {("crease-exact", "ply")}
@@ -130,9 +119,7 @@ class ForeignReaders(ProgramTest):
 
     def test_vtk(self):
         names = ("vtkIOGeometry", "vtkIOPLY")
-        vtk = {name: imported("vtkmodules." + name) for name in names}
-        if None in vtk.values():
-            self.skipTest("needs python3-vtk9")
+        vtk = {name: need_package("python3-vtk9", module="vtkmodules." + name) for name in names}
         self.check(VTK_FORMATS, lambda path, extension: read_by_vtk(vtk, path, extension))
 
 

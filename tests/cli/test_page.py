@@ -3,10 +3,8 @@
 import io
 import os
 import pathlib
-import shutil
-import unittest
 
-from program import ProgramTest
+from program import ProgramTest, need_package
 
 try:
     from PIL import Image
@@ -14,30 +12,37 @@ try:
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
     from selenium.webdriver.support.ui import Select, WebDriverWait
-except ImportError:
-    webdriver = None
+except ImportError:  # Page.setUpClass says which package is missing.
+    pass
 
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 WAIT = 120  # s: WebGL is software here
 PLOTS_PER_MOLECULE = 5 * 2 + 3 + 2  # convergence, quality, costs
 
 
 def start_browser(profile):
     options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
+    options.binary_location = need_package("chromium", program="chromium")
     for argument in ("--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader",
                      "--window-size=1280,1000", "--hide-scrollbars", "--disable-dev-shm-usage",
                      "--host-resolver-rules=MAP * ~NOTFOUND",
                      f"--user-data-dir={profile}"):  # fmt: skip
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    service = webdriver.chrome.service.Service(DRIVER)
+    driver = need_package("chromium-driver", program="chromedriver")
+    service = webdriver.chrome.service.Service(driver)
     return webdriver.Chrome(service=service, options=options)
 
 
-@unittest.skipUnless(webdriver, "needs python3-selenium and python3-pil (scripts/install-deps.sh browser)")
-@unittest.skipUnless(CHROMIUM and DRIVER, "needs chromium and chromium-driver")
 class Page(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        """scripts/install-deps.sh browser installs the packages."""
+        super().setUpClass()
+        need_package("python3-selenium", module="selenium.webdriver")
+        need_package("python3-pil", module="PIL.Image")
+        need_package("chromium", program="chromium")
+        need_package("chromium-driver", program="chromedriver")
+
     def setUp(self):
         super().setUp()
         out = self.folder / "out"

@@ -6,27 +6,14 @@ import math
 import signal
 import subprocess
 
-from program import BAD_INPUT, PROGRAM, SOURCE_DIR, ProgramTest, parse_json
+from program import BAD_INPUT, PROGRAM, ProgramTest, parse_json, schema_validator
 
-SCHEMA = SOURCE_DIR / "docs" / "study.schema.json"
 FILES = ["index.html", "runs", "study.csv", "study.json"]
 # Two balls of radius 2 whose centres are 1.5 apart: each loses a cap of height 2 - 0.75.
 RADIUS, HALF_DISTANCE = 2.0, 0.75
 CAP = RADIUS - HALF_DISTANCE
 EXACT_AREA = 2 * (4 * math.pi * RADIUS**2 - 2 * math.pi * RADIUS * CAP)
 EXACT_VOLUME = 2 * (4 / 3 * math.pi * RADIUS**3 - math.pi * CAP**2 * (3 * RADIUS - CAP) / 3)
-
-
-def study_validator():
-    """None without python3-jsonschema."""
-    try:
-        import jsonschema
-    except ImportError:
-        return None
-    schema = json.loads(SCHEMA.read_text())
-    jsonschema.Draft202012Validator.check_schema(schema)
-    resolver = jsonschema.RefResolver(SCHEMA.as_uri(), schema)
-    return jsonschema.Draft202012Validator(schema, resolver=resolver)
 
 
 class StudyTest(ProgramTest):
@@ -39,9 +26,7 @@ class StudyTest(ProgramTest):
     def study(self, *arguments):
         self.run_ok("study", *arguments, "-o", self.out)
         document = parse_json((self.out / "study.json").read_text())
-        validator = study_validator()
-        if validator:
-            validator.validate(document)
+        schema_validator("study").validate(document)
         return document
 
     def outputs(self):

@@ -2,7 +2,7 @@
 
 import math
 
-from program import BAD_INPUT, SHARED_DIR, SOURCE_DIR, UBIQUITIN, ProgramTest
+from program import BAD_INPUT, SOURCE_DIR, UBIQUITIN, ProgramTest, need_shared
 
 PADDING = {"thesis": 5.0, "thesis-vdw": 1.2}  # Å
 # Voxels of Tables 4.1 and 4.4 of the thesis.
@@ -38,9 +38,7 @@ class Presets(ProgramTest):
             self.assertEqual(report["input"]["atoms_used"], len(columns[0]))
 
     def test_voxel_counts_of_the_thesis(self):
-        folder = SHARED_DIR / "molecules" / "thesis"
-        if not folder.is_dir():
-            self.skipTest(f"needs {folder}")
+        folder = need_shared("molecules/thesis")
         for entry, voxels in THESIS_VOXELS.items():
             for preset, count in voxels.items():
                 with self.subTest(entry=entry, preset=preset):

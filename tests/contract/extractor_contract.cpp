@@ -1,9 +1,10 @@
 #include "contract/extractor_contract.hpp"
 
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <random>
+
+#include "support/requirements.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -57,9 +58,7 @@ std::string missing_backend(Backend backend) {
 void BackendTest::need(Backend backend) {
   const std::string missing = missing_backend(backend);
   if (missing.empty()) return;
-  const char* required = std::getenv("VDWMESH_REQUIRE_CUDA");
-  if (required && std::string(required) == "1") FAIL() << "VDWMESH_REQUIRE_CUDA=1, but " << missing;
-  GTEST_SKIP() << missing;
+  VDWMESH_MISSING("VDWMESH_REQUIRE_CUDA", missing);
 }
 
 ExtractOptions ExtractorFieldContract::at_spacing(double spacing) const {

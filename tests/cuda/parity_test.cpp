@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -20,6 +19,7 @@
 namespace vdwmesh {
 namespace {
 
+using testing::plain_or_gzipped;
 using testing::read_xyzr;
 using testing::shared_path;
 
@@ -28,8 +28,7 @@ class Parity : public ::testing::Test {
   void SetUp() override {
     const DeviceList list = cuda_devices();
     if (!list.devices.empty()) return;
-    if (std::getenv("VDWMESH_REQUIRE_CUDA")) FAIL() << list.reason;
-    GTEST_SKIP() << list.reason;
+    VDWMESH_MISSING("VDWMESH_REQUIRE_CUDA", list.reason);
   }
 };
 
@@ -404,8 +403,9 @@ TEST_F(Parity, RefinedMolecules) {
 }
 
 TEST_F(Parity, Ribosome) {
-  VDWMESH_NEEDS_SHARED("reference/6ZU5.xyzr");
-  const SphereSet spheres = read_xyzr(shared_path("reference/6ZU5.xyzr"));
+  const std::string file = plain_or_gzipped("reference/6ZU5.xyzr");
+  VDWMESH_NEEDS_SHARED(file);
+  const SphereSet spheres = read_xyzr(shared_path(file));
   for (const int subdivisions : {0, 1, 2}) {
     expect_pipeline_parity(spheres, options_of(FieldKind::vdw, 0.5), subdivisions, "6ZU5 0.5");
   }

@@ -73,9 +73,7 @@ def problems_of(outcome, path):
     if outcome.code == program.DONE:
         if outcome.report is None:
             return [*found, "succeeded without a report"]
-        if program.schema_validator():
-            found += [e.message for e in program.schema_validator().iter_errors(outcome.report)]
-        return found
+        return found + [e.message for e in program.schema_validator().iter_errors(outcome.report)]
     if outcome.code not in (program.BAD_INPUT, program.LIMIT_HIT):
         found.append(f"ended with {outcome.code}")
     if not re.fullmatch(r"vdwmesh: [^\n]+\n", outcome.message):

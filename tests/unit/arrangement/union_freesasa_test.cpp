@@ -3,11 +3,11 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
+#include "support/requirements.hpp"
 #include "union_cases.hpp"
 
 namespace vdwmesh {
@@ -53,7 +53,7 @@ double freesasa_total(const std::filesystem::path& pdb) {
 }
 
 TEST(UnionWitness, FreesasaArea) {
-  if (std::system("command -v freesasa > /dev/null") != 0) GTEST_SKIP() << "needs freesasa";
+  VDWMESH_NEEDS_PROGRAM("freesasa", "freesasa");
   auto balls = pdb_like_cluster();
   const auto pdb = std::filesystem::temp_directory_path() /
                    ("vdwmesh_freesasa_" + std::to_string(getpid()) + ".pdb");

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <memory>
 #include <string>
 
 #include "core/errors.hpp"
 #include "render/renderer.hpp"
+#include "support/requirements.hpp"
 
 namespace vdwmesh::testing {
 
@@ -19,9 +19,7 @@ class DrawingTest : public ::testing::Test {
     try {
       renderer_ = std::make_unique<Renderer>();
     } catch (const BackendUnavailable& error) {
-      const char* required = std::getenv("VDWMESH_REQUIRE_EGL");
-      if (required && std::string(required) == "1") FAIL() << error.what();
-      GTEST_SKIP() << error.what();
+      VDWMESH_MISSING("VDWMESH_REQUIRE_EGL", error.what());
     }
   }
   Picture draw(const IndexedMesh& mesh, Paint paint, const RenderOptions& options) const {
