@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <gemmi/assembly.hpp>
 #include <gemmi/polyheur.hpp>
 #include <gemmi/select.hpp>
+#include <map>
 #include <memory>
 #include <set>
 #include <string_view>
@@ -54,11 +56,36 @@ std::string name_of(const Site& site, const AtomRecord& record) {
                      record.line == 0 ? "number" : "line", record.line);
 }
 
+constexpr double kMostAtoms = 4294967294;  // that a SphereSet holds
+
 // 0 where the file calls it by something else than a number.
 std::int32_t number_of(const gemmi::Model& model) {
   const std::int64_t number = whole_number(model.name).value_or(0);
   return std::in_range<std::int32_t>(number) ? static_cast<std::int32_t>(number) : 0;
 }
+
+// Chains of an assembly: A1, A2, ... are chain A moved by one operator, by another, and so on.
+class CopyNames {
+ public:
+  const std::string& of(const gemmi::Chain& chain, const std::string& operators) {
+    std::string& name = names_[{chain.name, operators}];
+    if (name.empty()) name = unused(chain.name);
+    return name;
+  }
+
+ private:
+  // Chains may end in digits themselves: A1 with another 1 is not A with 11.
+  std::string unused(const std::string& chain) {
+    for (int& count = counts_[chain];;) {
+      std::string name = chain + std::to_string(++count);
+      if (used_.insert(name).second) return name;
+    }
+  }
+
+  std::map<std::pair<std::string, std::string>, std::string> names_;
+  std::map<std::string, int> counts_;
+  std::set<std::string> used_;
+};
 
 class Choice {
  public:
@@ -209,24 +236,24 @@ class Choice {
     return file_.atoms[static_cast<std::size_t>(site.atom->serial)];
   }
 
-  void take(const gemmi::Model& model, const gemmi::Chain& chain, const gemmi::Residue& residue,
-            const gemmi::Atom& atom, double radius) {
-    const AtomRecord& record = file_.atoms[static_cast<std::size_t>(atom.serial)];
-    if (&residue != numbered_) {
-      numbered_ = &residue;
-      residue_number_ = residue.seqid.num ? residue.seqid.str() : std::string();
+  Atom& take(const Site& site) {
+    const AtomRecord& from = record(site);
+    if (site.residue != numbered_) {
+      numbered_ = site.residue;
+      residue_number_ = numbered_->seqid.num ? numbered_->seqid.str() : std::string();
     }
     Atom& taken = molecule_.atoms.emplace_back();
-    taken.position = {atom.pos.x, atom.pos.y, atom.pos.z};
-    taken.radius = radius;
-    taken.element = atom.element.name();
-    taken.name = atom.name;
-    taken.residue_name = residue.name;
-    taken.chain = chain.name;
+    taken.position = {site.atom->pos.x, site.atom->pos.y, site.atom->pos.z};
+    taken.radius = site.radius;
+    taken.element = site.atom->element.name();
+    taken.name = site.atom->name;
+    taken.residue_name = site.residue->name;
+    taken.chain = site.chain->name;
     taken.residue_number = residue_number_;
-    taken.serial = record.serial;
-    taken.model = number_of(model);
-    taken.hetero = record.hetero;
+    taken.serial = from.serial;
+    taken.model = number_of(*site.model);
+    taken.hetero = from.hetero;
+    return taken;
   }
 
   void take_asymmetric() {
@@ -236,60 +263,106 @@ class Choice {
     };
     if (!std::is_sorted(sites_.begin(), sites_.end(), in_order))
       std::stable_sort(sites_.begin(), sites_.end(), in_order);
-    molecule_.atoms.reserve(sites_.size());
-    advise_large_pages(molecule_.atoms.data(), sites_.size());
-    for (const Site& site : sites_)
-      take(*site.model, *site.chain, *site.residue, *site.atom, site.radius);
+    make_room(sites_.size());
+    for (const Site& site : sites_) take(site);
     molecule_.atoms_used = sites_.size();
   }
 
-  const gemmi::Assembly& assembly() const {
-    const gemmi::Structure& structure = *file_.structure;
-    for (const gemmi::Assembly& assembly : structure.assemblies)
-      if (assembly.name == options_.assembly) return assembly;
-    std::string names;
-    for (const gemmi::Assembly& assembly : structure.assemblies) names += " " + assembly.name;
-    throw InvalidInput(fmt::format("{}: has no assembly {}; there is asymmetric{}{}", file_.path,
-                                   options_.assembly, names.empty() ? " only" : " and", names));
+  void make_room(std::size_t atoms) {
+    molecule_.atoms.reserve(atoms);
+    advise_large_pages(molecule_.atoms.data(), atoms);
   }
 
   void take_assembly() {
-    const gemmi::Assembly& wanted = assembly();
-    std::vector<double> radius_of(file_.atoms.size());
-    std::set<int> used;
-    for (auto first = sites_.begin(); first != sites_.end();) {
+    const AssemblyRecipe recipe = find_recipe();
+    molecule_.warnings.insert(molecule_.warnings.end(), recipe.warnings.begin(),
+                              recipe.warnings.end());
+    std::vector<bool> used(file_.atoms.size());
+    const double atoms = count_copies(recipe, used);
+    drop("not_in_assembly",
+         [&](const Site& site) { return !used[static_cast<std::size_t>(site.atom->serial)]; });
+    refuse_if_empty();
+    refuse_if_too_many(atoms);
+    make_room(static_cast<std::size_t>(atoms));
+    for (auto first = sites_.cbegin(); first != sites_.cend();) {
       const auto last = std::find_if(
-          first, sites_.end(), [first](const Site& site) { return site.model != first->model; });
-      for (auto site = first; site != last; ++site)
-        radius_of[static_cast<std::size_t>(site->atom->serial)] = site->radius;
-      const gemmi::Model copies = gemmi::make_assembly(
-          wanted, chosen_part(first, last), gemmi::HowToNameCopiedChain::AddNumber, nullptr);
-      numbered_ = nullptr;  // these residues may be where others were
-      for (const gemmi::Chain& chain : copies.chains)
-        for (const gemmi::Residue& residue : chain.residues)
-          for (const gemmi::Atom& atom : residue.atoms) {
-            used.insert(atom.serial);
-            take(copies, chain, residue, atom, radius_of[static_cast<std::size_t>(atom.serial)]);
-          }
+          first, sites_.cend(), [first](const Site& site) { return site.model != first->model; });
+      CopyNames names;  // anew for each model
+      for (const ChainCopies& part : recipe.parts) take_copies(part, first, last, names);
       first = last;
     }
-    drop("not_in_assembly", [&](const Site& site) { return used.count(site.atom->serial) == 0; });
-    refuse_if_empty();
     molecule_.atoms_used = sites_.size();
   }
 
-  // A model of the chosen atoms alone.
-  static gemmi::Model chosen_part(Sites::const_iterator first, Sites::const_iterator last) {
-    gemmi::Model part(first->model->name);
-    const gemmi::Chain* chain = nullptr;
-    const gemmi::Residue* residue = nullptr;
-    for (; first != last; ++first) {
-      if (first->chain != chain) part.chains.emplace_back((chain = first->chain)->name);
-      std::vector<gemmi::Residue>& residues = part.chains.back().residues;
-      if (first->residue != residue) residues.push_back((residue = first->residue)->empty_copy());
-      residues.back().atoms.push_back(*first->atom);
+  AssemblyRecipe find_recipe() const {
+    const std::vector<std::string> names = assembly_names(file_.assemblies);
+    if (listed(names, options_.assembly))
+      return make_recipe(file_.assemblies, options_.assembly, file_.path);
+    std::string known;
+    for (const std::string& name : names) known += " " + name;
+    throw InvalidInput(fmt::format("{}: has no assembly {}; there is asymmetric{}{}", file_.path,
+                                   options_.assembly, known.empty() ? " only" : " and", known));
+  }
+
+  bool holds(const ChainCopies& part, const Site& site) const {
+    const bool by_author = file_.assemblies.chain_names == AssemblyTables::ChainNames::author;
+    return part.chains.count(by_author ? site.chain->name : site.residue->subchain) != 0;
+  }
+
+  // How many atoms the assembly has, exactly while it matters; marks in `used` which atoms of the
+  // file are in it.
+  double count_copies(const AssemblyRecipe& recipe, std::vector<bool>& used) const {
+    double total = 0;
+    for (const ChainCopies& part : recipe.parts) {
+      double held = 0;
+      for (const Site& site : sites_) {
+        if (!holds(part, site)) continue;
+        used[static_cast<std::size_t>(site.atom->serial)] = true;
+        ++held;
+      }
+      total += held * static_cast<double>(combination_count(part.products));
     }
-    return part;
+    return total;
+  }
+
+  void refuse_if_too_many(double atoms) const {
+    const double bytes = atoms * static_cast<double>(sizeof(Atom));
+    const double allowed = static_cast<double>(options_.memory_limit);
+    if (bytes <= allowed && atoms <= kMostAtoms) return;
+    throw LimitExceeded(fmt::format(
+        "{}: assembly {} has {:.0f} atoms, which take {:.3g} GiB of memory; {:.3g} GiB and {:.0f} "
+        "atoms are allowed: choose a part of the atoms, or allow more memory",
+        file_.path, options_.assembly, atoms, bytes / 0x1p30, allowed / 0x1p30, kMostAtoms));
+  }
+
+  void take_copies(const ChainCopies& part, Sites::const_iterator first, Sites::const_iterator last,
+                   CopyNames& names) {
+    std::vector<const Site*> held;
+    for (auto site = first; site != last; ++site)
+      if (holds(part, *site)) held.push_back(&*site);
+    for (const OperatorProduct& product : part.products)
+      for_each_combination(product, [&](const OperatorFactor& combination) {
+        const AffineMap map = map_of(file_.assemblies, combination);
+        const std::string operators = name_of(file_.assemblies, combination);
+        const gemmi::Chain* chain = nullptr;
+        std::string name;
+        for (const Site* site : held) {
+          if (site->chain != chain) name = names.of(*(chain = site->chain), operators);
+          Atom& copy = take(*site);
+          copy.position = map(copy.position);
+          copy.chain = name;
+          refuse_if_far(copy, operators);
+        }
+      });
+  }
+
+  void refuse_if_far(const Atom& copy, const std::string& operators) const {
+    const Vec3d& p = copy.position;
+    if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthest) return;
+    throw FileFormatError(
+        fmt::format("{}: assembly {}: operator {} moves an atom to {:g}, {:g}, {:g} Å; coordinates "
+                    "of up to {:g} Å can be meshed",
+                    file_.path, options_.assembly, operators, p.x, p.y, p.z, kFarthest));
   }
 
   const ParsedFile& file_;

@@ -12,6 +12,7 @@
 #include "core/errors.hpp"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
+#include "structure/mmcif_assembly.hpp"
 #include "structure/parsed_file.hpp"
 
 namespace vdwmesh {
@@ -164,6 +165,7 @@ void read_macromolecule(cif::Block& block, ParsedFile& file) {
   file.atoms = number_rows(block, file.path);
   for (cif::Item& item : block.items)  // not needed, and slow to match with the atoms
     if (item.has_prefix("_atom_site_anisotrop.")) item.erase();
+  file.assemblies = take_assembly_tables(block);
   *file.structure = gemmi::make_structure_from_block(block);
   check_all_rows_read(file);
   complete_atoms(block, file);

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "structure/assembly.hpp"
 #include "structure/text_source.hpp"
 
 namespace gemmi {
@@ -24,8 +25,12 @@ struct AtomRecord {
   double radius = 0;        // Å, where the file gives it
 };
 
+// Beyond this, in Å, doubles no longer keep the digits that meshes are promised to.
+inline constexpr double kFarthest = 1e6;
+
 struct ParsedFile {
   std::shared_ptr<gemmi::Structure> structure;
+  AssemblyTables assemblies;
   std::vector<AtomRecord> atoms;
   std::string path;
   std::string format;

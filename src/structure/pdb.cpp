@@ -13,6 +13,7 @@
 #include <set>
 
 #include "core/errors.hpp"
+#include "structure/biomolecules.hpp"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
@@ -122,6 +123,7 @@ class Normaliser {
 
   const std::string& text() const { return text_; }
   std::vector<AtomRecord> take_atoms() { return std::move(atoms_); }
+  AssemblyTables take_assemblies() { return biomolecules_.finish(); }
   const std::vector<std::string>& model_names() const { return model_names_; }
 
  private:
@@ -134,9 +136,10 @@ class Normaliser {
       announced_ = number ? std::to_string(*number) : "";
     } else if (is_record(line, "ENDMDL") || is_record(line, "END")) {
       close_model();
-    } else if (is_record(line, "TER") || starts_with_record(line, "SEQRES") ||
-               starts_with_record(line, "REMARK 350")) {
+    } else if (is_record(line, "TER") || starts_with_record(line, "SEQRES")) {
       text_.append(line.substr(0, kTagColumn)).append("\n");
+    } else if (starts_with_record(line, "REMARK 350")) {
+      biomolecules_.take(line.substr(0, kTagColumn), number_);
     } else if (line.starts_with(' ') && is_atom(trimmed(line))) {
       refuse("an atom's record begins behind a blank; it belongs in column 1");
     }
@@ -218,6 +221,7 @@ class Normaliser {
   std::vector<std::string> model_names_;
   std::set<std::string> names_;
   std::vector<AtomRecord> atoms_;
+  BiomoleculeReader biomolecules_;
 };
 
 }  // namespace
@@ -235,6 +239,7 @@ ParsedFile parse_pdb(std::string_view text, const std::string& path) {
   for (std::size_t i = 0; i < file.structure->models.size(); ++i)
     file.structure->models[i].name = normaliser.model_names().at(i);
   file.atoms = normaliser.take_atoms();
+  file.assemblies = normaliser.take_assemblies();
   file.path = path;
   file.format = "pdb";
   return file;

@@ -55,9 +55,6 @@ void doubt_unfinished_line(std::string_view text, ParsedFile& file) {
       "last atom with it");
 }
 
-// Beyond this, in Å, doubles no longer keep the digits that meshes are promised to.
-constexpr double kFarthest = 1e6;
-
 void refuse_far(const ParsedFile& file, const gemmi::Atom& atom) {
   const AtomRecord& record = file.atoms[static_cast<std::size_t>(atom.serial)];
   const double far = std::max({std::abs(atom.pos.x), std::abs(atom.pos.y), std::abs(atom.pos.z)});

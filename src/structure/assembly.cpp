@@ -1,0 +1,143 @@
+#include "structure/assembly.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/errors.hpp"
+#include "structure/lines.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// Entries of rotation matrices are given to four or more decimals, so products of two rows are off
+// by at most 2 * sqrt(3) * 5e-5 = 1.8e-4.
+constexpr double kRotationTolerance = 1e-3;
+constexpr std::size_t kMostNamed = 3;  // operators in one warning
+
+Vec3d column(const AffineMap& map, int axis) {
+  return {map.rows[0][axis], map.rows[1][axis], map.rows[2][axis]};
+}
+
+// Empty for a rotation, which is what keeps the shape and the hand of a molecule.
+std::string why_no_rotation(const AffineMap& map) {
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = i; j < 3; ++j) {
+      const double expected = i == j ? 1 : 0;
+      if (!(std::abs(dot(map.rows[i], map.rows[j]) - expected) <= kRotationTolerance))
+        return "changes lengths or angles";
+    }
+  const bool mirrors = dot(cross(map.rows[0], map.rows[1]), map.rows[2]) < 0;
+  return mirrors ? "makes mirror images" : "";
+}
+
+class RecipeMaker {
+ public:
+  RecipeMaker(const AssemblyTables& tables, const std::string& name, const std::string& path)
+      : tables_(tables), name_(name), path_(path) {
+    for (std::size_t place = 0; place < tables.operators.size(); ++place) {
+      const SymmetryOperator& listed = tables.operators[place];
+      if (!places_.emplace(listed.id, static_cast<std::uint32_t>(place)).second)
+        repeated_.insert(listed.id);
+    }
+  }
+
+  AssemblyRecipe run() {
+    for (const AssemblyRow& row : tables_.rows)
+      if (row.assembly == name_) add(row);
+    for (const std::uint32_t place : used_) check(tables_.operators[place]);
+    warn_of_deformations();
+    return std::move(recipe_);
+  }
+
+ private:
+  void add(const AssemblyRow& row) {
+    const std::string where = fmt::format("{}: {}", path_, row.where);
+    ChainCopies& part = recipe_.parts.emplace_back();
+    part.chains.insert(row.chains.begin(), row.chains.end());
+    if (part.chains.empty())
+      throw FileFormatError(fmt::format("{}: names no chains of assembly {}", where, name_));
+    part.products = parse_operator_expression(row.expression, places_, where);
+    for (const OperatorProduct& product : part.products)
+      for (const OperatorFactor& factor : product) used_.insert(factor.begin(), factor.end());
+  }
+
+  void check(const SymmetryOperator& used) {
+    const std::string where = fmt::format("{}: {}", path_, used.where);
+    if (repeated_.count(used.id) != 0)
+      throw FileFormatError(
+          fmt::format("{}: operator {} is listed more than once", where, in_quotes(used.id)));
+    if (!used.fault.empty()) throw FileFormatError(fmt::format("{}: {}", where, used.fault));
+    const std::string why = why_no_rotation(used.map);
+    if (!why.empty())
+      deformations_.push_back(fmt::format("operator {} ({}) {}", used.id, used.where, why));
+  }
+
+  void warn_of_deformations() {
+    if (deformations_.empty()) return;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(deformations_.size(), kMostNamed); ++i)
+      text += (i == 0 ? "" : ", ") + deformations_[i];
+    if (deformations_.size() > kMostNamed)
+      text += fmt::format(" and {} more", deformations_.size() - kMostNamed);
+    recipe_.warnings.push_back(fmt::format(
+        "assembly {}: not all of its operators are rotations, so some copies are deformed: {}",
+        name_, text));
+  }
+
+  const AssemblyTables& tables_;
+  const std::string& name_;
+  const std::string& path_;
+  OperatorPlaces places_;
+  std::set<std::string> repeated_;
+  std::set<std::uint32_t> used_;
+  std::vector<std::string> deformations_;
+  AssemblyRecipe recipe_;
+};
+
+}  // namespace
+
+// Plain products and sums, not dot(): copies keep the coordinates they have always had.
+Vec3d AffineMap::operator()(const Vec3d& p) const {
+  const auto row = [&p](const Vec3d& r, double s) { return r.x * p.x + r.y * p.y + r.z * p.z + s; };
+  return {row(rows[0], shift.x), row(rows[1], shift.y), row(rows[2], shift.z)};
+}
+
+AffineMap operator*(const AffineMap& a, const AffineMap& b) {
+  AffineMap product;
+  for (std::size_t i = 0; i < 3; ++i)
+    product.rows[i] = {dot(a.rows[i], column(b, 0)), dot(a.rows[i], column(b, 1)),
+                       dot(a.rows[i], column(b, 2))};
+  product.shift = a(b.shift);
+  return product;
+}
+
+std::vector<std::string> assembly_names(const AssemblyTables& tables) {
+  std::vector<std::string> names;
+  for (const AssemblyRow& row : tables.rows)
+    if (std::find(names.begin(), names.end(), row.assembly) == names.end())
+      names.push_back(row.assembly);
+  return names;
+}
+
+AssemblyRecipe make_recipe(const AssemblyTables& tables, const std::string& name,
+                           const std::string& path) {
+  return RecipeMaker(tables, name, path).run();
+}
+
+AffineMap map_of(const AssemblyTables& tables, const OperatorFactor& combination) {
+  AffineMap map = tables.operators[combination.back()].map;
+  for (std::size_t i = combination.size() - 1; i-- > 0;)
+    map = tables.operators[combination[i]].map * map;
+  return map;
+}
+
+std::string name_of(const AssemblyTables& tables, const OperatorFactor& combination) {
+  std::string name;
+  for (const std::uint32_t place : combination)
+    name += (name.empty() ? "" : "-") + tables.operators[place].id;
+  return name;
+}
+
+}  // namespace vdwmesh

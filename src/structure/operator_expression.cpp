@@ -1,0 +1,138 @@
+#include "structure/operator_expression.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "core/errors.hpp"
+#include "structure/lines.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// Bounds the memory of ranges that are repeated over and over; no virus has a thousandth of it.
+constexpr std::size_t kMostOperatorsInAFactor = std::size_t{1} << 20;
+
+bool is_number(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+class Parser {
+ public:
+  Parser(std::string_view text, const OperatorPlaces& places, const std::string& where)
+      : text_(text), rest_(trimmed(text)), places_(places), where_(where) {}
+
+  std::vector<OperatorProduct> run() {
+    std::vector<OperatorProduct> products;
+    do products.push_back(term());
+    while (take(','));
+    if (!rest_.empty()) refuse(fmt::format("{} is one too many", in_quotes(rest_.substr(0, 1))));
+    return products;
+  }
+
+ private:
+  OperatorProduct term() {
+    OperatorProduct product;
+    while (take('(')) product.push_back(factor());
+    if (product.empty()) item(product.emplace_back());
+    return product;
+  }
+
+  OperatorFactor factor() {
+    OperatorFactor factor;
+    do item(factor);
+    while (take(','));
+    if (!take(')')) refuse("a bracket is not closed");
+    return factor;
+  }
+
+  void item(OperatorFactor& factor) {
+    const std::string_view word = trimmed(rest_.substr(0, rest_.find_first_of("(),")));
+    if (word.empty()) refuse("the name of an operator is missing");
+    rest_ = trimmed(rest_.substr(word.size()));
+    const std::size_t minus = word.find('-');
+    if (minus == std::string_view::npos) return add(word, factor);
+    const std::string_view first = trimmed(word.substr(0, minus));
+    const std::string_view last = trimmed(word.substr(minus + 1));
+    if (is_number(first) && is_number(last)) return range(first, last, factor);
+    add(word, factor);  // an id with a minus in it
+  }
+
+  // Ends with the first number that is not listed, however far away the last one is.
+  void range(std::string_view first, std::string_view last, OperatorFactor& factor) {
+    const auto begin = whole_number(first), end = whole_number(last);
+    if (!begin || !end || *begin > *end)
+      refuse(fmt::format("{} to {} is no range of numbers", in_quotes(first), in_quotes(last)));
+    for (std::int64_t number = *begin; number <= *end; ++number)
+      add(std::to_string(number), factor);
+  }
+
+  void add(std::string_view id, OperatorFactor& factor) {
+    const auto found = places_.find(id);
+    if (found == places_.end())
+      refuse(fmt::format("there is no operator {} in the file", in_quotes(id)));
+    if (factor.size() == kMostOperatorsInAFactor)
+      throw LimitExceeded(fmt::format("{}: the operator expression {} has more than {} operators",
+                                      where_, in_quotes(text_), kMostOperatorsInAFactor));
+    factor.push_back(found->second);
+  }
+
+  bool take(char symbol) {
+    if (!rest_.starts_with(symbol)) return false;
+    rest_ = trimmed(rest_.substr(1));
+    return true;
+  }
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw FileFormatError(fmt::format("{}: the operator expression {} cannot be followed: {}",
+                                      where_, in_quotes(text_), what));
+  }
+
+  std::string_view text_, rest_;
+  const OperatorPlaces& places_;
+  const std::string& where_;
+};
+
+constexpr std::uint64_t kUncountable = std::numeric_limits<std::uint64_t>::max();
+
+std::uint64_t combination_count(const OperatorProduct& product) {
+  std::uint64_t count = 1;
+  for (const OperatorFactor& factor : product) {
+    if (count > kUncountable / factor.size()) return kUncountable;
+    count *= factor.size();
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<OperatorProduct> parse_operator_expression(std::string_view expression,
+                                                       const OperatorPlaces& places,
+                                                       const std::string& where) {
+  return Parser(expression, places, where).run();
+}
+
+std::uint64_t combination_count(std::span<const OperatorProduct> products) {
+  std::uint64_t sum = 0;
+  for (const OperatorProduct& product : products) {
+    const std::uint64_t count = combination_count(product);
+    sum = count > kUncountable - sum ? kUncountable : sum + count;
+  }
+  return sum;
+}
+
+// Counts like an odometer, one wheel per factor.
+void for_each_combination(const OperatorProduct& product,
+                          const std::function<void(const OperatorFactor&)>& visit) {
+  std::vector<std::size_t> wheels(product.size(), 0);
+  OperatorFactor places(product.size());
+  for (;;) {
+    for (std::size_t f = 0; f < product.size(); ++f) places[f] = product[f][wheels[f]];
+    visit(places);
+    std::size_t wheel = product.size();
+    while (wheel > 0 && ++wheels[wheel - 1] == product[wheel - 1].size()) wheels[--wheel] = 0;
+    if (wheel == 0) return;
+  }
+}
+
+}  // namespace vdwmesh
