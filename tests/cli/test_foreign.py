@@ -1,6 +1,8 @@
 """Every mesh format that is written is read by programs of others, who find the same mesh."""
 
 import collections
+import re
+import subprocess
 import unittest
 
 from program import SOURCE_DIR, ProgramTest, need_package, parse_json
@@ -9,6 +11,7 @@ from program import SOURCE_DIR, ProgramTest, need_package, parse_json
 MESHIO_FORMATS = ("ply", "obj", "off", "stl")
 VTK_FORMATS = {"ply": "vtkPLYReader", "obj": "vtkOBJReader", "stl": "vtkSTLReader",
                "glb": "vtkGLTFReader"}
+ASSIMP_FORMATS = ("ply", "obj", "off", "stl", "glb")
 MOLECULE = SOURCE_DIR / "data" / "bpti.pdb"
 SURFACES = {
     "marching cubes": ("--spacing", "1.6", "--subdivide", "1"),
@@ -85,6 +88,20 @@ def read_by_vtk(vtk, path, extension):
     return Found(points, polygons(data))
 
 
+def read_by_assimp(assimp, path):
+    """What assimp read, in the OBJ file that it makes of it: numbers of vertices from 1 on."""
+    out = path.with_suffix(".assimp.obj")
+    subprocess.run([assimp, "export", path, out], check=True, capture_output=True)
+    points, triangles = [], []
+    for line in out.read_text().splitlines():
+        words = line.split()
+        if words[:1] == ["v"]:
+            points.append(words[1:4])
+        elif words[:1] == ["f"]:
+            triangles.append(int(word.split("/")[0]) - 1 for word in words[1:])
+    return Found(points, triangles)
+
+
 class ForeignReaders(ProgramTest):
     def check(self, extensions, read, unreadable=()):
         for surface, options in SURFACES.items():
@@ -121,6 +138,30 @@ class ForeignReaders(ProgramTest):
         names = ("vtkIOGeometry", "vtkIOPLY")
         vtk = {name: need_package("python3-vtk9", module="vtkmodules." + name) for name in names}
         self.check(VTK_FORMATS, lambda path, extension: read_by_vtk(vtk, path, extension))
+
+
+    def test_assimp(self):
+        assimp = need_package("assimp-utils", program="assimp")
+        self.check(ASSIMP_FORMATS, lambda path, _: read_by_assimp(assimp, path))
+
+    def test_admesh(self):
+        """It reads STL, joins equal corners, and says what a printer would have to repair: nothing."""
+        admesh = need_package("admesh", program="admesh")
+        for surface, options in SURFACES.items():
+            with self.subTest(surface=surface):
+                path, json_path = self.folder / "a.stl", self.folder / "a.json"
+                self.run_ok("mesh", MOLECULE, "-o", path, "--json", json_path, *options)
+                mesh = parse_json(json_path.read_text())["mesh"]
+                told = subprocess.run([admesh, path], capture_output=True, text=True, check=True).stdout
+                numbers = {name.strip(): float(value) for name, value in
+                           re.findall(r"(\w[^:\n]*?) *: +(-?[\d.]+)", told)}
+                self.assertEqual(numbers["Number of facets"], mesh["triangles"])
+                self.assertEqual(numbers["Number of parts"], mesh["shells"])
+                for fault in ("Total disconnected facets", "Edges fixed", "Facets removed", "Facets added",
+                              "Facets reversed", "Backwards edges"):
+                    self.assertEqual(numbers[fault], 0, fault)
+                # Sums of 20,000 terms in float32, whose roundings add up like a random walk.
+                self.assert_close(numbers["Volume"], mesh["volume"], 1e-4)
 
 
 class TheChecksThemselves(unittest.TestCase):

@@ -111,9 +111,7 @@ void expect_same(const Content& a, const Content& b, const std::string& what) {
       << what << ", values from byte " << first_difference(a.values, b.values);
 }
 
-void miss(const std::string& what, const char* required_by) {
-  VDWMESH_MISSING(required_by, what);
-}
+void miss(const std::string& what, const char* required_by) { VDWMESH_MISSING(required_by, what); }
 
 class HostFill : public ::testing::Test {
  protected:
