@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "extract/extractor.hpp"
-#include "fuzz/mesh_promises.hpp"
+#include "fuzz/extraction_promises.hpp"
 #include "fuzz/sphere_maker.hpp"
 #include "refine/refiner.hpp"
 
@@ -58,7 +58,11 @@ void run_input(const std::uint8_t* data, std::size_t size) {
   allow_refusal([&] {
     const ExtractOptions options = choose_options(choices, longest_side(spheres));
     const ExtractResult result = make_cpu_extractor()->extract(spheres, options);
-    check_mesh(result.mesh, spheres.size());
+    const reference::MeshFacts facts = check_mesh(result.mesh, spheres.size());
+    if (has_oracle(options.field)) check_against_dense(spheres, options.field, result, facts);
+    // A vertex where the border cuts the surface lies on the border.
+    const bool cut = result.stats.grid_clipped > 0;
+    if (options.field.kind == FieldKind::vdw && !cut) check_union_vertices(spheres, result);
     if (!result.mesh.triangles.empty() && choices.one_in(4)) {
       refine(choices, spheres, result, options.field);
     }
