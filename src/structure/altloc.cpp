@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <gemmi/model.hpp>
 #include <set>
+#include <utility>
 
 #include "core/errors.hpp"
 #include "structure/site.hpp"
@@ -33,7 +36,7 @@ Sites::iterator end_of_place(Sites::iterator first, Sites::iterator last) {
 }
 
 template <class Same>
-const Mean& entry(std::vector<Mean>& means, const Site& site, Same same) {
+void entry(std::vector<Mean>& means, const Site& site, Same same) {
   auto found = std::find_if(means.begin(), means.end(), same);
   if (found == means.end()) {
     means.push_back({site.atom->altloc, site.residue});
@@ -41,7 +44,6 @@ const Mean& entry(std::vector<Mean>& means, const Site& site, Same same) {
   }
   found->sum += static_cast<double>(site.atom->occ);
   ++found->count;
-  return *found;
 }
 
 // The first of those that are highest but for rounding.
@@ -52,12 +54,12 @@ const Mean& highest(const std::vector<Mean>& means) {
   return *best;
 }
 
-char label_of_highest_mean(Range place) {
+std::vector<Mean> means_by_label(Range place) {
   std::vector<Mean> means;
   for (auto site = place.first; site != place.second; ++site)
     if (site->atom->altloc != '\0')
       entry(means, *site, [site](const Mean& m) { return m.label == site->atom->altloc; });
-  return highest(means).label;
+  return means;
 }
 
 bool wholly_labelled(Range place, const gemmi::Residue* residue) {
@@ -76,41 +78,91 @@ const gemmi::Residue* residue_that_stays(Range place, char label) {
   return means.empty() ? nullptr : highest(means).residue;
 }
 
-class Chooser {
- public:
-  Chooser(const std::string& label, SkippedAtoms& skipped) : label_(label), skipped_(skipped) {}
+// The labels of a place, that of the highest mean first.
+std::vector<char> labels_by_mean(Range place) {
+  std::vector<Mean> means = means_by_label(place);
+  std::vector<char> labels;
+  while (!means.empty()) {
+    labels.push_back(highest(means).label);
+    std::erase_if(means, [&](const Mean& mean) { return mean.label == labels.back(); });
+  }
+  return labels;
+}
 
-  // Marks what goes by taking its atom away.
-  void choose(Range place) {
-    if (std::all_of(place.first, place.second,
-                    [](const Site& site) { return site.atom->altloc == '\0'; }))
-      return;
-    const char label = label_ == "highest" ? label_of_highest_mean(place) : label_[0];
-    const gemmi::Residue* residue = place.first->residue;
-    const bool mixed = std::any_of(place.first, place.second,
-                                   [residue](const Site& site) { return site.residue != residue; });
-    const gemmi::Residue* stays = mixed ? residue_that_stays(place, label) : nullptr;
-    std::vector<bool> drop;
-    for (auto site = place.first; site != place.second; ++site)
-      drop.push_back(!keep(place, *site, label, mixed, stays));
-    for (std::size_t i = 0; i < drop.size(); ++i)
-      if (drop[i]) (place.first + static_cast<std::ptrdiff_t>(i))->atom = nullptr;
+// The choice at one place of the chain.
+class PlaceChoice {
+ public:
+  explicit PlaceChoice(Range place)
+      : place_(place), fates_(static_cast<std::size_t>(place.second - place.first), Fate::stays) {}
+
+  // Keeps the atoms of `label` and those without one.
+  void choose(char label) {
+    const gemmi::Residue* first = place_.first->residue;
+    const bool mixed = std::any_of(place_.first, place_.second,
+                                   [first](const Site& site) { return site.residue != first; });
+    chosen_ = mixed ? residue_that_stays(place_, label) : nullptr;
+    for (std::size_t i = 0; i < fates_.size(); ++i) {
+      if (mixed && site(i).residue != chosen_ && wholly_labelled(place_, site(i).residue))
+        fates_[i] = Fate::other_residue;
+      else if (site(i).atom->altloc != '\0' && site(i).atom->altloc != label)
+        fates_[i] = Fate::other_label;
+    }
+  }
+
+  // Takes back atoms whose names the residue would lack, from the first of `labels` that has them.
+  // Where one of several residues was chosen, only it is completed: what is left of another belongs
+  // to both.
+  void complete(const std::vector<char>& labels) {
+    std::set<std::pair<const gemmi::Residue*, std::string>> held;
+    for (std::size_t i = 0; i < fates_.size(); ++i)
+      if (fates_[i] == Fate::stays) held.emplace(site(i).residue, site(i).atom->name);
+    for (const char label : labels) {
+      const auto before = held;  // an atom may stand twice under one label
+      for (std::size_t i = 0; i < fates_.size(); ++i) {
+        if (fates_[i] != Fate::other_label || site(i).atom->altloc != label) continue;
+        if (chosen_ && site(i).residue != chosen_) continue;
+        const std::pair name(site(i).residue, site(i).atom->name);
+        if (before.count(name) != 0) continue;
+        fates_[i] = Fate::stays;
+        held.insert(name);
+      }
+    }
+  }
+
+  // Takes the atoms away that do not stay, and counts them.
+  void carry_out(SkippedAtoms& skipped) {
+    for (std::size_t i = 0; i < fates_.size(); ++i) {
+      if (fates_[i] == Fate::stays) continue;
+      ++skipped[fates_[i] == Fate::other_label ? "alternate_locations" : "microheterogeneity"];
+      site(i).atom = nullptr;
+    }
   }
 
  private:
-  bool keep(Range place, const Site& site, char label, bool mixed, const gemmi::Residue* stays) {
-    if (mixed && site.residue != stays && wholly_labelled(place, site.residue)) {
-      ++skipped_["microheterogeneity"];
-      return false;
-    }
-    if (site.atom->altloc == '\0' || site.atom->altloc == label) return true;
-    ++skipped_["alternate_locations"];
-    return false;
-  }
+  enum class Fate : std::uint8_t { stays, other_label, other_residue };
+  Site& site(std::size_t i) const { return place_.first[static_cast<std::ptrdiff_t>(i)]; }
 
-  const std::string& label_;
-  SkippedAtoms& skipped_;
+  Range place_;
+  std::vector<Fate> fates_;
+  const gemmi::Residue* chosen_ = nullptr;  // of several at the place; null: no such choice
 };
+
+bool has_labels(Range place) {
+  return std::any_of(place.first, place.second,
+                     [](const Site& site) { return site.atom->altloc != '\0'; });
+}
+
+void choose_at(Range place, const std::string& label, SkippedAtoms& skipped) {
+  PlaceChoice choice(place);
+  if (label == "highest") {
+    const std::vector<char> labels = labels_by_mean(place);
+    choice.choose(labels.front());
+    choice.complete(labels);
+  } else {
+    choice.choose(label[0]);
+  }
+  choice.carry_out(skipped);
+}
 
 void check_label(const Sites& sites, const std::string& label, const std::string& path) {
   if (label == "highest") return;
@@ -132,11 +184,10 @@ void choose_alternate_locations(Sites& sites, const std::string& label, const st
                                 SkippedAtoms& skipped) {
   if (label == "all") return;
   check_label(sites, label, path);
-  Chooser chooser(label, skipped);
   for (auto first = sites.begin(); first != sites.end();) {
-    const auto last = end_of_place(first, sites.end());
-    chooser.choose({first, last});
-    first = last;
+    const Range place{first, end_of_place(first, sites.end())};
+    first = place.second;
+    if (has_labels(place)) choose_at(place, label, skipped);
   }
   std::erase_if(sites, [](const Site& site) { return site.atom == nullptr; });
 }

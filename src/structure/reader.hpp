@@ -28,7 +28,8 @@ struct ReadOptions {
   Inclusion hydrogens = Inclusion::keep;     // deuterium counts as hydrogen
   Inclusion hetero_atoms = Inclusion::keep;  // HETATM records
   // "highest": one label per residue, that of highest mean occupancy (ties: first in the file),
-  // likewise where several residues share a place; or a label; or "all", which keeps every one.
+  // likewise where several residues share a place, and atoms that this label lacks from the next
+  // that has them; or a label; or "all", which keeps every one.
   std::string altloc = "highest";
   std::uint64_t memory_limit = ~std::uint64_t{0};  // bytes; a text of more than a part of it is
                                                    // refused, kReadingFactor

@@ -25,10 +25,13 @@ struct Site {
 
 using Sites = std::vector<Site>;
 
-// Keeps one alternate location per residue: `label`, or where that is "highest" the one of highest
-// mean occupancy in the residue (ties: the first in the file), where several residues share a
-// place (microheterogeneity) the one of highest mean occupancy of them all. Atoms without a label
-// stay; "all" keeps everything. Throws InvalidInput where no atom has `label`.
+// Keeps one alternate location per residue: `label`, or if that is "highest" the one of highest
+// mean occupancy in the residue (ties: the first in the file); if several residues share a place
+// (microheterogeneity), the one of highest mean occupancy of them all. Atoms without a label stay.
+// With "highest", so do atoms whose names the label kept does not have, of the label of the next
+// highest mean that has them, because no conformation lacks an atom: files give hydrogens and
+// parts of side chains a label of their own. "all" keeps everything. Throws InvalidInput if no atom
+// has `label`.
 void choose_alternate_locations(Sites& sites, const std::string& label, const std::string& path,
                                 SkippedAtoms& skipped);
 

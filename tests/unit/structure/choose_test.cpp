@@ -106,6 +106,34 @@ TEST(AlternateLocations, AreChosenPerResidue) {
             (std::vector<double>{1, 4}));
 }
 
+TEST(AlternateLocations, AtomsOfTheOtherLabelAloneAreKept) {
+  // B has the higher mean; HB1 stands under A alone, HB2 under A and C, of which C is the higher,
+  // and twice under C. CB of A goes, since B has one.
+  const std::vector<Line> lines{{" N  "},
+                                {" CB ", "ALA", 1, 'A', 0.2, 'A', "ATOM  ", 1},
+                                {" CB ", "ALA", 1, 'B', 0.6, 'A', "ATOM  ", 2},
+                                {" HB1", "ALA", 1, 'A', 0.2, 'A', "ATOM  ", 3},
+                                {" HB2", "ALA", 1, 'A', 0.2, 'A', "ATOM  ", 4},
+                                {" HB2", "ALA", 1, 'C', 0.3, 'A', "ATOM  ", 5},
+                                {" HB2", "ALA", 1, 'C', 0.3, 'A', "ATOM  ", 6}};
+  EXPECT_EQ(positions(lines), (std::vector<double>{0, 2, 3, 5, 6}));
+  EXPECT_EQ(read_text_as("a.pdb", pdb(lines)).skipped, (SkippedAtoms{{"alternate_locations", 2}}));
+  ReadOptions options;
+  options.altloc = "B";  // what was asked for, and nothing else
+  EXPECT_EQ(positions(lines, options), (std::vector<double>{0, 2}));
+}
+
+// Seen in a deposited entry: a side chain of two conformations, 0.44 and 0.56, and a hydrogen of
+// the backbone with occupancy 1.00 under A alone.
+TEST(AlternateLocations, AWholeAtomUnderOneLabelIsNotLost) {
+  EXPECT_EQ(left({{" HA ", "SER", 1, 'A', 1.00},
+                  {" CB ", "SER", 1, 'A', 0.44},
+                  {" CB ", "SER", 1, 'B', 0.96},
+                  {" OG ", "SER", 1, 'A', 0.44},
+                  {" OG ", "SER", 1, 'B', 0.96}}),
+            (Names{"HA SER", "CB SER", "OG SER"}));
+}
+
 TEST(AlternateLocations, ALabelMayBeAskedFor) {
   ReadOptions options;
   options.altloc = "A";
@@ -137,6 +165,25 @@ TEST(Microheterogeneity, ConformersOfOneOfTheResidues) {
   options.altloc = "C";
   EXPECT_EQ(read_text_as("a.pdb", pdb(lines), options).skipped,
             (SkippedAtoms{{"alternate_locations", 1}, {"microheterogeneity", 1}}));
+}
+
+TEST(Microheterogeneity, AtomsAreNotTakenFromTheResidueThatGoes) {
+  const std::vector<Line> lines{{" CA ", "SER", 1, 'A', 0.3},
+                                {" OG ", "SER", 1, 'A', 0.3},
+                                {" CA ", "THR", 1, 'B', 0.4},
+                                {" CB ", "THR", 1, 'C', 0.3}};
+  EXPECT_EQ(left(lines), (Names{"CA THR", "CB THR"}));
+  EXPECT_EQ(read_text_as("a.pdb", pdb(lines)).skipped, (SkippedAtoms{{"microheterogeneity", 2}}));
+}
+
+// A residue of which an atom has no label is there in any case: only its labels are chosen among.
+TEST(Microheterogeneity, AResidueThatIsPartlyUnlabelledStays) {
+  const std::vector<Line> lines{{" N  ", "SER", 1},
+                                {" CA ", "SER", 1, 'A', 0.3},
+                                {" CA ", "THR", 1, 'B', 0.7},
+                                {" CB ", "THR", 1, 'B', 0.7}};
+  EXPECT_EQ(left(lines), (Names{"N SER", "CA THR", "CB THR"}));
+  EXPECT_EQ(read_text_as("a.pdb", pdb(lines)).skipped, (SkippedAtoms{{"alternate_locations", 1}}));
 }
 
 TEST(Microheterogeneity, SharedNumbersWithoutLabelsAreKept) {

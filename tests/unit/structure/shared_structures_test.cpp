@@ -177,44 +177,74 @@ TEST(SharedStructures, CutFilesReadOrAreRefused) {
   }
 }
 
-// Columns of the PDB format: per residue the label of highest mean occupancy, first on ties.
-Spheres positions_by_columns(const std::filesystem::path& path) {
-  struct Record {
-    std::string residue;
-    char label;
-    double occupancy;
-    std::array<double, 4> sphere;
-  };
+// A record of a PDB file, by its columns.
+struct Record {
+  std::string residue, residue_name, name;
+  char label;
+  double occupancy;
+  std::array<double, 4> sphere;
+};
+
+std::vector<Record> records_by_columns(const std::filesystem::path& path) {
   std::vector<Record> records;
-  std::map<std::string, std::vector<std::pair<char, std::pair<double, int>>>> labels;
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
     if (line.substr(0, 4) != "ATOM" && line.substr(0, 6) != "HETATM") continue;
     if (line.substr(17, 3) == "HOH" || line.substr(17, 3) == "DOD") continue;
-    const Record record{line.substr(21, 6),
-                        line[16],
-                        std::stod(line.substr(54, 6)),
-                        {std::stod(line.substr(30, 8)), std::stod(line.substr(38, 8)),
-                         std::stod(line.substr(46, 8)), 0}};
-    records.push_back(record);
+    records.push_back({line.substr(21, 6),
+                       line.substr(17, 3),
+                       line.substr(12, 4),
+                       line[16],
+                       std::stod(line.substr(54, 6)),
+                       {std::stod(line.substr(30, 8)), std::stod(line.substr(38, 8)),
+                        std::stod(line.substr(46, 8)), 0}});
+  }
+  return records;
+}
+
+// Per residue, the labels by falling mean occupancy, the first in the file on ties.
+std::map<std::string, std::string> ranked_labels(const std::vector<Record>& records) {
+  std::map<std::string, std::map<char, std::vector<double>>> occupancies;
+  std::map<std::string, std::string> labels;
+  for (const Record& record : records) {
     if (record.label == ' ') continue;
-    auto& means = labels[record.residue];
-    auto mean = std::find_if(means.begin(), means.end(),
-                             [&](const auto& entry) { return entry.first == record.label; });
-    if (mean == means.end()) mean = means.insert(means.end(), {record.label, {0.0, 0}});
-    mean->second.first += record.occupancy;
-    mean->second.second += 1;
+    occupancies[record.residue][record.label].push_back(record.occupancy);
+    std::string& seen = labels[record.residue];
+    if (seen.find(record.label) == std::string::npos) seen += record.label;
+  }
+  for (auto& [residue, seen] : labels) {
+    const auto mean = [&of = occupancies[residue]](char label) {
+      const std::vector<double>& values = of[label];
+      const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+      return std::llround(1e5 * sum / static_cast<double>(values.size()));  // two decimals given
+    };
+    std::stable_sort(seen.begin(), seen.end(), [&](char a, char b) { return mean(a) > mean(b); });
+  }
+  return labels;
+}
+
+// Atoms without a label, and of each name those of the first label that has it; where residues of
+// several names share a number, of the residue of the first label alone.
+Spheres positions_by_columns(const std::filesystem::path& path) {
+  const std::vector<Record> records = records_by_columns(path);
+  const std::map<std::string, std::string> labels = ranked_labels(records);
+  const auto rank = [&](const Record& record) {
+    return record.label == ' ' ? std::size_t{0} : 1 + labels.at(record.residue).find(record.label);
+  };
+  std::map<std::string, std::string> name_of;  // of the residue of the first label
+  for (const Record& record : records)
+    if (rank(record) == 1) name_of[record.residue] = record.residue_name;
+  std::map<std::pair<std::string, std::string>, std::size_t> best;
+  for (const Record& record : records) {
+    if (rank(record) != 0 && record.residue_name != name_of.at(record.residue)) continue;
+    const auto [entry, first] = best.try_emplace({record.residue, record.name}, rank(record));
+    if (!first) entry->second = std::min(entry->second, rank(record));
   }
   Spheres kept;
   for (const Record& record : records) {
-    char best = ' ';
-    double highest = -1;
-    for (const auto& [label, mean] : labels[record.residue])
-      if (mean.first / mean.second > highest + 1e-6) {  // occupancies have two decimals
-        highest = mean.first / mean.second;
-        best = label;
-      }
-    if (record.label == ' ' || record.label == best) kept.push_back(record.sphere);
+    const auto found = best.find({record.residue, record.name});
+    const bool other = rank(record) != 0 && record.residue_name != name_of.at(record.residue);
+    if (!other && rank(record) == found->second) kept.push_back(record.sphere);
   }
   std::sort(kept.begin(), kept.end());
   return kept;
