@@ -49,7 +49,8 @@ std::vector<std::string_view> split_at_blanks(std::string_view line) {
 
 std::optional<double> finite_number(std::string_view field) {
   field = trimmed(field);
-  if (field.starts_with('+')) field.remove_prefix(1);
+  // from_chars takes no plus sign; another sign must not follow it.
+  if (field.starts_with('+') && !field.starts_with("+-")) field.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))

@@ -10,13 +10,13 @@
 #include <gemmi/pdb.hpp>
 #include <map>
 #include <optional>
-#include <set>
 
 #include "core/errors.hpp"
 #include "structure/biomolecules.hpp"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
+#include "structure/pdb_records.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -30,25 +30,6 @@ constexpr std::string_view kDigits36 = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
-
-bool starts_with_record(std::string_view line, std::string_view name) {
-  return line.size() >= name.size() &&
-         std::equal(name.begin(), name.end(), line.begin(), [](char a, char b) {
-           return a == std::toupper(static_cast<unsigned char>(b));
-         });
-}
-
-bool is_atom(std::string_view line) {
-  return starts_with_record(line, "HETATM") ||
-         (starts_with_record(line, "ATOM") &&
-          (line.size() == 4 || line[4] == ' ' || line[4] == '\t' || is_digit(line[4])));
-}
-
-// Records named `name` and nothing longer: "END" but not "ENDMDL".
-bool is_record(std::string_view line, std::string_view name) {
-  return starts_with_record(line, name) &&
-         (line.size() == name.size() || line[name.size()] == ' ' || is_digit(line[name.size()]));
-}
 
 // "4PTI  75", "4INSB 12", "1ABC1234": an entry id, perhaps a revision letter, a line number.
 bool is_entry_tag(std::string_view tag) {
@@ -69,7 +50,7 @@ Layout layout_of(std::string_view text) {
   std::map<std::string_view, std::size_t> tagged;  // by entry id
   std::string_view line;
   while (next_line(text, line)) {
-    if (!is_atom(line)) continue;
+    if (!is_atom_record(line)) continue;
     ++atoms;
     const std::string_view tag = columns(line, kTagColumn, 8), name = columns(line, 12, 4);
     if (is_entry_tag(tag)) ++tagged[tag.substr(0, 4)];
@@ -116,7 +97,6 @@ class Normaliser {
     text_.reserve(rest_.size() + rest_.size() / 8);
     std::string_view line;
     for (number_ = 1; next_line(rest_, line); ++number_) take(line);
-    close_model();
     if (atoms_.empty())
       throw FileFormatError(path_ + ": has no ATOM or HETATM record, so there is nothing to mesh");
   }
@@ -124,49 +104,34 @@ class Normaliser {
   const std::string& text() const { return text_; }
   std::vector<AtomRecord> take_atoms() { return std::move(atoms_); }
   AssemblyTables take_assemblies() { return biomolecules_.finish(); }
-  const std::vector<std::string>& model_names() const { return model_names_; }
+  const std::vector<std::string>& model_names() const { return models_.names(); }
 
  private:
   void take(std::string_view line) {
-    if (is_atom(line)) {
+    if (is_atom_record(line)) {
       take_atom(line);
-    } else if (is_record(line, "MODEL")) {
-      close_model();
-      const auto number = whole_number(line.substr(5));
-      announced_ = number ? std::to_string(*number) : "";
-    } else if (is_record(line, "ENDMDL") || is_record(line, "END")) {
-      close_model();
+    } else if (models_.take(line)) {
+      return;
     } else if (is_record(line, "TER") || starts_with_record(line, "SEQRES")) {
       text_.append(line.substr(0, kTagColumn)).append("\n");
     } else if (starts_with_record(line, "REMARK 350")) {
       biomolecules_.take(line.substr(0, kTagColumn), number_);
-    } else if (line.starts_with(' ') && is_atom(trimmed(line))) {
+    } else if (line.starts_with(' ') && is_atom_record(trimmed(line))) {
       refuse("an atom's record begins behind a blank; it belongs in column 1");
     }
   }
 
-  void close_model() {
-    if (open_) text_ += "ENDMDL\n";
-    open_ = false;
-    announced_.clear();
-  }
-
   // Models are numbered anew for gemmi, since files leave numbers out or repeat them.
   void open_model() {
-    open_ = true;
-    const std::size_t count = model_names_.size() + 1;
+    const std::size_t count = models_.names().size();
     if (count > kMaxModels)
       refuse(fmt::format("more than {} models; cut the file into smaller ones", kMaxModels));
-    std::string name = announced_;
-    if (name.empty()) name = std::to_string(count);
-    for (std::size_t next = count; names_.count(name) != 0; ++next) name = std::to_string(next);
-    names_.insert(name);
-    model_names_.push_back(name);
+    if (count > 1) text_ += "ENDMDL\n";
     text_ += fmt::format("MODEL     {:4}\n", count);
   }
 
   void take_atom(std::string_view line) {
-    if (!open_) open_model();
+    if (models_.begins_model()) open_model();
     if (atoms_.size() >= kMaxAtoms)
       refuse(fmt::format("more than {} atoms; write it as mmCIF", kMaxAtoms));
     check_coordinates(line);
@@ -216,10 +181,7 @@ class Normaliser {
   Layout layout_;
   std::string text_;
   std::uint32_t number_ = 0;  // of the line
-  bool open_ = false;
-  std::string announced_;  // by the last MODEL record
-  std::vector<std::string> model_names_;
-  std::set<std::string> names_;
+  ModelRecords models_;
   std::vector<AtomRecord> atoms_;
   BiomoleculeReader biomolecules_;
 };

@@ -12,6 +12,7 @@
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
 #include "structure/parsed_file.hpp"
+#include "structure/pdb_records.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -33,11 +34,8 @@ class Builder {
     file_.structure = std::make_shared<gemmi::Structure>();
   }
 
-  void begin_model(std::string name) {
-    gemmi::Structure& structure = *file_.structure;
-    if (name.empty() || structure.find_model(name))
-      name = std::to_string(structure.models.size() + 1);
-    structure.models.emplace_back(name);
+  void begin_model(const std::string& name) {
+    file_.structure->models.emplace_back(name);
     chain_ = nullptr;
   }
 
@@ -63,7 +61,6 @@ class Builder {
 
  private:
   gemmi::Residue& residue_of(const Row& row) {
-    if (file_.structure->models.empty()) begin_model("1");
     if (!chain_ || chain_->name != row.chain) {
       std::vector<gemmi::Chain>& chains = file_.structure->models.back().chains;
       chains.emplace_back(std::string(row.chain));
@@ -177,10 +174,6 @@ Row pqr_row(std::string_view line, const std::string& path, std::uint32_t number
   return row;
 }
 
-bool is_atom(std::string_view line) {
-  return line.starts_with("ATOM") || line.starts_with("HETATM");
-}
-
 // Occupancy and temperature factor where the PDB has them, with its two decimals.
 bool has_pdb_factors(std::string_view line) {
   const auto has_two_decimals = [](std::string_view field) {
@@ -196,7 +189,7 @@ void refuse_pdb(std::string_view text, const std::string& path) {
   double largest = 0;  // Å, were it a PQR file
   std::string_view line;
   while (pdb && next_line(text, line)) {
-    if (!is_atom(line)) continue;
+    if (!is_atom_record(line)) continue;
     pdb = has_pdb_factors(line);
     elements = elements && !trimmed(columns(line, 76, 2)).empty();
     if (pdb) largest = std::max(largest, *finite_number(columns(line, 60, 6)));
@@ -212,11 +205,13 @@ void refuse_pdb(std::string_view text, const std::string& path) {
 ParsedFile parse_pqr(std::string_view text, const std::string& path) {
   Builder builder(path, "pqr");
   refuse_pdb(text, path);
+  ModelRecords models;
   std::string_view line;
   for (std::uint32_t number = 1; next_line(text, line); ++number) {
-    if (is_atom(trimmed(line)) && !is_atom(line)) line = trimmed(line);
-    if (line.starts_with("MODEL")) builder.begin_model(std::string(trimmed(line.substr(5))));
-    if (!is_atom(line)) continue;
+    if (models.take(trimmed(line))) continue;
+    if (is_atom_record(trimmed(line)) && !is_atom_record(line)) line = trimmed(line);
+    if (!is_atom_record(line)) continue;
+    if (models.begins_model()) builder.begin_model(models.names().back());
     const Row row = pqr_row(line, path, number);
     builder.add(row, element_of_bare_name(row.name, row.residue), number);
   }
@@ -227,6 +222,7 @@ ParsedFile parse_pqr(std::string_view text, const std::string& path) {
 
 ParsedFile parse_xyzr(std::string_view text, const std::string& path) {
   Builder builder(path, "xyzr");
+  builder.begin_model("1");
   std::string_view line;
   for (std::uint32_t number = 1; next_line(text, line); ++number) {
     const std::vector<std::string_view> fields = split_at_blanks(line.substr(0, line.find('#')));

@@ -146,44 +146,6 @@ TEST(Pdb, AtomsKeepTheOrderOfTheFile) {
   EXPECT_EQ(elements(molecule), (std::vector<std::string>{"N", "N", "O", "O"}));
 }
 
-std::string two_atoms() {
-  return record(" C1 ", "UNL", 1) + "\n" + record(" O1 ", "UNL", 2) + "\n";
-}
-
-TEST(Pdb, ModelsAreFoundHoweverTheyAreMarked) {
-  const std::vector<std::string> files{
-      "MODEL        1\n" + two_atoms() + "ENDMDL\nMODEL        2\n" + two_atoms() + "ENDMDL\nEND\n",
-      "MODEL 1\n" + two_atoms() + "MODEL 2\n" + two_atoms(),             // no ENDMDL
-      two_atoms() + "ENDMDL\nMODEL        2\n" + two_atoms() + "END\n",  // no first MODEL
-      two_atoms() + "END\n" + two_atoms() + "END\n",                     // frames ended by END
-      "MODEL        1\n" + two_atoms() + "ENDMDL\nEND\nMODEL        1\n" + two_atoms() +
-          "ENDMDL\n"};
-  for (const std::string& text : files) {
-    const Molecule first = read_text_as("a.pdb", text);
-    EXPECT_EQ(first.atoms_used, 2U) << text;
-    EXPECT_EQ(first.skipped.at("other_models"), 2U) << text;
-    EXPECT_EQ(first.model, "1");
-    ReadOptions options;
-    options.model = "2";
-    EXPECT_EQ(read_text_as("a.pdb", text, options).atoms.at(0).model, 2) << text;
-    options.model = "all";
-    const Molecule all = read_text_as("a.pdb", text, options);
-    EXPECT_EQ(all.atoms_used, 4U) << text;
-    EXPECT_EQ(all.model, "all");
-    options.model = "3";
-    EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", text, options), HasSubstr("1 to 2"));
-  }
-}
-
-TEST(Pdb, ModelNumbersNeedNotBeginWithOne) {
-  const std::string text =
-      "MODEL        0\n" + two_atoms() + "ENDMDL\nMODEL        7\n" + two_atoms() + "ENDMDL\n";
-  EXPECT_EQ(read_text_as("a.pdb", text).model, "0");
-  ReadOptions options;
-  options.model = "07";
-  EXPECT_EQ(read_text_as("a.pdb", text, options).atoms.at(0).model, 7);
-}
-
 TEST(Pdb, BadCoordinatesAreRefusedWithTheirLine) {
   const std::string good = record(" C1 ", "UNL") + "\n";
   for (const std::string& bad :

@@ -81,7 +81,8 @@ TEST(Xyzr, NumbersAndComments) {
 }
 
 TEST(Xyzr, BadLinesAreRefused) {
-  for (const char* bad : {"1 2 3", "1 2 3 -1", "a b c d", "1 2 inf 1", "nan 2 3 1", "1,2,3,1"})
+  for (const char* bad : {"1 2 3", "1 2 3 -1", "a b c d", "1 2 inf 1", "nan 2 3 1", "1,2,3,1",
+                          "1 2 +-3 1", "1 2 ++3 1", "1 2 + 1"})
     EXPECT_THAT(refusal_of_text<FileFormatError>("a.xyzr", std::string("0 0 0 1\n") + bad),
                 HasSubstr("a.xyzr:2: "));
 }

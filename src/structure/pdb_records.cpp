@@ -1,0 +1,58 @@
+#include "structure/pdb_records.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "structure/lines.hpp"
+
+namespace vdwmesh {
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+}  // namespace
+
+bool starts_with_record(std::string_view line, std::string_view name) {
+  return line.size() >= name.size() &&
+         std::equal(name.begin(), name.end(), line.begin(), [](char a, char b) {
+           return a == std::toupper(static_cast<unsigned char>(b));
+         });
+}
+
+bool is_record(std::string_view line, std::string_view name) {
+  if (!starts_with_record(line, name)) return false;
+  if (line.size() == name.size()) return true;
+  const char next = line[name.size()];
+  return next == ' ' || next == '\t' || is_digit(next);
+}
+
+bool is_atom_record(std::string_view line) {
+  return starts_with_record(line, "HETATM") || is_record(line, "ATOM");
+}
+
+bool ModelRecords::take(std::string_view line) {
+  const bool begins = is_record(line, "MODEL");
+  if (!begins && !is_record(line, "ENDMDL") && !is_record(line, "END")) return false;
+  open_ = false;
+  const auto number = begins ? whole_number(line.substr(5)) : std::nullopt;
+  announced_ = number ? std::to_string(*number) : "";
+  return true;
+}
+
+bool ModelRecords::begins_model() {
+  if (open_) return false;
+  open_ = true;
+  names_.push_back(unused_name());
+  taken_.insert(names_.back());
+  return true;
+}
+
+// The number announced, or else the model's place among the models, or else the next free number.
+std::string ModelRecords::unused_name() {
+  if (!announced_.empty() && taken_.count(announced_) == 0) return announced_;
+  next_ = std::max(next_, names_.size() + 1);
+  while (taken_.count(std::to_string(next_)) != 0) ++next_;
+  return std::to_string(next_);
+}
+
+}  // namespace vdwmesh
