@@ -135,7 +135,7 @@ __global__ void discount_turned(SurfaceView surface, MidpointLevel level, FatesV
                                 DeviceStats* stats) {
   const ListedPatch listed = listed_patch(level, fates, edges, count, Fate::taking_back);
   if (!listed.has) return;
-  Patch patch;
+  ParentPatch patch;
   load_vertices(level, listed.t, patch);
   load_places(level, listed.t, patch);
   const int turned = __popc(facing_of_children(surface.spheres, patch).turned);
@@ -159,7 +159,7 @@ __global__ void judge_listed(SurfaceView surface, MidpointLevel level, FatesView
                              const std::uint32_t* edges, std::uint64_t count, DeviceStats* stats) {
   const ListedPatch listed = listed_patch(level, fates, edges, count, Fate::taken_back);
   if (!listed.has) return;
-  Patch patch;
+  ParentPatch patch;
   load_vertices(level, listed.t, patch);
   load_places(level, listed.t, patch);
   const ChildrenFacing facing = facing_of_children(surface.spheres, patch);

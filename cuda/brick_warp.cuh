@@ -6,7 +6,7 @@
 #include "extract/brick_geometry.hpp"
 #include "extract/brick_numbering.hpp"
 #include "extract/case_table.hpp"
-#include "extract/surface_vertex.hpp"
+#include "extract/edge_vertex.hpp"
 
 namespace vdwmesh {
 
@@ -135,7 +135,7 @@ struct VertexStage {
 // Writes `count` vertices of a warp from place `first` on; lane i holds the i-th.
 __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& mesh,
                                       std::uint64_t first, unsigned count,
-                                      const SurfaceVertex& vertex) {
+                                      const EdgeVertex& vertex) {
   const unsigned lane = threadIdx.x % kWarp;
   __syncwarp();
   for (int axis = 0; axis < 3; ++axis) {
@@ -165,7 +165,7 @@ __device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexSt
     const unsigned count = left < kWarp ? left : kWarp;
     // Lanes without a vertex make the last one too, so that all of the warp stay together.
     const unsigned own = lane < count ? lane : count - 1;
-    const SurfaceVertex v = vertex(edge_of_vertex(brick, first + own));
+    const EdgeVertex v = vertex(edge_of_vertex(brick, first + own));
     if (lane < count && v.clamped) atomicAdd(clamped, 1ull);
     store_vertices(stage, mesh, base + first, count, v);
   }

@@ -109,13 +109,13 @@ __device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGe
 // `values` are those of the brick's nodes; for_each(visit) calls visit(atom, place) for the atoms
 // that reach the brick, in list order.
 template <FieldKind kind, class ForEach>
-__device__ SurfaceVertex blended_vertex(const FieldContext& f, const BrickGeometry& g,
-                                        const float* values, const CrossedEdge& edge,
-                                        ForEach&& for_each) {
+__device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry& g,
+                                     const float* values, const CrossedEdge& edge,
+                                     ForEach&& for_each) {
   const auto value = [&](const int node[3]) {
     return values[(node[2] * kBrickReach + node[1]) * kBrickReach + node[0]];
   };
-  SurfaceVertex v =
+  EdgeVertex v =
       vertex_between(value(edge.inside), value(edge.outside), static_cast<float>(f.model.isovalue),
                      f.model.grid, edge, g.node(edge.inside[0], edge.inside[1], edge.inside[2]));
   const Vec3f local = cast<float>(v.position - g.node(0, 0, 0));
@@ -236,7 +236,7 @@ __global__ void __launch_bounds__(kBrickThreads, normals == Normals::none ? 24 :
               for (int axis = 0; axis < 3; ++axis) {
                 node[axis] = lattice_coordinate(field.grid, axis, inside.index[axis]);
               }
-              SurfaceVertex v = sampled_vertex(field, index, edge, node);
+              EdgeVertex v = sampled_vertex(field, index, edge, node);
               if constexpr (normals == Normals::gradients) {
                 v.normal = sampled_normal(field, index, edge, v);
               }

@@ -121,7 +121,7 @@ __global__ void __launch_bounds__(kJudgeThreads)
   unsigned turned = 0;
   if (i < count) {
     const std::uint64_t t = level.marks.regular != nullptr ? level.marks.list[i] : i;
-    Patch patch;
+    ParentPatch patch;
     load_vertices(level, t, patch);
     load_places(level, t, patch);
     const ChildrenFacing facing = facing_of_children(surface.spheres, patch);

@@ -1,7 +1,7 @@
 // Midpoints of a level. A warp takes a run of half-edges, picks those that come first of their
 // edge, and makes 32 midpoints at a time: they stand close together.
 #include "cuda/make_vertices.cuh"
-#include "cuda/near_balls.cuh"
+#include "cuda/warp_balls.cuh"
 #include "refine/constraint_formulas.hpp"
 
 namespace vdwmesh {
@@ -115,7 +115,7 @@ __device__ void finish_midpoint(const SurfaceView& surface, const MidpointLevel&
 struct MidpointShared {
   std::uint16_t first[kWarps][kRun];
   EdgeMiddles middles[kWarps];
-  NearBallsStorage balls[kWarps];
+  WarpBallsStorage balls[kWarps];
 };
 
 // The radial step of a midpoint whose ends are both on ball a. Where it leads to a point that no
@@ -123,7 +123,7 @@ struct MidpointShared {
 // nearer at the start would cover it, since gaps change by no more than the way. So that is what
 // project_to_union() finds.
 __device__ bool step_to_own_sphere(const Sphere& a, const Vec3d& start, double reach,
-                                   const NearBalls& balls, ProjectedPoint& p) {
+                                   const WarpBalls& balls, ProjectedPoint& p) {
   const double gap_before = gap(a, start);
   if (!(gap_before < -kProjectionTolerance && gap_before >= -reach)) return false;
   const FoundPoint to = nearest_on_sphere(a, start);
@@ -158,7 +158,7 @@ __global__ void __launch_bounds__(kThreads, 6)
     const WarpBox box = load_middles<kRounds>(level, here, s.middles[warp], [&](unsigned i) {
       return first_half_edge + list[group + i];
     });
-    NearBalls balls(surface.list, s.balls[warp], box);
+    WarpBalls balls(surface.list, s.balls[warp], box);
     balls.prepare_covers();
     for (unsigned begin = 0; begin < here; begin += kWarp) {
       const unsigned i = begin + lane;
@@ -197,7 +197,7 @@ constexpr unsigned kRunsTogether = 4;
 
 struct HardShared {
   EdgeMiddles middles[kWarps];
-  NearBallsStorage balls[kWarps];
+  WarpBallsStorage balls[kWarps];
 };
 
 // Those that are listed, by neighbouring runs.
@@ -238,7 +238,7 @@ __global__ void __launch_bounds__(kThreads, 4)
     const unsigned here = count - group < group_size ? count - group : group_size;
     const WarpBox box = load_middles<kMostRounds>(level, here, s.middles[warp],
                                                   [&](unsigned i) { return half_edge(group + i); });
-    NearBalls balls(surface.list, s.balls[warp], box);
+    WarpBalls balls(surface.list, s.balls[warp], box);
     for (unsigned i = lane; i < here; i += kWarp) {
       const Vec3d start = middles.start[i];
       const double reach = middles.reach[i];

@@ -6,17 +6,19 @@
 namespace vdwmesh {
 
 // A parent triangle with its midpoints.
-struct Patch {
+struct ParentPatch {
   std::uint32_t vertex[6];
   Vec3d position[6];
   SphereId atom[6];
 };
 
-__device__ inline void load_vertices(const MidpointLevel& level, std::uint64_t t, Patch& patch) {
+__device__ inline void load_vertices(const MidpointLevel& level, std::uint64_t t,
+                                     ParentPatch& patch) {
   for (int i = 0; i < 6; ++i) patch.vertex[i] = level.vertex(t, i);
 }
 
-__device__ inline void load_places(const MidpointLevel& level, std::uint64_t t, Patch& patch) {
+__device__ inline void load_places(const MidpointLevel& level, std::uint64_t t,
+                                   ParentPatch& patch) {
   const SphereId* triangle = level.parent.triangle_spheres;
   for (int i = 0; i < 6; ++i) {
     patch.position[i] = level.mesh.positions[patch.vertex[i]];
@@ -45,7 +47,8 @@ struct ChildrenFacing {
   unsigned turned, against_one_atom, safe;
 };
 
-__device__ inline ChildrenFacing facing_of_children(const Sphere* spheres, const Patch& patch) {
+__device__ inline ChildrenFacing facing_of_children(const Sphere* spheres,
+                                                    const ParentPatch& patch) {
   bool mixed = false;
   for (int i = 1; i < 6; ++i) mixed |= patch.atom[i] != patch.atom[0];
   Vec3d out[6];
@@ -72,8 +75,8 @@ __device__ inline ChildrenFacing facing_of_children(const Sphere* spheres, const
 
 // Marks the moved vertices of the children that their moves turned against one atom.
 __device__ inline void mark_turned_children(const SurfaceView& surface, const MidpointLevel& level,
-                                            std::uint64_t t, const Patch& patch, unsigned against,
-                                            const FatesView& fates) {
+                                            std::uint64_t t, const ParentPatch& patch,
+                                            unsigned against, const FatesView& fates) {
   for (int child = 0; child < 4; ++child) {
     if ((against >> child & 1) == 0) continue;
     Vec3d before[3];

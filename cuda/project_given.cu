@@ -6,7 +6,7 @@
 
 #include "cuda/cub_calls.cuh"
 #include "cuda/make_vertices.cuh"
-#include "cuda/near_balls.cuh"
+#include "cuda/warp_balls.cuh"
 
 namespace vdwmesh {
 namespace {
@@ -38,7 +38,7 @@ constexpr unsigned kGroup = kRounds * kWarp;
 __global__ void __launch_bounds__(kThreads)
     find_astray(SurfaceView surface, DeviceMeshView mesh, Fate* fates, unsigned long long* astray,
                 DeviceStats* stats) {
-  __shared__ NearBallsStorage storage[kWarps];
+  __shared__ WarpBallsStorage storage[kWarps];
   const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
   const std::uint64_t first = (static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp) * kGroup;
   if (first >= mesh.vertices) return;
@@ -50,7 +50,7 @@ __global__ void __launch_bounds__(kThreads)
     if (v < end) box.add(mesh.positions[v], kProjectionTolerance);
   }
   box.join();
-  NearBalls balls(surface.list, storage[warp], box);
+  WarpBalls balls(surface.list, storage[warp], box);
   OutcomeTally tally;
   unsigned strays = 0;
   for (std::uint64_t v = first + lane; v < end; v += kWarp) {

@@ -6,7 +6,7 @@
 #include "cuda/ordered_gather.cuh"
 #include "extract/brick_geometry.hpp"
 #include "extract/edge_formulas.hpp"
-#include "extract/surface_vertex.hpp"
+#include "extract/edge_vertex.hpp"
 
 namespace vdwmesh {
 
@@ -59,9 +59,9 @@ __device__ inline std::uint64_t balls_near_edge(const UnionItems& items, std::ui
 
 // The vertex on a crossed edge. `items` are all balls near the brick; null when they do not fit,
 // then the list is searched.
-__device__ inline SurfaceVertex union_vertex(const FieldContext& f, const BrickGeometry& g,
-                                             const UnionItems* items, std::uint32_t count,
-                                             const CrossedEdge& edge) {
+__device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeometry& g,
+                                          const UnionItems* items, std::uint32_t count,
+                                          const CrossedEdge& edge) {
   const double spacing = f.model.grid.spacing;
   const Vec3d node = g.node(edge.inside[0], edge.inside[1], edge.inside[2]);
   const Vec3d far = g.node(edge.outside[0], edge.outside[1], edge.outside[2]);

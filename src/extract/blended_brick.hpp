@@ -9,9 +9,9 @@
 #include "extract/brick_geometry.hpp"
 #include "extract/cell_list.hpp"
 #include "extract/edge_formulas.hpp"
+#include "extract/edge_vertex.hpp"
 #include "extract/field.hpp"
 #include "extract/local_atom.hpp"
-#include "extract/surface_vertex.hpp"
 
 namespace vdwmesh {
 
@@ -42,7 +42,7 @@ class BlendedBrick {
   }
 
  private:
-  SurfaceVertex vertex(const CrossedEdge& edge) const;
+  EdgeVertex vertex(const CrossedEdge& edge) const;
   LocalAtom local_atom(const Sphere& atom) const;
   void add_rows(const LocalAtom& atom, BrickValues& values) const;
 
@@ -129,14 +129,14 @@ inline bool reaches_node(const LocalAtom& a, const int node[3]) {
 }
 
 template <FieldKind kind>
-SurfaceVertex BlendedBrick<kind>::vertex(const CrossedEdge& edge) const {
+EdgeVertex BlendedBrick<kind>::vertex(const CrossedEdge& edge) const {
   float inside = 0, outside = 0;
   for (const LocalAtom& atom : atoms_) {
     inside = add_to_node<kind>(nodes_, atom, edge.inside, inside);
     outside = add_to_node<kind>(nodes_, atom, edge.outside, outside);
   }
-  SurfaceVertex v = vertex_between(inside, outside, isovalue_, model_.grid, edge,
-                                   geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]));
+  EdgeVertex v = vertex_between(inside, outside, isovalue_, model_.grid, edge,
+                                geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]));
   const Vec3f local = cast<float>(v.position - geometry_.node(0, 0, 0));
   LocalGradient g;
   for (std::uint32_t k = 0; k < atoms_.size(); ++k) {

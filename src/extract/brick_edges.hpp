@@ -9,7 +9,7 @@
 
 #include "extract/brick.hpp"
 #include "extract/brick_cases.hpp"
-#include "extract/surface_vertex.hpp"
+#include "extract/edge_vertex.hpp"
 
 namespace vdwmesh {
 

@@ -13,8 +13,8 @@
 #include "extract/brick_edges.hpp"
 #include "extract/brick_numbering.hpp"
 #include "extract/case_table.hpp"
+#include "extract/edge_vertex.hpp"
 #include "extract/extractor.hpp"
-#include "extract/surface_vertex.hpp"
 #include "extract/triangle_emitter.hpp"
 
 namespace vdwmesh {
@@ -100,7 +100,7 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, 
   std::uint64_t clamped = 0;
   edges.gather(brick.signs);
   surface.visit(brick_of_key(brick.key));
-  surface.vertices(edges, [&](std::size_t i, const SurfaceVertex& v) {
+  surface.vertices(edges, [&](std::size_t i, const EdgeVertex& v) {
     e.mesh.positions[first + i] = v.position;
     if (!e.mesh.normals.empty()) e.mesh.normals[first + i] = v.normal;
     if (!e.mesh.vertex_spheres.empty()) e.mesh.vertex_spheres.atoms[first + i] = v.sphere;

@@ -7,9 +7,9 @@
 #include "core/host_device.hpp"
 #include "extract/brick_geometry.hpp"
 #include "extract/edge_formulas.hpp"
+#include "extract/edge_vertex.hpp"
 #include "extract/field_formulas.hpp"
 #include "extract/node_terms.hpp"
-#include "extract/surface_vertex.hpp"
 
 namespace vdwmesh {
 
@@ -112,16 +112,16 @@ VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const V
 }
 
 // The vertex between nodes of the given values, but for its normal and label.
-VDWMESH_HD inline SurfaceVertex vertex_between(float inside, float outside, float isovalue,
-                                               const GridSpec& grid, const CrossedEdge& edge,
-                                               const Vec3d& inside_node) {
+VDWMESH_HD inline EdgeVertex vertex_between(float inside, float outside, float isovalue,
+                                            const GridSpec& grid, const CrossedEdge& edge,
+                                            const Vec3d& inside_node) {
   const EdgePoint point = interpolate_edge(inside, outside, isovalue, grid.spacing);
   return {point_on_edge(edge, inside_node, point.distance), cast<float>(edge_direction(edge)),
           kNoSphere, point.clamped};
 }
 
 // Outward: down the gradient, or along the edge where it vanishes.
-VDWMESH_HD inline Vec3f outward_normal(const LocalGradient& g, const SurfaceVertex& v) {
+VDWMESH_HD inline Vec3f outward_normal(const LocalGradient& g, const EdgeVertex& v) {
   return unit_or({-g.sum.x, -g.sum.y, -g.sum.z}, cast<double>(v.normal));
 }
 

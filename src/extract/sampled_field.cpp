@@ -106,9 +106,9 @@ class SampledBrick {
   }
 
  private:
-  SurfaceVertex vertex(const CrossedEdge& edge) const {
+  EdgeVertex vertex(const CrossedEdge& edge) const {
     const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
-    SurfaceVertex v = sampled_vertex(field_, geometry_.brick, edge, node);
+    EdgeVertex v = sampled_vertex(field_, geometry_.brick, edge, node);
     v.normal = sampled_normal(field_, geometry_.brick, edge, v);
     return v;
   }

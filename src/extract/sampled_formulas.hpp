@@ -8,8 +8,8 @@
 #include "core/host_device.hpp"
 #include "extract/brick_geometry.hpp"
 #include "extract/edge_formulas.hpp"
+#include "extract/edge_vertex.hpp"
 #include "extract/sampled_field.hpp"
-#include "extract/surface_vertex.hpp"
 
 namespace vdwmesh {
 
@@ -51,8 +51,8 @@ VDWMESH_HD inline Vec3f node_difference(const SampledFieldView& f, const Lattice
 
 // The vertex on a crossed edge, its normal along the edge; `node` is the position of its inside
 // end, Å.
-VDWMESH_HD inline SurfaceVertex sampled_vertex(const SampledFieldView& f, const BrickIndex& brick,
-                                               const CrossedEdge& edge, const Vec3d& node) {
+VDWMESH_HD inline EdgeVertex sampled_vertex(const SampledFieldView& f, const BrickIndex& brick,
+                                            const CrossedEdge& edge, const Vec3d& node) {
   const LatticeNode inside = lattice_node(brick, edge.inside);
   const LatticeNode outside = lattice_node(brick, edge.outside);
   // No value beyond the border: interpolation then takes the outer end.
@@ -66,7 +66,7 @@ VDWMESH_HD inline SurfaceVertex sampled_vertex(const SampledFieldView& f, const 
 
 // Down the gradient at a vertex, between those of its edge's ends.
 VDWMESH_HD inline Vec3f sampled_normal(const SampledFieldView& f, const BrickIndex& brick,
-                                       const CrossedEdge& edge, const SurfaceVertex& v) {
+                                       const CrossedEdge& edge, const EdgeVertex& v) {
   const LatticeNode inside = lattice_node(brick, edge.inside);
   const LatticeNode outside = lattice_node(brick, edge.outside);
   const Vec3f a = node_difference(f, inside);

@@ -13,9 +13,9 @@
 #include "extract/brick_geometry.hpp"
 #include "extract/cell_list.hpp"
 #include "extract/edge_formulas.hpp"
+#include "extract/edge_vertex.hpp"
 #include "extract/field.hpp"
 #include "extract/sign_lanes.hpp"
-#include "extract/surface_vertex.hpp"
 #include "extract/union_lanes.hpp"
 
 namespace vdwmesh {
@@ -201,10 +201,10 @@ void UnionBrick::vertices(const BrickEdges& edges, Put&& put) {
   find_normals(edges);
   const EdgeLanes& l = lanes_;
   for (std::size_t e = 0; e < l.count; ++e) {
-    put(e, SurfaceVertex{{l.position[0][e], l.position[1][e], l.position[2][e]},
-                         {l.normal[0][e], l.normal[1][e], l.normal[2][e]},
-                         l.sphere[e],
-                         l.clamped[e] != 0});
+    put(e, EdgeVertex{{l.position[0][e], l.position[1][e], l.position[2][e]},
+                      {l.normal[0][e], l.normal[1][e], l.normal[2][e]},
+                      l.sphere[e],
+                      l.clamped[e] != 0});
   }
 }
 

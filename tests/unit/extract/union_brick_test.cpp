@@ -96,7 +96,7 @@ TEST_P(UnionBrickTest, VerticesAreTheFirstExits) {
   BrickEdges edges;
   edges.gather(signs_);
   std::size_t put = 0;
-  brick_.vertices(edges, [&](std::size_t i, const SurfaceVertex& v) {
+  brick_.vertices(edges, [&](std::size_t i, const EdgeVertex& v) {
     ++put;
     const CrossedEdge e = edges.all()[i].crossed();
     const Vec3d inside = node(e.inside[0], e.inside[1], e.inside[2]);

@@ -8,7 +8,7 @@
 
 namespace vdwmesh {
 
-struct SurfaceVertex {
+struct EdgeVertex {
   Vec3d position;  // Å
   Vec3f normal;    // unit, outward
   SphereId sphere;

@@ -14,7 +14,7 @@ inline constexpr std::uint32_t kNearBalls = 128;
 inline constexpr std::uint32_t kAtATime = 4;  // looked at together
 
 // Shared memory of a warp.
-struct NearBallsStorage {
+struct WarpBallsStorage {
   float4 rough[kNearBalls + kAtATime];  // centre relative to the origin, radius
   std::uint32_t place[kNearBalls];
 };
@@ -61,11 +61,11 @@ class WarpBox {
   float low_[3] = {0, 0, 0}, high_[3] = {0, 0, 0}, wide_ = 0;
 };
 
-class NearBalls {
+class WarpBalls {
  public:
   // Called by all lanes: gathers the balls near the box. Where they are too many or too far apart
   // there are none, and nearest() searches the list.
-  __device__ NearBalls(const CellListView& list, NearBallsStorage& storage, const WarpBox& box);
+  __device__ WarpBalls(const CellListView& list, WarpBallsStorage& storage, const WarpBox& box);
 
   // Before the calls of nearest() for a point that is to move at most `moves` (Å).
   __device__ void begin(double moves) {
@@ -116,7 +116,7 @@ class NearBalls {
                            NearestBall& best) const;
 
   const CellListView& list_;
-  NearBallsStorage& storage_;
+  WarpBallsStorage& storage_;
   Vec3d origin_;
   std::uint32_t count_ = 0;
   std::uint32_t likely_ = 0;  // slots that later calls look at; 0: all
@@ -125,7 +125,7 @@ class NearBalls {
   bool complete_ = false;
 };
 
-__device__ inline NearBalls::NearBalls(const CellListView& list, NearBallsStorage& storage,
+__device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorage& storage,
                                        const WarpBox& box)
     : list_(list), storage_(storage), origin_(box.origin()) {
   const float reach = box.wide();
@@ -188,7 +188,7 @@ __device__ inline NearBalls::NearBalls(const CellListView& list, NearBallsStorag
   complete_ = !full && doubt_ < 1e10f;
 }
 
-__device__ inline void NearBalls::consider(std::uint32_t place, const Vec3d& q, double reach,
+__device__ inline void WarpBalls::consider(std::uint32_t place, const Vec3d& q, double reach,
                                            NearestBall& best) const {
   const double g = gap(list_.spheres[place], q);
   if (!(g <= reach)) return;
@@ -198,7 +198,7 @@ __device__ inline void NearBalls::consider(std::uint32_t place, const Vec3d& q, 
 }
 
 // Notes what can be nearest after a move of `moves`: gaps differ by twice that at most.
-__device__ inline NearBalls::Least NearBalls::least_of_all(const Rough& at) {
+__device__ inline WarpBalls::Least WarpBalls::least_of_all(const Rough& at) {
   Least least{INFINITY, INFINITY, 0};
   std::uint32_t likely = 0;
   const std::uint32_t end = padded_count();
@@ -216,7 +216,7 @@ __device__ inline NearBalls::Least NearBalls::least_of_all(const Rough& at) {
   return least;
 }
 
-__device__ inline NearBalls::Least NearBalls::least_of_likely(const Rough& at) const {
+__device__ inline WarpBalls::Least WarpBalls::least_of_likely(const Rough& at) const {
   Least least{INFINITY, INFINITY, 0};
   for (std::uint32_t left = likely_; left != 0; left &= left - 1) {
     const auto slot = static_cast<std::uint32_t>(__ffs(static_cast<int>(left)) - 1);
@@ -225,7 +225,7 @@ __device__ inline NearBalls::Least NearBalls::least_of_likely(const Rough& at) c
   return least;
 }
 
-__device__ inline NearestBall NearBalls::nearest(const Vec3d& q, double reach) {
+__device__ inline NearestBall WarpBalls::nearest(const Vec3d& q, double reach) {
   if (!complete_) return nearest_ball(list_, q, kProjectionTolerance, reach);
   const Rough at = rough(q);
   const Least least = likely_ != 0 ? least_of_likely(at) : least_of_all(at);
@@ -244,7 +244,7 @@ __device__ inline NearestBall NearBalls::nearest(const Vec3d& q, double reach) {
 }
 
 // Radii become squares of a little more than them.
-__device__ inline void NearBalls::prepare_covers() {
+__device__ inline void WarpBalls::prepare_covers() {
   const float more = 2 * doubt_ + 2 * static_cast<float>(kProjectionTolerance);
   for (std::uint32_t k = threadIdx.x % kWarp; k < count_; k += kWarp) {
     const float radius = storage_.rough[k].w + more;
@@ -253,7 +253,7 @@ __device__ inline void NearBalls::prepare_covers() {
   __syncwarp();
 }
 
-__device__ inline bool NearBalls::is_alone(const Vec3d& q) const {
+__device__ inline bool WarpBalls::is_alone(const Vec3d& q) const {
   const Rough at = rough(q);
   const std::uint32_t end = padded_count();
   unsigned covers = 0;
