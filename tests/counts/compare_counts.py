@@ -2,11 +2,12 @@
 
     compare_counts.py HOT_LOOPS RECORDED.json [--record]
 
-Instruction counts repeat where times do not. They are those of one compiler, C++ library and
-version of the loops (core/multiversion.hpp): where these differ from the recorded ones nothing can
-be compared, and the test is skipped with that reason. A loop that takes over 5 % more than recorded
-is a failure; one that takes less is named, so that its gain can be recorded. --record writes the
-counts found.
+Instruction counts repeat where times do not. They are those of one compiler, C library and version
+of the loops (core/multiversion.hpp), so RECORDED.json is a list with an entry for each of these. With a
+compiler that has no entry nothing can be compared: the test is skipped and says so, which is a failure
+where skips are checked (tests/check_skips.py), until --record has added an entry. A loop that takes over
+5 % more than recorded is a failure; one that takes less is named, so that its gain can be recorded.
+--record writes the counts found in place of those of the same compiler, or beside those of others.
 """
 
 import json
@@ -71,6 +72,12 @@ def compare(found, recorded):
     return grown, strange
 
 
+def replaced(entries, found):
+    """The entries with `found` in place of the one of the same machine, or behind the others."""
+    others = [entry for entry in entries if entry["machine"] != found["machine"]]
+    return sorted([*others, found], key=lambda entry: sorted(entry["machine"].items()))
+
+
 def main(program, path, *flags):
     if not shutil.which("valgrind") or not shutil.which("readelf"):
         print("skipped: valgrind or readelf is not on this machine")
@@ -80,14 +87,17 @@ def main(program, path, *flags):
     if not found["instructions"]:
         print("no loop was counted")
         return FAILED
+    entries = json.loads(path.read_text()) if path.exists() else []
     if "--record" in flags:
-        path.write_text(json.dumps(found, indent=2) + "\n")
+        path.write_text(json.dumps(replaced(entries, found), indent=2) + "\n")
         return DONE
-    recorded = json.loads(path.read_text())
-    if found["machine"] != recorded["machine"]:
-        print(f"skipped: recorded with {recorded['machine']}, this is {found['machine']}")
+    recorded = [entry for entry in entries if entry["machine"] == found["machine"]]
+    if not recorded:
+        known = "; ".join(", ".join(entry["machine"].values()) for entry in entries)
+        print(f"skipped: no counts of {', '.join(found['machine'].values())} are recorded, but of {known}")
+        print(f"record them: compare_counts.py {program} {path} --record")
         return SKIPPED
-    grown, strange = compare(found["instructions"], recorded["instructions"])
+    grown, strange = compare(found["instructions"], recorded[0]["instructions"])
     if strange:
         print("recorded or counted, but not both:", ", ".join(strange))
     if grown:
