@@ -1,15 +1,18 @@
-# One target per room: vdwmesh_<room>, known outside as vdwmesh::<room>.
+# One target per room: vdwmesh_<room>, known outside as vdwmesh::<room>. A static library, or with
+# BUILD_SHARED_LIBS a shared one; the objects are the same.
 #
 #   vdwmesh_add_room(<room> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
 function(vdwmesh_add_room room)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target vdwmesh_${room})
-  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(${target} ${ARG_SOURCES})
   add_library(vdwmesh::${room} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${room} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${room} POSITION_INDEPENDENT_CODE ON
+    DEFINE_SYMBOL "")
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   vdwmesh_target_warnings(${target})
-  install(TARGETS ${target} EXPORT vdwmeshTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS ${target} EXPORT vdwmeshTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endfunction()
 
 function(vdwmesh_target_warnings target)

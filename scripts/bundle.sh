@@ -3,20 +3,27 @@
 # one folder that runs on a GPU host without the dependencies (x86-64, glibc >= 2.36, NVIDIA driver
 # for CUDA 13). For test hosts, not for distribution.
 #
-#   scripts/bundle.sh DIR [BUILD]     BUILD: a built tree, default build/cuda
+#   scripts/bundle.sh DIR [BUILD]     BUILD: a built tree, default build/cuda, whose programs share
+#                                     their libraries; a tree without that makes a larger bundle
 set -euo pipefail
 source_dir=$(cd "$(dirname "$0")/.." && pwd)
 target=${1:?usage: scripts/bundle.sh DIR [BUILD]}
 build=${2:-$source_dir/build/cuda}
 shared=${VDWMESH_SHARED:-$source_dir/../shared}
 
-mkdir -p "$target/bin" "$target/lib" "$target/data"
+# The tests that compare backends or try CUDA; other tests need no GPU.
 programs=()
-for program in "$build/apps/vdwmesh" "$build"/tests/cuda/cuda_* "$build"/tests/contract/*_test \
-               "$build"/bench/cuda_* "$build/bench/half_edges_bench"; do
-  if [ -f "$program" ] && [ -x "$program" ]; then programs+=("$program"); fi
+for name in apps/vdwmesh tests/cuda/cuda_{parity,device_test,gl_test} \
+            tests/contract/{extractor_contract,refiner_contract,properties}_test \
+            bench/cuda_bench bench/half_edges_bench; do
+  if [ -x "$build/$name" ]; then
+    programs+=("$build/$name")
+  else
+    echo "bundle: left out, because it is not built: $name" >&2
+  fi
 done
 [ "${#programs[@]}" -gt 0 ] || { echo "bundle: nothing built in $build" >&2; exit 1; }
+mkdir -p "$target/bin" "$target/lib" "$target/data"
 for program in "${programs[@]}"; do
   install "$program" "$target/bin/"
   strip "$target/bin/$(basename "$program")"
@@ -25,6 +32,7 @@ for program in "${programs[@]}"; do
     grep -vE '/(libc|libm|libdl|libpthread|librt|ld-linux-x86-64|libcuda)\.so' |
     while read -r library; do install -m 644 "$library" "$target/lib/"; done
 done
+strip --strip-unneeded "$target"/lib/*
 # The vendor-neutral dispatch of OpenGL and EGL (libglvnd), which is opened by name; an NVIDIA driver
 # brings its own half.
 if [ -f "$target/lib/libepoxy.so.0" ]; then
@@ -39,17 +47,14 @@ if [ -f "$target/lib/libepoxy.so.0" ]; then
 fi
 if [ -d "$shared/reference" ]; then
   mkdir -p "$target/data/reference"
-  cp "$shared"/reference/*.xyzr "$shared"/reference/*.csv "$target/data/reference/"
-  for packed in "$shared"/reference/*.xyzr.gz; do
-    gzip -dc "$packed" > "$target/data/reference/$(basename "$packed" .gz)"
-  done
+  cp "$shared"/reference/*.xyzr "$shared"/reference/*.xyzr.gz "$shared"/reference/*.csv \
+     "$target/data/reference/"
 fi
-# The structures of the thesis's tables, for `bin/vdwmesh bench thesis --structures data/thesis`.
+# The structures of the thesis's tables, which tests read too, and
+# `bin/vdwmesh bench thesis --structures data/molecules/thesis`.
 if [ -d "$shared/molecules/thesis" ]; then
-  mkdir -p "$target/data/thesis" "$target/data/molecules/thesis"
-  cp "$shared"/molecules/thesis/*.pdb "$shared"/molecules/thesis/*.cif "$target/data/thesis/"
-  # Where the tests look for them.
-  cp "$target"/data/thesis/* "$target/data/molecules/thesis/"
+  mkdir -p "$target/data/molecules/thesis"
+  cp "$shared"/molecules/thesis/*.pdb "$shared"/molecules/thesis/*.cif "$target/data/molecules/thesis/"
 fi
 
 cat > "$target/run-tests.sh" <<'RUN'
@@ -62,7 +67,7 @@ export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 export VDWMESH_REQUIRE_CUDA=1 VDWMESH_SHARED="$here/data"
 status=0
 for test in "$here"/bin/*_test "$here"/bin/cuda_parity; do
-  [ -x "$test" ] || continue
+  [ -x "$test" ] || { echo "run-tests: $test is not there" >&2; status=1; continue; }
   echo "== $(basename "$test")"
   "$test" "$@" || status=1
 done
@@ -70,13 +75,24 @@ exit $status
 RUN
 cat > "$target/run-bench.sh" <<'RUN'
 #!/usr/bin/env bash
+# The benchmark of the kernels. Arguments: an option of cuda_bench, files as bare names of
+# data/reference/NAME.xyzr or of NAME.xyzr.gz, which is unpacked.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 export VDWMESH_SHARED="$here/data"
-for bench in "$here"/bin/cuda_bench*; do "$bench" "$@"; done
+arguments=()
+for argument in "$@"; do
+  file=$here/data/reference/$argument.xyzr
+  if [ -f "$file.gz" ] && [ ! -f "$file" ]; then gzip -dc "$file.gz" > "$file"; fi
+  if [ -f "$file" ]; then arguments+=("$file"); else arguments+=("$argument"); fi
+done
+exec "$here/bin/cuda_bench" "${arguments[@]}"
 RUN
 chmod +x "$target"/run-*.sh
 size=$(du -sm "$target" | cut -f1)
 echo "bundle: $target, $size MB"
-[ "$size" -le 60 ] || { echo "bundle: larger than 60 MB" >&2; exit 1; }
+[ "$size" -le 60 ] || {
+  echo "bundle: larger than 60 MB; the programs of the preset cuda share their libraries" >&2
+  exit 1
+}
