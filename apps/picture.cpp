@@ -6,6 +6,7 @@
 
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
+#include "cuda/backend.hpp"
 #include "cuda/cuda_source.hpp"
 #include "mesh/element_color.hpp"
 #include "output.hpp"
@@ -48,6 +49,7 @@ struct Drawing {
 Drawing draw(const Renderer& renderer, const MeshSource& host, const RenderOptions& options,
              Backend backend, std::vector<std::string>& notes) {
   if (backend == Backend::cpu) return {renderer.draw(host, options), Backend::cpu};
+  release_device_memory();  // OpenGL needs it now
   const CudaSource source(host, renderer.cuda_device());
   Picture picture = renderer.draw(source, options);
   if (source.obstacle().empty()) return {std::move(picture), Backend::cuda};

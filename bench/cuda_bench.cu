@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "cuda/backend.hpp"
+#include "cuda/device.cuh"
 #include "cuda/device_refinement.cuh"
 #include "extract/field_sample.hpp"
 #include "read_xyzr.hpp"
@@ -96,6 +97,12 @@ SphereSet side_by_side(const SphereSet& one, int copies) {
     }
   }
   return SphereSet(all);
+}
+
+ExtractOptions with_half_edges() {
+  ExtractOptions options;
+  options.connectivity = Connectivity::half_edges;
+  return options;
 }
 
 void report_extraction(const char* name, const SphereSet& spheres, const ExtractOptions& options,
@@ -300,7 +307,7 @@ void report_synthetic(double rate) {
   const SphereSet cluster = synthetic_cluster();
   const Box box = bounding_box(cluster);
   for (const int nodes : {256, 512, 1024}) {
-    ExtractOptions options;
+    ExtractOptions options = with_half_edges();
     options.field.kind = FieldKind::blinn;
     options.grid.padding = 2.0;
     options.grid.spacing = (box.upper.x - box.lower.x + 4.0) / (nodes - 1);
@@ -313,7 +320,7 @@ void report_synthetic(double rate) {
 }
 
 void report_extractions(const std::string& name, const SphereSet& spheres, double rate) {
-  ExtractOptions options;
+  ExtractOptions options = with_half_edges();
   report_extraction((name + " vdw").c_str(), spheres, options, rate);
   options.field.kind = FieldKind::blinn;
   report_extraction((name + " blinn").c_str(), spheres, options, rate);
@@ -365,7 +372,7 @@ int run(int argc, char** argv) {
     parts = {option == "--extract", option == "--refine", option == "--crossings",
              option == "--end-to-end"};
   }
-  keep_device_memory();
+  const DeviceScope device;
   const double rate = copy_rate(Stream());
   if (parts.extract) report_synthetic(rate);
   for (int i = first; i < argc; ++i) report_file(argv[i], parts, rate);

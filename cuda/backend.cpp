@@ -48,7 +48,45 @@ LevelObserver once_per_level(const LevelObserver& observer, int& next) {
   };
 }
 
-// Where a device is present: the CPU does what does not fit it.
+// on_device(), or where that does not fit the device's memory on_cpu(), whose result then says so:
+// "`done` on the CPU: ...".
+template <class OnDevice, class OnCpu>
+auto with_fallback(const char* done, const OnDevice& on_device, const OnCpu& on_cpu) {
+  std::string lack;
+  try {
+    return on_device();
+  } catch (const DeviceMemoryExceeded& error) {
+    lack = error.what();
+  }
+  auto result = on_cpu();
+  result.fallback = std::string(done) + " on the CPU: " + lack;
+  return result;
+}
+
+// The automatic classes are for where a device is present: the CPU does what does not fit it.
+class AutomaticExtractor final : public Extractor {
+ public:
+  ExtractResult extract(const SphereSet& spheres, const ExtractOptions& options) const override {
+    return with_fallback(
+        "meshed", [&] { return make_cuda_extractor()->extract(spheres, options); },
+        [&] { return make_cpu_extractor()->extract(spheres, options); });
+  }
+};
+
+class AutomaticFieldMesher final : public FieldMesher {
+ public:
+  SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const override {
+    return with_fallback(
+        "sampled", [&] { return make_cuda_field_mesher()->sample(spheres, options); },
+        [&] { return make_cpu_field_mesher()->sample(spheres, options); });
+  }
+  ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const override {
+    return with_fallback(
+        "meshed", [&] { return make_cuda_field_mesher()->mesh(field, options); },
+        [&] { return make_cpu_field_mesher()->mesh(field, options); });
+  }
+};
+
 class AutomaticRefiner final : public Refiner {
  public:
   RefineResult refine(const SphereSet& spheres, const IndexedMesh& mesh,
@@ -56,15 +94,43 @@ class AutomaticRefiner final : public Refiner {
     int next_level = 0;
     RefineOptions observed = options;
     observed.on_level = once_per_level(options.on_level, next_level);
-    std::string lack;
+    return with_fallback(
+        "refined", [&] { return make_cuda_refiner()->refine(spheres, mesh, observed); },
+        [&] { return make_cpu_refiner()->refine(spheres, mesh, observed); });
+  }
+};
+
+// On CUDA, `refiner` being that of the way over the host.
+PipelineResult run_on_device(const SphereSet& spheres, const ExtractOptions& extract,
+                             const RefineOptions& refine, const Refiner& refiner) {
+  if (refine.subdivisions == 0) return make_cuda_pipeline()->run(spheres, extract, refine);
+  if (extract.devices == 1) {
     try {
-      return make_cuda_refiner()->refine(spheres, mesh, observed);
-    } catch (const DeviceMemoryExceeded& error) {
-      lack = error.what();
+      return make_cuda_pipeline()->run(spheres, extract, refine);
+    } catch (const DeviceMemoryExceeded&) {
+      // Apart it may fit: the extraction in slabs, and the refinement without it in the way.
     }
-    RefineResult result = make_cpu_refiner()->refine(spheres, mesh, observed);
-    result.fallback = "refined on the CPU: " + lack;
-    return result;
+  }
+  ExtractOptions extraction = extract;
+  extraction.on_size = {};
+  extraction.connectivity = Connectivity::half_edges;
+  const ExtractResult extracted = make_cuda_extractor()->extract(spheres, extraction);
+  RefineOptions options = refine;
+  options.grid = extracted.grid;
+  RefineResult refined = refiner.refine(spheres, extracted.mesh, options);
+  tell_size(extract.on_size, refined.mesh);
+  return {std::move(refined.mesh),   extracted.grid,  extracted.stats,
+          std::move(refined.levels), refined.seconds, std::move(refined.fallback)};
+}
+
+class CudaPipeline final : public SurfacePipeline {
+ public:
+  PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
+                     const RefineOptions& refine) const override {
+    int next_level = 0;
+    RefineOptions observed = refine;
+    observed.on_level = once_per_level(refine.on_level, next_level);
+    return run_on_device(spheres, extract, observed, *make_cuda_refiner());
   }
 };
 
@@ -73,39 +139,11 @@ class AutomaticPipeline final : public SurfacePipeline {
   PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
                      const RefineOptions& refine) const override {
     int next_level = 0;
-    RefineOptions options = refine;
-    options.on_level = once_per_level(refine.on_level, next_level);
-    std::string lack;
-    try {
-      return make_cuda_pipeline()->run(spheres, extract, options);
-    } catch (const DeviceMemoryExceeded& error) {
-      lack = error.what();
-    }
-    if (refine.subdivisions > 0) {
-      try {
-        return extract_then_refine(spheres, extract, options);
-      } catch (const DeviceMemoryExceeded& error) {
-        lack = error.what();
-      }
-    }
-    PipelineResult result = CpuPipeline().run(spheres, extract, options);
-    result.fallback = "meshed on the CPU: " + lack;
-    return result;
-  }
-
- private:
-  // On the device too, but apart: the extraction in slabs, and without it in the way of the
-  // refinement.
-  static PipelineResult extract_then_refine(const SphereSet& spheres, ExtractOptions extract,
-                                            RefineOptions refine) {
-    const MeshSizeObserver on_size = std::exchange(extract.on_size, {});
-    extract.connectivity = Connectivity::half_edges;
-    const ExtractResult extracted = make_cuda_extractor()->extract(spheres, extract);
-    refine.grid = extracted.grid;
-    RefineResult refined = AutomaticRefiner().refine(spheres, extracted.mesh, refine);
-    tell_size(on_size, refined.mesh);
-    return {std::move(refined.mesh),   extracted.grid,  extracted.stats,
-            std::move(refined.levels), refined.seconds, std::move(refined.fallback)};
+    RefineOptions observed = refine;
+    observed.on_level = once_per_level(refine.on_level, next_level);
+    return with_fallback(
+        "meshed", [&] { return run_on_device(spheres, extract, observed, AutomaticRefiner()); },
+        [&] { return CpuPipeline().run(spheres, extract, observed); });
   }
 };
 
@@ -121,8 +159,12 @@ Backend resolve(Backend requested) {
   throw BackendUnavailable("the CUDA backend is not there: " + list.reason);
 }
 
+void release_device_memory() { release_cuda_memory(); }
+
 std::unique_ptr<Extractor> make_extractor(Backend backend) {
-  return resolve(backend) == Backend::cuda ? make_cuda_extractor() : make_cpu_extractor();
+  if (resolve(backend) == Backend::cpu) return make_cpu_extractor();
+  if (backend == Backend::cuda) return make_cuda_extractor();
+  return std::make_unique<AutomaticExtractor>();
 }
 
 std::unique_ptr<Refiner> make_refiner(Backend backend) {
@@ -132,12 +174,14 @@ std::unique_ptr<Refiner> make_refiner(Backend backend) {
 }
 
 std::unique_ptr<FieldMesher> make_field_mesher(Backend backend) {
-  return resolve(backend) == Backend::cuda ? make_cuda_field_mesher() : make_cpu_field_mesher();
+  if (resolve(backend) == Backend::cpu) return make_cpu_field_mesher();
+  if (backend == Backend::cuda) return make_cuda_field_mesher();
+  return std::make_unique<AutomaticFieldMesher>();
 }
 
 std::unique_ptr<SurfacePipeline> make_pipeline(Backend backend) {
   if (resolve(backend) == Backend::cpu) return std::make_unique<CpuPipeline>();
-  if (backend == Backend::cuda) return make_cuda_pipeline();
+  if (backend == Backend::cuda) return std::make_unique<CudaPipeline>();
   return std::make_unique<AutomaticPipeline>();
 }
 

@@ -19,7 +19,8 @@ struct DeviceInfo {
   std::uint64_t memory = 0;  // bytes
 };
 
-// CUDA devices present; empty without a device or without CUDA in the build. `reason` says why.
+// CUDA devices that this build can use: it has code for them, and they have memory pools. Empty
+// where there is none, or no CUDA in the build; `reason` says why.
 struct DeviceList {
   std::vector<DeviceInfo> devices;
   std::string reason;
@@ -30,6 +31,15 @@ DeviceList cuda_devices();
 // BackendUnavailable for cuda where there is none, saying what is missing.
 Backend resolve(Backend requested);
 
+// Gives back the device memory that the CUDA backend keeps between calls for the next one, after
+// what runs on those devices has ended; for who wants to use a device for something else in the
+// same process, such as drawing. The memory is that of each device's default pool
+// (cudaMallocAsync), which the backend tells to keep all it has. Throws CudaError.
+void release_device_memory();
+
+// Each of these computes on the current device of the calling thread, or on the first usable one
+// where that is none. The automatic ones leave to the CPU what does not fit the device's memory,
+// and say so in `fallback` of what they return, where the CUDA ones throw DeviceMemoryExceeded.
 std::unique_ptr<Extractor> make_extractor(Backend backend);
 std::unique_ptr<Refiner> make_refiner(Backend backend);
 std::unique_ptr<FieldMesher> make_field_mesher(Backend backend);
@@ -44,11 +54,12 @@ struct PipelineResult {
 };
 
 // Extraction, then refinement; with 0 subdivisions the extracted mesh as it is. The grid of
-// `refine` is that of the extraction, whatever it says. The CUDA pipeline keeps everything on the
-// device in between. The automatic one leaves to the CPU what does not fit the device's memory,
-// the refinement or all of it, where the CUDA one throws DeviceMemoryExceeded. `extract.on_size`
-// hears of the mesh that comes out: before it is brought from a device, after the CPU refined it.
-// Where the CPU takes over from a device it may hear so twice.
+// `refine` is that of the extraction, whatever it says. The CUDA pipeline keeps everything on one
+// device in between, where that fits; else, and where `extract.devices` asks for several, it
+// extracts in slabs to the host and refines on one device what came out. The automatic one leaves
+// to the CPU the refinement or all of it where that does not fit either. `extract.on_size` hears of
+// the mesh that comes out: before it is brought from a device, or after it was refined. Where a
+// second way is taken it may hear so twice.
 class SurfacePipeline {
  public:
   virtual ~SurfacePipeline() = default;

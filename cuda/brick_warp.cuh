@@ -154,11 +154,12 @@ __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& 
   }
 }
 
-// Writes vertex(edge) for the vertices of a brick, by one warp, all lanes of which call it; adds
-// those that were clamped to `clamped`.
+// Writes vertex(edge) for the vertices of a brick, whose numbers begin with `base`, by one warp,
+// all lanes of which call it; adds those that were clamped to `clamped`.
 template <class Vertex>
 __device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexStage& stage,
                           const DeviceMeshView& mesh, unsigned long long* clamped, Vertex vertex) {
+  const std::uint64_t place = base - mesh.first_vertex;
   const unsigned lane = threadIdx.x % kWarp;
   for (std::uint32_t first = 0; first < brick.vertices; first += kWarp) {
     const std::uint32_t left = brick.vertices - first;
@@ -167,7 +168,7 @@ __device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexSt
     const unsigned own = lane < count ? lane : count - 1;
     const EdgeVertex v = vertex(edge_of_vertex(brick, first + own));
     if (lane < count && v.clamped) atomicAdd(clamped, 1ull);
-    store_vertices(stage, mesh, base + first, count, v);
+    store_vertices(stage, mesh, place + first, count, v);
   }
 }
 

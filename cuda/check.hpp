@@ -9,10 +9,13 @@
 
 namespace vdwmesh {
 
+// Throws DeviceMemoryExceeded where the device has no memory left, CudaError for every other
+// failure. The runtime's own note of the error is cleared first: check_launch() would find it after
+// the next launch and blame that launch for it.
 inline void check_cuda(cudaError_t status, const char* what) {
   if (status == cudaSuccess) return;
+  cudaGetLastError();
   if (status == cudaErrorMemoryAllocation) {
-    cudaGetLastError();  // or the next launch reports it again
     throw DeviceMemoryExceeded(std::string(what) + ": " + cudaGetErrorString(status));
   }
   throw CudaError(std::string(what) + ": " + cudaGetErrorString(status));

@@ -1,6 +1,8 @@
 // The FieldMesher on CUDA.
 #include "cuda/cuda_backend.hpp"
+#include "cuda/device.cuh"
 #include "cuda/device_structures.cuh"
+#include "cuda/download.cuh"
 #include "extract/field_sample.hpp"
 #include "extract/limits.hpp"
 
@@ -16,27 +18,28 @@ class CudaFieldMesher final : public FieldMesher {
     check_sampling(model, options.memory_limit);
     field.isovalue = static_cast<float>(model.isovalue);
     const std::uint64_t nodes = field.grid.node_count();
-    require_device_memory(nodes * sizeof(float), "the field");
+    const DeviceScope scope;
+    require_device_memory(nodes * sizeof(float), "the field", options.device_memory);
     const CellList list = make_field_list(spheres, model);
     const Stream stream;
     const DeviceCellList device_list(list.view(), stream.get());
     const DeviceArray<float> values(nodes, stream.get());
     sample_field_on_device(device_list.view(), model, values.data(), stream);
     field.values.resize(nodes);
-    check_cuda(cudaMemcpyAsync(field.values.data(), values.data(), values.bytes(),
-                               cudaMemcpyDeviceToHost, stream.get()),
-               "download");
-    stream.wait();
+    download_parts({{field.values.data(), values.data(), values.bytes()}}, stream);
     return field;
   }
 
   ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const override {
-    require_device_memory(field.values.size() * sizeof(float), "the field");
+    const DeviceScope scope;
+    require_device_memory(field.values.size() * sizeof(float), "the field", options.device_memory);
     const Stream stream;
     const DeviceArray<float> values =
         upload(field.values.data(), field.values.size(), stream.get());
+    ExtractOptions beside_field = options;
+    beside_field.device_memory -= values.bytes();
     const DeviceExtraction extraction =
-        mesh_field_on_device({field.grid, values.data(), field.isovalue}, options, stream);
+        mesh_field_on_device({field.grid, values.data(), field.isovalue}, beside_field, stream);
     const DeviceMeshView mesh = extraction.mesh.view();
     if (options.on_size) options.on_size({mesh.vertices, mesh.triangles});
     return {download(mesh, options.connectivity, stream), field.grid, extraction.stats};

@@ -1,7 +1,8 @@
-// Extraction and refinement on CUDA, everything staying on the device in between.
+// Extraction and refinement on one CUDA device, everything staying there in between.
 #include <utility>
 
 #include "cuda/cuda_backend.hpp"
+#include "cuda/device.cuh"
 #include "cuda/device_refinement.cuh"
 #include "cuda/extract_in_slabs.cuh"
 #include "extract/field_sample.hpp"
@@ -10,21 +11,24 @@
 namespace vdwmesh {
 namespace {
 
-class CudaPipeline final : public SurfacePipeline {
+class OneDevicePipeline final : public SurfacePipeline {
  public:
   PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
                      const RefineOptions& refine) const override {
     if (refine.subdivisions == 0) {
       ExtractResult extracted = extract_to_host(spheres, extract);
-      return {std::move(extracted.mesh), extracted.grid, extracted.stats, {}, 0};
+      return {std::move(extracted.mesh), extracted.grid, extracted.stats, {}, 0, {}};
     }
+    const DeviceScope scope;
     const GridSpec grid = make_grid(spheres, extract.grid);
     const FieldModel model = make_field_model(extract.field, grid);
     const CellList list = make_field_list(spheres, model);
     const Stream stream;
+    ExtractOptions with_half_edges = extract;
+    with_half_edges.connectivity = Connectivity::half_edges;
     DeviceExtraction extraction = [&] {
       const DeviceCellList device_list(list.view(), stream.get());
-      return extract_on_device(device_list.view(), model, extract, stream);
+      return extract_on_device(device_list.view(), model, with_half_edges, stream);
     }();
     PipelineResult result{{}, grid, extraction.stats, {}, 0, {}};
     RefineOptions options = refine;
@@ -48,6 +52,8 @@ class CudaPipeline final : public SurfacePipeline {
 
 }  // namespace
 
-std::unique_ptr<SurfacePipeline> make_cuda_pipeline() { return std::make_unique<CudaPipeline>(); }
+std::unique_ptr<SurfacePipeline> make_cuda_pipeline() {
+  return std::make_unique<OneDevicePipeline>();
+}
 
 }  // namespace vdwmesh

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "cuda/cuda_backend.hpp"
+#include "cuda/device.cuh"
 #include "cuda/device_refinement.cuh"
 #include "refine/preparation.hpp"
 
@@ -40,6 +41,7 @@ class CudaRefiner final : public Refiner {
     check_refinement(spheres, mesh, options);
     const TriangleLabels labels = mesh.triangle_labels();
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
+    const DeviceScope scope;
     const Stream stream;
     const DeviceSurface surface(spheres, options, labels, stream);
     DeviceRefinement refined = refine_on_device(

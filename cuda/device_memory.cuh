@@ -30,16 +30,18 @@ class Stream {
   cudaStream_t stream_ = nullptr;
 };
 
+// Bytes from the pool of the current device, in stream order. When they cannot be had at once, what
+// the pool keeps for later is given back to the driver and they are asked for again: the pool may
+// hold enough, in pieces that are too small. Throws DeviceMemoryExceeded.
+void* allocate_on_device(std::size_t bytes, cudaStream_t stream);
+
 // An array in device memory, taken from the device's pool in stream order.
 template <class T>
 class DeviceArray {
  public:
   DeviceArray() = default;
   DeviceArray(std::size_t size, cudaStream_t stream) : size_(size), stream_(stream) {
-    if (size > 0) {
-      check_cuda(cudaMallocAsync(reinterpret_cast<void**>(&data_), size * sizeof(T), stream),
-                 "device memory");
-    }
+    if (size > 0) data_ = static_cast<T*>(allocate_on_device(size * sizeof(T), stream));
   }
   ~DeviceArray() {
     if (data_) cudaFreeAsync(data_, stream_);
@@ -84,23 +86,24 @@ DeviceArray<T> upload(const T* host, std::size_t size, cudaStream_t stream) {
   return device;
 }
 
-// Page-locked memory, which the device writes without a copy by the driver.
-class PageLocked {
+// Memory of the host into which copies from the device go. Its pages are locked, so that the device
+// writes them without a copy by the driver. Where the system grants no more locked pages it is
+// ordinary memory: slower, and the same bytes arrive. Throws std::bad_alloc.
+class StagingBuffer {
  public:
-  explicit PageLocked(std::size_t bytes) {
-    check_cuda(cudaHostAlloc(&data_, bytes, cudaHostAllocPortable), "page-locked memory");
-  }
-  ~PageLocked() { cudaFreeHost(data_); }
-  PageLocked(const PageLocked&) = delete;
-  PageLocked& operator=(const PageLocked&) = delete;
+  explicit StagingBuffer(std::size_t bytes);
+  ~StagingBuffer();
+  StagingBuffer(const StagingBuffer&) = delete;
+  StagingBuffer& operator=(const StagingBuffer&) = delete;
 
-  void* data() const { return data_; }
+  void* data() const { return locked_ != nullptr ? locked_ : ordinary_.get(); }
 
  private:
-  void* data_ = nullptr;
+  void* locked_ = nullptr;
+  std::unique_ptr<std::byte[]> ordinary_;
 };
 
-// Page-locked memory for one fetch. Given back, it waits for the next one: locking takes far longer
+// A staging buffer for one fetch. Given back, it waits for the next one: locking takes far longer
 // than fetching.
 inline constexpr std::size_t kFetchBytes = 4096;
 class FetchPlace {
@@ -112,7 +115,7 @@ class FetchPlace {
   void* data() const { return place_->data(); }
 
  private:
-  using Place = std::unique_ptr<PageLocked>;
+  using Place = std::unique_ptr<StagingBuffer>;
   static Place take();
   static void give_back(Place place);
 
@@ -132,64 +135,66 @@ T fetch(const T* device, const Stream& stream) {
   return value;
 }
 
+class Event {
+ public:
+  explicit Event(unsigned flags = cudaEventDefault) {
+    check_cuda(cudaEventCreateWithFlags(&event_, flags), "event");
+  }
+  ~Event() {
+    if (event_ != nullptr) cudaEventDestroy(event_);
+  }
+  Event(Event&& other) noexcept : event_(std::exchange(other.event_, nullptr)) {}
+  Event& operator=(Event&&) = delete;
+
+  cudaEvent_t get() const { return event_; }
+  void record(cudaStream_t stream) const { check_cuda(cudaEventRecord(event_, stream), "event"); }
+  void wait() const { check_cuda(cudaEventSynchronize(event_), "event"); }
+
+ private:
+  cudaEvent_t event_ = nullptr;
+};
+
+inline float milliseconds_between(const Event& start, const Event& stop) {
+  float milliseconds = 0;
+  check_cuda(cudaEventElapsedTime(&milliseconds, start.get(), stop.get()), "event");
+  return milliseconds;
+}
+
 // Milliseconds between marks on a stream.
 class StageClock {
  public:
-  explicit StageClock(cudaStream_t stream) : stream_(stream) {
-    check_cuda(cudaEventCreate(&start_), "event");
-    check_cuda(cudaEventCreate(&stop_), "event");
-    restart();
-  }
-  ~StageClock() {
-    cudaEventDestroy(start_);
-    cudaEventDestroy(stop_);
-  }
-  StageClock(const StageClock&) = delete;
-  StageClock& operator=(const StageClock&) = delete;
+  explicit StageClock(cudaStream_t stream) : stream_(stream) { restart(); }
 
-  void restart() { check_cuda(cudaEventRecord(start_, stream_), "event"); }
+  void restart() { start_.record(stream_); }
   // Waits for the work so far and starts anew.
   float lap() {
-    check_cuda(cudaEventRecord(stop_, stream_), "event");
-    check_cuda(cudaEventSynchronize(stop_), "event");
-    float milliseconds = 0;
-    check_cuda(cudaEventElapsedTime(&milliseconds, start_, stop_), "event");
+    stop_.record(stream_);
+    stop_.wait();
+    const float milliseconds = milliseconds_between(start_, stop_);
     restart();
     return milliseconds;
   }
 
  private:
   cudaStream_t stream_;
-  cudaEvent_t start_ = nullptr, stop_ = nullptr;
+  Event start_, stop_;
 };
 
 // Marks on a stream whose times are asked for later, so that marking waits for nothing.
 class StageMarks {
  public:
   explicit StageMarks(cudaStream_t stream) : stream_(stream) { mark(); }
-  ~StageMarks() {
-    for (const cudaEvent_t event : events_) cudaEventDestroy(event);
-  }
-  StageMarks(const StageMarks&) = delete;
-  StageMarks& operator=(const StageMarks&) = delete;
 
-  void mark() {
-    cudaEvent_t event = nullptr;
-    check_cuda(cudaEventCreate(&event), "event");
-    events_.push_back(event);
-    check_cuda(cudaEventRecord(event, stream_), "event");
-  }
+  void mark() { events_.emplace_back().record(stream_); }
   // ms between marks i and i + 1, the first being the construction; waits for them.
   float stage(std::size_t i) const {
-    check_cuda(cudaEventSynchronize(events_.at(i + 1)), "event");
-    float milliseconds = 0;
-    check_cuda(cudaEventElapsedTime(&milliseconds, events_.at(i), events_.at(i + 1)), "event");
-    return milliseconds;
+    events_.at(i + 1).wait();
+    return milliseconds_between(events_.at(i), events_.at(i + 1));
   }
 
  private:
   cudaStream_t stream_;
-  std::vector<cudaEvent_t> events_;
+  std::vector<Event> events_;
 };
 
 inline unsigned blocks_for(std::uint64_t items, unsigned threads) {

@@ -2,6 +2,7 @@
 #include <map>
 #include <mutex>
 
+#include "cuda/device.cuh"
 #include "cuda/download.cuh"
 #include "cuda/extract_stages.cuh"
 
@@ -26,13 +27,13 @@ DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
 }
 
 DeviceMesh::DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
-                       LabelWidth width, Normals with_normals)
+                       LabelWidth width, Normals with_normals, Connectivity connectivity)
     : positions(vertices, stream),
       normals(with_normals == Normals::gradients ? vertices : 0, stream),
       vertex_spheres{DeviceArray<SphereId>(width == LabelWidth::none ? 0 : vertices, stream),
                      DeviceArray<OtherSpheres>(width == LabelWidth::three ? vertices : 0, stream)},
       corners(3 * triangles, stream),
-      opposite(3 * triangles, stream) {}
+      opposite(connectivity == Connectivity::half_edges ? 3 * triangles : 0, stream) {}
 
 DeviceMeshView DeviceMesh::view() const {
   return {positions.data(), normals.data(), vertex_spheres.view(), corners.data(),
@@ -65,10 +66,7 @@ namespace {
 
 // Bytes that the pool holds and nobody uses.
 std::uint64_t spare_in_pool() {
-  cudaMemPool_t pool = nullptr;
-  int device = 0;
-  check_cuda(cudaGetDevice(&device), "device");
-  check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "memory pool");
+  const cudaMemPool_t pool = current_memory_pool();
   std::uint64_t reserved = 0, used = 0;
   check_cuda(cudaMemPoolGetAttribute(pool, cudaMemPoolAttrReservedMemCurrent, &reserved), "pool");
   check_cuda(cudaMemPoolGetAttribute(pool, cudaMemPoolAttrUsedMemCurrent, &used), "pool");
@@ -104,20 +102,13 @@ const CaseTable* case_table_on_device() {
   if (table == nullptr) {
     void* memory = nullptr;
     check_cuda(cudaMalloc(&memory, sizeof(CaseTable)), "case table");
-    check_cuda(cudaMemcpy(memory, &case_table(), sizeof(CaseTable), cudaMemcpyHostToDevice),
-               "case table");
+    const cudaError_t status =
+        cudaMemcpy(memory, &case_table(), sizeof(CaseTable), cudaMemcpyHostToDevice);
+    if (status != cudaSuccess) cudaFree(memory);
+    check_cuda(status, "case table");
     table = static_cast<const CaseTable*>(memory);
   }
   return table;
-}
-
-void keep_device_memory() {
-  cudaMemPool_t pool = nullptr;
-  int device = 0;
-  check_cuda(cudaGetDevice(&device), "device");
-  check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "memory pool");
-  std::uint64_t threshold = ~std::uint64_t{0};
-  check_cuda(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &threshold), "pool");
 }
 
 }  // namespace vdwmesh

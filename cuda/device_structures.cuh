@@ -55,15 +55,18 @@ struct DeviceLabelsView {
   }
 };
 
-// The arrays of a DeviceMesh as kernels see them.
+// The arrays of a DeviceMesh as kernels see them. Where it is a part of a mesh, corners and
+// opposite half-edges are numbered in the whole mesh, and the arrays begin with the vertex
+// first_vertex and the triangle first_triangle.
 struct DeviceMeshView {
   Vec3d* positions;
   Vec3f* normals;  // null without normals
   DeviceLabelsView vertex_spheres;
   std::uint32_t* corners;   // 3 per triangle
-  std::uint32_t* opposite;  // 3 per triangle
+  std::uint32_t* opposite;  // 3 per triangle; null without half-edges
   std::uint64_t vertices, triangles;
   SphereId* triangle_spheres;  // null, or one per triangle
+  std::uint64_t first_vertex = 0, first_triangle = 0;
 };
 
 struct DeviceVertexLabels {
@@ -73,17 +76,17 @@ struct DeviceVertexLabels {
   DeviceLabelsView view() const { return {atoms.data(), others.data()}; }
 };
 
-// An IndexedMesh in device memory, half-edges included.
+// An IndexedMesh in device memory.
 struct DeviceMesh {
   DeviceArray<Vec3d> positions;
   DeviceArray<Vec3f> normals;
   DeviceVertexLabels vertex_spheres;
-  DeviceArray<std::uint32_t> corners, opposite;
-  DeviceArray<SphereId> triangle_spheres;  // empty, or one per triangle
+  DeviceArray<std::uint32_t> corners, opposite;  // opposite: empty without half-edges
+  DeviceArray<SphereId> triangle_spheres;        // empty, or one per triangle
 
   DeviceMesh() = default;
-  DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
-             LabelWidth width = LabelWidth::one, Normals normals = Normals::gradients);
+  DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream, LabelWidth width,
+             Normals normals, Connectivity connectivity);
   std::uint64_t vertex_count() const { return positions.size(); }
   std::uint64_t triangle_count() const { return corners.size() / 3; }
   TriangleLabels triangle_labels() const {
@@ -108,7 +111,8 @@ struct DeviceExtraction {
   ExtractTimings timings;
 };
 
-// Extraction on the device from a list that is there already.
+// Extraction on the device from a list that is there already. Throws LimitExceeded, and
+// DeviceMemoryExceeded where it takes more than options.device_memory or than there is.
 DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
                                    const ExtractOptions& options, const Stream& stream);
 
@@ -120,14 +124,11 @@ DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const Extra
 void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
                             const Stream& stream);
 
-// Copies the mesh to the host; `opposite` too where asked.
+// Copies the mesh to the host; `opposite` too where asked, which the mesh must have then.
 IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream);
 
 // Bytes that can still be taken: free ones and those that the pool keeps.
 std::uint64_t available_device_memory();
-
-// Lets the pool keep what is given back, for runs in quick succession.
-void keep_device_memory();
 
 // Throws DeviceMemoryExceeded when fewer than `bytes` are available or allowed.
 void require_device_memory(std::uint64_t bytes, const char* what,

@@ -39,7 +39,7 @@ std::vector<Chunk> cut(const std::vector<DownloadPart>& parts) {
   return chunks;
 }
 
-// Two page-locked buffers and a stream: one buffer is filled while the other is emptied.
+// Two staging buffers and a stream: one buffer is filled while the other is emptied.
 class StagingLane {
  public:
   // Copies chunks until there are none left.
@@ -66,7 +66,7 @@ class StagingLane {
   }
 
   Stream stream_;
-  PageLocked buffers_[2] = {PageLocked(kChunk), PageLocked(kChunk)};
+  StagingBuffer buffers_[2] = {StagingBuffer(kChunk), StagingBuffer(kChunk)};
 };
 
 // The lanes of a device. They are kept: locking their pages takes as long as a small download. One
@@ -98,21 +98,6 @@ Staging& staging_of(int device) {
   return (*all)[device];
 }
 
-class Event {
- public:
-  explicit Event(cudaStream_t stream) {
-    check_cuda(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "event");
-    check_cuda(cudaEventRecord(event_, stream), "event");
-  }
-  ~Event() { cudaEventDestroy(event_); }
-  Event(const Event&) = delete;
-  Event& operator=(const Event&) = delete;
-  cudaEvent_t get() const { return event_; }
-
- private:
-  cudaEvent_t event_ = nullptr;
-};
-
 }  // namespace
 
 void download_parts(const std::vector<DownloadPart>& parts, const Stream& stream) {
@@ -120,7 +105,8 @@ void download_parts(const std::vector<DownloadPart>& parts, const Stream& stream
   if (chunks.empty()) return stream.wait();
   int device = 0;
   check_cuda(cudaGetDevice(&device), "device");
-  const Event ready(stream.get());
+  const Event ready(cudaEventDisableTiming);
+  ready.record(stream.get());
   staging_of(device).copy(device, chunks, ready.get());
 }
 

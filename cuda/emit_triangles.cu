@@ -9,11 +9,6 @@ namespace {
 constexpr unsigned kTriangleThreads = 4 * kWarp;
 constexpr int kMostTriangles = kMaxCaseTriangles * kBrickNodes;
 constexpr int kCellsPerFace = kBrickSide * kBrickSide;
-constexpr std::uint32_t kNoBrick = ~std::uint32_t{0};
-
-// Neighbours that triangles need: the seven at an upper side, at dx + 2 dy + 4 dz - 1, and the
-// three across a lower face, at 7 + axis.
-constexpr int kTriangleNeighbours = 10;
 
 __host__ __device__ constexpr int upper_neighbour(int dx, int dy, int dz) {
   return dx + 2 * dy + 4 * dz - 1;
@@ -22,11 +17,6 @@ __host__ __device__ constexpr int upper_neighbour(int dx, int dy, int dz) {
 __host__ __device__ constexpr int neighbour_across(int face) {
   return face % 2 == 0 ? 7 + face / 2 : (1 << face / 2) - 1;
 }
-
-// Places in the list; kNoBrick where a neighbour is not in it and so holds no surface.
-struct TriangleNeighbours {
-  std::uint32_t place[kTriangleNeighbours];
-};
 
 // What brick_key() of a neighbour is above that of the brick.
 constexpr std::uint64_t kStepY = std::uint64_t{1} << 21, kStepZ = std::uint64_t{1} << 42;
@@ -189,6 +179,16 @@ __device__ void share_ends_beyond(const BrickList& list, const CaseTable& table,
   }
 }
 
+// Cells beyond all faces, by two warps.
+__device__ void share_cells_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
+                                   int thread) {
+  if (thread < static_cast<int>(kWarp)) {
+    share_rows_beyond(list, table, s, thread);
+  } else {
+    share_ends_beyond(list, table, s, thread - static_cast<int>(kWarp));
+  }
+}
+
 // The vertex on the edge that node (x, y, z), each at most 8, owns along the axis.
 __device__ std::uint32_t corner_number(const TriangleShared& s, unsigned x, unsigned y, unsigned z,
                                        unsigned axis) {
@@ -215,6 +215,9 @@ __device__ std::uint32_t number_across(const TriangleShared& s, const CaseTable&
   return base + 3 * there.start + table.at_face(there.inside, entry, static_cast<int>(slot));
 }
 
+// A block per brick, from brick `first` on. What lies beyond the faces is needed by half-edges
+// alone.
+template <Connectivity connectivity>
 __global__ void __launch_bounds__(kTriangleThreads)
     emit_triangles(BrickList list, std::uint32_t first, const TriangleNeighbours* neighbours,
                    const CaseTable* global_table, DeviceMeshView mesh) {
@@ -229,19 +232,17 @@ __global__ void __launch_bounds__(kTriangleThreads)
   __syncthreads();
   if (s.brick.triangles == 0) return;
   const auto thread = static_cast<int>(threadIdx.x);
+  constexpr bool half_edges = connectivity == Connectivity::half_edges;
   if (thread < kOwnRows) {
     share_own_cells(table, s);
-  } else if (thread < kOwnRows + static_cast<int>(kWarp)) {
-    share_rows_beyond(list, table, s, thread - kOwnRows);
-  } else {
-    share_ends_beyond(list, table, s, thread - kOwnRows - static_cast<int>(kWarp));
+  } else if constexpr (half_edges) {
+    share_cells_beyond(list, table, s, thread - kOwnRows);
   }
   share_vertex_rows(list, own, s);
   __syncthreads();
-  const std::uint64_t base = 3 * list.before[own].triangles;
-  const auto base_number = static_cast<std::uint32_t>(base);
-  std::uint32_t* const corners = mesh.corners + base;
-  std::uint32_t* const opposite = mesh.opposite + base;
+  const std::uint64_t before = list.before[own].triangles;
+  const auto base_number = static_cast<std::uint32_t>(3 * before);
+  const std::uint64_t place = 3 * (before - mesh.first_triangle);
   for (std::uint32_t n = threadIdx.x; n < 3 * s.brick.triangles; n += kTriangleThreads) {
     const unsigned cell = s.cell_of[n / 3];
     const MixedCell own_cell = s.cells[cell];
@@ -249,28 +250,40 @@ __global__ void __launch_bounds__(kTriangleThreads)
     const PackedHalfEdge edge = table.half_edge[own_cell.inside][h];
     const unsigned x = cell % kBrickSide, y = cell / kBrickSide % kBrickSide;
     const unsigned z = cell / kCellsPerFace;
-    corners[n] =
+    mesh.corners[place + n] =
         corner_number(s, x + static_cast<unsigned>(edge.x()), y + static_cast<unsigned>(edge.y()),
                       z + static_cast<unsigned>(edge.z()), static_cast<unsigned>(edge.axis()));
-    const std::uint32_t code = edge.across();
-    opposite[n] = code < kFirstFaceCode
-                      ? base_number + n - h + code
-                      : number_across(s, table, base_number, cell, code - kFirstFaceCode);
+    if constexpr (half_edges) {
+      const std::uint32_t code = edge.across();
+      mesh.opposite[place + n] =
+          code < kFirstFaceCode ? base_number + n - h + code
+                                : number_across(s, table, base_number, cell, code - kFirstFaceCode);
+    }
   }
 }
 
 }  // namespace
 
-void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const BrickRange& range,
-                              const DeviceMeshView& mesh, const Stream& stream) {
-  if (range.size() == 0) return;
-  if (bricks.size >= kNoBrick) throw LimitExceeded("more bricks than 32 bits number");
-  const DeviceArray<TriangleNeighbours> neighbours(bricks.size, stream.get());
+DeviceArray<TriangleNeighbours> find_triangle_neighbours(const KeyList& keys,
+                                                         const Stream& stream) {
+  if (keys.count >= kNoBrick) throw LimitExceeded("more bricks than 32 bits number");
+  DeviceArray<TriangleNeighbours> neighbours(keys.count, stream.get());
+  if (keys.count == 0) return neighbours;
   constexpr unsigned threads = 128;
-  find_neighbours<<<dim3(blocks_for(bricks.size, threads), 6), threads, 0, stream.get()>>>(
-      keys.keys.data(), static_cast<std::uint32_t>(bricks.size), neighbours.data());
+  find_neighbours<<<dim3(blocks_for(keys.count, threads), 6), threads, 0, stream.get()>>>(
+      keys.keys.data(), static_cast<std::uint32_t>(keys.count), neighbours.data());
   check_launch("find_neighbours");
-  emit_triangles<<<static_cast<unsigned>(range.size()), kTriangleThreads, 0, stream.get()>>>(
+  return neighbours;
+}
+
+void emit_triangles_on_device(const BrickList& bricks,
+                              const DeviceArray<TriangleNeighbours>& neighbours,
+                              const BrickRange& range, const DeviceMeshView& mesh,
+                              const Stream& stream) {
+  if (range.size() == 0) return;
+  const auto kernel = mesh.opposite != nullptr ? emit_triangles<Connectivity::half_edges>
+                                               : emit_triangles<Connectivity::triangles>;
+  kernel<<<static_cast<unsigned>(range.size()), kTriangleThreads, 0, stream.get()>>>(
       bricks, static_cast<std::uint32_t>(range.begin), neighbours.data(), case_table_on_device(),
       mesh);
   check_launch("emit_triangles");

@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 
+#include "cuda/device.cuh"
 #include "cuda/download.cuh"
 #include "cuda/extract_in_slabs.cuh"
 #include "cuda/mesh_bricks.cuh"
@@ -11,10 +12,6 @@
 
 namespace vdwmesh {
 namespace {
-
-// Beside the mesh and the field: key, signs and counts, sums, neighbours.
-constexpr std::uint64_t kBrickBytes =
-    sizeof(std::uint64_t) + sizeof(ActiveBrick) + 2 * sizeof(BrickSums) + 64;
 
 [[noreturn]] void throw_no_room(std::uint64_t need, std::uint64_t have) {
   throw DeviceMemoryExceeded("extraction needs " + std::to_string(need) +
@@ -31,19 +28,18 @@ struct Slab {
 class SlabWorker {
  public:
   // `sharers` workers share the device's memory.
-  SlabWorker(int device, int sharers, const CellListView& list, const FieldModel& model,
+  SlabWorker(int device, std::size_t sharers, const CellListView& list, const FieldModel& model,
              const ExtractOptions& options)
       : device_(device), sharers_(sharers), model_(model), options_(options), list_(list) {}
 
   // All bricks: candidates, counts, numbers.
   void count() {
-    check_cuda(cudaSetDevice(device_), "device");
+    use_device(device_);
     stream_.emplace();
     device_list_.emplace(list_, stream_->get());
     field_.emplace(device_list_->view(), model_, *stream_);
     marks_.emplace(stream_->get());
-    room_ = std::min(options_.device_memory,
-                     available_device_memory() / static_cast<std::uint64_t>(sharers_));
+    room_ = std::min(options_.device_memory, available_device_memory() / sharers_);
     candidates_ = candidate_bricks_on_device(context(), options_.memory_limit / sizeof(ActiveBrick),
                                              *stream_);
     marks_->mark();
@@ -67,9 +63,10 @@ class SlabWorker {
 
   // Share `k` of `shares` of the bricks, by triangles.
   void emit(std::uint64_t k, std::uint64_t shares, IndexedMesh& host) {
-    check_cuda(cudaSetDevice(device_), "device");
+    use_device(device_);
     const DeviceArray<unsigned long long> clamped(1, stream_->get());
     clear(clamped, stream_->get());
+    neighbours_ = find_triangle_neighbours(candidates_, *stream_);
     for (const Slab& slab : slabs_of(k, shares)) {
       emit_slab(slab, clamped.data(), host);
       ++slabs_;
@@ -98,9 +95,8 @@ class SlabWorker {
     return each == 0 ? candidates_.count : std::min(candidates_.count, room_ / each);
   }
   std::uint64_t mesh_bytes(const BrickSums& from, const BrickSums& to) const {
-    return indexed_mesh_bytes(
-        {to.vertices - from.vertices, to.triangles - from.triangles},
-        {.connectivity = Connectivity::half_edges, .normals = options_.normals});
+    return indexed_mesh_bytes({to.vertices - from.vertices, to.triangles - from.triangles},
+                              {.connectivity = options_.connectivity, .normals = options_.normals});
   }
 
   void count_range(const BrickRange& range, ActiveBrick* bricks, const BrickCounts& counts) const {
@@ -161,17 +157,14 @@ class SlabWorker {
     const std::uint64_t vertices = to.vertices - from.vertices;
     const std::uint64_t triangles = to.triangles - from.triangles;
     if (triangles == 0 && vertices == 0) return;
-    const DeviceMesh mesh(vertices, triangles, stream_->get(), LabelWidth::one, options_.normals);
-    // Seen from the numbers that the kernels write at.
-    DeviceMeshView numbered = mesh.view();
-    numbered.positions -= from.vertices;
-    if (numbered.normals != nullptr) numbered.normals -= from.vertices;
-    numbered.vertex_spheres.atoms -= from.vertices;
-    numbered.corners -= 3 * from.triangles;
-    numbered.opposite -= 3 * from.triangles;
+    const DeviceMesh mesh(vertices, triangles, stream_->get(), LabelWidth::one, options_.normals,
+                          options_.connectivity);
+    DeviceMeshView part = mesh.view();
+    part.first_vertex = from.vertices;
+    part.first_triangle = from.triangles;
     emit_vertices_on_device(context(), part_of(counted_.list(), slab.bricks), totals().most_atoms,
-                            values_.data(), numbered, clamped, *stream_);
-    emit_triangles_on_device(counted_.list(), candidates_, slab.bricks, numbered, *stream_);
+                            values_.data(), part, clamped, *stream_);
+    emit_triangles_on_device(counted_.list(), neighbours_, slab.bricks, part, *stream_);
     std::vector<DownloadPart> parts = {
         {host.positions.data() + from.vertices, mesh.positions.data(), mesh.positions.bytes()},
         {host.vertex_spheres.atoms.data() + from.vertices, mesh.vertex_spheres.atoms.data(),
@@ -203,7 +196,8 @@ class SlabWorker {
                            {sums.data(), parts.data()}, *stream_);
   }
 
-  int device_, sharers_;
+  int device_;
+  std::size_t sharers_;
   FieldModel model_;
   ExtractOptions options_;
   CellListView list_;
@@ -216,6 +210,7 @@ class SlabWorker {
   DeviceArray<float> values_;
   bool holds_field_ = false;  // of all candidates
   CountedBricks counted_;
+  DeviceArray<TriangleNeighbours> neighbours_;  // of all candidates
   std::uint64_t clamped_ = 0, slabs_ = 0;
   std::size_t marked_ = 3;  // stages before the next slab
   double emit_seconds_ = 0, download_seconds_ = 0;
@@ -230,6 +225,15 @@ void make_checked_room(const BrickSums& sums, const ExtractOptions& options, dou
   make_room(host, size, arrays);
 }
 
+// The usable devices, the current one first.
+std::vector<int> devices_from_current() {
+  int current = 0;
+  check_cuda(cudaGetDevice(&current), "device");
+  std::vector<int> devices = usable_devices();
+  std::ranges::rotate(devices, std::ranges::find(devices, current));
+  return devices;
+}
+
 }  // namespace
 
 ExtractResult extract_to_host(const SphereSet& spheres, const ExtractOptions& options) {
@@ -238,15 +242,14 @@ ExtractResult extract_to_host(const SphereSet& spheres, const ExtractOptions& op
   result.grid = make_grid(spheres, options.grid);
   const FieldModel model = make_field_model(options.field, result.grid);
   const CellList list = make_field_list(spheres, model);
-  int present = 0, current = 0;
-  check_cuda(cudaGetDeviceCount(&present), "devices");
-  check_cuda(cudaGetDevice(&current), "device");
+  const DeviceScope scope;
+  const std::vector<int> present = devices_from_current();
   const auto shares = static_cast<std::size_t>(options.devices);
-  const int sharers = (options.devices + present - 1) / present;
+  const std::size_t sharers = (shares + present.size() - 1) / present.size();
   std::vector<std::unique_ptr<SlabWorker>> workers;
-  for (int k = 0; k < options.devices; ++k) {
-    workers.push_back(std::make_unique<SlabWorker>((current + k) % present, sharers, list.view(),
-                                                   model, options));
+  for (std::size_t k = 0; k < shares; ++k) {
+    workers.push_back(std::make_unique<SlabWorker>(present[k % present.size()], sharers,
+                                                   list.view(), model, options));
   }
   begin_stage(options.monitor, "field", 1);
   run_on_threads(shares, [&](std::size_t k) { workers[k]->count(); });

@@ -15,8 +15,11 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
   marks.mark();
   advance(options.monitor, 1);
   const std::uint64_t kept = model.kind == FieldKind::vdw ? 0 : candidates.count * kBrickValues;
-  require_device_memory(kept * sizeof(float), "the field in the surface bricks");
+  require_device_memory(kept * sizeof(float), "the field in the surface bricks",
+                        options.device_memory);
   const DeviceArray<float> values(kept, stream.get());
+  ExtractOptions beside_field = options;
+  beside_field.device_memory -= values.bytes();
   const BrickKernels kernels{
       [&](ActiveBrick* bricks, const BrickCounts& counts) {
         count_bricks_on_device(f, candidates.keys.data(), candidates.count, bricks, values.data(),
@@ -26,8 +29,8 @@ DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& m
         emit_vertices_on_device(f, counted.list(), counted.totals.most_atoms, values.data(), mesh,
                                 clamped, stream);
       }};
-  mesh_bricks_on_device(candidates, model.grid.spacing, kernels, LabelWidth::one, options, result,
-                        marks, stream);
+  mesh_bricks_on_device(candidates, model.grid.spacing, kernels, LabelWidth::one, beside_field,
+                        result, marks, stream);
   return result;
 }
 

@@ -102,8 +102,28 @@ void emit_sampled_vertices_on_device(const SampledFieldView& field, const Counte
                                      const DeviceMeshView& mesh, unsigned long long* clamped,
                                      const Stream& stream);
 
-// Corners and opposite half-edges of the bricks of a range, at their numbers; `bricks` are all.
-void emit_triangles_on_device(const BrickList& bricks, const KeyList& keys, const BrickRange& range,
-                              const DeviceMeshView& mesh, const Stream& stream);
+// Places in the list of the neighbours that the triangles of a brick touch: the seven at an upper
+// side, at dx + 2 dy + 4 dz - 1, and the three across a lower face, at 7 + axis. kNoBrick where a
+// neighbour is not in the list and so holds no surface.
+inline constexpr int kTriangleNeighbours = 10;
+inline constexpr std::uint32_t kNoBrick = ~std::uint32_t{0};
+struct TriangleNeighbours {
+  std::uint32_t place[kTriangleNeighbours];
+};
+
+// The neighbours of every brick. Throws LimitExceeded for more bricks than 32 bits number.
+DeviceArray<TriangleNeighbours> find_triangle_neighbours(const KeyList& keys, const Stream& stream);
+
+// Corners of the triangles of the bricks of a range, at their numbers, and where `mesh` has room
+// for them the opposite half-edges; `bricks` and `neighbours` are those of the whole list.
+void emit_triangles_on_device(const BrickList& bricks,
+                              const DeviceArray<TriangleNeighbours>& neighbours,
+                              const BrickRange& range, const DeviceMeshView& mesh,
+                              const Stream& stream);
+
+// What an extraction keeps of every candidate brick beside the mesh and the field: its key, signs
+// and counts, two sums, neighbours.
+inline constexpr std::uint64_t kBrickBytes = sizeof(std::uint64_t) + sizeof(ActiveBrick) +
+                                             2 * sizeof(BrickSums) + sizeof(TriangleNeighbours);
 
 }  // namespace vdwmesh

@@ -194,7 +194,7 @@ DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const Extra
   const SignGrid grid = sign_grid(field.grid);
   require_device_memory(static_cast<std::uint64_t>(grid.size()) * sizeof(std::uint32_t) +
                             static_cast<std::uint64_t>(grid.brick_total()) * 9,
-                        "a bit per node");
+                        "a bit per node", options.device_memory);
   const DeviceArray<std::uint32_t> words(static_cast<std::size_t>(grid.size()), stream.get());
   pack_signs<<<blocks_for(static_cast<std::uint64_t>(grid.height * grid.depth) * kWarp, kThreads),
                kThreads, 0, stream.get()>>>(field, grid, words.data());

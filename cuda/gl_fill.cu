@@ -138,10 +138,15 @@ std::string fill_with_cuda(const SurfaceArrays& arrays, const SurfaceTarget& tar
     stream.emplace();
     buffers.emplace(names, stream->get());
   } catch (const CudaError& error) {
-    cudaGetLastError();  // told, so that no later check finds it
+    return error.what();
+  } catch (const DeviceMemoryExceeded& error) {
     return error.what();
   }
-  write_buffers(arrays, origin, *buffers, stream->get());
+  try {
+    write_buffers(arrays, origin, *buffers, stream->get());
+  } catch (const DeviceMemoryExceeded& error) {
+    return error.what();
+  }
   buffers->give_back();
   stream->wait();
   return {};

@@ -60,24 +60,27 @@ CountedBricks count_and_scan(const KeyList& candidates, const CountKernel& count
 void mesh_bricks_on_device(const KeyList& candidates, double spacing, const BrickKernels& kernels,
                            LabelWidth width, const ExtractOptions& options,
                            DeviceExtraction& result, StageMarks& marks, const Stream& stream) {
+  const std::uint64_t fixed = candidates.count * kBrickBytes;
+  require_device_memory(fixed, "the list of surface bricks", options.device_memory);
   const CountedBricks counted = count_and_scan(candidates, kernels.count, marks, stream);
   const BrickTotals& totals = counted.totals;
   advance(options.monitor, 1);
 
   begin_stage(options.monitor, "extract", 1);
   const MeshSize size{totals.sums.vertices, totals.sums.triangles};
-  MeshArrays arrays{
+  const MeshArrays arrays{
       .connectivity = options.connectivity, .normals = options.normals, .width = width};
   check_mesh_limits({size, arrays, 0, spacing}, options.memory_limit);
-  arrays.connectivity = Connectivity::half_edges;
-  require_device_memory(indexed_mesh_bytes(size, arrays), "the mesh");
+  require_device_memory(indexed_mesh_bytes(size, arrays), "the mesh",
+                        options.device_memory - fixed);
   const DeviceArray<unsigned long long> clamped(1, stream.get());
   clear(clamped, stream.get());
-  result.mesh = DeviceMesh(size.vertices, size.triangles, stream.get(), width, options.normals);
+  result.mesh = DeviceMesh(size.vertices, size.triangles, stream.get(), width, options.normals,
+                           options.connectivity);
   kernels.emit_vertices(counted, result.mesh.view(), clamped.data());
   marks.mark();
-  emit_triangles_on_device(counted.list(), candidates, {0, candidates.count}, result.mesh.view(),
-                           stream);
+  emit_triangles_on_device(counted.list(), find_triangle_neighbours(candidates, stream),
+                           {0, candidates.count}, result.mesh.view(), stream);
   marks.mark();
   advance(options.monitor, 1);
 

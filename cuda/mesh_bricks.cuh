@@ -21,7 +21,8 @@ CountedBricks count_and_scan(const KeyList& candidates, const CountKernel& count
                              const Stream& stream);
 
 // Counts the candidates, numbers what they hold and emits it; throws LimitExceeded before it takes
-// memory for the mesh. `marks` has one mark, made when the candidates were known.
+// memory for the mesh, DeviceMemoryExceeded where more than options.device_memory would be taken
+// beside the field. `marks` has one mark, made when the candidates were known.
 void mesh_bricks_on_device(const KeyList& candidates, double spacing, const BrickKernels& kernels,
                            LabelWidth width, const ExtractOptions& options,
                            DeviceExtraction& result, StageMarks& marks, const Stream& stream);

@@ -10,6 +10,7 @@ constexpr const char* kReason = "this build has no CUDA backend (no CUDA compile
 }  // namespace
 
 DeviceList find_cuda_devices() { return {{}, kReason}; }
+void release_cuda_memory() {}
 std::unique_ptr<Extractor> make_cuda_extractor() { throw BackendUnavailable(kReason); }
 std::unique_ptr<Refiner> make_cuda_refiner() { throw BackendUnavailable(kReason); }
 std::unique_ptr<FieldMesher> make_cuda_field_mesher() { throw BackendUnavailable(kReason); }

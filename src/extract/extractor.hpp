@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "core/monitor.hpp"
 #include "extract/field.hpp"
@@ -44,6 +45,7 @@ struct ExtractResult {
   IndexedMesh mesh;
   GridSpec grid;
   ExtractStats stats;
+  std::string fallback{};  // why the CPU did what a device was to do; empty: it did not
 };
 
 // Marching cubes over the bricks that the surface crosses. The mesh is closed, 2-manifold and

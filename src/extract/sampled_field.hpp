@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "core/buffer.hpp"
 #include "extract/extractor.hpp"
@@ -22,6 +23,7 @@ struct SampledField {
   GridSpec grid{};
   Buffer<float> values;
   float isovalue = 1;
+  std::string fallback{};  // why the CPU sampled what a device was to sample; empty: it did not
 
   SampledFieldView view() const { return {grid, values.data(), isovalue}; }
 };
@@ -38,10 +40,10 @@ class FieldMesher {
   virtual SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const = 0;
 
   // Marching cubes, in the Extractor's order, closed like its meshes; only connectivity, normals,
-  // memory limit, monitor and on_size of `options` are used. Vertices interpolate between two
-  // nodes; normals are those of central differences, interpolated likewise; vertex_spheres is
-  // empty. Where the grid's border cuts the surface, the vertex is a whole edge outside. Throws
-  // LimitExceeded. A value that is not a number counts as outside.
+  // memory limit, device memory, monitor and on_size of `options` are used. Vertices interpolate
+  // between two nodes; normals are those of central differences, interpolated likewise;
+  // vertex_spheres is empty. Where the grid's border cuts the surface, the vertex is a whole edge
+  // outside. Throws LimitExceeded. A value that is not a number counts as outside.
   virtual ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const = 0;
 };
 

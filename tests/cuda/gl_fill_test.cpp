@@ -15,6 +15,7 @@
 #include "core/errors.hpp"
 #include "cuda/backend.hpp"
 #include "cuda/cuda_source.hpp"
+#include "cuda/refused_memory.hpp"
 #include "render/egl_context.hpp"
 #include "render/renderer.hpp"
 #include "render/surface_buffers.hpp"
@@ -193,6 +194,19 @@ TEST_F(CudaFill, WritesTheBytesOfTheHost) {
 
 TEST_F(CudaFill, WritesTheBytesOfTheHostInSlices) {
   expect_bytes_of_the_host(scattered(2 * kPerSlice + 1));
+}
+
+// The host fills the buffers where the device has no memory for what is on its way into them.
+TEST_F(CudaFill, LeavesToTheHostWhatTheDeviceHasNoMemoryFor) {
+  const EglContext::Use use(*context_);
+  const IndexedMesh mesh = scattered(33);
+  const testing::RefusedMemory refused;
+  for (const Paint& paint : paints_for(mesh)) {
+    const MeshSource host(mesh, paint);
+    const CudaSource source(host, context_->cuda_device());
+    expect_same(filled_by(host), filled_by(source), "no device memory");
+    EXPECT_NE(source.obstacle().find("device memory"), std::string::npos) << source.obstacle();
+  }
 }
 
 TEST_F(CudaFill, DrawsThePictureOfTheHost) { expect_picture_of_the_host(context_->cuda_device()); }

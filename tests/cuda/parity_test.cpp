@@ -12,6 +12,7 @@
 
 #include "core/errors.hpp"
 #include "cuda/backend.hpp"
+#include "cuda/refused_memory.hpp"
 #include "support/crease_meshes.hpp"
 #include "support/shared_files.hpp"
 #include "support/xyzr.hpp"
@@ -152,6 +153,9 @@ TEST_F(Parity, ThesisPresets) {
   }
 }
 
+void expect_mesher_parity(const SampledField& field, const ExtractOptions& options,
+                          const std::string& what);
+
 // What does not fit is made in slabs, and several devices share them: the mesh is the same.
 TEST_F(Parity, SlabsWithoutNormals) {
   const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
@@ -163,6 +167,30 @@ TEST_F(Parity, SlabsWithoutNormals) {
   EXPECT_GT(cuda.stats.slabs, 1u);
   EXPECT_TRUE(cuda.mesh.normals.empty());
   expect_same(cpu.mesh, cuda.mesh, "no normals");
+}
+
+// Opposite half-edges are made where they are asked for, and nothing else depends on that.
+TEST_F(Parity, WithoutHalfEdges) {
+  const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
+  for (const FieldKind kind : kFields) {
+    ExtractOptions options = options_of(kind, 0.4);
+    options.connectivity = Connectivity::triangles;
+    const ExtractResult cpu = make_extractor(Backend::cpu)->extract(spheres, options);
+    ASSERT_TRUE(cpu.mesh.opposite.empty());
+    for (const int devices : {1, 3}) {
+      for (const std::uint64_t memory : {kNoMemoryLimit, std::uint64_t{2} << 20}) {
+        options.devices = devices;
+        options.device_memory = memory;
+        const ExtractResult cuda = make_extractor(Backend::cuda)->extract(spheres, options);
+        expect_same(cpu.mesh, cuda.mesh, std::string("triangles alone, ") + name_of(kind));
+        EXPECT_EQ(cuda.stats.slabs > static_cast<std::uint64_t>(devices), memory != kNoMemoryLimit);
+      }
+    }
+    if (kind == FieldKind::vdw) continue;
+    const SampledField field = make_field_mesher(Backend::cpu)->sample(spheres, options);
+    options.device_memory = kNoMemoryLimit;
+    expect_mesher_parity(field, options, std::string("triangles alone, sampled ") + name_of(kind));
+  }
 }
 
 TEST_F(Parity, SlabsAndDevices) {
@@ -240,6 +268,80 @@ TEST_F(Parity, ExtractionThatDoesNotFit) {
   const PipelineResult automatic = make_pipeline(Backend::automatic)->run(spheres, extract, {});
   expect_same(cpu.mesh, automatic.mesh, "meshed on the CPU");
   EXPECT_NE(automatic.fallback.find("extraction needs"), std::string::npos) << automatic.fallback;
+}
+
+// The automatic classes mesh on the CPU what does not fit, and say so; the CUDA ones refuse it.
+TEST_F(Parity, AutomaticBackendsFallBack) {
+  const SphereSet spheres = crowd(300, 8, 0.8, 2.0, 19);
+  ExtractOptions options = options_of(FieldKind::blinn, 0.5);
+  const ExtractResult cpu = make_extractor(Backend::cpu)->extract(spheres, options);
+  const SampledField field = make_field_mesher(Backend::cpu)->sample(spheres, options);
+  const ExtractResult sampled = make_field_mesher(Backend::cpu)->mesh(field, options);
+  const auto expect_fallback = [&](const std::string& why) {
+    const ExtractResult meshed = make_extractor(Backend::automatic)->extract(spheres, options);
+    expect_same(cpu.mesh, meshed.mesh, "extracted, " + why);
+    const auto mesher = make_field_mesher(Backend::automatic);
+    const SampledField again = mesher->sample(spheres, options);
+    ASSERT_EQ(field.values.size(), again.values.size());
+    EXPECT_TRUE(std::equal(field.values.begin(), field.values.end(), again.values.begin()));
+    const ExtractResult remeshed = mesher->mesh(field, options);
+    expect_same(sampled.mesh, remeshed.mesh, "meshed from a field, " + why);
+    for (const std::string& fallback : {meshed.fallback, again.fallback, remeshed.fallback}) {
+      EXPECT_EQ(fallback.find("on the CPU: ") != std::string::npos, !why.empty()) << fallback;
+    }
+  };
+  expect_fallback("");
+  {
+    const testing::RefusedMemory refused;
+    EXPECT_THROW(make_extractor(Backend::cuda)->extract(spheres, options), DeviceMemoryExceeded);
+    expect_fallback("the driver has no memory");
+  }
+  options.device_memory = 1000;
+  EXPECT_THROW(make_field_mesher(Backend::cuda)->mesh(field, options), DeviceMemoryExceeded);
+  EXPECT_THROW(make_field_mesher(Backend::cuda)->sample(spheres, options), DeviceMemoryExceeded);
+  expect_fallback("1000 bytes");
+}
+
+// With subdivisions too: what is extracted in slabs, or on several devices, is refined afterwards.
+TEST_F(Parity, RefinedSlabsAndDevices) {
+  const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
+  for (const FieldKind kind : {FieldKind::vdw, FieldKind::blinn}) {
+    ExtractOptions extract = options_of(kind, 0.4);
+    RefineOptions refine;
+    refine.subdivisions = 1;
+    refine.field = extract.field;
+    refine.projection = kind == FieldKind::vdw ? Projection::vdw : Projection::field;
+    const PipelineResult cpu = make_pipeline(Backend::cpu)->run(spheres, extract, refine);
+    for (const Backend backend : {Backend::cuda, Backend::automatic}) {
+      for (const int devices : {1, 3}) {
+        for (const std::uint64_t memory : {kNoMemoryLimit, std::uint64_t{3} << 20}) {
+          extract.devices = devices;
+          extract.device_memory = memory;
+          std::vector<int> levels;
+          refine.on_level = [&](int level, const IndexedMesh&) { levels.push_back(level); };
+          const PipelineResult result = make_pipeline(backend)->run(spheres, extract, refine);
+          const std::string what = std::string("refined after slabs, ") + name_of(kind) + " " +
+                                   std::to_string(devices) + " devices";
+          expect_same(cpu.mesh, result.mesh, what);
+          EXPECT_EQ(levels, (std::vector<int>{0, 1})) << what;
+          EXPECT_EQ(result.fallback, "") << what;
+          const bool together = devices == 1 && memory == kNoMemoryLimit;
+          EXPECT_EQ(result.extract.slabs == 0, together) << what;
+          EXPECT_GE(result.extract.slabs, memory == kNoMemoryLimit ? 0u : 4u) << what;
+        }
+      }
+    }
+  }
+}
+
+// Memory is kept between runs until it is given back, and then there is as much of it as before.
+TEST_F(Parity, RunsAfterMemoryWasReleased) {
+  const SphereSet spheres = crowd(300, 8, 0.8, 2.0, 19);
+  const ExtractOptions options = options_of(FieldKind::vdw, 0.5);
+  const ExtractResult first = make_extractor(Backend::cuda)->extract(spheres, options);
+  release_device_memory();
+  const ExtractResult second = make_extractor(Backend::cuda)->extract(spheres, options);
+  expect_same(first.mesh, second.mesh, "after memory was released");
 }
 
 // Fields that stand in memory: made from spheres, then meshed.

@@ -1,0 +1,154 @@
+// How the CUDA backend chooses devices, and what it does where the runtime fails: on a runtime of
+// make-believe, with or without a GPU.
+#include "cuda/device.cuh"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/errors.hpp"
+#include "cuda/backend.hpp"
+#include "cuda/device_memory.cuh"
+#include "cuda/fake_runtime.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::fake_runtime;
+using testing::FakeDevice;
+using ::testing::HasSubstr;
+
+// Below and above what any build of this decade has code for.
+constexpr int kTooOld = 10, kNewEnough = 990;
+
+class Devices : public ::testing::Test {
+ protected:
+  void SetUp() override { fake_runtime() = {}; }
+  void TearDown() override {
+    EXPECT_EQ(fake_runtime().events, 0);
+    EXPECT_EQ(fake_runtime().allocated, 0);
+    EXPECT_EQ(fake_runtime().last_error, cudaSuccess) << "left for the next launch to find";
+  }
+};
+
+std::vector<std::string> names(const DeviceList& list) {
+  std::vector<std::string> all;
+  for (const DeviceInfo& device : list.devices) all.push_back(device.name);
+  return all;
+}
+
+TEST_F(Devices, WithoutCodeOrPoolsAreLeftOut) {
+  fake_runtime().devices = {
+      {"old", kTooOld}, {"poolless", kNewEnough, false}, {"a", kNewEnough}, {"b", kNewEnough}};
+  EXPECT_THAT(names(cuda_devices()), ElementsAre("a", "b"));
+  EXPECT_THAT(usable_devices(), ElementsAre(2, 3));
+  EXPECT_EQ(resolve(Backend::automatic), Backend::cuda);
+}
+
+TEST_F(Devices, NoneThatCanBeUsedIsNone) {
+  fake_runtime().devices = {{"old", kTooOld}};
+  const DeviceList list = cuda_devices();
+  EXPECT_TRUE(list.devices.empty());
+  EXPECT_THAT(list.reason, HasSubstr("old: compute capability 1.0"));
+  EXPECT_EQ(resolve(Backend::automatic), Backend::cpu);
+  EXPECT_THROW(resolve(Backend::cuda), BackendUnavailable);
+  EXPECT_THROW(DeviceScope(), BackendUnavailable);
+}
+
+TEST_F(Devices, ReasonsNameWhatIsMissing) {
+  EXPECT_THAT(cuda_devices().reason, HasSubstr(cudaGetErrorString(cudaErrorNoDevice)));
+  fake_runtime().driver = 0;
+  EXPECT_THAT(cuda_devices().reason, HasSubstr("no NVIDIA driver"));
+  fake_runtime() = {};
+  fake_runtime().devices = {{"poolless", kNewEnough, false}};
+  EXPECT_THAT(cuda_devices().reason, HasSubstr("poolless: no memory pools"));
+}
+
+TEST_F(Devices, ScopeTakesAUsableOneAndGivesBackTheFormer) {
+  fake_runtime().devices = {{"old", kTooOld}, {"a", kNewEnough}, {"b", kNewEnough}};
+  for (const auto& [before, within] : {std::pair{0, 1}, {1, 1}, {2, 2}}) {
+    fake_runtime().current = before;
+    {
+      const DeviceScope scope;
+      EXPECT_EQ(fake_runtime().current, within);
+    }
+    EXPECT_EQ(fake_runtime().current, before);
+  }
+}
+
+// Device numbers of their own: a process tells a pool once.
+TEST_F(Devices, PoolsKeepTheirMemoryUntilItIsReleased) {
+  fake_runtime().devices.assign(12, FakeDevice{"d", kNewEnough});
+  fake_runtime().current = 9;
+  for (int i = 0; i < 2; ++i) {
+    const DeviceScope scope;
+    EXPECT_EQ(fake_runtime().devices[9].keeps, std::numeric_limits<std::uint64_t>::max());
+    EXPECT_EQ(fake_runtime().devices[9].thresholds_set, 1);
+  }
+  EXPECT_EQ(fake_runtime().devices[9].trims, 0);
+  release_device_memory();
+  EXPECT_EQ(fake_runtime().devices[9].trims, 1);
+  EXPECT_EQ(fake_runtime().devices[10].trims, 0) << "a device that was never used";
+  EXPECT_EQ(fake_runtime().current, 9);
+}
+
+TEST_F(Devices, MemoryIsAskedForAgainOnceThePoolIsEmptied) {
+  fake_runtime().devices = {{"a", kNewEnough}};
+  fake_runtime().failures["cudaMallocAsync"] = {0, 1, cudaErrorMemoryAllocation};
+  const DeviceArray<int> array(10, nullptr);
+  EXPECT_NE(array.data(), nullptr);
+  EXPECT_EQ(fake_runtime().devices[0].trims, 1);
+}
+
+TEST_F(Devices, MemoryThatCannotBeHadIsTheDevices) {
+  fake_runtime().devices = {{"a", kNewEnough}};
+  fake_runtime().failures["cudaMallocAsync"] = {0, 1000, cudaErrorMemoryAllocation};
+  EXPECT_THROW(DeviceArray<int>(10, nullptr), DeviceMemoryExceeded);
+}
+
+// A launch is checked by the runtime's last error, which would be that of an earlier call.
+TEST_F(Devices, ErrorsAreNotLeftForTheNextLaunch) {
+  for (const cudaError_t error : {cudaErrorInvalidValue, cudaErrorMemoryAllocation}) {
+    fake_runtime().failures["cudaEventRecord"] = {0, 1, error};
+    EXPECT_ANY_THROW(StageClock(nullptr));
+    EXPECT_NO_THROW(check_launch("the next kernel"));
+  }
+}
+
+TEST_F(Devices, EventsOfConstructorsThatThrowAreDestroyed) {
+  for (const char* function : {"cudaEventCreateWithFlags", "cudaEventRecord"}) {
+    for (const int succeeding : {0, 1}) {
+      fake_runtime().failures = {{function, {succeeding, 1, cudaErrorInvalidValue}}};
+      EXPECT_THROW(
+          {
+            StageClock(nullptr).restart();
+            StageMarks(nullptr).mark();
+          },
+          CudaError)
+          << function << " after " << succeeding;
+      EXPECT_EQ(fake_runtime().events, 0) << function << " after " << succeeding;
+    }
+  }
+}
+
+TEST_F(Devices, StagingBuffersDoWithoutLockedPages) {
+  {
+    const StagingBuffer locked(64);
+    EXPECT_EQ(fake_runtime().locked, 1);
+  }
+  EXPECT_EQ(fake_runtime().locked, 0);
+  fake_runtime().failures["cudaHostAlloc"] = {0, 1, cudaErrorMemoryAllocation};
+  const StagingBuffer ordinary(64);
+  ASSERT_NE(ordinary.data(), nullptr);
+  std::memset(ordinary.data(), 7, 64);
+  EXPECT_EQ(fake_runtime().locked, 0);
+  fake_runtime().failures["cudaHostAlloc"] = {0, 1, cudaErrorUnknown};
+  EXPECT_THROW(StagingBuffer(64), CudaError);
+}
+
+}  // namespace
+}  // namespace vdwmesh

@@ -1,0 +1,147 @@
+#include "cuda/fake_runtime.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+namespace vdwmesh::testing {
+
+FakeRuntime& fake_runtime() {
+  static FakeRuntime runtime;
+  return runtime;
+}
+
+namespace {
+
+cudaError_t outcome(const char* function) {
+  FakeRuntime& runtime = fake_runtime();
+  const auto found = runtime.failures.find(function);
+  if (found == runtime.failures.end()) return cudaSuccess;
+  FakeRuntime::Failure& failure = found->second;
+  if (failure.after-- > 0) return cudaSuccess;
+  if (failure.times-- <= 0) return cudaSuccess;
+  return runtime.last_error = failure.error;
+}
+
+FakeDevice& device(int number) {
+  return fake_runtime().devices.at(static_cast<std::size_t>(number));
+}
+
+// A pool is known by its device.
+cudaMemPool_t pool_of(int number) {
+  return reinterpret_cast<cudaMemPool_t>(static_cast<std::uintptr_t>(number) + 1);
+}
+FakeDevice& device_of(cudaMemPool_t pool) {
+  return device(static_cast<int>(reinterpret_cast<std::uintptr_t>(pool)) - 1);
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing
+
+using vdwmesh::testing::device;
+using vdwmesh::testing::device_of;
+using vdwmesh::testing::fake_runtime;
+using vdwmesh::testing::FakeDevice;
+using vdwmesh::testing::outcome;
+using vdwmesh::testing::pool_of;
+
+cudaError_t cudaGetLastError() { return std::exchange(fake_runtime().last_error, cudaSuccess); }
+
+cudaError_t cudaDriverGetVersion(int* version) {
+  *version = fake_runtime().driver;
+  return outcome("cudaDriverGetVersion");
+}
+
+cudaError_t cudaGetDeviceCount(int* count) {
+  *count = static_cast<int>(fake_runtime().devices.size());
+  if (*count == 0) return fake_runtime().last_error = cudaErrorNoDevice;
+  return outcome("cudaGetDeviceCount");
+}
+
+cudaError_t cudaGetDevice(int* number) {
+  *number = fake_runtime().current;
+  return outcome("cudaGetDevice");
+}
+
+cudaError_t cudaSetDevice(int number) {
+  fake_runtime().current = number;
+  return outcome("cudaSetDevice");
+}
+
+cudaError_t cudaDeviceSynchronize() { return outcome("cudaDeviceSynchronize"); }
+
+cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr which, int number) {
+  const FakeDevice& d = device(number);
+  if (which == cudaDevAttrComputeCapabilityMajor) *value = d.capability / 10;
+  if (which == cudaDevAttrComputeCapabilityMinor) *value = d.capability % 10;
+  if (which == cudaDevAttrMemoryPoolsSupported) *value = d.has_pools ? 1 : 0;
+  return outcome("cudaDeviceGetAttribute");
+}
+
+cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int number) {
+  *properties = {};
+  std::snprintf(properties->name, sizeof properties->name, "%s", device(number).name.c_str());
+  return outcome("cudaGetDeviceProperties");
+}
+
+cudaError_t cudaDeviceGetDefaultMemPool(cudaMemPool_t* pool, int number) {
+  *pool = pool_of(number);
+  return outcome("cudaDeviceGetDefaultMemPool");
+}
+
+cudaError_t cudaMemPoolSetAttribute(cudaMemPool_t pool, cudaMemPoolAttr, void* value) {
+  FakeDevice& d = device_of(pool);
+  d.keeps = *static_cast<const std::uint64_t*>(value);
+  ++d.thresholds_set;
+  return outcome("cudaMemPoolSetAttribute");
+}
+
+cudaError_t cudaMemPoolTrimTo(cudaMemPool_t pool, std::size_t) {
+  ++device_of(pool).trims;
+  return outcome("cudaMemPoolTrimTo");
+}
+
+cudaError_t cudaMallocAsync(void** memory, std::size_t bytes, cudaStream_t) {
+  const cudaError_t status = outcome("cudaMallocAsync");
+  if (status != cudaSuccess) return status;
+  *memory = std::malloc(bytes);
+  ++fake_runtime().allocated;
+  return cudaSuccess;
+}
+
+cudaError_t cudaFreeAsync(void* memory, cudaStream_t) {
+  std::free(memory);
+  --fake_runtime().allocated;
+  return outcome("cudaFreeAsync");
+}
+
+cudaError_t cudaHostAlloc(void** memory, std::size_t bytes, unsigned) {
+  *memory = nullptr;
+  const cudaError_t status = outcome("cudaHostAlloc");
+  if (status != cudaSuccess) return status;
+  *memory = std::malloc(bytes);
+  ++fake_runtime().locked;
+  return cudaSuccess;
+}
+
+cudaError_t cudaFreeHost(void* memory) {
+  std::free(memory);
+  --fake_runtime().locked;
+  return outcome("cudaFreeHost");
+}
+
+cudaError_t cudaStreamSynchronize(cudaStream_t) { return outcome("cudaStreamSynchronize"); }
+
+cudaError_t cudaEventCreateWithFlags(cudaEvent_t* event, unsigned) {
+  const cudaError_t status = outcome("cudaEventCreateWithFlags");
+  if (status != cudaSuccess) return status;
+  *event = reinterpret_cast<cudaEvent_t>(static_cast<std::uintptr_t>(++fake_runtime().events));
+  return cudaSuccess;
+}
+
+cudaError_t cudaEventDestroy(cudaEvent_t) {
+  --fake_runtime().events;
+  return outcome("cudaEventDestroy");
+}
+
+cudaError_t cudaEventRecord(cudaEvent_t, cudaStream_t) { return outcome("cudaEventRecord"); }

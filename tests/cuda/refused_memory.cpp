@@ -1,0 +1,28 @@
+// Stands before the runtime's cudaMallocAsync(). The toolkit's headers are not needed: an error is
+// an int and a stream a pointer.
+#include "cuda/refused_memory.hpp"
+
+#include <dlfcn.h>
+
+#include <atomic>
+#include <cstddef>
+
+namespace vdwmesh::testing {
+namespace {
+
+std::atomic<int> refusals = 0;
+constexpr int kMemoryAllocation = 2;  // cudaErrorMemoryAllocation
+
+}  // namespace
+
+RefusedMemory::RefusedMemory() { ++refusals; }
+RefusedMemory::~RefusedMemory() { --refusals; }
+
+extern "C" int cudaMallocAsync(void** memory, std::size_t bytes, void* stream) {
+  if (refusals > 0) return kMemoryAllocation;
+  using Allocate = int (*)(void**, std::size_t, void*);
+  static const auto allocate = reinterpret_cast<Allocate>(dlsym(RTLD_NEXT, "cudaMallocAsync"));
+  return allocate(memory, bytes, stream);
+}
+
+}  // namespace vdwmesh::testing
