@@ -33,6 +33,7 @@ macro(vdwmesh_detect_cuda)
       if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
         set(CMAKE_CUDA_ARCHITECTURES "80-real;90-real;90-virtual" CACHE STRING "CUDA architectures")
       endif()
+      set(CMAKE_CUDA_RUNTIME_LIBRARY Shared)  # one runtime in a program, whatever its libraries are
       enable_language(CUDA)
       find_package(CUDAToolkit REQUIRED)
       set(VDWMESH_WITH_CUDA ON)

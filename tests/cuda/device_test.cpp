@@ -110,6 +110,33 @@ TEST_F(Devices, MemoryThatCannotBeHadIsTheDevices) {
   EXPECT_THROW(DeviceArray<int>(10, nullptr), DeviceMemoryExceeded);
 }
 
+// The CPU's results, which say what was lacking.
+TEST_F(Devices, AutomaticBackendsLeaveToTheCpuWhatDoesNotFit) {
+  fake_runtime().devices = {{"a", kNewEnough}};
+  fake_runtime().failures["cudaMallocAsync"] = {0, 1000, cudaErrorMemoryAllocation};
+  const SphereSet spheres({{{0, 0, 0}, 1.5}, {{2, 0, 0}, 1.7}});
+  ExtractOptions options;
+  options.field.kind = FieldKind::blinn;
+  EXPECT_THROW(make_extractor(Backend::cuda)->extract(spheres, options), DeviceMemoryExceeded);
+  const ExtractResult extracted = make_extractor(Backend::automatic)->extract(spheres, options);
+  EXPECT_EQ(hash(extracted.mesh), hash(make_cpu_extractor()->extract(spheres, options).mesh));
+  const auto mesher = make_field_mesher(Backend::automatic);
+  const SampledField field = mesher->sample(spheres, options);
+  const ExtractResult meshed = mesher->mesh(field, options);
+  EXPECT_EQ(hash(meshed.mesh), hash(make_cpu_field_mesher()->mesh(field, options).mesh));
+  RefineOptions refine;
+  refine.field = options.field;
+  refine.projection = Projection::field;
+  std::vector<std::string> fallbacks = {extracted.fallback, field.fallback, meshed.fallback};
+  for (refine.subdivisions = 0; refine.subdivisions < 2; ++refine.subdivisions) {
+    const PipelineResult result = make_pipeline(Backend::automatic)->run(spheres, options, refine);
+    EXPECT_EQ(hash(result.mesh),
+              hash(make_pipeline(Backend::cpu)->run(spheres, options, refine).mesh));
+    fallbacks.push_back(result.fallback);
+  }
+  EXPECT_THAT(fallbacks, ::testing::Each(HasSubstr("on the CPU: device memory: ")));
+}
+
 // A launch is checked by the runtime's last error, which would be that of an earlier call.
 TEST_F(Devices, ErrorsAreNotLeftForTheNextLaunch) {
   for (const cudaError_t error : {cudaErrorInvalidValue, cudaErrorMemoryAllocation}) {

@@ -96,6 +96,17 @@ cudaError_t cudaMemPoolSetAttribute(cudaMemPool_t pool, cudaMemPoolAttr, void* v
   return outcome("cudaMemPoolSetAttribute");
 }
 
+// Nothing is kept in pools, and there is no end to the memory beside them.
+cudaError_t cudaMemPoolGetAttribute(cudaMemPool_t, cudaMemPoolAttr, void* value) {
+  *static_cast<std::uint64_t*>(value) = 0;
+  return outcome("cudaMemPoolGetAttribute");
+}
+
+cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* total) {
+  *free = *total = std::size_t{1} << 40;
+  return outcome("cudaMemGetInfo");
+}
+
 cudaError_t cudaMemPoolTrimTo(cudaMemPool_t pool, std::size_t) {
   ++device_of(pool).trims;
   return outcome("cudaMemPoolTrimTo");
@@ -129,6 +140,13 @@ cudaError_t cudaFreeHost(void* memory) {
   --fake_runtime().locked;
   return outcome("cudaFreeHost");
 }
+
+cudaError_t cudaStreamCreateWithFlags(cudaStream_t* stream, unsigned) {
+  *stream = nullptr;
+  return outcome("cudaStreamCreateWithFlags");
+}
+
+cudaError_t cudaStreamDestroy(cudaStream_t) { return outcome("cudaStreamDestroy"); }
 
 cudaError_t cudaStreamSynchronize(cudaStream_t) { return outcome("cudaStreamSynchronize"); }
 
