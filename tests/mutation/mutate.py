@@ -47,7 +47,7 @@ TESTS = {
                 "cli.surfaces", "cli.options"],
     "refine": ["refine_test", "refiner_contract_test", "exact_mesher_contract_test"],
     "arrangement": ["arrangement_union_test", "arrangement_arcs_test", "test_distances", "exact_mesher_contract_test",
-                    "cli.exact_mesher"],
+                    "cli.exact_mesher", "cli.union_witnesses"],
     "mesh": ["test_surface_mesh", "test_mesh_io", "cli.meshes", "cli.foreign", "cli.files"],
     "analysis": ["test_mesh_measures", "test_study", "test_distances", "properties_test", "cli.report", "cli.meshes",
                  "cli.study"],
@@ -243,7 +243,12 @@ class Tests:
         return ("survived", "") if changed else ("equivalent", "no program changed")
 
 
-def judge(tests, path, number, line, broken):
+def tests_for(path, options):
+    names = TESTS[room_of(path)]
+    return [name for name in names if name in options.tests.split(",")] if options.tests else names
+
+
+def judge(tests, names, path, number, line, broken):
     if line is None:
         return "gone", ""
     original = path.read_text()
@@ -251,7 +256,7 @@ def judge(tests, path, number, line, broken):
     text[number - 1] = broken
     try:
         path.write_text("\n".join(text))
-        return tests.outcome(TESTS[room_of(path)])
+        return tests.outcome(names)
     finally:
         path.write_text(original)
 
@@ -263,7 +268,13 @@ def chosen(options):
             yield index, *mutant
 
 
+def end(number, _):
+    """The broken file is put back where the program is asked to end, too."""
+    sys.exit(128 + number)
+
+
 def main():
+    signal.signal(signal.SIGTERM, end)
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("action", choices=("list", "run"))
     parser.add_argument("build", nargs="?", type=pathlib.Path)
@@ -271,6 +282,7 @@ def main():
     parser.add_argument("--count", type=int, default=120)
     parser.add_argument("--first", type=int, default=0, help="mutants to pass over")
     parser.add_argument("--rooms", help="of these rooms alone: core,apps,…")
+    parser.add_argument("--tests", help="these tests alone: core_test,cli.options,…")
     parser.add_argument("--lines", help="a CSV of lines in place of drawn ones")
     parser.add_argument("--log", type=argparse.FileType("a"), default=sys.stdout)
     options = parser.parse_args()
@@ -285,9 +297,10 @@ def main():
             break
         row = [index, path.relative_to(ROOT), number, (line or "").strip(), broken.strip()]
         if tests:
-            tests.prepare(TESTS[room_of(path)])
+            names = tests_for(path, options)
+            tests.prepare(names)
             start = time.monotonic()
-            row += [*judge(tests, path, number, line, broken), round(time.monotonic() - start)]
+            row += [*judge(tests, names, path, number, line, broken), round(time.monotonic() - start)]
         table.writerow(row)
         options.log.flush()
         left -= "no mutant" not in row
