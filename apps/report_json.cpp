@@ -149,8 +149,15 @@ Json shells_json(const std::vector<Shell>& shells) {
 }
 
 Json statistics_json(const DistanceStatistics& d) {
-  return {{"mean", d.mean}, {"rms", d.rms}, {"max", d.max},        {"p50", d.p50},
-          {"p95", d.p95},   {"p99", d.p99}, {"samples", d.samples}};
+  return {{"mean", d.mean},
+          {"rms", d.rms},
+          {"max", d.max},
+          {"p50", d.p50},
+          {"p95", d.p95},
+          {"p99", d.p99},
+          {"mean_error", d.mean_error},
+          {"rms_error", d.rms_error},
+          {"samples", d.samples}};
 }
 
 Json comparison_json(const Comparison& comparison) {

@@ -302,6 +302,8 @@ void mesh_text(Text out, const MeshReport& mesh) {
 void distance_row(Text out, std::string_view label, const DistanceStatistics& d) {
   fmt::format_to(out, "{:<22}{:>14.5f}{:>10.5f}{:>10.5f}{:>10.5f}{:>10.5f}  Å\n", label, d.mean,
                  d.rms, d.p95, d.p99, d.max);
+  fmt::format_to(out, "{:<22}{:>14.5f}{:>10.5f}{:>33}\n", "  standard error", d.mean_error,
+                 d.rms_error, "Å");
 }
 
 void distances_text(Text out, const MeshDistances& distances) {

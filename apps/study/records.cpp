@@ -37,7 +37,8 @@ void describe(A& a, T& d) {
 template <class A, Of<DistanceStatistics> T>
 void describe(A& a, T& d) {
   a("mean", d.mean), a("rms", d.rms), a("max", d.max);
-  a("p50", d.p50), a("p95", d.p95), a("p99", d.p99), a("samples", d.samples);
+  a("p50", d.p50), a("p95", d.p95), a("p99", d.p99);
+  a("mean_error", d.mean_error), a("rms_error", d.rms_error), a("samples", d.samples);
 }
 
 template <class A, Of<MeshDistances> T>

@@ -13,6 +13,7 @@
 #include "analysis/distances_samples.hpp"
 #include "analysis/distances_statistics.hpp"
 #include "analysis/distances_triangle.hpp"
+#include "analysis/mesh_area.hpp"
 #include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
@@ -20,10 +21,11 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kTrianglesPerBlock = 2048, kVerticesPerBlock = 2048, kPatchesPerBlock = 8;
-constexpr double kLeastSamples = 1e4;    // on all spheres together, buried parts included
-constexpr double kMostSamples = 1e12;    // weeks of work
-constexpr double kWeightUnits = 0x1p60;  // the area of the mesh, in the histogram
+constexpr std::size_t kTrianglesPerBlock = 2048, kVerticesPerBlock = 2048, kSamplesPerBlock = 2048;
+constexpr std::size_t kPatchesPerBlock = 8;
+constexpr double kLeastSamples =
+    1e4;  // on the mesh; on all spheres together, buried parts included
+constexpr double kMostSamples = 1e12;  // weeks of work
 
 // body(block) for all blocks, on all cores.
 template <class Body>
@@ -84,7 +86,8 @@ void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t li
       1.02 * std::sqrt(ratio)));
 }
 
-double check_density(double total_area, double samples_per_area) {
+// Samples per Å² of an area.
+double density_for(double total_area, double samples_per_area) {
   if (!(samples_per_area > 0) || !std::isfinite(samples_per_area))
     throw InvalidInput(
         fmt::format("{} samples per Å²: a positive number is needed", samples_per_area));
@@ -93,31 +96,7 @@ double check_density(double total_area, double samples_per_area) {
         "{:.3g} Å² at {} samples per Å² are more than {:.0e} samples: choose at most {:.3g}",
         total_area, samples_per_area, kMostSamples, kMostSamples / total_area));
   }
-  return samples_per_area;
-}
-
-struct Corners {
-  const Vec3d &a, &b, &c;
-};
-
-Corners corners_of(const IndexedMesh& mesh, std::size_t triangle) {
-  const auto& [i, j, k] = mesh.triangles[triangle];
-  return {mesh.positions[i], mesh.positions[j], mesh.positions[k]};
-}
-
-double area_of(const Corners& t) { return 0.5 * norm(cross(t.b - t.a, t.c - t.a)); }
-
-double area_of(const IndexedMesh& mesh) {
-  std::vector<double> sums(blocks_of(mesh.triangle_count(), kTrianglesPerBlock));
-  for_blocks(sums.size(), nullptr, [&](std::size_t block) {
-    const std::size_t end = std::min(mesh.triangle_count(), (block + 1) * kTrianglesPerBlock);
-    for (std::size_t t = block * kTrianglesPerBlock; t < end; ++t)
-      sums[block] += area_of(corners_of(mesh, t));
-  });
-  WideSum total;
-  for (const double sum : sums) total.add(sum);
-  if (!(total.value() > 0)) throw InvalidInput("the mesh has no area");
-  return total.value();
+  return std::max(samples_per_area, kLeastSamples / total_area);
 }
 
 double area_of(const SphereSet& spheres) {
@@ -168,48 +147,70 @@ class Statistics {
   tbb::enumerable_thread_specific<DistanceHistogram> histograms_;
 };
 
+// One point of each of `samples` equal parts of the area, at random within it: no triangle is too
+// small to be sampled, and on average every part of the mesh counts by its area. Maxima also take
+// the vertices and the triangles' centres.
 class MeshSampler {
  public:
-  MeshSampler(const IndexedMesh& mesh, const SurfaceFinder& finder, double density)
-      : mesh_(mesh), finder_(finder), density_(density), area_(area_of(mesh)) {
-    check_density(area_, density);
-  }
+  MeshSampler(const IndexedMesh& mesh, const SurfaceFinder& finder, const DistanceOptions& options)
+      : mesh_(mesh),
+        finder_(finder),
+        area_(mesh),
+        samples_(static_cast<std::uint64_t>(
+            std::ceil(area_.total() * density_for(area_.total(), options.samples_per_area)))),
+        seed_(options.seed) {}
 
   DistanceStatistics run(Monitor* monitor) const {
+    const std::size_t sample_blocks = blocks_of(samples_, kSamplesPerBlock);
     const std::size_t face_blocks = blocks_of(mesh_.triangle_count(), kTrianglesPerBlock);
     const std::size_t vertex_blocks = blocks_of(mesh_.vertex_count(), kVerticesPerBlock);
     const Buffer<std::uint8_t> used = used_vertices(mesh_);
-    Statistics statistics(face_blocks + vertex_blocks);
-    begin_stage(monitor, "distances of the mesh", face_blocks + vertex_blocks);
+    Statistics statistics(sample_blocks + face_blocks + vertex_blocks);
+    begin_stage(monitor, "distances of the mesh", sample_blocks + face_blocks + vertex_blocks);
+    for_blocks(sample_blocks, monitor, [&](std::size_t block) {
+      sample_area(block, statistics.block(block), statistics.histogram());
+    });
     for_blocks(face_blocks, monitor, [&](std::size_t block) {
-      sample_faces(block, statistics.block(block), statistics.histogram());
+      visit_centres(block, statistics.block(sample_blocks + block));
     });
     for_blocks(vertex_blocks, monitor, [&](std::size_t block) {
-      sample_vertices(block, used, statistics.block(face_blocks + block));
+      visit_vertices(block, used, statistics.block(sample_blocks + face_blocks + block));
     });
     return statistics.result();
   }
 
  private:
-  void sample_faces(std::size_t block, DistanceSums& sums, DistanceHistogram& histogram) const {
+  // Where sample i lies in the area, Å².
+  double place_of(std::uint64_t i) const {
+    const double within = Random(seed_, ~i).next();  // spheres count their streams upwards from 0
+    return (static_cast<double>(i) + within) / static_cast<double>(samples_) * area_.total();
+  }
+
+  void sample_area(std::size_t block, DistanceSums& sums, DistanceHistogram& histogram) const {
+    std::uint32_t hint = 0;
+    const std::uint64_t first = block * kSamplesPerBlock;
+    const std::uint64_t end = std::min<std::uint64_t>(samples_, first + kSamplesPerBlock);
+    MeshArea::Cursor cursor(area_, place_of(first));
+    for (std::uint64_t i = first; i < end; ++i) {
+      const double distance = finder_.distance(cursor.point_at(place_of(i)), hint);
+      sums.add(distance);
+      histogram.add(distance);
+    }
+  }
+
+  void visit_centres(std::size_t block, DistanceSums& sums) const {
     std::uint32_t hint = 0;
     const std::size_t end = std::min(mesh_.triangle_count(), (block + 1) * kTrianglesPerBlock);
     for (std::size_t t = block * kTrianglesPerBlock; t < end; ++t) {
       const Corners corners = corners_of(mesh_, t);
-      const double area = area_of(corners);
-      const std::uint64_t parts = parts_per_edge(area, density_);
-      const double weight = area / (static_cast<double>(parts) * static_cast<double>(parts));
-      const auto units = static_cast<std::uint64_t>(weight / area_ * kWeightUnits);
-      sample_triangle(corners.a, corners.b, corners.c, parts, [&](const Vec3d& p) {
-        const double distance = finder_.distance(p, hint);
-        sums.add(distance, weight);
-        histogram.add(distance, units);
-      });
+      const Vec3d centre =
+          corners.a + (1.0 / 3) * ((corners.b - corners.a) + (corners.c - corners.a));
+      sums.add_extreme(finder_.distance(centre, hint));
     }
   }
 
-  void sample_vertices(std::size_t block, const Buffer<std::uint8_t>& used,
-                       DistanceSums& sums) const {
+  void visit_vertices(std::size_t block, const Buffer<std::uint8_t>& used,
+                      DistanceSums& sums) const {
     std::uint32_t hint = 0;
     const std::size_t end = std::min(mesh_.vertex_count(), (block + 1) * kVerticesPerBlock);
     for (std::size_t v = block * kVerticesPerBlock; v < end; ++v)
@@ -218,7 +219,9 @@ class MeshSampler {
 
   const IndexedMesh& mesh_;
   const SurfaceFinder& finder_;
-  double density_, area_;
+  MeshArea area_;
+  std::uint64_t samples_;
+  std::uint64_t seed_;
 };
 
 Box box_of(const Corners& t) {
@@ -274,8 +277,8 @@ DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFind
       Random random(options.seed, surface.list().rank[patches[i].place]);
       sample_patch(patches[i], density, random, [&](const Vec3d& p) {
         const double distance = finder.distance(p, hint);
-        sums.add(distance, 1);
-        histogram.add(distance, 1);
+        sums.add(distance);
+        histogram.add(distance);
       });
       sample_border(patches[i], std::sqrt(density), random,
                     [&](const Vec3d& p) { sums.add_extreme(finder.distance(p, hint)); });
@@ -292,15 +295,12 @@ MeshDistances distances(const IndexedMesh& mesh, const SphereSet& spheres,
   check_triangles(mesh);
   check_vertices(mesh);
   check_memory(mesh, spheres.size(), options.memory_limit);
-  const double sphere_area = area_of(spheres);
-  const double density =
-      std::max(check_density(sphere_area, options.samples_per_area), kLeastSamples / sphere_area);
+  const double density = density_for(area_of(spheres), options.samples_per_area);
   const Box world = world_of(mesh, spheres);
   const ExposedSurface surface(spheres, options.monitor);
   MeshDistances result{};
   result.mesh_to_surface =
-      MeshSampler(mesh, SurfaceFinder(surface, world), options.samples_per_area)
-          .run(options.monitor);
+      MeshSampler(mesh, SurfaceFinder(surface, world), options).run(options.monitor);
   result.surface_to_mesh = surface_to_mesh(surface, MeshFinder(mesh, world), density, options);
   result.hausdorff_lower_bound = std::max(result.mesh_to_surface.max, result.surface_to_mesh.max);
   result.samples = result.mesh_to_surface.samples + result.surface_to_mesh.samples;

@@ -1,4 +1,4 @@
-// Where distances are taken: points on exposed patches, arcs and corners, and inside triangles.
+// Where distances are taken on the exact surface: points on exposed patches, arcs and corners.
 #pragma once
 
 #include <cmath>
@@ -91,30 +91,6 @@ void sample_border(const Patch& patch, double density, Random& random, Visit&& v
   }
   for (const Corner& corner : patch.corners)
     if (corner.first) visit(patch.ball.center + r * corner.position);
-}
-
-// Into how many equal parts each edge is cut, so that there are `density` parts per Å² at least.
-inline std::uint64_t parts_per_edge(double area, double density) {
-  return std::max<std::uint64_t>(1,
-                                 static_cast<std::uint64_t>(std::ceil(std::sqrt(area * density))));
-}
-
-// visit(point) for the centres of the parts² congruent triangles that abc is cut into.
-template <class Visit>
-void sample_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, std::uint64_t parts,
-                     Visit&& visit) {
-  const double step = 1 / static_cast<double>(parts);
-  const auto at = [&](double u, double v) {
-    return a + (u * step) * (b - a) + (v * step) * (c - a);
-  };
-  for (std::uint64_t i = 0; i < parts; ++i) {
-    const auto u = static_cast<double>(i);
-    for (std::uint64_t j = 0; i + j < parts; ++j) {
-      const auto v = static_cast<double>(j);
-      visit(at(u + 1.0 / 3, v + 1.0 / 3));
-      if (i + j + 1 < parts) visit(at(u + 2.0 / 3, v + 2.0 / 3));
-    }
-  }
 }
 
 }  // namespace vdwmesh

@@ -14,6 +14,14 @@ constexpr int kMantissaBits = 52, kBinBits = 8, kExponentBias = 1023, kFirstExpo
 constexpr std::uint64_t kFirstKey = static_cast<std::uint64_t>(kExponentBias + kFirstExponent)
                                     << kBinBits;
 
+// Of a mean of n independent values, from their mean and the mean of their squares; NaN for fewer
+// than two.
+double standard_error(double mean, double mean_square, double n) {
+  const double variance = mean_square - mean * mean;
+  if (!(n >= 2)) return std::numeric_limits<double>::quiet_NaN();
+  return variance < 0 ? 0 : std::sqrt(variance / (n - 1));
+}
+
 }  // namespace
 
 // Exponent and leading bits of the mantissa: doubles >= 0 are ordered as their bits are.
@@ -34,7 +42,7 @@ void DistanceHistogram::add(const DistanceHistogram& other) {
 
 double DistanceHistogram::percentile(double fraction) const {
   std::uint64_t total = 0;
-  for (const std::uint64_t weight : bins_) total += weight;
+  for (const std::uint64_t count : bins_) total += count;
   if (total == 0) return std::numeric_limits<double>::quiet_NaN();
   const double wanted = std::max(1.0, std::ceil(fraction * static_cast<double>(total)));
   std::uint64_t below = 0;
@@ -47,28 +55,30 @@ double DistanceHistogram::percentile(double fraction) const {
 
 DistanceStatistics summarize(const std::vector<DistanceSums>& blocks,
                              const DistanceHistogram& histogram) {
-  WideSum weight, first, second;
+  WideSum first, second, fourth;
   double max = 0;
-  std::uint64_t samples = 0;
+  std::uint64_t counted = 0, samples = 0;
   for (const DistanceSums& block : blocks) {
-    weight.add(block.weight);
     first.add(block.first);
     second.add(block.second);
+    fourth.add(block.fourth);
     max = std::max(max, block.max);
+    counted += block.counted;
     samples += block.samples;
   }
+  const auto n = static_cast<double>(counted);
+  const double mean = first.value() / n, square = second.value() / n, rms = std::sqrt(square);
+  // By the central limit theorem; that of the root by its derivative.
+  const double mean_error = standard_error(mean, square, n);
+  const double square_error = standard_error(square, fourth.value() / n, n);
+  const double rms_error = square_error > 0 ? square_error / (2 * rms) : square_error;
   // The middle of the last bin may lie beyond the largest distance.
   const auto percentile = [&](double fraction) {
     const double value = histogram.percentile(fraction);
     return value > max ? max : value;
   };
-  return {first.value() / weight.value(),
-          std::sqrt(second.value() / weight.value()),
-          percentile(0.50),
-          percentile(0.95),
-          percentile(0.99),
-          max,
-          samples};
+  return {mean, rms,        percentile(0.50), percentile(0.95), percentile(0.99),
+          max,  mean_error, rms_error,        samples};
 }
 
 }  // namespace vdwmesh

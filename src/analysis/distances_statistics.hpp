@@ -1,4 +1,4 @@
-// Weighted statistics of distances that come out the same however the work was cut.
+// Statistics of distances that come out the same however the work was cut.
 #pragma once
 
 #include <array>
@@ -11,14 +11,17 @@ namespace vdwmesh {
 
 // What one block of samples adds up to, in the order of its samples.
 struct DistanceSums {
-  double weight = 0, first = 0, second = 0;  // sums of w, w d, w d²
+  double first = 0, second = 0, fourth = 0;  // sums of d, d², d⁴
   double max = 0;                            // Å
-  std::uint64_t samples = 0;
+  std::uint64_t counted = 0;                 // of which these are the sums
+  std::uint64_t samples = 0;                 // those for the maximum alone as well
 
-  void add(double distance, double sample_weight) {
-    weight += sample_weight;
-    first += sample_weight * distance;
-    second += sample_weight * distance * distance;
+  void add(double distance) {
+    const double square = distance * distance;
+    first += distance;
+    second += square;
+    fourth += square * square;
+    ++counted;
     add_extreme(distance);
   }
   // Counts for the maximum alone.
@@ -28,15 +31,15 @@ struct DistanceSums {
   }
 };
 
-// Weights by distance, in bins of 1/256 octave; whole numbers, so their sums have no order.
+// How many samples by distance, in bins of 1/256 octave.
 class DistanceHistogram {
  public:
   DistanceHistogram() : bins_(kBins) {}
 
-  void add(double distance, std::uint64_t weight) { bins_[bin_of(distance)] += weight; }
+  void add(double distance) { ++bins_[bin_of(distance)]; }
   void add(const DistanceHistogram& other);
   // The middle of the bin that holds the percentile: least value with at least that fraction of
-  // the weight at or below it. NaN without weight.
+  // the samples at or below it. NaN without samples.
   double percentile(double fraction) const;
 
  private:

@@ -8,13 +8,15 @@
 namespace vdwmesh {
 
 // Plain products: where the processor is not known to have fma, it is a library call.
-inline double inner(const Vec3d& a, const Vec3d& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline double squared(const Vec3d& a) { return inner(a, a); }
+inline double plain_dot(const Vec3d& a, const Vec3d& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline double squared(const Vec3d& a) { return plain_dot(a, a); }
 
 inline double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   const Vec3d ab = b - a, ap = p - a;
   const double length = squared(ab);
-  const double t = length > 0 ? std::clamp(inner(ap, ab) / length, 0.0, 1.0) : 0.0;
+  const double t = length > 0 ? std::clamp(plain_dot(ap, ab) / length, 0.0, 1.0) : 0.0;
   return squared(ap - t * ab);
 }
 
@@ -27,13 +29,13 @@ inline constexpr double kFlatTriangle = 1e-14;
 inline double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b,
                                            const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = inner(ab, ap), d2 = inner(ac, ap);
+  const double d1 = plain_dot(ab, ap), d2 = plain_dot(ac, ap);
   if (d1 <= 0 && d2 <= 0) return squared(ap);
   const Vec3d bp = p - b;
-  const double d3 = inner(ab, bp), d4 = inner(ac, bp);
+  const double d3 = plain_dot(ab, bp), d4 = plain_dot(ac, bp);
   if (d3 >= 0 && d4 <= d3) return squared(bp);
   const Vec3d cp = p - c;
-  const double d5 = inner(ab, cp), d6 = inner(ac, cp);
+  const double d5 = plain_dot(ab, cp), d6 = plain_dot(ac, cp);
   if (d6 >= 0 && d5 <= d6) return squared(cp);
   const Vec3d normal = cross(ab, ac);
   const double area = squared(normal);
@@ -50,7 +52,7 @@ inline double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const
   if (va <= 0 && d4 >= d3 && d5 >= d6) {
     return squared(bp - ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b));
   }
-  const double height = inner(normal, ap);
+  const double height = plain_dot(normal, ap);
   return height * height / area;
 }
 

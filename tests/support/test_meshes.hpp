@@ -131,6 +131,43 @@ inline IndexedMesh icosphere(int levels) {
   return mesh;
 }
 
+// Each triangle cut into four by the midpoints of its edges; vertices are not shared.
+inline IndexedMesh quartered(const IndexedMesh& mesh) {
+  IndexedMesh finer;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3d &a = mesh.positions[i], &b = mesh.positions[j], &c = mesh.positions[k];
+    const auto first = static_cast<std::uint32_t>(finer.vertex_count());
+    for (const Vec3d& p : {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)})
+      finer.positions.push_back(p);
+    for (const Triangle& t :
+         {Triangle{0, 3, 5}, Triangle{3, 1, 4}, Triangle{5, 4, 2}, Triangle{3, 4, 5}})
+      finer.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  return finer;
+}
+
+// The unit sphere by `around` meridians and `along` circles of latitude, poles included: the
+// triangles at the equator are some `along` times as large as those at the poles.
+inline IndexedMesh latitudes(std::uint32_t around, std::uint32_t along) {
+  IndexedMesh mesh = make_mesh({{0, 0, 1}, {0, 0, -1}}, {});
+  const auto id = [=](std::uint32_t row, std::uint32_t k) { return 2 + row * around + k % around; };
+  for (std::uint32_t row = 0; row < along; ++row)
+    for (std::uint32_t k = 0; k < around; ++k) {
+      const double a = std::numbers::pi * (row + 1) / (along + 1),
+                   b = 2 * std::numbers::pi * k / around;
+      mesh.positions.push_back({std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)});
+    }
+  for (std::uint32_t k = 0; k < around; ++k) {
+    mesh.triangles.push_back({0, id(0, k), id(0, k + 1)});
+    mesh.triangles.push_back({1, id(along - 1, k + 1), id(along - 1, k)});
+    for (std::uint32_t row = 0; row + 1 < along; ++row) {
+      mesh.triangles.push_back({id(row, k), id(row + 1, k), id(row + 1, k + 1)});
+      mesh.triangles.push_back({id(row, k), id(row + 1, k + 1), id(row, k + 1)});
+    }
+  }
+  return mesh;
+}
+
 // A grid of u × v quads, closed in both directions; genus 1. Radii 3 and 1: area and volume go to
 // 12π² and 6π² with order 2.
 inline IndexedMesh torus(std::uint32_t u, std::uint32_t v) {

@@ -118,28 +118,5 @@ TEST(ExposedSurface, BorderSamplesLieOnTwoSpheres) {
   EXPECT_GT(found, 100);
 }
 
-TEST(PartsOfATriangle, CentresHaveTheTrianglesOwnMean) {
-  const Vec3d a{0, 0, 0}, b{3, 0, 1}, c{0, 2, 0};
-  for (const std::uint64_t parts : {1u, 2u, 5u}) {
-    Vec3d sum{0, 0, 0};
-    std::uint64_t count = 0;
-    double product = 0;
-    sample_triangle(a, b, c, parts, [&](const Vec3d& p) {
-      sum = sum + p;
-      product += (p.x / 3) * (p.y / 2);
-      ++count;
-    });
-    EXPECT_EQ(count, parts * parts);
-    const Vec3d mean = (1.0 / static_cast<double>(count)) * sum;
-    EXPECT_NEAR(norm(mean - (1.0 / 3) * (a + b + c)), 0, 1e-14);
-    // ∫ u v over the triangle is 1/12 of its area; the midpoint rule is off by 1/(36 parts²).
-    const auto n = static_cast<double>(parts);
-    EXPECT_NEAR(product / static_cast<double>(count), 1.0 / 12, 1.0 / (36 * n * n) + 1e-14);
-  }
-  EXPECT_EQ(parts_per_edge(0, 10), 1u);
-  EXPECT_EQ(parts_per_edge(0.1, 10), 1u);
-  EXPECT_EQ(parts_per_edge(0.4, 10), 2u);
-}
-
 }  // namespace
 }  // namespace vdwmesh

@@ -38,22 +38,112 @@ double distance_of(const Vec3d& p, const SphereSet& spheres) {
   return static_cast<double>(d.at(0));
 }
 
-TEST(Distances, InscribedSphereIsOffByItsSagitta) {
+// Mean and mean square of 1 - |x| over the triangles, from the midpoints of 4^levels parts of each:
+// off by the square of their size.
+std::pair<double, double> depths_below_unit_sphere(const IndexedMesh& mesh, int levels) {
+  IndexedMesh fine = mesh;
+  for (int level = 0; level < levels; ++level) fine = testing::quartered(fine);
+  double area = 0, first = 0, second = 0;
+  for (const auto& [i, j, k] : fine.triangles) {
+    const Vec3d &a = fine.positions[i], &b = fine.positions[j], &c = fine.positions[k];
+    const double part = norm(cross(b - a, c - a)) / 2, depth = 1 - norm((1.0 / 3) * (a + b + c));
+    area += part, first += part * depth, second += part * depth * depth;
+  }
+  return {first / area, second / area};
+}
+
+// How many standard errors a figure may be off: once in 10^6 figures, of a fixed seed.
+constexpr double kSigmas = 5;
+
+TEST(Distances, InscribedIcosahedronIsOffByWhatItsFacesAre) {
   const IndexedMesh mesh = icosphere(0);
-  // Inradius of the icosahedron of circumradius 1. One sample per face: its centre.
+  const auto [mean, square] = depths_below_unit_sphere(mesh, 6);
+  constexpr double kMidpointRule = 1e-4;  // Å, at parts of edge 1/64
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const DistanceStatistics d = distances(mesh, unit_ball(), {.seed = seed}).mesh_to_surface;
+    EXPECT_NEAR(d.mean, mean, kSigmas * d.mean_error + kMidpointRule);
+    EXPECT_NEAR(d.rms, std::sqrt(square), kSigmas * d.rms_error + kMidpointRule);
+    // That of 10^4 independent points.
+    EXPECT_NEAR(d.mean_error, std::sqrt((square - mean * mean) / 1e4), 0.02 * d.mean_error);
+  }
+  // Inradius of the icosahedron of circumradius 1.
   const double phi = std::numbers::phi;
   const double inradius = phi * phi / (std::sqrt(3.0) * std::sqrt(phi * phi + 1));
   const MeshDistances d = distances(mesh, unit_ball(), {.samples_per_area = 1e-3});
-  EXPECT_NEAR(d.mesh_to_surface.mean, 1 - inradius, kRounding);
-  EXPECT_NEAR(d.mesh_to_surface.rms, 1 - inradius, kRounding);
   EXPECT_NEAR(d.mesh_to_surface.max, 1 - inradius, kRounding);
-  EXPECT_EQ(d.mesh_to_surface.samples, 20 + 12);
+  EXPECT_EQ(d.mesh_to_surface.samples, 10000 + 20 + 12);
   // The nearest point of the mesh is at most a face centre's depth away, and some sample of 10^4
   // is within 0.02 of a face centre's direction.
   EXPECT_LE(d.surface_to_mesh.max, 1 - inradius + kRounding);
   EXPECT_GE(d.surface_to_mesh.max, (1 - inradius) - 0.02 * 0.02);
-  EXPECT_EQ(d.hausdorff_lower_bound, d.mesh_to_surface.max);
+  EXPECT_EQ(d.hausdorff_lower_bound, std::max(d.mesh_to_surface.max, d.surface_to_mesh.max));
   EXPECT_EQ(d.samples, d.mesh_to_surface.samples + d.surface_to_mesh.samples);
+}
+
+// The inscribed sphere by circles of latitude: at the poles triangles a thousand times smaller than
+// at the equator. A denser sampling must not move the figures by more than their errors.
+TEST(Distances, DensityChangesTheErrorAndNotTheValue) {
+  for (const IndexedMesh& mesh : {testing::latitudes(24, 150), scaled(icosphere(4), 1)}) {
+    const DistanceStatistics a = distances(mesh, unit_ball()).mesh_to_surface;
+    const DistanceStatistics b =
+        distances(mesh, unit_ball(), {.samples_per_area = 20'000, .seed = 9}).mesh_to_surface;
+    EXPECT_NEAR(a.mean, b.mean, kSigmas * std::hypot(a.mean_error, b.mean_error));
+    EXPECT_NEAR(a.rms, b.rms, kSigmas * std::hypot(a.rms_error, b.rms_error));
+    EXPECT_LT(b.mean_error, 0.3 * a.mean_error);
+    EXPECT_LT(a.mean_error, 0.01 * a.mean);
+  }
+}
+
+// A flat disc of radius R at height h over the unit ball's centre, cut into `rings` rings.
+IndexedMesh disc_above(double height, double radius, int rings, const Vec3d& centre) {
+  constexpr int kSpokes = 360;
+  IndexedMesh mesh;
+  for (int ring = 0; ring <= rings; ++ring)
+    for (int k = 0; k < kSpokes; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kSpokes, r = radius * ring / rings;
+      mesh.positions.push_back(centre + Vec3d{r * std::cos(angle), r * std::sin(angle), height});
+    }
+  const auto at = [](int ring, int k) {
+    return static_cast<std::uint32_t>(kSpokes * ring + k % kSpokes);
+  };
+  for (int ring = 0; ring < rings; ++ring)
+    for (int k = 0; k < kSpokes; ++k) {
+      mesh.triangles.push_back({at(ring, k), at(ring + 1, k), at(ring + 1, k + 1)});
+      mesh.triangles.push_back({at(ring, k), at(ring + 1, k + 1), at(ring, k + 1)});
+    }
+  return mesh;
+}
+
+// Two discs, of areas 3 : 7: the first of a hundred times as many triangles, and nearer everywhere.
+// The inner ring's are half of area 0.
+TEST(Distances, PercentilesCountAreaAndNotTriangles) {
+  const double near = 1.5, far = 5, r = std::sqrt(3.0), s = std::sqrt(7.0);
+  const SphereSet balls({{{0, 0, 0}, 1}, {{100, 0, 0}, 1}});
+  const IndexedMesh mesh =
+      testing::together(disc_above(near, r, 100, {0, 0, 0}), disc_above(far, s, 1, {100, 0, 0}));
+  const DistanceStatistics d = distances(mesh, balls).mesh_to_surface;
+  // Of which the fraction p of the area is nearer: 1 to the sphere, h and ρ to its centre.
+  const auto quantile = [&](double p) {
+    const bool first = p <= 0.3;
+    const double rho = first ? r * std::sqrt(p / 0.3) : s * std::sqrt((p - 0.3) / 0.7);
+    return std::hypot(first ? near : far, rho) - 1;
+  };
+  const auto expect_quantile = [&](double found, double p) {
+    // The fraction below a quantile is binomial; polygons of 360 sides miss 5e-5 of the area.
+    const double off = kSigmas * std::sqrt(p * (1 - p) / 1e4) + 5e-5, bin = 1.0 / 512;
+    EXPECT_GE(found, quantile(p - off) * (1 - bin)) << p;
+    EXPECT_LE(found, quantile(std::min(1.0, p + off)) * (1 + bin)) << p;
+  };
+  expect_quantile(d.p50, 0.50);
+  expect_quantile(d.p95, 0.95);
+  expect_quantile(d.p99, 0.99);
+  // ∫ (√(ρ² + h²) - 1) 2ρ dρ / R² over each.
+  const auto mean_of = [](double h, double radius) {
+    const double square = radius * radius;
+    return 2 / (3 * square) * (std::pow(square + h * h, 1.5) - h * h * h) - 1;
+  };
+  EXPECT_NEAR(d.mean, 0.3 * mean_of(near, r) + 0.7 * mean_of(far, s),
+              kSigmas * d.mean_error + 5e-5 * d.mean);
 }
 
 // Order 2, as for every inscribed mesh.
@@ -197,7 +287,9 @@ TEST(Distances, SeedMovesTheSamples) {
   const MeshDistances b = distances(mesh, balls, {.seed = 2});
   EXPECT_EQ(a.seed, 1u);
   EXPECT_NE(a.surface_to_mesh.mean, b.surface_to_mesh.mean);
-  EXPECT_EQ(a.mesh_to_surface.mean, b.mesh_to_surface.mean);
+  EXPECT_NE(a.mesh_to_surface.mean, b.mesh_to_surface.mean);
+  EXPECT_NEAR(a.mesh_to_surface.mean, b.mesh_to_surface.mean,
+              kSigmas * std::hypot(a.mesh_to_surface.mean_error, b.mesh_to_surface.mean_error));
   // 10^4 samples on all spheres: the lattices integrate a smooth function better than random
   // points, whose error would be 1 %.
   EXPECT_NEAR(a.surface_to_mesh.mean / b.surface_to_mesh.mean, 1, 0.02);

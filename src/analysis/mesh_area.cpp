@@ -1,0 +1,85 @@
+#include "analysis/mesh_area.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/errors.hpp"
+#include "core/sum.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kBlock = 2048;  // triangles
+constexpr int kDigits = 24;           // 2^-24 of an edge: less than a float tells
+
+double area_of(const Corners& t) { return 0.5 * norm(cross(t.b - t.a, t.c - t.a)); }
+
+}  // namespace
+
+// The triangle at hand has its centre at the whole triangle's centre + sum of weight[k] times the
+// way from there to corner k, and its edges are `scale` times the whole one's. The child at a
+// corner lies half as far as that corner; the child in the middle is turned by half a turn.
+Vec3d point_of_triangle(const Corners& triangle, double fraction) {
+  std::array<double, 3> weight{};
+  double scale = 1;
+  for (int digit = 0; digit < kDigits; ++digit) {
+    scale *= 0.5;
+    fraction *= 4;
+    const int child = std::min(static_cast<int>(fraction), 3);
+    fraction -= child;
+    if (child == 0) {
+      scale = -scale;
+    } else {
+      weight[static_cast<std::size_t>(child - 1)] += scale;
+    }
+  }
+  const double rest = (1 - weight[0] - weight[1] - weight[2]) / 3;
+  const Vec3d& a = triangle.a;
+  return a + (weight[1] + rest) * (triangle.b - a) + (weight[2] + rest) * (triangle.c - a);
+}
+
+MeshArea::MeshArea(const IndexedMesh& mesh) : mesh_(mesh) {
+  const std::size_t count = mesh.triangle_count();
+  std::vector<double> sums((count + kBlock - 1) / kBlock);
+  tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t block) {
+    const std::size_t end = std::min(count, (block + 1) * kBlock);
+    for (std::size_t t = block * kBlock; t < end; ++t) sums[block] += area_of(corners_of(mesh, t));
+  });
+  WideSum total;
+  starts_.reserve(sums.size() + 1);
+  for (const double sum : sums) {
+    starts_.push_back(total.value());
+    total.add(sum);
+  }
+  starts_.push_back(total.value());
+  if (!(total.value() > 0)) throw InvalidInput("the mesh has no area");
+}
+
+MeshArea::Cursor::Cursor(const MeshArea& area, double place) : area_(area) {
+  const auto next = std::upper_bound(area.starts_.begin() + 1, area.starts_.end() - 1, place);
+  enter(kBlock * static_cast<std::size_t>(next - area.starts_.begin() - 1));
+}
+
+// Every block begins where its own sum says, so the stretches are the same from wherever the cursor
+// came.
+void MeshArea::Cursor::enter(std::size_t triangle) {
+  const bool first_of_block = triangle % kBlock == 0;
+  begin_ = first_of_block ? area_.starts_[triangle / kBlock] : begin_ + length_;
+  length_ = area_of(corners_of(area_.mesh_, triangle));
+  triangle_ = triangle;
+}
+
+// A place beyond the end of the last triangle, by rounding, is in the last one.
+Vec3d MeshArea::Cursor::point_at(double place) {
+  while (!(place < begin_ + length_ && length_ > 0) &&
+         triangle_ + 1 < area_.mesh_.triangle_count()) {
+    enter(triangle_ + 1);
+  }
+  const double fraction = length_ > 0 ? std::clamp((place - begin_) / length_, 0.0, 1.0) : 0.0;
+  return point_of_triangle(corners_of(area_.mesh_, triangle_), fraction);
+}
+
+}  // namespace vdwmesh
