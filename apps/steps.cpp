@@ -126,15 +126,21 @@ IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& sur
   return std::move(refined.mesh);
 }
 
-// Components that fell between the grid nodes would otherwise be lost without a word.
+// Components that fell between the grid nodes would otherwise be lost without a word. Of a mesh
+// inside out, of which another warning speaks, all components count as voids.
 void warn_of_lost_components(Report& report) {
   const auto& topology = report.exact->topology;
   const auto& components = report.mesh->topology.components;
   if (!topology || !components || *components >= topology->components) return;
+  if (report.mesh->measures.volume.value_or(0) < 0) return;
+  const bool is_ours = report.parameters.has_value();
   report.warnings.push_back(fmt::format(
-      "components: {} in the mesh, {} in the union of the spheres; pieces closer together than the "
-      "spacing are joined, smaller ones are missed, and a smaller --spacing tells them apart",
-      *components, topology->components));
+      "components: {} in the mesh, {} in the union of the spheres{}", *components,
+      topology->components,
+      is_ours
+          ? "; pieces closer together than the spacing are joined, smaller ones are missed, and "
+            "a smaller --spacing tells them apart"
+          : ": pieces are joined or missing"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "compare_hints.hpp"
 #include "machine.hpp"
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
@@ -53,7 +54,8 @@ class CompareVerb : public Verb {
     demand.exact = exact.method;
     demand.distances = distance_choice.distances;
     check_memory_after(demand, spheres, mesh, machine_options.memory_limit);
-    measure_file(file, machine.monitor(), report);
+    measure_file(file, machine_options.memory_limit, machine.monitor(), report);
+    warn_of_place(mesh, spheres, report);
     measure_exactly(spheres, exact, machine.monitor(), report);
     compare_with_exact(mesh, spheres, distance_choice, machine_options.memory_limit,
                        machine.monitor(), report);
@@ -79,11 +81,17 @@ class CompareVerb : public Verb {
                     mesh_path_, bytes, limit));
   }
 
-  void measure_file(const MeshFile& file, Monitor* monitor, Report& report) const {
+  void measure_file(MeshFile& file, std::uint64_t memory_limit, Monitor* monitor,
+                    Report& report) const {
     if (file.mesh.triangle_count() == 0) {
       throw FileFormatError(mesh_path_ + ": holds no triangles; a triangle mesh is needed");
     }
+    const std::size_t notes = report.notes.size();
     measure(file.mesh, SelfIntersections::small_meshes, monitor, report);
+    if (!report.mesh->topology.closed && weld_if_that_closes(file, memory_limit, report)) {
+      report.notes.resize(notes);
+      measure(file.mesh, SelfIntersections::small_meshes, monitor, report);
+    }
     if (!(report.mesh->measures.area > 0)) {
       throw FileFormatError(mesh_path_ +
                             ": none of its triangles has an area; it holds no surface");

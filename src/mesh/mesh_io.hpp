@@ -35,8 +35,8 @@ struct MeshFile {
   std::vector<std::string> notes;
 };
 
-// PLY (ascii, binary), OBJ, OFF, STL (ascii, binary), GLB; polygons are fanned into triangles.
-// Doubles are read as doubles. Throws FileFormatError with the line or byte.
+// PLY (ascii, binary), OBJ, OFF, STL (ascii, binary), GLB; polygons become triangles, also
+// concave ones. Doubles are read as doubles. Throws FileFormatError with the line or byte.
 MeshFile read_mesh(const std::filesystem::path& path);
 
 // The same, to and from memory.

@@ -9,6 +9,7 @@
 #include "mesh/formats.hpp"
 #include "mesh/mesh_assembly.hpp"
 #include "mesh/plain_text.hpp"
+#include "mesh/polygons.hpp"
 #include "mesh/text_scanner.hpp"
 
 namespace vdwmesh::formats {
@@ -32,7 +33,7 @@ class ObjReader {
     }
     check_forward();
     give_normals();
-    polygons_.note(file_.notes);
+    polygons_.finish(file_);
     return std::move(file_);
   }
 
@@ -59,8 +60,7 @@ class ObjReader {
       }
       set_normal(v, index(normals_.size()));
     }
-    polygons_.count(polygon_.size());
-    add_fan(mesh(), polygon_);
+    polygons_.add(mesh(), polygon_);
   }
 
   // Counted from 1, or from -1 backwards from the last one read.
@@ -115,7 +115,7 @@ class ObjReader {
   bool several_normals_ = false;
   std::uint32_t furthest_ = 0;
   const char* furthest_at_ = nullptr;
-  PolygonCount polygons_;
+  Polygons polygons_;
   std::vector<std::uint32_t> polygon_;
 };
 

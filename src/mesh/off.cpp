@@ -9,6 +9,7 @@
 #include "mesh/formats.hpp"
 #include "mesh/mesh_assembly.hpp"
 #include "mesh/plain_text.hpp"
+#include "mesh/polygons.hpp"
 #include "mesh/text_scanner.hpp"
 
 namespace vdwmesh::formats {
@@ -30,7 +31,7 @@ class OffReader {
     if (!in_.at_end())
       in_.fail(
           fmt::format("more follows than the {} vertices and {} faces promised", vertices, faces));
-    polygons_.note(file_.notes);
+    polygons_.finish(file_);
     return std::move(file_);
   }
 
@@ -91,14 +92,13 @@ class OffReader {
       polygon_.push_back(v);
     }
     in_.next_line();
-    polygons_.count(corners);
-    add_fan(file_.mesh, polygon_);
+    polygons_.add(file_.mesh, polygon_);
   }
 
   TextScanner in_;
   MeshFile file_;
   bool has_normals_ = false;
-  PolygonCount polygons_;
+  Polygons polygons_;
   std::vector<std::uint32_t> polygon_;
 };
 

@@ -15,6 +15,7 @@
 #include "mesh/mesh_assembly.hpp"
 #include "mesh/plain_text.hpp"
 #include "mesh/ply_header.hpp"
+#include "mesh/polygons.hpp"
 #include "mesh/text_scanner.hpp"
 
 namespace vdwmesh::formats {
@@ -154,7 +155,7 @@ class PlyReader {
     check_indices();
     file_.mesh.vertex_spheres.narrow();
     label_all_triangles();
-    polygons_.note(file_.notes);
+    polygons_.finish(file_);
     return std::move(file_);
   }
 
@@ -369,8 +370,7 @@ class PlyReader {
     polygon_.clear();
     for (std::size_t k = 0; k < corners; ++k)
       polygon_.push_back(index(body_.number(property.type)));
-    polygons_.count(corners);
-    add_fan(file_.mesh, polygon_);
+    polygons_.add(file_.mesh, polygon_);
   }
 
   std::uint32_t index(double value) {
@@ -416,7 +416,7 @@ class PlyReader {
   Body body_;
   MeshFile file_;
   bool has_vertices_ = false;
-  PolygonCount polygons_;
+  Polygons polygons_;
   std::vector<std::uint32_t> polygon_;
 };
 

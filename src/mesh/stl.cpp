@@ -14,6 +14,7 @@
 #include "mesh/formats.hpp"
 #include "mesh/mesh_assembly.hpp"
 #include "mesh/plain_text.hpp"
+#include "mesh/polygons.hpp"
 #include "mesh/text_scanner.hpp"
 #include "mesh/vertex_welder.hpp"
 
@@ -83,7 +84,7 @@ class AsciiReader {
     for (; !in_.at_end(); in_.next_line()) read_line();
     if (in_loop_) in_.fail("the file ends inside a facet");
     if (!ended_) in_.fail("the file ends without 'endsolid'; it was cut off");
-    polygons_.note(file_.notes);
+    polygons_.finish(file_);
     say_welded(file_, file_.mesh.triangle_count());
     return std::move(file_);
   }
@@ -103,8 +104,7 @@ class AsciiReader {
       polygon_.clear();
     } else if (keyword == "endloop") {
       in_loop_ = false;
-      polygons_.count(polygon_.size());
-      add_fan(file_.mesh, polygon_);
+      polygons_.add(file_.mesh, polygon_);
     } else if (keyword == "solid" || keyword == "endsolid") {
       ended_ = keyword == "endsolid";
     } else if (keyword != "facet" && keyword != "endfacet") {
@@ -116,7 +116,7 @@ class AsciiReader {
   MeshFile file_;
   VertexWelder welder_;
   bool in_loop_ = false, ended_ = false;
-  PolygonCount polygons_;
+  Polygons polygons_;
   std::vector<std::uint32_t> polygon_;
 };
 

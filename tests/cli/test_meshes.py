@@ -71,6 +71,58 @@ class Octahedron(ProgramTest):
         self.assert_close(report["mesh"]["volume"], -4 / 3, 1e-14)
         self.assertTrue(any("inside out" in warning for warning in report["warnings"]))
 
+    def compare_with_vertices(self, vertices, faces):
+        lines = ["OFF", f"{len(vertices)} {len(faces)} 0"]
+        lines += [" ".join(map(str, vertex)) for vertex in vertices]
+        lines += [f"{len(face)} " + " ".join(map(str, face)) for face in faces]
+        mesh = self.file("mesh.off", "\n".join(lines) + "\n")
+        return self.report("compare", mesh, self.file("ball.xyzr", "0 0 0 1\n"))
+
+    def test_inside_out_mesh_misses_no_components(self):
+        report = self.compare([face[::-1] for face in FACES])
+        self.assertEqual(len(report["warnings"]), 1, report["warnings"])
+        self.assertEqual(report["comparison"]["euler_characteristic_difference"], 0)
+
+    def test_a_vertex_for_every_corner_is_merged_and_said(self):
+        corners = [VERTICES[v] for face in FACES for v in face]
+        faces = [(3 * t, 3 * t + 1, 3 * t + 2) for t in range(len(FACES))]
+        report = self.compare_with_vertices(corners, faces)
+        self.assertTrue(report["mesh"]["closed"])
+        self.assertEqual(report["mesh"]["vertices"], 6)
+        self.assert_close(report["mesh"]["volume"], 4 / 3, 1e-14)
+        self.assertEqual(report["warnings"], [])
+        self.assertTrue(any("18 of the mesh's 24" in note for note in report["mesh"]["notes"]))
+        # Without one triangle it stays as it is, and the warning says what would not help.
+        report = self.compare_with_vertices(corners, faces[1:])
+        self.assertFalse(report["mesh"]["closed"])
+        self.assertEqual(report["mesh"]["vertices"], 24)
+        self.assertTrue(any("not close" in warning for warning in report["warnings"]))
+
+    def test_other_units_and_places_are_hinted_at(self):
+        for scale, shift, hint in (
+            (0.1, 0, "nm"),
+            (100, 0, "pm"),
+            (30, 0, "in Å"),
+            (1, 4, "moved"),
+            (1, 0.5, None),
+            (1.3, 0, None),
+        ):
+            vertices = [(scale * x + shift, scale * y, scale * z) for x, y, z in VERTICES]
+            warnings = self.compare_with_vertices(vertices, FACES)["warnings"]
+            self.assertEqual(len(warnings), 0 if hint is None else 1, (scale, shift, warnings))
+            if hint is not None:
+                self.assertIn(hint, warnings[0])
+
+    def test_concave_polygons_are_not_fanned(self):
+        # A prism over the arrow (0 0, 4 0, 4 4, 3 1), of area 4 and outline 8 + 2 √10, 2 high.
+        outline = [(0, 0), (4, 0), (4, 4), (3, 1)]
+        vertices = [(x, y, z) for z in (0, 2) for x, y in outline]
+        sides = [(k, (k + 1) % 4, 4 + (k + 1) % 4, 4 + k) for k in range(4)]
+        for faces in ([(3, 2, 1, 0), (4, 5, 6, 7)], [(0, 3, 2, 1), (7, 4, 5, 6)]):
+            mesh = self.compare_with_vertices(vertices, faces + sides)["mesh"]
+            self.assert_close(mesh["area"], 2 * 4 + 2 * (8 + 2 * math.sqrt(10)), 1e-14)
+            self.assert_close(mesh["volume"], 8, 1e-14)
+
     def test_files_that_are_no_mesh(self):
         ball = self.file("ball.xyzr", "0 0 0 1\n")
         broken = self.file("broken.off", "OFF\n3 1 0\n0 0 0\n")

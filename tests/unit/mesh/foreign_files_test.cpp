@@ -1,8 +1,10 @@
 // Files as other programs write them, made here by hand, and files that are wrong.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -12,6 +14,8 @@
 
 namespace vdwmesh {
 namespace {
+
+constexpr double kAreaRounding = 1e-12;  // Å², of areas up to 100
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -85,6 +89,105 @@ TEST(PlyFile, BinaryOfEitherEndianness) {
       EXPECT_EQ(file.mesh.triangle_count(), quads ? 4u : 2u);
       EXPECT_TRUE(file.mesh.normals.empty());
     }
+}
+
+using Outline = std::vector<std::pair<double, double>>;
+
+// A polygon in the plane of (u, v) as the only face of an OFF file.
+MeshFile read_polygon(const Outline& outline, const Vec3d& u, const Vec3d& v) {
+  std::string text = fmt::format("OFF\n{} 1 0\n", outline.size());
+  std::string face = fmt::format("{}", outline.size());
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Vec3d p = outline[i].first * u + outline[i].second * v;
+    for (int axis = 0; axis < 3; ++axis) text += fmt::format("{} ", p[axis]);
+    face += fmt::format(" {}", i);
+    text += "\n";
+  }
+  return decode_mesh(text + face + "\n", MeshFormat::off);
+}
+
+// Twice the area by the shoelace formula.
+double twice_area(const Outline& p) {
+  double sum = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const auto &a = p[i], &b = p[(i + 1) % p.size()];
+    sum += a.first * b.second - b.first * a.second;
+  }
+  return sum;
+}
+
+// As many triangles as a polygon of n corners is cut into, none of them facing backwards, of the
+// polygon's area together: so they do not overlap and cover it.
+void expect_cut(const Outline& outline, const std::string& note) {
+  const Vec3d u{0.6, 0, 0.8}, v{0, 1, 0};
+  for (std::size_t turn = 0; turn < outline.size(); ++turn) {  // whichever corner comes first
+    Outline turned = outline;
+    std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(turn), turned.end());
+    const MeshFile file = read_polygon(turned, u, v);
+    ASSERT_EQ(file.mesh.triangle_count(), outline.size() - 2);
+    double sum = 0;
+    for (const auto& [a, b, c] : file.mesh.triangles) {
+      const auto& p = file.mesh.positions;
+      const double area = dot(cross(p[b] - p[a], p[c] - p[a]), cross(u, v));
+      EXPECT_GE(area, -kAreaRounding);
+      sum += area;
+    }
+    EXPECT_NEAR(sum, twice_area(outline), kAreaRounding);
+    if (turn == 0 && !note.empty()) {
+      ASSERT_EQ(file.notes.size(), 1u);
+      EXPECT_THAT(file.notes[0], HasSubstr(note));
+    }
+  }
+}
+
+TEST(Polygons, AreCutWithoutOverlap) {
+  expect_cut({{0, 0}, {2, 0}, {2, 1}, {0, 1}}, "1 polygons were fanned");
+  expect_cut({{0, 0}, {4, 0}, {4, 4}, {3, 1}}, "concave");
+  expect_cut({{1, 1}, {0, 1}, {0, 0}, {2, 0}, {2, 2}, {1, 2}}, "");  // from its notch: a fan
+  expect_cut({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}, {0, 1}},
+             "1 polygons were fanned");
+  // A comb: teeth of which none sees the next.
+  Outline comb{{0, 0}};
+  for (int k = 0; k < 9; ++k) comb.insert(comb.end(), {{2.0 * k + 1, -5}, {2.0 * k + 2, 0}});
+  comb.insert(comb.end(), {{18, 1}, {0, 1}});
+  expect_cut(comb, "concave");
+  // A spiral.
+  Outline spiral;
+  for (int k = 0; k < 40; ++k)
+    spiral.push_back({(1 + 0.2 * k) * std::cos(0.4 * k), (1 + 0.2 * k) * std::sin(0.4 * k)});
+  for (int k = 40; k-- > 0;)
+    spiral.push_back({(1.5 + 0.2 * k) * std::cos(0.4 * k), (1.5 + 0.2 * k) * std::sin(0.4 * k)});
+  std::reverse(spiral.begin(), spiral.end());
+  expect_cut(spiral, "concave");
+  // A square with a square hole, cut open along one line that is gone along twice.
+  expect_cut({{0, 0}, {9, 0}, {9, 9}, {0, 9}, {0, 0}, {3, 3}, {3, 6}, {6, 6}, {6, 3}, {3, 3}},
+             "concave");
+}
+
+TEST(Polygons, ThatCrossThemselvesAreFannedAndSaid) {
+  const MeshFile file =
+      read_polygon({{0, 0}, {4, 4}, {4, 0}, {0, 3}}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0});
+  EXPECT_EQ(file.mesh.triangle_count(), 2u);
+  ASSERT_EQ(file.notes.size(), 1u);
+  EXPECT_THAT(file.notes[0], HasSubstr("cross themselves"));
+}
+
+// Labels of faces are those of their triangles, however these lie.
+TEST(Polygons, KeepTheirAtoms) {
+  const MeshFile file = decode_mesh(
+      "ply\nformat ascii 1.0\nelement face 2\nproperty list uchar int vertex_indices\n"
+      "property int atom\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n4 0 1 2 3 7\n3 0 1 2 8\n0 0 0\n4 0 0\n4 4 0\n3 1 0\n",
+      MeshFormat::ply);
+  EXPECT_THAT(file.mesh.triangle_spheres, ElementsAre(7u, 7u, 8u));
+  EXPECT_THAT(file.mesh.triangles[2], (Triangle{0, 1, 2}));
+  double area = 0;
+  for (std::size_t t = 0; t < 2; ++t) {
+    const auto& [a, b, c] = file.mesh.triangles[t];
+    const auto& p = file.mesh.positions;
+    area += norm(cross(p[b] - p[a], p[c] - p[a])) / 2;
+  }
+  EXPECT_NEAR(area, 4, kAreaRounding);  // that of the arrow, by the shoelace formula
 }
 
 TEST(PlyFile, FacesBeforeVertices) {

@@ -1,0 +1,153 @@
+#include "mesh/polygons.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdwmesh::formats {
+namespace {
+
+// Ear clipping takes the square of the corners in time, and their cube at worst.
+constexpr std::uint32_t kMostCorners = 500;
+// Of the polygon's own area: a triangle that faces backwards by less is flat but for rounding.
+constexpr double kFlat = 1e-12;
+
+struct Point2 {
+  double x, y;
+};
+
+bool same(const Point2& a, const Point2& b) { return a.x == b.x && a.y == b.y; }
+
+// Twice the signed area of a triangle.
+double turn(const Point2& a, const Point2& b, const Point2& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+std::vector<std::uint32_t> corners_of(const IndexedMesh& mesh, std::size_t first,
+                                      std::uint32_t count) {
+  std::vector<std::uint32_t> corners{mesh.triangles[first][0], mesh.triangles[first][1]};
+  for (std::size_t t = first; corners.size() < count; ++t) corners.push_back(mesh.triangles[t][2]);
+  return corners;
+}
+
+// Twice the area vector of a fan's triangle.
+Vec3d area_vector(const IndexedMesh& mesh, std::size_t t) {
+  const auto& [a, b, c] = mesh.triangles[t];
+  return cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+}
+
+// That of the whole polygon, however its corners lie (Newell's method).
+Vec3d area_vector(const IndexedMesh& mesh, std::size_t first, std::uint32_t corners) {
+  Vec3d sum{0, 0, 0};
+  for (std::size_t t = first; t < first + corners - 2; ++t) sum = sum + area_vector(mesh, t);
+  return sum;
+}
+
+bool folds_over(const IndexedMesh& mesh, std::size_t first, std::uint32_t corners,
+                const Vec3d& area) {
+  for (std::size_t t = first; t < first + corners - 2; ++t)
+    if (dot(area_vector(mesh, t), area) < -kFlat * squared_norm(area)) return true;
+  return false;
+}
+
+// A polygon of which ears are cut off until a triangle is left.
+class EarClipper {
+ public:
+  EarClipper(const IndexedMesh& mesh, std::vector<std::uint32_t> corners, const Vec3d& area)
+      : corners_(std::move(corners)), flat_(kFlat * norm(area)) {
+    const Vec3d normal = (1 / norm(area)) * area;
+    const Vec3d aside = std::abs(normal.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+    const Vec3d u = cross(aside, normal), v = cross(normal, u);
+    const Vec3d origin = mesh.positions[corners_[0]];
+    for (const std::uint32_t corner : corners_) {
+      const Vec3d p = mesh.positions[corner] - origin;
+      points_.push_back({dot(p, u), dot(p, v)});
+    }
+  }
+
+  // False where the polygon crosses itself, so that no ear is found or what is left is turned over.
+  bool clip(std::vector<Triangle>& triangles) {
+    std::size_t at = 0;
+    while (corners_.size() > 3) {
+      const std::size_t size = corners_.size();
+      std::size_t tried = 0;
+      while (tried < size && !is_ear(at)) {
+        at = next(at);
+        ++tried;
+      }
+      if (tried == size) return false;
+      cut(at, triangles);
+      at = at % corners_.size();
+    }
+    triangles.push_back({corners_[0], corners_[1], corners_[2]});
+    return turn(points_[0], points_[1], points_[2]) >= -flat_;
+  }
+
+ private:
+  std::size_t next(std::size_t i) const { return i + 1 == corners_.size() ? 0 : i + 1; }
+  std::size_t before(std::size_t i) const { return i == 0 ? corners_.size() - 1 : i - 1; }
+
+  // A convex corner whose triangle holds no other corner, its edges included. A corner in the same
+  // place as one of the three does not count: a polygon comes back to it after going round a hole.
+  bool is_ear(std::size_t i) const {
+    const std::size_t h = before(i), j = next(i);
+    const Point2 &a = points_[h], &b = points_[i], &c = points_[j];
+    if (!(turn(a, b, c) > 0)) return false;
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      const Point2& p = points_[k];
+      if (same(p, a) || same(p, b) || same(p, c)) continue;
+      if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
+    }
+    return true;
+  }
+
+  void cut(std::size_t i, std::vector<Triangle>& triangles) {
+    triangles.push_back({corners_[before(i)], corners_[i], corners_[next(i)]});
+    corners_.erase(corners_.begin() + static_cast<std::ptrdiff_t>(i));
+    points_.erase(points_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+
+  std::vector<std::uint32_t> corners_;
+  std::vector<Point2> points_;
+  double flat_;
+};
+
+}  // namespace
+
+void Polygons::add(IndexedMesh& mesh, const std::vector<std::uint32_t>& corners) {
+  if (corners.size() < 3) ++too_few_;
+  if (corners.size() > 3)
+    fans_.push_back({mesh.triangle_count(), static_cast<std::uint32_t>(corners.size())});
+  for (std::size_t i = 2; i < corners.size(); ++i)
+    mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+}
+
+void Polygons::finish(MeshFile& file) {
+  std::uint64_t clipped = 0, folded = 0;
+  for (const Fan& fan : fans_) {
+    const Vec3d area = area_vector(file.mesh, fan.first, fan.corners);
+    if (!folds_over(file.mesh, fan.first, fan.corners, area)) continue;
+    std::vector<Triangle> triangles;
+    const bool done =
+        fan.corners <= kMostCorners &&
+        EarClipper(file.mesh, corners_of(file.mesh, fan.first, fan.corners), area).clip(triangles);
+    if (done)
+      std::copy(triangles.begin(), triangles.end(),
+                file.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(fan.first));
+    ++(done ? clipped : folded);
+  }
+  const auto note = [&](std::uint64_t count, std::string_view text) {
+    if (count > 0) file.notes.push_back(fmt::format("{} {}", count, text));
+  };
+  note(fans_.size() - clipped - folded, "polygons were fanned into triangles");
+  note(clipped, "concave polygons were cut into triangles by ear clipping");
+  note(
+      folded,
+      "polygons that cross themselves, or are concave with more than 500 corners, were fanned into "
+      "triangles that overlap: their area is too large");
+  note(too_few_, "faces of fewer than three corners were left out");
+  fans_ = {};
+}
+
+}  // namespace vdwmesh::formats
