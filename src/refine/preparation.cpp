@@ -11,6 +11,7 @@
 #include "core/errors.hpp"
 #include "extract/field_sample.hpp"
 #include "refine/half_edges.hpp"
+#include "refine/triangle_grid.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -29,7 +30,8 @@ void check_options(const RefineOptions& o) {
   }
 }
 
-// Half-edges of every level but the last must fit 32 bits, and the vertices of the last.
+// Half-edges of every level but the last must fit 32 bits, and the vertices of the last; its
+// triangles too where crossings are looked for.
 void check_limits(std::uint64_t spheres, MeshSize size, const RefineOptions& o,
                   TriangleLabels labels) {
   const MeshSize given = size;
@@ -42,6 +44,15 @@ void check_limits(std::uint64_t spheres, MeshSize size, const RefineOptions& o,
           l, o.subdivisions, next.vertices, next.triangles, kMaxVertices, kMaxHalfEdges / 3));
     }
     size = next;
+  }
+  const bool looks_for_crossings = labels == TriangleLabels::none &&
+                                   o.projection != Projection::none &&
+                                   o.crossings != Crossings::allow;
+  if (looks_for_crossings && size.triangles > TriangleGrid::kMostEntries) {
+    throw LimitExceeded(fmt::format(
+        "refinement to {} triangles: crossings are looked for among {} at most: use fewer "
+        "subdivisions, or allow crossings",
+        size.triangles, TriangleGrid::kMostEntries));
   }
   const std::uint64_t bytes =
       refine_bytes(given.vertices, given.triangles, spheres, o.subdivisions, labels);

@@ -6,9 +6,9 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/blocks.hpp"
-#include "core/errors.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -55,8 +55,18 @@ Extent extent_of(const Level& level) {
       join);
 }
 
+// From `lower` to `upper` in cells. Halves, because the whole way may overflow; being exact, they
+// change nothing else.
+double in_cells(double lower, double upper, double cell) {
+  return (0.5 * upper - 0.5 * lower) / (0.5 * cell);
+}
+
 double cells_along(const Bounds& all, double cell, int axis) {
-  return std::floor((all.upper[axis] - all.lower[axis]) / cell) + 1;
+  return std::floor(in_cells(all.lower[axis], all.upper[axis], cell)) + 1;
+}
+
+double cells_in(const Bounds& all, double cell) {
+  return cells_along(all, cell, 0) * cells_along(all, cell, 1) * cells_along(all, cell, 2);
 }
 
 }  // namespace
@@ -67,62 +77,72 @@ Bounds no_bounds() {
 }
 
 std::uint32_t TriangleGrid::cell_along(int axis, double coordinate) const {
-  const double place = std::max((coordinate - origin_[axis]) / cell_, 0.0);
+  const double place = std::max(in_cells(origin_[axis], coordinate, cell_), 0.0);
   return std::min(static_cast<std::uint32_t>(place), cells_[static_cast<std::size_t>(axis)] - 1);
 }
 
 template <class Level>
-void TriangleGrid::shape(const Level& level) {
+Bounds TriangleGrid::choose_cells(const Level& level) {
   const double triangles = static_cast<double>(level.patches() * Level::kTriangles);
   const Extent extent = extent_of(level);
   origin_ = extent.all.lower;
   cell_ = std::max(kCellWidth * extent.width_sum / triangles, 1e-100);
   const double most = std::max(64.0, 2 * triangles);
-  for (;;) {
-    double total = 1;
-    for (int axis = 0; axis < 3; ++axis) total *= cells_along(extent.all, cell_, axis);
-    if (total <= most) break;
-    cell_ *= std::max(1.01, std::cbrt(total / most));
+  constexpr double kWiden = 1e30;  // where the number of cells overflows
+  for (double total; !((total = cells_in(extent.all, cell_)) <= most);) {
+    cell_ *= std::isfinite(total) ? std::max(1.01, std::cbrt(total / most)) : kWiden;
   }
+  return extent.all;
+}
+
+void TriangleGrid::set_cells(const Bounds& all) {
   for (int axis = 0; axis < 3; ++axis) {
     cells_[static_cast<std::size_t>(axis)] =
-        static_cast<std::uint32_t>(cells_along(extent.all, cell_, axis));
+        static_cast<std::uint32_t>(cells_along(all, cell_, axis));
   }
 }
 
+// visit(triangle, cell) for each cell of each triangle, from many threads.
+template <class Level, class Visit>
+void TriangleGrid::visit_all(const Level& level, const Visit& visit) const {
+  for_all(level.patches(), [&](std::size_t patch) {
+    const auto v = level.vertices(patch);
+    for (int child = 0; child < Level::kTriangles; ++child) {
+      const std::size_t t = Level::kTriangles * patch + static_cast<std::size_t>(child);
+      visit_cells(bounds_of(level, v, child),
+                  [&](std::size_t cell) { visit(static_cast<std::uint32_t>(t), cell); });
+    }
+  });
+}
+
+// Leaves in `start_` how many triangles stand in each cell.
 template <class Level>
-TriangleGrid::TriangleGrid(const Level& level) {
-  if (level.patches() > 0) shape(level);
+std::uint64_t TriangleGrid::count_entries(const Level& level) {
   start_.assign(std::size_t{cells_[0]} * cells_[1] * cells_[2] + 1, 0);
-  const auto visit_all = [&](const auto& visit) {
-    for_all(level.patches(), [&](std::size_t patch) {
-      const auto v = level.vertices(patch);
-      for (int child = 0; child < Level::kTriangles; ++child) {
-        const std::size_t t = Level::kTriangles * patch + static_cast<std::size_t>(child);
-        visit_cells(bounds_of(level, v, child),
-                    [&](std::size_t cell) { visit(static_cast<std::uint32_t>(t), cell); });
-      }
-    });
-  };
-  visit_all([&](std::uint32_t, std::size_t cell) {
+  visit_all(level, [&](std::uint32_t, std::size_t cell) {
     std::atomic_ref(start_[cell]).fetch_add(1, std::memory_order_relaxed);
   });
-  std::uint64_t sum = 0;
-  for (std::uint32_t& n : start_) {
-    sum += n;
-    if (sum > std::numeric_limits<std::uint32_t>::max()) {
-      throw LimitExceeded("too many triangles to look for crossings: use fewer subdivisions");
-    }
-    n = static_cast<std::uint32_t>(sum);
+  return std::accumulate(start_.begin(), start_.end(), std::uint64_t{0});
+}
+
+template <class Level>
+TriangleGrid::TriangleGrid(const Level& level, std::uint64_t most_entries) {
+  const Bounds all = level.patches() > 0 ? choose_cells(level) : Bounds{};
+  set_cells(all);
+  // In one cell all triangles stand once.
+  while (count_entries(level) > most_entries && start_.size() > 2) {
+    cell_ *= 2;
+    set_cells(all);
   }
-  triangles_.resize(sum);
+  std::inclusive_scan(start_.begin(), start_.end(), start_.begin());
+  triangles_.resize(start_.back());
   // Filled from the back, so that `start_` ends up at the first of each cell.
-  visit_all([&](std::uint32_t t, std::size_t cell) {
+  visit_all(level, [&](std::uint32_t t, std::size_t cell) {
     triangles_[std::atomic_ref(start_[cell]).fetch_sub(1, std::memory_order_relaxed) - 1] = t;
   });
 }
 
-template TriangleGrid::TriangleGrid(const Given&);
-template TriangleGrid::TriangleGrid(const Midpoints&);
+template TriangleGrid::TriangleGrid(const Given&, std::uint64_t);
+template TriangleGrid::TriangleGrid(const Midpoints&, std::uint64_t);
 
 }  // namespace vdwmesh

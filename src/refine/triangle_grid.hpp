@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "extract/indexed_mesh.hpp"
@@ -41,9 +42,12 @@ Bounds bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVer
 // the order depends on the threads.
 class TriangleGrid {
  public:
-  // Throws LimitExceeded beyond 2^32 - 1 entries.
+  // The most entries that there is room for: how often triangles stand in cells.
+  static constexpr std::uint64_t kMostEntries = std::numeric_limits<std::uint32_t>::max();
+
+  // Cells grow until there are at most `most_entries`. Precondition: no more triangles than that.
   template <class Level>
-  explicit TriangleGrid(const Level& level);
+  explicit TriangleGrid(const Level& level, std::uint64_t most_entries = kMostEntries);
 
   std::size_t cell_count() const { return start_.size() - 1; }
   std::span<const std::uint32_t> triangles_in(std::size_t cell) const {
@@ -68,7 +72,12 @@ class TriangleGrid {
  private:
   std::uint32_t cell_along(int axis, double coordinate) const;
   template <class Level>
-  void shape(const Level& level);
+  Bounds choose_cells(const Level& level);
+  void set_cells(const Bounds& all);
+  template <class Level, class Visit>
+  void visit_all(const Level& level, const Visit& visit) const;
+  template <class Level>
+  std::uint64_t count_entries(const Level& level);
 
   Vec3d origin_{0, 0, 0};
   double cell_ = 1;  // Å
@@ -77,7 +86,7 @@ class TriangleGrid {
   Buffer<std::uint32_t> triangles_;  // by cell
 };
 
-extern template TriangleGrid::TriangleGrid(const Given&);
-extern template TriangleGrid::TriangleGrid(const Midpoints&);
+extern template TriangleGrid::TriangleGrid(const Given&, std::uint64_t);
+extern template TriangleGrid::TriangleGrid(const Midpoints&, std::uint64_t);
 
 }  // namespace vdwmesh

@@ -1,0 +1,277 @@
+// The search for the nearest exposed point and for the nearest triangle against the same without
+// its shortcuts, on sets unlike molecules.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/distances.hpp"
+#include "analysis/distances_tree.hpp"
+#include "analysis/distances_triangle.hpp"
+#include "analysis/exposed_surface.hpp"
+#include "support/dice.hpp"
+#include "support/test_meshes.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using testing::Dice;
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+Vec3d place(Dice& dice, double half) {
+  return {dice.real(-half, half), dice.real(-half, half), dice.real(-half, half)};
+}
+
+struct Case {
+  std::string name;
+  std::vector<Sphere> balls;
+  std::vector<Vec3d> points;
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+// Some points in the box of the balls, some within and around each ball, some far away.
+Case with_points(std::string name, std::vector<Sphere> balls, Dice& dice) {
+  Case c{std::move(name), std::move(balls), {}};
+  const Box box = bounding_box(SphereSet(c.balls));
+  const Vec3d middle = 0.5 * (box.lower + box.upper), extent = box.upper - box.lower;
+  const double half = 0.5 * std::max({extent.x, extent.y, extent.z});
+  for (int i = 0; i < 60; ++i)
+    c.points.push_back(middle + place(dice, i % 6 == 0 ? 5 * half : half));
+  for (const Sphere& ball : c.balls)
+    for (int i = 0; i < 3; ++i) c.points.push_back(ball.center + place(dice, 1.2 * ball.radius));
+  return c;
+}
+
+std::vector<Case> cases() {
+  Dice dice(11);
+  std::vector<Case> all;
+  const auto add = [&](const char* name, const std::vector<Sphere>& balls) {
+    all.push_back(with_points(name, balls, dice));
+  };
+  std::vector<Sphere> balls;
+  for (int i = 0; i < 40; ++i) balls.push_back({place(dice, 50), dice.real(0.1, 6)});
+  add("sparse_gas", balls);
+  balls.clear();
+  for (int i = 0; i < 25; ++i) balls.push_back({place(dice, 1.5), dice.real(0.3, 1.5)});
+  add("crowd", balls);
+  balls.clear();
+  for (int i = 0; i < 36; ++i)
+    balls.push_back({{1.25 * (i % 3), 1.25 * (i / 3 % 3), 1.25 * (i / 9)}, 0.75});
+  add("lattice", balls);
+  balls.clear();
+  for (int i = 0; i < 40; ++i)
+    balls.push_back({{0.9 * i, std::sin(0.7 * i), std::cos(0.7 * i)}, 0.8});
+  add("chain", balls);
+  balls.clear();
+  for (int i = 0; i < 60; ++i) {  // on a sphere of radius 3: a void inside
+    const double z = 1 - (2 * i + 1.0) / 60, angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double s = std::sqrt(1 - z * z);
+    balls.push_back({{3 * s * std::cos(angle), 3 * s * std::sin(angle), 3 * z}, 1.1});
+  }
+  add("void", balls);
+  balls.assign(1, {{0, 0, 0}, 1000});
+  for (int i = 0; i < 40; ++i) {
+    const Vec3d out = place(dice, 1);
+    balls.push_back({(dice.real(999.5, 1000.5) / norm(out)) * out, dice.real(0.2, 1)});
+  }
+  add("one_huge_many_tiny", balls);
+  balls.clear();
+  for (int i = 0; i < 16; ++i) {
+    const Vec3d site{1e13 * (i / 2 % 4), -1e13 * (i / 2 % 3), 0};
+    balls.push_back({site + Vec3d{i % 2 * 0.75, 0, 0}, 1});
+  }
+  add("pairs_a_kilometre_apart", balls);
+  balls.clear();
+  for (int i = 0; i < 20; ++i) balls.push_back({{0.01 * i, 0, 0}, 2 - 0.011 * i});
+  balls.push_back(balls[0]);
+  balls.push_back({{4, 0, 0}, 1});
+  add("nested_and_twice", balls);
+  return all;
+}
+
+double length(const Vec3d& v) { return std::hypot(v.x, v.y, v.z); }
+
+// The distance by its definition: the nearest point of each sphere, of each two spheres' circle and
+// all points on three spheres, of those that no ball covers.
+class Oracle {
+ public:
+  explicit Oracle(std::vector<Sphere> balls) : balls_(std::move(balls)) {
+    // Of balls that are equal one is enough.
+    for (std::size_t i = balls_.size(); i-- > 0;)
+      for (std::size_t j = 0; j < i; ++j)
+        if (balls_[i].center == balls_[j].center && balls_[i].radius == balls_[j].radius) {
+          balls_.erase(balls_.begin() + static_cast<std::ptrdiff_t>(i));
+          break;
+        }
+  }
+
+  double distance(const Vec3d& p) const {
+    double best = kFar;
+    for (std::size_t i = 0; i < balls_.size(); ++i) {
+      const Sphere& a = balls_[i];
+      const Vec3d from = p - a.center;  // all below is relative to this centre
+      consider(i, (a.radius / length(from)) * from, from, best);
+      for (std::size_t j = 0; j < i; ++j) {
+        const std::optional<Circle> circle = circle_of(a, balls_[j]);
+        if (!circle) continue;
+        const Vec3d off = from - circle->middle;
+        const Vec3d radial = off - dot(off, circle->axis) * circle->axis;
+        consider(i, circle->middle + (circle->radius / length(radial)) * radial, from, best);
+        for (std::size_t k = 0; k < j; ++k) corners(i, *circle, balls_[k], from, best);
+      }
+    }
+    return best;
+  }
+
+ private:
+  struct Circle {
+    Vec3d middle, axis;
+    double radius;
+  };
+
+  static std::optional<Circle> circle_of(const Sphere& a, const Sphere& b) {
+    const Vec3d to = b.center - a.center;
+    const double d = length(to);
+    const double along = (d + (a.radius - b.radius) * (a.radius + b.radius) / d) / 2;
+    const double square = (a.radius - along) * (a.radius + along);
+    if (d == 0 || !(square > 0)) return std::nullopt;
+    const Vec3d axis = (1 / d) * to;
+    return Circle{along * axis, axis, std::sqrt(square)};
+  }
+
+  // Where the circle meets the sphere of `c`: on the plane of points whose power to both is equal.
+  void corners(std::size_t i, const Circle& circle, const Sphere& c, const Vec3d& from,
+               double& best) const {
+    const Vec3d to = c.center - balls_[i].center;
+    const double r = balls_[i].radius;
+    const double level = (dot(to, to) + (r - c.radius) * (r + c.radius)) / 2;  // dot(to, q)
+    const Vec3d u = to - dot(to, circle.axis) * circle.axis;
+    const double slope = length(u);
+    if (!(slope > 0)) return;
+    const double cosine = (level - dot(to, circle.middle)) / (slope * circle.radius);
+    if (!(std::abs(cosine) < 1)) return;
+    const Vec3d first = (1 / slope) * u, second = cross(circle.axis, first);
+    const double sine = std::sqrt((1 - cosine) * (1 + cosine));
+    for (const double side : {sine, -sine})
+      consider(i, circle.middle + circle.radius * (cosine * first + side * second), from, best);
+  }
+
+  // A point counts as covered from kExposureTolerance radii on.
+  void consider(std::size_t i, const Vec3d& q, const Vec3d& from, double& best) const {
+    for (std::size_t k = 0; k < balls_.size(); ++k) {
+      if (k == i) continue;
+      const double gap = length(q - (balls_[k].center - balls_[i].center)) - balls_[k].radius;
+      if (gap < -kExposureTolerance * balls_[i].radius) return;
+    }
+    best = std::min(best, length(q - from));
+  }
+
+  std::vector<Sphere> balls_;
+};
+
+class DistanceSearch : public ::testing::TestWithParam<Case> {};
+
+TEST_P(DistanceSearch, FindsTheNearestExposedPoint) {
+  const Case& c = GetParam();
+  const SphereSet spheres(c.balls);
+  Box world = bounding_box(spheres);
+  for (const Vec3d& p : c.points)
+    for (int axis = 0; axis < 3; ++axis) {
+      world.lower[axis] = std::min(world.lower[axis], p[axis]);
+      world.upper[axis] = std::max(world.upper[axis], p[axis]);
+    }
+  const ExposedSurface surface(spheres);
+  const SurfaceFinder finder(surface, world);
+  const Oracle oracle(c.balls);
+  // Where spheres meet at a flat angle, points within the exposure tolerance of a border decide: Å,
+  // for lengths of an ångström some 10⁴ tolerances. And some roundings of the distance.
+  constexpr double kBorder = 1e-6, kRoundings = 1e-14;
+  std::uint32_t hint = 0;
+  for (const Vec3d& p : c.points) {
+    const double found = finder.distance(p, hint);
+    double squared = kFar;
+    for (const Patch& patch : surface.patches()) improve(patch, p, squared);
+    const double unpruned = std::sqrt(squared);
+    ASSERT_NEAR(found, unpruned, 1e-12 * (1 + unpruned)) << p.x << ' ' << p.y << ' ' << p.z;
+    ASSERT_NEAR(found, oracle.distance(p), kBorder + kRoundings * found)
+        << p.x << ' ' << p.y << ' ' << p.z;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sets, DistanceSearch, ::testing::ValuesIn(cases()),
+                         [](const auto& each) { return each.param.name; });
+
+// Triangles of every size, thin ones and points too.
+std::vector<std::array<Vec3d, 3>> triangles_about(const std::vector<Sphere>& balls, Dice& dice) {
+  std::vector<std::array<Vec3d, 3>> triangles;
+  for (const Sphere& ball : balls)
+    for (int i = 0; i < 4; ++i) {
+      const Vec3d a = ball.center + place(dice, ball.radius);
+      const double size = ball.radius * std::pow(10, dice.real(-6, 0.5));
+      const Vec3d b = dice.one_in(8) ? a : a + place(dice, size);
+      triangles.push_back({a, b, dice.one_in(8) ? a + 2.0 * (b - a) : a + place(dice, size)});
+    }
+  return triangles;
+}
+
+TEST_P(DistanceSearch, FindsTheNearestTriangle) {
+  const Case& c = GetParam();
+  Dice dice(12);
+  const auto triangles = triangles_about(c.balls, dice);
+  Box world{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+  const auto add = [](Box& box, const Vec3d& p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lower[axis] = std::min(box.lower[axis], p[axis]);
+      box.upper[axis] = std::max(box.upper[axis], p[axis]);
+    }
+  };
+  const auto box_of = [&](std::uint32_t t) {
+    Box box{triangles[t][0], triangles[t][0]};
+    for (const Vec3d& p : triangles[t]) add(box, p);
+    return box;
+  };
+  for (const auto& t : triangles)
+    for (const Vec3d& p : t) add(world, p);
+  for (const Vec3d& p : c.points) add(world, p);
+  const BoxTree tree(static_cast<std::uint32_t>(triangles.size()), world, box_of);
+  const auto squared_to = [&](const Vec3d& p, std::uint32_t t) {
+    return squared_distance_to_triangle(p, triangles[t][0], triangles[t][1], triangles[t][2]);
+  };
+  for (const Vec3d& p : c.points) {
+    double expected = kFar, found = kFar;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t)
+      expected = std::min(expected, squared_to(p, t));
+    tree.nearest(p, found,
+                 [&](std::uint32_t t, double& best) { best = std::min(best, squared_to(p, t)); });
+    ASSERT_EQ(found, expected) << p.x << ' ' << p.y << ' ' << p.z;
+  }
+}
+
+// Distances have no sign: they are the same for a mesh inside out, and grow by the way that a mesh
+// is moved off.
+TEST(Distances, OfMeshesInsideOutAndFarOff) {
+  const SphereSet ball({{{0, 0, 0}, 1}});
+  const IndexedMesh mesh = testing::scaled(testing::icosphere(3), 1.1);
+  const MeshDistances out = distances(mesh, ball), in = distances(testing::reversed(mesh), ball);
+  const double errors = std::hypot(out.mesh_to_surface.mean_error, in.mesh_to_surface.mean_error);
+  EXPECT_NEAR(in.mesh_to_surface.mean, out.mesh_to_surface.mean, 5 * errors);
+  EXPECT_NEAR(in.surface_to_mesh.mean, out.surface_to_mesh.mean, 1e-12);
+  for (const double off : {1e4, 1e8, 1e12}) {
+    const MeshDistances far = distances(testing::translated(mesh, {off, 0, 0}), ball);
+    // Between points of balls of radius 1.1 and 1; a position is rounded to 2^-53 of it.
+    const double slack = 2.2 + off * 1e-15;
+    for (const DistanceStatistics& d : {far.mesh_to_surface, far.surface_to_mesh})
+      for (const double figure : {d.mean, d.rms, d.max}) EXPECT_NEAR(figure, off, slack);
+  }
+}
+
+}  // namespace
+}  // namespace vdwmesh
