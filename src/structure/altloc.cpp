@@ -109,6 +109,20 @@ class PlaceChoice {
     }
   }
 
+  // Some files leave the label of one conformation blank. Such an atom, which is there in part
+  // only, goes if the label kept has one of its name.
+  void drop_blank_twins() {
+    std::set<std::pair<const gemmi::Residue*, std::string>> labelled;
+    for (std::size_t i = 0; i < fates_.size(); ++i)
+      if (fates_[i] == Fate::stays && site(i).atom->altloc != '\0')
+        labelled.emplace(site(i).residue, site(i).atom->name);
+    for (std::size_t i = 0; i < fates_.size(); ++i) {
+      const gemmi::Atom& atom = *site(i).atom;
+      const bool blank = fates_[i] == Fate::stays && atom.altloc == '\0' && atom.occ < 1;
+      if (blank && labelled.count({site(i).residue, atom.name}) != 0) fates_[i] = Fate::other_label;
+    }
+  }
+
   // Takes back atoms whose names the residue would lack, from the first of `labels` that has them.
   // Where one of several residues was chosen, only it is completed: what is left of another belongs
   // to both.
@@ -161,6 +175,7 @@ void choose_at(Range place, const std::string& label, SkippedAtoms& skipped) {
   } else {
     choice.choose(label[0]);
   }
+  choice.drop_blank_twins();
   choice.carry_out(skipped);
 }
 

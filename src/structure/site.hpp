@@ -30,8 +30,9 @@ using Sites = std::vector<Site>;
 // (microheterogeneity), the one of highest mean occupancy of them all. Atoms without a label stay.
 // With "highest", so do atoms whose names the label kept does not have, of the label of the next
 // highest mean that has them, because no conformation lacks an atom: files give hydrogens and
-// parts of side chains a label of their own. "all" keeps everything. Throws InvalidInput if no atom
-// has `label`.
+// parts of side chains a label of their own. An atom without a label and of an occupancy below 1
+// goes if the label kept has one of its name. "all" keeps everything. Throws InvalidInput if no
+// atom has `label`.
 void choose_alternate_locations(Sites& sites, const std::string& label, const std::string& path,
                                 SkippedAtoms& skipped);
 

@@ -134,6 +134,24 @@ TEST(AlternateLocations, AWholeAtomUnderOneLabelIsNotLost) {
             (Names{"HA SER", "CB SER", "OG SER"}));
 }
 
+// The first conformation has no label: CZ of it must not stand beside that of B.
+TEST(AlternateLocations, APartialAtomWithoutALabelMakesWayForItsTwin) {
+  const std::vector<Line> lines{{" NE ", "ARG", 1, ' ', 0.5, 'A', "ATOM  ", 1},
+                                {" CZ ", "ARG", 1, ' ', 0.5, 'A', "ATOM  ", 2},
+                                {" CZ ", "ARG", 1, 'B', 0.5, 'A', "ATOM  ", 3},
+                                {" NH1", "ARG", 1, 'A', 0.4, 'A', "ATOM  ", 4},
+                                {" NH1", "ARG", 1, 'B', 0.5, 'A', "ATOM  ", 5}};
+  EXPECT_EQ(positions(lines), (std::vector<double>{1, 3, 5}));
+  EXPECT_EQ(read_text_as("a.pdb", pdb(lines)).skipped, (SkippedAtoms{{"alternate_locations", 2}}));
+  ReadOptions options;
+  options.altloc = "A";
+  EXPECT_EQ(positions(lines, options), (std::vector<double>{1, 2, 4}));
+  // Two whole atoms of one name are two atoms.
+  EXPECT_EQ(positions({{" O  ", "UNL", 1, ' ', 1, 'A', "ATOM  ", 1},
+                       {" O  ", "UNL", 1, 'B', 0.5, 'A', "ATOM  ", 2}}),
+            (std::vector<double>{1, 2}));
+}
+
 TEST(AlternateLocations, ALabelMayBeAskedFor) {
   ReadOptions options;
   options.altloc = "A";
