@@ -76,6 +76,26 @@ double radius_or_refuse(std::string_view field, const std::filesystem::path& pat
   return *radius;
 }
 
+// What lines have given a radius so far, and which lines.
+class GivenRadii {
+ public:
+  explicit GivenRadii(const std::filesystem::path& path) : path_(path) {}
+
+  // Refuses another radius for what has one; the same again does no harm.
+  void add(const std::string& name, double radius, int line) {
+    const auto [entry, first] = given_.try_emplace(name, radius, line);
+    const auto [earlier, earlier_line] = entry->second;
+    if (first || earlier == radius) return;
+    refuse(path_, line,
+           fmt::format("{} has radius {} here and {} in line {}; keep one of them", name, radius,
+                       earlier, earlier_line));
+  }
+
+ private:
+  const std::filesystem::path& path_;
+  std::map<std::string, std::pair<double, int>> given_;
+};
+
 }  // namespace
 
 RadiusTable RadiusTable::named(std::string_view name) {
@@ -96,6 +116,7 @@ RadiusTable RadiusTable::from_file(const std::filesystem::path& path) {
   const Text text = read_text(path);
   std::string_view rest(text.data(), text.size()), line;
   RadiusTable table;
+  GivenRadii given(path);
   for (int number = 1; next_line(rest, line); ++number) {
     const std::vector<std::string_view> fields = split_at_blanks(line.substr(0, line.find('#')));
     if (fields.empty()) continue;
@@ -106,12 +127,14 @@ RadiusTable RadiusTable::from_file(const std::filesystem::path& path) {
                          fields.size()));
     const double radius = radius_or_refuse(fields.back(), path, number);
     if (fields.size() == 3) {
+      given.add(fmt::format("{} {}", fields[0], fields[1]), radius, number);
       table.by_atom_[{std::string(fields[0]), std::string(fields[1])}] = radius;
       continue;
     }
     const std::string_view element = element_of_symbol(fields[0]);
     if (element == "X" && fields[0] != "X")
       refuse(path, number, fmt::format("{} is not an element", in_quotes(fields[0])));
+    given.add(std::string(element), radius, number);
     table.by_element_[std::string(element)] = {radius, false};
   }
   if (table.by_element_.empty() && table.by_atom_.empty())

@@ -18,7 +18,8 @@ class RadiusTable {
   static RadiusTable named(std::string_view name);
 
   // `ELEMENT RADIUS` or `RESIDUE ATOM RADIUS` per line, # comments; the latter win. Elements the
-  // file does not name are unknown. Throws FileFormatError with the line number.
+  // file does not name are unknown. Throws FileFormatError with the line number, also for two
+  // different radii of one element or atom.
   static RadiusTable from_file(const std::filesystem::path& path);
 
   struct Entry {

@@ -88,8 +88,8 @@ TEST(RadiusTable, DeuteriumIsHydrogenUnlessGiven) {
 TEST(RadiusTable, AtomLinesWin) {
   const TempDir dir;
   const RadiusTable table = RadiusTable::from_file(
-      dir.write("r", "# mine\nALA CA 2.0  # this one\r\nC 1.7\n\nzn 1.1\nALA CA 2.1\n"));
-  EXPECT_EQ(table.find("ALA", "CA", "C")->radius, 2.1);
+      dir.write("r", "# mine\nALA CA 2.0  # this one\r\nC 1.7\n\nzn 1.1\nALA CA 2.0\n"));
+  EXPECT_EQ(table.find("ALA", "CA", "C")->radius, 2.0);
   EXPECT_EQ(table.find("GLY", "CA", "C")->radius, 1.7);
   EXPECT_EQ(table.find("ZN", "ZN", "Zn")->radius, 1.1);
   EXPECT_FALSE(table.find("ALA", "N", "N"));
@@ -107,6 +107,15 @@ TEST(RadiusTable, BadLinesAreRefusedWithTheirNumber) {
     }
   }
   EXPECT_THROW(RadiusTable::from_file(dir.write("r", "# nothing\n")), FileFormatError);
+  for (const char* twice : {"C 1.7\nN 1.5\nc 1.8\n", "ALA CA 1.7\nC 1.6\nALA CA 1.8\n"}) {
+    try {
+      RadiusTable::from_file(dir.write("r", twice));
+      ADD_FAILURE() << twice;
+    } catch (const FileFormatError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("has radius 1.8 here and 1.7 in line 1")) << twice;
+      EXPECT_THAT(error.what(), HasSubstr("r:3: ")) << twice;
+    }
+  }
   EXPECT_THROW(RadiusTable::named("pauling"), InvalidInput);
 }
 
