@@ -22,6 +22,8 @@ struct InputReport {
   std::uint64_t atoms_read = 0, atoms_used = 0;
   SkippedAtoms skipped;
   std::vector<AssumedRadius> radii_assumed;
+  std::uint64_t elements_guessed = 0;
+  std::vector<GuessedElement> unusual_elements_guessed;
   double probe = 0;  // Å
 };
 

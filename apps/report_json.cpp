@@ -217,6 +217,13 @@ Json input_json(const InputReport& input) {
     assumed.push_back(
         {{"element", radius.element}, {"radius", radius.radius}, {"count", radius.count}});
   }
+  Json guessed = Json::array();
+  for (const GuessedElement& guess : input.unusual_elements_guessed) {
+    guessed.push_back({{"element", guess.element},
+                       {"residue", guess.residue_name},
+                       {"atom", guess.atom_name},
+                       {"count", guess.count}});
+  }
   return {{"path", input.path},
           {"format", input.format},
           {"model", input.model},
@@ -226,7 +233,9 @@ Json input_json(const InputReport& input) {
           {"skipped", skipped},
           {"radius_set", input.radius_set},
           {"probe", input.probe},
-          {"radii_assumed", assumed}};
+          {"radii_assumed", assumed},
+          {"elements_guessed", input.elements_guessed},
+          {"unusual_elements_guessed", guessed}};
 }
 
 Json backend_json(const BackendReport& backend) {

@@ -26,6 +26,8 @@ InputReport describe(const Molecule& molecule, double probe) {
   input.atoms_used = molecule.atoms.size();
   input.skipped = molecule.skipped;
   input.radii_assumed = molecule.radii_assumed;
+  input.elements_guessed = molecule.elements_guessed;
+  input.unusual_elements_guessed = molecule.unusual_elements_guessed;
   input.probe = probe;
   return input;
 }
@@ -173,6 +175,7 @@ Molecule load(const InputOptions& options, std::uint64_t memory_limit, Report& r
   Molecule molecule = options.sample.empty() ? read_structure(options.path, read)
                                              : read_sample(options.sample, read);
   report.input = describe(molecule, options.probe);
+  report.notes.insert(report.notes.end(), molecule.notes.begin(), molecule.notes.end());
   report.warnings.insert(report.warnings.end(), molecule.warnings.begin(), molecule.warnings.end());
   report.timing.read = watch.seconds();
   return molecule;

@@ -12,6 +12,7 @@
 #include <memory>
 #include <set>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "core/errors.hpp"
@@ -24,9 +25,11 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kAlwaysWater{"HOH", "DOD", "WAT", "H2O"};
 // Of simulation programs; also names of other things, so their atoms must be those of a water.
-constexpr std::array<std::string_view, 15> kSolvent{"SOL",  "TIP", "TIP2", "TIP3", "TIP4",
-                                                    "TIP5", "TP3", "TP4",  "TP5",  "T3P",
-                                                    "T4P",  "SPC", "SPCE", "TP3M", "OH2"};
+constexpr std::array<std::string_view, 18> kSolvent{"W",    "WF",   "PW",   "SOL",  "TIP",  "TIP2",
+                                                    "TIP3", "TIP4", "TIP5", "TP3",  "TP4",  "TP5",
+                                                    "T3P",  "T4P",  "SPC",  "SPCE", "TP3M", "OH2"};
+
+constexpr std::array<std::string_view, 7> kOrganicElements{"H", "D", "C", "N", "O", "P", "S"};
 
 template <class Names>
 bool listed(const Names& names, std::string_view name) {
@@ -109,6 +112,7 @@ class Choice {
       take_asymmetric();
     else
       take_assembly();
+    count_guesses();
     return std::move(molecule_);
   }
 
@@ -221,6 +225,13 @@ class Choice {
 
   [[noreturn]] void refuse_radius(const Site& site) const {
     const std::string name = name_of(site, record(site));
+    if (file_.coarse_grained && site.atom->element == gemmi::El::X)
+      throw InvalidInput(
+          fmt::format("{}: {} is a bead of a coarse-grained (Martini) model, which stands for "
+                      "several atoms and "
+                      "has no element; give --radii FILE with a line 'X RADIUS' for all beads, or "
+                      "'{} {} RADIUS'",
+                      file_.path, name, site.residue->name, site.atom->name));
     if (site.atom->element == gemmi::El::X)
       throw InvalidInput(
           fmt::format("{}: the element of {} cannot be told; give --radii FILE with "
@@ -230,6 +241,39 @@ class Choice {
         "{}: the radius set {} has no radius for element {} of {}; give "
         "--radii FILE with a line '{} RADIUS'",
         file_.path, options_.radii, site.atom->element.name(), name, site.atom->element.name()));
+  }
+
+  // Radii of the file do not rest on elements, so there a guess is counted and not told.
+  void count_guesses() {
+    std::map<std::tuple<std::string, std::string, std::string>, std::uint64_t> unusual;
+    for (const Site& site : sites_) {
+      const gemmi::Element element = site.atom->element;
+      if (!record(site).element_guessed || element == gemmi::El::X) continue;
+      ++molecule_.elements_guessed;
+      if (!listed(kOrganicElements, std::string_view(element.name())))
+        ++unusual[{element.name(), site.residue->name, site.atom->name}];
+    }
+    for (const auto& [key, count] : unusual)
+      molecule_.unusual_elements_guessed.push_back(
+          {std::get<0>(key), std::get<1>(key), std::get<2>(key), count});
+    if (molecule_.elements_guessed != 0 && !file_.own_radii)
+      molecule_.notes.push_back(note_of_guesses());
+  }
+
+  std::string note_of_guesses() const {
+    constexpr std::size_t kMostNamed = 8;
+    const std::vector<GuessedElement>& unusual = molecule_.unusual_elements_guessed;
+    std::string named;
+    for (std::size_t i = 0; i < std::min(unusual.size(), kMostNamed); ++i)
+      named += fmt::format("{} {} (atom {} of {}, {}x)", i == 0 ? "" : ",", unusual[i].element,
+                           unusual[i].atom_name, unusual[i].residue_name, unusual[i].count);
+    if (unusual.size() > kMostNamed)
+      named += fmt::format(" and {} more", unusual.size() - kMostNamed);
+    return fmt::format(
+        "the file does not give the elements of {} atoms: they were told from the names of atoms "
+        "and "
+        "residues; other than H, C, N, O, P and S:{}",
+        molecule_.elements_guessed, unusual.empty() ? " none" : named);
   }
 
   const AtomRecord& record(const Site& site) const {

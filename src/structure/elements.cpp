@@ -1,12 +1,13 @@
 #include "structure/elements.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <gemmi/elem.hpp>
-#include <gemmi/resinfo.hpp>
 #include <string>
 
 #include "structure/lines.hpp"
+#include "structure/residue_elements.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -19,6 +20,12 @@ char upper(char c) { return static_cast<char>(std::toupper(static_cast<unsigned 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
+std::string capitals(std::string_view text) {
+  std::string result(trimmed(text));
+  std::transform(result.begin(), result.end(), result.begin(), upper);
+  return result;
+}
+
 El single_letter(char c) { return gemmi::impl::find_single_letter_element(upper(c)); }
 
 // Elements past lawrencium exist for moments; a name like "NH1A" never means nihonium.
@@ -28,25 +35,32 @@ El two_letters(char first, char second) {
   return found > El::Lr && found != El::D ? El::X : found;
 }
 
-bool only_organic_elements(std::string_view residue) {
-  const gemmi::ResidueInfo info = gemmi::find_tabulated_residue(std::string(residue));
-  return (info.is_amino_acid() || info.is_nucleic_acid()) &&
-         (info.is_standard() || residue == "MSE");  // not the modified ones: some hold halogens
-}
-
 El first_letter(std::string_view name) {
   for (const char c : name)
     if (is_letter(c)) return single_letter(c);
   return El::X;
 }
 
-El of_standard_residue(std::string_view four_columns, std::string_view residue) {
-  if ((residue == "MSE" || residue == "SEC") && trimmed(four_columns) == "SE") return El::Se;
-  const El element = first_letter(four_columns);
-  const bool expected = element == El::D ||
-                        (element != El::X &&
-                         kOrganic.find(gemmi::element_name(element)[0]) != std::string_view::npos);
-  return expected ? element : El::X;
+bool is_organic(El element) {
+  return element == El::D ||
+         (element != El::X &&
+          kOrganic.find(gemmi::element_name(element)[0]) != std::string_view::npos &&
+          gemmi::element_name(element)[1] == '\0');
+}
+
+El in_standard_residue(std::string_view name, std::string_view residue) {
+  if ((residue == "MSE" || residue == "SEC") && name == "SE") return El::Se;
+  const El element = first_letter(name);
+  return is_organic(element) ? element : El::X;
+}
+
+// What the residue tells; X where it tells nothing.
+El in_known_residue(std::string_view name, std::string_view residue) {
+  if (is_standard_residue(residue)) return in_standard_residue(name, residue);
+  if (const El ion = element_of_ion(name, residue); ion != El::X) return ion;
+  if (const El metal = metal_of_ligand(name, residue); metal != El::X) return metal;
+  const El light = is_ligand_with_metals(residue) ? first_letter(name) : El::X;
+  return is_organic(light) ? light : El::X;
 }
 
 // "CL1", "BR": no carbon or boron has such a name outside the standard residues.
@@ -56,11 +70,20 @@ El halogen(std::string_view name) {
   return element == El::Cl || element == El::Br ? element : El::X;
 }
 
+// Two letters and nothing but digits behind them, of an element for which such a name stands far
+// more often than for a lighter one with a letter behind it. Not so "CA", "CO", "HG", "NA", "PB".
+El telling_symbol(std::string_view name) {
+  static constexpr std::array kTelling{El::Fe, El::Ni, El::Cu, El::Si, El::Se, El::Pt, El::Ir};
+  if (name.size() < 2 || name.find_first_not_of("0123456789", 2) != std::string_view::npos)
+    return El::X;
+  const El element = two_letters(name[0], name[1]);
+  return std::find(kTelling.begin(), kTelling.end(), element) != kTelling.end() ? element : El::X;
+}
+
 El of_full_name(std::string_view name) {
-  const char first = upper(name[0]), second = upper(name[1]);
   if (halogen(name) != El::X) return halogen(name);
-  if (kOrganic.find(first) != std::string_view::npos) return single_letter(first);
-  const El element = two_letters(first, second);
+  if (kOrganic.find(name[0]) != std::string_view::npos) return single_letter(name[0]);
+  const El element = two_letters(name[0], name[1]);
   return element != El::X ? element : first_letter(name);
 }
 
@@ -75,32 +98,32 @@ El of_aligned_name(std::string_view name) {
   return element != El::X ? element : first_letter(name);
 }
 
+El of_bare_name(std::string_view name) {
+  El element = halogen(name);
+  if (element == El::X) element = telling_symbol(name);
+  if (element == El::X) element = first_letter(name);
+  if (element == El::X && name.size() > 1) element = two_letters(name[0], name[1]);
+  return element;
+}
+
 }  // namespace
 
 const char* element_of_aligned_name(std::string_view four_columns, std::string_view residue) {
   std::string name(four_columns.substr(0, 4));
   name.resize(4, ' ');
-  if (only_organic_elements(residue)) {
-    const El element = of_standard_residue(name, residue);
-    if (element != El::X) return gemmi::element_name(element);
-  }
-  return gemmi::element_name(of_aligned_name(name));
+  std::transform(name.begin(), name.end(), name.begin(), upper);
+  const El known = in_known_residue(trimmed(name), capitals(residue));
+  if (known != El::X) return gemmi::element_name(known);
+  const El element = of_aligned_name(name);
+  // A name in column 14 whose first letter is no element, as CHARMM writes "ZN".
+  return gemmi::element_name(element != El::X ? element : of_bare_name(trimmed(name)));
 }
 
 const char* element_of_bare_name(std::string_view name, std::string_view residue) {
-  name = trimmed(name);
-  if (only_organic_elements(residue)) {
-    const El element = of_standard_residue(name, residue);
-    if (element != El::X) return gemmi::element_name(element);
-  }
-  const std::string_view bare_residue = residue.substr(0, residue.find_first_of("0123456789+-"));
-  const std::string_view bare_name = name.substr(0, name.find_first_of("0123456789+-"));
-  const bool ion = bare_name.size() == 2 && bare_name == bare_residue.substr(0, 2);
-  El element = ion ? two_letters(bare_name[0], bare_name[1]) : El::X;
-  if (element == El::X) element = halogen(name);
-  if (element == El::X) element = first_letter(name);
-  if (element == El::X && name.size() > 1) element = two_letters(name[0], name[1]);
-  return gemmi::element_name(element);
+  if (is_martini_bead(name, residue)) return gemmi::element_name(El::X);
+  const std::string bare = capitals(name);
+  const El known = in_known_residue(bare, capitals(residue));
+  return gemmi::element_name(known != El::X ? known : of_bare_name(bare));
 }
 
 const char* element_of_symbol(std::string_view symbol) {
@@ -111,6 +134,14 @@ const char* element_of_symbol(std::string_view symbol) {
   const El element = letters == 1 ? single_letter(symbol[0])
                                   : gemmi::find_element(std::string(symbol.substr(0, 2)).c_str());
   return gemmi::element_name(element);
+}
+
+bool is_martini_bead(std::string_view name, std::string_view residue) {
+  const std::string bead = capitals(name);
+  if (bead == "GL1") return true;
+  const bool side_chain =
+      bead.size() == 3 && bead.starts_with("SC") && bead[2] >= '1' && bead[2] <= '6';
+  return (bead == "BB" || side_chain) && is_amino_acid(capitals(residue));
 }
 
 }  // namespace vdwmesh

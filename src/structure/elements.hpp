@@ -23,8 +23,9 @@ const char* element_of_bare_name(std::string_view name, std::string_view residue
 const char* element_of_symbol(std::string_view symbol);
 
 // Whether an atom of that name is a bead of the coarse-grained Martini force fields: several atoms
-// in one, and of no element. Only names are accepted that no atom bears: the backbone and side
-// chain beads of amino acids, and the head of a glycerolipid.
+// in one, and of no element. True for names that no atom bears alone: the beads of amino acids
+// (BB, SC1, ...) and the first glycerol bead of lipids (GL1). A file with one of them holds beads
+// throughout.
 bool is_martini_bead(std::string_view name, std::string_view residue);
 
 }  // namespace vdwmesh

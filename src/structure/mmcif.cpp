@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
@@ -52,27 +53,48 @@ cif::Block& block_with_atoms(cif::Document& document, const std::string& path) {
   return *found;
 }
 
-// Columns that gemmi insists on but whose absence loses nothing are added, unknown in every row.
+// A column to be added: a copy of another, or unknown in every row.
+struct AddedColumn {
+  std::string tag;
+  int source;  // -1: none
+};
+
+// Columns that gemmi insists on but whose absence loses nothing. Chains are called by the author's
+// names where there are no others; elements are told from names.
+std::vector<AddedColumn> columns_to_add(const cif::Loop& loop) {
+  std::vector<AddedColumn> added;
+  const auto index_of = [&loop](const char* tag) {
+    return loop.find_tag(std::string(kAtoms) + tag);
+  };
+  for (const char* tag : {"label_alt_id", "occupancy", "B_iso_or_equiv", "id", "type_symbol"})
+    if (index_of(tag) < 0) added.push_back({std::string(kAtoms) + tag, -1});
+  const int author = index_of("auth_asym_id");
+  if (index_of("label_asym_id") < 0 && author >= 0)
+    added.push_back({std::string(kAtoms) + "label_asym_id", author});
+  return added;
+}
+
 void complete_columns(cif::Block& block) {
   cif::Loop* loop = block.find_loop("_atom_site.Cartn_x").get_loop();
   if (!loop) return;
-  std::vector<std::string> missing;
-  for (const char* tag : {"label_alt_id", "occupancy", "B_iso_or_equiv", "id"})
-    if (!loop->has_tag(std::string(kAtoms) + tag)) missing.push_back(std::string(kAtoms) + tag);
   const int sequence =
       loop->has_tag("_atom_site.auth_seq_id") ? -1 : loop->find_tag("_atom_site.label_seq_id");
   if (sequence >= 0) loop->tags[static_cast<std::size_t>(sequence)] = "_atom_site.auth_seq_id";
-  if (missing.empty()) return;
+  const std::vector<AddedColumn> added = columns_to_add(*loop);
+  if (added.empty()) return;
   const std::size_t rows = loop->length(), width = loop->width();
   std::vector<std::string> values;
-  values.reserve(rows * (width + missing.size()));
+  values.reserve(rows * (width + added.size()));
   for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t first = values.size();
     for (std::size_t column = 0; column < width; ++column)
       values.push_back(std::move(loop->values[row * width + column]));
-    values.insert(values.end(), missing.size(), ".");
+    for (const AddedColumn& column : added)
+      values.push_back(column.source < 0 ? "?"
+                                         : values[first + static_cast<std::size_t>(column.source)]);
   }
   loop->values = std::move(values);
-  loop->tags.insert(loop->tags.end(), missing.begin(), missing.end());
+  for (const AddedColumn& column : added) loop->tags.push_back(column.tag);
 }
 
 void check_columns(cif::Block& block, const std::string& path) {
@@ -127,15 +149,19 @@ std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) 
   refuse(file.path, fmt::format("row {} of _atom_site has no position", atom.serial + 1));
 }
 
-gemmi::Element element_of(const cif::Column& symbols, const gemmi::Atom& atom,
-                          const gemmi::Residue& residue) {
+// gemmi knows no symbol with a charge behind it, and some files leave symbols out.
+void complete_element(const cif::Column& symbols, const gemmi::Residue& residue, gemmi::Atom& atom,
+                      ParsedFile& file) {
+  AtomRecord& record = file.atoms[static_cast<std::size_t>(atom.serial)];
   const std::string symbol = cif::as_string(symbols.at(atom.serial));
-  return gemmi::Element(symbol.empty() ? element_of_bare_name(atom.name, residue.name)
-                                       : element_of_symbol(symbol));
+  record.element_guessed = symbol.empty();
+  if (symbol.empty() && is_martini_bead(atom.name, residue.name)) file.coarse_grained = true;
+  atom.element = gemmi::Element(symbol.empty() ? element_of_bare_name(atom.name, residue.name)
+                                               : element_of_symbol(symbol));
 }
 
 // What gemmi leaves unsaid: coordinates that are no numbers, symbols with a charge or none.
-void complete_atoms(cif::Block& block, const ParsedFile& file) {
+void complete_atoms(cif::Block& block, ParsedFile& file) {
   const cif::Column symbols = block.find_values("_atom_site.type_symbol");
   for (gemmi::Model& model : file.structure->models)
     for (gemmi::Chain& chain : model.chains)
@@ -144,7 +170,7 @@ void complete_atoms(cif::Block& block, const ParsedFile& file) {
           if (!std::isfinite(atom.pos.x) || !std::isfinite(atom.pos.y) ||
               !std::isfinite(atom.pos.z))
             refuse_position(block, file, atom);
-          if (atom.element == gemmi::El::X) atom.element = element_of(symbols, atom, residue);
+          if (atom.element == gemmi::El::X) complete_element(symbols, residue, atom, file);
         }
 }
 
@@ -172,12 +198,22 @@ void read_macromolecule(cif::Block& block, ParsedFile& file) {
   file.format = "mmcif";
 }
 
-gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index,
+enum class Symbols { given, missing };
+
+// Labels begin with the symbol: "Ca1" is calcium. One in capitals may be either: "CA1".
+const char* element_of_label(const std::string& label) {
+  const bool two = label.size() > 1 && std::islower(static_cast<unsigned char>(label[1])) != 0;
+  const char* element = two ? element_of_symbol(label.substr(0, 2)) : "X";
+  return element[0] != 'X' ? element : element_of_bare_name(label, "");
+}
+
+gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index, Symbols symbols,
                          const std::string& path) {
   const gemmi::SmallStructure::Site& site = crystal.sites[index];
   gemmi::Atom atom;
   atom.name = site.label;
-  atom.element = site.element;
+  atom.element =
+      symbols == Symbols::given ? site.element : gemmi::Element(element_of_label(site.label));
   if (atom.element == gemmi::El::X)
     atom.element = gemmi::Element(element_of_bare_name(site.type_symbol, ""));
   atom.serial = static_cast<int>(index);
@@ -197,14 +233,17 @@ void read_small_molecule(cif::Block& block, ParsedFile& file) {
   if (crystal.sites.empty()) refuse(file.path, "its _atom_site table has no rows");
   if (!crystal.cell.is_crystal())
     refuse(file.path, "gives fractional coordinates but no unit cell to place them in");
+  const Symbols symbols =
+      block.has_tag("_atom_site_type_symbol") ? Symbols::given : Symbols::missing;
   gemmi::Residue residue;
   residue.name = "UNL";
   residue.seqid.num = 1;
   for (std::size_t i = 0; i < crystal.sites.size(); ++i) {
-    residue.atoms.push_back(crystal_atom(crystal, i, file.path));
+    residue.atoms.push_back(crystal_atom(crystal, i, symbols, file.path));
     AtomRecord record;
     record.serial = static_cast<std::int64_t>(i) + 1;
     record.line = static_cast<std::uint32_t>(i) + 1;
+    record.element_guessed = symbols == Symbols::missing;
     file.atoms.push_back(record);
   }
   gemmi::Model model("1");

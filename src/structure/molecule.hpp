@@ -35,6 +35,13 @@ struct AssumedRadius {
   std::uint64_t count;
 };
 
+// An element other than H, C, N, O, P and S that the file does not give but that was told from the
+// names of atom and residue.
+struct GuessedElement {
+  std::string element, residue_name, atom_name;
+  std::uint64_t count;
+};
+
 struct Molecule {
   std::vector<Atom> atoms;
   std::string path, format;
@@ -46,6 +53,9 @@ struct Molecule {
                                  // holds copies, otherwise it is atoms.size()
   SkippedAtoms skipped;          // atoms_read = atoms_used + sum of skipped
   std::vector<AssumedRadius> radii_assumed;
+  std::uint64_t elements_guessed = 0;  // of the atoms used: told from their names
+  std::vector<GuessedElement> unusual_elements_guessed;
+  std::vector<std::string> notes;     // what was chosen or guessed
   std::vector<std::string> warnings;  // what may be wrong with the file
 };
 

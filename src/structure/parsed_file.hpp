@@ -19,10 +19,11 @@ namespace vdwmesh {
 // What gemmi's atom cannot hold. gemmi's `serial` is the index of the atom in the file, so it leads
 // here, and sorting by it restores the order of the file.
 struct AtomRecord {
-  std::int64_t serial = 0;  // as the file numbers it
-  std::uint32_t line = 0;   // line of the file (mmCIF: row of its atom table), from 1
-  bool hetero = false;      // HETATM
-  double radius = 0;        // Å, where the file gives it
+  std::int64_t serial = 0;       // as the file numbers it
+  std::uint32_t line = 0;        // line of the file (mmCIF: row of its atom table), from 1
+  bool hetero = false;           // HETATM
+  bool element_guessed = false;  // from its name, because the file does not give it
+  double radius = 0;             // Å, where the file gives it
 };
 
 // Beyond this, in Å, doubles no longer keep the digits that meshes are promised to.
@@ -35,6 +36,7 @@ struct ParsedFile {
   std::string path;
   std::string format;
   bool own_radii = false;
+  bool coarse_grained = false;        // its atoms are beads of several atoms each, without elements
   std::vector<std::string> warnings;  // what may be wrong with the file
 };
 

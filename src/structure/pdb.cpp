@@ -43,9 +43,11 @@ bool is_entry_tag(std::string_view tag) {
 struct Layout {
   bool entry_tags = false;     // 73-80 number the lines of the entry, as before 1996; no element
   bool names_at_left = false;  // names begin in column 13 whatever the element
+  bool beads = false;          // of a coarse-grained model
 };
 
 Layout layout_of(std::string_view text) {
+  Layout layout;
   std::size_t atoms = 0, aligned = 0, at_left = 0;
   std::map<std::string_view, std::size_t> tagged;  // by entry id
   std::string_view line;
@@ -54,10 +56,10 @@ Layout layout_of(std::string_view text) {
     ++atoms;
     const std::string_view tag = columns(line, kTagColumn, 8), name = columns(line, 12, 4);
     if (is_entry_tag(tag)) ++tagged[tag.substr(0, 4)];
+    layout.beads = layout.beads || is_martini_bead(name, columns(line, 17, 3));
     if (name == " N  " || name == " C  " || name == " O  " || name == " P  ") ++aligned;
     if (name == "N   " || name == "C   " || name == "O   " || name == "P   ") ++at_left;
   }
-  Layout layout;
   layout.names_at_left = at_left > aligned;
   layout.entry_tags = std::any_of(tagged.begin(), tagged.end(),
                                   [atoms](const auto& entry) { return 2 * entry.second > atoms; });
@@ -104,6 +106,7 @@ class Normaliser {
   const std::string& text() const { return text_; }
   std::vector<AtomRecord> take_atoms() { return std::move(atoms_); }
   AssemblyTables take_assemblies() { return biomolecules_.finish(); }
+  bool coarse_grained() const { return layout_.beads; }
   const std::vector<std::string>& model_names() const { return models_.names(); }
 
  private:
@@ -145,15 +148,16 @@ class Normaliser {
     record.replace(0, 6, atom.hetero ? "HETATM" : "ATOM  ");
     record.replace(6, 5, five_columns(atoms_.size()));
     if (trimmed(columns(record, 54, 6)).empty()) record.replace(54, 6, "  1.00");
-    const std::string_view element = element_of(record);
+    std::string_view element = element_of_symbol(columns(record, kElementColumn, 2));
+    atom.element_guessed = element == "X";
+    if (atom.element_guessed) element = guessed_element(record);
     record.replace(kElementColumn, 2, fmt::format("{:>2}", element));
     atoms_.push_back(atom);
     text_.append(record).append("\n");
   }
 
-  std::string_view element_of(const std::string& record) const {
-    const std::string_view given = element_of_symbol(columns(record, kElementColumn, 2));
-    if (given != "X") return given;
+  std::string_view guessed_element(const std::string& record) const {
+    if (layout_.beads) return "X";
     const std::string_view name = columns(record, 12, 4), residue = trimmed(columns(record, 17, 3));
     return layout_.names_at_left ? element_of_bare_name(name, residue)
                                  : element_of_aligned_name(name, residue);
@@ -204,6 +208,7 @@ ParsedFile parse_pdb(std::string_view text, const std::string& path) {
   file.assemblies = normaliser.take_assemblies();
   file.path = path;
   file.format = "pdb";
+  file.coarse_grained = normaliser.coarse_grained();
   return file;
 }
 

@@ -19,13 +19,24 @@ struct Named {
   El element;
 };
 
-// Ions whose residues are not called after the element.
-constexpr std::array kIons{
-    Named{"SOD", El::Na}, Named{"POT", El::K},  Named{"CAL", El::Ca}, Named{"CES", El::Cs},
-    Named{"LIT", El::Li}, Named{"RUB", El::Rb}, Named{"BAR", El::Ba}, Named{"CLA", El::Cl},
-    Named{"IOD", El::I},  Named{"YT", El::Y},   Named{"BS", El::Bi},  Named{"RHD", El::Rh},
-    Named{"ARS", El::As},
+// CHARMM's ions, whose atoms are called like their residues.
+constexpr std::array kCharmmIons{
+    Named{"SOD", El::Na}, Named{"POT", El::K},  Named{"CAL", El::Ca},
+    Named{"CES", El::Cs}, Named{"LIT", El::Li}, Named{"RUB", El::Rb},
+    Named{"BAR", El::Ba}, Named{"CLA", El::Cl}, Named{"IOD", El::I},
 };
+// Components of the PDB: the atom is called after the element, the residue otherwise.
+constexpr std::array kOddlyNamedIons{
+    Named{"IOD", El::I},  Named{"YT", El::Y},   Named{"BS", El::Bi},
+    Named{"RHD", El::Rh}, Named{"ARS", El::As},
+};
+
+template <class List>
+El find_named(const List& list, std::string_view name) {
+  const auto found =
+      std::find_if(list.begin(), list.end(), [name](const Named& n) { return n.name == name; });
+  return found == list.end() ? El::X : found->element;
+}
 
 // Without the digits in front ("3CO") and the charge behind ("ZN2", "NA+", CHARMM's "AL3P").
 std::string_view core(std::string_view name) {
@@ -45,16 +56,16 @@ El element_named(std::string_view symbol) {
   return found > El::Es ? El::X : found;
 }
 
-template <class List>
-bool holds(const List& list, std::string_view name) {
-  return std::find(list.begin(), list.end(), name) != list.end();
+template <class List, class Value>
+bool holds(const List& list, const Value& value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
 }
 
 constexpr std::array kAminoAcids{
-    "HID"sv,  "HIE"sv,  "HIP"sv,  "HSD"sv,  "HSE"sv,  "HSP"sv,  "HISA"sv, "HISB"sv, "HISD"sv,
-    "HISE"sv, "HISH"sv, "HIS1"sv, "HIS2"sv, "CYX"sv,  "CYM"sv,  "CYS2"sv, "CYSH"sv, "ASH"sv,
-    "ASPH"sv, "ASPP"sv, "GLH"sv,  "GLUH"sv, "GLUP"sv, "LYN"sv,  "LYP"sv,  "LYSH"sv, "LSN"sv,
-    "ARGN"sv, "HYP"sv,  "NLE"sv,  "ORN"sv,  "SEP"sv,  "TPO"sv,  "PTR"sv,
+    "HID"sv,  "HIE"sv,  "HIP"sv,  "HSD"sv,  "HSE"sv,  "HSP"sv, "HISA"sv, "HISB"sv, "HISD"sv,
+    "HISE"sv, "HISH"sv, "HIS1"sv, "HIS2"sv, "CYX"sv,  "CYM"sv, "CYS2"sv, "CYSH"sv, "ASH"sv,
+    "ASPH"sv, "ASPP"sv, "GLH"sv,  "GLUH"sv, "GLUP"sv, "LYN"sv, "LYP"sv,  "LYSH"sv, "LSN"sv,
+    "ARGN"sv, "HYP"sv,  "NLE"sv,  "ORN"sv,  "SEP"sv,  "TPO"sv, "PTR"sv,
 };
 constexpr std::array kNucleotides{"ADE"sv, "GUA"sv, "CYT"sv, "THY"sv, "URA"sv,
                                   "RA"sv,  "RC"sv,  "RG"sv,  "RU"sv};
@@ -70,45 +81,39 @@ bool is_nucleotide_of_the_pdb(std::string_view residue) {
   return info.is_nucleic_acid() && info.is_standard();
 }
 
-// AMBER's and GROMACS' ends of nucleic acids: "DA5", "RU3", "GN".
+// AMBER's and GROMACS' ends of nucleic acids: "DA5", "RU3", "GN"; but "IN" is indium.
 bool is_nucleotide(std::string_view residue) {
   if (is_nucleotide_of_the_pdb(residue) || holds(kNucleotides, residue)) return true;
   if (residue.size() < 2 || "53N"sv.find(residue.back()) == std::string_view::npos) return false;
   residue.remove_suffix(1);
+  if (residue == "I") return false;
   return is_nucleotide_of_the_pdb(residue) || holds(kNucleotides, residue);
 }
 
-struct Ligand {
-  std::string_view residue;
-  std::array<El, 2> metals;
-};
-
 // Components of the PDB with a metal whose symbol could be read as a lighter element with a letter
 // behind it (FE, CO, CA, NI, CU), or whose other names could be read as metals (NA of a porphyrin).
+struct Ligands {
+  std::array<El, 2> metals;
+  std::string_view residues;  // between blanks
+};
 constexpr std::array kLigands{
-    // Haems.
-    Ligand{"HEM", {El::Fe, El::X}}, Ligand{"HEC", {El::Fe, El::X}}, Ligand{"HEA", {El::Fe, El::X}},
-    Ligand{"HEB", {El::Fe, El::X}}, Ligand{"HAS", {El::Fe, El::X}}, Ligand{"HDD", {El::Fe, El::X}},
-    Ligand{"HDM", {El::Fe, El::X}}, Ligand{"HEO", {El::Fe, El::X}}, Ligand{"HES", {El::Fe, El::X}},
-    Ligand{"HEV", {El::Fe, El::X}}, Ligand{"DHE", {El::Fe, El::X}}, Ligand{"SRM", {El::Fe, El::X}},
-    Ligand{"HEME", {El::Fe, El::X}}, Ligand{"HEMO", {El::Fe, El::X}},
-    // Iron and sulphur.
-    Ligand{"FES", {El::Fe, El::X}}, Ligand{"SF4", {El::Fe, El::X}}, Ligand{"F3S", {El::Fe, El::X}},
-    Ligand{"FS4", {El::Fe, El::X}}, Ligand{"CFM", {El::Fe, El::Mo}}, Ligand{"CFN", {El::Fe, El::Mo}},
-    Ligand{"ICS", {El::Fe, El::Mo}}, Ligand{"CLF", {El::Fe, El::X}}, Ligand{"FCO", {El::Fe, El::Ni}},
-    Ligand{"NFU", {El::Ni, El::Fe}}, Ligand{"FEO", {El::Fe, El::X}},
-    // Chlorophylls, cobalamins, factor F430, copper sites, the oxygen-evolving complex.
-    Ligand{"CLA", {El::Mg, El::X}}, Ligand{"CHL", {El::Mg, El::X}}, Ligand{"BCL", {El::Mg, El::X}},
-    Ligand{"BCB", {El::Mg, El::X}}, Ligand{"B12", {El::Co, El::X}}, Ligand{"CNC", {El::Co, El::X}},
-    Ligand{"COB", {El::Co, El::X}}, Ligand{"COY", {El::Co, El::X}}, Ligand{"CBY", {El::Co, El::X}},
-    Ligand{"NCO", {El::Co, El::X}}, Ligand{"F43", {El::Ni, El::X}}, Ligand{"CUA", {El::Cu, El::X}},
-    Ligand{"CUB", {El::Cu, El::X}}, Ligand{"CUZ", {El::Cu, El::X}}, Ligand{"OEX", {El::Ca, El::Mn}},
-    Ligand{"OEY", {El::Ca, El::Mn}}, Ligand{"OEC", {El::Ca, El::Mn}},
+    Ligands{{El::Fe, El::X},
+            " HEM HEC HEA HEB HAS HDD HDM HEO HES HEV DHE SRM HEME HEMO "},  // haems
+    Ligands{{El::Fe, El::X}, " FES SF4 F3S FS4 CLF FEO "},  // clusters of iron and sulphur
+    Ligands{{El::Fe, El::Mo}, " CFM CFN ICS "},             // of nitrogenase
+    Ligands{{El::Fe, El::Ni}, " FCO NFU F43 "},             // of hydrogenases; factor F430
+    Ligands{{El::Mg, El::X}, " CLA CHL BCL BCB "},          // chlorophylls
+    Ligands{{El::Co, El::X}, " B12 CNC COB COY CBY NCO "},  // cobalamins, cobalt hexammine
+    Ligands{{El::Cu, El::X}, " CUA CUB CUZ "},
+    Ligands{{El::Ca, El::Mn}, " OEX OEY OEC "},  // of photosystem II
 };
 
-const Ligand* find_ligand(std::string_view residue) {
-  const auto found = std::find_if(kLigands.begin(), kLigands.end(),
-                                  [residue](const Ligand& l) { return l.residue == residue; });
+const Ligands* find_ligand(std::string_view residue) {
+  std::string between_blanks(" ");
+  between_blanks.append(residue).append(" ");
+  const auto found = std::find_if(kLigands.begin(), kLigands.end(), [&](const Ligands& listed) {
+    return listed.residues.find(between_blanks) != std::string_view::npos;
+  });
   return found == kLigands.end() ? nullptr : &*found;
 }
 
@@ -117,17 +122,18 @@ const Ligand* find_ligand(std::string_view residue) {
 El element_of_ion(std::string_view name, std::string_view residue) {
   const std::string_view atom = core(name), ion = core(residue);
   if (atom.empty() || ion.empty()) return El::X;
-  const auto alias =
-      std::find_if(kIons.begin(), kIons.end(), [ion](const Named& i) { return i.name == ion; });
-  if (alias != kIons.end())
-    return atom == ion || element_named(atom) == alias->element ? alias->element : El::X;
-  return atom == ion ? element_named(ion) : El::X;
+  const El odd = find_named(kOddlyNamedIons, ion);
+  if (odd != El::X && element_named(atom) == odd) return odd;
+  if (atom != ion) return El::X;
+  const El charmm = find_named(kCharmmIons, ion);
+  return charmm != El::X ? charmm : element_named(ion);
 }
 
 bool is_amino_acid(std::string_view residue) {
   if (is_amino_acid_of_the_pdb(residue) || holds(kAminoAcids, residue)) return true;
   const bool end = residue.size() == 4 && (residue[0] == 'N' || residue[0] == 'C');
-  return end && (is_amino_acid_of_the_pdb(residue.substr(1)) || holds(kAminoAcids, residue.substr(1)));
+  return end &&
+         (is_amino_acid_of_the_pdb(residue.substr(1)) || holds(kAminoAcids, residue.substr(1)));
 }
 
 bool is_standard_residue(std::string_view residue) {
@@ -135,7 +141,7 @@ bool is_standard_residue(std::string_view residue) {
 }
 
 El metal_of_ligand(std::string_view name, std::string_view residue) {
-  const Ligand* ligand = find_ligand(residue);
+  const Ligands* ligand = find_ligand(residue);
   const El element = ligand ? element_named(core(name)) : El::X;
   return element != El::X && holds(ligand->metals, element) ? element : El::X;
 }

@@ -52,6 +52,7 @@ class Builder {
         whole_number(row.serial).value_or(static_cast<std::int64_t>(file_.atoms.size()) + 1);
     record.hetero = row.hetero;
     record.radius = row.radius;
+    record.element_guessed = !row.name.empty();
     file_.atoms.push_back(record);
   }
 

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "structure/temp_file.hpp"
 
 namespace vdwmesh::testing {
@@ -53,6 +55,19 @@ TEST(MmCif, ColumnsThatMayBeMissing) {
   EXPECT_EQ(molecule.atoms.at(1).name, "CA");
 }
 
+// Chains by the author's names, elements by names of atoms and residues.
+TEST(MmCif, ChainsAndElementsMayBeToldFromOtherColumns) {
+  const Molecule molecule = read_text_as(
+      "a.cif",
+      "data_x\nloop_\n_atom_site.auth_atom_id\n_atom_site.auth_comp_id\n_atom_site.auth_asym_id\n"
+      "_atom_site.auth_seq_id\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n"
+      "CA GLY X 1 0 0 0\nCA CA Y 2 9 0 0\n");
+  ASSERT_EQ(molecule.atoms.size(), 2U);
+  EXPECT_EQ(molecule.atoms[0].chain + " " + molecule.atoms[0].element, "X C");
+  EXPECT_EQ(molecule.atoms[1].chain + " " + molecule.atoms[1].element, "Y Ca");
+  EXPECT_EQ(molecule.elements_guessed, 2U);
+}
+
 TEST(MmCif, BadCoordinateNamesItsRow) {
   for (const char* bad : {"?", "nan", "inf", "abc"})
     EXPECT_THAT(
@@ -87,7 +102,7 @@ TEST(MmCif, LackingTablesAndColumnsAreNamed) {
   EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif",
                                                "data_x\nloop_\n_atom_site.id\n"
                                                "_atom_site.Cartn_x\n1 0\n"),
-              HasSubstr("lacks the column type_symbol"));
+              HasSubstr("lacks the column label_asym_id"));
 }
 
 TEST(MmCif, ColumnsInTwoLoopsAreNotLost) {
@@ -136,6 +151,83 @@ TEST(SmallCif, FractionsArePlacedByTheCell) {
   EXPECT_EQ(molecule.atoms[1].element, "O");
   EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif", "data_x\n" + sites),
               HasSubstr("no unit cell"));
+}
+
+// Without _atom_site_type_symbol, the label tells: "Ca1" is calcium, "CA1" may as well be a carbon.
+TEST(SmallCif, ElementsMayBeToldFromLabels) {
+  const std::string cell =
+      "data_x\n_cell_length_a 10\n_cell_length_b 10\n_cell_length_c 10\n"
+      "_cell_angle_alpha 90\n_cell_angle_beta 90\n_cell_angle_gamma 90\n";
+  const std::string columns = "_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n";
+  const Molecule labelled = read_text_as(
+      "a.cif", cell + "loop_\n_atom_site_label\n" + columns +
+                   "Ca1 0 0 0\nHO1 .1 0 0\nC12 .2 0 0\nCL1 .3 0 0\nSi .4 0 0\nOW1 .5 0 0\n");
+  std::string elements;
+  for (const Atom& atom : labelled.atoms) elements += atom.element + " ";
+  EXPECT_EQ(elements, "Ca H C Cl Si O ");
+  EXPECT_EQ(labelled.elements_guessed, 6U);
+  const Molecule symbols =
+      read_text_as("a.cif", cell + "loop_\n_atom_site_label\n_atom_site_type_symbol\n" + columns +
+                                "X1 Ho3+ 0 0 0\nX2 c .1 0 0\nX3 O2- .2 0 0\n");
+  elements.clear();
+  for (const Atom& atom : symbols.atoms) elements += atom.element + " ";
+  EXPECT_EQ(elements, "Ho C O ");
+  EXPECT_EQ(symbols.elements_guessed, 0U);
+}
+
+// The metric tensor of the cell says every distance, whichever way the axes are laid: with
+// fractions f and g, d^2 = sum over i, j of (f - g)_i (f - g)_j (a_i . a_j).
+TEST(SmallCif, ObliqueCellsKeepTheirDistances) {
+  constexpr double kDegree = 3.14159265358979323846 / 180;
+  const double edges[3] = {5.1, 7.3, 9.7},
+               cosines[3] = {std::cos(81 * kDegree), std::cos(97.5 * kDegree),
+                             std::cos(112 * kDegree)};
+  const double fractions[4][3] = {{0, 0, 0}, {0.3, 0.1, 0.2}, {-0.25, 0.9, 0.4}, {0.7, -0.6, 1.1}};
+  std::string text =
+      "data_x\n_cell_length_a 5.1\n_cell_length_b 7.3\n_cell_length_c 9.7\n"
+      "_cell_angle_alpha 81\n_cell_angle_beta 97.5\n_cell_angle_gamma 112\n"
+      "loop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n";
+  for (const auto& f : fractions)
+    text += "C1 " + std::to_string(f[0]) + " " + std::to_string(f[1]) + " " + std::to_string(f[2]) +
+            "\n";
+  const Molecule molecule = read_text_as("a.cif", text);
+  ASSERT_EQ(molecule.atoms.size(), 4U);
+  constexpr double kRounding = 1e-12;  // Å; some tens of roundings of numbers below 20
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      double squared = 0;
+      for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = 0; b < 3; ++b)
+          squared += (fractions[i][a] - fractions[j][a]) * (fractions[i][b] - fractions[j][b]) *
+                     edges[a] * edges[b] * (a == b ? 1 : cosines[3 - a - b]);
+      EXPECT_NEAR(norm(molecule.atoms[i].position - molecule.atoms[j].position), std::sqrt(squared),
+                  kRounding);
+    }
+  EXPECT_EQ(molecule.atoms[0].position, (Vec3d{0, 0, 0}));
+}
+
+// Groups of disorder are alternate locations: that of the higher occupancy stays, with atoms that
+// belong to no group. Negative numbers are of atoms disordered about a symmetry element.
+TEST(SmallCif, GroupsOfDisorderAreAlternateLocations) {
+  const std::string text =
+      "data_x\n_cell_length_a 10\n_cell_length_b 10\n_cell_length_c 10\n"
+      "_cell_angle_alpha 90\n_cell_angle_beta 90\n_cell_angle_gamma 90\n"
+      "loop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n"
+      "_atom_site_occupancy\n_atom_site_disorder_group\n"
+      "C1 0 0 0 1 .\nC2 0.1 0 0 0.3 1\nC2 0.2 0 0 0.7 2\nC3 0.3 0 0 0.3 1\nC3 0.4 0 0 0.7 2\n";
+  const auto places = [](const Molecule& molecule) {
+    std::vector<double> x;
+    for (const Atom& atom : molecule.atoms) x.push_back(std::round(atom.position.x));
+    return x;
+  };
+  EXPECT_EQ(places(read_text_as("a.cif", text)), (std::vector<double>{0, 2, 4}));
+  EXPECT_EQ(read_text_as("a.cif", text).skipped, (SkippedAtoms{{"alternate_locations", 2}}));
+  ReadOptions options;
+  options.altloc = "1";
+  EXPECT_EQ(places(read_text_as("a.cif", text, options)), (std::vector<double>{0, 1, 3}));
+  const std::string symmetric = "C4 0.5 0 0 0.5 -1\n";
+  EXPECT_EQ(places(read_text_as("a.cif", text + symmetric, options)),
+            (std::vector<double>{0, 1, 3, 5}));
 }
 
 }  // namespace

@@ -52,8 +52,7 @@ TEST(Pqr, ElementsFollowFromNames) {
                                          "ATOM 5 NA NA+ 4 0 0 0 0 1\nATOM 6 FE HEM 5 0 0 0 0 1\n");
   std::string elements;
   for (const Atom& atom : molecule.atoms) elements += atom.element + " ";
-  EXPECT_EQ(elements,
-            "Ca C Cl H Na F ");  // iron in a haem cannot be told from fluorine; own radius
+  EXPECT_EQ(elements, "Ca C Cl H Na Fe ");
 }
 
 TEST(Pqr, WatersFollowTheWaterRule) {
