@@ -70,6 +70,7 @@ struct BlendedTest {
   ShapeParameters<float> shape;
   float isovalue;
   FieldBounds<float> bounds;
+  bool settled = false;  // as may hold surface, from some of the atoms
 
   __device__ explicit BlendedTest(const FieldContext& f)
       : shape(shape_parameters<float>(f.model)), isovalue(static_cast<float>(f.model.isovalue)) {}
@@ -81,10 +82,11 @@ struct BlendedTest {
     bounds.add<kind>(shape, s.number, to_middle, child.half,
                      subgrid_overlap(m, child.nodes, s.center));
   }
-  // Large blocks with enough of both sides in sight need no exact sums.
-  __device__ bool is_settled(const ChildBlock& child) const {
-    return child.nodes.level > 2 && __all_sync(kAllLanes, bounds.least == 0) &&
-           children_where(bounds.most >= isovalue) == kAllChildren;
+  // As in field_may_cross(): large blocks that the sums so far admit are split without more atoms.
+  __device__ bool is_settled(const ChildBlock& child) {
+    settled = child.nodes.level > 2 && __all_sync(kAllLanes, bounds.least == 0) &&
+              children_where(bounds.most >= isovalue) == kAllChildren;
+    return settled;
   }
   __device__ void join() {
     join(bounds.least);
@@ -96,11 +98,12 @@ struct BlendedTest {
       join(bounds.chord_slope[axis]);
     }
   }
+  // A settled test has met some atoms only, of which no bound from above follows.
   __device__ bool is_outside(const ChildBlock& child) const {
-    return bounds.upper(child.half) < isovalue;
+    return !settled && bounds.upper(child.half) < isovalue;
   }
   __device__ bool is_inside(const ChildBlock& child) const {
-    return bounds.lower(child.half) >= isovalue;
+    return !settled && bounds.lower(child.half) >= isovalue;
   }
 
  private:

@@ -189,6 +189,35 @@ __device__ void share_cells_beyond(const BrickList& list, const CaseTable& table
   }
 }
 
+// Counts the rows of cells along a face that the surface crosses although the brick beyond is not
+// in the list: by 48 threads, a face and a row each. Bricks that share an edge alone need no check
+// of their own, because the bricks at both sides of one have a face to it.
+__device__ void count_missing(const TriangleShared& s, int thread, unsigned long long* missing) {
+  const int face = thread / kBrickSide, v = thread % kBrickSide;
+  if (face >= 6 || s.near.place[neighbour_across(face)] != kNoBrick) return;
+  const int axis = face / 2, node = face % 2 * kBrickSide;
+  const auto& row = s.brick.signs.row;
+  const unsigned all = axis == 0 ? 1u : (1u << kBrickReach) - 1;
+  unsigned any = 0, every = all;
+  const auto add = [&](unsigned nodes) {
+    any |= nodes & all;
+    every &= nodes;
+  };
+  if (axis == 0) {
+    for (int y = 0; y < kBrickReach; ++y) {
+      add(row[v][y] >> node);
+      add(row[v + 1][y] >> node);
+    }
+  } else if (axis == 1) {
+    add(row[v][node]);
+    add(row[v + 1][node]);
+  } else {
+    add(row[node][v]);
+    add(row[node][v + 1]);
+  }
+  if (any != 0 && every != all) atomicAdd(missing, 1ull);
+}
+
 // The vertex on the edge that node (x, y, z), each at most 8, owns along the axis.
 __device__ std::uint32_t corner_number(const TriangleShared& s, unsigned x, unsigned y, unsigned z,
                                        unsigned axis) {
@@ -220,7 +249,8 @@ __device__ std::uint32_t number_across(const TriangleShared& s, const CaseTable&
 template <Connectivity connectivity>
 __global__ void __launch_bounds__(kTriangleThreads)
     emit_triangles(BrickList list, std::uint32_t first, const TriangleNeighbours* neighbours,
-                   const CaseTable* global_table, DeviceMeshView mesh) {
+                   const CaseTable* global_table, DeviceMeshView mesh,
+                   unsigned long long* missing) {
   __shared__ TriangleShared s;
   const CaseTable& table = *global_table;
   const std::uint32_t own = first + blockIdx.x;
@@ -235,8 +265,9 @@ __global__ void __launch_bounds__(kTriangleThreads)
   constexpr bool half_edges = connectivity == Connectivity::half_edges;
   if (thread < kOwnRows) {
     share_own_cells(table, s);
-  } else if constexpr (half_edges) {
-    share_cells_beyond(list, table, s, thread - kOwnRows);
+  } else {
+    count_missing(s, thread - kOwnRows, missing);
+    if constexpr (half_edges) share_cells_beyond(list, table, s, thread - kOwnRows);
   }
   share_vertex_rows(list, own, s);
   __syncthreads();
@@ -279,13 +310,13 @@ DeviceArray<TriangleNeighbours> find_triangle_neighbours(const KeyList& keys,
 void emit_triangles_on_device(const BrickList& bricks,
                               const DeviceArray<TriangleNeighbours>& neighbours,
                               const BrickRange& range, const DeviceMeshView& mesh,
-                              const Stream& stream) {
+                              DeviceEmissionTally* tally, const Stream& stream) {
   if (range.size() == 0) return;
   const auto kernel = mesh.opposite != nullptr ? emit_triangles<Connectivity::half_edges>
                                                : emit_triangles<Connectivity::triangles>;
   kernel<<<static_cast<unsigned>(range.size()), kTriangleThreads, 0, stream.get()>>>(
       bricks, static_cast<std::uint32_t>(range.begin), neighbours.data(), case_table_on_device(),
-      mesh);
+      mesh, &tally->missing_neighbours);
   check_launch("emit_triangles");
 }
 

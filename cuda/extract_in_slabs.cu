@@ -64,14 +64,16 @@ class SlabWorker {
   // Share `k` of `shares` of the bricks, by triangles.
   void emit(std::uint64_t k, std::uint64_t shares, IndexedMesh& host) {
     use_device(device_);
-    const DeviceArray<unsigned long long> clamped(1, stream_->get());
-    clear(clamped, stream_->get());
+    const DeviceArray<DeviceEmissionTally> tally(1, stream_->get());
+    clear(tally, stream_->get());
     neighbours_ = find_triangle_neighbours(candidates_, *stream_);
     for (const Slab& slab : slabs_of(k, shares)) {
-      emit_slab(slab, clamped.data(), host);
+      emit_slab(slab, tally.data(), host);
       ++slabs_;
     }
-    clamped_ = fetch(clamped.data(), *stream_);
+    const DeviceEmissionTally noticed = fetch(tally.data(), *stream_);
+    check_tally(noticed);
+    clamped_ = noticed.clamped;
   }
 
   std::uint64_t clamped() const { return clamped_; }
@@ -150,7 +152,7 @@ class SlabWorker {
     values_ = DeviceArray<float>(most * values_per_brick(), stream_->get());
   }
 
-  void emit_slab(const Slab& slab, unsigned long long* clamped, IndexedMesh& host) {
+  void emit_slab(const Slab& slab, DeviceEmissionTally* tally, IndexedMesh& host) {
     advance(options_.monitor, 0);
     if (!holds_field_ && values_per_brick() > 0) recount(slab.bricks);
     const BrickSums &from = slab.from, &to = slab.to;
@@ -163,8 +165,8 @@ class SlabWorker {
     part.first_vertex = from.vertices;
     part.first_triangle = from.triangles;
     emit_vertices_on_device(context(), part_of(counted_.list(), slab.bricks), totals().most_atoms,
-                            values_.data(), part, clamped, *stream_);
-    emit_triangles_on_device(counted_.list(), neighbours_, slab.bricks, part, *stream_);
+                            values_.data(), part, &tally->clamped, *stream_);
+    emit_triangles_on_device(counted_.list(), neighbours_, slab.bricks, part, tally, *stream_);
     std::vector<DownloadPart> parts = {
         {host.positions.data() + from.vertices, mesh.positions.data(), mesh.positions.bytes()},
         {host.vertex_spheres.atoms.data() + from.vertices, mesh.vertex_spheres.atoms.data(),

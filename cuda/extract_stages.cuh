@@ -73,6 +73,16 @@ struct BrickTotals {
   std::uint32_t most_atoms;
 };
 
+// What is noticed while vertices and triangles are made; begins as zeros.
+struct DeviceEmissionTally {
+  unsigned long long clamped;  // vertices
+  // Neighbours that the surface reaches and the list of bricks lacks: the mesh is wrong then.
+  unsigned long long missing_neighbours;
+};
+
+// Throws InternalError where a neighbour was missing.
+void check_tally(const DeviceEmissionTally& tally);
+
 // What counting leaves behind.
 struct CountedBricks {
   DeviceArray<ActiveBrick> bricks;
@@ -104,7 +114,7 @@ void emit_sampled_vertices_on_device(const SampledFieldView& field, const Counte
 
 // Places in the list of the neighbours that the triangles of a brick touch: the seven at an upper
 // side, at dx + 2 dy + 4 dz - 1, and the three across a lower face, at 7 + axis. kNoBrick where a
-// neighbour is not in the list and so holds no surface.
+// neighbour is not in the list.
 inline constexpr int kTriangleNeighbours = 10;
 inline constexpr std::uint32_t kNoBrick = ~std::uint32_t{0};
 struct TriangleNeighbours {
@@ -115,11 +125,12 @@ struct TriangleNeighbours {
 DeviceArray<TriangleNeighbours> find_triangle_neighbours(const KeyList& keys, const Stream& stream);
 
 // Corners of the triangles of the bricks of a range, at their numbers, and where `mesh` has room
-// for them the opposite half-edges; `bricks` and `neighbours` are those of the whole list.
+// for them the opposite half-edges; `bricks` and `neighbours` are those of the whole list. Adds the
+// neighbours that are missing to the tally.
 void emit_triangles_on_device(const BrickList& bricks,
                               const DeviceArray<TriangleNeighbours>& neighbours,
                               const BrickRange& range, const DeviceMeshView& mesh,
-                              const Stream& stream);
+                              DeviceEmissionTally* tally, const Stream& stream);
 
 // What an extraction keeps of every candidate brick beside the mesh and the field: its key, signs
 // and counts, two sums, neighbours.

@@ -28,6 +28,12 @@ struct Tally {
 
 }  // namespace
 
+void check_tally(const DeviceEmissionTally& tally) {
+  if (tally.missing_neighbours == 0) return;
+  throw InternalError("the surface leaves bricks for neighbours that the search left out, at " +
+                      std::to_string(tally.missing_neighbours) + " rows of cells");
+}
+
 CountedBricks count_and_scan(const KeyList& candidates, const CountKernel& count, StageMarks& marks,
                              const Stream& stream) {
   const std::uint64_t n = candidates.count;
@@ -73,21 +79,23 @@ void mesh_bricks_on_device(const KeyList& candidates, double spacing, const Bric
   check_mesh_limits({size, arrays, 0, spacing}, options.memory_limit);
   require_device_memory(indexed_mesh_bytes(size, arrays), "the mesh",
                         options.device_memory - fixed);
-  const DeviceArray<unsigned long long> clamped(1, stream.get());
-  clear(clamped, stream.get());
+  const DeviceArray<DeviceEmissionTally> tally(1, stream.get());
+  clear(tally, stream.get());
   result.mesh = DeviceMesh(size.vertices, size.triangles, stream.get(), width, options.normals,
                            options.connectivity);
-  kernels.emit_vertices(counted, result.mesh.view(), clamped.data());
+  kernels.emit_vertices(counted, result.mesh.view(), &tally.data()->clamped);
   marks.mark();
   emit_triangles_on_device(counted.list(), find_triangle_neighbours(candidates, stream),
-                           {0, candidates.count}, result.mesh.view(), stream);
+                           {0, candidates.count}, result.mesh.view(), tally.data(), stream);
   marks.mark();
   advance(options.monitor, 1);
 
   result.candidates = candidates.count;
   result.stats.grid_clipped = totals.clipped_cells;
   result.stats.surface_bricks = totals.surface_bricks;
-  result.stats.clamped_vertices = fetch(clamped.data(), stream);
+  const DeviceEmissionTally noticed = fetch(tally.data(), stream);
+  check_tally(noticed);
+  result.stats.clamped_vertices = noticed.clamped;
   result.timings = {marks.stage(0), marks.stage(1), marks.stage(2), marks.stage(3), marks.stage(4)};
   result.stats.field_seconds =
       (result.timings.search + result.timings.count + result.timings.scan) * 1e-3;

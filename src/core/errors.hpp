@@ -51,6 +51,11 @@ class DeviceMemoryExceeded : public LimitExceeded {
   using LimitExceeded::LimitExceeded;
 };
 
+// The program contradicts itself: no input should be able to cause it.
+class InternalError : public Error {
+  using Error::Error;
+};
+
 // The caller's Monitor asked to stop.
 class Cancelled : public Error {
   using Error::Error;

@@ -198,15 +198,18 @@ VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
   const ShapeParameters<double> shape = shape_parameters<double>(m);
   const BoxFrame<double> frame = box_frame<double>(box.lower, box.upper);
   FieldBounds<double> bounds;
-  visit_near_box(list, box.lower, box.upper, [&](std::uint32_t place) {
+  const bool settled = visit_near_box(list, box.lower, box.upper, [&](std::uint32_t place) {
     const Sphere& ball = list.spheres[place];
     const Vec3d from = frame.middle - ball.center;
     const double to_middle[3] = {from.x, from.y, from.z};
     bounds.add<kind>(shape, inverse_square_scale(m, ball.radius), to_middle, frame.half,
                      subgrid_overlap(m, block, ball.center));
-    // A block with enough of both sides in sight needs no exact sums.
+    // A large block most likely holds surface as soon as these sums admit it, and costs many atoms
+    // to know better: its children are asked instead.
     return block.level > 2 && bounds.most >= m.isovalue && bounds.least == 0;
   });
+  // The sums are then of some atoms only, and a bound from above that lacks an atom is none.
+  if (settled) return true;
   return bounds.upper(frame.half) >= m.isovalue &&
          (bounds.lower(frame.half) < m.isovalue || box.touches_border);
 }

@@ -67,6 +67,36 @@ VDWMESH_HD inline std::uint32_t mixed_cells(const BrickSigns& s, int y, int z) {
   return (any | any >> 1) & ~(all & all >> 1) & own;
 }
 
+// Faces of a brick whose 9 x 9 nodes are of both signs, a bit per axis: the surface crosses them,
+// so that the brick beyond holds surface too.
+struct CrossedFaces {
+  std::uint32_t lower, upper;
+};
+
+inline CrossedFaces crossed_faces(const BrickSigns& s) {
+  constexpr std::uint32_t all = (1u << kBrickReach) - 1;
+  struct Nodes {
+    std::uint32_t any = 0, every = all;
+    void add(std::uint32_t row) {
+      any |= row;
+      every &= row;
+    }
+    std::uint32_t mixed() const { return any & ~every; }
+  };
+  Nodes layer[kBrickReach], front, back, whole;  // z; y = 0 and 8; x by bit
+  for (int z = 0; z < kBrickReach; ++z) {
+    for (int y = 0; y < kBrickReach; ++y) layer[z].add(s.row[z][y]);
+    front.add(s.row[z][0]);
+    back.add(s.row[z][kBrickSide]);
+    whole.any |= layer[z].any;
+    whole.every &= layer[z].every;
+  }
+  const auto is_mixed = [](const Nodes& n) { return n.any != 0 && n.every != all ? 1u : 0u; };
+  const std::uint32_t x = whole.mixed();
+  return {(x & 1u) | is_mixed(front) << 1 | is_mixed(layer[0]) << 2,
+          (x >> kBrickSide & 1u) | is_mixed(back) << 1 | is_mixed(layer[kBrickSide]) << 2};
+}
+
 // Lattice: the grid's nodes and the virtual layer around them, lattice index = node + 1.
 VDWMESH_HD inline std::int64_t lattice_index(std::int32_t brick, int local) {
   return static_cast<std::int64_t>(brick) * kBrickSide + local;

@@ -1,10 +1,12 @@
 #include "extract/brick_extraction.hpp"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <chrono>
 
+#include "core/errors.hpp"
 #include "core/large_pages.hpp"
 #include "extract/limits.hpp"
 
@@ -82,6 +84,12 @@ Bases sum_up(const Active& bricks) {
 
 }  // namespace
 
+void throw_missing_neighbour(const BrickIndex& brick) {
+  throw InternalError(
+      fmt::format("the surface leaves brick ({}, {}, {}) for a neighbour that the search left out",
+                  brick.x, brick.y, brick.z));
+}
+
 ExtractResult mesh_bricks(const GridSpec& grid,
                           const std::function<std::vector<std::uint64_t>()>& candidates,
                           const BrickLoops& loops, LabelWidth width,
@@ -108,12 +116,17 @@ ExtractResult mesh_bricks(const GridSpec& grid,
   make_room(result.mesh, size, arrays);
   const BrickList numbered{bricks.data(), before.data(), bricks.size()};
   const Emission emission{numbered, result.mesh};
-  std::vector<std::uint64_t> clamped(task_count(bricks.size()));
+  std::vector<EmissionTally> tallies(task_count(bricks.size()));
   begin_stage(options.monitor, "extract", bricks.size());
   for_tasks(bricks.size(), options.monitor, [&](std::size_t task, std::size_t a, std::size_t b) {
-    clamped[task] = loops.emit(emission, a, b);
+    tallies[task] = loops.emit(emission, a, b);
   });
-  for (const std::uint64_t c : clamped) result.stats.clamped_vertices += c;
+  EmissionTally all_tasks;
+  for (const EmissionTally& tally : tallies) all_tasks.add(tally);
+  if (all_tasks.unmatched_faces != 0) {
+    throw InternalError("the surface leaves a brick for a neighbour that the search left out");
+  }
+  result.stats.clamped_vertices = all_tasks.clamped;
   result.stats.extract_seconds = seconds_since(start);
   return result;
 }

@@ -93,6 +93,19 @@ std::size_t count_bricks(Surface& surface, const GridSpec& grid,
   return static_cast<std::size_t>(out - first);
 }
 
+// What is noticed while vertices and triangles are made.
+struct EmissionTally {
+  std::uint64_t clamped = 0;  // vertices
+  // Lower faces of bricks that the surface crosses, less upper ones. Every upper one has the brick
+  // beyond it looked up, so that 0 in all says that every lower one has its brick as well.
+  std::int64_t unmatched_faces = 0;
+
+  void add(const EmissionTally& other) {
+    clamped += other.clamped;
+    unmatched_faces += other.unmatched_faces;
+  }
+};
+
 template <class Surface>
 std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, BrickEdges& edges) {
   const ActiveBrick& brick = e.bricks.bricks[b];
@@ -109,28 +122,31 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, 
   return clamped;
 }
 
-// Vertices and triangles of bricks [begin, end); returns how many vertices were clamped.
+// Vertices and triangles of bricks [begin, end).
 template <class Surface>
-std::uint64_t emit_bricks(const Emission& e, std::size_t begin, std::size_t end, Surface& surface) {
-  std::uint64_t clamped = 0;
+EmissionTally emit_bricks(const Emission& e, std::size_t begin, std::size_t end, Surface& surface) {
+  EmissionTally tally;
   BrickEdges edges;
   TriangleEmitter triangles(e);
   for (std::size_t b = begin; b < end; ++b) {
-    clamped += emit_vertices(e, b, surface, edges);
-    triangles.emit(b, edges.all());
+    tally.clamped += emit_vertices(e, b, surface, edges);
+    const CrossedFaces faces = crossed_faces(e.bricks.bricks[b].signs);
+    triangles.emit(b, edges.all(), faces);
+    tally.unmatched_faces += count_bits(faces.lower) - count_bits(faces.upper);
   }
-  return clamped;
+  return tally;
 }
 
 // The loops over one kind of surface, called from many threads.
 struct BrickLoops {
   // As count_bricks().
   std::function<std::size_t(std::span<const std::uint64_t> keys, ActiveBrick* out)> count;
-  std::function<std::uint64_t(const Emission&, std::size_t begin, std::size_t end)> emit;
+  std::function<EmissionTally(const Emission&, std::size_t begin, std::size_t end)> emit;
 };
 
 // Counts the candidates (keys, rising), numbers what they hold and emits it, on all cores; throws
-// LimitExceeded before it takes memory for the mesh. `candidates` gives the keys and its memory up;
+// LimitExceeded before it takes memory for the mesh, and InternalError where the surface runs on
+// from a candidate into a brick that is none. `candidates` gives the keys and its memory up;
 // `width` is that of the labels of vertices.
 ExtractResult mesh_bricks(const GridSpec& grid,
                           const std::function<std::vector<std::uint64_t>()>& candidates,

@@ -1,5 +1,5 @@
-// From counted bricks to numbers: which vertex a grid edge carries, which half-edges a cell has.
-// Host and device.
+// The bricks that hold surface as one list: what each holds, how much is before it, and where its
+// neighbours stand. Host and device.
 #pragma once
 
 #include <cstdint>
@@ -32,9 +32,8 @@ struct BrickList {
   std::uint64_t size;
 };
 
-// Place of the first brick whose key is not below `key`. Bounds are conservative, so a brick that
-// owns a vertex or a triangle is in the list.
-VDWMESH_HD inline std::uint64_t find_brick(const BrickList& list, std::uint64_t key) {
+// Place of the first brick whose key is not below `key`.
+VDWMESH_HD inline std::uint64_t first_not_below(const BrickList& list, std::uint64_t key) {
   std::uint64_t low = 0, high = list.size;
   while (low < high) {
     const std::uint64_t middle = low + (high - low) / 2;
@@ -53,10 +52,22 @@ VDWMESH_HD constexpr int neighbour_slot(int dx, int dy, int dz) {
   return (dz + 1) * 9 + (dy + 1) * 3 + dx + 1;
 }
 
-VDWMESH_HD inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, int slot) {
+// Throws InternalError: the surface leaves the brick for a neighbour that is not in the list.
+// Defined apart, so that loops into which everything is inlined do not take the message in too.
+[[noreturn]] void throw_missing_neighbour(const BrickIndex& brick);
+
+// The place of a neighbour that holds surface, because the brick with that key shares nodes of both
+// signs with it. The search keeps every brick with surface, so the neighbour is in the list; where
+// it is not, another brick in its place would make a wrong mesh without a word: throws
+// InternalError. Host only; the device has its own search, in emit_triangles.cu.
+inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, int slot) {
   const BrickIndex own = brick_of_key(key);
   const BrickIndex b{own.x + slot % 3 - 1, own.y + slot / 3 % 3 - 1, own.z + slot / 9 - 1};
-  return find_brick(list, brick_key(b));
+  const std::uint64_t place = first_not_below(list, brick_key(b));
+  if (place == list.size || list.bricks[place].key != brick_key(b)) {
+    throw_missing_neighbour(own);
+  }
+  return place;
 }
 
 // A node or cell of a brick or of one of its neighbours, as that brick numbers it.

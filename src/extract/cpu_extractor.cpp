@@ -28,7 +28,7 @@ std::size_t count(const Job& j, Keys keys, ActiveBrick* out) {
 }
 
 template <class Surface>
-std::uint64_t emit(const Job& j, const Emission& e, std::size_t begin, std::size_t end) {
+EmissionTally emit(const Job& j, const Emission& e, std::size_t begin, std::size_t end) {
   Surface surface(j.list, j.model);
   return emit_bricks(e, begin, end, surface);
 }
@@ -47,26 +47,26 @@ VDWMESH_MULTIVERSION std::size_t count_soft(const Job& j, Keys keys, ActiveBrick
 VDWMESH_MULTIVERSION std::size_t count_inverse(const Job& j, Keys keys, ActiveBrick* out) {
   return count<InverseSquared>(j, keys, out);
 }
-VDWMESH_MULTIVERSION std::uint64_t emit_vdw(const Job& j, const Emission& e, std::size_t a,
+VDWMESH_MULTIVERSION EmissionTally emit_vdw(const Job& j, const Emission& e, std::size_t a,
                                             std::size_t b) {
   return emit<UnionBrick>(j, e, a, b);
 }
-VDWMESH_MULTIVERSION std::uint64_t emit_blinn(const Job& j, const Emission& e, std::size_t a,
+VDWMESH_MULTIVERSION EmissionTally emit_blinn(const Job& j, const Emission& e, std::size_t a,
                                               std::size_t b) {
   return emit<Blinn>(j, e, a, b);
 }
-VDWMESH_MULTIVERSION std::uint64_t emit_soft(const Job& j, const Emission& e, std::size_t a,
+VDWMESH_MULTIVERSION EmissionTally emit_soft(const Job& j, const Emission& e, std::size_t a,
                                              std::size_t b) {
   return emit<SoftObject>(j, e, a, b);
 }
-VDWMESH_MULTIVERSION std::uint64_t emit_inverse(const Job& j, const Emission& e, std::size_t a,
+VDWMESH_MULTIVERSION EmissionTally emit_inverse(const Job& j, const Emission& e, std::size_t a,
                                                 std::size_t b) {
   return emit<InverseSquared>(j, e, a, b);
 }
 
 struct Kernels {
   std::size_t (*count)(const Job&, Keys, ActiveBrick*);
-  std::uint64_t (*emit)(const Job&, const Emission&, std::size_t, std::size_t);
+  EmissionTally (*emit)(const Job&, const Emission&, std::size_t, std::size_t);
 };
 
 Kernels kernels_of(FieldKind kind) {

@@ -123,7 +123,7 @@ VDWMESH_MULTIVERSION std::size_t count_sampled(const SampledFieldView& field, Ke
   return count_bricks(surface, field.grid, keys, out);
 }
 
-VDWMESH_MULTIVERSION std::uint64_t emit_sampled(const SampledFieldView& field, const Emission& e,
+VDWMESH_MULTIVERSION EmissionTally emit_sampled(const SampledFieldView& field, const Emission& e,
                                                 std::size_t begin, std::size_t end) {
   SampledBrick surface(field);
   return emit_bricks(e, begin, end, surface);

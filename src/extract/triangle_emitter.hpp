@@ -27,14 +27,16 @@ class TriangleEmitter {
   explicit TriangleEmitter(const Emission& e)
       : e_(e), table_(case_table()), corners_(corner_places()), opposites_(opposite_places()) {}
 
-  // Brick b, whose own vertices are on `edges`.
-  void emit(std::size_t b, std::span<const BrickEdge> edges) {
+  // Brick b, whose own vertices are on `edges`. Throws InternalError where the surface leaves it
+  // through one of `faces`, or along one of its edges, and there is no brick in the list.
+  void emit(std::size_t b, std::span<const BrickEdge> edges, const CrossedFaces& faces) {
     const ActiveBrick& brick = e_.bricks.bricks[b];
     const BrickSums& before = e_.bricks.before[b];
     Neighbourhood near(e_.bricks, b);
     cases_.set(brick.signs);
     vertices_.set(edges, before.vertices);
     vertices_.set_neighbours(e_.bricks, brick.signs, near);
+    find_beyond(faces, near);
     write_corners();
     std::memcpy(e_.mesh.triangles.data() + before.triangles, words_.data(),
                 brick.triangles * sizeof(Triangle));
@@ -67,6 +69,14 @@ class TriangleEmitter {
       for (std::uint32_t h = few; h < kCaseHalfEdges; ++h) words[h] = word(h);
     }
     return words + std::size_t{3} * table_.count(inside);
+  }
+
+  // Almost always a vertex was borrowed from there and the brick is known; it is not where one
+  // corner alone differs.
+  static void find_beyond(const CrossedFaces& faces, Neighbourhood& near) {
+    if ((faces.upper & 1u) != 0) near(neighbour_slot(1, 0, 0));
+    if ((faces.upper & 2u) != 0) near(neighbour_slot(0, 1, 0));
+    if ((faces.upper & 4u) != 0) near(neighbour_slot(0, 0, 1));
   }
 
   void write_corners() {
