@@ -17,7 +17,8 @@ packages=(
 for group in "$@"; do
   case $group in
     browser) packages+=(chromium chromium-driver python3-selenium python3-pil) ;;
-    witnesses) packages+=(python3-vtk9 assimp-utils admesh python3-gudhi voronota) ;;
+    witnesses)
+      packages+=(python3-vtk9 assimp-utils admesh python3-gudhi voronota python3-ase python3-biopython) ;;
     anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
     fuzz) packages+=(clang-19 libclang-rt-19-dev clang-tidy-19) ;;
     *) echo "install-deps: no group $group; there are browser, witnesses, fuzz and anchors" >&2; exit 1 ;;
