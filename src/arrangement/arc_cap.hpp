@@ -25,6 +25,28 @@ VDWMESH_HD inline double inner(const Vec3d& a, const Vec3d& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+// A smaller square of a distance may have lost digits to underflow.
+inline constexpr double kLeastSquare = 1e-280;
+
+// The cap of a ball whose centre is next to nothing away: of balls that are not equal the larger
+// buries the smaller, unless both are next to nothing.
+VDWMESH_HD inline CapKind make_near_cap(const Sphere& ball, const Sphere& other, Vec3d to,
+                                        Cap& cap) {
+  const double r = ball.radius;
+  if (to.x == 0 && to.y == 0 && to.z == 0) {
+    return other.radius > r ? CapKind::buries : CapKind::none;
+  }
+  constexpr double kScale = 0x1p600;
+  to = kScale * to;
+  const double distance = std::sqrt(inner(to, to));  // scaled
+  const double half_power = (r - other.radius) * (0.5 * (1 + other.radius / r));
+  cap.cosine = distance / kScale / (2 * r) + half_power * kScale / distance;
+  if (cap.cosine >= 1) return CapKind::none;
+  if (cap.cosine <= -1) return CapKind::buries;
+  cap.axis = (1 / distance) * to;
+  return CapKind::cuts;
+}
+
 // Concentric balls: the larger buries the smaller; equal ones are the caller's to order.
 VDWMESH_HD inline CapKind make_cap(const Sphere& ball, const Sphere& other, Cap& cap) {
   const Vec3d to = other.center - ball.center;
@@ -32,7 +54,7 @@ VDWMESH_HD inline CapKind make_cap(const Sphere& ball, const Sphere& other, Cap&
   const double r = ball.radius;
   const double sum = r + other.radius;
   if (squared >= sum * sum) return CapKind::none;
-  if (squared == 0) return other.radius > r ? CapKind::buries : CapKind::none;
+  if (squared < kLeastSquare) return make_near_cap(ball, other, to, cap);
   const double distance = std::sqrt(squared);
   // (r - R)(r + R) keeps the digits of nearly equal radii.
   const double power = squared + (r - other.radius) * sum;

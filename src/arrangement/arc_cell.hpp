@@ -21,6 +21,7 @@ enum Doubt : std::uint32_t {
   kOpenSurface = 64,    // the vector areas of patch and faces do not add up to zero
   kVanishing = 128,     // a plane all but took the last of the body, or only just did
   kVanished = 256,      // the same, within rounding
+  kNotFinite = 512,     // a cap or a measure is not a number of its range
 };
 
 enum EdgeEnd : std::uint8_t { kLowerEnd = 1, kUpperEnd = 2 };
@@ -66,6 +67,7 @@ struct ArcWorkspace {
   std::uint32_t face_capacity;
   CellEdge* edges;  // a convex body of n faces has less than 3 n
   std::uint32_t edge_capacity;
+  Cap* nudged;  // as many as there are caps
 };
 
 // Ties within this are decided for the older plane; some 50 roundings.

@@ -9,6 +9,11 @@ VDWMESH_HD inline int end_count(std::uint8_t ends) { return (ends & 1) + (ends >
 
 VDWMESH_HD inline void BallCell::cut(const Cap& cap) {
   if (empty_ || overflowed()) return;
+  // A nudge may bring a cosine just beyond 1. It is NaN wherever the axis is.
+  if (!(std::abs(cap.cosine) < 2)) {
+    doubts_ |= kNotFinite;
+    return;
+  }
   if (face_slots_ == space_.face_capacity) {
     doubts_ |= kOverflow;
     return;

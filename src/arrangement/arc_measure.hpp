@@ -132,7 +132,10 @@ VDWMESH_HD inline BallMeasures measure_cell(const BallCell& cell, const Cap* cap
   }
   if (!(kRounding * patch.worst <= kMaxError)) doubts |= kIllConditioned;
   if (!(inner(patch.open, patch.open) <= kMaxOpen * kMaxOpen)) doubts |= kOpenSurface;
-  return {area, (area + faces.pyramid) / 3, doubts};
+  const double volume = (area + faces.pyramid) / 3;
+  const double reach = 4 * kPi + kMaxError;
+  if (!(std::abs(area) <= reach && std::abs(volume) <= reach)) doubts |= kNotFinite;
+  return {area, volume, doubts};
 }
 
 }  // namespace vdwmesh::arcs

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "arrangement/arc_kernel.hpp"
+#include "arrangement/arc_sectors.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
 #include "extract/cell_list.hpp"
@@ -16,25 +16,14 @@ namespace {
 
 constexpr std::uint32_t kBlock = 256;  // spheres
 
+// Faces of a cell that the kernel handles in one piece: far more than the cell of an atom has, and
+// so few that their square does not matter.
+constexpr std::size_t kMostFaces = 512;
+
 // What one thread works in.
-class Workspace {
- public:
+struct Workspace {
   std::vector<arcs::Cap> caps;
-
-  arcs::ArcWorkspace for_caps(std::size_t count) {
-    if (faces_.size() < count) {
-      faces_.resize(2 * count);
-      active_.resize(2 * count);
-      edges_.resize(6 * count + 8);
-    }
-    return {faces_.data(), active_.data(), static_cast<std::uint32_t>(faces_.size()), edges_.data(),
-            static_cast<std::uint32_t>(edges_.size())};
-  }
-
- private:
-  std::vector<arcs::CellFace> faces_;
-  std::vector<std::uint32_t> active_;
-  std::vector<arcs::CellEdge> edges_;
+  arcs::CellSpace space;
 };
 
 bool same_ball(const Sphere& a, const Sphere& b) {
@@ -64,7 +53,8 @@ arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place,
   if (find_caps(list, place, work.caps) == Neighbours::bury) return {0, 0, 0};
   const auto count = static_cast<std::uint32_t>(work.caps.size());
   arcs::BallMeasures unit =
-      arcs::measure_ball(work.caps.data(), count, work.for_caps(work.caps.size()));
+      arcs::measure_ball(work.caps.data(), count, work.space.reserve(work.caps.size(), kMostFaces));
+  if (unit.doubts & arcs::kOverflow) unit = arcs::measure_by_sectors(work.caps);
   const double r = list.spheres[place].radius;
   unit.area *= r * r;
   unit.volume *= r * r * r;

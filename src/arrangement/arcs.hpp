@@ -1,4 +1,9 @@
-// The union of balls without a triangulation: each sphere by itself, from its neighbours.
+// The union of balls without a triangulation: each sphere by itself, from its neighbours. Its
+// exposed part is bounded by circular arcs, and the Gauss–Bonnet theorem gives its area from them
+// (Connolly 1983, "Analytical molecular surface calculation"; Richmond 1984, "Solvent accessible
+// surface area and excluded volume in proteins").
+//
+// Shares nothing with the triangulation and its formulas but the input, so it is their check.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +31,9 @@ struct ArcMeasures {
 
 // The same result, bit for bit, for any number of threads. Of exact duplicates the lowest index
 // owns area and volume; buried spheres have area 0. Memory beside the result: a cell list, and for
-// each thread a workspace that grows with the largest number of neighbours of one sphere.
+// each thread a workspace that grows with the largest number of neighbours of one sphere. The time
+// is n log n for a sphere of n neighbours, unless most of these overlap one another and the sphere
+// is exposed between hundreds of them all the same.
 // Throws InvalidInput for an empty set, Cancelled.
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor = nullptr);
 

@@ -1,6 +1,7 @@
 #include "arrangement/dual_complex.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "arrangement/power_predicates.hpp"
@@ -20,30 +21,38 @@ std::size_t slot_of(const std::array<std::uint32_t, 4>& cell, std::uint32_t vert
   return static_cast<std::size_t>(std::find(cell.begin(), cell.end(), vertex) - cell.begin());
 }
 
-// Edges by their two vertices: a chain of edges hangs on the lower one.
+// Edges by their two vertices. Buckets follow the vertices' order, so that edges near in space are
+// near in memory, and a vertex of thousands of edges has them in as many buckets.
 class EdgeTable {
  public:
-  explicit EdgeTable(std::size_t vertices) : first_(vertices, kNoIndex) {}
+  explicit EdgeTable(std::size_t vertices)
+      : first_(std::bit_ceil(kBucketsPerVertex * vertices), kNoIndex) {}
 
   std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
     if (a > b) std::swap(a, b);
-    std::uint32_t e = first_[a];
-    while (e != kNoIndex && links_[e].other != b) e = links_[e].next;
+    std::uint32_t e = first_[bucket(a, b)];
+    while (e != kNoIndex && (links_[e].lower != a || links_[e].upper != b)) e = links_[e].next;
     return e;
   }
   std::uint32_t add(std::uint32_t a, std::uint32_t b) {
     if (a > b) std::swap(a, b);
     const auto e = static_cast<std::uint32_t>(links_.size());
-    links_.push_back({b, first_[a]});
-    first_[a] = e;
+    std::uint32_t& first = first_[bucket(a, b)];
+    links_.push_back({a, b, first});
+    first = e;
     return e;
   }
 
  private:
+  static constexpr std::size_t kBucketsPerVertex = 8;
   struct Link {
-    std::uint32_t other, next;
+    std::uint32_t lower, upper, next;
   };
-  std::vector<std::uint32_t> first_;
+  std::size_t bucket(std::size_t a, std::size_t b) const {
+    return (8 * a + 5 * b) & (first_.size() - 1);
+  }
+
+  std::vector<std::uint32_t> first_;  // per bucket, a power of two of them
   std::vector<Link> links_;
 };
 
@@ -72,14 +81,14 @@ class Builder {
  private:
   // Pairs whose balls may meet: a floating-point sieve, wide enough never to lose one.
   std::uint8_t overlapping_pairs(const std::array<std::uint32_t, 4>& cell) const {
-    constexpr double kSlack = 1 + 0x1p-40;
+    constexpr double kSlack = 1 + 0x1p-40, kTiny = 1e-280;  // squares below it may be nothing
     std::uint8_t mask = 0;
     for (std::size_t p = 0; p < 6; ++p) {
       const std::uint32_t i = cell[kPairs[p][0]], j = cell[kPairs[p][1]];
       if (!t_.is_ball(i) || !t_.is_ball(j)) continue;
       const Sphere &a = t_.balls[i], &b = t_.balls[j];
       const double reach = a.radius + b.radius;
-      if (!(squared_norm(b.center - a.center) > kSlack * reach * reach)) {
+      if (!(squared_norm(b.center - a.center) > kSlack * reach * reach + kTiny)) {
         mask = static_cast<std::uint8_t>(mask | (1u << p));
       }
     }

@@ -133,19 +133,26 @@ ExactUnion union_by_both(const SphereSet& spheres, Monitor* monitor) {
   return result;
 }
 
+ExactUnion union_by(UnionMethod method, const SphereSet& spheres, Monitor* monitor) {
+  switch (method) {
+    case UnionMethod::cgal:
+      return union_by_triangulation(spheres, monitor);
+    case UnionMethod::arcs:
+      return union_by_arcs(spheres, monitor);
+    case UnionMethod::both:
+      return union_by_both(spheres, monitor);
+  }
+  throw InvalidInput("unknown method of the exact union");
+}
+
 }  // namespace
 
 ExactUnion exact_union(const SphereSet& spheres, const UnionOptions& options) {
   if (spheres.empty()) throw InvalidInput("the union of an empty set of spheres is not defined");
-  switch (options.method) {
-    case UnionMethod::cgal:
-      return union_by_triangulation(spheres, options.monitor);
-    case UnionMethod::arcs:
-      return union_by_arcs(spheres, options.monitor);
-    case UnionMethod::both:
-      return union_by_both(spheres, options.monitor);
-  }
-  throw InvalidInput("unknown method of the exact union");
+  ExactUnion result = union_by(options.method, spheres, options.monitor);
+  require_finite({{result.area, result.volume},
+                  {result.check_area.value_or(0), result.check_volume.value_or(0)}});
+  return result;
 }
 
 }  // namespace vdwmesh

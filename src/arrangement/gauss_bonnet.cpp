@@ -7,6 +7,7 @@
 #include "arrangement/exposed_arcs.hpp"
 #include "arrangement/measures.hpp"
 #include "arrangement/simplex_shape.hpp"
+#include "core/sum.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -17,13 +18,20 @@ constexpr double kPi = std::numbers::pi;
 // twice as many.
 constexpr double kSmallOnSphere = 1e-3;
 
+// Adds 2 π n, whose rounding to a double would be as large as n roundings.
+void add_multiple_of_two_pi(int n, WideSum& sum) {
+  constexpr double kTwoPi = 2 * kPi, kTwoPiRest = 2.4492935982947064e-16;  // 2 π - kTwoPi
+  sum.add(kTwoPi * n);
+  sum.add(std::fma(kTwoPi, n, -(kTwoPi * n)) + kTwoPiRest * n);
+}
+
 class PatchSum {
  public:
   PatchSum(const PowerTriangulation& triangulation, const DualComplex& complex)
       : t_(triangulation),
         k_(complex),
         euler_(t_.balls.size(), 2),
-        curvature_(t_.balls.size(), 0),
+        curvature_(t_.balls.size()),
         twice_face_(k_.edges.size(), 0) {}
 
   std::vector<SphereMeasures> run() && {
@@ -84,7 +92,8 @@ class PatchSum {
   }
 
   bool is_small(std::uint32_t e, double radius) const {
-    return edges_[e].squared_circle_radius < kSmallOnSphere * radius * radius;
+    return edges_[e].squared_circle_radius < kSmallOnSphere * radius * radius ||
+           edges_[e].length < kShortEdge;
   }
 
   // From the centre of edge e's circle to an end of a triangle's chord.
@@ -106,7 +115,7 @@ class PatchSum {
     }
     const int corners = f.exposed[0] + f.exposed[1];
     for (std::size_t k = 0; corners > 0 && k < 3; ++k) {
-      curvature_[f.vertices[k]] -= corners * turning_angle(f, k, chords_[i].determinant);
+      curvature_[f.vertices[k]].add(-corners * turning_angle(f, k, chords_[i].determinant));
     }
   }
 
@@ -141,7 +150,7 @@ class PatchSum {
     twice_face_[arc.edge] += shape.squared_circle_radius * angle;
     for (std::size_t k = 0; k < 2; ++k) {
       const std::uint32_t v = k_.edges[arc.edge].vertices[k];
-      curvature_[v] += angle * shape.height[k] / ball(v).radius;
+      curvature_[v].add(angle * shape.height[k] / ball(v).radius);
     }
   }
 
@@ -164,17 +173,22 @@ class PatchSum {
   }
 
   std::vector<SphereMeasures> sum() const {
+    std::vector<WideSum> pyramids(t_.balls.size());
+    for (std::size_t e = 0; e < k_.edges.size(); ++e) {
+      for (std::size_t k = 0; k < 2; ++k) {
+        pyramids[k_.edges[e].vertices[k]].add(edges_[e].height[k] * twice_face_[e] / 6);
+      }
+    }
     std::vector<SphereMeasures> out(t_.balls.size(), SphereMeasures{0, 0});
     for (std::size_t v = 0; v < out.size(); ++v) {
       if (!k_.in_complex[v]) continue;
       const double r = ball(static_cast<std::uint32_t>(v)).radius;
-      out[v].area = r * r * (2 * kPi * euler_[v] + curvature_[v]);
-      out[v].volume = r * out[v].area / 3;
-    }
-    for (std::size_t e = 0; e < k_.edges.size(); ++e) {
-      for (std::size_t k = 0; k < 2; ++k) {
-        out[k_.edges[e].vertices[k]].volume += edges_[e].height[k] * twice_face_[e] / 6;
-      }
+      // With n neighbours both terms are about n times their sum.
+      WideSum curvature = curvature_[v];
+      add_multiple_of_two_pi(euler_[v], curvature);
+      out[v].area = r * r * curvature.value();
+      pyramids[v].add(r * out[v].area / 3);
+      out[v].volume = pyramids[v].value();
     }
     return out;
   }
@@ -182,7 +196,7 @@ class PatchSum {
   const PowerTriangulation& t_;
   const DualComplex& k_;
   std::vector<int> euler_;          // per ball, of the exposed part of its sphere
-  std::vector<double> curvature_;   // per ball: arcs less turning angles
+  std::vector<WideSum> curvature_;  // per ball: arcs less turning angles
   std::vector<double> twice_face_;  // per edge: power face ∩ ball, twice its area
   std::vector<EdgeShape> edges_;
   Buffer<Vec3d> centers_;      // per cell of the complex, from its first ball
@@ -193,7 +207,9 @@ class PatchSum {
 
 std::vector<SphereMeasures> gauss_bonnet(const PowerTriangulation& triangulation,
                                          const DualComplex& complex) {
-  return PatchSum(triangulation, complex).run();
+  std::vector<SphereMeasures> measures = PatchSum(triangulation, complex).run();
+  require_finite(measures);
+  return measures;
 }
 
 }  // namespace vdwmesh

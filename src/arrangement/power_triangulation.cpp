@@ -5,8 +5,8 @@
 #include <CGAL/Spatial_sort_traits_adapter_3.h>
 #include <CGAL/Triangulation_ds_cell_base_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
-#include <CGAL/hilbert_sort.h>
 #include <CGAL/property_map.h>
+#include <CGAL/spatial_sort.h>
 
 #include <algorithm>
 #include <bit>
@@ -107,7 +107,10 @@ std::vector<SphereId> distinct_centers(const SphereSet& spheres) {
   return ids;
 }
 
-std::vector<SphereId> hilbert_order(const SphereSet& spheres) {
+// CGAL's spatial_sort: rounds, each along a Hilbert curve, with three quarters of the balls in the
+// last. Balls of a round that are near in space are so in memory. The order is not that of the
+// insertion, and the vertices of crease-exact meshes stand in it.
+std::vector<SphereId> spatial_order(const SphereSet& spheres) {
   const std::vector<SphereId> ids = distinct_centers(spheres);
   std::vector<Point> points;
   points.reserve(ids.size());
@@ -160,8 +163,9 @@ std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
   return points;
 }
 
-// Insertion in rounds, an eighth of the balls of a round in the one before it, each along the curve
-// (Amenta, Choi, Rote 2003: biased randomized insertion order). The choice depends on places alone.
+// Insertion in rounds of its own, an eighth of the balls of a round in the one before it, each in
+// spatial order (Amenta, Choi, Rote 2003: biased randomized insertion order). The choice depends on
+// places alone.
 std::vector<std::uint32_t> insertion_order(std::size_t count) {
   constexpr int kBitsPerRound = 3, kRounds = 6;
   std::array<std::vector<std::uint32_t>, kRounds> rounds;
@@ -237,7 +241,7 @@ void flatten(const Triangulation& triangulation, PowerTriangulation& out) {
 PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor) {
   PowerTriangulation out;
   if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
-  out.ids = hilbert_order(spheres);
+  out.ids = spatial_order(spheres);
   out.scale_exponent = scale_exponent(spheres);
   out.balls.reserve(out.ids.size());
   for (const SphereId id : out.ids) out.balls.push_back(scaled(spheres[id], out.scale_exponent));

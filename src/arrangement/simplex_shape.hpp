@@ -1,8 +1,10 @@
 // Lengths and angles of triangles and tetrahedra of ball centres, with their orthogonal centres.
 //
 // In double where the simplex is well shaped, else (thin triangles, flat tetrahedra: co-spherical,
-// coplanar and collinear input with jitter) from 100 decimal digits, so that no result depends on
-// how flat a simplex is.
+// coplanar and collinear input with jitter; centres so near that squares of their distance
+// underflow) from 100 decimal digits, so that no result depends on how flat or small a simplex is.
+//
+// Lengths are scaled: the largest radius is between 1/2 and 1.
 #pragma once
 
 #include <array>
@@ -11,6 +13,9 @@
 #include "extract/sphere_set.hpp"
 
 namespace vdwmesh {
+
+// Products of several edges shorter than this (scaled) may underflow.
+inline constexpr double kShortEdge = 0x1p-100;
 
 // An edge ab: the radical plane cuts it at right angles, and both spheres in one circle.
 struct EdgeShape {

@@ -1,4 +1,8 @@
 // Betti numbers of the union and the connected shells of its boundary, from the dual complex.
+//
+// Components are those of the complex's graph, voids the bounded components of its complement, and
+// tunnels follow from the Euler characteristic, as in space they must (Delfinado and Edelsbrunner
+// 1995, "An incremental algorithm for Betti numbers of simplicial complexes on the 3-sphere").
 #pragma once
 
 #include <vector>

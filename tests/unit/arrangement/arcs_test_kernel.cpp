@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -14,8 +15,9 @@ struct Space {
   std::vector<CellFace> faces = std::vector<CellFace>(32);
   std::vector<std::uint32_t> active = std::vector<std::uint32_t>(32);
   std::vector<CellEdge> edges = std::vector<CellEdge>(96);
+  std::vector<Cap> nudged = std::vector<Cap>(32);
   ArcWorkspace workspace(std::uint32_t face_capacity = 32, std::uint32_t edge_capacity = 96) {
-    return {faces.data(), active.data(), face_capacity, edges.data(), edge_capacity};
+    return {faces.data(), active.data(), face_capacity, edges.data(), edge_capacity, nudged.data()};
   }
 };
 
@@ -99,10 +101,57 @@ TEST(ArcKernel, AThirdCircleIsDoubtedOnlyWhereItIsClose) {
   }
 }
 
+// The second cap covers half of the first one's circle, the third the other half but for two arcs.
+TEST(ArcKernel, ArcsThatAllButVanishAreDoubted) {
+  const double s = std::sqrt(0.75);
+  const auto doubts = [&](double arc) {
+    return measure({cap(0, 0, 1, 0.5), cap(1, 0, 0, 0),
+                    cap(-1, 0, 1, (s * arc + 0.5) / std::sqrt(2.0))})
+        .doubts;
+  };
+  EXPECT_EQ(doubts(1e-5), 0u);
+  EXPECT_TRUE(doubts(1e-10) & kTinyArc);
+}
+
 TEST(ArcKernel, PlanesThatAllButCoincideAreDoubted) {
   EXPECT_EQ(measure({cap(1, 2, 3, 0.5), cap(1, 2, 3, 0.5)}).doubts, 0u);  // equal: one plane
   EXPECT_NE(measure({cap(1, 2, 3, 0.5), cap(1, 2, 3 + 1e-10, 0.5)}).doubts, 0u);
   EXPECT_NE(measure({cap(1, 2, 3, 0.5), cap(-1, -2, -3, -0.5 + 1e-10)}).doubts, 0u);
+}
+
+TEST(ArcKernel, WhatIsNotANumberIsDoubted) {
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  const Cap good = cap(1, 2, 3, 0.5);
+  for (const Cap& bad : {Cap{{1, 0, 0}, nan}, Cap{{nan, 0, 0}, nan}, Cap{{1, 0, 0}, infinity}}) {
+    EXPECT_TRUE(measure({bad}).doubts & kNotFinite);
+    EXPECT_NE(measure({good, bad}).doubts, 0u);
+    EXPECT_NE(measure({bad, good}).doubts, 0u);
+  }
+}
+
+// Each attempt moves the planes from where they are, not from where the last one left them.
+TEST(ArcKernel, NudgesStayWithinTheirBound) {
+  constexpr double kRounding = 1e-16;
+  const std::vector<Cap> caps(16, cap(1, 2, 3, 0.5));
+  std::vector<Cap> nudged = caps;
+  for (std::uint64_t attempt = 0; attempt < kNudges; ++attempt) {
+    nudge_caps(caps.data(), 16, attempt, nudged.data());
+    for (const Cap& moved : nudged) {
+      EXPECT_LE(std::abs(moved.cosine - 0.5), kNudge + kRounding) << attempt;
+    }
+  }
+}
+
+// Balls nearer to each other than any square of a double can say.
+TEST(ArcKernel, CapsOfCentresNextToNothingApart) {
+  for (const double apart : {1e-100, 1e-139, 1e-141, 1e-160, 1e-170, 1e-300, 5e-324}) {
+    Cap found{};
+    ASSERT_EQ(make_cap({{0, 0, 0}, 1}, {{0, apart, 0}, 1}, found), CapKind::cuts) << apart;
+    EXPECT_NEAR(norm(found.axis - Vec3d{0, 1, 0}), 0, 1e-15);
+    EXPECT_NEAR(found.cosine, apart / 2, 1e-15 * apart);
+    EXPECT_EQ(make_cap({{0, 0, 0}, 1}, {{0, apart, 0}, 1.5}, found), CapKind::buries) << apart;
+    EXPECT_EQ(make_cap({{0, 0, 0}, 1.5}, {{0, apart, 0}, 1}, found), CapKind::none) << apart;
+  }
 }
 
 TEST(ArcKernel, SmallWorkspaceIsReportedNotOverrun) {

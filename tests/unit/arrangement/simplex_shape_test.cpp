@@ -67,5 +67,50 @@ TEST(SimplexShape, ThinTriangleKeepsItsChord) {
   EXPECT_NEAR(t.half_chord * t.half_chord + t.distance[2] * t.distance[2], 1, kRounding);
 }
 
+// The shapes of simplices far smaller than the spheres are those of their angles alone.
+TEST(SimplexShape, NothingUnderflows) {
+  for (const double size : {1e-20, 1e-40, 1e-100, 1e-170, 1e-300}) {
+    SCOPED_TRACE(size);
+    const double h = kHeight * size;
+    const Sphere a{{0, 0, 0}, 1}, b{{size, 0, 0}, 1}, c{{size / 2, h, 0}, 1},
+        d{{size / 2, h / 3, kApex * size}, 1};
+    const EdgeShape e = edge_shape(a, b);
+    EXPECT_NEAR(e.length / size, 1, kRounding);
+    EXPECT_NEAR(e.height[0] / size, 0.5, kRounding);
+    EXPECT_NEAR(e.squared_circle_radius, 1, kRounding);
+    const TriangleShape t = triangle_shape(a, b, c);
+    EXPECT_NEAR(t.half_chord, 1, kRounding);
+    for (const double distance : t.distance) EXPECT_NEAR(distance / h, 1.0 / 3, kRounding);
+    const CommonPoints points = common_points(a, b, c);
+    EXPECT_NEAR(points.above.z, 1, kRounding);
+    EXPECT_NEAR(points.below.z, -1, kRounding);
+    // A needle over the triangle: right angles at the base, which leave its own angles.
+    const CornerShape corner = corner_shape(a, b, c, t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(corner.dihedral[k], std::numbers::pi / 2, kRounding);
+      EXPECT_NEAR(corner.solid_angle[k], std::numbers::pi / 3, kRounding);
+    }
+    const TetrahedronShape tetrahedron = tetrahedron_shape({a, b, c, d});
+    for (const double angle : tetrahedron.dihedral) EXPECT_NEAR(angle, kDihedral, kRounding);
+    for (const double angle : tetrahedron.solid_angle) EXPECT_NEAR(angle, kSolid, kRounding);
+    for (const double height : tetrahedron.center_height) {
+      EXPECT_NEAR(height / size, kApex / 4, kRounding);
+    }
+    const Vec3d center = orthogonal_center({a, b, c, d});
+    EXPECT_NEAR(center.z / size, kApex / 4, kRounding);
+  }
+}
+
+// Two balls on opposite sides of a third but for 2⁻²⁵⁰, all through a point at right angles: on the
+// middle one they and that point span half a hemisphere. Its tangent is the quotient of a product
+// as small as that and a difference as small as its square, of numbers of size 1.
+TEST(SimplexShape, RootsHaveAllHundredDigits) {
+  const double lift = 0x1p-250;
+  const Sphere a{{0, 0, 0}, 1}, b{{0.75, 0, 0}, 1.25}, c{{-0.75, lift, 0}, 1.25};
+  const TriangleShape t = triangle_shape(a, b, c);
+  EXPECT_NEAR(t.half_chord, 1, kRounding);
+  EXPECT_NEAR(corner_shape(a, b, c, t).solid_angle[0], std::numbers::pi, kRounding);
+}
+
 }  // namespace
 }  // namespace vdwmesh

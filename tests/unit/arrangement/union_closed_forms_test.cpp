@@ -62,6 +62,33 @@ TEST(UnionClosedForms, TwoBalls) {
   }
 }
 
+// Equal balls nearer to one another than the square root of the least double, and two that cut
+// them: to rounding, one ball and two lenses.
+TEST(UnionClosedForms, CentresNextToNothingApart) {
+  const auto one = reference::ball(1), lens = reference::two_balls(1, 0.5, 1.2);
+  for (const double apart : {1e-20, 1e-32, 1e-100, 1e-150, 1e-170, 1e-300}) {
+    SCOPED_TRACE(apart);
+    const Sphere left{{-1.2, 0, 0}, 0.5}, up{{0, 1.2, 0}, 0.5};
+    std::vector<Sphere> balls{{{0, 0, 0}, 1}, {{apart, 0, 0}, 1}};
+    expect_measures(unite(balls), one.area, one.volume);
+    expect_measures(unite(balls, UnionMethod::both), one.area, one.volume);
+    balls.insert(balls.end(), {left, up});
+    expect_measures(unite(balls), 2 * lens.area - one.area, 2 * lens.volume - one.volume);
+    expect_measures(unite(balls, UnionMethod::both), 2 * lens.area - one.area,
+                    2 * lens.volume - one.volume);
+    balls.insert(balls.end(), {{{0, apart, 0}, 1}, {{0, 0, -apart}, 1}});
+    const ExactUnion u = unite(balls);
+    expect_measures(u, 2 * lens.area - one.area, 2 * lens.volume - one.volume);
+    expect_betti(u, 1, 0, 0);
+  }
+}
+
+TEST(UnionClosedForms, MeasuresThatNoDoubleHoldsAreRefused) {
+  for (const auto method : {UnionMethod::cgal, UnionMethod::arcs, UnionMethod::both}) {
+    EXPECT_THROW(unite({{{0, 0, 0}, 1e200}}, method), InvalidInput);
+  }
+}
+
 TEST(UnionClosedForms, BallsWithoutExposedAreaHaveNone) {
   // Inside touching from within, inside apart, concentric, and a duplicate: the first owns.
   const ExactUnion u = unite(
@@ -173,6 +200,28 @@ TEST(UnionClosedForms, CageOfC60) {
   const double cage = std::sqrt(squared_norm(buckminsterfullerene(1.42, 1.7)[0].center));
   const double r = cage - 1.7;
   EXPECT_GT(-inner.volume, 4 * kPi / 3 * r * r * r);
+}
+
+// Outer surfaces come first and voids last, each with the larger before the smaller, wherever they
+// lie.
+TEST(UnionClosedForms, ShellsOfCagesByFallingVolume) {
+  for (const double side : {-20.0, 20.0}) {
+    std::vector<Sphere> balls = buckminsterfullerene(1.42, 1.7);
+    const ExactUnion small = unite(balls), large = unite(buckminsterfullerene(1.6, 1.7));
+    for (Sphere s : buckminsterfullerene(1.6, 1.7)) {
+      s.center.x += side;
+      balls.push_back(s);
+    }
+    const ExactUnion u = unite(balls);
+    const std::vector<Shell>& shells = u.topology->shells;
+    ASSERT_EQ(shells.size(), 4u);
+    constexpr double kMoved = 1e-12;  // relative: coordinates are rounded by the shift
+    EXPECT_RELATIVE(shells[0].volume, large.topology->shells[0].volume, kMoved);
+    EXPECT_RELATIVE(shells[1].volume, small.topology->shells[0].volume, kMoved);
+    EXPECT_RELATIVE(shells[2].volume, large.topology->shells[1].volume, kMoved);
+    EXPECT_RELATIVE(shells[3].volume, small.topology->shells[1].volume, kMoved);
+    EXPECT_GT(-shells[2].volume, -shells[3].volume);
+  }
 }
 
 TEST(UnionClosedForms, IslandInAVoid) {
