@@ -55,6 +55,23 @@ inline std::vector<Sphere> reference_balls(const std::string& set, double probe)
   return balls;
 }
 
+// The rows of the sets that are wanted. A table that is empty or cut short, or a number in it that
+// is not finite, fails.
+template <class Wanted>
+std::vector<ReferenceRow> wanted_rows(std::size_t expected, Wanted wanted) {
+  std::vector<ReferenceRow> rows;
+  for (const ReferenceRow& row : reference_rows()) {
+    if (wanted(row.set)) rows.push_back(row);
+  }
+  EXPECT_EQ(rows.size(), expected);
+  for (const ReferenceRow& row : rows) {
+    EXPECT_TRUE(std::isfinite(row.area) && std::isfinite(row.volume)) << row.set;
+    EXPECT_GT(row.area, 0) << row.set;
+    EXPECT_GT(row.volume, 0) << row.set;
+  }
+  return rows;
+}
+
 // Relative: twelve digits are published; issue 3 asks for 1e-10.
 inline constexpr double kPublished = 1e-10;
 // Relative: of the second formula set, and of the sum over the spheres.

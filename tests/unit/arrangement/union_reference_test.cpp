@@ -6,8 +6,10 @@ namespace {
 
 TEST(UnionReference, AllSetsButTheRibosome) {
   VDWMESH_NEEDS_SHARED("reference/union_of_balls.csv");
-  for (const auto& row : testing::reference_rows()) {
-    if (row.set != "6ZU5") testing::expect_row(row);
+  constexpr std::size_t kRows = 48;  // 24 sets with two probes
+  for (const auto& row :
+       testing::wanted_rows(kRows, [](const std::string& set) { return set != "6ZU5"; })) {
+    testing::expect_row(row);
   }
 }
 
