@@ -9,6 +9,7 @@
 #include "contract/refiner_contract.hpp"
 #include "reference/closed_forms.hpp"
 #include "support/crease_meshes.hpp"
+#include "support/worst.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -54,10 +55,10 @@ void expect_on_boundary(const SphereSet& spheres, const IndexedMesh& mesh) {
   };
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     for (const SphereId id : mesh.vertex_spheres[v]) {
-      if (id != kNoSphere) off = std::max(off, std::abs(gap(id, mesh.positions[v])));
+      if (id != kNoSphere) off = worst(off, std::abs(gap(id, mesh.positions[v])));
     }
     for (SphereId id = 0; id < spheres.size(); ++id) {
-      depth = std::max(depth, -gap(id, mesh.positions[v]));
+      depth = worst(depth, -gap(id, mesh.positions[v]));
     }
   }
   EXPECT_LE(off, kOnSphere);

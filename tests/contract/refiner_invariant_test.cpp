@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "contract/refiner_contract.hpp"
+#include "support/worst.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -189,8 +190,8 @@ TEST_P(RefinerDeterminism, BackendsAgree) {
     ASSERT_EQ(device.vertex_count(), cpu.vertex_count());
     double positions = 0, normals = 0;
     for (std::size_t v = 0; v < cpu.vertex_count(); ++v) {
-      positions = std::max(positions, norm(device.positions[v] - cpu.positions[v]));
-      normals = std::max(normals, static_cast<double>(norm(device.normals[v] - cpu.normals[v])));
+      positions = worst(positions, norm(device.positions[v] - cpu.positions[v]));
+      normals = worst(normals, static_cast<double>(norm(device.normals[v] - cpu.normals[v])));
     }
     RecordProperty("largest_position_difference", std::to_string(positions));
     EXPECT_LE(positions, kParityLimit);

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <sstream>
 
+#include "support/worst.hpp"
+
 namespace vdwmesh::testing {
 namespace {
 
@@ -27,7 +29,7 @@ class NearBalls {
     for (int n = 0; n < 27; ++n) {
       const auto cube = cubes_.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
       if (cube == cubes_.end()) continue;
-      for (const SphereId i : cube->second) deepest = std::max(deepest, -gap(spheres_[i], p));
+      for (const SphereId i : cube->second) deepest = worst(deepest, -gap(spheres_[i], p));
     }
     return deepest;
   }
@@ -97,11 +99,11 @@ void survey_vertices(const SphereSet& spheres, const IndexedMesh& mesh, const Ar
     }
     for (const SphereId id : label) {
       if (id == kNoSphere) continue;
-      survey.off_sphere = std::max(survey.off_sphere, std::abs(gap(spheres[id], p)));
+      survey.off_sphere = worst(survey.off_sphere, std::abs(gap(spheres[id], p)));
     }
     survey.crowded_vertices += around.crowded[v] ? 1 : 0;
     if (!around.crowded[v] && label != around.spheres[v]) ++survey.strange_labels;
-    survey.depth = std::max(survey.depth, near.depth(p));
+    survey.depth = worst(survey.depth, near.depth(p));
   }
 }
 
@@ -113,7 +115,7 @@ void survey_triangles(const SphereSet& spheres, const IndexedMesh& mesh, CreaseS
     const Vec3d out = (1.0 / 3) * ((a - s.center) + (b - s.center) + (c - s.center));
     if (!(dot(cross(b - a, c - a), out) > 0)) ++survey.inward;
     for (const Vec3d& p : {a, b, c}) {
-      survey.off_sphere = std::max(survey.off_sphere, std::abs(gap(s, p)));
+      survey.off_sphere = worst(survey.off_sphere, std::abs(gap(s, p)));
     }
   }
 }

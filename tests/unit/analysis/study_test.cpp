@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTolerance = 1e-9;  // of orders and of extrapolated values near 1
 
-// Area 1 - h, volume 1 + h² / 10, rms distance h / 2, triangles 1000 / h².
+// Area 1 - h, volume 1 + h² / 10, rms distances h³ and h, triangles 1000 / h².
 StudyRun run_at(double h, const StudyKey& key) {
   StudyRun run;
   run.setting = {key, h};
@@ -21,7 +21,7 @@ StudyRun run_at(double h, const StudyKey& key) {
   run.comparison.area_relative_error = -h;
   run.comparison.volume_relative_error = h * h / 10;
   run.comparison.distances.emplace();
-  run.comparison.distances->mesh_to_surface.rms = h / 2;
+  run.comparison.distances->mesh_to_surface.rms = h * h * h;
   run.comparison.distances->surface_to_mesh.rms = h;
   run.comparison.distances->hausdorff_lower_bound = std::sqrt(h);
   return run;
@@ -45,7 +45,8 @@ TEST(StudySeries, RunsThatDifferInResolutionAlone) {
   for (const StudySeries& s : series) {
     EXPECT_NEAR(s.by_resolution.area_error.value().order, 1, kTolerance);
     EXPECT_NEAR(s.by_resolution.volume_error.value().order, 2, kTolerance);
-    EXPECT_NEAR(s.by_resolution.mesh_to_surface_rms.value().order, 1, kTolerance);
+    EXPECT_NEAR(s.by_resolution.mesh_to_surface_rms.value().order, 3, kTolerance);
+    EXPECT_NEAR(s.by_resolution.surface_to_mesh_rms.value().order, 1, kTolerance);
     EXPECT_NEAR(s.by_resolution.hausdorff.value().order, 0.5, kTolerance);
     EXPECT_NEAR(s.by_triangles.area_error.value().order, -0.5, kTolerance);
     EXPECT_NEAR(s.by_triangles.volume_error.value().order, -1, kTolerance);

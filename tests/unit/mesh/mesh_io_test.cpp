@@ -154,6 +154,48 @@ TEST(MeshIo, GlbKeepsFloatsAboutItsOffset) {
   EXPECT_EQ(back.mesh.normals, mesh.normals);
 }
 
+// The file with its JSON replaced, in chunks of whole words (glTF 2.0, 4.4).
+std::string with_json(const std::string& glb, const nlohmann::json& json) {
+  std::uint32_t old_size;
+  std::memcpy(&old_size, glb.data() + 12, sizeof old_size);
+  std::string text = json.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  std::string bytes = glb.substr(0, 20) + text + glb.substr(20 + old_size);
+  const auto json_size = static_cast<std::uint32_t>(text.size());
+  const auto all = static_cast<std::uint32_t>(bytes.size());
+  std::memcpy(bytes.data() + 8, &all, sizeof all);
+  std::memcpy(bytes.data() + 12, &json_size, sizeof json_size);
+  return bytes;
+}
+
+// A node's matrix stands in the file column by column (glTF 2.0, 5.25.3), and applies before that
+// of its parent. Small whole numbers: no rounding.
+TEST(MeshIo, GlbNodesMoveTheirMeshes) {
+  const IndexedMesh mesh = testing::cube();
+  const std::string glb = encode_mesh(to_surface_mesh(mesh), MeshFormat::glb).bytes;
+  std::uint32_t json_size;
+  std::memcpy(&json_size, glb.data() + 12, sizeof json_size);
+  auto json = nlohmann::json::parse(glb.substr(20, json_size));
+  // x' = 2 x - 3 y + 10, y' = x + z + 20, z' = 4 z - y + 30; then doubled, and moved along x. The
+  // writer's own offset, by the middle of the box, does not matter.
+  json["nodes"] = {
+      {{"translation", {5, 0, 0}}, {"scale", {2, 2, 2}}, {"children", {1}}},
+      {{"mesh", 0}, {"matrix", {2, 1, 0, 0, -3, 0, -1, 0, 0, 1, 4, 0, 10, 20, 30, 1}}}};
+  json["scenes"] = {{{"nodes", {0}}}};
+  json["scene"] = 0;
+  const MeshFile moved = decode_mesh(with_json(glb, json), MeshFormat::glb);
+  ASSERT_EQ(moved.mesh.vertex_count(), mesh.vertex_count());
+  std::vector<float> stored(3 * mesh.vertex_count());
+  std::memcpy(stored.data(), glb.data() + 20 + json_size + 8, stored.size() * sizeof(float));
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const double x = stored[3 * v], y = stored[3 * v + 1], z = stored[3 * v + 2];
+    const Vec3d expected{2 * (2 * x - 3 * y + 10) + 5, 2 * (x + z + 20), 2 * (4 * z - y + 30)};
+    EXPECT_EQ(moved.mesh.positions[v], expected);
+  }
+  // Its determinant is 2 (0·4 + 1) + 3 (1·4 - 0) > 0: no mirror.
+  EXPECT_EQ(moved.mesh.triangles, mesh.triangles);
+}
+
 // The least and the greatest of the floats as stored, bit for bit, as glTF wants them.
 TEST(MeshIo, GlbNamesTheBoundsOfItsFloats) {
   const IndexedMesh mesh = testing::translated(labelled_mesh(), {7, -13, 0.1});

@@ -130,12 +130,23 @@ TEST(SurfaceMesh, KeepsTheSpheresOfFacesWhereThereAreAny) {
   EXPECT_THROW(to_surface_mesh(source), InvalidInput);
 }
 
+constexpr float kRounding = 1e-6f;  // of unit float vectors
+
 TEST(SurfaceMesh, TakesNormalsFromTrianglesWhereNoneAreGiven) {
   const SurfaceMesh mesh = to_surface_mesh(testing::octahedron());
-  constexpr float kRounding = 1e-6f;  // of unit float vectors
   for (const auto v : mesh.vertices())
     for (unsigned axis = 0; axis < 3; ++axis)
       EXPECT_NEAR(mesh.normal(v)[axis], static_cast<float>(mesh.point(v)[axis]), kRounding);
+}
+
+// Triangles count by their area. Around the right-angled corner of a tetrahedron with legs 1, 2, 3
+// the area vectors are -(2·3, 1·3, 1·2) / 2, of length 7 / 2 together.
+TEST(SurfaceMesh, WeighsNormalsOfTrianglesByArea) {
+  IndexedMesh corner = testing::tetrahedron();
+  for (Vec3d& p : corner.positions) p = {p.x, 2 * p.y, 3 * p.z};
+  const auto normal = to_surface_mesh(corner).normal(OpenMesh::VertexHandle(0));
+  const std::array<double, 3> expected{-6.0 / 7, -3.0 / 7, -2.0 / 7};
+  for (unsigned axis = 0; axis < 3; ++axis) EXPECT_NEAR(normal[axis], expected[axis], kRounding);
 }
 
 // The last of a vertex's half-edges stands in the middle of its fan, which is open at both ends.

@@ -94,6 +94,17 @@ TEST(ProjectToUnion, StaysWhereItWasBeyondItsReach) {
   }
 }
 
+// The ends of an edge lie on the surface, so its midpoint is at most half its length away from it.
+TEST(ProjectToUnion, AMidpointReachesHalfItsEdge) {
+  EXPECT_DOUBLE_EQ(midpoint_reach({1, 2, 3}, {1, -1, 7}), 2.5);
+  const Union one({{{0, 0, 0}, 1.5}});
+  const Vec3d a{2.4, 0.5, 0}, b{2.4, -0.5, 0};  // the midpoint is 0.9 from the sphere
+  EXPECT_EQ(one.project({2.4, 0, 0}, midpoint_reach(a, b)).outcome,
+            ProjectionOutcome::out_of_reach);
+  const Vec3d c{2.4, 1, 0}, d{2.4, -1, 0};
+  EXPECT_EQ(one.project({2.4, 0, 0}, midpoint_reach(c, d)).outcome, ProjectionOutcome::converged);
+}
+
 TEST(ProjectToUnion, StaysAtACentre) {
   const Union one({{{0, 0, 0}, 0.5}});
   const ProjectedPoint p = one.project({0, 0, 0});
