@@ -98,7 +98,7 @@ class FileBytes {
 
 }  // namespace
 
-MeshFormat mesh_format(const fs::path& path) {
+std::optional<MeshFormat> find_mesh_format(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -107,6 +107,11 @@ MeshFormat mesh_format(const fs::path& path) {
   if (extension == ".off") return MeshFormat::off;
   if (extension == ".stl") return MeshFormat::stl;
   if (extension == ".glb") return MeshFormat::glb;
+  return std::nullopt;
+}
+
+MeshFormat mesh_format(const fs::path& path) {
+  if (const auto format = find_mesh_format(path)) return *format;
   throw InvalidInput(fmt::format("{}: the name of a mesh file ends in .ply .obj .off .stl or .glb",
                                  path.string()));
 }

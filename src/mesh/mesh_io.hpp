@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,7 +16,9 @@ namespace vdwmesh {
 
 enum class MeshFormat { ply, obj, off, stl, glb };
 
-// Throws InvalidInput that lists the known extensions.
+// By the extension, in capitals or not; empty where it is none of a mesh file.
+std::optional<MeshFormat> find_mesh_format(const std::filesystem::path& path);
+// The same. Throws InvalidInput that lists the known extensions.
 MeshFormat mesh_format(const std::filesystem::path& path);
 
 // PLY: binary little-endian, double positions, float normals, uchar colours, int atom (and further

@@ -21,10 +21,24 @@ namespace fs = std::filesystem;
 
 constexpr mode_t kMode = 0666;  // less the umask
 
+// A name of its own, because the target's may be as long as the file system allows.
 fs::path hidden_beside(const fs::path& target) {
   static std::atomic<unsigned> serial{0};
-  return target.parent_path() /
-         fmt::format(".{}.{}-{}.tmp", target.filename().string(), ::getpid(), serial++);
+  return target.parent_path() / fmt::format(".vdwmesh-{}-{}.tmp", ::getpid(), serial++);
+}
+
+// Calls `make` with hidden names until one is free: an earlier process with our number may have
+// been killed and left its file. Returns what the last call did; its name is in `name`.
+template <class Make>
+int make_hidden(const fs::path& target, fs::path& name, Make make) {
+  constexpr int kAttempts = 1000;
+  int result = -1;
+  for (int i = 0; i < kAttempts; ++i) {
+    name = hidden_beside(target);
+    result = make(name.c_str());
+    if (result >= 0 || errno != EEXIST) break;
+  }
+  return result;
 }
 
 fs::path directory_of(const fs::path& target) {
@@ -33,18 +47,33 @@ fs::path directory_of(const fs::path& target) {
 
 }  // namespace
 
-OutputFile::OutputFile(const fs::path& path, Staging staging) : path_(path), target_(path) {
-  std::error_code ignored;
-  if (fs::is_symlink(path, ignored)) {
-    const fs::path followed = fs::weakly_canonical(path, ignored);
-    if (!ignored) target_ = followed;
+fs::path written_file(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // that Linux follows
+  fs::path file = path;
+  std::error_code error;
+  for (int links = 0; links < kMostLinks && fs::is_symlink(file, error); ++links) {
+    const fs::path next = fs::read_symlink(file, error);
+    if (error) return path;
+    file = file.parent_path() / next;  // which is `next` where that is absolute
   }
-  const fs::file_status status = fs::status(target_, ignored);
-  if (fs::is_directory(status)) {
-    errno = EISDIR;
+  return file;
+}
+
+bool is_written_directly(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+OutputFile::OutputFile(const fs::path& path, Staging staging)
+    : path_(path), target_(written_file(path)) {
+  std::error_code error;
+  const bool is_folder = fs::is_directory(target_, error), is_loop = fs::is_symlink(target_, error);
+  if (is_folder || is_loop) {
+    errno = is_folder ? EISDIR : ELOOP;
     fail("cannot be written");
   }
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
+  if (is_written_directly(target_)) {
     kind_ = Kind::direct;
     descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
     if (descriptor_ < 0) fail("cannot be written");
@@ -63,11 +92,12 @@ void OutputFile::open_unnamed() {
 
 void OutputFile::open_hidden() {
   kind_ = Kind::hidden;
-  hidden_ = hidden_beside(target_);
-  descriptor_ = ::open(hidden_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
-  if (descriptor_ >= 0) return;
-  hidden_.clear();
-  fail("cannot be written");
+  fs::path name;
+  descriptor_ = make_hidden(target_, name, [](const char* free) {
+    return ::open(free, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+  });
+  if (descriptor_ < 0) fail("cannot be written");
+  hidden_ = name;
 }
 
 OutputFile::~OutputFile() {
@@ -89,14 +119,26 @@ void OutputFile::write(const char* data, std::size_t size) {
 
 // A name can only be given to an unnamed file where there is none, hence the step in between.
 void OutputFile::link_unnamed() {
-  const fs::path name = hidden_beside(target_);
+  fs::path name;
   const std::string self = fmt::format("/proc/self/fd/{}", descriptor_);
-  if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0)
-    fail("cannot be given its name");
+  const int linked = make_hidden(target_, name, [&](const char* free) {
+    return ::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, free, AT_SYMLINK_FOLLOW);
+  });
+  if (linked != 0) fail("cannot be given its name");
   hidden_ = name;
 }
 
+// A file that was private stays so. Not every file system can say permissions, and then none are
+// lost.
+void OutputFile::take_permissions() {
+  struct stat replaced {};
+  constexpr mode_t kPermissions = 0777;
+  if (::stat(target_.c_str(), &replaced) == 0) [[maybe_unused]]
+    const int ignored = ::fchmod(descriptor_, replaced.st_mode & kPermissions);
+}
+
 void OutputFile::commit() {
+  if (kind_ != Kind::direct) take_permissions();
   if (kind_ == Kind::unnamed) link_unnamed();
   const int closed = ::close(std::exchange(descriptor_, -1));
   if (closed != 0) fail("cannot be written in full");

@@ -32,10 +32,19 @@ class StringSink : public ByteSink {
   std::string bytes_;
 };
 
+// The file that writing to `path` replaces: the end of its symbolic links, also where nothing is
+// there yet.
+std::filesystem::path written_file(const std::filesystem::path& path);
+
+// Whether `path` is a device, pipe or socket. Such a file takes the bytes as they come: nothing is
+// replaced, and opening or writing may wait for a reader.
+bool is_written_directly(const std::filesystem::path& path);
+
 // A file that appears under its name whole, at commit(), or not at all: until then it has no name
 // where the file system can do that (even a killed process leaves nothing), else a hidden one in
-// the same directory. What is not a regular file (a pipe, /dev/null) is written directly. Every
-// function throws FileFormatError that names the file and the system's reason.
+// the same directory. It takes the permissions of the file that it replaces. What
+// is_written_directly() is not replaced. Every function throws FileFormatError that names the file
+// and the system's reason.
 class OutputFile : public ByteSink {
  public:
   enum class Staging { unnamed_where_possible, hidden };
@@ -56,6 +65,7 @@ class OutputFile : public ByteSink {
   void open_unnamed();
   void open_hidden();
   void link_unnamed();
+  void take_permissions();
   [[noreturn]] void fail(const char* what) const;
 
   std::filesystem::path path_, target_;  // as given; links followed

@@ -146,6 +146,8 @@ class PlyReader {
         read_vertices(element);
       } else if (element.name == "face") {
         read_faces(element);
+      } else if (element.name == "tristrips" && element.count > 0) {
+        body_.fail("triangle strips are not read; write the mesh with an element 'face'");
       } else {
         skip(element);
       }

@@ -76,6 +76,13 @@ MeshFile read_binary(std::string_view bytes) {
   return file;
 }
 
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
 class AsciiReader {
  public:
   explicit AsciiReader(std::string_view text) : in_(text), welder_(file_.mesh.positions) {}
@@ -91,9 +98,7 @@ class AsciiReader {
 
  private:
   void read_line() {
-    std::string keyword(in_.word());
-    std::transform(keyword.begin(), keyword.end(), keyword.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string keyword = lower_case(in_.word());
     if (keyword == "vertex") {
       if (!in_loop_) in_.fail("a vertex outside of a loop");
       const double x = in_.number();
@@ -123,7 +128,7 @@ class AsciiReader {
 bool begins_as_text(std::string_view bytes) {
   bytes = without_byte_order_mark(bytes);
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
-  return first != std::string_view::npos && bytes.substr(first, 5) == "solid";
+  return first != std::string_view::npos && lower_case(bytes.substr(first, 5)) == "solid";
 }
 
 }  // namespace

@@ -303,6 +303,15 @@ TEST(StlFile, Ascii) {
   EXPECT_THAT(file.mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{1, 3, 2}));
 }
 
+TEST(StlFile, AsciiInCapitals) {
+  const MeshFile file = decode_mesh(
+      "SOLID A\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1.0E+00 0 0\nVERTEX 0 1 0\n"
+      "ENDLOOP\nENDFACET\nENDSOLID A\n",
+      MeshFormat::stl);
+  EXPECT_EQ(file.mesh.vertex_count(), 3u);
+  EXPECT_THAT(file.mesh.triangles, ElementsAre(Triangle{0, 1, 2}));
+}
+
 TEST(StlFile, BinaryThatBeginsWithSolid) {
   std::string bytes = encode_mesh(to_surface_mesh(testing::cube()), MeshFormat::stl).bytes;
   bytes.replace(0, 6, "solid ");
@@ -386,6 +395,11 @@ std::vector<BadFile> bad_files() {
       {"ply_nan", MeshFormat::ply, ply(kThree, "0 0 0\n1 nan 0\n0 1 0\n"), "line 9"},
       {"ply_nan_beside_a_list", MeshFormat::ply, nan_beside_a_list(), "vertex 0"},
       {"ply_truncated", MeshFormat::ply, ply(kThree, "0 0 0\n1 0 0\n0 1\n"), "ends"},
+      {"ply_strips", MeshFormat::ply,
+       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+       "property float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+       "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+       "triangle strips are not read"},
       {"obj_number", MeshFormat::obj, "v 0 0 0\nv 0 zero 0\n", "line 2: 'zero'"},
       {"obj_short", MeshFormat::obj, "v 0 0\n", "line 1"},
       {"obj_zero_index", MeshFormat::obj, "v 0 0 0\nf 0 1 1\n", "line 2: 0 is no index"},
