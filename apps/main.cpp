@@ -3,11 +3,13 @@
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "build_id.hpp"
 #include "core/errors.hpp"
 #include "interrupt.hpp"
 #include "verbs.hpp"
@@ -60,6 +62,9 @@ int exit_code_of(Work&& work) {
   } catch (const std::bad_alloc&) {
     return fail(kLimitHit,
                 LimitExceeded("out of memory; a larger --spacing or fewer --subdivide needs less"));
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(kBadInput, InvalidInput(fmt::format("{}: {}", error.path1().string(),
+                                                    error.code().message())));
   } catch (const std::exception& error) {
     return fail(kOwnFault, Error(fmt::format("internal error: {}", error.what())));
   }
@@ -75,7 +80,7 @@ std::string no_verb_message(int argc, char** argv, const std::string& names) {
 int parse_and_run(int argc, char** argv) {
   CLI::App app("Van der Waals surface meshes of molecules, and proof of how good they are",
                "vdwmesh");
-  app.set_version_flag("--version", std::string("vdwmesh ") + VDWMESH_VERSION);
+  app.set_version_flag("--version", fmt::format("vdwmesh {} ({})", kVersion, kRevision));
   app.require_subcommand(1);
   const std::vector<std::unique_ptr<Verb>> verbs = make_verbs();
   std::string names;

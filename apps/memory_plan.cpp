@@ -7,10 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "analysis/cgal_measures.hpp"
 #include "core/errors.hpp"
 #include "extract/area_estimate.hpp"
-#include "steps.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -101,10 +99,10 @@ class Estimate {
 
   void look_at(const MeshSize& mesh, std::uint64_t held) {
     take("measure", held + measures_bytes(mesh));
-    if (mesh.triangles <= kSelfIntersectionTriangles) {
+    if (counts_self_intersections(d_.self_intersections, mesh.triangles)) {
       take("self-intersections", held + self_intersections_bytes(mesh));
     }
-    if (mesh.triangles <= kCgalMeasuresLimit) {
+    if (checks_with_cgal(d_.cgal_check, mesh.triangles)) {
       take("check by CGAL", held + surface_mesh_bytes(mesh, d_.connectivity));
     }
   }
@@ -165,8 +163,12 @@ std::optional<std::string> fitting_subdivisions(const MemoryDemand& demand, std:
   return std::nullopt;
 }
 
-std::string gibibytes(std::uint64_t bytes) {
-  return fmt::format("{:.3g} GiB", static_cast<double>(bytes) / 0x1p30);
+// In the largest unit of which there is at least a hundredth.
+std::string amount(std::uint64_t bytes) {
+  const double count = static_cast<double>(bytes);
+  if (count >= 0.01 * 0x1p30) return fmt::format("{:.3g} GiB", count / 0x1p30);
+  if (count >= 0.01 * 0x1p20) return fmt::format("{:.3g} MiB", count / 0x1p20);
+  return fmt::format("{} bytes", bytes);
 }
 
 // "--spacing 0.7, --subdivide 0 or --memory-limit 32G", with what would fit.
@@ -229,7 +231,7 @@ std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit) {
                                        demand.mesh.triangles > 0 ? "" : "about ", need.triangles)
                          : "";
   throw LimitExceeded(fmt::format("the stage \"{}\" needs {} of memory{}, {} are allowed: {}",
-                                  need.stage, gibibytes(need.bytes), mesh, gibibytes(limit),
+                                  need.stage, amount(need.bytes), mesh, amount(limit),
                                   remedies(demand, need.bytes, limit)));
 }
 

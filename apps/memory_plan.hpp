@@ -8,6 +8,7 @@
 #include "analysis/stage_bytes.hpp"
 #include "extract/sphere_set.hpp"
 #include "options.hpp"
+#include "steps.hpp"
 
 namespace vdwmesh::apps {
 
@@ -25,6 +26,8 @@ struct MemoryDemand {
   Switch build = Switch::off;               // OpenMesh
   Switch early = Switch::off;               // room for it is made before the mesh is measured
   Switch measures = Switch::on;
+  SelfIntersections self_intersections = SelfIntersections::skip;
+  CgalCheck cgal_check = CgalCheck::skip;
   std::optional<UnionMethod> exact;  // empty: no exact union
   Switch distances = Switch::off;
 };

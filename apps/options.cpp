@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "memory.hpp"
-#include "output.hpp"
 #include "parse.hpp"
 
 namespace vdwmesh::apps {
@@ -52,6 +51,14 @@ void check_input_is_named(const std::string& path, const std::string& sample) {
     throw InvalidInput(
         fmt::format("INPUT {} and --sample {}: give only one of them", path, sample));
   }
+}
+
+// Samples beyond this take hours even on a single atom.
+double parse_samples(const std::string& text) {
+  constexpr double kMostSamples = 1e6;  // per Å²
+  const double samples = parse_number("--samples", text, Range::positive, "10");
+  if (samples <= kMostSamples) return samples;
+  throw InvalidInput(fmt::format("--samples {}: needs at most {} per Å²", text, kMostSamples));
 }
 
 Inclusion keep_unless(bool drop) { return drop ? Inclusion::drop : Inclusion::keep; }
@@ -110,7 +117,7 @@ void InputFlags::add_to(CLI::App& verb, Inputs inputs) {
       ->excludes(drop);
 }
 
-InputOptions InputFlags::resolve(FieldPreset preset) const {
+InputOptions InputFlags::resolve(NamedFiles& files, FieldPreset preset) const {
   check_input_is_named(path_, sample_);
   check_model(model_);
   InputOptions options;
@@ -131,21 +138,23 @@ InputOptions InputFlags::resolve(FieldPreset preset) const {
   options.read.hetero_atoms = keep_unless(no_hetatm_ || atom_records_only);
   options.read.altloc = altloc_;
   options.read.radii = radii_;
+  files.add_input("INPUT", path_);
+  if (radii_ != "bondi" && radii_ != "alvarez") files.add_input("--radii", radii_);
   return options;
 }
 
-std::vector<InputOptions> InputFlags::resolve_all() const {
+std::vector<InputOptions> InputFlags::resolve_all(NamedFiles& files) const {
   check_input_is_named(paths_.empty() && samples_.empty() ? "" : "given", "");
   std::vector<InputOptions> inputs;
   InputFlags one = *this;
   for (const std::string& path : paths_) {
     one.path_ = path;
-    inputs.push_back(one.resolve());
+    inputs.push_back(one.resolve(files));
   }
   one.path_.clear();
   for (const std::string& sample : samples_) {
     one.sample_ = sample;
-    inputs.push_back(one.resolve());
+    inputs.push_back(one.resolve(files));
   }
   return inputs;
 }
@@ -269,9 +278,7 @@ void DistanceFlags::add_to(CLI::App& verb) {
 DistanceChoice DistanceFlags::resolve() const {
   DistanceChoice choice;
   choice.distances = switch_of_name("--distances", distances_);
-  if (samples_) {
-    choice.samples_per_area = parse_number("--samples", *samples_, Range::positive, "10");
-  }
+  if (samples_) choice.samples_per_area = parse_samples(*samples_);
   if (seed_) {
     const std::int64_t seed = parse_integer("--seed", *seed_, 0, 4'294'967'295);
     choice.seed = static_cast<std::uint64_t>(seed);
@@ -291,8 +298,9 @@ void MachineFlags::add_to(CLI::App& verb, Backends backends) {
   verb.add_option("--threads", threads_, "CPU threads [all]");
   verb.add_option("--memory-limit", memory_limit_,
                   "bytes, for example 8G; a run that needs more is refused [80 % of what is free]");
-  verb.add_flag("--quiet", quiet_, "no text on standard output, no progress");
-  verb.add_flag("--progress", progress_, "progress bars even where standard error is no terminal");
+  CLI::Option* quiet = verb.add_flag("--quiet", quiet_, "no text on standard output, no progress");
+  verb.add_flag("--progress", progress_, "progress bars even where standard error is no terminal")
+      ->excludes(quiet);
 }
 
 MachineOptions MachineFlags::resolve() const {
@@ -315,11 +323,12 @@ MachineOptions MachineFlags::resolve() const {
 void OutputFlags::add_to(CLI::App& verb, PerAtom per_atom) {
   verb.add_option("--json", json_, "the report as JSON into this file; - is standard output");
   if (per_atom == PerAtom::none) return;
-  verb.add_option("--per-atom", per_atom_, "CSV of radius, exact area, mesh area, exact volume");
+  verb.add_option("--per-atom", per_atom_,
+                  "CSV of radius, exact area, mesh area, exact volume; - is standard output");
   verb.add_option("--group", group_, "rows of --per-atom: atom, residue or chain [atom]");
 }
 
-OutputOptions OutputFlags::resolve() const {
+OutputOptions OutputFlags::resolve(NamedFiles& files) const {
   OutputOptions options;
   options.json = json_;
   options.per_atom = per_atom_;
@@ -329,11 +338,8 @@ OutputOptions OutputFlags::resolve() const {
       throw InvalidInput("--group: says how --per-atom FILE is grouped, and needs it");
     }
   }
-  if (!json_.empty() && json_ != "-") check_writable("--json", json_);
-  if (!per_atom_.empty()) check_writable("--per-atom", per_atom_);
-  if (!per_atom_.empty() && per_atom_ == json_) {
-    throw InvalidInput(fmt::format("--json and --per-atom both name {}", json_));
-  }
+  files.add_output("--json", json_);
+  files.add_output("--per-atom", per_atom_);
   return options;
 }
 

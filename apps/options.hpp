@@ -13,6 +13,7 @@
 #include "arrangement/exact_union.hpp"
 #include "cuda/backend.hpp"
 #include "extract/extractor.hpp"
+#include "named_files.hpp"
 #include "refine/refiner.hpp"
 #include "structure/reader.hpp"
 
@@ -63,8 +64,7 @@ struct MachineOptions {
 enum class AtomGroup { atom, residue, chain };
 
 struct OutputOptions {
-  std::string json;      // empty: none; "-": standard output
-  std::string per_atom;  // empty: none
+  std::string json, per_atom;  // empty: none; "-": standard output
   AtomGroup group = AtomGroup::atom;
 };
 
@@ -87,9 +87,9 @@ class InputFlags {
   enum class Inputs { one, several };
   void add_to(CLI::App& verb, Inputs inputs = Inputs::one);
   // `preset` decides about HETATM records where neither flag is given.
-  InputOptions resolve(FieldPreset preset = FieldPreset::radius_aware) const;
+  InputOptions resolve(NamedFiles& files, FieldPreset preset = FieldPreset::radius_aware) const;
   // Of Inputs::several: the files, then the samples.
-  std::vector<InputOptions> resolve_all() const;
+  std::vector<InputOptions> resolve_all(NamedFiles& files) const;
 
  private:
   std::vector<std::string> paths_, samples_;
@@ -146,7 +146,7 @@ class OutputFlags {
   enum class PerAtom { offered, none };
   void add_to(CLI::App& verb, PerAtom per_atom);
   // Checks that the files can be made.
-  OutputOptions resolve() const;
+  OutputOptions resolve(NamedFiles& files) const;
 
  private:
   std::string json_, per_atom_;

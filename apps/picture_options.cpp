@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "core/errors.hpp"
-#include "output.hpp"
 #include "parse.hpp"
 
 namespace vdwmesh::apps {
@@ -123,15 +123,18 @@ std::optional<Rgb> parse_background(const std::string& text) {
 
 ColorRange parse_range(const std::string& text) {
   const std::vector<double> bounds = numbers("--color-range", text, 2, "-0.2,0.2");
+  if (!std::isfinite(bounds[1] - bounds[0])) {
+    throw InvalidInput(fmt::format("--color-range {}: is too wide to be divided", text));
+  }
   if (bounds[0] < bounds[1]) return {bounds[0], bounds[1]};
   throw InvalidInput(fmt::format("--color-range {}: needs the lower bound first", text));
 }
 
-void check_png(const char* option, const std::string& path) {
+void check_png(const char* option, const std::string& path, NamedFiles& files) {
   if (std::filesystem::path(path).extension() != ".png") {
     throw InvalidInput(fmt::format("{} {}: pictures are PNG; name a .png file", option, path));
   }
-  check_writable(option, path);
+  files.add_output(option, path);
 }
 
 }  // namespace
@@ -220,7 +223,7 @@ void PictureFlags::resolve_color(PictureOptions& options) const {
   }
 }
 
-PictureOptions PictureFlags::resolve() const {
+PictureOptions PictureFlags::resolve(NamedFiles& files) const {
   PictureOptions options;
   options.path = path_;
   if (path_.empty()) {
@@ -229,7 +232,7 @@ PictureOptions PictureFlags::resolve() const {
     throw InvalidInput(
         fmt::format("{}: says how {} FILE is drawn, and needs it", orphan, file_option_));
   }
-  check_png(file_option_, path_);
+  check_png(file_option_, path_, files);
   resolve_style(options);
   resolve_color(options);
   const Renderer available;

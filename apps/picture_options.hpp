@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "named_files.hpp"
 #include "render/renderer.hpp"
 
 namespace vdwmesh::apps {
@@ -35,7 +36,7 @@ class PictureFlags {
   // -o FILE, and --color.
   void add_render_to(CLI::App& verb);
   // Checks that the file can be made, and that a picture can be drawn at all.
-  PictureOptions resolve() const;
+  PictureOptions resolve(NamedFiles& files) const;
 
  private:
   void add_style_to(CLI::App& verb);

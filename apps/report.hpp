@@ -39,7 +39,7 @@ struct BackendReport {
   Backend requested = Backend::automatic;
   Backend used = Backend::cpu;
   std::optional<std::string> device, driver;
-  std::optional<std::string> reason;  // why automatic did not take CUDA
+  std::optional<std::string> reason;  // why automatic did not take CUDA, or fell back from it
   int devices = 0;                    // that made the mesh; 0 on the CPU
   int threads = 1;
 };
@@ -114,7 +114,8 @@ void add_warnings(Report& report);
 
 std::string to_json(const Report& report);
 std::string to_text(const Report& report);
-// The lines of to_text() about the picture.
+// The lines of to_text() about the picture, and its notes and warnings.
 std::string picture_text(const PictureReport& picture);
+std::string remarks_text(const Report& report);
 
 }  // namespace vdwmesh::apps

@@ -1,6 +1,7 @@
 // The document that docs/report.schema.json describes.
 #include "report_json.hpp"
 
+#include "build_id.hpp"
 #include "picture_options.hpp"
 
 namespace vdwmesh::apps {
@@ -274,7 +275,8 @@ Json exact_json(const ExactUnion& exact) {
 
 std::string to_json(const Report& report) {
   return write_json({{"schema", kSchema},
-                     {"version", VDWMESH_VERSION},
+                     {"version", kVersion},
+                     {"revision", kRevision},
                      {"input", input_json(report.input)},
                      {"parameters", block(report.parameters, parameters_json)},
                      {"backend", block(report.backend, backend_json)},

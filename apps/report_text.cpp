@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "picture_options.hpp"
+#include "printable.hpp"
 #include "report.hpp"
 
 namespace vdwmesh::apps {
@@ -30,8 +32,8 @@ std::string reason_text(std::string reason) {
   return reason;
 }
 
-void line(Text out, std::string_view label, std::string_view text) {
-  fmt::format_to(out, "{:<12} {}\n", label, text);
+void line(Text out, std::string_view label, std::string text) {
+  fmt::format_to(out, "{:<12} {}\n", label, printable(std::move(text)));
 }
 
 std::string atoms_text(const InputReport& input) {
@@ -101,7 +103,8 @@ void backend_text(Text out, const BackendReport& backend) {
   if (backend.driver) text += fmt::format(", driver {}", *backend.driver);
   text += fmt::format(", {}", counted(static_cast<std::uint64_t>(backend.threads), "CPU thread"));
   if (backend.requested == Backend::automatic) text += "; asked for: auto";
-  if (backend.reason) text += fmt::format("; no CUDA: {}", *backend.reason);
+  if (backend.reason)
+    text += fmt::format("; {}{}", backend.device ? "" : "no CUDA: ", *backend.reason);
   line(out, "Backend", text);
 }
 
@@ -327,11 +330,20 @@ void timing_text(Text out, const Timing& timing) {
   line(out, "Time (s)", text + fmt::format("total {:.3f}", timing.total));
 }
 
-void remarks_text(Text out, std::string_view label, const std::vector<std::string>& remarks) {
-  for (const std::string& remark : remarks) line(out, label, remark);
+void remarks(Text out, std::string_view label, const std::vector<std::string>& list) {
+  for (const std::string& remark : list) line(out, label, remark);
 }
 
 }  // namespace
+
+std::string remarks_text(const Report& report) {
+  std::string text;
+  const Text out(text);
+  if (report.mesh) remarks(out, "Note", report.mesh->notes);
+  remarks(out, "Note", report.notes);
+  remarks(out, "WARNING", report.warnings);
+  return text;
+}
 
 std::string picture_text(const PictureReport& picture) {
   std::string text;
@@ -365,9 +377,7 @@ std::string to_text(const Report& report) {
   }
   text += '\n';
   if (report.picture) text += picture_text(*report.picture);
-  if (report.mesh) remarks_text(out, "Note", report.mesh->notes);
-  remarks_text(out, "Note", report.notes);
-  remarks_text(out, "WARNING", report.warnings);
+  text += remarks_text(report);
   timing_text(out, report.timing);
   return text;
 }

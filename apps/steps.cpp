@@ -10,6 +10,7 @@
 #include "arrangement/exact_mesher.hpp"
 #include "cuda/backend.hpp"
 #include "output.hpp"
+#include "printable.hpp"
 #include "stopwatch.hpp"
 
 namespace vdwmesh::apps {
@@ -59,18 +60,47 @@ ParametersReport describe_parameters(const SurfaceOptions& surface,
 }
 
 // A ball holds a grid node for certain when the spacing is at most 2/√3 of its radius.
-void require_triangles(const IndexedMesh& mesh, const SphereSet& spheres, double spacing) {
-  if (mesh.triangle_count() > 0) return;
+double smallest_radius(const SphereSet& spheres) {
   const auto by_radius = [](const Sphere& a, const Sphere& b) { return a.radius < b.radius; };
-  const double smallest = std::ranges::min_element(spheres.spheres(), by_radius)->radius;
+  return std::ranges::min_element(spheres.spheres(), by_radius)->radius;
+}
+
+[[noreturn]] void throw_too_coarse(double spacing, const SphereSet& spheres) {
   throw InvalidInput(fmt::format(
       "--spacing {}: too coarse, no grid node lies inside the surface; try --spacing {:.2g}",
-      spacing, smallest));
+      spacing, smallest_radius(spheres)));
+}
+
+// A node may lie inside by chance where the spacing is larger than the molecule, and what is made
+// of it then is no surface; spacings beyond all digits of the coordinates do not even have nodes.
+void require_sensible_spacing(const SphereSet& spheres, double spacing) {
+  const Box box = bounding_box(spheres);
+  const Vec3d size = box.upper - box.lower;
+  if (spacing > std::max({size.x, size.y, size.z})) throw_too_coarse(spacing, spheres);
+}
+
+// A grid fine enough for the balls is not what lacks where a blended field stays below its
+// isovalue.
+void require_triangles(const IndexedMesh& mesh, const SphereSet& spheres,
+                       const ParametersReport& parameters) {
+  if (mesh.triangle_count() > 0) return;
+  const double spacing = parameters.grid->spacing;
+  if (!parameters.isovalue || spacing > smallest_radius(spheres))
+    throw_too_coarse(spacing, spheres);
+  throw InvalidInput(
+      fmt::format("--isovalue {}: the field reaches it at no grid node; try a lower one",
+                  *parameters.isovalue));
 }
 
 // How many devices make a mesh; only an extraction is shared among several.
 int devices_for(const MachineOptions& machine, const SurfaceOptions& surface, Report& report) {
-  if (report.backend->used == Backend::cpu) return 0;
+  if (report.backend->used == Backend::cpu) {
+    if (machine.devices > 1) {
+      report.notes.push_back(fmt::format(
+          "--devices {}: there is no CUDA device here; the CPU made the mesh", machine.devices));
+    }
+    return 0;
+  }
   const std::size_t present = cuda_devices().devices.size();
   if (static_cast<std::size_t>(machine.devices) > present) {
     throw InvalidInput(fmt::format("--devices {}: the CUDA devices here are {}, so at most {}",
@@ -87,6 +117,7 @@ int devices_for(const MachineOptions& machine, const SurfaceOptions& surface, Re
 IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
                        const MeshParts& parts, const MeshSizeObserver& on_size,
                        RefineOptions& refine, Report& report) {
+  require_sensible_spacing(spheres, surface.grid.spacing);
   const GridSpec grid = make_grid(spheres, surface.grid);
   report.parameters = describe_parameters(surface, grid, refine.memory_limit);
   ExtractOptions extract;
@@ -100,8 +131,8 @@ IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
   extract.devices = std::max(report.backend->devices, 1);
   refine.grid = grid;
   PipelineResult result = make_pipeline(report.backend->requested)->run(spheres, extract, refine);
-  if (!result.fallback.empty()) report.notes.push_back(result.fallback);
-  require_triangles(result.mesh, spheres, grid.spacing);
+  account_for_fallback(result.fallback, report);
+  require_triangles(result.mesh, spheres, *report.parameters);
   report.timing.field = result.extract.field_seconds;
   report.timing.extract = result.extract.extract_seconds;
   if (!result.levels.empty()) report.timing.refine = result.refine_seconds;
@@ -122,7 +153,7 @@ IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& sur
   if (refine.subdivisions == 0) return std::move(exact.mesh);
   RefineResult refined =
       make_refiner(report.backend->requested)->refine(spheres, exact.mesh, refine);
-  if (!refined.fallback.empty()) report.notes.push_back(refined.fallback);
+  account_for_fallback(refined.fallback, report);
   report.timing.refine = refined.seconds;
   report.mesh->projection = std::move(refined.levels);
   return std::move(refined.mesh);
@@ -130,15 +161,13 @@ IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& sur
 
 // Components that fell between the grid nodes would otherwise be lost without a word. Of a mesh
 // inside out, of which another warning speaks, all components count as voids.
-void warn_of_lost_components(Report& report) {
-  const auto& topology = report.exact->topology;
+void warn_of_lost_components(std::uint64_t in_union, Report& report) {
   const auto& components = report.mesh->topology.components;
-  if (!topology || !components || *components >= topology->components) return;
+  if (!components || *components >= in_union) return;
   if (report.mesh->measures.volume.value_or(0) < 0) return;
   const bool is_ours = report.parameters.has_value();
   report.warnings.push_back(fmt::format(
-      "components: {} in the mesh, {} in the union of the spheres{}", *components,
-      topology->components,
+      "components: {} in the mesh, {} in the union of the spheres{}", *components, in_union,
       is_ours
           ? "; pieces closer together than the spacing are joined, smaller ones are missed, and "
             "a smaller --spacing tells them apart"
@@ -163,8 +192,16 @@ BackendReport describe_backend(Backend requested, Backend used) {
   return report;
 }
 
-bool counts_self_intersections(SelfIntersections wanted, const IndexedMesh& mesh) {
-  const bool small = mesh.triangle_count() <= kSelfIntersectionTriangles;
+void account_for_fallback(const std::string& fallback, Report& report) {
+  if (fallback.empty()) return;
+  report.notes.push_back(fallback);
+  report.backend->used = Backend::cpu;
+  report.backend->devices = 0;
+  report.backend->reason = fallback;
+}
+
+bool counts_self_intersections(SelfIntersections wanted, std::uint64_t triangles) {
+  const bool small = triangles <= kSelfIntersectionTriangles;
   return wanted == SelfIntersections::count || (wanted == SelfIntersections::small_meshes && small);
 }
 
@@ -219,15 +256,20 @@ LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& 
     const MeshExamination found = examine(mesh);
     LevelReport record{level,          mesh.vertex_count(), mesh.triangle_count(),
                        found.measures, found.quality,       {}};
-    if (counts_self_intersections(wanted, mesh))
+    if (counts_self_intersections(wanted, mesh.triangle_count()))
       record.self_intersections = self_intersections(mesh);
     levels.push_back(record);
   };
 }
 
+bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles) {
+  return wanted == CgalCheck::run ||
+         (wanted == CgalCheck::small_meshes && triangles <= kCgalMeasuresLimit);
+}
+
 void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Report& report) {
   if (check == CgalCheck::skip) return;
-  if (check == CgalCheck::small_meshes && mesh.triangle_count() > kCgalMeasuresLimit) {
+  if (!checks_with_cgal(check, mesh.triangle_count())) {
     report.notes.push_back(
         fmt::format("area and volume were not checked by CGAL: more than {} triangles "
                     "(--cgal-check on)",
@@ -245,7 +287,7 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Report& report) {
 
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections_wanted, Monitor* monitor,
              Report& report) {
-  const bool count = counts_self_intersections(self_intersections_wanted, mesh);
+  const bool count = counts_self_intersections(self_intersections_wanted, mesh.triangle_count());
   begin_stage(monitor, "measure", count ? 2 : 1);
   if (!report.mesh) report.mesh.emplace();
   MeshReport& result = *report.mesh;
@@ -282,8 +324,15 @@ void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
     report.comparison->distances =
         distances(mesh, spheres, {choice.samples_per_area, choice.seed, memory_limit, monitor});
   }
-  warn_of_lost_components(report);
+  if (report.exact->topology) {
+    warn_of_lost_components(report.exact->topology->components, report);
+  }
   report.timing.compare = watch.seconds();
+}
+
+void warn_of_lost_balls(const SphereSet& spheres, Report& report) {
+  if (report.parameters->surface.field.kind != FieldKind::vdw) return;  // fields join and shrink
+  warn_of_lost_components(count_components(spheres), report);
 }
 
 void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
@@ -297,17 +346,17 @@ void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
   report.timing.build = watch.seconds();
 }
 
-void deliver(Report& report, const OutputOptions& output, Verbosity verbosity) {
-  const bool json_on_standard_output = output.json == "-";
-  const bool text = verbosity == Verbosity::normal && !json_on_standard_output;
-  if (json_on_standard_output) {
-    write_standard_output(to_json(report));
-  } else if (!output.json.empty()) {
-    write_file(output.json, to_json(report));
-  }
+void deliver(const Report& report, const OutputOptions& output, Verbosity verbosity) {
+  if (!output.json.empty()) write_output(output.json, to_json(report));
+  const bool taken = output.json == "-" || output.per_atom == "-";
+  const bool text = verbosity == Verbosity::normal && !taken;
   if (text) return write_standard_output(to_text(report));
-  for (const std::string& warning : report.warnings) {
-    fmt::print(stderr, "vdwmesh: warning: {}\n", warning);
+  print_warnings(report.warnings);
+}
+
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) {
+    fmt::print(stderr, "vdwmesh: warning: {}\n", printable(warning));
   }
 }
 

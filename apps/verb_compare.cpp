@@ -36,12 +36,14 @@ class CompareVerb : public Verb {
       throw InvalidInput("no MESH: name a mesh file (.ply .obj .off .stl .glb), then INPUT");
     }
     mesh_format(mesh_path_);
-    const InputOptions input = input_.resolve();
+    NamedFiles files;
+    files.add_input("MESH", mesh_path_);
+    const InputOptions input = input_.resolve(files);
     const ExactOptions exact = exact_.resolve();
     const DistanceChoice distance_choice = distances_.resolve();
     const MachineOptions machine_options = machine_.resolve();
-    const OutputOptions output = output_.resolve();
-    const PictureOptions picture = picture_.resolve();
+    const OutputOptions output = output_.resolve(files);
+    const PictureOptions picture = picture_.resolve(files);
 
     Machine machine(machine_options);
     Report report;
@@ -51,6 +53,7 @@ class CompareVerb : public Verb {
     MeshFile file = read_mesh(mesh_path_);
     const IndexedMesh& mesh = file.mesh;
     MemoryDemand demand;
+    demand.self_intersections = SelfIntersections::small_meshes;
     demand.exact = exact.method;
     demand.distances = distance_choice.distances;
     check_memory_after(demand, spheres, mesh, machine_options.memory_limit);

@@ -22,10 +22,11 @@ class ExactVerb : public Verb {
 
   void run() const override {
     const Stopwatch watch;
-    const InputOptions input = input_.resolve();
+    NamedFiles files;
+    const InputOptions input = input_.resolve(files);
     const ExactOptions exact = exact_.resolve();
     const MachineOptions machine_options = machine_.resolve();
-    const OutputOptions output = output_.resolve();
+    const OutputOptions output = output_.resolve(files);
 
     Machine machine(machine_options);
     Report report;
@@ -37,8 +38,8 @@ class ExactVerb : public Verb {
     measure_exactly(spheres, exact, machine.monitor(), report);
     machine.end_progress();
     if (!output.per_atom.empty()) {
-      write_file(output.per_atom,
-                 per_atom_csv(molecule, input.probe, *report.exact, {}, output.group));
+      write_output(output.per_atom,
+                   per_atom_csv(molecule, input.probe, *report.exact, {}, output.group));
     }
     report.timing.total = watch.seconds();
     deliver(report, output, machine_options.verbosity);

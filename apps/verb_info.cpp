@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <tbb/info.h>
 
+#include "build_id.hpp"
 #include "cuda/backend.hpp"
 #include "json_writer.hpp"
 #include "output.hpp"
@@ -36,8 +37,9 @@ PictureDevice picture_device() {
 std::string info_json(const DeviceList& list, const PictureDevice& pictures) {
   return write_json(
       {{"schema", "vdwmesh-info/1"},
-       {"version", VDWMESH_VERSION},
-       {"build", VDWMESH_BUILD},
+       {"version", kVersion},
+       {"revision", kRevision},
+       {"build", kBuild},
        {"threads", tbb::info::default_concurrency()},
        {"cuda", {{"devices", devices_json(list)}, {"reason", list.reason}}},
        {"pictures", {{"device", or_null(pictures.name)}, {"reason", pictures.reason}}}});
@@ -55,9 +57,9 @@ std::string cuda_text(const DeviceList& list) {
 }
 
 std::string info_text(const DeviceList& list, const PictureDevice& pictures) {
-  return fmt::format("vdwmesh {}\nbuild     {}\ncpu       {} threads\n{}pictures  {}\n",
-                     VDWMESH_VERSION, VDWMESH_BUILD, tbb::info::default_concurrency(),
-                     cuda_text(list), pictures.name.value_or(pictures.reason));
+  return fmt::format("vdwmesh {} ({})\nbuild     {}\ncpu       {} threads\n{}pictures  {}\n",
+                     kVersion, kRevision, kBuild, tbb::info::default_concurrency(), cuda_text(list),
+                     pictures.name.value_or(pictures.reason));
 }
 
 class InfoVerb : public Verb {
@@ -66,12 +68,12 @@ class InfoVerb : public Verb {
   std::string summary() const override { return "version, build, backends, devices"; }
   void add_options(CLI::App& app) override { output_.add_to(app, OutputFlags::PerAtom::none); }
   void run() const override {
-    const OutputOptions output = output_.resolve();
+    NamedFiles files;
+    const OutputOptions output = output_.resolve(files);
     const DeviceList list = cuda_devices();
     const PictureDevice pictures = picture_device();
     if (output.json.empty()) return write_standard_output(info_text(list, pictures));
-    if (output.json == "-") return write_standard_output(info_json(list, pictures));
-    write_file(output.json, info_json(list, pictures));
+    write_output(output.json, info_json(list, pictures));
   }
 
  private:

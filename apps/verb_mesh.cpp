@@ -24,14 +24,12 @@ class MeshVerb : public Verb {
 
   void run() const override {
     const Stopwatch watch;
-    check_output();
+    NamedFiles files;
+    name_output(files);
     const SurfaceOptions surface = surface_.resolve();
-    const InputOptions input = input_.resolve(surface.field.preset);
+    const InputOptions input = input_.resolve(files, surface.field.preset);
     const MachineOptions machine_options = machine_.resolve();
-    const OutputOptions output = output_.resolve();
-    if (output.json == mesh_path_) {
-      throw InvalidInput("-o and --json both name " + mesh_path_);
-    }
+    const OutputOptions output = output_.resolve(files);
 
     Machine machine(machine_options);
     Report report;
@@ -61,6 +59,7 @@ class MeshVerb : public Verb {
     report.parameters->memory_estimate = estimate;
     check_memory_after(demand, spheres, mesh, machine_options.memory_limit);
     measure(mesh, SelfIntersections::skip, machine.monitor(), report);
+    warn_of_lost_balls(spheres, report);
     build_surface_mesh(mesh, molecule, builder, report);
     mesh = {};
     write(built, machine.monitor(), report);
@@ -71,21 +70,22 @@ class MeshVerb : public Verb {
   }
 
  private:
-  void check_output() const {
+  void name_output(NamedFiles& files) const {
     if (mesh_path_.empty()) {
       throw InvalidInput("-o: name the mesh file to write (.ply .obj .off .stl .glb)");
     }
     mesh_format(mesh_path_);
-    check_writable("-o", mesh_path_);
+    files.add_output("-o", mesh_path_);
   }
 
   void write(const SurfaceMesh& mesh, Monitor* monitor, Report& report) const {
     begin_stage(monitor, "write", 1);
-    const HoldSignals hold;
     const SignalMonitor signals;
-    for (const std::string& warning : write_mesh(mesh, mesh_path_, &signals)) {
-      report.warnings.push_back(warning);
-    }
+    write_whole(mesh_path_, [&] {
+      for (const std::string& warning : write_mesh(mesh, mesh_path_, &signals)) {
+        report.warnings.push_back(warning);
+      }
+    });
     if (face_spheres(mesh) && mesh_format(mesh_path_) != MeshFormat::ply) {
       report.notes.push_back(mesh_path_ +
                              ": does not say which sphere each triangle is part of; only PLY does");

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
+#include <vector>
 
 #include "machine.hpp"
 #include "memory_plan.hpp"
@@ -14,17 +14,9 @@
 namespace vdwmesh::apps {
 namespace {
 
-constexpr std::string_view kMeshExtensions[] = {".ply", ".obj", ".off", ".stl", ".glb"};
-
-bool names_mesh(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension();
-  return std::ranges::find(kMeshExtensions, extension) != std::end(kMeshExtensions);
-}
-
 std::string summary_of(const Report& report) {
-  std::string text = picture_text(*report.picture);
-  for (const std::string& note : report.notes) text += fmt::format("{:<12} {}\n", "Note", note);
-  return text + fmt::format("{:<12} total {:.3f}\n", "Time (s)", report.timing.total);
+  return picture_text(*report.picture) + remarks_text(report) +
+         fmt::format("{:<12} total {:.3f}\n", "Time (s)", report.timing.total);
 }
 
 class RenderVerb : public Verb {
@@ -36,29 +28,37 @@ class RenderVerb : public Verb {
 
   void add_options(CLI::App& app) override {
     picture_.add_render_to(app);
+    const std::size_t first = app.get_options().size();
     input_.add_to(app);
     surface_.add_to(app, 1);
+    for (const CLI::Option* option : app.get_options()) of_structures_.push_back(option);
+    of_structures_.erase(of_structures_.begin(),
+                         of_structures_.begin() + static_cast<std::ptrdiff_t>(first));
     machine_.add_to(app, MachineFlags::Backends::choose);
   }
 
   void run() const override {
     const Stopwatch watch;
+    NamedFiles files;
     const SurfaceOptions surface = surface_.resolve();
-    const InputOptions input = input_.resolve(surface.field.preset);
+    const InputOptions input = input_.resolve(files, surface.field.preset);
     const MachineOptions machine_options = machine_.resolve();
-    const PictureOptions picture = picture_.resolve();
+    const PictureOptions picture = picture_.resolve(files);
     if (picture.path.empty()) throw InvalidInput("-o: name the picture to write (.png)");
 
     Machine machine(machine_options);
     Report report;
-    if (names_mesh(input.path)) {
+    if (find_mesh_format(input.path)) {
       draw_file(input.path, picture, machine_options, machine.monitor(), report);
     } else {
       draw_structure(input, surface, picture, machine_options, machine.monitor(), report);
     }
     machine.end_progress();
     report.timing.total = watch.seconds();
-    if (machine_options.verbosity == Verbosity::normal) write_standard_output(summary_of(report));
+    if (machine_options.verbosity == Verbosity::normal) {
+      return write_standard_output(summary_of(report));
+    }
+    print_warnings(report.warnings);
   }
 
  private:
@@ -69,6 +69,11 @@ class RenderVerb : public Verb {
       throw InvalidInput(
           "--color: a mesh file has no atoms; vdwmesh compare MESH INPUT --picture FILE.png "
           "colours it by distance");
+    }
+    for (const CLI::Option* option : of_structures_) {
+      if (option->count() == 0 || option->get_positional()) continue;
+      throw InvalidInput(fmt::format("{}: is of structures; {} is a mesh, which is drawn as it is",
+                                     option->get_name(), path.string()));
     }
     const MeshFile file = read_mesh(path);
     report.notes = file.notes;
@@ -123,6 +128,7 @@ class RenderVerb : public Verb {
   InputFlags input_;
   SurfaceFlags surface_;
   MachineFlags machine_;
+  std::vector<const CLI::Option*> of_structures_;  // which a mesh file has no use for
 };
 
 }  // namespace

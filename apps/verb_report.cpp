@@ -44,13 +44,14 @@ class ReportVerb : public Verb {
 
   void run() const override {
     const Stopwatch watch;
+    NamedFiles files;
     const SurfaceOptions surface = surface_.resolve();
-    const InputOptions input = input_.resolve(surface.field.preset);
+    const InputOptions input = input_.resolve(files, surface.field.preset);
     const ExactOptions exact = exact_.resolve();
     const DistanceChoice distance_choice = distances_.resolve();
     const MachineOptions machine_options = machine_.resolve();
-    const OutputOptions output = output_.resolve();
-    const PictureOptions picture = picture_.resolve();
+    const OutputOptions output = output_.resolve(files);
+    const PictureOptions picture = picture_.resolve(files);
     const SelfIntersections count =
         choose("--self-intersections", self_intersections_, kSelfIntersections);
     const CgalCheck cgal_check = choose("--cgal-check", cgal_check_, kCgalChecks);
@@ -63,6 +64,8 @@ class ReportVerb : public Verb {
     demand.surface = surface;
     demand.backend = resolve(machine_options.backend);
     demand.normals = picture.path.empty() ? Normals::none : Normals::gradients;
+    demand.self_intersections = count;
+    demand.cgal_check = cgal_check;
     demand.exact = exact.method;
     demand.distances = distance_choice.distances;
     const auto estimate = check_memory_before(demand, spheres, machine_options.memory_limit);
@@ -88,9 +91,9 @@ class ReportVerb : public Verb {
     machine.end_progress();
     add_warnings(report);
     if (!output.per_atom.empty()) {
-      write_file(output.per_atom,
-                 per_atom_csv(molecule, input.probe, *report.exact,
-                              mesh_area_by_sphere(mesh, spheres.size()), output.group));
+      write_output(output.per_atom,
+                   per_atom_csv(molecule, input.probe, *report.exact,
+                                mesh_area_by_sphere(mesh, spheres.size()), output.group));
     }
     report.timing.total = watch.seconds();
     deliver(report, output, machine_options.verbosity);

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include "machine.hpp"
 #include "output.hpp"
+#include "printable.hpp"
 #include "study/progress.hpp"
 #include "study/study_flags.hpp"
 #include "verbs.hpp"
@@ -8,10 +10,22 @@
 namespace vdwmesh::apps {
 namespace {
 
+constexpr const char *kTable = "study.csv", *kDocument = "study.json", *kPage = "index.html";
+
 std::uint64_t count_refused(const Study& study) {
   std::uint64_t count = 0;
   for (const StudyFindings& f : study.findings) count += f.refused.size();
   return count;
+}
+
+std::vector<std::string> warnings_of(const Study& study) {
+  std::vector<std::string> all;
+  for (const StudyFindings& f : study.findings) {
+    for (const std::string& warning : f.input.warnings) {
+      all.push_back(fmt::format("{}: {}", f.input.name, warning));
+    }
+  }
+  return all;
 }
 
 class StudyVerb : public Verb {
@@ -28,17 +42,27 @@ class StudyVerb : public Verb {
 
   void run() const override {
     const StudyOptions options = study_.resolve();
-    const Study study = make_study(input_.resolve_all(), options);
-    write_file(options.folder / "study.csv", study_csv(study));
-    write_file(options.folder / "study.json", study_json(study));
-    write_file(options.folder / "index.html", study_html(study));
+    NamedFiles files;
+    for (const char* name : {kTable, kDocument, kPage}) {
+      files.add_output_in("-o", options.folder, name);
+    }
+    const std::vector<InputOptions> inputs = input_.resolve_all(files);
+    MachineOptions threads_only = options.machine;
+    threads_only.progress = Progress::never;  // a study has a line of its own
+    const Machine machine(threads_only);
+    const Study study = make_study(inputs, options);
+    std::vector<std::string> warnings = warnings_of(study);
+    write_file(options.folder / kTable, study_csv(study));
+    write_file(options.folder / kDocument, study_json(study));
+    write_file(options.folder / kPage, study_html(study, warnings));
+    print_warnings(warnings);
     if (options.machine.verbosity == Verbosity::quiet) return;
     const std::uint64_t refused = count_refused(study);
     write_standard_output(fmt::format(
         "{} runs made, {} found finished{}{}; {}; see {}\n", study.runs_made, study.runs_found,
         refused > 0 ? fmt::format(", {} refused (study.json says why)", refused) : "",
         study.runs_left > 0 ? fmt::format(", {} left for the next call", study.runs_left) : "",
-        duration_text(study.seconds), (options.folder / "index.html").string()));
+        duration_text(study.seconds), printable((options.folder / kPage).string())));
   }
 
  private:

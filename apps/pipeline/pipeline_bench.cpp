@@ -50,6 +50,9 @@ class Pass {
     exact(mesh);
     measure_mesh(mesh);
     build(std::move(mesh));
+    result_.warnings = std::move(report_.warnings);
+    const bool fell_back = report_.backend->device && report_.backend->used == Backend::cpu;
+    if (fell_back) result_.warnings.push_back(*report_.backend->reason);
     return std::move(result_);
   }
 

@@ -41,6 +41,7 @@ struct PipelineCase {
   double spacing = 0;  // Å
   std::uint64_t spheres = 0, vertices = 0, triangles = 0;
   std::vector<StageRow> stages;
+  std::vector<std::string> warnings;  // of the reader, and where the CPU stood in for a device
 };
 
 struct PipelineBench {

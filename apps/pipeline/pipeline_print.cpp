@@ -3,9 +3,11 @@
 
 #include <iterator>
 
+#include "build_id.hpp"
 #include "csv.hpp"
 #include "json_writer.hpp"
 #include "pipeline/pipeline_bench.hpp"
+#include "printable.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -46,8 +48,8 @@ void print_stage(Text out, const StageRow& row) {
 }
 
 void print_case(Text out, const PipelineCase& done) {
-  fmt::format_to(out, "\n{} at {} Å: {} spheres, {} vertices, {} triangles\n", done.input,
-                 done.spacing, done.spheres, done.vertices, done.triangles);
+  fmt::format_to(out, "\n{} at {} Å: {} spheres, {} vertices, {} triangles\n",
+                 printable(done.input), done.spacing, done.spheres, done.vertices, done.triangles);
   fmt::format_to(out, "{:<22} {:>9} {:>9} {:>9} {:>9} {:>8} {:>9} {:>7}\n", "stage", "CPU s",
                  "wall s", "read MB", "write MB", "peak MB", "floor s", "CPU / f");
   for (const StageRow& row : done.stages) print_stage(out, row);
@@ -83,13 +85,10 @@ Json stage_json(const StageRow& row) {
 Json case_json(const PipelineCase& done) {
   Json stages = Json::array();
   for (const StageRow& row : done.stages) stages.push_back(stage_json(row));
-  return {{"input", done.input},
-          {"spacing", done.spacing},
-          {"spheres", done.spheres},
-          {"vertices", done.vertices},
-          {"triangles", done.triangles},
-          {"stages", stages},
-          {"total", stage_json(total_of(done))}};
+  return {{"input", done.input},       {"warnings", done.warnings},
+          {"spacing", done.spacing},   {"spheres", done.spheres},
+          {"vertices", done.vertices}, {"triangles", done.triangles},
+          {"stages", stages},          {"total", stage_json(total_of(done))}};
 }
 
 }  // namespace
@@ -124,7 +123,8 @@ std::string pipeline_bench_json(const PipelineBench& bench) {
   for (const PipelineCase& done : bench.cases) cases.push_back(case_json(done));
   return write_json(
       {{"schema", "vdwmesh-bench-pipeline/1"},
-       {"version", VDWMESH_VERSION},
+       {"version", kVersion},
+       {"revision", kRevision},
        {"backend",
         {{"requested", backend_name(bench.backend.requested)},
          {"used", backend_name(bench.backend.used)},

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <utility>
+
 #include "bench_output.hpp"
 #include "machine.hpp"
 #include "parse.hpp"
@@ -6,6 +9,18 @@
 
 namespace vdwmesh::apps {
 namespace {
+
+// Of each input once, however many cases it is in.
+std::vector<std::string> warnings_of(const PipelineBench& bench) {
+  std::vector<std::string> all;
+  for (const PipelineCase& done : bench.cases) {
+    for (const std::string& warning : done.warnings) {
+      std::string text = done.input + ": " + warning;
+      if (std::ranges::find(all, text) == all.end()) all.push_back(std::move(text));
+    }
+  }
+  return all;
+}
 
 class PipelineBenchVerb : public Verb {
  public:
@@ -26,14 +41,15 @@ class PipelineBenchVerb : public Verb {
 
   void run() const override {
     PipelineBenchOptions options;
-    options.inputs = input_.resolve_all();
+    NamedFiles files;
+    options.inputs = input_.resolve_all(files);
     options.spacings = parse_lengths("--spacing", spacings_);
     options.subdivisions =
         static_cast<int>(parse_integer("--subdivide", subdivisions_, 0, kMaxSubdivisions));
     options.distances = switch_of_name("--distances", distances_);
     options.repeats = static_cast<int>(parse_integer("--repeat", repeat_, 1, 1000));
     options.machine = machine_.resolve();
-    output_.check();
+    const BenchOutputs outputs = output_.resolve(files);
     Machine machine(options.machine);
     const PipelineBench bench =
         run_pipeline_bench(options, [&](std::size_t done, std::size_t cases) {
@@ -41,10 +57,11 @@ class PipelineBenchVerb : public Verb {
           advance(machine.monitor(), done == 0 ? 0 : 1);
         });
     machine.end_progress();
-    output_.deliver(
-        {[&] { return pipeline_bench_text(bench); }, [&] { return pipeline_bench_csv(bench); },
-         [&] { return pipeline_bench_json(bench); }},
-        options.machine.verbosity);
+    print_warnings(warnings_of(bench));
+    deliver(outputs,
+            {[&] { return pipeline_bench_text(bench); }, [&] { return pipeline_bench_csv(bench); },
+             [&] { return pipeline_bench_json(bench); }},
+            options.machine.verbosity);
   }
 
  private:

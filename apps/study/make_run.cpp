@@ -22,7 +22,7 @@ StudyRun measure(const IndexedMesh& mesh, const StudySetting& setting, const Stu
   run.quality = summary.quality;
   run.histograms = quality_histograms(mesh);
   run.comparison = compare(run.topology, run.measures, input.exact);
-  if (counts_self_intersections(options.self_intersections, mesh)) {
+  if (counts_self_intersections(options.self_intersections, mesh.triangle_count())) {
     run.self_intersections = self_intersections(mesh);
   }
   if (options.distances.distances == Switch::on) {
@@ -101,6 +101,7 @@ std::vector<StudyRun> make_runs(const StudyTask& task, const StudyInput& input,
   MemoryDemand demand;
   demand.surface = surface_options(task.setting);
   demand.backend = resolve(machine.backend);
+  demand.self_intersections = options.self_intersections;
   demand.distances = options.distances.distances;
   check_memory_before(demand, input.spheres, machine.memory_limit);
   const IndexedMesh mesh = make_mesh(input.spheres, surface_options(task.setting), {}, machine,

@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-#include "machine.hpp"
+#include "build_id.hpp"
 #include "stopwatch.hpp"
 #include "study/make_run.hpp"
 #include "study/plan.hpp"
@@ -45,6 +45,7 @@ StudyInput read_input(const InputOptions& options, std::uint64_t memory_limit) {
   Report report;
   input.molecule = load(options, memory_limit, report);
   input.report = report.input;
+  input.warnings = report.warnings;
   input.spheres = to_spheres(input.molecule, options.probe);
   input.hash = hash_of(input.spheres);
   measure_exactly(input.spheres, {}, nullptr, report);
@@ -126,13 +127,15 @@ class Sweep {
     task.weight = study_weight(study_.findings[task.input].input.exact.area, task.setting);
   }
 
-  // Everything that a run depends on.
+  // Everything that a run depends on, the program included.
   Json key_of(std::size_t input, const StudySetting& setting) const {
     const StudyOptions& options = study_.options;
     const BackendReport& backend = *std::ranges::find(
         study_.backends, backend_of_name(setting.key.backend), &BackendReport::used);
     const bool distances = options.distances.distances == Switch::on;
-    return {{"version", VDWMESH_VERSION},
+    return {{"version", kVersion},
+            {"revision", kRevision},
+            {"build", kBuild},
             {"spheres", study_.findings[input].input.hash},
             {"setting", setting_json(setting)},
             {"samples", distances ? Json(options.distances.samples_per_area) : Json(nullptr)},
@@ -198,9 +201,6 @@ SurfaceOptions surface_options(const StudySetting& setting) {
 
 Study make_study(const std::vector<InputOptions>& inputs, const StudyOptions& options) {
   const Stopwatch watch;
-  MachineOptions threads_only = options.machine;
-  threads_only.progress = Progress::never;  // a study has a line of its own
-  const Machine machine(threads_only);
   Study study;
   study.options = options;
   study.backends = find_backends(options.axes.backends);

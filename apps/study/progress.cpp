@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "interrupt.hpp"
+#include "printable.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -31,7 +32,7 @@ StudyProgress::~StudyProgress() {
 
 void StudyProgress::begin_run(std::string name) {
   const std::lock_guard lock(mutex_);
-  run_ = std::move(name);
+  run_ = printable(std::move(name));
   stage_ = "start";
   draw();
 }

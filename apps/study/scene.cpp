@@ -1,5 +1,7 @@
 #include "study/scene.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -8,6 +10,8 @@
 #include <utility>
 
 #include "analysis/mesh_measures.hpp"
+#include "core/errors.hpp"
+#include "memory_plan.hpp"
 #include "mesh/element_color.hpp"
 #include "parse.hpp"
 #include "study/records.hpp"
@@ -113,9 +117,14 @@ Scene make_scene(const Study& study, std::size_t input, const StudySetting& sett
   const StudyInput& molecule = study.findings[input].input;
   MachineOptions machine = study.options.machine;
   machine.backend = backend_of_name(setting.key.backend);
+  MemoryDemand demand;
+  demand.surface = surface_options(setting);
+  demand.backend = resolve(machine.backend);
+  demand.measures = Switch::off;
+  check_memory_before(demand, molecule.spheres, machine.memory_limit);
   Report report;
   const IndexedMesh mesh =
-      make_mesh(molecule.spheres, surface_options(setting), {}, machine, nullptr, report);
+      make_mesh(molecule.spheres, *demand.surface, {}, machine, nullptr, report);
   const Box box = box_of(mesh);
   const std::vector<float> distances = centroid_distances(mesh, molecule.spheres);
   const double range = distance_range(distances);
@@ -156,7 +165,7 @@ std::map<Way, const StudyRun*> choose_runs(const StudyFindings& findings) {
 
 }  // namespace
 
-std::vector<Scene> make_scenes(const Study& study) {
+std::vector<Scene> make_scenes(const Study& study, std::vector<std::string>& warnings) {
   std::vector<std::pair<Way, std::pair<std::size_t, const StudyRun*>>> wanted;
   for (std::size_t i = 0; i < study.findings.size(); ++i) {
     for (const auto& [way, run] : choose_runs(study.findings[i])) wanted.push_back({way, {i, run}});
@@ -168,7 +177,12 @@ std::vector<Scene> make_scenes(const Study& study) {
     const auto& [input, run] = place;
     if (triangles + run->topology.triangles > study.options.page_triangles) continue;
     triangles += run->topology.triangles;
-    scenes.push_back(make_scene(study, input, run->setting));
+    try {
+      scenes.push_back(make_scene(study, input, run->setting));
+    } catch (const LimitExceeded& error) {
+      warnings.push_back(fmt::format("{}: a mesh is left out of the page: {}",
+                                     study.findings[input].input.name, error.what()));
+    }
   }
   std::ranges::stable_sort(scenes, {}, &Scene::input);
   return scenes;

@@ -19,6 +19,9 @@ struct Scene {
 
 // One mesh per molecule and way of making it, each the finest run of at most 200,000 triangles (or
 // the coarsest of all), first ways first, as long as the study's page_triangles hold them.
-std::vector<Scene> make_scenes(const Study& study);
+//
+// A mesh that is now beyond a limit, though it was not when its run was made, is left out, and
+// `warnings` say so.
+std::vector<Scene> make_scenes(const Study& study, std::vector<std::string>& warnings);
 
 }  // namespace vdwmesh::apps

@@ -54,6 +54,7 @@ struct StudyInput {
   SphereSet spheres;
   std::string hash;  // of the spheres
   InputReport report;
+  std::vector<std::string> warnings;  // for people: what may be wrong with the file
   ExactUnion exact;
   double exact_seconds = 0;
 };
@@ -82,14 +83,15 @@ struct Study {
 // The SurfaceOptions that make_mesh() takes for a setting.
 SurfaceOptions surface_options(const StudySetting& setting);
 
-// Reads the inputs and makes every run that the folder does not hold yet; each is kept there as
-// soon as it is finished. Throws what the stages throw, but for a run that is beyond a limit or too
-// coarse: that is recorded as refused.
+// Runs with the threads that the caller allows. Reads the inputs and makes every run that the
+// folder does not hold yet; each is kept there as soon as it is finished. Throws what the stages
+// throw, but for a run that is beyond a limit or too coarse: that is recorded as refused.
 Study make_study(const std::vector<InputOptions>& inputs, const StudyOptions& options);
 
 std::string study_csv(const Study& study);
 std::string study_json(const Study& study);
-// One self-contained page. Meshes are made anew for it.
-std::string study_html(const Study& study);
+// One self-contained page. Meshes are made anew for it; one that is now beyond a limit is left out,
+// and `warnings` say so.
+std::string study_html(const Study& study, std::vector<std::string>& warnings);
 
 }  // namespace vdwmesh::apps

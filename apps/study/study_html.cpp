@@ -87,12 +87,12 @@ std::string data_block(const std::string& id, std::string_view bytes) {
                      pack(bytes));
 }
 
-std::string data_blocks(const Study& study) {
+std::string data_blocks(const Study& study, std::vector<std::string>& warnings) {
   std::string blocks = data_block(
       "study", study_document(study).dump(-1, ' ', false, Json::error_handler_t::replace));
   Json descriptions = Json::array();
   std::size_t number = 0;
-  for (const Scene& scene : make_scenes(study)) {
+  for (const Scene& scene : make_scenes(study, warnings)) {
     blocks += data_block(fmt::format("scene-{}", number++), scene.bytes);
     descriptions.push_back(scene.description);
   }
@@ -109,11 +109,11 @@ std::string title(const Study& study) {
 
 }  // namespace
 
-std::string study_html(const Study& study) {
+std::string study_html(const Study& study, std::vector<std::string>& warnings) {
   const std::pair<std::string_view, std::string> parts[] = {
       {"{{title}}", title(study)},
       {"{{style}}", std::string(asset("style.css"))},
-      {"{{data}}", data_blocks(study)},
+      {"{{data}}", data_blocks(study, warnings)},
       {"{{libraries}}", libraries()},
       {"{{scripts}}", own_scripts()}};
   std::string page;

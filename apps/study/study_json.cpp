@@ -1,5 +1,6 @@
 #include "study/study_json.hpp"
 
+#include "build_id.hpp"
 #include "extract/extractor.hpp"
 #include "report_json.hpp"
 #include "study/records.hpp"
@@ -50,6 +51,7 @@ Json compared_series(const StudySeries& series, const ExactUnion& exact) {
 Json findings_json(const StudyFindings& f) {
   return {{"name", f.input.name},
           {"input", input_json(f.input.report)},
+          {"warnings", f.input.warnings},
           {"exact", exact_json(f.input.exact)},
           {"exact_seconds", f.input.exact_seconds},
           {"runs", list(f.runs, run_json)},
@@ -63,7 +65,8 @@ Json findings_json(const StudyFindings& f) {
 
 Json study_document(const Study& study) {
   return {{"schema", kSchema},
-          {"version", VDWMESH_VERSION},
+          {"version", kVersion},
+          {"revision", kRevision},
           {"parameters", parameters_json(study.options)},
           {"backends", list(study.backends, backend_json)},
           {"runs_found", study.runs_found},

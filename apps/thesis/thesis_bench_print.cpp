@@ -4,6 +4,7 @@
 #include <iterator>
 #include <set>
 
+#include "build_id.hpp"
 #include "csv.hpp"
 #include "json_writer.hpp"
 #include "thesis/thesis_bench.hpp"
@@ -171,7 +172,8 @@ std::string thesis_bench_json(const ThesisBench& bench) {
   for (const ThesisBenchRow& row : bench.rows) rows.push_back(row_json(row));
   const bool none = bench.no_device.empty();
   return write_json({{"schema", "vdwmesh-bench-thesis/1"},
-                     {"version", VDWMESH_VERSION},
+                     {"version", kVersion},
+                     {"revision", kRevision},
                      {"threads", bench.threads},
                      {"device", or_null(bench.device)},
                      {"driver", or_null(bench.driver)},

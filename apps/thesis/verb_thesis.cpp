@@ -32,7 +32,8 @@ class ThesisBenchVerb : public Verb {
   void run() const override {
     const ThesisBenchOptions options = resolve();
     const MachineOptions machine_options = machine_.resolve();
-    output_.check();
+    NamedFiles files;
+    const BenchOutputs outputs = output_.resolve(files);
     Machine machine(machine_options);
     Monitor* monitor = machine.monitor();
     const ThesisBench bench = run_thesis_bench(
@@ -41,10 +42,10 @@ class ThesisBenchVerb : public Verb {
           advance(monitor, row == 0 ? 0 : 1);
         });
     machine.end_progress();
-    output_.deliver(
-        {[&] { return thesis_bench_text(bench); }, [&] { return thesis_bench_csv(bench); },
-         [&] { return thesis_bench_json(bench); }},
-        machine_options.verbosity);
+    deliver(outputs,
+            {[&] { return thesis_bench_text(bench); }, [&] { return thesis_bench_csv(bench); },
+             [&] { return thesis_bench_json(bench); }},
+            machine_options.verbosity);
   }
 
  private:

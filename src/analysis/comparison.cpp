@@ -1,5 +1,9 @@
 #include "analysis/comparison.hpp"
 
+#include "core/blocks.hpp"
+#include "core/disjoint_sets.hpp"
+#include "extract/cell_list.hpp"
+
 namespace vdwmesh {
 
 Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
@@ -15,6 +19,24 @@ Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
         topology.euler_characteristic - (exact.topology->euler_characteristic + doubled);
   }
   return result;
+}
+
+std::uint64_t count_components(const SphereSet& spheres) {
+  const CellList list = make_ball_list(spheres);
+  const CellListView& view = list.view();
+  DisjointSets pieces(view.size);
+  for_all(view.size, [&](std::size_t i) {
+    const Sphere& a = view.spheres[i];
+    const Vec3d reach{a.radius, a.radius, a.radius};
+    visit_near_box(view, a.center - reach, a.center + reach, [&](std::uint32_t j) {
+      const Sphere& b = view.spheres[j];
+      if (norm(a.center - b.center) <= a.radius + b.radius) {
+        pieces.join(static_cast<std::uint32_t>(i), j);
+      }
+      return false;
+    });
+  });
+  return pieces.count();
 }
 
 }  // namespace vdwmesh

@@ -22,4 +22,9 @@ struct Comparison {
 Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
                    const ExactUnion& exact);
 
+// Connected pieces of the union of the closed balls: those of the graph in which two balls are
+// neighbours where they overlap or touch. Much cheaper than the exact union; where balls touch to
+// the last digit it goes by their rounded distance.
+std::uint64_t count_components(const SphereSet& spheres);
+
 }  // namespace vdwmesh

@@ -126,7 +126,7 @@ class Choice {
   bool is_chosen(std::size_t index) const {
     if (options_.model == "all") return true;
     if (options_.model == "first") return index == 0;
-    const std::string& name = file_.structure->models[index].name;
+    const std::string name = model_name(index);
     const auto wanted = whole_number(options_.model);
     return name == options_.model || (wanted && wanted == whole_number(name));
   }
@@ -134,10 +134,12 @@ class Choice {
   void choose_models() {
     const std::vector<gemmi::Model>& models = file_.structure->models;
     sites_.reserve(file_.atoms.size());
+    bool found = false;
     for (std::size_t i = 0; i < models.size(); ++i) {
       std::uint64_t count = 0;
       const bool chosen = is_chosen(i);
-      if (chosen) molecule_.model = options_.model == "all" ? "all" : models[i].name;
+      if (chosen) molecule_.model = options_.model == "all" ? "all" : model_name(i);
+      found = found || chosen;
       for (const gemmi::Chain& chain : models[i].chains)
         for (const gemmi::Residue& residue : chain.residues) {
           count += residue.atoms.size();
@@ -148,16 +150,21 @@ class Choice {
       molecule_.atoms_read += count;
       if (!chosen && count != 0) molecule_.skipped["other_models"] += count;
     }
-    if (molecule_.model.empty())
+    if (!found)
       throw InvalidInput(
           fmt::format("{}: has no model {}; it has {}", file_.path, options_.model, model_names()));
   }
 
+  // A model that the file does not number goes by its place.
+  std::string model_name(std::size_t index) const {
+    const std::string& name = file_.structure->models[index].name;
+    return name.empty() ? std::to_string(index + 1) : name;
+  }
+
   std::string model_names() const {
-    const std::vector<gemmi::Model>& models = file_.structure->models;
-    if (models.size() == 1) return models[0].name;
-    return fmt::format("{} models, {} to {}", models.size(), models.front().name,
-                       models.back().name);
+    const std::size_t count = file_.structure->models.size();
+    if (count == 1) return model_name(0);
+    return fmt::format("{} models, {} to {}", count, model_name(0), model_name(count - 1));
   }
 
   void drop_by_kind() {

@@ -110,6 +110,17 @@ class ProgramTest(unittest.TestCase):
         schema_validator().validate(document)
         return document
 
+    def cut_file(self, source=UBIQUITIN):
+        """A PDB file that ends within the line of its 300th atom, behind the last number needed."""
+        text = source.read_text()
+        return self.file("cut.pdb", text[: text.index("ATOM    300") + 60])
+
+    def text_and_document(self, *arguments):
+        """The report of one run, as text and as JSON."""
+        path = self.folder / "report.json"
+        text = self.run_ok(*arguments, "--json", path).stdout
+        return text, parse_json(path.read_text())
+
     def assert_refused(self, code, *arguments, says=(), **options):
         """One line on standard error that names what is in `says`; nothing on standard output."""
         result = run(*arguments, **options)

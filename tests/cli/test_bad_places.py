@@ -77,6 +77,41 @@ class Places(ProgramTest):
         self.assertEqual(result.returncode, BAD_INPUT)
         self.assertIn("permission", result.stderr)
 
+    def test_what_another_user_may_not_do(self):
+        """A sticky folder's files, a folder that may not be entered, a file without permission to write."""
+        if os.geteuid() != 0:
+            self.skipTest("needs root, to make the files of another user")
+        self.folder.chmod(0o777)
+        sticky, closed = self.folder / "sticky", self.folder / "closed"
+        for folder, mode in ((sticky, 0o1777), (closed, 0o600)):
+            folder.mkdir()
+            folder.chmod(mode)
+        (sticky / "theirs.json").write_text("theirs")
+        (sticky / "theirs.json").chmod(0o666)
+        locked = self.file("locked.json", "locked")
+        os.chown(locked, NOBODY, NOBODY)
+        locked.chmod(0o400)
+        for path, says in ((sticky / "theirs.json", "replace"), (closed / "a.json", "ermission"),
+                           (locked, "replace")):  # fmt: skip
+            with self.subTest(path=path.name):
+                try:
+                    result = program.run("exact", UBIQUITIN, "--json", path, preexec_fn=as_nobody)
+                except PermissionError as error:
+                    self.skipTest(f"nobody may not run the program: {error}")
+                self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+                self.assertIn(f"--json {path}", result.stderr)
+                self.assertIn(says, result.stderr)
+        self.assertEqual((sticky / "theirs.json").read_text(), "theirs")
+        self.assertEqual(locked.read_text(), "locked")
+
+    def test_names_that_no_file_can_have(self):
+        name = self.folder / ("x" * 300)
+        for arguments in (("exact", UBIQUITIN, "--radii", name), ("study", UBIQUITIN, "-o", name),
+                          ("exact", UBIQUITIN, "--json", name / "a.json"),
+                          ("bench", "thesis", "--structures", name)):  # fmt: skip
+            with self.subTest(arguments=arguments):
+                self.assert_refused(BAD_INPUT, *arguments, says=("too long",))
+
     def test_devices(self):
         self.refused(self.link("a.pdb", "/dev/null"), says=("is empty",))
         self.refused(self.link("z.pdb", "/dev/zero"), "--memory-limit", "512M", code=LIMIT_HIT,

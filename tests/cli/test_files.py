@@ -1,8 +1,10 @@
 """Files in and out: formats, standard input, gzip, and nothing half-written."""
 
 import gzip
+import os
 import resource
 import signal
+import stat
 import subprocess
 
 from program import BAD_INPUT, PROGRAM, UBIQUITIN, ProgramTest, parse_json
@@ -38,6 +40,17 @@ class Inputs(ProgramTest):
         path = self.folder / "a.pdb.gz"
         path.write_bytes(gzip.compress(UBIQUITIN.read_bytes())[:2000])
         self.assert_refused(BAD_INPUT, "exact", path, says=("a.pdb.gz",))
+
+
+    def test_models_without_a_number_go_by_their_place(self):
+        names = ("group_PDB", "id", "type_symbol", "label_atom_id", "label_comp_id", "label_asym_id",
+                 "label_seq_id", "Cartn_x", "Cartn_y", "Cartn_z", "pdbx_PDB_model_num")  # fmt: skip
+        header = "data_x\nloop_\n" + "".join(f"_atom_site.{name}\n" for name in names)
+        path = self.file("a.cif", header + "ATOM 1 C CA ALA A 1 0 0 0 ?\nATOM 2 O O ALA A 1 5 0 0 ?\n")
+        for model in ("first", "1"):
+            found = self.report("exact", path, "--model", model)["input"]
+            self.assertEqual((found["atoms_used"], found["model"]), (2, "1"))
+        self.assert_refused(BAD_INPUT, "exact", path, "--model", "2", says=("no model 2; it has 1",))
 
 
 class Outputs(ProgramTest):
@@ -81,10 +94,93 @@ class Outputs(ProgramTest):
 
     def test_one_file_for_two_outputs(self):
         path = self.folder / "a.ply"
-        self.assert_refused(BAD_INPUT, "mesh", UBIQUITIN, "-o", path, "--json", path, says=("--json",))
-        both = ("--json", path, "--per-atom", path)
+        (self.folder / "link.json").symlink_to("a.ply")
+        for same in (path, f"{self.folder}/./a.ply", self.folder / "link.json"):
+            with self.subTest(same=same):
+                mesh = ("mesh", UBIQUITIN, "-o", path, "--json", same)
+                self.assert_refused(BAD_INPUT, *mesh, says=("-o", "--json"))
+                both = ("--json", path, "--per-atom", same)
+                self.assert_refused(BAD_INPUT, "exact", UBIQUITIN, *both, says=("--json", "--per-atom"))
+        table = ("bench", "pipeline", UBIQUITIN, "--csv", path, "--json", path)
+        self.assert_refused(BAD_INPUT, *table, says=("--csv", "--json"))
+        both = ("--json", "-", "--per-atom", "-")
         self.assert_refused(BAD_INPUT, "exact", UBIQUITIN, *both, says=("--json", "--per-atom"))
-        self.assertEqual(self.files(), [])
+        self.assertEqual(self.files(), ["link.json"])
+
+    def test_an_output_that_is_an_input(self):
+        """Whatever name it goes by: the same, a link to it, another name of it."""
+        structure, mesh = self.file("in.xyzr", "0 0 0 1\n"), self.folder / "in.ply"
+        self.run_ok("mesh", structure, "-o", mesh)
+        radii = self.file("radii.txt", "C 1.7\n")
+        (self.folder / "soft").symlink_to("in.xyzr")
+        (self.folder / "hard").hardlink_to(structure)
+        before = {path: path.read_bytes() for path in self.folder.iterdir()}
+        for arguments, says in (
+            (("exact", structure, "--json", structure), ("--json", "INPUT")),
+            (("exact", structure, "--json", self.folder / "soft"), ("--json", "INPUT")),
+            (("exact", structure, "--per-atom", self.folder / "hard"), ("--per-atom", "INPUT")),
+            (("exact", UBIQUITIN, "--radii", radii, "--json", radii), ("--json", "--radii")),
+            (("compare", mesh, structure, "--json", mesh), ("--json", "MESH")),
+            (("compare", mesh, structure, "--json", structure), ("--json", "INPUT")),
+            (("bench", "pipeline", structure, "--csv", structure), ("--csv", "INPUT")),
+            (("render", self.link("a.png", "in.ply"), "--format", "xyzr", "-o", self.folder / "a.png"),
+             ("-o", "INPUT")),
+            (("study", self.folder / "out" / "study.csv", "--format", "xyzr", "-o", self.folder / "out"),
+             ("-o", "INPUT")),
+        ):  # fmt: skip
+            with self.subTest(arguments=arguments):
+                self.assert_refused(BAD_INPUT, *arguments, says=says)
+        self.assertEqual({path: path.read_bytes() for path in before}, before)
+
+    def link(self, name, target):
+        (self.folder / name).symlink_to(target)
+        return self.folder / name
+
+    def test_a_table_on_standard_output(self):
+        written = self.folder / "a.csv"
+        self.run_ok("exact", UBIQUITIN, "--per-atom", written)
+        shown = self.run_ok("exact", UBIQUITIN, "--per-atom", "-", cwd=self.folder)
+        self.assertEqual(shown.stdout, written.read_text())
+        self.assertEqual(self.files(), ["a.csv"])
+
+    def test_a_private_file_stays_private(self):
+        for name, arguments in (("a.json", ("exact", "--json")), ("a.csv", ("exact", "--per-atom")),
+                                ("a.ply", ("mesh", "-o"))):
+            verb, option = arguments
+            path = self.file(name, "old")
+            path.chmod(0o600)
+            self.run_ok(verb, UBIQUITIN, option, path)
+            self.assertEqual(stat.S_IMODE(path.stat().st_mode), 0o600)
+            self.assertNotEqual(path.read_bytes(), b"old")
+
+    def test_a_link_stays_a_link(self):
+        for name, arguments in (("a.json", ("exact", "--json")), ("a.csv", ("exact", "--per-atom")),
+                                ("a.ply", ("mesh", "-o"))):
+            verb, option = arguments
+            link = self.link(name, "target-of-" + name)
+            self.run_ok(verb, UBIQUITIN, option, link)
+            self.assertTrue(link.is_symlink())
+            self.assertGreater((self.folder / f"target-of-{name}").stat().st_size, 0)
+
+    def test_a_name_as_long_as_names_may_be(self):
+        longest = os.pathconf(self.folder, "PC_NAME_MAX")
+        for verb, option, extension in (("exact", "--json", ".json"), ("mesh", "-o", ".ply")):
+            path = self.folder / ("x" * (longest - len(extension)) + extension)
+            self.run_ok(verb, UBIQUITIN, option, path)
+            self.assertGreater(path.stat().st_size, 0)
+            too_long = path.with_name("x" + path.name)
+            self.assert_refused(BAD_INPUT, verb, UBIQUITIN, option, too_long, says=(option, "too long"))
+        self.assertEqual(len(self.files()), 2)
+
+    def test_a_pipe_that_nobody_reads_can_be_interrupted(self):
+        pipe = self.folder / "a.json"
+        os.mkfifo(pipe)
+        for arguments in (("exact", UBIQUITIN, "--json", pipe), ("mesh", UBIQUITIN, "-o", self.link("a.ply", pipe))):
+            process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdout=subprocess.DEVNULL)
+            with self.assertRaises(subprocess.TimeoutExpired):
+                process.wait(1)  # it waits for the pipe's other end
+            process.send_signal(signal.SIGINT)
+            self.assertEqual(process.wait(60), 130)
 
     def test_full_disk_keeps_the_old_file(self):
         path = self.file("a.ply", "old")

@@ -32,7 +32,7 @@ class Refusals(ProgramTest):
             "--padding": ("-1", "nan", "inf"),
             "--probe": ("nan", "inf", "wide"),
             "--subdivide": ("-1", "40", "1.5", "nan", "99999999999999999999"),
-            "--samples": ("0", "-1", "nan", "many"),
+            "--samples": ("0", "-1", "nan", "many", "1e9", "1e300"),
             "--seed": ("-1", "1.5", "luck"),
             "--threads": ("0", "-2", "many"),
             "--memory-limit": ("0", "-1G", "8Q", "G", "nan", "1e300G", "1e-9", "lots"),
@@ -45,7 +45,7 @@ class Refusals(ProgramTest):
         for spacing in ("1e-9", "1e-3", "1e-300"):
             arguments = ("report", UBIQUITIN, "--spacing", spacing)
             self.assert_refused(LIMIT_HIT, *arguments, says=("spacing",))
-        for spacing in ("1e9", "1e300"):
+        for spacing in ("1e9", "1e17", "1e20", "1e25", "1e100", "1e300"):
             self.refused("--spacing", spacing, says=("coarse", "try --spacing"))
         for length in ("1e-9", "1e-3"):
             arguments = ("report", UBIQUITIN, "--mesher", "exact", "--edge-length", length)
@@ -113,8 +113,16 @@ class Refusals(ProgramTest):
             self.refused("--edge-length", value, "--mesher", "exact", says=(value,))
         self.refused("--samples", "3", "--distances", "off")
         self.refused("--no-hetatm", "--hetatm")
+        self.refused("--quiet", "--progress", says=("--progress",))
         self.refused("--group", "residue", says=("--per-atom",))
         self.refused("--sample", "ubiquitin")
+
+    def test_an_isovalue_that_no_field_reaches(self):
+        """The grid is fine enough for every ball: a coarser one, or a finer one, would not help."""
+        for field in ("blinn", "soft", "inverse-squared"):
+            result = self.assert_refused(BAD_INPUT, "report", UBIQUITIN, "--field", field, "--spacing", "1",
+                                         "--isovalue", "1e9", says=("--isovalue 1000000000", "lower"))  # fmt: skip
+            self.assertNotIn("--spacing", result.stderr)
 
     def test_probe_that_leaves_no_radius(self):
         # The smallest radius in ubiquitin is oxygen's 1.52 Å.
@@ -154,6 +162,21 @@ class Limits(ProgramTest):
         options = ("mesh", UBIQUITIN, "-o", output, "--spacing", "0.1", "--memory-limit", "1M")
         self.assert_refused(LIMIT_HIT, *options, says=("memory",))
         self.assertEqual(self.files(), [])
+
+    def test_amounts_are_readable(self):
+        for limit, says in (("1K", "1024 bytes are allowed"), ("1M", "1 MiB are allowed"),
+                            ("20M", "0.0195 GiB are allowed")):  # fmt: skip
+            self.assert_refused(LIMIT_HIT, "report", "--sample", "bpti", "--memory-limit", limit, says=(says,))
+
+    @unittest.skipIf(SANITIZED, "the sanitizers take memory of their own")
+    def test_a_verb_is_charged_for_its_own_stages_alone(self):
+        """`mesh` counts no self-intersections and has no check by CGAL; `report` has what it is asked for."""
+        grid = ("--spacing", "0.2")
+        self.run_ok("mesh", UBIQUITIN, "-o", self.folder / "a.ply", *grid, "--memory-limit", "120M")
+        report = ("report", UBIQUITIN, "--subdivide", "0", "--distances", "off", *grid, "--memory-limit", "80M")
+        self.run_ok(*report, "--self-intersections", "off", "--cgal-check", "off", "--quiet")
+        self.assert_refused(LIMIT_HIT, *report, "--self-intersections", "off", says=("check by CGAL",))
+        self.assert_refused(LIMIT_HIT, *report, "--cgal-check", "off", says=("self-intersections",))
 
     def test_what_the_message_names_would_do(self):
         quick = ("--distances", "off", "--self-intersections", "off", "--cgal-check", "off")
@@ -217,6 +240,30 @@ class Documentation(ProgramTest):
         self.assertEqual(set(re.findall(r"`(--[a-z-]+)`", table)) - told, set())
 
 
+class LostBalls(ProgramTest):
+    """A ball between the grid's nodes is no part of the mesh; every verb that meshes says so."""
+
+    def test_mesh_and_report_warn_alike(self):
+        # Nodes at multiples of 1 Å from the lower corner of the box: one of radius 0.2 is between them.
+        spheres = self.file("a.xyzr", "0 0 0 2\n5.5 5.5 5.5 0.2\n8 8 8 2\n")
+        meshed = self.run_ok("mesh", spheres, "-o", self.folder / "a.ply", "--spacing", "1").stdout
+        reported = self.run_ok("report", spheres, "--spacing", "1", "--subdivide", "0").stdout
+        for text in (meshed, reported):
+            self.assertRegex(text, r"WARNING +components: 2 in the mesh, 3 in the union of the spheres")
+        fine = self.run_ok("mesh", spheres, "-o", self.folder / "a.ply", "--spacing", "0.1").stdout
+        self.assertNotIn("WARNING", fine)
+
+    def test_balls_that_overlap_are_one_piece(self):
+        """One large ball and a chain that starts on it; a ball inside another; a pair far away."""
+        chain = "".join(f"{10 + 1.9 * i} 0 0 1\n" for i in range(1, 8))
+        spheres = self.file("a.xyzr", "0 0 0 11\n" + chain + "1 1 1 0.5\n9e5 0 0 3\n9e5 5 0 3\n")
+        report = self.report("exact", spheres)
+        self.assertEqual(report["exact"]["components"], 2)
+        mesh = self.report("mesh", spheres, "-o", self.folder / "a.ply", "--mesher", "exact", "--edge-length", "2")
+        self.assertEqual(mesh["mesh"]["components"], 2)
+        self.assertEqual(mesh["warnings"], [])
+
+
 class Messages(ProgramTest):
     def test_stay_one_line_whatever_was_typed(self):
         for arguments in (("no\nverb",), ("mesh", "--no\nsuch\x1b[2J"), ("report", UBIQUITIN, "--mesher", "a\rb"),
@@ -227,7 +274,69 @@ class Messages(ProgramTest):
                 self.assertTrue(result.stderr[:-1].isprintable())
 
 
+    def test_text_shows_no_control_characters_of_files(self):
+        """A title of the terminal's window as a file's name, a residue's and an atom's."""
+        escape = "\x1b]0;x\x07"
+        atom = f"ATOM      1  C  {escape[:4]:4}A   1       0.000   0.000   0.000  1.00  0.00           C  \n"
+        path = self.file(f"{escape}a.pdb", atom + "END")
+        for arguments in (("exact", path), ("mesh", path, "-o", self.folder / f"{escape}.ply"),
+                          ("bench", "pipeline", path, "--repeat", "1"),
+                          ("study", path, "-o", self.folder / "out", "--spacing", "1", "--progress")):  # fmt: skip
+            with self.subTest(arguments=arguments):
+                result = self.run_ok(*arguments)
+                shown = result.stdout + result.stderr.replace("\x1b[K", "")  # the bar's own
+                self.assertNotIn("\x1b", shown)
+                self.assertNotIn("\x07", shown)
+
+
+class Warnings(ProgramTest):
+    """A file that may have been cut off: every verb that reads it says so."""
+
+    def setUp(self):
+        super().setUp()
+        self.cut = self.cut_file()
+        self.says = "may have been cut off"
+
+    def test_on_standard_error_where_the_text_goes_elsewhere(self):
+        out, page = self.folder / "a.ply", self.folder / "out"
+        for arguments in (("exact", self.cut, "--json", "-"), ("exact", self.cut, "--quiet"),
+                          ("exact", self.cut, "--per-atom", "-"), ("mesh", self.cut, "-o", out, "--quiet"),
+                          ("bench", "pipeline", self.cut, "--spacing", "1", "--repeat", "1"),
+                          ("study", self.cut, "-o", page, "--spacing", "1", "--field", "vdw")):  # fmt: skip
+            with self.subTest(arguments=arguments):
+                result = self.run_ok(*arguments)
+                self.assertEqual(result.stderr.count(self.says), 1, result.stderr)
+        study = parse_json((page / "study.json").read_text())
+        self.assertIn(self.says, study["inputs"][0]["warnings"][0])
+
+    def test_in_the_text(self):
+        for arguments in (("exact", self.cut), ("report", self.cut, "--spacing", "1"),
+                          ("mesh", self.cut, "-o", self.folder / "a.ply")):  # fmt: skip
+            with self.subTest(arguments=arguments):
+                result = self.run_ok(*arguments)
+                self.assertRegex(result.stdout, f"WARNING .*{self.says}")
+                self.assertEqual(result.stderr, "")
+
+
 class Backends(ProgramTest):
+    def test_devices_where_there_is_none(self):
+        info = parse_json(self.run_ok("info", "--json", "-").stdout)
+        if info["cuda"]["devices"]:
+            self.skipTest("this machine has a CUDA device")
+        report = self.report("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--devices", "64")
+        self.assertEqual(report["backend"]["devices"], 0)
+        self.assertTrue(any("--devices 64" in note for note in report["notes"]), report["notes"])
+        report = self.report("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--devices", "1")
+        self.assertEqual(report["notes"], [])
+
+    def test_which_program_it_is(self):
+        """The sources, by git or by their hash, are named alike everywhere."""
+        info = parse_json(self.run_ok("info", "--json", "-").stdout)
+        self.assertRegex(info["revision"], r"\A[\w.-]{7,}\Z")
+        version = self.run_ok("--version").stdout
+        self.assertEqual(version, f"vdwmesh {info['version']} ({info['revision']})\n")
+        report = self.report("exact", "--sample", "bpti")
+        self.assertEqual(report["revision"], info["revision"])
     def test_cuda_without_a_device(self):
         info = parse_json(self.run_ok("info", "--json", "-").stdout)
         if info["cuda"]["devices"]:

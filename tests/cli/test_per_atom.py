@@ -44,6 +44,25 @@ class PerAtom(ProgramTest):
         self.assertEqual(len(rows), 1)
         self.assert_sums(rows, report)
 
+    def test_models_stay_apart(self):
+        """Two models of the same chain and residues, all taken as one set: rows of their own."""
+        atom = "ATOM  {0:5}  CA  {1} A{2:4}    {3:8.3f}   0.000   0.000  1.00  0.00           C  \n"
+        models = ""
+        for model in (3, 7):
+            residues = (atom.format(i, name, i, 10.0 * i + 100 * model) for i, name in ((1, "ALA"), (2, "GLY")))
+            models += f"MODEL {model:8}\n" + "".join(residues) + "ENDMDL\n"
+        path, table = self.file("models.pdb", models + "END\n"), self.folder / "a.csv"
+        expected = {"atom": [("3", "1"), ("3", "2"), ("7", "1"), ("7", "2")], "chain": [("3", ""), ("7", "")]}
+        expected["residue"] = expected["atom"]
+        area = 4 * math.pi * 1.7**2  # of a carbon atom by itself (Bondi 1964)
+        for group, keys in expected.items():
+            self.run_ok("exact", path, "--model", "all", "--per-atom", table, "--group", group)
+            with table.open(newline="") as file:
+                rows = list(csv.DictReader(file))
+            self.assertEqual([(row["model"], row["residue_number"]) for row in rows], keys)
+            for row in rows:
+                self.assert_close(float(row["exact_area"]), int(row["atoms"]) * area, SUM)
+
     def test_without_a_mesh_the_column_is_empty(self):
         rows, report = self.rows(verb="exact")
         self.assertEqual({row["mesh_area"] for row in rows}, {""})

@@ -1,5 +1,6 @@
 """Pictures as files: what they hold, and when they are refused."""
 
+import math
 import os
 import struct
 import tempfile
@@ -7,6 +8,7 @@ import unittest
 import zlib
 
 from program import BAD_INPUT, LIMIT_HIT, NO_BACKEND, ProgramTest, missing, parse_json, run
+from text_report import TextReport
 
 SMALL = ("--size", "320x240", "--subdivide", "0")
 
@@ -136,6 +138,156 @@ class Render(PictureTest):
         self.assertEqual(result.stdout + result.stderr, "")
 
 
+# Six atoms on the axes, farthest along x and nearest along z: their places in Å and the colours of
+# their elements (Jmol's). Each hides none of the others in a view along an axis but its opposite.
+SIX = {"O": ((6, 0, 0), (255, 13, 13)), "N": ((-6, 0, 0), (48, 80, 248)),
+       "S": ((0, 4.5, 0), (255, 255, 48)), "CL": ((0, -4.5, 0), (31, 240, 31)),
+       "I": ((0, 0, 2.5), (148, 0, 148)), "C": ((0, 0, -2.5), (144, 144, 144))}  # fmt: skip
+OPPOSITE = {"O": "N", "N": "O", "S": "CL", "CL": "S", "I": "C", "C": "I"}
+SIDES = ("middle", "left", "right", "top", "bottom")
+
+
+def linear(pixel):
+    return [(c / 255 / 12.92 if c <= 10 else ((c / 255 + 0.055) / 1.055) ** 2.4) for c in pixel]
+
+
+def element_of(pixel):
+    """The element whose colour it is, however much light falls on it."""
+    def cosine(a, b):
+        return sum(x * y for x, y in zip(a, b)) / math.hypot(*a) / math.hypot(*b)
+
+    return max(SIX, key=lambda e: cosine(linear(pixel[:3]), linear(SIX[e][1])))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def element_along(direction):
+    return next(e for e, (place, _) in SIX.items() if sum(a * b for a, b in zip(place, direction)) > 1)
+
+
+class Views(PictureTest):
+    """From where a picture is drawn, told by which atoms are in the middle and at its edges."""
+
+    def setUp(self):
+        super().setUp()
+        line = "HETATM{0:5} {1:>2}   LIG A{0:4}    {2:8.3f}{3:8.3f}{4:8.3f}  1.00  0.00          {1:>2}\n"
+        atoms = (line.format(i, e, *place) for i, (e, (place, _)) in enumerate(SIX.items(), 1))
+        self.six = self.file("six.pdb", "".join(atoms) + "END\n")
+
+    def seen(self, view):
+        options = ("--view", view, "--size", "160x120", "--subdivide", "0", "--antialias", "1",
+                   "--background", "transparent")  # fmt: skip
+        width, height, rows = self.picture("render", self.six, *options)
+        across = [(x, height // 2) for x in range(width) if rows[height // 2][x][3]]
+        down = [(width // 2, y) for y in range(height) if rows[y][width // 2][3]]
+        inside = 4  # pixels from the outline, where the light no longer grazes
+        places = ((width // 2, height // 2), across[inside], across[-inside], down[inside], down[-inside])
+        return dict(zip(SIDES, (element_of(rows[y][x]) for x, y in places)))
+
+    def test_along_the_axes_of_the_file(self):
+        for axis, toward in {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}.items():
+            up = (0, 1, 0) if axis == "z" else (0, 0, 1)
+            for sign, name in ((1, axis), (-1, "-" + axis)):
+                viewer = tuple(sign * c for c in toward)
+                right = element_along(cross(up, viewer))
+                top = element_along(up)
+                expected = (element_along(viewer), OPPOSITE[right], right, top, OPPOSITE[top])
+                with self.subTest(view=name):
+                    self.assertEqual(self.seen(name), dict(zip(SIDES, expected)))
+                    self.assertEqual(self.seen(",".join(map(str, viewer))), dict(zip(SIDES, expected)))
+
+    def test_sides_of_the_box(self):
+        """Which end of an axis is the front is the program's choice; how the sides fit is not."""
+        front = self.seen("front")
+        self.assertEqual({front["left"], front["right"]}, {"O", "N"})  # the broadest side
+        self.assertEqual({front["top"], front["bottom"]}, {"S", "CL"})
+        middle, left, right, top, bottom = (front[side] for side in SIDES)
+        behind = OPPOSITE[middle]
+        for view, expected in {
+            "back": (behind, right, left, top, bottom),
+            "right": (right, middle, behind, top, bottom),
+            "left": (left, behind, middle, top, bottom),
+            "top": (top, left, right, behind, middle),
+            "bottom": (bottom, left, right, middle, behind),
+        }.items():
+            with self.subTest(view=view):
+                self.assertEqual(self.seen(view), dict(zip(SIDES, expected)))
+
+
+class Meanings(PictureTest):
+    """What the options of style say is what the picture shows."""
+
+    def ball(self, name, radius):
+        return self.file(name, f"0 0 0 {radius}\n")
+
+    def pixels(self, *arguments):
+        return [pixel for row in self.picture("render", *arguments)[2] for pixel in row]
+
+    def test_perspective_makes_the_nearer_ball_larger(self):
+        atom = "HETATM    {0}  {1}   LIG A   {0}    {2:8.3f}   0.000{3:8.3f}  1.00  0.00           {1}\n"
+        pair = self.file("pair.pdb", atom.format(1, "O", -4, 6) + atom.format(2, "O", 4, -6))
+        size = ("--size", "160x120", "--subdivide", "0", "--view", "z", "--background", "transparent")
+        share = {}
+        for camera in ("orthographic", "perspective"):
+            width, _, rows = self.picture("render", pair, *size, "--camera", camera)
+            left = sum(p[3] > 0 for row in rows for p in row[: width // 2])
+            share[camera] = left / sum(p[3] > 0 for row in rows for p in row)
+        self.assertAlmostEqual(share["orthographic"], 0.5, delta=0.02)
+        self.assertGreater(share["perspective"], 0.6)
+
+    def test_antialiasing_takes_so_many_samples(self):
+        ball = self.ball("a.xyzr", 2)
+        size = ("--size", "80x60", "--background", "transparent")
+        for samples in (1, 2, 4):
+            alphas = {p[3] for p in self.pixels(ball, *size, "--antialias", samples)}
+            steps = {round(255 * k / samples**2) for k in range(samples**2 + 1)}
+            self.assertLessEqual(alphas, steps)
+            self.assertEqual(len(alphas) > 2, samples > 1)
+
+    def test_background_and_plain_colours(self):
+        ball = self.ball("a.xyzr", 2)
+        size = ("--size", "80x60", "--color", "#ff0000")
+        for background, corner in (("black", (0, 0, 0)), ("grey", (128, 128, 128)), ("#123456", (0x12, 0x34, 0x56))):
+            rows = self.picture("render", ball, *size, "--background", background)[2]
+            self.assertLessEqual(max(abs(a - b) for a, b in zip(rows[0][0], corner)), 1)
+            red, green, blue = rows[30][40]
+            self.assertTrue(red > 100 and green == blue < red / 2, rows[30][40])
+
+    def test_gouraud_lights_the_vertices_alone(self):
+        """Between the vertices of a coarse ball the highlight is missed."""
+        ball = self.ball("a.xyzr", 2)
+        size = ("--size", "160x120", "--spacing", "1.2", "--subdivide", "0", "--color", "grey",
+                "--background", "black")  # fmt: skip
+        brightest = {s: max(map(sum, self.pixels(ball, *size, "--shading", s))) for s in ("pixel", "gouraud")}
+        self.assertGreater(brightest["pixel"], brightest["gouraud"])
+
+    def test_color_maps_show_their_ends_in_the_bar(self):
+        """First and last colour as published: viridis and cividis, and Moreland's cool and warm."""
+        ball = self.ball("a.xyzr", 2)
+        for name, ends in {"viridis": ((68, 1, 84), (253, 231, 37)), "cividis": ((0, 34, 78), (254, 232, 56)),
+                           "cool-warm": ((59, 76, 192), (180, 4, 38))}.items():  # fmt: skip
+            seen = set(self.pixels(ball, "--size", "320x240", "--color", "angle", "--color-map", name))
+            for end in ends:
+                nearest = min(max(abs(a - b) for a, b in zip(end, pixel)) for pixel in seen)
+                self.assertLessEqual(nearest, 4, (name, end))
+
+    def test_a_wide_range_leaves_small_distances_pale(self):
+        """The mesh of a ball that is 0.1 Å too large: white within ±10 Å, warm within ±0.1 Å."""
+        atom, larger = self.ball("atom.xyzr", 1), self.ball("larger.xyzr", 1.1)
+        mesh, path = self.folder / "a.ply", self.folder / "picture.png"
+        self.run_ok("mesh", larger, "-o", mesh, "--spacing", "0.1")
+        excess = []
+        for bound in (10, 0.1):
+            self.run_ok("compare", mesh, atom, "--picture", path, "--size", "320x240", "--distances", "off",
+                        f"--color-range={-bound},{bound}")  # fmt: skip
+            red, _, blue = decode_png(path)[2][90][160][:3]
+            excess.append(red - blue)
+        self.assertLess(abs(excess[0]), 20)
+        self.assertGreater(excess[1], 80)
+
+
 class Refusals(PictureTest):
     def refused(self, *arguments, says=(), code=BAD_INPUT):
         self.assert_refused(code, "render", *arguments, says=says)
@@ -174,10 +326,29 @@ class Refusals(PictureTest):
             ("--color", "rainbow"): "element",
             ("--color-map", "jet"): "viridis",
             ("--color-range", "1,0"): "--color-range",
+            ("--color-range=-1e308,1e308",): "--color-range",
             ("--color", "angle", "--size", "100x100"): "colour bar",
         }.items():
             with self.subTest(options=options):
                 self.refused("--sample", "bpti", "--subdivide", "0", *out, *options, says=(says,))
+
+    def test_a_mesh_is_drawn_as_it_is(self):
+        """In capitals too; what says how a structure is read or meshed would have no effect."""
+        mesh = self.folder / "A.PLY"
+        self.run_ok("mesh", self.file("a.xyzr", "0 0 0 2\n"), "-o", mesh)
+        out = self.folder / "out.png"
+        for options in (("--field", "blinn"), ("--spacing", "0.2"), ("--subdivide", "1"), ("--probe", "1"),
+                        ("--waters",), ("--mesher", "exact"), ("--format", "pdb")):  # fmt: skip
+            with self.subTest(options=options):
+                self.refused(mesh, "-o", out, *options, says=(options[0], "A.PLY"))
+        self.run_ok("render", mesh, "-o", out, *SMALL[:2])
+
+    def test_warnings_of_the_structure(self):
+        cut = self.cut_file()
+        out = self.folder / "x.ignored.png"
+        self.assertRegex(self.run_ok("render", cut, "-o", out, *SMALL).stdout, "WARNING .*may have been cut off")
+        quiet = self.run_ok("render", cut, "-o", out, *SMALL, "--quiet")
+        self.assertEqual((quiet.stdout, quiet.stderr.count("may have been cut off")), ("", 1))
 
     def test_files(self):
         self.refused("--sample", "bpti", says=("-o",))
@@ -201,6 +372,9 @@ class OfReports(PictureTest):
         self.assertEqual(decode_png(path)[:2], (320, 240))
         self.assertEqual((picture["width"], picture["height"]), (320, 240))
         self.assertEqual(picture["view"], "top")
+        text = TextReport(*self.text_and_document("report", "--sample", "bpti", *options))
+        self.assertEqual(text.problems, [])
+        self.assertLessEqual({"Picture", "Drawn by"}, text.seen)
         scale = picture["scale"]
         self.assertEqual(scale["color_map"], "cool-warm")
         self.assertEqual(scale["lower"], -scale["upper"])

@@ -4,6 +4,7 @@ import json
 import math
 import re
 
+import text_report
 from program import UBIQUITIN, ProgramTest, parse_json, run, schema_validator
 
 # Ubiquitin (1UBQ, 602 atoms without waters), Bondi radii: the union of its spheres, by a regular
@@ -171,6 +172,40 @@ class TextReport(ProgramTest):
         self.assertNotIn("NOT", text)
         for line in text.splitlines():
             self.assertEqual(line, line.rstrip())
+
+    def assert_text_is_json(self, arguments, kinds):
+        report = text_report.TextReport(*self.text_and_document(*arguments))
+        self.assertEqual(report.problems, [])
+        self.assertLessEqual(set(kinds), report.seen)
+
+    def test_every_number_is_the_documents(self):
+        always = {"Input", "Atoms", "Radii", "Area", "Volume", "Voids", "Time (s)"}
+        mesh = always | {"Mesh", "Smallest angle", "Aspect ratio", "Edge length"}
+        whole = mesh | {"Exact union", "Euler characteristic", "mesh to surface", "surface to mesh", "Hausdorff"}
+        out = self.folder / "a.ply"
+        # Two pieces, one hollow (12 balls on a sphere), and a pair that touches.
+        hollow = [(0, s * 2, t * 3.3) for s in (1, -1) for t in (1, -1)]
+        hollow = [(*p[k:], *p[:k]) for p in hollow for k in range(3)]
+        spheres = self.file("a.xyzr", "".join(f"{x} {y} {z} 2.3\n" for x, y, z in (*hollow,))
+                            + "20 0 0 1\n22 0 0 1\n")  # fmt: skip
+        cut = self.cut_file()
+        open_mesh = self.file("open.off", "OFF\n4 3 0\n0 0 0\n2 0 0\n0 2 0\n0 0 2\n3 0 2 1\n3 0 1 3\n3 0 3 2\n")
+        ball = self.file("ball.xyzr", "0.3 0.3 0.3 1\n")
+        for arguments, kinds in (
+            (("report", "--sample", "ubiquitin"), whole | {"Grid", "Backend", "Projection", "Level"}),
+            (("report", spheres, "--spacing", "0.4", "--subdivide", "2"), whole | {"Level"}),
+            (("report", "--sample", "bpti", "--mesher", "exact", "--subdivide", "1", "--edge-length", "0.7"),
+             whole | {"Extrapolated"}),
+            (("report", "--sample", "bpti", "--field", "blinn", "--isovalue", "1.25", "--blobbiness", "3",
+              "--subdivide", "0", "--topology", "off", "--no-hydrogens", "--probe", "0.125"), whole),
+            (("report", cut, "--distances", "off", "--self-intersections", "off", "--cgal-check", "off",
+              "--project", "none"), mesh | {"WARNING"}),
+            (("exact", spheres, "--method", "both"), always | {"Exact union"}),
+            (("mesh", cut, "-o", out, "--devices", "2"), mesh),
+            (("compare", open_mesh, ball), whole | {"Mesh file", "WARNING"}),
+        ):  # fmt: skip
+            with self.subTest(arguments=arguments):
+                self.assert_text_is_json(arguments, kinds)
 
     def test_quiet_prints_nothing(self):
         output = self.folder / "a.json"

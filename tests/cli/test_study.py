@@ -1,10 +1,14 @@
 """The study: its figures, its files, and what an interrupted one leaves."""
 
+import base64
 import csv
 import json
 import math
+import os
+import re
 import signal
 import subprocess
+import zlib
 
 from program import BAD_INPUT, PROGRAM, ProgramTest, parse_json, schema_validator
 
@@ -142,6 +146,117 @@ class Figures(StudyTest):
         self.assertEqual([r["parameters"]["subdivide"] for r in small["inputs"][0]["runs"]], [0])
 
 
+class Page(StudyTest):
+    """The meshes in the page, decoded here as the page's script does it."""
+
+    def read_page(self):
+        page = (self.out / "index.html").read_text()
+        blocks = dict(re.findall(r'<script type="application/octet-stream" id="([^"]+)">([^<]*)</script>', page))
+        return {name: zlib.decompress(base64.b64decode(text)) for name, text in blocks.items()}
+
+    @staticmethod
+    def read_planes(data, at, count, width):
+        """Differences modulo the width, the low bytes of all before the next ones."""
+        values, last = [], 0
+        for i in range(count):
+            difference = sum(data[at + plane * count + i] << (8 * plane) for plane in range(width))
+            last = (last + difference) % (1 << (8 * width))
+            values.append(last)
+        return values, at + width * count
+
+    def decoded(self, data, about):
+        count, triangles = about["vertices"], about["triangles"]
+        at, columns = 0, []
+        for axis in range(3):
+            steps, at = self.read_planes(data, at, count, 2)
+            step = (about["upper"][axis] - about["lower"][axis]) / 65535
+            columns.append([about["lower"][axis] + step * s for s in steps])
+        corners, at = self.read_planes(data, at, 3 * triangles, 4)
+        elements, at = data[at : at + count], at + count
+        distances, angles = data[at : at + triangles], data[at + triangles :]
+        self.assertEqual(len(angles), triangles)
+        faces = list(zip(corners[::3], corners[1::3], corners[2::3]))
+        return list(zip(*columns)), faces, elements, distances, angles
+
+    def meshed(self, structure, parameters):
+        """The same mesh by `mesh`, whose OBJ holds every digit."""
+        path = self.folder / "a.obj"
+        self.run_ok("mesh", structure, "-o", path, "--spacing", parameters["resolution"],
+                    "--subdivide", parameters["subdivide"], "--project", parameters["project"])  # fmt: skip
+        points, faces = [], []
+        for line in path.read_text().splitlines():
+            kind, *words = line.split()
+            if kind == "v":
+                points.append(tuple(map(float, words)))
+            elif kind == "f":
+                faces.append(tuple(int(word.split("/")[0]) - 1 for word in words))
+        return points, faces
+
+    @staticmethod
+    def smallest_angle(a, b, c):
+        def angle(p, q, r):
+            u, v = [y - x for x, y in zip(p, q)], [y - x for x, y in zip(p, r)]
+            cosine = sum(x * y for x, y in zip(u, v)) / math.hypot(*u) / math.hypot(*v)
+            return math.degrees(math.acos(max(-1, min(1, cosine))))
+
+        return min(angle(a, b, c), angle(b, c, a), angle(c, a, b))
+
+    def test_scenes_are_the_meshes(self):
+        # Two balls apart, of different elements and sizes (Bondi 1964), so that distances are closed forms.
+        atom = "HETATM    {0}  {1}   LIG A   {0}    {2:8.3f}{3:8.3f}   0.250  1.00  0.00           {1}\n"
+        balls = {"O": ((0.125, 0, 0.25), 1.52), "N": ((5, -3, 0.25), 1.55)}
+        pair = self.file("pair.pdb", "".join(atom.format(i, e, *c[:2]) for i, (e, (c, _)) in enumerate(balls.items(), 1)))
+        self.study(pair, "--spacing", "0.6", "--field", "vdw", "--subdivide", "1")
+        blocks = self.read_page()
+        (about,) = json.loads(blocks["scenes"])
+        points, faces, elements, distances, angles = self.decoded(blocks["scene-0"], about)
+        true_points, true_faces = self.meshed(pair, about["parameters"])
+        self.assertEqual(faces, true_faces)
+        self.assertEqual(len(points), len(true_points))
+        for axis in range(3):
+            column = [p[axis] for p in true_points]
+            self.assertEqual((about["lower"][axis], about["upper"][axis]), (min(column), max(column)))
+            half_step = (max(column) - min(column)) / 65535 / 2 * (1 + 1e-9)
+            self.assertLessEqual(max(abs(p[axis] - q) for p, q in zip(points, column)), half_step)
+        for point, number in zip(true_points, elements):
+            nearest = min(balls, key=lambda e: abs(math.dist(point, balls[e][0]) - balls[e][1]))
+            self.assertEqual(about["elements"][number]["element"], nearest)
+        bound = about["distance_range"]
+        for face, distance, angle in zip(true_faces, distances, angles):
+            a, b, c = (true_points[v] for v in face)
+            center = [sum(x) / 3 for x in zip(a, b, c)]
+            true = min(math.dist(center, place) - radius for place, radius in balls.values())
+            share = min(1, max(0, (true + bound) / (2 * bound)))
+            self.assertLessEqual(abs(distance - 255 * share), 0.51)  # half a step, and float32
+            self.assertLessEqual(abs(angle - 255 * self.smallest_angle(a, b, c) / 60), 0.51)
+
+    def test_the_page_keeps_to_the_threads_allowed(self):
+        """TBB's threads stay once they are there. The last look is before the page is there: one may be
+        started while the program ends."""
+        command = [PROGRAM, "study", "--sample", "bpti", "-o", self.out, "--spacing", "0.5", "--field", "vdw",
+                   "--subdivide", "1", "--distances", "off", "--threads", "1", "--quiet"]  # fmt: skip
+        process = subprocess.Popen(list(map(str, command)))
+        most = 0
+        while process.poll() is None:
+            try:
+                threads = len(os.listdir(f"/proc/{process.pid}/task"))
+            except OSError:
+                break
+            if not (self.out / "index.html").exists():
+                most = max(most, threads)
+        self.assertEqual(process.wait(60), 0)
+        self.assertEqual(most, 1)
+
+    def test_a_mesh_beyond_the_limit_is_left_out_with_a_word(self):
+        arguments = (self.ball, "--spacing", "0.02", "--field", "vdw", "--subdivide", "0", "--distances", "off",
+                     "--page-triangles", "10000000")  # fmt: skip
+        self.study(*arguments)
+        result = self.run_ok("study", *arguments, "-o", self.out, "--memory-limit", "20M")
+        self.assertIn("1 found finished", result.stdout)
+        self.assertIn("left out of the page", result.stderr)
+        self.assertNotIn("scene-0", self.read_page())
+
+
 class Options(StudyTest):
     def test_bad_options(self):
         self.assert_refused(BAD_INPUT, "study", self.ball, says=("-o",))
@@ -194,8 +309,22 @@ class Resume(StudyTest):
         self.study(self.pair, *arguments)
         self.assertEqual(self.study(self.pair, *arguments, "--probe", "0.5")["runs_found"], 0)
         self.assertEqual(self.study(self.pair, *arguments, "--samples", "20")["runs_found"], 0)
+        self.assertEqual(self.study(self.pair, *arguments, "--seed", "2")["runs_found"], 0)
+        self.assertEqual(self.study(self.pair, *arguments, "--self-intersections", "off")["runs_found"], 0)
+        self.assertEqual(self.study(self.pair, *arguments)["runs_found"], 1)
         self.pair.write_text(self.pair.read_text().replace("1.5", "1.6"))
         self.assertEqual(self.study(self.pair, *arguments)["runs_found"], 0)
+
+    def test_another_program_makes_its_own_runs(self):
+        """Runs kept by a program built from other sources are not taken for this one's."""
+        arguments = (self.ball, "--spacing", "1", "--field", "vdw", "--subdivide", "0")
+        study = self.study(*arguments)
+        kept = next((self.out / "runs").iterdir())
+        key = parse_json(kept.read_text())["key"]
+        info = parse_json(self.run_ok("info", "--json", "-").stdout)
+        for name in ("version", "revision", "build"):
+            self.assertEqual(key[name], info[name])
+        self.assertEqual(study["revision"], info["revision"])
 
     def test_a_time_limit_leaves_the_rest_for_the_next_call(self):
         arguments = (self.pair, "--spacing", "1,0.5", "--field", "vdw")

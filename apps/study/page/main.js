@@ -194,6 +194,7 @@ function makeViewer() {
 async function drawMolecule() {
   const input = currentInput();
   drawMoleculeTable(byId("molecule-table"), input);
+  drawWarnings(byId("molecule-warnings"), input);
   drawOrdersTable(byId("orders"), input);
   drawRunsTable(byId("runs"), input);
   drawRefused(byId("refused"), input);

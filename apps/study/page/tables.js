@@ -108,6 +108,15 @@ function drawRunsTable(element, input) {
   ], input.runs);
 }
 
+function drawWarnings(element, input) {
+  element.replaceChildren(...input.warnings.map((warning) => {
+    const line = document.createElement("p");
+    line.className = "error";
+    line.textContent = `Warning: ${warning}`;
+    return line;
+  }));
+}
+
 function drawRefused(element, input) {
   if (input.refused.length === 0) return element.replaceChildren();
   drawTable(element, [

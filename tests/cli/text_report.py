@@ -1,0 +1,235 @@
+"""Reads the report made for people and holds every number in it against the report's JSON.
+
+Nothing here rounds as the program does: a printed number agrees with the document's where it is
+within half a unit of its last digit. Each line must be of a kind known here, so that a line the
+program adds is noticed."""
+
+import re
+
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
+NO_VALUE = "–"
+SPACE_OF_ROUNDING = 1e-9  # relative: of what is computed here from the document's digits
+
+
+def half_a_unit(token):
+    mantissa, _, exponent = token.partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    return 0.5 * 10.0 ** (int(exponent or 0) - decimals)
+
+
+def agrees(token, value):
+    """Fails on NaN. A value that was not computed is a dash."""
+    if value is None or token == NO_VALUE:
+        return value is None and token == NO_VALUE
+    slack = half_a_unit(token) + SPACE_OF_ROUNDING * abs(value)
+    return abs(float(token) - value) <= slack
+
+
+def differs_by(a, b):
+    return abs(a - b) / abs(b)
+
+
+def at(block, *keys):
+    for key in keys:
+        block = None if block is None else block[key]
+    return block
+
+
+
+TABLE = {
+    "Area": ("area", "area"),
+    "Volume": ("volume", "volume"),
+    "outer area": ("outer_area", "outer_area"),
+    "area of voids": ("void_area", "void_area"),
+    "Shells": ("shells", "shells"),
+    "Components": ("components", "components"),
+    "Tunnels (genus)": ("genus", "tunnels"),
+    "Voids": ("voids", "voids"),
+    "Euler characteristic": ("euler_characteristic", "euler_characteristic"),
+}
+RELATIVE = {"Area": "area_relative_error", "Volume": "volume_relative_error"}
+QUALITY = {"Smallest angle": "min_angle_deg", "Aspect ratio": "aspect_ratio", "Edge length": "edge_length"}
+DISTANCES = {"mesh to surface": "mesh_to_surface", "surface to mesh": "surface_to_mesh"}
+HEADERS = (
+    r"(mesh *)?(exact *)?(mesh - exact)?",
+    r"Level +triangles +angle 1 % +median +edge +crossings",
+    r"min +1 % +median +99 % +max",
+    r"Distance +mean +rms +95 % +99 % +max",
+)
+
+
+class TextReport:
+    def __init__(self, text, document):
+        self.document = document
+        self.problems = []
+        self.seen = set()
+        self.label = ""
+        for line in text.splitlines():
+            if line and not any(re.fullmatch(header, line.strip()) for header in HEADERS):
+                self.check_line(line)
+
+    def expect(self, line, tokens, values):
+        if len(tokens) != len(values) or not all(map(agrees, tokens, values)):
+            self.problems.append(f"{line!r}: printed {tokens}, the document has {values}")
+
+    def expect_numbers(self, line, text, values):
+        text = text.replace("2-manifold", "manifold")
+        self.expect(line, NUMBER.findall(text), values)
+
+    def check_line(self, line):
+        name = next((n for n in (*TABLE, *QUALITY, *DISTANCES) if line.strip().startswith(n + "  ")), None)
+        if name:
+            self.seen.add(name)
+            return self.check_row(line, name)
+        if re.match(r"\d+ {10}", line):
+            self.seen.add("Level")
+            return self.check_level(line)
+        if line.startswith("Hausdorff"):
+            self.seen.add("Hausdorff")
+            comparison = self.document["comparison"]
+            values = [comparison[k] for k in ("hausdorff_lower_bound", "samples", "seed")]
+            return self.expect_numbers(line, line, values)
+        if line.startswith("  standard error "):
+            return self.expect(line, line.split()[2:4], [self.distances[k] for k in ("mean_error", "rms_error")])
+        label, text = line[:13].strip(), line[13:]
+        self.label = label or self.label
+        self.seen.add(self.label)
+        check = getattr(self, "check_" + self.label.lower().split(" (")[0].replace(" ", "_"), None)
+        if check is None:
+            self.problems.append(f"{line!r}: is of no kind that is known")
+        else:
+            check(line, text)
+
+    def check_row(self, line, name):
+        doc, tokens = self.document, line.strip()[len(name):].split()
+        if name in QUALITY:
+            q = doc["mesh"][QUALITY[name]]
+            return self.expect(line, tokens[:5], [q[k] for k in ("min", "p01", "median", "p99", "max")])
+        if name in DISTANCES:
+            self.distances = d = doc["comparison"][DISTANCES[name]]
+            return self.expect(line, tokens[:5], [d[k] for k in ("mean", "rms", "p95", "p99", "max")])
+        values = []
+        if doc["mesh"]:
+            values.append(at(doc, "mesh", TABLE[name][0]))
+        if doc["exact"]:
+            values.append(at(doc, "exact", TABLE[name][1]))
+        if doc["comparison"]:
+            if name in RELATIVE and doc["comparison"][RELATIVE[name]] is not None:
+                values.append(100 * doc["comparison"][RELATIVE[name]])
+            difference = doc["comparison"]["euler_characteristic_difference"]
+            if name == "Euler characteristic" and difference is not None:
+                values.append(difference)
+        tokens = ["0" if t == "equal" else t for t in tokens if t not in ("%", "Å²", "Å³")]
+        self.expect(line, tokens, values)
+
+    def check_level(self, line):
+        tokens = [NO_VALUE if t == "-" else t for t in line.split()]
+        level = self.document["mesh"]["levels"][int(tokens[0])]
+        angle = level["min_angle_deg"]
+        self.expect(line, tokens, [level["level"], level["triangles"], angle["p01"], angle["median"],
+                                   level["edge_length"]["median"], level["self_intersections"]])
+
+    def check_input(self, line, text):
+        i = self.document["input"]
+        part = "asymmetric unit" if i["assembly"] == "asymmetric" else "assembly " + i["assembly"]
+        if text != f"{i['path']} ({i['format']}), model {i['model']}, {part}":
+            self.problems.append(line)
+
+    def check_atoms(self, line, text):
+        i = self.document["input"]
+        skipped = [count for count in i["skipped"].values() if count]
+        self.expect_numbers(line, text, [i["atoms_used"], i["atoms_read"], *skipped])
+
+    def check_radii(self, line, text):
+        i = self.document["input"]
+        assumed = [x for radius in i["radii_assumed"] for x in (radius["radius"], radius["count"])]
+        self.expect_numbers(line, text.split(",", 1)[1], [i["probe"], *assumed])
+
+    def check_surface(self, line, text):
+        p = self.document["parameters"]
+        values = [p[k] for k in ("edge_length", "isovalue", "blobbiness") if p[k] is not None]
+        self.expect_numbers(line, text, [*values, p["subdivide"]])
+        for name in ("exact" if p["mesher"] == "exact" else p["field"],
+                     "no projection" if p["subdivide"] and p["project"] == "none" else ""):
+            if name not in text:
+                self.problems.append(f"{line!r}: does not say {name}")
+
+    def check_grid(self, line, text):
+        p = self.document["parameters"]
+        self.expect_numbers(line, text, [p["spacing"], *p["grid"]["cells"], p["grid"]["cell_count"]])
+
+    def check_backend(self, line, text):
+        b = self.document["backend"]
+        if not text.startswith(b["used"]):
+            self.problems.append(line)
+        threads = re.search(r"(\d+) CPU thread", text)[1]
+        self.expect(line, [threads], [b["threads"]])
+
+    def check_exact_union(self, line, text):
+        e = self.document["exact"]
+        values = [] if e["hidden_atoms"] is None else [e["hidden_atoms"], e["point_contacts"]]
+        if e["check_area"] is not None and e["check_volume"] is not None:
+            values += [differs_by(e["check_area"], e["area"]), differs_by(e["check_volume"], e["volume"])]
+        if e["fallback_spheres"]:
+            values.append(e["fallback_spheres"])
+        self.expect_numbers(line, text, values)
+
+    def check_mesh(self, line, text):
+        m = self.document["mesh"]
+        if line.startswith("Mesh"):
+            self.expect_numbers(line, text, [m["vertices"], m["triangles"]])
+            for name, word in (("closed", "closed"), ("manifold", "2-manifold"), ("oriented", "oriented")):
+                if (f"NOT {word}" not in text) != m[name]:
+                    self.problems.append(line)
+            return
+        values = [m["degenerate_triangles"]]
+        values += [m[k] for k in ("self_intersections", "clamped_vertices") if m[k] is not None]
+        if m["arrangement"]:
+            values += [m["arrangement"][k] for k in ("arcs", "pieces", "corners")]
+        values += [m["grid_clipped"]] if m["grid_clipped"] is not None else []
+        if "CGAL" in text:
+            return self.check_projection(line, text)
+        self.expect_numbers(line, text, values)
+
+    def check_projection(self, line, text):
+        m = self.document["mesh"]
+        if "CGAL" in text:
+            pairs = [(m["cgal"][key], m[key]) for key in ("area", "volume") if m["cgal"][key] is not None]
+            return self.expect_numbers(line, text, [abs(a / b - 1) for a, b in pairs])
+        n = m["newton"]
+        self.expect_numbers(line, text, [n[k] for k in (
+            "projected", "iterations_max", "residual_max", "unconverged", "out_of_reach", "undone", "turned")])
+
+    def check_extrapolated(self, line, text):
+        m = self.document["mesh"]
+        self.expect_numbers(line, text, [m["extrapolated_area"], m["extrapolated_volume"]])
+
+    def check_picture(self, line, text):
+        p = self.document["picture"]
+        if line.startswith("Picture"):
+            numbers = NUMBER.findall(text.replace(p["path"], ""))
+            return self.expect(line, numbers[:2], [p["width"], p["height"]])
+        self.expect_numbers(line, text.rsplit(" from ", 1)[1], [p["scale"]["lower"], p["scale"]["upper"]])
+
+    def check_drawn_by(self, line, text):
+        if not text.startswith(self.document["picture"]["device"]):
+            self.problems.append(line)
+
+    def check_mesh_file(self, line, text):
+        if text != self.document["mesh"]["path"]:
+            self.problems.append(line)
+
+    def check_note(self, line, text):
+        if text not in (*self.document["notes"], *(at(self.document, "mesh", "notes") or ())):
+            self.problems.append(line)
+
+    def check_warning(self, line, text):
+        if text not in self.document["warnings"]:
+            self.problems.append(line)
+
+    def check_time(self, line, text):
+        timing = {key: value for key, value in self.document["timing"].items() if value is not None}
+        printed = dict(part.split(" ") for part in text.split(", "))
+        if set(printed) != set(timing):
+            self.problems.append(f"{line!r}: the document has {timing}")
+        self.expect(line, [printed[k] for k in printed], [timing.get(k) for k in printed])
