@@ -84,13 +84,14 @@ struct BlendedTest {
   }
   // As in field_may_cross(): large blocks that the sums so far admit are split without more atoms.
   __device__ bool is_settled(const ChildBlock& child) {
-    settled = child.nodes.level > 2 && __all_sync(kAllLanes, bounds.least == 0) &&
+    settled = child.nodes.level > 2 && __all_sync(kAllLanes, bounds.least <= 0) &&
               children_where(bounds.most >= isovalue) == kAllChildren;
     return settled;
   }
   __device__ void join() {
     join(bounds.least);
     join(bounds.most);
+    join(bounds.atoms);
     join(bounds.tangents);
     join(bounds.chords);
     for (int axis = 0; axis < 3; ++axis) {

@@ -31,6 +31,7 @@ class CudaFieldMesher final : public FieldMesher {
   }
 
   ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const override {
+    check_sampled(field);
     const DeviceScope scope;
     require_device_memory(field.values.size() * sizeof(float), "the field", options.device_memory);
     const Stream stream;

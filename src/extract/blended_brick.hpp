@@ -44,6 +44,7 @@ class BlendedBrick {
  private:
   EdgeVertex vertex(const CrossedEdge& edge) const;
   LocalAtom local_atom(const Sphere& atom) const;
+  std::uint16_t subgrid_planes(int axis, const Sphere& atom) const;
   void add_rows(const LocalAtom& atom, BrickValues& values) const;
 
   const CellListView& list_;
@@ -66,8 +67,21 @@ LocalAtom BlendedBrick<kind>::local_atom(const Sphere& atom) const {
       local.term[axis][node] =
           brick_term<kind>(model_, nodes_, geometry_, atom, local.scale, axis, node);
     }
+    local.in_subgrid[axis] = subgrid_planes(axis, atom);
   }
   return local;
+}
+
+template <FieldKind kind>
+std::uint16_t BlendedBrick<kind>::subgrid_planes(int axis, const Sphere& atom) const {
+  if (model_.truncation != Truncation::subgrid) return (1u << kBrickReach) - 1;
+  const BrickIndex& b = geometry_.brick;
+  const std::int32_t brick = axis == 0 ? b.x : (axis == 1 ? b.y : b.z);
+  std::uint32_t planes = 0;
+  for (int node = 0; node < kBrickReach; ++node) {
+    if (plane_in_subgrid(model_, axis, lattice_index(brick, node), atom)) planes |= 1u << node;
+  }
+  return static_cast<std::uint16_t>(planes);
 }
 
 template <FieldKind kind>
@@ -123,9 +137,11 @@ void BlendedBrick<kind>::signs(BrickSigns& signs) const {
 }
 
 // False where the sub-grid of the atom ends before the node; sub-grids count at a vertex as at its
-// inside end.
+// inside end. A value of 0 at the node would not say so: that of a steep Blinn field is 0 within
+// reach, and may be large at the vertex.
 inline bool reaches_node(const LocalAtom& a, const int node[3]) {
-  return a.term[0][node[0]].factor * a.term[1][node[1]].factor * a.term[2][node[2]].factor != 0;
+  return (a.in_subgrid[0] >> node[0] & a.in_subgrid[1] >> node[1] & a.in_subgrid[2] >> node[2] &
+          1) != 0;
 }
 
 template <FieldKind kind>

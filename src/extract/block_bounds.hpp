@@ -117,11 +117,22 @@ VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const Latt
 // box and below its chord. With d^2 = |m|^2 + 2 m (x - middle) + |x - middle|^2, where m leads from
 // the atom to the middle, the sums of tangents and of chords are linear in x but for a term that
 // is at most 0 and at least slope * |half|^2: second order in the size of the box.
+//
+// The bounds must hold for the float32 values of the nodes, not for the field alone. An atom's
+// value at a node errs in three ways.
+// - By a few units of its own size. kMargin covers them.
+// - Where the window ends, its square root is a difference of numbers about 1 and errs by up to
+//   4e-7, whatever is left of it. So the nearest and the farthest point are taken nearer and
+//   farther by kWiden of d^2: that moves the root there by at least 4e-4, and the margin of the
+//   value found exceeds the square of the error.
+// - The cubic of the soft object errs by kSoftRounding of its amplitude, above or below.
+// The sum over n atoms errs by n units more, at the nodes and, with T = float, here.
 template <class T>
 struct FieldBounds {
   T least = 0, most = 0;                         // sums of values
   T tangents = 0, chords = 0;                    // sums at the middle
   T tangent_slope[3] = {}, chord_slope[3] = {};  // 1/Å
+  T atoms = 0;
 
   // An atom whose box `overlap`s that of the nodes; `m` leads from it to the middle, Å.
   template <FieldKind kind>
@@ -131,48 +142,68 @@ struct FieldBounds {
     T near = 0, middle = 0, far = 0, extent = 0;  // squares
     for (int axis = 0; axis < 3; ++axis) {
       const T away = m[axis] < 0 ? -m[axis] : m[axis];
-      const T gap = away > half[axis] ? away - half[axis] : T(0);
+      // A gap much smaller than the block is a difference that has lost its digits.
+      const T doubt = kUnit * (away + half[axis]), reach = half[axis] + doubt;
+      const T gap = away > reach ? away - reach : T(0);
       near = std::fma(gap, gap, near);
       middle = std::fma(away, away, middle);
-      far = std::fma(away + half[axis], away + half[axis], far);
+      far = std::fma(away + reach, away + reach, far);
       extent = std::fma(half[axis], half[axis], extent);
     }
+    near *= 1 - kWiden;
+    far *= 1 + kWiden;
     const T at_near = shape_value<kind>(shape, near, scale);
     const T at_far = shape_value<kind>(shape, far, scale);
-    const bool convex = kind != FieldKind::inverse_squared || near >= shape.min_square;
-    const T chord = convex && far > near ? (at_far - at_near) / (far - near) : T(0);
-    most += at_near;
-    chords += std::fma(chord, middle - near, at_near);
+    const T rounding =
+        kind == FieldKind::soft_object && at_near > 0 ? kSoftRounding * shape.amplitude : T(0);
+    // The slope of a chord over a short interval would be that of its rounding.
+    const bool convex = (kind != FieldKind::inverse_squared || near >= shape.min_square) &&
+                        far - near > kShort * far;
+    const T chord = convex ? (at_far - at_near) / (far - near) : T(0);
+    atoms += 1;
+    most += at_near + rounding;
+    chords += std::fma(chord, middle - near, at_near) + rounding;
     for (int axis = 0; axis < 3; ++axis) {
       chord_slope[axis] = std::fma(2 * chord, m[axis], chord_slope[axis]);
     }
-    if (!overlap.holds) return;
-    least += at_far;
+    if (!overlap.holds) {
+      // Its rounding alone can make it less than 0.
+      least -= rounding;
+      tangents -= rounding;
+      return;
+    }
+    least += at_far - rounding;
     if (!convex) {
-      tangents += at_far;
+      tangents += at_far - rounding;
       return;
     }
     const ValueAndSlope<T> f = shape_value_and_slope<kind>(shape, middle, scale);
-    tangents += std::fma(f.slope, extent, f.value);
+    tangents += std::fma(f.slope, extent, f.value) - rounding;
     for (int axis = 0; axis < 3; ++axis) {
       tangent_slope[axis] = std::fma(2 * f.slope, m[axis], tangent_slope[axis]);
     }
   }
 
-  // What the field is nowhere below, or above. The margin covers sums in single precision, here and
-  // at the nodes: where these decide, all terms are below `most`.
+  // What no node of the box is below, or above, once all atoms near it have been added.
   VDWMESH_HD T lower(const T (&half)[3]) const {
     T bound = tangents;
     for (int axis = 0; axis < 3; ++axis) bound -= half[axis] * std::fabs(tangent_slope[axis]);
-    return (bound > least ? bound : least) - kMargin * most;
+    return (bound > least ? bound : least) - margin();
   }
   VDWMESH_HD T upper(const T (&half)[3]) const {
     T bound = chords;
     for (int axis = 0; axis < 3; ++axis) bound += half[axis] * std::fabs(chord_slope[axis]);
-    return (bound < most ? bound : most) + kMargin * most;
+    return (bound < most ? bound : most) + margin();
   }
 
+ private:
+  VDWMESH_HD T margin() const { return (kMargin + kUnit * atoms) * most; }
+
   static constexpr T kMargin = T(1e-3);
+  static constexpr T kUnit = T(4) / (1 << 23);  // four units of float32
+  static constexpr T kWiden = T(1) / (1 << 9);  // of d^2
+  static constexpr T kShort = T(1) / (1 << 7);  // of d^2; more than 2 kWiden
+  static constexpr T kSoftRounding = T(4e-6);   // of the amplitude
 };
 
 // Middle and half sizes of a box.
@@ -206,7 +237,7 @@ VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
                      subgrid_overlap(m, block, ball.center));
     // A large block most likely holds surface as soon as these sums admit it, and costs many atoms
     // to know better: its children are asked instead.
-    return block.level > 2 && bounds.most >= m.isovalue && bounds.least == 0;
+    return block.level > 2 && bounds.most >= m.isovalue && bounds.least <= 0;
   });
   // The sums are then of some atoms only, and a bound from above that lacks an atom is none.
   if (settled) return true;

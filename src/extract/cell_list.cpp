@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "core/bins.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -23,41 +26,44 @@ void add_member(LevelMembers& level, std::uint32_t rank, const Vec3d& center, do
   level.ranks.push_back(rank);
 }
 
+// What cell_range() and cell_index() lose by rounding, Å: sixteen units of the largest number in
+// them. Of many small spheres far from the origin it is more than a share of the cells.
+double rounding_of(const LevelMembers& members) {
+  double largest = members.reach;
+  for (int axis = 0; axis < 3; ++axis) {
+    largest =
+        std::max({largest, std::abs(members.box.lower[axis]), std::abs(members.box.upper[axis])});
+  }
+  return 16 * std::numeric_limits<double>::epsilon() * 2 * largest;
+}
+
 // Octave of a reach above the smallest one; the last level takes all that is larger.
 int level_of(double reach, double smallest) {
   const int octave = static_cast<int>(std::floor(std::log2(reach / smallest) + 1e-12));
   return std::clamp(octave, 0, CellListView::kMaxLevels - 1);
 }
 
-// Cells as wide as the reach, widened until there are at most a few per sphere.
+// Cells as wide as the reach, or wider, so that there are at most a few per sphere.
 CellListView::Level shape_of(const LevelMembers& members) {
   CellListView::Level level{};
   level.origin = members.box.lower;
-  level.reach = members.reach;
-  level.cell_size = members.reach;
+  level.reach = members.reach + rounding_of(members);
   const double most = std::max(4096.0, 8.0 * static_cast<double>(members.ranks.size()));
-  for (;;) {
-    double total = 1;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double extent = members.box.upper[axis] - members.box.lower[axis];
-      const double cells = std::floor(extent / level.cell_size) + 1;
-      total *= cells;
-      // Beyond the limit the value is not used: the loop widens the cells.
-      level.cells[axis] = cells < 1e9 ? static_cast<std::int32_t>(cells) : 1000000000;
-    }
-    if (total <= most) return level;
-    level.cell_size *= std::max(1.01, std::cbrt(total / most));
-  }
+  const Bins bins = cubic_bins(members.box.upper - members.box.lower, members.reach, most);
+  level.cell_size = bins.width;
+  std::ranges::copy(bins.count, level.cells);
+  return level;
 }
 
+// Below kMostBins.
 std::uint32_t cell_index(const CellListView::Level& level, const Vec3d& center) {
   std::int32_t cell[3];
   for (int axis = 0; axis < 3; ++axis) {
     const double offset = (center[axis] - level.origin[axis]) / level.cell_size;
     cell[axis] = std::clamp(static_cast<std::int32_t>(offset), 0, level.cells[axis] - 1);
   }
-  return static_cast<std::uint32_t>((cell[2] * level.cells[1] + cell[1]) * level.cells[0] +
-                                    cell[0]);
+  const std::int64_t row = std::int64_t{cell[2]} * level.cells[1] + cell[1];
+  return static_cast<std::uint32_t>(row * level.cells[0] + cell[0]);
 }
 
 // Offsets of each cell's spheres, beginning at `base`.

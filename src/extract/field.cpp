@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/errors.hpp"
@@ -41,6 +42,23 @@ void check(const FieldOptions& o) {
   if (o.blobbiness && (o.kind != FieldKind::blinn || o.preset != FieldPreset::radius_aware)) {
     throw InvalidInput("blobbiness is of the radius-aware blinn field only; leave it out");
   }
+}
+
+// The largest number that a product of float32 terms at a node begins with.
+double largest_factor(const FieldModel& m) {
+  const double peak = std::exp(m.steepness * m.offset) * m.window_scale * m.window_scale;
+  return m.kind == FieldKind::blinn ? std::max(1.0, peak) : 1.0;
+}
+
+// Below 2^-100 of the largest factor, terms become 0 in float32 that the isovalue would need.
+void check_isovalue(const FieldModel& m) {
+  const double least = std::ldexp(largest_factor(m), -100);
+  const double most = std::numeric_limits<float>::max();
+  if (m.isovalue >= least && m.isovalue <= most) return;
+  throw InvalidInput(
+      fmt::format("isovalue {}: must be from {:.2g} to {:.2g}, where float32 holds "
+                  "the field",
+                  m.isovalue, least, most));
 }
 
 FieldModel radius_aware(const FieldOptions& o, const GridSpec& grid) {
@@ -86,9 +104,13 @@ FieldModel thesis(const FieldOptions& o, const GridSpec& grid) {
 
 FieldModel make_field_model(const FieldOptions& options, const GridSpec& grid) {
   check(options);
-  if (options.preset != FieldPreset::radius_aware) return thesis(options, grid);
-  FieldModel m = radius_aware(options, grid);
-  if (options.kind == FieldKind::vdw) m.isovalue = 0;
+  FieldModel m = options.preset == FieldPreset::radius_aware ? radius_aware(options, grid)
+                                                             : thesis(options, grid);
+  if (m.kind == FieldKind::vdw) {
+    m.isovalue = 0;
+  } else {
+    check_isovalue(m);
+  }
   return m;
 }
 

@@ -50,8 +50,9 @@ struct FieldModel {
   GridSpec grid;               // of the sub-grid
 };
 
-// Throws InvalidInput for an isovalue or blobbiness that is not finite and positive, for either of
-// them with FieldKind::vdw, and for a thesis preset with FieldKind::vdw.
+// Throws InvalidInput for an isovalue or blobbiness that is not finite and positive or beyond what
+// float32 holds, for either of them with FieldKind::vdw, and for a thesis preset with
+// FieldKind::vdw.
 FieldModel make_field_model(const FieldOptions& options, const GridSpec& grid);
 
 // The grid the preset asks for, where the caller leaves spacing, padding or both unset. Å.

@@ -81,8 +81,9 @@ void make_room(IndexedMesh& mesh, const MeshSize& size, const MeshArrays& arrays
 }
 
 IndexedMeshHash hash(const IndexedMesh& mesh) {
-  return {hash_bytes(mesh.positions), hash_bytes(mesh.normals), hash_bytes(mesh.vertex_spheres),
-          hash_bytes(mesh.triangles), hash_bytes(mesh.triangle_spheres)};
+  return {hash_bytes(mesh.positions),        hash_bytes(mesh.normals),
+          hash_bytes(mesh.vertex_spheres),   hash_bytes(mesh.triangles),
+          hash_bytes(mesh.triangle_spheres), hash_bytes(mesh.opposite)};
 }
 
 }  // namespace vdwmesh

@@ -73,7 +73,7 @@ void make_room(IndexedMesh& mesh, const MeshSize& size, const MeshArrays& arrays
 
 // A hash over all bits of all arrays (FNV-1a, 64 bits, array by array): equal for equal meshes.
 struct IndexedMeshHash {
-  std::uint64_t positions, normals, vertex_spheres, triangles, triangle_spheres;
+  std::uint64_t positions, normals, vertex_spheres, triangles, triangle_spheres, opposite;
   friend bool operator==(const IndexedMeshHash&, const IndexedMeshHash&) = default;
 };
 IndexedMeshHash hash(const IndexedMesh& mesh);

@@ -5,6 +5,7 @@
 
 #include "extract/field.hpp"
 #include "extract/indexed_mesh.hpp"
+#include "extract/sampled_field.hpp"
 
 namespace vdwmesh {
 
@@ -23,5 +24,9 @@ void check_mesh_limits(const MeshDemand& demand, std::uint64_t memory_limit);
 // Before a field is sampled at every node: throws InvalidInput for vdw, which has no values, and
 // LimitExceeded where they take more than `memory_limit` bytes.
 void check_sampling(const FieldModel& model, std::uint64_t memory_limit);
+
+// Before a field in memory is meshed: throws InvalidInput where its grid is none or its values are
+// not one per node, LimitExceeded beyond kMaxCellsPerAxis.
+void check_sampled(const SampledField& field);
 
 }  // namespace vdwmesh

@@ -17,6 +17,8 @@ struct alignas(16) LocalAtom {
   float center[3];  // Å, from the brick's node 0
   float scale;      // q = d^2 * scale
   AxisTerm term[3][kBrickReach];
+  // Bit i: node plane i across the axis lies in the atom's sub-grid; all bits without sub-grids.
+  std::uint16_t in_subgrid[3];
 };
 
 // Whether the atom can add anything but 0 to nodes in the box.
@@ -38,15 +40,20 @@ VDWMESH_HD inline bool reaches_brick(const FieldModel& m, const BrickGeometry& g
   return reaches_box(m, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), atom);
 }
 
+// Whether a lattice plane across an axis lies in the sub-grid of an atom; always without sub-grids.
+VDWMESH_HD inline bool plane_in_subgrid(const FieldModel& m, int axis, std::int64_t lattice,
+                                        const Sphere& atom) {
+  if (m.truncation != Truncation::subgrid) return true;
+  const std::int64_t away = lattice - 1 - subgrid_cell(m.grid, axis, atom.center[axis]);
+  return away >= -m.subgrid_cells && away <= m.subgrid_cells;
+}
+
 // The atom's term at lattice plane `lattice` across an axis, whose coordinate is given, Å.
 template <FieldKind kind>
 VDWMESH_HD inline AxisTerm lattice_term(const FieldModel& m, const NodeShape& p, const Sphere& atom,
                                         float scale, int axis, std::int64_t lattice,
                                         double coordinate) {
-  if (m.truncation == Truncation::subgrid) {
-    const std::int64_t away = lattice - 1 - subgrid_cell(m.grid, axis, atom.center[axis]);
-    if (away < -m.subgrid_cells || away > m.subgrid_cells) return {0, 0};
-  }
+  if (!plane_in_subgrid(m, axis, lattice, atom)) return {0, 0};
   return axis_term<kind>(p, scale, axis, static_cast<float>(coordinate - atom.center[axis]));
 }
 

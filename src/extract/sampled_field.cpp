@@ -164,6 +164,7 @@ class CpuFieldMesher final : public FieldMesher {
   }
 
   ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const override {
+    check_sampled(field);
     const SampledFieldView view = field.view();
     const BrickLoops loops{
         [&](Keys keys, ActiveBrick* out) { return count_sampled(view, keys, out); },

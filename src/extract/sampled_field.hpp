@@ -43,7 +43,9 @@ class FieldMesher {
   // memory limit, device memory, monitor and on_size of `options` are used. Vertices interpolate
   // between two nodes; normals are those of central differences, interpolated likewise;
   // vertex_spheres is empty. Where the grid's border cuts the surface, the vertex is a whole edge
-  // outside. Throws LimitExceeded. A value that is not a number counts as outside.
+  // outside. A value that is not a number counts as outside. Throws InvalidInput for a grid without
+  // sense (spacing, negative cells), values that are not one per node and an isovalue that is not
+  // finite; LimitExceeded.
   virtual ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const = 0;
 };
 

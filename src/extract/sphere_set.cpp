@@ -35,12 +35,14 @@ SphereSet::SphereSet(std::vector<Sphere> spheres) : spheres_(std::move(spheres))
   }
   for (std::size_t i = 0; i < spheres_.size(); ++i) {
     const Sphere& s = spheres_[i];
-    const bool finite =
-        std::isfinite(s.center.x) && std::isfinite(s.center.y) && std::isfinite(s.center.z);
-    if (!finite || !(s.radius > 0) || !std::isfinite(s.radius)) {
+    const Vec3d& c = s.center;
+    const bool near = std::abs(c.x) <= kFarthestSphere && std::abs(c.y) <= kFarthestSphere &&
+                      std::abs(c.z) <= kFarthestSphere;  // false for what is not a number
+    if (!near || !(s.radius > 0) || !(s.radius <= kFarthestSphere)) {
       throw InvalidInput(fmt::format(
-          "sphere {}: centre ({}, {}, {}) must be finite and radius {} finite and above 0", i,
-          s.center.x, s.center.y, s.center.z, s.radius));
+          "sphere {}: centre ({}, {}, {}) and radius {}; coordinates must be at most {:g} Å from "
+          "0, and radii above 0 and at most {:g} Å",
+          i, c.x, c.y, c.z, s.radius, kFarthestSphere, kFarthestSphere));
     }
   }
 }

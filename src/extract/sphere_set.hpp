@@ -23,8 +23,12 @@ struct Box {
   Vec3d lower, upper;
 };
 
-// Spheres in the caller's order, checked once: every coordinate finite, every radius finite and
-// positive, at most 2^32 - 2 of them.
+// Largest coordinate, either way, and largest radius that a SphereSet takes, Å. Doubles keep more
+// than nine decimal places up to there, which the tolerances of all that follows rely on.
+inline constexpr double kFarthestSphere = 1e6;
+
+// Spheres in the caller's order, checked once: every coordinate at most kFarthestSphere from 0,
+// every radius above 0 and at most kFarthestSphere, at most 2^32 - 2 of them.
 class SphereSet {
  public:
   SphereSet() = default;

@@ -19,6 +19,11 @@ TEST(SphereSet, RefusesWhatIsNotABall) {
   EXPECT_THROW(SphereSet({{{nan, 0, 0}, 1}}), InvalidInput);
   EXPECT_THROW(SphereSet({{{0, inf, 0}, 1}}), InvalidInput);
   EXPECT_THROW(SphereSet({{{0, 0, 0}, 0}}), InvalidInput);
+  // The box of these overflows, and with it the search for cells that fit.
+  EXPECT_THROW(SphereSet({{{1e308, 0, 0}, 1}, {{-1e308, 0, 0}, 1}}), InvalidInput);
+  EXPECT_THROW(SphereSet({{{0, -1.0000001e6, 0}, 1}}), InvalidInput);
+  EXPECT_THROW(SphereSet({{{0, 0, 0}, 1.0000001e6}}), InvalidInput);
+  EXPECT_EQ(SphereSet({{{1e6, -1e6, 1e6}, 1e6}}).size(), 1u);
   EXPECT_THROW(SphereSet({{{0, 0, 0}, -1}}), InvalidInput);
   EXPECT_THROW(SphereSet({{{0, 0, 0}, nan}}), InvalidInput);
 }
@@ -86,6 +91,31 @@ TEST(FieldOptions, RefuseParametersOfOtherFields) {
   field.isovalue = 1;
   field.blobbiness = 1000;
   EXPECT_THROW(make_field_model(field, grid), InvalidInput);
+}
+
+// Blinn's largest value at an atom is e^B / 0.84^2; float32 holds 2^-126 of 1, and the search keeps
+// some room from that.
+TEST(FieldOptions, RefuseIsovaluesThatFloat32DoesNotHold) {
+  const GridSpec grid = make_grid(box_of_two(), {});
+  FieldOptions field;
+  for (const FieldKind kind :
+       {FieldKind::blinn, FieldKind::soft_object, FieldKind::inverse_squared}) {
+    field.kind = kind;
+    for (const double refused : {1e-46, 1e-32, 1e39}) {
+      field.isovalue = refused;
+      EXPECT_THROW(make_field_model(field, grid), InvalidInput) << refused;
+    }
+    for (const double taken : {1e-28, 1.0, 1e38}) {
+      field.isovalue = taken;
+      EXPECT_EQ(make_field_model(field, grid).isovalue, taken);
+    }
+  }
+  field.kind = FieldKind::blinn;
+  field.blobbiness = 50;
+  field.isovalue = 1e-9;
+  EXPECT_THROW(make_field_model(field, grid), InvalidInput);
+  field.isovalue = 1e-8;
+  EXPECT_EQ(make_field_model(field, grid).steepness, 50);
 }
 
 }  // namespace

@@ -77,6 +77,16 @@ TEST(IndexedMesh, HashSeesTriangleSpheresApart) {
   EXPECT_EQ(hash(a), hash(b));
 }
 
+TEST(IndexedMesh, HashSeesHalfEdgesApart) {
+  IndexedMesh a = one_triangle(), b = one_triangle();
+  a.opposite = {2, 1, 0};
+  b.opposite = {1, 2, 0};
+  EXPECT_NE(hash(a), hash(b));
+  EXPECT_EQ(hash(a).triangles, hash(b).triangles);
+  b.opposite = {2, 1, 0};
+  EXPECT_EQ(hash(a), hash(b));
+}
+
 TEST(IndexedMesh, HashSeesLabelsNotTheirRoom) {
   IndexedMesh a = one_triangle(), b = one_triangle();
   b.vertex_spheres.widen();

@@ -10,6 +10,7 @@
 #include "extract/brick_extraction.hpp"
 #include "extract/field_sample.hpp"
 #include "extract/union_brick.hpp"
+#include "support/plain_extractor.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -37,17 +38,8 @@ class MissingBrick : public ::testing::TestWithParam<Connectivity> {
     return mesh_bricks(
         grid, [&] { return keys; }, loops, LabelWidth::one, options_);
   }
-  // Of all bricks, rising.
   std::vector<std::uint64_t> keys() const {
-    const GridSpec grid = make_grid(ball_, options_.grid);
-    std::vector<std::uint64_t> all;
-    for (std::int32_t z = 0; z < brick_count(grid.cells.z); ++z) {
-      for (std::int32_t y = 0; y < brick_count(grid.cells.y); ++y) {
-        for (std::int32_t x = 0; x < brick_count(grid.cells.x); ++x)
-          all.push_back(brick_key({x, y, z}));
-      }
-    }
-    return all;
+    return testing::all_bricks(make_grid(ball_, options_.grid));
   }
 
   const SphereSet ball_{{{{0, 0, 0}, 4}}};

@@ -1,4 +1,4 @@
-// Node values as products of terms of one axis, against the field's own formula in double.
+// Node values as products of terms of one axis, against the reference's equations in double.
 #include "extract/node_terms.hpp"
 
 #include <gtest/gtest.h>
@@ -7,16 +7,20 @@
 #include <cmath>
 #include <random>
 
+#include "reference/field_oracle.hpp"
+
 namespace vdwmesh {
 namespace {
 
 constexpr double kUnit = 1.0 / (1 << 24);  // relative rounding of float32
 
+constexpr double kSpacing = 0.5;  // Å
+
 FieldModel model_of(FieldKind kind, double blobbiness) {
   FieldOptions options;
   options.kind = kind;
   if (kind == FieldKind::blinn) options.blobbiness = blobbiness;
-  return make_field_model(options, {{0, 0, 0}, 0.5, {10, 10, 10}});
+  return make_field_model(options, {{0, 0, 0}, kSpacing, {10, 10, 10}});
 }
 
 template <FieldKind kind>
@@ -30,10 +34,15 @@ float at_node(const FieldModel& m, double radius, const Vec3d& offset) {
   return add_atom<kind>(p, row_term<kind>(p, term[1], term[2]), term[0], scale, 0.0f);
 }
 
-template <FieldKind kind>
-double exactly(const FieldModel& m, double radius, const Vec3d& offset) {
-  return shape_value<kind>(shape_parameters<double>(m), squared_norm(offset),
-                           inverse_square_scale(m, radius));
+// What the reference's equation gives for an atom at the origin.
+double exactly(FieldKind kind, double blobbiness, double radius, const Vec3d& offset) {
+  reference::FieldOracle oracle;
+  oracle.function = kind == FieldKind::blinn         ? reference::Function::blinn
+                    : kind == FieldKind::soft_object ? reference::Function::soft_object
+                                                     : reference::Function::inverse_squared;
+  oracle.lattice.spacing = kSpacing;
+  oracle.blobbiness = blobbiness;
+  return reference::contribution(oracle, {{0, 0, 0}, radius}, {offset.x, offset.y, offset.z});
 }
 
 class Offsets {
@@ -63,7 +72,7 @@ TEST(NodeTerms, BlinnIsWithinItsRoundings) {
     for (int i = 0; i < 20000; ++i) {
       const Vec3d offset = offsets.next();
       const double error = std::abs(static_cast<double>(at_node<FieldKind::blinn>(m, 1.7, offset)) -
-                                    exactly<FieldKind::blinn>(m, 1.7, offset));
+                                    exactly(FieldKind::blinn, blobbiness, 1.7, offset));
       ASSERT_LE(error, blinn_bound(m, 1.7, offset)) << offset.x << ' ' << offset.y;
     }
   }
@@ -77,9 +86,9 @@ TEST(NodeTerms, SoftObjectAndInverseSquaredAreWithinTheirRoundings) {
   Offsets offsets;
   for (int i = 0; i < 20000; ++i) {
     const Vec3d offset = offsets.next();
-    const double s = exactly<FieldKind::soft_object>(soft, 1.7, offset);
+    const double s = exactly(FieldKind::soft_object, 0, 1.7, offset);
     ASSERT_NEAR(at_node<FieldKind::soft_object>(soft, 1.7, offset), s, 2 * 6 * 5 * kUnit);
-    const double v = exactly<FieldKind::inverse_squared>(inverse, 1.7, offset);
+    const double v = exactly(FieldKind::inverse_squared, 0, 1.7, offset);
     ASSERT_NEAR(at_node<FieldKind::inverse_squared>(inverse, 1.7, offset), v,
                 20 * kUnit * v + 20 * kUnit);
   }
@@ -92,7 +101,7 @@ TEST(NodeTerms, InverseSquaredIsCappedAboutTheCentre) {
   for (const double radius : {0.7, 1.7}) {
     for (int i = 0; i < 2000; ++i) {
       const Vec3d offset = std::sqrt(m.min_square) / 3 * offsets.next();  // most of them inside
-      const double v = exactly<FieldKind::inverse_squared>(m, radius, offset);
+      const double v = exactly(FieldKind::inverse_squared, 0, radius, offset);
       ASSERT_NEAR(at_node<FieldKind::inverse_squared>(m, radius, offset), v, 20 * kUnit * v);
     }
   }
