@@ -23,9 +23,9 @@ struct Box {
   Vec3d lower, upper;
 };
 
-// Largest coordinate, either way, and largest radius that a SphereSet takes, Å. Doubles keep more
-// than nine decimal places up to there, which the tolerances of all that follows rely on.
-inline constexpr double kFarthestSphere = 1e6;
+// Largest coordinate, either way, and largest radius that a SphereSet takes, Å: their cubes and the
+// boxes around them are finite. Readers of files take less, what meshes keep their digits to.
+inline constexpr double kFarthestSphere = 1e30;
 
 // Spheres in the caller's order, checked once: every coordinate at most kFarthestSphere from 0,
 // every radius above 0 and at most kFarthestSphere, at most 2^32 - 2 of them.

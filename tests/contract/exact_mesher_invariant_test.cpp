@@ -96,7 +96,7 @@ TEST(ExactMesherInvariant, Translation) {
 TEST(ExactMesherInvariant, PowersOfTwoScaleTheMeshExactly) {
   for (const SphereSet& spheres : {sample("bpti"), two_spheres(1.7, 1.5, 2.0), one_sphere(1)}) {
     const IndexedMesh mesh = mesh_at(spheres, 0.5).mesh;
-    for (const int power : {-40, -3, 1, 14}) {
+    for (const int power : {-40, -3, 1, 60}) {
       const double by = std::ldexp(1.0, power);
       IndexedMesh expected = mesh;
       for (Vec3d& p : expected.positions) p = by * p;

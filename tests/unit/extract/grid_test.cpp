@@ -21,9 +21,9 @@ TEST(SphereSet, RefusesWhatIsNotABall) {
   EXPECT_THROW(SphereSet({{{0, 0, 0}, 0}}), InvalidInput);
   // The box of these overflows, and with it the search for cells that fit.
   EXPECT_THROW(SphereSet({{{1e308, 0, 0}, 1}, {{-1e308, 0, 0}, 1}}), InvalidInput);
-  EXPECT_THROW(SphereSet({{{0, -1.0000001e6, 0}, 1}}), InvalidInput);
-  EXPECT_THROW(SphereSet({{{0, 0, 0}, 1.0000001e6}}), InvalidInput);
-  EXPECT_EQ(SphereSet({{{1e6, -1e6, 1e6}, 1e6}}).size(), 1u);
+  EXPECT_THROW(SphereSet({{{0, -1.0000001e30, 0}, 1}}), InvalidInput);
+  EXPECT_THROW(SphereSet({{{0, 0, 0}, 1.0000001e30}}), InvalidInput);
+  EXPECT_EQ(SphereSet({{{1e30, -1e30, 1e30}, 1e30}}).size(), 1u);
   EXPECT_THROW(SphereSet({{{0, 0, 0}, -1}}), InvalidInput);
   EXPECT_THROW(SphereSet({{{0, 0, 0}, nan}}), InvalidInput);
 }
