@@ -22,18 +22,20 @@ constexpr double kRefineSlack = 1.15;  // of refine_bytes(): what the allocator 
 // random: 1.5 vertices, and twice as many triangles.
 constexpr double kTrianglesPerCell = 3.0;
 // Of the crease-exact mesher: equilateral ones, and per Å² those that arcs and corners take,
-// however long the edges.
-constexpr double kTrianglesPerPatch = 2.4, kTrianglesOfArcs = 3.5;
+// however long the edges; of balls larger than atoms no more than so many per ball.
+constexpr double kTrianglesPerPatch = 2.4, kTrianglesOfArcs = 3.5, kTrianglesOfBall = 256;
 constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays that grew
 
 MeshSize first_level(const MemoryDemand& d) {
   const SurfaceOptions& surface = *d.surface;
   const bool exact = surface.mesher == Mesher::exact;
   const double step = exact ? surface.edge_length : surface.grid.spacing;
-  const double density = exact ? kTrianglesPerPatch / (step * step) + kTrianglesOfArcs
-                               : kTrianglesPerCell / (step * step);
+  const double by_area = (exact ? kTrianglesPerPatch : kTrianglesPerCell) * d.area / (step * step);
+  const double of_arcs =
+      std::min(kTrianglesOfArcs * d.area, kTrianglesOfBall * static_cast<double>(d.spheres));
   const double most = std::ldexp(1e16, -2 * surface.subdivisions);  // in bytes it fits 64 bits
-  const auto triangles = static_cast<std::uint64_t>(std::min(density * d.area, most));
+  const auto triangles =
+      static_cast<std::uint64_t>(std::min(by_area + (exact ? of_arcs : 0), most));
   return {triangles / 2, triangles};
 }
 

@@ -48,6 +48,9 @@ Json arrangement_json(const std::optional<ExactMeshStats>& stats) {
           {"corners", stats->corners},
           {"points", stats->points},
           {"contacts", stats->contacts},
+          {"joins", stats->joins},
+          {"euler_difference", stats->euler_difference},
+          {"shell_difference", stats->shell_difference},
           {"pieces", stats->pieces},
           {"split", stats->split},
           {"seconds", stats->arrangement_seconds}};

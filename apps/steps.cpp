@@ -143,6 +143,19 @@ IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
   return std::move(result.mesh);
 }
 
+// What is too small for coordinates becomes a point, which may change the topology.
+void note_other_topology(const ExactMeshStats& s, Report& report) {
+  if (s.euler_difference == 0 && s.shell_difference == 0) return;
+  report.notes.push_back(
+      fmt::format("the mesh has not the topology of the union: Euler characteristic {:+d}, closed "
+                  "surfaces {:+d}; "
+                  "arcs up to {:g} and circles up to {:g} of the radius were made points ({} arcs, "
+                  "{} circles, {} "
+                  "places where curves all but touch)",
+                  s.euler_difference, s.shell_difference, s.arc_size, s.circle_size, s.points,
+                  s.contacts, s.joins));
+}
+
 IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& surface,
                              const RefineOptions& refine, Report& report) {
   report.parameters = describe_parameters(surface, std::nullopt, refine.memory_limit);
@@ -150,6 +163,7 @@ IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& sur
   report.timing.extract = exact.stats.seconds;
   report.mesh.emplace();
   report.mesh->arrangement = exact.stats;
+  note_other_topology(exact.stats, report);
   if (refine.subdivisions == 0) return std::move(exact.mesh);
   RefineResult refined =
       make_refiner(report.backend->requested)->refine(spheres, exact.mesh, refine);

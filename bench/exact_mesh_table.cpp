@@ -78,17 +78,16 @@ RefineResult finer(const SphereSet& spheres, const IndexedMesh& mesh) {
 void print_topology(const Row& row, const SphereSet& spheres, double edge_length, int level,
                     const IndexedMesh& mesh, std::uint64_t turned, const Limits& limits) {
   const testing::CreaseSurvey s = testing::survey_creases(spheres, mesh);
-  const MeshTopology& t = s.summary.topology;
+  const reference::MeshFacts& f = s.facts;
   const std::string crossings =
-      t.triangles <= limits.search ? std::to_string(self_intersections(mesh)) : "";
-  std::printf("%s,%g,%g,%d,%llu,%d,%ld,%ld,%ld,%s,%llu,%llu,%llu,%llu,%.1e,%.1e\n", row.set.c_str(),
-              row.probe, edge_length, level, static_cast<unsigned long long>(t.triangles),
-              t.closed && t.manifold && t.oriented ? 1 : 0,
-              static_cast<long>(t.euler_characteristic) - row.euler_characteristic,
-              static_cast<long>(t.components.value_or(0)) - static_cast<long>(row.components),
-              static_cast<long>(t.voids.value_or(0)) - static_cast<long>(row.voids),
-              crossings.c_str(), static_cast<unsigned long long>(s.degenerate),
-              static_cast<unsigned long long>(s.inward), static_cast<unsigned long long>(turned),
+      f.triangles <= limits.search ? std::to_string(self_intersections(mesh)) : "";
+  std::printf("%s,%g,%g,%d,%zu,%d,%ld,%ld,%ld,%s,%zu,%llu,%llu,%llu,%.1e,%.1e\n", row.set.c_str(),
+              row.probe, edge_length, level, f.triangles, f.closed_oriented_manifold() ? 1 : 0,
+              static_cast<long>(f.euler_characteristic()) - row.euler_characteristic,
+              static_cast<long>(f.positive_shells) - static_cast<long>(row.components),
+              static_cast<long>(f.negative_shells) - static_cast<long>(row.voids),
+              crossings.c_str(), f.degenerate_triangles, static_cast<unsigned long long>(s.inward),
+              static_cast<unsigned long long>(turned),
               static_cast<unsigned long long>(s.bad_labels + s.strange_labels + s.bad_arc_edges),
               s.off_sphere, s.depth);
   std::fflush(stdout);

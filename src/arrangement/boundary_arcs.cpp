@@ -14,13 +14,16 @@ namespace vdwmesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Corners that are one by steps are this many times kNoArc apart, at most.
+// Corners that are one by steps are this many times the length of no arc apart, at most.
 constexpr double kCornersInOnePlace = 4;
 
 class Placer {
  public:
-  Placer(const PowerTriangulation& triangulation, const DualComplex& complex)
-      : t_(triangulation), k_(complex), corner_of_(2 * k_.triangles.size(), kNoIndex) {}
+  Placer(const PowerTriangulation& triangulation, const DualComplex& complex,
+         const FeatureSizes& sizes)
+      : t_(triangulation), k_(complex), corner_of_(2 * k_.triangles.size(), kNoIndex) {
+    out_.sizes = sizes;
+  }
 
   BoundaryArcs run() && {
     for (const ExposedArc& arc : exposed_arcs(t_, k_)) place(arc);
@@ -87,13 +90,13 @@ class Placer {
   }
 
   void add(const BoundaryArc& arc, double smaller_radius) {
-    const bool no_circle = is_contact(arc.radius, smaller_radius);
+    const bool no_circle = out_.is_contact(arc.radius, smaller_radius);
     if (arc.is_circle() && no_circle) {
       ++out_.contacts;
     } else if (!arc.is_circle() &&
-               (no_circle || arc.sweep * arc.radius <= kNoArc * smaller_radius)) {
+               (no_circle || arc.sweep * arc.radius <= out_.sizes.arc * smaller_radius)) {
       ++out_.points;
-      joined_.push_back(arc.ends);
+      along_arcs_.push_back(arc.ends);
     } else {
       out_.arcs.push_back(arc);
     }
@@ -107,7 +110,7 @@ class Placer {
     }
     std::sort(places.begin(), places.end());
     for (std::size_t i = 0; i < places.size(); ++i) {
-      const double reach = kNoArc * ball(places[i][0]).radius;
+      const double reach = out_.sizes.arc * ball(places[i][0]).radius;
       for (std::size_t j = i + 1; j < places.size() && places[j][0] == places[i][0]; ++j) {
         const Vec3d gap = out_.corners[places[j][1]].position - out_.corners[places[i][1]].position;
         if (squared_norm(gap) <= reach * reach) joined_.push_back({places[i][1], places[j][1]});
@@ -118,7 +121,8 @@ class Placer {
   // An arc between corners that are one, and not around its circle.
   bool is_point(const BoundaryArc& arc, DisjointSets& sets) const {
     if (arc.is_circle() || sets.find(arc.ends[0]) != sets.find(arc.ends[1])) return false;
-    const double reach = kNoArc * std::max(ball(arc.balls[0]).radius, ball(arc.balls[1]).radius);
+    const double reach =
+        out_.sizes.arc * std::max(ball(arc.balls[0]).radius, ball(arc.balls[1]).radius);
     return arc.sweep * arc.radius <= kCornersInOnePlace * reach;
   }
 
@@ -131,9 +135,13 @@ class Placer {
 
   // Corners that are one point become the lowest of them; those that no arc ends in go.
   void join_corners() {
-    out_.has_joined_corners = out_.has_joined_corners || !joined_.empty();
+    out_.has_joined_corners = out_.has_joined_corners || !along_arcs_.empty() || !joined_.empty();
     DisjointSets sets(out_.corners.size());
-    for (const auto& pair : joined_) sets.join(pair[0], pair[1]);
+    for (const auto& [a, b] : along_arcs_) sets.join(a, b);
+    for (const auto& [a, b] : joined_) {
+      out_.joins += sets.find(a) != sets.find(b);
+      sets.join(a, b);
+    }
     std::erase_if(out_.arcs, [&](const BoundaryArc& arc) { return is_point(arc, sets); });
     std::vector<std::uint32_t> number(out_.corners.size(), kNoIndex);
     std::vector<BoundaryCorner> kept;
@@ -178,6 +186,7 @@ class Placer {
       if (!gone[a]) out_.arcs[kept++] = out_.arcs[a];
     }
     const bool any = kept < gone.size();
+    out_.joins += gone.size() - kept;
     out_.arcs.resize(kept);
     out_.has_joined_corners = out_.has_joined_corners || any;
     return any;
@@ -194,7 +203,7 @@ class Placer {
                 to_b = ball(other_ball(b, ball_index)).center - s.center;
     if (!(dot(to_a, to_b) < 0) || other_ball(a, ball_index) == other_ball(b, ball_index))
       return false;
-    const double reach = kNoArc * s.radius;
+    const double reach = out_.sizes.arc * s.radius;
     if (!a.is_circle()) return norm(a.at(a.sweep / 2) - b.at(b.sweep / 2)) <= reach;
     const double tilt = norm(cross(to_a, to_b)) / (norm(to_a) * norm(to_b));
     return norm(a.center - b.center) + std::abs(a.radius - b.radius) + a.radius * tilt <= reach;
@@ -204,7 +213,7 @@ class Placer {
   const DualComplex& k_;
   BoundaryArcs out_;
   std::vector<std::uint32_t> corner_of_;  // of the dual complex -> of the result
-  std::vector<std::array<std::uint32_t, 2>> joined_;
+  std::vector<std::array<std::uint32_t, 2>> along_arcs_, joined_;  // corners that are one point
 };
 
 }  // namespace
@@ -213,8 +222,9 @@ Vec3d BoundaryArc::at(double angle) const {
   return center + (std::cos(angle) * cosine + std::sin(angle) * sine);
 }
 
-BoundaryArcs boundary_arcs(const PowerTriangulation& triangulation, const DualComplex& complex) {
-  return Placer(triangulation, complex).run();
+BoundaryArcs boundary_arcs(const PowerTriangulation& triangulation, const DualComplex& complex,
+                           const FeatureSizes& sizes) {
+  return Placer(triangulation, complex, sizes).run();
 }
 
 }  // namespace vdwmesh

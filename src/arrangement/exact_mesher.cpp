@@ -1,19 +1,18 @@
 #include "arrangement/exact_mesher.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
-#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
-#include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "arrangement/arcs.hpp"
 #include "arrangement/measures.hpp"
-#include "arrangement/patch_mesher.hpp"
-#include "arrangement/split_fans.hpp"
+#include "arrangement/topology.hpp"
+#include "arrangement/union_mesher.hpp"
+#include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
 
 namespace vdwmesh {
@@ -25,284 +24,105 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// Rounds in which arcs are split for the shape of triangles, and for anything.
-constexpr int kQualityRounds = 12;
-constexpr int kMostRounds = 60;
-// Pieces that splitting may add, besides 64 for each there was.
-constexpr std::uint64_t kMostGrowth = std::uint64_t{1} << 18;
+// The sizes of features that are tried in turn. The first are right wherever nothing is smaller. If
+// features were reduced to points and the topology changed, finer ones keep what coordinates can
+// still tell apart; if curves lie too close, coarser ones merge the places where they do.
+constexpr FeatureSizes kUsual{};
+constexpr FeatureSizes kFiner{1e-11, 1e-9};
+constexpr std::array<FeatureSizes, 3> kCoarser{{{1e-7, 1e-6}, {1e-6, 1e-5}, {1e-5, 1e-4}}};
 
-constexpr MeshArrays kArrays = {.labels = TriangleLabels::spheres, .width = LabelWidth::three};
+Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
+  Arrangement a{triangulate(spheres, monitor), {}, {}};
+  a.complex = dual_complex(a.triangulation);
+  a.measures = gauss_bonnet(a.triangulation, a.complex);
+  return a;
+}
 
-class UnionMesher {
- public:
-  UnionMesher(const SphereSet& spheres, const ExactMeshOptions& options)
-      : options_(options),
-        begin_(Clock::now()),
-        t_(triangulate(spheres, options.monitor)),
-        complex_(dual_complex(t_)),
-        boundary_(boundary_arcs(t_, complex_)),
-        index_(t_, complex_, boundary_),
-        measures_(gauss_bonnet(t_, complex_)),
-        edge_length_(std::ldexp(options.edge_length, -t_.scale_exponent)),
-        sampling_(boundary_, edge_length_),
-        pieces_at_first_(count_pieces()),
-        patches_(t_.balls.size()) {
-    stats_.arrangement_seconds = seconds_since(begin_);
+// The Euler characteristic of a closed surface and the number of its pieces.
+struct Shape {
+  std::int64_t euler_characteristic, shells;
+};
+
+Shape shape_of(const IndexedMesh& mesh) {
+  DisjointSets shells(mesh.vertex_count());
+  for (const Triangle& t : mesh.triangles) {
+    shells.join(t[0], t[1]);
+    shells.join(t[0], t[2]);
   }
+  return {static_cast<std::int64_t>(mesh.vertex_count()) -
+              static_cast<std::int64_t>(mesh.triangle_count() / 2),
+          static_cast<std::int64_t>(shells.count())};
+}
+
+// Of a surface around the union on which each point of contact is doubled.
+Shape shape_of(const Arrangement& a) {
+  const UnionTopology topology = union_topology(a.triangulation, a.complex, a.measures);
+  DisjointSets components(a.complex.in_complex.size());
+  for (const DualEdge& e : a.complex.edges) {
+    const bool contact = e.singular && e.contact == Contact::touching;
+    if (!contact) components.join(e.vertices[0], e.vertices[1]);
+  }
+  std::int64_t shells = static_cast<std::int64_t>(topology.voids);
+  // Balls that are hidden but for a point of contact are no surface.
+  std::vector<std::uint8_t> counted(a.complex.exposed.size(), 0);
+  for (std::uint32_t v = 0; v < counted.size(); ++v) {
+    std::uint8_t& of_component = counted[components.find(v)];
+    shells += a.complex.exposed[v] && !of_component;
+    of_component = of_component || a.complex.exposed[v];
+  }
+  return {topology.euler_characteristic + 2 * static_cast<std::int64_t>(topology.point_contacts),
+          shells};
+}
+
+// Meshes an arrangement with one choice of feature sizes after the other, and keeps the first mesh
+// until there is one of the union's topology.
+class Chooser {
+ public:
+  Chooser(const Arrangement& arrangement, const ExactMeshOptions& options)
+      : arrangement_(arrangement), options_(options) {}
 
   ExactMesh run() && {
-    check_memory();
-    mesh_patches();
-    sampling_.number_vertices();
-    ExactMesh out{{}, stats_};
-    assemble(out.mesh);
-    if (boundary_.has_joined_corners) split_fans(boundary_.corners.size(), out.mesh);
-    out.stats.arcs = boundary_.arcs.size();
-    out.stats.corners = boundary_.corners.size();
-    out.stats.points = boundary_.points;
-    out.stats.contacts = boundary_.contacts;
-    out.stats.pieces = count_pieces();
-    out.stats.seconds = seconds_since(begin_);
-    return out;
+    if (try_sizes(kUsual)) return std::move(*best_);
+    if (best_) {
+      try_sizes(kFiner);
+    } else {
+      for (const FeatureSizes& sizes : kCoarser) {
+        if (try_sizes(sizes)) break;
+      }
+    }
+    if (!best_) throw LimitExceeded(refusal_);
+    return std::move(*best_);
   }
 
  private:
-  std::uint64_t count_pieces() const {
-    std::uint64_t pieces = 0;
-    for (std::uint32_t a = 0; a < boundary_.arcs.size(); ++a) pieces += sampling_.pieces(a);
-    return pieces;
-  }
-
-  // From the area: equilateral triangles of the edge length, and as many again as it takes to keep
-  // narrow places well shaped.
-  void check_memory() const {
-    constexpr double kFill = 1.4;
-    constexpr std::uint64_t kScratch = 40;  // bytes per triangle: patches before they are joined
-    const std::uint64_t pieces = count_pieces();
-    const double ideal =
-        total_measures(measures_).area / (std::sqrt(3.0) / 4) / (edge_length_ * edge_length_);
-    const double triangles = kFill * ideal + 4 * static_cast<double>(pieces);
-    constexpr double kMost = 1.8e19;  // fits 64 bits after the sums below
-    const auto count = static_cast<std::uint64_t>(std::min(triangles, kMost / 200));
-    const std::uint64_t vertices = count / 2;
-    const std::uint64_t need = indexed_mesh_bytes({vertices, count}, kArrays) + kScratch * count;
-    if (need <= options_.memory_limit && vertices <= kMaxVertices) return;
-    throw LimitExceeded(fmt::format(
-        "an edge length of {} Å needs about {} triangles and {} bytes, {} are allowed: choose an "
-        "edge length of at least {:.2g} Å or a higher memory limit",
-        options_.edge_length, count, need, options_.memory_limit,
-        options_.edge_length *
-            std::max(
-                std::sqrt(static_cast<double>(need) / static_cast<double>(options_.memory_limit)),
-                std::sqrt(static_cast<double>(vertices) / static_cast<double>(kMaxVertices))) *
-            1.05));
-  }
-
-  // Without arcs a sphere is exposed as a whole or, but for points, not at all.
-  bool is_whole(std::uint32_t ball) const {
-    const double r = t_.balls[ball].radius;
-    return index_.arcs(ball).empty() && measures_[ball].area > 2 * std::numbers::pi * r * r;
-  }
-
-  // First the boundaries alone, which is quick, then the patches; each until no piece is to be
-  // split.
-  void mesh_patches() {
-    std::vector<std::uint32_t> bounded, all;
-    for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
-      const bool has_arcs = !index_.arcs(b).empty();
-      if (has_arcs) bounded.push_back(b);
-      if (has_arcs || is_whole(b)) all.push_back(b);
-    }
-    run_rounds(std::move(bounded), PatchStage::boundary);
-    run_rounds(std::move(all), PatchStage::triangles);
-  }
-
-  void run_rounds(std::vector<std::uint32_t> balls, PatchStage stage) {
-    for (int round = 1; !balls.empty(); ++round) {
-      begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
-                  balls.size());
-      const Demand demand = round <= kQualityRounds ? Demand::quality : Demand::validity;
-      tbb::parallel_for(std::size_t{0}, balls.size(), [&](std::size_t i) {
-        mesh_ball(balls[i], demand, stage);
-        advance(options_.monitor, 1);
-      });
-      const std::vector<PieceSplit> splits = wanted_splits(balls);
-      if (splits.empty()) return;
-      if (round == kMostRounds) give_up(splits.front().piece);
-      stats_.split += splits.size();
-      sampling_.split(splits);
-      check_growth(splits);
-      balls = balls_beside(splits);
-    }
-  }
-
-  // Curves that all but coincide ask for ever shorter pieces; each has four triangles at least.
-  void check_growth(const std::vector<PieceSplit>& splits) const {
-    const std::uint64_t pieces = count_pieces();
-    const std::uint64_t need = indexed_mesh_bytes({2 * pieces, 4 * pieces}, kArrays);
-    const bool fits = need <= options_.memory_limit;
-    if (fits && pieces <= kMostGrowth + 64 * pieces_at_first_) return;
-    const auto& longest = *std::max_element(
-        splits.begin(), splits.end(), [&](const PieceSplit& a, const PieceSplit& b) {
-          return sampling_.pieces(a.piece.arc) < sampling_.pieces(b.piece.arc);
-        });
-    const auto& balls = boundary_.arcs[longest.piece.arc].balls;
-    throw LimitExceeded(fmt::format(
-        "where spheres {} and {} meet, curves lie so close that {} points are not enough to tell "
-        "them apart: {}leave out one of two spheres that all but coincide",
-        t_.ids[balls[0]], t_.ids[balls[1]], pieces,
-        fits ? "" : fmt::format("allow more memory than {} bytes, or ", options_.memory_limit)));
-  }
-
-  [[noreturn]] void give_up(const ArcPiece& piece) const {
-    const auto& balls = boundary_.arcs[piece.arc].balls;
-    throw std::runtime_error(
-        fmt::format("the patches of spheres {} and {} could not be triangulated in {} rounds",
-                    t_.ids[balls[0]], t_.ids[balls[1]], kMostRounds));
-  }
-
-  void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
-    const double edge_length = edge_length_ / t_.balls[ball].radius;
-    if (is_whole(ball)) {
-      patches_[ball] = mesh_sphere(edge_length);
-      return;
-    }
-    PatchBoundary around;
-    gather_boundary(t_, boundary_, sampling_, index_, ball, around);
+  // Whether that gave a mesh of the union's topology.
+  bool try_sizes(const FeatureSizes& sizes) {
     try {
-      patches_[ball] = mesh_patch(around, {edge_length, demand, stage});
-    } catch (const CoincidentPoints&) {
-      throw LimitExceeded(fmt::format(
-          "two curves on sphere {} are closer than double precision can tell: leave out one of two "
-          "spheres that all but coincide",
-          t_.ids[ball]));
+      ExactMesh mesh = mesh_features(arrangement_, sizes, options_);
+      compare(mesh);
+      const bool right = mesh.stats.euler_difference == 0 && mesh.stats.shell_difference == 0;
+      if (right || !best_) best_ = std::move(mesh);
+      return right;
+    } catch (const CurvesTooClose& error) {
+      if (refusal_.empty()) refusal_ = error.what();
+      return false;
     }
   }
 
-  // Where both sides ask, the more halvings.
-  std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& balls) const {
-    std::vector<PieceSplit> splits;
-    for (const std::uint32_t b : balls) {
-      splits.insert(splits.end(), patches_[b].splits.begin(), patches_[b].splits.end());
-    }
-    std::sort(splits.begin(), splits.end(), [](const PieceSplit& a, const PieceSplit& b) {
-      return std::pair(a.piece, b.halvings) < std::pair(b.piece, a.halvings);
-    });
-    const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
-    splits.erase(std::unique(splits.begin(), splits.end(), same), splits.end());
-    return splits;
+  // The arcs and corners of the complex are exact: only features made points change the topology.
+  void compare(ExactMesh& mesh) {
+    if (mesh.stats.points + mesh.stats.contacts + mesh.stats.joins == 0) return;
+    if (!exact_) exact_ = shape_of(arrangement_);
+    const Shape found = shape_of(mesh.mesh);
+    mesh.stats.euler_difference = found.euler_characteristic - exact_->euler_characteristic;
+    mesh.stats.shell_difference = found.shells - exact_->shells;
   }
 
-  std::vector<std::uint32_t> balls_beside(const std::vector<PieceSplit>& splits) const {
-    std::vector<std::uint32_t> balls;
-    for (const PieceSplit& s : splits) {
-      const auto& beside = boundary_.arcs[s.piece.arc].balls;
-      balls.insert(balls.end(), beside.begin(), beside.end());
-    }
-    std::sort(balls.begin(), balls.end());
-    balls.erase(std::unique(balls.begin(), balls.end()), balls.end());
-    return balls;
-  }
-
-  void assemble(IndexedMesh& mesh) {
-    std::vector<std::uint64_t> first_vertex(t_.balls.size() + 1),
-        first_triangle(t_.balls.size() + 1);
-    first_vertex[0] = sampling_.vertex_count();
-    for (std::size_t b = 0; b < t_.balls.size(); ++b) {
-      first_vertex[b + 1] = first_vertex[b] + patches_[b].interior.size();
-      first_triangle[b + 1] = first_triangle[b] + patches_[b].triangles.size();
-    }
-    if (first_vertex.back() > kMaxVertices) {
-      throw LimitExceeded(
-          fmt::format("{} vertices; a mesh holds at most {}: choose a larger edge "
-                      "length",
-                      first_vertex.back(), kMaxVertices));
-    }
-    make_room(mesh, {first_vertex.back(), first_triangle.back()}, kArrays);
-    place_corners(mesh);
-    place_arcs(mesh);
-    tbb::parallel_for(std::size_t{0}, t_.balls.size(), [&](std::size_t b) {
-      place_patch(static_cast<std::uint32_t>(b), first_vertex[b], first_triangle[b], mesh);
-      patches_[b] = {};
-    });
-  }
-
-  void place_corners(IndexedMesh& mesh) const {
-    for (std::size_t c = 0; c < boundary_.corners.size(); ++c) {
-      const BoundaryCorner& corner = boundary_.corners[c];
-      place(corner.position, corner.balls, c, mesh);
-    }
-  }
-
-  void place_arcs(IndexedMesh& mesh) const {
-    tbb::parallel_for(std::size_t{0}, boundary_.arcs.size(), [&](std::size_t i) {
-      const auto a = static_cast<std::uint32_t>(i);
-      const BoundaryArc& arc = boundary_.arcs[i];
-      for (std::uint32_t k = arc.is_circle() ? 0 : 1; k < sampling_.pieces(a); ++k) {
-        place(sampling_.point(a, k), {arc.balls[0], arc.balls[1], kNoIndex}, sampling_.vertex(a, k),
-              mesh);
-      }
-    });
-  }
-
-  // A vertex on several spheres: its normal is the mean of theirs.
-  void place(const Vec3d& p, const std::array<std::uint32_t, 3>& balls, std::size_t vertex,
-             IndexedMesh& mesh) const {
-    Vec3d sum{0, 0, 0}, first{0, 0, 0};
-    VertexSpheres label{kNoSphere, kNoSphere, kNoSphere};
-    for (std::size_t k = 0; k < 3 && balls[k] != kNoIndex; ++k) {
-      const Vec3d out = p - t_.balls[balls[k]].center;
-      sum = sum + (1 / norm(out)) * out;
-      if (k == 0) first = sum;
-      label[k] = t_.ids[balls[k]];
-    }
-    std::sort(label.begin(), label.end());
-    if (!(squared_norm(sum) > 1e-12)) sum = first;
-    mesh.positions[vertex] = unscaled(p);
-    mesh.normals[vertex] = cast<float>((1 / norm(sum)) * sum);
-    mesh.vertex_spheres.set(vertex, label);
-  }
-
-  void place_patch(std::uint32_t ball, std::uint64_t first_vertex, std::uint64_t first_triangle,
-                   IndexedMesh& mesh) const {
-    const PatchMesh& patch = patches_[ball];
-    if (patch.triangles.empty()) return;
-    const Sphere& s = t_.balls[ball];
-    const SphereId id = t_.ids[ball];
-    std::vector<std::uint32_t> vertices;
-    boundary_vertices(boundary_, sampling_, index_, ball, vertices);
-    for (std::size_t i = 0; i < patch.interior.size(); ++i) {
-      const std::uint64_t v = first_vertex + i;
-      mesh.positions[v] = unscaled(s.center + s.radius * patch.interior[i]);
-      mesh.normals[v] = cast<float>(patch.interior[i]);
-      mesh.vertex_spheres.set(v, on_sphere(id));
-      vertices.push_back(static_cast<std::uint32_t>(v));
-    }
-    for (std::size_t t = 0; t < patch.triangles.size(); ++t) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        mesh.triangles[first_triangle + t][k] = vertices[patch.triangles[t][k]];
-      }
-      mesh.triangle_spheres[first_triangle + t] = id;
-    }
-  }
-
-  Vec3d unscaled(const Vec3d& p) const {
-    const int e = t_.scale_exponent;
-    return {std::ldexp(p.x, e), std::ldexp(p.y, e), std::ldexp(p.z, e)};
-  }
-
-  ExactMeshOptions options_;
-  Clock::time_point begin_;
-  PowerTriangulation t_;
-  DualComplex complex_;
-  BoundaryArcs boundary_;
-  PatchIndex index_;
-  std::vector<SphereMeasures> measures_;
-  double edge_length_;
-  ArcSampling sampling_;
-  std::uint64_t pieces_at_first_;
-  std::vector<PatchMesh> patches_;
-  ExactMeshStats stats_;
+  const Arrangement& arrangement_;
+  const ExactMeshOptions& options_;
+  std::optional<ExactMesh> best_;
+  std::optional<Shape> exact_;
+  std::string refusal_;
 };
 
 }  // namespace
@@ -313,7 +133,13 @@ ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options) 
     throw InvalidInput(
         fmt::format("the edge length must be positive and finite, not {} Å", options.edge_length));
   }
-  return UnionMesher(spheres, options).run();
+  const Clock::time_point begin = Clock::now();
+  const Arrangement arrangement = arrange(spheres, options.monitor);
+  const double arrangement_seconds = seconds_since(begin);
+  ExactMesh out = Chooser(arrangement, options).run();
+  out.stats.arrangement_seconds = arrangement_seconds;
+  out.stats.seconds = seconds_since(begin);
+  return out;
 }
 
 }  // namespace vdwmesh

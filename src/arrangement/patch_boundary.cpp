@@ -28,12 +28,12 @@ std::uint32_t place_of(const std::vector<std::uint32_t>& corners, std::uint32_t 
                                     corners.begin());
 }
 
-CoveredCap cap_on(const Sphere& s, const Sphere& neighbor) {
+CoveredCap cap_on(const BoundaryArcs& boundary, const Sphere& s, const Sphere& neighbor) {
   const EdgeShape shape = edge_shape(s, neighbor);
   const double cosine = shape.height[0] / s.radius;
   // A contact has no arcs, so it must not look like a cap beside which there is a patch.
-  const bool contact =
-      is_contact(std::sqrt(shape.squared_circle_radius), std::min(s.radius, neighbor.radius));
+  const bool contact = boundary.is_contact(std::sqrt(shape.squared_circle_radius),
+                                           std::min(s.radius, neighbor.radius));
   const double squared_sine = contact ? 0 : shape.squared_circle_radius / (s.radius * s.radius);
   return {(1 / shape.length) * (neighbor.center - s.center), cosine,
           2 * squared_sine / (1 + std::abs(cosine))};
@@ -154,7 +154,7 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
       if (k == 0 || k == n) return place_of(corners, arc.ends[k == 0 ? 0 : 1]);
       return before + k - 1;
     };
-    const double half_turn = cap_on(s, triangulation.balls[neighbor]).cosine / 2;
+    const double half_turn = cap_on(boundary, s, triangulation.balls[neighbor]).cosine / 2;
     for (std::uint32_t k = 0; k < n; ++k) {
       const std::uint32_t from = local(k), to = local(k + 1);
       out.pieces.push_back({is_first ? to : from,
@@ -165,7 +165,7 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
     }
   }
   for (const std::uint32_t n : index.neighbors(ball)) {
-    out.caps.push_back(cap_on(s, triangulation.balls[n]));
+    out.caps.push_back(cap_on(boundary, s, triangulation.balls[n]));
   }
 }
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "arrangement/directions.hpp"
+#include "arrangement/patch_quality.hpp"
 #include "arrangement/patch_triangles.hpp"
 #include "arrangement/stereographic.hpp"
 
@@ -37,13 +38,6 @@ using FaceHandle = Planar::Face_handle;
 
 constexpr double kPi = std::numbers::pi;
 
-// A piece is too long for the patch beside it where a triangle on it is lower than this part of it.
-constexpr double kLocalWidth = 0.3;
-// Of two pieces at a corner, one may be this much longer than the other.
-constexpr double kCornerRatio = 2;
-// A triangle is bad below this angle, and above this circumradius by the edge length.
-constexpr double kBadAngleSine = 0.4;  // 23.6°
-constexpr double kLargeCircle = 0.75;
 // Interior points of the first lattice keep this much of the edge length from the arcs.
 constexpr double kLatticeMargin = 0.55;
 // An inserted point may see a piece under an angle of this cosine at most.
@@ -103,6 +97,7 @@ class PlanarPatch {
     FaceHandle hint;
     handles_.resize(b_.points.size());
     for (const std::uint32_t i : insertion_order(b_)) {
+      check_cancelled(i);
       const std::size_t before = planar_.number_of_vertices();
       handles_[i] = planar_.insert(project(b_.points[i]), hint);
       if (planar_.number_of_vertices() == before) throw CoincidentPoints();
@@ -129,7 +124,14 @@ class PlanarPatch {
     return {handles_[b_.pieces[p].from]->point(), handles_[b_.pieces[p].to]->point()};
   }
 
+  // Asks every so many steps, so that a patch of many points stops as soon as many small ones.
+  void check_cancelled(std::size_t step) const {
+    constexpr std::size_t kStride = 128;
+    if (step % kStride == 0) advance(options_.monitor, 0);
+  }
+
   void insert_piece(std::uint32_t p) {
+    check_cancelled(p);
     try {
       planar_.insert_constraint(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to]);
     } catch (const Planar::Intersection_of_constraints_exception&) {
@@ -160,6 +162,7 @@ class PlanarPatch {
     std::sort(boxes.begin(), boxes.end(),
               [](const auto& a, const auto& b) { return a.first.xmin() < b.first.xmin(); });
     for (auto a = boxes.begin(); a != boxes.end(); ++a) {
+      check_cancelled(static_cast<std::size_t>(a - boxes.begin()));
       for (auto b = a + 1; b != boxes.end() && b->first.xmin() <= a->first.xmax(); ++b) {
         if (!CGAL::do_overlap(a->first, b->first) || !do_cross(a->second, b->second)) continue;
         want_split(a->second);
@@ -256,21 +259,17 @@ class PlanarPatch {
     const VertexHandle va = f->vertex(f->ccw(k)), vb = f->vertex(f->cw(k)), vp = f->vertex(k);
     const std::uint32_t piece = piece_between(va->info(), vb->info());
     if (circles_.on(vp->info(), b_.pieces[piece].neighbor)) return;
-    const Vec3d &a = at(va), &b = at(vb), &p = at(vp), ab = b - a, ap = p - a;
-    const double squared_length = squared_norm(ab), length = std::sqrt(squared_length);
+    const Vec3d &a = at(va), &b = at(vb), &p = at(vp);
+    const double length = norm(b - a);
     if (length <= kShortest * h_) return;
     for (const int other : {f->ccw(k), f->cw(k)}) {
       // Edge `other` is opposite to that end, so it starts at the other one.
       if (!f->is_constrained(other)) continue;
-      const double beside = other == f->ccw(k) ? norm(p - b) : norm(ap);
+      const double beside = other == f->ccw(k) ? norm(p - b) : norm(p - a);
       if (length > kCornerRatio * beside) want_split(piece);
       return;
     }
-    const double foot = dot(ap, ab) / squared_length;
-    const double height = norm(cross(ab, ap)) / length;
-    if (!(foot > -0.2 && foot < 1.2 && height < kLocalWidth * length)) return;
-    // As often as the width asks for, but it may grow along the piece.
-    want_split(piece, height * 2 < kLocalWidth * length ? 2 : 1);
+    if (const std::uint32_t halvings = halvings_for_width(a, b, p)) want_split(piece, halvings);
   }
 
   void insert_lattice() {
@@ -306,26 +305,9 @@ class PlanarPatch {
     return {f, {f->vertex(0)->info(), f->vertex(1)->info(), f->vertex(2)->info()}};
   }
 
-  struct FlatCircle {
-    Vec3d center;  // on the sphere
-    bool is_bad;
-  };
   FlatCircle circle(FaceHandle f) const {
-    const Vec3d &a = at(f->vertex(0)), &b = at(f->vertex(1)), &c = at(f->vertex(2));
-    const Vec3d normal = cross(b - a, c - a);
-    const std::array<double, 3> edge{squared_norm(c - b), squared_norm(a - c), squared_norm(b - a)};
-    const double squared_area = squared_norm(normal);  // (2A)²
-    if (!(squared_area > 0)) return {a, false};
-    const double squared_radius = edge[0] * edge[1] * edge[2] / (4 * squared_area);
-    const auto shortest =
-        static_cast<std::size_t>(std::min_element(edge.begin(), edge.end()) - edge.begin());
-    const int s = static_cast<int>(shortest);
-    const bool sharp_corner =
-        f->is_constrained(f->cw(s)) && f->is_constrained(f->ccw(s)) && !f->is_constrained(s);
-    const bool is_large = squared_radius > kLargeCircle * kLargeCircle * h_ * h_;
-    const bool is_sharp =
-        edge[shortest] < 4 * kBadAngleSine * kBadAngleSine * squared_radius && !sharp_corner;
-    return {unit(normal), is_large || is_sharp};
+    return flat_circle({at(f->vertex(0)), at(f->vertex(1)), at(f->vertex(2))},
+                       {f->is_constrained(0), f->is_constrained(1), f->is_constrained(2)}, h_);
   }
 
   // Circumcentres of bad triangles, until there are none or each is too near to the boundary.
@@ -336,6 +318,7 @@ class PlanarPatch {
     }
     const std::size_t most = 20 * (points_.size() + 50);
     for (std::size_t i = 0; i < queue.size() && points_.size() < most; ++i) {
+      check_cancelled(i);
       const Candidate c = queue[i];
       if (candidate(c.face).vertices != c.vertices || !is_inside(c.face)) continue;
       const FlatCircle circumcircle = circle(c.face);
@@ -376,20 +359,52 @@ class PlanarPatch {
     return false;
   }
 
-  // Edges inside the patch between two points of one circle get a point in their middle.
+  // An edge that is no piece of the boundary, seen from one of its two faces.
+  struct InnerEdge {
+    Candidate candidate;
+    int opposite;  // the face's vertex that is not an end
+  };
+
+  // The edges inside the patch that join two points of one circle. Each is found from the face in
+  // which its lower end comes first: CGAL's own list of edges takes the face at the lower address,
+  // and the mesh would depend on where the heap has put the faces.
+  std::vector<InnerEdge> edges_within_circles() const {
+    std::vector<InnerEdge> found;
+    for (const FaceHandle f : planar_.finite_face_handles()) {
+      if (!is_inside(f)) continue;
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t a = f->vertex(f->ccw(k))->info(), b = f->vertex(f->cw(k))->info();
+        if (a < b && !f->is_constrained(k) && circles_.share(a, b)) {
+          found.push_back({candidate(f), k});
+        }
+      }
+    }
+    return found;
+  }
+
+  // Edges inside the patch between two points of one circle get a point in their middle. When that
+  // does not get rid of all of them, the pieces at their ends are split: afterwards there is no
+  // such edge, or there are splits.
   void separate_circles() {
     constexpr int kMostRounds = 8;
-    for (int round = 0; round < kMostRounds; ++round) {
-      std::vector<std::pair<Candidate, int>> found;
-      for (const auto& [f, k] : planar_.finite_edges()) {
-        if (f->is_constrained(k) || !is_inside(f)) continue;
-        const VertexHandle a = f->vertex(f->ccw(k)), b = f->vertex(f->cw(k));
-        if (circles_.share(a->info(), b->info())) found.push_back({candidate(f), k});
-      }
-      if (found.empty()) return;
+    std::vector<InnerEdge> found = edges_within_circles();
+    for (int round = 0; round < kMostRounds && !found.empty(); ++round) {
       for (const auto& [c, k] : found) {
         if (candidate(c.face).vertices == c.vertices) divide_edge(c.face, k);
       }
+      found = edges_within_circles();
+    }
+    for (const auto& [c, k] : found) {
+      const auto opposite = static_cast<std::size_t>(k);
+      split_pieces_at(c.vertices[(opposite + 1) % 3], c.vertices[(opposite + 2) % 3]);
+    }
+  }
+
+  // Every piece that ends in one of the two points.
+  void split_pieces_at(std::uint32_t a, std::uint32_t b) {
+    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
+      const BoundaryPiece& piece = b_.pieces[p];
+      if (piece.from == a || piece.to == a || piece.from == b || piece.to == b) want_split(p);
     }
   }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "arrangement/patch_boundary.hpp"
+#include "core/monitor.hpp"
 
 namespace vdwmesh {
 
@@ -23,6 +24,7 @@ struct PatchOptions {
   double edge_length;  // by the radius
   Demand demand = Demand::quality;
   PatchStage stage = PatchStage::triangles;
+  Monitor* monitor = nullptr;  // asked now and then whether to stop
 };
 
 // Thrown where two points of a boundary are one in double precision.
@@ -36,7 +38,8 @@ struct PatchMesh {
 };
 
 // Precondition: at least one piece, and one cap. Every triangle faces outwards, and no edge but a
-// piece has both ends on one circle, so triangles of different spheres do not meet.
+// piece has both ends on one circle, so triangles of different spheres do not meet. Throws
+// CoincidentPoints, Cancelled.
 PatchMesh mesh_patch(const PatchBoundary& boundary, const PatchOptions& options);
 
 // The whole sphere: an icosahedron with its faces divided, vertices on the unit sphere.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "arrangement/directions.hpp"
 #include "core/multiversion.hpp"
@@ -170,6 +171,72 @@ class Smoother {
   std::vector<std::uint32_t> first_, star_;  // triangles around each vertex
 };
 
+// Finds the pieces that have to be split because of one triangle after the other.
+class DefectFinder {
+ public:
+  DefectFinder(const PatchBoundary& boundary, const PatchTriangles& patch)
+      : boundary_(boundary), patch_(patch) {}
+
+  std::vector<std::uint32_t> run() && {
+    for (const PatchTriangle& t : patch_.triangles) {
+      if (is_inward(t)) {
+        split_around(t);
+      } else {
+        find_folds(t);
+      }
+    }
+    std::sort(found_.begin(), found_.end());
+    found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+    return std::move(found_);
+  }
+
+ private:
+  const Vec3d& at(const PatchTriangle& t, std::size_t k) const {
+    return patch_.points[t.vertices[k]];
+  }
+  bool is_inward(const PatchTriangle& t) const {
+    return !faces_outwards(at(t, 0), at(t, 1), at(t, 2));
+  }
+  double bulge(const PatchTriangle& t, std::size_t edge) const {
+    return t.pieces[edge] == kNoPiece ? 0 : boundary_.pieces[t.pieces[edge]].bulge;
+  }
+
+  // The triangle's own pieces; if it has none, those that end in its vertices; if there are none
+  // either, all pieces of the patch.
+  void split_around(const PatchTriangle& t) {
+    const std::size_t before = found_.size();
+    std::copy_if(t.pieces.begin(), t.pieces.end(), std::back_inserter(found_),
+                 [](std::uint32_t piece) { return piece != kNoPiece; });
+    if (found_.size() > before) return;
+    const auto ends_in = [&](std::uint32_t point) {
+      return std::find(t.vertices.begin(), t.vertices.end(), point) != t.vertices.end();
+    };
+    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
+      if (ends_in(boundary_.pieces[p].from) || ends_in(boundary_.pieces[p].to)) found_.push_back(p);
+    }
+    if (found_.size() > before) return;
+    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) found_.push_back(p);
+  }
+
+  void find_folds(const PatchTriangle& t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+      // Between two arcs there is the angle of the patch's corner, whatever the chords.
+      if (t.pieces[k1] != kNoPiece && t.pieces[k2] != kNoPiece) continue;
+      const double taken = std::max(0.0, bulge(t, k1)) + std::max(0.0, bulge(t, k2));
+      if (taken == 0) continue;
+      if (!(taken > (1 - kLeastRest) * angle_at(at(t, k), at(t, k1), at(t, k2)))) continue;
+      for (const std::size_t edge : {k1, k2}) {
+        if (bulge(t, edge) > 0) found_.push_back(t.pieces[edge]);
+      }
+    }
+  }
+
+  const PatchBoundary& boundary_;
+  const PatchTriangles& patch_;
+  std::vector<std::uint32_t> found_;
+};
+
 VDWMESH_MULTIVERSION void run(Smoother& smoother, int passes) { smoother.run(passes); }
 
 }  // namespace
@@ -181,32 +248,7 @@ void smooth(const PatchBoundary& boundary, const PointCircles& circles, int pass
 }
 
 std::vector<std::uint32_t> defects(const PatchBoundary& boundary, const PatchTriangles& patch) {
-  std::vector<std::uint32_t> found;
-  for (const PatchTriangle& t : patch.triangles) {
-    const auto bulge = [&](std::size_t edge) {
-      return t.pieces[edge] == kNoPiece ? 0.0 : boundary.pieces[t.pieces[edge]].bulge;
-    };
-    if (t.pieces[0] == kNoPiece && t.pieces[1] == kNoPiece && t.pieces[2] == kNoPiece) continue;
-    const std::array<Vec3d, 3> p{patch.points[t.vertices[0]], patch.points[t.vertices[1]],
-                                 patch.points[t.vertices[2]]};
-    const bool inward = !faces_outwards(p[0], p[1], p[2]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-      // Between two arcs there is the angle of the patch's corner, whatever the chords.
-      if (!inward && t.pieces[k1] != kNoPiece && t.pieces[k2] != kNoPiece) continue;
-      const double taken = std::max(0.0, bulge(k1)) + std::max(0.0, bulge(k2));
-      if (!inward && taken == 0) continue;
-      if (!inward && !(taken > (1 - kLeastRest) * angle_at(p[k], p[k1], p[k2]))) continue;
-      for (const std::size_t edge : {k1, k2}) {
-        if (t.pieces[edge] != kNoPiece && (inward || bulge(edge) > 0)) {
-          found.push_back(t.pieces[edge]);
-        }
-      }
-    }
-  }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  return found;
+  return DefectFinder(boundary, patch).run();
 }
 
 }  // namespace vdwmesh

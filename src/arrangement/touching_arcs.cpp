@@ -94,23 +94,23 @@ class TouchingArcs {
 
   // Between the two points where the circles are nearest to each other; two caps that together
   // reach further than half around touch at the back, where nothing is exposed.
-  static std::optional<Vec3d> touching_point(const Circle& a, const Circle& b) {
+  std::optional<Vec3d> touching_point(const Circle& a, const Circle& b) const {
     const double along = dot(a.axis, b.axis);
-    constexpr double kSlack = 4 * kNoArc;  // the sine of an angle is at most 1
-    if (std::abs(along - (a.cosine * b.cosine - a.sine * b.sine)) > kSlack) return std::nullopt;
-    if (a.sine * b.cosine + a.cosine * b.sine < -kSlack) return std::nullopt;
+    const double slack = 4 * out_.sizes.arc;  // the sine of an angle is at most 1
+    if (std::abs(along - (a.cosine * b.cosine - a.sine * b.sine)) > slack) return std::nullopt;
+    if (a.sine * b.cosine + a.cosine * b.sine < -slack) return std::nullopt;
     const Vec3d to_b = b.axis - along * a.axis, to_a = a.axis - along * b.axis;
     if (norm(to_b) < kParallel) return std::nullopt;
     const Vec3d p = a.cosine * a.axis + a.sine * unit(to_b),
                 q = b.cosine * b.axis + b.sine * unit(to_a);
-    if (norm(p - q) > kNoArc) return std::nullopt;
+    if (norm(p - q) > out_.sizes.arc) return std::nullopt;
     return unit(p + q);
   }
 
   void touch(std::uint32_t ball, const Circle& a, const Circle& b, const Vec3d& direction) {
     const Sphere& s = t_.balls[ball];
     const BoundaryCorner corner{s.center + s.radius * direction, {ball, a.other, b.other}};
-    const double reach = 2 * kNoArc * s.radius;
+    const double reach = 2 * out_.sizes.arc * s.radius;
     std::vector<std::uint32_t> ends;
     std::vector<Cut> cuts;
     for (const Circle& c : {a, b}) {
@@ -120,6 +120,7 @@ class TouchingArcs {
       if (ends.size() + cuts.size() == before) return;  // covered by another ball
     }
     if (cuts.empty()) return;  // corners in one place have been found already
+    ++out_.joins;
     if (ends.empty()) {
       ends.push_back(static_cast<std::uint32_t>(out_.corners.size()));
       out_.corners.push_back(corner);
@@ -174,7 +175,7 @@ class TouchingArcs {
     const BoundaryArc& arc = out_.arcs[a.arc];
     const double r = std::max(t_.balls[arc.balls[0]].radius, t_.balls[arc.balls[1]].radius);
     return norm(out_.corners[a.corner].position - out_.corners[b.corner].position) <=
-           4 * kNoArc * r;
+           4 * out_.sizes.arc * r;
   }
 
   void cut_arcs() {

@@ -158,13 +158,29 @@ TEST(ExactMesherAwkward, ATinyCapBesideAContact) {
 }
 
 // A ball and its twin a hair beside it: no double lies between their circles.
-TEST(ExactMesherAwkward, CurvesThatAllButCoincideAreRefused) {
-  EXPECT_THAT(refusal(SphereSet({{{3.9991455078125, -2.913818359375, -4}, 0.1075185546875},
-                                 {{-1, -0.5, 2.5}, 2.5},
-                                 {{3.9991455078125, -1.5213369140624999, -4}, 1.5},
-                                 {{3.9991455078127274, -2.913818359375, -4}, 0.1075185546875}}),
-                      1.0),
-              HasSubstr("all but coincide"));
+TEST(ExactMesherAwkward, CurvesThatAllButCoincideAreMadeOne) {
+  Demands demands = collapsed(Topology::parted);
+  demands.distance = 1e-6;  // Å: features of 1e-7 of the radius had to go
+  expect_set({{{3.9991455078125, -2.913818359375, -4}, 0.1075185546875},
+              {{-1, -0.5, 2.5}, 2.5},
+              {{3.9991455078125, -1.5213369140624999, -4}, 1.5},
+              {{3.9991455078127274, -2.913818359375, -4}, 0.1075185546875}},
+             1.0, demands, 0);
+}
+
+// Four spheres through one circle, shaken by 1e-14: strips of no width between crossing curves.
+TEST(ExactMesherAwkward, CurvesThatCrossInStripsAreRefused) {
+  EXPECT_THAT(
+      refusal(SphereSet({{{-7.3127151177519763e-15, 6.9486747387446534e-15, -0.99999999999999467},
+                          1.4142135623730951},
+                         {{-4.8986194852115662e-15, -9.1298258161180975e-17, -0.33333333333333437},
+                          1.0540925533894598},
+                         {{3.0318594544552592e-15, 5.7744670227102633e-15, 0.33333333333332515},
+                          1.0540925533894598},
+                         {{-9.4330504695598744e-15, 6.7153020783973941e-15, 0.99999999999999867},
+                          1.4142135623730951}}),
+              0.3),
+      HasSubstr("all but coincide"));
 }
 
 // Three balls, two by two tangent: three contacts, and a ring parted into three.

@@ -6,25 +6,30 @@
 #include <string>
 #include <vector>
 
+#include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/exact_union.hpp"
 #include "contract/extractor_contract.hpp"
 #include "refine/refiner.hpp"
 #include "support/crease_survey.hpp"
+#include "support/union_verdict.hpp"
 
 namespace vdwmesh::testing {
 
-// Three or more balls that meet in one exposed point leave a boundary that is no surface there:
-// the Euler characteristic of a mesh is that of one way to part it.
+// Three or more balls that meet in one exposed point leave a boundary that is no surface there, and
+// what is too small for coordinates is made points: then the mesh may have another topology, by as
+// much as the mesher has announced.
 enum class Topology : std::uint8_t { exact, parted };
 
 struct Demands {
-  // Å: from each vertex to its spheres, and into a ball. The contract's; features up to kNoArc
-  // and kNoCircle of the radius may be left out, which shows as a distance.
+  // Å: from each vertex to its spheres, and into a ball. The contract's; features up to
+  // FeatureSizes may be left out, which shows as a distance.
   double distance = 1e-9;
   Topology topology = Topology::exact;
   // Meshes with more triangles are not searched, for time.
   std::uint64_t largest_searched = 300'000;
+  // What the mesher announced, for Topology::parted.
+  std::int64_t euler_difference = 0, shell_difference = 0;
 };
 
 ExactMesh mesh_at(const SphereSet& spheres, double edge_length);

@@ -153,27 +153,25 @@ void survey_arc_edges(const IndexedMesh& mesh, const Around& around, CreaseSurve
 }  // namespace
 
 bool CreaseSurvey::sound() const {
-  const MeshTopology& t = summary.topology;
-  return t.closed && t.manifold && t.oriented && t.isolated_vertices == 0 && bad_numbers == 0 &&
-         degenerate == 0 && inward == 0 && bad_labels == 0 && bad_arc_edges == 0;
+  return facts.closed_oriented_manifold() && facts.degenerate_triangles == 0 && bad_numbers == 0 &&
+         inward == 0 && bad_labels == 0 && bad_arc_edges == 0;
 }
 
 std::string CreaseSurvey::text() const {
-  const MeshTopology& t = summary.topology;
   std::ostringstream out;
-  out << t.triangles << " triangles" << (t.closed ? "" : ", open") << (t.manifold ? "" : ", split")
-      << (t.oriented ? "" : ", not oriented") << ", isolated " << t.isolated_vertices << ", chi "
-      << t.euler_characteristic << ", bad numbers " << bad_numbers << ", degenerate " << degenerate
-      << ", inward " << inward << ", bad labels " << bad_labels << ", strange labels "
-      << strange_labels << ", crowded " << crowded_vertices << ", bad arc edges " << bad_arc_edges
-      << ", off spheres " << off_sphere << " A, depth " << depth << " A";
+  out << facts.summary() << ", bad numbers " << bad_numbers << ", inward " << inward
+      << ", bad labels " << bad_labels << ", strange labels " << strange_labels << ", crowded "
+      << crowded_vertices << ", bad arc edges " << bad_arc_edges << ", off spheres " << off_sphere
+      << " A, depth " << depth << " A";
   return out.str();
 }
 
 CreaseSurvey survey_creases(const SphereSet& spheres, const IndexedMesh& mesh) {
   CreaseSurvey survey;
-  survey.summary = summarize(mesh);
-  survey.degenerate = quality(mesh).degenerate_triangles;
+  reference::TriangleMesh plain;
+  for (const Vec3d& p : mesh.positions) plain.points.push_back({{p.x, p.y, p.z}});
+  plain.triangles.assign(mesh.triangles.begin(), mesh.triangles.end());
+  survey.facts = reference::inspect(plain);
   const Around around = spheres_around(mesh);
   survey_vertices(spheres, mesh, around, survey);
   survey_triangles(spheres, mesh, survey);

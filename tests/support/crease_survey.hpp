@@ -5,16 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "analysis/mesh_measures.hpp"
 #include "extract/indexed_mesh.hpp"
 #include "extract/sphere_set.hpp"
+#include "reference/mesh_checks.hpp"
 
 namespace vdwmesh::testing {
 
 struct CreaseSurvey {
-  MeshSummary summary;
+  reference::MeshFacts facts;     // manifold, degenerate triangles, shells, by the reference code
   std::uint64_t bad_numbers = 0;  // positions or normals that are not finite or not unit
-  std::uint64_t degenerate = 0;   // triangles with a repeated index or an area of exactly 0
   std::uint64_t inward = 0;       // triangles that face their own sphere's centre, or its plane
   std::uint64_t bad_labels = 0;   // not one to three ids of the set, ascending, rest kNoSphere
   // Vertices whose label is not the set of the spheres of their triangles, and those with

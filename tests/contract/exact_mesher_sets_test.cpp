@@ -1,0 +1,92 @@
+// The first of the seeded sets of bench/exact_mesh_sets: general ones have the topology of the
+// union; nearly degenerate ones have it too, or differ by what the mesher announced, or are
+// refused.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <string>
+
+#include "contract/exact_mesher_contract.hpp"
+#include "core/errors.hpp"
+#include "support/sphere_recipes.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+constexpr unsigned kSets = 160;  // ten of each recipe
+
+// Å: a place where features were made points is as large as they are, with some room for steps.
+double allowed_distance(const SphereSet& spheres, const ExactMeshStats& stats) {
+  constexpr double kRounding = 1e-12, kSteps = 10;
+  double largest = 0, farthest = 0;
+  for (const Sphere& s : spheres.spheres()) {
+    largest = std::max(largest, s.radius);
+    farthest = std::max(farthest, norm(s.center));
+  }
+  const bool reduced = stats.points + stats.contacts + stats.joins > 0;
+  return kRounding * (largest + farthest) +
+         (reduced ? (kSteps * stats.arc_size + 2 * stats.circle_size) * largest : 0);
+}
+
+TEST(ExactMesherSets, AreSoundAndOfTheAnnouncedTopology) {
+  int refused = 0;
+  for (unsigned seed = 0; seed < kSets; ++seed) {
+    const SeededSet set = seeded_set(seed);
+    const SphereRecipe& recipe = sphere_recipes()[set.recipe];
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", " + std::string(recipe.name));
+    try {
+      const ExactMesh made = mesh_at(set.spheres, set.edge_length);
+      Demands demands;
+      demands.distance = allowed_distance(set.spheres, made.stats);
+      if (recipe.position == Position::nearly_degenerate) {
+        demands.topology = Topology::parted;
+        demands.euler_difference = made.stats.euler_difference;
+        demands.shell_difference = made.stats.shell_difference;
+      }
+      demands.largest_searched = 0;  // other tests search for self-intersections
+      expect_union_mesh(set.spheres, made.mesh, exact_union(set.spheres), demands);
+    } catch (const LimitExceeded&) {
+      EXPECT_EQ(recipe.position, Position::nearly_degenerate);
+      ++refused;
+    }
+  }
+  EXPECT_LE(refused, 8);  // pencils, of which most cannot be told apart
+}
+
+class StopAfter : public Monitor {
+ public:
+  explicit StopAfter(int questions) : left_(questions) {}
+  void begin_stage(std::string_view, std::uint64_t) override {}
+  void advance(std::uint64_t) override {}
+  bool cancelled() const override {
+    ++asked_;
+    return asked_ > left_;
+  }
+  int asked() const { return asked_; }
+
+ private:
+  int left_;
+  mutable std::atomic<int> asked_{0};
+};
+
+// One ball with a boundary of thousands of points: between two balls there is too long to wait.
+TEST(ExactMesherSets, ACallerIsAskedWithinABall) {
+  std::vector<Sphere> balls = {{{0, 0, 0}, 20}};
+  for (const Sphere& s : hollow_shell(60, 20, 1.5).spheres()) balls.push_back(s);
+  const SphereSet spheres(std::move(balls));
+  StopAfter never(1 << 30);
+  ExactMeshOptions options;
+  options.edge_length = 0.05;
+  options.monitor = &never;
+  const ExactMesh made = mesh_union(spheres, options);
+  // Once in 128 points or pieces, of both sides of every arc.
+  EXPECT_GT(never.asked(), static_cast<int>(made.stats.pieces / 128 + 61));
+  for (const int questions : {0, 5, never.asked() / 2, never.asked() - 10}) {
+    StopAfter monitor(questions);
+    options.monitor = &monitor;
+    EXPECT_THROW(mesh_union(spheres, options), Cancelled) << questions;
+  }
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing
