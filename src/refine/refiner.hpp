@@ -29,7 +29,7 @@ constexpr MeshSize subdivided(MeshSize mesh, int levels = 1) {
 enum class Crossings : std::uint8_t { allow, undo };
 
 // Sees the mesh as it goes: level 0 is the given one, level l the one after subdivision l and its
-// projection. Normals are not computed yet.
+// projection. Normals are not computed yet, and half-edges may be missing.
 using LevelObserver = std::function<void(int level, const IndexedMesh& mesh)>;
 
 struct RefineOptions {

@@ -39,6 +39,8 @@ class Octahedron(ProgramTest):
         comparison = self.compare(FACES)["comparison"]
         farthest = 1 - 1 / math.sqrt(3)  # between the centre of a face and the sphere
         # 10^4 samples lie within 0.03 of any point of the unit sphere; the distance is flat there.
+        # The centres of the faces are looked at too, so the bound is met but for some roundings.
+        farthest += 1e-15
         self.assertTrue(0.998 * farthest <= comparison["hausdorff_lower_bound"] <= farthest)
         for direction in ("mesh_to_surface", "surface_to_mesh"):
             distance = comparison[direction]

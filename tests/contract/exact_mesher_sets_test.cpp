@@ -14,6 +14,7 @@ namespace vdwmesh::testing {
 namespace {
 
 constexpr unsigned kSets = 160;  // ten of each recipe
+constexpr int kPencils = 2;      // of those fewer: most are refused, which takes seconds each
 
 // Å: a place where features were made points is as large as they are, with some room for steps.
 double allowed_distance(const SphereSet& spheres, const ExactMeshStats& stats) {
@@ -29,10 +30,11 @@ double allowed_distance(const SphereSet& spheres, const ExactMeshStats& stats) {
 }
 
 TEST(ExactMesherSets, AreSoundAndOfTheAnnouncedTopology) {
-  int refused = 0;
+  int refused = 0, pencils = 0;
   for (unsigned seed = 0; seed < kSets; ++seed) {
     const SeededSet set = seeded_set(seed);
     const SphereRecipe& recipe = sphere_recipes()[set.recipe];
+    if (recipe.name == "pencils" && ++pencils > kPencils) continue;
     SCOPED_TRACE("seed " + std::to_string(seed) + ", " + std::string(recipe.name));
     try {
       const ExactMesh made = mesh_at(set.spheres, set.edge_length);
@@ -50,7 +52,7 @@ TEST(ExactMesherSets, AreSoundAndOfTheAnnouncedTopology) {
       ++refused;
     }
   }
-  EXPECT_LE(refused, 8);  // pencils, of which most cannot be told apart
+  EXPECT_LE(refused, kPencils);
 }
 
 class StopAfter : public Monitor {

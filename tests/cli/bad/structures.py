@@ -227,9 +227,11 @@ def cif_syntax(make, sample):
     make.add("a text field without end", text.replace("#\nloop_", "_title\n;no end\nloop_"), REFUSED)
     make.add("two blocks with atoms", text + text.replace("sample", "second"), REFUSED)
     make.add("a column twice", text.replace("_atom_site.Cartn_y", "_atom_site.Cartn_x"), REFUSED)
-    for column in ("Cartn_z", "type_symbol", "label_asym_id"):
+    for column in ("Cartn_z", "label_asym_id"):
         make.add(f"without the column {column}", text.replace(f"site.{column}\n", f"site.{column}_\n"),
                  REFUSED)
+    make.add("without the column type_symbol",  # elements are told from names
+             text.replace("site.type_symbol\n", "site.type_symbol_\n"), READ, ATOMS)
     make.add("no data_ line", text.replace("data_sample\n", ""), REFUSED)
     make.add("x of an atom is '?'", sample.text("cif", replaced(rows, 30, with_x("cif", rows[30], "?"))),
              REFUSED)
