@@ -112,7 +112,7 @@ std::vector<OperatorProduct> parse_operator_expression(std::string_view expressi
   return Parser(expression, places, where).run();
 }
 
-std::uint64_t combination_count(std::span<const OperatorProduct> products) {
+std::uint64_t combination_count(const std::vector<OperatorProduct>& products) {
   std::uint64_t sum = 0;
   for (const OperatorProduct& product : products) {
     const std::uint64_t count = combination_count(product);

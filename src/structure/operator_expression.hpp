@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,7 +35,7 @@ std::vector<OperatorProduct> parse_operator_expression(std::string_view expressi
                                                        const std::string& where);
 
 // How many combinations there are; the largest number where that overflows.
-std::uint64_t combination_count(std::span<const OperatorProduct> products);
+std::uint64_t combination_count(const std::vector<OperatorProduct>& products);
 
 // Calls `visit` with each combination, one place per factor; the last factor runs fastest.
 void for_each_combination(const OperatorProduct& product,

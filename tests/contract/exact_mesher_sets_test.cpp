@@ -74,7 +74,8 @@ class StopAfter : public Monitor {
 // One ball with a boundary of thousands of points: between two balls there is too long to wait.
 TEST(ExactMesherSets, ACallerIsAskedWithinABall) {
   std::vector<Sphere> balls = {{{0, 0, 0}, 20}};
-  for (const Sphere& s : hollow_shell(60, 20, 1.5).spheres()) balls.push_back(s);
+  const SphereSet shell = hollow_shell(60, 20, 1.5);
+  balls.insert(balls.end(), shell.spheres().begin(), shell.spheres().end());
   const SphereSet spheres(std::move(balls));
   StopAfter never(1 << 30);
   ExactMeshOptions options;
