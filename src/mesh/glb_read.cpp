@@ -162,6 +162,10 @@ class GlbReader {
     if (skipped_ > 0)
       file_.notes.push_back(
           fmt::format("{} primitives that are no triangles were left out", skipped_));
+    if (left_over_ > 0)
+      file_.notes.push_back(fmt::format(
+          "{} indices at the ends of primitives make no whole triangle and were left out",
+          left_over_));
     return std::move(file_);
   }
 
@@ -226,6 +230,7 @@ class GlbReader {
 
   // A mirroring transform turns the winding around (glTF 2.0, 3.7.4).
   void add_triangles(const std::vector<std::uint32_t>& indices, std::size_t first, bool mirrored) {
+    left_over_ += indices.size() % 3;
     for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
       const auto corner = [&](std::size_t k) {
         return static_cast<std::uint32_t>(first + indices[i + k]);
@@ -238,7 +243,8 @@ class GlbReader {
   const tinygltf::Model& model_;
   std::vector<bool> visited_;
   MeshFile file_;
-  std::uint64_t skipped_ = 0;
+  std::uint64_t skipped_ = 0;    // primitives
+  std::uint64_t left_over_ = 0;  // indices
 };
 
 }  // namespace

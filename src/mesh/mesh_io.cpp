@@ -50,49 +50,58 @@ void write(const SurfaceMesh& mesh, MeshFormat format, ByteSink& sink,
   }
 }
 
+// A file open for reading, closed whichever way its reader ends.
+class OpenFile {
+ public:
+  explicit OpenFile(const fs::path& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+  ~OpenFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  int descriptor() const { return descriptor_; }  // negative: could not be opened
+
+ private:
+  int descriptor_;
+};
+
 // A whole file in memory: what it holds cannot change under the reader.
 class FileBytes {
  public:
-  explicit FileBytes(const fs::path& path)
-      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-    if (descriptor_ < 0) fail();
+  explicit FileBytes(const fs::path& path) {
+    const OpenFile file(path);
+    if (file.descriptor() < 0) fail();
     struct stat status {};
-    if (::fstat(descriptor_, &status) != 0) fail();
-    if (!S_ISREG(status.st_mode)) {
-      ::close(descriptor_);
-      throw FileFormatError("is not a regular file");
-    }
+    if (::fstat(file.descriptor(), &status) != 0) fail();
+    if (!S_ISREG(status.st_mode)) throw FileFormatError("is not a regular file");
     bytes_.resize(static_cast<std::size_t>(status.st_size));
     advise_large_pages(bytes_.data(), bytes_.size());
-    read_all();
-    ::close(descriptor_);
+    read_all(file.descriptor());
   }
   std::string_view view() const { return {bytes_.data(), bytes_.size()}; }
 
  private:
-  void read_all() {
+  void read_all(int descriptor) {
     std::size_t size = 0;
     while (size < bytes_.size()) {
-      const ssize_t got = ::read(descriptor_, bytes_.data() + size, bytes_.size() - size);
+      const ssize_t got = ::read(descriptor, bytes_.data() + size, bytes_.size() - size);
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) fail();
       if (got == 0) break;
       size += static_cast<std::size_t>(got);
     }
     if (size != bytes_.size()) {
-      ::close(descriptor_);
       throw FileFormatError(fmt::format(
           "gave {} bytes where its size is {}: it changed while being read, so try again", size,
           bytes_.size()));
     }
   }
-  [[noreturn]] void fail() const {
-    const std::string reason = std::generic_category().message(errno);
-    if (descriptor_ >= 0) ::close(descriptor_);
-    throw FileFormatError("cannot be read: " + reason);
+  [[noreturn]] static void fail() {
+    throw FileFormatError("cannot be read: " + std::generic_category().message(errno));
   }
 
-  int descriptor_;
   Buffer<char> bytes_;
 };
 

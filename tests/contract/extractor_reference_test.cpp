@@ -234,6 +234,11 @@ TEST_P(ExtractorFieldReference, BlendedVerticesAreWithinTheInterpolationBound) {
 // Angle between the stored normal (float32) and the oracle's gradient.
 constexpr double kNormalTolerance = 2e-5;  // rad; some float32 roundings of a unit vector
 
+double normal_error(const IndexedMesh& mesh, std::size_t v, const Point& outward) {
+  const Point unit = (1 / reference::length(outward)) * outward;
+  return reference::distance(to_point(cast<double>(mesh.normals[v])), unit);
+}
+
 TEST_P(ExtractorFieldReference, NormalsAreTheFieldsGradient) {
   const SphereSet spheres = cluster(40, 32);
   const ExtractOptions options = at_spacing(0.4);
@@ -241,7 +246,6 @@ TEST_P(ExtractorFieldReference, NormalsAreTheFieldsGradient) {
   const Oracle oracle(spheres, options.field, result.grid);
   for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
     const Point p = to_point(result.mesh.positions[v]);
-    const Point n = to_point(cast<double>(result.mesh.normals[v]));
     Point expected;
     if (kind() == FieldKind::vdw) {
       expected = p - oracle.balls()[result.mesh.vertex_spheres.atoms[v]].center;
@@ -249,8 +253,7 @@ TEST_P(ExtractorFieldReference, NormalsAreTheFieldsGradient) {
       expected = -1.0 * oracle.gradient(p);
       if (reference::length(expected) < 1e-2) continue;  // a saddle has no direction
     }
-    const Point unit = (1 / reference::length(expected)) * expected;
-    ASSERT_LE(reference::distance(n, unit), kNormalTolerance) << "vertex " << v;
+    ASSERT_LE(normal_error(result.mesh, v, expected), kNormalTolerance) << "vertex " << v;
   }
 }
 
@@ -272,6 +275,160 @@ TEST_P(ExtractorFieldReference, ABlendedVertexNamesItsLargestContribution) {
     for (const Ball& b : balls) most = worst(most, reference::contribution(field, b, p));
     // Double against double: some roundings of a number near 1.
     ASSERT_NEAR(reference::contribution(field, balls[on[0]], p), most, 1e-12) << "vertex " << v;
+  }
+}
+
+// ---- other parameters than the default ----
+
+struct Variant {
+  const char* name;
+  FieldOptions field;
+};
+
+// Blobbinesses and isovalues about the default's, and the thesis's presets.
+std::vector<Variant> variants() {
+  const FieldKind blinn = FieldKind::blinn, soft = FieldKind::soft_object,
+                  inverse = FieldKind::inverse_squared;
+  const FieldPreset aware = FieldPreset::radius_aware, thesis = FieldPreset::thesis;
+  return {{"blobbiness 0.7", {blinn, aware, {}, 0.7}},
+          {"blobbiness 5", {blinn, aware, {}, 5.0}},
+          {"blobbiness 3 at 0.6", {blinn, aware, 0.6, 3.0}},
+          {"soft at 0.5", {soft, aware, 0.5, {}}},
+          {"thesis blinn", {blinn, thesis, {}, {}}},
+          {"thesis soft", {soft, thesis, {}, {}}},
+          {"thesis inverse squared", {inverse, thesis, {}, {}}},
+          {"thesis vdw", {inverse, FieldPreset::thesis_vdw, {}, {}}}};
+}
+
+// The mesh of a variant beside its oracle.
+struct Compared {
+  SphereSet spheres;
+  ExtractResult result;
+  Oracle oracle;
+  reference::FieldOracle field;
+
+  Compared(const Extractor& extractor, const Variant& variant, unsigned seed)
+      : spheres(cluster(40, seed)),
+        result(extractor.extract(spheres, options_of(variant))),
+        oracle(spheres, variant.field, result.grid),
+        field(to_oracle(variant.field, result.grid)) {}
+
+  static ExtractOptions options_of(const Variant& variant) {
+    ExtractOptions options;
+    options.field = variant.field;
+    options.grid = preset_grid(variant.field.preset, {}, {});
+    return options;
+  }
+
+  // False where the sub-grid of an atom ends between the vertex and its inside node: the field that
+  // counts there is that of the node.
+  bool has_one_field(std::size_t v) const {
+    const Vec3d& position = result.mesh.positions[v];
+    const auto edge = edge_of(result.grid, position);
+    if (!edge) return false;
+    const reference::DenseGrid grid = to_dense(result.grid);
+    reference::Node other = edge->node;
+    ++other[static_cast<std::size_t>(edge->axis)];
+    for (const Ball& ball : oracle.balls()) {
+      const bool here = reference::contribution(field, ball, to_point(position)) > 0;
+      for (const reference::Node& node : {edge->node, other})
+        if ((reference::contribution(field, ball, grid.position(node)) > 0) != here) return false;
+    }
+    return true;
+  }
+};
+
+// float32 values of e^B and more at an atom leave fewer digits of sums about 1.
+TEST_P(ExtractorReference, VariantsAreThoseOfDenseMarchingCubes) {
+  for (const Variant& variant : variants()) {
+    std::size_t compared = 0;
+    for (unsigned seed = 1; seed <= 3 && compared == 0; ++seed) {
+      const Compared c(*make_extractor(GetParam()), variant, seed);
+      std::size_t undecided = 0;
+      const auto dense = dense_mesh(c.oracle, c.result.grid, variant.field.kind, &undecided);
+      if (undecided > 0) continue;
+      ++compared;
+      EXPECT_EQ(edges_of(c.result), edges_of(dense)) << variant.name << ", seed " << seed;
+    }
+    EXPECT_EQ(compared, 1u) << variant.name << ": too many nodes at the isovalue";
+  }
+}
+
+TEST_P(ExtractorReference, VariantsHaveTheNormalsAndLabelsOfTheirField) {
+  for (const Variant& variant : variants()) {
+    const Compared c(*make_extractor(GetParam()), variant, 34);
+    const IndexedMesh& mesh = c.result.mesh;
+    std::size_t looked_at = 0;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+      if (!c.has_one_field(v)) continue;
+      const Point p = to_point(mesh.positions[v]);
+      const Point outward = -1.0 * c.oracle.gradient(p);
+      if (reference::length(outward) < 0.1) continue;  // a saddle has no direction
+      ++looked_at;
+      ASSERT_LE(normal_error(mesh, v, outward), 4 * kNormalTolerance)
+          << variant.name << ", vertex " << v;
+      double most = 0;
+      for (const Ball& b : c.oracle.balls())
+        most = worst(most, reference::contribution(c.field, b, p));
+      const Ball& named = c.oracle.balls().at(mesh.vertex_spheres.atoms[v]);
+      // The strongest is found in float32: of nearly equal ones either may win.
+      ASSERT_GE(reference::contribution(c.field, named, p), (1 - 1e-5) * most)
+          << variant.name << ", vertex " << v;
+    }
+    EXPECT_GT(looked_at, mesh.vertex_count() / 10) << variant.name;
+  }
+}
+
+// Cells of the layer of virtual nodes about the grid that have a node inside, by the oracle.
+std::uint64_t clipped_cells(const reference::DenseGrid& grid, const Oracle& oracle) {
+  std::uint64_t clipped = 0;
+  const auto inside = [&](const reference::Node& n) {
+    return grid.contains(n) && oracle.inside(grid.position(n));
+  };
+  for (std::int64_t z = -1; z <= grid.cells[2]; ++z) {
+    for (std::int64_t y = -1; y <= grid.cells[1]; ++y) {
+      for (std::int64_t x = -1; x <= grid.cells[0]; ++x) {
+        int real = 0, in = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+          const reference::Node n{x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2)};
+          real += grid.contains(n) ? 1 : 0;
+          in += inside(n) ? 1 : 0;
+        }
+        clipped += real < 8 && in > 0 ? 1 : 0;
+      }
+    }
+  }
+  return clipped;
+}
+
+TEST_P(ExtractorFieldReference, ClippedCellsAreCountedOneByOne) {
+  for (const double padding : {0.0, 0.3, 1.0}) {
+    ExtractOptions options = at_spacing(0.5);
+    options.grid.box = GridBox::centers;
+    options.grid.padding = padding;
+    const SphereSet spheres = cluster(25, 35);
+    const ExtractResult result = extract(spheres, options);
+    const Oracle oracle(spheres, options.field, result.grid);
+    std::size_t undecided = 0;
+    (void)dense_mesh(oracle, result.grid, kind(), &undecided);
+    ASSERT_EQ(undecided, 0u) << "choose another seed";
+    EXPECT_GT(result.stats.grid_clipped, 0u);
+    EXPECT_EQ(result.stats.grid_clipped, clipped_cells(to_dense(result.grid), oracle)) << padding;
+  }
+}
+
+// x² + y² + z² = 25 has the solutions (±5, 0, 0), which have five neighbours outside each, and
+// (±3, ±4, 0), which have four, in all orders: 6 · 5 + 24 · 4 edges leave the ball where they
+// begin. Binary fractions keep all of it exact.
+TEST_P(ExtractorReference, ClampedVerticesAreCountedOneByOne) {
+  for (const double h : {0.25, 0.5}) {
+    ExtractOptions options;
+    options.grid.spacing = h;
+    const ExtractResult result = extract(one_sphere(5 * h), options);
+    EXPECT_EQ(result.stats.clamped_vertices, 126u);
+    // Half a spacing further no node is on the sphere.
+    options.grid.padding = 3.25 * h;
+    EXPECT_EQ(extract(one_sphere(5 * h), options).stats.clamped_vertices, 0u);
   }
 }
 

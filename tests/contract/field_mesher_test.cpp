@@ -56,6 +56,40 @@ SampledField sampled(const Vec3i& cells, double spacing, float isovalue, Values 
 // float32 sums of some dozens of terms of a few T: as in extractor_reference_test.cpp.
 constexpr double kValueTolerance = 2e-5;
 
+TEST_P(FieldMesherContract, RefusesFieldsWhoseSizesDoNotFit) {
+  const SampledField good =
+      sampled({6, 5, 4}, 0.5, 1.0f, [](const Vec3d& p) { return static_cast<float>(4 - norm(p)); });
+  EXPECT_NO_THROW((void)mesher()->mesh(good, {}));
+  const auto refused = [&](const auto& change) {
+    SampledField field = good;
+    change(field);
+    EXPECT_THROW((void)mesher()->mesh(field, {}), InvalidInput);
+  };
+  refused([](SampledField& f) { f.values.resize(f.values.size() - 1); });
+  refused([](SampledField& f) { f.values.resize(f.values.size() + 1); });
+  refused([](SampledField& f) { f.values = {}; });
+  refused([](SampledField& f) { f.grid.cells.y = -2; });
+  refused([](SampledField& f) {
+    f.grid.cells = {-2, -2, 209};
+  });  // as many nodes, by their product
+  refused([](SampledField& f) { f.grid.spacing = 0; });
+  refused([](SampledField& f) { f.grid.spacing = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](SampledField& f) { f.grid.origin.z = std::numeric_limits<double>::infinity(); });
+  refused([](SampledField& f) { f.isovalue = std::numeric_limits<float>::quiet_NaN(); });
+}
+
+TEST_P(FieldMesherContract, RefusesMoreCellsThanKeysNumber) {
+  SampledField field = sampled({0, 0, 0}, 0.5, 1.0f, [](const Vec3d&) { return 0.0f; });
+  field.grid.cells.x = kMaxCellsPerAxis + 1;
+  field.values.resize(field.grid.node_count());
+  EXPECT_THROW((void)mesher()->mesh(field, {}), LimitExceeded);
+  field.grid.cells.x = kMaxCellsPerAxis;
+  field.values.resize(field.grid.node_count());
+  std::fill(field.values.begin(), field.values.end(), 0.0f);
+  field.values[field.values.size() - 3] = 2.0f;
+  EXPECT_EQ(mesher()->mesh(field, {}).mesh.triangle_count(), 8u);  // an octahedron about one node
+}
+
 TEST_P(FieldMesherContract, ValuesAreTheOracles) {
   for (const FieldKind kind : kBlended) {
     const SphereSet spheres = cluster(30, 5);

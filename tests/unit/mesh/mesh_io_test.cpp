@@ -196,6 +196,22 @@ TEST(MeshIo, GlbNodesMoveTheirMeshes) {
   EXPECT_EQ(moved.mesh.triangles, mesh.triangles);
 }
 
+// Two of the last triangle's indices without the third.
+TEST(MeshIo, GlbSaysWhatItsPrimitivesLeaveOver) {
+  const std::string glb = encode_mesh(to_surface_mesh(labelled_mesh()), MeshFormat::glb).bytes;
+  std::uint32_t json_size;
+  std::memcpy(&json_size, glb.data() + 12, sizeof json_size);
+  auto json = nlohmann::json::parse(glb.substr(20, json_size));
+  const std::size_t index = json["meshes"][0]["primitives"][0]["indices"];
+  auto& count = json["accessors"][index]["count"];
+  count = count.get<std::size_t>() - 1;
+  const std::size_t whole = decode_mesh(glb, MeshFormat::glb).mesh.triangles.size();
+  const MeshFile cut = decode_mesh(with_json(glb, json), MeshFormat::glb);
+  EXPECT_EQ(cut.mesh.triangles.size(), whole - 1);
+  ASSERT_EQ(cut.notes.size(), 1u);
+  EXPECT_THAT(cut.notes[0], HasSubstr("2 indices at the ends of primitives"));
+}
+
 // The least and the greatest of the floats as stored, bit for bit, as glTF wants them.
 TEST(MeshIo, GlbNamesTheBoundsOfItsFloats) {
   const IndexedMesh mesh = testing::translated(labelled_mesh(), {7, -13, 0.1});
@@ -486,6 +502,28 @@ TEST(MeshIo, DamagedFilesAreRefusedOrRead) {
     }
   }
 }
+
+// The sanitizers take more address space than any limit of ours.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+std::ptrdiff_t open_descriptors() {
+  return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+}
+
+TEST(MeshIo, FilesThatDoNotFitMemoryAreClosed) {
+  const Directory directory;
+  const fs::path path = directory / "large.off";
+  std::ofstream(path).close();
+  fs::resize_file(path, std::uintmax_t{1} << 36);  // a hole: takes no room on the disk
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  const std::ptrdiff_t open = open_descriptors();
+  const rlimit small{rlim_t{1} << 34, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &small), 0);
+  EXPECT_THROW(read_mesh(path), std::bad_alloc);
+  EXPECT_EQ(setrlimit(RLIMIT_AS, &before), 0);
+  EXPECT_EQ(open_descriptors(), open);
+}
+#endif
 
 }  // namespace
 }  // namespace vdwmesh

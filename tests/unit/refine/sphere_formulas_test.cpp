@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -73,12 +74,12 @@ TEST(NearestBall, IsOfLeastGapAndTiesGoToTheLowestRank) {
     const Vec3d p{x, 0.5, 0.25};
     const NearestBall best = nearest_ball(list.view(), p, 1e-9, 5);
     ASSERT_TRUE(best.found);
-    SphereId expected = 0;
-    for (SphereId i = 1; i < balls.size(); ++i) {
-      if (gap(balls[i], p) < gap(balls[expected], p)) expected = i;  // the first of equals
-    }
+    // All squares are exact, so the nearest centre along x is the nearest ball; halfway between two
+    // it is the lower one, and of the two equal balls the first.
+    const auto expected = static_cast<SphereId>(std::clamp(std::ceil(x / 2 - 0.5), 0.0, 4.0));
+    const double dx = x - 2.0 * expected;
     EXPECT_EQ(list.view().id[best.place], expected) << x;
-    EXPECT_EQ(best.gap, gap(balls[expected], p));
+    EXPECT_NEAR(best.gap, std::sqrt(dx * dx + 0.25 + 0.0625) - 1.5, kRounding);
   }
   EXPECT_FALSE(nearest_ball(list.view(), {4, 20, 0}, 1e-9, 5).found);
 }
