@@ -168,8 +168,10 @@ FieldOptions field_options(Dice& dice, std::uint32_t index, bool plain) {
   } else if (field.kind == FieldKind::blinn && dice.one_in(2)) {
     field.blobbiness = dice.one_in(5) ? dice.real(8, 50) : dice.real(0.3, 8);
   }
+  // A field is refused whose isovalue float32 does not hold beside its peak, of Blinn e^blobbiness.
+  const double least = 1e-24 * std::exp(field.blobbiness.value_or(0));
   if (dice.one_in(3))
-    field.isovalue = dice.one_in(4) ? log_real(dice, 1e-24, 1) : dice.real(0.2, 3);
+    field.isovalue = dice.one_in(4) ? log_real(dice, std::min(least, 1.0), 1) : dice.real(0.2, 3);
   return field;
 }
 
