@@ -74,6 +74,23 @@ Shape shape_of(const Arrangement& a) {
           shells};
 }
 
+// What of a boundary depends on the sizes of its features: with other sizes that leave these as
+// they are, its curves lie where they lay.
+struct BoundaryShape {
+  std::vector<std::array<std::uint32_t, 4>> arcs;  // balls and ends
+  std::uint64_t corners, points, contacts, joins;
+  bool operator==(const BoundaryShape&) const = default;
+};
+
+BoundaryShape shape_of(const BoundaryArcs& boundary) {
+  BoundaryShape shape{
+      {}, boundary.corners.size(), boundary.points, boundary.contacts, boundary.joins};
+  for (const BoundaryArc& a : boundary.arcs) {
+    shape.arcs.push_back({a.balls[0], a.balls[1], a.ends[0], a.ends[1]});
+  }
+  return shape;
+}
+
 // Meshes an arrangement with one choice of feature sizes after the other, and keeps the first mesh
 // until there is one of the union's topology.
 class Chooser {
@@ -97,14 +114,18 @@ class Chooser {
  private:
   // Whether that gave a mesh of the union's topology.
   bool try_sizes(const FeatureSizes& sizes) {
+    BoundaryArcs boundary = boundary_arcs(arrangement_.triangulation, arrangement_.complex, sizes);
+    BoundaryShape shape = shape_of(boundary);
+    if (shape == refused_) return false;
     try {
-      ExactMesh mesh = mesh_features(arrangement_, sizes, options_);
+      ExactMesh mesh = mesh_boundary(arrangement_, std::move(boundary), options_);
       compare(mesh);
       const bool right = mesh.stats.euler_difference == 0 && mesh.stats.shell_difference == 0;
       if (right || !best_) best_ = std::move(mesh);
       return right;
     } catch (const CurvesTooClose& error) {
       if (refusal_.empty()) refusal_ = error.what();
+      refused_ = std::move(shape);
       return false;
     }
   }
@@ -122,6 +143,7 @@ class Chooser {
   const ExactMeshOptions& options_;
   std::optional<ExactMesh> best_;
   std::optional<Shape> exact_;
+  std::optional<BoundaryShape> refused_;  // the last one
   std::string refusal_;
 };
 

@@ -1,7 +1,6 @@
 #include "arrangement/patch_mesher.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
@@ -13,6 +12,7 @@
 #include <utility>
 
 #include "arrangement/directions.hpp"
+#include "arrangement/flat_boundary.hpp"
 #include "arrangement/patch_quality.hpp"
 #include "arrangement/patch_triangles.hpp"
 #include "arrangement/stereographic.hpp"
@@ -20,7 +20,7 @@
 namespace vdwmesh {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Kernel = FlatBoundary::Kernel;
 struct FaceInfo {
   bool inside = false;
   std::uint32_t number = 0;
@@ -54,6 +54,7 @@ class PlanarPatch {
         h_(std::min(options.edge_length, kLongestEdge)),
         options_(options),
         plane_(buried_pole(boundary)),
+        flat_(boundary, plane_),
         circles_(boundary),
         points_(boundary.points) {
     planar_.infinite_vertex()->info() = kNoNeighbor;
@@ -92,82 +93,38 @@ class PlanarPatch {
     return {p.x, p.y};
   }
 
-  // Whether all pieces are edges of the triangulation.
+  void want_splits(const std::vector<std::uint32_t>& pieces) {
+    for (const std::uint32_t piece : pieces) want_split(piece);
+  }
+
+  // Whether all pieces are edges of the triangulation. Curves side by side take many rounds to
+  // part (a hundred places where they cross, halved in each round), and points all but on one
+  // circle are slow to triangulate: where only validity is asked for, crossings are looked for
+  // without a triangulation first.
   bool insert_boundary() {
+    want_splits(flat_.doubled_pieces());
+    if (splits_.empty() && options_.demand == Demand::validity) {
+      want_splits(flat_.crossings(options_.monitor));
+    }
+    if (!splits_.empty()) return false;
     FaceHandle hint;
     handles_.resize(b_.points.size());
     for (const std::uint32_t i : insertion_order(b_)) {
-      check_cancelled(i);
-      const std::size_t before = planar_.number_of_vertices();
-      handles_[i] = planar_.insert(project(b_.points[i]), hint);
-      if (planar_.number_of_vertices() == before) throw CoincidentPoints();
+      check_cancelled(options_.monitor, i);
+      handles_[i] = planar_.insert(flat_.point(i), hint);
       handles_[i]->info() = i;
       hint = handles_[i]->face();
     }
-    index_pieces();
-    find_double_pieces();
     for (std::uint32_t p = 0; p < b_.pieces.size() && splits_.empty(); ++p) insert_piece(p);
     return splits_.empty();
   }
 
-  void find_double_pieces() {
-    for (std::size_t i = 0; i < piece_of_.size(); ++i) {
-      const auto& [low, high, piece] = piece_of_[i];
-      if (low == high) want_split(piece);
-      if (i == 0 || piece_of_[i - 1][0] != low || piece_of_[i - 1][1] != high) continue;
-      want_split(piece_of_[i - 1][2]);
-      want_split(piece);
-    }
-  }
-
-  Kernel::Segment_2 segment(std::uint32_t p) const {
-    return {handles_[b_.pieces[p].from]->point(), handles_[b_.pieces[p].to]->point()};
-  }
-
-  // Asks every so many steps, so that a patch of many points stops as soon as many small ones.
-  void check_cancelled(std::size_t step) const {
-    constexpr std::size_t kStride = 128;
-    if (step % kStride == 0) advance(options_.monitor, 0);
-  }
-
   void insert_piece(std::uint32_t p) {
-    check_cancelled(p);
+    check_cancelled(options_.monitor, p);
     try {
       planar_.insert_constraint(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to]);
     } catch (const Planar::Intersection_of_constraints_exception&) {
-      if (options_.demand == Demand::quality) return find_crossings(p);
-      find_all_crossings();
-    }
-  }
-
-  bool do_cross(std::uint32_t p, std::uint32_t q) const {
-    const BoundaryPiece &one = b_.pieces[p], &other = b_.pieces[q];
-    const bool joined = other.from == one.from || other.from == one.to || other.to == one.from ||
-                        other.to == one.to;
-    return !joined && CGAL::do_intersect(segment(p), segment(q));
-  }
-
-  void find_crossings(std::uint32_t p) {
-    want_split(p);
-    for (std::uint32_t q = 0; q < b_.pieces.size(); ++q) {
-      if (do_cross(p, q)) want_split(q);
-    }
-  }
-
-  // Two circles side by side cross in a hundred places: one of them in each round would not end.
-  void find_all_crossings() {
-    std::vector<std::pair<CGAL::Bbox_2, std::uint32_t>> boxes;
-    boxes.reserve(b_.pieces.size());
-    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) boxes.push_back({segment(p).bbox(), p});
-    std::sort(boxes.begin(), boxes.end(),
-              [](const auto& a, const auto& b) { return a.first.xmin() < b.first.xmin(); });
-    for (auto a = boxes.begin(); a != boxes.end(); ++a) {
-      check_cancelled(static_cast<std::size_t>(a - boxes.begin()));
-      for (auto b = a + 1; b != boxes.end() && b->first.xmin() <= a->first.xmax(); ++b) {
-        if (!CGAL::do_overlap(a->first, b->first) || !do_cross(a->second, b->second)) continue;
-        want_split(a->second);
-        want_split(b->second);
-      }
+      want_splits(flat_.crossings_of(p));
     }
   }
 
@@ -226,24 +183,6 @@ class PlanarPatch {
 
   const Vec3d& at(VertexHandle v) const { return points_[v->info()]; }
 
-  // The piece between the ends of a constrained edge.
-  std::uint32_t piece_between(std::uint32_t a, std::uint32_t b) const {
-    const auto key = std::minmax(a, b);
-    const auto found = std::lower_bound(
-        piece_of_.begin(), piece_of_.end(), key, [](const auto& entry, const auto& k) {
-          return std::pair(entry[0], entry[1]) < std::pair<std::uint32_t, std::uint32_t>(k);
-        });
-    return (*found)[2];
-  }
-
-  void index_pieces() {
-    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
-      const auto [low, high] = std::minmax(b_.pieces[p].from, b_.pieces[p].to);
-      piece_of_.push_back({low, high, p});
-    }
-    std::sort(piece_of_.begin(), piece_of_.end());
-  }
-
   // Pieces that are long beside the width of the patch there.
   void find_crowded() {
     if (options_.demand == Demand::validity) return;
@@ -257,7 +196,7 @@ class PlanarPatch {
 
   void look_from(FaceHandle f, int k) {
     const VertexHandle va = f->vertex(f->ccw(k)), vb = f->vertex(f->cw(k)), vp = f->vertex(k);
-    const std::uint32_t piece = piece_between(va->info(), vb->info());
+    const std::uint32_t piece = flat_.piece_between(va->info(), vb->info());
     if (circles_.on(vp->info(), b_.pieces[piece].neighbor)) return;
     const Vec3d &a = at(va), &b = at(vb), &p = at(vp);
     const double length = norm(b - a);
@@ -318,7 +257,7 @@ class PlanarPatch {
     }
     const std::size_t most = 20 * (points_.size() + 50);
     for (std::size_t i = 0; i < queue.size() && points_.size() < most; ++i) {
-      check_cancelled(i);
+      check_cancelled(options_.monitor, i);
       const Candidate c = queue[i];
       if (candidate(c.face).vertices != c.vertices || !is_inside(c.face)) continue;
       const FlatCircle circumcircle = circle(c.face);
@@ -425,8 +364,8 @@ class PlanarPatch {
     int edge;
     const FaceHandle face = planar_.locate(project(u), type, edge, near);
     if (type == Planar::EDGE && face->is_constrained(edge)) {
-      want_split(piece_between(face->vertex(face->ccw(edge))->info(),
-                               face->vertex(face->cw(edge))->info()));
+      want_split(flat_.piece_between(face->vertex(face->ccw(edge))->info(),
+                                     face->vertex(face->cw(edge))->info()));
       return true;
     }
     if ((type != Planar::FACE && type != Planar::EDGE) || !is_inside(face)) return false;
@@ -450,9 +389,9 @@ class PlanarPatch {
         const bool is_piece = f->is_constrained(k);
         triangles[t].vertices[slot] = f->vertex(k)->info();
         triangles[t].neighbors[slot] = is_piece ? kNoNeighbor : f->neighbor(k)->info().number;
-        triangles[t].pieces[slot] =
-            is_piece ? piece_between(f->vertex(f->ccw(k))->info(), f->vertex(f->cw(k))->info())
-                     : kNoPiece;
+        triangles[t].pieces[slot] = is_piece ? flat_.piece_between(f->vertex(f->ccw(k))->info(),
+                                                                   f->vertex(f->cw(k))->info())
+                                             : kNoPiece;
       }
     }
     return triangles;
@@ -484,11 +423,11 @@ class PlanarPatch {
   double h_;
   PatchOptions options_;
   Stereographic plane_;
+  FlatBoundary flat_;
   PointCircles circles_;
   Planar planar_;
   std::vector<Vec3d> points_;
   std::vector<VertexHandle> handles_;
-  std::vector<std::array<std::uint32_t, 3>> piece_of_;  // low end, high end, piece
   std::vector<Planar::Edge> edges_;
   std::vector<PieceSplit> splits_;
 };

@@ -27,9 +27,6 @@ struct PatchOptions {
   Monitor* monitor = nullptr;  // asked now and then whether to stop
 };
 
-// Thrown where two points of a boundary are one in double precision.
-struct CoincidentPoints {};
-
 // Either triangles, or the pieces that must be split first.
 struct PatchMesh {
   std::vector<Vec3d> interior;  // directions; numbered after the points of the boundary
@@ -39,7 +36,7 @@ struct PatchMesh {
 
 // Precondition: at least one piece, and one cap. Every triangle faces outwards, and no edge but a
 // piece has both ends on one circle, so triangles of different spheres do not meet. Throws
-// CoincidentPoints, Cancelled.
+// CoincidentPoints (flat_boundary.hpp), Cancelled.
 PatchMesh mesh_patch(const PatchBoundary& boundary, const PatchOptions& options);
 
 // The whole sphere: an icosahedron with its faces divided, vertices on the unit sphere.

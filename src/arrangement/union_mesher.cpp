@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "arrangement/arcs.hpp"
+#include "arrangement/flat_boundary.hpp"
 #include "arrangement/patch_mesher.hpp"
 #include "arrangement/split_fans.hpp"
 
@@ -34,17 +35,17 @@ double largest_coordinate(const Vec3d& p) {
 
 class UnionMesher {
  public:
-  UnionMesher(const Arrangement& arrangement, const FeatureSizes& sizes,
+  UnionMesher(const Arrangement& arrangement, BoundaryArcs&& boundary,
               const ExactMeshOptions& options)
       : options_(options),
         t_(arrangement.triangulation),
         measures_(arrangement.measures),
-        boundary_(boundary_arcs(t_, arrangement.complex, sizes)),
+        boundary_(std::move(boundary)),
         index_(t_, arrangement.complex, boundary_),
         edge_length_(std::ldexp(options.edge_length, -t_.scale_exponent)),
         sampling_(boundary_, edge_length_),
         pieces_at_first_(count_pieces()),
-        growth_(sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
+        growth_(boundary_.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
         patches_(t_.balls.size()) {}
 
   ExactMesh run() && {
@@ -317,9 +318,9 @@ class UnionMesher {
 
 }  // namespace
 
-ExactMesh mesh_features(const Arrangement& arrangement, const FeatureSizes& sizes,
+ExactMesh mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
                         const ExactMeshOptions& options) {
-  return UnionMesher(arrangement, sizes, options).run();
+  return UnionMesher(arrangement, std::move(boundary), options).run();
 }
 
 }  // namespace vdwmesh

@@ -1,4 +1,4 @@
-// The crease-exact mesh of an arrangement, with features up to given sizes as points.
+// The crease-exact mesh of an arrangement, from its boundary as it was placed.
 #pragma once
 
 #include <vector>
@@ -23,7 +23,7 @@ class CurvesTooClose : public LimitExceeded {
 };
 
 // Throws CurvesTooClose, LimitExceeded, Cancelled.
-ExactMesh mesh_features(const Arrangement& arrangement, const FeatureSizes& sizes,
+ExactMesh mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
                         const ExactMeshOptions& options);
 
 }  // namespace vdwmesh
