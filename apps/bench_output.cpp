@@ -1,5 +1,7 @@
 #include "bench_output.hpp"
 
+#include <CLI/CLI.hpp>
+
 #include "output.hpp"
 
 namespace vdwmesh::apps {

@@ -6,6 +6,10 @@
 
 #include "options.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace vdwmesh::apps {
 
 struct BenchTexts {

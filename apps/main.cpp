@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+
 // Parses the command line, runs a verb and turns exceptions into exit codes.
 #include <fmt/format.h>
 

@@ -2,7 +2,6 @@
 // turn into checked options of the libraries before any work begins.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -16,6 +15,10 @@
 #include "named_files.hpp"
 #include "refine/refiner.hpp"
 #include "structure/reader.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace vdwmesh::apps {
 

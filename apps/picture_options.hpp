@@ -1,12 +1,15 @@
 // How pictures are drawn, as the command line says it.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 
 #include "named_files.hpp"
 #include "render/renderer.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace vdwmesh::apps {
 

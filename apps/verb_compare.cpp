@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+
 #include "compare_hints.hpp"
 #include "machine.hpp"
 #include "memory_plan.hpp"

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <tbb/info.h>
 
+#include <CLI/CLI.hpp>
+
 #include "build_id.hpp"
 #include "cuda/backend.hpp"
 #include "json_writer.hpp"

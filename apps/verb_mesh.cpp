@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+
 #include "interrupt.hpp"
 #include "machine.hpp"
 #include "memory_plan.hpp"

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+
 #include "machine.hpp"
 #include "output.hpp"
 #include "printable.hpp"

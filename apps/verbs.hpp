@@ -1,12 +1,15 @@
 // The verbs of the program. Each adds itself to the command line and runs when it was chosen.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <string>
 
 #include "steps.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace vdwmesh::apps {
 

@@ -23,6 +23,13 @@ function(vdwmesh_target_warnings target)
   endif()
 endfunction()
 
+# For what is compiled to be run once: VDWMESH_QUICK_BUILD in place of the build type's optimisation.
+function(vdwmesh_build_quickly target)
+  if(VDWMESH_QUICK_BUILD)
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${VDWMESH_QUICK_BUILD}>)
+  endif()
+endfunction()
+
 # Sets VDWMESH_WITH_CUDA: whether the CUDA room is built, or the stub in its place.
 macro(vdwmesh_detect_cuda)
   set(VDWMESH_WITH_CUDA OFF)

@@ -1,5 +1,6 @@
 #include "study/study_flags.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "parse.hpp"

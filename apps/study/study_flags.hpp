@@ -4,6 +4,10 @@
 #include "options.hpp"
 #include "study/study.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace vdwmesh::apps {
 
 class StudyFlags {

@@ -17,7 +17,8 @@ VDWMESH_HD inline int count_bits(std::uint32_t bits) {
 #ifdef __CUDA_ARCH__
   return __popc(bits);
 #else
-  return std::popcount(bits);
+  return __builtin_popcount(
+      bits);  // std::popcount is C++20, which gemmi's callers are not everywhere
 #endif
 }
 

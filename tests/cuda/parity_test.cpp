@@ -1,9 +1,9 @@
-// The CUDA backend against the CPU backend on the same input: every array of the IndexedMesh equal
-// bit by bit, twice in a row. Skips without a device; VDWMESH_REQUIRE_CUDA=1 makes that a failure.
+// Meshes of both backends.
+#include "cuda/parity.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -12,82 +12,12 @@
 
 #include "core/errors.hpp"
 #include "cuda/backend.hpp"
-#include "cuda/refused_memory.hpp"
 #include "support/crease_meshes.hpp"
 #include "support/shared_files.hpp"
 #include "support/xyzr.hpp"
 
-namespace vdwmesh {
+namespace vdwmesh::testing {
 namespace {
-
-using testing::plain_or_gzipped;
-using testing::read_xyzr;
-using testing::shared_path;
-
-class Parity : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const DeviceList list = cuda_devices();
-    if (!list.devices.empty()) return;
-    VDWMESH_MISSING("VDWMESH_REQUIRE_CUDA", list.reason);
-  }
-};
-
-std::string to_string(const IndexedMeshHash& h) {
-  char text[100];
-  std::snprintf(text, sizeof text, "%016llx %016llx %016llx %016llx %016llx",
-                static_cast<unsigned long long>(h.positions),
-                static_cast<unsigned long long>(h.normals),
-                static_cast<unsigned long long>(h.vertex_spheres),
-                static_cast<unsigned long long>(h.triangles),
-                static_cast<unsigned long long>(h.triangle_spheres));
-  return text;
-}
-
-void expect_same(const IndexedMesh& cpu, const IndexedMesh& cuda, const std::string& what) {
-  ASSERT_EQ(cpu.vertex_count(), cuda.vertex_count()) << what;
-  ASSERT_EQ(cpu.triangle_count(), cuda.triangle_count()) << what;
-  EXPECT_EQ(cpu.opposite, cuda.opposite) << what;
-  const IndexedMeshHash a = hash(cpu), b = hash(cuda);
-  std::printf("%-44s V %9zu T %9zu  %s\n", what.c_str(), cpu.vertex_count(), cpu.triangle_count(),
-              to_string(b).c_str());
-  EXPECT_EQ(to_string(a), to_string(b)) << what;
-}
-
-void expect_parity(const SphereSet& spheres, const ExtractOptions& options,
-                   const std::string& what) {
-  const ExtractResult cpu = make_extractor(Backend::cpu)->extract(spheres, options);
-  const ExtractResult cuda = make_extractor(Backend::cuda)->extract(spheres, options);
-  expect_same(cpu.mesh, cuda.mesh, what);
-  EXPECT_EQ(cpu.stats.clamped_vertices, cuda.stats.clamped_vertices) << what;
-  EXPECT_EQ(cpu.stats.grid_clipped, cuda.stats.grid_clipped) << what;
-  EXPECT_EQ(cpu.stats.surface_bricks, cuda.stats.surface_bricks) << what;
-  const ExtractResult again = make_extractor(Backend::cuda)->extract(spheres, options);
-  EXPECT_EQ(hash(cuda.mesh), hash(again.mesh)) << what << ", second run";
-}
-
-constexpr FieldKind kFields[] = {FieldKind::vdw, FieldKind::blinn, FieldKind::soft_object,
-                                 FieldKind::inverse_squared};
-const char* name_of(FieldKind kind) {
-  const char* names[] = {"vdw", "blinn", "soft", "inverse-squared"};
-  return names[static_cast<int>(kind)];
-}
-
-SphereSet crowd(std::size_t count, double box, double r_min, double r_max, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> place(-box, box), radius(r_min, r_max);
-  std::vector<Sphere> spheres(count);
-  for (Sphere& s : spheres) s = {{place(random), place(random), place(random)}, radius(random)};
-  return SphereSet(spheres);
-}
-
-ExtractOptions options_of(FieldKind kind, double spacing) {
-  ExtractOptions options;
-  options.field.kind = kind;
-  options.grid.spacing = spacing;
-  options.connectivity = Connectivity::half_edges;
-  return options;
-}
 
 TEST_F(Parity, RandomAndDegenerateSets) {
   const std::vector<std::pair<std::string, SphereSet>> sets = {
@@ -221,88 +151,6 @@ TEST_F(Parity, SlabsAndDevices) {
   }
 }
 
-TEST_F(Parity, NoRoomForASlab) {
-  ExtractOptions options = options_of(FieldKind::vdw, 0.4);
-  options.device_memory = 1000;
-  try {
-    make_extractor(Backend::cuda)->extract(crowd(2000, 15, 0.8, 2.0, 18), options);
-    FAIL() << "1000 bytes were enough";
-  } catch (const LimitExceeded& error) {
-    EXPECT_NE(std::string(error.what()).find("needs"), std::string::npos);
-    EXPECT_NE(std::string(error.what()).find("1000 are available"), std::string::npos)
-        << error.what();
-  }
-}
-
-// What does not fit the device is refused by the CUDA backend, and left to the CPU by the automatic
-// one, which says so.
-TEST_F(Parity, RefinementThatDoesNotFit) {
-  const SphereSet spheres = crowd(300, 8, 0.8, 2.0, 19);
-  ExtractOptions extract = options_of(FieldKind::vdw, 0.5);
-  std::vector<std::uint64_t> told;
-  RefineOptions refine;
-  refine.subdivisions = 1;
-  const PipelineResult cpu = make_pipeline(Backend::cpu)->run(spheres, extract, refine);
-  std::vector<int> levels;
-  refine.on_level = [&](int level, const IndexedMesh&) { levels.push_back(level); };
-  refine.device_memory = 1 << 20;
-  EXPECT_THROW(make_pipeline(Backend::cuda)->run(spheres, extract, refine), DeviceMemoryExceeded);
-  extract.on_size = [&](const MeshSize& size) { told.push_back(size.triangles); };
-  const PipelineResult automatic = make_pipeline(Backend::automatic)->run(spheres, extract, refine);
-  EXPECT_EQ(told, std::vector<std::uint64_t>{automatic.mesh.triangle_count()});
-  EXPECT_EQ(levels, (std::vector<int>{0, 1}));
-  expect_same(cpu.mesh, automatic.mesh, "refined on the CPU");
-  EXPECT_GT(automatic.extract.slabs, 0u) << "extracted on the CPU too";
-  EXPECT_NE(automatic.fallback.find("refinement needs"), std::string::npos) << automatic.fallback;
-  EXPECT_NE(automatic.fallback.find("1048576 are available"), std::string::npos)
-      << automatic.fallback;
-  refine.device_memory = kNoMemoryLimit;
-  EXPECT_EQ(make_pipeline(Backend::automatic)->run(spheres, extract, refine).fallback, "");
-}
-
-TEST_F(Parity, ExtractionThatDoesNotFit) {
-  const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
-  ExtractOptions extract = options_of(FieldKind::vdw, 0.4);
-  const PipelineResult cpu = make_pipeline(Backend::cpu)->run(spheres, extract, {});
-  extract.device_memory = 1000;
-  const PipelineResult automatic = make_pipeline(Backend::automatic)->run(spheres, extract, {});
-  expect_same(cpu.mesh, automatic.mesh, "meshed on the CPU");
-  EXPECT_NE(automatic.fallback.find("extraction needs"), std::string::npos) << automatic.fallback;
-}
-
-// The automatic classes mesh on the CPU what does not fit, and say so; the CUDA ones refuse it.
-TEST_F(Parity, AutomaticBackendsFallBack) {
-  const SphereSet spheres = crowd(300, 8, 0.8, 2.0, 19);
-  ExtractOptions options = options_of(FieldKind::blinn, 0.5);
-  const ExtractResult cpu = make_extractor(Backend::cpu)->extract(spheres, options);
-  const SampledField field = make_field_mesher(Backend::cpu)->sample(spheres, options);
-  const ExtractResult sampled = make_field_mesher(Backend::cpu)->mesh(field, options);
-  const auto expect_fallback = [&](const std::string& why) {
-    const ExtractResult meshed = make_extractor(Backend::automatic)->extract(spheres, options);
-    expect_same(cpu.mesh, meshed.mesh, "extracted, " + why);
-    const auto mesher = make_field_mesher(Backend::automatic);
-    const SampledField again = mesher->sample(spheres, options);
-    ASSERT_EQ(field.values.size(), again.values.size());
-    EXPECT_TRUE(std::equal(field.values.begin(), field.values.end(), again.values.begin()));
-    const ExtractResult remeshed = mesher->mesh(field, options);
-    expect_same(sampled.mesh, remeshed.mesh, "meshed from a field, " + why);
-    for (const std::string& fallback : {meshed.fallback, again.fallback, remeshed.fallback}) {
-      EXPECT_EQ(fallback.find("on the CPU: ") != std::string::npos, !why.empty()) << fallback;
-    }
-  };
-  expect_fallback("");
-  {
-    const testing::RefusedMemory refused;
-    EXPECT_THROW(make_extractor(Backend::cuda)->extract(spheres, options), DeviceMemoryExceeded);
-    expect_fallback("the driver has no memory");
-  }
-  options.device_memory = 1000;
-  EXPECT_THROW(make_field_mesher(Backend::cuda)->mesh(field, options), DeviceMemoryExceeded);
-  EXPECT_THROW(make_field_mesher(Backend::cuda)->sample(spheres, options), DeviceMemoryExceeded);
-  expect_fallback("1000 bytes");
-}
-
-// With subdivisions too: what is extracted in slabs, or on several devices, is refined afterwards.
 TEST_F(Parity, RefinedSlabsAndDevices) {
   const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
   for (const FieldKind kind : {FieldKind::vdw, FieldKind::blinn}) {
@@ -429,7 +277,7 @@ void expect_pipeline_parity(const SphereSet& spheres, const ExtractOptions& extr
 }
 
 // Meshes whose triangles name their spheres.
-void expect_constrained_parity(const testing::CreaseMesh& m, Projection projection,
+void expect_constrained_parity(const CreaseMesh& m, Projection projection,
                                const std::string& name) {
   for (const int subdivisions : {0, 1, 3}) {
     RefineOptions options;
@@ -458,15 +306,15 @@ TEST_F(Parity, ConstrainedRefinement) {
   std::uniform_real_distribution<double> place(-1, 1), size(1.2, 1.9), overlap(1e-9, 0.9);
   for (int i = 0; i < 8; ++i) {
     const Vec3d at{10 * place(random), 10 * place(random), 10 * place(random)};
-    const Vec3d along = testing::unit_along({place(random), place(random), place(random)});
+    const Vec3d along = unit_along({place(random), place(random), place(random)});
     const double r = size(random), s = size(random);
     const Sphere a{at, r}, b{at + (r + s - overlap(random)) * along, s};
-    const testing::CreaseMesh two = testing::two_balls_mesh(a, b, 7 + i, 3 + i);
+    const CreaseMesh two = two_balls_mesh(a, b, 7 + i, 3 + i);
     expect_constrained_parity(two, Projection::vdw, "two balls " + std::to_string(i));
-    const Vec3d across = testing::any_normal_to(along);
+    const Vec3d across = any_normal_to(along);
     const Sphere c{at + (0.5 * (r + s) * along) + 1.3 * across, size(random)};
     const std::array<Sphere, 3> three{Sphere{at, r}, {at + 1.8 * along, s}, c};
-    const testing::CreaseMesh cornered = testing::three_balls_mesh(three, 4 + i, 5 + i);
+    const CreaseMesh cornered = three_balls_mesh(three, 4 + i, 5 + i);
     expect_constrained_parity(cornered, Projection::vdw, "three balls " + std::to_string(i));
     expect_constrained_parity(cornered, Projection::none, "three balls, no projection");
   }
@@ -530,4 +378,4 @@ TEST_F(Parity, Molecules) {
 }
 
 }  // namespace
-}  // namespace vdwmesh
+}  // namespace vdwmesh::testing

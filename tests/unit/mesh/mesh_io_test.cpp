@@ -16,6 +16,7 @@
 
 #include "core/errors.hpp"
 #include "mesh/output_file.hpp"
+#include "support/temporary_directory.hpp"
 #include "support/test_meshes.hpp"
 
 namespace vdwmesh {
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::TemporaryDirectory;
 
 constexpr MeshFormat kFormats[] = {MeshFormat::ply, MeshFormat::obj, MeshFormat::off,
                                    MeshFormat::stl, MeshFormat::glb};
@@ -80,25 +82,6 @@ TEST(MeshIo, PlyFansPolygonsOfAtoms) {
   const IndexedMesh mesh = decode_mesh(text, MeshFormat::ply).mesh;
   EXPECT_EQ(mesh.triangle_spheres, (Buffer<SphereId>{6, 6, 2}));
 }
-
-class Directory {
- public:
-  Directory() {
-    std::string name = (fs::temp_directory_path() / "vdwmesh-test-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~Directory() { fs::remove_all(path_); }
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-  std::vector<std::string> names() const {
-    std::vector<std::string> result;
-    for (const auto& entry : fs::directory_iterator(path_))
-      result.push_back(entry.path().filename().string());
-    return result;
-  }
-
- private:
-  fs::path path_;
-};
 
 TEST(MeshIo, PlyKeepsEveryBit) {
   IndexedMesh mesh = labelled_mesh();
@@ -280,7 +263,7 @@ TEST(MeshIo, KnowsFormatsByExtension) {
 }
 
 TEST(MeshIo, FilesAppearUnderTheirNames) {
-  const Directory directory;
+  const TemporaryDirectory directory;
   const SurfaceMesh mesh = to_surface_mesh(testing::cube());
   for (const char* name : {"a.ply", "a.obj", "a.off", "a.stl", "a.glb"}) {
     write_mesh(mesh, directory / name);
@@ -306,7 +289,7 @@ class CountingMonitor : public Monitor {
 
 TEST(MeshIo, WritersAskOftenWhetherToStop) {
   constexpr std::uintmax_t kBetween = std::uintmax_t{1} << 19;  // bytes: milliseconds of work
-  const Directory directory;
+  const TemporaryDirectory directory;
   const SurfaceMesh mesh = to_surface_mesh(testing::icosphere(7));
   for (const char* name : {"a.ply", "a.obj", "a.off", "a.stl", "a.glb"}) {
     const CountingMonitor patient(std::numeric_limits<int>::max());
@@ -320,7 +303,7 @@ TEST(MeshIo, WritersAskOftenWhetherToStop) {
 }
 
 TEST(MeshIo, NothingIsLeftOfAFileThatCannotBeWrittenInFull) {
-  const Directory directory;
+  const TemporaryDirectory directory;
   const SurfaceMesh mesh = to_surface_mesh(testing::icosphere(5));
   std::ofstream(directory / "old.ply") << "kept";
   rlimit before;
@@ -337,120 +320,16 @@ TEST(MeshIo, NothingIsLeftOfAFileThatCannotBeWrittenInFull) {
   EXPECT_EQ(fs::file_size(directory / "old.ply"), 4u) << "the old file is untouched";
 }
 
-TEST(OutputFile, AppearsAtCommitOnly) {
-  for (const auto staging :
-       {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {
-    const Directory directory;
-    {
-      OutputFile dropped(directory / "dropped", staging);
-      dropped.write("half", 4);
-    }
-    EXPECT_THAT(directory.names(), IsEmpty());
-    OutputFile kept(directory / "kept", staging);
-    kept.write("whole", 5);
-    EXPECT_FALSE(fs::exists(directory / "kept"));
-    kept.commit();
-    EXPECT_THAT(directory.names(), ElementsAre("kept"));
-    EXPECT_EQ(fs::file_size(directory / "kept"), 5u);
-  }
-}
-
-TEST(OutputFile, FollowsALink) {
-  const Directory directory;
-  std::ofstream(directory / "target") << "old";
-  fs::create_symlink("target", directory / "link");
-  OutputFile file(directory / "link");
-  file.write("fresh", 5);
-  file.commit();
-  EXPECT_TRUE(fs::is_symlink(directory / "link"));
-  EXPECT_EQ(fs::file_size(directory / "target"), 5u);
-}
-
-// A private file stays private, an executable one executable.
-TEST(OutputFile, KeepsThePermissionsOfWhatItReplaces) {
-  for (const auto staging :
-       {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {
-    for (const auto wanted : {fs::perms(0600), fs::perms(0751)}) {
-      const Directory directory;
-      std::ofstream(directory / "file") << "old";
-      fs::permissions(directory / "file", wanted);
-      OutputFile file(directory / "file", staging);
-      file.write("fresh", 5);
-      file.commit();
-      EXPECT_EQ(fs::status(directory / "file").permissions(), wanted);
-      EXPECT_EQ(fs::file_size(directory / "file"), 5u);
-    }
-  }
-}
-
-// 255 bytes on the file systems of Linux: nothing may be added to the name on the way.
-TEST(OutputFile, TakesTheLongestName) {
-  for (const auto staging :
-       {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {
-    const Directory directory;
-    const long longest = ::pathconf((directory / ".").c_str(), _PC_NAME_MAX);
-    ASSERT_GT(longest, 0);
-    const std::string name(static_cast<std::size_t>(longest), 'x');
-    OutputFile file(directory / name, staging);
-    file.write("fresh", 5);
-    file.commit();
-    EXPECT_THAT(directory.names(), ElementsAre(name));
-  }
-}
-
-// A killed process of our number may have left its hidden files, or somebody may have put links
-// where ours would be: none of them is written to.
-TEST(OutputFile, LeavesHiddenFilesOfOthersAlone) {
-  for (const auto staging :
-       {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {
-    const Directory directory;
-    std::string hidden;
-    {
-      OutputFile first(directory / "first", OutputFile::Staging::hidden);
-      hidden = directory.names().at(0);
-    }
-    // The names that follow: of the form ".vdwmesh-PROCESS-NUMBER.tmp".
-    const std::size_t dash = hidden.rfind('-'), dot = hidden.rfind('.');
-    const int number = std::stoi(hidden.substr(dash + 1, dot - dash - 1));
-    for (int i = 1; i <= 3; ++i) {
-      const std::string next = hidden.substr(0, dash + 1) + std::to_string(number + i) + ".tmp";
-      fs::create_symlink("victim", directory / next);
-    }
-    OutputFile file(directory / "file", staging);
-    file.write("fresh", 5);
-    file.commit();
-    EXPECT_FALSE(fs::exists(directory / "victim"));
-    EXPECT_EQ(fs::file_size(directory / "file"), 5u);
-  }
-}
-
-// Through several links, the last of which leads to nothing yet.
-TEST(OutputFile, FollowsLinksToWhatIsNotThere) {
-  const Directory directory;
-  fs::create_directory(directory / "folder");
-  fs::create_symlink("folder/second", directory / "first");
-  fs::create_symlink("third", directory / "folder/second");
-  EXPECT_EQ(written_file(directory / "first"), directory / "folder/third");
-  OutputFile file(directory / "first");
-  file.write("fresh", 5);
-  file.commit();
-  EXPECT_TRUE(fs::is_symlink(directory / "first"));
-  EXPECT_TRUE(fs::is_symlink(directory / "folder/second"));
-  EXPECT_EQ(fs::file_size(directory / "folder/third"), 5u);
-  fs::create_symlink("loop", directory / "loop");
-  EXPECT_THROW(OutputFile(directory / "loop").write("x", 1), FileFormatError);
-}
-
 TEST(MeshIo, AFullDiskIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
-  const Directory directory;
+  const TemporaryDirectory directory;
   fs::create_symlink("/dev/full", directory / "full.ply");
   EXPECT_THROW(write_mesh(to_surface_mesh(testing::cube()), directory / "full.ply"),
                FileFormatError);
 }
 
 TEST(MeshIo, NamesTheFileInErrors) {
-  const Directory directory;
+  const TemporaryDirectory directory;
   const SurfaceMesh mesh = to_surface_mesh(testing::cube());
   const auto message = [](auto&& action) -> std::string {
     try {
@@ -504,13 +383,13 @@ TEST(MeshIo, DamagedFilesAreRefusedOrRead) {
 }
 
 // The sanitizers take more address space than any limit of ours.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef VDWMESH_SANITIZED
 std::ptrdiff_t open_descriptors() {
   return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
 }
 
 TEST(MeshIo, FilesThatDoNotFitMemoryAreClosed) {
-  const Directory directory;
+  const TemporaryDirectory directory;
   const fs::path path = directory / "large.off";
   std::ofstream(path).close();
   fs::resize_file(path, std::uintmax_t{1} << 36);  // a hole: takes no room on the disk

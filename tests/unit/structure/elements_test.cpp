@@ -175,7 +175,7 @@ TEST(Elements, BeadsHaveNone) {
   for (const std::string& text : {protein, lipid})
     EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", text),
                 HasSubstr("is a bead of a coarse-grained (Martini) model"));
-  const TempDir dir;
+  const TemporaryDirectory dir;
   ReadOptions options;
   options.radii = dir.write("radii", "X 2.35\nLYS SC1 2.1\n").string();
   const Molecule molecule = read_text_as("a.pdb", protein, options);

@@ -175,7 +175,7 @@ TEST(Pdb, UnknownElementNamesTheAtom) {
   const std::string message = refusal_of_text<InvalidInput>(
       "a.pdb", record(" C1 ", "UNL", 1) + "\n" + with_tail(record(" Q1 ", "LIG", 2), "     Q  "));
   EXPECT_THAT(message, HasSubstr("atom Q1 of residue LIG 2 of chain A (serial 2, line 2)"));
-  const TempDir dir;
+  const TemporaryDirectory dir;
   ReadOptions options;
   options.radii = dir.write("radii.txt", "C 1.7\nLIG Q1 2.5\n").string();
   const Molecule molecule =

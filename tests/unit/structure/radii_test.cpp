@@ -80,13 +80,13 @@ TEST(RadiusTable, BondiIsCompletedFromAlvarez) {
 
 TEST(RadiusTable, DeuteriumIsHydrogenUnlessGiven) {
   EXPECT_EQ(radius(RadiusTable::named("bondi"), "D"), 1.20);
-  const TempDir dir;
+  const TemporaryDirectory dir;
   EXPECT_EQ(radius(RadiusTable::from_file(dir.write("r", "H 1.1\nD 1.3\n")), "D"), 1.3);
   EXPECT_EQ(radius(RadiusTable::from_file(dir.write("r", "H 1.1\n")), "D"), 1.1);
 }
 
 TEST(RadiusTable, AtomLinesWin) {
-  const TempDir dir;
+  const TemporaryDirectory dir;
   const RadiusTable table = RadiusTable::from_file(
       dir.write("r", "# mine\nALA CA 2.0  # this one\r\nC 1.7\n\nzn 1.1\nALA CA 2.0\n"));
   EXPECT_EQ(table.find("ALA", "CA", "C")->radius, 2.0);
@@ -96,7 +96,7 @@ TEST(RadiusTable, AtomLinesWin) {
 }
 
 TEST(RadiusTable, BadLinesAreRefusedWithTheirNumber) {
-  const TempDir dir;
+  const TemporaryDirectory dir;
   for (const char* bad : {"C", "C x", "C -1", "C nan", "Qq 1.5", "ALA CA CB 1", "ALA CA 1.5x"}) {
     const auto path = dir.write("r", std::string("# radii\nC 1.7\n") + bad + "\n");
     try {

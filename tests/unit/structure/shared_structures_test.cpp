@@ -161,7 +161,7 @@ TEST(SharedStructures, TrajectoryIsRefused) {
 TEST(SharedStructures, CutFilesReadOrAreRefused) {
   VDWMESH_NEEDS_SHARED("molecules/special/1EJG.cif");
   VDWMESH_NEEDS_SHARED("molecules/thesis/4PTI.pdb");
-  const TempDir dir;
+  const TemporaryDirectory dir;
   for (const char* name : {"special/1EJG.cif", "thesis/4PTI.pdb", "special/1A63.pqr"}) {
     std::ifstream file(shared_path(std::string("molecules/") + name));
     std::stringstream whole;

@@ -12,30 +12,9 @@
 
 #include "core/errors.hpp"
 #include "structure/reader.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace vdwmesh::testing {
-
-class TempDir {
- public:
-  TempDir() {
-    std::string name = (std::filesystem::temp_directory_path() / "vdwmesh_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no temporary directory");
-    path_ = name;
-  }
-  TempDir(const TempDir&) = delete;
-  TempDir& operator=(const TempDir&) = delete;
-  ~TempDir() { std::filesystem::remove_all(path_); }
-
-  const std::filesystem::path& path() const { return path_; }
-
-  std::filesystem::path write(const std::string& name, const std::string& content) const {
-    std::ofstream(path_ / name, std::ios::binary) << content;
-    return path_ / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline std::string gzipped(const std::string& content) {
   z_stream stream{};
@@ -62,7 +41,7 @@ inline void expect_account_adds_up(const Molecule& molecule) {
 // Reads `content` from a file of that name.
 inline Molecule read_text_as(const std::string& name, const std::string& content,
                              const ReadOptions& options = {}) {
-  const TempDir dir;
+  const TemporaryDirectory dir;
   Molecule molecule = read_structure(dir.write(name, content), options);
   expect_account_adds_up(molecule);
   return molecule;
@@ -85,7 +64,7 @@ std::string refusal_of(const std::filesystem::path& path, const ReadOptions& opt
 template <class E>
 std::string refusal_of_text(const std::string& name, const std::string& content,
                             const ReadOptions& options = {}) {
-  const TempDir dir;
+  const TemporaryDirectory dir;
   return refusal_of<E>(dir.write(name, content), options);
 }
 

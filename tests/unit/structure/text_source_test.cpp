@@ -25,7 +25,7 @@ TEST(TextSource, GzipIsToldByItsBytes) {
 TEST(TextSource, LongTextsComeThroughWhole) {
   std::string text;
   for (int i = 0; i < 400'000; ++i) text += std::to_string(i) + " 0 0 1\n";
-  const TempDir dir;
+  const TemporaryDirectory dir;
   for (const std::string& content : {text, gzipped(text)}) {
     const Text read = read_text(dir.write("a", content));
     EXPECT_TRUE(std::equal(read.begin(), read.end(), text.begin(), text.end()));
@@ -45,7 +45,7 @@ TEST(TextSource, DamagedGzipIsRefused) {
 }
 
 TEST(TextSource, SizeIsBounded) {
-  const TempDir dir;
+  const TemporaryDirectory dir;
   const std::string blanks(100'000, ' ');
   for (const std::string& content : {blanks, gzipped(blanks)}) {
     const auto path = dir.write("a", content);
@@ -55,7 +55,7 @@ TEST(TextSource, SizeIsBounded) {
 }
 
 TEST(TextSource, WhatCannotBeReadIsSaid) {
-  const TempDir dir;
+  const TemporaryDirectory dir;
   EXPECT_THAT(refusal_of<FileFormatError>(dir.path() / "none.pdb"), HasSubstr("No such file"));
   std::filesystem::create_directory(dir.path() / "dir.pdb");
   EXPECT_THAT(refusal_of<FileFormatError>(dir.path() / "dir.pdb"), HasSubstr("is a directory"));
@@ -64,7 +64,7 @@ TEST(TextSource, WhatCannotBeReadIsSaid) {
 // Root may read everything, so there the reading is done as nobody.
 TEST(TextSource, PermissionIsSaid) {
   constexpr uid_t kNobody = 65534;
-  const TempDir dir;
+  const TemporaryDirectory dir;
   const auto path = dir.write("a.xyzr", kXyzr);
   std::filesystem::permissions(path, std::filesystem::perms::none);
   const uid_t user = geteuid();
@@ -131,7 +131,7 @@ class StandardInput {
 };
 
 TEST(TextSource, StandardInputNeedsAFormat) {
-  const TempDir dir;
+  const TemporaryDirectory dir;
   EXPECT_THAT(refusal_of<InvalidInput>("-"), HasSubstr("--format"));
   ReadOptions options;
   options.format = StructureFormat::xyzr;

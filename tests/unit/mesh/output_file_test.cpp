@@ -1,0 +1,127 @@
+// Files that appear under their names whole, or not at all.
+#include "mesh/output_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "core/errors.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace vdwmesh {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::TemporaryDirectory;
+
+TEST(OutputFile, AppearsAtCommitOnly) {
+  for (const auto staging :
+       {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {
+    const TemporaryDirectory directory;
+    {
+      OutputFile dropped(directory / "dropped", staging);
+      dropped.write("half", 4);
+    }
+    EXPECT_THAT(directory.names(), IsEmpty());
+    OutputFile kept(directory / "kept", staging);
+    kept.write("whole", 5);
+    EXPECT_FALSE(fs::exists(directory / "kept"));
+    kept.commit();
+    EXPECT_THAT(directory.names(), ElementsAre("kept"));
+    EXPECT_EQ(fs::file_size(directory / "kept"), 5u);
+  }
+}
+
+TEST(OutputFile, FollowsALink) {
+  const TemporaryDirectory directory;
+  std::ofstream(directory / "target") << "old";
+  fs::create_symlink("target", directory / "link");
+  OutputFile file(directory / "link");
+  file.write("fresh", 5);
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(directory / "link"));
+  EXPECT_EQ(fs::file_size(directory / "target"), 5u);
+}
+
+// A private file stays private, an executable one executable.
+TEST(OutputFile, KeepsThePermissionsOfWhatItReplaces) {
+  for (const auto staging :
+       {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {
+    for (const auto wanted : {fs::perms(0600), fs::perms(0751)}) {
+      const TemporaryDirectory directory;
+      std::ofstream(directory / "file") << "old";
+      fs::permissions(directory / "file", wanted);
+      OutputFile file(directory / "file", staging);
+      file.write("fresh", 5);
+      file.commit();
+      EXPECT_EQ(fs::status(directory / "file").permissions(), wanted);
+      EXPECT_EQ(fs::file_size(directory / "file"), 5u);
+    }
+  }
+}
+
+// 255 bytes on the file systems of Linux: nothing may be added to the name on the way.
+TEST(OutputFile, TakesTheLongestName) {
+  for (const auto staging :
+       {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {
+    const TemporaryDirectory directory;
+    const long longest = ::pathconf((directory / ".").c_str(), _PC_NAME_MAX);
+    ASSERT_GT(longest, 0);
+    const std::string name(static_cast<std::size_t>(longest), 'x');
+    OutputFile file(directory / name, staging);
+    file.write("fresh", 5);
+    file.commit();
+    EXPECT_THAT(directory.names(), ElementsAre(name));
+  }
+}
+
+// A killed process of our number may have left its hidden files, or somebody may have put links
+// where ours would be: none of them is written to.
+TEST(OutputFile, LeavesHiddenFilesOfOthersAlone) {
+  for (const auto staging :
+       {OutputFile::Staging::unnamed_where_possible, OutputFile::Staging::hidden}) {
+    const TemporaryDirectory directory;
+    std::string hidden;
+    {
+      OutputFile first(directory / "first", OutputFile::Staging::hidden);
+      hidden = directory.names().at(0);
+    }
+    // The names that follow: of the form ".vdwmesh-PROCESS-NUMBER.tmp".
+    const std::size_t dash = hidden.rfind('-'), dot = hidden.rfind('.');
+    const int number = std::stoi(hidden.substr(dash + 1, dot - dash - 1));
+    for (int i = 1; i <= 3; ++i) {
+      const std::string next = hidden.substr(0, dash + 1) + std::to_string(number + i) + ".tmp";
+      fs::create_symlink("victim", directory / next);
+    }
+    OutputFile file(directory / "file", staging);
+    file.write("fresh", 5);
+    file.commit();
+    EXPECT_FALSE(fs::exists(directory / "victim"));
+    EXPECT_EQ(fs::file_size(directory / "file"), 5u);
+  }
+}
+
+// Through several links, the last of which leads to nothing yet.
+TEST(OutputFile, FollowsLinksToWhatIsNotThere) {
+  const TemporaryDirectory directory;
+  fs::create_directory(directory / "folder");
+  fs::create_symlink("folder/second", directory / "first");
+  fs::create_symlink("third", directory / "folder/second");
+  EXPECT_EQ(written_file(directory / "first"), directory / "folder/third");
+  OutputFile file(directory / "first");
+  file.write("fresh", 5);
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(directory / "first"));
+  EXPECT_TRUE(fs::is_symlink(directory / "folder/second"));
+  EXPECT_EQ(fs::file_size(directory / "folder/third"), 5u);
+  fs::create_symlink("loop", directory / "loop");
+  EXPECT_THROW(OutputFile(directory / "loop").write("x", 1), FileFormatError);
+}
+
+}  // namespace
+}  // namespace vdwmesh
