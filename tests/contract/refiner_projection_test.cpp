@@ -113,6 +113,21 @@ TEST_P(RefinerProjection, ABlendedMeshIsPulledOntoTheUnion) {
   EXPECT_GT(2 * on, mesh.vertex_count());
 }
 
+// A vertex that moves takes the label of the surface that it went to, whatever the given one says:
+// here that is the first atom's, the second being far away.
+TEST_P(RefinerFieldProjection, AMovedVertexLosesItsWrongLabel) {
+  const SphereSet spheres = spheres_of({{{0, 0, 0}, 1.5}, {{50, 0, 0}, 1.5}});
+  IndexedMesh mesh = octahedron();
+  mesh.vertex_spheres.assign(mesh.vertex_count(), on_sphere(1));
+  const GridSpec grid{{-3, -3, -3}, 0.5, {12, 12, 12}};
+  const RefineResult result = refine(spheres, mesh, field_options(0, kind(), grid));
+  ASSERT_EQ(result.levels[0].projected, mesh.vertex_count());
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    ASSERT_NE(result.mesh.positions[v], mesh.positions[v]);
+    EXPECT_EQ(result.mesh.vertex_spheres[v], on_sphere(0)) << "vertex " << v;
+  }
+}
+
 struct Bisected {
   double residual;               // |F - T| / |grad F|, Å
   std::optional<double> offset;  // from the vertex to F = T along its normal, Å
