@@ -1,8 +1,7 @@
-#include <CLI/CLI.hpp>
-
 // Parses the command line, runs a verb and turns exceptions into exit codes.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <filesystem>

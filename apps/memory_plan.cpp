@@ -189,6 +189,12 @@ std::string remedies(const MemoryDemand& demand, std::uint64_t need, std::uint64
   less = demand;
   if (less.exact) less.exact = UnionMethod::arcs;
   if (fits(less, limit)) add("--topology off");
+  less = demand;
+  less.self_intersections = SelfIntersections::skip;
+  if (fits(less, limit)) add("--self-intersections off");
+  less = demand;
+  less.cgal_check = CgalCheck::skip;
+  if (fits(less, limit)) add("--cgal-check off");
   constexpr std::uint64_t kNobodyHas = std::uint64_t{1} << 46;
   if (need < kNobodyHas) {
     list += fmt::format("{}--memory-limit {}M, ", list.empty() ? "" : "or ", (need >> 20) + 1);

@@ -20,6 +20,7 @@ namespace vdwmesh::apps {
 struct InputReport {
   std::string path, format, model, assembly, radius_set;
   std::uint64_t atoms_read = 0, atoms_used = 0;
+  std::uint64_t spheres = 0;  // an assembly has several of one atom
   SkippedAtoms skipped;
   std::vector<AssumedRadius> radii_assumed;
   std::uint64_t elements_guessed = 0;

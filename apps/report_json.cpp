@@ -234,6 +234,7 @@ Json input_json(const InputReport& input) {
           {"assembly", input.assembly},
           {"atoms_read", input.atoms_read},
           {"atoms_used", input.atoms_used},
+          {"spheres", input.spheres},
           {"skipped", skipped},
           {"radius_set", input.radius_set},
           {"probe", input.probe},

@@ -41,8 +41,10 @@ std::string atoms_text(const InputReport& input) {
   for (const auto& [reason, count] : input.skipped) {
     if (count > 0) skipped.push_back(fmt::format("{} {}", count, reason_text(reason)));
   }
-  return fmt::format("{} used of {} read; left out: {}", input.atoms_used, input.atoms_read,
-                     skipped.empty() ? "none" : join(skipped));
+  const std::string copies =
+      input.spheres == input.atoms_used ? "" : fmt::format("; copied to {} spheres", input.spheres);
+  return fmt::format("{} used of {} read; left out: {}{}", input.atoms_used, input.atoms_read,
+                     skipped.empty() ? "none" : join(skipped), copies);
 }
 
 std::string radii_text(const InputReport& input) {

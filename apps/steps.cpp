@@ -24,7 +24,8 @@ InputReport describe(const Molecule& molecule, double probe) {
   input.assembly = molecule.assembly;
   input.radius_set = molecule.radius_set;
   input.atoms_read = molecule.atoms_read;
-  input.atoms_used = molecule.atoms.size();
+  input.atoms_used = molecule.atoms_used;
+  input.spheres = molecule.atoms.size();
   input.skipped = molecule.skipped;
   input.radii_assumed = molecule.radii_assumed;
   input.elements_guessed = molecule.elements_guessed;
@@ -174,8 +175,10 @@ IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& sur
 }
 
 // Components that fell between the grid nodes would otherwise be lost without a word. Of a mesh
-// inside out, of which another warning speaks, all components count as voids.
+// inside out, of which another warning speaks, all components count as voids. Blended fields join
+// and shrink what is apart or small, whatever the spacing.
 void warn_of_lost_components(std::uint64_t in_union, Report& report) {
+  if (report.parameters && report.parameters->surface.field.kind != FieldKind::vdw) return;
   const auto& components = report.mesh->topology.components;
   if (!components || *components >= in_union) return;
   if (report.mesh->measures.volume.value_or(0) < 0) return;
@@ -338,14 +341,12 @@ void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
     report.comparison->distances =
         distances(mesh, spheres, {choice.samples_per_area, choice.seed, memory_limit, monitor});
   }
-  if (report.exact->topology) {
-    warn_of_lost_components(report.exact->topology->components, report);
-  }
+  const auto& topology = report.exact->topology;
+  warn_of_lost_components(topology ? topology->components : count_components(spheres), report);
   report.timing.compare = watch.seconds();
 }
 
 void warn_of_lost_balls(const SphereSet& spheres, Report& report) {
-  if (report.parameters->surface.field.kind != FieldKind::vdw) return;  // fields join and shrink
   warn_of_lost_components(count_components(spheres), report);
 }
 

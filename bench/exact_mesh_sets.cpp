@@ -102,7 +102,8 @@ void print(const std::vector<Row>& rows) {
     const Row& r = rows[i];
     const auto number = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
     std::printf(
-        "%s,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%.1e,%.1e,%.1e,%.1e,%.2f,%.2f\n",
+        "\"%s\",%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%.1e,%.1e,%.1e,%.1e,%.2f,%."
+        "2f\n",
         std::string(testing::sphere_recipes()[i].name).c_str(), number(r.sets), number(r.meshed),
         number(r.refused), number(r.failed), number(r.triangles), number(r.unsound),
         number(r.reduced), number(r.euler_characteristic), number(r.components), number(r.voids),
@@ -120,8 +121,14 @@ int run(int argc, char** argv) {
   bool verbose = false;
   for (int i = 3; i < argc; ++i) {
     const std::string_view option = argv[i];
-    if (option == "--first" && i + 1 < argc) seed += static_cast<unsigned>(std::stoul(argv[++i]));
-    if (option == "--verbose") verbose = true;
+    if (option == "--first" && i + 1 < argc) {
+      seed += static_cast<unsigned>(std::stoul(argv[++i]));
+    } else if (option == "--verbose") {
+      verbose = true;
+    } else {
+      std::fprintf(stderr, "exact_mesh_sets: %s is not an option\n", argv[i]);
+      return 1;
+    }
   }
   std::vector<Row> rows(testing::sphere_recipes().size());
   for (unsigned i = 0; i < count; ++i) {
@@ -135,4 +142,11 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace vdwmesh
 
-int main(int argc, char** argv) { return vdwmesh::run(argc, argv); }
+int main(int argc, char** argv) {
+  try {
+    return vdwmesh::run(argc, argv);
+  } catch (const std::exception&) {
+    std::fputs("exact_mesh_sets: COUNT, SEED and N are whole numbers\n", stderr);
+    return 1;
+  }
+}

@@ -29,7 +29,7 @@ for program in "${programs[@]}"; do
   install "$program" "$target/bin/"
   strip "$target/bin/$(basename "$program")"
   # Everything but the C library and the driver.
-  ldd "$program" | awk '$3 ~ /^\// {print $3}' |
+  ldd "$program" | sed -n 's#.* => \(/.*\) (0x[0-9a-f]*)$#\1#p' |
     grep -vE '/(libc|libm|libdl|libpthread|librt|ld-linux-x86-64|libcuda)\.so' |
     while read -r library; do install -m 644 "$library" "$target/lib/"; done
 done

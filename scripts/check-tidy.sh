@@ -10,14 +10,15 @@ build=${1:-build/release}
 tool=$(command -v clang-tidy-19 || true)
 [ -n "$tool" ] || { echo "check-tidy: clang-tidy 19 is not on this machine; not checked"; exit 0; }
 [ -f "$build/build.ninja" ] || { echo "check-tidy: $build is not configured" >&2; exit 1; }
-ninja -C "$build" -t compdb > "$build/compile_commands.json"
+# Without the compiler cache in front, which clang-tidy would take for the compiler.
+ninja -C "$build" -t compdb | sed -E 's#("command": ")[^"]*/ccache #\1#' > "$build/compile_commands.json"
 if [ "$#" -eq 0 ]; then mapfile -t files < <(git ls-files -- 'src/*.cpp' 'apps/*.cpp'); else files=("$@"); fi
 
 # With what CMake gives Clang for single files, which a build by another compiler does not say.
 check() {
   local extra=()
   case $1 in
-    src/structure/mmcif.cpp) extra=(--extra-arg=-std=c++17) ;;
+    src/structure/mmcif*.cpp) extra=(--extra-arg=-std=c++17) ;;
     src/analysis/cgal_measures.cpp) extra=(--extra-arg=-fdelayed-template-parsing
       --extra-arg=-Wno-delayed-template-parsing-in-cxx20) ;;
   esac

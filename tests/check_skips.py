@@ -23,7 +23,7 @@ ALLOWED = pathlib.Path(__file__).resolve().with_name("allowed_skips.csv")
 Skip = collections.namedtuple("Skip", "test message")
 
 # GoogleTest writes the message after the place of the skip, and the name once the test has ended.
-GOOGLE_MESSAGE = re.compile(r"^\S+:\d+: Skipped\n(.*?)\n\n?(?=\[|\S+:\d+: )", re.M | re.S)
+GOOGLE_MESSAGE = re.compile(r"^[^\n]+:\d+: Skipped\n(.*?)\n\n?(?=\[|[^\n]+:\d+: )", re.M | re.S)
 GOOGLE_TEST = re.compile(r"^\[ RUN      \] (\S+)\n(.*?)^\[  SKIPPED \] \1 \(", re.M | re.S)
 # Python's unittest -v: "test_x (module.Class.test_x) ... skipped 'why'". A line of documentation may
 # stand between the name and the dots. A whole class that skips is "setUpClass (module.Class)".

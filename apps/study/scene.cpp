@@ -176,9 +176,9 @@ std::vector<Scene> make_scenes(const Study& study, std::vector<std::string>& war
   for (const auto& [way, place] : wanted) {
     const auto& [input, run] = place;
     if (triangles + run->topology.triangles > study.options.page_triangles) continue;
-    triangles += run->topology.triangles;
     try {
       scenes.push_back(make_scene(study, input, run->setting));
+      triangles += run->topology.triangles;
     } catch (const LimitExceeded& error) {
       warnings.push_back(fmt::format("{}: a mesh is left out of the page: {}",
                                      study.findings[input].input.name, error.what()));

@@ -88,6 +88,9 @@ void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t li
 
 // Samples per Å² of an area.
 double density_for(double total_area, double samples_per_area) {
+  if (!std::isfinite(kLeastSamples / total_area))
+    throw InvalidInput(
+        fmt::format("an area of {:.3g} Å² is too small to take samples", total_area));
   if (!(samples_per_area > 0) || !std::isfinite(samples_per_area))
     throw InvalidInput(
         fmt::format("{} samples per Å²: a positive number is needed", samples_per_area));

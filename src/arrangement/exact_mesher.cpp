@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -118,7 +119,7 @@ class Chooser {
     BoundaryShape shape = shape_of(boundary);
     if (shape == refused_) return false;
     try {
-      ExactMesh mesh = mesh_boundary(arrangement_, std::move(boundary), options_);
+      ExactMesh mesh = mesh_boundary(arrangement_, std::move(boundary), options_beside_best());
       compare(mesh);
       const bool right = mesh.stats.euler_difference == 0 && mesh.stats.shell_difference == 0;
       if (right || !best_) best_ = std::move(mesh);
@@ -127,7 +128,19 @@ class Chooser {
       if (refusal_.empty()) refusal_ = error.what();
       refused_ = std::move(shape);
       return false;
+    } catch (const LimitExceeded&) {
+      if (!best_) throw;
+      return false;  // the mesh there is is given, which says how it differs
     }
+  }
+
+  // A mesh that is kept takes its part of the memory.
+  ExactMeshOptions options_beside_best() const {
+    ExactMeshOptions options = options_;
+    if (best_ && options.memory_limit != kNoMemoryLimit) {
+      options.memory_limit -= std::min(options.memory_limit, indexed_mesh_bytes(best_->mesh));
+    }
+    return options;
   }
 
   // The arcs and corners of the complex are exact: only features made points change the topology.

@@ -46,7 +46,8 @@ class UnionMesher {
         sampling_(boundary_, edge_length_),
         pieces_at_first_(count_pieces()),
         growth_(boundary_.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
-        patches_(t_.balls.size()) {}
+        patches_(t_.balls.size()),
+        has_coincident_points_(t_.balls.size(), 0) {}
 
   ExactMesh run() && {
     check_memory();
@@ -126,6 +127,7 @@ class UnionMesher {
         mesh_ball(balls[i], demand, stage);
         advance(options_.monitor, 1);
       });
+      check_coincidence(balls);
       const std::vector<PieceSplit> splits = wanted_splits(balls);
       if (splits.empty()) return;
       if (round == kMostRounds) refuse(splits.front().piece);
@@ -185,10 +187,18 @@ class UnionMesher {
     try {
       patches_[ball] = mesh_patch(around, {edge_length, demand, stage, options_.monitor});
     } catch (const CoincidentPoints&) {
+      has_coincident_points_[ball] = 1;
+    }
+  }
+
+  // The first ball of the list is named, whichever was meshed first.
+  void check_coincidence(const std::vector<std::uint32_t>& balls) const {
+    for (const std::uint32_t b : balls) {
+      if (!has_coincident_points_[b]) continue;
       throw CurvesTooClose(fmt::format(
           "two curves on sphere {} are closer than double precision can tell: leave out one of two "
           "spheres that all but coincide",
-          t_.ids[ball]));
+          t_.ids[b]));
     }
   }
 
@@ -313,6 +323,7 @@ class UnionMesher {
   ArcSampling sampling_;
   std::uint64_t pieces_at_first_, growth_;
   std::vector<PatchMesh> patches_;
+  std::vector<std::uint8_t> has_coincident_points_;  // of balls; not bool: set by several threads
   ExactMeshStats stats_;
 };
 

@@ -2,7 +2,6 @@
 // written once, marked VDWMESH_HD, and run on host and device alike.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 
 #ifdef __CUDACC__
@@ -17,8 +16,7 @@ VDWMESH_HD inline int count_bits(std::uint32_t bits) {
 #ifdef __CUDA_ARCH__
   return __popc(bits);
 #else
-  return __builtin_popcount(
-      bits);  // std::popcount is C++20, which gemmi's callers are not everywhere
+  return __builtin_popcount(bits);  // not std::popcount: files that include gemmi may be C++17
 #endif
 }
 

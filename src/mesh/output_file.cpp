@@ -67,17 +67,19 @@ bool is_written_directly(const fs::path& path) {
 
 OutputFile::OutputFile(const fs::path& path, Staging staging)
     : path_(path), target_(written_file(path)) {
+  // What a link in /proc stands for, as /dev/stdout does in a pipe, has no name to go by: it is
+  // opened by the name it was given.
+  if (is_written_directly(path)) {
+    kind_ = Kind::direct;
+    descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor_ < 0) fail("cannot be written");
+    return;
+  }
   std::error_code error;
   const bool is_folder = fs::is_directory(target_, error), is_loop = fs::is_symlink(target_, error);
   if (is_folder || is_loop) {
     errno = is_folder ? EISDIR : ELOOP;
     fail("cannot be written");
-  }
-  if (is_written_directly(target_)) {
-    kind_ = Kind::direct;
-    descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
-    if (descriptor_ < 0) fail("cannot be written");
-    return;
   }
   if (staging == Staging::unnamed_where_possible) open_unnamed();
   if (descriptor_ < 0) open_hidden();

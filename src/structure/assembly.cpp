@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string_view>
 
 #include "core/errors.hpp"
 #include "structure/lines.hpp"
@@ -115,9 +117,9 @@ AffineMap operator*(const AffineMap& a, const AffineMap& b) {
 
 std::vector<std::string> assembly_names(const AssemblyTables& tables) {
   std::vector<std::string> names;
+  std::set<std::string_view> seen;
   for (const AssemblyRow& row : tables.rows)
-    if (std::find(names.begin(), names.end(), row.assembly) == names.end())
-      names.push_back(row.assembly);
+    if (seen.insert(row.assembly).second) names.push_back(row.assembly);
   return names;
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <gemmi/assembly.hpp>
 #include <gemmi/polyheur.hpp>
 #include <gemmi/select.hpp>
 #include <map>
@@ -70,8 +69,8 @@ std::int32_t number_of(const gemmi::Model& model) {
 // Chains of an assembly: A1, A2, ... are chain A moved by one operator, by another, and so on.
 class CopyNames {
  public:
-  const std::string& of(const gemmi::Chain& chain, const std::string& operators) {
-    std::string& name = names_[{chain.name, operators}];
+  const std::string& of(const gemmi::Chain& chain, const OperatorFactor& combination) {
+    std::string& name = names_[{chain.name, combination}];
     if (name.empty()) name = unused(chain.name);
     return name;
   }
@@ -85,7 +84,7 @@ class CopyNames {
     }
   }
 
-  std::map<std::pair<std::string, std::string>, std::string> names_;
+  std::map<std::pair<std::string, OperatorFactor>, std::string> names_;
   std::map<std::string, int> counts_;
   std::set<std::string> used_;
 };
@@ -349,8 +348,10 @@ class Choice {
     const std::vector<std::string> names = assembly_names(file_.assemblies);
     if (listed(names, options_.assembly))
       return make_recipe(file_.assemblies, options_.assembly, file_.path);
+    constexpr std::size_t kMostNamed = 20;
     std::string known;
-    for (const std::string& name : names) known += " " + name;
+    for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i) known += " " + names[i];
+    if (names.size() > kMostNamed) known += fmt::format(" and {} more", names.size() - kMostNamed);
     throw InvalidInput(fmt::format("{}: has no assembly {}; there is asymmetric{}{}", file_.path,
                                    options_.assembly, known.empty() ? " only" : " and", known));
   }
@@ -391,29 +392,31 @@ class Choice {
     std::vector<const Site*> held;
     for (auto site = first; site != last; ++site)
       if (holds(part, *site)) held.push_back(&*site);
+    if (held.empty()) return;  // no limit on atoms bounds the copies of none
     for (const OperatorProduct& product : part.products)
       for_each_combination(product, [&](const OperatorFactor& combination) {
         const AffineMap map = map_of(file_.assemblies, combination);
-        const std::string operators = name_of(file_.assemblies, combination);
         const gemmi::Chain* chain = nullptr;
         std::string name;
         for (const Site* site : held) {
-          if (site->chain != chain) name = names.of(*(chain = site->chain), operators);
+          if (site->chain != chain) name = names.of(*(chain = site->chain), combination);
           Atom& copy = take(*site);
           copy.position = map(copy.position);
           copy.chain = name;
-          refuse_if_far(copy, operators);
+          refuse_if_far(copy, combination);
         }
       });
   }
 
-  void refuse_if_far(const Atom& copy, const std::string& operators) const {
+  void refuse_if_far(const Atom& copy, const OperatorFactor& combination) const {
     const Vec3d& p = copy.position;
-    if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthest) return;
+    const auto is_near = [](double x) { return std::abs(x) <= kFarthest; };  // no NaN is
+    if (is_near(p.x) && is_near(p.y) && is_near(p.z)) return;
     throw FileFormatError(
         fmt::format("{}: assembly {}: operator {} moves an atom to {:g}, {:g}, {:g} Å; coordinates "
                     "of up to {:g} Å can be meshed",
-                    file_.path, options_.assembly, operators, p.x, p.y, p.z, kFarthest));
+                    file_.path, options_.assembly, name_of(file_.assemblies, combination), p.x, p.y,
+                    p.z, kFarthest));
   }
 
   const ParsedFile& file_;

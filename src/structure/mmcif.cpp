@@ -198,8 +198,6 @@ void read_macromolecule(cif::Block& block, ParsedFile& file) {
   file.format = "mmcif";
 }
 
-enum class Symbols { given, missing };
-
 // Labels begin with the symbol: "Ca1" is calcium. One in capitals may be either: "CA1".
 const char* element_of_label(const std::string& label) {
   const bool two = label.size() > 1 && std::islower(static_cast<unsigned char>(label[1])) != 0;
@@ -207,13 +205,12 @@ const char* element_of_label(const std::string& label) {
   return element[0] != 'X' ? element : element_of_bare_name(label, "");
 }
 
-gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index, Symbols symbols,
+gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index, bool has_symbol,
                          const std::string& path) {
   const gemmi::SmallStructure::Site& site = crystal.sites[index];
   gemmi::Atom atom;
   atom.name = site.label;
-  atom.element =
-      symbols == Symbols::given ? site.element : gemmi::Element(element_of_label(site.label));
+  atom.element = has_symbol ? site.element : gemmi::Element(element_of_label(site.label));
   if (atom.element == gemmi::El::X)
     atom.element = gemmi::Element(element_of_bare_name(site.type_symbol, ""));
   atom.serial = static_cast<int>(index);
@@ -233,17 +230,18 @@ void read_small_molecule(cif::Block& block, ParsedFile& file) {
   if (crystal.sites.empty()) refuse(file.path, "its _atom_site table has no rows");
   if (!crystal.cell.is_crystal())
     refuse(file.path, "gives fractional coordinates but no unit cell to place them in");
-  const Symbols symbols =
-      block.has_tag("_atom_site_type_symbol") ? Symbols::given : Symbols::missing;
+  // Where there is no such column, gemmi takes symbols from labels.
+  const bool has_symbols = block.has_tag("_atom_site_type_symbol");
   gemmi::Residue residue;
   residue.name = "UNL";
   residue.seqid.num = 1;
   for (std::size_t i = 0; i < crystal.sites.size(); ++i) {
-    residue.atoms.push_back(crystal_atom(crystal, i, symbols, file.path));
+    const bool has_symbol = has_symbols && !crystal.sites[i].type_symbol.empty();
+    residue.atoms.push_back(crystal_atom(crystal, i, has_symbol, file.path));
     AtomRecord record;
     record.serial = static_cast<std::int64_t>(i) + 1;
     record.line = static_cast<std::uint32_t>(i) + 1;
-    record.element_guessed = symbols == Symbols::missing;
+    record.element_guessed = !has_symbol;
     file.atoms.push_back(record);
   }
   gemmi::Model model("1");

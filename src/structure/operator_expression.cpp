@@ -63,8 +63,10 @@ class Parser {
     const auto begin = whole_number(first), end = whole_number(last);
     if (!begin || !end || *begin > *end)
       refuse(fmt::format("{} to {} is no range of numbers", in_quotes(first), in_quotes(last)));
-    for (std::int64_t number = *begin; number <= *end; ++number)
+    for (std::int64_t number = *begin;; ++number) {  // the last may be the largest there is
       add(std::to_string(number), factor);
+      if (number == *end) return;
+    }
   }
 
   void add(std::string_view id, OperatorFactor& factor) {

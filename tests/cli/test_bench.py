@@ -195,6 +195,8 @@ class Pipeline(ProgramTest):
         self.run_ok("mesh", "--sample", "ubiquitin", "--spacing", "1", "-o", mesh, "--quiet")
         stages = {s["name"]: s for s in case["stages"]}
         self.assertEqual(stages["write PLY"]["bytes_written"], mesh.stat().st_size)
+        spheres = self.report("exact", "--sample", "ubiquitin", "--topology", "off")["input"]["atoms_used"]
+        self.assertEqual(stages["spheres"]["bytes_written"], 32 * spheres)  # a centre and a radius
         vertices, triangles = case["vertices"], case["triangles"]
         # Positions 24, normals 12, atoms 4; corners and opposite half-edges 12 each.
         self.assertEqual(stages["build"]["bytes_read"], 40 * vertices + 24 * triangles)

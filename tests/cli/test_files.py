@@ -52,6 +52,18 @@ class Inputs(ProgramTest):
             self.assertEqual((found["atoms_used"], found["model"]), (2, "1"))
         self.assert_refused(BAD_INPUT, "exact", path, "--model", "2", says=("no model 2; it has 1",))
 
+    def test_an_assembly_counts_its_atoms_once_and_its_spheres_all(self):
+        remark = "".join(f"REMARK 350   BIOMT{row}   {copy}  " + "".join(
+            f"{float(row == column):10.6f}" for column in (1, 2, 3)) + f"     {30 * (copy - 1) * (row == 1):10.5f}\n"
+                         for copy in (1, 2) for row in (1, 2, 3))
+        atom = "ATOM      1  CA  ALA A   1       1.000   2.000   3.000  1.00  0.00           C\n"
+        path = self.file("a.pdb", "REMARK 350 BIOMOLECULE: 1\nREMARK 350 APPLY THE FOLLOWING TO CHAINS: A\n"
+                         + remark + atom)
+        found = self.report("exact", path, "--assembly", "1")["input"]
+        self.assertEqual((found["atoms_read"], found["atoms_used"], found["spheres"]), (1, 1, 2))
+        text = self.run_ok("exact", path, "--assembly", "1").stdout
+        self.assertIn("1 used of 1 read; left out: none; copied to 2 spheres", text)
+
 
 class Outputs(ProgramTest):
     def test_every_mesh_format(self):

@@ -163,6 +163,25 @@ class Limits(ProgramTest):
         self.assert_refused(LIMIT_HIT, *options, says=("memory",))
         self.assertEqual(self.files(), [])
 
+    def test_the_spacing_that_would_do_is_the_finest(self):
+        def mesh(spacing):
+            return run("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--spacing", spacing, "--memory-limit", "150M")
+
+        refused = mesh("0.05")
+        self.assertEqual(refused.returncode, LIMIT_HIT)
+        spacing = float(re.search(r"--spacing ([\d.]+)", refused.stderr)[1])
+        self.assertEqual(mesh(str(spacing)).returncode, 0)
+        self.assertEqual(mesh(str(0.9 * spacing)).returncode, LIMIT_HIT)
+
+    def test_at_most_sixteen_subdivisions(self):
+        options = ("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--subdivide")
+        self.assert_refused(LIMIT_HIT, *options, "16")
+        self.assert_refused(BAD_INPUT, *options, "17", says=("16",))
+
+    def test_the_limit_stands_in_the_report(self):
+        report = self.report("report", "--sample", "bpti", "--spacing", "1", "--memory-limit", "3G")
+        self.assertEqual(report["parameters"]["memory_limit"], 3 << 30)
+
     def test_amounts_are_readable(self):
         for limit, says in (("1K", "1024 bytes are allowed"), ("1M", "1 MiB are allowed"),
                             ("20M", "0.0195 GiB are allowed")):  # fmt: skip
@@ -241,15 +260,18 @@ class Documentation(ProgramTest):
 
 
 class LostBalls(ProgramTest):
-    """A ball between the grid's nodes is no part of the mesh; every verb that meshes says so."""
+    """A ball between the grid's nodes is no part of the mesh; `mesh` and `report` say so."""
 
     def test_mesh_and_report_warn_alike(self):
         # Nodes at multiples of 1 Å from the lower corner of the box: one of radius 0.2 is between them.
         spheres = self.file("a.xyzr", "0 0 0 2\n5.5 5.5 5.5 0.2\n8 8 8 2\n")
         meshed = self.run_ok("mesh", spheres, "-o", self.folder / "a.ply", "--spacing", "1").stdout
         reported = self.run_ok("report", spheres, "--spacing", "1", "--subdivide", "0").stdout
-        for text in (meshed, reported):
+        arcs = self.run_ok("report", spheres, "--spacing", "1", "--subdivide", "0", "--topology", "off").stdout
+        for text in (meshed, reported, arcs):
             self.assertRegex(text, r"WARNING +components: 2 in the mesh, 3 in the union of the spheres")
+        field = self.run_ok("report", spheres, "--spacing", "1", "--subdivide", "0", "--field", "blinn").stdout
+        self.assertNotIn("components: ", field)  # a smaller spacing would not bring it back
         fine = self.run_ok("mesh", spheres, "-o", self.folder / "a.ply", "--spacing", "0.1").stdout
         self.assertNotIn("WARNING", fine)
 
@@ -332,7 +354,7 @@ class Backends(ProgramTest):
     def test_which_program_it_is(self):
         """The sources, by git or by their hash, are named alike everywhere."""
         info = parse_json(self.run_ok("info", "--json", "-").stdout)
-        self.assertRegex(info["revision"], r"\A[\w.-]{7,}\Z")
+        self.assertRegex(info["revision"], r"\A[\w.-]+\Z")
         version = self.run_ok("--version").stdout
         self.assertEqual(version, f"vdwmesh {info['version']} ({info['revision']})\n")
         report = self.report("exact", "--sample", "bpti")

@@ -230,6 +230,12 @@ class Page(StudyTest):
             self.assertLessEqual(abs(distance - 255 * share), 0.51)  # half a step, and float32
             self.assertLessEqual(abs(angle - 255 * self.smallest_angle(a, b, c) / 60), 0.51)
 
+    def test_the_scene_is_the_finest_mesh_that_a_browser_turns_smoothly(self):
+        """At most 200,000 triangles of those that there are."""
+        self.study(self.ball, "--spacing", "0.5,0.1,0.02", "--field", "vdw", "--subdivide", "0", "--distances", "off")
+        (about,) = json.loads(self.read_page()["scenes"])
+        self.assertEqual(about["parameters"]["spacing"], 0.1)
+
     def test_the_page_keeps_to_the_threads_allowed(self):
         """TBB's threads stay once they are there. The last look is before the page is there: one may be
         started while the program ends."""

@@ -63,6 +63,13 @@ TEST(ExactMesherAwkward, TooFineIsRefusedBeforeMemoryIsTaken) {
   ExactMeshOptions options;
   options.memory_limit = 1000;
   EXPECT_THROW(mesh_union(one_sphere(1), options), LimitExceeded);
+  // Patches are there beside the mesh they become: 12 bytes a triangle and 24 a vertex more.
+  options.edge_length = 0.05;
+  options.memory_limit = kNoMemoryLimit;
+  const IndexedMesh mesh = mesh_union(one_sphere(1), options).mesh;
+  options.memory_limit =
+      indexed_mesh_bytes(mesh) + 12 * mesh.triangle_count() + 24 * mesh.vertex_count();
+  EXPECT_THROW(mesh_union(one_sphere(1), options), LimitExceeded);
 }
 
 class StopAtOnce : public Monitor {

@@ -42,7 +42,7 @@ TESTS = {
     "core": ["core_test", "unit_extract", "test_mesh_measures", "test_study", "refine_test", "test_distances",
              "arrangement_union_test", "cli.options", "cli.signals", "extractor_contract_test"],
     "structure": ["unit_structure", "fuzz.pdb", "fuzz.mmcif", "fuzz.pqr", "fuzz.xyzr", "cli.report", "cli.files",
-                  "cli.options", "cli.bad_files"],
+                  "cli.options", "cli.bad_files", "cli.structure_witnesses"],
     "extract": ["unit_extract", "fuzz.extractor", "extractor_contract_test", "properties_test", "refiner_contract_test",
                 "cli.surfaces", "cli.options"],
     "refine": ["refine_test", "refiner_contract_test", "exact_mesher_contract_test"],
@@ -53,7 +53,7 @@ TESTS = {
                  "cli.study"],
     "render": ["render_test", "picture_test", "cli.render"],
     "thesis": ["test_thesis_programs", "cli.bench"],
-    "apps": PROGRAM,
+    "apps": ["test_apps", *PROGRAM],
 }
 
 
@@ -264,7 +264,8 @@ def judge(tests, names, path, number, line, broken):
 def chosen(options):
     mutants = listed(options.lines) if options.lines else drawn(options.seed)
     for index, mutant in enumerate(mutants):
-        if index >= options.first and (not options.rooms or room_of(mutant[0]) in options.rooms.split(",")):
+        in_room = not options.rooms or room_of(mutant[0]) in options.rooms.split(",")
+        if index >= options.first and in_room and tests_for(mutant[0], options):
             yield index, *mutant
 
 

@@ -8,6 +8,21 @@
 namespace vdwmesh::testing {
 namespace {
 
+// Asks every node of a brick.
+template <class IsInside>
+BrickSigns signs_where(const BrickGeometry& geometry, const IsInside& is_inside) {
+  BrickSigns signs{};
+  for (int z = 0; z < kBrickReach; ++z) {
+    for (int y = 0; y < kBrickReach; ++y) {
+      std::uint32_t bits = 0;
+      for (int x = 0; x < kBrickReach; ++x) bits |= (is_inside(x, y, z) ? 1u : 0u) << x;
+      signs.row[z][y] = static_cast<std::uint16_t>(bits);
+    }
+  }
+  clear_virtual_nodes(geometry, signs);
+  return signs;
+}
+
 // The union of balls: each node and each edge asks every ball.
 class PlainUnion {
  public:
@@ -16,15 +31,7 @@ class PlainUnion {
   void visit(const BrickIndex& brick) { geometry_ = brick_geometry(model_.grid, brick); }
 
   void signs(BrickSigns& signs) const {
-    signs = {};
-    for (int z = 0; z < kBrickReach; ++z) {
-      for (int y = 0; y < kBrickReach; ++y) {
-        std::uint32_t bits = 0;
-        for (int x = 0; x < kBrickReach; ++x) bits |= (is_inside(x, y, z) ? 1u : 0u) << x;
-        signs.row[z][y] = static_cast<std::uint16_t>(bits);
-      }
-    }
-    clear_virtual_nodes(geometry_, signs);
+    signs = signs_where(geometry_, [&](int x, int y, int z) { return is_inside(x, y, z); });
   }
 
   template <class Put>
@@ -79,18 +86,10 @@ class PlainField {
 
   void signs(BrickSigns& signs) const {
     const auto isovalue = static_cast<float>(model_.isovalue);
-    signs = {};
-    for (int z = 0; z < kBrickReach; ++z) {
-      for (int y = 0; y < kBrickReach; ++y) {
-        std::uint32_t bits = 0;
-        for (int x = 0; x < kBrickReach; ++x) {
-          const int node[3] = {x, y, z};
-          bits |= (value(node) >= isovalue ? 1u : 0u) << x;
-        }
-        signs.row[z][y] = static_cast<std::uint16_t>(bits);
-      }
-    }
-    clear_virtual_nodes(geometry_, signs);
+    signs = signs_where(geometry_, [&](int x, int y, int z) {
+      const int node[3] = {x, y, z};
+      return value(node) >= isovalue;
+    });
   }
 
   template <class Put>

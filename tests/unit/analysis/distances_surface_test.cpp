@@ -1,6 +1,7 @@
 // The exposed surface that distances are taken to, against closed forms and the exact dual complex.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -116,6 +117,37 @@ TEST(ExposedSurface, BorderSamplesLieOnTwoSpheres) {
     });
   }
   EXPECT_GT(found, 100);
+}
+
+// Over all turns the mean of a turned vector is 0, and that of the product of two coordinates of
+// two turned vectors is a third of the vectors' product where the coordinates are one, else 0
+// (Schur).
+TEST(RandomTurn, IsUniform) {
+  constexpr int kTurns = 40000;
+  const std::array<Vec3d, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  std::array<double, 9> sum{};
+  std::array<double, 81> products{};
+  for (int t = 0; t < kTurns; ++t) {
+    Random random(11, static_cast<std::uint64_t>(t));
+    const RandomTurn turn(random);
+    std::array<double, 9> entries;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const Vec3d image = turn(axes[a]);
+      for (int k = 0; k < 3; ++k) entries[3 * a + static_cast<std::size_t>(k)] = image[k];
+      EXPECT_NEAR(norm(image), 1, 1e-14);
+    }
+    for (std::size_t i = 0; i < 9; ++i) {
+      sum[i] += entries[i];
+      for (std::size_t j = 0; j < 9; ++j) products[9 * i + j] += entries[i] * entries[j];
+    }
+  }
+  const double five_sigma = 5 / std::sqrt(3.0 * kTurns);
+  for (std::size_t i = 0; i < 9; ++i) {
+    EXPECT_NEAR(sum[i] / kTurns, 0, five_sigma) << i;
+    for (std::size_t j = 0; j < 9; ++j) {
+      EXPECT_NEAR(products[9 * i + j] / kTurns, i == j ? 1.0 / 3 : 0, five_sigma) << i << " " << j;
+    }
+  }
 }
 
 }  // namespace

@@ -341,6 +341,11 @@ TEST(Distances, RefusesWhatHasNoDistances) {
     expect_invalid([&] { distances(good, unit_ball(), {.samples_per_area = samples}); }, "samples");
 }
 
+TEST(Distances, RefusesAnAreaThatIsNothing) {
+  const SphereSet dust({{{0, 0, 0}, 1e-170}});  // whose 4πr² is 0
+  EXPECT_THROW(distances(icosphere(1), dust), InvalidInput);
+}
+
 TEST(Distances, RefusesBeforeItTakesTooMuch) {
   const IndexedMesh mesh = icosphere(4);
   try {
@@ -349,6 +354,14 @@ TEST(Distances, RefusesBeforeItTakesTooMuch) {
   } catch (const LimitExceeded& error) {
     EXPECT_THAT(error.what(), HasSubstr("100000 are allowed"));
     EXPECT_THAT(error.what(), HasSubstr("subdivision"));
+    // Triangles, and with them bytes, fall by the square of the spacing.
+    const std::string text = error.what();
+    const auto number_after = [&](const std::string& words) {
+      return std::stod(text.substr(text.find(words) + words.size()));
+    };
+    const double need = number_after("triangles need "), wider = number_after("a spacing ");
+    EXPECT_GE(wider * wider, need / 100000);
+    EXPECT_LE(wider * wider, 1.1 * need / 100000);
   }
   EXPECT_THROW(distances(mesh, unit_ball(), {.samples_per_area = 1e15}), LimitExceeded);
   // Half as much again as the mesh is enough.

@@ -62,6 +62,12 @@ TEST(AreaEstimate, FieldsOfIsolatedSpheresHaveTheirArea) {
   }
 }
 
+// A ball whose field nowhere reaches the isovalue has no surface: exp(2) / (1 - 0.16)² is 10.5.
+TEST(AreaEstimate, FieldsBelowTheIsovalueHaveNoSurface) {
+  const FieldOptions above{FieldKind::blinn, FieldPreset::radius_aware, 20.0, {}};
+  EXPECT_EQ(estimate({{{0, 0, 0}, 1.5}}, above), 0);
+}
+
 // exp(2 (1 - q)) w(q) = T with w = ((1 - q / 6.25) / (1 - 1 / 6.25))²: roots by bisection.
 TEST(AreaEstimate, TheIsovalueMovesTheSurface) {
   const FieldOptions low{FieldKind::blinn, FieldPreset::radius_aware, 0.9, {}},

@@ -37,6 +37,25 @@ TEST(OutputFile, AppearsAtCommitOnly) {
   }
 }
 
+// As "/dev/stdout" in a pipe, and what a shell puts in place of ">(command)".
+TEST(OutputFile, WritesIntoAPipeNamedByItsDescriptor) {
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const TemporaryDirectory directory;
+  const fs::path named = "/proc/self/fd/" + std::to_string(ends[1]), link = directory / "link";
+  fs::create_symlink(named, link);
+  for (const fs::path& path : {named, link}) {
+    OutputFile file(path);
+    file.write("whole", 5);
+    file.commit();
+    char read[6] = {};
+    EXPECT_EQ(::read(ends[0], read, 5), 5);
+    EXPECT_STREQ(read, "whole");
+  }
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
+
 TEST(OutputFile, FollowsALink) {
   const TemporaryDirectory directory;
   std::ofstream(directory / "target") << "old";

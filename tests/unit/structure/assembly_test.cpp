@@ -259,10 +259,12 @@ TEST(OperatorExpressions, TooManyCopiesAreRefusedBeforeTheyAreMade) {
   };
   EXPECT_THAT(refusal("(1-100)(1-100)(1-100)", std::uint64_t{100} << 20),
               HasSubstr("assembly 1 has 3000000 atoms"));
-  // More copies than 64 bits count, with memory without end.
-  std::string product;
+  // More copies than 64 bits count, with memory without end; the last is 2⁶⁴ of them.
+  std::string product, doublings;
   for (int i = 0; i < 12; ++i) product += "(1-100)";
+  for (int i = 0; i < 64; ++i) doublings += "(1,2)";
   EXPECT_THAT(refusal(product, ~std::uint64_t{0}), HasSubstr("atoms are allowed"));
+  EXPECT_THAT(refusal(doublings, ~std::uint64_t{0}), HasSubstr("atoms are allowed"));
 }
 
 TEST(MmCifAssembly, RowsAddUp) {
@@ -290,6 +292,49 @@ TEST(MmCifAssembly, CopiesOfAChainAreNamedByTheirOperator) {
   std::vector<std::string> chains;
   for (const Atom& atom : molecule.atoms) chains.push_back(atom.chain + " " + atom.name);
   EXPECT_THAT(chains, ElementsAre("A1 CA", "A2 CA", "A2 O"));
+}
+
+// Ids may have a minus: "1-x" is one operator, and "(1)(x)" another by the same letters.
+TEST(MmCifAssembly, CopiesByDifferentOperatorsHaveDifferentNames) {
+  const std::vector<Operator> operators{shift_by("1", 1), shift_by("x", 2), shift_by("1-x", 4)};
+  const Molecule molecule = read_text_as(
+      "a.cif", kOneAtom + generators({{"1", "1-x,(1)(x)", "A"}}) + operator_list(operators),
+      assembly("1"));
+  std::vector<std::string> chains;
+  for (const Atom& atom : molecule.atoms) chains.push_back(atom.chain);
+  EXPECT_THAT(chains, ElementsAre("A1", "A2"));
+}
+
+// No limit on atoms bounds the copies of a chain that has none: 100¹² of them would never end.
+TEST(MmCifAssembly, CopiesOfNothingAreNotGoneThrough) {
+  std::vector<Operator> hundred;
+  std::string product;
+  for (int i = 1; i <= 100; ++i) hundred.push_back(shift_by(std::to_string(i), i));
+  for (int i = 0; i < 12; ++i) product += "(1-100)";
+  const Molecule molecule = read_text_as(
+      "a.cif",
+      kOneAtom + generators({{"1", "1", "A"}, {"1", product, "Z"}}) + operator_list(hundred),
+      assembly("1"));
+  EXPECT_EQ(molecule.atoms.size(), 1U);
+}
+
+TEST(MmCifAssembly, OperatorsThatLeadNowhereAreNamed) {
+  const Operator nowhere{"1", "1 0 0 0 1e308 -1e308 0 0 0 0 1 0"};
+  const std::string atom = kAtomColumns + "ATOM 1 C CA ALA A 1 A 1 100 100 0\n";
+  EXPECT_THAT(
+      refusal_of_text<FileFormatError>(
+          "a.cif", atom + generators({{"1", "1", "A"}}) + operator_list({nowhere}), assembly("1")),
+      HasSubstr("operator 1 moves an atom to"));
+}
+
+TEST(OperatorExpressions, ARangeMayEndWithTheLargestNumberThereIs) {
+  const std::string largest = "9223372036854775807";
+  const Molecule molecule =
+      read_text_as("a.cif",
+                   kOneAtom + generators({{"1", largest + "-" + largest, "A"}}) +
+                       operator_list({shift_by(largest, 8)}),
+                   assembly("1"));
+  EXPECT_EQ(molecule.atoms.at(0).position.x, 9);
 }
 
 TEST(MmCifAssembly, NeedsNoTableOfAssembliesAndNoneOfItsColumns) {

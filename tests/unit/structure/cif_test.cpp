@@ -173,6 +173,13 @@ TEST(SmallCif, ElementsMayBeToldFromLabels) {
   for (const Atom& atom : symbols.atoms) elements += atom.element + " ";
   EXPECT_EQ(elements, "Ho C O ");
   EXPECT_EQ(symbols.elements_guessed, 0U);
+  const Molecule mixed =
+      read_text_as("a.cif", cell + "loop_\n_atom_site_label\n_atom_site_type_symbol\n" + columns +
+                                "N1 C 0 0 0\nCa1 ? .1 0 0\nO1 . .2 0 0\n");
+  elements.clear();
+  for (const Atom& atom : mixed.atoms) elements += atom.element + " ";
+  EXPECT_EQ(elements, "C Ca O ");
+  EXPECT_EQ(mixed.elements_guessed, 2U);
 }
 
 // The metric tensor of the cell says every distance, whichever way the axes are laid: with
