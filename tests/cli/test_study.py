@@ -234,7 +234,7 @@ class Page(StudyTest):
         """At most 200,000 triangles of those that there are."""
         self.study(self.ball, "--spacing", "0.5,0.1,0.02", "--field", "vdw", "--subdivide", "0", "--distances", "off")
         (about,) = json.loads(self.read_page()["scenes"])
-        self.assertEqual(about["parameters"]["spacing"], 0.1)
+        self.assertEqual(float(about["parameters"]["resolution"]), 0.1)
 
     def test_the_page_keeps_to_the_threads_allowed(self):
         """TBB's threads stay once they are there. The last look is before the page is there: one may be
