@@ -6,10 +6,6 @@
 
 #include "options.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace vdwmesh::apps {
 
 struct BenchTexts {

@@ -7,10 +7,6 @@
 
 #include "steps.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace vdwmesh::apps {
 
 class Verb {

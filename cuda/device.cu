@@ -10,8 +10,8 @@
 namespace vdwmesh {
 namespace {
 
-// The virtual architectures that this file is compiled for, as 10 x compute capability x 10,
-// rising.
+// The virtual architectures that this file is compiled for, as 100 x compute capability, rising:
+// 900 is 9.0.
 constexpr int kArchitectures[] = {__CUDA_ARCH_LIST__};
 constexpr int kLeastCapability = kArchitectures[0] / 10;  // 80 is 8.0
 
@@ -29,6 +29,45 @@ int attribute(cudaDeviceAttr which, int device) {
   return value;
 }
 
+int current_device() {
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  return device;
+}
+
+// Makes the device that was current before it current again.
+class RestoredDevice {
+ public:
+  RestoredDevice() : before_(current_device()) {}
+  ~RestoredDevice() { cudaSetDevice(before_); }
+  RestoredDevice(const RestoredDevice&) = delete;
+  RestoredDevice& operator=(const RestoredDevice&) = delete;
+
+ private:
+  int before_;
+};
+
+__global__ void any_kernel() {}
+
+// Machine code runs on its own architecture and on later ones of the same major version; others
+// need PTX, which a build may lack. The list above does not say, so the driver is asked there; not
+// everywhere, since the question starts a context on the device.
+bool has_code(int device, int capability) {
+  for (const int architecture : kArchitectures) {
+    const int compiled = architecture / 10;
+    if (compiled / 10 == capability / 10 && compiled <= capability) return true;
+  }
+  const RestoredDevice restored;
+  cudaFuncAttributes attributes{};
+  check_cuda(cudaSetDevice(device), "device");
+  if (cudaFuncGetAttributes(&attributes, reinterpret_cast<const void*>(&any_kernel)) ==
+      cudaSuccess) {
+    return true;
+  }
+  cudaGetLastError();
+  return false;
+}
+
 // Why this build cannot use the device; empty where it can.
 std::string obstacle(int device) {
   const int capability = 10 * attribute(cudaDevAttrComputeCapabilityMajor, device) +
@@ -38,6 +77,10 @@ std::string obstacle(int device) {
            capability_name(kLeastCapability) + " or later";
   }
   if (attribute(cudaDevAttrMemoryPoolsSupported, device) == 0) return "no memory pools";
+  if (!has_code(device, capability)) {
+    return "compute capability " + capability_name(capability) +
+           ", for which this build has no code";
+  }
   return {};
 }
 
@@ -84,12 +127,6 @@ void keep_memory(int device) {
       cudaMemPoolSetAttribute(current_memory_pool(), cudaMemPoolAttrReleaseThreshold, &threshold),
       "memory pool");
   kept.devices.insert(device);
-}
-
-int current_device() {
-  int device = 0;
-  check_cuda(cudaGetDevice(&device), "device");
-  return device;
 }
 
 }  // namespace
@@ -148,13 +185,12 @@ void release_cuda_memory() {
   KeptPools& kept = kept_pools();
   const std::lock_guard lock(kept.mutex);
   if (kept.devices.empty()) return;
-  const int before = current_device();
+  const RestoredDevice restored;
   for (const int device : kept.devices) {
     check_cuda(cudaSetDevice(device), "device");
     check_cuda(cudaDeviceSynchronize(), "waiting for the device");
     check_cuda(cudaMemPoolTrimTo(current_memory_pool(), 0), "memory pool");
   }
-  check_cuda(cudaSetDevice(before), "device");
 }
 
 }  // namespace vdwmesh

@@ -6,6 +6,8 @@
 #include <optional>
 #include <span>
 
+#include "core/errors.hpp"
+#include "cuda/device.cuh"
 #include "cuda/device_memory.cuh"
 #include "cuda/gl_fill.hpp"
 
@@ -131,12 +133,16 @@ std::string fill_with_cuda(const SurfaceArrays& arrays, const SurfaceTarget& tar
                            const Vec3d& origin, int gl_device) {
   const unsigned names[] = {target.vertex_buffer(), target.index_buffer(),
                             target.triangle_value_buffer()};
+  std::optional<DeviceScope> scope;
   std::optional<Stream> stream;
   std::optional<SharedBuffers> buffers;
   try {
+    scope.emplace();
     if (const std::string reason = other_device(gl_device); !reason.empty()) return reason;
     stream.emplace();
     buffers.emplace(names, stream->get());
+  } catch (const BackendUnavailable& error) {
+    return error.what();
   } catch (const CudaError& error) {
     return error.what();
   } catch (const DeviceMemoryExceeded& error) {

@@ -4,10 +4,6 @@
 #include "options.hpp"
 #include "study/study.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace vdwmesh::apps {
 
 class StudyFlags {

@@ -77,19 +77,19 @@ Shape shape_of(const Arrangement& a) {
 
 // What of a boundary depends on the sizes of its features: with other sizes that leave these as
 // they are, its curves lie where they lay.
-struct BoundaryShape {
+struct BoundaryFeatures {
   std::vector<std::array<std::uint32_t, 4>> arcs;  // balls and ends
   std::uint64_t corners, points, contacts, joins;
-  bool operator==(const BoundaryShape&) const = default;
+  bool operator==(const BoundaryFeatures&) const = default;
 };
 
-BoundaryShape shape_of(const BoundaryArcs& boundary) {
-  BoundaryShape shape{
+BoundaryFeatures features_of(const BoundaryArcs& boundary) {
+  BoundaryFeatures features{
       {}, boundary.corners.size(), boundary.points, boundary.contacts, boundary.joins};
   for (const BoundaryArc& a : boundary.arcs) {
-    shape.arcs.push_back({a.balls[0], a.balls[1], a.ends[0], a.ends[1]});
+    features.arcs.push_back({a.balls[0], a.balls[1], a.ends[0], a.ends[1]});
   }
-  return shape;
+  return features;
 }
 
 // Meshes an arrangement with one choice of feature sizes after the other, and keeps the first mesh
@@ -116,8 +116,8 @@ class Chooser {
   // Whether that gave a mesh of the union's topology.
   bool try_sizes(const FeatureSizes& sizes) {
     BoundaryArcs boundary = boundary_arcs(arrangement_.triangulation, arrangement_.complex, sizes);
-    BoundaryShape shape = shape_of(boundary);
-    if (shape == refused_) return false;
+    BoundaryFeatures features = features_of(boundary);
+    if (features == refused_) return false;
     try {
       ExactMesh mesh = mesh_boundary(arrangement_, std::move(boundary), options_beside_best());
       compare(mesh);
@@ -126,7 +126,7 @@ class Chooser {
       return right;
     } catch (const CurvesTooClose& error) {
       if (refusal_.empty()) refusal_ = error.what();
-      refused_ = std::move(shape);
+      refused_ = std::move(features);
       return false;
     } catch (const LimitExceeded&) {
       if (!best_) throw;
@@ -156,7 +156,7 @@ class Chooser {
   const ExactMeshOptions& options_;
   std::optional<ExactMesh> best_;
   std::optional<Shape> exact_;
-  std::optional<BoundaryShape> refused_;  // the last one
+  std::optional<BoundaryFeatures> refused_;  // the last one
   std::string refusal_;
 };
 

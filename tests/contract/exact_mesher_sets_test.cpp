@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <regex>
 #include <string>
 
 #include "contract/exact_mesher_contract.hpp"
@@ -73,6 +75,36 @@ TEST(ExactMesherSets, NothingIsTriedAgainInVain) {
   EXPECT_THROW(mesh_union(set.spheres, options), LimitExceeded);
   EXPECT_GT(monitor.stages, 12);  // the rounds for the shape of triangles
   EXPECT_LT(monitor.stages, 40);
+}
+
+// The bytes that `mesh_union` says it needs where it is allowed a thousand.
+std::uint64_t asked_bytes(const SphereSet& spheres, ExactMeshOptions options) {
+  options.memory_limit = 1000;
+  try {
+    mesh_union(spheres, options);
+  } catch (const LimitExceeded& error) {
+    std::smatch found;
+    const std::string text = error.what();
+    if (std::regex_search(text, found, std::regex("triangles and ([0-9]+) bytes"))) {
+      return std::stoull(found[1]);
+    }
+  }
+  ADD_FAILURE() << "no refusal that names bytes";
+  return 0;
+}
+
+// This set's mesh differs from the union by two, so that finer sizes are tried beside it. There is
+// no room for a second mesh: the first one is given, with what it says of itself.
+TEST(ExactMesherSets, AMeshIsKeptWhereFinerSizesDoNotFit) {
+  const SeededSet set = seeded_set(57);
+  ExactMeshOptions options;
+  options.edge_length = set.edge_length;
+  const ExactMesh wide = mesh_union(set.spheres, options);
+  options.memory_limit = asked_bytes(set.spheres, options);
+  const ExactMesh narrow = mesh_union(set.spheres, options);
+  EXPECT_EQ(wide.stats.euler_difference, 2);
+  EXPECT_EQ(narrow.stats.euler_difference, 2);
+  EXPECT_EQ(narrow.mesh.positions, wide.mesh.positions);
 }
 
 class StopAfter : public Monitor {

@@ -68,15 +68,6 @@ ExtractOptions ExtractorFieldContract::at_spacing(double spacing) const {
   return options;
 }
 
-reference::Point to_point(const Vec3d& v) { return {v.x, v.y, v.z}; }
-
-reference::TriangleMesh to_reference(const IndexedMesh& mesh) {
-  reference::TriangleMesh result;
-  for (const Vec3d& p : mesh.positions) result.points.push_back(to_point(p));
-  result.triangles.assign(mesh.triangles.begin(), mesh.triangles.end());
-  return result;
-}
-
 std::vector<reference::Ball> to_balls(const SphereSet& spheres) {
   std::vector<reference::Ball> balls;
   for (const Sphere& s : spheres.spheres()) balls.push_back({to_point(s.center), s.radius});

@@ -11,6 +11,7 @@
 #include "extract/extractor.hpp"
 #include "reference/field_oracle.hpp"
 #include "reference/mesh_checks.hpp"
+#include "support/reference_mesh.hpp"
 
 namespace vdwmesh::testing {
 
@@ -60,9 +61,7 @@ class ExtractorFieldContract
                                            FieldKind::soft_object, FieldKind::inverse_squared)), \
       [](const auto& each) { return backend_and_field_name(each.param); })
 
-// The mesh and the balls as the reference code takes them.
-reference::Point to_point(const Vec3d& v);
-reference::TriangleMesh to_reference(const IndexedMesh& mesh);
+// Balls and fields as the reference code takes them, and what it finds of a mesh.
 std::vector<reference::Ball> to_balls(const SphereSet& spheres);
 reference::FieldOracle to_oracle(const FieldOptions& field, const GridSpec& grid);
 reference::MeshFacts facts_of(const ExtractResult& result);

@@ -49,6 +49,18 @@ TEST_F(Devices, WithoutCodeOrPoolsAreLeftOut) {
   EXPECT_EQ(resolve(Backend::automatic), Backend::cuda);
 }
 
+// A build of machine code alone, on a device of a later major version.
+TEST_F(Devices, NewerThanAllCodeIsLeftOut) {
+  fake_runtime().devices = {{"new", kNewEnough, true, false}, {"a", kNewEnough}};
+  fake_runtime().current = 1;
+  EXPECT_THAT(usable_devices(), ElementsAre(1));
+  EXPECT_EQ(fake_runtime().current, 1);
+  fake_runtime().devices.pop_back();
+  fake_runtime().current = 0;
+  EXPECT_THAT(cuda_devices().reason,
+              HasSubstr("new: compute capability 99.0, for which this build has no code"));
+}
+
 TEST_F(Devices, NoneThatCanBeUsedIsNone) {
   fake_runtime().devices = {{"old", kTooOld}};
   const DeviceList list = cuda_devices();
@@ -94,6 +106,16 @@ TEST_F(Devices, PoolsKeepTheirMemoryUntilItIsReleased) {
   EXPECT_EQ(fake_runtime().devices[9].trims, 1);
   EXPECT_EQ(fake_runtime().devices[10].trims, 0) << "a device that was never used";
   EXPECT_EQ(fake_runtime().current, 9);
+}
+
+TEST_F(Devices, ReleasingThatFailsLeavesTheDeviceCurrent) {
+  fake_runtime().devices.assign(14, FakeDevice{"d", kNewEnough});
+  fake_runtime().current = 13;
+  { const DeviceScope scope; }
+  fake_runtime().current = 2;
+  fake_runtime().failures["cudaMemPoolTrimTo"] = {};
+  EXPECT_THROW(release_device_memory(), CudaError);
+  EXPECT_EQ(fake_runtime().current, 2);
 }
 
 TEST_F(Devices, MemoryIsAskedForAgainOnceThePoolIsEmptied) {

@@ -42,6 +42,7 @@ using vdwmesh::testing::device;
 using vdwmesh::testing::device_of;
 using vdwmesh::testing::fake_runtime;
 using vdwmesh::testing::FakeDevice;
+using vdwmesh::testing::FakeRuntime;
 using vdwmesh::testing::outcome;
 using vdwmesh::testing::pool_of;
 
@@ -76,6 +77,14 @@ cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr which, int number)
   if (which == cudaDevAttrComputeCapabilityMinor) *value = d.capability % 10;
   if (which == cudaDevAttrMemoryPoolsSupported) *value = d.has_pools ? 1 : 0;
   return outcome("cudaDeviceGetAttribute");
+}
+
+cudaError_t cudaFuncGetAttributes(cudaFuncAttributes*, const void*) {
+  FakeRuntime& runtime = fake_runtime();
+  if (!device(runtime.current).runs_ptx) {
+    return runtime.last_error = cudaErrorNoKernelImageForDevice;
+  }
+  return outcome("cudaFuncGetAttributes");
 }
 
 cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int number) {

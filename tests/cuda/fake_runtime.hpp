@@ -16,6 +16,7 @@ struct FakeDevice {
   std::string name;
   int capability = 90;  // 10 x major + minor
   bool has_pools = true;
+  bool runs_ptx = true;     // the build has code that the driver can compile for it
   std::uint64_t keeps = 0;  // release threshold of its pool, bytes
   int thresholds_set = 0, trims = 0;
 };

@@ -2,9 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
-#include <limits>
-#include <random>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,9 +10,6 @@
 #include "cuda/backend.hpp"
 #include "cuda/parity.hpp"
 #include "cuda/refused_memory.hpp"
-#include "support/crease_meshes.hpp"
-#include "support/shared_files.hpp"
-#include "support/xyzr.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -99,8 +94,6 @@ TEST_F(Parity, AutomaticBackendsFallBack) {
   EXPECT_THROW(make_field_mesher(Backend::cuda)->sample(spheres, options), DeviceMemoryExceeded);
   expect_fallback("1000 bytes");
 }
-
-// With subdivisions too: what is extracted in slabs, or on several devices, is refined afterwards.
 
 }  // namespace
 }  // namespace vdwmesh::testing

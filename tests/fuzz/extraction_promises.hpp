@@ -12,8 +12,11 @@
 #include "fuzz/mesh_promises.hpp"
 #include "reference/dense_mc.hpp"
 #include "reference/field_oracle.hpp"
+#include "support/reference_mesh.hpp"
 
 namespace vdwmesh::fuzz {
+
+using testing::to_point;
 
 // Relative to the largest coordinate or radius: some thousand roundings of a double.
 inline constexpr double kPlaceRounding = 1e-12;
@@ -21,8 +24,6 @@ inline constexpr double kPlaceRounding = 1e-12;
 inline constexpr double kClampParameter = 1.0 / (1 << 20);
 // Of the isovalue: sums of 40 terms, and their exponentials, in single precision.
 inline constexpr double kValueRounding = 1e-4;
-
-inline reference::Point to_point(const Vec3d& p) { return {{p.x, p.y, p.z}}; }
 
 inline std::vector<reference::Ball> to_balls(const SphereSet& spheres) {
   std::vector<reference::Ball> balls;

@@ -4,15 +4,9 @@
 #include "extract/indexed_mesh.hpp"
 #include "fuzz/fuzz_target.hpp"
 #include "reference/mesh_checks.hpp"
+#include "support/reference_mesh.hpp"
 
 namespace vdwmesh::fuzz {
-
-inline reference::TriangleMesh to_reference(const IndexedMesh& mesh) {
-  reference::TriangleMesh result;
-  for (const Vec3d& p : mesh.positions) result.points.push_back({{p.x, p.y, p.z}});
-  result.triangles.assign(mesh.triangles.begin(), mesh.triangles.end());
-  return result;
-}
 
 // Returns what was found, for promises of one mesher alone.
 inline reference::MeshFacts check_mesh(const IndexedMesh& mesh, std::size_t spheres) {
@@ -26,7 +20,7 @@ inline reference::MeshFacts check_mesh(const IndexedMesh& mesh, std::size_t sphe
   for (const Vec3f& n : mesh.normals) {
     require(std::abs(norm(n) - 1) < 1e-5f, "normals are unit vectors");
   }
-  const reference::MeshFacts facts = reference::inspect(to_reference(mesh));
+  const reference::MeshFacts facts = reference::inspect(testing::to_reference(mesh));
   if (!mesh.triangles.empty() && !facts.closed_oriented_manifold()) {
     std::fprintf(stderr, "%s\n", facts.summary().c_str());
     require(false, "the mesh is closed, oriented and 2-manifold");

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "support/reference_mesh.hpp"
 #include "support/worst.hpp"
 
 namespace vdwmesh::testing {
@@ -168,10 +169,7 @@ std::string CreaseSurvey::text() const {
 
 CreaseSurvey survey_creases(const SphereSet& spheres, const IndexedMesh& mesh) {
   CreaseSurvey survey;
-  reference::TriangleMesh plain;
-  for (const Vec3d& p : mesh.positions) plain.points.push_back({{p.x, p.y, p.z}});
-  plain.triangles.assign(mesh.triangles.begin(), mesh.triangles.end());
-  survey.facts = reference::inspect(plain);
+  survey.facts = reference::inspect(to_reference(mesh));
   const Around around = spheres_around(mesh);
   survey_vertices(spheres, mesh, around, survey);
   survey_triangles(spheres, mesh, survey);

@@ -3,6 +3,7 @@
 #include "core/errors.hpp"
 #include "reference/mesh_checks.hpp"
 #include "support/plain_extractor.hpp"
+#include "support/reference_mesh.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -10,15 +11,8 @@ namespace {
 // Nodes times spheres up to which nothing is left out: about ten milliseconds.
 constexpr double kPlainWork = 2e6;
 
-reference::MeshFacts facts_of(const IndexedMesh& mesh) {
-  reference::TriangleMesh plain;
-  for (const Vec3d& p : mesh.positions) plain.points.push_back({p.x, p.y, p.z});
-  plain.triangles.assign(mesh.triangles.begin(), mesh.triangles.end());
-  return reference::inspect(plain);
-}
-
 std::string unsound(const ExtractSet& set, const IndexedMesh& mesh) {
-  const reference::MeshFacts facts = facts_of(mesh);
+  const reference::MeshFacts facts = reference::inspect(to_reference(mesh));
   const std::uint64_t shells = facts.positive_shells + facts.negative_shells;
   if (set.separated > 0 && (shells != set.separated || facts.negative_shells > 0)) {
     return std::to_string(set.separated) + " balls apart: " + facts.summary();

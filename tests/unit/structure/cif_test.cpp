@@ -159,26 +159,25 @@ TEST(SmallCif, ElementsMayBeToldFromLabels) {
       "data_x\n_cell_length_a 10\n_cell_length_b 10\n_cell_length_c 10\n"
       "_cell_angle_alpha 90\n_cell_angle_beta 90\n_cell_angle_gamma 90\n";
   const std::string columns = "_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n";
+  const auto elements = [](const Molecule& molecule) {
+    std::string names;
+    for (const Atom& atom : molecule.atoms) names += atom.element + " ";
+    return names;
+  };
   const Molecule labelled = read_text_as(
       "a.cif", cell + "loop_\n_atom_site_label\n" + columns +
                    "Ca1 0 0 0\nHO1 .1 0 0\nC12 .2 0 0\nCL1 .3 0 0\nSi .4 0 0\nOW1 .5 0 0\n");
-  std::string elements;
-  for (const Atom& atom : labelled.atoms) elements += atom.element + " ";
-  EXPECT_EQ(elements, "Ca H C Cl Si O ");
+  EXPECT_EQ(elements(labelled), "Ca H C Cl Si O ");
   EXPECT_EQ(labelled.elements_guessed, 6U);
   const Molecule symbols =
       read_text_as("a.cif", cell + "loop_\n_atom_site_label\n_atom_site_type_symbol\n" + columns +
                                 "X1 Ho3+ 0 0 0\nX2 c .1 0 0\nX3 O2- .2 0 0\n");
-  elements.clear();
-  for (const Atom& atom : symbols.atoms) elements += atom.element + " ";
-  EXPECT_EQ(elements, "Ho C O ");
+  EXPECT_EQ(elements(symbols), "Ho C O ");
   EXPECT_EQ(symbols.elements_guessed, 0U);
   const Molecule mixed =
       read_text_as("a.cif", cell + "loop_\n_atom_site_label\n_atom_site_type_symbol\n" + columns +
                                 "N1 C 0 0 0\nCa1 ? .1 0 0\nO1 . .2 0 0\n");
-  elements.clear();
-  for (const Atom& atom : mixed.atoms) elements += atom.element + " ";
-  EXPECT_EQ(elements, "C Ca O ");
+  EXPECT_EQ(elements(mixed), "C Ca O ");
   EXPECT_EQ(mixed.elements_guessed, 2U);
 }
 
