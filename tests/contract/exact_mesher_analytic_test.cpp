@@ -83,6 +83,12 @@ TEST(ExactMesherAnalytic, ThreeSpheresWithTwoCorners) {
   expect_order_two(three_balls(), 0.35, exact_three());
 }
 
+// Nothing is narrow there, so no piece of an arc has to be split.
+TEST(ExactMesherAnalytic, WideArcsStayAsTheyWereSampled) {
+  EXPECT_EQ(mesh_at(one_sphere(1.7), 0.3).stats.split, 0u);
+  EXPECT_EQ(mesh_at(SphereSet({{{0, 0, 0}, 1}, {{1, 0, 0}, 1}}), 0.3).stats.split, 0u);
+}
+
 TEST(ExactMesherAnalytic, SpheresApart) {
   const SphereSet spheres = two_spheres(1.7, 1.5, 4.0);
   const IndexedMesh mesh = expect_union_meshes(spheres, 0.4, 1);

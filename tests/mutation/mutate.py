@@ -45,7 +45,7 @@ TESTS = {
                   "cli.options", "cli.bad_files", "cli.structure_witnesses"],
     "extract": ["unit_extract", "fuzz.extractor", "extractor_contract_test", "properties_test", "refiner_contract_test",
                 "cli.surfaces", "cli.options"],
-    "refine": ["refine_test", "refiner_contract_test", "exact_mesher_contract_test"],
+    "refine": ["refine_test", "refiner_contract_test", "exact_mesher_contract_test", "cli.options"],
     "arrangement": ["arrangement_union_test", "arrangement_arcs_test", "test_distances", "exact_mesher_contract_test",
                     "cli.exact_mesher", "cli.union_witnesses"],
     "mesh": ["test_surface_mesh", "test_mesh_io", "cli.meshes", "cli.foreign", "cli.files"],

@@ -64,6 +64,20 @@ double sampled_area(const ExposedSurface& surface, double density) {
   return static_cast<double>(count) / density;
 }
 
+// Unit balls whose centres are 1 apart share a circle of radius sqrt(3)/2. Its points are sampled
+// once, from the first of its balls, though both of them have it.
+TEST(ExposedSurface, ACircleIsSampledOnce) {
+  constexpr double kDensity = 100;  // per Å
+  const SphereSet spheres({{{0, 0, 0}, 1}, {{1, 0, 0}, 1}});
+  const ExposedSurface surface(spheres);
+  double count = 0;
+  for (const Patch& patch : surface.patches()) {
+    Random random(1, patch.place);
+    sample_border(patch, kDensity, random, [&](const Vec3d&) { ++count; });
+  }
+  EXPECT_EQ(count, std::ceil(std::sqrt(3.0) * std::numbers::pi * kDensity));
+}
+
 TEST(ExposedSurface, PatchesCirclesAndCornersAreThoseOfTheDualComplex) {
   for (const std::uint64_t seed : {1, 2, 3}) expect_as_in_dual_complex(cluster(40, seed));
   expect_as_in_dual_complex(cluster(400, 4));

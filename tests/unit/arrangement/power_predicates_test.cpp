@@ -133,6 +133,30 @@ TEST_F(Predicates, SidesOfVerticesAndEdges) {
   }
 }
 
+// Spheres through the origin whose integer radii are much larger than the distances between their
+// centres: by the identity (a² + b² - c² - d²)² + (2bc + 2ad)² + (2bd - 2ac)² = (a² + b² + c² +
+// d²)². The value is exactly 0 and cancels from terms of 10^60, so that a bound on its rounding
+// that forgets the radii would let the sign of the rounding through.
+TEST_F(Predicates, LargeSpheresThroughOnePoint) {
+  const auto through_origin = [](Int a, Int b, Int c, Int d) {
+    return IntegerBall{a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c),
+                       a * a + b * b + c * c + d * d}
+        .sphere(1);
+  };
+  int tetrahedra = 0;
+  std::uniform_int_distribution<Int> large(100'000, 100'020), small(-3, 3);
+  for (int i = 0; i < 2000; ++i) {
+    const auto ball = [&] {
+      return through_origin(large(random_), small(random_), small(random_), small(random_));
+    };
+    const Sphere a = ball(), b = ball(), c = ball(), d = ball();
+    if (orientation_sign(a, b, c, d) == Sign::zero) continue;
+    ++tetrahedra;
+    EXPECT_EQ(size_sign(a, b, c, d), Sign::zero);
+  }
+  EXPECT_GT(tetrahedra, 1000);
+}
+
 // 0.1 + 0.2 and the like: tangency is that of the doubles given, not of rounded squares.
 TEST_F(Predicates, RadiiAreSquaredExactly) {
   const double r = 1.7;
