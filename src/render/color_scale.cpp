@@ -15,7 +15,7 @@ constexpr double kSlack = 1e-9;       // relative; what is round but for the las
 
 // The least round number that is not below v > 0.
 double round_up(double v) {
-  constexpr double kRound[] = {1, 1.5, 2, 3, 4, 5, 6, 8, 10};
+  constexpr double kRound[] = {1, 1.5, 2, 3, 4, 5, 6, 8};
   const double unit = std::pow(10, std::floor(std::log10(v)));
   for (const double factor : kRound) {
     if (factor * unit >= v * (1 - kSlack)) return factor * unit;

@@ -55,6 +55,13 @@ TEST(SymmetricBound, HoldsTheShareAsked) {
   EXPECT_NEAR(symmetric_bound(values, 1), 1, kRounding);
 }
 
+TEST(SymmetricBound, OfFewValues) {
+  const std::vector<float> one = {-9}, two = {2, -4};
+  EXPECT_NEAR(symmetric_bound(one, 0.99), 10, kRounding);
+  EXPECT_NEAR(symmetric_bound(two, 0), 2, kRounding);
+  EXPECT_NEAR(symmetric_bound(two, 0.51), 4, kRounding);
+}
+
 TEST(SymmetricBound, OfZerosIsAboveZero) {
   const std::vector<float> zeros(5, 0.0f);
   EXPECT_GT(symmetric_bound(zeros, 0.99), 0);

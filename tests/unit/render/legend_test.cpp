@@ -56,6 +56,30 @@ TEST(Legend, NothingAboveItIsTouched) {
   }
 }
 
+// The frame of the bar is of the ink. Light colours are those of CIE luminance above 0.18, which
+// red has (0.21) and blue has not (0.07).
+TEST(Legend, InkIsBlackOnLightAndWhiteOnDark) {
+  const auto has_white = [](const Rgb& background) {
+    Picture picture = blank(kWidth, kHeight);
+    const int top = kHeight - legend_height(kWidth, kHeight);
+    draw_legend({ColorMap::viridis, 0, 1, "t"}, top, background, picture);
+    const auto ink_begins = picture.pixels.begin() + std::ptrdiff_t{top} * kWidth;
+    return std::find(ink_begins, picture.pixels.end(), Rgba8{255, 255, 255, 255}) !=
+           picture.pixels.end();
+  };
+  EXPECT_FALSE(has_white({1, 0, 0}));
+  EXPECT_FALSE(has_white({0, 1, 0}));
+  EXPECT_TRUE(has_white({0, 0, 1}));
+  EXPECT_TRUE(has_white({0, 0, 0}));
+}
+
+// Half covered by ink, a transparent pixel is of the ink's colour and half opaque.
+TEST(Text, InkOnATransparentPixelKeepsItsColour) {
+  Rgba8 pixel{10, 20, 30, 0};
+  blend({1, 0, 0}, 0.5, pixel);
+  EXPECT_EQ(pixel, (Rgba8{255, 0, 0, 128}));
+}
+
 TEST(Legend, PicturesTooSmallForOneAreRefused) {
   EXPECT_THROW(legend_height(100, 400), InvalidInput);
   EXPECT_THROW(legend_height(400, 100), InvalidInput);

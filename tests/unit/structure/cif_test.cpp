@@ -148,6 +148,9 @@ TEST(SmallCif, FractionsArePlacedByTheCell) {
   const Vec3d expected[2] = {{1, 2, 3}, {-5, 5, 0}};
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_LE(norm(molecule.atoms[i].position - expected[i]), kRounding);
+  EXPECT_TRUE(molecule.path.ends_with("a.cif")) << molecule.path;
+  EXPECT_EQ(molecule.atoms[0].name, "C1");
+  EXPECT_EQ(molecule.atoms[1].name, "O2");
   EXPECT_EQ(molecule.atoms[1].element, "O");
   EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif", "data_x\n" + sites),
               HasSubstr("no unit cell"));

@@ -1,4 +1,6 @@
 // Elements that the file does not give, against tables of the programs that write such files.
+#include "structure/elements.hpp"
+
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -135,6 +137,14 @@ TEST(Elements, WhereTheResidueSaysNothingTheColumnDecides) {
                    {"FE  ", "UNL", "Fe"},
                    {" ZN ", "UNL", "Zn"}},
                   ElementColumns::missing);
+}
+
+// Names that fill all four columns begin with a hydrogen or a carbon, not with helium or cadmium.
+TEST(Elements, FullNamesBeginWithTheLetterOfALightElement) {
+  EXPECT_STREQ(element_of_aligned_name("HE21", "UNL"), "H");
+  EXPECT_STREQ(element_of_aligned_name("CD11", "UNL"), "C");
+  EXPECT_STREQ(element_of_aligned_name("NE10", "UNL"), "N");
+  EXPECT_STREQ(element_of_aligned_name("CL10", "UNL"), "Cl");
 }
 
 TEST(Elements, GuessesAreCountedAndUnusualOnesListed) {
