@@ -1,9 +1,11 @@
 # One target per room: vdwmesh_<room>, known outside as vdwmesh::<room>. A static library, or with
 # BUILD_SHARED_LIBS a shared one; the objects are the same.
 #
-#   vdwmesh_add_room(<room> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
+#   vdwmesh_add_room(<room> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>] [APART <files>])
+#
+# APART names the files that vdwmesh_join_sources() cannot join, under a sanitizer, with the others.
 function(vdwmesh_add_room room)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE;APART" ${ARGN})
   set(target vdwmesh_${room})
   add_library(${target} ${ARG_SOURCES})
   add_library(vdwmesh::${room} ALIAS ${target})
@@ -11,6 +13,9 @@ function(vdwmesh_add_room room)
     DEFINE_SYMBOL "")
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   vdwmesh_target_warnings(${target})
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
+    vdwmesh_join_sources(${target} ${ARG_APART})
+  endif()
   install(TARGETS ${target} EXPORT vdwmeshTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endfunction()
@@ -24,9 +29,24 @@ function(vdwmesh_target_warnings target)
 endfunction()
 
 # For what is compiled to be run once: VDWMESH_QUICK_BUILD in place of the build type's optimisation.
+#
+#   vdwmesh_build_quickly(<target> [<sources apart>])
 function(vdwmesh_build_quickly target)
   if(VDWMESH_QUICK_BUILD)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${VDWMESH_QUICK_BUILD}>)
+  endif()
+  vdwmesh_join_sources(${target} ${ARGN})
+endfunction()
+
+# With VDWMESH_QUICK_BUILD the target's sources are compiled together, because their headers take longer
+# than they do. Those with a name that another has in its anonymous namespace too are compiled apart.
+# Joined sources are named by their whole path, which is cut so that objects are the same in every clone.
+function(vdwmesh_join_sources target)
+  if(VDWMESH_QUICK_BUILD)
+    target_compile_options(${target} PRIVATE
+      $<$<COMPILE_LANGUAGE:CXX>:-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=>)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
+    set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
 endfunction()
 

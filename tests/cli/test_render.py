@@ -7,7 +7,7 @@ import tempfile
 import unittest
 import zlib
 
-from program import BAD_INPUT, LIMIT_HIT, NO_BACKEND, ProgramTest, missing, parse_json, run
+from program import BAD_INPUT, LIMIT_HIT, NO_BACKEND, SANITIZED, ProgramTest, missing, parse_json, run
 from text_report import TextReport
 
 SMALL = ("--size", "320x240", "--subdivide", "0")
@@ -83,7 +83,8 @@ class Render(PictureTest):
         self.assertFalse(any(max(pixel) < 20 for pixel in colors), "black pixels")
 
     def test_fills_the_picture_from_every_side(self):
-        for view in ("front", "back", "left", "right", "top", "bottom", "x", "-y", "z", "1,2,3"):
+        views = ("front", "back", "left", "right", "top", "bottom", "x", "-y", "z", "1,2,3")
+        for view in views[::5] if SANITIZED else views:
             with self.subTest(view=view):
                 options = ("--background", "transparent", "--view", view, "--antialias", "1")
                 width, height, rows = self.picture("render", "--sample", "bpti", *SMALL, *options)

@@ -11,6 +11,7 @@
 #include "extract/union_brick.hpp"
 #include "support/dice.hpp"
 #include "support/plain_extractor.hpp"
+#include "support/sanitized.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -60,7 +61,7 @@ SphereSet gas(Dice& dice) {
 
 TEST(BrickSearch, LosesNoBrickOfASparseGas) {
   Dice dice(1);
-  for (int set = 0; set < 120; ++set) {
+  for (int set = 0; set < testing::sets(120, 20); ++set) {
     const SphereSet spheres = gas(dice);
     expect_none_lost(spheres, at_spacing(kFields[set % 4], dice.real(0.25, 0.4)),
                      "set " + std::to_string(set));
@@ -90,7 +91,7 @@ TEST(BrickSearch, LosesNoBrickOfLongGrids) {
 // it. Bounds in double say that nothing is there.
 TEST(BrickSearch, LosesNoBrickAtTheSmallestIsovalues) {
   Dice dice(3);
-  for (int set = 0; set < 60; ++set) {
+  for (int set = 0; set < testing::sets(60, 12); ++set) {
     const SphereSet spheres = gas(dice);
     ExtractOptions options = at_spacing(kFields[1 + set % 3], 0.5);
     options.field.isovalue = std::pow(10.0, -dice.real(3, 27));

@@ -24,6 +24,7 @@
 
 #include "core/errors.hpp"
 #include "core/monitor.hpp"
+#include "support/sanitized.hpp"
 #include "support/temporary_directory.hpp"
 #include "support/test_meshes.hpp"
 
@@ -298,7 +299,7 @@ class CountingMonitor : public Monitor {
 TEST(MeshIo, WritersAskOftenWhetherToStop) {
   constexpr std::uintmax_t kBetween = std::uintmax_t{1} << 19;  // bytes: milliseconds of work
   const TemporaryDirectory directory;
-  const SurfaceMesh mesh = to_surface_mesh(testing::icosphere(7));
+  const SurfaceMesh mesh = to_surface_mesh(testing::icosphere(testing::kSanitized ? 6 : 7));
   for (const char* name : {"a.ply", "a.obj", "a.off", "a.stl", "a.glb"}) {
     const CountingMonitor patient(std::numeric_limits<int>::max());
     write_mesh(mesh, directory / name, &patient);
@@ -380,7 +381,7 @@ TEST(MeshIo, DamagedFilesAreRefusedOrRead) {
     };
     for (std::size_t size = 0; size < good.size(); size += 1 + size / 200)
       try_to_read(good.substr(0, size));
-    for (int round = 0; round < 2000; ++round) {
+    for (int round = 0; round < testing::sets(2000, 200); ++round) {
       std::string bad = good;
       for (int flips = 0; flips < 1 + round % 4; ++flips)
         bad[random() % (round % 2 == 0 ? bad.size() : std::min<std::size_t>(bad.size(), 700))] =
