@@ -1,10 +1,10 @@
 // What a mesh of another program and a molecule may have between them.
 #pragma once
 
-#include "extract/indexed_mesh.hpp"
-#include "extract/sphere_set.hpp"
 #include "mesh/mesh_io.hpp"
 #include "report.hpp"
+#include "spheres/sphere_set.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::apps {
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "analysis/stage_bytes.hpp"
-#include "extract/sphere_set.hpp"
 #include "options.hpp"
+#include "spheres/sphere_set.hpp"
 #include "steps.hpp"
 
 namespace vdwmesh::apps {

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "core/monitor.hpp"
-#include "extract/indexed_mesh.hpp"
-#include "extract/sphere_set.hpp"
 #include "picture_options.hpp"
 #include "report.hpp"
+#include "spheres/sphere_set.hpp"
 #include "structure/molecule.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::apps {
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "core/monitor.hpp"
-#include "extract/indexed_mesh.hpp"
-#include "extract/sphere_set.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "mesh/surface_mesh_builder.hpp"
 #include "options.hpp"
 #include "report.hpp"
+#include "spheres/sphere_set.hpp"
 #include "structure/molecule.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::apps {
 

@@ -15,7 +15,7 @@
 #include <random>
 #include <string>
 
-#include "arrangement/arcs.hpp"
+#include "arrangement/arcs/arcs.hpp"
 #include "core/errors.hpp"
 #include "read_xyzr.hpp"
 

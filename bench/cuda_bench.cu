@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "cuda/backend.hpp"
-#include "cuda/device.cuh"
-#include "cuda/device_refinement.cuh"
-#include "extract/field_sample.hpp"
+#include "cuda/memory/device.cuh"
+#include "cuda/refine/device_refinement.cuh"
+#include "extract/blended/field_sample.hpp"
 #include "read_xyzr.hpp"
 
 namespace vdwmesh {

@@ -15,11 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/dual_complex.hpp"
+#include "arrangement/complex/dual_complex.hpp"
+#include "arrangement/complex/measures.hpp"
+#include "arrangement/complex/power_triangulation.hpp"
+#include "arrangement/complex/topology.hpp"
 #include "arrangement/exact_union.hpp"
-#include "arrangement/measures.hpp"
-#include "arrangement/power_triangulation.hpp"
-#include "arrangement/topology.hpp"
 #include "core/errors.hpp"
 #include "structure/reader.hpp"
 

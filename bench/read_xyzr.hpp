@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/errors.hpp"
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 

@@ -15,10 +15,10 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "core/sum.hpp"
-#include "extract/cell_list.hpp"
 #include "extract/extractor.hpp"
 #include "refine/refiner.hpp"
 #include "refine/sphere_formulas.hpp"
+#include "spheres/cell_list.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh {

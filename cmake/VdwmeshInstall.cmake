@@ -3,7 +3,9 @@
 # compiles every one of them from an installed copy.
 set(core_headers buffer errors host_device monitor sum vec3)
 set(structure_headers molecule radii reader)
-set(extract_headers extractor field grid indexed_mesh sampled_field sphere_set vertex_labels)
+set(spheres_headers sphere_set)
+set(surface_headers indexed_mesh vertex_labels)
+set(extract_headers extractor field grid sampled_field)
 set(refine_headers refiner)
 set(arrangement_headers exact_mesher exact_union)
 set(mesh_headers element_color mesh_io surface_mesh surface_mesh_builder)
@@ -11,7 +13,7 @@ set(analysis_headers comparison convergence distances mesh_measures quality_hist
 set(render_headers camera color_map color_scale crease_split picture renderer surface_source
     surface_vertex)
 set(cuda_headers backend cuda_source)
-foreach(room core structure extract refine arrangement mesh analysis render cuda)
+foreach(room core spheres surface structure extract refine arrangement mesh analysis render cuda)
   set(folder "${PROJECT_SOURCE_DIR}/src/${room}")
   if(room STREQUAL "cuda")
     set(folder "${PROJECT_SOURCE_DIR}/cuda")

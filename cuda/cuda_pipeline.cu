@@ -2,10 +2,10 @@
 #include <utility>
 
 #include "cuda/cuda_backend.hpp"
-#include "cuda/device.cuh"
-#include "cuda/device_refinement.cuh"
-#include "cuda/extract_in_slabs.cuh"
-#include "extract/field_sample.hpp"
+#include "cuda/extract/extract_in_slabs.cuh"
+#include "cuda/memory/device.cuh"
+#include "cuda/refine/device_refinement.cuh"
+#include "extract/blended/field_sample.hpp"
 #include "refine/preparation.hpp"
 
 namespace vdwmesh {

@@ -1,6 +1,6 @@
 #include "cuda/cuda_source.hpp"
 
-#include "cuda/gl_fill.hpp"
+#include "cuda/pictures/gl_fill.hpp"
 
 namespace vdwmesh {
 

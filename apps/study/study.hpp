@@ -11,9 +11,9 @@
 
 #include "analysis/study.hpp"
 #include "cuda/backend.hpp"
-#include "extract/sphere_set.hpp"
 #include "options.hpp"
 #include "report.hpp"
+#include "spheres/sphere_set.hpp"
 #include "steps.hpp"
 #include "structure/molecule.hpp"
 

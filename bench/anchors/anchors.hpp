@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh::anchors {
 

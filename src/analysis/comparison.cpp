@@ -2,7 +2,7 @@
 
 #include "core/blocks.hpp"
 #include "core/disjoint_sets.hpp"
-#include "extract/cell_list.hpp"
+#include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/buffer.hpp"
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 

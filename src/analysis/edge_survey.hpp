@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "core/buffer.hpp"
-#include "extract/indexed_mesh.hpp"
 #include "mesh/edge_buckets.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "analysis/distances_tree.hpp"
-#include "arrangement/arc_cap.hpp"
+#include "arrangement/arcs/arc_cap.hpp"
 #include "core/monitor.hpp"
-#include "extract/cell_list.hpp"
+#include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

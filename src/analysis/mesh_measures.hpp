@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "arrangement/exact_union.hpp"
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

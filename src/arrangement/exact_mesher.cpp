@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/measures.hpp"
-#include "arrangement/topology.hpp"
-#include "arrangement/union_mesher.hpp"
+#include "arrangement/complex/measures.hpp"
+#include "arrangement/complex/topology.hpp"
+#include "arrangement/mesher/union_mesher.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
 

@@ -16,8 +16,7 @@
 #include <cstdint>
 
 #include "core/monitor.hpp"
-#include "extract/extractor.hpp"
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

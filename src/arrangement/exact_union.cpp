@@ -6,13 +6,13 @@
 #include <cmath>
 #include <utility>
 
-#include "arrangement/arcs.hpp"
-#include "arrangement/dual_complex.hpp"
-#include "arrangement/measures.hpp"
-#include "arrangement/power_triangulation.hpp"
-#include "arrangement/topology.hpp"
+#include "arrangement/arcs/arcs.hpp"
+#include "arrangement/complex/dual_complex.hpp"
+#include "arrangement/complex/measures.hpp"
+#include "arrangement/complex/power_triangulation.hpp"
+#include "arrangement/complex/topology.hpp"
 #include "core/errors.hpp"
-#include "extract/cell_list.hpp"
+#include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "core/monitor.hpp"
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 

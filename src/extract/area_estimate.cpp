@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/multiversion.hpp"
-#include "extract/cell_list.hpp"
-#include "extract/field_sample.hpp"
+#include "extract/blended/field_sample.hpp"
+#include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 namespace {

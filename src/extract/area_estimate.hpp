@@ -2,7 +2,7 @@
 #pragma once
 
 #include "extract/field.hpp"
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 

@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "core/multiversion.hpp"
-#include "extract/block_bounds.hpp"
+#include "extract/blended/block_bounds.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/monitor.hpp"
-#include "extract/cell_list.hpp"
 #include "extract/field.hpp"
+#include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 

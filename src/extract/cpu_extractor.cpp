@@ -1,12 +1,12 @@
 #include <vector>
 
 #include "core/multiversion.hpp"
-#include "extract/blended_brick.hpp"
-#include "extract/brick_extraction.hpp"
+#include "extract/blended/blended_brick.hpp"
+#include "extract/blended/field_sample.hpp"
 #include "extract/brick_search.hpp"
+#include "extract/bricks/brick_extraction.hpp"
 #include "extract/extractor.hpp"
-#include "extract/field_sample.hpp"
-#include "extract/union_brick.hpp"
+#include "extract/union/union_brick.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -2,19 +2,16 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <string>
 
 #include "core/monitor.hpp"
 #include "extract/field.hpp"
 #include "extract/grid.hpp"
-#include "extract/indexed_mesh.hpp"
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
-
-inline constexpr std::uint64_t kNoMemoryLimit = std::numeric_limits<std::uint64_t>::max();
 
 struct ExtractOptions {
   FieldOptions field;

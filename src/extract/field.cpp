@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/errors.hpp"
-#include "extract/field_sample.hpp"
+#include "extract/blended/field_sample.hpp"
 
 namespace vdwmesh {
 namespace {

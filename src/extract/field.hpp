@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "extract/grid.hpp"
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 

@@ -6,7 +6,7 @@
 
 #include "core/host_device.hpp"
 #include "core/vec3.hpp"
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 

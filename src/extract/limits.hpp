@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "extract/field.hpp"
-#include "extract/indexed_mesh.hpp"
 #include "extract/sampled_field.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

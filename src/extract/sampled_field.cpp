@@ -3,11 +3,11 @@
 #include <tbb/parallel_for.h>
 
 #include "core/multiversion.hpp"
-#include "extract/blended_brick.hpp"
-#include "extract/brick_extraction.hpp"
-#include "extract/field_sample.hpp"
+#include "extract/blended/blended_brick.hpp"
+#include "extract/blended/field_sample.hpp"
+#include "extract/blended/sampled_formulas.hpp"
+#include "extract/bricks/brick_extraction.hpp"
 #include "extract/limits.hpp"
-#include "extract/sampled_formulas.hpp"
 
 namespace vdwmesh {
 namespace {

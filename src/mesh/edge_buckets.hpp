@@ -9,7 +9,7 @@
 #include <span>
 
 #include "core/buffer.hpp"
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

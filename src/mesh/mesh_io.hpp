@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/monitor.hpp"
-#include "extract/indexed_mesh.hpp"
 #include "mesh/surface_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

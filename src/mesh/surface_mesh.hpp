@@ -17,7 +17,7 @@
 #include <span>
 #include <string>
 
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

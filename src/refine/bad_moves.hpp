@@ -7,10 +7,10 @@
 
 #include "core/blocks.hpp"
 #include "core/buffer.hpp"
-#include "extract/sphere_set.hpp"
 #include "refine/level_view.hpp"
 #include "refine/refiner.hpp"
 #include "refine/triangle_grid.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 

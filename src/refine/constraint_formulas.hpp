@@ -9,9 +9,9 @@
 
 #include "core/host_device.hpp"
 #include "core/vec3.hpp"
-#include "extract/indexed_mesh.hpp"
 #include "refine/sphere_formulas.hpp"
 #include "refine/subdivision_formulas.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

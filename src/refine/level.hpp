@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "extract/indexed_mesh.hpp"
 #include "refine/refiner.hpp"
 #include "refine/target_surface.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

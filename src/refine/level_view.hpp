@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "extract/indexed_mesh.hpp"
 #include "refine/subdivision_formulas.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

@@ -9,7 +9,7 @@
 
 #include "core/blocks.hpp"
 #include "core/errors.hpp"
-#include "extract/field_sample.hpp"
+#include "extract/blended/field_sample.hpp"
 #include "refine/half_edges.hpp"
 #include "refine/triangle_grid.hpp"
 

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
-#include "extract/cell_list.hpp"
 #include "extract/field.hpp"
-#include "extract/indexed_mesh.hpp"
 #include "refine/refiner.hpp"
+#include "spheres/cell_list.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

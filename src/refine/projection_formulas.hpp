@@ -5,10 +5,10 @@
 
 #include "core/host_device.hpp"
 #include "core/vec3.hpp"
-#include "extract/cell_list.hpp"
-#include "extract/field_sample.hpp"
+#include "extract/blended/field_sample.hpp"
 #include "refine/refiner.hpp"
 #include "refine/sphere_formulas.hpp"
+#include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 

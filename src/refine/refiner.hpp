@@ -10,7 +10,7 @@
 #include "core/monitor.hpp"
 #include "extract/extractor.hpp"
 #include "extract/field.hpp"
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

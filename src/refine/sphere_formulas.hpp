@@ -6,8 +6,8 @@
 
 #include "core/host_device.hpp"
 #include "core/vec3.hpp"
-#include "extract/cell_list.hpp"
-#include "extract/field_formulas.hpp"
+#include "extract/blended/field_formulas.hpp"
+#include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 

@@ -9,8 +9,8 @@
 
 #include "core/host_device.hpp"
 #include "core/vec3.hpp"
-#include "extract/sphere_set.hpp"
 #include "refine/sphere_formulas.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "core/host_device.hpp"
-#include "extract/cell_list.hpp"
-#include "extract/field_sample.hpp"
+#include "extract/blended/field_sample.hpp"
 #include "refine/projection_formulas.hpp"
 #include "refine/refiner.hpp"
 #include "refine/subdivision_formulas.hpp"
+#include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 

@@ -1,10 +1,10 @@
 // The surface that a run projects to, with the search structure it needs.
 #pragma once
 
-#include "extract/cell_list.hpp"
-#include "extract/indexed_mesh.hpp"
 #include "refine/refiner.hpp"
 #include "refine/surface_view.hpp"
+#include "spheres/cell_list.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 
-#include "extract/indexed_mesh.hpp"
 #include "refine/level_view.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

@@ -1,8 +1,8 @@
 // Sharp creases in pictures of meshes that know the sphere of every triangle.
 #pragma once
 
-#include "extract/indexed_mesh.hpp"
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

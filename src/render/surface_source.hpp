@@ -9,10 +9,10 @@
 #include <variant>
 #include <vector>
 
-#include "extract/indexed_mesh.hpp"
 #include "render/camera.hpp"
 #include "render/color_scale.hpp"
 #include "render/surface_vertex.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "extract/case_table.hpp"
+#include "extract/bricks/case_table.hpp"
 
 namespace vdwmesh {
 namespace {

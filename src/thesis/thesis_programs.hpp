@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/vec3.hpp"
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 

@@ -1,6 +1,6 @@
 // How the CUDA backend chooses devices, and what it does where the runtime fails: on a runtime of
 // make-believe, with or without a GPU.
-#include "cuda/device.cuh"
+#include "cuda/memory/device.cuh"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 
 #include "core/errors.hpp"
 #include "cuda/backend.hpp"
-#include "cuda/device_memory.cuh"
 #include "cuda/fake_runtime.hpp"
+#include "cuda/memory/device_memory.cuh"
 
 namespace vdwmesh {
 namespace {

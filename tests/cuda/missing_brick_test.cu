@@ -5,8 +5,8 @@
 
 #include "core/errors.hpp"
 #include "cuda/backend.hpp"
-#include "cuda/mesh_bricks.cuh"
-#include "extract/field_sample.hpp"
+#include "cuda/extract/mesh_bricks.cuh"
+#include "extract/blended/field_sample.hpp"
 #include "support/plain_extractor.hpp"
 #include "support/requirements.hpp"
 

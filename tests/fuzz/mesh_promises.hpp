@@ -1,10 +1,10 @@
 // What every mesh of a set of balls promises, found by the reference code.
 #pragma once
 
-#include "extract/indexed_mesh.hpp"
 #include "fuzz/fuzz_target.hpp"
 #include "reference/mesh_checks.hpp"
 #include "support/reference_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::fuzz {
 

@@ -1,8 +1,8 @@
 // Sets of balls from bytes, degenerate on purpose.
 #pragma once
 
-#include "extract/sphere_set.hpp"
 #include "fuzz/byte_source.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh::fuzz {
 

@@ -41,6 +41,8 @@ PROGRAM = ["cli.options", "cli.per_atom", "cli.report", "cli.surfaces", "cli.mes
 TESTS = {
     "core": ["core_test", "unit_extract", "test_mesh_measures", "test_study", "refine_test", "test_distances",
              "arrangement_union_test", "cli.options", "cli.signals", "extractor_contract_test"],
+    "spheres": ["unit_extract", "arrangement_arcs_test", "extractor_contract_test", "cli.options"],
+    "surface": ["unit_extract", "refine_test", "extractor_contract_test", "refiner_contract_test"],
     "structure": ["unit_structure", "fuzz.pdb", "fuzz.mmcif", "fuzz.pqr", "fuzz.xyzr", "cli.report", "cli.files",
                   "cli.options", "cli.bad_files", "cli.structure_witnesses"],
     "extract": ["unit_extract", "fuzz.extractor", "extractor_contract_test", "properties_test", "refiner_contract_test",

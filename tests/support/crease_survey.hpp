@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "extract/indexed_mesh.hpp"
-#include "extract/sphere_set.hpp"
 #include "reference/mesh_checks.hpp"
+#include "spheres/sphere_set.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::testing {
 

@@ -10,8 +10,8 @@
 
 #include <vector>
 
-#include "extract/indexed_mesh.hpp"
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::testing {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "extract/blended/field_formulas.hpp"
 #include "extract/field.hpp"
-#include "extract/field_formulas.hpp"
 #include "support/dice.hpp"
 
 namespace vdwmesh::testing {

@@ -1,9 +1,9 @@
 #include "support/plain_extractor.hpp"
 
-#include "extract/blended_brick.hpp"
-#include "extract/brick_extraction.hpp"
-#include "extract/field_sample.hpp"
-#include "extract/union_brick.hpp"
+#include "extract/blended/blended_brick.hpp"
+#include "extract/blended/field_sample.hpp"
+#include "extract/bricks/brick_extraction.hpp"
+#include "extract/union/union_brick.hpp"
 
 namespace vdwmesh::testing {
 namespace {

@@ -1,8 +1,8 @@
 // The way of our points and meshes to the reference code, which shares no types with src/.
 #pragma once
 
-#include "extract/indexed_mesh.hpp"
 #include "reference/point.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::testing {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh::testing {
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::testing {
 

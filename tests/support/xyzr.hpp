@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
 
 namespace vdwmesh::testing {
 

@@ -8,7 +8,7 @@
 
 #include "analysis/distances_samples.hpp"
 #include "analysis/exposed_surface.hpp"
-#include "arrangement/dual_complex.hpp"
+#include "arrangement/complex/dual_complex.hpp"
 #include "support/shared_files.hpp"
 #include "support/xyzr.hpp"
 

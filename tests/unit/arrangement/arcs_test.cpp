@@ -1,5 +1,5 @@
 // Exact area and volume from exposed arcs, against closed forms, published sets and symmetries.
-#include "arrangement/arcs.hpp"
+#include "arrangement/arcs/arcs.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

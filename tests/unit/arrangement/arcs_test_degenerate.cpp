@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "arrangement/arcs.hpp"
+#include "arrangement/arcs/arcs.hpp"
 #include "arrangement/exact_union.hpp"
 
 namespace vdwmesh {

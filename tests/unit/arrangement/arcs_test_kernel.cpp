@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "arrangement/arc_kernel.hpp"
+#include "arrangement/arcs/arc_kernel.hpp"
 
 namespace vdwmesh::arcs {
 namespace {

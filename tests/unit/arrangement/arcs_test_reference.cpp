@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string>
 
-#include "arrangement/arcs.hpp"
+#include "arrangement/arcs/arcs.hpp"
 #include "support/shared_files.hpp"
 
 namespace vdwmesh {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "arrangement/arc_sectors.hpp"
-#include "arrangement/arcs.hpp"
+#include "arrangement/arcs/arc_sectors.hpp"
+#include "arrangement/arcs/arcs.hpp"
 #include "ball_families.hpp"
 #include "reference/closed_forms.hpp"
 

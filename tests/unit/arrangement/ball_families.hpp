@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/vec3.hpp"
-#include "extract/sphere_set.hpp"
+#include "spheres/sphere_set.hpp"
 #include "support/dice.hpp"
 
 namespace vdwmesh::testing {

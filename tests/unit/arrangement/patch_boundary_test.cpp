@@ -1,5 +1,5 @@
 // What a ball covers of its neighbour's sphere, down to caps of which the cosine knows nothing.
-#include "arrangement/patch_boundary.hpp"
+#include "arrangement/mesher/patch_boundary.hpp"
 
 #include <gtest/gtest.h>
 

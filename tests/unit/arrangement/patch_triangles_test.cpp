@@ -1,5 +1,5 @@
 // Which pieces of the boundary are blamed for triangles that face inwards.
-#include "arrangement/patch_triangles.hpp"
+#include "arrangement/mesher/patch_triangles.hpp"
 
 #include <gtest/gtest.h>
 

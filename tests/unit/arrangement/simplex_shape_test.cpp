@@ -1,5 +1,5 @@
 // Shapes of simplices against solid geometry, where they are regular and where they are flat.
-#include "arrangement/simplex_shape.hpp"
+#include "arrangement/complex/simplex_shape.hpp"
 
 #include <gtest/gtest.h>
 

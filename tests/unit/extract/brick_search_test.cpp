@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "extract/field_formulas.hpp"
-#include "extract/union_brick.hpp"
+#include "extract/blended/field_formulas.hpp"
+#include "extract/union/union_brick.hpp"
 #include "support/dice.hpp"
 #include "support/plain_extractor.hpp"
 #include "support/sanitized.hpp"

@@ -1,5 +1,5 @@
 // Every case of the table, and every pair of neighbouring cells.
-#include "extract/case_table.hpp"
+#include "extract/bricks/case_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "extract/cell_list.hpp"
+#include "spheres/cell_list.hpp"
 
 #include <gtest/gtest.h>
 

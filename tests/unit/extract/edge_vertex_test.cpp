@@ -1,5 +1,5 @@
 // Points and directions along crossed grid edges.
-#include "extract/edge_vertex.hpp"
+#include "extract/bricks/edge_vertex.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "extract/exponential.hpp"
+#include "extract/blended/exponential.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // IndexedMesh: its bytes and its hash.
-#include "extract/indexed_mesh.hpp"
+#include "surface/indexed_mesh.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/errors.hpp"
-#include "extract/brick_extraction.hpp"
-#include "extract/field_sample.hpp"
-#include "extract/union_brick.hpp"
+#include "extract/blended/field_sample.hpp"
+#include "extract/bricks/brick_extraction.hpp"
+#include "extract/union/union_brick.hpp"
 #include "support/plain_extractor.hpp"
 
 namespace vdwmesh {

@@ -1,5 +1,5 @@
 // Node values as products of terms of one axis, against the reference's equations in double.
-#include "extract/node_terms.hpp"
+#include "extract/blended/node_terms.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // One brick of a union of balls on the CPU against the definition of the union, in long double.
-#include "extract/union_brick.hpp"
+#include "extract/union/union_brick.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "extract/brick_cases.hpp"
+#include "extract/bricks/brick_cases.hpp"
 #include "extract/grid.hpp"
 
 namespace vdwmesh {

@@ -1,5 +1,5 @@
 // VertexLabels: one sphere a vertex, or up to three.
-#include "extract/vertex_labels.hpp"
+#include "surface/vertex_labels.hpp"
 
 #include <gtest/gtest.h>
 

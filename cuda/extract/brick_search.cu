@@ -1,0 +1,309 @@
+// Which bricks the surface can cross: octree descent. A thread per block for the union of balls;
+// for blended fields a warp per parent, four lanes per child, each of which takes every fourth
+// atom.
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_select.cuh>
+#include <string>
+#include <utility>
+
+#include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/ordered_gather.cuh"
+#include "cuda/memory/cub_calls.cuh"
+#include "extract/blended/block_bounds.hpp"
+#include "extract/blended/local_atom.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kThreads = 128;
+
+constexpr int kChildren = 8;
+constexpr unsigned kLanesPerChild = kWarp / kChildren;  // lane: child + kChildren * part
+
+__device__ int own_child() { return static_cast<int>(threadIdx.x % kChildren); }
+__device__ unsigned own_part() { return threadIdx.x % kWarp / kChildren; }
+
+// A sphere near a parent block.
+struct NearSphere {
+  float from[3];  // from it to the middle of the parent, Å
+  float number;   // what the test wants of it
+  Vec3d center;   // for the sub-grid
+};
+
+// Spheres that wait until they fill a warp.
+struct Waiting {
+  std::uint32_t place[2 * kWarp];
+  NearSphere sphere[kWarp];
+};
+
+// The block of a lane.
+struct ChildBlock {
+  LatticeBlock nodes;
+  BlockBox box;
+  float from_parent[3], half[3];  // Å: its middle less that of the parent
+};
+
+__device__ ChildBlock child_block(const GridSpec& grid, const BrickIndex& child, int level,
+                                  const Vec3d& parent_middle) {
+  ChildBlock c{};
+  c.nodes = lattice_block(child, level);
+  c.box = block_box(grid, c.nodes);
+  const BoxFrame<float> frame = box_frame<float>(c.box.lower, c.box.upper);
+  for (int axis = 0; axis < 3; ++axis) {
+    c.from_parent[axis] = static_cast<float>(frame.middle[axis] - parent_middle[axis]);
+    c.half[axis] = frame.half[axis];
+  }
+  return c;
+}
+
+// Bit c: some lane of child c says so.
+__device__ unsigned children_where(bool says) {
+  unsigned votes = __ballot_sync(kAllLanes, says);
+  for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) votes |= votes >> step;
+  return votes & ((1u << kChildren) - 1);
+}
+constexpr unsigned kAllChildren = (1u << kChildren) - 1;
+
+// The test of a child for a blended field: bounds on it.
+template <FieldKind kind>
+struct BlendedTest {
+  ShapeParameters<float> shape;
+  float isovalue;
+  FieldBounds<float> bounds;
+  bool settled = false;  // as may hold surface, from some of the atoms
+
+  __device__ explicit BlendedTest(const FieldContext& f)
+      : shape(shape_parameters<float>(f.model)), isovalue(static_cast<float>(f.model.isovalue)) {}
+  __device__ static float number(const FieldModel& m, const Sphere& s) {
+    return static_cast<float>(inverse_square_scale(m, s.radius));
+  }
+  __device__ void add(const FieldModel& m, const NearSphere& s, const float (&to_middle)[3],
+                      const ChildBlock& child) {
+    bounds.add<kind>(shape, s.number, to_middle, child.half,
+                     subgrid_overlap(m, child.nodes, s.center));
+  }
+  // As in field_may_cross(): large blocks that the sums so far admit are split without more atoms.
+  __device__ bool is_settled(const ChildBlock& child) {
+    settled = child.nodes.level > 2 && __all_sync(kAllLanes, bounds.least <= 0) &&
+              children_where(bounds.most >= isovalue) == kAllChildren;
+    return settled;
+  }
+  __device__ void join() {
+    join(bounds.least);
+    join(bounds.most);
+    join(bounds.atoms);
+    join(bounds.tangents);
+    join(bounds.chords);
+    for (int axis = 0; axis < 3; ++axis) {
+      join(bounds.tangent_slope[axis]);
+      join(bounds.chord_slope[axis]);
+    }
+  }
+  // A settled test has met some atoms only, of which no bound from above follows.
+  __device__ bool is_outside(const ChildBlock& child) const {
+    return !settled && bounds.upper(child.half) < isovalue;
+  }
+  __device__ bool is_inside(const ChildBlock& child) const {
+    return !settled && bounds.lower(child.half) >= isovalue;
+  }
+
+ private:
+  __device__ static void join(float& value) {
+    for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) {
+      value += __shfl_xor_sync(kAllLanes, value, static_cast<int>(step));
+    }
+  }
+};
+
+// The test of a child for the union: no ball touches it, or one holds all of it.
+struct UnionTest {
+  float largest = 0;  // radius, Å
+  bool touched = false, covered = false;
+
+  __device__ explicit UnionTest(const FieldContext& f) {
+    for (int l = 0; l < f.list.level_count; ++l) {
+      largest = fmaxf(largest, __double2float_ru(f.list.levels[l].reach));
+    }
+  }
+  __device__ static float number(const FieldModel&, const Sphere& s) {
+    return static_cast<float>(s.radius);
+  }
+  __device__ void add(const FieldModel&, const NearSphere& s, const float (&to_middle)[3],
+                      const ChildBlock& child) {
+    float near = 0, far = 0, extent = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float away = fabsf(to_middle[axis]), end = away + child.half[axis];
+      const float gap = fmaxf(away - child.half[axis], 0.0f);
+      near = fmaf(gap, gap, near);
+      far = fmaf(end, end, far);
+      extent += end;
+    }
+    // More than single precision rounds distances of this size.
+    const float doubt = 2e-6f * extent, outer = s.number + doubt;
+    const float inner = fmaxf(s.number - doubt, 0.0f);
+    touched |= near <= outer * outer;
+    covered |= far <= inner * inner;
+  }
+  // Wider blocks than the largest ball are never covered.
+  __device__ bool is_settled(const ChildBlock& child) const {
+    return children_where(covered || (touched && child.half[0] > largest)) == kAllChildren;
+  }
+  __device__ void join() {
+    const unsigned child = 1u << own_child();
+    const unsigned touched_children = children_where(touched),
+                   covered_children = children_where(covered);
+    touched = (touched_children & child) != 0;
+    covered = (covered_children & child) != 0;
+  }
+  __device__ bool is_outside(const ChildBlock&) const { return !touched; }
+  __device__ bool is_inside(const ChildBlock&) const { return covered; }
+};
+
+// The spheres near the parent are collected, and looked at 32 at a time.
+template <class Test>
+__device__ void test_child(const FieldContext& f, const BlockBox& parent,
+                           const Vec3d& parent_middle, const ChildBlock& child, Waiting& waiting,
+                           Test& test) {
+  const unsigned lane = threadIdx.x % kWarp;
+  gather_by_warp(f, parent.lower, parent.upper, waiting.place, kWarp, [&](std::uint32_t count) {
+    if (lane < count) {
+      const Sphere& s = f.list.spheres[waiting.place[lane]];
+      const Vec3d from = parent_middle - s.center;
+      waiting.sphere[lane] = {
+          {static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(from.z)},
+          Test::number(f.model, s),
+          s.center};
+    }
+    __syncwarp();
+    for (std::uint32_t k = own_part(); k < count; k += kLanesPerChild) {
+      const NearSphere& s = waiting.sphere[k];
+      const float to_middle[3] = {s.from[0] + child.from_parent[0],
+                                  s.from[1] + child.from_parent[1],
+                                  s.from[2] + child.from_parent[2]};
+      test.add(f.model, s, to_middle, child);
+    }
+    __syncwarp();
+    return test.is_settled(child);
+  });
+  test.join();
+}
+
+template <class Test>
+__global__ void __launch_bounds__(kThreads, 6)
+    test_children(const __grid_constant__ FieldContext f, const std::uint64_t* parents,
+                  std::uint64_t count, int child_level, std::uint64_t* keys, std::uint8_t* keep) {
+  __shared__ Waiting waiting[kThreads / kWarp];
+  const std::uint64_t i =
+      (static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x) / kWarp;
+  if (i >= count) return;
+  const BrickIndex parent = brick_of_key(parents[i]);
+  const GridSpec& grid = f.model.grid;
+  const BlockBox box = block_box(grid, lattice_block(parent, child_level + 1));
+  const Vec3d middle = box_frame<float>(box.lower, box.upper).middle;
+  const int c = own_child();
+  const BrickIndex index{2 * parent.x + (c & 1), 2 * parent.y + (c >> 1 & 1),
+                         2 * parent.z + (c >> 2)};
+  const ChildBlock child = child_block(grid, index, child_level, middle);
+  Test test(f);
+  test_child(f, box, middle, child, waiting[threadIdx.x / kWarp], test);
+  if (own_part() != 0) return;
+  const bool crosses =
+      !test.is_outside(child) && (!test.is_inside(child) || child.box.touches_border);
+  keys[kChildren * i + static_cast<unsigned>(c)] = brick_key(index);
+  keep[kChildren * i + static_cast<unsigned>(c)] = !child.box.empty && crosses ? 1 : 0;
+}
+
+using TestKernel = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, int, std::uint64_t*,
+                            std::uint8_t*);
+
+TestKernel kernel_of(FieldKind kind) {
+  if (kind == FieldKind::vdw) return test_children<UnionTest>;
+  if (kind == FieldKind::blinn) return test_children<BlendedTest<FieldKind::blinn>>;
+  if (kind == FieldKind::soft_object) return test_children<BlendedTest<FieldKind::soft_object>>;
+  return test_children<BlendedTest<FieldKind::inverse_squared>>;
+}
+
+KeyList surviving_children(const FieldContext& f, const KeyList& parents, int child_level,
+                           std::uint64_t most, const Stream& stream) {
+  const std::uint64_t children = kChildren * parents.count;
+  KeyList result;
+  if (children == 0) return result;
+  const DeviceArray<std::uint64_t> keys(children, stream.get());
+  const DeviceArray<std::uint8_t> keep(children, stream.get());
+  const TestKernel kernel = kernel_of(f.model.kind);
+  kernel<<<blocks_for(kWarp * parents.count, kThreads), kThreads, 0, stream.get()>>>(
+      f, parents.keys.data(), parents.count, child_level, keys.data(), keep.data());
+  check_launch("test_children");
+  result.keys = DeviceArray<std::uint64_t>(children, stream.get());
+  const DeviceArray<std::uint64_t> count(1, stream.get());
+  run_cub("select", stream.get(), [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceSelect::Flagged(scratch, bytes, keys.data(), keep.data(), result.keys.data(),
+                                      count.data(), static_cast<std::int64_t>(children),
+                                      stream.get());
+  });
+  result.count = fetch(count.data(), stream);
+  if (result.count > most) {
+    throw LimitExceeded("the surface crosses more than " + std::to_string(result.count) +
+                        " bricks of 8 x 8 x 8 nodes; at most " + std::to_string(most) +
+                        " fit in the memory allowed: choose a larger spacing");
+  }
+  return result;
+}
+
+// All blocks of the finest level that has at most kFirstBlocks of them: a kernel's worth of work,
+// where the root would keep one thread busy.
+struct FirstBlocks {
+  KeyList blocks;
+  int level;
+};
+
+constexpr std::int64_t kFirstBlocks = 65536;
+
+__global__ void list_blocks(std::int64_t width, std::int64_t height, std::int64_t count,
+                            std::uint64_t* keys) {
+  const std::int64_t i = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i >= count) return;
+  keys[i] = brick_key({static_cast<std::int32_t>(i % width),
+                       static_cast<std::int32_t>(i / width % height),
+                       static_cast<std::int32_t>(i / width / height)});
+}
+
+FirstBlocks first_blocks(const GridSpec& grid, const Stream& stream) {
+  std::int64_t count[3], all = 0;
+  int level = 0;
+  do {
+    ++level;
+    const std::int32_t side = 1 << level;
+    for (int axis = 0; axis < 3; ++axis)
+      count[axis] = (brick_count(grid.cells[axis]) + side - 1) / side;
+    all = count[0] * count[1] * count[2];
+  } while (all > kFirstBlocks);
+  const auto size = static_cast<std::size_t>(all);
+  FirstBlocks first{{DeviceArray<std::uint64_t>(size, stream.get()), size}, level};
+  list_blocks<<<blocks_for(size, kThreads), kThreads, 0, stream.get()>>>(count[0], count[1], all,
+                                                                         first.blocks.keys.data());
+  check_launch("list_blocks");
+  return first;
+}
+
+}  // namespace
+
+KeyList candidate_bricks_on_device(const FieldContext& f, std::uint64_t most,
+                                   const Stream& stream) {
+  FirstBlocks first = first_blocks(f.model.grid, stream);
+  KeyList blocks = std::move(first.blocks);
+  for (int level = first.level; level > 0; --level) {
+    blocks = surviving_children(f, blocks, level - 1, most, stream);
+  }
+  if (blocks.count == 0) return blocks;
+  DeviceArray<std::uint64_t> sorted(blocks.count, stream.get());
+  run_cub("sort", stream.get(), [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceRadixSort::SortKeys(scratch, bytes, blocks.keys.data(), sorted.data(),
+                                          static_cast<std::int64_t>(blocks.count), 0, 64,
+                                          stream.get());
+  });
+  blocks.keys = std::move(sorted);
+  return blocks;
+}
+
+}  // namespace vdwmesh

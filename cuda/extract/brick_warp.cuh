@@ -1,0 +1,175 @@
+// What the warps share that work on one brick each.
+#pragma once
+
+#include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/ordered_gather.cuh"
+#include "extract/bricks/brick_geometry.hpp"
+#include "extract/bricks/brick_numbering.hpp"
+#include "extract/bricks/case_table.hpp"
+#include "extract/bricks/edge_vertex.hpp"
+
+namespace vdwmesh {
+
+inline constexpr unsigned kBrickWarps = 2;  // of a block: more would wait for the longest
+inline constexpr unsigned kBrickThreads = kBrickWarps * kWarp;
+inline constexpr int kRows = kBrickReach * kBrickReach;   // rows of nodes that cells touch
+inline constexpr int kOwnRows = kBrickSide * kBrickSide;  // rows of own nodes, and of cells
+
+// Row (y, z) of the brick's signs; virtual nodes are outside.
+__device__ inline void share_signs(const BrickGeometry& g, std::uint32_t inside, int y, int z,
+                                   BrickSigns& signs) {
+  const bool real = (g.real[1] >> y & g.real[2] >> z & 1) != 0;
+  signs.row[z][y] = real ? static_cast<std::uint16_t>(inside & g.real[0]) : std::uint16_t{0};
+}
+
+// brick_geometry() by one warp, which it leaves synchronised.
+__device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, BrickGeometry& g) {
+  const BrickIndex brick = brick_of_key(key);
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const int axis = lane / kBrickReach, i = lane % kBrickReach;
+  const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
+  const std::int64_t lattice = lattice_index(index, i);
+  const unsigned real = __ballot_sync(kAllLanes, axis < 3 && !is_virtual(grid, axis, lattice));
+  if (lane == 0) g.brick = brick;
+  if (axis < 3) {
+    g.coordinate[axis][i] = lattice_coordinate(grid, axis, lattice);
+    constexpr unsigned nodes = (1u << kBrickReach) - 1;
+    if (i == 0) g.real[axis] = static_cast<std::uint16_t>(real >> (kBrickReach * axis) & nodes);
+  }
+  __syncwarp();
+}
+
+// Copies a brick between global and shared memory by `threads` threads; the caller synchronises.
+__device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsigned thread,
+                                  unsigned threads) {
+  static_assert(sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
+  const auto* source = reinterpret_cast<const std::uint64_t*>(from);
+  auto* target = reinterpret_cast<std::uint64_t*>(to);
+  for (unsigned w = thread; w < sizeof(ActiveBrick) / sizeof(std::uint64_t); w += threads) {
+    target[w] = source[w];
+  }
+}
+
+// Counts what the brick's signs imply, vertices and triangles per row and in all: by one warp, two
+// rows a lane. The caller synchronises before and after.
+__device__ inline void count_brick(const BrickGeometry& geometry, const CaseTable& table,
+                                   ActiveBrick& brick) {
+  static_assert(kOwnRows == 2 * kWarp);
+  const unsigned lane = threadIdx.x % kWarp;
+  std::uint32_t clipped = 0, before = 0;  // triangles << 16 | vertices
+  for (unsigned row = lane; row < kOwnRows; row += kWarp) {
+    const int y = static_cast<int>(row) % kBrickSide, z = static_cast<int>(row) / kBrickSide;
+    const auto vertices =
+        static_cast<std::uint32_t>(vertex_count(row_crossings(brick.signs, y, z)));
+    const std::uint32_t mixed = mixed_cells(brick.signs, y, z);
+    std::uint32_t triangles = 0;
+    for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+      triangles += table.count(cell_case(brick.signs, __ffs(static_cast<int>(cells)) - 1, y, z));
+    }
+    clipped += static_cast<std::uint32_t>(count_bits(mixed & border_cells(geometry, y, z)));
+    const std::uint32_t own = triangles << 16 | vertices, sum = warp_inclusive_sum(own);
+    brick.row_vertices[row] = static_cast<std::uint16_t>(before + sum - own);
+    brick.row_triangles[row] = static_cast<std::uint16_t>((before + sum - own) >> 16);
+    before += __shfl_sync(kAllLanes, sum, kWarp - 1);
+  }
+  clipped = __reduce_add_sync(kAllLanes, clipped);
+  if (lane != 0) return;
+  brick.vertices = before & 0xffffu;
+  brick.triangles = before >> 16;
+  brick.clipped_cells = clipped;
+}
+
+// Writes a counted brick at place i, by one warp.
+__device__ inline void store_count(const ActiveBrick& brick, std::uint64_t i, ActiveBrick* bricks,
+                                   const BrickCounts& counts) {
+  const unsigned lane = threadIdx.x % kWarp;
+  copy_brick(&brick, &bricks[i], lane, kWarp);
+  if (lane != 0) return;
+  counts.sums[i] = {brick.vertices, brick.triangles};
+  CountPart& part = counts.parts[i % kCountParts];
+  if (brick.clipped_cells != 0) atomicAdd(&part.clipped_cells, brick.clipped_cells);
+  if (brick.vertices + brick.triangles != 0) atomicAdd(&part.surface_bricks, 1ull);
+}
+
+// The 8 low bits, each followed by two zeros.
+__device__ inline std::uint32_t spread_by_three(std::uint32_t bits) {
+  bits = (bits | bits << 8) & 0x00f00fu;
+  bits = (bits | bits << 4) & 0x0c30c3u;
+  return (bits | bits << 2) & 0x249249u;
+}
+
+// Place of the n-th set bit, from 0; there are more than n.
+__device__ inline int nth_bit(std::uint32_t bits, int n) {
+  int place = 0;
+  for (int width = 16; width > 0; width /= 2) {
+    const int below = __popc(bits >> place & ((1u << width) - 1));
+    if (n < below) continue;
+    n -= below;
+    place += width;
+  }
+  return place;
+}
+
+// The edge of vertex n of a brick.
+__device__ inline CrossedEdge edge_of_vertex(const ActiveBrick& brick, std::uint32_t n) {
+  int row = 0;  // the last that begins at or before n
+  for (int step = kOwnRows / 2; step > 0; step /= 2) {
+    if (brick.row_vertices[row + step] <= n) row += step;
+  }
+  const int y = row % kBrickSide, z = row / kBrickSide;
+  const RowCrossings c = row_crossings(brick.signs, y, z);
+  // By node, then axis.
+  const std::uint32_t crossed = spread_by_three(c.along(0)) | spread_by_three(c.along(1)) << 1 |
+                                spread_by_three(c.along(2)) << 2;
+  const int place = nth_bit(crossed, static_cast<int>(n - brick.row_vertices[row]));
+  const int x = place / 3;
+  return crossed_edge((brick.signs.row[z][y] >> x & 1) != 0, x, y, z, place % 3);
+}
+
+// Through which a warp writes its vertices, one a lane, in whole lines of memory.
+struct VertexStage {
+  double position[3 * kWarp];
+  float normal[3 * kWarp];
+};
+
+// Writes `count` vertices of a warp from place `first` on; lane i holds the i-th.
+__device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& mesh,
+                                      std::uint64_t first, unsigned count,
+                                      const EdgeVertex& vertex) {
+  const unsigned lane = threadIdx.x % kWarp;
+  __syncwarp();
+  for (int axis = 0; axis < 3; ++axis) {
+    stage.position[3 * lane + static_cast<unsigned>(axis)] = vertex.position[axis];
+    stage.normal[3 * lane + static_cast<unsigned>(axis)] = vertex.normal[axis];
+  }
+  __syncwarp();
+  auto* positions = reinterpret_cast<double*>(mesh.positions + first);
+  auto* normals = reinterpret_cast<float*>(mesh.normals + first);
+  for (unsigned w = lane; w < 3 * count; w += kWarp) {
+    positions[w] = stage.position[w];
+    if (mesh.normals) normals[w] = stage.normal[w];
+  }
+  if (mesh.vertex_spheres.atoms && lane < count) {
+    mesh.vertex_spheres.atoms[first + lane] = vertex.sphere;
+  }
+}
+
+// Writes vertex(edge) for the vertices of a brick, whose numbers begin with `base`, by one warp,
+// all lanes of which call it; adds those that were clamped to `clamped`.
+template <class Vertex>
+__device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexStage& stage,
+                          const DeviceMeshView& mesh, unsigned long long* clamped, Vertex vertex) {
+  const std::uint64_t place = base - mesh.first_vertex;
+  const unsigned lane = threadIdx.x % kWarp;
+  for (std::uint32_t first = 0; first < brick.vertices; first += kWarp) {
+    const std::uint32_t left = brick.vertices - first;
+    const unsigned count = left < kWarp ? left : kWarp;
+    // Lanes without a vertex make the last one too, so that all of the warp stay together.
+    const unsigned own = lane < count ? lane : count - 1;
+    const EdgeVertex v = vertex(edge_of_vertex(brick, first + own));
+    if (lane < count && v.clamped) atomicAdd(clamped, 1ull);
+    store_vertices(stage, mesh, place + first, count, v);
+  }
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,195 @@
+// Node signs and counts, a warp per brick.
+#include "cuda/extract/brick_warp.cuh"
+#include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/node_atoms.cuh"
+#include "cuda/extract/union_surface.cuh"
+
+namespace vdwmesh {
+namespace {
+
+constexpr int kLaneRows = 3;                  // rows of nodes a lane
+constexpr int kRowLanes = kRows / kLaneRows;  // lane i: rows i, i + 27, i + 54
+constexpr int kPlanesApart = kRowLanes / kBrickReach;
+
+// ---- the union of balls ----
+
+struct UnionShared {
+  BrickGeometry geometry;
+  ActiveBrick brick;
+  std::uint32_t places[kNearItems + kWarp];
+  Sphere balls[kNearItems];
+};
+
+// Adds the nodes of row (y, z) that lie in the balls.
+__device__ void add_to_row(const BrickGeometry& g, const Sphere* balls, std::uint32_t count, int y,
+                           int z, std::uint32_t& inside) {
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const Sphere& ball = balls[k];
+    const double r2 = ball.radius * ball.radius;
+    const double dy = g.coordinate[1][y] - ball.center.y, dz = g.coordinate[2][z] - ball.center.z;
+    const double dyz2 = std::fma(dy, dy, dz * dz);
+    if (dyz2 > r2) continue;
+    for (int x = 0; x < kBrickReach; ++x) {
+      const double dx = g.coordinate[0][x] - ball.center.x;
+      inside |= std::fma(dx, dx, dyz2) <= r2 ? 1u << x : 0u;
+    }
+  }
+}
+
+__global__ void __launch_bounds__(kBrickThreads)
+    count_union(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
+                std::uint64_t size, const CaseTable* table, ActiveBrick* bricks,
+                BrickCounts counts) {
+  __shared__ UnionShared shared[kBrickWarps];
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const std::uint64_t i =
+      static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
+  if (i >= size) return;
+  UnionShared& s = shared[threadIdx.x / kWarp];
+  share_geometry(f.model.grid, keys[i], s.geometry);
+  const int y = lane % kBrickReach, z = lane / kBrickReach;
+  std::uint32_t inside[kLaneRows] = {};
+  const Vec3d lower = s.geometry.node(0, 0, 0);
+  const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
+  gather_by_warp(f, lower, upper, s.places, kNearItems, [&](std::uint32_t count) {
+    for (auto k = static_cast<std::uint32_t>(lane); k < count; k += kWarp) {
+      s.balls[k] = f.list.spheres[s.places[k]];
+    }
+    __syncwarp();
+#pragma unroll
+    for (int r = 0; r < kLaneRows && lane < kRowLanes; ++r) {
+      add_to_row(s.geometry, s.balls, count, y, z + r * kPlanesApart, inside[r]);
+    }
+    return false;
+  });
+#pragma unroll
+  for (int r = 0; r < kLaneRows; ++r) {
+    if (lane < kRowLanes) {
+      share_signs(s.geometry, inside[r], y, z + r * kPlanesApart, s.brick.signs);
+    }
+  }
+  __syncwarp();
+  count_brick(s.geometry, *table, s.brick);
+  if (lane == 0) s.brick.key = keys[i];
+  __syncwarp();
+  store_count(s.brick, i, bricks, counts);
+}
+
+// ---- blended fields ----
+
+struct WarpShared {
+  BrickGeometry geometry;
+  ActiveBrick brick;
+  AtomStage stage;
+  union {
+    NodeAtom<kBrickReach> atoms[kAtomChunk];
+    float values[kRows][kBrickReach];
+  };
+};
+
+using LaneRows = float[kLaneRows][kBrickReach];
+
+template <FieldKind kind>
+__device__ void add_atoms(const NodeShape& nodes, const WarpShared& s, std::uint32_t count,
+                          LaneRows& rows) {
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  if (lane >= kRowLanes) return;
+  const int y = lane % kBrickReach, z = lane / kBrickReach;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const NodeAtom<kBrickReach>& atom = s.atoms[k];
+    const float scale = s.stage.scale[k];
+    const AxisTerm ty = atom.term[1][y];
+#pragma unroll
+    for (int r = 0; r < kLaneRows; ++r) {
+      const RowTerm term = row_term<kind>(nodes, ty, atom.term[2][z + r * kPlanesApart]);
+#pragma unroll
+      for (int x = 0; x < kBrickReach; ++x) {
+        rows[r][x] = add_atom<kind>(nodes, term, atom.term[0][x], scale, rows[r][x]);
+      }
+    }
+  }
+}
+
+// Sums at the lane's nodes over all atoms, in list order; returns how many reach the brick.
+template <FieldKind kind>
+__device__ std::uint32_t sum_field(const FieldContext& f, WarpShared& s, LaneRows& rows) {
+  const NodeShape nodes = node_shape(f.model);
+  const Vec3d lower = s.geometry.node(0, 0, 0);
+  const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
+  return gather_by_warp(f, lower, upper, s.stage.waiting, kAtomChunk, [&](std::uint32_t count) {
+    share_terms<kind>(f, nodes, count, s.geometry.brick, s.geometry.coordinate, s.stage, s.atoms);
+    add_atoms<kind>(nodes, s, count, rows);
+    return false;
+  });
+}
+
+// Signs of the lane's rows; the values go to shared memory.
+__device__ void share_rows(float isovalue, const LaneRows& rows, WarpShared& s) {
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  __syncwarp();
+  for (int r = 0; r < kLaneRows && lane < kRowLanes; ++r) {
+    const int row = lane + r * kRowLanes;
+    std::uint32_t inside = 0;
+    for (int x = 0; x < kBrickReach; ++x) {
+      inside |= rows[r][x] >= isovalue ? 1u << x : 0u;
+      s.values[row][x] = rows[r][x];
+    }
+    share_signs(s.geometry, inside, row % kBrickReach, row / kBrickReach, s.brick.signs);
+  }
+  __syncwarp();
+}
+
+template <FieldKind kind>
+__global__ void __launch_bounds__(kBrickThreads, 12)
+    count_blended(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
+                  std::uint64_t size, const CaseTable* table, ActiveBrick* bricks, float* values,
+                  BrickCounts counts) {
+  __shared__ WarpShared shared[kBrickWarps];
+  const unsigned lane = threadIdx.x % kWarp;
+  const std::uint64_t i =
+      static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
+  if (i >= size) return;
+  WarpShared& s = shared[threadIdx.x / kWarp];
+  share_geometry(f.model.grid, keys[i], s.geometry);
+  LaneRows rows = {};
+  const std::uint32_t met = sum_field<kind>(f, s, rows);
+  share_rows(static_cast<float>(f.model.isovalue), rows, s);
+  count_brick(s.geometry, *table, s.brick);
+  if (lane == 0) s.brick.key = keys[i];
+  __syncwarp();
+  store_count(s.brick, i, bricks, counts);
+  if (s.brick.vertices == 0) return;
+  const float* const from = &s.values[0][0];
+  float* const to = values + i * kBrickValues;
+  for (unsigned v = lane; v < kBrickValues; v += kWarp) to[v] = from[v];
+  if (lane == 0) atomicMax(&counts.parts[i % kCountParts].most_atoms, met);
+}
+
+using BlendedCount = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, const CaseTable*,
+                              ActiveBrick*, float*, BrickCounts);
+
+BlendedCount blended_count_of(FieldKind kind) {
+  if (kind == FieldKind::blinn) return count_blended<FieldKind::blinn>;
+  if (kind == FieldKind::soft_object) return count_blended<FieldKind::soft_object>;
+  return count_blended<FieldKind::inverse_squared>;
+}
+
+}  // namespace
+
+void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
+                            ActiveBrick* bricks, float* values, const BrickCounts& counts,
+                            const Stream& stream) {
+  if (size == 0) return;
+  const CaseTable* const table = case_table_on_device();
+  const unsigned blocks = blocks_for(size, kBrickWarps);
+  if (f.model.kind == FieldKind::vdw) {
+    count_union<<<blocks, kBrickThreads, 0, stream.get()>>>(f, keys, size, table, bricks, counts);
+  } else {
+    const BlendedCount kernel = blended_count_of(f.model.kind);
+    kernel<<<blocks, kBrickThreads, 0, stream.get()>>>(f, keys, size, table, bricks, values,
+                                                       counts);
+  }
+  check_launch("count_bricks");
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,323 @@
+// Triangles and their half-edges, a block of threads per brick. First the block lays out in shared
+// memory what the numbers are made from, then a thread writes a half-edge at a time, in order.
+#include "cuda/extract/brick_warp.cuh"
+#include "cuda/extract/extract_stages.cuh"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kTriangleThreads = 4 * kWarp;
+constexpr int kMostTriangles = kMaxCaseTriangles * kBrickNodes;
+constexpr int kCellsPerFace = kBrickSide * kBrickSide;
+
+__host__ __device__ constexpr int upper_neighbour(int dx, int dy, int dz) {
+  return dx + 2 * dy + 4 * dz - 1;
+}
+
+__host__ __device__ constexpr int neighbour_across(int face) {
+  return face % 2 == 0 ? 7 + face / 2 : (1 << face / 2) - 1;
+}
+
+// What brick_key() of a neighbour is above that of the brick.
+constexpr std::uint64_t kStepY = std::uint64_t{1} << 21, kStepZ = std::uint64_t{1} << 42;
+
+// The first place from `low` on, and at most `high`, whose key is not below `key`.
+__device__ std::uint32_t first_not_below(const std::uint64_t* keys, std::uint32_t low,
+                                         std::uint32_t high, std::uint64_t key) {
+  while (low < high) {
+    const std::uint32_t middle = low + (high - low) / 2;
+    if (keys[middle] < key) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
+// Six threads per brick, in as many rows of blocks, each for one search: neighbours along x stand
+// side by side.
+__global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
+                                TriangleNeighbours* neighbours) {
+  const std::uint32_t own = blockIdx.x * blockDim.x + threadIdx.x;
+  if (own >= size) return;
+  std::uint32_t* place = neighbours[own].place;
+  const std::uint64_t key = keys[own];
+  const auto place_of = [&](std::uint32_t at, std::uint64_t wanted) {
+    return at < size && keys[at] == wanted ? at : kNoBrick;
+  };
+  const auto task = static_cast<int>(blockIdx.y);
+  if (task == 0) {
+    const bool first = brick_of_key(key).x == 0 || own == 0;
+    place[neighbour_across(0)] = first ? kNoBrick : place_of(own - 1, key - 1);
+    place[upper_neighbour(1, 0, 0)] = place_of(own + 1, key + 1);
+  } else if (task <= 3) {
+    const int dy = task & 1, dz = task >> 1;
+    const std::uint64_t wanted = key + (dy ? kStepY : 0) + (dz ? kStepZ : 0);
+    const std::uint32_t at = first_not_below(keys, own + 1, size, wanted);
+    const std::uint32_t there = place_of(at, wanted);
+    place[upper_neighbour(0, dy, dz)] = there;
+    place[upper_neighbour(1, dy, dz)] = place_of(there == kNoBrick ? at : at + 1, wanted + 1);
+  } else {
+    const bool along_y = task == 4;
+    const BrickIndex index = brick_of_key(key);
+    const bool first = (along_y ? index.y : index.z) == 0;
+    const std::uint64_t wanted = key - (along_y ? kStepY : kStepZ);
+    place[neighbour_across(along_y ? 2 : 4)] =
+        first ? kNoBrick : place_of(first_not_below(keys, 0, own, wanted), wanted);
+  }
+}
+
+struct alignas(8) VertexRow {
+  std::uint32_t first;  // number of its first vertex
+  std::uint32_t crossed;
+};
+
+struct alignas(4) MixedCell {
+  std::uint16_t start;   // triangles before it
+  std::uint16_t inside;  // its case
+};
+
+struct TriangleShared {
+  ActiveBrick brick;
+  TriangleNeighbours near;
+  // Nodes x = 0 .. 7 of row (z, y), then those of the next brick along x.
+  VertexRow rows[2 * kRows];
+  std::uint32_t before[4 * kBrickSide];  // crossings_before(x, axis), at 4 x + axis
+  MixedCell cells[kBrickNodes];
+  std::uint16_t cell_of[kMostTriangles];
+  // Cells across each face: first half-edge and case.
+  std::uint32_t beyond_first[6][kCellsPerFace];
+  std::uint8_t beyond_case[6][kCellsPerFace];
+};
+
+// Row (y & 7, z & 7) of the brick at (dx, y >> 3, z >> 3).
+__device__ VertexRow vertex_row(const BrickList& list, const TriangleShared& s, std::uint32_t own,
+                                int dx, int y, int z) {
+  const int neighbour = upper_neighbour(dx, y >> 3, z >> 3);
+  const std::uint64_t place = neighbour < 0 ? own : s.near.place[neighbour];
+  if (place == kNoBrick) return {0, 0};
+  const ActiveBrick& owner = neighbour < 0 ? s.brick : list.bricks[place];
+  y &= kBrickSide - 1;
+  z &= kBrickSide - 1;
+  const std::uint64_t first = list.before[place].vertices + owner.row_vertices[z * kBrickSide + y];
+  return {static_cast<std::uint32_t>(first), row_crossings(owner.signs, y, z).packed};
+}
+
+__device__ void share_vertex_rows(const BrickList& list, std::uint32_t own, TriangleShared& s) {
+  for (unsigned i = threadIdx.x; i < 2 * kRows; i += kTriangleThreads) {
+    const int row = static_cast<int>(i) % kRows, y = row % kBrickReach, z = row / kBrickReach;
+    s.rows[i] = vertex_row(list, s, own, i < kRows ? 0 : 1, y, z);
+  }
+  if (threadIdx.x < 4 * kBrickSide) {
+    const auto x = static_cast<int>(threadIdx.x) / 4, axis = static_cast<int>(threadIdx.x) % 4;
+    s.before[threadIdx.x] = crossings_before(x, axis);
+  }
+}
+
+// By threads 0 .. 63, a row of cells each.
+__device__ void share_own_cells(const CaseTable& table, TriangleShared& s) {
+  const int y = static_cast<int>(threadIdx.x) % kBrickSide;
+  const int z = static_cast<int>(threadIdx.x) / kBrickSide;
+  std::uint32_t next = s.brick.row_triangles[threadIdx.x];
+  const std::uint32_t mixed = mixed_cells(s.brick.signs, y, z);
+  for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+    const int x = __ffs(static_cast<int>(cells)) - 1;
+    const auto cell =
+        static_cast<std::uint16_t>(threadIdx.x * kBrickSide + static_cast<unsigned>(x));
+    const std::uint32_t inside = cell_case(s.brick.signs, x, y, z);
+    s.cells[cell] = {static_cast<std::uint16_t>(next), static_cast<std::uint16_t>(inside)};
+    const std::uint32_t end = next + table.count(inside);
+    while (next < end) s.cell_of[next++] = cell;
+  }
+}
+
+__device__ void share_cell_beyond(TriangleShared& s, int face, int uv, std::uint32_t inside,
+                                  std::uint64_t triangles_before) {
+  s.beyond_case[face][uv] = static_cast<std::uint8_t>(inside);
+  s.beyond_first[face][uv] = static_cast<std::uint32_t>(3 * triangles_before);
+}
+
+// Cells beyond the faces across y and z: by 32 threads, each a row of eight cells along x.
+__device__ void share_rows_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
+                                  int thread) {
+  const int face = 2 + thread / kBrickSide, v = thread % kBrickSide;
+  const std::uint32_t place = s.near.place[neighbour_across(face)];
+  if (place == kNoBrick) return;
+  const ActiveBrick& owner = list.bricks[place];
+  const int last = face % 2 == 0 ? kBrickSide - 1 : 0;
+  const int y = face / 2 == 1 ? last : v, z = face / 2 == 1 ? v : last;
+  std::uint64_t before = list.before[place].triangles + owner.row_triangles[z * kBrickSide + y];
+  const std::uint32_t mixed = mixed_cells(owner.signs, y, z);
+  for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+    const int x = __ffs(static_cast<int>(cells)) - 1;
+    const std::uint32_t inside = cell_case(owner.signs, x, y, z);
+    share_cell_beyond(s, face, v * kBrickSide + x, inside, before);
+    before += table.count(inside);
+  }
+}
+
+// Cells beyond the faces across x: by 32 threads. They are the first or the last of their rows.
+__device__ void share_ends_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
+                                  int thread) {
+  for (int i = thread; i < 2 * kCellsPerFace; i += static_cast<int>(kWarp)) {
+    const int face = i / kCellsPerFace, row = i % kCellsPerFace;
+    const std::uint32_t place = s.near.place[neighbour_across(face)];
+    if (place == kNoBrick) continue;
+    const ActiveBrick& owner = list.bricks[place];
+    const int x = face == 0 ? kBrickSide - 1 : 0, y = row % kBrickSide, z = row / kBrickSide;
+    const std::uint32_t inside = cell_case(owner.signs, x, y, z);
+    if (table.count(inside) == 0) continue;
+    std::uint64_t before = list.before[place].triangles + owner.row_triangles[row];
+    if (face == 0) {
+      const std::uint64_t end = row + 1 < kCellsPerFace
+                                    ? list.before[place].triangles + owner.row_triangles[row + 1]
+                                    : list.before[place + 1].triangles;
+      before = end - table.count(inside);
+    }
+    share_cell_beyond(s, face, row, inside, before);
+  }
+}
+
+// Cells beyond all faces, by two warps.
+__device__ void share_cells_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
+                                   int thread) {
+  if (thread < static_cast<int>(kWarp)) {
+    share_rows_beyond(list, table, s, thread);
+  } else {
+    share_ends_beyond(list, table, s, thread - static_cast<int>(kWarp));
+  }
+}
+
+// Counts the rows of cells along a face that the surface crosses although the brick beyond is not
+// in the list: by 48 threads, a face and a row each. Bricks that share an edge alone need no check
+// of their own, because the bricks at both sides of one have a face to it.
+__device__ void count_missing(const TriangleShared& s, int thread, unsigned long long* missing) {
+  const int face = thread / kBrickSide, v = thread % kBrickSide;
+  if (face >= 6 || s.near.place[neighbour_across(face)] != kNoBrick) return;
+  const int axis = face / 2, node = face % 2 * kBrickSide;
+  const auto& row = s.brick.signs.row;
+  const unsigned all = axis == 0 ? 1u : (1u << kBrickReach) - 1;
+  unsigned any = 0, every = all;
+  const auto add = [&](unsigned nodes) {
+    any |= nodes & all;
+    every &= nodes;
+  };
+  if (axis == 0) {
+    for (int y = 0; y < kBrickReach; ++y) {
+      add(row[v][y] >> node);
+      add(row[v + 1][y] >> node);
+    }
+  } else if (axis == 1) {
+    add(row[v][node]);
+    add(row[v + 1][node]);
+  } else {
+    add(row[node][v]);
+    add(row[node][v + 1]);
+  }
+  if (any != 0 && every != all) atomicAdd(missing, 1ull);
+}
+
+// The vertex on the edge that node (x, y, z), each at most 8, owns along the axis.
+__device__ std::uint32_t corner_number(const TriangleShared& s, unsigned x, unsigned y, unsigned z,
+                                       unsigned axis) {
+  const VertexRow row = s.rows[(x / kBrickSide) * kRows + z * kBrickReach + y];
+  const std::uint32_t before = s.before[4 * (x % kBrickSide) + axis];
+  return row.first + static_cast<std::uint32_t>(__popc(row.crossed & before));
+}
+
+// The half-edge across a face of the cell; `base` is the first half-edge of the brick.
+__device__ std::uint32_t number_across(const TriangleShared& s, const CaseTable& table,
+                                       std::uint32_t base, unsigned cell, std::uint32_t code) {
+  const unsigned face = code / 4, slot = code % 4, shift = 3 * (face / 2);
+  const bool upper = face % 2 != 0;
+  const unsigned at = cell >> shift & (kBrickSide - 1);
+  const auto entry = static_cast<int>(face ^ 1);
+  if (at == (upper ? kBrickSide - 1u : 0u)) {
+    // The cell's place in the face: its other two coordinates.
+    const unsigned uv = (cell & ((1u << shift) - 1)) | (cell >> (shift + 3)) << shift;
+    return s.beyond_first[face][uv] +
+           table.at_face(s.beyond_case[face][uv], entry, static_cast<int>(slot));
+  }
+  const unsigned beyond = upper ? cell + (1u << shift) : cell - (1u << shift);
+  const MixedCell there = s.cells[beyond];
+  return base + 3 * there.start + table.at_face(there.inside, entry, static_cast<int>(slot));
+}
+
+// A block per brick, from brick `first` on. What lies beyond the faces is needed by half-edges
+// alone.
+template <Connectivity connectivity>
+__global__ void __launch_bounds__(kTriangleThreads)
+    emit_triangles(BrickList list, std::uint32_t first, const TriangleNeighbours* neighbours,
+                   const CaseTable* global_table, DeviceMeshView mesh,
+                   unsigned long long* missing) {
+  __shared__ TriangleShared s;
+  const CaseTable& table = *global_table;
+  const std::uint32_t own = first + blockIdx.x;
+  copy_brick(&list.bricks[own], &s.brick, threadIdx.x, kTriangleThreads);
+  if (threadIdx.x >= kTriangleThreads - kTriangleNeighbours) {
+    const unsigned slot = threadIdx.x - (kTriangleThreads - kTriangleNeighbours);
+    s.near.place[slot] = neighbours[own].place[slot];
+  }
+  __syncthreads();
+  if (s.brick.triangles == 0) return;
+  const auto thread = static_cast<int>(threadIdx.x);
+  constexpr bool half_edges = connectivity == Connectivity::half_edges;
+  if (thread < kOwnRows) {
+    share_own_cells(table, s);
+  } else {
+    count_missing(s, thread - kOwnRows, missing);
+    if constexpr (half_edges) share_cells_beyond(list, table, s, thread - kOwnRows);
+  }
+  share_vertex_rows(list, own, s);
+  __syncthreads();
+  const std::uint64_t before = list.before[own].triangles;
+  const auto base_number = static_cast<std::uint32_t>(3 * before);
+  const std::uint64_t place = 3 * (before - mesh.first_triangle);
+  for (std::uint32_t n = threadIdx.x; n < 3 * s.brick.triangles; n += kTriangleThreads) {
+    const unsigned cell = s.cell_of[n / 3];
+    const MixedCell own_cell = s.cells[cell];
+    const std::uint32_t h = n - 3 * own_cell.start;
+    const PackedHalfEdge edge = table.half_edge[own_cell.inside][h];
+    const unsigned x = cell % kBrickSide, y = cell / kBrickSide % kBrickSide;
+    const unsigned z = cell / kCellsPerFace;
+    mesh.corners[place + n] =
+        corner_number(s, x + static_cast<unsigned>(edge.x()), y + static_cast<unsigned>(edge.y()),
+                      z + static_cast<unsigned>(edge.z()), static_cast<unsigned>(edge.axis()));
+    if constexpr (half_edges) {
+      const std::uint32_t code = edge.across();
+      mesh.opposite[place + n] =
+          code < kFirstFaceCode ? base_number + n - h + code
+                                : number_across(s, table, base_number, cell, code - kFirstFaceCode);
+    }
+  }
+}
+
+}  // namespace
+
+DeviceArray<TriangleNeighbours> find_triangle_neighbours(const KeyList& keys,
+                                                         const Stream& stream) {
+  if (keys.count >= kNoBrick) throw LimitExceeded("more bricks than 32 bits number");
+  DeviceArray<TriangleNeighbours> neighbours(keys.count, stream.get());
+  if (keys.count == 0) return neighbours;
+  constexpr unsigned threads = 128;
+  find_neighbours<<<dim3(blocks_for(keys.count, threads), 6), threads, 0, stream.get()>>>(
+      keys.keys.data(), static_cast<std::uint32_t>(keys.count), neighbours.data());
+  check_launch("find_neighbours");
+  return neighbours;
+}
+
+void emit_triangles_on_device(const BrickList& bricks,
+                              const DeviceArray<TriangleNeighbours>& neighbours,
+                              const BrickRange& range, const DeviceMeshView& mesh,
+                              DeviceEmissionTally* tally, const Stream& stream) {
+  if (range.size() == 0) return;
+  const auto kernel = mesh.opposite != nullptr ? emit_triangles<Connectivity::half_edges>
+                                               : emit_triangles<Connectivity::triangles>;
+  kernel<<<static_cast<unsigned>(range.size()), kTriangleThreads, 0, stream.get()>>>(
+      bricks, static_cast<std::uint32_t>(range.begin), neighbours.data(), case_table_on_device(),
+      mesh, &tally->missing_neighbours);
+  check_launch("emit_triangles");
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,283 @@
+// Vertices, a warp per brick.
+#include <algorithm>
+
+#include "cuda/extract/brick_warp.cuh"
+#include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/union_surface.cuh"
+#include "extract/blended/local_atom.hpp"
+#include "extract/blended/sampled_formulas.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// The place in the list of the brick that a warp works on.
+__device__ std::uint64_t own_brick() {
+  return static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
+}
+
+// What a warp knows of its brick.
+struct WarpBrick {
+  ActiveBrick brick;
+  BrickGeometry geometry;
+  VertexStage stage;
+};
+
+// False where there is nothing to do.
+__device__ bool load_brick(const BrickList& list, ActiveBrick& brick) {
+  if (own_brick() >= list.size) return false;
+  copy_brick(&list.bricks[own_brick()], &brick, threadIdx.x % kWarp, kWarp);
+  __syncwarp();
+  return brick.vertices > 0;
+}
+
+// ---- the union of balls ----
+
+struct UnionShared {
+  WarpBrick own;
+  std::uint32_t places[kNearItems + kWarp];
+  UnionItems items;
+};
+
+__global__ void __launch_bounds__(kBrickThreads)
+    emit_union_vertices(const __grid_constant__ FieldContext f, BrickList list, DeviceMeshView mesh,
+                        unsigned long long* clamped) {
+  __shared__ UnionShared shared[kBrickWarps];
+  UnionShared& s = shared[threadIdx.x / kWarp];
+  WarpBrick& own = s.own;
+  if (!load_brick(list, own.brick)) return;
+  share_geometry(f.model.grid, own.brick.key, own.geometry);
+  const BrickGeometry& g = own.geometry;
+  const std::uint32_t near =
+      gather_by_warp(f, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), s.places,
+                     kNearItems, [&](std::uint32_t count) {
+                       s.items.load(f, g, s.places, count);
+                       return false;
+                     });
+  const UnionItems* const all = near <= kNearItems ? &s.items : nullptr;
+  store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
+            [&](const CrossedEdge& edge) { return union_vertex(f, g, all, near, edge); });
+}
+
+// ---- blended fields ----
+
+// What a vertex needs of an atom.
+struct alignas(16) VertexAtom {
+  float center[3];  // Å, from the brick's node 0
+  float scale;
+  std::int32_t cell[3];  // of its sub-grid
+  std::uint32_t rank;
+};
+
+__device__ VertexAtom vertex_atom(const FieldContext& f, const BrickGeometry& g,
+                                  std::uint32_t place) {
+  const Sphere& atom = f.list.spheres[place];
+  VertexAtom a{};
+  a.scale = static_cast<float>(inverse_square_scale(f.model, atom.radius));
+  a.rank = f.list.rank[place];
+  for (int axis = 0; axis < 3; ++axis) {
+    a.center[axis] = static_cast<float>(atom.center[axis] - g.coordinate[axis][0]);
+    if (f.model.truncation != Truncation::subgrid) continue;
+    a.cell[axis] = static_cast<std::int32_t>(subgrid_cell(f.model.grid, axis, atom.center[axis]));
+  }
+  return a;
+}
+
+// False where the sub-grid of the atom ends before the node.
+__device__ bool reaches_node(const FieldModel& m, const VertexAtom& a, const LatticeNode& node) {
+  if (m.truncation != Truncation::subgrid) return true;
+  bool reaches = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t away = node.index[axis] - 1 - a.cell[axis];
+    reaches &= away >= -m.subgrid_cells && away <= m.subgrid_cells;
+  }
+  return reaches;
+}
+
+// What the atom alone adds to a node. Hardly ever called, so not inlined.
+template <FieldKind kind>
+__device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGeometry& g,
+                                            std::uint32_t place, float scale, const int node[3]) {
+  const NodeShape nodes = node_shape(f.model);
+  const Sphere& atom = f.list.spheres[place];
+  AxisTerm term[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    term[axis] = brick_term<kind>(f.model, nodes, g, atom, scale, axis, node[axis]);
+  }
+  return add_atom<kind>(nodes, row_term<kind>(nodes, term[1], term[2]), term[0], scale, 0.0f);
+}
+
+// `values` are those of the brick's nodes; for_each(visit) calls visit(atom, place) for the atoms
+// that reach the brick, in list order.
+template <FieldKind kind, class ForEach>
+__device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry& g,
+                                     const float* values, const CrossedEdge& edge,
+                                     ForEach&& for_each) {
+  const auto value = [&](const int node[3]) {
+    return values[(node[2] * kBrickReach + node[1]) * kBrickReach + node[0]];
+  };
+  EdgeVertex v =
+      vertex_between(value(edge.inside), value(edge.outside), static_cast<float>(f.model.isovalue),
+                     f.model.grid, edge, g.node(edge.inside[0], edge.inside[1], edge.inside[2]));
+  const Vec3f local = cast<float>(v.position - g.node(0, 0, 0));
+  const LatticeNode inside = lattice_node(g.brick, edge.inside);
+  const ShapeParameters<float> shape = shape_parameters<float>(f.model);
+  LocalGradient gradient;
+  for_each([&](const VertexAtom& a, std::uint32_t place) {
+    const bool reaches = reaches_node(f.model, a, inside);
+    const Vec3f from = local - Vec3f{a.center[0], a.center[1], a.center[2]};
+    // Where it adds nothing to any vertex of the warp, nothing is computed.
+    if (!__any_sync(kAllLanes, reaches && is_in_window<kind>(shape, from, a.scale))) return;
+    if (reaches) add_gradient<kind>(shape, from, a.scale, a.rank, place, gradient);
+  });
+  // Where no atom reaches the vertex, the strongest at its inside end.
+  if (!(gradient.strongest.value > 0)) {
+    for_each([&](const VertexAtom& a, std::uint32_t place) {
+      const float alone = value_at_node<kind>(f, g, place, a.scale, edge.inside);
+      gradient.strongest.meet(alone, a.rank, place);
+    });
+  }
+  v.normal = outward_normal(gradient, v);
+  v.sphere = f.list.id[gradient.strongest.atom];
+  return v;
+}
+
+// Dynamic shared memory: for each warp `room` atoms, enough for every brick, and the places of
+// kWarp more.
+template <FieldKind kind>
+__global__ void __launch_bounds__(kBrickThreads, 16)
+    emit_blended_vertices(const __grid_constant__ FieldContext f, BrickList list,
+                          const float* values, DeviceMeshView mesh, unsigned long long* clamped,
+                          std::uint32_t room) {
+  __shared__ WarpBrick shared[kBrickWarps];
+  extern __shared__ __align__(16) unsigned char dynamic[];
+  const unsigned warp = threadIdx.x / kWarp;
+  auto* const atoms = reinterpret_cast<VertexAtom*>(dynamic) + warp * room;
+  auto* const places = reinterpret_cast<std::uint32_t*>(reinterpret_cast<VertexAtom*>(dynamic) +
+                                                        kBrickWarps * room) +
+                       warp * (room + kWarp);
+  WarpBrick& own = shared[warp];
+  if (!load_brick(list, own.brick)) return;
+  const BrickGeometry& g = own.geometry;
+  share_geometry(f.model.grid, own.brick.key, own.geometry);
+  const std::uint32_t met =
+      gather_by_warp(f, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), places, room,
+                     [&](std::uint32_t count) {
+                       for (std::uint32_t k = threadIdx.x % kWarp; k < count; k += kWarp) {
+                         atoms[k] = vertex_atom(f, g, places[k]);
+                       }
+                       return false;
+                     });
+  const float* const values_of_brick = values + own_brick() * kBrickValues;
+  store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
+            [&](const CrossedEdge& edge) {
+              return blended_vertex<kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
+                for (std::uint32_t k = 0; k < met; ++k) visit(atoms[k], places[k]);
+              });
+            });
+}
+
+// The same with any number of atoms near a brick: every vertex visits the list.
+template <FieldKind kind>
+__global__ void __launch_bounds__(kBrickThreads)
+    emit_crowded_vertices(const __grid_constant__ FieldContext f, BrickList list,
+                          const float* values, DeviceMeshView mesh, unsigned long long* clamped,
+                          std::uint32_t) {
+  __shared__ WarpBrick shared[kBrickWarps];
+  WarpBrick& own = shared[threadIdx.x / kWarp];
+  if (!load_brick(list, own.brick)) return;
+  const BrickGeometry& g = own.geometry;
+  share_geometry(f.model.grid, own.brick.key, own.geometry);
+  const Vec3d lower = g.node(0, 0, 0), upper = g.node(kBrickSide, kBrickSide, kBrickSide);
+  const float* const values_of_brick = values + own_brick() * kBrickValues;
+  store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
+            [&](const CrossedEdge& edge) {
+              return blended_vertex<kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
+                visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
+                  if (!reaches_brick(f.model, g, f.list.spheres[place])) return false;
+                  visit(vertex_atom(f, g, place), place);
+                  return false;
+                });
+              });
+            });
+}
+
+using BlendedKernel = void (*)(FieldContext, BrickList, const float*, DeviceMeshView,
+                               unsigned long long*, std::uint32_t);
+
+// Atoms of a brick that fit in shared memory.
+constexpr std::uint32_t kMostAtoms = 512;
+
+template <FieldKind kind>
+BlendedKernel blended_kernel(std::uint32_t most_atoms) {
+  return most_atoms <= kMostAtoms ? emit_blended_vertices<kind> : emit_crowded_vertices<kind>;
+}
+
+BlendedKernel blended_kernel_of(FieldKind kind, std::uint32_t most_atoms) {
+  if (kind == FieldKind::blinn) return blended_kernel<FieldKind::blinn>(most_atoms);
+  if (kind == FieldKind::soft_object) return blended_kernel<FieldKind::soft_object>(most_atoms);
+  return blended_kernel<FieldKind::inverse_squared>(most_atoms);
+}
+
+// ---- sampled fields ----
+
+template <Normals normals>
+__global__ void __launch_bounds__(kBrickThreads, normals == Normals::none ? 24 : 16)
+    emit_sampled_vertices(SampledFieldView field, BrickList list, DeviceMeshView mesh,
+                          unsigned long long* clamped) {
+  __shared__ ActiveBrick bricks[kBrickWarps];
+  __shared__ VertexStage stages[kBrickWarps];
+  const unsigned warp = threadIdx.x / kWarp;
+  if (!load_brick(list, bricks[warp])) return;
+  const BrickIndex index = brick_of_key(bricks[warp].key);
+  store_all(bricks[warp], list.before[own_brick()].vertices, stages[warp], mesh, clamped,
+            [&](const CrossedEdge& edge) {
+              const LatticeNode inside = lattice_node(index, edge.inside);
+              Vec3d node{};
+              for (int axis = 0; axis < 3; ++axis) {
+                node[axis] = lattice_coordinate(field.grid, axis, inside.index[axis]);
+              }
+              EdgeVertex v = sampled_vertex(field, index, edge, node);
+              if constexpr (normals == Normals::gradients) {
+                v.normal = sampled_normal(field, index, edge, v);
+              }
+              return v;
+            });
+}
+
+}  // namespace
+
+void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
+                             std::uint32_t most_atoms, const float* values,
+                             const DeviceMeshView& mesh, unsigned long long* clamped,
+                             const Stream& stream) {
+  if (bricks.size == 0) return;
+  const unsigned blocks = blocks_for(bricks.size, kBrickWarps);
+  if (f.model.kind == FieldKind::vdw) {
+    emit_union_vertices<<<blocks, kBrickThreads, 0, stream.get()>>>(f, bricks, mesh, clamped);
+    check_launch("emit_union_vertices");
+    return;
+  }
+  const BlendedKernel kernel = blended_kernel_of(f.model.kind, most_atoms);
+  const std::uint32_t room = std::min(most_atoms, kMostAtoms);
+  const std::size_t bytes =
+      kBrickWarps * (room * sizeof(VertexAtom) + (room + kWarp) * sizeof(std::uint32_t));
+  check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                  static_cast<int>(bytes)),
+             "shared memory");
+  kernel<<<blocks, kBrickThreads, bytes, stream.get()>>>(f, bricks, values, mesh, clamped, room);
+  check_launch("emit_blended_vertices");
+}
+
+void emit_sampled_vertices_on_device(const SampledFieldView& field, const CountedBricks& counted,
+                                     const DeviceMeshView& mesh, unsigned long long* clamped,
+                                     const Stream& stream) {
+  const BrickList bricks = counted.list();
+  if (bricks.size == 0) return;
+  const auto kernel = mesh.normals ? emit_sampled_vertices<Normals::gradients>
+                                   : emit_sampled_vertices<Normals::none>;
+  kernel<<<blocks_for(bricks.size, kBrickWarps), kBrickThreads, 0, stream.get()>>>(field, bricks,
+                                                                                   mesh, clamped);
+  check_launch("emit_sampled_vertices");
+}
+
+}  // namespace vdwmesh

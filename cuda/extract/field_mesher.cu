@@ -1,0 +1,222 @@
+// Marching cubes over a field in device memory: the field is streamed once into a bit per node, and
+// all that follows sees bits, except for the values at the ends of crossed edges.
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/transform_iterator.h>
+
+#include <cub/device/device_select.cuh>
+
+#include "cuda/extract/brick_warp.cuh"
+#include "cuda/extract/mesh_bricks.cuh"
+#include "cuda/memory/cub_calls.cuh"
+#include "extract/blended/sampled_formulas.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kThreads = 256;
+constexpr int kBricksPerWord = 4;
+
+// Bit i of word w of a row of nodes: lattice node 32 w + i of it is inside. Virtual nodes within a
+// row are 0; rows of virtual nodes are not stored.
+struct SignGrid {
+  std::int64_t words;          // per row
+  std::int64_t height, depth;  // rows along y and z
+  std::int32_t bricks[3];
+
+  __host__ __device__ std::int64_t size() const { return words * height * depth; }
+  __host__ __device__ std::int64_t brick_total() const {
+    return static_cast<std::int64_t>(bricks[0]) * bricks[1] * bricks[2];
+  }
+};
+
+SignGrid sign_grid(const GridSpec& grid) {
+  SignGrid g{};
+  for (int axis = 0; axis < 3; ++axis) g.bricks[axis] = brick_count(grid.cells[axis]);
+  g.words = (g.bricks[0] + kBricksPerWord - 1) / kBricksPerWord;
+  g.height = grid.cells.y + 1;
+  g.depth = grid.cells.z + 1;
+  return g;
+}
+
+// A warp per row of nodes; eight words at a time keep enough reads in flight. Reads begin where the
+// row does, so that they fall on whole lines; bits move up by one, past the virtual node.
+__global__ void __launch_bounds__(kThreads)
+    pack_signs(SampledFieldView field, SignGrid grid, std::uint32_t* words) {
+  constexpr int at_once = 8;
+  const unsigned lane = threadIdx.x % kWarp;
+  const std::int64_t row = (static_cast<std::int64_t>(blockIdx.x) * kThreads + threadIdx.x) / kWarp;
+  if (row >= grid.height * grid.depth) return;
+  const std::int64_t width = field.grid.cells.x + 1;
+  const float* const values = field.values + row * width;
+  std::uint32_t before = 0;  // the word before
+  for (std::int64_t first = 0; first < grid.words; first += at_once) {
+    float value[at_once];
+#pragma unroll
+    for (int w = 0; w < at_once; ++w) {
+      const std::int64_t node = kWarp * (first + w) + lane;
+      // Not a number: outside.
+      value[w] = node < width ? __ldcs(values + node) : __int_as_float(0x7fc00000);
+    }
+    std::uint32_t own = 0;
+#pragma unroll
+    for (int w = 0; w < at_once; ++w) {
+      const std::uint32_t word = __ballot_sync(kAllLanes, value[w] >= field.isovalue);
+      if (lane == static_cast<unsigned>(w)) own = word;
+    }
+    const std::uint32_t lower = __shfl_up_sync(kAllLanes, own, 1);
+    const std::uint32_t moved = __funnelshift_l(lane == 0 ? before : lower, own, 1);
+    before = __shfl_sync(kAllLanes, own, at_once - 1);
+    if (lane < at_once && first + lane < grid.words) words[row * grid.words + first + lane] = moved;
+  }
+}
+
+// A thread per word of four bricks: whether the nodes that a brick's cells touch are of both signs.
+// The next brick's first node along x is in the next thread's word; so blocks overlap by a thread.
+__global__ void __launch_bounds__(kThreads)
+    find_mixed(SignGrid grid, const std::uint32_t* words, std::uint8_t* mixed) {
+  __shared__ std::uint32_t any_next[kThreads], all_next[kThreads];
+  const std::int64_t i = static_cast<std::int64_t>(blockIdx.x) * (kThreads - 1) + threadIdx.x;
+  const std::int64_t w = i % grid.words, by = i / grid.words % grid.bricks[1];
+  const std::int64_t bz = i / grid.words / grid.bricks[1];
+  std::uint32_t any = 0, all = bz < grid.bricks[2] ? ~0u : 0u;
+  for (int z = 0; z < kBrickReach && bz < grid.bricks[2]; ++z) {
+    const std::int64_t node_z = bz * kBrickSide + z - 1;
+#pragma unroll
+    for (int y = 0; y < kBrickReach; ++y) {
+      const std::int64_t node_y = by * kBrickSide + y - 1;
+      const bool real = node_z >= 0 && node_z < grid.depth && node_y >= 0 && node_y < grid.height;
+      const std::uint32_t word =
+          real ? words[(node_z * grid.height + node_y) * grid.words + w] : 0u;
+      any |= word;
+      all &= word;
+    }
+  }
+  any_next[threadIdx.x] = any;
+  all_next[threadIdx.x] = all;
+  __syncthreads();
+  if (threadIdx.x == kThreads - 1 || bz >= grid.bricks[2]) return;
+  const bool last = w + 1 == grid.words;
+  const std::uint64_t any_bits =
+      any | static_cast<std::uint64_t>(last ? 0 : any_next[threadIdx.x + 1]) << 32;
+  const std::uint64_t all_bits =
+      all | static_cast<std::uint64_t>(last ? 0 : all_next[threadIdx.x + 1]) << 32;
+  constexpr std::uint64_t nodes = (1u << kBrickReach) - 1;
+  for (int b = 0; b < kBricksPerWord; ++b) {
+    const std::int64_t bx = w * kBricksPerWord + b;
+    if (bx >= grid.bricks[0]) return;
+    const bool some = (any_bits >> (kBrickSide * b) & nodes) != 0;
+    const bool full = (all_bits >> (kBrickSide * b) & nodes) == nodes;
+    mixed[(bz * grid.bricks[1] + by) * grid.bricks[0] + bx] = some && !full ? 1 : 0;
+  }
+}
+
+struct KeyOfBrick {
+  std::int32_t width, height;
+
+  __host__ __device__ std::uint64_t operator()(std::int64_t i) const {
+    return brick_key({static_cast<std::int32_t>(i % width),
+                      static_cast<std::int32_t>(i / width % height),
+                      static_cast<std::int32_t>(i / width / height)});
+  }
+};
+
+KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, std::uint64_t most,
+                     const Stream& stream) {
+  const auto bricks = static_cast<std::size_t>(grid.brick_total());
+  const DeviceArray<std::uint8_t> mixed(bricks, stream.get());
+  const std::int64_t row_words = grid.words * grid.bricks[1] * grid.bricks[2];
+  find_mixed<<<blocks_for(static_cast<std::uint64_t>(row_words), kThreads - 1), kThreads, 0,
+               stream.get()>>>(grid, words, mixed.data());
+  check_launch("find_mixed");
+  KeyList result;
+  result.keys = DeviceArray<std::uint64_t>(bricks, stream.get());
+  const DeviceArray<std::uint64_t> count(1, stream.get());
+  const auto keys = thrust::make_transform_iterator(thrust::make_counting_iterator(std::int64_t{0}),
+                                                    KeyOfBrick{grid.bricks[0], grid.bricks[1]});
+  run_cub("select", stream.get(), [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceSelect::Flagged(scratch, bytes, keys, mixed.data(), result.keys.data(),
+                                      count.data(), static_cast<std::int64_t>(bricks),
+                                      stream.get());
+  });
+  result.count = fetch(count.data(), stream);
+  if (result.count > most) {
+    throw LimitExceeded("the surface crosses " + std::to_string(result.count) +
+                        " bricks of 8 x 8 x 8 nodes; at most " + std::to_string(most) +
+                        " fit in the memory allowed");
+  }
+  return result;
+}
+
+// The bits of nodes 0 .. 8 of a brick's row.
+__device__ std::uint32_t row_signs(const SignGrid& grid, const std::uint32_t* words,
+                                   const BrickIndex& brick, int y, int z) {
+  const std::int64_t node_y = lattice_index(brick.y, y) - 1;
+  const std::int64_t node_z = lattice_index(brick.z, z) - 1;
+  if (node_y < 0 || node_y >= grid.height || node_z < 0 || node_z >= grid.depth) return 0;
+  const std::int64_t w = brick.x / kBricksPerWord;
+  const int shift = brick.x % kBricksPerWord * kBrickSide;
+  const std::uint32_t* const word = words + (node_z * grid.height + node_y) * grid.words + w;
+  std::uint32_t bits = *word >> shift;
+  if (shift + kBrickSide == 32 && w + 1 < grid.words) bits |= word[1] << kBrickSide;
+  return bits & ((1u << kBrickReach) - 1);
+}
+
+// A warp per brick.
+__global__ void __launch_bounds__(kBrickThreads)
+    count_sampled(GridSpec spec, SignGrid grid, const std::uint32_t* words,
+                  const std::uint64_t* keys, std::uint64_t size, const CaseTable* table,
+                  ActiveBrick* bricks, BrickCounts counts) {
+  __shared__ ActiveBrick shared[kBrickWarps];
+  __shared__ BrickGeometry geometry[kBrickWarps];
+  const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
+  const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + warp;
+  if (i >= size) return;
+  ActiveBrick& brick = shared[warp];
+  const BrickIndex index = brick_of_key(keys[i]);
+  for (unsigned row = lane; row < kRows; row += kWarp) {
+    const auto y = static_cast<int>(row) % kBrickReach, z = static_cast<int>(row) / kBrickReach;
+    brick.signs.row[z][y] = static_cast<std::uint16_t>(row_signs(grid, words, index, y, z));
+  }
+  if (lane == 0) brick.key = keys[i];
+  share_geometry(spec, keys[i], geometry[warp]);
+  count_brick(geometry[warp], *table, brick);
+  __syncwarp();
+  store_count(brick, i, bricks, counts);
+}
+
+}  // namespace
+
+DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
+                                      const Stream& stream) {
+  DeviceExtraction result;
+  StageMarks marks(stream.get());
+  begin_stage(options.monitor, "field", 2);
+  const SignGrid grid = sign_grid(field.grid);
+  require_device_memory(static_cast<std::uint64_t>(grid.size()) * sizeof(std::uint32_t) +
+                            static_cast<std::uint64_t>(grid.brick_total()) * 9,
+                        "a bit per node", options.device_memory);
+  const DeviceArray<std::uint32_t> words(static_cast<std::size_t>(grid.size()), stream.get());
+  pack_signs<<<blocks_for(static_cast<std::uint64_t>(grid.height * grid.depth) * kWarp, kThreads),
+               kThreads, 0, stream.get()>>>(field, grid, words.data());
+  check_launch("pack_signs");
+  const KeyList candidates =
+      mixed_bricks(grid, words.data(), options.memory_limit / sizeof(ActiveBrick), stream);
+  marks.mark();
+  advance(options.monitor, 1);
+  const BrickKernels kernels{
+      [&](ActiveBrick* bricks, const BrickCounts& counts) {
+        if (candidates.count == 0) return;
+        count_sampled<<<blocks_for(candidates.count, kBrickWarps), kBrickThreads, 0,
+                        stream.get()>>>(field.grid, grid, words.data(), candidates.keys.data(),
+                                        candidates.count, case_table_on_device(), bricks, counts);
+        check_launch("count_sampled");
+      },
+      [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {
+        emit_sampled_vertices_on_device(field, counted, mesh, clamped, stream);
+      }};
+  mesh_bricks_on_device(candidates, field.grid.spacing, kernels, LabelWidth::none, options, result,
+                        marks, stream);
+  return result;
+}
+
+}  // namespace vdwmesh

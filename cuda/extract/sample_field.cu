@@ -1,0 +1,144 @@
+// A blended field at every node of a grid: a warp per brick, two rows of nodes a lane.
+#include "cuda/extract/brick_warp.cuh"
+#include "cuda/extract/node_atoms.cuh"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kBlockBricks = 4;  // side by side, so that they write whole lines together
+constexpr unsigned kBlockThreads = kBlockBricks * kWarp;
+constexpr int kRowsApart = kBrickSide / 2;
+
+using SampleAtom = NodeAtom<kBrickSide>;
+
+struct SampleShared {
+  BrickIndex brick;
+  double coordinate[3][kBrickSide];
+  AtomStage stage;
+  union {
+    SampleAtom atoms[kAtomChunk];
+    float values[kOwnRows][kBrickSide];
+  };
+};
+
+// Bricks along the axes in blocks, those of a block side by side along x.
+dim3 blocks_of(const GridSpec& grid) {
+  constexpr std::int32_t side = kBlockBricks, most = 65535;
+  const std::int32_t height = brick_count(grid.cells.y), depth = brick_count(grid.cells.z);
+  if (height > most || depth > most) {
+    throw LimitExceeded("a field at every node: more than 65535 bricks along y or z");
+  }
+  return dim3(static_cast<unsigned>((brick_count(grid.cells.x) + side - 1) / side),
+              static_cast<unsigned>(height), static_cast<unsigned>(depth));
+}
+
+// By one warp, which it leaves synchronised.
+__device__ void share_nodes(const GridSpec& grid, SampleShared& s) {
+  const BrickIndex brick{static_cast<std::int32_t>(blockIdx.x * kBlockBricks + threadIdx.x / kWarp),
+                         static_cast<std::int32_t>(blockIdx.y),
+                         static_cast<std::int32_t>(blockIdx.z)};
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const int axis = lane / kBrickSide, node = lane % kBrickSide;
+  const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
+  if (lane == 0) s.brick = brick;
+  if (axis < 3)
+    s.coordinate[axis][node] = lattice_coordinate(grid, axis, lattice_index(index, node));
+  __syncwarp();
+}
+
+// The rows (y, z) and (y, z + kRowsApart) of a lane.
+struct RowPair {
+  int y, z;
+  float low[kBrickSide] = {}, high[kBrickSide] = {};
+};
+
+// Adds an atom to a row, where it reaches that of any lane.
+template <FieldKind kind>
+__device__ void add_to_row(const NodeShape& nodes, const SampleAtom& atom, float scale,
+                           const RowTerm& term, float (&row)[kBrickSide]) {
+  if (__all_sync(kAllLanes, row_is_out_of_reach<kind>(nodes, term))) return;
+  const auto* const pairs = reinterpret_cast<const float4*>(atom.term[0]);
+#pragma unroll
+  for (int x = 0; x < kBrickSide; x += 2) {
+    const float4 pair = pairs[x / 2];
+    row[x] = add_atom<kind>(nodes, term, {pair.x, pair.y}, scale, row[x]);
+    row[x + 1] = add_atom<kind>(nodes, term, {pair.z, pair.w}, scale, row[x + 1]);
+  }
+}
+
+template <FieldKind kind>
+__device__ void add_atoms(const NodeShape& nodes, const SampleShared& s, std::uint32_t count,
+                          RowPair& rows) {
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const SampleAtom& atom = s.atoms[k];
+    const AxisTerm y = atom.term[1][rows.y];
+    const RowTerm low = row_term<kind>(nodes, y, atom.term[2][rows.z]);
+    const RowTerm high = row_term<kind>(nodes, y, atom.term[2][rows.z + kRowsApart]);
+    add_to_row<kind>(nodes, atom, s.stage.scale[k], low, rows.low);
+    add_to_row<kind>(nodes, atom, s.stage.scale[k], high, rows.high);
+  }
+}
+
+// Writes the nodes that the grid has, four rows at a time.
+__device__ void store_rows(const GridSpec& grid, const RowPair& rows, SampleShared& s,
+                           float* values) {
+  __syncwarp();
+  const int low = rows.z * kBrickSide + rows.y, high = low + kRowsApart * kBrickSide;
+#pragma unroll
+  for (int x = 0; x < kBrickSide; ++x) {
+    s.values[low][x] = rows.low[x];
+    s.values[high][x] = rows.high[x];
+  }
+  __syncwarp();
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const std::int64_t width = grid.cells.x + 1, height = grid.cells.y + 1;
+  const std::int64_t nx = lattice_index(s.brick.x, lane % kBrickSide) - 1;
+  if (nx < 0 || nx >= width) return;
+#pragma unroll 4
+  for (int row = lane / kBrickSide; row < kOwnRows; row += static_cast<int>(kWarp) / kBrickSide) {
+    const std::int64_t ny = lattice_index(s.brick.y, row % kBrickSide) - 1;
+    const std::int64_t nz = lattice_index(s.brick.z, row / kBrickSide) - 1;
+    if (ny < 0 || ny >= height || nz < 0 || nz > grid.cells.z) continue;
+    values[(nz * height + ny) * width + nx] = s.values[row][lane % kBrickSide];
+  }
+}
+
+template <FieldKind kind>
+__global__ void __launch_bounds__(kBlockThreads, 8)
+    sample_bricks(const __grid_constant__ FieldContext f, float* values) {
+  __shared__ SampleShared shared[kBlockBricks];
+  SampleShared& s = shared[threadIdx.x / kWarp];
+  const NodeShape nodes = node_shape(f.model);
+  share_nodes(f.model.grid, s);
+  constexpr int end = kBrickSide - 1;
+  const Vec3d lower{s.coordinate[0][0], s.coordinate[1][0], s.coordinate[2][0]};
+  const Vec3d upper{s.coordinate[0][end], s.coordinate[1][end], s.coordinate[2][end]};
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  RowPair rows{lane % kBrickSide, lane / kBrickSide};
+  gather_by_warp(f, lower, upper, s.stage.waiting, kAtomChunk, [&](std::uint32_t count) {
+    share_terms<kind>(f, nodes, count, s.brick, s.coordinate, s.stage, s.atoms);
+    add_atoms<kind>(nodes, s, count, rows);
+    return false;
+  });
+  store_rows(f.model.grid, rows, s, values);
+}
+
+using SampleKernel = void (*)(FieldContext, float*);
+
+SampleKernel kernel_of(FieldKind kind) {
+  if (kind == FieldKind::blinn) return sample_bricks<FieldKind::blinn>;
+  if (kind == FieldKind::soft_object) return sample_bricks<FieldKind::soft_object>;
+  return sample_bricks<FieldKind::inverse_squared>;
+}
+
+}  // namespace
+
+void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
+                            const Stream& stream) {
+  const SampleKernel kernel = kernel_of(model.kind);
+  const DeviceField field(list, model, stream);
+  kernel<<<blocks_of(model.grid), kBlockThreads, 0, stream.get()>>>(field.context(), values);
+  check_launch("sample_bricks");
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,91 @@
+// The union of balls seen from one brick by a warp: node signs, and the vertex on an edge. The
+// device counterpart of UnionBrick.
+#pragma once
+
+#include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/ordered_gather.cuh"
+#include "extract/blended/edge_formulas.hpp"
+#include "extract/bricks/brick_geometry.hpp"
+#include "extract/bricks/edge_vertex.hpp"
+
+namespace vdwmesh {
+
+inline constexpr std::uint32_t kNearItems = 64;
+
+// A brick's balls in shared memory.
+struct UnionItems {
+  Sphere ball[kNearItems];
+  std::uint32_t rank[kNearItems], place[kNearItems];
+  // Centre from the brick's node 0, Å; squared distance from which an edge may touch it, Å².
+  float4 rough[kNearItems];
+
+  // By one warp, which synchronises after it.
+  __device__ void load(const FieldContext& f, const BrickGeometry& g, const std::uint32_t* places,
+                       std::uint32_t count) {
+    for (std::uint32_t k = threadIdx.x % kWarp; k < count; k += kWarp) {
+      const Sphere own = f.list.spheres[places[k]];
+      ball[k] = own;
+      rank[k] = f.list.rank[places[k]];
+      place[k] = places[k];
+      const Vec3d from = own.center - g.node(0, 0, 0);
+      const auto radius = static_cast<float>(own.radius);
+      // Of lengths up to this, single precision errs less than 1e-5 of its square.
+      const float extent = radius + 2 * kBrickReach * static_cast<float>(f.model.grid.spacing);
+      rough[k] = {static_cast<float>(from.x), static_cast<float>(from.y),
+                  static_cast<float>(from.z), fmaf(1e-5f * extent, extent, radius * radius)};
+    }
+  }
+};
+
+// Bit k: ball k may touch the edge. Single precision, so some are taken that do not.
+__device__ inline std::uint64_t balls_near_edge(const UnionItems& items, std::uint32_t count,
+                                                const BrickGeometry& g, const CrossedEdge& edge,
+                                                float spacing) {
+  const Vec3d node = g.node(edge.inside[0], edge.inside[1], edge.inside[2]) - g.node(0, 0, 0);
+  const Vec3f middle = cast<float>(point_on_edge(edge, node, 0.5 * static_cast<double>(spacing)));
+  const float half[3] = {edge.axis == 0 ? 0.5f * spacing : 0.0f,
+                         edge.axis == 1 ? 0.5f * spacing : 0.0f,
+                         edge.axis == 2 ? 0.5f * spacing : 0.0f};
+  std::uint64_t near = 0;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const float4 ball = items.rough[k];
+    const float x = fmaxf(fabsf(ball.x - middle.x) - half[0], 0.0f);
+    const float y = fmaxf(fabsf(ball.y - middle.y) - half[1], 0.0f);
+    const float z = fmaxf(fabsf(ball.z - middle.z) - half[2], 0.0f);
+    if (fmaf(x, x, fmaf(y, y, z * z)) <= ball.w) near |= std::uint64_t{1} << k;
+  }
+  return near;
+}
+
+// The vertex on a crossed edge. `items` are all balls near the brick; null when they do not fit,
+// then the list is searched.
+__device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeometry& g,
+                                          const UnionItems* items, std::uint32_t count,
+                                          const CrossedEdge& edge) {
+  const double spacing = f.model.grid.spacing;
+  const Vec3d node = g.node(edge.inside[0], edge.inside[1], edge.inside[2]);
+  const Vec3d far = g.node(edge.outside[0], edge.outside[1], edge.outside[2]);
+  const Vec3d& lower = edge.direction > 0 ? node : far;
+  const Vec3d& upper = edge.direction > 0 ? far : node;
+  const std::uint64_t near =
+      items ? balls_near_edge(*items, count, g, edge, static_cast<float>(spacing)) : 0;
+  const auto for_each = [&](auto&& visit) {
+    if (items) {
+      for (std::uint64_t left = near; left != 0; left &= left - 1) {
+        const int k = __ffsll(static_cast<long long>(left)) - 1;
+        visit(items->ball[k], items->rank[k], items->place[k]);
+      }
+    } else {
+      visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
+        visit(f.list.spheres[place], f.list.rank[place], place);
+        return false;
+      });
+    }
+  };
+  const EdgePoint exit = first_exit(node, edge.axis, edge.direction, spacing, for_each);
+  const Vec3d p = point_on_edge(edge, node, exit.distance);
+  const Vec3f normal = unit_or(p - f.list.spheres[exit.owner].center, edge_direction(edge));
+  return {p, normal, f.list.id[exit.owner], exit.clamped};
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,62 @@
+#include <mutex>
+
+#include "cuda/memory/device.cuh"
+#include "cuda/memory/device_memory.cuh"
+
+namespace vdwmesh {
+namespace {
+
+// Never destroyed: at the end of the process the driver may be gone before it.
+struct FreePlaces {
+  std::mutex mutex;
+  std::vector<std::unique_ptr<StagingBuffer>> places;
+};
+FreePlaces& free_places() {
+  static auto* const all = new FreePlaces;
+  return *all;
+}
+
+}  // namespace
+
+void* allocate_on_device(std::size_t bytes, cudaStream_t stream) {
+  void* memory = nullptr;
+  cudaError_t status = cudaMallocAsync(&memory, bytes, stream);
+  if (status == cudaErrorMemoryAllocation) {
+    cudaGetLastError();
+    check_cuda(cudaStreamSynchronize(stream), "waiting for the device");
+    check_cuda(cudaMemPoolTrimTo(current_memory_pool(), 0), "memory pool");
+    status = cudaMallocAsync(&memory, bytes, stream);
+  }
+  check_cuda(status, "device memory");
+  return memory;
+}
+
+StagingBuffer::StagingBuffer(std::size_t bytes) {
+  const cudaError_t status = cudaHostAlloc(&locked_, bytes, cudaHostAllocPortable);
+  if (status == cudaSuccess) return;
+  cudaGetLastError();
+  locked_ = nullptr;
+  if (status != cudaErrorMemoryAllocation) check_cuda(status, "page-locked memory");
+  ordinary_ = std::make_unique_for_overwrite<std::byte[]>(bytes);
+}
+
+StagingBuffer::~StagingBuffer() {
+  if (locked_ != nullptr) cudaFreeHost(locked_);
+}
+
+FetchPlace::Place FetchPlace::take() {
+  FreePlaces& all = free_places();
+  const std::lock_guard lock(all.mutex);
+  if (all.places.empty()) return std::make_unique<StagingBuffer>(kFetchBytes);
+  Place place = std::move(all.places.back());
+  all.places.pop_back();
+  return place;
+}
+
+void FetchPlace::give_back(Place place) {
+  FreePlaces& all = free_places();
+  const std::lock_guard lock(all.mutex);
+  all.places.push_back(std::move(place));
+}
+
+}  // namespace vdwmesh

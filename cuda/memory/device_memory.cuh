@@ -1,0 +1,204 @@
+// Owners of device memory, streams and events.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "cuda/memory/check.hpp"
+
+namespace vdwmesh {
+
+class Stream {
+ public:
+  Stream() { check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "stream"); }
+  ~Stream() { cudaStreamDestroy(stream_); }
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+
+  cudaStream_t get() const { return stream_; }
+  void wait() const { check_cuda(cudaStreamSynchronize(stream_), "waiting for the device"); }
+
+ private:
+  cudaStream_t stream_ = nullptr;
+};
+
+// Bytes from the pool of the current device, in stream order. When they cannot be had at once, what
+// the pool keeps for later is given back to the driver and they are asked for again: the pool may
+// hold enough, in pieces that are too small. Throws DeviceMemoryExceeded.
+void* allocate_on_device(std::size_t bytes, cudaStream_t stream);
+
+// An array in device memory, taken from the device's pool in stream order.
+template <class T>
+class DeviceArray {
+ public:
+  DeviceArray() = default;
+  DeviceArray(std::size_t size, cudaStream_t stream) : size_(size), stream_(stream) {
+    if (size > 0) data_ = static_cast<T*>(allocate_on_device(size * sizeof(T), stream));
+  }
+  ~DeviceArray() {
+    if (data_) cudaFreeAsync(data_, stream_);
+  }
+  DeviceArray(DeviceArray&& other) noexcept { swap(other); }
+  DeviceArray& operator=(DeviceArray&& other) noexcept {
+    DeviceArray taken(std::move(other));
+    swap(taken);
+    return *this;
+  }
+
+  T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  std::size_t bytes() const { return size_ * sizeof(T); }
+
+ private:
+  void swap(DeviceArray& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    std::swap(stream_, other.stream_);
+  }
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+  cudaStream_t stream_ = nullptr;
+};
+
+template <class T>
+void clear(const DeviceArray<T>& array, cudaStream_t stream) {
+  if (array.size() > 0) {
+    check_cuda(cudaMemsetAsync(array.data(), 0, array.bytes(), stream), "clearing device memory");
+  }
+}
+
+template <class T>
+DeviceArray<T> upload(const T* host, std::size_t size, cudaStream_t stream) {
+  DeviceArray<T> device(size, stream);
+  if (size > 0) {
+    check_cuda(
+        cudaMemcpyAsync(device.data(), host, size * sizeof(T), cudaMemcpyHostToDevice, stream),
+        "upload");
+  }
+  return device;
+}
+
+// Memory of the host into which copies from the device go. Its pages are locked, so that the device
+// writes them without a copy by the driver. Where the system grants no more locked pages it is
+// ordinary memory: slower, and the same bytes arrive. Throws std::bad_alloc.
+class StagingBuffer {
+ public:
+  explicit StagingBuffer(std::size_t bytes);
+  ~StagingBuffer();
+  StagingBuffer(const StagingBuffer&) = delete;
+  StagingBuffer& operator=(const StagingBuffer&) = delete;
+
+  void* data() const { return locked_ != nullptr ? locked_ : ordinary_.get(); }
+
+ private:
+  void* locked_ = nullptr;
+  std::unique_ptr<std::byte[]> ordinary_;
+};
+
+// A staging buffer for one fetch. Given back, it waits for the next one: locking takes far longer
+// than fetching.
+inline constexpr std::size_t kFetchBytes = 4096;
+class FetchPlace {
+ public:
+  FetchPlace() : place_(take()) {}
+  ~FetchPlace() { give_back(std::move(place_)); }
+  FetchPlace(const FetchPlace&) = delete;
+  FetchPlace& operator=(const FetchPlace&) = delete;
+  void* data() const { return place_->data(); }
+
+ private:
+  using Place = std::unique_ptr<StagingBuffer>;
+  static Place take();
+  static void give_back(Place place);
+
+  Place place_;
+};
+
+// One value from the device; waits for it.
+template <class T>
+T fetch(const T* device, const Stream& stream) {
+  static_assert(sizeof(T) <= kFetchBytes && std::is_trivially_copyable_v<T>);
+  const FetchPlace place;
+  check_cuda(cudaMemcpyAsync(place.data(), device, sizeof(T), cudaMemcpyDeviceToHost, stream.get()),
+             "download");
+  stream.wait();
+  T value{};
+  std::memcpy(&value, place.data(), sizeof(T));
+  return value;
+}
+
+class Event {
+ public:
+  explicit Event(unsigned flags = cudaEventDefault) {
+    check_cuda(cudaEventCreateWithFlags(&event_, flags), "event");
+  }
+  ~Event() {
+    if (event_ != nullptr) cudaEventDestroy(event_);
+  }
+  Event(Event&& other) noexcept : event_(std::exchange(other.event_, nullptr)) {}
+  Event& operator=(Event&&) = delete;
+
+  cudaEvent_t get() const { return event_; }
+  void record(cudaStream_t stream) const { check_cuda(cudaEventRecord(event_, stream), "event"); }
+  void wait() const { check_cuda(cudaEventSynchronize(event_), "event"); }
+
+ private:
+  cudaEvent_t event_ = nullptr;
+};
+
+inline float milliseconds_between(const Event& start, const Event& stop) {
+  float milliseconds = 0;
+  check_cuda(cudaEventElapsedTime(&milliseconds, start.get(), stop.get()), "event");
+  return milliseconds;
+}
+
+// Milliseconds between marks on a stream.
+class StageClock {
+ public:
+  explicit StageClock(cudaStream_t stream) : stream_(stream) { restart(); }
+
+  void restart() { start_.record(stream_); }
+  // Waits for the work so far and starts anew.
+  float lap() {
+    stop_.record(stream_);
+    stop_.wait();
+    const float milliseconds = milliseconds_between(start_, stop_);
+    restart();
+    return milliseconds;
+  }
+
+ private:
+  cudaStream_t stream_;
+  Event start_, stop_;
+};
+
+// Marks on a stream whose times are asked for later, so that marking waits for nothing.
+class StageMarks {
+ public:
+  explicit StageMarks(cudaStream_t stream) : stream_(stream) { mark(); }
+
+  void mark() { events_.emplace_back().record(stream_); }
+  // ms between marks i and i + 1, the first being the construction; waits for them.
+  float stage(std::size_t i) const {
+    events_.at(i + 1).wait();
+    return milliseconds_between(events_.at(i), events_.at(i + 1));
+  }
+
+ private:
+  cudaStream_t stream_;
+  std::vector<Event> events_;
+};
+
+inline unsigned blocks_for(std::uint64_t items, unsigned threads) {
+  return static_cast<unsigned>((items + threads - 1) / threads);
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,114 @@
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include "cuda/extract/extract_stages.cuh"
+#include "cuda/memory/device.cuh"
+#include "cuda/memory/download.cuh"
+
+namespace vdwmesh {
+
+DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
+    : spheres_(upload(host.spheres, host.size, stream)),
+      rank_(upload(host.rank, host.size, stream)),
+      id_(upload(host.id, host.size, stream)),
+      view_(host) {
+  for (int l = 0; l < host.level_count; ++l) {
+    const CellListView::Level& level = host.levels[l];
+    const std::size_t cells = static_cast<std::size_t>(level.cells[0]) *
+                              static_cast<std::size_t>(level.cells[1]) *
+                              static_cast<std::size_t>(level.cells[2]);
+    cell_start_.push_back(upload(level.cell_start, cells + 1, stream));
+    view_.levels[l].cell_start = cell_start_.back().data();
+  }
+  view_.spheres = spheres_.data();
+  view_.rank = rank_.data();
+  view_.id = id_.data();
+}
+
+DeviceMesh::DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
+                       LabelWidth width, Normals with_normals, Connectivity connectivity)
+    : positions(vertices, stream),
+      normals(with_normals == Normals::gradients ? vertices : 0, stream),
+      vertex_spheres{DeviceArray<SphereId>(width == LabelWidth::none ? 0 : vertices, stream),
+                     DeviceArray<OtherSpheres>(width == LabelWidth::three ? vertices : 0, stream)},
+      corners(3 * triangles, stream),
+      opposite(connectivity == Connectivity::half_edges ? 3 * triangles : 0, stream) {}
+
+DeviceMeshView DeviceMesh::view() const {
+  return {positions.data(), normals.data(), vertex_spheres.view(), corners.data(),
+          opposite.data(),  vertex_count(), triangle_count(),      triangle_spheres.data()};
+}
+
+IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream) {
+  IndexedMesh host;
+  make_room(
+      host, {mesh.vertices, mesh.triangles},
+      {.connectivity = connectivity,
+       .labels = mesh.triangle_spheres != nullptr ? TriangleLabels::spheres : TriangleLabels::none,
+       .normals = mesh.normals != nullptr ? Normals::gradients : Normals::none,
+       .width = mesh.vertex_spheres.width()});
+  static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
+  const auto part = [](auto& to, const void* from) {
+    return DownloadPart{to.data(), from, to.size() * sizeof(to[0])};
+  };
+  download_parts(
+      {part(host.positions, mesh.positions), part(host.normals, mesh.normals),
+       part(host.vertex_spheres.atoms, mesh.vertex_spheres.atoms),
+       part(host.vertex_spheres.others, mesh.vertex_spheres.others),
+       part(host.triangles, mesh.corners), part(host.triangle_spheres, mesh.triangle_spheres),
+       part(host.opposite, mesh.opposite)},
+      stream);
+  return host;
+}
+
+namespace {
+
+// Bytes that the pool holds and nobody uses.
+std::uint64_t spare_in_pool() {
+  const cudaMemPool_t pool = current_memory_pool();
+  std::uint64_t reserved = 0, used = 0;
+  check_cuda(cudaMemPoolGetAttribute(pool, cudaMemPoolAttrReservedMemCurrent, &reserved), "pool");
+  check_cuda(cudaMemPoolGetAttribute(pool, cudaMemPoolAttrUsedMemCurrent, &used), "pool");
+  return reserved - used;
+}
+
+}  // namespace
+
+std::uint64_t available_device_memory() {
+  std::size_t free = 0, total = 0;
+  check_cuda(cudaMemGetInfo(&free, &total), "device memory");
+  return free + spare_in_pool();
+}
+
+void require_device_memory(std::uint64_t bytes, const char* what, std::uint64_t allowed) {
+  // The pool answers at once; the driver takes as long as a small extraction.
+  if (bytes <= std::min(allowed, spare_in_pool())) return;
+  const std::uint64_t available = std::min(allowed, available_device_memory());
+  if (bytes <= available) return;
+  throw DeviceMemoryExceeded(std::string(what) + " needs " + std::to_string(bytes) +
+                             " bytes of device memory, " + std::to_string(available) +
+                             " are available: choose a larger spacing or the cpu backend");
+}
+
+const CaseTable* case_table_on_device() {
+  // Never given back: at the end of the process the driver may be gone before the map.
+  static std::mutex* const mutex = new std::mutex;
+  static auto* const tables = new std::map<int, const CaseTable*>;
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  const std::lock_guard lock(*mutex);
+  const CaseTable*& table = (*tables)[device];
+  if (table == nullptr) {
+    void* memory = nullptr;
+    check_cuda(cudaMalloc(&memory, sizeof(CaseTable)), "case table");
+    const cudaError_t status =
+        cudaMemcpy(memory, &case_table(), sizeof(CaseTable), cudaMemcpyHostToDevice);
+    if (status != cudaSuccess) cudaFree(memory);
+    check_cuda(status, "case table");
+    table = static_cast<const CaseTable*>(memory);
+  }
+  return table;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,137 @@
+// The library's arrays as they stand in device memory.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "cuda/memory/device_memory.cuh"
+#include "extract/bricks/brick_numbering.hpp"
+#include "extract/extractor.hpp"
+#include "extract/field.hpp"
+#include "extract/sampled_field.hpp"
+#include "spheres/cell_list.hpp"
+
+namespace vdwmesh {
+
+// A CellList copied to the device, same order, same numbers.
+class DeviceCellList {
+ public:
+  DeviceCellList(const CellListView& host, cudaStream_t stream);
+  const CellListView& view() const { return view_; }
+
+ private:
+  DeviceArray<Sphere> spheres_;
+  DeviceArray<std::uint32_t> rank_;
+  DeviceArray<SphereId> id_;
+  std::vector<DeviceArray<std::uint32_t>> cell_start_;
+  CellListView view_{};
+};
+
+__device__ inline const SphereId* ids(const VertexSpheres& label) {
+  return reinterpret_cast<const SphereId*>(&label);
+}
+
+// VertexLabels as kernels see them.
+struct DeviceLabelsView {
+  SphereId* atoms;       // null without labels
+  OtherSpheres* others;  // null where there is room for the atom alone
+
+  LabelWidth width() const {
+    if (atoms == nullptr) return LabelWidth::none;
+    return others == nullptr ? LabelWidth::one : LabelWidth::three;
+  }
+
+  __device__ VertexSpheres operator[](std::uint64_t v) const {
+    if (others == nullptr) return on_sphere(atoms[v]);
+    const OtherSpheres more = others[v];
+    const auto* const two = reinterpret_cast<const SphereId*>(&more);
+    return {atoms[v], two[0], two[1]};
+  }
+  // Precondition: there is room for the label.
+  __device__ void set(std::uint64_t v, const VertexSpheres& label) const {
+    const SphereId* const id = ids(label);
+    atoms[v] = id[0];
+    if (others != nullptr) others[v] = {id[1], id[2]};
+  }
+};
+
+// The arrays of a DeviceMesh as kernels see them. Where it is a part of a mesh, corners and
+// opposite half-edges are numbered in the whole mesh, and the arrays begin with the vertex
+// first_vertex and the triangle first_triangle.
+struct DeviceMeshView {
+  Vec3d* positions;
+  Vec3f* normals;  // null without normals
+  DeviceLabelsView vertex_spheres;
+  std::uint32_t* corners;   // 3 per triangle
+  std::uint32_t* opposite;  // 3 per triangle; null without half-edges
+  std::uint64_t vertices, triangles;
+  SphereId* triangle_spheres;  // null, or one per triangle
+  std::uint64_t first_vertex = 0, first_triangle = 0;
+};
+
+struct DeviceVertexLabels {
+  DeviceArray<SphereId> atoms;
+  DeviceArray<OtherSpheres> others;  // empty, or as many as atoms
+
+  DeviceLabelsView view() const { return {atoms.data(), others.data()}; }
+};
+
+// An IndexedMesh in device memory.
+struct DeviceMesh {
+  DeviceArray<Vec3d> positions;
+  DeviceArray<Vec3f> normals;
+  DeviceVertexLabels vertex_spheres;
+  DeviceArray<std::uint32_t> corners, opposite;  // opposite: empty without half-edges
+  DeviceArray<SphereId> triangle_spheres;        // empty, or one per triangle
+
+  DeviceMesh() = default;
+  DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream, LabelWidth width,
+             Normals normals, Connectivity connectivity);
+  std::uint64_t vertex_count() const { return positions.size(); }
+  std::uint64_t triangle_count() const { return corners.size() / 3; }
+  TriangleLabels triangle_labels() const {
+    return triangle_spheres.size() > 0 ? TriangleLabels::spheres : TriangleLabels::none;
+  }
+  DeviceMeshView view() const;
+};
+
+// What the kernels of an extraction took, ms.
+struct ExtractTimings {
+  float search = 0;  // bricks that may hold surface
+  float count = 0;   // field, signs, configurations, counts
+  float scan = 0;
+  float vertices = 0;   // positions, normals, labels
+  float triangles = 0;  // corners and half-edges
+};
+
+struct DeviceExtraction {
+  DeviceMesh mesh;
+  std::uint64_t candidates = 0;  // bricks that were looked into
+  ExtractStats stats;
+  ExtractTimings timings;
+};
+
+// Extraction on the device from a list that is there already. Throws LimitExceeded, and
+// DeviceMemoryExceeded where it takes more than options.device_memory or than there is.
+DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
+                                   const ExtractOptions& options, const Stream& stream);
+
+// Marching cubes over a field in device memory; see FieldMesher::mesh.
+DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
+                                      const Stream& stream);
+
+// The blended field at every node of model.grid, written to values; see FieldMesher::sample.
+void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
+                            const Stream& stream);
+
+// Copies the mesh to the host; `opposite` too where asked, which the mesh must have then.
+IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream);
+
+// Bytes that can still be taken: free ones and those that the pool keeps.
+std::uint64_t available_device_memory();
+
+// Throws DeviceMemoryExceeded when fewer than `bytes` are available or allowed.
+void require_device_memory(std::uint64_t bytes, const char* what,
+                           std::uint64_t allowed = kNoMemoryLimit);
+
+}  // namespace vdwmesh

@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "cuda/memory/download.cuh"
+#include "cuda/memory/run_on_threads.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kChunk = std::size_t{2} << 20;
+constexpr std::size_t kChunksPerThread = 3;  // at least, or fewer threads are as fast
+constexpr unsigned kMostThreads = 16;
+
+struct Chunk {
+  std::byte* host;
+  const std::byte* device;
+  std::size_t bytes;
+};
+
+// Cut where the caller's memory crosses a multiple of a chunk, so that no large page is touched
+// first by two threads at once.
+std::vector<Chunk> cut(const std::vector<DownloadPart>& parts) {
+  std::vector<Chunk> chunks;
+  for (const DownloadPart& part : parts) {
+    const auto address = reinterpret_cast<std::uintptr_t>(part.host);
+    for (std::size_t at = 0; at < part.bytes;) {
+      const std::size_t bytes = std::min(kChunk - (address + at) % kChunk, part.bytes - at);
+      chunks.push_back({static_cast<std::byte*>(part.host) + at,
+                        static_cast<const std::byte*>(part.device) + at, bytes});
+      at += bytes;
+    }
+  }
+  return chunks;
+}
+
+// Two staging buffers and a stream: one buffer is filled while the other is emptied.
+class StagingLane {
+ public:
+  // Copies chunks until there are none left.
+  void work(const std::vector<Chunk>& chunks, std::atomic<std::size_t>& next, cudaEvent_t ready) {
+    check_cuda(cudaStreamWaitEvent(stream_.get(), ready), "download");
+    std::size_t filling = next++;
+    int side = 0;
+    if (filling < chunks.size()) fill(chunks[filling], side);
+    while (filling < chunks.size()) {
+      stream_.wait();
+      const Chunk& filled = chunks[filling];
+      filling = next++;
+      if (filling < chunks.size()) fill(chunks[filling], 1 - side);
+      std::memcpy(filled.host, buffers_[side].data(), filled.bytes);
+      side = 1 - side;
+    }
+  }
+
+ private:
+  void fill(const Chunk& chunk, int side) {
+    check_cuda(cudaMemcpyAsync(buffers_[side].data(), chunk.device, chunk.bytes,
+                               cudaMemcpyDeviceToHost, stream_.get()),
+               "download");
+  }
+
+  Stream stream_;
+  StagingBuffer buffers_[2] = {StagingBuffer(kChunk), StagingBuffer(kChunk)};
+};
+
+// The lanes of a device. They are kept: locking their pages takes as long as a small download. One
+// download at a time uses them.
+class Staging {
+ public:
+  void copy(int device, const std::vector<Chunk>& chunks, cudaEvent_t ready) {
+    const std::lock_guard lock(mutex_);
+    const std::size_t cores = std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads);
+    const std::size_t threads = std::clamp<std::size_t>(chunks.size() / kChunksPerThread, 1, cores);
+    while (lanes_.size() < threads) lanes_.push_back(std::make_unique<StagingLane>());
+    std::atomic<std::size_t> next{0};
+    run_on_threads(threads, [&](std::size_t i) {
+      check_cuda(cudaSetDevice(device), "device");
+      lanes_[i]->work(chunks, next, ready);
+    });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<StagingLane>> lanes_;
+};
+
+// Never destroyed: at the end of the process the driver may be gone before it.
+Staging& staging_of(int device) {
+  static std::mutex* const mutex = new std::mutex;
+  static auto* const all = new std::map<int, Staging>;
+  const std::lock_guard lock(*mutex);
+  return (*all)[device];
+}
+
+}  // namespace
+
+void download_parts(const std::vector<DownloadPart>& parts, const Stream& stream) {
+  const std::vector<Chunk> chunks = cut(parts);
+  if (chunks.empty()) return stream.wait();
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  const Event ready(cudaEventDisableTiming);
+  ready.record(stream.get());
+  staging_of(device).copy(device, chunks, ready.get());
+}
+
+}  // namespace vdwmesh

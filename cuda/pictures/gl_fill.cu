@@ -1,0 +1,161 @@
+// Vertex buffers of pictures, written by a kernel where OpenGL keeps them.
+#include <cuda_gl_interop.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <span>
+
+#include "core/errors.hpp"
+#include "cuda/memory/device.cuh"
+#include "cuda/memory/device_memory.cuh"
+#include "cuda/pictures/gl_fill.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kThreads = 256;
+// Vertices on their way at a time: what uploading takes besides the buffers is at most 52 MB.
+constexpr std::uint64_t kSlice = std::uint64_t{1} << 20;
+
+__global__ void make_vertices(VertexArrays arrays, std::uint64_t count, Vec3d origin,
+                              SurfaceVertex* vertices) {
+  const std::uint64_t v = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (v < count) vertices[v] = surface_vertex(arrays, v, origin);
+}
+
+// Buffers of the current OpenGL context as device memory, while it lives. OpenGL must not touch
+// them meanwhile.
+class SharedBuffers {
+ public:
+  // Buffers of name 0 are left out. Throws CudaError where the driver does not share one of them.
+  SharedBuffers(std::span<const unsigned> names, cudaStream_t stream) : stream_(stream) {
+    try {
+      for (const unsigned name : names) share(name);
+      check_cuda(cudaGraphicsMapResources(count_, resources_.data(), stream_),
+                 "mapping OpenGL buffers");
+      mapped_ = true;
+    } catch (...) {
+      release();
+      throw;
+    }
+  }
+  ~SharedBuffers() { release(); }
+  SharedBuffers(const SharedBuffers&) = delete;
+  SharedBuffers& operator=(const SharedBuffers&) = delete;
+
+  // Of the buffers not left out, in order.
+  template <class T>
+  T* memory(std::size_t which) const {
+    void* pointer = nullptr;
+    std::size_t bytes = 0;
+    check_cuda(cudaGraphicsResourceGetMappedPointer(&pointer, &bytes, resources_[which]),
+               "memory of an OpenGL buffer");
+    return static_cast<T*>(pointer);
+  }
+
+  // What was written in the stream so far is there for OpenGL.
+  void give_back() {
+    mapped_ = false;
+    check_cuda(cudaGraphicsUnmapResources(count_, resources_.data(), stream_),
+               "unmapping OpenGL buffers");
+  }
+
+ private:
+  void share(unsigned name) {
+    if (name == 0) return;
+    check_cuda(cudaGraphicsGLRegisterBuffer(&resources_[static_cast<std::size_t>(count_)], name,
+                                            cudaGraphicsRegisterFlagsWriteDiscard),
+               "sharing an OpenGL buffer");
+    ++count_;
+  }
+  void release() {
+    if (mapped_) cudaGraphicsUnmapResources(count_, resources_.data(), stream_);
+    mapped_ = false;
+    while (count_ > 0)
+      cudaGraphicsUnregisterResource(resources_[static_cast<std::size_t>(--count_)]);
+  }
+
+  cudaStream_t stream_;
+  std::array<cudaGraphicsResource_t, 3> resources_{};
+  int count_ = 0;
+  bool mapped_ = false;
+};
+
+template <class T>
+DeviceArray<T> upload_slice(const T* array, std::uint64_t first, std::uint64_t count,
+                            cudaStream_t stream) {
+  return array ? upload(array + first, count, stream) : DeviceArray<T>();
+}
+
+void write_slice(const VertexArrays& host, std::uint64_t first, std::uint64_t count,
+                 const Vec3d& origin, SurfaceVertex* vertices, cudaStream_t stream) {
+  const auto positions = upload_slice(host.positions, first, count, stream);
+  const auto normals = upload_slice(host.normals, first, count, stream);
+  const auto colors = upload_slice(host.colors, first, count, stream);
+  const auto values = upload_slice(host.values, first, count, stream);
+  const VertexArrays device{positions.data(), normals.data(), colors.data(), values.data(),
+                            host.color};
+  make_vertices<<<blocks_for(count, kThreads), kThreads, 0, stream>>>(device, count, origin,
+                                                                      vertices + first);
+  check_launch("make_vertices");
+}
+
+template <class T>
+void copy_to_device(std::span<const T> from, T* to, cudaStream_t stream) {
+  check_cuda(cudaMemcpyAsync(to, from.data(), from.size_bytes(), cudaMemcpyHostToDevice, stream),
+             "upload");
+}
+
+void write_buffers(const SurfaceArrays& arrays, const Vec3d& origin, const SharedBuffers& buffers,
+                   cudaStream_t stream) {
+  auto* vertices = buffers.memory<SurfaceVertex>(0);
+  for (std::uint64_t first = 0; first < arrays.vertex_count; first += kSlice) {
+    const std::uint64_t count = std::min(kSlice, arrays.vertex_count - first);
+    write_slice(arrays.vertices, first, count, origin, vertices, stream);
+  }
+  copy_to_device(arrays.triangles, buffers.memory<Triangle>(1), stream);
+  if (arrays.triangle_values.empty()) return;
+  copy_to_device(arrays.triangle_values, buffers.memory<float>(2), stream);
+}
+
+std::string other_device(int gl_device) {
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "current device");
+  if (device == gl_device) return {};
+  return "OpenGL draws on CUDA device " + std::to_string(gl_device) + ", CUDA computes on device " +
+         std::to_string(device);
+}
+
+}  // namespace
+
+std::string fill_with_cuda(const SurfaceArrays& arrays, const SurfaceTarget& target,
+                           const Vec3d& origin, int gl_device) {
+  const unsigned names[] = {target.vertex_buffer(), target.index_buffer(),
+                            target.triangle_value_buffer()};
+  std::optional<DeviceScope> scope;
+  std::optional<Stream> stream;
+  std::optional<SharedBuffers> buffers;
+  try {
+    scope.emplace();
+    if (const std::string reason = other_device(gl_device); !reason.empty()) return reason;
+    stream.emplace();
+    buffers.emplace(names, stream->get());
+  } catch (const BackendUnavailable& error) {
+    return error.what();
+  } catch (const CudaError& error) {
+    return error.what();
+  } catch (const DeviceMemoryExceeded& error) {
+    return error.what();
+  }
+  try {
+    write_buffers(arrays, origin, *buffers, stream->get());
+  } catch (const DeviceMemoryExceeded& error) {
+    return error.what();
+  }
+  buffers->give_back();
+  stream->wait();
+  return {};
+}
+
+}  // namespace vdwmesh

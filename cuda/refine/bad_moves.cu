@@ -1,0 +1,293 @@
+#include <thrust/iterator/counting_iterator.h>
+
+#include <cub/device/device_select.cuh>
+#include <optional>
+#include <utility>
+
+#include "cuda/memory/cub_calls.cuh"
+#include "cuda/refine/bad_moves.cuh"
+#include "cuda/refine/device_crossings.cuh"
+#include "cuda/refine/patch_facing.cuh"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kThreads = 256;
+
+template <class Level>
+CrossingFinder make_crossing_finder(const Level& level, const Stream& stream) {
+  const std::uint64_t patches = level.patches(), triangles = level.mesh.triangles;
+  require_device_memory(triangles * sizeof(FloatBox), "looking for crossing triangles");
+  DeviceArray<FloatBox> boxes(triangles, stream.get());
+  if (patches > 0) {
+    bound_triangles<<<blocks_for(patches, kThreads), kThreads, 0, stream.get()>>>(level,
+                                                                                  boxes.data());
+    check_launch("bound_triangles");
+  }
+  return CrossingFinder(std::move(boxes), stream);
+}
+
+// None where crossings are allowed; what needed no step did not move.
+template <class Level>
+std::optional<CrossingFinder> finder_for(const Level& level, const LevelPasses& passes,
+                                         const Stream& stream) {
+  if (passes.crossings == Crossings::allow) return std::nullopt;
+  if (fetch(passes.stats, stream).iterations_max == 0) return std::nullopt;
+  return make_crossing_finder(level, stream);
+}
+
+void clear_marks(const FatesView& fates, const Stream& stream) {
+  check_cuda(cudaMemsetAsync(fates.marked, 0, sizeof(*fates.marked), stream.get()), "marks");
+}
+
+// ---- given vertices: every pass looks at every triangle ----
+
+// From the second pass on only a triangle with a vertex that the last one took back can have
+// changed.
+__global__ void mark_turned(SurfaceView surface, GivenLevel level, FatesView fates, int pass) {
+  const std::uint64_t t = thread_index();
+  if (t >= level.patches()) return;
+  std::uint32_t vertex[3];
+  bool moved = false, taken_back = false;
+  for (int i = 0; i < 3; ++i) {
+    vertex[i] = level.vertex(t, i);
+    const Fate fate = fates.of(vertex[i]);
+    moved |= fate == Fate::moved || fate == Fate::taking_back;
+    taken_back |= fate == Fate::taken_back;
+  }
+  // Only a move can have turned a triangle.
+  if (!moved || (pass > 0 && !taken_back)) return;
+  Vec3d now[3], before[3];
+  SphereId atom[3];
+  for (int k = 0; k < 3; ++k) {
+    now[k] = level.mesh.positions[vertex[k]];
+    before[k] = level.before(t, k);
+    atom[k] = level.mesh.vertex_spheres.atoms[vertex[k]];
+  }
+  if (facing(surface.spheres, now, atom) != Facing::against_one_atom) return;
+  if (facing(surface.spheres, before, atom) != Facing::outward) return;
+  for (int k = 0; k < 3; ++k) fates.mark(vertex[k]);
+}
+
+__global__ void restore_marked(SurfaceView surface, GivenLevel level, Fate* fates,
+                               unsigned long long* count) {
+  const std::uint64_t v = thread_index();
+  if (v >= level.given.vertices) return;
+  Fate& fate = fates[v];
+  if (fate == Fate::taken_back) fate = Fate::stayed;
+  if (fate != Fate::taking_back) return;
+  fate = Fate::taken_back;
+  level.take_back(surface, v);
+  atomicAdd(count, 1ull);
+}
+
+// ---- midpoints: later passes look at the neighbourhood of what the last one took back ----
+
+struct IsTakingBack {
+  const Fate* fates;
+  __host__ __device__ bool operator()(std::uint32_t edge) const {
+    return fates[edge] == Fate::taking_back;
+  }
+};
+
+struct EdgeList {
+  const std::uint32_t* edges = nullptr;
+  std::uint64_t count = 0;
+};
+
+// The edges of marked midpoints where the list of marks had no room for all.
+DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const Fate* fates,
+                                         std::uint64_t marked, const Stream& stream) {
+  DeviceArray<std::uint32_t> list(marked, stream.get());
+  const DeviceArray<std::uint64_t> count(1, stream.get());
+  const auto all = thrust::make_counting_iterator(std::uint32_t{0});
+  run_cub("list of marks", stream.get(), [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceSelect::If(
+        scratch, bytes, all, list.data(), count.data(),
+        static_cast<std::int64_t>(level.mesh.vertices - level.parent.vertices), IsTakingBack{fates},
+        stream.get());
+  });
+  return list;
+}
+
+// A thread per listed edge and side: the patch there, if the edge is the first of those whose
+// midpoints have the fate.
+struct ListedPatch {
+  std::uint64_t t;
+  bool has;
+};
+__device__ ListedPatch listed_patch(const MidpointLevel& level, const FatesView& fates,
+                                    const std::uint32_t* edges, std::uint64_t count, Fate fate) {
+  const std::uint64_t i = thread_index();
+  if (i >= 2 * count) return {0, false};
+  std::uint64_t h = level.edges.half_edge(edges[i / 2]);
+  if (i % 2 != 0) h = level.parent.opposite[h];
+  const std::uint64_t t = h / 3;
+  for (std::uint64_t before = 3 * t; before < h; ++before) {
+    if (fates.of(level.midpoint_of(before)) == fate) return {t, false};
+  }
+  return {t, true};
+}
+
+// What is about to change no longer counts.
+__global__ void discount_turned(SurfaceView surface, MidpointLevel level, FatesView fates,
+                                const std::uint32_t* edges, std::uint64_t count,
+                                DeviceStats* stats) {
+  const ListedPatch listed = listed_patch(level, fates, edges, count, Fate::taking_back);
+  if (!listed.has) return;
+  ParentPatch patch;
+  load_vertices(level, listed.t, patch);
+  load_places(level, listed.t, patch);
+  const int turned = __popc(facing_of_children(surface.spheres, patch).turned);
+  if (turned > 0) atomicAdd(&stats->turned, ~static_cast<unsigned long long>(turned) + 1);
+}
+
+__global__ void restore_listed(SurfaceView surface, MidpointLevel level, Fate* fates,
+                               const std::uint32_t* edges, std::uint64_t count) {
+  const std::uint64_t i = thread_index();
+  if (i >= count) return;
+  const auto v = static_cast<std::uint32_t>(level.parent.vertices + edges[i]);
+  level.take_back(surface, level.edges.half_edge(edges[i]), v);
+  if (level.mesh.normals != nullptr) {
+    const VertexSpheres label = level.mesh.vertex_spheres[v];
+    level.mesh.normals[v] = surface.normal(level.mesh.positions[v], ids(label));
+  }
+  fates[edges[i]] = Fate::taken_back;
+}
+
+__global__ void judge_listed(SurfaceView surface, MidpointLevel level, FatesView fates,
+                             const std::uint32_t* edges, std::uint64_t count, DeviceStats* stats) {
+  const ListedPatch listed = listed_patch(level, fates, edges, count, Fate::taken_back);
+  if (!listed.has) return;
+  ParentPatch patch;
+  load_vertices(level, listed.t, patch);
+  load_places(level, listed.t, patch);
+  const ChildrenFacing facing = facing_of_children(surface.spheres, patch);
+  if (facing.turned != 0) {
+    atomicAdd(&stats->turned, static_cast<unsigned long long>(__popc(facing.turned)));
+  }
+  if (level.marks.child_safe != nullptr) {
+    level.marks.child_safe[listed.t] = static_cast<std::uint8_t>(facing.safe);
+  }
+  mark_turned_children(surface, level, listed.t, patch, facing.against_one_atom, fates);
+}
+
+__global__ void settle_listed(Fate* fates, const std::uint32_t* edges, std::uint64_t count) {
+  const std::uint64_t i = thread_index();
+  if (i < count) fates[edges[i]] = Fate::stayed;
+}
+
+// Puts the listed midpoints back, and judges their patches again.
+void take_back_listed(const MidpointLevel& level, const LevelPasses& passes, const EdgeList& list,
+                      const Stream& stream) {
+  const std::uint32_t* const edges = list.edges;
+  const unsigned sides = blocks_for(2 * list.count, kThreads);
+  discount_turned<<<sides, kThreads, 0, stream.get()>>>(passes.surface, level, passes.fates, edges,
+                                                        list.count, passes.stats);
+  check_launch("discount_turned");
+  restore_listed<<<blocks_for(list.count, kThreads), kThreads, 0, stream.get()>>>(
+      passes.surface, level, passes.fates.fates, edges, list.count);
+  check_launch("restore_listed");
+  judge_listed<<<sides, kThreads, 0, stream.get()>>>(passes.surface, level, passes.fates, edges,
+                                                     list.count, passes.stats);
+  check_launch("judge_listed");
+}
+
+void settle(const EdgeList& list, Fate* fates, const Stream& stream) {
+  if (list.count == 0) return;
+  settle_listed<<<blocks_for(list.count, kThreads), kThreads, 0, stream.get()>>>(fates, list.edges,
+                                                                                 list.count);
+  check_launch("settle_listed");
+}
+
+__global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, std::uint8_t* safe,
+                             DeviceStats* stats) {
+  const std::uint64_t t = thread_index();
+  unsigned turned = 0;
+  bool is_safe_now = false;
+  if (t < mesh.triangles) {
+    Vec3d p[3];
+    SphereId atom[3];
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = mesh.corners[3 * t + k];
+      p[k] = mesh.positions[v];
+      atom[k] = mesh.triangle_spheres != nullptr ? mesh.triangle_spheres[t]
+                                                 : mesh.vertex_spheres.atoms[v];
+    }
+    turned = facing(surface.spheres, p, atom) != Facing::outward ? 1 : 0;
+    is_safe_now = safe != nullptr && is_safe(surface.spheres, p, atom);
+  }
+  if (safe != nullptr) {
+    const unsigned lane = threadIdx.x % 32, votes = __ballot_sync(0xffffffffu, is_safe_now);
+    if (lane % 4 == 0 && t < mesh.triangles) {
+      safe[t / 4] = static_cast<std::uint8_t>(votes >> lane & 0xf);
+    }
+  }
+  turned = __reduce_add_sync(0xffffffffu, turned);
+  if (turned > 0 && threadIdx.x % 32 == 0) {
+    atomicAdd(&stats->turned, static_cast<unsigned long long>(turned));
+  }
+}
+
+}  // namespace
+
+// The simultaneous passes of refine/bad_moves.hpp: all triangles are judged before any vertex goes
+// back.
+std::uint64_t take_back_bad_moves(const GivenLevel& level, const LevelPasses& passes,
+                                  const Stream& stream) {
+  const std::optional<CrossingFinder> finder = finder_for(level, passes, stream);
+  const DeviceArray<unsigned long long> restored(1, stream.get());
+  clear(restored, stream.get());
+  for (int pass = 0;; ++pass) {
+    advance(passes.monitor, 0);
+    clear_marks(passes.fates, stream);
+    if (level.patches() > 0) {
+      mark_turned<<<blocks_for(level.patches(), kThreads), kThreads, 0, stream.get()>>>(
+          passes.surface, level, passes.fates, pass);
+      check_launch("mark_turned");
+    }
+    if (finder) finder->mark(level.mesh, passes.fates, pass);
+    if (fetch(passes.fates.marked, stream) == 0) return fetch(restored.data(), stream);
+    restore_marked<<<blocks_for(level.given.vertices, kThreads), kThreads, 0, stream.get()>>>(
+        passes.surface, level, passes.fates.fates, restored.data());
+    check_launch("restore_marked");
+  }
+}
+
+std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses& passes,
+                                  const Stream& stream) {
+  const std::optional<CrossingFinder> finder = finder_for(level, passes, stream);
+  LevelPasses now = passes;
+  // Marks are listed in one list while the other is worked off.
+  const DeviceArray<std::uint32_t> spare(passes.fates.room, stream.get());
+  std::uint32_t* other = spare.data();
+  DeviceArray<std::uint32_t> searched;
+  EdgeList last;
+  std::uint64_t undone = 0;
+  for (int pass = 0;; ++pass) {
+    advance(passes.monitor, 0);
+    if (finder) finder->mark(level.mesh, now.fates, pass);
+    const std::uint64_t marked = fetch(now.fates.marked, stream);
+    settle(last, now.fates.fates, stream);
+    if (marked == 0) return undone;
+    last = {now.fates.list, marked};
+    if (marked > now.fates.room) {
+      searched = search_marked(level, now.fates.fates, marked, stream);
+      last.edges = searched.data();
+    }
+    undone += marked;
+    std::swap(now.fates.list, other);
+    clear_marks(now.fates, stream);
+    take_back_listed(level, now, last, stream);
+  }
+}
+
+void count_turned_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
+                            std::uint8_t* safe, DeviceStats* stats, const Stream& stream) {
+  if (mesh.triangles == 0) return;
+  count_turned<<<blocks_for(mesh.triangles, kThreads), kThreads, 0, stream.get()>>>(surface, mesh,
+                                                                                    safe, stats);
+  check_launch("count_turned");
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,260 @@
+#include <thrust/iterator/transform_iterator.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cub/device/device_reduce.cuh>
+#include <limits>
+#include <utility>
+
+#include "cuda/memory/cub_calls.cuh"
+#include "cuda/refine/device_crossings.cuh"
+#include "refine/crossing_formulas.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kThreads = 256;
+
+// ---- the grid ----
+
+struct Extent {
+  FloatBox all;
+  double width_sum;
+};
+
+constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr Extent kNoExtent{{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}}, 0};
+
+struct ExtentOf {
+  __host__ __device__ Extent operator()(const FloatBox& box) const {
+    double width = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double along = static_cast<double>(box.upper[axis]) - box.lower[axis];
+      width = along > width ? along : width;
+    }
+    return {box, width};
+  }
+};
+
+struct JoinExtents {
+  __host__ __device__ Extent operator()(Extent a, const Extent& b) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      a.all.lower[axis] = fminf(a.all.lower[axis], b.all.lower[axis]);
+      a.all.upper[axis] = fmaxf(a.all.upper[axis], b.all.upper[axis]);
+    }
+    a.width_sum += b.width_sum;
+    return a;
+  }
+};
+
+double cells_along(const FloatBox& all, double cell, int axis) {
+  return std::floor((static_cast<double>(all.upper[axis]) - all.lower[axis]) / cell) + 1;
+}
+
+// Rounding keeps the order of coordinates: of two boxes with a point in common, both stand in the
+// cell that the point falls in.
+__device__ std::uint32_t cell_along(const CrossingGrid& grid, int axis, float coordinate) {
+  const double place = (coordinate - grid.origin[axis]) * grid.per_length;
+  return static_cast<std::uint32_t>(fmin(fmax(place, 0.0), grid.cells[axis] - 1.0));
+}
+
+struct Place {
+  std::uint32_t along[3];
+};
+
+__device__ Place place_of(const CrossingGrid& grid, const float* corner) {
+  return {cell_along(grid, 0, corner[0]), cell_along(grid, 1, corner[1]),
+          cell_along(grid, 2, corner[2])};
+}
+
+// visit(cell, place) for each cell that the box touches.
+template <class Visit>
+__device__ void visit_cells(const CrossingGrid& grid, const FloatBox& box, const Visit& visit) {
+  const Place low = place_of(grid, box.lower), high = place_of(grid, box.upper);
+  for (std::uint64_t z = low.along[2]; z <= high.along[2]; ++z) {
+    for (std::uint64_t y = low.along[1]; y <= high.along[1]; ++y) {
+      const std::uint64_t row = (z * grid.cells[1] + y) * grid.cells[0];
+      for (std::uint64_t x = low.along[0]; x <= high.along[0]; ++x) {
+        visit(row + x, Place{{static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                              static_cast<std::uint32_t>(z)}});
+      }
+    }
+  }
+}
+
+__global__ void count_entries(CrossingGrid grid, const FloatBox* boxes, std::uint64_t triangles) {
+  const std::uint64_t t = thread_index();
+  if (t >= triangles) return;
+  visit_cells(grid, boxes[t],
+              [&](std::uint64_t cell, Place) { atomicAdd(&grid.start[cell], 1ull); });
+}
+
+// Fills each cell from its back, so that `start` ends up at its first entry. The order within a
+// cell is that of the threads; marks do not depend on it.
+__global__ void fill_cells(CrossingGrid grid, const FloatBox* boxes, std::uint64_t triangles) {
+  const std::uint64_t t = thread_index();
+  if (t >= triangles) return;
+  visit_cells(grid, boxes[t], [&](std::uint64_t cell, Place) {
+    const unsigned long long behind = atomicAdd(&grid.start[cell], ~0ull);  // minus one
+    grid.triangles[behind - 1] = static_cast<std::uint32_t>(t);
+  });
+}
+
+// ---- crossings ----
+
+struct Corners {
+  std::uint32_t vertex[3];
+  Vec3d position[3];
+  SphereId atom[3];
+};
+
+__device__ void load_vertices(const DeviceMeshView& mesh, std::uint64_t t, std::uint32_t* vertex) {
+  for (int k = 0; k < 3; ++k) vertex[k] = mesh.corners[3 * t + k];
+}
+
+__device__ void load_places(const DeviceMeshView& mesh, Corners& c) {
+  for (int k = 0; k < 3; ++k) {
+    c.position[k] = mesh.positions[c.vertex[k]];
+    c.atom[k] = mesh.vertex_spheres.atoms[c.vertex[k]];
+  }
+}
+
+struct TriangleFate {
+  bool away, taken_back;  // whether a vertex is where it moved to; whether one just went back
+};
+
+__device__ TriangleFate fate_of(const FatesView& fates, const std::uint32_t* vertex) {
+  TriangleFate triangle{false, false};
+  for (int k = 0; k < 3; ++k) {
+    const Fate fate = fates.of(vertex[k]);
+    triangle.away |= fate == Fate::moved || fate == Fate::taking_back;
+    triangle.taken_back |= fate == Fate::taken_back;
+  }
+  return triangle;
+}
+
+__device__ bool overlap(const FloatBox& a, const FloatBox& b) {
+  bool apart = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    apart |= a.lower[axis] > b.upper[axis] || b.lower[axis] > a.upper[axis];
+  }
+  return !apart;
+}
+
+// Of the cells that two overlapping boxes share, the one where the pair is looked at.
+__device__ bool is_first_shared(const CrossingGrid& grid, const Place& place, const FloatBox& a,
+                                const FloatBox& b) {
+  bool first = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float corner = fmaxf(a.lower[axis], b.lower[axis]);
+    first &= cell_along(grid, axis, corner) == place.along[axis];
+  }
+  return first;
+}
+
+__device__ bool is_crossing(const Corners& a, const Corners& b) {
+  return boxes_overlap(a.position, b.position) &&
+         triangles_cross(a.position, a.vertex, a.atom, b.position, b.vertex, b.atom);
+}
+
+// A thread looks at the triangles near its own: in the first pass at those behind it, later at all
+// of them, but only if its own has changed.
+__global__ void mark_crossed(CrossingGrid grid, const FloatBox* boxes, DeviceMeshView mesh,
+                             FatesView fates, int pass) {
+  const std::uint64_t t = thread_index();
+  if (t >= mesh.triangles) return;
+  Corners mine;
+  load_vertices(mesh, t, mine.vertex);
+  const TriangleFate fate = fate_of(fates, mine.vertex);
+  if (pass > 0 && !fate.taken_back) return;
+  load_places(mesh, mine);
+  const FloatBox box = boxes[t];
+  visit_cells(grid, box, [&](std::uint64_t cell, const Place& place) {
+    for (unsigned long long e = grid.start[cell]; e < grid.start[cell + 1]; ++e) {
+      const std::uint32_t other = grid.triangles[e];
+      if (pass == 0 ? other <= t : other == t) continue;
+      const FloatBox other_box = boxes[other];
+      if (!overlap(box, other_box) || !is_first_shared(grid, place, box, other_box)) continue;
+      Corners theirs;
+      load_vertices(mesh, other, theirs.vertex);
+      if (!fate.away && !fate_of(fates, theirs.vertex).away) continue;
+      load_places(mesh, theirs);
+      if (!is_crossing(mine, theirs)) continue;
+      for (int k = 0; k < 3; ++k) {
+        fates.mark(mine.vertex[k]);
+        fates.mark(theirs.vertex[k]);
+      }
+    }
+  });
+}
+
+}  // namespace
+
+CrossingFinder::CrossingFinder(DeviceArray<FloatBox> boxes, const Stream& stream)
+    : stream_(stream), boxes_(std::move(boxes)) {
+  if (boxes_.size() == 0) return;
+  shape();
+  fill();
+}
+
+// Cells as wide as the mean box, so that a triangle stands in a few of them; wider where that makes
+// more cells than triangles.
+void CrossingFinder::shape() {
+  const DeviceArray<Extent> total(1, stream_.get());
+  const auto extents =
+      thrust::make_transform_iterator(static_cast<const FloatBox*>(boxes_.data()), ExtentOf{});
+  run_cub("extent of the triangles", stream_.get(), [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceReduce::Reduce(scratch, bytes, extents, total.data(),
+                                     static_cast<std::int64_t>(boxes_.size()), JoinExtents{},
+                                     kNoExtent, stream_.get());
+  });
+  const Extent extent = fetch(total.data(), stream_);
+  const auto triangles = static_cast<double>(boxes_.size());
+  const double most =
+      std::clamp(triangles, 64.0, double{std::numeric_limits<std::uint32_t>::max()});
+  double cell = std::max(extent.width_sum / triangles, 1e-100);
+  for (;;) {
+    double cells = 1;
+    for (int axis = 0; axis < 3; ++axis) cells *= cells_along(extent.all, cell, axis);
+    if (cells <= most) break;
+    cell *= std::max(1.01, std::cbrt(cells / most));
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    grid_.origin[axis] = extent.all.lower[axis];
+    grid_.cells[axis] =
+        static_cast<std::uint32_t>(cells_along(extent.all, cell, static_cast<int>(axis)));
+  }
+  grid_.per_length = 1 / cell;
+}
+
+void CrossingFinder::fill() {
+  const std::uint64_t cells = std::uint64_t{grid_.cells[0]} * grid_.cells[1] * grid_.cells[2];
+  const char* const purpose = "looking for crossing triangles";
+  require_device_memory((cells + 1) * sizeof(unsigned long long), purpose);
+  start_ = DeviceArray<unsigned long long>(cells + 1, stream_.get());
+  clear(start_, stream_.get());
+  grid_.start = start_.data();
+  const std::uint64_t triangles = boxes_.size();
+  const unsigned blocks = blocks_for(triangles, kThreads);
+  count_entries<<<blocks, kThreads, 0, stream_.get()>>>(grid_, boxes_.data(), triangles);
+  check_launch("count_entries");
+  run_cub("scan of the cells", stream_.get(), [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceScan::InclusiveSum(scratch, bytes, start_.data(), start_.data(),
+                                         static_cast<std::int64_t>(cells + 1), stream_.get());
+  });
+  const std::uint64_t entries = fetch(start_.data() + cells, stream_);
+  require_device_memory(entries * sizeof(std::uint32_t), purpose);
+  triangles_ = DeviceArray<std::uint32_t>(entries, stream_.get());
+  grid_.triangles = triangles_.data();
+  fill_cells<<<blocks, kThreads, 0, stream_.get()>>>(grid_, boxes_.data(), triangles);
+  check_launch("fill_cells");
+}
+
+void CrossingFinder::mark(const DeviceMeshView& mesh, const FatesView& fates, int pass) const {
+  if (mesh.triangles == 0) return;
+  mark_crossed<<<blocks_for(mesh.triangles, kThreads), kThreads, 0, stream_.get()>>>(
+      grid_, boxes_.data(), mesh, fates, pass);
+  check_launch("mark_crossed");
+}
+
+}  // namespace vdwmesh

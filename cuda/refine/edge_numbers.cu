@@ -1,0 +1,70 @@
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/transform_iterator.h>
+
+#include "core/host_device.hpp"
+#include "cuda/memory/cub_calls.cuh"
+#include "cuda/refine/edge_numbers.cuh"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kThreads = 256;
+
+std::uint64_t words_for(std::uint64_t half_edges) {
+  return (half_edges + kHalfEdgesPerWord - 1) / kHalfEdgesPerWord;
+}
+
+// A thread looks at four half-edges, eight threads make a word.
+__global__ void mark_first_half_edges(const std::uint32_t* opposite, std::uint64_t half_edges,
+                                      EdgeWord* words) {
+  const std::uint64_t h = 4 * (static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x);
+  std::uint32_t bits = 0;
+  if (h + 4 <= half_edges) {
+    const uint4 o = __ldcs(reinterpret_cast<const uint4*>(opposite + h));
+    bits = (o.x >= h ? 1u : 0u) | (o.y >= h + 1 ? 2u : 0u) | (o.z >= h + 2 ? 4u : 0u) |
+           (o.w >= h + 3 ? 8u : 0u);
+  } else {
+    for (std::uint64_t i = h; i < half_edges; ++i) bits |= opposite[i] >= i ? 1u << (i - h) : 0u;
+  }
+  const unsigned eighth = threadIdx.x % 8;
+  bits <<= 4 * eighth;
+  for (int step = 1; step < 8; step *= 2) bits |= __shfl_xor_sync(0xffffffffu, bits, step);
+  if (eighth == 0 && h < half_edges) words[h / kHalfEdgesPerWord].first = bits;
+}
+
+struct CountFirst {
+  __host__ __device__ std::uint32_t operator()(const EdgeWord& word) const {
+    return static_cast<std::uint32_t>(count_bits(word.first));
+  }
+};
+
+// Where a scan over words writes its sums.
+struct BeforeOf {
+  EdgeWord* words;
+  __host__ __device__ std::uint32_t& operator()(std::int64_t i) const { return words[i].before; }
+};
+
+}  // namespace
+
+DeviceEdgeNumbers::DeviceEdgeNumbers(const std::uint32_t* opposite, std::uint64_t half_edges,
+                                     const Stream& stream)
+    : words_(words_for(half_edges), stream.get()) {
+  if (half_edges == 0) return;
+  mark_first_half_edges<<<blocks_for(half_edges, 4 * kThreads), kThreads, 0, stream.get()>>>(
+      opposite, half_edges, words_.data());
+  check_launch("mark_first_half_edges");
+  const auto counts =
+      thrust::make_transform_iterator(static_cast<const EdgeWord*>(words_.data()), CountFirst{});
+  const auto before = thrust::make_transform_iterator(
+      thrust::make_counting_iterator(std::int64_t{0}), BeforeOf{words_.data()});
+  run_cub("scan", stream.get(), [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, before,
+                                         static_cast<std::int64_t>(words_.size()), stream.get());
+  });
+}
+
+std::uint64_t DeviceEdgeNumbers::bytes(std::uint64_t half_edges) {
+  return words_for(half_edges) * sizeof(EdgeWord);
+}
+
+}  // namespace vdwmesh

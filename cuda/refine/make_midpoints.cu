@@ -1,0 +1,419 @@
+// Midpoints of a level. A warp takes a run of half-edges, picks those that come first of their
+// edge, and makes 32 midpoints at a time: they stand close together.
+#include "cuda/refine/make_vertices.cuh"
+#include "cuda/refine/warp_balls.cuh"
+#include "refine/constraint_formulas.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kThreads = 128;
+constexpr unsigned kWarps = kThreads / kWarp;
+constexpr unsigned kRunWords = 16;  // words of 32 half-edges in the run of a warp
+constexpr unsigned kRun = kRunWords * kHalfEdgesPerWord;
+
+// The first half-edges among a warp's run, as offsets into it; returns how many.
+__device__ unsigned list_first_half_edges(const EdgeNumbersView& edges, std::uint64_t first_word,
+                                          std::uint64_t end_word, std::uint16_t* list) {
+  const unsigned lane = threadIdx.x % kWarp;
+  unsigned count = 0;
+  for (std::uint64_t word = first_word; word < end_word; ++word) {
+    const std::uint32_t bits = edges.words[word].first;
+    if (bits >> lane & 1) {
+      list[count + static_cast<unsigned>(__popc(bits & ((1u << lane) - 1)))] =
+          static_cast<std::uint16_t>((word - first_word) * kHalfEdgesPerWord + lane);
+    }
+    count += static_cast<unsigned>(__popc(bits));
+  }
+  __syncwarp();
+  return count;
+}
+
+__device__ void interpolate_normal(const MidpointLevel& level, std::uint64_t h, std::uint32_t v) {
+  level.mesh.normals[v] = unit_normal(cast<double>(level.parent.normals[level.start_of(h)]) +
+                                      cast<double>(level.parent.normals[level.end_of(h)]));
+}
+
+// Writes the midpoint, projected or not; returns its fate.
+__device__ Fate store_midpoint(const SurfaceView& surface, const MidpointLevel& level,
+                               std::uint64_t h, std::uint32_t v, const ProjectedPoint& p) {
+  if (p.outcome != ProjectionOutcome::converged) {
+    level.take_back(surface, h, v);
+    return Fate::stayed;
+  }
+  level.mesh.positions[v] = p.position;
+  level.mesh.vertex_spheres.set(v, make_label(p.spheres));
+  return p.steps > 0 ? Fate::moved : Fate::stayed;
+}
+
+constexpr unsigned kMostRounds = 4;  // of 32 midpoints for which balls are gathered together
+
+// Middles of edges, which a warp is about to project.
+struct EdgeMiddles {
+  Vec3d start[kMostRounds * kWarp];
+  double reach[kMostRounds * kWarp];
+  SphereId atom[kMostRounds * kWarp];  // of both ends; kNoSphere where they differ
+};
+
+// Writes the middles of the edges with first half-edges half_edge(i), i < count, at most kRounds
+// times 32, and returns their box.
+template <unsigned kRounds, class HalfEdge>
+__device__ WarpBox load_middles(const MidpointLevel& level, unsigned count, EdgeMiddles& middles,
+                                const HalfEdge& half_edge) {
+  static_assert(kRounds <= kMostRounds);
+  const DeviceMeshView& parent = level.parent;
+  const unsigned lane = threadIdx.x % kWarp;
+  WarpBox box(level.start(half_edge(0)));
+#pragma unroll
+  for (unsigned round = 0; round < kRounds; ++round) {
+    const unsigned i = round * kWarp + lane;
+    if (i >= count) continue;
+    const std::uint64_t h = half_edge(i);
+    const std::uint32_t u = level.start_of(h), v = level.end_of(h);
+    const Vec3d a = parent.positions[u], b = parent.positions[v];
+    const SphereId atom = parent.vertex_spheres.atoms[u];
+    middles.atom[i] = parent.vertex_spheres.atoms[v] == atom ? atom : kNoSphere;
+    const double reach = midpoint_reach(a, b);
+    middles.start[i] = midpoint(a, b);
+    middles.reach[i] = reach;
+    box.add(middles.start[i], 2 * reach + kProjectionTolerance);
+  }
+  box.join();
+  __syncwarp();
+  return box;
+}
+
+// See PatchMarks.
+__device__ bool is_regular(const ProjectedPoint& p, SphereId atom_of_ends) {
+  return p.outcome == ProjectionOutcome::converged && p.steps <= 1 && p.spheres[1] == kNoSphere &&
+         p.spheres[0] == atom_of_ends;
+}
+
+// What is written of a midpoint.
+struct MidpointOutputs {
+  Fate* fates;
+  // Edges, as offsets of their first half-edges into the run, that are not settled easily: those of
+  // a run from the number of its first edge on.
+  std::uint32_t* hard;
+  std::uint32_t* hard_count;  // of each run
+};
+
+__device__ void finish_midpoint(const SurfaceView& surface, const MidpointLevel& level,
+                                std::uint64_t h, std::uint32_t edge, const Vec3d& start,
+                                SphereId atom_of_ends, const ProjectedPoint& p, Fate* fates) {
+  const auto v = static_cast<std::uint32_t>(level.parent.vertices + edge);
+  fates[edge] = store_midpoint(surface, level, h, v, p);
+  level.marks.regular[edge] = is_regular(p, atom_of_ends);
+  if (p.outcome == ProjectionOutcome::converged) {
+    level.mesh.normals[v] = surface.normal(p.position, p.spheres);
+  } else {
+    const VertexSpheres label = level.mesh.vertex_spheres[v];
+    level.mesh.normals[v] = surface.normal(start, ids(label));
+  }
+}
+
+struct MidpointShared {
+  std::uint16_t first[kWarps][kRun];
+  EdgeMiddles middles[kWarps];
+  WarpBallsStorage balls[kWarps];
+};
+
+// The radial step of a midpoint whose ends are both on ball a. Where it leads to a point that no
+// other ball comes near, the midpoint's nearest ball was a and that of the point is: a ball that is
+// nearer at the start would cover it, since gaps change by no more than the way. So that is what
+// project_to_union() finds.
+__device__ bool step_to_own_sphere(const Sphere& a, const Vec3d& start, double reach,
+                                   const WarpBalls& balls, ProjectedPoint& p) {
+  const double gap_before = gap(a, start);
+  if (!(gap_before < -kProjectionTolerance && gap_before >= -reach)) return false;
+  const FoundPoint to = nearest_on_sphere(a, start);
+  if (!to.found || !within_reach(to.position, start, reach)) return false;
+  p.position = to.position;
+  p.residual = std::abs(gap(a, to.position));
+  return p.residual <= kProjectionTolerance && balls.is_alone(to.position);
+}
+
+// Midpoints of edges on one ball that a radial step brings to the union, nearly all of them; the
+// others are listed.
+template <unsigned kRounds>
+__global__ void __launch_bounds__(kThreads, 6)
+    make_union_midpoints(SurfaceView surface, MidpointLevel level, MidpointOutputs outputs,
+                         DeviceStats* stats) {
+  __shared__ MidpointShared s;
+  const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
+  const std::uint64_t run = static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp;
+  const std::uint64_t first_word = run * kRunWords;
+  if (first_word >= level.edges.count) return;
+  const std::uint64_t end_word =
+      first_word + kRunWords < level.edges.count ? first_word + kRunWords : level.edges.count;
+  std::uint16_t* const list = s.first[warp];
+  const EdgeMiddles& middles = s.middles[warp];
+  const unsigned count = list_first_half_edges(level.edges, first_word, end_word, list);
+  const std::uint64_t first_half_edge = first_word * kHalfEdgesPerWord;
+  const std::uint32_t first_edge = level.edges.number(first_half_edge);
+  OutcomeTally tally;
+  unsigned hard = 0;
+  for (unsigned group = 0; group < count; group += kRounds * kWarp) {
+    const unsigned here = count - group < kRounds * kWarp ? count - group : kRounds * kWarp;
+    const WarpBox box = load_middles<kRounds>(level, here, s.middles[warp], [&](unsigned i) {
+      return first_half_edge + list[group + i];
+    });
+    WarpBalls balls(surface.list, s.balls[warp], box);
+    balls.prepare_covers();
+    for (unsigned begin = 0; begin < here; begin += kWarp) {
+      const unsigned i = begin + lane;
+      bool settled = true;
+      if (i < here) {
+        const SphereId atom = middles.atom[i];
+        ProjectedPoint p{
+            {0, 0, 0}, 0, {atom, kNoSphere, kNoSphere}, 1, ProjectionOutcome::converged};
+        settled = atom != kNoSphere && step_to_own_sphere(surface.spheres[atom], middles.start[i],
+                                                          middles.reach[i], balls, p);
+        if (settled) {
+          tally.add(p);
+          const std::uint32_t edge = first_edge + group + i;
+          const std::uint64_t v = level.parent.vertices + edge;
+          level.mesh.positions[v] = p.position;
+          level.mesh.vertex_spheres.set(v, on_sphere(atom));
+          level.mesh.normals[v] = sphere_normal(surface.spheres[atom], p.position);
+          level.marks.regular[edge] = 1;
+          outputs.fates[edge] = Fate::moved;
+        }
+      }
+      const unsigned votes = __ballot_sync(kAllLanes, !settled);
+      if (!settled) {
+        const auto slot = hard + static_cast<unsigned>(__popc(votes & ((1u << lane) - 1)));
+        outputs.hard[first_edge + slot] = list[group + i];
+      }
+      hard += static_cast<unsigned>(__popc(votes));
+    }
+    __syncwarp();
+  }
+  if (lane == 0) outputs.hard_count[run] = hard;
+  tally.add_to(stats);
+}
+
+constexpr unsigned kRunsTogether = 4;
+
+struct HardShared {
+  EdgeMiddles middles[kWarps];
+  WarpBallsStorage balls[kWarps];
+};
+
+// Those that are listed, by neighbouring runs.
+__global__ void __launch_bounds__(kThreads, 4)
+    make_hard_midpoints(SurfaceView surface, MidpointLevel level, MidpointOutputs outputs,
+                        std::uint64_t runs, DeviceStats* stats) {
+  __shared__ HardShared s;
+  const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
+  const std::uint64_t first_run =
+      (static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp) * kRunsTogether;
+  if (first_run >= runs) return;
+  // Where the lists of the runs end among all of them, and where they stand.
+  unsigned end[kRunsTogether], count = 0;
+  std::uint32_t first_edge[kRunsTogether];
+  for (unsigned r = 0; r < kRunsTogether; ++r) {
+    const std::uint64_t run = first_run + r;
+    if (run < runs) {
+      count += outputs.hard_count[run];
+      first_edge[r] = level.edges.number(run * kRun);
+    }
+    end[r] = count;
+  }
+  const auto half_edge = [&](unsigned i) {
+    unsigned r = 0;
+    std::uint32_t at = first_edge[0] + i;
+#pragma unroll
+    for (unsigned n = 1; n < kRunsTogether; ++n) {
+      if (i < end[n - 1]) continue;
+      r = n;
+      at = first_edge[n] + i - end[n - 1];
+    }
+    return (first_run + r) * kRun + outputs.hard[at];
+  };
+  const EdgeMiddles& middles = s.middles[warp];
+  constexpr unsigned group_size = kMostRounds * kWarp;
+  OutcomeTally tally;
+  for (unsigned group = 0; group < count; group += group_size) {
+    const unsigned here = count - group < group_size ? count - group : group_size;
+    const WarpBox box = load_middles<kMostRounds>(level, here, s.middles[warp],
+                                                  [&](unsigned i) { return half_edge(group + i); });
+    WarpBalls balls(surface.list, s.balls[warp], box);
+    for (unsigned i = lane; i < here; i += kWarp) {
+      const Vec3d start = middles.start[i];
+      const double reach = middles.reach[i];
+      balls.begin(reach);
+      const ProjectedPoint p = project_to_union(surface.list, start, reach, [&](const Vec3d& q) {
+        return balls.nearest(q, reach + kProjectionTolerance);
+      });
+      tally.add(p);
+      const std::uint64_t h = half_edge(group + i);
+      finish_midpoint(surface, level, h, level.edges.number(h), start, middles.atom[i], p,
+                      outputs.fates);
+    }
+    __syncwarp();
+  }
+  __syncwarp();
+  tally.add_to(stats);
+}
+
+__global__ void __launch_bounds__(kThreads)
+    make_field_midpoints(SurfaceView surface, MidpointLevel level, Fate* fates,
+                         DeviceStats* stats) {
+  __shared__ std::uint16_t first[kWarps][kRun];
+  const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
+  const std::uint64_t first_word =
+      (static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp) * kRunWords;
+  if (first_word >= level.edges.count) return;
+  const std::uint64_t end_word =
+      first_word + kRunWords < level.edges.count ? first_word + kRunWords : level.edges.count;
+  const unsigned count = list_first_half_edges(level.edges, first_word, end_word, first[warp]);
+  const std::uint32_t first_edge = level.edges.number(first_word * kHalfEdgesPerWord);
+  OutcomeTally tally;
+  for (unsigned i = lane; i < count; i += kWarp) {
+    const std::uint64_t h = first_word * kHalfEdgesPerWord + first[warp][i];
+    const double reach = midpoint_reach(level.parent.positions[level.start_of(h)],
+                                        level.parent.positions[level.end_of(h)]);
+    const ProjectedPoint p = project_to_field(surface.list, surface.model, level.start(h), reach);
+    tally.add(p);
+    const std::uint32_t edge = first_edge + i;
+    const auto v = static_cast<std::uint32_t>(level.parent.vertices + edge);
+    fates[edge] = store_midpoint(surface, level, h, v, p);
+  }
+  __syncwarp();
+  tally.add_to(stats);
+}
+
+__global__ void make_plain_midpoints(SurfaceView surface, MidpointLevel level, Fate* fates) {
+  const std::uint64_t h = thread_index();
+  if (h >= 3 * level.parent.triangles || !level.edges.is_first(h)) return;
+  const std::uint32_t edge = level.edges.number(h);
+  const auto v = static_cast<std::uint32_t>(level.parent.vertices + edge);
+  level.take_back(surface, h, v);
+  fates[edge] = Fate::stayed;
+  if (level.mesh.normals != nullptr) interpolate_normal(level, h, v);
+}
+
+// What is to be told of a vertex that must lie on the spheres of its label.
+__device__ ProjectedPoint judge_constrained(const SurfaceView& surface, const Vec3d& p,
+                                            const SphereId* label) {
+  const double residual = label_residual(surface.spheres, label, p);
+  const bool good = label[0] != kNoSphere && residual <= kProjectionTolerance;
+  return {p,
+          residual,
+          {label[0], label[1], label[2]},
+          0,
+          good ? ProjectionOutcome::converged : ProjectionOutcome::unconverged};
+}
+
+__global__ void count_constrained(SurfaceView surface, DeviceMeshView mesh, DeviceStats* stats) {
+  const std::uint64_t v = thread_index();
+  OutcomeTally tally;
+  if (v < mesh.vertices) {
+    const VertexSpheres label = mesh.vertex_spheres[v];
+    tally.add(judge_constrained(surface, mesh.positions[v], ids(label)));
+  }
+  tally.add_to(stats);
+}
+
+__global__ void make_constrained_midpoints(SurfaceView surface, MidpointLevel level,
+                                           DeviceStats* stats) {
+  const std::uint64_t h = thread_index();
+  const DeviceMeshView& parent = level.parent;
+  OutcomeTally tally;
+  if (h < 3 * parent.triangles && level.edges.is_first(h)) {
+    const auto v = static_cast<std::uint32_t>(parent.vertices + level.edges.number(h));
+    const VertexSpheres label =
+        edge_label(parent.triangle_spheres[h / 3], parent.triangle_spheres[parent.opposite[h] / 3]);
+    const bool projects = surface.projection != Projection::none;
+    const Vec3d p = projects ? constrained_midpoint(surface.spheres, ids(label),
+                                                    parent.positions[level.start_of(h)],
+                                                    parent.positions[level.end_of(h)])
+                             : level.start(h);
+    level.mesh.vertex_spheres.set(v, label);
+    level.mesh.positions[v] = p;
+    if (projects) {
+      tally.add(judge_constrained(surface, p, ids(label)));
+    } else if (level.mesh.normals != nullptr) {
+      interpolate_normal(level, h, v);
+    }
+  }
+  tally.add_to(stats);
+}
+
+__global__ void compute_normals(SurfaceView surface, DeviceMeshView mesh) {
+  const std::uint64_t v = thread_index();
+  if (v >= mesh.vertices) return;
+  const Vec3d& p = mesh.positions[v];
+  const VertexSpheres label = mesh.vertex_spheres[v];
+  mesh.normals[v] = mesh.triangle_spheres != nullptr
+                        ? constrained_normal(surface.spheres, ids(label), p)
+                        : surface.normal(p, ids(label));
+}
+
+}  // namespace
+
+namespace {
+
+void make_union_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
+                                    Fate* fates, DeviceStats* stats, const Stream& stream) {
+  const std::uint64_t half_edges = 3 * level.parent.triangles;
+  const std::uint64_t runs = (half_edges + kRun - 1) / kRun;
+  const DeviceArray<std::uint32_t> hard(half_edges / 2, stream.get()), counts(runs, stream.get());
+  const MidpointOutputs outputs{fates, hard.data(), counts.data()};
+  const auto make = level.is_first ? make_union_midpoints<2> : make_union_midpoints<kMostRounds>;
+  make<<<blocks_for(runs, kWarps), kThreads, 0, stream.get()>>>(surface, level, outputs, stats);
+  check_launch("make_union_midpoints");
+  make_hard_midpoints<<<blocks_for(runs, kWarps * kRunsTogether), kThreads, 0, stream.get()>>>(
+      surface, level, outputs, runs, stats);
+  check_launch("make_hard_midpoints");
+}
+
+}  // namespace
+
+void make_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level, Fate* fates,
+                              DeviceStats* stats, const Stream& stream) {
+  const std::uint64_t half_edges = 3 * level.parent.triangles;
+  if (half_edges == 0) return;
+  const unsigned runs = blocks_for(half_edges, kRun * kWarps);
+  switch (surface.projection) {
+    case Projection::vdw:
+      make_union_midpoints_on_device(surface, level, fates, stats, stream);
+      break;
+    case Projection::field:
+      make_field_midpoints<<<runs, kThreads, 0, stream.get()>>>(surface, level, fates, stats);
+      break;
+    case Projection::none:
+      make_plain_midpoints<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
+          surface, level, fates);
+      break;
+  }
+  check_launch("make_midpoints");
+}
+
+void make_constrained_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
+                                          DeviceStats* stats, const Stream& stream) {
+  const std::uint64_t half_edges = 3 * level.parent.triangles;
+  if (half_edges == 0) return;
+  make_constrained_midpoints<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
+      surface, level, stats);
+  check_launch("make_constrained_midpoints");
+}
+
+void count_constrained_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
+                                 DeviceStats* stats, const Stream& stream) {
+  if (mesh.vertices == 0) return;
+  count_constrained<<<blocks_for(mesh.vertices, kThreads), kThreads, 0, stream.get()>>>(
+      surface, mesh, stats);
+  check_launch("count_constrained");
+}
+
+void compute_normals_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
+                               const Stream& stream) {
+  if (mesh.vertices == 0) return;
+  compute_normals<<<blocks_for(mesh.vertices, kThreads), kThreads, 0, stream.get()>>>(surface,
+                                                                                      mesh);
+  check_launch("compute_normals");
+}
+
+}  // namespace vdwmesh

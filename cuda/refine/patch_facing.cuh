@@ -1,0 +1,93 @@
+// Which children of a parent triangle are turned.
+#pragma once
+
+#include "cuda/refine/refine_levels.cuh"
+
+namespace vdwmesh {
+
+// A parent triangle with its midpoints.
+struct ParentPatch {
+  std::uint32_t vertex[6];
+  Vec3d position[6];
+  SphereId atom[6];
+};
+
+__device__ inline void load_vertices(const MidpointLevel& level, std::uint64_t t,
+                                     ParentPatch& patch) {
+  for (int i = 0; i < 6; ++i) patch.vertex[i] = level.vertex(t, i);
+}
+
+__device__ inline void load_places(const MidpointLevel& level, std::uint64_t t,
+                                   ParentPatch& patch) {
+  const SphereId* triangle = level.parent.triangle_spheres;
+  for (int i = 0; i < 6; ++i) {
+    patch.position[i] = level.mesh.positions[patch.vertex[i]];
+    patch.atom[i] =
+        triangle != nullptr ? triangle[t] : level.mesh.vertex_spheres.atoms[patch.vertex[i]];
+  }
+}
+
+// Whether a triangle of one atom faces outward so clearly that neither its children, down to the
+// last level, nor rounding can change it. Its edges halve from level to level, the volume that it
+// spans with the centre falls to a quarter: both stay far above the rounding of coordinates.
+__device__ inline bool is_safe(const Sphere* spheres, const Vec3d* p, const SphereId* atom) {
+  if (atom[0] == kNoSphere || atom[0] != atom[1] || atom[0] != atom[2]) return false;
+  constexpr double least_volume = 1e-3, least_edge = 1e-6;
+  const Sphere& s = spheres[atom[0]];
+  const Vec3d a = p[1] - p[0], b = p[2] - p[0];
+  const Vec3d out = ((p[0] - s.center) + (p[1] - s.center)) + (p[2] - s.center);
+  const double edge_square = fmax(squared_norm(a), fmax(squared_norm(b), squared_norm(b - a)));
+  const double far = fmax(squared_norm(p[0]), squared_norm(s.center)) + s.radius * s.radius;
+  return dot(cross(a, b), out) >= least_volume * s.radius * edge_square &&
+         edge_square >= least_edge * least_edge * far;
+}
+
+// Bits by child.
+struct ChildrenFacing {
+  unsigned turned, against_one_atom, safe;
+};
+
+__device__ inline ChildrenFacing facing_of_children(const Sphere* spheres,
+                                                    const ParentPatch& patch) {
+  bool mixed = false;
+  for (int i = 1; i < 6; ++i) mixed |= patch.atom[i] != patch.atom[0];
+  Vec3d out[6];
+  if (mixed) {
+    for (int i = 0; i < 6; ++i) {
+      if (patch.atom[i] != kNoSphere) out[i] = outward(spheres[patch.atom[i]], patch.position[i]);
+    }
+  }
+  ChildrenFacing result{0, 0, 0};
+  for (int child = 0; child < 4; ++child) {
+    Vec3d p[3];
+    SphereId atom[3];
+    for (int k = 0; k < 3; ++k) {
+      p[k] = patch.position[child_corner(child, k)];
+      atom[k] = patch.atom[child_corner(child, k)];
+    }
+    const Facing f = facing(spheres, p, atom, [&](int k) { return out[child_corner(child, k)]; });
+    result.turned |= f != Facing::outward ? 1u << child : 0u;
+    result.against_one_atom |= f == Facing::against_one_atom ? 1u << child : 0u;
+    result.safe |= is_safe(spheres, p, atom) ? 1u << child : 0u;
+  }
+  return result;
+}
+
+// Marks the moved vertices of the children that their moves turned against one atom.
+__device__ inline void mark_turned_children(const SurfaceView& surface, const MidpointLevel& level,
+                                            std::uint64_t t, const ParentPatch& patch,
+                                            unsigned against, const FatesView& fates) {
+  for (int child = 0; child < 4; ++child) {
+    if ((against >> child & 1) == 0) continue;
+    Vec3d before[3];
+    SphereId atom[3];
+    for (int k = 0; k < 3; ++k) {
+      before[k] = level.before(t, child_corner(child, k));
+      atom[k] = patch.atom[child_corner(child, k)];
+    }
+    if (facing(surface.spheres, before, atom) != Facing::outward) continue;
+    for (int k = 0; k < 3; ++k) fates.mark(patch.vertex[child_corner(child, k)]);
+  }
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,178 @@
+// The given vertices of a mesh go to the surface. Those of marching cubes over the union lie on it
+// already, but for a few: a first look finds them, 32 vertices at a time, and the rest of the work
+// is theirs alone.
+#include <cmath>
+#include <cub/device/device_reduce.cuh>
+
+#include "cuda/memory/cub_calls.cuh"
+#include "cuda/refine/make_vertices.cuh"
+#include "cuda/refine/warp_balls.cuh"
+
+namespace vdwmesh {
+namespace {
+
+constexpr unsigned kThreads = 128;
+constexpr unsigned kWarps = kThreads / kWarp;
+
+// Until it is projected, a vertex that is not where it should be.
+constexpr Fate kAstray = Fate::taking_back;
+
+__device__ void relabel(const SurfaceView& surface, const DeviceMeshView& mesh, std::uint64_t v,
+                        const ProjectedPoint& p) {
+  const VertexSpheres label = mesh.vertex_spheres[v];
+  const bool keeps_label = p.steps == 0 && surface.on_label(p.position, ids(label));
+  if (!keeps_label) mesh.vertex_spheres.set(v, make_label(p.spheres));
+}
+
+__device__ void renew_normal(const SurfaceView& surface, const DeviceMeshView& mesh,
+                             std::uint64_t v) {
+  if (mesh.normals == nullptr) return;
+  const VertexSpheres label = mesh.vertex_spheres[v];
+  mesh.normals[v] = surface.normal(mesh.positions[v], ids(label));
+}
+
+constexpr unsigned kRounds = 4;  // of 32 vertices for which balls are gathered together
+constexpr unsigned kGroup = kRounds * kWarp;
+
+// What lies on the union stays; what does not is found astray. A warp takes kGroup vertices.
+__global__ void __launch_bounds__(kThreads)
+    find_astray(SurfaceView surface, DeviceMeshView mesh, Fate* fates, unsigned long long* astray,
+                DeviceStats* stats) {
+  __shared__ WarpBallsStorage storage[kWarps];
+  const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
+  const std::uint64_t first = (static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp) * kGroup;
+  if (first >= mesh.vertices) return;
+  const std::uint64_t end = first + kGroup < mesh.vertices ? first + kGroup : mesh.vertices;
+  WarpBox box(mesh.positions[first]);
+#pragma unroll
+  for (unsigned round = 0; round < kRounds; ++round) {
+    const std::uint64_t v = first + round * kWarp + lane;
+    if (v < end) box.add(mesh.positions[v], kProjectionTolerance);
+  }
+  box.join();
+  WarpBalls balls(surface.list, storage[warp], box);
+  OutcomeTally tally;
+  unsigned strays = 0;
+  for (std::uint64_t v = first + lane; v < end; v += kWarp) {
+    const Vec3d p = mesh.positions[v];
+    balls.begin(0);
+    const NearestBall near = balls.nearest(p, kProjectionTolerance);
+    const bool stays = near.found && std::abs(near.gap) <= kProjectionTolerance;
+    fates[v] = stays ? Fate::stayed : kAstray;
+    strays += stays ? 0 : 1;
+    if (!stays) continue;
+    const ProjectedPoint where{p,
+                               std::abs(near.gap),
+                               {surface.list.id[near.place], kNoSphere, kNoSphere},
+                               0,
+                               ProjectionOutcome::converged};
+    tally.add(where);
+    relabel(surface, mesh, v, where);
+    renew_normal(surface, mesh, v);
+  }
+  __syncwarp();
+  strays = __reduce_add_sync(kAllLanes, strays);
+  if (strays > 0 && lane == 0) atomicAdd(astray, strays);
+  tally.add_to(stats);
+}
+
+__global__ void set_astray(Fate* fates, std::uint64_t vertices) {
+  const std::uint64_t v = thread_index();
+  if (v < vertices) fates[v] = kAstray;
+}
+
+// Square of the longest edge at each vertex that is astray, as bits.
+__global__ void raise_longest_edges(DeviceMeshView mesh, const Fate* fates,
+                                    unsigned long long* square_bits) {
+  const std::uint64_t h = thread_index();
+  if (h >= 3 * mesh.triangles) return;
+  const std::uint32_t a = mesh.corners[h], b = mesh.corners[h % 3 == 2 ? h - 2 : h + 1];
+  const bool a_strays = fates[a] == kAstray, b_strays = fates[b] == kAstray;
+  if (!a_strays && !b_strays) return;
+  const double s = squared_distance(mesh.positions[a], mesh.positions[b]);
+  const auto bits = static_cast<unsigned long long>(__double_as_longlong(s));
+  if (a_strays) atomicMax(&square_bits[a], bits);
+  if (b_strays) atomicMax(&square_bits[b], bits);
+}
+
+__global__ void project_astray(SurfaceView surface, DeviceMeshView mesh,
+                               const unsigned long long* square_bits, Fate* fates,
+                               DeviceStats* stats) {
+  const std::uint64_t v = thread_index();
+  OutcomeTally tally;
+  if (v < mesh.vertices && fates[v] == kAstray) {
+    const double reach = std::sqrt(__longlong_as_double(static_cast<long long>(square_bits[v])));
+    const ProjectedPoint p = surface.project(mesh.positions[v], reach);
+    tally.add(p);
+    const bool converged = p.outcome == ProjectionOutcome::converged;
+    fates[v] = converged && p.steps > 0 ? Fate::moved : Fate::stayed;
+    if (converged) {
+      mesh.positions[v] = p.position;
+      relabel(surface, mesh, v, p);
+    }
+    renew_normal(surface, mesh, v);
+  }
+  tally.add_to(stats);
+}
+
+template <class T>
+DeviceArray<T> copy_of(const T* from, std::uint64_t size, const Stream& stream) {
+  DeviceArray<T> copy(size, stream.get());
+  if (size > 0) {
+    check_cuda(
+        cudaMemcpyAsync(copy.data(), from, copy.bytes(), cudaMemcpyDeviceToDevice, stream.get()),
+        "copy on the device");
+  }
+  return copy;
+}
+
+// Marks what is astray; returns how many vertices are.
+std::uint64_t mark_astray(const SurfaceView& surface, const DeviceMeshView& mesh, Fate* fates,
+                          DeviceStats* stats, const Stream& stream) {
+  const unsigned blocks = blocks_for(mesh.vertices, kThreads);
+  if (surface.projection == Projection::field) {
+    set_astray<<<blocks, kThreads, 0, stream.get()>>>(fates, mesh.vertices);
+    check_launch("set_astray");
+    return mesh.vertices;
+  }
+  const DeviceArray<unsigned long long> astray(1, stream.get());
+  clear(astray, stream.get());
+  find_astray<<<blocks_for(mesh.vertices, kWarps * kGroup), kThreads, 0, stream.get()>>>(
+      surface, mesh, fates, astray.data(), stats);
+  check_launch("find_astray");
+  return fetch(astray.data(), stream);
+}
+
+}  // namespace
+
+std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
+                                      Crossings crossings, Monitor* monitor, DeviceStats* stats,
+                                      const Stream& stream) {
+  if (mesh.vertices == 0) return 0;
+  const DeviceArray<Fate> fates(fate_bytes(mesh.vertices), stream.get());
+  if (mark_astray(surface, mesh, fates.data(), stats, stream) == 0) return 0;
+  const DeviceArray<Vec3d> positions = copy_of(mesh.positions, mesh.vertices, stream);
+  const DeviceVertexLabels labels{copy_of(mesh.vertex_spheres.atoms, mesh.vertices, stream),
+                                  copy_of(mesh.vertex_spheres.others, mesh.vertices, stream)};
+  DeviceMeshView given = mesh;
+  given.positions = positions.data();
+  given.vertex_spheres = labels.view();
+  {
+    const DeviceArray<unsigned long long> squares(mesh.vertices, stream.get());
+    clear(squares, stream.get());
+    if (mesh.triangles > 0) {
+      raise_longest_edges<<<blocks_for(3 * mesh.triangles, kThreads), kThreads, 0, stream.get()>>>(
+          given, fates.data(), squares.data());
+      check_launch("raise_longest_edges");
+    }
+    project_astray<<<blocks_for(mesh.vertices, kThreads), kThreads, 0, stream.get()>>>(
+        surface, mesh, squares.data(), fates.data(), stats);
+    check_launch("project_astray");
+  }
+  const DeviceArray<unsigned long long> marked(1, stream.get());
+  return take_back_bad_moves(
+      GivenLevel{given, mesh},
+      {surface, {fates.data(), 0, marked.data(), nullptr, 0}, stats, crossings, monitor}, stream);
+}
+
+}  // namespace vdwmesh

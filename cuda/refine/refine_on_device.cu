@@ -1,0 +1,261 @@
+// Refinement in device memory, level by level. Vertices keep their numbers, so those of all levels
+// share arrays of the final size; triangles are made anew on each level.
+#include <bit>
+#include <utility>
+
+#include "cuda/refine/device_refinement.cuh"
+#include "cuda/refine/make_vertices.cuh"
+
+namespace vdwmesh {
+namespace {
+
+bool has_half_edges(std::uint64_t triangles) { return 3 * triangles <= kMaxHalfEdges; }
+
+template <class T>
+DeviceArray<T> grown(DeviceArray<T> from, std::uint64_t size, const Stream& stream) {
+  if (from.size() == size) return from;
+  DeviceArray<T> to(size, stream.get());
+  if (from.size() > 0) {
+    check_cuda(cudaMemcpyAsync(to.data(), from.data(), from.bytes(), cudaMemcpyDeviceToDevice,
+                               stream.get()),
+               "copy on the device");
+  }
+  return to;
+}
+
+// A mesh with room for the vertices to come.
+struct GrowingMesh {
+  DeviceMesh mesh;
+  std::uint64_t vertices;
+  DeviceArray<std::uint8_t> safe;  // of each triangle, as in PatchMarks; empty: nothing is known
+
+  DeviceMeshView view() const {
+    DeviceMeshView v = mesh.view();
+    v.vertices = vertices;
+    return v;
+  }
+};
+
+// Room for the labels of `vertices`, three spheres each.
+DeviceVertexLabels with_room(DeviceVertexLabels labels, std::uint64_t vertices,
+                             const Stream& stream) {
+  if (labels.others.size() == 0 && vertices > 0) {
+    labels.others = DeviceArray<OtherSpheres>(vertices, stream.get());
+    static_assert(kNoSphere == 0xffffffffu);
+    check_cuda(cudaMemsetAsync(labels.others.data(), 0xff, labels.others.bytes(), stream.get()),
+               "labels");
+  }
+  labels.atoms = grown(std::move(labels.atoms), vertices, stream);
+  labels.others = grown(std::move(labels.others), vertices, stream);
+  return labels;
+}
+
+// Normals of vdw are made with the vertices, those of other surfaces at the end; without a surface
+// they are interpolated.
+GrowingMesh with_room(DeviceMesh mesh, Projection projection, std::uint64_t vertices,
+                      const Stream& stream) {
+  GrowingMesh growing{std::move(mesh), 0, {}};
+  DeviceMesh& m = growing.mesh;
+  growing.vertices = m.vertex_count();
+  const bool has_normals = m.normals.size() > 0;
+  m.positions = grown(std::move(m.positions), vertices, stream);
+  m.vertex_spheres = with_room(std::move(m.vertex_spheres), vertices, stream);
+  if (projection == Projection::none) {
+    if (has_normals) m.normals = grown(std::move(m.normals), vertices, stream);
+  } else if (projection == Projection::vdw && m.triangle_labels() == TriangleLabels::none) {
+    if (m.normals.size() != vertices) m.normals = DeviceArray<Vec3f>(vertices, stream.get());
+  } else {
+    m.normals = DeviceArray<Vec3f>();
+  }
+  return growing;
+}
+
+ProjectionStats to_host(const DeviceArray<DeviceStats>& stats, std::uint64_t undone,
+                        const Stream& stream) {
+  const DeviceStats s = fetch(stats.data(), stream);
+  return {s.projected - undone,
+          s.unconverged,
+          s.out_of_reach,
+          undone,
+          s.turned,
+          s.iterations_max,
+          std::bit_cast<double>(s.residual_bits)};
+}
+
+bool is_freely_projected_union(const SurfaceView& surface, const DeviceMeshView& mesh) {
+  return surface.projection == Projection::vdw && mesh.triangle_spheres == nullptr;
+}
+
+ProjectionStats project_given(const SurfaceView& surface, GrowingMesh& growing,
+                              const RefineOptions& options, const Stream& stream) {
+  const DeviceArray<DeviceStats> stats(1, stream.get());
+  clear(stats, stream.get());
+  const DeviceMeshView mesh = growing.view();
+  std::uint64_t undone = 0;
+  if (surface.projection != Projection::none) {
+    if (mesh.triangle_spheres != nullptr) {
+      count_constrained_on_device(surface, mesh, stats.data(), stream);
+    } else {
+      undone = project_given_on_device(surface, mesh, options.crossings, options.monitor,
+                                       stats.data(), stream);
+    }
+  }
+  if (is_freely_projected_union(surface, mesh) && options.subdivisions > 0) {
+    growing.safe = DeviceArray<std::uint8_t>((mesh.triangles + 3) / 4, stream.get());
+  }
+  count_turned_on_device(surface, mesh, growing.safe.data(), stats.data(), stream);
+  return to_host(stats, undone, stream);
+}
+
+// Room for the marks of bad moves; where it is too small they are searched for.
+std::uint64_t room_for_marks(std::uint64_t midpoints) { return midpoints / 32 + 4096; }
+
+// Replaces the triangles of `growing` by their children, and adds the midpoints.
+ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int level_number,
+                          const RefineOptions& options, RefineTimings& timings,
+                          const Stream& stream) {
+  StageMarks marks(stream.get());
+  const DeviceMeshView parent = growing.view();
+  const MeshSize size = subdivided({parent.vertices, parent.triangles});
+  const DeviceEdgeNumbers edges(parent.opposite, 3 * parent.triangles, stream);
+  DeviceMesh children;
+  children.corners = DeviceArray<std::uint32_t>(3 * size.triangles, stream.get());
+  if (has_half_edges(size.triangles)) {
+    children.opposite = DeviceArray<std::uint32_t>(3 * size.triangles, stream.get());
+  }
+  const bool constrained = parent.triangle_spheres != nullptr;
+  if (constrained) children.triangle_spheres = DeviceArray<SphereId>(size.triangles, stream.get());
+  const DeviceMeshView mesh{parent.positions,         parent.normals,
+                            parent.vertex_spheres,    children.corners.data(),
+                            children.opposite.data(), size.vertices,
+                            size.triangles,           children.triangle_spheres.data()};
+  const std::uint64_t midpoints = size.vertices - parent.vertices;
+  const bool marked_safe = growing.safe.size() > 0;
+  const DeviceArray<std::uint8_t> regular(marked_safe ? midpoints : 0, stream.get());
+  DeviceArray<std::uint8_t> safe(
+      marked_safe && level_number < options.subdivisions ? parent.triangles : 0, stream.get());
+  const DeviceArray<std::uint32_t> patches(marked_safe ? parent.triangles : 0, stream.get());
+  const DeviceArray<unsigned long long> listed(1, stream.get());
+  clear(listed, stream.get());
+  const MidpointLevel level{
+      parent,
+      mesh,
+      edges.view(),
+      {regular.data(), growing.safe.data(), safe.data(), patches.data(), listed.data()},
+      level_number == 1};
+  const bool moves = surface.projection != Projection::none && !constrained;
+  const DeviceArray<Fate> fates(constrained ? 0 : fate_bytes(midpoints), stream.get());
+  const std::uint64_t room = moves ? room_for_marks(midpoints) : 0;
+  const DeviceArray<std::uint32_t> marks_list(room, stream.get());
+  const DeviceArray<unsigned long long> marked(1, stream.get());
+  clear(marked, stream.get());
+  const DeviceArray<DeviceStats> stats(1, stream.get());
+  clear(stats, stream.get());
+  marks.mark();
+  if (constrained) {
+    make_constrained_midpoints_on_device(surface, level, stats.data(), stream);
+  } else {
+    make_midpoints_on_device(surface, level, fates.data(), stats.data(), stream);
+  }
+  marks.mark();
+  const LevelPasses passes{
+      surface,
+      {moves ? fates.data() : nullptr, parent.vertices, marked.data(), marks_list.data(), room},
+      stats.data(),
+      options.crossings,
+      options.monitor};
+  make_children_on_device(level, passes, stream);
+  marks.mark();
+  const std::uint64_t undone = moves ? take_back_bad_moves(level, passes, stream) : 0;
+  marks.mark();
+  const ProjectionStats result = to_host(stats, undone, stream);
+  timings = {marks.stage(0), marks.stage(1), marks.stage(2), marks.stage(3)};
+  growing.mesh.corners = std::move(children.corners);
+  growing.mesh.opposite = std::move(children.opposite);
+  growing.mesh.triangle_spheres = std::move(children.triangle_spheres);
+  growing.vertices = size.vertices;
+  growing.safe = std::move(safe);
+  return result;
+}
+
+void finish_normals(const SurfaceView& surface, DeviceMesh& mesh, const Stream& stream) {
+  if (surface.projection == Projection::none) return;
+  if (surface.projection == Projection::vdw && mesh.triangle_labels() == TriangleLabels::none) {
+    return;
+  }
+  mesh.normals = DeviceArray<Vec3f>(mesh.vertex_count(), stream.get());
+  compute_normals_on_device(surface, mesh.view(), stream);
+}
+
+}  // namespace
+
+std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangles,
+                                  const RefineOptions& options, TriangleLabels labels) {
+  const MeshSize given{vertices, triangles};
+  const MeshSize parent =
+      options.subdivisions > 0 ? subdivided(given, options.subdivisions - 1) : MeshSize{};
+  const MeshSize size = subdivided(given, options.subdivisions);
+  const auto triangle_bytes = [&](const MeshSize& s) {
+    const std::uint64_t arrays = has_half_edges(s.triangles) ? 6 : 3;
+    return s.triangles * (arrays * sizeof(std::uint32_t) +
+                          (labels == TriangleLabels::spheres ? sizeof(SphereId) : 0));
+  };
+  const std::uint64_t mesh =
+      size.vertices * (sizeof(Vec3d) + sizeof(Vec3f) + label_bytes(LabelWidth::three)) +
+      triangle_bytes(size) + triangle_bytes(parent) +
+      DeviceEdgeNumbers::bytes(3 * parent.triangles);
+  if (labels == TriangleLabels::spheres) return mesh;
+  // Fates, marks, lists of patches and of marks.
+  const std::uint64_t midpoints = size.vertices - parent.vertices;
+  const std::uint64_t fates =
+      6 * midpoints + 4 * parent.triangles + size.triangles / 4 + midpoints / 4;
+  if (options.crossings == Crossings::allow || options.projection == Projection::none) {
+    return mesh + fates;
+  }
+  // Boxes, and a grid of at most a cell per triangle with some four entries per triangle.
+  return mesh + fates +
+         size.triangles * (6 * sizeof(float) + sizeof(std::uint64_t) + 4 * sizeof(std::uint32_t));
+}
+
+DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
+                                  const RefineOptions& options, const Stream& stream) {
+  const MeshSize given{mesh.vertex_count(), mesh.triangle_count()};
+  require_device_memory(
+      device_refine_bytes(given.vertices, given.triangles, options, mesh.triangle_labels()),
+      "refinement", options.device_memory);
+  DeviceRefinement result;
+  StageClock clock(stream.get());
+  GrowingMesh growing = with_room(std::move(mesh), options.projection,
+                                  subdivided(given, options.subdivisions).vertices, stream);
+  const auto observe = [&](int level) {
+    if (!options.on_level) return;
+    DeviceMeshView seen = growing.view();
+    seen.normals = nullptr;
+    options.on_level(level, download(seen, Connectivity::triangles, stream));
+  };
+  float ms = clock.lap();
+  observe(0);
+  clock.restart();
+  result.levels.push_back(project_given(surface, growing, options, stream));
+  result.level_milliseconds.push_back(ms + clock.lap());
+  advance(options.monitor, 1);
+  for (int l = 1; l <= options.subdivisions; ++l) {
+    RefineTimings timings;
+    ProjectionStats stats;
+    if (growing.mesh.triangle_count() > 0) {
+      stats = subdivide(surface, growing, l, options, timings, stream);
+    }
+    result.levels.push_back(stats);
+    result.timings.push_back(timings);
+    result.level_milliseconds.push_back(clock.lap());
+    observe(l);
+    clock.restart();
+    advance(options.monitor, 1);
+  }
+  finish_normals(surface, growing.mesh, stream);
+  result.level_milliseconds.push_back(clock.lap());
+  result.mesh = std::move(growing.mesh);
+  return result;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,134 @@
+// Cutting a cell: the edges of a new face. Included by arc_cell.hpp alone.
+#pragma once
+
+#include "arrangement/arcs/arc_cell.hpp"
+
+namespace vdwmesh::arcs {
+
+// Caps come sorted and without repeated planes, so of two that look the same way the new one is
+// hidden.
+VDWMESH_HD inline BallCell::Relation BallCell::relate_parallel(const CellFace& old,
+                                                               const CellFace& fresh,
+                                                               double cosine) {
+  if (cosine > 0) return Relation::new_hidden;
+  const double gap = fresh.cap.cosine + old.cap.cosine;
+  if (std::abs(gap) < kParallelGap) doubts_ |= kParallelPlanes;
+  return gap > 0 ? Relation::apart : Relation::nothing_left;
+}
+
+VDWMESH_HD inline BallCell::Relation BallCell::relate_uncrossed(double toward_a, double toward_b) {
+  if (toward_a <= 0) return toward_b <= 0 ? Relation::nothing_left : Relation::new_hidden;
+  return toward_b <= 0 ? Relation::old_hidden : Relation::apart;
+}
+
+// How the two circles lie; where they cross, the chord of their planes.
+VDWMESH_HD inline BallCell::Relation BallCell::relate(const CellFace& old, const CellFace& fresh,
+                                                      CellEdge& edge) {
+  const Cap& a = old.cap;
+  const Cap& b = fresh.cap;
+  const double cosine = inner(a.axis, b.axis);
+  // From the difference of the axes (sum, where they are opposite): small angles keep their digits.
+  const double sign = cosine < 0 ? -1 : 1;
+  const Vec3d apart = b.axis - sign * a.axis;
+  // toward_b < 0: the centre of disk a lies beyond plane b.
+  const double toward_b = (b.cosine - sign * a.cosine) - a.cosine * inner(apart, a.axis);
+  const double toward_a = (a.cosine - sign * b.cosine) + sign * b.cosine * inner(apart, b.axis);
+  // Most circles are clearly apart, and need no normal.
+  const double rough_gram = old.squared_sine * (1 - cosine) * (1 + cosine) - toward_b * toward_b;
+  if (rough_gram < -kRoughly) return relate_uncrossed(toward_a, toward_b);
+  const Vec3d normal = cross(a.axis, apart);
+  const double squared_sine = inner(normal, normal);
+  if (squared_sine < kParallel) return relate_parallel(old, fresh, cosine);
+  if (squared_sine < kNearlyParallel) doubts_ |= kParallelPlanes;
+  const double gram = old.squared_sine * squared_sine - toward_b * toward_b;
+  if (!(gram > 0)) return relate_uncrossed(toward_a, toward_b);
+  const double root = std::sqrt(gram);
+  const double inverse = 1 / squared_sine;
+  edge.middle = a.cosine * a.axis + (toward_b * inverse) * cross(normal, a.axis);
+  edge.scale = root * inverse;
+  edge.half = edge.scale * normal;
+  edge.lower = -1;
+  edge.upper = 1;
+  edge.cosine = cosine;
+  edge.root = root;
+  edge.toward_b = toward_b;
+  edge.toward_a = toward_a;
+  edge.exposed = kLowerEnd | kUpperEnd;
+  return Relation::crossing;
+}
+
+// Adds the new plane's edges. False when the plane turns out to cut nothing, or leaves nothing.
+VDWMESH_HD inline bool BallCell::add_face(std::uint32_t fresh, bool was_closed) {
+  CellFace& face = space_.faces[fresh];
+  CellEdge edge;
+  for (std::uint32_t i = 0; i < active_count_; ++i) {
+    CellFace& old = space_.faces[space_.active[i]];
+    // In a polytope the new plane's edges lie on faces that lose a corner.
+    if (was_closed && !old.touched) continue;
+    const Relation relation = relate(old, face, edge);
+    if (relation == Relation::apart) continue;
+    if (relation == Relation::nothing_left) {
+      empty_ = true;
+      return false;
+    }
+    if (relation == Relation::new_hidden) {
+      face.crossed = true;
+      break;
+    }
+    if (!old.crossed) --whole_disks_;
+    old.crossed = true;
+    if (relation == Relation::old_hidden) continue;
+    face.crossed = true;
+    edge.a = space_.active[i];
+    edge.b = fresh;
+    // A face none of whose edges is cut can only lose a segment between two points of its arcs.
+    if (old.touched ? clip_chord(edge) : keeps_whole(edge)) push_edge(edge);
+  }
+  return true;
+}
+
+// Clips a new chord by all other planes; false when nothing is left.
+VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge) const {
+  for (std::uint32_t i = 0; i < active_count_; ++i) {
+    const std::uint32_t index = space_.active[i];
+    if (index == edge.a) continue;
+    const Cap& cap = space_.faces[index].cap;
+    const double room = cap.cosine - inner(cap.axis, edge.middle);
+    const double slope = inner(cap.axis, edge.half);
+    const bool upper_out = slope * edge.upper - room > -kSlack;
+    const bool lower_out = slope * edge.lower - room > -kSlack;
+    if (!upper_out && !lower_out) continue;
+    if (upper_out && lower_out) return false;
+    const double at = end_at(edge, index, room / slope);
+    if (upper_out) {
+      edge.upper = at < edge.upper ? at : edge.upper;
+      edge.exposed &= static_cast<std::uint8_t>(~kUpperEnd);
+    } else {
+      edge.lower = at > edge.lower ? at : edge.lower;
+      edge.exposed &= static_cast<std::uint8_t>(~kLowerEnd);
+    }
+    if (!(edge.lower < edge.upper)) return false;
+  }
+  return true;
+}
+
+// Whether all other planes leave all of a new chord. An end that only just lies beyond one of them
+// may be where they meet, and the chord may be cut off wrongly: a doubt, unless the end lies well
+// beyond another.
+VDWMESH_HD inline bool BallCell::keeps_whole(const CellEdge& edge) {
+  bool near = false;
+  for (std::uint32_t i = 0; i < active_count_; ++i) {
+    const std::uint32_t index = space_.active[i];
+    if (index == edge.a) continue;
+    const Cap& cap = space_.faces[index].cap;
+    const double middle = inner(cap.axis, edge.middle) - cap.cosine;
+    const double slope = inner(cap.axis, edge.half);
+    const double depth = middle + std::abs(slope);
+    if (depth > kTouching) return false;
+    near = near || depth > -kSlack;
+  }
+  if (near) doubts_ |= kThirdCircle;
+  return !near;
+}
+
+}  // namespace vdwmesh::arcs

@@ -1,0 +1,162 @@
+// Cutting a cell: the edges it has, and the bookkeeping. Included by arc_cell.hpp alone.
+#pragma once
+
+#include "arrangement/arcs/arc_cell.hpp"
+
+namespace vdwmesh::arcs {
+
+VDWMESH_HD inline int end_count(std::uint8_t ends) { return (ends & 1) + (ends >> 1); }
+
+VDWMESH_HD inline void BallCell::cut(const Cap& cap) {
+  if (empty_ || overflowed()) return;
+  // A nudge may bring a cosine just beyond 1. It is NaN wherever the axis is.
+  if (!(std::abs(cap.cosine) < 2)) {
+    doubts_ |= kNotFinite;
+    return;
+  }
+  if (face_slots_ == space_.face_capacity) {
+    doubts_ |= kOverflow;
+    return;
+  }
+  const bool was_closed = closed();
+  const std::uint32_t fresh = face_slots_;
+  space_.faces[fresh] = {
+      cap, (1 - cap.cosine) * (1 + cap.cosine), 0, was_closed, false, {1, 0}, 0, 0, 0};
+  const bool touched = clip_edges(fresh);
+  if (was_closed && !touched) return;
+  if (!add_face(fresh, was_closed)) return;
+  drop_faces(fresh);
+  reach_is_stale_ = true;
+}
+
+// Parameter of the edge's end at the plane; `direct` is what the edge alone says.
+VDWMESH_HD inline double BallCell::end_at(const CellEdge& edge, std::uint32_t plane,
+                                          double direct) const {
+  if (ending_ == EdgeEnding::direct) return direct;
+  std::uint32_t i = edge.a, j = edge.b, k = plane;  // a < b always
+  if (k < i) {
+    k = j;
+    j = i;
+    i = plane;
+  } else if (k < j) {
+    k = j;
+    j = plane;
+  }
+  const Cap& a = space_.faces[i].cap;
+  const Cap& b = space_.faces[j].cap;
+  const Cap& c = space_.faces[k].cap;
+  const Vec3d bc = cross(b.axis, c.axis);
+  const Vec3d sum =
+      a.cosine * bc + b.cosine * cross(c.axis, a.axis) + c.cosine * cross(a.axis, b.axis);
+  const Vec3d point = (1 / inner(a.axis, bc)) * sum;
+  const double at = inner(point - edge.middle, edge.half) / inner(edge.half, edge.half);
+  // Not finite where the planes are parallel to the last bit.
+  return std::abs(at) <= 1 ? at : direct;
+}
+
+// Shortens or removes the edges that reach beyond the plane; whether there were any.
+VDWMESH_HD inline bool BallCell::clip_edges(std::uint32_t fresh) {
+  const Cap& cap = space_.faces[fresh].cap;
+  bool touched = false, along = false;
+  double depth = 1;  // beyond the plane, of the least deep corner
+  for (std::uint32_t i = 0; i < edge_count_;) {
+    CellEdge& e = space_.edges[i];
+    const double room = cap.cosine - inner(cap.axis, e.middle);
+    const double slope = inner(cap.axis, e.half);
+    const double upper_depth = slope * e.upper - room;
+    const double lower_depth = slope * e.lower - room;
+    const double least = upper_depth < lower_depth ? upper_depth : lower_depth;
+    depth = least < depth ? least : depth;
+    const bool upper_out = upper_depth > kSlack;
+    const bool lower_out = lower_depth > kSlack;
+    if (!upper_out && !lower_out) {
+      along = along || (upper_depth > -kTouching && lower_depth > -kTouching);
+      ++i;
+      continue;
+    }
+    touched = true;
+    along = along || (std::abs(upper_depth) < kTouching && std::abs(lower_depth) < kTouching);
+    space_.faces[e.a].touched = space_.faces[e.b].touched = true;
+    const std::uint8_t before = e.exposed;
+    if (upper_out) {
+      e.upper = end_at(e, fresh, room / slope);
+      e.exposed &= static_cast<std::uint8_t>(~kUpperEnd);
+    }
+    if (lower_out) {
+      e.lower = end_at(e, fresh, room / slope);
+      e.exposed &= static_cast<std::uint8_t>(~kLowerEnd);
+    }
+    exposed_ends_ -= static_cast<std::uint32_t>(end_count(before) - end_count(e.exposed));
+    if ((upper_out && lower_out) || !(e.lower < e.upper)) {
+      remove_edge(i);
+    } else {
+      ++i;
+    }
+  }
+  // A plane along an edge: with it, faces may be lost that still have a part on this side.
+  if (touched && along) doubts_ |= kParallelPlanes;
+  // What is left, if anything, is next to nothing, and may be nothing.
+  if (touched && std::abs(depth) < kTouching) {
+    doubts_ |= std::abs(depth) < kCertain ? kVanished : kVanishing;
+  }
+  return touched;
+}
+
+VDWMESH_HD inline void BallCell::remove_edge(std::uint32_t i) {
+  const CellEdge& e = space_.edges[i];
+  --space_.faces[e.a].edge_count;
+  --space_.faces[e.b].edge_count;
+  exposed_ends_ -= static_cast<std::uint32_t>(end_count(e.exposed));
+  space_.edges[i] = space_.edges[--edge_count_];
+}
+
+VDWMESH_HD inline void BallCell::push_edge(const CellEdge& edge) {
+  if (edge_count_ == space_.edge_capacity) {
+    doubts_ |= kOverflow;
+    return;
+  }
+  space_.edges[edge_count_++] = edge;
+  ++space_.faces[edge.a].edge_count;
+  ++space_.faces[edge.b].edge_count;
+  exposed_ends_ += static_cast<std::uint32_t>(end_count(edge.exposed));
+}
+
+// Forgets faces of which nothing is left; they cannot matter again, for the body only shrinks.
+VDWMESH_HD inline void BallCell::drop_faces(std::uint32_t fresh) {
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < active_count_; ++i) {
+    CellFace& face = space_.faces[space_.active[i]];
+    face.touched = false;
+    if (!face.crossed || face.edge_count > 0) space_.active[kept++] = space_.active[i];
+  }
+  active_count_ = kept;
+  const CellFace& face = space_.faces[fresh];
+  if (!face.crossed || face.edge_count > 0) {
+    if (!face.crossed) ++whole_disks_;
+    space_.active[active_count_++] = fresh;
+    ++face_slots_;
+  }
+  empty_ = active_count_ == 0;
+}
+
+VDWMESH_HD inline bool BallCell::out_of_reach(double cosine) {
+  // While the planes are still near, more of them will cut.
+  constexpr double kWorthLooking = 0.6;
+  if (!closed() || cosine < kWorthLooking * reach_) return false;
+  if (reach_is_stale_) update_reach();
+  return cosine >= reach_;
+}
+
+VDWMESH_HD inline void BallCell::update_reach() {
+  double squared = 0;
+  for (std::uint32_t i = 0; i < edge_count_; ++i) {
+    const CellEdge& e = space_.edges[i];
+    const double s = -e.lower > e.upper ? -e.lower : e.upper;
+    const double here = inner(e.middle, e.middle) + s * s * inner(e.half, e.half);
+    squared = here > squared ? here : squared;
+  }
+  reach_ = std::sqrt(squared) + kSlack;
+  reach_is_stale_ = false;
+}
+
+}  // namespace vdwmesh::arcs

@@ -1,0 +1,141 @@
+// Area of the exposed patch and volume of the cut ball, from the edges of a BallCell.
+//
+// With t the cosine of a cap, phi the exposed angle of its circle and P the spherical polygon that
+// runs from axis to axis through the corners of the patch (one arc: corner, axis, corner):
+//   area   = area(P) - sum phi (1 - t)                    modulo 4 pi   (Green)
+//   area   = 2 pi chi + sum phi t - sum turning angles                  (Gauss-Bonnet: the check)
+//   volume = (area + sum t F) / 3,  F = area of face      (divergence theorem, centre as origin)
+// Angles are multiplied up as complex numbers, so that there is one arctangent for each exposed
+// circle and two for the patch, and no arc need be paired with its other end.
+#pragma once
+
+#include "arrangement/arcs/arc_patch.hpp"
+
+namespace vdwmesh::arcs {
+
+struct BallMeasures {
+  double area, volume;   // of the unit ball
+  std::uint32_t doubts;  // Doubt bits; 0: the numbers are good
+};
+
+// Exposed angles this near to 0 or 2 pi cannot be told from each other.
+inline constexpr double kTinyAngle = 1e-9;
+// Roundings that a term of the checks gathers, in units of its condition.
+inline constexpr double kRounding = 64 * 2.220446049250313e-16;
+// Largest error of a checked angle that is accepted.
+inline constexpr double kMaxError = 1e-9;
+// Largest vector area, in units of the squared radius, by which a surface may fail to close. It is
+// as large as the error of the volume, and a missing edge makes it as large as the edge.
+inline constexpr double kMaxOpen = 1e-10;
+
+// The corner's place on circle `face`, as a unit complex number about the axis, from a direction
+// that depends on the axis alone (Duff et al. 2017).
+VDWMESH_HD inline Complex on_circle(const CellFace& face, const Vec3d& corner) {
+  const Vec3d& u = face.cap.axis;
+  const double sign = u.z < 0 ? -1.0 : 1.0;
+  const double a = -1 / (sign + u.z);
+  const double b = u.x * u.y * a;
+  const Vec3d first{1 + sign * u.x * u.x * a, sign * b, -sign * u.x};
+  const Vec3d second{b, sign + u.y * u.y * a, -u.y};
+  const double scale = 1 / std::sqrt(face.squared_sine);
+  return {scale * inner(first, corner), scale * inner(second, corner)};
+}
+
+VDWMESH_HD inline void add_arc_end(CellFace& face, const Vec3d& corner, int direction) {
+  const Complex place = on_circle(face, corner);
+  multiply(face.arc, direction > 0 ? place : conjugate(place));
+  face.balance += direction;
+  ++face.ends;
+}
+
+// Corner at the upper end: counter-clockwise, an arc of circle a starts and one of b ends there.
+VDWMESH_HD inline void add_edge(const BallCell& cell, const CellEdge& e, PatchSums& sums) {
+  CellFace& a = cell.face_at(e.a);
+  CellFace& b = cell.face_at(e.b);
+  const double moment = e.scale * (e.upper - e.lower);
+  a.edge_moment += e.toward_b * moment;
+  b.edge_moment += e.toward_a * moment;
+  sums.open = sums.open + moment * (e.toward_b * a.cap.axis + e.toward_a * b.cap.axis);
+  if (!e.exposed) return;
+  const Vec3d arm = a.cap.cosine * a.cap.axis - b.cap.cosine * b.cap.axis;
+  if (e.exposed & kUpperEnd) {
+    const Vec3d corner = e.middle + e.half;
+    add_arc_end(a, corner, -1);
+    add_arc_end(b, corner, 1);
+    sums.open = sums.open + cross(arm, corner);
+  }
+  if (e.exposed & kLowerEnd) {
+    const Vec3d corner = e.middle - e.half;
+    add_arc_end(a, corner, 1);
+    add_arc_end(b, corner, -1);
+    sums.open = sums.open - cross(arm, corner);
+  }
+}
+
+// Sums over the faces.
+struct FaceSums {
+  double angle = 0;        // of all circles with corners
+  double sector = 0;       // sum phi (1 - t)
+  double pyramid = 0;      // sum t F
+  double largest_cap = 0;  // area
+  std::uint32_t doubts = 0;
+};
+
+VDWMESH_HD inline void add_face_to(const CellFace& face, FaceSums& sums) {
+  double angle = 0;
+  if (!face.crossed) {
+    angle = 2 * kPi;
+  } else if (face.ends > 0) {
+    angle = argument(face.arc);
+    if (angle < kTinyAngle || angle > 2 * kPi - kTinyAngle) sums.doubts |= kTinyArc;
+    if (face.balance != 0) sums.doubts |= kGaussBonnet;
+    sums.angle += angle;
+  }
+  const double drop = 1 - face.cap.cosine;
+  sums.sector += angle * drop;
+  sums.pyramid += face.cap.cosine * 0.5 * (face.squared_sine * angle + face.edge_moment);
+  if (2 * kPi * drop > sums.largest_cap) sums.largest_cap = 2 * kPi * drop;
+}
+
+// The area modulo 4 pi, brought into [0, 4 pi - largest cap] up to rounding.
+VDWMESH_HD inline double reduce_area(double area, double largest_cap) {
+  const double full = 4 * kPi;
+  area -= full * std::floor(area / full);
+  return area > full - 0.5 * largest_cap ? area - full : area;
+}
+
+// `caps`: every cap the cell was offered.
+VDWMESH_HD inline BallMeasures measure_cell(const BallCell& cell, const Cap* caps,
+                                            std::uint32_t count) {
+  if (cell.empty()) return {0, 0, cell.doubts()};
+  std::uint32_t doubts = cell.doubts();
+  PatchSums patch = sum_patch(cell);
+  if (patch.pole_too_near) doubts |= kIllConditioned;
+  for (std::uint32_t i = 0; i < cell.edge_count(); ++i) {
+    const CellEdge& e = cell.edge(i);
+    add_edge(cell, e, patch);
+    if (ends_near_sphere(e) || (e.exposed && touches_third(cell, e, caps, count))) {
+      doubts |= kThirdCircle;
+    }
+  }
+  FaceSums faces;
+  for (std::uint32_t i = 0; i < cell.face_count(); ++i) add_face_to(cell.face(i), faces);
+  doubts |= faces.doubts;
+
+  double area = cell.closed() ? 0 : 4 * kPi - faces.sector;
+  if (cell.has_corners()) {
+    const double polygon = 2 * argument(patch.polygon);
+    area = reduce_area(polygon - faces.sector, faces.largest_cap);
+    const double turns = (polygon - faces.angle + argument(patch.turning)) / (2 * kPi);
+    const double miss = 2 * kPi * std::abs(turns - std::round(turns));
+    if (!(miss <= kRounding * patch.condition)) doubts |= kGaussBonnet;
+  }
+  if (!(kRounding * patch.worst <= kMaxError)) doubts |= kIllConditioned;
+  if (!(inner(patch.open, patch.open) <= kMaxOpen * kMaxOpen)) doubts |= kOpenSurface;
+  const double volume = (area + faces.pyramid) / 3;
+  const double reach = 4 * kPi + kMaxError;
+  if (!(std::abs(area) <= reach && std::abs(volume) <= reach)) doubts |= kNotFinite;
+  return {area, volume, doubts};
+}
+
+}  // namespace vdwmesh::arcs

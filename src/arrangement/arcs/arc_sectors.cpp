@@ -1,0 +1,175 @@
+#include "arrangement/arcs/arc_sectors.hpp"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "arrangement/directions.hpp"
+
+namespace vdwmesh::arcs {
+namespace {
+
+// A spherical triangle and the planes through its sides and the centre.
+struct Sector {
+  std::array<Vec3d, 3> corner;  // counter-clockwise seen from outside
+  std::array<Vec3d, 3> normal;  // outward; entry k is opposite to corner k
+};
+
+// A frame without symmetry, so that no lattice has balls along its planes.
+std::array<Vec3d, 3> frame() {
+  const Vec3d x = unit({0.31337, 0.72701, 0.61093});
+  const Vec3d y = unit(cross(x, {0.91231, -0.22373, 0.17713}));
+  return {x, y, cross(x, y)};
+}
+
+constexpr unsigned kOctants = 8;
+
+Sector octant(unsigned signs) {
+  Sector s{};
+  const std::array<Vec3d, 3> axes = frame();
+  for (unsigned k = 0; k < 3; ++k) {
+    s.corner[k] = (signs >> k & 1 ? -1.0 : 1.0) * axes[k];
+    s.normal[k] = -1.0 * s.corner[k];
+  }
+  const bool mirrored = (signs & 1) ^ (signs >> 1 & 1) ^ (signs >> 2 & 1);
+  if (mirrored) {
+    std::swap(s.corner[1], s.corner[2]);
+    std::swap(s.normal[1], s.normal[2]);
+  }
+  return s;
+}
+
+// Across the longest side. The halves and their neighbours share planes to the bit, so no sliver is
+// counted twice or left out.
+std::array<Sector, 2> halves(const Sector& s) {
+  std::size_t k = 0;
+  const auto side = [&](std::size_t i) {
+    return dot(s.corner[(i + 1) % 3], s.corner[(i + 2) % 3]);
+  };
+  for (std::size_t i = 1; i < 3; ++i) k = side(i) < side(k) ? i : k;
+  const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
+  const Vec3d middle = unit(s.corner[a] + s.corner[b]);
+  const Vec3d plane = unit(cross(s.corner[k], middle));
+  return {{{{s.corner[k], s.corner[a], middle}, {s.normal[k], plane, s.normal[b]}},
+           {{s.corner[k], middle, s.corner[b]}, {s.normal[k], s.normal[a], -1.0 * plane}}}};
+}
+
+// Whether a cap reaches the sector, or comes so near to it that the kernel might have a doubt: it
+// then lies wholly beyond none of the planes, and beyond no corner of the sector's circle.
+class Reach {
+ public:
+  explicit Reach(const Sector& sector)
+      : sector_(sector), middle_(unit(sector.corner[0] + sector.corner[1] + sector.corner[2])) {
+    for (const Vec3d& corner : sector.corner) cosine_ = std::min(cosine_, dot(middle_, corner));
+    sine_ = sine_of(cosine_);
+  }
+
+  bool operator()(const Cap& cap) const {
+    const double cosine = cap.cosine - kParallelGap;
+    if (cosine <= 0) return true;  // every sector meets a half-space that holds the centre
+    const double sine = sine_of(cosine), toward = dot(cap.axis, middle_);
+    for (const Vec3d& normal : sector_.normal) {
+      if (dot(cap.axis, normal) > sine + kRoughly) return false;
+    }
+    // Cosine of the angle between the axis and the nearest point of the circle about the corners.
+    return toward >= cosine_ || toward * cosine_ + sine_of(toward) * sine_ >= cosine;
+  }
+
+ private:
+  static double sine_of(double cosine) {
+    return std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine)));
+  }
+
+  const Sector& sector_;
+  Vec3d middle_;
+  double cosine_ = 1, sine_ = 0;  // of the angle between the middle and the farthest corner
+};
+
+std::vector<Cap> caps_in(const Sector& sector, std::span<const Cap> caps) {
+  std::vector<Cap> found;
+  std::copy_if(caps.begin(), caps.end(), std::back_inserter(found), Reach(sector));
+  return found;
+}
+
+BallMeasures operator+(const BallMeasures& a, const BallMeasures& b) {
+  return {a.area + b.area, a.volume + b.volume, a.doubts | b.doubts};
+}
+
+class SectorSum {
+ public:
+  explicit SectorSum(std::size_t most_caps) : most_caps_(most_caps) {}
+
+  // `caps`: those that reach the sector, sorted. They are used up.
+  BallMeasures measure(const Sector& sector, std::vector<Cap>& caps, int halvings = 0) {
+    constexpr int kMostHalvings = 40;  // a side of 2^-20 is still far above rounding
+    if (caps.size() <= most_caps_ || halvings == kMostHalvings) return measure_here(sector, caps);
+    const std::array<Sector, 2> parts = halves(sector);
+    std::vector<Cap> first = caps_in(parts[0], caps), second = caps_in(parts[1], caps);
+    // Where most caps reach both halves, as those of a bundle of nearly equal circles do, halving
+    // gains nothing, and again and again nothing.
+    if (2 * (first.size() + second.size()) > 3 * caps.size()) return measure_here(sector, caps);
+    return measure(parts[0], first, halvings + 1) + measure(parts[1], second, halvings + 1);
+  }
+
+ private:
+  BallMeasures measure_here(const Sector& sector, std::vector<Cap>& caps) {
+    for (const Vec3d& normal : sector.normal) caps.push_back({normal, 0});
+    return measure_ball(caps.data(), static_cast<std::uint32_t>(caps.size()),
+                        space_.reserve(caps.size(), caps.size()));
+  }
+
+  std::size_t most_caps_;
+  CellSpace space_;
+};
+
+BallMeasures measure_whole(std::span<const Cap> caps) {
+  CellSpace space;
+  std::vector<Cap> copy(caps.begin(), caps.end());
+  return measure_ball(copy.data(), static_cast<std::uint32_t>(copy.size()),
+                      space.reserve(copy.size(), copy.size()));
+}
+
+}  // namespace
+
+ArcWorkspace CellSpace::reserve(std::size_t caps, std::size_t faces) {
+  if (nudged_.size() < caps) nudged_.resize(2 * caps);
+  if (faces_.size() < faces) {
+    faces_.resize(std::max(faces, 2 * faces_.size()));
+    active_.resize(faces_.size());
+    edges_.resize(3 * faces_.size() + 8);
+  }
+  return {faces_.data(),
+          active_.data(),
+          static_cast<std::uint32_t>(faces_.size()),
+          edges_.data(),
+          static_cast<std::uint32_t>(edges_.size()),
+          nudged_.data()};
+}
+
+BallMeasures measure_by_sectors(std::span<const Cap> caps, std::size_t most_caps) {
+  std::array<Sector, kOctants> octants;
+  std::array<std::vector<Cap>, kOctants> near;
+  std::size_t total = 0;
+  for (unsigned signs = 0; signs < kOctants; ++signs) {
+    octants[signs] = octant(signs);
+    near[signs] = caps_in(octants[signs], caps);
+    total += near[signs].size();
+  }
+  if (2 * total > kOctants * caps.size()) return measure_whole(caps);
+  std::array<BallMeasures, kOctants> parts{};
+  // Isolated: a thread that waits here must not begin another ball, whose caps would take the place
+  // of these.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(0u, kOctants, [&](unsigned i) {
+      parts[i] = SectorSum(most_caps).measure(octants[i], near[i]);
+    });
+  });
+  BallMeasures sum{0, 0, 0};
+  for (const BallMeasures& part : parts) sum = sum + part;
+  return sum;
+}
+
+}  // namespace vdwmesh::arcs

@@ -1,0 +1,109 @@
+#include "arrangement/arcs/arcs.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "arrangement/arcs/arc_sectors.hpp"
+#include "core/errors.hpp"
+#include "core/sum.hpp"
+#include "spheres/cell_list.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::uint32_t kBlock = 256;  // spheres
+
+// Faces of a cell that the kernel handles in one piece: far more than the cell of an atom has, and
+// so few that their square does not matter.
+constexpr std::size_t kMostFaces = 512;
+
+// What one thread works in.
+struct Workspace {
+  std::vector<arcs::Cap> caps;
+  arcs::CellSpace space;
+};
+
+bool same_ball(const Sphere& a, const Sphere& b) {
+  return a.center == b.center && a.radius == b.radius;
+}
+
+enum class Neighbours : std::uint8_t { found, bury };
+
+// Collects the caps of all balls that overlap ball `place`.
+Neighbours find_caps(const CellListView& list, std::uint32_t place, std::vector<arcs::Cap>& caps) {
+  caps.clear();
+  const Sphere& ball = list.spheres[place];
+  const Vec3d r{ball.radius, ball.radius, ball.radius};
+  const bool buried =
+      visit_near_box(list, ball.center - r, ball.center + r, [&](std::uint32_t other) {
+        const Sphere& near = list.spheres[other];
+        if (same_ball(near, ball)) return list.id[other] < list.id[place];
+        arcs::Cap cap;
+        const arcs::CapKind kind = arcs::make_cap(ball, near, cap);
+        if (kind == arcs::CapKind::cuts) caps.push_back(cap);
+        return kind == arcs::CapKind::buries;
+      });
+  return buried ? Neighbours::bury : Neighbours::found;
+}
+
+arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place, Workspace& work) {
+  if (find_caps(list, place, work.caps) == Neighbours::bury) return {0, 0, 0};
+  const auto count = static_cast<std::uint32_t>(work.caps.size());
+  arcs::BallMeasures unit =
+      arcs::measure_ball(work.caps.data(), count, work.space.reserve(work.caps.size(), kMostFaces));
+  if (unit.doubts & arcs::kOverflow) unit = arcs::measure_by_sectors(work.caps);
+  const double r = list.spheres[place].radius;
+  unit.area *= r * r;
+  unit.volume *= r * r * r;
+  return unit;
+}
+
+}  // namespace
+
+SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere) {
+  WideSum area, volume;
+  for (const SphereMeasures& m : per_sphere) {
+    area.add(m.area);
+    volume.add(m.volume);
+  }
+  return {area.value(), volume.value()};
+}
+
+ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor) {
+  if (spheres.empty()) throw InvalidInput("no spheres: their union has no area or volume");
+  const CellList cells = make_ball_list(spheres);
+  const CellListView& list = cells.view();
+  ArcMeasures result{};
+  result.per_sphere.resize(spheres.size());
+  std::vector<std::uint8_t> doubtful(spheres.size());
+  tbb::enumerable_thread_specific<Workspace> workspaces;
+
+  const std::uint32_t blocks = (list.size + kBlock - 1) / kBlock;
+  begin_stage(monitor, "exact union (arcs)", blocks);
+  // In list order: neighbouring spheres find the same cells in cache.
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, blocks, 1), [&](const auto& range) {
+    Workspace& work = workspaces.local();
+    for (std::uint32_t block = range.begin(); block != range.end(); ++block) {
+      const std::uint32_t end = std::min(list.size, (block + 1) * kBlock);
+      for (std::uint32_t place = block * kBlock; place < end; ++place) {
+        const arcs::BallMeasures m = measure_sphere(list, place, work);
+        result.per_sphere[list.id[place]] = {m.area, m.volume};
+        doubtful[list.id[place]] = m.doubts != 0;
+      }
+      advance(monitor, 1);
+    }
+  });
+
+  for (std::size_t i = 0; i < doubtful.size(); ++i) {
+    if (doubtful[i]) result.suspect.push_back(static_cast<SphereId>(i));
+  }
+  const SphereMeasures total = total_measures(result.per_sphere);
+  result.area = total.area;
+  result.volume = total.volume;
+  return result;
+}
+
+}  // namespace vdwmesh

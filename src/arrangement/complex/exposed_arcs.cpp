@@ -1,0 +1,47 @@
+#include "arrangement/complex/exposed_arcs.hpp"
+
+#include <algorithm>
+
+namespace vdwmesh {
+namespace {
+
+// Turns about edge k of triangle f through the cells of its `side`, all outside the complex, to
+// the next triangle of the complex.
+CornerIndex next_corner(const PowerTriangulation& t, const DualComplex& complex,
+                        const DualTriangle& f, std::size_t k, std::size_t side) {
+  const std::uint32_t a = f.vertices[(k + 1) % 3], b = f.vertices[(k + 2) % 3];
+  std::uint32_t from = f.vertices[k], cell = f.cells[side];
+  for (;;) {
+    const auto& v = t.cells[cell];
+    const auto exit = static_cast<std::size_t>(std::find(v.begin(), v.end(), from) - v.begin());
+    const std::uint32_t found = complex.cell_triangles[cell][exit];
+    if (found != kNoIndex) {
+      return 2 * CornerIndex{found} + (complex.triangles[found].cells[0] == cell ? 0 : 1);
+    }
+    from = *std::find_if(v.begin(), v.end(),
+                         [&](std::uint32_t w) { return w != a && w != b && w != from; });
+    cell = t.neighbors[cell][exit];
+  }
+}
+
+}  // namespace
+
+std::vector<ExposedArc> exposed_arcs(const PowerTriangulation& triangulation,
+                                     const DualComplex& complex) {
+  std::vector<ExposedArc> arcs;
+  for (std::uint32_t e = 0; e < complex.edges.size(); ++e) {
+    if (complex.edges[e].singular) arcs.push_back({e, kNoCorner, kNoCorner});
+  }
+  for (std::size_t i = 0; i < complex.triangles.size(); ++i) {
+    const DualTriangle& f = complex.triangles[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t side = leading_side(f, k);
+      if (!f.exposed[side]) continue;
+      arcs.push_back(
+          {f.edges[k], 2 * CornerIndex{i} + side, next_corner(triangulation, complex, f, k, side)});
+    }
+  }
+  return arcs;
+}
+
+}  // namespace vdwmesh

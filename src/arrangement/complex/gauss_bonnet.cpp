@@ -1,0 +1,215 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "arrangement/complex/arc_angle.hpp"
+#include "arrangement/complex/exposed_arcs.hpp"
+#include "arrangement/complex/measures.hpp"
+#include "arrangement/complex/simplex_shape.hpp"
+#include "arrangement/directions.hpp"
+#include "core/sum.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+// On a sphere circles smaller than this (squared, by the squared radius) have corners too near to
+// their centre: angles of arcs lose digits, and cosines of turning angles are differences that lose
+// twice as many.
+constexpr double kSmallOnSphere = 1e-3;
+
+// Adds 2 π n, whose rounding to a double would be as large as n roundings.
+void add_multiple_of_two_pi(int n, WideSum& sum) {
+  constexpr double kTwoPi = 2 * kPi, kTwoPiRest = 2.4492935982947064e-16;  // 2 π - kTwoPi
+  sum.add(kTwoPi * n);
+  sum.add(std::fma(kTwoPi, n, -(kTwoPi * n)) + kTwoPiRest * n);
+}
+
+class PatchSum {
+ public:
+  PatchSum(const PowerTriangulation& triangulation, const DualComplex& complex)
+      : t_(triangulation),
+        k_(complex),
+        euler_(t_.balls.size(), 2),
+        curvature_(t_.balls.size()),
+        twice_face_(k_.edges.size(), 0) {}
+
+  std::vector<SphereMeasures> run() && {
+    place_points();
+    count_euler();
+    for (const DualEdge& e : k_.edges) {
+      edges_.push_back(edge_shape(ball(e.vertices[0]), ball(e.vertices[1])));
+    }
+    for (std::size_t f = 0; f < k_.triangles.size(); ++f) add_triangle(f);
+    for (const ExposedArc& arc : exposed_arcs(t_, k_)) add_arc(arc);
+    return sum();
+  }
+
+ private:
+  // Ends of the part of a triangle's dual line inside its balls, from the first of them: a corner
+  // on an exposed side, else the orthogonal centre of that side's tetrahedron.
+  struct Chord {
+    std::array<Vec3d, 2> end;
+    double determinant;  // half chord between the common points times twice the triangle's area
+  };
+
+  const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
+  Vec3d between(std::uint32_t i, std::uint32_t j) const { return ball(j).center - ball(i).center; }
+
+  void place_points() {
+    centers_.resize(t_.cells.size());
+    for (const std::uint32_t c : k_.tetrahedra) {
+      const auto& v = t_.cells[c];
+      centers_[c] = orthogonal_center({ball(v[0]), ball(v[1]), ball(v[2]), ball(v[3])});
+    }
+    chords_.reserve(k_.triangles.size());
+    for (const DualTriangle& f : k_.triangles) chords_.push_back(chord(f));
+  }
+
+  Chord chord(const DualTriangle& f) const {
+    const CommonPoints points =
+        common_points(ball(f.vertices[0]), ball(f.vertices[1]), ball(f.vertices[2]));
+    Chord out{{points.above, points.below}, points.half_chord * points.twice_area};
+    for (std::size_t s = 0; s < 2; ++s) {
+      if (f.exposed[s]) continue;
+      const std::uint32_t c = f.cells[s];
+      out.end[s] = between(f.vertices[0], t_.cells[c][0]) + centers_[c];
+    }
+    return out;
+  }
+
+  // The exposed part of a sphere has the Euler characteristic of a sphere less the vertex's link.
+  void count_euler() {
+    for (const DualEdge& e : k_.edges) {
+      for (const std::uint32_t v : e.vertices) --euler_[v];
+    }
+    for (const DualTriangle& f : k_.triangles) {
+      for (const std::uint32_t v : f.vertices) ++euler_[v];
+    }
+    for (const std::uint32_t c : k_.tetrahedra) {
+      for (const std::uint32_t v : t_.cells[c]) --euler_[v];
+    }
+  }
+
+  bool is_small(std::uint32_t e, double radius) const {
+    return edges_[e].squared_circle_radius < kSmallOnSphere * radius * radius ||
+           edges_[e].length < kShortEdge;
+  }
+
+  // From the centre of edge e's circle to an end of a triangle's chord.
+  Vec3d from_circle(std::uint32_t e, const DualTriangle& f, const Vec3d& end) const {
+    const auto& [a, b] = k_.edges[e].vertices;
+    return between(a, f.vertices[0]) + end -
+           (edges_[e].height[0] / edges_[e].length) * between(a, b);
+  }
+
+  void add_triangle(std::size_t i) {
+    const DualTriangle& f = k_.triangles[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t e = f.edges[k];
+      const std::size_t lead = leading_side(f, k);
+      const auto& [a, b] = k_.edges[e].vertices;
+      const Vec3d before = from_circle(e, f, chords_[i].end[1 - lead]),
+                  after = from_circle(e, f, chords_[i].end[lead]);
+      twice_face_[e] += triple_product(between(a, b), before, after) / edges_[e].length;
+    }
+    const int corners = f.exposed[0] + f.exposed[1];
+    for (std::size_t k = 0; corners > 0 && k < 3; ++k) {
+      curvature_[f.vertices[k]].add(-corners * turning_angle(f, k, chords_[i].determinant));
+    }
+  }
+
+  // At a corner, on the sphere of vertex k: between the planes through the centre, the corner and
+  // one other centre each.
+  double turning_angle(const DualTriangle& f, std::size_t k, double determinant) const {
+    const std::size_t m = (k + 1) % 3, n = (k + 2) % 3;
+    const double radius = ball(f.vertices[k]).radius;
+    if (is_small(f.edges[m], radius) || is_small(f.edges[n], radius)) return angle_by_excess(f, k);
+    const std::uint32_t o = f.vertices[k], p = f.vertices[m], q = f.vertices[n];
+    const Vec3d op = between(o, p), oq = between(o, q);
+    const double cosine =
+        radius * radius * dot(op, oq) - reach(f.edges[n], o) * reach(f.edges[m], o);
+    return std::atan2(radius * determinant, cosine);
+  }
+
+  // (other centre - centre of v) · (corner - centre of v), for any corner on the edge's circle.
+  double reach(std::uint32_t e, std::uint32_t v) const {
+    return edges_[e].height[k_.edges[e].vertices[0] == v ? 0 : 1] * edges_[e].length;
+  }
+
+  double angle_by_excess(const DualTriangle& f, std::size_t k) const {
+    const Sphere &a = ball(f.vertices[0]), &b = ball(f.vertices[1]), &c = ball(f.vertices[2]);
+    const CornerShape corner = corner_shape(a, b, c, triangle_shape(a, b, c));
+    return kPi + corner.solid_angle[k] - corner.dihedral[(k + 1) % 3] -
+           corner.dihedral[(k + 2) % 3];
+  }
+
+  void add_arc(const ExposedArc& arc) {
+    const EdgeShape& shape = edges_[arc.edge];
+    const double angle = arc.start == kNoCorner ? 2 * kPi : arc_angle(arc);
+    twice_face_[arc.edge] += shape.squared_circle_radius * angle;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const std::uint32_t v = k_.edges[arc.edge].vertices[k];
+      curvature_[v].add(angle * shape.height[k] / ball(v).radius);
+    }
+  }
+
+  double arc_angle(const ExposedArc& arc) const {
+    const auto& [a, b] = k_.edges[arc.edge].vertices;
+    if (is_small(arc.edge, std::max(ball(a).radius, ball(b).radius)))
+      return angle_by_dihedrals(t_, k_, arc);
+    const Vec3d p = corner_from_circle(arc.edge, arc.start),
+                q = corner_from_circle(arc.edge, arc.end);
+    const double angle =
+        std::atan2(triple_product(between(a, b), p, q) / edges_[arc.edge].length, dot(p, q));
+    if (std::abs(angle) < kSmallArc) {
+      return angle_by_dihedrals(t_, k_, arc) > kPi ? 2 * kPi + angle : angle;
+    }
+    return angle < 0 ? angle + 2 * kPi : angle;
+  }
+
+  Vec3d corner_from_circle(std::uint32_t e, CornerIndex corner) const {
+    return from_circle(e, k_.triangles[corner / 2], chords_[corner / 2].end[corner % 2]);
+  }
+
+  std::vector<SphereMeasures> sum() const {
+    std::vector<WideSum> pyramids(t_.balls.size());
+    for (std::size_t e = 0; e < k_.edges.size(); ++e) {
+      for (std::size_t k = 0; k < 2; ++k) {
+        pyramids[k_.edges[e].vertices[k]].add(edges_[e].height[k] * twice_face_[e] / 6);
+      }
+    }
+    std::vector<SphereMeasures> out(t_.balls.size(), SphereMeasures{0, 0});
+    for (std::size_t v = 0; v < out.size(); ++v) {
+      if (!k_.in_complex[v]) continue;
+      const double r = ball(static_cast<std::uint32_t>(v)).radius;
+      // With n neighbours both terms are about n times their sum.
+      WideSum curvature = curvature_[v];
+      add_multiple_of_two_pi(euler_[v], curvature);
+      out[v].area = r * r * curvature.value();
+      pyramids[v].add(r * out[v].area / 3);
+      out[v].volume = pyramids[v].value();
+    }
+    return out;
+  }
+
+  const PowerTriangulation& t_;
+  const DualComplex& k_;
+  std::vector<int> euler_;          // per ball, of the exposed part of its sphere
+  std::vector<WideSum> curvature_;  // per ball: arcs less turning angles
+  std::vector<double> twice_face_;  // per edge: power face ∩ ball, twice its area
+  std::vector<EdgeShape> edges_;
+  Buffer<Vec3d> centers_;      // per cell of the complex, from its first ball
+  std::vector<Chord> chords_;  // per triangle
+};
+
+}  // namespace
+
+std::vector<SphereMeasures> gauss_bonnet(const PowerTriangulation& triangulation,
+                                         const DualComplex& complex) {
+  std::vector<SphereMeasures> measures = PatchSum(triangulation, complex).run();
+  require_finite(measures);
+  return measures;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,121 @@
+#include <cmath>
+#include <numbers>
+
+#include "arrangement/complex/measures.hpp"
+#include "arrangement/complex/simplex_shape.hpp"
+#include "core/errors.hpp"
+#include "core/sum.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// Wide, because a ball may have thousands of neighbours and little area of its own left.
+struct Sums {
+  WideSum area, volume;
+};
+
+class Accumulator {
+ public:
+  Accumulator(const PowerTriangulation& triangulation, const DualComplex& complex)
+      : t_(triangulation),
+        k_(complex),
+        taken_solid_angle_(t_.balls.size()),
+        taken_dihedral_(k_.edges.size(), 0),
+        face_area_(k_.edges.size(), 0),
+        chord_(k_.triangles.size(), 0) {}
+
+  std::vector<SphereMeasures> run() && {
+    for (const std::uint32_t c : k_.tetrahedra) add_tetrahedron(c);
+    for (std::size_t f = 0; f < k_.triangles.size(); ++f) add_triangle(k_.triangles[f], chord_[f]);
+    std::vector<Sums> sums(t_.balls.size());
+    for (std::size_t v = 0; v < sums.size(); ++v) {
+      const double r = t_.balls[v].radius;
+      if (k_.exposed[v]) sums[v].area.add(r * r * (4 * kPi - taken_solid_angle_[v].value()));
+    }
+    for (std::size_t e = 0; e < k_.edges.size(); ++e) add_edge(e, sums);
+    std::vector<SphereMeasures> measures(t_.balls.size());
+    for (std::size_t v = 0; v < measures.size(); ++v) {
+      const double area = sums[v].area.value();
+      sums[v].volume.add(area * t_.balls[v].radius / 3);
+      measures[v] = {area, sums[v].volume.value()};
+    }
+    return measures;
+  }
+
+ private:
+  void add_tetrahedron(std::uint32_t c) {
+    const auto& v = t_.cells[c];
+    const TetrahedronShape shape =
+        tetrahedron_shape({t_.balls[v[0]], t_.balls[v[1]], t_.balls[v[2]], t_.balls[v[3]]});
+    const auto& facets = k_.cell_triangles[c];
+    for (std::size_t k = 0; k < 4; ++k) {
+      taken_solid_angle_[v[k]].add(shape.solid_angle[k]);
+      chord_[facets[k]] += shape.center_height[k];
+    }
+    const DualTriangle &without0 = k_.triangles[facets[0]], &without3 = k_.triangles[facets[3]];
+    taken_dihedral_[edge_between(without3, v[0], v[1])] += shape.dihedral[0];
+    taken_dihedral_[edge_between(without3, v[0], v[2])] += shape.dihedral[1];
+    taken_dihedral_[edge_between(k_.triangles[facets[2]], v[0], v[3])] += shape.dihedral[2];
+    taken_dihedral_[edge_between(without3, v[1], v[2])] += shape.dihedral[3];
+    taken_dihedral_[edge_between(without0, v[1], v[3])] += shape.dihedral[4];
+    taken_dihedral_[edge_between(without0, v[2], v[3])] += shape.dihedral[5];
+  }
+
+  // `chord`: the part of the triangle's dual line inside the tetrahedra of the complex.
+  void add_triangle(const DualTriangle& f, double chord) {
+    const Sphere &a = t_.balls[f.vertices[0]], &b = t_.balls[f.vertices[1]],
+                 &c = t_.balls[f.vertices[2]];
+    const TriangleShape shape = triangle_shape(a, b, c);
+    const int corners = f.exposed[0] + f.exposed[1];
+    chord += corners * shape.half_chord;
+    for (std::size_t k = 0; k < 3; ++k) face_area_[f.edges[k]] += shape.distance[k] * chord / 2;
+    if (corners == 0) return;
+    const CornerShape corner = corner_shape(a, b, c, shape);
+    for (std::size_t k = 0; k < 3; ++k) {
+      taken_solid_angle_[f.vertices[k]].add(corners * corner.solid_angle[k]);
+      taken_dihedral_[f.edges[k]] += corners * corner.dihedral[k];
+    }
+  }
+
+  void add_edge(std::size_t e, std::vector<Sums>& sums) const {
+    const DualEdge& edge = k_.edges[e];
+    const EdgeShape shape = edge_shape(t_.balls[edge.vertices[0]], t_.balls[edge.vertices[1]]);
+    const double free_angle = edge.exposed ? 2 * kPi - taken_dihedral_[e] : 0.0;
+    const double face = face_area_[e] + shape.squared_circle_radius * free_angle / 2;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const std::uint32_t v = edge.vertices[k];
+      const double r = t_.balls[v].radius;
+      if (k_.exposed[v]) sums[v].area.add(-free_angle * r * (r - shape.height[k]));
+      sums[v].volume.add(shape.height[k] * face / 3);
+    }
+  }
+
+  const PowerTriangulation& t_;
+  const DualComplex& k_;
+  std::vector<WideSum> taken_solid_angle_;  // per ball, by tetrahedra and corners
+  std::vector<double> taken_dihedral_;      // per edge, likewise
+  std::vector<double> face_area_;           // per edge: power face ∩ ball
+  std::vector<double> chord_;               // per triangle: its dual segment inside the balls
+};
+
+}  // namespace
+
+std::vector<SphereMeasures> inclusion_exclusion(const PowerTriangulation& triangulation,
+                                                const DualComplex& complex) {
+  std::vector<SphereMeasures> measures = Accumulator(triangulation, complex).run();
+  require_finite(measures);
+  return measures;
+}
+
+void require_finite(const std::vector<SphereMeasures>& measures) {
+  for (const SphereMeasures& m : measures) {
+    if (std::isfinite(m.area) && std::isfinite(m.volume)) continue;
+    throw InvalidInput(
+        "the sizes of the spheres or the distances of their centres differ by too many powers of "
+        "ten: areas and volumes are not finite in double precision");
+  }
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,255 @@
+#include "arrangement/complex/power_triangulation.hpp"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Regular_triangulation_3.h>
+#include <CGAL/Spatial_sort_traits_adapter_3.h>
+#include <CGAL/Triangulation_ds_cell_base_3.h>
+#include <CGAL/Triangulation_vertex_base_with_info_3.h>
+#include <CGAL/property_map.h>
+#include <CGAL/spatial_sort.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <ranges>
+#include <tuple>
+
+#include "arrangement/complex/power_predicates.hpp"
+#include "core/errors.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// Weighted points carry the radius as their weight; the predicates square it exactly.
+struct PowerTraits : CGAL::Epick {
+  struct Power_side_of_oriented_power_sphere_3 {
+    using result_type = CGAL::Oriented_side;
+    using P = Weighted_point_3;
+
+    static Sphere sphere(const P& p) { return {{p.x(), p.y(), p.z()}, p.weight()}; }
+
+    result_type operator()(const P& p, const P& q, const P& r, const P& s, const P& t) const {
+      return static_cast<result_type>(
+          power_side(sphere(p), sphere(q), sphere(r), sphere(s), sphere(t)));
+    }
+    // The four auxiliary points make these cases impossible.
+    result_type operator()(const P&, const P&) const { return unreachable(); }
+    result_type operator()(const P&, const P&, const P&) const { return unreachable(); }
+    result_type operator()(const P&, const P&, const P&, const P&) const { return unreachable(); }
+
+    static result_type unreachable() {
+      assert(!"a degenerate power test cannot occur");
+      return CGAL::ON_ORIENTED_BOUNDARY;
+    }
+  };
+  Power_side_of_oriented_power_sphere_3 power_side_of_oriented_power_sphere_3_object() const {
+    return {};
+  }
+};
+
+}  // namespace
+}  // namespace vdwmesh
+
+template <>
+struct CGAL::Triangulation_structural_filtering_traits<vdwmesh::PowerTraits> {
+  using Use_structural_filtering_tag = Tag_true;
+};
+
+namespace vdwmesh {
+namespace {
+
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<
+    std::uint32_t, PowerTraits, CGAL::Regular_triangulation_vertex_base_3<PowerTraits>>;
+// A cell with a number that forgets the balls hidden in it: the cell of CGAL's concept
+// RegularTriangulationCellBase_3 without its list, for a smaller triangulation.
+template <class Base = CGAL::Triangulation_ds_cell_base_3<>>
+struct NumberedCell : Base {
+  template <class Tds>
+  struct Rebind_TDS {
+    using Other = NumberedCell<typename Base::template Rebind_TDS<Tds>::Other>;
+  };
+  using Base::Base;
+
+  using Point = PowerTraits::Weighted_point_3;
+  using Point_iterator = const Point*;
+  using Point_const_iterator = const Point*;
+  Point_iterator hidden_points_begin() const { return nullptr; }
+  Point_iterator hidden_points_end() const { return nullptr; }
+  void hide_point(const Point&) {}
+
+  std::uint32_t& info() { return number_; }
+  std::uint32_t info() const { return number_; }
+
+ private:
+  std::uint32_t number_ = kNoIndex;
+};
+using Triangulation =
+    CGAL::Regular_triangulation_3<PowerTraits,
+                                  CGAL::Triangulation_data_structure_3<VertexBase, NumberedCell<>>>;
+using WeightedPoint = PowerTraits::Weighted_point_3;
+using Point = PowerTraits::Point_3;
+
+// The largest of each group of concentric balls, sorted by centre.
+std::vector<SphereId> distinct_centers(const SphereSet& spheres) {
+  std::vector<SphereId> ids(spheres.size());
+  std::iota(ids.begin(), ids.end(), SphereId{0});
+  std::sort(ids.begin(), ids.end(), [&](SphereId i, SphereId j) {
+    const Sphere &a = spheres[i], &b = spheres[j];
+    return std::tie(a.center.x, a.center.y, a.center.z, b.radius, i) <
+           std::tie(b.center.x, b.center.y, b.center.z, a.radius, j);
+  });
+  const auto last = std::unique(ids.begin(), ids.end(), [&](SphereId i, SphereId j) {
+    return spheres[i].center == spheres[j].center;
+  });
+  ids.erase(last, ids.end());
+  return ids;
+}
+
+// CGAL's spatial_sort: rounds, each along a Hilbert curve, with three quarters of the balls in the
+// last. Balls of a round that are near in space are so in memory. The order is not that of the
+// insertion, and the vertices of crease-exact meshes stand in it.
+std::vector<SphereId> spatial_order(const SphereSet& spheres) {
+  const std::vector<SphereId> ids = distinct_centers(spheres);
+  std::vector<Point> points;
+  points.reserve(ids.size());
+  for (const SphereId id : ids) {
+    const Vec3d& c = spheres[id].center;
+    points.emplace_back(c.x, c.y, c.z);
+  }
+  std::vector<std::size_t> order(ids.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  using Map = CGAL::Pointer_property_map<Point>::type;
+  CGAL::spatial_sort(
+      order.begin(), order.end(),
+      CGAL::Spatial_sort_traits_adapter_3<CGAL::Epick, Map>(CGAL::make_property_map(points)));
+  std::vector<SphereId> sorted(ids.size());
+  std::transform(order.begin(), order.end(), sorted.begin(), [&](std::size_t i) { return ids[i]; });
+  return sorted;
+}
+
+int scale_exponent(const SphereSet& spheres) {
+  double largest = 0;
+  for (const Sphere& s : spheres.spheres()) largest = std::max(largest, s.radius);
+  return std::ilogb(largest) + 1;
+}
+
+Sphere scaled(const Sphere& s, int exponent) {
+  return {{std::ldexp(s.center.x, -exponent), std::ldexp(s.center.y, -exponent),
+           std::ldexp(s.center.z, -exponent)},
+          std::ldexp(s.radius, -exponent)};
+}
+
+// A corner tetrahedron with every ball well inside.
+std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
+  Vec3d lower = balls[0].center, upper = lower;
+  for (const Sphere& b : balls) {
+    for (int k = 0; k < 3; ++k) {
+      lower[k] = std::min(lower[k], b.center[k] - b.radius);
+      upper[k] = std::max(upper[k], b.center[k] + b.radius);
+    }
+  }
+  double reach = 0;
+  for (int k = 0; k < 3; ++k) {
+    constexpr double kVisible = 0x1p-40;  // of the coordinates, so that the reach survives rounding
+    reach = std::max(
+        {reach, upper[k] - lower[k], kVisible * std::abs(lower[k]), kVisible * std::abs(upper[k])});
+  }
+  if (!std::isfinite(64 * reach)) throw InvalidInput("the spheres' extent overflows a double");
+  const Vec3d corner = lower - Vec3d{4 * reach, 4 * reach, 4 * reach};
+  std::array<Vec3d, 4> points{corner, corner, corner, corner};
+  for (int k = 0; k < 3; ++k) points[static_cast<std::size_t>(k) + 1][k] += 32 * reach;
+  return points;
+}
+
+// Insertion in rounds of its own, an eighth of the balls of a round in the one before it, each in
+// spatial order (Amenta, Choi, Rote 2003: biased randomized insertion order). The choice depends on
+// places alone.
+std::vector<std::uint32_t> insertion_order(std::size_t count) {
+  constexpr int kBitsPerRound = 3, kRounds = 6;
+  std::array<std::vector<std::uint32_t>, kRounds> rounds;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint64_t hash = (i + 1) * 0x9e3779b97f4a7c15u;  // splitmix64
+    hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9u;
+    hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
+    const int round = std::min(std::countr_zero(hash ^ (hash >> 31)) / kBitsPerRound, kRounds - 1);
+    rounds[static_cast<std::size_t>(round)].push_back(static_cast<std::uint32_t>(i));
+  }
+  std::vector<std::uint32_t> order;
+  order.reserve(count);
+  for (const auto& round : std::views::reverse(rounds)) {
+    order.insert(order.end(), round.begin(), round.end());
+  }
+  return order;
+}
+
+void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, Monitor* monitor) {
+  Triangulation::Cell_handle hint;
+  const auto insert = [&](const Vec3d& c, double radius, std::size_t index) {
+    Triangulation::Locate_type type;
+    int i, j;
+    const WeightedPoint point(Point(c.x, c.y, c.z), radius);
+    const auto cell = triangulation.locate(point, type, i, j, hint);
+    const auto vertex = triangulation.insert(point, type, cell, i, j);
+    hint = cell;
+    if (vertex == Triangulation::Vertex_handle()) return;
+    vertex->info() = static_cast<std::uint32_t>(index);
+    hint = vertex->cell();
+  };
+  const auto points = auxiliary_points(balls);
+  for (std::size_t k = 0; k < points.size(); ++k) insert(points[k], 0, balls.size() + k);
+  constexpr std::size_t kBetweenQuestions = 4096;
+  std::size_t inserted = 0;
+  for (const std::uint32_t i : insertion_order(balls.size())) {
+    if (++inserted % kBetweenQuestions == 0) advance(monitor, 0);
+    insert(balls[i].center, balls[i].radius, i);
+  }
+}
+
+// Numbers the cells by their lowest vertex, so that cells near in space are near in memory.
+std::size_t number_cells(const Triangulation& triangulation, std::size_t vertices) {
+  const auto lowest = [](const auto& cell) {
+    return std::min(std::min(cell->vertex(0)->info(), cell->vertex(1)->info()),
+                    std::min(cell->vertex(2)->info(), cell->vertex(3)->info()));
+  };
+  const std::size_t count = triangulation.number_of_finite_cells();
+  if (count >= kNoIndex) throw LimitExceeded("the triangulation has more than 2^32 cells");
+  for (const auto cell : triangulation.all_cell_handles()) cell->info() = kNoIndex;
+  std::vector<std::uint32_t> next(vertices + 1, 0);
+  for (const auto cell : triangulation.finite_cell_handles()) ++next[lowest(cell) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (const auto cell : triangulation.finite_cell_handles()) cell->info() = next[lowest(cell)]++;
+  return count;
+}
+
+void flatten(const Triangulation& triangulation, PowerTriangulation& out) {
+  const std::size_t count = number_cells(triangulation, out.balls.size() + 4);
+  out.cells.resize(count);
+  out.neighbors.resize(count);
+  for (const auto cell : triangulation.finite_cell_handles()) {
+    for (int k = 0; k < 4; ++k) {
+      const auto slot = static_cast<std::size_t>(k);
+      out.cells[cell->info()][slot] = cell->vertex(k)->info();
+      out.neighbors[cell->info()][slot] = cell->neighbor(k)->info();
+    }
+  }
+}
+
+}  // namespace
+
+PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor) {
+  PowerTriangulation out;
+  if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
+  out.ids = spatial_order(spheres);
+  out.scale_exponent = scale_exponent(spheres);
+  out.balls.reserve(out.ids.size());
+  for (const SphereId id : out.ids) out.balls.push_back(scaled(spheres[id], out.scale_exponent));
+
+  Triangulation triangulation;
+  insert_all(triangulation, out.balls, monitor);
+  flatten(triangulation, out);
+  return out;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,301 @@
+#include "arrangement/complex/simplex_shape.hpp"
+
+#include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "arrangement/complex/number_vector.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using Wide = boost::multiprecision::cpp_bin_float_100;
+
+// Sine of the angle below which a triangle is thin, and volume by edge lengths below which a
+// tetrahedron is flat. An angle or a centre loses as many digits as these have zeros, so double
+// keeps 1e-13 Å of a thin-limit triangle and 1e-12 Å of a flat-limit orthogonal centre.
+constexpr double kThinSine = 1e-3;
+constexpr double kFlatVolume = 1e-4;
+
+// Half chord by radius below which its square is too small a difference for double.
+constexpr double kShortChord = 1e-3;
+
+// The polynomials below have up to eight lengths in a product. Of edges as long as this (scaled)
+// such a product is far above the smallest double, so nothing underflows.
+constexpr double kLeastSquaredLength = kShortEdge * kShortEdge;
+
+using numbers::from_to;
+using numbers::Vector;
+template <class T>
+Vector<T> difference(const Vector<T>& a, const Vector<T>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+// (c_b - c_a) · (orthogonal centre - c_a).
+template <class T>
+T half_power_offset(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
+  return (dot(ab, ab) + (T(a.radius) - T(b.radius)) * (T(a.radius) + T(b.radius))) * T(0.5);
+}
+
+// Sums and products cancel, roots and quotients of their results do not. They are done in T all the
+// same, because a double may not hold their arguments: a square of a length of 1e-170 is nothing.
+double to_double(double value) { return value; }
+double to_double(const Wide& value) { return static_cast<double>(value); }
+double ratio(double a, double b) { return a / b; }
+double ratio(const Wide& a, const Wide& b) { return static_cast<double>(a / b); }
+
+// Of a negative square, which is a rounding of nothing, the root is 0; that of NaN is NaN.
+double root(double square) { return square <= 0 ? 0 : std::sqrt(square); }
+
+// Newton's iteration for the inverse root, which divides by nothing and doubles the digits in each
+// step: from the 53 bits of a double to the 335 of Wide in three.
+Wide root(const Wide& square) {
+  if (square <= 0) return 0;
+  auto exponent = ilogb(square);
+  exponent -= exponent % 2;
+  const Wide mantissa = ldexp(square, -exponent);  // in (1/2, 4)
+  Wide inverse = 1 / std::sqrt(to_double(mantissa));
+  for (int step = 0; step < 3; ++step) {
+    inverse += inverse * (1 - mantissa * inverse * inverse) / 2;
+  }
+  return ldexp(Wide(mantissa * inverse), exponent / 2);
+}
+
+// The angle of the vector (x, y).
+double angle(double y, double x) { return std::atan2(y, x); }
+double angle(const Wide& y, const Wide& x) {
+  const Wide size = std::max<Wide>(abs(x), abs(y));
+  return size > 0 ? std::atan2(to_double(Wide(y / size)), to_double(Wide(x / size))) : 0.0;
+}
+
+template <class T>
+Vec3d quotient(const Vector<T>& v, const T& divisor) {
+  return {ratio(v.x, divisor), ratio(v.y, divisor), ratio(v.z, divisor)};
+}
+
+template <class T>
+TriangleShape shape_in(const std::array<const Sphere*, 3>& v) {
+  const Vector<T> normal = cross(from_to<T>(*v[0], *v[1]), from_to<T>(*v[0], *v[2]));
+  const T gram = dot(normal, normal), twice_area = root(gram);
+  TriangleShape shape{};
+  shape.twice_area = to_double(twice_area);
+  double smallest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Sphere &a = *v[(k + 1) % 3], &b = *v[(k + 2) % 3], &c = *v[k];
+    const Vector<T> ab = from_to<T>(a, b), ac = from_to<T>(a, c);
+    const T wb = half_power_offset(a, b, ab), wc = half_power_offset(a, c, ac);
+    const T squared_length = dot(ab, ab), scale = twice_area * root(squared_length);
+    const T distance = wc * squared_length - wb * dot(ab, ac);
+    shape.distance[k] = ratio(distance, scale);
+    // The smallest of the three circles gives the chord with the least rounding.
+    const T circle = T(a.radius) * T(a.radius) * squared_length - wb * wb;
+    const double squared_circle_radius = ratio(circle, squared_length);
+    if (k > 0 && squared_circle_radius >= smallest) continue;
+    smallest = squared_circle_radius;
+    const T chord = circle * gram - distance * distance;
+    shape.half_chord = ratio(root(chord), scale);
+  }
+  return shape;
+}
+
+// Whether the triangle of edges u and v is too thin, or an edge too short, for double.
+bool is_thin(const Vector<double>& u, const Vector<double>& v) {
+  const double uu = dot(u, u), vv = dot(v, v);
+  const Vector<double> w = difference(v, u), normal = cross(u, v);
+  const double ww = dot(w, w);
+  if (!(std::min({uu, vv, ww}) >= kLeastSquaredLength)) return true;
+  const double two_longest = std::max({uu * vv, uu * ww, vv * ww});
+  return !(dot(normal, normal) >= kThinSine * kThinSine * two_longest);
+}
+
+// Van Oosterom and Strackee 1983: the tangent of half the solid angle that p, q and a point common
+// to the three spheres span at o is their determinant over this.
+template <class T>
+T solid_angle_denominator(const Sphere& o, const Sphere& p, const Sphere& q) {
+  const Vector<T> op = from_to<T>(o, p), oq = from_to<T>(o, q);
+  const T lp = root(T(dot(op, op))), lq = root(T(dot(oq, oq)));
+  return T(o.radius) * (lp * lq + dot(op, oq)) + half_power_offset(o, p, op) * lq +
+         half_power_offset(o, q, oq) * lp;
+}
+
+bool is_short(double half_chord, const Sphere& a, const Sphere& b, const Sphere& c) {
+  return !(half_chord >= kShortChord * std::max({a.radius, b.radius, c.radius}));
+}
+
+// The polynomials behind a tetrahedron's angles and heights, relative to ball 0.
+template <class T>
+struct TetrahedronTerms {
+  std::array<Vector<T>, 3> edge;    // from ball 0
+  std::array<Vector<T>, 4> normal;  // of the facet opposite to k, outward, twice its area
+  std::array<T, 4> squared_normal;
+  T determinant;
+
+  explicit TetrahedronTerms(const std::array<Sphere, 4>& v) {
+    for (std::size_t k = 0; k < 3; ++k) edge[k] = from_to<T>(v[0], v[k + 1]);
+    normal[1] = cross(edge[2], edge[1]);
+    normal[2] = cross(edge[0], edge[2]);
+    normal[3] = cross(edge[1], edge[0]);
+    normal[0] = cross(difference(edge[1], edge[0]), difference(edge[2], edge[0]));
+    for (std::size_t k = 0; k < 4; ++k) squared_normal[k] = dot(normal[k], normal[k]);
+    determinant = -dot(edge[0], normal[1]);
+  }
+};
+
+constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+template <class T>
+void set_dihedrals(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms,
+                   TetrahedronShape& shape) {
+  // Of a tetrahedron that is flat the angles are 0 and π, never -π, which a negative zero gives.
+  const T determinant = terms.determinant <= 0 ? T(0) : terms.determinant;
+  for (std::size_t p = 0; p < 6; ++p) {
+    // The facets at an edge are those opposite to the other two vertices.
+    const auto &m = terms.normal[kPairs[5 - p][0]], &n = terms.normal[kPairs[5 - p][1]];
+    const auto edge = from_to<T>(v[kPairs[p][0]], v[kPairs[p][1]]);
+    shape.dihedral[p] = angle(T(determinant * root(T(dot(edge, edge)))), T(-dot(m, n)));
+  }
+}
+
+// The orthogonal centre, from ball 0, times minus the determinant.
+template <class T>
+Vector<T> center_numerator(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms) {
+  std::array<T, 3> w;
+  for (std::size_t k = 0; k < 3; ++k) w[k] = half_power_offset(v[0], v[k + 1], terms.edge[k]);
+  const auto& n = terms.normal;
+  return {w[0] * n[1].x + w[1] * n[2].x + w[2] * n[3].x,
+          w[0] * n[1].y + w[1] * n[2].y + w[2] * n[3].y,
+          w[0] * n[1].z + w[1] * n[2].z + w[2] * n[3].z};
+}
+
+template <class T>
+void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms,
+                        TetrahedronShape& shape) {
+  const Vector<T> center = center_numerator(v, terms);
+  const T& d = terms.determinant;
+  for (std::size_t k = 0; k < 4; ++k) {
+    T reach = dot(center, terms.normal[k]);
+    if (k == 0) reach += d * d;  // this facet alone does not pass through ball 0
+    shape.center_height[k] = ratio(reach, T(d * root(terms.squared_normal[k])));
+  }
+}
+
+// The centre in the plane is (wu v×n + wv n×u) / n².
+template <class T>
+CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
+  const Vector<T> u = from_to<T>(a, b), v = from_to<T>(a, c), n = cross(u, v);
+  const Vector<T> vn = cross(v, n), nu = cross(n, u);
+  const T wu = half_power_offset(a, b, u), wv = half_power_offset(a, c, v), gram = dot(n, n);
+  const Vector<T> center{wu * vn.x + wv * nu.x, wu * vn.y + wv * nu.y, wu * vn.z + wv * nu.z};
+  const T scaled_radius = T(a.radius) * gram;
+  const T half_chord_by_gram = root(T(scaled_radius * scaled_radius - dot(center, center)));
+  const double half_chord = ratio(half_chord_by_gram, gram);
+  const T twice_area = root(gram);
+  const Vec3d middle = quotient(center, gram);
+  const Vec3d lift = half_chord * quotient(n, twice_area);
+  return {middle + lift, middle - lift, half_chord, to_double(twice_area)};
+}
+
+template <class T>
+TetrahedronShape shape_in(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms) {
+  TetrahedronShape shape{};
+  set_dihedrals(v, terms, shape);
+  set_center_heights(v, terms, shape);
+  const auto& d = shape.dihedral;
+  constexpr double kPi = std::numbers::pi;
+  shape.solid_angle = {d[0] + d[1] + d[2] - kPi, d[0] + d[3] + d[4] - kPi, d[1] + d[3] + d[5] - kPi,
+                       d[2] + d[4] + d[5] - kPi};
+  shape.volume = to_double(terms.determinant) / 6;
+  return shape;
+}
+
+bool is_flat(const TetrahedronTerms<double>& terms) {
+  const auto& e = terms.edge;
+  const double ab = dot(e[0], e[0]), ac = dot(e[1], e[1]), ad = dot(e[2], e[2]);
+  if (!(terms.determinant * terms.determinant >= kFlatVolume * kFlatVolume * ab * ac * ad)) {
+    return true;
+  }
+  return is_thin(e[0], e[1]) || is_thin(e[0], e[2]) || is_thin(e[1], e[2]) ||
+         is_thin(difference(e[1], e[0]), difference(e[2], e[0]));
+}
+
+template <class T>
+EdgeShape shape_in(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
+  const T length = root(T(dot(ab, ab)));
+  const double at_a = ratio(half_power_offset(a, b, ab), length),
+               at_b = ratio(half_power_offset(b, a, ab), length);
+  const bool a_smaller = a.radius < b.radius;
+  const double radius = a_smaller ? a.radius : b.radius, height = a_smaller ? at_a : at_b;
+  const double squared = (radius - height) * (radius + height);
+  return {to_double(length), {at_a, at_b}, squared <= 0 ? 0 : squared};
+}
+
+template <class T>
+T twice_area(const Sphere& a, const Sphere& b, const Sphere& c) {
+  const Vector<T> normal = cross(from_to<T>(a, b), from_to<T>(a, c));
+  return root(T(dot(normal, normal)));
+}
+
+// `determinant`: of three vectors from any vertex, two along the edges and one to the common point.
+template <class T>
+std::array<double, 3> solid_angles(const std::array<const Sphere*, 3>& v, const T& determinant) {
+  std::array<double, 3> angles;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Sphere &o = *v[k], &p = *v[(k + 1) % 3], &q = *v[(k + 2) % 3];
+    angles[k] = 2 * angle(determinant, solid_angle_denominator<T>(o, p, q));
+  }
+  return angles;
+}
+
+}  // namespace
+
+EdgeShape edge_shape(const Sphere& a, const Sphere& b) {
+  const Vector<double> ab = from_to<double>(a, b);
+  if (!(dot(ab, ab) >= kLeastSquaredLength)) return shape_in(a, b, from_to<Wide>(a, b));
+  return shape_in(a, b, ab);
+}
+
+TriangleShape triangle_shape(const Sphere& a, const Sphere& b, const Sphere& c) {
+  const std::array<const Sphere*, 3> v{&a, &b, &c};
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return shape_in<Wide>(v);
+  const TriangleShape shape = shape_in<double>(v);
+  return is_short(shape.half_chord, a, b, c) ? shape_in<Wide>(v) : shape;
+}
+
+CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c) {
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return points_in<Wide>(a, b, c);
+  const CommonPoints points = points_in<double>(a, b, c);
+  return is_short(points.half_chord, a, b, c) ? points_in<Wide>(a, b, c) : points;
+}
+
+Vec3d orthogonal_center(const std::array<Sphere, 4>& balls) {
+  const TetrahedronTerms<double> terms(balls);
+  if (!is_flat(terms)) return quotient(center_numerator(balls, terms), -terms.determinant);
+  const TetrahedronTerms<Wide> wide(balls);
+  return quotient(center_numerator(balls, wide), Wide(-wide.determinant));
+}
+
+CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
+                         const TriangleShape& triangle) {
+  const std::array<const Sphere*, 3> v{&a, &b, &c};
+  const bool wide = is_thin(from_to<double>(a, b), from_to<double>(a, c)) ||
+                    is_short(triangle.half_chord, a, b, c);
+  CornerShape corner{};
+  corner.solid_angle =
+      wide ? solid_angles<Wide>(v, twice_area<Wide>(a, b, c) * Wide(triangle.half_chord))
+           : solid_angles<double>(v, triangle.twice_area * triangle.half_chord);
+  for (std::size_t k = 0; k < 3; ++k) {
+    corner.dihedral[k] = std::atan2(triangle.half_chord, triangle.distance[k]);
+  }
+  corner.volume = triangle.twice_area * triangle.half_chord / 6;
+  return corner;
+}
+
+TetrahedronShape tetrahedron_shape(const std::array<Sphere, 4>& balls) {
+  const TetrahedronTerms<double> terms(balls);
+  if (is_flat(terms)) return shape_in(balls, TetrahedronTerms<Wide>(balls));
+  return shape_in(balls, terms);
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,299 @@
+#include "arrangement/complex/topology.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "arrangement/complex/simplex_shape.hpp"
+#include "core/disjoint_sets.hpp"
+#include "core/sum.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::uint32_t kOuter = 0;
+constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+struct Labels {
+  std::vector<std::uint32_t> of;  // kNoIndex: not labelled
+  std::uint32_t count = 0;
+};
+
+// Components of the union, per ball of the complex.
+Labels label_components(const DualComplex& complex) {
+  const std::size_t n = complex.in_complex.size();
+  DisjointSets sets(n);
+  for (const DualEdge& e : complex.edges) sets.join(e.vertices[0], e.vertices[1]);
+  Labels labels{std::vector<std::uint32_t>(n, kNoIndex), 0};
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (!complex.in_complex[v]) continue;
+    const std::uint32_t root = sets.find(v);
+    labels.of[v] = root == v ? labels.count++ : labels.of[root];
+  }
+  return labels;
+}
+
+// Components of the complement, per cell outside the complex; kOuter holds the auxiliary vertices.
+Labels label_complement(const PowerTriangulation& t, const DualComplex& complex) {
+  Labels labels{std::vector<std::uint32_t>(t.cells.size(), kNoIndex), 0};
+  std::vector<std::uint32_t> stack;
+  const auto visit = [&](std::uint32_t c) {
+    if (labels.of[c] != kNoIndex || complex.cell_in_complex[c]) return;
+    labels.of[c] = labels.count;
+    stack.push_back(c);
+  };
+  const auto flood = [&](std::uint32_t seed) {
+    visit(seed);
+    if (stack.empty()) return;
+    while (!stack.empty()) {
+      const std::uint32_t c = stack.back();
+      stack.pop_back();
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::uint32_t n = t.neighbors[c][k];
+        if (n != kNoIndex && complex.cell_triangles[c][k] == kNoIndex) visit(n);
+      }
+    }
+    ++labels.count;
+  };
+  const auto is_outer = [&](const std::array<std::uint32_t, 4>& cell) {
+    return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return !t.is_ball(v); });
+  };
+  const auto outer = std::find_if(t.cells.begin(), t.cells.end(), is_outer);
+  flood(static_cast<std::uint32_t>(outer - t.cells.begin()));
+  for (std::uint32_t c = 0; c < t.cells.size(); ++c) flood(c);
+  return labels;
+}
+
+// What the complement component `region` shows of the union's component `component`.
+struct Interface {
+  WideSum area;
+  bool is_void = false;  // the component surrounds the region
+  double enclosed = 0;
+};
+using Interfaces =
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Interface>;  // region, component
+
+class ShellFinder {
+ public:
+  ShellFinder(const PowerTriangulation& t, const DualComplex& k,
+              const std::vector<SphereMeasures>& measures)
+      : t_(t),
+        k_(k),
+        measures_(measures),
+        components_(label_components(k)),
+        regions_(label_complement(t, k)),
+        void_volume_(regions_.count) {}
+
+  UnionTopology run() {
+    measure_voids();
+    measure_outside();
+    enclose();
+    return summary();
+  }
+
+ private:
+  // A void is its cells less the sectors of balls, cones over arcs and corner tetrahedra in them.
+  void measure_voids() {
+    if (regions_.count == 1) return;
+    collect_void_edges();
+    for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
+      if (is_void_cell(c)) add_void_cell(c);
+    }
+  }
+
+  void add_area(std::uint32_t region, std::uint32_t v, double area) {
+    interfaces_[{region, components_.of[v]}].area.add(area);
+    in_voids_.push_back({v, area});
+    void_volume_[region].add(-area * t_.balls[v].radius / 3);
+  }
+
+  void add_void_cell(std::uint32_t c) {
+    const auto& v = t_.cells[c];
+    const std::uint32_t region = regions_.of[c];
+    const TetrahedronShape shape =
+        tetrahedron_shape({t_.balls[v[0]], t_.balls[v[1]], t_.balls[v[2]], t_.balls[v[3]]});
+    void_volume_[region].add(shape.volume);
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!k_.in_complex[v[k]]) continue;
+      const double r = t_.balls[v[k]].radius;
+      add_area(region, v[k], r * r * shape.solid_angle[k]);
+    }
+    for (std::size_t p = 0; p < 6; ++p) {
+      add_sector(region, v[kPairs[p][0]], v[kPairs[p][1]], shape.dihedral[p]);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (k_.cell_triangles[c][k] != kNoIndex) add_corner(region, k_.cell_triangles[c][k]);
+    }
+  }
+
+  // The free angle of an edge's circle: both caps lose area, and the double cone is not void.
+  void add_sector(std::uint32_t region, std::uint32_t a, std::uint32_t b, double angle) {
+    if (!is_edge(a, b)) return;
+    const EdgeShape shape = edge_shape(t_.balls[a], t_.balls[b]);
+    const std::array<std::uint32_t, 2> ends{a, b};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double r = t_.balls[ends[k]].radius;
+      add_area(region, ends[k], -angle * r * (r - shape.height[k]));
+    }
+    void_volume_[region].add(-angle * shape.squared_circle_radius * shape.length / 6);
+  }
+
+  void add_corner(std::uint32_t region, std::uint32_t triangle) {
+    const DualTriangle& f = k_.triangles[triangle];
+    const std::array<Sphere, 3> s{t_.balls[f.vertices[0]], t_.balls[f.vertices[1]],
+                                  t_.balls[f.vertices[2]]};
+    const CornerShape corner = corner_shape(s[0], s[1], s[2], triangle_shape(s[0], s[1], s[2]));
+    void_volume_[region].add(-corner.volume);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double r = s[k].radius;
+      add_area(region, f.vertices[k], -r * r * corner.solid_angle[k]);
+      add_sector(region, f.vertices[(k + 1) % 3], f.vertices[(k + 2) % 3], -corner.dihedral[k]);
+    }
+  }
+
+  // Edges of the complex between balls that are vertices of void cells.
+  void collect_void_edges() {
+    std::vector<std::uint8_t> at_void(t_.balls.size(), 0);
+    for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
+      if (!is_void_cell(c)) continue;
+      for (const std::uint32_t v : t_.cells[c]) at_void[v] = 1;
+    }
+    for (const DualEdge& e : k_.edges) {
+      const auto& [a, b] = e.vertices;
+      if (at_void[a] && at_void[b]) void_edges_.push_back(key(a, b));
+    }
+    std::sort(void_edges_.begin(), void_edges_.end());
+  }
+
+  bool is_void_cell(std::uint32_t c) const {
+    return regions_.of[c] != kNoIndex && regions_.of[c] != kOuter;
+  }
+  bool is_edge(std::uint32_t a, std::uint32_t b) const {
+    return std::binary_search(void_edges_.begin(), void_edges_.end(), key(a, b));
+  }
+  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
+    return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
+  }
+
+  // The outer component shows what the voids do not.
+  void measure_outside() {
+    std::vector<std::uint8_t> outside(t_.balls.size(), 0);
+    for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
+      if (regions_.of[c] != kOuter) continue;
+      for (const std::uint32_t v : t_.cells[c]) {
+        if (t_.is_ball(v)) outside[v] = k_.in_complex[v];
+      }
+    }
+    std::vector<double> seen_in_voids(t_.balls.size(), 0);
+    for (const auto& [v, area] : in_voids_) seen_in_voids[v] += area;
+    std::vector<WideSum> area(components_.count);
+    std::vector<std::uint8_t> touches(components_.count, 0);
+    for (std::uint32_t v = 0; v < t_.balls.size(); ++v) {
+      if (!outside[v]) continue;
+      touches[components_.of[v]] = 1;
+      area[components_.of[v]].add(measures_[v].area - seen_in_voids[v]);
+    }
+    for (std::uint32_t x = 0; x < components_.count; ++x) {
+      if (touches[x]) interfaces_[{kOuter, x}].area = area[x];
+    }
+  }
+
+  // Regions and components form a tree rooted at the outer region; what a node encloses is itself
+  // and its children.
+  void enclose() {
+    const std::uint32_t regions = regions_.count, nodes = regions + components_.count;
+    std::vector<WideSum> own(nodes);
+    for (std::uint32_t r = 0; r < regions; ++r) own[r] = void_volume_[r];
+    for (std::uint32_t v = 0; v < t_.balls.size(); ++v) {
+      if (k_.in_complex[v]) own[regions + components_.of[v]].add(measures_[v].volume);
+    }
+    std::vector<std::vector<std::uint32_t>> adjacent(nodes);
+    for (const auto& [pair, unused] : interfaces_) {
+      adjacent[pair.first].push_back(regions + pair.second);
+      adjacent[regions + pair.second].push_back(pair.first);
+    }
+    std::vector<std::uint32_t> order{kOuter}, parent(nodes, kNoIndex);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      for (const std::uint32_t next : adjacent[order[i]]) {
+        if (next == parent[order[i]]) continue;
+        parent[next] = order[i];
+        order.push_back(next);
+      }
+    }
+    for (std::size_t i = order.size() - 1; i > 0; --i) {
+      const std::uint32_t node = order[i], up = parent[node];
+      const double enclosed = own[node].value();
+      own[up].add(own[node]);
+      const bool is_void = node < regions;
+      Interface& shell =
+          interfaces_[is_void ? std::pair{node, up - regions} : std::pair{up, node - regions}];
+      shell.is_void = is_void;
+      shell.enclosed = std::max(0.0, enclosed);
+    }
+  }
+
+  UnionTopology summary() const {
+    UnionTopology out{};
+    const auto count = [](const auto& items) { return static_cast<std::int64_t>(items.size()); };
+    const std::int64_t vertices =
+        std::count(k_.in_complex.begin(), k_.in_complex.end(), std::uint8_t{1});
+    const std::int64_t euler =
+        vertices - count(k_.edges) + count(k_.triangles) - count(k_.tetrahedra);
+    out.components = components_.count;
+    out.voids = regions_.count - 1;
+    out.tunnels =
+        static_cast<std::uint64_t>(components_.count + std::int64_t{regions_.count} - 1 - euler);
+    out.euler_characteristic = 2 * euler;
+    out.point_contacts = k_.point_contacts;
+    out.hidden_spheres = static_cast<std::uint64_t>(
+        std::count(k_.exposed.begin(), k_.exposed.end(), std::uint8_t{0}));
+    add_shells(out);
+    return out;
+  }
+
+  void add_shells(UnionTopology& out) const {
+    WideSum outer, inner, enclosed;
+    std::vector<Shell> voids;
+    for (const auto& [pair, shell] : interfaces_) {
+      const double area = shell.area.value();
+      if (shell.is_void) {
+        voids.push_back({area, -shell.enclosed});
+        inner.add(area);
+      } else {
+        out.shells.push_back({area, shell.enclosed});
+        outer.add(area);
+      }
+    }
+    for (std::uint32_t r = 1; r < regions_.count; ++r) enclosed.add(void_volume_[r]);
+    const auto larger = [](const Shell& a, const Shell& b) {
+      return std::abs(a.volume) > std::abs(b.volume);
+    };
+    std::stable_sort(out.shells.begin(), out.shells.end(), larger);
+    std::stable_sort(voids.begin(), voids.end(), larger);
+    out.shells.insert(out.shells.end(), voids.begin(), voids.end());
+    out.outer_area = outer.value();
+    out.void_area = inner.value();
+    out.void_volume = enclosed.value();
+  }
+
+  const PowerTriangulation& t_;
+  const DualComplex& k_;
+  const std::vector<SphereMeasures>& measures_;
+  Labels components_, regions_;
+  std::vector<WideSum> void_volume_;  // per region
+  Interfaces interfaces_;
+  std::vector<std::pair<std::uint32_t, double>> in_voids_;  // ball, area
+  std::vector<std::uint64_t> void_edges_;
+};
+
+}  // namespace
+
+UnionTopology union_topology(const PowerTriangulation& triangulation, const DualComplex& complex,
+                             const std::vector<SphereMeasures>& measures) {
+  return ShellFinder(triangulation, complex, measures).run();
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,93 @@
+#include "arrangement/mesher/arc_sampling.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr double kLargestPiece = 2 * std::numbers::pi / kLeastPiecesOfCircle;
+
+std::uint32_t piece_count(const BoundaryArc& arc, double edge_length) {
+  const double wanted = std::max(arc.sweep * arc.radius / edge_length, arc.sweep / kLargestPiece);
+  // The last few roundings of an exact fifth make no sixth piece.
+  const double count = std::ceil(wanted * (1 - 1e-12));
+  if (!(count < 1e9)) throw LimitExceeded("an arc has more than 10^9 pieces; a larger edge length");
+  return std::max(1u, static_cast<std::uint32_t>(count));
+}
+
+}  // namespace
+
+ArcSampling::ArcSampling(const BoundaryArcs& boundary, double edge_length)
+    : boundary_(boundary), unequal_(boundary.arcs.size()) {
+  pieces_.reserve(boundary.arcs.size());
+  for (const BoundaryArc& arc : boundary.arcs) pieces_.push_back(piece_count(arc, edge_length));
+}
+
+std::uint32_t ArcSampling::pieces(std::uint32_t arc) const { return pieces_[arc]; }
+
+double ArcSampling::part(std::uint32_t arc, std::uint32_t index) const {
+  if (index == 0) return 0;
+  if (index == pieces_[arc]) return 1;
+  return unequal_[arc].empty() ? static_cast<double>(index) / pieces_[arc]
+                               : unequal_[arc][index - 1];
+}
+
+Vec3d ArcSampling::point(std::uint32_t arc, std::uint32_t index) const {
+  const BoundaryArc& a = boundary_.arcs[arc];
+  if (a.is_circle()) return a.at(index == pieces_[arc] ? 0 : a.sweep * part(arc, index));
+  if (index == 0) return boundary_.corners[a.ends[0]].position;
+  if (index == pieces_[arc]) return boundary_.corners[a.ends[1]].position;
+  return a.at(a.sweep * part(arc, index));
+}
+
+double ArcSampling::piece_angle(const ArcPiece& piece) const {
+  return boundary_.arcs[piece.arc].sweep *
+         (part(piece.arc, piece.piece + 1) - part(piece.arc, piece.piece));
+}
+
+void ArcSampling::split(std::span<const PieceSplit> splits) {
+  for (std::size_t begin = 0, end = 0; begin < splits.size(); begin = end) {
+    const std::uint32_t arc = splits[begin].piece.arc;
+    while (end < splits.size() && splits[end].piece.arc == arc) ++end;
+    std::vector<double> parts;
+    std::size_t next = begin;
+    for (std::uint32_t k = 0; k < pieces_[arc]; ++k) {
+      const double low = part(arc, k), high = part(arc, k + 1);
+      if (k > 0) parts.push_back(low);
+      if (next == end || splits[next].piece.piece != k) continue;
+      const std::uint32_t count = 1u << splits[next++].halvings;
+      for (std::uint32_t i = 1; i < count; ++i) {
+        parts.push_back(low + (high - low) * static_cast<double>(i) / count);
+      }
+    }
+    unequal_[arc] = std::move(parts);
+    pieces_[arc] = static_cast<std::uint32_t>(unequal_[arc].size() + 1);
+  }
+}
+
+void ArcSampling::number_vertices() {
+  first_vertex_.resize(pieces_.size() + 1);
+  std::uint64_t next = boundary_.corners.size();
+  for (std::size_t a = 0; a < pieces_.size(); ++a) {
+    first_vertex_[a] = static_cast<std::uint32_t>(next);
+    next += pieces_[a] - (boundary_.arcs[a].is_circle() ? 0 : 1);
+    if (next >= kNoIndex) throw LimitExceeded("the arcs have more than 2^32 - 2 vertices");
+  }
+  first_vertex_.back() = static_cast<std::uint32_t>(next);
+}
+
+std::uint32_t ArcSampling::vertex(std::uint32_t arc, std::uint32_t index) const {
+  const BoundaryArc& a = boundary_.arcs[arc];
+  if (a.is_circle()) return first_vertex_[arc] + (index == pieces_[arc] ? 0 : index);
+  if (index == 0) return a.ends[0];
+  if (index == pieces_[arc]) return a.ends[1];
+  return first_vertex_[arc] + index - 1;
+}
+
+std::uint32_t ArcSampling::vertex_count() const { return first_vertex_.back(); }
+
+}  // namespace vdwmesh

@@ -1,0 +1,221 @@
+#include "arrangement/mesher/patch_boundary.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "arrangement/complex/simplex_shape.hpp"
+#include "core/multiversion.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// Sorted ids of the corners that the arcs end in.
+void collect_corners(const BoundaryArcs& boundary, std::span<const std::uint32_t> arcs,
+                     std::vector<std::uint32_t>& corners) {
+  corners.clear();
+  for (const std::uint32_t a : arcs) {
+    if (boundary.arcs[a].is_circle()) continue;
+    for (const std::uint32_t end : boundary.arcs[a].ends) corners.push_back(end);
+  }
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+}
+
+std::uint32_t place_of(const std::vector<std::uint32_t>& corners, std::uint32_t corner) {
+  return static_cast<std::uint32_t>(std::lower_bound(corners.begin(), corners.end(), corner) -
+                                    corners.begin());
+}
+
+CoveredCap cap_on(const BoundaryArcs& boundary, const Sphere& s, const Sphere& neighbor) {
+  const EdgeShape shape = edge_shape(s, neighbor);
+  const double cosine = shape.height[0] / s.radius;
+  // A contact has no arcs, so it must not look like a cap beside which there is a patch.
+  const bool contact = boundary.is_contact(std::sqrt(shape.squared_circle_radius),
+                                           std::min(s.radius, neighbor.radius));
+  const double squared_sine = contact ? 0 : shape.squared_circle_radius / (s.radius * s.radius);
+  return {(1 / shape.length) * (neighbor.center - s.center), cosine,
+          2 * squared_sine / (1 + std::abs(cosine))};
+}
+
+// Lists of `count` balls, from pairs (ball, entry) by counting.
+template <class ForEach>
+void fill_lists(std::size_t count, const ForEach& for_each, std::vector<std::uint32_t>& first,
+                std::vector<std::uint32_t>& entries) {
+  first.assign(count + 1, 0);
+  for_each([&](std::uint32_t ball, std::uint32_t) { ++first[ball + 1]; });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  entries.resize(first.back());
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  for_each([&](std::uint32_t ball, std::uint32_t entry) { entries[next[ball]++] = entry; });
+}
+
+std::span<const std::uint32_t> list(const std::vector<std::uint32_t>& first,
+                                    const std::vector<std::uint32_t>& entries, std::uint32_t ball) {
+  return {entries.data() + first[ball], first[ball + 1] - first[ball]};
+}
+
+}  // namespace
+
+PointCircles::PointCircles(const PatchBoundary& boundary) {
+  const auto each_end = [&](const auto& visit) {
+    for (const BoundaryPiece& p : boundary.pieces) {
+      visit(p.from, p.neighbor);
+      visit(p.to, p.neighbor);
+    }
+    for (const SphereThrough& s : boundary.through) visit(s.point, s.ball);
+  };
+  fill_lists(boundary.points.size(), each_end, first_, neighbors_);
+}
+
+std::span<const std::uint32_t> PointCircles::of(std::uint32_t point) const {
+  if (point + 1 >= first_.size()) return {};
+  return list(first_, neighbors_, point);
+}
+
+bool PointCircles::on(std::uint32_t point, std::uint32_t neighbor) const {
+  const auto circles = of(point);
+  return std::find(circles.begin(), circles.end(), neighbor) != circles.end();
+}
+
+bool PointCircles::share(std::uint32_t a, std::uint32_t b) const {
+  const auto circles = of(a);
+  return std::any_of(circles.begin(), circles.end(),
+                     [&](std::uint32_t neighbor) { return on(b, neighbor); });
+}
+
+PatchIndex::PatchIndex(const PowerTriangulation& triangulation, const DualComplex& complex,
+                       const BoundaryArcs& boundary) {
+  const std::size_t balls = triangulation.balls.size();
+  const auto each_arc = [&](const auto& visit) {
+    for (std::uint32_t a = 0; a < boundary.arcs.size(); ++a) {
+      for (const std::uint32_t ball : boundary.arcs[a].balls) visit(ball, a);
+    }
+  };
+  fill_lists(balls, each_arc, first_arc_, arcs_);
+  const auto each_neighbor = [&](const auto& visit) {
+    for (const DualEdge& e : complex.edges) {
+      visit(e.vertices[0], e.vertices[1]);
+      visit(e.vertices[1], e.vertices[0]);
+    }
+  };
+  fill_lists(balls, each_neighbor, first_neighbor_, neighbors_);
+  if (!boundary.has_joined_corners) return;
+  const auto each_ball_of_corner = [&](const auto& visit) {
+    for (const BoundaryArc& arc : boundary.arcs) {
+      if (arc.is_circle()) continue;
+      for (const std::uint32_t end : arc.ends) {
+        for (const std::uint32_t ball : arc.balls) visit(end, ball);
+      }
+    }
+  };
+  fill_lists(boundary.corners.size(), each_ball_of_corner, first_ball_, balls_);
+}
+
+std::span<const std::uint32_t> PatchIndex::arcs(std::uint32_t ball) const {
+  return list(first_arc_, arcs_, ball);
+}
+
+std::span<const std::uint32_t> PatchIndex::neighbors(std::uint32_t ball) const {
+  return list(first_neighbor_, neighbors_, ball);
+}
+
+std::span<const std::uint32_t> PatchIndex::balls_at(std::uint32_t corner) const {
+  if (first_ball_.empty()) return {};
+  return list(first_ball_, balls_, corner);
+}
+
+void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
+                     const ArcSampling& sampling, const PatchIndex& index, std::uint32_t ball,
+                     PatchBoundary& out) {
+  const Sphere& s = triangulation.balls[ball];
+  const auto direction = [&](const Vec3d& p) { return (1 / s.radius) * (p - s.center); };
+  out = {};
+  std::vector<std::uint32_t> corners;
+  collect_corners(boundary, index.arcs(ball), corners);
+  for (const std::uint32_t c : corners) {
+    const auto point = static_cast<std::uint32_t>(out.points.size());
+    for (const std::uint32_t other : index.balls_at(c)) {
+      if (other != ball) out.through.push_back({point, other});
+    }
+    out.points.push_back(direction(boundary.corners[c].position));
+  }
+  for (const std::uint32_t a : index.arcs(ball)) {
+    const BoundaryArc& arc = boundary.arcs[a];
+    const bool is_first = arc.balls[0] == ball;
+    const std::uint32_t neighbor = arc.balls[is_first ? 1 : 0], n = sampling.pieces(a);
+    const auto before = static_cast<std::uint32_t>(out.points.size());
+    for (std::uint32_t k = arc.is_circle() ? 0 : 1; k < n; ++k) {
+      out.points.push_back(direction(sampling.point(a, k)));
+    }
+    const auto local = [&](std::uint32_t k) {
+      if (arc.is_circle()) return before + (k == n ? 0 : k);
+      if (k == 0 || k == n) return place_of(corners, arc.ends[k == 0 ? 0 : 1]);
+      return before + k - 1;
+    };
+    const double half_turn = cap_on(boundary, s, triangulation.balls[neighbor]).cosine / 2;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t from = local(k), to = local(k + 1);
+      out.pieces.push_back({is_first ? to : from,
+                            is_first ? from : to,
+                            neighbor,
+                            {a, k},
+                            half_turn * sampling.piece_angle({a, k})});
+    }
+  }
+  for (const std::uint32_t n : index.neighbors(ball)) {
+    out.caps.push_back(cap_on(boundary, s, triangulation.balls[n]));
+  }
+}
+
+Vec3d buried_pole(const PatchBoundary& boundary) {
+  // From the axis to the rim.
+  const auto squared_reach = [](const CoveredCap& cap) {
+    return cap.cosine >= 0 ? cap.squared_distance : 4 - cap.squared_distance;
+  };
+  const auto largest = std::max_element(
+      boundary.caps.begin(), boundary.caps.end(),
+      [&](const auto& a, const auto& b) { return squared_reach(a) < squared_reach(b); });
+  return largest->axis;
+}
+
+VDWMESH_MULTIVERSION std::vector<Vec3d> clear_points(const std::vector<CoveredCap>& caps,
+                                                     const std::vector<double>& margins,
+                                                     const std::vector<Vec3d>& points) {
+  std::vector<Vec3d> clear;
+  for (const Vec3d& u : points) {
+    bool is_clear = true;
+    for (std::size_t i = 0; i < caps.size() && is_clear; ++i) {
+      is_clear = dot(u, caps[i].axis) <= margins[i];
+    }
+    if (is_clear) clear.push_back(u);
+  }
+  return clear;
+}
+
+std::vector<std::uint32_t> insertion_order(const PatchBoundary& boundary) {
+  constexpr std::uint32_t kMany = 1024;
+  const auto count = static_cast<std::uint32_t>(boundary.points.size());
+  std::vector<std::uint32_t> order;
+  order.reserve(count);
+  std::uint32_t step = count < kMany ? 1 : std::bit_floor(count);
+  for (std::uint32_t i = 0; i < count; i += step) order.push_back(i);
+  for (; step > 1; step /= 2) {
+    for (std::uint32_t i = step / 2; i < count; i += step) order.push_back(i);
+  }
+  return order;
+}
+
+void boundary_vertices(const BoundaryArcs& boundary, const ArcSampling& sampling,
+                       const PatchIndex& index, std::uint32_t ball,
+                       std::vector<std::uint32_t>& out) {
+  collect_corners(boundary, index.arcs(ball), out);
+  for (const std::uint32_t a : index.arcs(ball)) {
+    for (std::uint32_t k = boundary.arcs[a].is_circle() ? 0 : 1; k < sampling.pieces(a); ++k) {
+      out.push_back(sampling.vertex(a, k));
+    }
+  }
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "arrangement/mesher/patch_mesher.hpp"
+#include "core/multiversion.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// A turn by 1 rad about (2, 3, 6) / 7 (Rodrigues), which takes no axis or diagonal to another:
+// balls of a lattice that touch do so between the vertices of their meshes.
+Vec3d turned(const Vec3d& p) {
+  const Vec3d axis{2.0 / 7, 3.0 / 7, 6.0 / 7};
+  const double c = std::cos(1.0), s = std::sin(1.0);
+  const Vec3d out = c * p + s * cross(axis, p) + ((1 - c) * dot(axis, p)) * axis;
+  return (1 / norm(out)) * out;
+}
+
+// Vertices (0, ±1, ±φ) and their rotations, on the unit sphere, turned.
+std::vector<Vec3d> icosahedron_points() {
+  const double golden = std::numbers::phi, scale = 1 / std::sqrt(1 + golden * golden);
+  const double a = scale, b = golden * scale;
+  std::vector<Vec3d> points{{-a, b, 0}, {a, b, 0}, {-a, -b, 0}, {a, -b, 0},
+                            {0, -a, b}, {0, a, b}, {0, -a, -b}, {0, a, -b},
+                            {b, 0, -a}, {b, 0, a}, {-b, 0, -a}, {-b, 0, a}};
+  std::transform(points.begin(), points.end(), points.begin(), turned);
+  return points;
+}
+
+constexpr std::array<std::array<std::uint32_t, 3>, 20> kFaces{
+    {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+     {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+     {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
+
+// The icosahedron's edge seen from the centre is 63.4°; the mean edge of its parts is within 3 % of
+// that over their number.
+std::uint32_t parts_of_edge(double edge_length) {
+  return static_cast<std::uint32_t>(std::ceil(std::max(1.0, std::atan(2.0) / edge_length)));
+}
+
+// A face divided into n² triangles; points of its edges are shared through `edges`.
+class FaceDivider {
+ public:
+  FaceDivider(std::uint32_t n, PatchMesh& out) : n_(n), out_(out) {}
+
+  void divide(const std::array<std::uint32_t, 3>& face) {
+    std::vector<std::uint32_t> above, row;
+    for (std::uint32_t i = 0; i <= n_; ++i) {
+      row.clear();
+      for (std::uint32_t j = 0; j <= i; ++j) row.push_back(point(face, i, j));
+      for (std::uint32_t j = 0; j < i; ++j) {
+        out_.triangles.push_back({above[j], row[j], row[j + 1]});
+        if (j + 1 < i) out_.triangles.push_back({above[j], row[j + 1], above[j + 1]});
+      }
+      std::swap(above, row);
+    }
+  }
+
+ private:
+  // Weights n - i, i - j and j of the corners.
+  std::uint32_t point(const std::array<std::uint32_t, 3>& face, std::uint32_t i, std::uint32_t j) {
+    if (i == 0) return face[0];
+    if (j == 0) return on_edge(face[0], face[1], i);
+    if (j == i) return on_edge(face[0], face[2], i);
+    if (i == n_) return on_edge(face[1], face[2], j);
+    return add(static_cast<double>(n_ - i) * out_.interior[face[0]] +
+               static_cast<double>(i - j) * out_.interior[face[1]] +
+               static_cast<double>(j) * out_.interior[face[2]]);
+  }
+
+  std::uint32_t on_edge(std::uint32_t a, std::uint32_t b, std::uint32_t k) {
+    if (k == n_) return b;
+    if (a > b) return on_edge(b, a, n_ - k);
+    if (k == 0) return a;
+    auto& points = edges_[{a, b}];
+    if (points.empty()) {
+      for (std::uint32_t i = 1; i < n_; ++i) {
+        points.push_back(add(static_cast<double>(n_ - i) * out_.interior[a] +
+                             static_cast<double>(i) * out_.interior[b]));
+      }
+    }
+    return points[k - 1];
+  }
+
+  std::uint32_t add(const Vec3d& p) {
+    out_.interior.push_back((1 / norm(p)) * p);
+    return static_cast<std::uint32_t>(out_.interior.size() - 1);
+  }
+
+  std::uint32_t n_;
+  PatchMesh& out_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> edges_;
+};
+
+}  // namespace
+
+PatchMesh mesh_sphere(double edge_length) {
+  PatchMesh out;
+  out.interior = icosahedron_points();
+  FaceDivider divider(parts_of_edge(edge_length), out);
+  for (const auto& face : kFaces) divider.divide(face);
+  return out;
+}
+
+VDWMESH_MULTIVERSION std::vector<Vec3d> sphere_points(double edge_length) {
+  const std::uint32_t n = parts_of_edge(edge_length);
+  const std::vector<Vec3d> corners = icosahedron_points();
+  std::vector<Vec3d> points = corners;
+  points.reserve(10 * std::size_t{n} * n + 2);
+  // Row i of a face from its corner a; an edge's points belong to the face that runs it upwards.
+  for (const auto& [a, b, c] : kFaces) {
+    for (std::uint32_t i = 1; i <= n; ++i) {
+      for (std::uint32_t j = 0; j <= i; ++j) {
+        const bool ab = j == 0, ac = j == i, bc = i == n;
+        if (ab + ac + bc > 1 || (ab && a > b) || (ac && c > a) || (bc && b > c)) continue;
+        const Vec3d p = static_cast<double>(n - i) * corners[a] +
+                        static_cast<double>(i - j) * corners[b] +
+                        static_cast<double>(j) * corners[c];
+        points.push_back((1 / norm(p)) * p);
+      }
+    }
+  }
+  return points;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,233 @@
+#include "arrangement/mesher/touching_arcs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <tuple>
+
+#include "arrangement/complex/simplex_shape.hpp"
+#include "arrangement/directions.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// Circles whose axes are nearer to one line than this (rad) lie side by side all around, if at all.
+constexpr double kParallel = 1e-6;
+
+// The circle that a ball shares with another, on the unit sphere about its centre, and the arcs
+// of it that are exposed: places `first` to `first` + `count`.
+struct Circle {
+  Vec3d axis;
+  double cosine, sine;  // of its radius as an angle
+  std::uint32_t other;  // ball
+  std::size_t first, count;
+};
+
+struct ArcOfBall {
+  std::uint32_t ball, other, arc;
+  friend auto operator<=>(const ArcOfBall&, const ArcOfBall&) = default;
+};
+
+struct Cut {
+  std::uint32_t arc;
+  double angle;
+  std::uint32_t corner;
+};
+
+class TouchingArcs {
+ public:
+  TouchingArcs(const PowerTriangulation& triangulation, BoundaryArcs& boundary)
+      : t_(triangulation), out_(boundary) {}
+
+  std::vector<std::array<std::uint32_t, 2>> run() && {
+    list_arcs();
+    for (std::size_t begin = 0; begin < places_.size();) {
+      std::size_t end = begin;
+      while (end < places_.size() && places_[end].ball == places_[begin].ball) ++end;
+      search_ball(begin, end);
+      begin = end;
+    }
+    join_cuts();
+    cut_arcs();
+    return std::move(joined_);
+  }
+
+ private:
+  void list_arcs() {
+    for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
+      const auto [first, second] = out_.arcs[a].balls;
+      places_.push_back({first, second, a});
+      places_.push_back({second, first, a});
+    }
+    std::sort(places_.begin(), places_.end());
+  }
+
+  void search_ball(std::size_t begin, std::size_t end) {
+    circles_.clear();
+    for (std::size_t i = begin; i < end; ++i) {
+      if (i > begin && places_[i].other == places_[i - 1].other) {
+        ++circles_.back().count;
+      } else {
+        circles_.push_back(circle_at(i));
+      }
+    }
+    for (std::size_t i = 0; i < circles_.size(); ++i) {
+      for (std::size_t j = i + 1; j < circles_.size(); ++j) {
+        if (const auto point = touching_point(circles_[i], circles_[j]))
+          touch(places_[begin].ball, circles_[i], circles_[j], *point);
+      }
+    }
+  }
+
+  Circle circle_at(std::size_t place) const {
+    const Sphere &s = t_.balls[places_[place].ball], &o = t_.balls[places_[place].other];
+    const EdgeShape shape = edge_shape(s, o);
+    return {(1 / shape.length) * (o.center - s.center),
+            shape.height[0] / s.radius,
+            std::sqrt(shape.squared_circle_radius) / s.radius,
+            places_[place].other,
+            place,
+            1};
+  }
+
+  // Between the two points where the circles are nearest to each other; two caps that together
+  // reach further than half around touch at the back, where nothing is exposed.
+  std::optional<Vec3d> touching_point(const Circle& a, const Circle& b) const {
+    const double along = dot(a.axis, b.axis);
+    const double slack = 4 * out_.sizes.arc;  // the sine of an angle is at most 1
+    if (std::abs(along - (a.cosine * b.cosine - a.sine * b.sine)) > slack) return std::nullopt;
+    if (a.sine * b.cosine + a.cosine * b.sine < -slack) return std::nullopt;
+    const Vec3d to_b = b.axis - along * a.axis, to_a = a.axis - along * b.axis;
+    if (norm(to_b) < kParallel) return std::nullopt;
+    const Vec3d p = a.cosine * a.axis + a.sine * unit(to_b),
+                q = b.cosine * b.axis + b.sine * unit(to_a);
+    if (norm(p - q) > out_.sizes.arc) return std::nullopt;
+    return unit(p + q);
+  }
+
+  void touch(std::uint32_t ball, const Circle& a, const Circle& b, const Vec3d& direction) {
+    const Sphere& s = t_.balls[ball];
+    const BoundaryCorner corner{s.center + s.radius * direction, {ball, a.other, b.other}};
+    const double reach = 2 * out_.sizes.arc * s.radius;
+    std::vector<std::uint32_t> ends;
+    std::vector<Cut> cuts;
+    for (const Circle& c : {a, b}) {
+      const std::size_t before = ends.size() + cuts.size();
+      for (std::size_t i = c.first; i < c.first + c.count; ++i)
+        find_on_arc(places_[i].arc, corner.position, reach, ends, cuts);
+      if (ends.size() + cuts.size() == before) return;  // covered by another ball
+    }
+    if (cuts.empty()) return;  // corners in one place have been found already
+    ++out_.joins;
+    if (ends.empty()) {
+      ends.push_back(static_cast<std::uint32_t>(out_.corners.size()));
+      out_.corners.push_back(corner);
+    }
+    for (std::size_t i = 1; i < ends.size(); ++i) joined_.push_back({ends[0], ends[i]});
+    for (Cut& cut : cuts) {
+      cut.corner = ends[0];
+      cuts_.push_back(cut);
+    }
+  }
+
+  // Where the point is on the arc: in a corner that it ends in, or between.
+  void find_on_arc(std::uint32_t index, const Vec3d& point, double reach,
+                   std::vector<std::uint32_t>& ends, std::vector<Cut>& cuts) const {
+    const BoundaryArc& arc = out_.arcs[index];
+    if (!arc.is_circle()) {
+      for (const std::uint32_t end : arc.ends) {
+        if (norm(out_.corners[end].position - point) <= reach) {
+          ends.push_back(end);
+          return;
+        }
+      }
+    }
+    const Vec3d d = point - arc.center;
+    double angle = std::atan2(dot(d, arc.sine), dot(d, arc.cosine));
+    if (angle < 0) angle += 2 * std::numbers::pi;
+    if (angle < arc.sweep) cuts.push_back({index, angle, kNoIndex});
+  }
+
+  // Two touches of an arc in one place, which several balls may have found.
+  void join_cuts() {
+    std::sort(cuts_.begin(), cuts_.end(), [](const Cut& a, const Cut& b) {
+      return std::tie(a.arc, a.angle, a.corner) < std::tie(b.arc, b.angle, b.corner);
+    });
+    std::size_t kept = 0, first = 0;  // first: of the cuts of the same arc
+    for (const Cut& cut : cuts_) {
+      if (kept == 0 || cuts_[kept - 1].arc != cut.arc) first = kept;
+      const bool again =
+          kept > first && (is_same_place(cuts_[kept - 1], cut) || is_same_place(cuts_[first], cut));
+      if (again) {
+        joined_.push_back(
+            {cuts_[is_same_place(cuts_[first], cut) ? first : kept - 1].corner, cut.corner});
+      } else {
+        cuts_[kept++] = cut;
+      }
+    }
+    cuts_.resize(kept);
+  }
+
+  // Of cuts of one arc.
+  bool is_same_place(const Cut& a, const Cut& b) const {
+    const BoundaryArc& arc = out_.arcs[a.arc];
+    const double r = std::max(t_.balls[arc.balls[0]].radius, t_.balls[arc.balls[1]].radius);
+    return norm(out_.corners[a.corner].position - out_.corners[b.corner].position) <=
+           4 * out_.sizes.arc * r;
+  }
+
+  void cut_arcs() {
+    for (std::size_t begin = 0; begin < cuts_.size();) {
+      std::size_t end = begin;
+      while (end < cuts_.size() && cuts_[end].arc == cuts_[begin].arc) ++end;
+      cut_arc({cuts_.data() + begin, end - begin});
+      begin = end;
+    }
+  }
+
+  // The pieces are new arcs at the end, but for the first, which keeps the arc's place. That of a
+  // circle goes from its first cut around to it.
+  void cut_arc(std::span<const Cut> cuts) {
+    const BoundaryArc whole = out_.arcs[cuts[0].arc];
+    const bool circle = whole.is_circle();
+    const Cut last = circle ? Cut{cuts[0].arc, cuts[0].angle + whole.sweep, cuts[0].corner}
+                            : Cut{cuts[0].arc, whole.sweep, whole.ends[1]};
+    if (!circle) out_.arcs[cuts[0].arc] = part(whole, {0, 0.0, whole.ends[0]}, cuts[0]);
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+      const BoundaryArc piece = part(whole, cuts[i], i + 1 < cuts.size() ? cuts[i + 1] : last);
+      if (circle && i == 0) {
+        out_.arcs[cuts[0].arc] = piece;
+      } else {
+        out_.arcs.push_back(piece);
+      }
+    }
+  }
+
+  static BoundaryArc part(const BoundaryArc& whole, const Cut& from, const Cut& to) {
+    BoundaryArc arc = whole;
+    const double c = std::cos(from.angle), s = std::sin(from.angle);
+    arc.ends = {from.corner, to.corner};
+    arc.cosine = c * whole.cosine + s * whole.sine;
+    arc.sine = c * whole.sine - s * whole.cosine;
+    arc.sweep = to.angle - from.angle;
+    return arc;
+  }
+
+  const PowerTriangulation& t_;
+  BoundaryArcs& out_;
+  std::vector<ArcOfBall> places_;
+  std::vector<Circle> circles_;  // of the ball at hand
+  std::vector<Cut> cuts_;
+  std::vector<std::array<std::uint32_t, 2>> joined_;
+};
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 2>> join_touching_arcs(
+    const PowerTriangulation& triangulation, BoundaryArcs& boundary) {
+  return TouchingArcs(triangulation, boundary).run();
+}
+
+}  // namespace vdwmesh

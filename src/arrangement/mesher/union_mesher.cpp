@@ -1,0 +1,337 @@
+#include "arrangement/mesher/union_mesher.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "arrangement/arcs/arcs.hpp"
+#include "arrangement/mesher/flat_boundary.hpp"
+#include "arrangement/mesher/patch_mesher.hpp"
+#include "arrangement/mesher/split_fans.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// Rounds in which arcs are split for the shape of triangles, and for anything.
+constexpr int kQualityRounds = 12;
+constexpr int kMostRounds = 60;
+// Pieces that splitting may add, besides 64 for each there was; fewer once curves are known to lie
+// too close for the usual sizes of features.
+constexpr std::uint64_t kMostGrowth = std::uint64_t{1} << 16, kCoarserGrowth = kMostGrowth / 4;
+// A piece is straight if its arc is nearer to its chord than this, by the size of coordinates: an
+// eighth of what splitting it may still move by rounding, and some room.
+constexpr double kStraight = 0x1p-58;
+
+constexpr MeshArrays kArrays = {.labels = TriangleLabels::spheres, .width = LabelWidth::three};
+
+double largest_coordinate(const Vec3d& p) {
+  return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
+
+class UnionMesher {
+ public:
+  UnionMesher(const Arrangement& arrangement, BoundaryArcs&& boundary,
+              const ExactMeshOptions& options)
+      : options_(options),
+        t_(arrangement.triangulation),
+        measures_(arrangement.measures),
+        boundary_(std::move(boundary)),
+        index_(t_, arrangement.complex, boundary_),
+        edge_length_(std::ldexp(options.edge_length, -t_.scale_exponent)),
+        sampling_(boundary_, edge_length_),
+        pieces_at_first_(count_pieces()),
+        growth_(boundary_.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
+        patches_(t_.balls.size()),
+        has_coincident_points_(t_.balls.size(), 0) {}
+
+  ExactMesh run() && {
+    check_memory();
+    mesh_patches();
+    sampling_.number_vertices();
+    ExactMesh out{{}, stats_};
+    assemble(out.mesh);
+    if (boundary_.has_joined_corners) split_fans(boundary_.corners.size(), out.mesh);
+    out.stats.arcs = boundary_.arcs.size();
+    out.stats.corners = boundary_.corners.size();
+    out.stats.points = boundary_.points;
+    out.stats.contacts = boundary_.contacts;
+    out.stats.joins = boundary_.joins;
+    out.stats.arc_size = boundary_.sizes.arc;
+    out.stats.circle_size = boundary_.sizes.circle;
+    out.stats.pieces = count_pieces();
+    return out;
+  }
+
+ private:
+  std::uint64_t count_pieces() const {
+    std::uint64_t pieces = 0;
+    for (std::uint32_t a = 0; a < boundary_.arcs.size(); ++a) pieces += sampling_.pieces(a);
+    return pieces;
+  }
+
+  // From the area: equilateral triangles of the edge length, and as many again as it takes to keep
+  // narrow places well shaped.
+  void check_memory() const {
+    constexpr double kFill = 1.4;
+    constexpr std::uint64_t kScratch = 40;  // bytes per triangle: patches before they are joined
+    const std::uint64_t pieces = count_pieces();
+    const double ideal =
+        total_measures(measures_).area / (std::sqrt(3.0) / 4) / (edge_length_ * edge_length_);
+    const double triangles = kFill * ideal + 4 * static_cast<double>(pieces);
+    constexpr double kMost = 1.8e19;  // fits 64 bits after the sums below
+    const auto count = static_cast<std::uint64_t>(std::min(triangles, kMost / 200));
+    const std::uint64_t vertices = count / 2;
+    const std::uint64_t need = indexed_mesh_bytes({vertices, count}, kArrays) + kScratch * count;
+    if (need <= options_.memory_limit && vertices <= kMaxVertices) return;
+    throw LimitExceeded(fmt::format(
+        "an edge length of {} Å needs about {} triangles and {} bytes, {} are allowed: choose an "
+        "edge length of at least {:.2g} Å or a higher memory limit",
+        options_.edge_length, count, need, options_.memory_limit,
+        options_.edge_length *
+            std::max(
+                std::sqrt(static_cast<double>(need) / static_cast<double>(options_.memory_limit)),
+                std::sqrt(static_cast<double>(vertices) / static_cast<double>(kMaxVertices))) *
+            1.05));
+  }
+
+  // Without arcs a sphere is exposed as a whole or, but for points, not at all.
+  bool is_whole(std::uint32_t ball) const {
+    const double r = t_.balls[ball].radius;
+    return index_.arcs(ball).empty() && measures_[ball].area > 2 * std::numbers::pi * r * r;
+  }
+
+  // First the boundaries alone, which is quick, then the patches; each until no piece is to be
+  // split.
+  void mesh_patches() {
+    std::vector<std::uint32_t> bounded, all;
+    for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
+      const bool has_arcs = !index_.arcs(b).empty();
+      if (has_arcs) bounded.push_back(b);
+      if (has_arcs || is_whole(b)) all.push_back(b);
+    }
+    run_rounds(std::move(bounded), PatchStage::boundary);
+    run_rounds(std::move(all), PatchStage::triangles);
+  }
+
+  void run_rounds(std::vector<std::uint32_t> balls, PatchStage stage) {
+    for (int round = 1; !balls.empty(); ++round) {
+      begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
+                  balls.size());
+      const Demand demand = round <= kQualityRounds ? Demand::quality : Demand::validity;
+      tbb::parallel_for(std::size_t{0}, balls.size(), [&](std::size_t i) {
+        mesh_ball(balls[i], demand, stage);
+        advance(options_.monitor, 1);
+      });
+      check_coincidence(balls);
+      const std::vector<PieceSplit> splits = wanted_splits(balls);
+      if (splits.empty()) return;
+      if (round == kMostRounds) refuse(splits.front().piece);
+      check_straightness(splits);
+      stats_.split += splits.size();
+      sampling_.split(splits);
+      check_growth(splits);
+      balls = balls_beside(splits);
+    }
+  }
+
+  // To split a piece that is straight in double coordinates changes nothing: what it crosses or
+  // folds over it will cross and fold over as well when it is shorter.
+  void check_straightness(const std::vector<PieceSplit>& splits) const {
+    for (const PieceSplit& s : splits) {
+      const BoundaryArc& arc = boundary_.arcs[s.piece.arc];
+      const double angle = sampling_.piece_angle(s.piece);
+      const double size = largest_coordinate(arc.center) + arc.radius;
+      if (arc.radius * angle * angle / 8 < kStraight * size) refuse(s.piece);
+    }
+  }
+
+  // Curves that all but coincide ask for ever shorter pieces; each has four triangles at least.
+  void check_growth(const std::vector<PieceSplit>& splits) const {
+    const std::uint64_t pieces = count_pieces();
+    const std::uint64_t need = indexed_mesh_bytes({2 * pieces, 4 * pieces}, kArrays);
+    const bool fits = need <= options_.memory_limit;
+    if (fits && pieces <= growth_ + 64 * pieces_at_first_) return;
+    const auto& longest = *std::max_element(
+        splits.begin(), splits.end(), [&](const PieceSplit& a, const PieceSplit& b) {
+          return sampling_.pieces(a.piece.arc) < sampling_.pieces(b.piece.arc);
+        });
+    if (fits) refuse(longest.piece);
+    const auto& balls = boundary_.arcs[longest.piece.arc].balls;
+    throw CurvesTooClose(fmt::format(
+        "where spheres {} and {} meet, {} points are not enough to tell curves apart: allow more "
+        "memory than {} bytes, or leave out one of two spheres that all but coincide",
+        t_.ids[balls[0]], t_.ids[balls[1]], pieces, options_.memory_limit));
+  }
+
+  [[noreturn]] void refuse(const ArcPiece& piece) const {
+    const auto& balls = boundary_.arcs[piece.arc].balls;
+    throw CurvesTooClose(fmt::format(
+        "where spheres {} and {} meet, curves of the boundary are too close to be told apart in "
+        "double precision: leave out one of two spheres that all but coincide",
+        t_.ids[balls[0]], t_.ids[balls[1]]));
+  }
+
+  void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
+    const double edge_length = edge_length_ / t_.balls[ball].radius;
+    if (is_whole(ball)) {
+      patches_[ball] = mesh_sphere(edge_length);
+      return;
+    }
+    PatchBoundary around;
+    gather_boundary(t_, boundary_, sampling_, index_, ball, around);
+    try {
+      patches_[ball] = mesh_patch(around, {edge_length, demand, stage, options_.monitor});
+    } catch (const CoincidentPoints&) {
+      has_coincident_points_[ball] = 1;
+    }
+  }
+
+  // The first ball of the list is named, whichever was meshed first.
+  void check_coincidence(const std::vector<std::uint32_t>& balls) const {
+    for (const std::uint32_t b : balls) {
+      if (!has_coincident_points_[b]) continue;
+      throw CurvesTooClose(fmt::format(
+          "two curves on sphere {} are closer than double precision can tell: leave out one of two "
+          "spheres that all but coincide",
+          t_.ids[b]));
+    }
+  }
+
+  // Where both sides ask, the more halvings.
+  std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& balls) const {
+    std::vector<PieceSplit> splits;
+    for (const std::uint32_t b : balls) {
+      splits.insert(splits.end(), patches_[b].splits.begin(), patches_[b].splits.end());
+    }
+    std::sort(splits.begin(), splits.end(), [](const PieceSplit& a, const PieceSplit& b) {
+      return std::pair(a.piece, b.halvings) < std::pair(b.piece, a.halvings);
+    });
+    const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
+    splits.erase(std::unique(splits.begin(), splits.end(), same), splits.end());
+    return splits;
+  }
+
+  std::vector<std::uint32_t> balls_beside(const std::vector<PieceSplit>& splits) const {
+    std::vector<std::uint32_t> balls;
+    for (const PieceSplit& s : splits) {
+      const auto& beside = boundary_.arcs[s.piece.arc].balls;
+      balls.insert(balls.end(), beside.begin(), beside.end());
+    }
+    std::sort(balls.begin(), balls.end());
+    balls.erase(std::unique(balls.begin(), balls.end()), balls.end());
+    return balls;
+  }
+
+  void assemble(IndexedMesh& mesh) {
+    std::vector<std::uint64_t> first_vertex(t_.balls.size() + 1),
+        first_triangle(t_.balls.size() + 1);
+    first_vertex[0] = sampling_.vertex_count();
+    for (std::size_t b = 0; b < t_.balls.size(); ++b) {
+      first_vertex[b + 1] = first_vertex[b] + patches_[b].interior.size();
+      first_triangle[b + 1] = first_triangle[b] + patches_[b].triangles.size();
+    }
+    if (first_vertex.back() > kMaxVertices) {
+      throw LimitExceeded(
+          fmt::format("{} vertices; a mesh holds at most {}: choose a larger edge "
+                      "length",
+                      first_vertex.back(), kMaxVertices));
+    }
+    make_room(mesh, {first_vertex.back(), first_triangle.back()}, kArrays);
+    place_corners(mesh);
+    place_arcs(mesh);
+    tbb::parallel_for(std::size_t{0}, t_.balls.size(), [&](std::size_t b) {
+      place_patch(static_cast<std::uint32_t>(b), first_vertex[b], first_triangle[b], mesh);
+      patches_[b] = {};
+    });
+  }
+
+  void place_corners(IndexedMesh& mesh) const {
+    for (std::size_t c = 0; c < boundary_.corners.size(); ++c) {
+      const BoundaryCorner& corner = boundary_.corners[c];
+      place(corner.position, corner.balls, c, mesh);
+    }
+  }
+
+  void place_arcs(IndexedMesh& mesh) const {
+    tbb::parallel_for(std::size_t{0}, boundary_.arcs.size(), [&](std::size_t i) {
+      const auto a = static_cast<std::uint32_t>(i);
+      const BoundaryArc& arc = boundary_.arcs[i];
+      for (std::uint32_t k = arc.is_circle() ? 0 : 1; k < sampling_.pieces(a); ++k) {
+        place(sampling_.point(a, k), {arc.balls[0], arc.balls[1], kNoIndex}, sampling_.vertex(a, k),
+              mesh);
+      }
+    });
+  }
+
+  // A vertex on several spheres: its normal is the mean of theirs.
+  void place(const Vec3d& p, const std::array<std::uint32_t, 3>& balls, std::size_t vertex,
+             IndexedMesh& mesh) const {
+    Vec3d sum{0, 0, 0}, first{0, 0, 0};
+    VertexSpheres label{kNoSphere, kNoSphere, kNoSphere};
+    for (std::size_t k = 0; k < 3 && balls[k] != kNoIndex; ++k) {
+      const Vec3d out = p - t_.balls[balls[k]].center;
+      sum = sum + (1 / norm(out)) * out;
+      if (k == 0) first = sum;
+      label[k] = t_.ids[balls[k]];
+    }
+    std::sort(label.begin(), label.end());
+    if (!(squared_norm(sum) > 1e-12)) sum = first;
+    mesh.positions[vertex] = unscaled(p);
+    mesh.normals[vertex] = cast<float>((1 / norm(sum)) * sum);
+    mesh.vertex_spheres.set(vertex, label);
+  }
+
+  void place_patch(std::uint32_t ball, std::uint64_t first_vertex, std::uint64_t first_triangle,
+                   IndexedMesh& mesh) const {
+    const PatchMesh& patch = patches_[ball];
+    if (patch.triangles.empty()) return;
+    const Sphere& s = t_.balls[ball];
+    const SphereId id = t_.ids[ball];
+    std::vector<std::uint32_t> vertices;
+    boundary_vertices(boundary_, sampling_, index_, ball, vertices);
+    for (std::size_t i = 0; i < patch.interior.size(); ++i) {
+      const std::uint64_t v = first_vertex + i;
+      mesh.positions[v] = unscaled(s.center + s.radius * patch.interior[i]);
+      mesh.normals[v] = cast<float>(patch.interior[i]);
+      mesh.vertex_spheres.set(v, on_sphere(id));
+      vertices.push_back(static_cast<std::uint32_t>(v));
+    }
+    for (std::size_t t = 0; t < patch.triangles.size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        mesh.triangles[first_triangle + t][k] = vertices[patch.triangles[t][k]];
+      }
+      mesh.triangle_spheres[first_triangle + t] = id;
+    }
+  }
+
+  Vec3d unscaled(const Vec3d& p) const {
+    const int e = t_.scale_exponent;
+    return {std::ldexp(p.x, e), std::ldexp(p.y, e), std::ldexp(p.z, e)};
+  }
+
+  ExactMeshOptions options_;
+  const PowerTriangulation& t_;
+  const std::vector<SphereMeasures>& measures_;
+  BoundaryArcs boundary_;
+  PatchIndex index_;
+  double edge_length_;
+  ArcSampling sampling_;
+  std::uint64_t pieces_at_first_, growth_;
+  std::vector<PatchMesh> patches_;
+  std::vector<std::uint8_t> has_coincident_points_;  // of balls; not bool: set by several threads
+  ExactMeshStats stats_;
+};
+
+}  // namespace
+
+ExactMesh mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
+                        const ExactMeshOptions& options) {
+  return UnionMesher(arrangement, std::move(boundary), options).run();
+}
+
+}  // namespace vdwmesh

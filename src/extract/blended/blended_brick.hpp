@@ -1,0 +1,176 @@
+// A blended field seen from one brick, in float32 relative to it. CPU.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "extract/blended/edge_formulas.hpp"
+#include "extract/blended/local_atom.hpp"
+#include "extract/bricks/brick_edges.hpp"
+#include "extract/bricks/brick_geometry.hpp"
+#include "extract/bricks/edge_vertex.hpp"
+#include "extract/field.hpp"
+#include "spheres/cell_list.hpp"
+
+namespace vdwmesh {
+
+// The field at all nodes that the brick's cells touch: nodes x = 0 .. 7 of row [z][y], and node 8.
+struct BrickValues {
+  float row[kBrickReach][kBrickReach][kBrickSide];
+  float last[kBrickReach][kBrickReach];
+};
+
+template <FieldKind kind>
+class BlendedBrick {
+ public:
+  BlendedBrick(const CellListView& list, const FieldModel& model)
+      : list_(list),
+        model_(model),
+        shape_(shape_parameters<float>(model)),
+        nodes_(node_shape(model)),
+        isovalue_(static_cast<float>(model.isovalue)) {}
+
+  // Gathers the atoms that reach the brick's nodes, in list order.
+  void visit(const BrickIndex& brick);
+  void values(BrickValues& values) const;
+  void signs(BrickSigns& signs) const;
+  // Calls put(i, vertex) for every edge i.
+  template <class Put>
+  void vertices(const BrickEdges& edges, Put&& put) const {
+    for (std::size_t i = 0; i < edges.all().size(); ++i) put(i, vertex(edges.all()[i].crossed()));
+  }
+
+ private:
+  EdgeVertex vertex(const CrossedEdge& edge) const;
+  LocalAtom local_atom(const Sphere& atom) const;
+  std::uint16_t subgrid_planes(int axis, const Sphere& atom) const;
+  void add_rows(const LocalAtom& atom, BrickValues& values) const;
+
+  const CellListView& list_;
+  const FieldModel& model_;
+  ShapeParameters<float> shape_;
+  NodeShape nodes_;
+  float isovalue_;
+  BrickGeometry geometry_{};
+  std::vector<LocalAtom> atoms_;
+  std::vector<std::uint32_t> places_;
+};
+
+template <FieldKind kind>
+LocalAtom BlendedBrick<kind>::local_atom(const Sphere& atom) const {
+  LocalAtom local;
+  local.scale = static_cast<float>(inverse_square_scale(model_, atom.radius));
+  for (int axis = 0; axis < 3; ++axis) {
+    local.center[axis] = static_cast<float>(atom.center[axis] - geometry_.coordinate[axis][0]);
+    for (int node = 0; node < kBrickReach; ++node) {
+      local.term[axis][node] =
+          brick_term<kind>(model_, nodes_, geometry_, atom, local.scale, axis, node);
+    }
+    local.in_subgrid[axis] = subgrid_planes(axis, atom);
+  }
+  return local;
+}
+
+template <FieldKind kind>
+std::uint16_t BlendedBrick<kind>::subgrid_planes(int axis, const Sphere& atom) const {
+  if (model_.truncation != Truncation::subgrid) return (1u << kBrickReach) - 1;
+  const BrickIndex& b = geometry_.brick;
+  const std::int32_t brick = axis == 0 ? b.x : (axis == 1 ? b.y : b.z);
+  std::uint32_t planes = 0;
+  for (int node = 0; node < kBrickReach; ++node) {
+    if (plane_in_subgrid(model_, axis, lattice_index(brick, node), atom)) planes |= 1u << node;
+  }
+  return static_cast<std::uint16_t>(planes);
+}
+
+template <FieldKind kind>
+void BlendedBrick<kind>::visit(const BrickIndex& brick) {
+  geometry_ = brick_geometry(model_.grid, brick);
+  atoms_.clear();
+  places_.clear();
+  visit_near_box(list_, geometry_.node(0, 0, 0), geometry_.node(kBrickSide, kBrickSide, kBrickSide),
+                 [&](std::uint32_t place) {
+                   if (!reaches_brick(model_, geometry_, list_.spheres[place])) return false;
+                   atoms_.push_back(local_atom(list_.spheres[place]));
+                   places_.push_back(place);
+                   return false;
+                 });
+}
+
+template <FieldKind kind>
+void BlendedBrick<kind>::add_rows(const LocalAtom& atom, BrickValues& values) const {
+  AxisTerm along[kBrickReach];
+  for (int x = 0; x < kBrickReach; ++x) along[x] = atom.term[0][x];
+  for (int z = 0; z < kBrickReach; ++z) {
+    for (int y = 0; y < kBrickReach; ++y) {
+      const RowTerm term = row_term<kind>(nodes_, atom.term[1][y], atom.term[2][z]);
+      if (row_is_out_of_reach<kind>(nodes_, term)) continue;
+      float* row = values.row[z][y];
+      for (int x = 0; x < kBrickSide; ++x) {
+        row[x] = add_atom<kind>(nodes_, term, along[x], atom.scale, row[x]);
+      }
+      float& last = values.last[z][y];
+      last = add_atom<kind>(nodes_, term, along[kBrickSide], atom.scale, last);
+    }
+  }
+}
+
+template <FieldKind kind>
+void BlendedBrick<kind>::values(BrickValues& values) const {
+  values = {};
+  for (const LocalAtom& atom : atoms_) add_rows(atom, values);
+}
+
+template <FieldKind kind>
+void BlendedBrick<kind>::signs(BrickSigns& signs) const {
+  BrickValues field;
+  values(field);
+  for (int z = 0; z < kBrickReach; ++z) {
+    for (int y = 0; y < kBrickReach; ++y) {
+      std::uint32_t bits = field.last[z][y] >= isovalue_ ? 1u << kBrickSide : 0u;
+      for (int x = 0; x < kBrickSide; ++x) bits |= (field.row[z][y][x] >= isovalue_ ? 1u : 0u) << x;
+      signs.row[z][y] = static_cast<std::uint16_t>(bits);
+    }
+  }
+  if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
+}
+
+// False where the sub-grid of the atom ends before the node; sub-grids count at a vertex as at its
+// inside end. A value of 0 at the node would not say so: that of a steep Blinn field is 0 within
+// reach, and may be large at the vertex.
+inline bool reaches_node(const LocalAtom& a, const int node[3]) {
+  return (a.in_subgrid[0] >> node[0] & a.in_subgrid[1] >> node[1] & a.in_subgrid[2] >> node[2] &
+          1) != 0;
+}
+
+template <FieldKind kind>
+EdgeVertex BlendedBrick<kind>::vertex(const CrossedEdge& edge) const {
+  float inside = 0, outside = 0;
+  for (const LocalAtom& atom : atoms_) {
+    inside = add_to_node<kind>(nodes_, atom, edge.inside, inside);
+    outside = add_to_node<kind>(nodes_, atom, edge.outside, outside);
+  }
+  EdgeVertex v = vertex_between(inside, outside, isovalue_, model_.grid, edge,
+                                geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]));
+  const Vec3f local = cast<float>(v.position - geometry_.node(0, 0, 0));
+  LocalGradient g;
+  for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
+    const LocalAtom& a = atoms_[k];
+    if (!reaches_node(a, edge.inside)) continue;
+    add_gradient<kind>(shape_, local - Vec3f{a.center[0], a.center[1], a.center[2]}, a.scale,
+                       list_.rank[places_[k]], k, g);
+  }
+  // Where no atom reaches the vertex, the strongest at its inside end.
+  if (!(g.strongest.value > 0)) {
+    for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
+      const float value = add_to_node<kind>(nodes_, atoms_[k], edge.inside, 0.0f);
+      g.strongest.meet(value, list_.rank[places_[k]], k);
+    }
+  }
+  v.normal = outward_normal(g, v);
+  v.sphere = list_.id[places_[g.strongest.atom]];
+  return v;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,66 @@
+// A blended field at one point, in double: what Newton projection and the tests of a mesh need.
+#pragma once
+
+#include "core/host_device.hpp"
+#include "extract/blended/field_formulas.hpp"
+#include "spheres/cell_list.hpp"
+
+namespace vdwmesh {
+
+struct FieldSample {
+  double value;
+  Vec3d gradient;       // 1/Å
+  std::uint32_t place;  // in the cell list: the largest contribution, lowest rank among equals
+  bool in_reach;        // some atom contributes
+};
+
+// Sums over the spheres near p in list order. `list` was built with field_reach().
+template <FieldKind kind>
+VDWMESH_HD FieldSample sample_field(const CellListView& list, const FieldModel& model,
+                                    const Vec3d& p) {
+  const ShapeParameters<double> shape = shape_parameters<double>(model);
+  FieldSample sample{0, {0, 0, 0}, 0, false};
+  double largest = 0;
+  visit_near_box(list, p, p, [&](std::uint32_t place) {
+    const Sphere& ball = list.spheres[place];
+    if (model.truncation == Truncation::subgrid) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double units = (p[axis] - model.grid.origin[axis]) / model.grid.spacing;
+        const std::int64_t cell = subgrid_cell(model.grid, axis, ball.center[axis]);
+        if (!in_subgrid(units, cell, model.subgrid_cells)) return false;
+      }
+    }
+    const ValueAndSlope<double> f = shape_value_and_slope<kind>(
+        shape, squared_distance(p, ball.center), inverse_square_scale(model, ball.radius));
+    if (!(f.value > 0)) return false;
+    sample.value += f.value;
+    const double twice = 2 * f.slope;
+    for (int axis = 0; axis < 3; ++axis) {
+      sample.gradient[axis] = std::fma(twice, p[axis] - ball.center[axis], sample.gradient[axis]);
+    }
+    const bool wins =
+        f.value > largest || (f.value == largest && list.rank[place] < list.rank[sample.place]);
+    if (!sample.in_reach || wins) {
+      sample.place = place;
+      largest = f.value;
+    }
+    sample.in_reach = true;
+    return false;
+  });
+  return sample;
+}
+
+// The same for a field known at run time. Precondition: model.kind is not vdw.
+VDWMESH_HD inline FieldSample sample_field(const CellListView& list, const FieldModel& model,
+                                           const Vec3d& p) {
+  if (model.kind == FieldKind::blinn) return sample_field<FieldKind::blinn>(list, model, p);
+  if (model.kind == FieldKind::soft_object) {
+    return sample_field<FieldKind::soft_object>(list, model, p);
+  }
+  return sample_field<FieldKind::inverse_squared>(list, model, p);
+}
+
+// The list that sample_field() and the extractors search: reach is field_reach().
+CellList make_field_list(const SphereSet& spheres, const FieldModel& model);
+
+}  // namespace vdwmesh

@@ -1,0 +1,84 @@
+// Node signs, vertices and normals of a sampled field. Host and device.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "core/host_device.hpp"
+#include "extract/blended/edge_formulas.hpp"
+#include "extract/bricks/brick_geometry.hpp"
+#include "extract/bricks/edge_vertex.hpp"
+#include "extract/sampled_field.hpp"
+
+namespace vdwmesh {
+
+// Lattice indices, 0 and cells + 2 being the virtual layer.
+struct LatticeNode {
+  std::int64_t index[3];
+};
+
+VDWMESH_HD inline LatticeNode lattice_node(const BrickIndex& brick, const int node[3]) {
+  return {{lattice_index(brick.x, node[0]), lattice_index(brick.y, node[1]),
+           lattice_index(brick.z, node[2])}};
+}
+
+VDWMESH_HD inline bool is_virtual(const GridSpec& grid, const LatticeNode& n) {
+  return is_virtual(grid, 0, n.index[0]) || is_virtual(grid, 1, n.index[1]) ||
+         is_virtual(grid, 2, n.index[2]);
+}
+
+// Precondition: not virtual.
+VDWMESH_HD inline const float* node_address(const SampledFieldView& f, const LatticeNode& n) {
+  const std::int64_t row = (n.index[2] - 1) * (f.grid.cells.y + 1) + n.index[1] - 1;
+  return f.values + row * (f.grid.cells.x + 1) + n.index[0] - 1;
+}
+
+// Twice the spacing times the gradient at a node: central differences, at the border doubled
+// one-sided ones.
+VDWMESH_HD inline Vec3f node_difference(const SampledFieldView& f, const LatticeNode& n) {
+  const float* const value = node_address(f, n);
+  const std::int64_t width = f.grid.cells.x + 1;
+  const std::int64_t stride[3] = {1, width, width * (f.grid.cells.y + 1)};
+  Vec3f difference{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool low = n.index[axis] > 1, high = n.index[axis] < f.grid.cells[axis] + 1;
+    const float step = value[high ? stride[axis] : 0] - value[low ? -stride[axis] : 0];
+    difference[axis] = low && high ? step : 2.0f * step;
+  }
+  return difference;
+}
+
+// The vertex on a crossed edge, its normal along the edge; `node` is the position of its inside
+// end, Å.
+VDWMESH_HD inline EdgeVertex sampled_vertex(const SampledFieldView& f, const BrickIndex& brick,
+                                            const CrossedEdge& edge, const Vec3d& node) {
+  const LatticeNode inside = lattice_node(brick, edge.inside);
+  const LatticeNode outside = lattice_node(brick, edge.outside);
+  // No value beyond the border: interpolation then takes the outer end.
+  const float beyond = is_virtual(f.grid, outside) ? std::numeric_limits<float>::infinity()
+                                                   : *node_address(f, outside);
+  const EdgePoint point =
+      interpolate_edge(*node_address(f, inside), beyond, f.isovalue, f.grid.spacing);
+  return {point_on_edge(edge, node, point.distance), cast<float>(edge_direction(edge)), kNoSphere,
+          point.clamped};
+}
+
+// Down the gradient at a vertex, between those of its edge's ends.
+VDWMESH_HD inline Vec3f sampled_normal(const SampledFieldView& f, const BrickIndex& brick,
+                                       const CrossedEdge& edge, const EdgeVertex& v) {
+  const LatticeNode inside = lattice_node(brick, edge.inside);
+  const LatticeNode outside = lattice_node(brick, edge.outside);
+  const Vec3f a = node_difference(f, inside);
+  const Vec3f b = is_virtual(f.grid, outside) ? a : node_difference(f, outside);
+  const double from = lattice_coordinate(f.grid, edge.axis, inside.index[edge.axis]);
+  const double distance = edge.direction * (v.position[edge.axis] - from);
+  const auto along = static_cast<float>(distance / f.grid.spacing);
+  Vec3d fall{};
+  for (int axis = 0; axis < 3; ++axis) {
+    fall[axis] = -static_cast<double>(std::fma(along, b[axis] - a[axis], a[axis]));
+  }
+  return unit_or(fall, cast<double>(v.normal));
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,190 @@
+#include "extract/bricks/case_table.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace vdwmesh {
+namespace {
+
+constexpr int kCellEdges = 12;
+constexpr int kNone = -1;
+
+constexpr int corner_at(int x, int y, int z) { return x | y << 1 | z << 2; }
+
+constexpr int edge_between(int a, int b) {
+  const int axis = (a ^ b) == 1 ? 0 : ((a ^ b) == 2 ? 1 : 2);
+  const int low = a & b;
+  const int x = low & 1, y = low >> 1 & 1, z = low >> 2;
+  if (axis == 0) return y | z << 1;
+  if (axis == 1) return 4 + (x | z << 1);
+  return 8 + (x | y << 1);
+}
+
+// Corners of each face, counter-clockwise seen from outside the cell.
+constexpr std::array<std::array<int, 4>, 6> kFaces = {{
+    {corner_at(0, 0, 0), corner_at(0, 0, 1), corner_at(0, 1, 1), corner_at(0, 1, 0)},
+    {corner_at(1, 0, 0), corner_at(1, 1, 0), corner_at(1, 1, 1), corner_at(1, 0, 1)},
+    {corner_at(0, 0, 0), corner_at(1, 0, 0), corner_at(1, 0, 1), corner_at(0, 0, 1)},
+    {corner_at(0, 1, 0), corner_at(0, 1, 1), corner_at(1, 1, 1), corner_at(1, 1, 0)},
+    {corner_at(0, 0, 0), corner_at(0, 1, 0), corner_at(1, 1, 0), corner_at(1, 0, 0)},
+    {corner_at(0, 0, 1), corner_at(1, 0, 1), corner_at(1, 1, 1), corner_at(0, 1, 1)},
+}};
+
+constexpr int face_edge(const std::array<int, 4>& face, int k) {
+  return edge_between(face[static_cast<std::size_t>(k & 3)],
+                      face[static_cast<std::size_t>((k + 1) & 3)]);
+}
+
+constexpr bool share_face(int a, int b) {
+  for (const auto& face : kFaces) {
+    bool has_a = false, has_b = false;
+    for (int k = 0; k < 4; ++k) {
+      has_a |= face_edge(face, k) == a;
+      has_b |= face_edge(face, k) == b;
+    }
+    if (has_a && has_b) return true;
+  }
+  return false;
+}
+
+using Successors = std::array<int, kCellEdges>;
+
+// Successor of each edge along the boundary of the surface in the cell, or kNone.
+// Each run of inside corners around a face is cut off by one segment. An edge ends a run on one of
+// its two faces and begins one on the other, so the segments chain into closed loops.
+constexpr Successors surface_segments(int inside) {
+  Successors next{};
+  next.fill(kNone);
+  for (const auto& face : kFaces) {
+    const auto is_inside = [&](int k) {
+      return (inside >> face[static_cast<std::size_t>(k & 3)] & 1) != 0;
+    };
+    for (int k = 0; k < 4; ++k) {
+      if (is_inside(k) || !is_inside(k + 1)) continue;
+      int end = k + 1;
+      while (is_inside(end + 1)) ++end;
+      next[static_cast<std::size_t>(face_edge(face, end))] = face_edge(face, k);
+    }
+  }
+  return next;
+}
+
+struct Loop {
+  std::array<int, kCellEdges> edges{};
+  int size = 0;
+};
+
+constexpr bool allowed(const Loop& loop, int i, int j) {
+  const bool side = j - i == 1 || j - i == loop.size - 1;
+  return side || !share_face(loop.edges[static_cast<std::size_t>(i)],
+                             loop.edges[static_cast<std::size_t>(j)]);
+}
+
+struct Triangles {
+  std::array<std::uint8_t, std::size_t{3} * kMaxCaseTriangles> edges{};
+  int count = 0;
+};
+
+// Triangulates the part i .. j of the loop behind the diagonal (i, j); false where every way
+// draws a forbidden diagonal.
+constexpr bool triangulate(const Loop& loop, int i, int j, Triangles& out) {
+  if (j - i < 2) return true;
+  for (int k = i + 1; k < j; ++k) {
+    if (!allowed(loop, i, k) || !allowed(loop, k, j)) continue;
+    Triangles attempt = out;
+    const std::array<int, 3> corners{i, j, k};
+    for (std::size_t c = 0; c < 3; ++c) {
+      attempt.edges[static_cast<std::size_t>(3 * attempt.count) + c] =
+          static_cast<std::uint8_t>(loop.edges[static_cast<std::size_t>(corners[c])]);
+    }
+    ++attempt.count;
+    if (!triangulate(loop, i, k, attempt) || !triangulate(loop, k, j, attempt)) continue;
+    out = attempt;
+    return true;
+  }
+  return false;
+}
+
+constexpr Triangles triangles_of(int inside) {
+  Successors next = surface_segments(inside);
+  Triangles out;
+  for (int first = 0; first < kCellEdges; ++first) {
+    Loop loop;
+    for (int e = first; next[static_cast<std::size_t>(e)] != kNone;) {
+      loop.edges[static_cast<std::size_t>(loop.size++)] = e;
+      const int following = next[static_cast<std::size_t>(e)];
+      next[static_cast<std::size_t>(e)] = kNone;
+      e = following;
+    }
+    if (loop.size > 0 && !triangulate(loop, 0, loop.size - 1, out)) throw "no triangulation";
+  }
+  return out;
+}
+
+// Slot of a cell edge in a face, or kNone where it does not lie in it.
+constexpr int slot_in_face(int edge, int face) {
+  const int axis = face / 2, side = face & 1;
+  const CellEdge e = cell_edge(edge);
+  const int offset[3] = {e.x, e.y, e.z};
+  if (e.axis == axis || offset[axis] != side) return kNone;
+  const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  return e.axis == u ? offset[v] : 2 + offset[u];
+}
+
+constexpr int half_edge_between(const Triangles& t, int start, int end) {
+  for (int h = 0; h < 3 * t.count; ++h) {
+    const int following = h % 3 == 2 ? h - 2 : h + 1;
+    if (t.edges[static_cast<std::size_t>(h)] == start &&
+        t.edges[static_cast<std::size_t>(following)] == end) {
+      return h;
+    }
+  }
+  return kNone;
+}
+
+constexpr void link_half_edges(const Triangles& t, std::size_t inside, CaseTable& table) {
+  for (std::uint8_t& h : table.face_half_edge[inside]) h = kNoHalfEdge;
+  for (int h = 0; h < 3 * t.count; ++h) {
+    const int start = t.edges[static_cast<std::size_t>(h)];
+    const int end = t.edges[static_cast<std::size_t>(h % 3 == 2 ? h - 2 : h + 1)];
+    const int partner = half_edge_between(t, end, start);
+    if (partner != kNone) {
+      table.across[inside][h] = static_cast<std::uint8_t>(partner);
+      continue;
+    }
+    for (int face = 0; face < 6; ++face) {
+      const int from = slot_in_face(start, face), to = slot_in_face(end, face);
+      if (from == kNone || to == kNone) continue;
+      table.across[inside][h] = static_cast<std::uint8_t>(kFirstFaceCode + 4 * face + to);
+      table.face_half_edge[inside][4 * face + from] = static_cast<std::uint8_t>(h);
+    }
+  }
+}
+
+constexpr PackedHalfEdge pack(std::uint8_t edge, std::uint8_t across) {
+  const CellEdge e = cell_edge(edge);
+  return {e.x | static_cast<std::uint32_t>(e.y) << 1 | static_cast<std::uint32_t>(e.z) << 2 |
+          static_cast<std::uint32_t>(e.axis) << 3 | static_cast<std::uint32_t>(across) << 8};
+}
+
+constexpr CaseTable make_case_table() {
+  CaseTable table{};
+  for (std::size_t inside = 0; inside < 256; ++inside) {
+    const Triangles t = triangles_of(static_cast<int>(inside));
+    table.triangle_count[inside] = static_cast<std::uint8_t>(t.count);
+    std::copy(t.edges.begin(), t.edges.end(), table.edges[inside]);
+    link_half_edges(t, inside, table);
+    for (int h = 0; h < 3 * t.count; ++h) {
+      table.half_edge[inside][h] = pack(table.edges[inside][h], table.across[inside][h]);
+    }
+  }
+  return table;
+}
+
+constexpr CaseTable kTable = make_case_table();
+
+}  // namespace
+
+const CaseTable& case_table() { return kTable; }
+
+}  // namespace vdwmesh

@@ -1,0 +1,146 @@
+// Half-edges across the cells of one brick and those beyond its faces. CPU.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "extract/bricks/brick_cases.hpp"
+#include "extract/bricks/brick_numbering.hpp"
+#include "extract/bricks/case_table.hpp"
+
+namespace vdwmesh {
+
+// Where the opposite of each half-edge of a case is: a code says in which cell, seen from its own,
+// and with the case of that cell at which of its half-edges.
+struct OppositePlaces {
+  static constexpr std::size_t kCodes = kFirstFaceCode + 24;
+  std::uint8_t code[256][kCaseHalfEdges];  // as CaseTable::across; 0 beyond the case's half-edges
+  std::int16_t step[kCodes];               // from place to place of a CellMap
+  std::uint8_t half_edge[256][kCodes];
+};
+
+// The cells that the surface crosses, of a brick and of its neighbours where they share a face.
+class CellMap {
+ public:
+  struct Cell {
+    std::uint32_t first_half_edge, inside;  // inside: the case
+  };
+
+  static constexpr int place(int x, int y, int z) {
+    return ((z + 1) * kSide + y + 1) * kSide + x + 1;
+  }
+  static OppositePlaces opposite_places(const CaseTable& table);
+
+  // Brick b, whose cases are given; `near(slot)` gives the places of its neighbours.
+  template <class Neighbour>
+  void fill(const BrickList& list, std::uint64_t b, const BrickCases& cases, const CaseTable& table,
+            Neighbour&& near);
+  const Cell* from(int place) const { return &cell_[static_cast<std::size_t>(place)]; }
+
+ private:
+  static constexpr int kSide = kBrickSide + 2;
+  static constexpr int kLast = kBrickSide - 1;
+
+  void put(int x, int y, int z, std::uint64_t triangles_before, std::uint32_t inside) {
+    cell_[static_cast<std::size_t>(place(x, y, z))] = {
+        static_cast<std::uint32_t>(3 * triangles_before), inside};
+  }
+  // Cells of the neighbour beyond the face of the axis, at its lower (side 0) or upper side.
+  void put_row(const BrickList& list, std::uint64_t neighbour, const CaseTable& table, int axis,
+               int side, int along);
+  void put_end(const BrickList& list, std::uint64_t neighbour, const CaseTable& table, int side,
+               int y, int z);
+
+  std::array<Cell, static_cast<std::size_t>(kSide* kSide* kSide)> cell_;  // others are not read
+};
+
+inline OppositePlaces CellMap::opposite_places(const CaseTable& table) {
+  constexpr int strides[3] = {1, kSide, kSide * kSide};
+  OppositePlaces places{};
+  for (std::uint32_t inside = 0; inside < 256; ++inside) {
+    for (std::uint32_t h = 0; h < 3 * table.count(inside); ++h)
+      places.code[inside][h] =
+          static_cast<std::uint8_t>(table.across_code(inside, static_cast<int>(h)));
+    for (std::uint8_t code = 0; code < kFirstFaceCode; ++code)
+      places.half_edge[inside][code] = code;
+    for (int face = 0; face < 6; ++face) {
+      for (int slot = 0; slot < 4; ++slot)
+        places.half_edge[inside][kFirstFaceCode + 4 * face + slot] =
+            static_cast<std::uint8_t>(table.at_face(inside, face ^ 1, slot));
+    }
+  }
+  for (int face = 0; face < 6; ++face) {
+    const int step = face % 2 == 0 ? -strides[face / 2] : strides[face / 2];
+    std::fill_n(places.step + kFirstFaceCode + std::ptrdiff_t{4} * face, 4,
+                static_cast<std::int16_t>(step));
+  }
+  return places;
+}
+
+// Cells of a row whose face between two rows of nodes the surface crosses.
+inline std::uint32_t mixed_faces(std::uint32_t a, std::uint32_t b) {
+  const std::uint32_t any = a | b, all = a & b;
+  return (any | any >> 1) & ~(all & all >> 1) & ((1u << kBrickSide) - 1);
+}
+
+template <class Neighbour>
+void CellMap::fill(const BrickList& list, std::uint64_t b, const BrickCases& cases,
+                   const CaseTable& table, Neighbour&& near) {
+  std::uint64_t triangles = list.before[b].triangles;
+  cases.for_each_mixed([&](int x, int y, int z, std::uint32_t inside) {
+    put(x, y, z, triangles, inside);
+    triangles += table.count(inside);
+  });
+  const BrickSigns& signs = list.bricks[b].signs;
+  for (int side = 0; side < 2; ++side) {
+    const int node = side * kBrickSide, to = 2 * side - 1;
+    std::uint32_t column[kBrickReach] = {};  // of the nodes x = 0 or 8, by z
+    for (int z = 0; z < kBrickReach; ++z) {
+      for (int y = 0; y < kBrickReach; ++y) column[z] |= (signs.row[z][y] >> node & 1u) << y;
+    }
+    for (int i = 0; i < kBrickSide; ++i) {
+      for (std::uint32_t rows = mixed_faces(column[i], column[i + 1]); rows != 0; rows &= rows - 1)
+        put_end(list, near(neighbour_slot(to, 0, 0)), table, side, std::countr_zero(rows), i);
+      if (mixed_faces(signs.row[i][node], signs.row[i + 1][node]) != 0)
+        put_row(list, near(neighbour_slot(0, to, 0)), table, 1, side, i);
+      if (mixed_faces(signs.row[node][i], signs.row[node][i + 1]) != 0)
+        put_row(list, near(neighbour_slot(0, 0, to)), table, 2, side, i);
+    }
+  }
+}
+
+inline void CellMap::put_row(const BrickList& list, std::uint64_t neighbour, const CaseTable& table,
+                             int axis, int side, int along) {
+  const ActiveBrick& owner = list.bricks[neighbour];
+  const int theirs = side == 0 ? kLast : 0, ours = side == 0 ? -1 : kBrickSide;
+  const int y = axis == 1 ? theirs : along, z = axis == 1 ? along : theirs;
+  std::uint64_t triangles =
+      list.before[neighbour].triangles + owner.row_triangles[z * kBrickSide + y];
+  for (std::uint32_t cells = mixed_cells(owner.signs, y, z); cells != 0; cells &= cells - 1) {
+    const int x = std::countr_zero(cells);
+    const std::uint32_t inside = cell_case(owner.signs, x, y, z);
+    put(x, axis == 1 ? ours : y, axis == 1 ? z : ours, triangles, inside);
+    triangles += table.count(inside);
+  }
+}
+
+inline void CellMap::put_end(const BrickList& list, std::uint64_t neighbour, const CaseTable& table,
+                             int side, int y, int z) {
+  const ActiveBrick& owner = list.bricks[neighbour];
+  const std::uint64_t before = list.before[neighbour].triangles;
+  const int row = z * kBrickSide + y;
+  if (side == 1) {
+    put(kBrickSide, y, z, before + owner.row_triangles[row], cell_case(owner.signs, 0, y, z));
+    return;
+  }
+  // The last cell of a row ends where the next row begins.
+  const std::uint32_t end =
+      row + 1 < kBrickSide * kBrickSide ? owner.row_triangles[row + 1] : owner.triangles;
+  const std::uint32_t inside = cell_case(owner.signs, kLast, y, z);
+  put(-1, y, z, before + end - table.count(inside), inside);
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,211 @@
+// The union of balls seen from one brick: node signs and the vertices on its edges. CPU.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "extract/blended/edge_formulas.hpp"
+#include "extract/bricks/brick_edges.hpp"
+#include "extract/bricks/brick_geometry.hpp"
+#include "extract/bricks/edge_vertex.hpp"
+#include "extract/field.hpp"
+#include "extract/union/ball_run.hpp"
+#include "extract/union/sign_lanes.hpp"
+#include "extract/union/union_lanes.hpp"
+#include "spheres/cell_list.hpp"
+
+namespace vdwmesh {
+
+class UnionBrick {
+ public:
+  UnionBrick(const CellListView& list, const FieldModel& model)
+      : list_(list), grid_(model.grid), run_(list, model.grid) {}
+
+  // Gathers the balls that touch the brick's nodes, in list order.
+  void visit(const BrickIndex& brick);
+  void signs(BrickSigns& signs);
+  // Calls put(i, vertex) for every edge i.
+  template <class Put>
+  void vertices(const BrickEdges& edges, Put&& put);
+
+ private:
+  // Of a crossed edge, and which way the edge runs from it.
+  struct InsideEnd {
+    Vec3d node;
+    double direction;
+  };
+
+  void signs_in_double(BrickSigns& signs) const;
+  void find_touching(const BrickEdges& edges);
+  template <int axis>
+  InsideEnd inside_end(const BrickEdge& edge) const;
+  template <int axis>
+  void put_exit(std::size_t e, const InsideEnd& from, const EdgePoint& exit);
+  template <int axis>
+  void find_exits(const BrickEdges& edges);
+  template <int axis>
+  void find_shared_exit(std::size_t e, const BrickEdges& edges);
+  void find_normals(const BrickEdges& edges);
+
+  const CellListView& list_;
+  const GridSpec& grid_;
+  BallRun run_;
+  BrickGeometry geometry_{};
+  std::vector<std::uint32_t> places_;  // of the brick's balls in the list
+  std::vector<Sphere> balls_;
+  NearBalls near_;
+  SignLanes sign_lanes_;
+  EdgeLanes lanes_;
+  std::vector<std::uint32_t> touching_;  // 32 balls a word: word, edge
+  std::vector<std::uint16_t> shared_;    // edges that several balls may touch
+};
+
+inline void UnionBrick::visit(const BrickIndex& brick) {
+  geometry_ = brick_geometry(grid_, brick);
+  run_.find(geometry_, places_);
+  balls_.resize(places_.size());
+  for (std::size_t k = 0; k < balls_.size(); ++k) balls_[k] = list_.spheres[places_[k]];
+  near_.gather(balls_, geometry_.node(0, 0, 0));
+}
+
+inline void UnionBrick::signs(BrickSigns& signs) {
+  if (!sign_lanes_.signs(near_, geometry_, static_cast<float>(grid_.spacing), signs))
+    signs_in_double(signs);
+  if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
+}
+
+inline void UnionBrick::signs_in_double(BrickSigns& signs) const {
+  signs = {};
+  for (const Sphere& ball : balls_) {
+    const double r2 = ball.radius * ball.radius;
+    double dx[kBrickReach];
+    for (int x = 0; x < kBrickReach; ++x) dx[x] = geometry_.coordinate[0][x] - ball.center.x;
+    for (int z = 0; z < kBrickReach; ++z) {
+      const double dz = geometry_.coordinate[2][z] - ball.center.z;
+      for (int y = 0; y < kBrickReach; ++y) {
+        const double dy = geometry_.coordinate[1][y] - ball.center.y;
+        // As squared_distance().
+        const double dyz2 = std::fma(dy, dy, dz * dz);
+        if (dyz2 > r2) continue;
+        std::uint32_t bits = 0;
+        for (int x = 0; x < kBrickReach; ++x)
+          bits |= std::fma(dx[x], dx[x], dyz2) <= r2 ? 1u << x : 0u;
+        signs.row[z][y] = static_cast<std::uint16_t>(signs.row[z][y] | bits);
+      }
+    }
+  }
+}
+
+// Few of the brick's balls come near one of its edges; the others cannot change where it leaves the
+// union.
+inline void UnionBrick::find_touching(const BrickEdges& edges) {
+  lanes_.count = edges.all().size();
+  const float half = 0.5f * static_cast<float>(grid_.spacing);
+  float offset[3][kBrickReach];
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i < kBrickReach; ++i)
+      offset[axis][i] =
+          static_cast<float>(geometry_.coordinate[axis][i] - geometry_.coordinate[axis][0]);
+  }
+  for (std::size_t e = 0; e < lanes_.count; ++e) {
+    const BrickEdge edge = edges.all()[e];
+    lanes_.middle[0][e] = offset[0][edge.x()];
+    lanes_.middle[1][e] = offset[1][edge.y()];
+    lanes_.middle[2][e] = offset[2][edge.z()];
+    lanes_.middle[edge.axis()][e] += half;
+  }
+  const std::size_t words = (balls_.size() + 31) / 32;
+  if (touching_.size() < words * EdgeLanes::kMost) touching_.resize(words * EdgeLanes::kMost);
+  for (std::size_t w = 0; w < words; ++w)
+    lanes_.find_touching(near_, static_cast<float>(grid_.spacing), 32 * w,
+                         touching_.data() + w * EdgeLanes::kMost);
+}
+
+template <int axis>
+UnionBrick::InsideEnd UnionBrick::inside_end(const BrickEdge& edge) const {
+  // By arithmetic: which end is inside cannot be guessed.
+  const int upper = edge.lower_inside() ? 0 : 1;
+  int place[3] = {edge.x(), edge.y(), edge.z()};
+  place[axis] += upper;
+  return {geometry_.node(place[0], place[1], place[2]), static_cast<double>(1 - 2 * upper)};
+}
+
+template <int axis>
+void UnionBrick::put_exit(std::size_t e, const InsideEnd& from, const EdgePoint& exit) {
+  Vec3d p = from.node;
+  p[axis] = std::fma(from.direction, exit.distance, from.node[axis]);
+  for (int i = 0; i < 3; ++i) {
+    lanes_.position[i][e] = p[i];
+    lanes_.radial[i][e] = p[i] - balls_[exit.owner].center[i];
+  }
+  lanes_.sphere[e] = list_.id[places_[exit.owner]];
+  lanes_.clamped[e] = exit.clamped ? 1 : 0;
+}
+
+// Most edges are touched by one ball alone, which then holds the inside node and ends the union:
+// that is worked out for all of them, without a branch, and again for those with more balls.
+template <int axis>
+void UnionBrick::find_exits(const BrickEdges& edges) {
+  const std::span<const std::uint16_t> along = edges.along<axis>();
+  shared_.resize(along.size() + 1);
+  std::size_t shared = 0;
+  for (const std::uint16_t e : along) {
+    const std::uint32_t bits = touching_[e];
+    shared_[shared] = e;
+    shared += (bits & (bits - 1)) != 0 || balls_.size() > 32 ? 1 : 0;
+    const auto k = static_cast<std::uint32_t>(std::countr_zero(bits | 1u << 31));
+    const InsideEnd from = inside_end<axis>(edges.all()[e]);
+    const double exit = exit_of_holder(balls_[k], from.node, axis, from.direction);
+    put_exit<axis>(e, from, clamp_to_edge(exit, grid_.spacing, k));
+  }
+  for (std::size_t i = 0; i < shared; ++i) find_shared_exit<axis>(shared_[i], edges);
+}
+
+template <int axis>
+void UnionBrick::find_shared_exit(std::size_t e, const BrickEdges& edges) {
+  const std::size_t words = (balls_.size() + 31) / 32;
+  const InsideEnd from = inside_end<axis>(edges.all()[e]);
+  const EdgePoint exit =
+      first_exit(from.node, axis, from.direction, grid_.spacing, [&](auto&& visit) {
+        for (std::size_t w = 0; w < words; ++w) {
+          for (std::uint32_t bits = touching_[w * EdgeLanes::kMost + e]; bits; bits &= bits - 1) {
+            const auto k = static_cast<std::uint32_t>(32 * w) +
+                           static_cast<std::uint32_t>(std::countr_zero(bits));
+            visit(balls_[k], list_.rank[places_[k]], k);
+          }
+        }
+      });
+  put_exit<axis>(e, from, exit);
+}
+
+inline void UnionBrick::find_normals(const BrickEdges& edges) {
+  if (lanes_.find_normals() == 0) return;
+  for (std::size_t e = 0; e < lanes_.count; ++e) {
+    const CrossedEdge edge = edges.all()[e].crossed();
+    const Vec3f normal = unit_or({lanes_.radial[0][e], lanes_.radial[1][e], lanes_.radial[2][e]},
+                                 edge_direction(edge));
+    for (int i = 0; i < 3; ++i) lanes_.normal[i][e] = normal[i];
+  }
+}
+
+template <class Put>
+void UnionBrick::vertices(const BrickEdges& edges, Put&& put) {
+  find_touching(edges);
+  find_exits<0>(edges);
+  find_exits<1>(edges);
+  find_exits<2>(edges);
+  find_normals(edges);
+  const EdgeLanes& l = lanes_;
+  for (std::size_t e = 0; e < l.count; ++e) {
+    put(e, EdgeVertex{{l.position[0][e], l.position[1][e], l.position[2][e]},
+                      {l.normal[0][e], l.normal[1][e], l.normal[2][e]},
+                      l.sphere[e],
+                      l.clamped[e] != 0});
+  }
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,89 @@
+#include "surface/indexed_mesh.hpp"
+
+#include <tbb/parallel_invoke.h>
+
+#include <span>
+
+#include "core/large_pages.hpp"
+
+namespace vdwmesh {
+namespace {
+
+class Hash {
+ public:
+  template <class T>
+  void add(std::span<const T> values) {
+    for (const std::byte b : std::as_bytes(values))
+      value_ = (value_ ^ static_cast<std::uint64_t>(b)) * 1099511628211ull;
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 14695981039346656037ull;
+};
+
+template <class T>
+std::uint64_t hash_bytes(const Buffer<T>& values) {
+  Hash hash;
+  hash.add(std::span<const T>(values));
+  return hash.value();
+}
+
+// With all three places of every vertex, so that only the labels count, not their room.
+std::uint64_t hash_bytes(const VertexLabels& labels) {
+  Hash hash;
+  for (std::size_t v = 0; v < labels.size(); ++v) {
+    const VertexSpheres label = labels[v];
+    hash.add(std::span<const SphereId>(label));
+  }
+  return hash.value();
+}
+
+template <class T>
+std::uint64_t bytes_of(const Buffer<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+}  // namespace
+
+std::uint64_t indexed_mesh_bytes(const MeshSize& size, const MeshArrays& arrays) {
+  const std::uint64_t per_triangle =
+      sizeof(Triangle) +
+      (arrays.connectivity == Connectivity::half_edges ? 3 * sizeof(std::uint32_t) : 0) +
+      (arrays.labels == TriangleLabels::spheres ? sizeof(SphereId) : 0);
+  const std::uint64_t per_vertex = sizeof(Vec3d) + label_bytes(arrays.width) +
+                                   (arrays.normals == Normals::gradients ? sizeof(Vec3f) : 0);
+  return size.vertices * per_vertex + size.triangles * per_triangle;
+}
+
+std::uint64_t indexed_mesh_bytes(const IndexedMesh& m) {
+  return bytes_of(m.positions) + bytes_of(m.normals) + bytes_of(m.vertex_spheres.atoms) +
+         bytes_of(m.vertex_spheres.others) + bytes_of(m.triangles) + bytes_of(m.triangle_spheres) +
+         bytes_of(m.opposite);
+}
+
+// Side by side: it takes as long as the kernel needs to hand out pages.
+void make_room(IndexedMesh& mesh, const MeshSize& size, const MeshArrays& arrays) {
+  const auto where = [](bool there, std::uint64_t count) { return there ? count : 0; };
+  const bool has_half_edges = arrays.connectivity == Connectivity::half_edges;
+  tbb::parallel_invoke(
+      [&] { resize_untouched(mesh.positions, size.vertices); },
+      [&] {
+        resize_untouched(mesh.normals, where(arrays.normals == Normals::gradients, size.vertices));
+      },
+      [&] { mesh.vertex_spheres.resize(size.vertices, arrays.width); },
+      [&] { resize_untouched(mesh.triangles, size.triangles); },
+      [&] {
+        resize_untouched(mesh.triangle_spheres,
+                         where(arrays.labels == TriangleLabels::spheres, size.triangles));
+      },
+      [&] { resize_untouched(mesh.opposite, where(has_half_edges, 3 * size.triangles)); });
+}
+
+IndexedMeshHash hash(const IndexedMesh& mesh) {
+  return {hash_bytes(mesh.positions),        hash_bytes(mesh.normals),
+          hash_bytes(mesh.vertex_spheres),   hash_bytes(mesh.triangles),
+          hash_bytes(mesh.triangle_spheres), hash_bytes(mesh.opposite)};
+}
+
+}  // namespace vdwmesh
