@@ -65,7 +65,7 @@ __device__ unsigned children_where(bool says) {
 constexpr unsigned kAllChildren = (1u << kChildren) - 1;
 
 // The test of a child for a blended field: bounds on it.
-template <FieldKind kind>
+template <BlendedKind Kind>
 struct BlendedTest {
   ShapeParameters<float> shape;
   float isovalue;
@@ -79,7 +79,7 @@ struct BlendedTest {
   }
   __device__ void add(const FieldModel& m, const NearSphere& s, const float (&to_middle)[3],
                       const ChildBlock& child) {
-    bounds.add<kind>(shape, s.number, to_middle, child.half,
+    bounds.add<Kind>(shape, s.number, to_middle, child.half,
                      subgrid_overlap(m, child.nodes, s.center));
   }
   // As in field_may_cross(): large blocks that the sums so far admit are split without more atoms.
@@ -218,9 +218,8 @@ using TestKernel = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, i
 
 TestKernel kernel_of(FieldKind kind) {
   if (kind == FieldKind::vdw) return test_children<UnionTest>;
-  if (kind == FieldKind::blinn) return test_children<BlendedTest<FieldKind::blinn>>;
-  if (kind == FieldKind::soft_object) return test_children<BlendedTest<FieldKind::soft_object>>;
-  return test_children<BlendedTest<FieldKind::inverse_squared>>;
+  return with_blended(
+      kind, []<class Kind>(Kind) -> TestKernel { return test_children<BlendedTest<Kind>>; });
 }
 
 KeyList surviving_children(const FieldContext& f, const KeyList& parents, int child_level,

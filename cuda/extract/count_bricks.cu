@@ -89,7 +89,7 @@ struct WarpShared {
 
 using LaneRows = float[kLaneRows][kBrickReach];
 
-template <FieldKind kind>
+template <BlendedKind Kind>
 __device__ void add_atoms(const NodeShape& nodes, const WarpShared& s, std::uint32_t count,
                           LaneRows& rows) {
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
@@ -101,24 +101,24 @@ __device__ void add_atoms(const NodeShape& nodes, const WarpShared& s, std::uint
     const AxisTerm ty = atom.term[1][y];
 #pragma unroll
     for (int r = 0; r < kLaneRows; ++r) {
-      const RowTerm term = row_term<kind>(nodes, ty, atom.term[2][z + r * kPlanesApart]);
+      const RowTerm term = Kind::row_term(nodes, ty, atom.term[2][z + r * kPlanesApart]);
 #pragma unroll
       for (int x = 0; x < kBrickReach; ++x) {
-        rows[r][x] = add_atom<kind>(nodes, term, atom.term[0][x], scale, rows[r][x]);
+        rows[r][x] = Kind::add_atom(nodes, term, atom.term[0][x], scale, rows[r][x]);
       }
     }
   }
 }
 
 // Sums at the lane's nodes over all atoms, in list order; returns how many reach the brick.
-template <FieldKind kind>
+template <BlendedKind Kind>
 __device__ std::uint32_t sum_field(const FieldContext& f, WarpShared& s, LaneRows& rows) {
-  const NodeShape nodes = node_shape(f.model);
+  const NodeShape nodes = Kind::node_shape(f.model);
   const Vec3d lower = s.geometry.node(0, 0, 0);
   const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
   return gather_by_warp(f, lower, upper, s.stage.waiting, kAtomChunk, [&](std::uint32_t count) {
-    share_terms<kind>(f, nodes, count, s.geometry.brick, s.geometry.coordinate, s.stage, s.atoms);
-    add_atoms<kind>(nodes, s, count, rows);
+    share_terms<Kind>(f, nodes, count, s.geometry.brick, s.geometry.coordinate, s.stage, s.atoms);
+    add_atoms<Kind>(nodes, s, count, rows);
     return false;
   });
 }
@@ -139,7 +139,7 @@ __device__ void share_rows(float isovalue, const LaneRows& rows, WarpShared& s) 
   __syncwarp();
 }
 
-template <FieldKind kind>
+template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads, 12)
     count_blended(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
                   std::uint64_t size, const CaseTable* table, ActiveBrick* bricks, float* values,
@@ -152,7 +152,7 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
   WarpShared& s = shared[threadIdx.x / kWarp];
   share_geometry(f.model.grid, keys[i], s.geometry);
   LaneRows rows = {};
-  const std::uint32_t met = sum_field<kind>(f, s, rows);
+  const std::uint32_t met = sum_field<Kind>(f, s, rows);
   share_rows(static_cast<float>(f.model.isovalue), rows, s);
   count_brick(s.geometry, *table, s.brick);
   if (lane == 0) s.brick.key = keys[i];
@@ -168,12 +168,6 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
 using BlendedCount = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, const CaseTable*,
                               ActiveBrick*, float*, BrickCounts);
 
-BlendedCount blended_count_of(FieldKind kind) {
-  if (kind == FieldKind::blinn) return count_blended<FieldKind::blinn>;
-  if (kind == FieldKind::soft_object) return count_blended<FieldKind::soft_object>;
-  return count_blended<FieldKind::inverse_squared>;
-}
-
 }  // namespace
 
 void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
@@ -185,7 +179,8 @@ void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, st
   if (f.model.kind == FieldKind::vdw) {
     count_union<<<blocks, kBrickThreads, 0, stream.get()>>>(f, keys, size, table, bricks, counts);
   } else {
-    const BlendedCount kernel = blended_count_of(f.model.kind);
+    const BlendedCount kernel = with_blended(
+        f.model.kind, []<class Kind>(Kind) -> BlendedCount { return count_blended<Kind>; });
     kernel<<<blocks, kBrickThreads, 0, stream.get()>>>(f, keys, size, table, bricks, values,
                                                        counts);
   }

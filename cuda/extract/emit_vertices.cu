@@ -94,21 +94,21 @@ __device__ bool reaches_node(const FieldModel& m, const VertexAtom& a, const Lat
 }
 
 // What the atom alone adds to a node. Hardly ever called, so not inlined.
-template <FieldKind kind>
+template <BlendedKind Kind>
 __device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGeometry& g,
                                             std::uint32_t place, float scale, const int node[3]) {
-  const NodeShape nodes = node_shape(f.model);
+  const NodeShape nodes = Kind::node_shape(f.model);
   const Sphere& atom = f.list.spheres[place];
   AxisTerm term[3];
   for (int axis = 0; axis < 3; ++axis) {
-    term[axis] = brick_term<kind>(f.model, nodes, g, atom, scale, axis, node[axis]);
+    term[axis] = brick_term<Kind>(f.model, nodes, g, atom, scale, axis, node[axis]);
   }
-  return add_atom<kind>(nodes, row_term<kind>(nodes, term[1], term[2]), term[0], scale, 0.0f);
+  return Kind::add_atom(nodes, Kind::row_term(nodes, term[1], term[2]), term[0], scale, 0.0f);
 }
 
 // `values` are those of the brick's nodes; for_each(visit) calls visit(atom, place) for the atoms
 // that reach the brick, in list order.
-template <FieldKind kind, class ForEach>
+template <BlendedKind Kind, class ForEach>
 __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry& g,
                                      const float* values, const CrossedEdge& edge,
                                      ForEach&& for_each) {
@@ -126,13 +126,13 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
     const bool reaches = reaches_node(f.model, a, inside);
     const Vec3f from = local - Vec3f{a.center[0], a.center[1], a.center[2]};
     // Where it adds nothing to any vertex of the warp, nothing is computed.
-    if (!__any_sync(kAllLanes, reaches && is_in_window<kind>(shape, from, a.scale))) return;
-    if (reaches) add_gradient<kind>(shape, from, a.scale, a.rank, place, gradient);
+    if (!__any_sync(kAllLanes, reaches && is_in_window<Kind>(shape, from, a.scale))) return;
+    if (reaches) add_gradient<Kind>(shape, from, a.scale, a.rank, place, gradient);
   });
   // Where no atom reaches the vertex, the strongest at its inside end.
   if (!(gradient.strongest.value > 0)) {
     for_each([&](const VertexAtom& a, std::uint32_t place) {
-      const float alone = value_at_node<kind>(f, g, place, a.scale, edge.inside);
+      const float alone = value_at_node<Kind>(f, g, place, a.scale, edge.inside);
       gradient.strongest.meet(alone, a.rank, place);
     });
   }
@@ -143,7 +143,7 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
 
 // Dynamic shared memory: for each warp `room` atoms, enough for every brick, and the places of
 // kWarp more.
-template <FieldKind kind>
+template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads, 16)
     emit_blended_vertices(const __grid_constant__ FieldContext f, BrickList list,
                           const float* values, DeviceMeshView mesh, unsigned long long* clamped,
@@ -170,14 +170,14 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
   const float* const values_of_brick = values + own_brick() * kBrickValues;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
             [&](const CrossedEdge& edge) {
-              return blended_vertex<kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
+              return blended_vertex<Kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
                 for (std::uint32_t k = 0; k < met; ++k) visit(atoms[k], places[k]);
               });
             });
 }
 
 // The same with any number of atoms near a brick: every vertex visits the list.
-template <FieldKind kind>
+template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads)
     emit_crowded_vertices(const __grid_constant__ FieldContext f, BrickList list,
                           const float* values, DeviceMeshView mesh, unsigned long long* clamped,
@@ -191,7 +191,7 @@ __global__ void __launch_bounds__(kBrickThreads)
   const float* const values_of_brick = values + own_brick() * kBrickValues;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
             [&](const CrossedEdge& edge) {
-              return blended_vertex<kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
+              return blended_vertex<Kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
                 visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
                   if (!reaches_brick(f.model, g, f.list.spheres[place])) return false;
                   visit(vertex_atom(f, g, place), place);
@@ -207,15 +207,13 @@ using BlendedKernel = void (*)(FieldContext, BrickList, const float*, DeviceMesh
 // Atoms of a brick that fit in shared memory.
 constexpr std::uint32_t kMostAtoms = 512;
 
-template <FieldKind kind>
+template <BlendedKind Kind>
 BlendedKernel blended_kernel(std::uint32_t most_atoms) {
-  return most_atoms <= kMostAtoms ? emit_blended_vertices<kind> : emit_crowded_vertices<kind>;
+  return most_atoms <= kMostAtoms ? emit_blended_vertices<Kind> : emit_crowded_vertices<Kind>;
 }
 
 BlendedKernel blended_kernel_of(FieldKind kind, std::uint32_t most_atoms) {
-  if (kind == FieldKind::blinn) return blended_kernel<FieldKind::blinn>(most_atoms);
-  if (kind == FieldKind::soft_object) return blended_kernel<FieldKind::soft_object>(most_atoms);
-  return blended_kernel<FieldKind::inverse_squared>(most_atoms);
+  return with_blended(kind, [&]<class Kind>(Kind) { return blended_kernel<Kind>(most_atoms); });
 }
 
 // ---- sampled fields ----

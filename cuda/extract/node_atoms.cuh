@@ -22,7 +22,7 @@ struct alignas(16) NodeAtom {
 
 // Makes the terms of the first `count` waiting atoms, all lanes at work; leaves the warp
 // synchronised.
-template <FieldKind kind, int kNodes>
+template <BlendedKind Kind, int kNodes>
 __device__ void share_terms(const FieldContext& f, const NodeShape& nodes, std::uint32_t count,
                             const BrickIndex& brick, const double (&coordinate)[3][kNodes],
                             AtomStage& stage, NodeAtom<kNodes>* atoms) {
@@ -40,7 +40,7 @@ __device__ void share_terms(const FieldContext& f, const NodeShape& nodes, std::
     const auto node = static_cast<int>(i % terms) % kNodes;
     const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
     atoms[k].term[axis][node] =
-        lattice_term<kind>(f.model, nodes, stage.spheres[k], stage.scale[k], axis,
+        lattice_term<Kind>(f.model, nodes, stage.spheres[k], stage.scale[k], axis,
                            lattice_index(index, node), coordinate[axis][node]);
   }
   __syncwarp();

@@ -53,29 +53,29 @@ struct RowPair {
 };
 
 // Adds an atom to a row, where it reaches that of any lane.
-template <FieldKind kind>
+template <BlendedKind Kind>
 __device__ void add_to_row(const NodeShape& nodes, const SampleAtom& atom, float scale,
                            const RowTerm& term, float (&row)[kBrickSide]) {
-  if (__all_sync(kAllLanes, row_is_out_of_reach<kind>(nodes, term))) return;
+  if (__all_sync(kAllLanes, Kind::row_is_out_of_reach(nodes, term))) return;
   const auto* const pairs = reinterpret_cast<const float4*>(atom.term[0]);
 #pragma unroll
   for (int x = 0; x < kBrickSide; x += 2) {
     const float4 pair = pairs[x / 2];
-    row[x] = add_atom<kind>(nodes, term, {pair.x, pair.y}, scale, row[x]);
-    row[x + 1] = add_atom<kind>(nodes, term, {pair.z, pair.w}, scale, row[x + 1]);
+    row[x] = Kind::add_atom(nodes, term, {pair.x, pair.y}, scale, row[x]);
+    row[x + 1] = Kind::add_atom(nodes, term, {pair.z, pair.w}, scale, row[x + 1]);
   }
 }
 
-template <FieldKind kind>
+template <BlendedKind Kind>
 __device__ void add_atoms(const NodeShape& nodes, const SampleShared& s, std::uint32_t count,
                           RowPair& rows) {
   for (std::uint32_t k = 0; k < count; ++k) {
     const SampleAtom& atom = s.atoms[k];
     const AxisTerm y = atom.term[1][rows.y];
-    const RowTerm low = row_term<kind>(nodes, y, atom.term[2][rows.z]);
-    const RowTerm high = row_term<kind>(nodes, y, atom.term[2][rows.z + kRowsApart]);
-    add_to_row<kind>(nodes, atom, s.stage.scale[k], low, rows.low);
-    add_to_row<kind>(nodes, atom, s.stage.scale[k], high, rows.high);
+    const RowTerm low = Kind::row_term(nodes, y, atom.term[2][rows.z]);
+    const RowTerm high = Kind::row_term(nodes, y, atom.term[2][rows.z + kRowsApart]);
+    add_to_row<Kind>(nodes, atom, s.stage.scale[k], low, rows.low);
+    add_to_row<Kind>(nodes, atom, s.stage.scale[k], high, rows.high);
   }
 }
 
@@ -103,12 +103,12 @@ __device__ void store_rows(const GridSpec& grid, const RowPair& rows, SampleShar
   }
 }
 
-template <FieldKind kind>
+template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBlockThreads, 8)
     sample_bricks(const __grid_constant__ FieldContext f, float* values) {
   __shared__ SampleShared shared[kBlockBricks];
   SampleShared& s = shared[threadIdx.x / kWarp];
-  const NodeShape nodes = node_shape(f.model);
+  const NodeShape nodes = Kind::node_shape(f.model);
   share_nodes(f.model.grid, s);
   constexpr int end = kBrickSide - 1;
   const Vec3d lower{s.coordinate[0][0], s.coordinate[1][0], s.coordinate[2][0]};
@@ -116,8 +116,8 @@ __global__ void __launch_bounds__(kBlockThreads, 8)
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   RowPair rows{lane % kBrickSide, lane / kBrickSide};
   gather_by_warp(f, lower, upper, s.stage.waiting, kAtomChunk, [&](std::uint32_t count) {
-    share_terms<kind>(f, nodes, count, s.brick, s.coordinate, s.stage, s.atoms);
-    add_atoms<kind>(nodes, s, count, rows);
+    share_terms<Kind>(f, nodes, count, s.brick, s.coordinate, s.stage, s.atoms);
+    add_atoms<Kind>(nodes, s, count, rows);
     return false;
   });
   store_rows(f.model.grid, rows, s, values);
@@ -125,17 +125,12 @@ __global__ void __launch_bounds__(kBlockThreads, 8)
 
 using SampleKernel = void (*)(FieldContext, float*);
 
-SampleKernel kernel_of(FieldKind kind) {
-  if (kind == FieldKind::blinn) return sample_bricks<FieldKind::blinn>;
-  if (kind == FieldKind::soft_object) return sample_bricks<FieldKind::soft_object>;
-  return sample_bricks<FieldKind::inverse_squared>;
-}
-
 }  // namespace
 
 void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
                             const Stream& stream) {
-  const SampleKernel kernel = kernel_of(model.kind);
+  const SampleKernel kernel = with_blended(
+      model.kind, []<class Kind>(Kind) -> SampleKernel { return sample_bricks<Kind>; });
   const DeviceField field(list, model, stream);
   kernel<<<blocks_of(model.grid), kBlockThreads, 0, stream.get()>>>(field.context(), values);
   check_launch("sample_bricks");

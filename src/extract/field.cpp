@@ -9,14 +9,12 @@
 
 #include "core/errors.hpp"
 #include "extract/blended/field_sample.hpp"
+#include "extract/field_kinds.hpp"
 
 namespace vdwmesh {
 namespace {
 
-constexpr double kDefaultBlobbiness = 2;
 constexpr double kMostBlobbiness = 50;
-// Radius-aware cut-off in units of the radius, squared.
-constexpr double kCutoffSquare = 2.5 * 2.5;
 // Closest distance of the inverse squared field, in grid spacings.
 constexpr double kClosest = 0.001;
 
@@ -44,15 +42,11 @@ void check(const FieldOptions& o) {
   }
 }
 
-// The largest number that a product of float32 terms at a node begins with.
-double largest_factor(const FieldModel& m) {
-  const double peak = std::exp(m.steepness * m.offset) * m.window_scale * m.window_scale;
-  return m.kind == FieldKind::blinn ? std::max(1.0, peak) : 1.0;
-}
-
 // Below 2^-100 of the largest factor, terms become 0 in float32 that the isovalue would need.
 void check_isovalue(const FieldModel& m) {
-  const double least = std::ldexp(largest_factor(m), -100);
+  const double largest =
+      with_blended(m.kind, [&]<class Kind>(Kind) { return Kind::largest_factor(m); });
+  const double least = std::ldexp(largest, -100);
   const double most = std::numeric_limits<float>::max();
   if (m.isovalue >= least && m.isovalue <= most) return;
   throw InvalidInput(
@@ -61,42 +55,33 @@ void check_isovalue(const FieldModel& m) {
                   m.isovalue, least, most));
 }
 
+// What all kinds of a preset have in common; the kind sets the rest.
 FieldModel radius_aware(const FieldOptions& o, const GridSpec& grid) {
+  constexpr double kCutoffSquare = kWindowRadii * kWindowRadii;
   FieldModel m{};
   m.kind = o.kind;
   m.truncation = Truncation::window;
   m.isovalue = o.isovalue.value_or(1);
-  m.steepness = o.blobbiness.value_or(kDefaultBlobbiness);
-  m.offset = 1;
-  m.amplitude = 2;  // the soft object is 1/2 at half its reach b = 2 R
   m.min_square = kClosest * grid.spacing * kClosest * grid.spacing;
   m.inverse_cutoff = 1 / kCutoffSquare;
   m.window_scale = 1 / (1 - 1 / kCutoffSquare);
-  m.radius_scale = o.kind == FieldKind::soft_object ? 0.25 : 1;
+  m.radius_scale = 1;
   m.grid = grid;
+  with_blended(o.kind, [&]<class Kind>(Kind) { Kind::set_radius_aware(o, m); });
   return m;
 }
 
-// Parameters fitted to the triangle counts of the thesis: docs/thesis.md.
 FieldModel thesis(const FieldOptions& o, const GridSpec& grid) {
   FieldModel m{};
   m.kind = o.kind;
   m.truncation = Truncation::subgrid;
   m.subgrid_cells = o.preset == FieldPreset::thesis ? 20 : 4;
   m.min_square = kClosest * grid.spacing * kClosest * grid.spacing;
-  m.amplitude = 1;
   m.window_scale = 1;
   m.uniform_scale = 1;
+  m.most_reach = std::numeric_limits<double>::max();
   m.grid = grid;
-  if (o.kind == FieldKind::blinn) {
-    m.steepness = 0.8;
-    m.isovalue = o.isovalue.value_or(0.70);
-  } else if (o.kind == FieldKind::soft_object) {
-    m.uniform_scale = 1 / (1.6 * 1.6);
-    m.isovalue = o.isovalue.value_or(0.63);
-  } else {
-    m.isovalue = o.isovalue.value_or(o.preset == FieldPreset::thesis ? 4.8 : 4.6);
-  }
+  with_blended(o.kind, [&]<class Kind>(Kind) { Kind::set_thesis(o, m); });
   return m;
 }
 
@@ -104,13 +89,15 @@ FieldModel thesis(const FieldOptions& o, const GridSpec& grid) {
 
 FieldModel make_field_model(const FieldOptions& options, const GridSpec& grid) {
   check(options);
-  FieldModel m = options.preset == FieldPreset::radius_aware ? radius_aware(options, grid)
-                                                             : thesis(options, grid);
-  if (m.kind == FieldKind::vdw) {
-    m.isovalue = 0;
-  } else {
-    check_isovalue(m);
+  if (options.kind == FieldKind::vdw) {
+    FieldModel m{};
+    m.kind = FieldKind::vdw;
+    m.grid = grid;
+    return m;
   }
+  const FieldModel m = options.preset == FieldPreset::radius_aware ? radius_aware(options, grid)
+                                                                   : thesis(options, grid);
+  check_isovalue(m);
   return m;
 }
 

@@ -30,12 +30,9 @@ enum class Truncation : std::uint8_t {
   subgrid,  // at the faces of a box of whole grid cells around the atom's cell
 };
 
-// A blended field as numbers, trivially copyable. With q = d^2 * s, where s is 1/R^2 or its like:
-//   Blinn            f = exp(steepness * (offset - q)) * w(q)
-//   soft object      f = amplitude * (1 - 22/9 q + 17/9 q^2 - 4/9 q^3)   for q < 1, else 0
-//   inverse squared  f = w(q) / q, with d^2 >= min_square
-// and w(q) = (window_scale * (1 - q * inverse_cutoff))^2 up to its zero, then 0. A sub-grid has
-// inverse_cutoff = 0 and window_scale = 1, and f = 0 outside the atom's box of grid cells.
+// A blended field as numbers, trivially copyable. An atom of radius R adds f(q), q = d^2 * s, where
+// s is 1/R^2 or its like; blended/blinn.hpp and its neighbours have the formulas. A sub-grid has no
+// window (inverse_cutoff = 0, window_scale = 1): f is 0 outside the atom's box of grid cells.
 struct FieldModel {
   FieldKind kind;
   Truncation truncation;
@@ -46,6 +43,8 @@ struct FieldModel {
   double inverse_cutoff, window_scale;  // w
   double uniform_scale;                 // s of every atom, 1/Å²; 0: s = radius_scale / R²
   double radius_scale;
+  double reach_radii;          // with a window: f ends so many radii from the centre
+  double most_reach;           // with a sub-grid: f ends there if the box does not end before, Å
   std::int32_t subgrid_cells;  // cells on either side of the atom's own
   GridSpec grid;               // of the sub-grid
 };

@@ -7,6 +7,7 @@
 #include "extract/blended/field_sample.hpp"
 #include "extract/blended/sampled_formulas.hpp"
 #include "extract/bricks/brick_extraction.hpp"
+#include "extract/field_kinds.hpp"
 #include "extract/limits.hpp"
 
 namespace vdwmesh {
@@ -44,9 +45,9 @@ void store(const BrickValues& field, const BrickGeometry& g, const Sampling& s) 
   }
 }
 
-template <FieldKind kind>
-void sample_row(const Sampling& s, const BrickRow& row) {
-  BlendedBrick<kind> surface(s.list, s.model);
+template <BlendedKind Kind>
+VDWMESH_MULTIVERSION void sample_row(const Sampling& s, const BrickRow& row) {
+  BlendedBrick<Kind> surface(s.list, s.model);
   BrickValues field;
   for (std::int32_t x = 0; x < brick_count(s.model.grid.cells.x); ++x) {
     const BrickIndex brick{x, row.y, row.z};
@@ -55,25 +56,6 @@ void sample_row(const Sampling& s, const BrickRow& row) {
     store(field, brick_geometry(s.model.grid, brick), s);
   }
 }
-
-VDWMESH_MULTIVERSION void sample_blinn(const Sampling& s, const BrickRow& row) {
-  sample_row<FieldKind::blinn>(s, row);
-}
-VDWMESH_MULTIVERSION void sample_soft(const Sampling& s, const BrickRow& row) {
-  sample_row<FieldKind::soft_object>(s, row);
-}
-VDWMESH_MULTIVERSION void sample_inverse(const Sampling& s, const BrickRow& row) {
-  sample_row<FieldKind::inverse_squared>(s, row);
-}
-
-using SampleRow = void (*)(const Sampling&, const BrickRow&);
-
-SampleRow sampler_of(FieldKind kind) {
-  if (kind == FieldKind::blinn) return sample_blinn;
-  return kind == FieldKind::soft_object ? sample_soft : sample_inverse;
-}
-
-// ---- meshing ----
 
 // A sampled field seen from one brick.
 class SampledBrick {
@@ -152,7 +134,8 @@ class CpuFieldMesher final : public FieldMesher {
     field.values.resize(field.grid.node_count());
     const CellList list = make_field_list(spheres, model);
     const Sampling sampling{list.view(), model, field.values.data()};
-    const SampleRow sample_row = sampler_of(model.kind);
+    const auto sample_row =
+        with_blended(model.kind, []<class Kind>(Kind) { return &vdwmesh::sample_row<Kind>; });
     const std::int32_t height = brick_count(field.grid.cells.y);
     const std::int32_t rows = height * brick_count(field.grid.cells.z);
     begin_stage(options.monitor, "field", static_cast<std::uint64_t>(rows));

@@ -3,6 +3,7 @@
 #include "extract/blended/blended_brick.hpp"
 #include "extract/blended/field_sample.hpp"
 #include "extract/bricks/brick_extraction.hpp"
+#include "extract/field_kinds.hpp"
 #include "extract/union/union_brick.hpp"
 
 namespace vdwmesh::testing {
@@ -64,11 +65,11 @@ class PlainUnion {
 };
 
 // A blended field: each node and each vertex sums over every atom, in list order.
-template <FieldKind kind>
+template <BlendedKind Kind>
 class PlainField {
  public:
   PlainField(const CellListView& list, const FieldModel& model)
-      : list_(list), model_(model), nodes_(node_shape(model)), atoms_(list.size) {}
+      : list_(list), model_(model), nodes_(Kind::node_shape(model)), atoms_(list.size) {}
 
   void visit(const BrickIndex& brick) {
     geometry_ = brick_geometry(model_.grid, brick);
@@ -78,7 +79,7 @@ class PlainField {
       for (int axis = 0; axis < 3; ++axis) {
         for (int node = 0; node < kBrickReach; ++node) {
           atoms_[k].term[axis][node] =
-              brick_term<kind>(model_, nodes_, geometry_, s, atoms_[k].scale, axis, node);
+              brick_term<Kind>(model_, nodes_, geometry_, s, atoms_[k].scale, axis, node);
         }
       }
     }
@@ -104,8 +105,8 @@ class PlainField {
   };
 
   float with_atom(const Atom& a, const int node[3], float sum) const {
-    const RowTerm row = row_term<kind>(nodes_, a.term[1][node[1]], a.term[2][node[2]]);
-    return add_atom<kind>(nodes_, row, a.term[0][node[0]], a.scale, sum);
+    const RowTerm row = Kind::row_term(nodes_, a.term[1][node[1]], a.term[2][node[2]]);
+    return Kind::add_atom(nodes_, row, a.term[0][node[0]], a.scale, sum);
   }
   float value(const int node[3]) const {
     float sum = 0;
@@ -135,7 +136,7 @@ class PlainField {
     for (std::uint32_t k = 0; k < list_.size; ++k) {
       if (!counts_at(edge, list_.spheres[k])) continue;
       const Vec3f center = cast<float>(list_.spheres[k].center - geometry_.node(0, 0, 0));
-      add_gradient<kind>(shape, local - center, atoms_[k].scale, list_.rank[k], k, g);
+      add_gradient<Kind>(shape, local - center, atoms_[k].scale, list_.rank[k], k, g);
     }
     if (!(g.strongest.value > 0)) {
       for (std::uint32_t k = 0; k < list_.size; ++k)
@@ -168,21 +169,14 @@ ExtractResult mesh_all(const CellList& list, const FieldModel& model,
       model.grid, [&] { return all_bricks(model.grid); }, loops, LabelWidth::one, options);
 }
 
-template <class Union, class Blinn, class Soft, class Inverse>
+// With Union for vdw and Field<Kind> for a blended field.
+template <class Union, template <class> class Field>
 ExtractResult mesh_all(const SphereSet& spheres, const ExtractOptions& options) {
   const FieldModel model = make_field_model(options.field, make_grid(spheres, options.grid));
   const CellList list = make_field_list(spheres, model);
-  switch (model.kind) {
-    case FieldKind::vdw:
-      return mesh_all<Union>(list, model, options);
-    case FieldKind::blinn:
-      return mesh_all<Blinn>(list, model, options);
-    case FieldKind::soft_object:
-      return mesh_all<Soft>(list, model, options);
-    case FieldKind::inverse_squared:
-      break;
-  }
-  return mesh_all<Inverse>(list, model, options);
+  if (model.kind == FieldKind::vdw) return mesh_all<Union>(list, model, options);
+  return with_blended(
+      model.kind, [&]<class Kind>(Kind) { return mesh_all<Field<Kind>>(list, model, options); });
 }
 
 }  // namespace
@@ -199,13 +193,11 @@ std::vector<std::uint64_t> all_bricks(const GridSpec& grid) {
 }
 
 ExtractResult extract_all_bricks(const SphereSet& spheres, const ExtractOptions& options) {
-  return mesh_all<UnionBrick, BlendedBrick<FieldKind::blinn>, BlendedBrick<FieldKind::soft_object>,
-                  BlendedBrick<FieldKind::inverse_squared>>(spheres, options);
+  return mesh_all<UnionBrick, BlendedBrick>(spheres, options);
 }
 
 ExtractResult extract_plainly(const SphereSet& spheres, const ExtractOptions& options) {
-  return mesh_all<PlainUnion, PlainField<FieldKind::blinn>, PlainField<FieldKind::soft_object>,
-                  PlainField<FieldKind::inverse_squared>>(spheres, options);
+  return mesh_all<PlainUnion, PlainField>(spheres, options);
 }
 
 }  // namespace vdwmesh::testing

@@ -21,14 +21,14 @@ struct BrickValues {
   float last[kBrickReach][kBrickReach];
 };
 
-template <FieldKind kind>
+template <BlendedKind Kind>
 class BlendedBrick {
  public:
   BlendedBrick(const CellListView& list, const FieldModel& model)
       : list_(list),
         model_(model),
         shape_(shape_parameters<float>(model)),
-        nodes_(node_shape(model)),
+        nodes_(Kind::node_shape(model)),
         isovalue_(static_cast<float>(model.isovalue)) {}
 
   // Gathers the atoms that reach the brick's nodes, in list order.
@@ -57,23 +57,23 @@ class BlendedBrick {
   std::vector<std::uint32_t> places_;
 };
 
-template <FieldKind kind>
-LocalAtom BlendedBrick<kind>::local_atom(const Sphere& atom) const {
+template <BlendedKind Kind>
+LocalAtom BlendedBrick<Kind>::local_atom(const Sphere& atom) const {
   LocalAtom local;
   local.scale = static_cast<float>(inverse_square_scale(model_, atom.radius));
   for (int axis = 0; axis < 3; ++axis) {
     local.center[axis] = static_cast<float>(atom.center[axis] - geometry_.coordinate[axis][0]);
     for (int node = 0; node < kBrickReach; ++node) {
       local.term[axis][node] =
-          brick_term<kind>(model_, nodes_, geometry_, atom, local.scale, axis, node);
+          brick_term<Kind>(model_, nodes_, geometry_, atom, local.scale, axis, node);
     }
     local.in_subgrid[axis] = subgrid_planes(axis, atom);
   }
   return local;
 }
 
-template <FieldKind kind>
-std::uint16_t BlendedBrick<kind>::subgrid_planes(int axis, const Sphere& atom) const {
+template <BlendedKind Kind>
+std::uint16_t BlendedBrick<Kind>::subgrid_planes(int axis, const Sphere& atom) const {
   if (model_.truncation != Truncation::subgrid) return (1u << kBrickReach) - 1;
   const BrickIndex& b = geometry_.brick;
   const std::int32_t brick = axis == 0 ? b.x : (axis == 1 ? b.y : b.z);
@@ -84,8 +84,8 @@ std::uint16_t BlendedBrick<kind>::subgrid_planes(int axis, const Sphere& atom) c
   return static_cast<std::uint16_t>(planes);
 }
 
-template <FieldKind kind>
-void BlendedBrick<kind>::visit(const BrickIndex& brick) {
+template <BlendedKind Kind>
+void BlendedBrick<Kind>::visit(const BrickIndex& brick) {
   geometry_ = brick_geometry(model_.grid, brick);
   atoms_.clear();
   places_.clear();
@@ -98,32 +98,32 @@ void BlendedBrick<kind>::visit(const BrickIndex& brick) {
                  });
 }
 
-template <FieldKind kind>
-void BlendedBrick<kind>::add_rows(const LocalAtom& atom, BrickValues& values) const {
+template <BlendedKind Kind>
+void BlendedBrick<Kind>::add_rows(const LocalAtom& atom, BrickValues& values) const {
   AxisTerm along[kBrickReach];
   for (int x = 0; x < kBrickReach; ++x) along[x] = atom.term[0][x];
   for (int z = 0; z < kBrickReach; ++z) {
     for (int y = 0; y < kBrickReach; ++y) {
-      const RowTerm term = row_term<kind>(nodes_, atom.term[1][y], atom.term[2][z]);
-      if (row_is_out_of_reach<kind>(nodes_, term)) continue;
+      const RowTerm term = Kind::row_term(nodes_, atom.term[1][y], atom.term[2][z]);
+      if (Kind::row_is_out_of_reach(nodes_, term)) continue;
       float* row = values.row[z][y];
       for (int x = 0; x < kBrickSide; ++x) {
-        row[x] = add_atom<kind>(nodes_, term, along[x], atom.scale, row[x]);
+        row[x] = Kind::add_atom(nodes_, term, along[x], atom.scale, row[x]);
       }
       float& last = values.last[z][y];
-      last = add_atom<kind>(nodes_, term, along[kBrickSide], atom.scale, last);
+      last = Kind::add_atom(nodes_, term, along[kBrickSide], atom.scale, last);
     }
   }
 }
 
-template <FieldKind kind>
-void BlendedBrick<kind>::values(BrickValues& values) const {
+template <BlendedKind Kind>
+void BlendedBrick<Kind>::values(BrickValues& values) const {
   values = {};
   for (const LocalAtom& atom : atoms_) add_rows(atom, values);
 }
 
-template <FieldKind kind>
-void BlendedBrick<kind>::signs(BrickSigns& signs) const {
+template <BlendedKind Kind>
+void BlendedBrick<Kind>::signs(BrickSigns& signs) const {
   BrickValues field;
   values(field);
   for (int z = 0; z < kBrickReach; ++z) {
@@ -144,12 +144,12 @@ inline bool reaches_node(const LocalAtom& a, const int node[3]) {
           1) != 0;
 }
 
-template <FieldKind kind>
-EdgeVertex BlendedBrick<kind>::vertex(const CrossedEdge& edge) const {
+template <BlendedKind Kind>
+EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
   float inside = 0, outside = 0;
   for (const LocalAtom& atom : atoms_) {
-    inside = add_to_node<kind>(nodes_, atom, edge.inside, inside);
-    outside = add_to_node<kind>(nodes_, atom, edge.outside, outside);
+    inside = add_to_node<Kind>(nodes_, atom, edge.inside, inside);
+    outside = add_to_node<Kind>(nodes_, atom, edge.outside, outside);
   }
   EdgeVertex v = vertex_between(inside, outside, isovalue_, model_.grid, edge,
                                 geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]));
@@ -158,13 +158,13 @@ EdgeVertex BlendedBrick<kind>::vertex(const CrossedEdge& edge) const {
   for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
     const LocalAtom& a = atoms_[k];
     if (!reaches_node(a, edge.inside)) continue;
-    add_gradient<kind>(shape_, local - Vec3f{a.center[0], a.center[1], a.center[2]}, a.scale,
+    add_gradient<Kind>(shape_, local - Vec3f{a.center[0], a.center[1], a.center[2]}, a.scale,
                        list_.rank[places_[k]], k, g);
   }
   // Where no atom reaches the vertex, the strongest at its inside end.
   if (!(g.strongest.value > 0)) {
     for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
-      const float value = add_to_node<kind>(nodes_, atoms_[k], edge.inside, 0.0f);
+      const float value = add_to_node<Kind>(nodes_, atoms_[k], edge.inside, 0.0f);
       g.strongest.meet(value, list_.rank[places_[k]], k);
     }
   }

@@ -4,6 +4,7 @@
 #include "core/host_device.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "extract/bricks/brick.hpp"
+#include "extract/field_kinds.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
@@ -112,8 +113,8 @@ VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const Latt
 }
 
 // Bounds on a blended field over a box. Every f falls with d^2, so its values at the nearest and
-// the farthest point bound it; and it is convex in d^2 (a product of falling convex functions,
-// inverse squared beyond its least distance), so it lies above its tangent at the middle of the
+// the farthest point bound it; and where its kind says that it is convex in d^2 (a product of
+// falling convex functions is), it lies above its tangent at the middle of the
 // box and below its chord. With d^2 = |m|^2 + 2 m (x - middle) + |x - middle|^2, where m leads from
 // the atom to the middle, the sums of tangents and of chords are linear in x but for a term that
 // is at most 0 and at least slope * |half|^2: second order in the size of the box.
@@ -125,7 +126,7 @@ VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const Latt
 //   4e-7, whatever is left of it. So the nearest and the farthest point are taken nearer and
 //   farther by kWiden of d^2: that moves the root there by at least 4e-4, and the margin of the
 //   value found exceeds the square of the error.
-// - The cubic of the soft object errs by kSoftRounding of its amplitude, above or below.
+// - By what the kind names as its absolute rounding, above or below.
 // The sum over n atoms errs by n units more, at the nodes and, with T = float, here.
 template <class T>
 struct FieldBounds {
@@ -135,7 +136,7 @@ struct FieldBounds {
   T atoms = 0;
 
   // An atom whose box `overlap`s that of the nodes; `m` leads from it to the middle, Å.
-  template <FieldKind kind>
+  template <BlendedKind Kind>
   VDWMESH_HD void add(const ShapeParameters<T>& shape, T scale, const T (&m)[3], const T (&half)[3],
                       const SubgridOverlap& overlap) {
     if (!overlap.meets) return;
@@ -152,13 +153,11 @@ struct FieldBounds {
     }
     near *= 1 - kWiden;
     far *= 1 + kWiden;
-    const T at_near = shape_value<kind>(shape, near, scale);
-    const T at_far = shape_value<kind>(shape, far, scale);
-    const T rounding =
-        kind == FieldKind::soft_object && at_near > 0 ? kSoftRounding * shape.amplitude : T(0);
+    const T at_near = Kind::value(shape, near, scale);
+    const T at_far = Kind::value(shape, far, scale);
+    const T rounding = at_near > 0 ? Kind::absolute_rounding(shape) : T(0);
     // The slope of a chord over a short interval would be that of its rounding.
-    const bool convex = (kind != FieldKind::inverse_squared || near >= shape.min_square) &&
-                        far - near > kShort * far;
+    const bool convex = Kind::is_convex_beyond(shape, near) && far - near > kShort * far;
     const T chord = convex ? (at_far - at_near) / (far - near) : T(0);
     atoms += 1;
     most += at_near + rounding;
@@ -177,7 +176,7 @@ struct FieldBounds {
       tangents += at_far - rounding;
       return;
     }
-    const ValueAndSlope<T> f = shape_value_and_slope<kind>(shape, middle, scale);
+    const ValueAndSlope<T> f = Kind::value_and_slope(shape, middle, scale);
     tangents += std::fma(f.slope, extent, f.value) - rounding;
     for (int axis = 0; axis < 3; ++axis) {
       tangent_slope[axis] = std::fma(2 * f.slope, m[axis], tangent_slope[axis]);
@@ -203,7 +202,6 @@ struct FieldBounds {
   static constexpr T kUnit = T(4) / (1 << 23);  // four units of float32
   static constexpr T kWiden = T(1) / (1 << 9);  // of d^2
   static constexpr T kShort = T(1) / (1 << 7);  // of d^2; more than 2 kWiden
-  static constexpr T kSoftRounding = T(4e-6);   // of the amplitude
 };
 
 // Middle and half sizes of a box.
@@ -223,7 +221,7 @@ VDWMESH_HD inline BoxFrame<T> box_frame(const Vec3d& lower, const Vec3d& upper) 
   return f;
 }
 
-template <FieldKind kind>
+template <BlendedKind Kind>
 VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
                                 const LatticeBlock& block, const BlockBox& box) {
   const ShapeParameters<double> shape = shape_parameters<double>(m);
@@ -233,7 +231,7 @@ VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
     const Sphere& ball = list.spheres[place];
     const Vec3d from = frame.middle - ball.center;
     const double to_middle[3] = {from.x, from.y, from.z};
-    bounds.add<kind>(shape, inverse_square_scale(m, ball.radius), to_middle, frame.half,
+    bounds.add<Kind>(shape, inverse_square_scale(m, ball.radius), to_middle, frame.half,
                      subgrid_overlap(m, block, ball.center));
     // A large block most likely holds surface as soon as these sums admit it, and costs many atoms
     // to know better: its children are asked instead.
@@ -249,16 +247,9 @@ VDWMESH_HD inline bool may_hold_surface(const CellListView& list, const FieldMod
                                         const LatticeBlock& block) {
   const BlockBox box = block_box(m.grid, block);
   if (box.empty) return false;
-  switch (m.kind) {
-    case FieldKind::vdw:
-      return union_may_cross(list, box);
-    case FieldKind::blinn:
-      return field_may_cross<FieldKind::blinn>(list, m, block, box);
-    case FieldKind::soft_object:
-      return field_may_cross<FieldKind::soft_object>(list, m, block, box);
-    default:
-      return field_may_cross<FieldKind::inverse_squared>(list, m, block, box);
-  }
+  if (m.kind == FieldKind::vdw) return union_may_cross(list, box);
+  return with_blended(m.kind,
+                      [&]<class Kind>(Kind) { return field_may_cross<Kind>(list, m, block, box); });
 }
 
 }  // namespace vdwmesh

@@ -3,6 +3,7 @@
 
 #include "core/host_device.hpp"
 #include "extract/blended/field_formulas.hpp"
+#include "extract/field_kinds.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
@@ -15,7 +16,7 @@ struct FieldSample {
 };
 
 // Sums over the spheres near p in list order. `list` was built with field_reach().
-template <FieldKind kind>
+template <BlendedKind Kind>
 VDWMESH_HD FieldSample sample_field(const CellListView& list, const FieldModel& model,
                                     const Vec3d& p) {
   const ShapeParameters<double> shape = shape_parameters<double>(model);
@@ -30,8 +31,8 @@ VDWMESH_HD FieldSample sample_field(const CellListView& list, const FieldModel& 
         if (!in_subgrid(units, cell, model.subgrid_cells)) return false;
       }
     }
-    const ValueAndSlope<double> f = shape_value_and_slope<kind>(
-        shape, squared_distance(p, ball.center), inverse_square_scale(model, ball.radius));
+    const ValueAndSlope<double> f = Kind::value_and_slope(shape, squared_distance(p, ball.center),
+                                                          inverse_square_scale(model, ball.radius));
     if (!(f.value > 0)) return false;
     sample.value += f.value;
     const double twice = 2 * f.slope;
@@ -53,11 +54,8 @@ VDWMESH_HD FieldSample sample_field(const CellListView& list, const FieldModel& 
 // The same for a field known at run time. Precondition: model.kind is not vdw.
 VDWMESH_HD inline FieldSample sample_field(const CellListView& list, const FieldModel& model,
                                            const Vec3d& p) {
-  if (model.kind == FieldKind::blinn) return sample_field<FieldKind::blinn>(list, model, p);
-  if (model.kind == FieldKind::soft_object) {
-    return sample_field<FieldKind::soft_object>(list, model, p);
-  }
-  return sample_field<FieldKind::inverse_squared>(list, model, p);
+  return with_blended(model.kind,
+                      [&]<class Kind>(Kind) { return sample_field<Kind>(list, model, p); });
 }
 
 // The list that sample_field() and the extractors search: reach is field_reach().

@@ -7,9 +7,9 @@
 #include "core/host_device.hpp"
 #include "extract/blended/edge_formulas.hpp"
 #include "extract/blended/field_formulas.hpp"
-#include "extract/blended/node_terms.hpp"
 #include "extract/bricks/brick_geometry.hpp"
 #include "extract/bricks/edge_vertex.hpp"
+#include "extract/field_kinds.hpp"
 
 namespace vdwmesh {
 
@@ -49,29 +49,29 @@ VDWMESH_HD inline bool plane_in_subgrid(const FieldModel& m, int axis, std::int6
 }
 
 // The atom's term at lattice plane `lattice` across an axis, whose coordinate is given, Å.
-template <FieldKind kind>
+template <BlendedKind Kind>
 VDWMESH_HD inline AxisTerm lattice_term(const FieldModel& m, const NodeShape& p, const Sphere& atom,
                                         float scale, int axis, std::int64_t lattice,
                                         double coordinate) {
   if (!plane_in_subgrid(m, axis, lattice, atom)) return {0, 0};
-  return axis_term<kind>(p, scale, axis, static_cast<float>(coordinate - atom.center[axis]));
+  return Kind::axis_term(p, scale, axis, static_cast<float>(coordinate - atom.center[axis]));
 }
 
-template <FieldKind kind>
+template <BlendedKind Kind>
 VDWMESH_HD inline AxisTerm brick_term(const FieldModel& m, const NodeShape& p,
                                       const BrickGeometry& g, const Sphere& atom, float scale,
                                       int axis, int node) {
   const std::int32_t brick = axis == 0 ? g.brick.x : (axis == 1 ? g.brick.y : g.brick.z);
-  return lattice_term<kind>(m, p, atom, scale, axis, lattice_index(brick, node),
+  return lattice_term<Kind>(m, p, atom, scale, axis, lattice_index(brick, node),
                             g.coordinate[axis][node]);
 }
 
 // The sum over atoms at a node of the brick, one atom further.
-template <FieldKind kind>
+template <BlendedKind Kind>
 VDWMESH_HD inline float add_to_node(const NodeShape& p, const LocalAtom& a, const int node[3],
                                     float sum) {
-  const RowTerm row = row_term<kind>(p, a.term[1][node[1]], a.term[2][node[2]]);
-  return add_atom<kind>(p, row, a.term[0][node[0]], a.scale, sum);
+  const RowTerm row = Kind::row_term(p, a.term[1][node[1]], a.term[2][node[2]]);
+  return Kind::add_atom(p, row, a.term[0][node[0]], a.scale, sum);
 }
 
 // The atom of largest contribution so far, lowest rank among equals. Atoms that add 0 do not count.
@@ -100,20 +100,20 @@ VDWMESH_HD inline float local_square(const Vec3f& local) {
 }
 
 // False only where add_gradient() adds exactly 0.
-template <FieldKind kind>
+template <BlendedKind Kind>
 VDWMESH_HD inline bool is_in_window(const ShapeParameters<float>& shape, const Vec3f& local,
                                     float scale) {
   const float q = local_square(local) * scale;
-  return kind == FieldKind::soft_object ? q < 1 : window_root(shape, q) > 0;
+  return Kind::reaches(shape, q);
 }
 
 // `local`: the vertex less the centre of the atom, Å.
-template <FieldKind kind>
+template <BlendedKind Kind>
 VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const Vec3f& local,
                                     float scale, std::uint32_t rank, std::uint32_t atom,
                                     LocalGradient& g) {
   const float d2 = local_square(local);
-  const ValueAndSlope<float> f = shape_value_and_slope<kind>(shape, d2, scale);
+  const ValueAndSlope<float> f = Kind::value_and_slope(shape, d2, scale);
   for (int axis = 0; axis < 3; ++axis) g.sum[axis] = std::fma(f.slope, local[axis], g.sum[axis]);
   g.strongest.meet(f.value, rank, atom);
 }

@@ -1,12 +1,12 @@
 // Node values as products of terms of one axis, against the reference's equations in double.
-#include "extract/blended/node_terms.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "extract/blended/field_formulas.hpp"
+#include "extract/field_kinds.hpp"
 #include "reference/field_oracle.hpp"
 
 namespace vdwmesh {
@@ -23,15 +23,15 @@ FieldModel model_of(FieldKind kind, double blobbiness) {
   return make_field_model(options, {{0, 0, 0}, kSpacing, {10, 10, 10}});
 }
 
-template <FieldKind kind>
+template <BlendedKind Kind>
 float at_node(const FieldModel& m, double radius, const Vec3d& offset) {
-  const NodeShape p = node_shape(m);
+  const NodeShape p = Kind::node_shape(m);
   const auto scale = static_cast<float>(inverse_square_scale(m, radius));
   AxisTerm term[3];
   for (int axis = 0; axis < 3; ++axis) {
-    term[axis] = axis_term<kind>(p, scale, axis, static_cast<float>(offset[axis]));
+    term[axis] = Kind::axis_term(p, scale, axis, static_cast<float>(offset[axis]));
   }
-  return add_atom<kind>(p, row_term<kind>(p, term[1], term[2]), term[0], scale, 0.0f);
+  return Kind::add_atom(p, Kind::row_term(p, term[1], term[2]), term[0], scale, 0.0f);
 }
 
 // What the reference's equation gives for an atom at the origin.
@@ -71,7 +71,7 @@ TEST(NodeTerms, BlinnIsWithinItsRoundings) {
     Offsets offsets;
     for (int i = 0; i < 20000; ++i) {
       const Vec3d offset = offsets.next();
-      const double error = std::abs(static_cast<double>(at_node<FieldKind::blinn>(m, 1.7, offset)) -
+      const double error = std::abs(static_cast<double>(at_node<Blinn>(m, 1.7, offset)) -
                                     exactly(FieldKind::blinn, blobbiness, 1.7, offset));
       ASSERT_LE(error, blinn_bound(m, 1.7, offset)) << offset.x << ' ' << offset.y;
     }
@@ -87,10 +87,9 @@ TEST(NodeTerms, SoftObjectAndInverseSquaredAreWithinTheirRoundings) {
   for (int i = 0; i < 20000; ++i) {
     const Vec3d offset = offsets.next();
     const double s = exactly(FieldKind::soft_object, 0, 1.7, offset);
-    ASSERT_NEAR(at_node<FieldKind::soft_object>(soft, 1.7, offset), s, 2 * 6 * 5 * kUnit);
+    ASSERT_NEAR(at_node<SoftObject>(soft, 1.7, offset), s, 2 * 6 * 5 * kUnit);
     const double v = exactly(FieldKind::inverse_squared, 0, 1.7, offset);
-    ASSERT_NEAR(at_node<FieldKind::inverse_squared>(inverse, 1.7, offset), v,
-                20 * kUnit * v + 20 * kUnit);
+    ASSERT_NEAR(at_node<InverseSquared>(inverse, 1.7, offset), v, 20 * kUnit * v + 20 * kUnit);
   }
 }
 
@@ -102,7 +101,7 @@ TEST(NodeTerms, InverseSquaredIsCappedAboutTheCentre) {
     for (int i = 0; i < 2000; ++i) {
       const Vec3d offset = std::sqrt(m.min_square) / 3 * offsets.next();  // most of them inside
       const double v = exactly(FieldKind::inverse_squared, 0, radius, offset);
-      ASSERT_NEAR(at_node<FieldKind::inverse_squared>(m, radius, offset), v, 20 * kUnit * v);
+      ASSERT_NEAR(at_node<InverseSquared>(m, radius, offset), v, 20 * kUnit * v);
     }
   }
 }
@@ -117,10 +116,8 @@ TEST(NodeTerms, NothingBeyondTheReach) {
     for (int i = 0; i < 2000; ++i) {
       Vec3d offset = offsets.next();
       offset = (reach / norm(offset)) * offset;
-      const float value = kind == FieldKind::blinn ? at_node<FieldKind::blinn>(m, radius, offset)
-                          : kind == FieldKind::soft_object
-                              ? at_node<FieldKind::soft_object>(m, radius, offset)
-                              : at_node<FieldKind::inverse_squared>(m, radius, offset);
+      const float value =
+          with_blended(kind, [&]<class Kind>(Kind) { return at_node<Kind>(m, radius, offset); });
       ASSERT_EQ(value, 0.0f);
     }
   }

@@ -1,0 +1,86 @@
+// The inverse squared field of the thesis. Host and device.
+//
+//   f = w(q) / q,   q = s d^2,   w(q) = (W (1 - k q))^2 up to its zero, then 0,
+//
+// with d^2 not below `min_square`. At the nodes of a grid an axis contributes {q of the axis, 1}, a
+// row {qy + qz, 1}.
+#pragma once
+
+#include <cmath>
+
+#include "core/host_device.hpp"
+#include "extract/blended/exponential.hpp"
+#include "extract/blended/kind_types.hpp"
+
+namespace vdwmesh {
+
+struct InverseSquared {
+  static constexpr FieldKind kKind = FieldKind::inverse_squared;
+
+  // False only where f is exactly 0.
+  template <class T>
+  VDWMESH_HD static bool reaches(const ShapeParameters<T>& p, T q) {
+    return window_root(p, q) > 0;
+  }
+
+  template <class T>
+  VDWMESH_HD static T value(const ShapeParameters<T>& p, T d2, T s) {
+    const T q = (d2 > p.min_square ? d2 : p.min_square) * s;
+    const T u = window_root(p, q);
+    return (u * u) / q;
+  }
+
+  template <class T>
+  VDWMESH_HD static ValueAndSlope<T> value_and_slope(const ShapeParameters<T>& p, T d2, T s) {
+    const T q = (d2 > p.min_square ? d2 : p.min_square) * s;
+    const T u = window_root(p, q);
+    const T window_slope = T(-2) * u * (p.window_scale * p.inverse_cutoff);
+    const T slope = (std::fma(window_slope, q, -(u * u)) / q) / q;
+    return {(u * u) / q, d2 > p.min_square ? s * slope : T(0)};
+  }
+
+  // It is convex in d^2 from its least distance on, and its rounding is relative.
+  template <class T>
+  VDWMESH_HD static bool is_convex_beyond(const ShapeParameters<T>& p, T d2) {
+    return d2 >= p.min_square;
+  }
+  template <class T>
+  VDWMESH_HD static T absolute_rounding(const ShapeParameters<T>&) {
+    return T(0);
+  }
+
+  VDWMESH_HD static NodeShape node_shape(const FieldModel& m) {
+    return {0, 0, static_cast<float>(m.inverse_cutoff), static_cast<float>(m.window_scale),
+            static_cast<float>(m.min_square)};
+  }
+
+  VDWMESH_HD static AxisTerm axis_term(const NodeShape&, float scale, int, float offset) {
+    return {offset * offset * scale, 1.0f};
+  }
+
+  VDWMESH_HD static RowTerm row_term(const NodeShape&, const AxisTerm& y, const AxisTerm& z) {
+    return {y.square + z.square, y.factor * z.factor};
+  }
+
+  VDWMESH_HD static bool row_is_out_of_reach(const NodeShape& p, const RowTerm& row) {
+    return row.rest * p.inverse_cutoff > 1;
+  }
+
+  VDWMESH_HD static float add_atom(const NodeShape& p, const RowTerm& row, const AxisTerm& x,
+                                   float scale, float sum) {
+    const float far = row.rest + x.square, least = p.min_square * scale;
+    const float q = far > least ? far : least;
+    const float u = p.window_scale * positive_part(std::fma(-q, p.inverse_cutoff, 1.0f));
+    return std::fma((u * u) / q, row.factor * x.factor, sum);
+  }
+
+  // Parameters of the presets; those of the thesis are fitted to its counts: docs/thesis.md.
+  static void set_radius_aware(const FieldOptions&, FieldModel& m) { m.reach_radii = kWindowRadii; }
+  static void set_thesis(const FieldOptions& options, FieldModel& m) {
+    const double fitted = options.preset == FieldPreset::thesis ? 4.8 : 4.6;
+    m.isovalue = options.isovalue.value_or(fitted);
+  }
+  static double largest_factor(const FieldModel&) { return 1; }
+};
+
+}  // namespace vdwmesh
