@@ -10,6 +10,7 @@
 
 #include "contract/exact_mesher_contract.hpp"
 #include "core/errors.hpp"
+#include "support/crease_tolerance.hpp"
 #include "support/sphere_recipes.hpp"
 
 namespace vdwmesh::testing {
@@ -17,19 +18,6 @@ namespace {
 
 constexpr unsigned kSets = 160;  // ten of each recipe
 constexpr int kMostRefused = 6;
-
-// Å: a place where features were made points is as large as they are, with some room for steps.
-double allowed_distance(const SphereSet& spheres, const ExactMeshStats& stats) {
-  constexpr double kRounding = 1e-12, kSteps = 10;
-  double largest = 0, farthest = 0;
-  for (const Sphere& s : spheres.spheres()) {
-    largest = std::max(largest, s.radius);
-    farthest = std::max(farthest, norm(s.center));
-  }
-  const bool reduced = stats.points + stats.contacts + stats.joins > 0;
-  return kRounding * (largest + farthest) +
-         (reduced ? (kSteps * stats.arc_size + 2 * stats.circle_size) * largest : 0);
-}
 
 TEST(ExactMesherSets, AreSoundAndOfTheAnnouncedTopology) {
   int refused = 0;
