@@ -20,8 +20,6 @@
 namespace vdwmesh {
 
 struct Blinn {
-  static constexpr FieldKind kKind = FieldKind::blinn;
-
   // False only where f is exactly 0.
   template <class T>
   VDWMESH_HD static bool reaches(const ShapeParameters<T>& p, T q) {

@@ -114,8 +114,8 @@ VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const Latt
 
 // Bounds on a blended field over a box. Every f falls with d^2, so its values at the nearest and
 // the farthest point bound it; and where its kind says that it is convex in d^2 (a product of
-// falling convex functions is), it lies above its tangent at the middle of the
-// box and below its chord. With d^2 = |m|^2 + 2 m (x - middle) + |x - middle|^2, where m leads from
+// falling convex functions is), it lies above its tangent at the middle of the box and below its
+// chord. With d^2 = |m|^2 + 2 m (x - middle) + |x - middle|^2, where m leads from
 // the atom to the middle, the sums of tangents and of chords are linear in x but for a term that
 // is at most 0 and at least slope * |half|^2: second order in the size of the box.
 //

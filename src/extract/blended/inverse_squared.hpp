@@ -15,8 +15,6 @@
 namespace vdwmesh {
 
 struct InverseSquared {
-  static constexpr FieldKind kKind = FieldKind::inverse_squared;
-
   // False only where f is exactly 0.
   template <class T>
   VDWMESH_HD static bool reaches(const ShapeParameters<T>& p, T q) {

@@ -37,7 +37,7 @@ struct ValueAndSlope {
   T slope;  // df/d(d^2), 1/Å²
 };
 
-// The numbers of a FieldModel that sums at nodes need. A kind's make_node_shape() fills what it
+// The numbers of a FieldModel that sums at nodes need. A kind's node_shape() fills those that it
 // has.
 struct NodeShape {
   float half_steepness;  // Blinn: B / 2

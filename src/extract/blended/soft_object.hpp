@@ -14,8 +14,6 @@
 namespace vdwmesh {
 
 struct SoftObject {
-  static constexpr FieldKind kKind = FieldKind::soft_object;
-
   template <class T>
   VDWMESH_HD static T cubic(T q) {
     return std::fma(q, std::fma(q, std::fma(q, T(-4) / T(9), T(17) / T(9)), T(-22) / T(9)), T(1));
