@@ -19,7 +19,7 @@
 #include "cuda/backend.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/refine/device_refinement.cuh"
-#include "extract/blended/field_sample.hpp"
+#include "extract/field_list.hpp"
 #include "read_xyzr.hpp"
 
 namespace vdwmesh {
@@ -223,7 +223,8 @@ void report_refinement(const char* name, const SphereSet& spheres, double spacin
   refine.subdivisions = subdivisions;
   refine.crossings = crossings;
   refine.grid = grid;
-  const DeviceSurface surface(spheres, refine, TriangleLabels::none, stream);
+  Workspace workspace;
+  const DeviceSurface surface(spheres, refine, TriangleLabels::none, workspace, stream);
   std::vector<double> total;
   std::vector<float> levels;
   std::vector<RefineTimings> stages;

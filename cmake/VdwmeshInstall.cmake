@@ -1,9 +1,9 @@
 # Headers, libraries and the package that find_package(vdwmesh) finds. Only the headers listed here
 # are for users. They include none of the others: tests/sources checks that, and tests/consumer
 # compiles every one of them from an installed copy.
-set(core_headers buffer errors host_device monitor sum vec3)
+set(core_headers buffer errors host_device monitor sum vec3 workspace)
 set(structure_headers molecule radii reader)
-set(spheres_headers sphere_set)
+set(spheres_headers cell_list_frame sphere_set)
 set(surface_headers indexed_mesh vertex_labels)
 set(extract_headers extractor field grid sampled_field)
 set(refine_headers refiner)

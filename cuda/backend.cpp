@@ -12,29 +12,52 @@ void tell_size(const MeshSizeObserver& observer, const IndexedMesh& mesh) {
   if (observer) observer({mesh.vertex_count(), mesh.triangle_count()});
 }
 
+// The options of both stages with one workspace, so that the second stage finds the cell list of
+// the first. It is the caller's, or the run's own.
+class RunOptions {
+ public:
+  RunOptions(const ExtractOptions& extraction, const RefineOptions& refinement)
+      : workspace_(extraction.workspace), extract(extraction), refine(refinement) {
+    extract.workspace = &static_cast<Workspace&>(workspace_);
+    refine.workspace = extract.workspace;
+  }
+  // For an extraction that is refined: it makes half-edges, and its size is not the run's.
+  ExtractOptions extraction_to_refine() const {
+    ExtractOptions options = extract;
+    options.connectivity = Connectivity::half_edges;
+    options.on_size = {};
+    return options;
+  }
+
+ private:
+  WorkspaceOfCall workspace_;
+
+ public:
+  ExtractOptions extract;
+  RefineOptions refine;
+};
+
+// Extraction to the host, then refinement of what came out.
+PipelineResult run_over_host(const SphereSet& spheres, const RunOptions& run,
+                             const Extractor& extractor, const Refiner& refiner) {
+  if (run.refine.subdivisions == 0) {
+    ExtractResult extracted = extractor.extract(spheres, run.extract);
+    return {std::move(extracted.mesh), extracted.grid, extracted.stats, {}, 0, {}};
+  }
+  ExtractResult extracted = extractor.extract(spheres, run.extraction_to_refine());
+  RefineOptions options = run.refine;
+  options.grid = extracted.grid;
+  RefineResult refined = refiner.refine(spheres, std::move(extracted.mesh), options);
+  tell_size(run.extract.on_size, refined.mesh);
+  return {std::move(refined.mesh),   extracted.grid,  extracted.stats,
+          std::move(refined.levels), refined.seconds, std::move(refined.fallback)};
+}
+
 class CpuPipeline final : public SurfacePipeline {
  public:
   PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
                      const RefineOptions& refine) const override {
-    ExtractOptions extraction = extract;
-    if (refine.subdivisions > 0) {
-      extraction.connectivity = Connectivity::half_edges;
-      extraction.on_size = {};
-    }
-    ExtractResult extracted = make_cpu_extractor()->extract(spheres, extraction);
-    PipelineResult result{{}, extracted.grid, extracted.stats, {}, 0, {}};
-    if (refine.subdivisions == 0) {
-      result.mesh = std::move(extracted.mesh);
-      return result;
-    }
-    RefineOptions options = refine;
-    options.grid = extracted.grid;
-    RefineResult refined = make_cpu_refiner()->refine(spheres, extracted.mesh, options);
-    result.mesh = std::move(refined.mesh);
-    result.levels = std::move(refined.levels);
-    result.refine_seconds = refined.seconds;
-    tell_size(extract.on_size, result.mesh);
-    return result;
+    return run_over_host(spheres, {extract, refine}, *make_cpu_extractor(), *make_cpu_refiner());
   }
 };
 
@@ -48,79 +71,86 @@ LevelObserver once_per_level(const LevelObserver& observer, int& next) {
   };
 }
 
-// on_device(), or where that does not fit the device's memory on_cpu(), whose result then says so:
-// "`done` on the CPU: ...".
+// Calls on_device() and, if that does not fit the device's memory, on_cpu(). Returns why the CPU
+// had to, "`done` on the CPU: ...", or nothing.
 template <class OnDevice, class OnCpu>
-auto with_fallback(const char* done, const OnDevice& on_device, const OnCpu& on_cpu) {
+std::string with_fallback(const char* done, const OnDevice& on_device, const OnCpu& on_cpu) {
   std::string lack;
   try {
-    return on_device();
+    on_device();
+    return {};
   } catch (const DeviceMemoryExceeded& error) {
     lack = error.what();
   }
-  auto result = on_cpu();
-  result.fallback = std::string(done) + " on the CPU: " + lack;
-  return result;
+  on_cpu();
+  return std::string(done) + " on the CPU: " + lack;
 }
 
 // The automatic classes are for where a device is present: the CPU does what does not fit it.
 class AutomaticExtractor final : public Extractor {
  public:
-  ExtractResult extract(const SphereSet& spheres, const ExtractOptions& options) const override {
-    return with_fallback(
-        "meshed", [&] { return make_cuda_extractor()->extract(spheres, options); },
-        [&] { return make_cpu_extractor()->extract(spheres, options); });
+  void extract_into(ExtractResult& result, const SphereSet& spheres,
+                    const ExtractOptions& options) const override {
+    result.fallback = with_fallback(
+        "meshed", [&] { make_cuda_extractor()->extract_into(result, spheres, options); },
+        [&] { make_cpu_extractor()->extract_into(result, spheres, options); });
+  }
+  std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
+                                     const ExtractOptions& options) const override {
+    std::unique_ptr<SurfacePart> part;
+    with_fallback(
+        "counted", [&] { part = make_cuda_extractor()->count(spheres, range, options); },
+        [&] { part = make_cpu_extractor()->count(spheres, range, options); });
+    return part;
   }
 };
 
 class AutomaticFieldMesher final : public FieldMesher {
  public:
   SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const override {
-    return with_fallback(
-        "sampled", [&] { return make_cuda_field_mesher()->sample(spheres, options); },
-        [&] { return make_cpu_field_mesher()->sample(spheres, options); });
+    SampledField field;
+    const std::string fallback = with_fallback(
+        "sampled", [&] { field = make_cuda_field_mesher()->sample(spheres, options); },
+        [&] { field = make_cpu_field_mesher()->sample(spheres, options); });
+    field.fallback = fallback;
+    return field;
   }
-  ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const override {
-    return with_fallback(
-        "meshed", [&] { return make_cuda_field_mesher()->mesh(field, options); },
-        [&] { return make_cpu_field_mesher()->mesh(field, options); });
+  void mesh_into(ExtractResult& result, const SampledField& field,
+                 const ExtractOptions& options) const override {
+    result.fallback = with_fallback(
+        "meshed", [&] { make_cuda_field_mesher()->mesh_into(result, field, options); },
+        [&] { make_cpu_field_mesher()->mesh_into(result, field, options); });
   }
 };
 
 class AutomaticRefiner final : public Refiner {
  public:
-  RefineResult refine(const SphereSet& spheres, const IndexedMesh& mesh,
+  RefineResult refine(const SphereSet& spheres, IndexedMesh&& mesh,
                       const RefineOptions& options) const override {
     int next_level = 0;
     RefineOptions observed = options;
     observed.on_level = once_per_level(options.on_level, next_level);
-    return with_fallback(
-        "refined", [&] { return make_cuda_refiner()->refine(spheres, mesh, observed); },
-        [&] { return make_cpu_refiner()->refine(spheres, mesh, observed); });
+    RefineResult result;
+    const IndexedMesh& kept = mesh;  // for the CPU, if the device cannot
+    const std::string fallback = with_fallback(
+        "refined", [&] { result = make_cuda_refiner()->refine(spheres, kept, observed); },
+        [&] { result = make_cpu_refiner()->refine(spheres, std::move(mesh), observed); });
+    result.fallback = fallback;
+    return result;
   }
 };
 
-// On CUDA, `refiner` being that of the way over the host.
-PipelineResult run_on_device(const SphereSet& spheres, const ExtractOptions& extract,
-                             const RefineOptions& refine, const Refiner& refiner) {
-  if (refine.subdivisions == 0) return make_cuda_pipeline()->run(spheres, extract, refine);
-  if (extract.devices == 1) {
+// On CUDA; `refiner` refines what had to go over the host.
+PipelineResult run_on_device(const SphereSet& spheres, const RunOptions& run,
+                             const Refiner& refiner) {
+  if (run.refine.subdivisions > 0 && run.extract.devices == 1) {
     try {
-      return make_cuda_pipeline()->run(spheres, extract, refine);
+      return make_cuda_pipeline()->run(spheres, run.extract, run.refine);
     } catch (const DeviceMemoryExceeded&) {
       // Apart it may fit: the extraction in slabs, and the refinement without it in the way.
     }
   }
-  ExtractOptions extraction = extract;
-  extraction.on_size = {};
-  extraction.connectivity = Connectivity::half_edges;
-  const ExtractResult extracted = make_cuda_extractor()->extract(spheres, extraction);
-  RefineOptions options = refine;
-  options.grid = extracted.grid;
-  RefineResult refined = refiner.refine(spheres, extracted.mesh, options);
-  tell_size(extract.on_size, refined.mesh);
-  return {std::move(refined.mesh),   extracted.grid,  extracted.stats,
-          std::move(refined.levels), refined.seconds, std::move(refined.fallback)};
+  return run_over_host(spheres, run, *make_cuda_extractor(), refiner);
 }
 
 class CudaPipeline final : public SurfacePipeline {
@@ -130,7 +160,7 @@ class CudaPipeline final : public SurfacePipeline {
     int next_level = 0;
     RefineOptions observed = refine;
     observed.on_level = once_per_level(refine.on_level, next_level);
-    return run_on_device(spheres, extract, observed, *make_cuda_refiner());
+    return run_on_device(spheres, {extract, observed}, *make_cuda_refiner());
   }
 };
 
@@ -141,9 +171,15 @@ class AutomaticPipeline final : public SurfacePipeline {
     int next_level = 0;
     RefineOptions observed = refine;
     observed.on_level = once_per_level(refine.on_level, next_level);
-    return with_fallback(
-        "meshed", [&] { return run_on_device(spheres, extract, observed, AutomaticRefiner()); },
-        [&] { return CpuPipeline().run(spheres, extract, observed); });
+    PipelineResult result;
+    const std::string fallback = with_fallback(
+        "meshed",
+        [&] {
+          result = run_on_device(spheres, {extract, observed}, AutomaticRefiner());
+        },
+        [&] { result = CpuPipeline().run(spheres, extract, observed); });
+    if (!fallback.empty()) result.fallback = fallback;
+    return result;
   }
 };
 

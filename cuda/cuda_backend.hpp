@@ -14,8 +14,8 @@ void release_cuda_memory();
 std::unique_ptr<Extractor> make_cuda_extractor();
 std::unique_ptr<Refiner> make_cuda_refiner();
 std::unique_ptr<FieldMesher> make_cuda_field_mesher();
-// With subdivisions everything stays on one device, and DeviceMemoryExceeded is thrown where that
-// does not fit.
+// For subdivisions, with everything on one device: throws DeviceMemoryExceeded if that does not
+// fit.
 std::unique_ptr<SurfacePipeline> make_cuda_pipeline();
 
 }  // namespace vdwmesh

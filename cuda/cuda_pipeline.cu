@@ -1,11 +1,11 @@
-// Extraction and refinement on one CUDA device, everything staying there in between.
+// Extraction and refinement on one CUDA device. The mesh stays there in between, so that only the
+// refined one is brought to the host.
 #include <utility>
 
 #include "cuda/cuda_backend.hpp"
-#include "cuda/extract/extract_in_slabs.cuh"
 #include "cuda/memory/device.cuh"
 #include "cuda/refine/device_refinement.cuh"
-#include "extract/blended/field_sample.hpp"
+#include "extract/field_list.hpp"
 #include "refine/preparation.hpp"
 
 namespace vdwmesh {
@@ -15,19 +15,16 @@ class OneDevicePipeline final : public SurfacePipeline {
  public:
   PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
                      const RefineOptions& refine) const override {
-    if (refine.subdivisions == 0) {
-      ExtractResult extracted = extract_to_host(spheres, extract);
-      return {std::move(extracted.mesh), extracted.grid, extracted.stats, {}, 0, {}};
-    }
     const DeviceScope scope;
+    WorkspaceOfCall workspace(extract.workspace);
     const GridSpec grid = make_grid(spheres, extract.grid);
     const FieldModel model = make_field_model(extract.field, grid);
-    const CellList list = make_field_list(spheres, model);
     const Stream stream;
     ExtractOptions with_half_edges = extract;
     with_half_edges.connectivity = Connectivity::half_edges;
     DeviceExtraction extraction = [&] {
-      const DeviceCellList device_list(list.view(), stream.get());
+      const CellListView list = field_list(spheres, model, extract.frame, workspace);
+      const DeviceCellList device_list(list, stream.get());
       return extract_on_device(device_list.view(), model, with_half_edges, stream);
     }();
     PipelineResult result{{}, grid, extraction.stats, {}, 0, {}};
@@ -36,7 +33,7 @@ class OneDevicePipeline final : public SurfacePipeline {
     check_refinement_size(spheres.size(), extraction.mesh.vertex_count(),
                           extraction.mesh.triangle_count(), options);
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
-    const DeviceSurface surface(spheres, options, TriangleLabels::none, stream);
+    const DeviceSurface surface(spheres, options, TriangleLabels::none, workspace, stream);
     DeviceRefinement refined =
         refine_on_device(surface.view(), std::move(extraction.mesh), options, stream);
     const DeviceMeshView mesh = refined.mesh.view();

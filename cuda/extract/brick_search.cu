@@ -191,7 +191,8 @@ __device__ void test_child(const FieldContext& f, const BlockBox& parent,
 template <class Test>
 __global__ void __launch_bounds__(kThreads, 6)
     test_children(const __grid_constant__ FieldContext f, const std::uint64_t* parents,
-                  std::uint64_t count, int child_level, std::uint64_t* keys, std::uint8_t* keep) {
+                  std::uint64_t count, int child_level, KeyRange range, std::uint64_t* keys,
+                  std::uint8_t* keep) {
   __shared__ Waiting waiting[kThreads / kWarp];
   const std::uint64_t i =
       (static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x) / kWarp;
@@ -210,11 +211,12 @@ __global__ void __launch_bounds__(kThreads, 6)
   const bool crosses =
       !test.is_outside(child) && (!test.is_inside(child) || child.box.touches_border);
   keys[kChildren * i + static_cast<unsigned>(c)] = brick_key(index);
-  keep[kChildren * i + static_cast<unsigned>(c)] = !child.box.empty && crosses ? 1 : 0;
+  const bool kept = !child.box.empty && crosses && block_meets(range, index, child_level);
+  keep[kChildren * i + static_cast<unsigned>(c)] = kept ? 1 : 0;
 }
 
-using TestKernel = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, int, std::uint64_t*,
-                            std::uint8_t*);
+using TestKernel = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, int, KeyRange,
+                            std::uint64_t*, std::uint8_t*);
 
 TestKernel kernel_of(FieldKind kind) {
   if (kind == FieldKind::vdw) return test_children<UnionTest>;
@@ -223,7 +225,7 @@ TestKernel kernel_of(FieldKind kind) {
 }
 
 KeyList surviving_children(const FieldContext& f, const KeyList& parents, int child_level,
-                           std::uint64_t most, const Stream& stream) {
+                           const KeyRange& range, std::uint64_t most, const Stream& stream) {
   const std::uint64_t children = kChildren * parents.count;
   KeyList result;
   if (children == 0) return result;
@@ -231,7 +233,7 @@ KeyList surviving_children(const FieldContext& f, const KeyList& parents, int ch
   const DeviceArray<std::uint8_t> keep(children, stream.get());
   const TestKernel kernel = kernel_of(f.model.kind);
   kernel<<<blocks_for(kWarp * parents.count, kThreads), kThreads, 0, stream.get()>>>(
-      f, parents.keys.data(), parents.count, child_level, keys.data(), keep.data());
+      f, parents.keys.data(), parents.count, child_level, range, keys.data(), keep.data());
   check_launch("test_children");
   result.keys = DeviceArray<std::uint64_t>(children, stream.get());
   const DeviceArray<std::uint64_t> count(1, stream.get());
@@ -287,12 +289,12 @@ FirstBlocks first_blocks(const GridSpec& grid, const Stream& stream) {
 
 }  // namespace
 
-KeyList candidate_bricks_on_device(const FieldContext& f, std::uint64_t most,
+KeyList candidate_bricks_on_device(const FieldContext& f, const KeyRange& range, std::uint64_t most,
                                    const Stream& stream) {
   FirstBlocks first = first_blocks(f.model.grid, stream);
   KeyList blocks = std::move(first.blocks);
   for (int level = first.level; level > 0; --level) {
-    blocks = surviving_children(f, blocks, level - 1, most, stream);
+    blocks = surviving_children(f, blocks, level - 1, range, most, stream);
   }
   if (blocks.count == 0) return blocks;
   DeviceArray<std::uint64_t> sorted(blocks.count, stream.get());

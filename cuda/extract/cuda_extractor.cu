@@ -1,19 +1,247 @@
-// The Extractor on CUDA.
+// The Extractor and the FieldMesher on CUDA: what happens on the host around the driver of
+// brick_mesher.cuh. It chooses devices, brings spheres or fields there, and gives the mesh its
+// arrays.
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <vector>
+
 #include "cuda/cuda_backend.hpp"
-#include "cuda/extract/extract_in_slabs.cuh"
+#include "cuda/extract/brick_mesher.cuh"
+#include "cuda/extract/field_source.cuh"
+#include "cuda/memory/device.cuh"
+#include "cuda/memory/download.cuh"
+#include "cuda/memory/run_on_threads.hpp"
+#include "extract/field_list.hpp"
+#include "extract/limits.hpp"
 
 namespace vdwmesh {
 namespace {
 
+MeshArrays arrays_of(const ExtractOptions& options, LabelWidth width) {
+  return {.connectivity = options.connectivity, .normals = options.normals, .width = width};
+}
+
+// Checks the size, tells it, and gives the mesh its arrays.
+void make_checked_room(const MeshSize& size, LabelWidth width, double spacing,
+                       const ExtractOptions& options, IndexedMesh& mesh) {
+  const MeshArrays arrays = arrays_of(options, width);
+  check_mesh_limits({size, arrays, 0, spacing}, options.memory_limit);
+  if (options.on_size) options.on_size(size);
+  make_room(mesh, size, arrays);
+}
+
+// One device with the spheres on it and the bricks counted. All of its functions make the device
+// current first, so different threads may call them one after the other.
+class SphereWorker {
+ public:
+  // `sharers` workers share the device's memory.
+  SphereWorker(int device, std::size_t sharers, const CellListView& list, const FieldModel& model,
+               const ExtractOptions& options)
+      : device_(device), sharers_(sharers), list_(list), model_(model), options_(options) {}
+
+  void count(const KeyRange& own) {
+    use_device(device_);
+    stream_.emplace();
+    device_list_.emplace(list_, stream_->get());
+    source_.emplace(device_list_->view(), model_, *stream_);
+    mesher_.emplace(*source_, options_, sharers_);
+    mesher_->count(own);
+  }
+
+  MeshSize size() const { return mesher_->size(); }
+
+  void emit(const MeshSize& first, IndexedMesh& mesh, std::uint64_t k, std::uint64_t shares) {
+    use_device(device_);
+    mesher_->emit_to_host(first, mesh, k, shares);
+  }
+
+  ExtractStats stats() const { return mesher_->stats(); }
+
+ private:
+  int device_;
+  std::size_t sharers_;
+  const CellListView& list_;
+  const FieldModel& model_;
+  const ExtractOptions& options_;
+  std::optional<Stream> stream_;
+  std::optional<DeviceCellList> device_list_;
+  std::optional<SphereSource> source_;
+  std::optional<DeviceBrickMesher> mesher_;
+};
+
+// The usable devices, the current one first.
+std::vector<int> devices_from_current() {
+  int current = 0;
+  check_cuda(cudaGetDevice(&current), "device");
+  std::vector<int> devices = usable_devices();
+  std::ranges::rotate(devices, std::ranges::find(devices, current));
+  return devices;
+}
+
+// What the workers did side by side: all counted the same bricks, and each emitted a share.
+ExtractStats joined_stats(const std::vector<std::unique_ptr<SphereWorker>>& workers) {
+  ExtractStats joined = workers[0]->stats();
+  for (std::size_t k = 1; k < workers.size(); ++k) {
+    const ExtractStats stats = workers[k]->stats();
+    joined.clamped_vertices += stats.clamped_vertices;
+    joined.slabs += stats.slabs;
+    joined.field_seconds = std::max(joined.field_seconds, stats.field_seconds);
+    joined.extract_seconds = std::max(joined.extract_seconds, stats.extract_seconds);
+    joined.download_seconds = std::max(joined.download_seconds, stats.download_seconds);
+  }
+  return joined;
+}
+
+// The range of one process, on its current device.
+class CudaSurfacePart final : public SurfacePart {
+ public:
+  CudaSurfacePart(const SphereSet& spheres, const KeyRange& range, const ExtractOptions& options)
+      : options_(options),
+        workspace_(options.workspace),
+        model_(make_field_model(options.field, make_grid(spheres, options.grid))),
+        list_(field_list(spheres, model_, options.frame, workspace_)) {
+    const DeviceScope scope;
+    worker_.emplace(devices_from_current()[0], 1, list_, model_, options_);
+    begin_stage(options_.monitor, "field", 1);
+    worker_->count(range);
+    advance(options_.monitor, 1);
+  }
+
+  MeshSize size() const override { return worker_->size(); }
+
+  ExtractStats emit(const MeshSize& first, IndexedMesh& mesh) override {
+    const DeviceScope scope;
+    begin_stage(options_.monitor, "extract", 1);
+    make_room(mesh, size(), arrays_of(options_, LabelWidth::one));
+    worker_->emit(first, mesh, 0, 1);
+    advance(options_.monitor, 1);
+    return worker_->stats();
+  }
+
+ private:
+  ExtractOptions options_;
+  WorkspaceOfCall workspace_;
+  FieldModel model_;
+  CellListView list_;
+  std::optional<SphereWorker> worker_;
+};
+
 class CudaExtractor final : public Extractor {
  public:
-  ExtractResult extract(const SphereSet& spheres, const ExtractOptions& options) const override {
-    return extract_to_host(spheres, options);
+  // Every device searches and counts all bricks, so that it knows every number; it emits the bricks
+  // of its share, slab by slab, straight to their places in the host's arrays.
+  void extract_into(ExtractResult& result, const SphereSet& spheres,
+                    const ExtractOptions& options) const override {
+    if (options.devices < 1) throw InvalidInput("the number of devices must be at least 1");
+    WorkspaceOfCall workspace(options.workspace);
+    result.grid = make_grid(spheres, options.grid);
+    const FieldModel model = make_field_model(options.field, result.grid);
+    const CellListView list = field_list(spheres, model, options.frame, workspace);
+    const DeviceScope scope;
+    const std::vector<int> present = devices_from_current();
+    const auto shares = static_cast<std::size_t>(options.devices);
+    const std::size_t sharers = (shares + present.size() - 1) / present.size();
+    std::vector<std::unique_ptr<SphereWorker>> workers;
+    for (std::size_t k = 0; k < shares; ++k) {
+      workers.push_back(std::make_unique<SphereWorker>(present[k % present.size()], sharers, list,
+                                                       model, options));
+    }
+    begin_stage(options.monitor, "field", 1);
+    run_on_threads(shares, [&](std::size_t k) { workers[k]->count({}); });
+    advance(options.monitor, 1);
+    begin_stage(options.monitor, "extract", 1);
+    make_checked_room(workers[0]->size(), LabelWidth::one, result.grid.spacing, options,
+                      result.mesh);
+    run_on_threads(shares, [&](std::size_t k) { workers[k]->emit({}, result.mesh, k, shares); });
+    advance(options.monitor, 1);
+    result.stats = joined_stats(workers);
+  }
+
+  std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
+                                     const ExtractOptions& options) const override {
+    return std::make_unique<CudaSurfacePart>(spheres, range, options);
   }
 };
 
+class CudaFieldMesher final : public FieldMesher {
+ public:
+  SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const override {
+    SampledField field;
+    field.grid = make_grid(spheres, options.grid);
+    const FieldModel model = make_field_model(options.field, field.grid);
+    check_sampling(model, options.memory_limit);
+    field.isovalue = static_cast<float>(model.isovalue);
+    const std::uint64_t nodes = field.grid.node_count();
+    const DeviceScope scope;
+    require_device_memory(nodes * sizeof(float), "the field", options.device_memory);
+    WorkspaceOfCall workspace(options.workspace);
+    const CellListView list = field_list(spheres, model, options.frame, workspace);
+    const Stream stream;
+    const DeviceCellList device_list(list, stream.get());
+    const DeviceArray<float> values(nodes, stream.get());
+    sample_field_on_device(device_list.view(), model, values.data(), stream);
+    field.values.resize(nodes);
+    download_parts({{field.values.data(), values.data(), values.bytes()}}, stream);
+    return field;
+  }
+
+  void mesh_into(ExtractResult& result, const SampledField& field,
+                 const ExtractOptions& options) const override {
+    check_sampled(field);
+    const DeviceScope scope;
+    require_device_memory(field.values.size() * sizeof(float), "the field", options.device_memory);
+    const Stream stream;
+    const DeviceArray<float> values =
+        upload(field.values.data(), field.values.size(), stream.get());
+    ExtractOptions beside_field = options;
+    beside_field.device_memory -= values.bytes();
+    begin_stage(options.monitor, "field", 1);
+    const FieldSource source({field.grid, values.data(), field.isovalue}, beside_field, stream);
+    DeviceBrickMesher mesher(source, beside_field);
+    mesher.count();
+    advance(options.monitor, 1);
+    begin_stage(options.monitor, "extract", 1);
+    make_checked_room(mesher.size(), LabelWidth::none, field.grid.spacing, options, result.mesh);
+    mesher.emit_to_host({}, result.mesh);
+    advance(options.monitor, 1);
+    result.grid = field.grid;
+    result.stats = mesher.stats();
+  }
+};
+
+// Counts and emits all bricks of a source, on the device.
+DeviceExtraction mesh_on_device(const BrickSource& source, const ExtractOptions& options) {
+  DeviceBrickMesher mesher(source, options);
+  begin_stage(options.monitor, "field", 1);
+  mesher.count();
+  advance(options.monitor, 1);
+  begin_stage(options.monitor, "extract", 1);
+  DeviceExtraction result;
+  result.mesh = mesher.emit_on_device();
+  advance(options.monitor, 1);
+  result.candidates = mesher.candidates();
+  result.timings = mesher.timings();
+  result.stats = mesher.stats();
+  return result;
+}
+
 }  // namespace
 
+DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
+                                   const ExtractOptions& options, const Stream& stream) {
+  return mesh_on_device(SphereSource(list, model, stream), options);
+}
+
+DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
+                                      const Stream& stream) {
+  return mesh_on_device(FieldSource(field, options, stream), options);
+}
+
 std::unique_ptr<Extractor> make_cuda_extractor() { return std::make_unique<CudaExtractor>(); }
+
+std::unique_ptr<FieldMesher> make_cuda_field_mesher() {
+  return std::make_unique<CudaFieldMesher>();
+}
 
 }  // namespace vdwmesh

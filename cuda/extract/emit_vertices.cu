@@ -266,10 +266,9 @@ void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
   check_launch("emit_blended_vertices");
 }
 
-void emit_sampled_vertices_on_device(const SampledFieldView& field, const CountedBricks& counted,
+void emit_sampled_vertices_on_device(const SampledFieldView& field, const BrickList& bricks,
                                      const DeviceMeshView& mesh, unsigned long long* clamped,
                                      const Stream& stream) {
-  const BrickList bricks = counted.list();
   if (bricks.size == 0) return;
   const auto kernel = mesh.normals ? emit_sampled_vertices<Normals::gradients>
                                    : emit_sampled_vertices<Normals::none>;

@@ -43,8 +43,10 @@ struct KeyList {
   std::uint64_t count = 0;
 };
 
-// Keys of the bricks whose bounds admit surface, rising. Throws LimitExceeded beyond `most`.
-KeyList candidate_bricks_on_device(const FieldContext& f, std::uint64_t most, const Stream& stream);
+// Keys of the bricks of a range whose bounds admit surface, rising. Throws LimitExceeded beyond
+// `most`.
+KeyList candidate_bricks_on_device(const FieldContext& f, const KeyRange& range, std::uint64_t most,
+                                   const Stream& stream);
 
 // Of the bricks b with b % kCountParts alike, so that not all of them add to one address.
 struct CountPart {
@@ -80,11 +82,8 @@ struct DeviceEmissionTally {
   unsigned long long missing_neighbours;
 };
 
-// Throws InternalError where a neighbour was missing.
-void check_tally(const DeviceEmissionTally& tally);
-
 // What counting leaves behind.
-struct CountedBricks {
+struct DeviceCountedBricks {
   DeviceArray<ActiveBrick> bricks;
   DeviceArray<BrickSums> before;  // each brick, and in all
   BrickTotals totals{};
@@ -108,7 +107,7 @@ void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
                              std::uint32_t most_atoms, const float* values,
                              const DeviceMeshView& mesh, unsigned long long* clamped,
                              const Stream& stream);
-void emit_sampled_vertices_on_device(const SampledFieldView& field, const CountedBricks& counted,
+void emit_sampled_vertices_on_device(const SampledFieldView& field, const BrickList& bricks,
                                      const DeviceMeshView& mesh, unsigned long long* clamped,
                                      const Stream& stream);
 

@@ -62,10 +62,7 @@ IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, cons
   return host;
 }
 
-namespace {
-
-// Bytes that the pool holds and nobody uses.
-std::uint64_t spare_in_pool() {
+std::uint64_t spare_device_memory() {
   const cudaMemPool_t pool = current_memory_pool();
   std::uint64_t reserved = 0, used = 0;
   check_cuda(cudaMemPoolGetAttribute(pool, cudaMemPoolAttrReservedMemCurrent, &reserved), "pool");
@@ -73,17 +70,15 @@ std::uint64_t spare_in_pool() {
   return reserved - used;
 }
 
-}  // namespace
-
 std::uint64_t available_device_memory() {
   std::size_t free = 0, total = 0;
   check_cuda(cudaMemGetInfo(&free, &total), "device memory");
-  return free + spare_in_pool();
+  return free + spare_device_memory();
 }
 
 void require_device_memory(std::uint64_t bytes, const char* what, std::uint64_t allowed) {
   // The pool answers at once; the driver takes as long as a small extraction.
-  if (bytes <= std::min(allowed, spare_in_pool())) return;
+  if (bytes <= std::min(allowed, spare_device_memory())) return;
   const std::uint64_t available = std::min(allowed, available_device_memory());
   if (bytes <= available) return;
   throw DeviceMemoryExceeded(std::string(what) + " needs " + std::to_string(bytes) +

@@ -127,6 +127,10 @@ void sample_field_on_device(const CellListView& list, const FieldModel& model, f
 // Copies the mesh to the host; `opposite` too where asked, which the mesh must have then.
 IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream);
 
+// Bytes that the pool of the current device keeps and nobody uses: known at once, while the driver
+// takes as long as a small extraction to say what is free.
+std::uint64_t spare_device_memory();
+
 // Bytes that can still be taken: free ones and those that the pool keeps.
 std::uint64_t available_device_memory();
 

@@ -9,9 +9,8 @@
 namespace vdwmesh {
 
 DeviceSurface::DeviceSurface(const SphereSet& spheres, const RefineOptions& options,
-                             TriangleLabels labels, const Stream& stream)
-    : host_list_(projection_list(spheres, options, labels)),
-      list_(host_list_.view(), stream.get()),
+                             TriangleLabels labels, Workspace& workspace, const Stream& stream)
+    : list_(projection_list(spheres, options, labels, workspace), stream.get()),
       spheres_(upload(spheres.spheres().data(), spheres.size(), stream.get())),
       view_{options.projection, list_.view(), projection_model(options), spheres_.data()} {}
 
@@ -36,17 +35,19 @@ DeviceMesh upload_mesh(const IndexedMesh& host, Projection projection, const Str
 
 class CudaRefiner final : public Refiner {
  public:
-  RefineResult refine(const SphereSet& spheres, const IndexedMesh& mesh,
+  RefineResult refine(const SphereSet& spheres, IndexedMesh&& mesh,
                       const RefineOptions& options) const override {
     check_refinement(spheres, mesh, options);
     const TriangleLabels labels = mesh.triangle_labels();
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
     const DeviceScope scope;
     const Stream stream;
-    const DeviceSurface surface(spheres, options, labels, stream);
+    WorkspaceOfCall workspace(options.workspace);
+    const DeviceSurface surface(spheres, options, labels, workspace, stream);
     DeviceRefinement refined = refine_on_device(
-        surface.view(), upload_mesh(prepare_mesh(mesh, options), options.projection, stream),
-        options, stream);
+        surface.view(),
+        upload_mesh(prepare_mesh(std::move(mesh), options), options.projection, stream), options,
+        stream);
     RefineResult result;
     const Connectivity connectivity =
         refined.mesh.opposite.size() > 0 ? Connectivity::half_edges : Connectivity::triangles;

@@ -37,11 +37,10 @@ class DeviceSurface {
  public:
   // Throws InvalidInput for options without sense.
   DeviceSurface(const SphereSet& spheres, const RefineOptions& options, TriangleLabels labels,
-                const Stream& stream);
+                Workspace& workspace, const Stream& stream);
   const SurfaceView& view() const { return view_; }
 
  private:
-  CellList host_list_;
   DeviceCellList list_;
   DeviceArray<Sphere> spheres_;
   SurfaceView view_{};

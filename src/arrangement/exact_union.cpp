@@ -108,22 +108,21 @@ void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>&
   }
 }
 
-ExactUnion union_by_arcs(const SphereSet& spheres, Monitor* monitor) {
-  ArcMeasures arcs = arc_measures(spheres, monitor);
+void union_by_arcs(ExactUnion& result, const SphereSet& spheres, Monitor* monitor,
+                   Workspace& workspace) {
+  auto& arcs = workspace.get<ArcMeasures>();
+  std::swap(arcs.per_sphere, result.per_sphere);  // so that the result's own memory is used
+  arc_measures(arcs, spheres, monitor, workspace);
   replace_by_reference(spheres, arcs.suspect, arcs.per_sphere);
   const SphereMeasures total = total_measures(arcs.per_sphere);
-  ExactUnion result{};
-  result.method = UnionMethod::arcs;
-  result.area = total.area;
-  result.volume = total.volume;
-  result.per_sphere = std::move(arcs.per_sphere);
-  result.fallback_spheres = arcs.suspect.size();
-  return result;
+  result = {UnionMethod::arcs, total.area, total.volume, {}, {}, {}, {}, arcs.suspect.size()};
+  std::swap(arcs.per_sphere, result.per_sphere);
 }
 
-ExactUnion union_by_both(const SphereSet& spheres, Monitor* monitor) {
+ExactUnion union_by_both(const SphereSet& spheres, Monitor* monitor, Workspace& workspace) {
   ExactUnion result = union_by_triangulation(spheres, monitor);
-  ArcMeasures arcs = arc_measures(spheres, monitor);
+  auto& arcs = workspace.get<ArcMeasures>();
+  arc_measures(arcs, spheres, monitor, workspace);
   for (const SphereId id : arcs.suspect) arcs.per_sphere[id] = result.per_sphere[id];
   const SphereMeasures check = total_measures(arcs.per_sphere);
   result.method = UnionMethod::both;
@@ -133,25 +132,35 @@ ExactUnion union_by_both(const SphereSet& spheres, Monitor* monitor) {
   return result;
 }
 
-ExactUnion union_by(UnionMethod method, const SphereSet& spheres, Monitor* monitor) {
-  switch (method) {
+void measure_union(ExactUnion& result, const SphereSet& spheres, const UnionOptions& options,
+                   Workspace& workspace) {
+  switch (options.method) {
     case UnionMethod::cgal:
-      return union_by_triangulation(spheres, monitor);
+      result = union_by_triangulation(spheres, options.monitor);
+      return;
     case UnionMethod::arcs:
-      return union_by_arcs(spheres, monitor);
+      union_by_arcs(result, spheres, options.monitor, workspace);
+      return;
     case UnionMethod::both:
-      return union_by_both(spheres, monitor);
+      result = union_by_both(spheres, options.monitor, workspace);
+      return;
   }
   throw InvalidInput("unknown method of the exact union");
 }
 
 }  // namespace
 
-ExactUnion exact_union(const SphereSet& spheres, const UnionOptions& options) {
+void exact_union_into(ExactUnion& result, const SphereSet& spheres, const UnionOptions& options) {
   if (spheres.empty()) throw InvalidInput("the union of an empty set of spheres is not defined");
-  ExactUnion result = union_by(options.method, spheres, options.monitor);
+  WorkspaceOfCall workspace(options.workspace);
+  measure_union(result, spheres, options, workspace);
   require_finite({{result.area, result.volume},
                   {result.check_area.value_or(0), result.check_volume.value_or(0)}});
+}
+
+ExactUnion exact_union(const SphereSet& spheres, const UnionOptions& options) {
+  ExactUnion result;
+  exact_union_into(result, spheres, options);
   return result;
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/monitor.hpp"
+#include "core/workspace.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -29,6 +30,7 @@ enum class UnionMethod { cgal, arcs, both };
 struct UnionOptions {
   UnionMethod method = UnionMethod::cgal;
   Monitor* monitor = nullptr;
+  Workspace* workspace = nullptr;  // may be null; else keeps memory and cell list for later calls
 };
 
 struct SphereMeasures {
@@ -68,5 +70,9 @@ struct ExactUnion {
 
 // Throws InvalidInput for an empty set and where a measure is not finite in double, Cancelled.
 ExactUnion exact_union(const SphereSet& spheres, const UnionOptions& options = {});
+
+// The same into a result that is there, in the memory of its arrays. It means nothing if this
+// throws.
+void exact_union_into(ExactUnion& result, const SphereSet& spheres, const UnionOptions& options);
 
 }  // namespace vdwmesh

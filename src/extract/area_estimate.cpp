@@ -10,6 +10,7 @@
 
 #include "core/multiversion.hpp"
 #include "extract/blended/field_sample.hpp"
+#include "extract/field_list.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {

@@ -61,12 +61,17 @@ VDWMESH_MULTIVERSION std::uint8_t surviving_children(const CellListView& list,
 
 std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& model,
                                    const std::vector<std::uint64_t>& parents, int level,
-                                   std::uint64_t most) {
+                                   const KeyRange& range, std::uint64_t most) {
   std::vector<std::uint8_t> survivors(parents.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parents.size(), 16), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parents.size(), 16), [&](const auto& task) {
     std::vector<std::uint32_t> near;
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      survivors[i] = surviving_children(list, model, brick_of_key(parents[i]), level, near);
+    for (std::size_t i = task.begin(); i < task.end(); ++i) {
+      const BrickIndex parent = brick_of_key(parents[i]);
+      survivors[i] = surviving_children(list, model, parent, level, near);
+      for (int c = 0; c < kChildren; ++c) {
+        if (!block_meets(range, child(parent, c), level - 1))
+          survivors[i] = static_cast<std::uint8_t>(survivors[i] & ~(1u << c));
+      }
     }
   });
   std::uint64_t count = 0;
@@ -94,8 +99,16 @@ std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& m
 
 }  // namespace
 
+KeyRange halo(const KeyRange& range, Connectivity connectivity) {
+  const std::uint64_t above = brick_key({1, 1, 1});
+  const std::uint64_t below = connectivity == Connectivity::half_edges ? brick_key({0, 0, 1}) : 0;
+  return {range.begin > below ? range.begin - below : 0,
+          range.end < kNoBrickKey - above ? range.end + above : kNoBrickKey};
+}
+
 std::vector<std::uint64_t> candidate_bricks(const CellListView& list, const FieldModel& model,
-                                            std::uint64_t most, Monitor* monitor) {
+                                            const KeyRange& range, std::uint64_t most,
+                                            Monitor* monitor) {
   const Vec3i& cells = model.grid.cells;
   const auto widest = static_cast<std::uint32_t>(
       std::max({brick_count(cells.x), brick_count(cells.y), brick_count(cells.z)}));
@@ -104,7 +117,7 @@ std::vector<std::uint64_t> candidate_bricks(const CellListView& list, const Fiel
   // One level above the root of the tree, so that a single brick is tested too.
   std::vector<std::uint64_t> blocks{0};
   for (int level = levels + 1; level > 0; --level) {
-    blocks = descend(list, model, blocks, level, most);
+    blocks = descend(list, model, blocks, level, range, most);
     advance(monitor, 1);
   }
   tbb::parallel_sort(blocks.begin(), blocks.end());

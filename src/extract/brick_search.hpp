@@ -6,14 +6,22 @@
 #include <vector>
 
 #include "core/monitor.hpp"
+#include "extract/extractor.hpp"
 #include "extract/field.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
 
-// Keys (brick_key) of the bricks whose bounds admit surface, rising. Throws LimitExceeded when
-// there are more than `most`, Cancelled.
+// Keys (brick_key) of the bricks of the range whose bounds admit surface, rising. Throws
+// LimitExceeded when there are more than `most`, Cancelled.
 std::vector<std::uint64_t> candidate_bricks(const CellListView& list, const FieldModel& model,
-                                            std::uint64_t most, Monitor* monitor);
+                                            const KeyRange& range, std::uint64_t most,
+                                            Monitor* monitor);
+
+// The range with the bricks around it whose numbers its triangles and half-edges refer to: from the
+// neighbour across its first brick's lower z face, which only opposite half-edges need, to the one
+// beyond the upper corner of its last brick. What lies between must be counted too, since a number
+// is a sum over all bricks before.
+KeyRange halo(const KeyRange& range, Connectivity connectivity);
 
 }  // namespace vdwmesh

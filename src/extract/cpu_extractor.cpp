@@ -1,12 +1,15 @@
+// The Extractor on the CPU: a descent through blocks of bricks finds the candidates
+// (brick_search.hpp), and marching cubes runs over them (bricks/brick_extraction.hpp) with the
+// signs and vertices of the field's kind.
 #include <vector>
 
 #include "core/multiversion.hpp"
 #include "extract/blended/blended_brick.hpp"
-#include "extract/blended/field_sample.hpp"
 #include "extract/brick_search.hpp"
 #include "extract/bricks/brick_extraction.hpp"
 #include "extract/extractor.hpp"
 #include "extract/field_kinds.hpp"
+#include "extract/field_list.hpp"
 #include "extract/union/union_brick.hpp"
 
 namespace vdwmesh {
@@ -53,18 +56,58 @@ BrickLoops loops_of(const Job& job) {
   });
 }
 
+// What an extraction rests on: the grid, the field and its cell list in the workspace.
+struct Scene {
+  Scene(const SphereSet& spheres, const ExtractOptions& options, Workspace& workspace)
+      : model(make_field_model(options.field, make_grid(spheres, options.grid))),
+        list(field_list(spheres, model, options.frame, workspace)) {}
+
+  CandidateSearch candidates(const KeyRange& range, const ExtractOptions& options) const {
+    return
+        [this, range, most = options.memory_limit / sizeof(ActiveBrick),
+         monitor = options.monitor] { return candidate_bricks(list, model, range, most, monitor); };
+  }
+  Job job() const { return {list, model}; }
+
+  FieldModel model;
+  CellListView list;
+};
+
+class CpuSurfacePart final : public SurfacePart {
+ public:
+  CpuSurfacePart(const SphereSet& spheres, const KeyRange& range, const ExtractOptions& options)
+      : workspace_(options.workspace),
+        scene_(spheres, options, workspace_),
+        mesher_(scene_.model.grid, loops_of(scene_.job()), LabelWidth::one, options, workspace_) {
+    mesher_.count(scene_.candidates(halo(range, options.connectivity), options), range);
+  }
+
+  MeshSize size() const override { return mesher_.size(); }
+
+  ExtractStats emit(const MeshSize& first, IndexedMesh& mesh) override {
+    mesher_.make_room_and_emit(first, mesh);
+    return mesher_.stats();
+  }
+
+ private:
+  WorkspaceOfCall workspace_;
+  Scene scene_;
+  BrickMesher mesher_;
+};
+
 class CpuExtractor final : public Extractor {
  public:
-  ExtractResult extract(const SphereSet& spheres, const ExtractOptions& options) const override {
-    const GridSpec grid = make_grid(spheres, options.grid);
-    const FieldModel model = make_field_model(options.field, grid);
-    const CellList list = make_field_list(spheres, model);
-    const Job job{list.view(), model};
-    const auto candidates = [&] {
-      return candidate_bricks(list.view(), model, options.memory_limit / sizeof(ActiveBrick),
-                              options.monitor);
-    };
-    return mesh_bricks(grid, candidates, loops_of(job), LabelWidth::one, options);
+  void extract_into(ExtractResult& result, const SphereSet& spheres,
+                    const ExtractOptions& options) const override {
+    WorkspaceOfCall workspace(options.workspace);
+    const Scene scene(spheres, options, workspace);
+    mesh_bricks(result, scene.model.grid, scene.candidates({}, options), loops_of(scene.job()),
+                LabelWidth::one, options, workspace);
+  }
+
+  std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
+                                     const ExtractOptions& options) const override {
+    return std::make_unique<CpuSurfacePart>(spheres, range, options);
   }
 };
 

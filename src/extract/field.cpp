@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "core/errors.hpp"
-#include "extract/blended/field_sample.hpp"
 #include "extract/field_kinds.hpp"
 
 namespace vdwmesh {
@@ -99,12 +97,6 @@ FieldModel make_field_model(const FieldOptions& options, const GridSpec& grid) {
                                                                    : thesis(options, grid);
   check_isovalue(m);
   return m;
-}
-
-CellList make_field_list(const SphereSet& spheres, const FieldModel& model) {
-  std::vector<double> reach(spheres.size());
-  for (std::size_t i = 0; i < reach.size(); ++i) reach[i] = field_reach(model, spheres[i].radius);
-  return CellList(spheres, reach);
 }
 
 GridOptions preset_grid(FieldPreset preset, std::optional<double> spacing,

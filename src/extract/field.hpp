@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "extract/grid.hpp"
+#include "spheres/cell_list_frame.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -53,6 +54,10 @@ struct FieldModel {
 // float32 holds, for either of them with FieldKind::vdw, and for a thesis preset with
 // FieldKind::vdw.
 FieldModel make_field_model(const FieldOptions& options, const GridSpec& grid);
+
+// The frame of the cell list in which the field is summed. Extractions of parts of a set that are
+// given the frame of the whole set compute the same field where the parts meet, bit for bit.
+CellListFrame make_field_frame(const SphereSet& spheres, const FieldModel& model);
 
 // The grid the preset asks for, where the caller leaves spacing, padding or both unset. Å.
 GridOptions preset_grid(FieldPreset preset, std::optional<double> spacing,

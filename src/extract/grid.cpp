@@ -14,8 +14,7 @@ std::uint64_t product(const Vec3i& n, std::int64_t extra) {
          static_cast<std::uint64_t>(n.z + extra);
 }
 
-void check(const SphereSet& spheres, const GridOptions& options) {
-  if (spheres.empty()) throw InvalidInput("no spheres: there is nothing to put a grid around");
+void check_options(const GridOptions& options) {
   if (!(options.spacing > 0) || !std::isfinite(options.spacing)) {
     throw InvalidInput(fmt::format("spacing {} Å: must be finite and above 0", options.spacing));
   }
@@ -30,8 +29,33 @@ void check(const SphereSet& spheres, const GridOptions& options) {
 std::uint64_t GridSpec::cell_count() const { return product(cells, 0); }
 std::uint64_t GridSpec::node_count() const { return product(cells, 1); }
 
+void check(const GridSpec& grid) {
+  const Vec3d& o = grid.origin;
+  if (!(grid.spacing > 0) || !std::isfinite(grid.spacing + o.x + o.y + o.z)) {
+    throw InvalidInput(fmt::format(
+        "the grid begins at ({}, {}, {}) with a spacing of {} Å: both must be finite, and the "
+        "spacing above 0",
+        o.x, o.y, o.z, grid.spacing));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (grid.cells[axis] < 0) {
+      throw InvalidInput(fmt::format("the grid has {} cells along {}: it needs 0 or more",
+                                     grid.cells[axis], "xyz"[axis]));
+    }
+    if (grid.cells[axis] > kMaxCellsPerAxis) {
+      throw LimitExceeded(fmt::format("the grid has {} cells along {}, at most {} fit",
+                                      grid.cells[axis], "xyz"[axis], kMaxCellsPerAxis));
+    }
+  }
+}
+
 GridSpec make_grid(const SphereSet& spheres, const GridOptions& options) {
-  check(spheres, options);
+  if (spheres.empty()) throw InvalidInput("no spheres: there is nothing to put a grid around");
+  if (options.given) {
+    check(*options.given);
+    return *options.given;
+  }
+  check_options(options);
   const Box box =
       options.box == GridBox::balls ? bounding_box(spheres) : center_bounding_box(spheres);
   const double padding = options.padding.value_or(3 * options.spacing);

@@ -52,23 +52,7 @@ void check_sampling(const FieldModel& model, std::uint64_t memory_limit) {
 
 void check_sampled(const SampledField& field) {
   const GridSpec& grid = field.grid;
-  const Vec3d& o = grid.origin;
-  if (!(grid.spacing > 0) || !std::isfinite(grid.spacing + o.x + o.y + o.z)) {
-    throw InvalidInput(fmt::format(
-        "the field's grid begins at ({}, {}, {}) with a spacing of {} Å: both must be finite, and "
-        "the spacing above 0",
-        o.x, o.y, o.z, grid.spacing));
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    if (grid.cells[axis] < 0) {
-      throw InvalidInput(fmt::format("the field's grid has {} cells along {}: it needs 0 or more",
-                                     grid.cells[axis], "xyz"[axis]));
-    }
-    if (grid.cells[axis] > kMaxCellsPerAxis) {
-      throw LimitExceeded(fmt::format("the field's grid has {} cells along {}, at most {} fit",
-                                      grid.cells[axis], "xyz"[axis], kMaxCellsPerAxis));
-    }
-  }
+  check(grid);
   if (field.values.size() != grid.node_count()) {
     throw InvalidInput(fmt::format("the field has {} values for the {} nodes of its grid",
                                    field.values.size(), grid.node_count()));

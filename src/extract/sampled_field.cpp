@@ -4,10 +4,10 @@
 
 #include "core/multiversion.hpp"
 #include "extract/blended/blended_brick.hpp"
-#include "extract/blended/field_sample.hpp"
 #include "extract/blended/sampled_formulas.hpp"
 #include "extract/bricks/brick_extraction.hpp"
 #include "extract/field_kinds.hpp"
+#include "extract/field_list.hpp"
 #include "extract/limits.hpp"
 
 namespace vdwmesh {
@@ -132,8 +132,9 @@ class CpuFieldMesher final : public FieldMesher {
     check_sampling(model, options.memory_limit);
     field.isovalue = static_cast<float>(model.isovalue);
     field.values.resize(field.grid.node_count());
-    const CellList list = make_field_list(spheres, model);
-    const Sampling sampling{list.view(), model, field.values.data()};
+    WorkspaceOfCall workspace(options.workspace);
+    const CellListView list = field_list(spheres, model, options.frame, workspace);
+    const Sampling sampling{list, model, field.values.data()};
     const auto sample_row =
         with_blended(model.kind, []<class Kind>(Kind) { return &vdwmesh::sample_row<Kind>; });
     const std::int32_t height = brick_count(field.grid.cells.y);
@@ -146,7 +147,8 @@ class CpuFieldMesher final : public FieldMesher {
     return field;
   }
 
-  ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const override {
+  void mesh_into(ExtractResult& result, const SampledField& field,
+                 const ExtractOptions& options) const override {
     check_sampled(field);
     const SampledFieldView view = field.view();
     const BrickLoops loops{
@@ -154,8 +156,10 @@ class CpuFieldMesher final : public FieldMesher {
         [&](const Emission& e, std::size_t begin, std::size_t end) {
           return emit_sampled(view, e, begin, end);
         }};
-    return mesh_bricks(
-        field.grid, [&] { return all_bricks(field.grid); }, loops, LabelWidth::none, options);
+    WorkspaceOfCall workspace(options.workspace);
+    mesh_bricks(
+        result, field.grid, [&] { return all_bricks(field.grid); }, loops, LabelWidth::none,
+        options, workspace);
   }
 };
 

@@ -40,13 +40,21 @@ class FieldMesher {
   virtual SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const = 0;
 
   // Marching cubes, in the Extractor's order, closed like its meshes; only connectivity, normals,
-  // memory limit, device memory, monitor and on_size of `options` are used. Vertices interpolate
-  // between two nodes; normals are those of central differences, interpolated likewise;
+  // memory limit, device memory, monitor, workspace and on_size of `options` are used. Vertices
+  // interpolate between two nodes; normals are those of central differences, interpolated likewise;
   // vertex_spheres is empty. Where the grid's border cuts the surface, the vertex is a whole edge
   // outside. A value that is not a number counts as outside. Throws InvalidInput for a grid without
   // sense (spacing, negative cells), values that are not one per node and an isovalue that is not
   // finite; LimitExceeded.
-  virtual ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const = 0;
+  virtual void mesh_into(ExtractResult& result, const SampledField& field,
+                         const ExtractOptions& options) const = 0;
+
+  // The same into a new result.
+  ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const {
+    ExtractResult result;
+    mesh_into(result, field, options);
+    return result;
+  }
 };
 
 // The CPU backend: all cores, through TBB.

@@ -23,16 +23,17 @@ void compute_normals(const SphereSet& spheres, const TargetSurface& surface, Ind
   });
 }
 
-class CpuRefiner : public Refiner {
+class CpuRefiner final : public Refiner {
  public:
-  RefineResult refine(const SphereSet& spheres, const IndexedMesh& mesh,
+  RefineResult refine(const SphereSet& spheres, IndexedMesh&& mesh,
                       const RefineOptions& options) const override {
     const auto begin = std::chrono::steady_clock::now();
     check_refinement(spheres, mesh, options);
     begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
-    const TargetSurface surface(spheres, options, mesh.triangle_labels());
+    WorkspaceOfCall workspace(options.workspace);
+    const TargetSurface surface(spheres, options, mesh.triangle_labels(), workspace);
     RefineResult result;
-    result.mesh = prepare_mesh(mesh, options);
+    result.mesh = prepare_mesh(std::move(mesh), options);
     std::chrono::steady_clock::duration observed{};
     const auto observe = [&](int level) {
       if (!options.on_level) return;
@@ -41,7 +42,7 @@ class CpuRefiner : public Refiner {
       observed += std::chrono::steady_clock::now() - start;
     };
     observe(0);
-    result.levels.push_back(project_given(spheres, surface, mesh, result.mesh, options));
+    result.levels.push_back(project_given(spheres, surface, result.mesh, options));
     advance(options.monitor, 1);
     for (int l = 1; l <= options.subdivisions; ++l) {
       SubdividedMesh next = subdivide(spheres, surface, result.mesh, options);
@@ -58,6 +59,13 @@ class CpuRefiner : public Refiner {
 };
 
 }  // namespace
+
+RefineResult Refiner::refine(const SphereSet& spheres, const IndexedMesh& mesh,
+                             const RefineOptions& options) const {
+  check_refinement_size(spheres.size(), mesh.vertex_count(), mesh.triangle_count(), options,
+                        mesh.triangle_labels());
+  return refine(spheres, IndexedMesh(mesh), options);
+}
 
 std::unique_ptr<Refiner> make_cpu_refiner() { return std::make_unique<CpuRefiner>(); }
 

@@ -234,26 +234,26 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
 }  // namespace
 
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
-                              const IndexedMesh& given, IndexedMesh& mesh,
-                              const RefineOptions& options) {
+                              IndexedMesh& mesh, const RefineOptions& options) {
   ProjectionStats stats;
-  const bool constrained = given.triangle_labels() == TriangleLabels::spheres;
+  const bool constrained = mesh.triangle_labels() == TriangleLabels::spheres;
   if (constrained && surface.projection() != Projection::none) {
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
       count_constrained(spheres, mesh, v, total);
     });
   } else if (surface.projection() != Projection::none) {
+    const Buffer<Vec3d> positions = mesh.positions;
+    const VertexLabels labels = mesh.vertex_spheres;
     Buffer<Fate> fates(mesh.vertex_count());
-    const Buffer<std::uint64_t> squares = longest_edge_squares(given);
+    const Buffer<std::uint64_t> squares = longest_edge_squares(mesh);
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
       const double reach = std::sqrt(std::bit_cast<double>(squares[v]));
       fates[v] = project_vertex(surface, v, reach, mesh, total);
     });
-    const bool labelled = !given.vertex_spheres.empty();
-    const Given level{given, mesh};
+    const Given level{positions, mesh};
     stats.undone = take_back_bad_moves(spheres, level, fates, options, [&](std::size_t v) {
-      mesh.positions[v] = given.positions[v];
-      mesh.vertex_spheres.set(v, labelled ? given.vertex_spheres[v] : on_sphere(kNoSphere));
+      mesh.positions[v] = positions[v];
+      mesh.vertex_spheres.set(v, labels[v]);
     });
     stats.projected -= stats.undone;
   }

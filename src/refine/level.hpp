@@ -10,10 +10,9 @@
 
 namespace vdwmesh {
 
-// Projects the vertices of a copy of `given`, and takes back the bad moves.
+// Projects the vertices of a mesh that prepare_mesh() made, and takes back the bad moves.
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
-                              const IndexedMesh& given, IndexedMesh& mesh,
-                              const RefineOptions& options);
+                              IndexedMesh& mesh, const RefineOptions& options);
 
 // Subdivides `parent` (with `opposite`) once and projects the midpoints.
 struct SubdividedMesh {

@@ -21,18 +21,16 @@ enum class Fate : std::uint8_t { stayed, moved, taking_back, taken_back };
 
 struct Given {
   static constexpr int kVertices = 3, kTriangles = 1;
-  const IndexedMesh& given;
+  const Buffer<Vec3d>& given;  // positions before projection
   const IndexedMesh& mesh;
 
-  std::size_t patches() const { return given.triangle_count(); }
+  std::size_t patches() const { return mesh.triangle_count(); }
   static constexpr std::array<int, 3> triangle(int) { return {0, 1, 2}; }
-  std::array<std::uint32_t, 3> vertices(std::size_t t) const { return given.triangles[t]; }
-  Vec3d before(const std::array<std::uint32_t, 3>& v, std::size_t i) const {
-    return given.positions[v[i]];
-  }
+  std::array<std::uint32_t, 3> vertices(std::size_t t) const { return mesh.triangles[t]; }
+  Vec3d before(const std::array<std::uint32_t, 3>& v, std::size_t i) const { return given[v[i]]; }
   // First of the handled vertices, which are the last of the mesh; and the loop over them.
   std::size_t first_handled() const { return 0; }
-  std::size_t items() const { return given.vertex_count(); }
+  std::size_t items() const { return mesh.vertex_count(); }
   std::optional<std::size_t> handled_by_item(std::size_t item) const { return item; }
 };
 

@@ -9,7 +9,7 @@
 
 #include "core/blocks.hpp"
 #include "core/errors.hpp"
-#include "extract/blended/field_sample.hpp"
+#include "extract/field_list.hpp"
 #include "refine/half_edges.hpp"
 #include "refine/triangle_grid.hpp"
 
@@ -154,18 +154,13 @@ void check_refinement(const SphereSet& spheres, const IndexedMesh& mesh,
   check_triangle_spheres(spheres, mesh, options);
 }
 
-IndexedMesh prepare_mesh(const IndexedMesh& given, const RefineOptions& options) {
-  IndexedMesh mesh;
-  mesh.positions = given.positions;
-  mesh.triangles = given.triangles;
-  mesh.vertex_spheres = given.vertex_spheres;
-  mesh.triangle_spheres = given.triangle_spheres;
-  if (options.projection == Projection::none) mesh.normals = given.normals;
-  if (given.vertex_spheres.empty()) {
-    mesh.vertex_spheres.assign(given.vertex_count(), on_sphere(kNoSphere));
+IndexedMesh prepare_mesh(IndexedMesh mesh, const RefineOptions& options) {
+  if (options.projection != Projection::none) mesh.normals = {};
+  if (options.subdivisions > 0) mesh.opposite = find_opposite(mesh);
+  if (mesh.vertex_spheres.empty()) {
+    mesh.vertex_spheres.assign(mesh.vertex_count(), on_sphere(kNoSphere));
   }
   mesh.vertex_spheres.widen();
-  mesh.opposite = options.subdivisions > 0 ? find_opposite(given) : given.opposite;
   return mesh;
 }
 
@@ -201,13 +196,13 @@ FieldModel projection_model(const RefineOptions& o) {
   return make_field_model(o.field, o.grid);
 }
 
-CellList projection_list(const SphereSet& spheres, const RefineOptions& options,
-                         TriangleLabels labels) {
-  if (labels == TriangleLabels::spheres) return make_ball_list(SphereSet());
-  if (options.projection == Projection::field) {
-    return make_field_list(spheres, projection_model(options));
-  }
-  return make_ball_list(options.projection == Projection::vdw ? spheres : SphereSet());
+CellListView projection_list(const SphereSet& spheres, const RefineOptions& options,
+                             TriangleLabels labels, Workspace& workspace) {
+  const bool searches = labels == TriangleLabels::none && options.projection != Projection::none;
+  if (!searches) return {};
+  const bool to_field = options.projection == Projection::field;
+  const FieldModel model = to_field ? projection_model(options) : FieldModel{};
+  return field_list(spheres, model, to_field ? options.frame : nullptr, workspace);
 }
 
 }  // namespace vdwmesh

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "core/workspace.hpp"
 #include "extract/field.hpp"
 #include "refine/refiner.hpp"
 #include "spheres/cell_list.hpp"
@@ -22,12 +23,13 @@ void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::u
 
 // The given mesh as level 0 begins with it: labels there, half-edges where a subdivision follows.
 // Normals are computed at the end, unless there is no surface to take them from.
-IndexedMesh prepare_mesh(const IndexedMesh& given, const RefineOptions& options);
+IndexedMesh prepare_mesh(IndexedMesh given, const RefineOptions& options);
 
 // The field and the list that the projection searches, which is empty where triangles name their
-// spheres. Throw InvalidInput for options without sense.
+// spheres. The list is the workspace's: see field_list(). Throw InvalidInput for options without
+// sense.
 FieldModel projection_model(const RefineOptions& options);
-CellList projection_list(const SphereSet& spheres, const RefineOptions& options,
-                         TriangleLabels labels);
+CellListView projection_list(const SphereSet& spheres, const RefineOptions& options,
+                             TriangleLabels labels, Workspace& workspace);
 
 }  // namespace vdwmesh

@@ -40,7 +40,9 @@ struct RefineOptions {
   GridSpec grid;                          // of the extraction (thesis sub-grids refer to it)
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes, compared with refine_bytes()
   LevelObserver on_level;                       // may be empty
+  const CellListFrame* frame = nullptr;  // for Projection::field, as in ExtractOptions; may be null
   Monitor* monitor = nullptr;
+  Workspace* workspace = nullptr;  // may be null; else keeps memory and cell list for later calls
   std::uint64_t device_memory = kNoMemoryLimit;  // bytes, for the CUDA backend
 };
 
@@ -104,7 +106,10 @@ class Refiner {
   //
   // The result is the same, bit for bit, for any number of threads. Throws InvalidInput (options,
   // a mesh that is not closed), LimitExceeded before memory is taken, Cancelled.
-  virtual RefineResult refine(const SphereSet& spheres, const IndexedMesh& mesh,
+  RefineResult refine(const SphereSet& spheres, const IndexedMesh& mesh,
+                      const RefineOptions& options) const;
+  // The same without a copy of the arrays, for a mesh that is not needed any more.
+  virtual RefineResult refine(const SphereSet& spheres, IndexedMesh&& mesh,
                               const RefineOptions& options) const = 0;
 };
 

@@ -1,3 +1,4 @@
+// The view of the surface is all that projection needs; the list in it belongs to the workspace.
 #include "refine/target_surface.hpp"
 
 #include "refine/preparation.hpp"
@@ -5,9 +6,8 @@
 namespace vdwmesh {
 
 TargetSurface::TargetSurface(const SphereSet& spheres, const RefineOptions& options,
-                             TriangleLabels labels)
-    : list_(projection_list(spheres, options, labels)),
-      view_{options.projection, list_.view(), projection_model(options), spheres.spheres().data()} {
-}
+                             TriangleLabels labels, Workspace& workspace)
+    : view_{options.projection, projection_list(spheres, options, labels, workspace),
+            projection_model(options), spheres.spheres().data()} {}
 
 }  // namespace vdwmesh

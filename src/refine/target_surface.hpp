@@ -10,9 +10,11 @@ namespace vdwmesh {
 
 class TargetSurface {
  public:
-  // Throws InvalidInput for options without sense. `spheres` must outlive it. Where triangles name
-  // their spheres nothing is ever searched, and project() must not be called.
-  TargetSurface(const SphereSet& spheres, const RefineOptions& options, TriangleLabels labels);
+  // Throws InvalidInput for options without sense. `spheres` and `workspace`, in which the cell
+  // list stands, must outlive it. If triangles name their spheres, nothing is ever searched, and
+  // project() must not be called.
+  TargetSurface(const SphereSet& spheres, const RefineOptions& options, TriangleLabels labels,
+                Workspace& workspace);
 
   Projection projection() const { return view_.projection; }
   ProjectedPoint project(const Vec3d& start, double reach) const {
@@ -26,7 +28,6 @@ class TargetSurface {
   }
 
  private:
-  CellList list_;
   SurfaceView view_;
 };
 

@@ -1,62 +1,74 @@
+// Builds a CellList in three steps: the canonical order of the spheres, a level for each sphere by
+// the octave of its reach, and for each level a counting sort of its spheres by cell. The sort goes
+// through the spheres in canonical order and is stable, so that order holds within every cell.
 #include "spheres/cell_list.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/bins.hpp"
+#include "core/errors.hpp"
 
 namespace vdwmesh {
 namespace {
 
-// Spheres of one level: their places in canonical order, the box of their centres, their reach.
-struct LevelMembers {
-  std::vector<std::uint32_t> ranks;
-  Box box{};
-  double reach = 0;
-};
-
-void add_member(LevelMembers& level, std::uint32_t rank, const Vec3d& center, double reach) {
-  if (level.ranks.empty()) level.box = {center, center};
-  for (int axis = 0; axis < 3; ++axis) {
-    level.box.lower[axis] = std::min(level.box.lower[axis], center[axis]);
-    level.box.upper[axis] = std::max(level.box.upper[axis], center[axis]);
-  }
-  level.reach = std::max(level.reach, reach);
-  level.ranks.push_back(rank);
+// The octave of a reach above the smallest one; the last level takes all that is larger. A part of
+// a set may have smaller spheres than the frame knows of: they go to level 0.
+int level_of(double reach, double smallest) {
+  const double ratio = reach / smallest;
+  if (ratio < 1.9999) return 0;  // as the logarithm says, which costs more than all else here
+  const int octave = static_cast<int>(std::floor(std::log2(ratio) + 1e-12));
+  return std::clamp(octave, 0, CellListView::kMaxLevels - 1);
 }
 
+// What the spheres of one level have in common.
+struct LevelExtent {
+  std::size_t spheres = 0;
+  Box centers{};     // the smallest box around their centres, Å
+  double reach = 0;  // the largest, Å
+
+  void add(const Vec3d& center, double sphere_reach) {
+    if (spheres == 0) centers = {center, center};
+    for (int axis = 0; axis < 3; ++axis) {
+      centers.lower[axis] = std::min(centers.lower[axis], center[axis]);
+      centers.upper[axis] = std::max(centers.upper[axis], center[axis]);
+    }
+    reach = std::max(reach, sphere_reach);
+    ++spheres;
+  }
+};
+
 // What cell_range() and cell_index() lose by rounding, Å: sixteen units of the largest number in
-// them. Of many small spheres far from the origin it is more than a share of the cells.
-double rounding_of(const LevelMembers& members) {
-  double largest = members.reach;
+// them. Where there are many small spheres far from the origin, this is more than the share of a
+// cell's width by which cell_range() widens every range.
+double rounding_of(const LevelExtent& extent) {
+  double largest = extent.reach;
   for (int axis = 0; axis < 3; ++axis) {
-    largest =
-        std::max({largest, std::abs(members.box.lower[axis]), std::abs(members.box.upper[axis])});
+    largest = std::max(
+        {largest, std::abs(extent.centers.lower[axis]), std::abs(extent.centers.upper[axis])});
   }
   return 16 * std::numeric_limits<double>::epsilon() * 2 * largest;
 }
 
-// Octave of a reach above the smallest one; the last level takes all that is larger.
-int level_of(double reach, double smallest) {
-  const int octave = static_cast<int>(std::floor(std::log2(reach / smallest) + 1e-12));
-  return std::clamp(octave, 0, CellListView::kMaxLevels - 1);
-}
-
 // Cells as wide as the reach, or wider, so that there are at most a few per sphere.
-CellListView::Level shape_of(const LevelMembers& members) {
-  CellListView::Level level{};
-  level.origin = members.box.lower;
-  level.reach = members.reach + rounding_of(members);
-  const double most = std::max(4096.0, 8.0 * static_cast<double>(members.ranks.size()));
-  const Bins bins = cubic_bins(members.box.upper - members.box.lower, members.reach, most);
+CellLevel shape_of(const LevelExtent& extent) {
+  CellLevel level{};
+  if (extent.spheres == 0) return level;
+  level.origin = extent.centers.lower;
+  level.reach = extent.reach + rounding_of(extent);
+  const double most = std::max(4096.0, 8.0 * static_cast<double>(extent.spheres));
+  const Bins bins = cubic_bins(extent.centers.upper - extent.centers.lower, extent.reach, most);
   level.cell_size = bins.width;
   std::ranges::copy(bins.count, level.cells);
   return level;
 }
 
-// Below kMostBins.
-std::uint32_t cell_index(const CellListView::Level& level, const Vec3d& center) {
+// The cell of a centre, below kMostBins. Precondition: the centre is within the cells of the level.
+std::uint32_t cell_index(const CellLevel& level, const Vec3d& center) {
   std::int32_t cell[3];
   for (int axis = 0; axis < 3; ++axis) {
     const double offset = (center[axis] - level.origin[axis]) / level.cell_size;
@@ -66,60 +78,111 @@ std::uint32_t cell_index(const CellListView::Level& level, const Vec3d& center) 
   return static_cast<std::uint32_t>(row * level.cells[0] + cell[0]);
 }
 
-// Offsets of each cell's spheres, beginning at `base`.
-std::vector<std::uint32_t> cell_starts(const std::vector<std::uint32_t>& cell_of, std::size_t cells,
-                                       std::uint32_t base) {
-  std::vector<std::uint32_t> start(cells + 1, 0);
-  for (const std::uint32_t cell : cell_of) ++start[cell + 1];
-  start[0] = base;
-  for (std::size_t c = 0; c < cells; ++c) start[c + 1] += start[c];
-  return start;
+std::size_t cell_count(const CellLevel& level) {
+  return static_cast<std::size_t>(level.cells[0]) * static_cast<std::size_t>(level.cells[1]) *
+         static_cast<std::size_t>(level.cells[2]);
 }
 
-std::vector<LevelMembers> split_by_reach(const SphereSet& spheres, std::span<const double> reach,
-                                         const std::vector<SphereId>& order) {
-  const double smallest = reach.empty() ? 1.0 : *std::min_element(reach.begin(), reach.end());
-  std::vector<LevelMembers> levels(CellListView::kMaxLevels);
-  for (std::uint32_t rank = 0; rank < order.size(); ++rank) {
-    const SphereId i = order[rank];
-    add_member(levels[static_cast<std::size_t>(level_of(reach[i], smallest))], rank,
-               spheres[i].center, reach[i]);
+// Whether a level has the cell and the reach that a sphere needs. NaN cannot occur: SphereSet
+// takes none.
+bool takes(const CellLevel& level, const Vec3d& center, double reach) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double offset = (center[axis] - level.origin[axis]) / level.cell_size;
+    if (!(offset >= 0) || !(offset < level.cells[axis])) return false;
   }
-  return levels;
+  return reach <= level.reach;
+}
+
+[[noreturn]] void throw_beyond_frame(std::size_t sphere) {
+  throw InvalidInput(fmt::format(
+      "sphere {}: lies beyond the cells of the given frame, or reaches farther than they allow: "
+      "make the frame from all spheres that its lists will hold",
+      sphere));
 }
 
 }  // namespace
 
-CellList::CellList(const SphereSet& spheres, std::span<const double> reach)
-    : spheres_(spheres.size()), rank_(spheres.size()), id_(spheres.size()) {
-  const std::vector<SphereId> order = canonical_order(spheres);
-  std::uint32_t base = 0;
-  for (const LevelMembers& members : split_by_reach(spheres, reach, order)) {
-    if (members.ranks.empty()) continue;
-    CellListView::Level level = shape_of(members);
-    std::vector<std::uint32_t> cell_of(members.ranks.size());
-    for (std::size_t m = 0; m < cell_of.size(); ++m) {
-      cell_of[m] = cell_index(level, spheres[order[members.ranks[m]]].center);
-    }
-    const std::size_t cells = static_cast<std::size_t>(level.cells[0]) *
-                              static_cast<std::size_t>(level.cells[1]) *
-                              static_cast<std::size_t>(level.cells[2]);
-    cell_start_.push_back(cell_starts(cell_of, cells, base));
-    std::vector<std::uint32_t> next = cell_start_.back();
-    for (std::size_t m = 0; m < cell_of.size(); ++m) {
-      const std::uint32_t place = next[cell_of[m]]++;
-      rank_[place] = members.ranks[m];
-      id_[place] = order[members.ranks[m]];
-      spheres_[place] = spheres[id_[place]];
-    }
-    base += static_cast<std::uint32_t>(cell_of.size());
-    level.cell_start = cell_start_.back().data();
-    view_.levels[view_.level_count++] = level;
+CellListFrame make_frame(const SphereSet& spheres, std::span<const double> reach) {
+  CellListFrame frame;
+  if (spheres.empty()) return frame;
+  frame.smallest_reach = *std::min_element(reach.begin(), reach.end());
+  LevelExtent extents[CellListView::kMaxLevels];
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    extents[level_of(reach[i], frame.smallest_reach)].add(spheres[i].center, reach[i]);
   }
-  view_.spheres = spheres_.data();
-  view_.rank = rank_.data();
-  view_.id = id_.data();
-  view_.size = static_cast<std::uint32_t>(spheres_.size());
+  frame.levels.resize(CellListView::kMaxLevels);
+  std::ranges::transform(extents, frame.levels.begin(), shape_of);
+  while (frame.levels.back().cells[0] == 0) frame.levels.pop_back();
+  return frame;
+}
+
+CellList::CellList(const SphereSet& spheres, std::span<const double> reach) {
+  rebuild(spheres, reach);
+}
+
+CellList::CellList(const SphereSet& spheres, std::span<const double> reach,
+                   const CellListFrame& frame) {
+  rebuild(spheres, reach, frame);
+}
+
+void CellList::rebuild(const SphereSet& spheres, std::span<const double> reach) {
+  rebuild(spheres, reach, make_frame(spheres, reach));
+}
+
+void CellList::rebuild(const SphereSet& spheres, std::span<const double> reach,
+                       const CellListFrame& frame) {
+  if (frame.levels.size() > CellListView::kMaxLevels) {
+    throw InvalidInput(fmt::format("the frame has {} levels, at most {} fit", frame.levels.size(),
+                                   CellListView::kMaxLevels));
+  }
+  canonical_order(spheres, order_);
+  std::size_t members[CellListView::kMaxLevels] = {};
+  level_of_rank_.resize(order_.size());
+  for (std::size_t rank = 0; rank < order_.size(); ++rank) {
+    const SphereId i = order_[rank];
+    const int level = level_of(reach[i], frame.smallest_reach);
+    const auto number = static_cast<std::size_t>(level);
+    if (number >= frame.levels.size() || !takes(frame.levels[number], spheres[i].center, reach[i]))
+      throw_beyond_frame(i);
+    level_of_rank_[rank] = static_cast<std::uint8_t>(level);
+    ++members[level];
+  }
+  spheres_.resize(spheres.size());
+  rank_.resize(spheres.size());
+  id_.resize(spheres.size());
+  view_ = {spheres_.data(), rank_.data(), id_.data(), 0, 0, {}};
+  for (std::size_t level = 0; level < frame.levels.size(); ++level) {
+    if (members[level] > 0) add_level(spheres, frame.levels[level], level);
+  }
+}
+
+// Appends the spheres of level `number` to the list by a counting sort.
+void CellList::add_level(const SphereSet& spheres, const CellLevel& level, std::size_t number) {
+  const auto next_level = static_cast<std::size_t>(view_.level_count);
+  if (cell_start_.size() == next_level) cell_start_.emplace_back();
+  std::vector<std::uint32_t>& start = cell_start_[next_level];
+  start.assign(cell_count(level) + 1, 0);
+  start[0] = view_.size;
+  cell_of_.clear();
+  for (std::size_t rank = 0; rank < order_.size(); ++rank) {
+    if (level_of_rank_[rank] != number) continue;
+    cell_of_.push_back(cell_index(level, spheres[order_[rank]].center));
+    ++start[cell_of_.back() + 1];
+  }
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  next_ = start;
+  std::size_t member = 0;
+  for (std::size_t rank = 0; rank < order_.size(); ++rank) {
+    if (level_of_rank_[rank] != number) continue;
+    const std::uint32_t place = next_[cell_of_[member++]]++;
+    rank_[place] = static_cast<std::uint32_t>(rank);
+    id_[place] = order_[rank];
+    spheres_[place] = spheres[order_[rank]];
+  }
+  view_.size += static_cast<std::uint32_t>(cell_of_.size());
+  CellListView::Level& made = view_.levels[view_.level_count++];
+  static_cast<CellLevel&>(made) = level;
+  made.cell_start = start.data();
 }
 
 CellList make_ball_list(const SphereSet& spheres) {

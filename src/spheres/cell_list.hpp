@@ -6,24 +6,22 @@
 #include <vector>
 
 #include "core/host_device.hpp"
+#include "spheres/cell_list_frame.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 
-// Trivially copyable view. Spheres stand in list order: level by level, cell by cell (z-y-x), in
-// canonical order within a cell. That is one global order: any query yields its spheres in it, so
-// sums over the spheres near two overlapping boxes round alike.
+// A cell list as host and device code read it; trivially copyable, owns nothing. Spheres stand in
+// list order: level by level, cell by cell (z-y-x), in canonical order within a cell. That is one
+// global order: any query yields its spheres in it, so sums over the spheres near two overlapping
+// boxes round alike.
 struct CellListView {
   static constexpr int kMaxLevels = 24;
-  struct Level {
-    Vec3d origin;      // lower corner of cell 0, Å
-    double cell_size;  // Å
-    double reach;      // largest reach of the level's spheres, Å
-    std::int32_t cells[3];
+  struct Level : CellLevel {
     const std::uint32_t* cell_start;  // cells.x * cells.y * cells.z + 1 offsets into the list
   };
   const Sphere* spheres;      // in list order
-  const std::uint32_t* rank;  // list place -> place in canonical order, which breaks ties
+  const std::uint32_t* rank;  // list place -> rank in the canonical order, which breaks ties
   const SphereId* id;         // list place -> id in the SphereSet
   std::uint32_t size;
   int level_count;
@@ -34,21 +32,35 @@ struct CellListView {
 // that reach, so one giant sphere does not slow the search for the small ones.
 class CellList {
  public:
-  // `reach[i]` (Å, > 0): how far from its centre sphere i matters.
+  CellList() = default;
+  // `reach[i]` (Å, above 0): how far from its centre sphere i matters.
   CellList(const SphereSet& spheres, std::span<const double> reach);
+  // The same with cells that are given. Throws InvalidInput, naming the first sphere whose centre
+  // lies beyond the cells of its level or whose reach is larger than the level's.
+  CellList(const SphereSet& spheres, std::span<const double> reach, const CellListFrame& frame);
 
   CellList(CellList&&) = default;
   CellList& operator=(CellList&&) = default;
 
-  // Valid as long as the list lives; moving the list does not invalidate it.
+  // As a new list, in the memory of this one. Views of it are not valid any more.
+  void rebuild(const SphereSet& spheres, std::span<const double> reach);
+  void rebuild(const SphereSet& spheres, std::span<const double> reach, const CellListFrame& frame);
+
+  // Valid until the list is rebuilt or ends; moving the list does not invalidate it.
   const CellListView& view() const { return view_; }
 
  private:
+  void add_level(const SphereSet& spheres, const CellLevel& level, std::size_t number);
+
   std::vector<Sphere> spheres_;
   std::vector<std::uint32_t> rank_;
   std::vector<SphereId> id_;
-  std::vector<std::vector<std::uint32_t>> cell_start_;
+  std::vector<std::vector<std::uint32_t>> cell_start_;  // one for each level of the view
   CellListView view_{};
+  // While a list is built: sphere ids by rank, their levels, and the cells of a level's spheres.
+  std::vector<SphereId> order_;
+  std::vector<std::uint8_t> level_of_rank_;
+  std::vector<std::uint32_t> cell_of_, next_;
 };
 
 // A cell list whose reach is the radius, for queries about the balls themselves.
@@ -58,7 +70,7 @@ CellList make_ball_list(const SphereSet& spheres);
 struct CellRange {
   std::int32_t first, last;  // empty when first > last
 };
-VDWMESH_HD inline CellRange cell_range(const CellListView::Level& level, int axis, double lower,
+VDWMESH_HD inline CellRange cell_range(const CellLevel& level, int axis, double lower,
                                        double upper) {
   const double inverse = 1.0 / level.cell_size;
   const double count = static_cast<double>(level.cells[axis]);

@@ -1,11 +1,16 @@
+// SphereSet checks its spheres once, when they come in, so that nobody who is given a set has to.
 #include "spheres/sphere_set.hpp"
 
 #include <fmt/format.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <tuple>
+#include <type_traits>
+#include <utility>
 
 #include "core/errors.hpp"
 
@@ -27,24 +32,83 @@ Box bounds(const SphereSet& spheres, Reach reach) {
   return box;
 }
 
+void check(const Sphere& s, std::size_t i) {
+  const Vec3d& c = s.center;
+  const bool near = std::abs(c.x) <= kFarthestSphere && std::abs(c.y) <= kFarthestSphere &&
+                    std::abs(c.z) <= kFarthestSphere;  // false for what is not a number
+  if (near && s.radius > 0 && s.radius <= kFarthestSphere) return;
+  throw InvalidInput(fmt::format(
+      "sphere {}: centre ({}, {}, {}) and radius {}; coordinates must be at most {:g} Å from "
+      "0, and radii above 0 and at most {:g} Å",
+      i, c.x, c.y, c.z, s.radius, kFarthestSphere, kFarthestSphere));
+}
+
+void check(std::span<const Sphere> spheres) {
+  if (spheres.size() >= kNoSphere) {
+    throw InvalidInput(fmt::format("{} spheres; at most {} fit", spheres.size(), kNoSphere - 1));
+  }
+  for (std::size_t i = 0; i < spheres.size(); ++i) check(spheres[i], i);
+}
+
+// Revision 0 is the empty set's.
+std::uint64_t next_revision() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 }  // namespace
 
-SphereSet::SphereSet(std::vector<Sphere> spheres) : spheres_(std::move(spheres)) {
-  if (spheres_.size() >= kNoSphere) {
-    throw InvalidInput(fmt::format("{} spheres; at most {} fit", spheres_.size(), kNoSphere - 1));
+SphereSet::SphereSet(std::vector<Sphere> spheres)
+    : owned_(std::move(spheres)), spheres_(owned_), revision_(next_revision()) {
+  check(spheres_);
+}
+
+SphereSet::SphereSet(const SphereSet& other)
+    : owned_(other.owned_),
+      spheres_(owned_.empty() ? other.spheres_ : owned_),
+      revision_(other.revision_) {}
+
+// A vector keeps its place in memory when it is swapped, so the spans stay right.
+void SphereSet::swap(SphereSet& other) noexcept {
+  std::swap(owned_, other.owned_);
+  std::swap(spheres_, other.spheres_);
+  std::swap(revision_, other.revision_);
+}
+
+SphereSet SphereSet::view(std::span<const Sphere> spheres) {
+  check(spheres);
+  SphereSet set;
+  set.spheres_ = spheres;
+  set.revision_ = next_revision();
+  return set;
+}
+
+SphereSet SphereSet::view(std::span<const double> rows) {
+  static_assert(std::is_standard_layout_v<Sphere> && sizeof(Sphere) == 4 * sizeof(double) &&
+                offsetof(Sphere, radius) == 3 * sizeof(double));
+  if (rows.size() % 4 != 0) {
+    throw InvalidInput(fmt::format(
+        "{} numbers are no rows of x, y, z and radius: their count must be a multiple of 4",
+        rows.size()));
   }
-  for (std::size_t i = 0; i < spheres_.size(); ++i) {
-    const Sphere& s = spheres_[i];
-    const Vec3d& c = s.center;
-    const bool near = std::abs(c.x) <= kFarthestSphere && std::abs(c.y) <= kFarthestSphere &&
-                      std::abs(c.z) <= kFarthestSphere;  // false for what is not a number
-    if (!near || !(s.radius > 0) || !(s.radius <= kFarthestSphere)) {
-      throw InvalidInput(fmt::format(
-          "sphere {}: centre ({}, {}, {}) and radius {}; coordinates must be at most {:g} Å from "
-          "0, and radii above 0 and at most {:g} Å",
-          i, c.x, c.y, c.z, s.radius, kFarthestSphere, kFarthestSphere));
-    }
+  // A row has the layout of a Sphere, which the assertion above makes sure of.
+  return view(std::span(reinterpret_cast<const Sphere*>(rows.data()), rows.size() / 4));
+}
+
+void SphereSet::move_to(std::span<const Vec3d> centers) {
+  if (centers.size() != size()) {
+    throw InvalidInput(
+        fmt::format("{} centres for a set of {} spheres: each needs one", centers.size(), size()));
   }
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    check({centers[i], (*this)[i].radius}, i);
+  }
+  if (owned_.empty()) {
+    owned_.assign(spheres_.begin(), spheres_.end());
+    spheres_ = owned_;
+  }
+  for (std::size_t i = 0; i < centers.size(); ++i) owned_[i].center = centers[i];
+  revision_ = next_revision();
 }
 
 Box bounding_box(const SphereSet& spheres) {
@@ -56,6 +120,12 @@ Box center_bounding_box(const SphereSet& spheres) {
 }
 
 std::vector<SphereId> canonical_order(const SphereSet& spheres) {
+  std::vector<SphereId> order;
+  canonical_order(spheres, order);
+  return order;
+}
+
+void canonical_order(const SphereSet& spheres, std::vector<SphereId>& order) {
   // Most comparisons are of x alone, which stands beside the number: no sphere is looked up.
   struct Key {
     double x;
@@ -70,9 +140,8 @@ std::vector<SphereId> canonical_order(const SphereSet& spheres) {
   tbb::parallel_sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
     return a.x != b.x ? a.x < b.x : rest(a.id) < rest(b.id);
   });
-  std::vector<SphereId> order(keys.size());
+  order.resize(keys.size());
   std::ranges::transform(keys, order.begin(), &Key::id);
-  return order;
 }
 
 }  // namespace vdwmesh

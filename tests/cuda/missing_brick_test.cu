@@ -5,15 +5,15 @@
 
 #include "core/errors.hpp"
 #include "cuda/backend.hpp"
-#include "cuda/extract/mesh_bricks.cuh"
-#include "extract/blended/field_sample.hpp"
+#include "cuda/extract/brick_mesher.cuh"
+#include "extract/field_list.hpp"
 #include "support/plain_extractor.hpp"
 #include "support/requirements.hpp"
 
 namespace vdwmesh {
 namespace {
 
-// Meshes the bricks with these keys, with or without half-edges, as extract_on_device() does.
+// Meshes the bricks with these keys, with or without half-edges.
 std::uint64_t triangles_of(const SphereSet& spheres, const std::vector<std::uint64_t>& keys,
                            const ExtractOptions& options) {
   const GridSpec grid = make_grid(spheres, options.grid);
@@ -21,25 +21,13 @@ std::uint64_t triangles_of(const SphereSet& spheres, const std::vector<std::uint
   const CellList list = make_field_list(spheres, model);
   const Stream stream;
   const DeviceCellList device_list(list.view(), stream.get());
-  const DeviceField field(device_list.view(), model, stream);
-  DeviceExtraction result;
-  StageMarks marks(stream.get());
+  const SphereSource source(device_list.view(), model, stream);
   KeyList candidates;
   candidates.keys = upload(keys.data(), keys.size(), stream.get());
   candidates.count = keys.size();
-  marks.mark();
-  const BrickKernels kernels{
-      [&](ActiveBrick* bricks, const BrickCounts& counts) {
-        count_bricks_on_device(field.context(), candidates.keys.data(), candidates.count, bricks,
-                               nullptr, counts, stream);
-      },
-      [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {
-        emit_vertices_on_device(field.context(), counted.list(), counted.totals.most_atoms, nullptr,
-                                mesh, clamped, stream);
-      }};
-  mesh_bricks_on_device(candidates, grid.spacing, kernels, LabelWidth::one, options, result, marks,
-                        stream);
-  return result.mesh.view().triangles;
+  DeviceBrickMesher mesher(source, options);
+  mesher.count(std::move(candidates));
+  return mesher.emit_on_device().triangle_count();
 }
 
 TEST(CudaMissingBrick, IsAnErrorWhereTheSurfaceReachesIt) {

@@ -1,10 +1,11 @@
 #include "support/plain_extractor.hpp"
 
 #include "extract/blended/blended_brick.hpp"
-#include "extract/blended/field_sample.hpp"
 #include "extract/bricks/brick_extraction.hpp"
 #include "extract/field_kinds.hpp"
+#include "extract/field_list.hpp"
 #include "extract/union/union_brick.hpp"
+#include "support/mesh_bricks.hpp"
 
 namespace vdwmesh::testing {
 namespace {

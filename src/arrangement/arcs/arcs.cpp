@@ -9,7 +9,7 @@
 #include "arrangement/arcs/arc_sectors.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
-#include "spheres/cell_list.hpp"
+#include "spheres/kept_cell_lists.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -21,9 +21,15 @@ constexpr std::uint32_t kBlock = 256;  // spheres
 constexpr std::size_t kMostFaces = 512;
 
 // What one thread works in.
-struct Workspace {
+struct ThreadSpace {
   std::vector<arcs::Cap> caps;
   arcs::CellSpace space;
+};
+
+// What a workspace keeps for the next call.
+struct ArcSpace {
+  tbb::enumerable_thread_specific<ThreadSpace> threads;
+  std::vector<std::uint8_t> is_doubtful;  // by sphere id
 };
 
 bool same_ball(const Sphere& a, const Sphere& b) {
@@ -49,7 +55,8 @@ Neighbours find_caps(const CellListView& list, std::uint32_t place, std::vector<
   return buried ? Neighbours::bury : Neighbours::found;
 }
 
-arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place, Workspace& work) {
+arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place,
+                                  ThreadSpace& work) {
   if (find_caps(list, place, work.caps) == Neighbours::bury) return {0, 0, 0};
   const auto count = static_cast<std::uint32_t>(work.caps.size());
   arcs::BallMeasures unit =
@@ -73,37 +80,43 @@ SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere) {
 }
 
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor) {
-  if (spheres.empty()) throw InvalidInput("no spheres: their union has no area or volume");
-  const CellList cells = make_ball_list(spheres);
-  const CellListView& list = cells.view();
   ArcMeasures result{};
+  Workspace workspace;
+  arc_measures(result, spheres, monitor, workspace);
+  return result;
+}
+
+void arc_measures(ArcMeasures& result, const SphereSet& spheres, Monitor* monitor,
+                  Workspace& workspace) {
+  if (spheres.empty()) throw InvalidInput("no spheres: their union has no area or volume");
+  const CellListView list = ball_list(spheres, workspace);
+  auto& [threads, is_doubtful] = workspace.get<ArcSpace>();
   result.per_sphere.resize(spheres.size());
-  std::vector<std::uint8_t> doubtful(spheres.size());
-  tbb::enumerable_thread_specific<Workspace> workspaces;
+  is_doubtful.resize(spheres.size());
 
   const std::uint32_t blocks = (list.size + kBlock - 1) / kBlock;
   begin_stage(monitor, "exact union (arcs)", blocks);
   // In list order: neighbouring spheres find the same cells in cache.
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, blocks, 1), [&](const auto& range) {
-    Workspace& work = workspaces.local();
+    ThreadSpace& work = threads.local();
     for (std::uint32_t block = range.begin(); block != range.end(); ++block) {
       const std::uint32_t end = std::min(list.size, (block + 1) * kBlock);
       for (std::uint32_t place = block * kBlock; place < end; ++place) {
         const arcs::BallMeasures m = measure_sphere(list, place, work);
         result.per_sphere[list.id[place]] = {m.area, m.volume};
-        doubtful[list.id[place]] = m.doubts != 0;
+        is_doubtful[list.id[place]] = m.doubts != 0;
       }
       advance(monitor, 1);
     }
   });
 
-  for (std::size_t i = 0; i < doubtful.size(); ++i) {
-    if (doubtful[i]) result.suspect.push_back(static_cast<SphereId>(i));
+  result.suspect.clear();
+  for (std::size_t i = 0; i < is_doubtful.size(); ++i) {
+    if (is_doubtful[i]) result.suspect.push_back(static_cast<SphereId>(i));
   }
   const SphereMeasures total = total_measures(result.per_sphere);
   result.area = total.area;
   result.volume = total.volume;
-  return result;
 }
 
 }  // namespace vdwmesh

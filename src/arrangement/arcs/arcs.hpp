@@ -11,6 +11,7 @@
 
 #include "arrangement/exact_union.hpp"
 #include "core/monitor.hpp"
+#include "core/workspace.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -36,6 +37,10 @@ struct ArcMeasures {
 // is exposed between hundreds of them all the same.
 // Throws InvalidInput for an empty set, Cancelled.
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor = nullptr);
+
+// The same into a result that is there, in the memory of its arrays and of the workspace.
+void arc_measures(ArcMeasures& result, const SphereSet& spheres, Monitor* monitor,
+                  Workspace& workspace);
 
 // Sums of area and volume over the spheres, in order, in a wide accumulator: for a caller who
 // replaces measures of suspect spheres.

@@ -58,7 +58,4 @@ VDWMESH_HD inline FieldSample sample_field(const CellListView& list, const Field
                       [&]<class Kind>(Kind) { return sample_field<Kind>(list, model, p); });
 }
 
-// The list that sample_field() and the extractors search: reach is field_reach().
-CellList make_field_list(const SphereSet& spheres, const FieldModel& model);
-
 }  // namespace vdwmesh

@@ -124,4 +124,15 @@ VDWMESH_HD inline std::int32_t brick_count(std::int64_t cells) {
   return static_cast<std::int32_t>((cells + 3 + kBrickSide - 1) / kBrickSide);
 }
 
+// Whether a block of 2^level bricks along each axis may have bricks in the range. Keys grow with
+// every index, so the first and the last brick of the block have the smallest and the largest of
+// its keys; between them there may be others that are not the block's. For level 0 the answer is
+// exact.
+VDWMESH_HD inline bool block_meets(const KeyRange& range, const BrickIndex& block, int level) {
+  const BrickIndex first{block.x << level, block.y << level, block.z << level};
+  const std::int32_t last = (1 << level) - 1;
+  return brick_key({first.x + last, first.y + last, first.z + last}) >= range.begin &&
+         brick_key(first) < range.end;
+}
+
 }  // namespace vdwmesh

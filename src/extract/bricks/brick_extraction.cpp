@@ -1,3 +1,7 @@
+// Counting runs over waves of candidates, each wave in tasks of 32 bricks; every task writes the
+// bricks that hold surface from its own place on, and the gaps between tasks are closed after the
+// wave. One prefix sum numbers everything, and emission again runs in tasks of 32 bricks, which
+// write to places of their own. No order depends on the number of threads.
 #include "extract/bricks/brick_extraction.hpp"
 
 #include <fmt/format.h>
@@ -5,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "core/errors.hpp"
 #include "core/large_pages.hpp"
@@ -17,11 +22,7 @@ constexpr std::size_t kBricksPerTask = 32;
 constexpr std::size_t kBricksPerWave = 256 * kBricksPerTask;  // some MB
 constexpr std::size_t kManyBricks = 4096;                     // some MB
 
-using Active = Buffer<ActiveBrick>;
 using Clock = std::chrono::steady_clock;
-
-// Before each active brick, and in all.
-using Bases = std::vector<BrickSums>;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -51,10 +52,10 @@ ActiveBrick* close_up(ActiveBrick* end, ActiveBrick* first, std::span<const std:
   return end;
 }
 
-// In place and wave by wave, so that little more is touched than what is kept.
-Active count_all(std::span<const std::uint64_t> candidates, const BrickLoops& loops,
-                 Monitor* monitor) {
-  Active all;
+// Fills `all` with the candidates that hold surface: in place and wave by wave, so that little more
+// memory is touched than what is kept.
+void count_all(std::span<const std::uint64_t> candidates, const BrickLoops& loops, Monitor* monitor,
+               Buffer<ActiveBrick>& all) {
   resize_untouched(all, candidates.size());
   ActiveBrick* end = all.data();
   std::vector<std::size_t> sizes;
@@ -70,16 +71,34 @@ Active count_all(std::span<const std::uint64_t> candidates, const BrickLoops& lo
     end = close_up(end, slots, sizes);
   }
   all.resize(static_cast<std::size_t>(end - all.data()));
-  return all;
 }
 
-Bases sum_up(const Active& bricks) {
-  Bases before(bricks.size() + 1);
+void sum_up(CountedBricks& counted) {
+  const Buffer<ActiveBrick>& bricks = counted.bricks;
+  counted.before.resize(bricks.size() + 1);
+  counted.before[0] = {0, 0};
   for (std::size_t b = 0; b < bricks.size(); ++b) {
-    before[b + 1] = {before[b].vertices + bricks[b].vertices,
-                     before[b].triangles + bricks[b].triangles};
+    const BrickSums& before = counted.before[b];
+    counted.before[b + 1] = {before.vertices + bricks[b].vertices,
+                             before.triangles + bricks[b].triangles};
   }
-  return before;
+}
+
+// Index of the first brick whose key is at or above `key`.
+std::size_t first_at(const Buffer<ActiveBrick>& bricks, std::uint64_t key) {
+  const auto found = std::ranges::lower_bound(bricks, key, {}, &ActiveBrick::key);
+  return static_cast<std::size_t>(found - bricks.begin());
+}
+
+// Numbers the first brick of the range with `first`, and all others accordingly: those before it
+// count down from there, modulo 2^64.
+void renumber(CountedBricks& counted, const MeshSize& first) {
+  const BrickSums own = counted.before[counted.begin];
+  const BrickSums shift{first.vertices - own.vertices, first.triangles - own.triangles};
+  if (shift.vertices == 0 && shift.triangles == 0) return;
+  for (BrickSums& sums : counted.before) {
+    sums = {sums.vertices + shift.vertices, sums.triangles + shift.triangles};
+  }
 }
 
 }  // namespace
@@ -90,45 +109,78 @@ void throw_missing_neighbour(const BrickIndex& brick) {
                   brick.x, brick.y, brick.z));
 }
 
-ExtractResult mesh_bricks(const GridSpec& grid,
-                          const std::function<std::vector<std::uint64_t>()>& candidates,
-                          const BrickLoops& loops, LabelWidth width,
-                          const ExtractOptions& options) {
-  Clock::time_point start = Clock::now();
-  ExtractResult result;
-  result.grid = grid;
-  const Active bricks = count_all(candidates(), loops, options.monitor);
-  const Bases before = sum_up(bricks);
-  const BrickSums& all = before.back();
-  result.stats.surface_bricks = bricks.size();
-  for (const ActiveBrick& brick : bricks) result.stats.grid_clipped += brick.clipped_cells;
-  const MeshSize size{all.vertices, all.triangles};
-  const MeshArrays arrays{
-      .connectivity = options.connectivity, .normals = options.normals, .width = width};
-  check_mesh_limits({size, arrays, bricks.size() * (sizeof(ActiveBrick) + 16), grid.spacing},
-                    options.memory_limit);
-  result.stats.field_seconds = seconds_since(start);
+BrickMesher::BrickMesher(const GridSpec& grid, BrickLoops loops, LabelWidth width,
+                         const ExtractOptions& options, Workspace& workspace)
+    : grid_(grid),
+      loops_(std::move(loops)),
+      width_(width),
+      options_(options),
+      counted_(workspace.get<CountedBricks>()) {}
 
-  if (options.on_size) options.on_size(size);
+void BrickMesher::count(const CandidateSearch& candidates, const KeyRange& own) {
+  const Clock::time_point start = Clock::now();
+  count_all(candidates(), loops_, options_.monitor, counted_.bricks);
+  sum_up(counted_);
+  counted_.begin = first_at(counted_.bricks, own.begin);
+  counted_.end = first_at(counted_.bricks, own.end);
+  stats_.surface_bricks = counted_.end - counted_.begin;
+  for (std::size_t b = counted_.begin; b < counted_.end; ++b) {
+    stats_.grid_clipped += counted_.bricks[b].clipped_cells;
+  }
+  stats_.field_seconds += seconds_since(start);
+}
 
-  start = Clock::now();
-  if (bricks.size() > kManyBricks) return_freed_pages();
-  make_room(result.mesh, size, arrays);
-  const BrickList numbered{bricks.data(), before.data(), bricks.size()};
-  const Emission emission{numbered, result.mesh};
-  std::vector<EmissionTally> tallies(task_count(bricks.size()));
-  begin_stage(options.monitor, "extract", bricks.size());
-  for_tasks(bricks.size(), options.monitor, [&](std::size_t task, std::size_t a, std::size_t b) {
-    tallies[task] = loops.emit(emission, a, b);
+MeshSize BrickMesher::size() const {
+  const BrickSums &from = counted_.before[counted_.begin], &to = counted_.before[counted_.end];
+  return {to.vertices - from.vertices, to.triangles - from.triangles};
+}
+
+MeshArrays BrickMesher::arrays() const {
+  return {.connectivity = options_.connectivity, .normals = options_.normals, .width = width_};
+}
+
+void BrickMesher::check_limits() const {
+  const std::uint64_t scratch = counted_.bricks.size() * (sizeof(ActiveBrick) + sizeof(BrickSums));
+  check_mesh_limits({size(), arrays(), scratch, grid_.spacing}, options_.memory_limit);
+}
+
+void BrickMesher::make_room_and_emit(const MeshSize& first, IndexedMesh& mesh) {
+  const Clock::time_point start = Clock::now();
+  if (counted_.bricks.size() > kManyBricks) return_freed_pages();
+  make_room(mesh, size(), arrays());
+  emit(first, mesh);
+  stats_.extract_seconds = seconds_since(start);
+}
+
+void BrickMesher::emit(const MeshSize& first, IndexedMesh& mesh) {
+  renumber(counted_, first);
+  const BrickList numbered{counted_.bricks.data(), counted_.before.data(), counted_.bricks.size()};
+  const Emission emission{numbered, mesh, {first.vertices, first.triangles}};
+  const std::size_t bricks = counted_.end - counted_.begin;
+  std::vector<EmissionTally> tallies(task_count(bricks));
+  begin_stage(options_.monitor, "extract", bricks);
+  for_tasks(bricks, options_.monitor, [&](std::size_t task, std::size_t a, std::size_t b) {
+    tallies[task] = loops_.emit(emission, counted_.begin + a, counted_.begin + b);
   });
-  EmissionTally all_tasks;
-  for (const EmissionTally& tally : tallies) all_tasks.add(tally);
-  if (all_tasks.unmatched_faces != 0) {
+  EmissionTally all;
+  for (const EmissionTally& tally : tallies) all.add(tally);
+  stats_.clamped_vertices = all.clamped;
+  stats_.unmatched_faces = all.unmatched_faces;
+}
+
+void mesh_bricks(ExtractResult& result, const GridSpec& grid, const CandidateSearch& candidates,
+                 const BrickLoops& loops, LabelWidth width, const ExtractOptions& options,
+                 Workspace& workspace) {
+  BrickMesher mesher(grid, loops, width, options, workspace);
+  mesher.count(candidates);
+  mesher.check_limits();
+  if (options.on_size) options.on_size(mesher.size());
+  mesher.make_room_and_emit({}, result.mesh);
+  if (mesher.stats().unmatched_faces != 0) {
     throw InternalError("the surface leaves a brick for a neighbour that the search left out");
   }
-  result.stats.clamped_vertices = all_tasks.clamped;
-  result.stats.extract_seconds = seconds_since(start);
-  return result;
+  result.grid = grid;
+  result.stats = mesher.stats();
 }
 
 }  // namespace vdwmesh

@@ -109,7 +109,7 @@ struct EmissionTally {
 template <class Surface>
 std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, BrickEdges& edges) {
   const ActiveBrick& brick = e.bricks.bricks[b];
-  const std::uint64_t first = e.bricks.before[b].vertices;
+  const std::uint64_t first = e.bricks.before[b].vertices - e.first.vertices;
   std::uint64_t clamped = 0;
   edges.gather(brick.signs);
   surface.visit(brick_of_key(brick.key));
@@ -121,6 +121,13 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, 
   });
   return clamped;
 }
+
+// The bricks that hold surface, and the number of vertices and triangles before each, and in all.
+struct CountedBricks {
+  Buffer<ActiveBrick> bricks;      // by rising key
+  std::vector<BrickSums> before;   // one more than bricks
+  std::size_t begin = 0, end = 0;  // those of the range that is meshed; the others are its halo
+};
 
 // Vertices and triangles of bricks [begin, end).
 template <class Surface>
@@ -144,12 +151,53 @@ struct BrickLoops {
   std::function<EmissionTally(const Emission&, std::size_t begin, std::size_t end)> emit;
 };
 
-// Counts the candidates (keys, rising), numbers what they hold and emits it, on all cores; throws
-// LimitExceeded before it takes memory for the mesh, and InternalError where the surface runs on
-// from a candidate into a brick that is none. `candidates` gives the keys and its memory up;
-// `width` is that of the labels of vertices.
-ExtractResult mesh_bricks(const GridSpec& grid,
-                          const std::function<std::vector<std::uint64_t>()>& candidates,
-                          const BrickLoops& loops, LabelWidth width, const ExtractOptions& options);
+// Gives the keys of the bricks that may hold surface, rising.
+using CandidateSearch = std::function<std::vector<std::uint64_t>()>;
+
+// Marching cubes over a list of bricks in three steps: count what each brick holds, number it by
+// prefix sums, emit it. All cores take part in each step.
+class BrickMesher {
+ public:
+  // `width` is that of the labels of vertices. Bricks and sums stand in memory of the workspace.
+  BrickMesher(const GridSpec& grid, BrickLoops loops, LabelWidth width,
+              const ExtractOptions& options, Workspace& workspace);
+
+  // Counts and numbers the candidates, which are the bricks of `own` that may hold surface and, if
+  // `own` is not everything, those of halo(own).
+  void count(const CandidateSearch& candidates, const KeyRange& own = {});
+
+  // What the bricks of `own` hold.
+  MeshSize size() const;
+
+  // Throws LimitExceeded if a mesh of that size is beyond the limits of the options, in which what
+  // counting holds beside it is included.
+  void check_limits() const;
+
+  // Emits the bricks of `own` into a mesh that has room for them; `first` as for SurfacePart::emit.
+  // Throws InternalError where the surface runs on into a brick that is no candidate.
+  void emit(const MeshSize& first, IndexedMesh& mesh);
+
+  // Gives the mesh its arrays, then emits.
+  void make_room_and_emit(const MeshSize& first, IndexedMesh& mesh);
+
+  // Counts since count(), seconds since the constructor.
+  const ExtractStats& stats() const { return stats_; }
+
+ private:
+  MeshArrays arrays() const;
+
+  GridSpec grid_;
+  BrickLoops loops_;
+  LabelWidth width_;
+  ExtractOptions options_;
+  CountedBricks& counted_;
+  ExtractStats stats_;
+};
+
+// A whole mesh from its candidates: counts, checks the limits before it takes memory, tells
+// options.on_size, and emits.
+void mesh_bricks(ExtractResult& result, const GridSpec& grid, const CandidateSearch& candidates,
+                 const BrickLoops& loops, LabelWidth width, const ExtractOptions& options,
+                 Workspace& workspace);
 
 }  // namespace vdwmesh

@@ -19,6 +19,8 @@ namespace vdwmesh {
 struct Emission {
   const BrickList& bricks;
   IndexedMesh& mesh;  // vertex_spheres and opposite may be empty: then they are left out
+  // Numbers, in the whole mesh, of the vertex and the triangle that the arrays begin with.
+  BrickSums first{0, 0};
 };
 
 // Triangles and half-edges, brick by brick.
@@ -38,12 +40,12 @@ class TriangleEmitter {
     vertices_.set_neighbours(e_.bricks, brick.signs, near);
     find_beyond(faces, near);
     write_corners();
-    std::memcpy(e_.mesh.triangles.data() + before.triangles, words_.data(),
-                brick.triangles * sizeof(Triangle));
+    const std::uint64_t to = before.triangles - e_.first.triangles;
+    std::memcpy(e_.mesh.triangles.data() + to, words_.data(), brick.triangles * sizeof(Triangle));
     if (e_.mesh.opposite.empty()) return;
     cells_.fill(e_.bricks, b, cases_, table_, near);
     write_opposites();
-    std::memcpy(e_.mesh.opposite.data() + 3 * before.triangles, words_.data(),
+    std::memcpy(e_.mesh.opposite.data() + 3 * to, words_.data(),
                 brick.triangles * sizeof(Triangle));
   }
 

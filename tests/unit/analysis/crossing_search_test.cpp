@@ -242,7 +242,7 @@ TEST_P(CrossingSearch, BadMovesAreThoseOfAllPairs) {
     Moved m = moved_soup(GetParam(), dice);
     const Restored expected = restore_by_all_pairs(m);
     longest = std::max(longest, expected.passes);
-    const Given level{m.given, m.mesh};
+    const Given level{m.given.positions, m.mesh};
     take_back_bad_moves(m.spheres, level, m.fates, {},
                         [&](std::size_t v) { m.mesh.positions[v] = m.given.positions[v]; });
     ASSERT_EQ(m.mesh.positions, expected.soup.mesh.positions) << "round " << round;
@@ -282,7 +282,7 @@ void expect_together_where_bounds_overlap(const Moved& m, const TriangleGrid& gr
 TEST_P(CrossingSearch, TrianglesWhoseBoundsOverlapShareACell) {
   Dice dice(4);
   const Moved m = moved_soup(GetParam(), dice);
-  const Given level{m.given, m.mesh};
+  const Given level{m.given.positions, m.mesh};
   const TriangleGrid grid(level);
   EXPECT_LE(grid.cell_count(), std::max<std::size_t>(64, 2 * m.mesh.triangle_count()));
   expect_together_where_bounds_overlap(m, grid);
@@ -298,7 +298,7 @@ std::uint64_t entries_of(const TriangleGrid& grid) {
 TEST_P(CrossingSearch, CellsGrowWhereThereIsNoRoomForTheirEntries) {
   Dice dice(5);
   const Moved m = moved_soup(GetParam(), dice);
-  const Given level{m.given, m.mesh};
+  const Given level{m.given.positions, m.mesh};
   for (const std::uint64_t most : {m.mesh.triangle_count(), 2 * m.mesh.triangle_count()}) {
     const TriangleGrid grid(level, most);
     EXPECT_LE(entries_of(grid), most);
@@ -316,7 +316,7 @@ TEST(TriangleGridOfHugeMeshes, Ends) {
     m.mesh.triangles.push_back({first, first + 1, first + 2});
   }
   m.given = m.mesh;
-  const TriangleGrid grid(Given{m.given, m.mesh});
+  const TriangleGrid grid(Given{m.given.positions, m.mesh});
   EXPECT_EQ(entries_of(grid), 6u);
   expect_together_where_bounds_overlap(m, grid);
 }

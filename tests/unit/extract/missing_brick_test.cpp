@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "core/errors.hpp"
-#include "extract/blended/field_sample.hpp"
 #include "extract/bricks/brick_extraction.hpp"
+#include "extract/field_list.hpp"
 #include "extract/union/union_brick.hpp"
+#include "support/mesh_bricks.hpp"
 #include "support/plain_extractor.hpp"
 
 namespace vdwmesh {
@@ -35,7 +36,7 @@ class MissingBrick : public ::testing::TestWithParam<Connectivity> {
                              UnionBrick surface(list.view(), model);
                              return emit_bricks(e, begin, end, surface);
                            }};
-    return mesh_bricks(
+    return testing::mesh_bricks(
         grid, [&] { return keys; }, loops, LabelWidth::one, options_);
   }
   std::vector<std::uint64_t> keys() const {

@@ -13,7 +13,9 @@
 #include "extract/blended/field_sample.hpp"
 #include "extract/bricks/brick_extraction.hpp"
 #include "extract/field_kinds.hpp"
+#include "extract/field_list.hpp"
 #include "reference/mesh_checks.hpp"
+#include "support/mesh_bricks.hpp"
 #include "support/plain_extractor.hpp"
 #include "support/reference_mesh.hpp"
 
@@ -101,8 +103,8 @@ ExtractResult extract(const Scene& scene) {
                            Surface surface(scene.list.view(), scene.model);
                            return emit_bricks(e, begin, end, surface);
                          }};
-  return mesh_bricks(scene.model.grid, [&] { return all_bricks(scene.model.grid); }, loops,
-                     LabelWidth::one, {});
+  return testing::mesh_bricks(scene.model.grid, [&] { return all_bricks(scene.model.grid); }, loops,
+                              LabelWidth::one, {});
 }
 
 std::vector<Sphere> cluster(unsigned seed) {

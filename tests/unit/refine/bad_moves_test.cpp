@@ -34,7 +34,7 @@ std::vector<Vec3d> settled(const Moves& moves, Crossings crossings) {
   }
   RefineOptions options;
   options.crossings = crossings;
-  take_back_bad_moves(kBelow, Given{given, mesh}, fates, options,
+  take_back_bad_moves(kBelow, Given{given.positions, mesh}, fates, options,
                       [&](std::size_t v) { mesh.positions[v] = given.positions[v]; });
   return {mesh.positions.begin(), mesh.positions.end()};
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "extract/field.hpp"
+#include "extract/field_list.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -1,12 +1,13 @@
-// Marching cubes over a field in device memory: the field is streamed once into a bit per node, and
-// all that follows sees bits, except for the values at the ends of crossed edges.
+// Marching cubes over a field in device memory: a kernel packs the field into a bit per node, a
+// second one finds the bricks with nodes of both signs, and the kernel that counts bricks reads
+// bits alone.
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
 #include <cub/device/device_select.cuh>
 
 #include "cuda/extract/brick_warp.cuh"
-#include "cuda/extract/mesh_bricks.cuh"
+#include "cuda/extract/field_source.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "extract/blended/sampled_formulas.hpp"
 
@@ -15,19 +16,6 @@ namespace {
 
 constexpr unsigned kThreads = 256;
 constexpr int kBricksPerWord = 4;
-
-// Bit i of word w of a row of nodes: lattice node 32 w + i of it is inside. Virtual nodes within a
-// row are 0; rows of virtual nodes are not stored.
-struct SignGrid {
-  std::int64_t words;          // per row
-  std::int64_t height, depth;  // rows along y and z
-  std::int32_t bricks[3];
-
-  __host__ __device__ std::int64_t size() const { return words * height * depth; }
-  __host__ __device__ std::int64_t brick_total() const {
-    return static_cast<std::int64_t>(bricks[0]) * bricks[1] * bricks[2];
-  }
-};
 
 SignGrid sign_grid(const GridSpec& grid) {
   SignGrid g{};
@@ -73,7 +61,7 @@ __global__ void __launch_bounds__(kThreads)
 // A thread per word of four bricks: whether the nodes that a brick's cells touch are of both signs.
 // The next brick's first node along x is in the next thread's word; so blocks overlap by a thread.
 __global__ void __launch_bounds__(kThreads)
-    find_mixed(SignGrid grid, const std::uint32_t* words, std::uint8_t* mixed) {
+    find_mixed(SignGrid grid, const std::uint32_t* words, KeyRange range, std::uint8_t* mixed) {
   __shared__ std::uint32_t any_next[kThreads], all_next[kThreads];
   const std::int64_t i = static_cast<std::int64_t>(blockIdx.x) * (kThreads - 1) + threadIdx.x;
   const std::int64_t w = i % grid.words, by = i / grid.words % grid.bricks[1];
@@ -106,7 +94,11 @@ __global__ void __launch_bounds__(kThreads)
     if (bx >= grid.bricks[0]) return;
     const bool some = (any_bits >> (kBrickSide * b) & nodes) != 0;
     const bool full = (all_bits >> (kBrickSide * b) & nodes) == nodes;
-    mixed[(bz * grid.bricks[1] + by) * grid.bricks[0] + bx] = some && !full ? 1 : 0;
+    const std::uint64_t key =
+        brick_key({static_cast<std::int32_t>(bx), static_cast<std::int32_t>(by),
+                   static_cast<std::int32_t>(bz)});
+    const bool wanted = key >= range.begin && key < range.end;
+    mixed[(bz * grid.bricks[1] + by) * grid.bricks[0] + bx] = some && !full && wanted ? 1 : 0;
   }
 }
 
@@ -120,13 +112,13 @@ struct KeyOfBrick {
   }
 };
 
-KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, std::uint64_t most,
-                     const Stream& stream) {
+KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const KeyRange& range,
+                     std::uint64_t most, const Stream& stream) {
   const auto bricks = static_cast<std::size_t>(grid.brick_total());
   const DeviceArray<std::uint8_t> mixed(bricks, stream.get());
   const std::int64_t row_words = grid.words * grid.bricks[1] * grid.bricks[2];
   find_mixed<<<blocks_for(static_cast<std::uint64_t>(row_words), kThreads - 1), kThreads, 0,
-               stream.get()>>>(grid, words, mixed.data());
+               stream.get()>>>(grid, words, range, mixed.data());
   check_launch("find_mixed");
   KeyList result;
   result.keys = DeviceArray<std::uint64_t>(bricks, stream.get());
@@ -186,37 +178,34 @@ __global__ void __launch_bounds__(kBrickThreads)
 
 }  // namespace
 
-DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
-                                      const Stream& stream) {
-  DeviceExtraction result;
-  StageMarks marks(stream.get());
-  begin_stage(options.monitor, "field", 2);
-  const SignGrid grid = sign_grid(field.grid);
-  require_device_memory(static_cast<std::uint64_t>(grid.size()) * sizeof(std::uint32_t) +
-                            static_cast<std::uint64_t>(grid.brick_total()) * 9,
+FieldSource::FieldSource(const SampledFieldView& field, const ExtractOptions& options,
+                         const Stream& stream)
+    : BrickSource(stream), field_(field), signs_(sign_grid(field.grid)) {
+  require_device_memory(static_cast<std::uint64_t>(signs_.size()) * sizeof(std::uint32_t) +
+                            static_cast<std::uint64_t>(signs_.brick_total()) * 9,
                         "a bit per node", options.device_memory);
-  const DeviceArray<std::uint32_t> words(static_cast<std::size_t>(grid.size()), stream.get());
-  pack_signs<<<blocks_for(static_cast<std::uint64_t>(grid.height * grid.depth) * kWarp, kThreads),
-               kThreads, 0, stream.get()>>>(field, grid, words.data());
+  words_ = DeviceArray<std::uint32_t>(static_cast<std::size_t>(signs_.size()), stream.get());
+  const auto rows = static_cast<std::uint64_t>(signs_.height * signs_.depth);
+  pack_signs<<<blocks_for(rows * kWarp, kThreads), kThreads, 0, stream.get()>>>(field_, signs_,
+                                                                                words_.data());
   check_launch("pack_signs");
-  const KeyList candidates =
-      mixed_bricks(grid, words.data(), options.memory_limit / sizeof(ActiveBrick), stream);
-  marks.mark();
-  advance(options.monitor, 1);
-  const BrickKernels kernels{
-      [&](ActiveBrick* bricks, const BrickCounts& counts) {
-        if (candidates.count == 0) return;
-        count_sampled<<<blocks_for(candidates.count, kBrickWarps), kBrickThreads, 0,
-                        stream.get()>>>(field.grid, grid, words.data(), candidates.keys.data(),
-                                        candidates.count, case_table_on_device(), bricks, counts);
-        check_launch("count_sampled");
-      },
-      [&](const CountedBricks& counted, const DeviceMeshView& mesh, unsigned long long* clamped) {
-        emit_sampled_vertices_on_device(field, counted, mesh, clamped, stream);
-      }};
-  mesh_bricks_on_device(candidates, field.grid.spacing, kernels, LabelWidth::none, options, result,
-                        marks, stream);
-  return result;
+}
+
+KeyList FieldSource::candidates(const KeyRange& range, std::uint64_t most) const {
+  return mixed_bricks(signs_, words_.data(), range, most, stream());
+}
+
+void FieldSource::count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, float*,
+                        const BrickCounts& counts) const {
+  if (size == 0) return;
+  count_sampled<<<blocks_for(size, kBrickWarps), kBrickThreads, 0, stream().get()>>>(
+      field_.grid, signs_, words_.data(), keys, size, case_table_on_device(), bricks, counts);
+  check_launch("count_sampled");
+}
+
+void FieldSource::emit_vertices(const BrickList& bricks, std::uint32_t, const float*,
+                                const DeviceMeshView& mesh, unsigned long long* clamped) const {
+  emit_sampled_vertices_on_device(field_, bricks, mesh, clamped, stream());
 }
 
 }  // namespace vdwmesh

@@ -90,5 +90,60 @@ TEST(CellList, StopsWhenAsked) {
   EXPECT_EQ(visits, 3);
 }
 
+// Two parts of a set, in the frame of the whole: each query finds the spheres that both have in the
+// same order, which is also the whole's.
+TEST(CellList, PartsInOneFrameVisitSharedSpheresInOneOrder) {
+  const std::vector<Sphere> all = random_spheres(400, 8, 0.5, 4, 9);
+  const SphereSet whole(all);
+  std::vector<double> reach;
+  for (const Sphere& s : all) reach.push_back(s.radius);
+  const CellListFrame frame = make_frame(whole, reach);
+  const CellList list(whole, reach);
+  std::mt19937_64 random(10);
+  for (int part = 0; part < 5; ++part) {
+    std::vector<Sphere> some;
+    std::vector<double> some_reach;
+    std::vector<SphereId> ids;
+    for (SphereId i = 0; i < all.size(); ++i) {
+      if (random() % 3 == 0) continue;
+      some.push_back(all[i]);
+      some_reach.push_back(reach[i]);
+      ids.push_back(i);
+    }
+    const CellList sub(SphereSet(some), some_reach, frame);
+    for (int q = 0; q < 50; ++q) {
+      const Vec3d at = all[random() % all.size()].center;
+      std::vector<SphereId> expected, found;
+      visit_near_box(list.view(), at, at, [&](std::uint32_t place) {
+        const SphereId id = list.view().id[place];
+        if (std::ranges::binary_search(ids, id)) expected.push_back(id);
+        return false;
+      });
+      visit_near_box(sub.view(), at, at, [&](std::uint32_t place) {
+        found.push_back(ids[sub.view().id[place]]);
+        return false;
+      });
+      ASSERT_EQ(found, expected);
+    }
+  }
+}
+
+TEST(CellList, RebuildingIsLikeBuilding) {
+  CellList kept;
+  for (const unsigned seed : {11u, 12u, 13u}) {
+    const SphereSet spheres(random_spheres(20 + 70 * (seed % 3), 5, 0.1, 6, seed));
+    std::vector<double> reach;
+    for (const Sphere& s : spheres.spheres()) reach.push_back(s.radius);
+    kept.rebuild(spheres, reach);
+    const CellList fresh(spheres, reach);
+    ASSERT_EQ(kept.view().size, fresh.view().size);
+    ASSERT_EQ(kept.view().level_count, fresh.view().level_count);
+    for (std::uint32_t place = 0; place < fresh.view().size; ++place) {
+      ASSERT_EQ(kept.view().id[place], fresh.view().id[place]);
+      ASSERT_EQ(kept.view().rank[place], fresh.view().rank[place]);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vdwmesh

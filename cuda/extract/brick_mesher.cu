@@ -1,0 +1,392 @@
+// The driver of marching cubes on a device.
+//
+// Counting: the source finds the candidates, a kernel of the source writes signs and counts of
+// each, and one exclusive prefix sum over the counts gives every brick the numbers of its first
+// vertex and triangle. The field of all candidates is kept for emission if it fits; else it is
+// summed in runs as long as fit, and again for each slab.
+//
+// Emission: for a run of bricks, a kernel of the source writes the vertices and one kernel for all
+// sources the triangles, each to the places that their numbers say. Nothing is appended, so the
+// mesh does not depend on how it was cut into runs, nor on which device made which run.
+#include <algorithm>
+
+#include "cuda/extract/brick_mesher.cuh"
+#include "cuda/memory/cub_calls.cuh"
+#include "cuda/memory/download.cuh"
+#include "extract/brick_search.hpp"
+#include "extract/limits.hpp"
+
+namespace vdwmesh {
+namespace {
+
+struct AddSums {
+  __host__ __device__ BrickSums operator()(const BrickSums& a, const BrickSums& b) const {
+    return {a.vertices + b.vertices, a.triangles + b.triangles};
+  }
+};
+
+// One block of kCountParts threads, each adding one part to the totals.
+__global__ void add_up(const CountPart* parts, const BrickSums* sums, BrickTotals* totals) {
+  const CountPart& part = parts[threadIdx.x];
+  if (threadIdx.x == 0) totals->sums = *sums;
+  if (part.clipped_cells != 0) atomicAdd(&totals->clipped_cells, part.clipped_cells);
+  if (part.surface_bricks != 0) atomicAdd(&totals->surface_bricks, part.surface_bricks);
+  atomicMax(&totals->most_atoms, part.most_atoms);
+}
+
+// Index of the first key at or above `key`, for two keys: one thread each.
+__global__ void find_keys(const std::uint64_t* keys, std::uint64_t size, KeyRange range,
+                          BrickRange* found) {
+  const std::uint64_t key = threadIdx.x == 0 ? range.begin : range.end;
+  std::uint64_t low = 0, high = size;
+  while (low < high) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    if (keys[middle] < key) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  (threadIdx.x == 0 ? found->begin : found->end) = low;
+}
+
+// Adds to every sum, modulo 2^64: one thread for each.
+__global__ void shift_sums(BrickSums* sums, std::uint64_t size, BrickSums shift) {
+  const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i >= size) return;
+  sums[i] = {sums[i].vertices + shift.vertices, sums[i].triangles + shift.triangles};
+}
+
+// What is counted besides the bricks themselves; begins as zeros.
+struct Tally {
+  CountPart parts[kCountParts];       // of the range
+  CountPart halo_parts[kCountParts];  // of its halo, which nobody asks for
+  BrickTotals totals;
+};
+
+// Host arrays of the parts of a mesh that a slab fills.
+template <class T, class U>
+DownloadPart part_for(Buffer<T>& host, std::uint64_t first, const DeviceArray<U>& device) {
+  return {host.data() + first, device.data(), device.bytes()};
+}
+
+}  // namespace
+
+DeviceBrickMesher::DeviceBrickMesher(const BrickSource& source, const ExtractOptions& options,
+                                     std::size_t sharers)
+    : source_(source),
+      options_(options),
+      sharers_(sharers),
+      marks_(source.stream().get()),
+      tally_(1, source.stream().get()) {
+  clear(tally_, source.stream().get());
+}
+
+// ---- memory ----
+
+std::uint64_t DeviceBrickMesher::room() const {
+  return std::min(options_.device_memory - std::min(taken_, options_.device_memory),
+                  available_device_memory() / sharers_);
+}
+
+// The pool answers at once; the driver takes as long as a small extraction.
+bool DeviceBrickMesher::fits(std::uint64_t bytes) const {
+  if (taken_ + bytes > options_.device_memory) return false;
+  return bytes <= spare_device_memory() / sharers_ || bytes <= room();
+}
+
+void DeviceBrickMesher::throw_no_room(std::uint64_t need) const {
+  throw DeviceMemoryExceeded("extraction needs " + std::to_string(need) +
+                             " bytes of device memory, " + std::to_string(room()) +
+                             " are available: choose a larger spacing or the cpu backend");
+}
+
+std::uint64_t DeviceBrickMesher::field_bytes(std::uint64_t bricks) const {
+  return bricks * source_.values_per_brick() * sizeof(float);
+}
+
+std::uint64_t DeviceBrickMesher::mesh_bytes(const BrickSums& from, const BrickSums& to) const {
+  return indexed_mesh_bytes({to.vertices - from.vertices, to.triangles - from.triangles},
+                            {.connectivity = options_.connectivity,
+                             .normals = options_.normals,
+                             .width = source_.label_width()});
+}
+
+// ---- counting ----
+
+void DeviceBrickMesher::count(const KeyRange& own) {
+  const std::uint64_t most = options_.memory_limit / sizeof(ActiveBrick);
+  count(source_.candidates(halo(own, options_.connectivity), most), own);
+}
+
+void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
+  const Stream& stream = source_.stream();
+  candidates_ = std::move(candidates);
+  mark_end_of(Stage::search);
+  const std::uint64_t n = candidates_.count;
+  const std::uint64_t fixed = n * kBrickBytes, each = field_bytes(1);
+  const bool whole = fits(fixed + n * each);
+  if (!whole && fixed + each > room()) throw_no_room(fixed + each);
+  const std::uint64_t at_once = whole || each == 0 ? n : std::min(n, (room() - fixed) / each);
+  holds_field_ = at_once == n;
+  values_ = DeviceArray<float>(at_once * source_.values_per_brick(), stream.get());
+  taken_ += fixed + values_.bytes();
+  counted_.bricks = DeviceArray<ActiveBrick>(n, stream.get());
+  find_own(own);
+  const DeviceArray<Tally> tally(1, stream.get());
+  clear(tally, stream.get());
+  // One more than bricks, so that the sums before it are those of all.
+  const DeviceArray<BrickSums> sums(n + 1, stream.get());
+  check_cuda(cudaMemsetAsync(sums.data() + n, 0, sizeof(BrickSums), stream.get()), "scan");
+  count_all({sums.data(), tally.data()->parts}, tally.data()->halo_parts);
+  mark_end_of(Stage::count);
+  counted_.before = DeviceArray<BrickSums>(n + 1, stream.get());
+  run_cub("scan", stream.get(), [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceScan::ExclusiveScan(scratch, bytes, sums.data(), counted_.before.data(),
+                                          AddSums{}, BrickSums{0, 0},
+                                          static_cast<std::int64_t>(n + 1), stream.get());
+  });
+  BrickTotals* const totals = &tally.data()->totals;
+  add_up<<<1, kCountParts, 0, stream.get()>>>(tally.data()->parts, counted_.before.data() + n,
+                                              totals);
+  check_launch("add_up");
+  counted_.totals = fetch(totals, stream);
+  own_to_ = counted_.totals.sums;
+  if (own_.begin > 0) own_from_ = fetch(counted_.before.data() + own_.begin, stream);
+  if (own_.end < n) own_to_ = fetch(counted_.before.data() + own_.end, stream);
+  mark_end_of(Stage::scan);
+}
+
+void DeviceBrickMesher::find_own(const KeyRange& own) {
+  own_ = {0, candidates_.count};
+  if (own.begin == 0 && own.end == kNoBrickKey) return;
+  const Stream& stream = source_.stream();
+  const DeviceArray<BrickRange> found(1, stream.get());
+  find_keys<<<1, 2, 0, stream.get()>>>(candidates_.keys.data(), candidates_.count, own,
+                                       found.data());
+  check_launch("find_keys");
+  own_ = fetch(found.data(), stream);
+}
+
+// The range and, apart from it, the halo on both sides.
+void DeviceBrickMesher::count_all(const BrickCounts& counts, CountPart* halo_parts) {
+  const BrickCounts halo_counts{counts.sums, halo_parts};
+  count_range({0, own_.begin}, halo_counts);
+  count_range(own_, counts);
+  count_range({own_.end, candidates_.count}, halo_counts);
+}
+
+// In runs of as many bricks as the kept field has room for. If it has room for all, every brick has
+// its own place there, else each run begins at the front.
+void DeviceBrickMesher::count_range(const BrickRange& range, const BrickCounts& counts) const {
+  const std::uint64_t each = source_.values_per_brick();
+  const std::uint64_t at_once = holds_field_ ? range.size() : values_.size() / each;
+  for (std::uint64_t begin = range.begin; begin < range.end; begin += at_once) {
+    const std::uint64_t size = std::min(at_once, range.end - begin);
+    float* const values = values_.data() + (holds_field_ ? begin * each : 0);
+    source_.count(candidates_.keys.data() + begin, size, counted_.bricks.data() + begin, values,
+                  {counts.sums + begin, counts.parts});
+  }
+}
+
+MeshSize DeviceBrickMesher::size() const {
+  return {own_to_.vertices - own_from_.vertices, own_to_.triangles - own_from_.triangles};
+}
+
+// ---- emission ----
+
+DeviceMesh DeviceBrickMesher::emit_on_device() {
+  check_mesh_limits({size(),
+                     {.connectivity = options_.connectivity,
+                      .normals = options_.normals,
+                      .width = source_.label_width()},
+                     0,
+                     source_.grid().spacing},
+                    options_.memory_limit);
+  const Slab all{own_, own_from_, own_to_};
+  const std::uint64_t missing = holds_field_ ? 0 : field_bytes(candidates_.count);
+  const std::uint64_t need = mesh_bytes(own_from_, own_to_) + missing;
+  if (!holds_field_ || !fits(need)) throw_no_room(need);
+  DeviceMesh mesh = make_mesh(all);
+  emit(all, mesh.view());
+  check_tally();
+  return mesh;
+}
+
+void DeviceBrickMesher::emit_to_host(const MeshSize& first, IndexedMesh& host, std::uint64_t k,
+                                     std::uint64_t shares) {
+  number_from(first);
+  for (const Slab& slab : slabs_of(k, shares)) {
+    advance(options_.monitor, 0);
+    if (!holds_field_ && source_.values_per_brick() > 0) recount(slab.bricks);
+    if (slab.to.triangles == slab.from.triangles && slab.to.vertices == slab.from.vertices)
+      continue;
+    const DeviceMesh mesh = make_mesh(slab);
+    DeviceMeshView part = mesh.view();
+    part.first_vertex = slab.from.vertices;
+    part.first_triangle = slab.from.triangles;
+    emit(slab, part);
+    download_slab(slab, mesh, first, host);
+    ++slabs_;
+  }
+  check_tally();
+}
+
+// Numbers the first brick of the range with `first`, and all others accordingly.
+void DeviceBrickMesher::number_from(const MeshSize& first) {
+  const BrickSums shift{first.vertices - own_from_.vertices, first.triangles - own_from_.triangles};
+  if (shift.vertices == 0 && shift.triangles == 0) return;
+  constexpr unsigned threads = 256;
+  const std::uint64_t n = candidates_.count + 1;
+  const Stream& stream = source_.stream();
+  shift_sums<<<blocks_for(n, threads), threads, 0, stream.get()>>>(counted_.before.data(), n,
+                                                                   shift);
+  check_launch("shift_sums");
+  own_from_ = {first.vertices, first.triangles};
+  own_to_ = AddSums()(own_to_, shift);
+}
+
+// One slab if the mesh fits beside what is kept of the field, else runs of as many bricks as do.
+std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::slabs_of(std::uint64_t k,
+                                                                 std::uint64_t shares) {
+  if (own_.size() == 0) return {};
+  if (shares == 1 && holds_field_ && fits(mesh_bytes(own_from_, own_to_))) {
+    return {{own_, own_from_, own_to_}};
+  }
+  // before[b] belongs to brick own_.begin + b.
+  std::vector<BrickSums> before(own_.size() + 1);
+  download_parts(
+      {{before.data(), counted_.before.data() + own_.begin, before.size() * sizeof(BrickSums)}},
+      source_.stream());
+  const auto share_begin = [&](std::uint64_t share) -> std::uint64_t {
+    if (share == shares) return own_.size();
+    const std::uint64_t triangles = size().triangles / shares * share;
+    const auto at = std::partition_point(before.begin(), before.end() - 1, [&](const BrickSums& s) {
+      return s.triangles - own_from_.triangles < triangles;
+    });
+    return static_cast<std::uint64_t>(at - before.begin());
+  };
+  taken_ -= values_.bytes();
+  values_ = DeviceArray<float>();
+  holds_field_ = false;
+  std::vector<Slab> slabs = runs_that_fit(before, {share_begin(k), share_begin(k + 1)});
+  make_room_for_fields(slabs);
+  return slabs;
+}
+
+std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::runs_that_fit(
+    const std::vector<BrickSums>& before, BrickRange share) {
+  const std::uint64_t most = room();
+  std::vector<Slab> slabs;
+  for (std::uint64_t begin = share.begin; begin < share.end;) {
+    const auto bytes = [&](std::uint64_t end) {
+      return field_bytes(end - begin) + mesh_bytes(before[begin], before[end]);
+    };
+    std::uint64_t end = begin + 1;
+    if (bytes(end) > most) throw_no_room(bytes(end));
+    while (end < share.end && bytes(end + 1) <= most) ++end;
+    slabs.push_back({{own_.begin + begin, own_.begin + end}, before[begin], before[end]});
+    begin = end;
+  }
+  return slabs;
+}
+
+// From here on the field is summed again, slab by slab.
+void DeviceBrickMesher::make_room_for_fields(const std::vector<Slab>& slabs) {
+  std::uint64_t most = 0;
+  for (const Slab& slab : slabs) most = std::max(most, slab.bricks.size());
+  values_ = DeviceArray<float>(most * source_.values_per_brick(), source_.stream().get());
+}
+
+// The field of a slab; its counts are known already and go to arrays that are thrown away.
+void DeviceBrickMesher::recount(const BrickRange& slab) const {
+  const Stream& stream = source_.stream();
+  const DeviceArray<CountPart> parts(kCountParts, stream.get());
+  clear(parts, stream.get());
+  const DeviceArray<BrickSums> sums(slab.size(), stream.get());
+  source_.count(candidates_.keys.data() + slab.begin, slab.size(),
+                counted_.bricks.data() + slab.begin, values_.data(), {sums.data(), parts.data()});
+}
+
+DeviceMesh DeviceBrickMesher::make_mesh(const Slab& slab) const {
+  return DeviceMesh(slab.to.vertices - slab.from.vertices, slab.to.triangles - slab.from.triangles,
+                    source_.stream().get(), source_.label_width(), options_.normals,
+                    options_.connectivity);
+}
+
+void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
+  const Stream& stream = source_.stream();
+  mark_end_of(Stage::other);
+  const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
+  source_.emit_vertices(part_of(counted_.list(), slab.bricks), counted_.totals.most_atoms,
+                        values_.data() + kept_from * source_.values_per_brick(), mesh,
+                        &tally_.data()->clamped);
+  mark_end_of(Stage::vertices);
+  if (neighbours_.size() == 0) neighbours_ = find_triangle_neighbours(candidates_, stream);
+  emit_triangles_on_device(counted_.list(), neighbours_, slab.bricks, mesh, tally_.data(), stream);
+  mark_end_of(Stage::triangles);
+}
+
+void DeviceBrickMesher::download_slab(const Slab& slab, const DeviceMesh& mesh,
+                                      const MeshSize& first, IndexedMesh& host) {
+  const std::uint64_t vertex = slab.from.vertices - first.vertices;
+  const std::uint64_t triangle = slab.from.triangles - first.triangles;
+  std::vector<DownloadPart> parts = {
+      part_for(host.positions, vertex, mesh.positions),
+      {host.triangles.data() + triangle, mesh.corners.data(), mesh.corners.bytes()}};
+  if (mesh.vertex_spheres.atoms.size() > 0) {
+    parts.push_back(part_for(host.vertex_spheres.atoms, vertex, mesh.vertex_spheres.atoms));
+  }
+  if (mesh.normals.size() > 0) {
+    parts.push_back(part_for(host.normals, vertex, mesh.normals));
+  }
+  if (mesh.opposite.size() > 0) {
+    parts.push_back(part_for(host.opposite, 3 * triangle, mesh.opposite));
+  }
+  download_parts(parts, source_.stream());
+  mark_end_of(Stage::download);
+}
+
+void DeviceBrickMesher::check_tally() {
+  const DeviceEmissionTally tally = fetch(tally_.data(), source_.stream());
+  clamped_ = tally.clamped;
+  if (tally.missing_neighbours == 0) return;
+  throw InternalError("the surface leaves bricks for neighbours that the search left out, at " +
+                      std::to_string(tally.missing_neighbours) + " rows of cells");
+}
+
+// ---- times ----
+
+void DeviceBrickMesher::mark_end_of(Stage stage) {
+  marks_.mark();
+  stages_.push_back(stage);
+}
+
+float DeviceBrickMesher::milliseconds_in(Stage stage) const {
+  float sum = 0;
+  for (std::size_t i = 0; i < stages_.size(); ++i) {
+    if (stages_[i] == stage) sum += marks_.stage(i);
+  }
+  return sum;
+}
+
+ExtractTimings DeviceBrickMesher::timings() const {
+  return {milliseconds_in(Stage::search), milliseconds_in(Stage::count),
+          milliseconds_in(Stage::scan), milliseconds_in(Stage::vertices),
+          milliseconds_in(Stage::triangles)};
+}
+
+ExtractStats DeviceBrickMesher::stats() const {
+  const ExtractTimings ms = timings();
+  ExtractStats stats;
+  stats.surface_bricks = counted_.totals.surface_bricks;
+  stats.grid_clipped = counted_.totals.clipped_cells;
+  stats.clamped_vertices = clamped_;
+  stats.slabs = slabs_;
+  stats.field_seconds = (ms.search + ms.count + ms.scan) * 1e-3;
+  stats.extract_seconds = (ms.vertices + ms.triangles) * 1e-3;
+  stats.download_seconds = milliseconds_in(Stage::download) * 1e-3;
+  return stats;
+}
+
+}  // namespace vdwmesh

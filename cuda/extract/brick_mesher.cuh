@@ -1,0 +1,88 @@
+// Marching cubes on one device: count the bricks of a range, then emit them, to the device as one
+// mesh or to the host in runs.
+#pragma once
+
+#include <vector>
+
+#include "cuda/extract/brick_source.cuh"
+
+namespace vdwmesh {
+
+class DeviceBrickMesher {
+ public:
+  // `sharers` meshers share the memory of the current device. Source and options must outlive it.
+  DeviceBrickMesher(const BrickSource& source, const ExtractOptions& options,
+                    std::size_t sharers = 1);
+
+  // Finds the candidates, counts what they hold and numbers it: the bricks of `own`, and around
+  // them those of its halo. Throws LimitExceeded, and DeviceMemoryExceeded if not even one brick's
+  // field fits beside what is kept of every brick.
+  void count(const KeyRange& own = {});
+  // The same for candidates that are known (keys, rising).
+  void count(KeyList candidates, const KeyRange& own = {});
+
+  // What the bricks of the range hold.
+  MeshSize size() const;
+
+  // Emits the range into a mesh on the device. Throws LimitExceeded for its size,
+  // DeviceMemoryExceeded if it does not fit.
+  DeviceMesh emit_on_device();
+
+  // Emits share `k` of `shares` of the range, shared by triangles, to its place in a mesh on the
+  // host that has room for the range. It goes in slabs, runs of bricks that fit the device, whose
+  // field is summed again if it was not kept. `first` as for SurfacePart::emit.
+  void emit_to_host(const MeshSize& first, IndexedMesh& host, std::uint64_t k = 0,
+                    std::uint64_t shares = 1);
+
+  std::uint64_t candidates() const { return candidates_.count; }
+  // What the kernels took so far; waits for them.
+  ExtractTimings timings() const;
+  ExtractStats stats() const;
+
+ private:
+  enum class Stage : std::uint8_t { search, count, scan, vertices, triangles, download, other };
+  struct Slab {
+    BrickRange bricks;
+    BrickSums from, to;  // numbers of its first vertex and triangle, and of those behind it
+  };
+
+  std::uint64_t room() const;
+  bool fits(std::uint64_t bytes) const;
+  [[noreturn]] void throw_no_room(std::uint64_t need) const;
+  std::uint64_t field_bytes(std::uint64_t bricks) const;
+  std::uint64_t mesh_bytes(const BrickSums& from, const BrickSums& to) const;
+
+  void count_all(const BrickCounts& counts, CountPart* halo_parts);
+  void count_range(const BrickRange& range, const BrickCounts& counts) const;
+  void find_own(const KeyRange& own);
+  void number_from(const MeshSize& first);
+  std::vector<Slab> slabs_of(std::uint64_t k, std::uint64_t shares);
+  std::vector<Slab> runs_that_fit(const std::vector<BrickSums>& before, BrickRange share);
+  void make_room_for_fields(const std::vector<Slab>& slabs);
+  void recount(const BrickRange& slab) const;
+  DeviceMesh make_mesh(const Slab& slab) const;
+  void emit(const Slab& slab, const DeviceMeshView& mesh);
+  void download_slab(const Slab& slab, const DeviceMesh& mesh, const MeshSize& first,
+                     IndexedMesh& host);
+  void check_tally();
+  void mark_end_of(Stage stage);
+  float milliseconds_in(Stage stage) const;
+
+  const BrickSource& source_;
+  const ExtractOptions& options_;
+  std::size_t sharers_;
+  StageMarks marks_;
+  std::vector<Stage> stages_;  // between one mark and the next
+  std::uint64_t taken_ = 0;    // bytes of device memory, beside meshes and slabs' fields
+  KeyList candidates_;         // of the range and its halo
+  BrickRange own_{0, 0};       // those of the range
+  DeviceArray<float> values_;
+  bool holds_field_ = false;  // of all candidates
+  DeviceCountedBricks counted_;
+  BrickSums own_from_{0, 0}, own_to_{0, 0};  // sums before the range and behind it
+  DeviceArray<TriangleNeighbours> neighbours_;
+  DeviceArray<DeviceEmissionTally> tally_;
+  std::uint64_t clamped_ = 0, slabs_ = 0;
+};
+
+}  // namespace vdwmesh

@@ -1,0 +1,33 @@
+// How far a sphere reaches is the field's to say; the rest is the cell list's.
+#include "extract/field_list.hpp"
+
+#include <vector>
+
+#include "extract/blended/field_formulas.hpp"
+#include "spheres/kept_cell_lists.hpp"
+
+namespace vdwmesh {
+namespace {
+
+std::vector<double> field_reaches(const SphereSet& spheres, const FieldModel& model) {
+  std::vector<double> reach(spheres.size());
+  for (std::size_t i = 0; i < reach.size(); ++i) reach[i] = field_reach(model, spheres[i].radius);
+  return reach;
+}
+
+}  // namespace
+
+CellList make_field_list(const SphereSet& spheres, const FieldModel& model) {
+  return CellList(spheres, field_reaches(spheres, model));
+}
+
+CellListFrame make_field_frame(const SphereSet& spheres, const FieldModel& model) {
+  return make_frame(spheres, field_reaches(spheres, model));
+}
+
+CellListView field_list(const SphereSet& spheres, const FieldModel& model,
+                        const CellListFrame* frame, Workspace& workspace) {
+  return workspace.get<KeptCellLists>().get(spheres, field_reaches(spheres, model), frame);
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,46 @@
+// A list is found again by what it was built from: the revision of the SphereSet, which changes
+// with every change of its spheres, the reaches, and the frame. Comparing reaches costs a
+// thousandth of building a list.
+#include "spheres/kept_cell_lists.hpp"
+
+#include <algorithm>
+
+namespace vdwmesh {
+
+bool KeptCellLists::Entry::holds(const SphereSet& spheres, std::span<const double> wanted,
+                                 const CellListFrame* wanted_frame) const {
+  if (revision == 0 || revision != spheres.revision()) return false;
+  if (is_framed != (wanted_frame != nullptr)) return false;
+  if (is_framed && !(frame == *wanted_frame)) return false;
+  return std::ranges::equal(reach, wanted);
+}
+
+const CellListView& KeptCellLists::get(const SphereSet& spheres, std::span<const double> reach,
+                                       const CellListFrame* frame) {
+  for (std::size_t e = 0; e < entries_.size(); ++e) {
+    if (!entries_[e].holds(spheres, reach, frame)) continue;
+    last_ = e;
+    return entries_[e].list.view();
+  }
+  last_ = 1 - last_;
+  Entry& entry = entries_[last_];
+  entry.revision = 0;  // until the list is there: building it may throw
+  if (frame != nullptr) {
+    entry.list.rebuild(spheres, reach, *frame);
+    entry.frame = *frame;
+  } else {
+    entry.list.rebuild(spheres, reach);
+  }
+  entry.is_framed = frame != nullptr;
+  entry.reach.assign(reach.begin(), reach.end());
+  entry.revision = spheres.revision();
+  return entry.list.view();
+}
+
+const CellListView& ball_list(const SphereSet& spheres, Workspace& workspace) {
+  std::vector<double> reach(spheres.size());
+  std::ranges::transform(spheres.spheres(), reach.begin(), &Sphere::radius);
+  return workspace.get<KeptCellLists>().get(spheres, reach, nullptr);
+}
+
+}  // namespace vdwmesh
