@@ -1,3 +1,11 @@
+// The outer loop of the crease-exact mesher: it chooses feature sizes and checks the topology.
+//
+// 1. arrange() builds the regular triangulation, the dual complex and the areas of the patches.
+// 2. Chooser tries several sets of feature sizes. For each set, boundary_arcs() places the arcs and
+//    corners in space, and mesh_boundary() meshes the patches between them (both in mesher/).
+// 3. If features were reduced to points, compare() holds the Euler characteristic and the number of
+//    closed surfaces of the mesh against those of the dual complex.
+// The first mesh of the right topology is the result. If there is none, it is the first mesh made.
 #include "arrangement/exact_mesher.hpp"
 
 #include <fmt/format.h>
@@ -25,13 +33,18 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// The sizes of features that are tried in turn. The first are right wherever nothing is smaller. If
-// features were reduced to points and the topology changed, finer ones keep what coordinates can
-// still tell apart; if curves lie too close, coarser ones merge the places where they do.
+// The feature sizes, in the order in which they are tried. FeatureSizes holds the length of an arc
+// and the radius of a circle, as fractions of a ball's radius. Features up to these sizes become
+// points.
+// - kUsual gives the right topology if no feature is smaller than its sizes.
+// - kFiner follows if features became points and the topology changed. It keeps features that
+//   double coordinates can still tell apart.
+// - kCoarser follows if curves were too close to be meshed. It merges curves where they are close.
 constexpr FeatureSizes kUsual{};
 constexpr FeatureSizes kFiner{1e-11, 1e-9};
 constexpr std::array<FeatureSizes, 3> kCoarser{{{1e-7, 1e-6}, {1e-6, 1e-5}, {1e-5, 1e-4}}};
 
+// Everything that the mesher needs and that does not depend on feature sizes.
 Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
   Arrangement a{triangulate(spheres, monitor), {}, {}};
   a.complex = dual_complex(a.triangulation);
@@ -39,11 +52,12 @@ Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
   return a;
 }
 
-// The Euler characteristic of a closed surface and the number of its pieces.
+// The Euler characteristic of a closed surface, and the number of its connected pieces.
 struct Shape {
   std::int64_t euler_characteristic, shells;
 };
 
+// A closed triangle mesh has E = 3 F / 2 edges, so its Euler characteristic is V - F / 2.
 Shape shape_of(const IndexedMesh& mesh) {
   DisjointSets shells(mesh.vertex_count());
   for (const Triangle& t : mesh.triangles) {
@@ -55,7 +69,8 @@ Shape shape_of(const IndexedMesh& mesh) {
           static_cast<std::int64_t>(shells.count())};
 }
 
-// Of a surface around the union on which each point of contact is doubled.
+// The exact shape of the boundary on which each point of contact is doubled, as the mesh doubles
+// it. Two balls that only touch count as separate components here.
 Shape shape_of(const Arrangement& a) {
   const UnionTopology topology = union_topology(a.triangulation, a.complex, a.measures);
   DisjointSets components(a.complex.in_complex.size());
@@ -64,7 +79,8 @@ Shape shape_of(const Arrangement& a) {
     if (!contact) components.join(e.vertices[0], e.vertices[1]);
   }
   std::int64_t shells = static_cast<std::int64_t>(topology.voids);
-  // Balls that are hidden but for a point of contact are no surface.
+  // A component counts if it has exposed area. A ball that is hidden except for a point of
+  // contact has no surface to mesh.
   std::vector<std::uint8_t> counted(a.complex.exposed.size(), 0);
   for (std::uint32_t v = 0; v < counted.size(); ++v) {
     std::uint8_t& of_component = counted[components.find(v)];
@@ -75,10 +91,10 @@ Shape shape_of(const Arrangement& a) {
           shells};
 }
 
-// What of a boundary depends on the sizes of its features: with other sizes that leave these as
-// they are, its curves lie where they lay.
+// The part of a boundary that depends on the feature sizes. Two sets of sizes with equal
+// BoundaryFeatures place the same curves.
 struct BoundaryFeatures {
-  std::vector<std::array<std::uint32_t, 4>> arcs;  // balls and ends
+  std::vector<std::array<std::uint32_t, 4>> arcs;  // two balls, two corners (see BoundaryArc)
   std::uint64_t corners, points, contacts, joins;
   bool operator==(const BoundaryFeatures&) const = default;
 };
@@ -92,13 +108,14 @@ BoundaryFeatures features_of(const BoundaryArcs& boundary) {
   return features;
 }
 
-// Meshes an arrangement with one choice of feature sizes after the other, and keeps the first mesh
-// until there is one of the union's topology.
+// Meshes an arrangement with one set of feature sizes after the other, until a mesh has the
+// topology of the union. Until then it keeps the first mesh that it could make.
 class Chooser {
  public:
   Chooser(const Arrangement& arrangement, const ExactMeshOptions& options)
       : arrangement_(arrangement), options_(options) {}
 
+  // Throws LimitExceeded if no set of sizes led to a mesh.
   ExactMesh run() && {
     if (try_sizes(kUsual)) return std::move(*best_);
     if (best_) {
@@ -113,10 +130,11 @@ class Chooser {
   }
 
  private:
-  // Whether that gave a mesh of the union's topology.
+  // Returns whether these sizes gave a mesh with the topology of the union.
   bool try_sizes(const FeatureSizes& sizes) {
     BoundaryArcs boundary = boundary_arcs(arrangement_.triangulation, arrangement_.complex, sizes);
     BoundaryFeatures features = features_of(boundary);
+    // The mesher refused these very curves before, and would refuse them again.
     if (features == refused_) return false;
     try {
       ExactMesh mesh = mesh_boundary(arrangement_, std::move(boundary), options_beside_best());
@@ -130,11 +148,11 @@ class Chooser {
       return false;
     } catch (const LimitExceeded&) {
       if (!best_) throw;
-      return false;  // the mesh there is is given, which says how it differs
+      return false;  // the caller gets the mesh made before, whose stats say how it differs
     }
   }
 
-  // A mesh that is kept takes its part of the memory.
+  // The options with the memory limit reduced by what the mesh kept so far occupies.
   ExactMeshOptions options_beside_best() const {
     ExactMeshOptions options = options_;
     if (best_ && options.memory_limit != kNoMemoryLimit) {
@@ -143,7 +161,8 @@ class Chooser {
     return options;
   }
 
-  // The arcs and corners of the complex are exact: only features made points change the topology.
+  // Fills the differences of topology in the stats. The arcs and corners of the complex are exact,
+  // so the topology can only differ if features became points.
   void compare(ExactMesh& mesh) {
     if (mesh.stats.points + mesh.stats.contacts + mesh.stats.joins == 0) return;
     if (!exact_) exact_ = shape_of(arrangement_);
@@ -154,10 +173,10 @@ class Chooser {
 
   const Arrangement& arrangement_;
   const ExactMeshOptions& options_;
-  std::optional<ExactMesh> best_;
-  std::optional<Shape> exact_;
-  std::optional<BoundaryFeatures> refused_;  // the last one
-  std::string refusal_;
+  std::optional<ExactMesh> best_;            // first mesh made, or the one of the right topology
+  std::optional<Shape> exact_;               // computed when it is first needed
+  std::optional<BoundaryFeatures> refused_;  // curves that the mesher refused last
+  std::string refusal_;                      // message of the first refusal, for the caller
 };
 
 }  // namespace

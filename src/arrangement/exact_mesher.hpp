@@ -1,16 +1,21 @@
-// The crease-exact mesh of the union's boundary: the second mesher, beside marching cubes.
+// The crease-exact mesh of the boundary of a union of balls. It is the second mesher, beside
+// marching cubes, and its edges follow the creases in which spheres meet.
 //
-// Corners lie on three spheres, vertices of arcs on two, all others on one, each to rounding; each
-// triangle belongs to one sphere, lies in that sphere's power cell, and is inscribed. Arcs are
-// sampled once for the patches on both sides, so the mesh is watertight.
+// A corner lies on three spheres, a vertex of an arc on two, any other vertex on one, each up to
+// rounding. Each triangle belongs to one sphere: its vertices lie on that sphere, and the triangle
+// lies in that sphere's power cell. Each arc is sampled once. The patches on both sides of the arc
+// use the same points, so the mesh is watertight.
 //
-// Topology: which corners, arcs and patches there are is decided exactly, and the mesh has the
-// topology of the union unless features are too small for double coordinates: arcs shorter than
-// 1e-8 of the radius, circles below 1e-6, curves nearer to each other than 1e-8. Those become
-// points, at which surfaces that meet there only are parted. If that changes the topology, the
-// mesher tries again with features of 1e-11 and 1e-9; if curves cannot be told apart, with coarser
-// ones, at last 1e-5 and 1e-4. What became a point is counted and the mesh compared with the exact
-// complex: `stats` says by how much it differs.
+// Topology. An exact decision says which corners, arcs and patches there are. The mesh therefore
+// has the topology of the union, unless features are too small for double coordinates. By default
+// such features are arcs shorter than 1e-8 of the radius, circles with a radius below 1e-6 of it,
+// and curves nearer to each other than 1e-8. The mesher reduces each of them to a point and
+// separates the surfaces that meet in that point only.
+//
+// Fallbacks. If the reduction changes the topology, the mesher tries again with the smaller
+// thresholds 1e-11 and 1e-9. If curves lie too close to be meshed, it tries larger thresholds, at
+// last 1e-5 and 1e-4. `ExactMeshStats` counts the reduced features and says by how much the
+// topology of the mesh differs from the exact one.
 #pragma once
 
 #include <cstdint>
@@ -21,25 +26,27 @@
 namespace vdwmesh {
 
 struct ExactMeshOptions {
-  double edge_length = 0.35;                    // Å; smaller where the boundary asks for it
+  double edge_length = 0.35;                    // Å; edges are shorter at narrow features
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
   Monitor* monitor = nullptr;
 };
 
 struct ExactMeshStats {
-  std::uint64_t arcs = 0, corners = 0;  // of the boundary, with a size
-  std::uint64_t points = 0;    // arcs of no length: more than three spheres through one point
-  std::uint64_t contacts = 0;  // circles of no size: balls that touch in a point, parted
-  std::uint64_t joins = 0;     // curves of one sphere joined in a point where they all but touch
-  // What was reduced to points, by the radius of the smaller sphere: arcs up to this length,
-  // circles up to this radius.
+  std::uint64_t arcs = 0, corners = 0;  // of the boundary, without those reduced to points
+  std::uint64_t points = 0;    // arcs reduced to points: more than three spheres meet there
+  std::uint64_t contacts = 0;  // circles reduced to points: two balls touch; the mesh parts them
+  std::uint64_t joins = 0;     // places where curves on one sphere nearly touch and were joined
+  // The thresholds in use, as fractions of the smaller sphere's radius. Arcs up to the length
+  // `arc_size` and circles up to the radius `circle_size` were reduced to points.
   double arc_size = 0, circle_size = 0;
-  // Mesh less union: the Euler characteristic (with 2 more for each two balls that touch in one
-  // point, which the mesh doubles) and the number of closed surfaces. 0 where points, contacts and
-  // joins are 0.
+  // Value of the mesh minus value of the union, for the Euler characteristic and for the number of
+  // closed surfaces. The value of the union counts each point of contact twice, as the mesh does,
+  // which adds 2 to the Euler characteristic for each contact. Both differences are 0 if points,
+  // contacts and joins are 0.
   std::int64_t euler_difference = 0, shell_difference = 0;
-  std::uint64_t pieces = 0;  // of the arcs
-  std::uint64_t split = 0;   // pieces that were split on the way
+  std::uint64_t pieces = 0;  // mesh edges along the arcs
+  std::uint64_t split = 0;   // pieces that had to be split after the first sampling
+  // Wall time. The first is the part before meshing: triangulation, dual complex and areas.
   double arrangement_seconds = 0, seconds = 0;
 };
 
@@ -48,11 +55,12 @@ struct ExactMesh {
   ExactMeshStats stats;
 };
 
-// Vertex labels are the ids of the spheres it lies on, ascending. A function of its arguments: the
-// same in every call and for any number of threads; a permuted input permutes labels only. Throws
-// InvalidInput (an empty set, an edge length that is not finite and positive), Cancelled;
-// LimitExceeded before memory is taken, or later where curves of the boundary lie too close to be
-// told apart.
+// Meshes the boundary of the union. The labels of a vertex are the ids of the spheres it lies on,
+// ascending. The result depends on the arguments alone: every call and any number of threads give
+// the same mesh, and a permuted input permutes the labels only.
+// Throws InvalidInput for an empty set or an edge length that is not finite and positive, and
+// Cancelled. Throws LimitExceeded before it takes memory beyond the limit, or later if curves of
+// the boundary lie too close to each other for every set of thresholds.
 ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options = {});
 
 }  // namespace vdwmesh

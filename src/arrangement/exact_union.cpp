@@ -1,3 +1,11 @@
+// Runs the method of the exact union that the caller chose, and translates lengths and order.
+//
+// The triangulation works on balls in its own order (power_triangulation.hpp), whose lengths are
+// divided by 2^scale_exponent. unscaled() and scale() bring its results back to Å and to the order
+// of the SphereSet. The power of two makes this exact, short of overflow and underflow.
+//
+// The arcs work on the SphereSet itself. Where they mark a sphere as suspect, the measures of a
+// triangulation replace theirs.
 #include "arrangement/exact_union.hpp"
 
 #include <tbb/parallel_invoke.h>
@@ -17,6 +25,7 @@
 namespace vdwmesh {
 namespace {
 
+// A factor of 2^exponent on lengths is one of 2^(2 exponent) on areas, 2^(3 exponent) on volumes.
 double scaled_area(double area, int exponent) { return std::ldexp(area, 2 * exponent); }
 double scaled_volume(double volume, int exponent) { return std::ldexp(volume, 3 * exponent); }
 
@@ -29,7 +38,8 @@ void scale(UnionTopology& topology, int exponent) {
   topology.void_volume = scaled_volume(topology.void_volume, exponent);
 }
 
-// In the order and the units of the SphereSet.
+// Returns the measures of the triangulation's balls in the order and the units of the SphereSet.
+// Spheres that the triangulation leaves out, because a concentric one covers them, get 0.
 std::vector<SphereMeasures> unscaled(const SphereSet& spheres, const PowerTriangulation& t,
                                      const std::vector<SphereMeasures>& measures) {
   std::vector<SphereMeasures> out(spheres.size(), SphereMeasures{0, 0});
@@ -50,6 +60,7 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
   std::vector<SphereMeasures> measures;
   UnionTopology topology;
   SphereMeasures check;
+  // The two computations share nothing but their inputs, so they run side by side.
   tbb::parallel_invoke(
       [&] {
         measures = inclusion_exclusion(triangulation, complex);
@@ -57,6 +68,7 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
       },
       [&] { check = total_measures(gauss_bonnet(triangulation, complex)); });
   scale(topology, triangulation.scale_exponent);
+  // union_topology() knows the balls of the triangulation only; all other spheres are hidden.
   topology.hidden_spheres += spheres.size() - triangulation.balls.size();
   advance(monitor, 1);
 
@@ -72,7 +84,8 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
   return result;
 }
 
-// Ascending ids of the wanted spheres and of every sphere that may overlap one of them.
+// Returns the ids of the wanted spheres and of every sphere that may overlap one of them, ascending
+// and without repetition.
 std::vector<SphereId> neighborhood(const SphereSet& spheres, const std::vector<SphereId>& wanted) {
   const CellList list = make_ball_list(spheres);
   const CellListView& view = list.view();
@@ -90,7 +103,9 @@ std::vector<SphereId> neighborhood(const SphereSet& spheres, const std::vector<S
   return near;
 }
 
-// A sphere's area and ball ∩ power cell depend on the balls that meet it alone.
+// Replaces the measures of suspect spheres by those of a triangulation of their neighbourhoods. The
+// exposed area of a sphere and its ball ∩ power cell depend only on the balls that meet its ball,
+// so a triangulation of these neighbourhoods is enough.
 void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>& suspect,
                           std::vector<SphereMeasures>& per_sphere) {
   if (suspect.empty()) return;
@@ -108,6 +123,7 @@ void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>&
   }
 }
 
+// Method arcs: no triangulation, except one of the neighbourhoods of suspect spheres.
 void union_by_arcs(ExactUnion& result, const SphereSet& spheres, Monitor* monitor,
                    Workspace& workspace) {
   auto& arcs = workspace.get<ArcMeasures>();
@@ -119,6 +135,8 @@ void union_by_arcs(ExactUnion& result, const SphereSet& spheres, Monitor* monito
   std::swap(arcs.per_sphere, result.per_sphere);
 }
 
+// Method both: the measures of the triangulation. The check is the sum over the arcs' measures, in
+// which suspect spheres count with their measures from the triangulation.
 ExactUnion union_by_both(const SphereSet& spheres, Monitor* monitor, Workspace& workspace) {
   ExactUnion result = union_by_triangulation(spheres, monitor);
   auto& arcs = workspace.get<ArcMeasures>();

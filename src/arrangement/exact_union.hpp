@@ -1,15 +1,17 @@
-// The union of closed balls: area, volume and topology without a mesh.
+// The union of closed balls: its area, volume and topology, without a mesh.
 //
-// The regular triangulation of the balls has a subcomplex, the dual complex, to which the union is
-// homotopic: every intersection of balls with a power cell is convex, so the nerve theorem applies
-// (Edelsbrunner 1995, "The union of balls and its dual shape"). Its predicates are exact, so the
-// topology is exact for the doubles given. The measures are sums over the complex in double
-// precision: right to rounding, some 1e-13 of the total, without a proven bound. AlphaMol (Liang et
-// al. 1998) measures molecules so; Cazals, Kanhere and Loriot 2011, "Computing the volume of a
-// union of balls: a certified algorithm", do it in intervals that prove how many digits are right.
+// The dual complex is a subcomplex of the balls' regular triangulation (Edelsbrunner 1995, "The
+// union of balls and its dual shape"). The union is homotopy equivalent to it: a ball ∩ power cell
+// is convex, and so is every intersection of several of them, so the nerve theorem applies. The
+// predicates are exact, so the topology is exact for the doubles that are given.
 //
-// Tangency: balls are closed, so two balls that touch in one point are one component; area and
-// volume do not depend on it. Exact duplicates: the lowest index owns the area.
+// Areas and volumes are sums over the complex in double precision. They are right to rounding, some
+// 1e-13 of the total, without a proven bound. AlphaMol measures molecules in this way (Liang et al.
+// 1998). Cazals, Kanhere and Loriot 2011, "Computing the volume of a union of balls: a certified
+// algorithm", compute in intervals, which prove how many digits are right.
+//
+// Degenerate input. Balls are closed, so two balls that touch in one point are one component; area
+// and volume do not change at such a tangency. Of equal balls the lowest index owns the area.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +24,9 @@
 
 namespace vdwmesh {
 
-// cgal: regular triangulation and dual complex, exact predicates, measures in double.
-// arcs: exposed arcs per sphere from a cell list; area and volume only.
-// both: cgal, with arcs beside it as a check.
+// cgal: the regular triangulation and the dual complex; all of ExactUnion.
+// arcs: each sphere by itself, from the arcs on it; area and volume only. See arcs/arcs.hpp.
+// both: cgal, with the arcs as an independent check of area and volume.
 enum class UnionMethod { cgal, arcs, both };
 
 struct UnionOptions {
@@ -34,23 +36,24 @@ struct UnionOptions {
 };
 
 struct SphereMeasures {
-  double area;    // Å² exposed on the boundary of the union
-  double volume;  // Å³ of ball ∩ power cell
+  double area;    // Å²: the part of the sphere that lies on the boundary of the union
+  double volume;  // Å³: ball ∩ power cell
 };
 
-// A connected piece of the boundary; volume is signed, negative for a void.
+// A connected piece of the boundary: the outer surface of a component, or the surface of a void.
+// `volume` is the volume that the piece encloses, with everything in there; negative for a void.
 struct Shell {
   double area, volume;  // Å², Å³
 };
 
 struct UnionTopology {
-  std::uint64_t components, tunnels, voids;  // Betti numbers of the union
-  // 2 (components - tunnels + voids): of the boundary of balls a little larger, which is a surface.
-  // The boundary itself has one more for every point contact: two spheres that touch have 3, those
-  // of the larger balls 2.
+  std::uint64_t components, tunnels, voids;  // Betti numbers of the union of closed balls
+  // 2 (components - tunnels + voids). This is the Euler characteristic of the boundary after all
+  // balls grew by a little, which makes the boundary a surface. The boundary itself has one more
+  // for every point of contact: two spheres that touch have 3, the grown balls have 2.
   std::int64_t euler_characteristic;
   std::uint64_t point_contacts;  // pairs of balls that touch in one point outside all others
-  std::uint64_t hidden_spheres;  // without exposed area
+  std::uint64_t hidden_spheres;  // spheres without exposed area
   std::vector<Shell> shells;     // outer surfaces, then voids, each by falling |volume|
   double outer_area, void_area;  // Å²
   double void_volume;            // Å³ enclosed by the voids, >= 0
@@ -59,16 +62,19 @@ struct UnionTopology {
 struct ExactUnion {
   UnionMethod method;
   double area, volume;  // Å², Å³
-  // In the order of the SphereSet; the sums are area and volume.
+  // One entry per sphere, in the order of the SphereSet. The sums are `area` and `volume`.
   std::vector<SphereMeasures> per_sphere;
-  std::optional<UnionTopology> topology;  // cgal and both
-  // cgal: from the same complex by other formulas (Gauss–Bonnet and pyramids), which checks the
-  // sums but not the complex; both: by arcs, which share nothing with either.
+  std::optional<UnionTopology> topology;  // methods cgal and both
+  // A second computation of area and volume. Method cgal uses other formulas on the same complex
+  // (Gauss–Bonnet, pyramids), which checks the sums but not the complex. Method both uses the arcs,
+  // which share no code with the complex. Method arcs has no check.
   std::optional<double> check_area, check_volume;
-  std::uint64_t fallback_spheres = 0;  // arcs, both: spheres whose arcs the reference replaced
+  // Methods arcs and both: spheres whose result from the arcs failed a check, so that the result
+  // from a triangulation stands in for it.
+  std::uint64_t fallback_spheres = 0;
 };
 
-// Throws InvalidInput for an empty set and where a measure is not finite in double, Cancelled.
+// Throws InvalidInput for an empty set or if a measure is not finite in double, and Cancelled.
 ExactUnion exact_union(const SphereSet& spheres, const UnionOptions& options = {});
 
 // The same into a result that is there, in the memory of its arrays. It means nothing if this

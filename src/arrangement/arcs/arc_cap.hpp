@@ -1,5 +1,7 @@
-// What one ball takes away from the sphere of another: a cap. All lengths are in units of the
-// sphere's own radius, all positions relative to its centre.
+// The cap that one ball covers on the sphere of another, and the order in which caps are used.
+//
+// Everything in vdwmesh::arcs looks at one ball at a time. Lengths are in units of that ball's
+// radius and positions are relative to its centre, so the ball is the unit ball.
 #pragma once
 
 #include <cmath>
@@ -11,34 +13,43 @@
 
 namespace vdwmesh::arcs {
 
-// The points x of the unit sphere with dot(axis, x) > cosine; equally, the half-space beyond the
-// radical plane of the two balls, so the ball's power cell is what all its caps leave of space.
+// A spherical cap: the points x of the unit sphere with dot(axis, x) > cosine. The same inequality
+// describes the half-space beyond the radical plane of the two balls. The power cell of the ball is
+// therefore what remains of space after the half-spaces of all its caps are removed.
 struct Cap {
   Vec3d axis;     // unit, towards the other centre
-  double cosine;  // signed distance of the radical plane, in (-1, 1)
+  double cosine;  // of the cap's angle: signed distance of the radical plane, in (-1, 1)
 };
 
+// none: the other ball covers nothing of the sphere. cuts: it covers a cap. buries: it covers all.
 enum class CapKind : std::uint8_t { none, cuts, buries };
 
-// Plain products: without -mfma a std::fma is a library call, and these are the inner loops.
+// Scalar product in plain products. Without the compiler option -mfma a std::fma is a library call,
+// which would be too slow in the inner loops of this folder.
 VDWMESH_HD inline double inner(const Vec3d& a, const Vec3d& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// A smaller square of a distance may have lost digits to underflow.
+// Below this the squared distance of two centres is not reliable: the squares of the coordinate
+// differences may have lost digits to underflow.
 inline constexpr double kLeastSquare = 1e-280;
 
-// The cap of a ball whose centre is next to nothing away: of balls that are not equal the larger
-// buries the smaller, unless both are next to nothing.
+// make_cap() for centres whose squared distance is below kLeastSquare, that is, closer than 1e-140.
+// The difference `to` of the centres is scaled up before it is squared. Of two balls with different
+// radii the larger one buries the smaller one, except if both radii are so small (below 1e-120)
+// that they can differ by less than the distance.
 VDWMESH_HD inline CapKind make_near_cap(const Sphere& ball, const Sphere& other, Vec3d to,
                                         Cap& cap) {
   const double r = ball.radius;
   if (to.x == 0 && to.y == 0 && to.z == 0) {
     return other.radius > r ? CapKind::buries : CapKind::none;
   }
+  // A power of two makes the scaling exact. Components of at most 1e-140 become at most 4.2e40,
+  // and the smallest double 5e-324 becomes 2e-143: no square of either leaves the range of double.
   constexpr double kScale = 0x1p600;
   to = kScale * to;
   const double distance = std::sqrt(inner(to, to));  // scaled
+  // cosine = (d² + r² - R²) / (2 d r), split into d / (2 r) and (r² - R²) / (2 r) / d.
   const double half_power = (r - other.radius) * (0.5 * (1 + other.radius / r));
   cap.cosine = distance / kScale / (2 * r) + half_power * kScale / distance;
   if (cap.cosine >= 1) return CapKind::none;
@@ -47,7 +58,11 @@ VDWMESH_HD inline CapKind make_near_cap(const Sphere& ball, const Sphere& other,
   return CapKind::cuts;
 }
 
-// Concentric balls: the larger buries the smaller; equal ones are the caller's to order.
+// Makes the cap that `other` covers on the sphere of `ball`; `cap` is valid for CapKind::cuts only.
+// With r and R the radii and d the distance of the centres, the radical plane is at the distance
+// (d² + r² - R²) / (2 d) from the centre of `ball`. If both centres are equal, the larger ball
+// buries the smaller one; balls that are equal cover nothing here, and the caller decides between
+// them.
 VDWMESH_HD inline CapKind make_cap(const Sphere& ball, const Sphere& other, Cap& cap) {
   const Vec3d to = other.center - ball.center;
   const double squared = inner(to, to);
@@ -56,7 +71,7 @@ VDWMESH_HD inline CapKind make_cap(const Sphere& ball, const Sphere& other, Cap&
   if (squared >= sum * sum) return CapKind::none;
   if (squared < kLeastSquare) return make_near_cap(ball, other, to, cap);
   const double distance = std::sqrt(squared);
-  // (r - R)(r + R) keeps the digits of nearly equal radii.
+  // The product (r - R)(r + R) keeps the digits that r² - R² loses if the radii are nearly equal.
   const double power = squared + (r - other.radius) * sum;
   cap.cosine = power / (2 * distance * r);
   if (cap.cosine >= 1) return CapKind::none;
@@ -70,8 +85,9 @@ VDWMESH_HD inline bool same_cap(const Cap& a, const Cap& b) {
          a.axis.z == b.axis.z;
 }
 
-// The deepest cuts first, so that later caps find most of their circle already covered. A strict
-// order of distinct caps: the result does not depend on the order they came in.
+// The order in which caps cut the ball: the largest cap first, so that later caps find most of
+// their circle covered already. Ties go by the axis. No two distinct caps are equal in this order,
+// so the sorted sequence does not depend on the order in which the caps were found.
 VDWMESH_HD inline bool cuts_deeper(const Cap& a, const Cap& b) {
   if (a.cosine != b.cosine) return a.cosine < b.cosine;
   if (a.axis.x != b.axis.x) return a.axis.x < b.axis.x;
@@ -79,7 +95,8 @@ VDWMESH_HD inline bool cuts_deeper(const Cap& a, const Cap& b) {
   return a.axis.z < b.axis.z;
 }
 
-// Shell sort, in place.
+// Sorts with Shell's method (gaps 1, 4, 13, 40, ...): in place, without recursion, on host and
+// device.
 VDWMESH_HD inline void sort_caps(Cap* caps, std::uint32_t count) {
   std::uint32_t gap = 1;
   while (gap < count / 3) gap = 3 * gap + 1;

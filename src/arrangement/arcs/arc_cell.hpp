@@ -1,27 +1,27 @@
-// The unit ball cut by half-spaces, one at a time: ball ∩ power cell. Runs on host and device, in
-// memory of the caller.
+// Ball ∩ power cell: the unit ball cut by one half-space after another. Runs on host and device, in
+// memory of the caller. arc_cell_cut.hpp describes the algorithm.
 //
-// Of the cut body only the straight edges are kept, each a piece of the chord in which the planes
-// of two caps meet inside the ball. A chord end that is still there is a corner of the exposed
-// patch, where two exposed arcs meet; a face without any edge is a whole disk.
+// Only the straight edges of the cut body are stored. Each one is part of a chord, in which the
+// planes of two caps meet inside the ball. A chord end that was never cut off lies on the sphere:
+// there two exposed arcs meet in a corner of the patch. A face without edges is a whole disk.
 #pragma once
 
 #include "arrangement/arcs/arc_cap.hpp"
 
 namespace vdwmesh::arcs {
 
-// Why a ball's measures are not to be trusted, as bits.
+// Bits that say why the measures of a ball are not to be trusted.
 enum Doubt : std::uint32_t {
   kOverflow = 1,        // the workspace is too small
-  kParallelPlanes = 2,  // two planes all but coincide
-  kIllConditioned = 4,  // circles all but tangent, planes all but parallel
-  kThirdCircle = 8,     // more than two circles through one exposed point
-  kTinyArc = 16,        // the exposed part of a circle is all but nothing, or all but all
+  kParallelPlanes = 2,  // two planes nearly coincide, or a plane runs along an edge
+  kIllConditioned = 4,  // circles nearly tangent: angles at a corner have lost their digits
+  kThirdCircle = 8,     // a third circle passes through a corner, to kTouching
+  kTinyArc = 16,        // the exposed angle of a circle is nearly 0 or nearly a whole turn
   kGaussBonnet = 32,    // the patch fails the Gauss-Bonnet theorem
   kOpenSurface = 64,    // the vector areas of patch and faces do not add up to zero
-  kVanishing = 128,     // a plane all but took the last of the body, or only just did
-  kVanished = 256,      // the same, within rounding
-  kNotFinite = 512,     // a cap or a measure is not a number of its range
+  kVanishing = 128,     // a plane removed the rest of the body, or nearly: to kTouching
+  kVanished = 256,      // the same to kCertain, that is, within rounding
+  kNotFinite = 512,     // a cap or a measure is NaN or out of its range
 };
 
 enum EdgeEnd : std::uint8_t { kLowerEnd = 1, kUpperEnd = 2 };
@@ -38,57 +38,57 @@ VDWMESH_HD inline Complex conjugate(const Complex& a) { return {a.re, -a.im}; }
 
 struct CellFace {
   Cap cap;
-  double squared_sine;       // of the cap's angle: squared radius of the disk
-  std::uint32_t edge_count;  // edges on this face
-  bool crossed;              // no longer a whole disk
-  bool touched;              // by the cap being added
-  // Filled by measure_cell.
-  Complex arc;           // unit; its argument is the exposed angle
-  double edge_moment;    // sum over edges of distance from the disk's centre × length
+  double squared_sine;       // 1 - cosine²: squared radius of the disk in which the plane cuts
+  std::uint32_t edge_count;  // edges of the body on this face
+  bool crossed;              // another plane cuts the disk or takes it away
+  bool touched;              // the plane being added shortens an edge of this face
+  // measure_cell() fills the rest.
+  Complex arc;           // its argument is the exposed angle of the circle, modulo 2 π
+  double edge_moment;    // sum over edges of (distance from the disk's centre) × length
   std::int32_t balance;  // arcs ending less arcs starting, counter-clockwise about the axis
-  std::uint32_t ends;
+  std::uint32_t ends;    // arc ends of either kind
 };
 
-// x(s) = middle + s * half, lower <= s <= upper, on the line of planes a and b.
+// An edge: the part lower <= s <= upper of the chord x(s) = middle + s * half, -1 <= s <= 1.
 struct CellEdge {
-  Vec3d middle, half;
+  Vec3d middle, half;  // at right angles; `half` runs along axis_a × axis_b
   double lower, upper;
   double cosine;              // of the angle between the axes
   double root;                // square root of the Gram determinant, > 0: det(axis_a, axis_b, x(1))
   double scale;               // root / squared sine of the angle between the axes
   double toward_b, toward_a;  // sine × signed distance of the line from the centre of disk a, b
-  std::uint32_t a, b;
-  std::uint8_t exposed;  // EdgeEnd bits
+  std::uint32_t a, b;         // indices of the faces, a < b
+  std::uint8_t exposed;       // EdgeEnd bits: which ends lie on the sphere
 };
 
 struct ArcWorkspace {
   CellFace* faces;
-  std::uint32_t* active;  // as many as faces
+  std::uint32_t* active;  // indices of the faces of the body; as many as faces
   std::uint32_t face_capacity;
-  CellEdge* edges;  // a convex body of n faces has less than 3 n
+  CellEdge* edges;  // a convex body of n faces has fewer than 3 n
   std::uint32_t edge_capacity;
   Cap* nudged;  // as many as there are caps
 };
 
-// Ties within this are decided for the older plane; some 50 roundings.
+// A point this near to a plane is decided in favour of the older planes; 45 machine epsilons.
 inline constexpr double kSlack = 1e-14;
-// A corner this near to a third plane may be its corner too.
+// A corner this near to a third plane may lie on that plane as well.
 inline constexpr double kTouching = 1e-9;
-// The same for rounding alone: what is farther away is surely on its side.
+// The same for rounding alone: a point farther from a plane than this is certainly on its side.
 inline constexpr double kCertain = 1e-13;
-// Squared sine of the angle below which two planes count as parallel.
+// Planes count as parallel below this squared sine of the angle between them (sine 1e-9).
 inline constexpr double kParallel = 1e-18;
-// And that below which it is not certain where they meet, to kSlack / sine: one may lie within the
-// slack of the other in one place and far from it in the next.
+// Below this (sine 1e-5) their line is known to kSlack / sine = kTouching at best, and one plane
+// may lie within the slack of the other at one place and far from it at the next.
 inline constexpr double kNearlyParallel = 1e-10;
-// Parallel planes nearer than this may cross after all.
+// Opposite planes nearer than this may cross: a sine of 1e-9 moves them by 1e-9 in the unit ball.
 inline constexpr double kParallelGap = 1e-8;
-// Far above the rounding of a Gram determinant, far below 1.
+// Far above the rounding of a Gram determinant (some 1e-15), far below 1.
 inline constexpr double kRoughly = 1e-12;
 
-// Where an edge ends at a third plane. direct: along the edge, exact to rounding unless the plane
-// is all but parallel to it. shared: one point for the three edges that end there, so that faces
-// stay closed however badly it is determined.
+// How to compute the end of an edge at a third plane. direct: along the edge; exact to rounding
+// unless plane and edge are nearly parallel. shared: as the point of three planes, with the same
+// bits for all three edges that end there, so that faces stay closed however inaccurate it is.
 enum class EdgeEnding : std::uint8_t { direct, shared };
 
 class BallCell {
@@ -96,15 +96,15 @@ class BallCell {
   VDWMESH_HD BallCell(const ArcWorkspace& workspace, EdgeEnding ending)
       : space_(workspace), ending_(ending) {}
 
-  // Removes the half-space beyond the cap's plane.
+  // Removes the half-space beyond the cap's plane. Caps must come in the order of cuts_deeper().
   VDWMESH_HD void cut(const Cap& cap);
 
   VDWMESH_HD bool empty() const { return empty_; }
-  // A polytope inside the ball: nothing of the sphere is exposed.
+  // Whether the body is a polytope inside the ball: nothing of the sphere is exposed.
   VDWMESH_HD bool closed() const {
     return active_count_ > 0 && exposed_ends_ == 0 && whole_disks_ == 0;
   }
-  // Whether no plane at this distance from the centre, or farther, can cut.
+  // Whether the body is closed and no plane at this distance from the centre or farther cuts it.
   VDWMESH_HD bool out_of_reach(double cosine);
   VDWMESH_HD std::uint32_t doubts() const { return doubts_; }
   VDWMESH_HD bool overflowed() const { return (doubts_ & kOverflow) != 0; }
@@ -137,9 +137,9 @@ class BallCell {
   std::uint32_t face_slots_ = 0, active_count_ = 0, edge_count_ = 0;
   std::uint32_t exposed_ends_ = 0, whole_disks_ = 0;
   std::uint32_t doubts_ = 0;
-  double reach_ = 1;
+  double reach_ = 1;  // no point of a closed body is farther from the centre
   bool empty_ = false;
-  bool reach_is_stale_ = true;
+  bool reach_is_stale_ = true;  // the body may have shrunk since reach_ was computed
 };
 
 }  // namespace vdwmesh::arcs

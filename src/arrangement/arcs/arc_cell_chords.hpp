@@ -1,12 +1,18 @@
-// Cutting a cell: the edges of a new face. Included by arc_cell.hpp alone.
+// Second half of BallCell::cut(): the edges that a new plane adds. Included by arc_cell.hpp alone.
+//
+// relate() compares the new disk with each disk of the body. If the circles cross, their planes
+// meet in a chord; clip_chord() or keeps_whole() finds the part of it that the other planes leave.
+// In formulas a is the older plane, b the new one, t_a and t_b are their distances from the centre,
+// c is the cosine between the axes. A disk is "hidden" if it lies wholly beyond the other plane.
 #pragma once
 
 #include "arrangement/arcs/arc_cell.hpp"
 
 namespace vdwmesh::arcs {
 
-// Caps come sorted and without repeated planes, so of two that look the same way the new one is
-// hidden.
+// Two planes that are parallel to rounding. If they face the same way, the new one is hidden: caps
+// come sorted by distance and without repeated planes. If they face each other, the body lies in
+// the slab between them or is gone.
 VDWMESH_HD inline BallCell::Relation BallCell::relate_parallel(const CellFace& old,
                                                                const CellFace& fresh,
                                                                double cosine) {
@@ -16,24 +22,28 @@ VDWMESH_HD inline BallCell::Relation BallCell::relate_parallel(const CellFace& o
   return gap > 0 ? Relation::apart : Relation::nothing_left;
 }
 
+// Two circles that do not cross. Each disk lies wholly on one side of the other plane, so the side
+// of its centre decides: toward_a <= 0 says that disk b lies beyond plane a.
 VDWMESH_HD inline BallCell::Relation BallCell::relate_uncrossed(double toward_a, double toward_b) {
   if (toward_a <= 0) return toward_b <= 0 ? Relation::nothing_left : Relation::new_hidden;
   return toward_b <= 0 ? Relation::old_hidden : Relation::apart;
 }
 
-// How the two circles lie; where they cross, the chord of their planes.
+// Decides how the circles of an old and a new plane lie. If they cross, fills `edge` with the whole
+// chord, from sphere to sphere. The Gram determinant of both axes and a common point of the
+// circles, 1 + 2 t_a t_b c - t_a² - t_b² - c², is positive exactly if the circles cross.
 VDWMESH_HD inline BallCell::Relation BallCell::relate(const CellFace& old, const CellFace& fresh,
                                                       CellEdge& edge) {
   const Cap& a = old.cap;
   const Cap& b = fresh.cap;
   const double cosine = inner(a.axis, b.axis);
-  // From the difference of the axes (sum, where they are opposite): small angles keep their digits.
+  // b ∓ a instead of the cosine: angles near 0 and near 180 degrees keep their digits.
   const double sign = cosine < 0 ? -1 : 1;
   const Vec3d apart = b.axis - sign * a.axis;
-  // toward_b < 0: the centre of disk a lies beyond plane b.
+  // toward_b = t_b - c t_a, toward_a = t_a - c t_b. Negative: the other disk's centre is beyond.
   const double toward_b = (b.cosine - sign * a.cosine) - a.cosine * inner(apart, a.axis);
   const double toward_a = (a.cosine - sign * b.cosine) + sign * b.cosine * inner(apart, b.axis);
-  // Most circles are clearly apart, and need no normal.
+  // Most pairs of circles are clearly apart, which shows without the cross product.
   const double rough_gram = old.squared_sine * (1 - cosine) * (1 + cosine) - toward_b * toward_b;
   if (rough_gram < -kRoughly) return relate_uncrossed(toward_a, toward_b);
   const Vec3d normal = cross(a.axis, apart);
@@ -57,13 +67,13 @@ VDWMESH_HD inline BallCell::Relation BallCell::relate(const CellFace& old, const
   return Relation::crossing;
 }
 
-// Adds the new plane's edges. False when the plane turns out to cut nothing, or leaves nothing.
+// Adds the edges of the new plane. Returns false if the plane leaves nothing of the body.
 VDWMESH_HD inline bool BallCell::add_face(std::uint32_t fresh, bool was_closed) {
   CellFace& face = space_.faces[fresh];
   CellEdge edge;
   for (std::uint32_t i = 0; i < active_count_; ++i) {
     CellFace& old = space_.faces[space_.active[i]];
-    // In a polytope the new plane's edges lie on faces that lose a corner.
+    // On a polytope the new edges lie on faces that lose a corner, so the others need no look.
     if (was_closed && !old.touched) continue;
     const Relation relation = relate(old, face, edge);
     if (relation == Relation::apart) continue;
@@ -81,13 +91,13 @@ VDWMESH_HD inline bool BallCell::add_face(std::uint32_t fresh, bool was_closed) 
     face.crossed = true;
     edge.a = space_.active[i];
     edge.b = fresh;
-    // A face none of whose edges is cut can only lose a segment between two points of its arcs.
+    // If none of its edges was cut, a face can only lose a segment between two points of its arcs.
     if (old.touched ? clip_chord(edge) : keeps_whole(edge)) push_edge(edge);
   }
   return true;
 }
 
-// Clips a new chord by all other planes; false when nothing is left.
+// Clips a new chord by all planes but its own two. Returns false if nothing is left of it.
 VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge) const {
   for (std::uint32_t i = 0; i < active_count_; ++i) {
     const std::uint32_t index = space_.active[i];
@@ -112,9 +122,9 @@ VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge) const {
   return true;
 }
 
-// Whether all other planes leave all of a new chord. An end that only just lies beyond one of them
-// may be where they meet, and the chord may be cut off wrongly: a doubt, unless the end lies well
-// beyond another.
+// For a face none of whose edges was cut: whether the other planes leave the whole chord. If an end
+// lies more than kTouching beyond one of them, the chord is not on this face at all. If an end is
+// nearer than that, a rounding decides, so the chord is dropped with a doubt.
 VDWMESH_HD inline bool BallCell::keeps_whole(const CellEdge& edge) {
   bool near = false;
   for (std::uint32_t i = 0; i < active_count_; ++i) {

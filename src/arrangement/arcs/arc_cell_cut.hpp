@@ -1,15 +1,25 @@
-// Cutting a cell: the edges it has, and the bookkeeping. Included by arc_cell.hpp alone.
+// BallCell::cut(): removes a half-space from the body. Included by arc_cell.hpp alone.
+//
+// 1. clip_edges() shortens or removes the edges that reach beyond the new plane.
+// 2. add_face() (arc_cell_chords.hpp) adds the edges that the new plane has in common with the
+//    faces of the body.
+// 3. drop_faces() forgets the faces of which nothing is left, and keeps the new one if it has an
+//    edge or is a whole disk.
+// The "depth" of a point is its signed distance beyond the new plane. The two counters
+// exposed_ends_ and whole_disks_ say at any time whether some of the sphere is exposed.
 #pragma once
 
 #include "arrangement/arcs/arc_cell.hpp"
 
 namespace vdwmesh::arcs {
 
+// Number of bits in a mask of EdgeEnd.
 VDWMESH_HD inline int end_count(std::uint8_t ends) { return (ends & 1) + (ends >> 1); }
 
 VDWMESH_HD inline void BallCell::cut(const Cap& cap) {
   if (empty_ || overflowed()) return;
-  // A nudge may bring a cosine just beyond 1. It is NaN wherever the axis is.
+  // Caps have cosines in (-1, 1), a nudge may bring one just beyond 1, and 2 is never reached. A
+  // NaN in the axis came with one in the cosine, and fails this test as well.
   if (!(std::abs(cap.cosine) < 2)) {
     doubts_ |= kNotFinite;
     return;
@@ -19,6 +29,7 @@ VDWMESH_HD inline void BallCell::cut(const Cap& cap) {
     return;
   }
   const bool was_closed = closed();
+  // A polytope has no room for a whole disk, so its new face counts as crossed from the start.
   const std::uint32_t fresh = face_slots_;
   space_.faces[fresh] = {
       cap, (1 - cap.cosine) * (1 + cap.cosine), 0, was_closed, false, {1, 0}, 0, 0, 0};
@@ -29,11 +40,14 @@ VDWMESH_HD inline void BallCell::cut(const Cap& cap) {
   reach_is_stale_ = true;
 }
 
-// Parameter of the edge's end at the plane; `direct` is what the edge alone says.
+// Returns the parameter s at which the edge meets the plane. `direct` is s computed from the edge
+// and the plane alone. With EdgeEnding::shared the planes a, b, c are ordered by index, so that all
+// three edges that end in their common point compute it with the same bits:
+//   x = (t_a b×c + t_b c×a + t_c a×b) / det(a, b, c).
 VDWMESH_HD inline double BallCell::end_at(const CellEdge& edge, std::uint32_t plane,
                                           double direct) const {
   if (ending_ == EdgeEnding::direct) return direct;
-  std::uint32_t i = edge.a, j = edge.b, k = plane;  // a < b always
+  std::uint32_t i = edge.a, j = edge.b, k = plane;  // edge.a < edge.b
   if (k < i) {
     k = j;
     j = i;
@@ -50,15 +64,15 @@ VDWMESH_HD inline double BallCell::end_at(const CellEdge& edge, std::uint32_t pl
       a.cosine * bc + b.cosine * cross(c.axis, a.axis) + c.cosine * cross(a.axis, b.axis);
   const Vec3d point = (1 / inner(a.axis, bc)) * sum;
   const double at = inner(point - edge.middle, edge.half) / inner(edge.half, edge.half);
-  // Not finite where the planes are parallel to the last bit.
+  // `at` is not finite if planes are parallel to the last bit, and useless if out of [-1, 1].
   return std::abs(at) <= 1 ? at : direct;
 }
 
-// Shortens or removes the edges that reach beyond the plane; whether there were any.
+// Shortens or removes the edges that reach beyond the new plane. Returns whether there were any.
 VDWMESH_HD inline bool BallCell::clip_edges(std::uint32_t fresh) {
   const Cap& cap = space_.faces[fresh].cap;
   bool touched = false, along = false;
-  double depth = 1;  // beyond the plane, of the least deep corner
+  double depth = 1;  // of the least deep edge end
   for (std::uint32_t i = 0; i < edge_count_;) {
     CellEdge& e = space_.edges[i];
     const double room = cap.cosine - inner(cap.axis, e.middle);
@@ -93,15 +107,17 @@ VDWMESH_HD inline bool BallCell::clip_edges(std::uint32_t fresh) {
       ++i;
     }
   }
-  // A plane along an edge: with it, faces may be lost that still have a part on this side.
+  // If the plane runs along an edge, a rounding decides which faces lose it, and a face that still
+  // has a part on this side may be dropped.
   if (touched && along) doubts_ |= kParallelPlanes;
-  // What is left, if anything, is next to nothing, and may be nothing.
+  // If even the least deep corner is on the plane to kTouching, nearly nothing is left, or nothing.
   if (touched && std::abs(depth) < kTouching) {
     doubts_ |= std::abs(depth) < kCertain ? kVanished : kVanishing;
   }
   return touched;
 }
 
+// Replaces edge i by the last edge of the list, so the caller must look at position i again.
 VDWMESH_HD inline void BallCell::remove_edge(std::uint32_t i) {
   const CellEdge& e = space_.edges[i];
   --space_.faces[e.a].edge_count;
@@ -121,7 +137,8 @@ VDWMESH_HD inline void BallCell::push_edge(const CellEdge& edge) {
   exposed_ends_ += static_cast<std::uint32_t>(end_count(edge.exposed));
 }
 
-// Forgets faces of which nothing is left; they cannot matter again, for the body only shrinks.
+// Drops the faces of which nothing is left; they cannot come back, because the body only shrinks.
+// The slots of dropped faces are not used again, except that of a new face that is dropped at once.
 VDWMESH_HD inline void BallCell::drop_faces(std::uint32_t fresh) {
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < active_count_; ++i) {
@@ -140,13 +157,16 @@ VDWMESH_HD inline void BallCell::drop_faces(std::uint32_t fresh) {
 }
 
 VDWMESH_HD inline bool BallCell::out_of_reach(double cosine) {
-  // While the planes are still near, more of them will cut.
+  // Planes much nearer than the farthest corner will cut and make the bound stale at once. It is
+  // computed only when the next plane is at least this fraction of the old bound away.
   constexpr double kWorthLooking = 0.6;
   if (!closed() || cosine < kWorthLooking * reach_) return false;
   if (reach_is_stale_) update_reach();
   return cosine >= reach_;
 }
 
+// Sets reach_ to the distance of the farthest end of an edge. `middle` and `half` are orthogonal,
+// so |x(s)|² = |middle|² + s² |half|². The slack covers the rounding.
 VDWMESH_HD inline void BallCell::update_reach() {
   double squared = 0;
   for (std::uint32_t i = 0; i < edge_count_; ++i) {

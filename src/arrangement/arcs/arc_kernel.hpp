@@ -1,21 +1,29 @@
-// One ball of a union, for host and device: no allocation, no containers, memory of the caller.
+// Measures one ball of a union from its caps, on host and device: no allocation, no containers,
+// memory of the caller.
 //
-// The exposed part of a sphere is its intersection with the ball's power cell. So only caps whose
-// plane bounds the cell have to be looked at, and the volume of ball ∩ power cell comes from the
-// same edges as the exposed area.
+// The exposed part of a sphere is its intersection with the power cell of the ball. Only caps whose
+// planes bound the cell matter, and the edges of ball ∩ power cell give both the exposed area and
+// the volume.
+//
+// 1. measure_sorted() cuts the ball by the caps, the largest first, and measures what is left.
+// 2. If a check leaves a doubt, measure_ball() repeats this with planes nudged apart at random, so
+//    that no more than three of them meet in a point.
 #pragma once
 
 #include "arrangement/arcs/arc_measure.hpp"
 
 namespace vdwmesh::arcs {
 
-// How far a plane is moved, at most, where too many meet in one point. Times the length of the
-// arcs, a few radii, it bounds the error of the area, in units of the radius; and it is far above
-// rounding.
+// The largest distance by which a plane is nudged, in units of the radius. A plane that moves by δ
+// changes the exposed area by δ times the exposed angle of its circle (the area of a spherical zone
+// is 2 π times its height), so the error of the area is some 1e-10. The nudge is 10^5 machine
+// epsilons and so decides degenerate cases reliably. It is below kTouching, so nudged planes may
+// still raise the doubts that depend on kTouching.
 inline constexpr double kNudge = 2e-11;
-inline constexpr std::uint64_t kNudges = 8;  // attempts
+inline constexpr std::uint64_t kNudges = 8;  // attempts, each with other amounts
 
-// Whether an earlier of the sorted caps has all but the same plane, and so leaves nothing to cut.
+// Whether a cap before `index` in the sorted list has nearly the same plane, so that this one cuts
+// nothing more. Equal caps are no reason for a doubt, nearly equal ones are.
 VDWMESH_HD inline bool repeats_plane(const Cap* caps, std::uint32_t index, std::uint32_t& doubts) {
   const Cap& cap = caps[index];
   for (std::uint32_t i = index; i > 0 && cap.cosine - caps[i - 1].cosine < kParallelGap; --i) {
@@ -29,7 +37,8 @@ VDWMESH_HD inline bool repeats_plane(const Cap* caps, std::uint32_t index, std::
   return false;
 }
 
-// Caps sorted.
+// Cuts the unit ball by the sorted caps and measures what is left. The loop ends early if nothing
+// is left or if all further planes are out of reach; see BallCell::out_of_reach().
 VDWMESH_HD inline BallMeasures measure_sorted(const Cap* caps, std::uint32_t count,
                                               const ArcWorkspace& workspace, EdgeEnding ending) {
   BallCell cell(workspace, ending);
@@ -43,11 +52,12 @@ VDWMESH_HD inline BallMeasures measure_sorted(const Cap* caps, std::uint32_t cou
   return measures;
 }
 
-// Copies the caps, each plane moved by its own amount, at most kNudge; each attempt differently.
+// Copies the caps, each plane moved by a pseudo-random amount in [-kNudge, kNudge]. The amount
+// depends on the attempt and on the place in the sorted list alone, so results are reproducible.
 VDWMESH_HD inline void nudge_caps(const Cap* caps, std::uint32_t count, std::uint64_t attempt,
                                   Cap* nudged) {
   for (std::uint32_t i = 0; i < count; ++i) {
-    // SplitMix64.
+    // The SplitMix64 generator; its upper 53 bits become a double in [-1, 1).
     std::uint64_t bits = (attempt << 32) + i + 0x9e3779b97f4a7c15u;
     bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
     bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
@@ -57,10 +67,11 @@ VDWMESH_HD inline void nudge_caps(const Cap* caps, std::uint32_t count, std::uin
   }
 }
 
-// Area of the exposed sphere and volume of ball ∩ power cell, both for the unit ball. Sorts the
-// caps; the result does not depend on the order they come in. Where the checks leave a doubt, the
-// numbers are those of planes nudged apart, if these pass the checks; the doubt stays. Where the
-// workspace is too small they are meaningless, and the doubt kOverflow says so.
+// Returns the area of the exposed sphere and the volume of ball ∩ power cell, for the unit ball.
+// Sorts the caps in place, so the result does not depend on the order in which they come.
+// If a check leaves a doubt, the numbers are those of nudged planes if these pass the checks, but
+// the doubt bits stay. If the workspace is too small, the bit kOverflow is set and the numbers mean
+// nothing.
 VDWMESH_HD inline BallMeasures measure_ball(Cap* caps, std::uint32_t count,
                                             const ArcWorkspace& workspace) {
   if (count == 0) return {4 * kPi, 4 * kPi / 3, 0};
@@ -72,6 +83,7 @@ VDWMESH_HD inline BallMeasures measure_ball(Cap* caps, std::uint32_t count,
     sort_caps(workspace.nudged, count);
     const BallMeasures nudged =
         measure_sorted(workspace.nudged, count, workspace, EdgeEnding::shared);
+    // Other doubts are about planes that meet within kTouching, as nudged planes may.
     const bool failed =
         nudged.doubts & (kOverflow | kGaussBonnet | kOpenSurface | kVanished | kNotFinite);
     if (!failed) return {nudged.area, nudged.volume, plain.doubts};

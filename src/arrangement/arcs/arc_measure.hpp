@@ -1,12 +1,12 @@
 // Area of the exposed patch and volume of the cut ball, from the edges of a BallCell.
 //
-// With t the cosine of a cap, phi the exposed angle of its circle and P the spherical polygon that
-// runs from axis to axis through the corners of the patch (one arc: corner, axis, corner):
-//   area   = area(P) - sum phi (1 - t)                    modulo 4 pi   (Green)
-//   area   = 2 pi chi + sum phi t - sum turning angles                  (Gauss-Bonnet: the check)
-//   volume = (area + sum t F) / 3,  F = area of face      (divergence theorem, centre as origin)
-// Angles are multiplied up as complex numbers, so that there is one arctangent for each exposed
-// circle and two for the patch, and no arc need be paired with its other end.
+// Let t be the cosine of a cap, phi the exposed angle of its circle, and P the spherical polygon
+// from axis to axis through the corners of the patch (on each arc: corner, axis, corner).
+//   area   = area(P) - sum phi (1 - t), modulo 4 pi       the patch is P without sectors of caps
+//   area   = 2 pi chi + sum phi t - sum turning angles    Gauss-Bonnet: the check
+//   volume = (area + sum t F) / 3, F = area of a face     divergence theorem about the centre
+// Angles are added by multiplying complex numbers. This takes one arctangent for each exposed
+// circle and two for the patch, and it needs no order of the corners along the patch.
 #pragma once
 
 #include "arrangement/arcs/arc_patch.hpp"
@@ -18,18 +18,19 @@ struct BallMeasures {
   std::uint32_t doubts;  // Doubt bits; 0: the numbers are good
 };
 
-// Exposed angles this near to 0 or 2 pi cannot be told from each other.
+// Exposed angles this near to 0 or 2 pi may be either, by rounding.
 inline constexpr double kTinyAngle = 1e-9;
-// Roundings that a term of the checks gathers, in units of its condition.
+// 64 machine epsilons: rounding error of one term of the checks, divided by its condition number.
 inline constexpr double kRounding = 64 * 2.220446049250313e-16;
-// Largest error of a checked angle that is accepted.
+// Largest estimated rounding error of a corner's angle that is accepted, in radians.
 inline constexpr double kMaxError = 1e-9;
-// Largest vector area, in units of the squared radius, by which a surface may fail to close. It is
-// as large as the error of the volume, and a missing edge makes it as large as the edge.
+// Largest vector area, in units of the squared radius, that a closed surface may have. An error of
+// the faces shows in it at about the size it has in the volume; a missing edge, at the edge's size.
 inline constexpr double kMaxOpen = 1e-10;
 
-// The corner's place on circle `face`, as a unit complex number about the axis, from a direction
-// that depends on the axis alone (Duff et al. 2017).
+// Where the corner lies on the circle of `face`: a unit complex number whose argument is the angle
+// about the axis. It is counted from a direction that depends on the axis alone, by Duff et al.
+// 2017, "Building an orthonormal basis, revisited".
 VDWMESH_HD inline Complex on_circle(const CellFace& face, const Vec3d& corner) {
   const Vec3d& u = face.cap.axis;
   const double sign = u.z < 0 ? -1.0 : 1.0;
@@ -41,6 +42,8 @@ VDWMESH_HD inline Complex on_circle(const CellFace& face, const Vec3d& corner) {
   return {scale * inner(first, corner), scale * inner(second, corner)};
 }
 
+// Adds an arc that ends (direction 1) or starts (-1) at the corner, counter-clockwise. The product
+// of all ends and conjugated starts has the exposed angle of the circle as its argument.
 VDWMESH_HD inline void add_arc_end(CellFace& face, const Vec3d& corner, int direction) {
   const Complex place = on_circle(face, corner);
   multiply(face.arc, direction > 0 ? place : conjugate(place));
@@ -48,7 +51,10 @@ VDWMESH_HD inline void add_arc_end(CellFace& face, const Vec3d& corner, int dire
   ++face.ends;
 }
 
-// Corner at the upper end: counter-clockwise, an arc of circle a starts and one of b ends there.
+// Adds the moments of an edge to both faces, the arc ends at its corners, and its part of the
+// vector area. At the corner s = 1 an arc of circle a starts and one of circle b ends, counter-
+// clockwise about each axis; at s = -1 it is the other way round. In the vector area the sectors of
+// disks cancel against the patch, which leaves a cross product for each corner.
 VDWMESH_HD inline void add_edge(const BallCell& cell, const CellEdge& e, PatchSums& sums) {
   CellFace& a = cell.face_at(e.a);
   CellFace& b = cell.face_at(e.b);
@@ -72,12 +78,12 @@ VDWMESH_HD inline void add_edge(const BallCell& cell, const CellEdge& e, PatchSu
   }
 }
 
-// Sums over the faces.
+// Sums over the faces of the body.
 struct FaceSums {
-  double angle = 0;        // of all circles with corners
-  double sector = 0;       // sum phi (1 - t)
+  double angle = 0;        // sum phi over the circles with corners
+  double sector = 0;       // sum phi (1 - t) over all circles
   double pyramid = 0;      // sum t F
-  double largest_cap = 0;  // area
+  double largest_cap = 0;  // area of the largest cap
   std::uint32_t doubts = 0;
 };
 
@@ -97,14 +103,15 @@ VDWMESH_HD inline void add_face_to(const CellFace& face, FaceSums& sums) {
   if (2 * kPi * drop > sums.largest_cap) sums.largest_cap = 2 * kPi * drop;
 }
 
-// The area modulo 4 pi, brought into [0, 4 pi - largest cap] up to rounding.
+// Reduces an area modulo 4 pi. The largest cap is not exposed, so the area is at most 4 pi - its
+// area. A result above 4 pi - half of it is therefore a small negative rounding error.
 VDWMESH_HD inline double reduce_area(double area, double largest_cap) {
   const double full = 4 * kPi;
   area -= full * std::floor(area / full);
   return area > full - 0.5 * largest_cap ? area - full : area;
 }
 
-// `caps`: every cap the cell was offered.
+// Measures the cut ball and checks the result. `caps` are all caps that the cell was offered.
 VDWMESH_HD inline BallMeasures measure_cell(const BallCell& cell, const Cap* caps,
                                             std::uint32_t count) {
   if (cell.empty()) return {0, 0, cell.doubts()};
@@ -122,6 +129,7 @@ VDWMESH_HD inline BallMeasures measure_cell(const BallCell& cell, const Cap* cap
   for (std::uint32_t i = 0; i < cell.face_count(); ++i) add_face_to(cell.face(i), faces);
   doubts |= faces.doubts;
 
+  // Without corners the patch is the sphere less whole disks, or nothing.
   double area = cell.closed() ? 0 : 4 * kPi - faces.sector;
   if (cell.has_corners()) {
     const double polygon = 2 * argument(patch.polygon);

@@ -1,4 +1,11 @@
-// The corners of the exposed patch: the spherical polygon through them, and the turning angles.
+// The corners of the exposed patch: area of the spherical polygon through them, turning angles.
+//
+// The polygon P of arc_measure.hpp is divided into triangles. One has the corners axis a, corner,
+// axis b, for each corner. The others have the corners pole, axis a, axis b and close the polygon
+// about an arbitrary pole. By Van Oosterom and Strackee 1983, "The solid angle of a plane
+// triangle", unit vectors u, v, w span the solid angle
+//   2 arg(1 + u·v + v·w + w·u + i det(u, v, w)),
+// so products of such complex numbers add up areas.
 #pragma once
 
 #include "arrangement/arcs/arc_cell.hpp"
@@ -7,11 +14,13 @@ namespace vdwmesh::arcs {
 
 inline constexpr double kPi = 3.14159265358979323846;
 
+// The argument of z in [0, 2 pi).
 VDWMESH_HD inline double argument(const Complex& z) {
   const double angle = std::atan2(z.im, z.re);
   return angle < 0 ? angle + 2 * kPi : angle;
 }
 
+// Multiplies, and brings the size of the product back to 1 before it can over- or underflow.
 VDWMESH_HD inline void multiply(Complex& product, const Complex& factor) {
   product = product * factor;
   const double size = product.re * product.re + product.im * product.im;
@@ -21,20 +30,20 @@ VDWMESH_HD inline void multiply(Complex& product, const Complex& factor) {
   }
 }
 
-// Running products and sums over the edges.
+// Running products and sums over the edges with corners.
 struct PatchSums {
-  Complex polygon{1, 0};  // half the polygon's area
-  Complex turning{1, 0};  // turning angles
-  Vec3d open{0, 0, 0};    // twice the vector area of the closed body's surface
-  double condition = 1;   // roundings of all angles together, in units of one
-  double worst = 1;       // of a single corner's
-  bool pole_too_near = false;
+  Complex polygon{1, 0};       // its argument is half the polygon's area
+  Complex turning{1, 0};       // its argument is the sum of the turning angles
+  Vec3d open{0, 0, 0};         // twice the vector area of the body's surface; 0 if it is closed
+  double condition = 1;        // sum of the condition numbers of all angles
+  double worst = 1;            // the largest condition number of a corner
+  bool pole_too_near = false;  // to the antipode of an axis
 };
 
-// A pole for the triangles pole-axis-axis of the polygon; bad when opposite to one of the axes.
-// Directions without symmetry, so that no lattice is bad for more than one of them.
+// Poles to try in turn. A pole opposite to an axis is bad: the triangle's area is not determined
+// there. The directions have no symmetry, so that in a lattice at most one of them is bad.
 inline constexpr int kPoleCount = 4;
-inline constexpr double kPoleDistance = 1e-4;
+inline constexpr double kPoleDistance = 1e-4;  // least 1 + cosine: 0.8 degrees from the antipode
 VDWMESH_HD inline Vec3d pole(int attempt) {
   if (attempt == 0) return {0.36, 0.48, 0.80};
   if (attempt == 1) return {-0.48, 0.60, 0.64};
@@ -42,7 +51,7 @@ VDWMESH_HD inline Vec3d pole(int attempt) {
   return {-0.6, -0.48, -0.64};
 }
 
-// Twice tan of half the triangle's area as re, im (Van Oosterom and Strackee 1983).
+// Multiplies in the triangle pole, axis a, axis b, with its sign for the end that is a corner.
 VDWMESH_HD inline void add_pole_triangle(const CellEdge& e, const Vec3d& axis_a,
                                          const Vec3d& axis_b, const Vec3d& p, PatchSums& sums) {
   const double pa = inner(p, axis_a), pb = inner(p, axis_b);
@@ -52,6 +61,9 @@ VDWMESH_HD inline void add_pole_triangle(const CellEdge& e, const Vec3d& axis_a,
   multiply(sums.polygon, e.exposed == kUpperEnd ? z : conjugate(z));
 }
 
+// Adds the corners at the ends of edge e. The Gram determinant gives det(axis_a, axis_b, corner) =
+// ±root; the turning angle is that between the normals axis_a × corner and axis_b × corner, with
+// cosine : sine = c - t_a t_b : root. If both ends are corners, the two pole triangles cancel.
 VDWMESH_HD inline void add_corners(const BallCell& cell, const CellEdge& e, const Vec3d& p,
                                    PatchSums& sums) {
   const Cap& a = cell.face_at(e.a).cap;
@@ -63,13 +75,15 @@ VDWMESH_HD inline void add_corners(const BallCell& cell, const CellEdge& e, cons
     multiply(sums.polygon, triangle);
     multiply(sums.turning, turn);
   }
+  // The angles lose digits if the circles are nearly tangent or a cap is nearly the whole sphere.
   const double condition = 1 / e.root + 1 / (1 + a.cosine) + 1 / (1 + b.cosine);
   sums.condition += corners * condition;
   sums.worst = condition > sums.worst ? condition : sums.worst;
   if (corners == 1) add_pole_triangle(e, a.axis, b.axis, p, sums);
 }
 
-// Over all corners, from a pole that is far enough from the antipodes of the axes.
+// Sums over all corners, with the first pole that is far enough from the antipodes of the axes. If
+// no pole is, the result says so in pole_too_near.
 VDWMESH_HD inline PatchSums sum_patch(const BallCell& cell) {
   PatchSums sums;
   for (int attempt = 0; attempt < kPoleCount; ++attempt) {
@@ -82,13 +96,15 @@ VDWMESH_HD inline PatchSums sum_patch(const BallCell& cell) {
   return sums;
 }
 
-// Whether an end that is no corner all but reaches the sphere: a third circle only just covers it.
+// Whether an end of the edge that is no corner lies nearly on the sphere, so that a third circle
+// covers it by a hair only.
 VDWMESH_HD inline bool ends_near_sphere(const CellEdge& e) {
   return (!(e.exposed & kUpperEnd) && e.upper > 1 - kTouching) ||
          (!(e.exposed & kLowerEnd) && e.lower < -1 + kTouching);
 }
 
-// Whether a corner lies on the circle of a third cap, also of one long dropped.
+// Whether a corner of the edge lies on the circle of a third cap, to kTouching. It looks at every
+// cap, because the face of that cap may have been dropped.
 VDWMESH_HD inline bool touches_third(const BallCell& cell, const CellEdge& e, const Cap* caps,
                                      std::uint32_t count) {
   const Cap& a = cell.face_at(e.a).cap;

@@ -1,3 +1,12 @@
+// measure_by_sectors(): divide and conquer over parts of the sphere.
+//
+// 1. The sphere is divided into eight octants: spherical triangles, each bounded by three planes
+//    through the centre. Every octant gets the caps that reach it.
+// 2. A sector that more than `most_caps` caps reach is halved across its longest side, recursively,
+//    as long as this reduces the number of caps.
+// 3. The kernel measures each sector: measure_ball() with the sector's planes as three more caps of
+//    cosine 0.
+// The octants run in parallel. Their results are added in a fixed order.
 #include "arrangement/arcs/arc_sectors.hpp"
 
 #include <tbb/parallel_for.h>
@@ -18,7 +27,8 @@ struct Sector {
   std::array<Vec3d, 3> normal;  // outward; entry k is opposite to corner k
 };
 
-// A frame without symmetry, so that no lattice has balls along its planes.
+// An orthonormal frame without symmetry. With the coordinate axes, a lattice would have balls whose
+// planes lie along the planes of the octants.
 std::array<Vec3d, 3> frame() {
   const Vec3d x = unit({0.31337, 0.72701, 0.61093});
   const Vec3d y = unit(cross(x, {0.91231, -0.22373, 0.17713}));
@@ -27,6 +37,7 @@ std::array<Vec3d, 3> frame() {
 
 constexpr unsigned kOctants = 8;
 
+// The octant whose corner k is minus axis k if bit k of `signs` is set, else plus axis k.
 Sector octant(unsigned signs) {
   Sector s{};
   const std::array<Vec3d, 3> axes = frame();
@@ -41,8 +52,8 @@ Sector octant(unsigned signs) {
   }
   return s;
 }
-
-// Across the longest side. The halves and their neighbours share planes to the bit, so no sliver is
+// Halves a sector across its longest side. The halves use the same numbers for their common plane,
+// and the sectors beside it for theirs, so no sliver is counted twice or left out.
 // counted twice or left out.
 std::array<Sector, 2> halves(const Sector& s) {
   std::size_t k = 0;
@@ -57,8 +68,9 @@ std::array<Sector, 2> halves(const Sector& s) {
            {{s.corner[k], middle, s.corner[b]}, {s.normal[k], s.normal[a], -1.0 * plane}}}};
 }
 
-// Whether a cap reaches the sector, or comes so near to it that the kernel might have a doubt: it
-// then lies wholly beyond none of the planes, and beyond no corner of the sector's circle.
+// Whether a cap reaches a sector, or comes so near that the kernel might have a doubt about it. The
+// test may say yes for a cap that does not reach the sector. It says no if the cap lies wholly
+// beyond one of the sector's planes, or outside the circle through the sector's corners.
 class Reach {
  public:
   explicit Reach(const Sector& sector)
@@ -69,12 +81,13 @@ class Reach {
 
   bool operator()(const Cap& cap) const {
     const double cosine = cap.cosine - kParallelGap;
-    if (cosine <= 0) return true;  // every sector meets a half-space that holds the centre
+    if (cosine <= 0) return true;  // the half-space holds the centre, a point of every sector
     const double sine = sine_of(cosine), toward = dot(cap.axis, middle_);
     for (const Vec3d& normal : sector_.normal) {
       if (dot(cap.axis, normal) > sine + kRoughly) return false;
     }
-    // Cosine of the angle between the axis and the nearest point of the circle about the corners.
+    // A cap around `middle` with the cosine cosine_ contains the sector. The nearest point of its
+    // rim to the axis is at the difference of two angles, whose cosine is computed here.
     return toward >= cosine_ || toward * cosine_ + sine_of(toward) * sine_ >= cosine;
   }
 
@@ -88,6 +101,7 @@ class Reach {
   double cosine_ = 1, sine_ = 0;  // of the angle between the middle and the farthest corner
 };
 
+// Returns the caps that may reach the sector, in their order.
 std::vector<Cap> caps_in(const Sector& sector, std::span<const Cap> caps) {
   std::vector<Cap> found;
   std::copy_if(caps.begin(), caps.end(), std::back_inserter(found), Reach(sector));
@@ -98,23 +112,27 @@ BallMeasures operator+(const BallMeasures& a, const BallMeasures& b) {
   return {a.area + b.area, a.volume + b.volume, a.doubts | b.doubts};
 }
 
+// Measures a sector by recursive halving. `most_caps`: up to this number of caps no halving.
 class SectorSum {
  public:
   explicit SectorSum(std::size_t most_caps) : most_caps_(most_caps) {}
 
-  // `caps`: those that reach the sector, sorted. They are used up.
+  // `caps` are those that may reach the sector, in any order. Their order is lost, and the sector's
+  // planes may be appended.
   BallMeasures measure(const Sector& sector, std::vector<Cap>& caps, int halvings = 0) {
-    constexpr int kMostHalvings = 40;  // a side of 2^-20 is still far above rounding
+    // After 40 halvings a side is still about 2^-20 long, far above rounding.
+    constexpr int kMostHalvings = 40;
     if (caps.size() <= most_caps_ || halvings == kMostHalvings) return measure_here(sector, caps);
     const std::array<Sector, 2> parts = halves(sector);
     std::vector<Cap> first = caps_in(parts[0], caps), second = caps_in(parts[1], caps);
-    // Where most caps reach both halves, as those of a bundle of nearly equal circles do, halving
-    // gains nothing, and again and again nothing.
+    // If the halves together have more than 3/2 of the caps, most caps reach both halves, as in a
+    // bundle of nearly equal circles. Further halving would not separate them either.
     if (2 * (first.size() + second.size()) > 3 * caps.size()) return measure_here(sector, caps);
     return measure(parts[0], first, halvings + 1) + measure(parts[1], second, halvings + 1);
   }
 
  private:
+  // The planes of the sector are caps with the cosine 0: half-spaces beyond the centre.
   BallMeasures measure_here(const Sector& sector, std::vector<Cap>& caps) {
     for (const Vec3d& normal : sector.normal) caps.push_back({normal, 0});
     return measure_ball(caps.data(), static_cast<std::uint32_t>(caps.size()),
@@ -122,9 +140,10 @@ class SectorSum {
   }
 
   std::size_t most_caps_;
-  CellSpace space_;
+  CellSpace space_;  // reused from sector to sector
 };
 
+// Measures the ball in one piece, with enough memory for all its caps.
 BallMeasures measure_whole(std::span<const Cap> caps) {
   CellSpace space;
   std::vector<Cap> copy(caps.begin(), caps.end());
@@ -134,6 +153,8 @@ BallMeasures measure_whole(std::span<const Cap> caps) {
 
 }  // namespace
 
+// Grows in steps of at least a factor of two, so that a run over many balls allocates rarely. A
+// convex body of n faces has fewer than 3 n edges.
 ArcWorkspace CellSpace::reserve(std::size_t caps, std::size_t faces) {
   if (nudged_.size() < caps) nudged_.resize(2 * caps);
   if (faces_.size() < faces) {
@@ -158,10 +179,11 @@ BallMeasures measure_by_sectors(std::span<const Cap> caps, std::size_t most_caps
     near[signs] = caps_in(octants[signs], caps);
     total += near[signs].size();
   }
+  // If a cap reaches more than half of the octants on average, sectors would multiply the work.
   if (2 * total > kOctants * caps.size()) return measure_whole(caps);
   std::array<BallMeasures, kOctants> parts{};
-  // Isolated: a thread that waits here must not begin another ball, whose caps would take the place
-  // of these.
+  // A thread that waits here could otherwise steal a task of the caller's loop, that is, measure
+  // another ball in the same Workspace and overwrite these caps. Isolation prevents it.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(0u, kOctants, [&](unsigned i) {
       parts[i] = SectorSum(most_caps).measure(octants[i], near[i]);

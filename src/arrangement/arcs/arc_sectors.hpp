@@ -1,11 +1,11 @@
-// A ball whose power cell has hundreds of faces, sector by sector.
+// Measures a ball whose power cell has hundreds of faces, sector by sector.
 //
-// The kernel looks at every face of the cell for every new cap, which is quick for the dozens of
-// neighbours that atoms have and quadratic for the thousands of a bead, an envelope or a
-// nanoparticle. A plane through the centre of the ball splits the work: it adds nothing to the area
-// and, because its pyramid has no height, nothing to the volume. So the measures of the ball are
-// the sums over sectors, each bounded by three such planes and cut by the few caps that reach it,
-// and every sector passes the checks of the kernel by itself.
+// For every new cap the kernel looks at all faces of the cell. This is fast for the dozens of
+// neighbours that an atom has, and quadratic for the thousands that a bead, an envelope or a
+// nanoparticle may have. A plane through the centre of the ball divides the work: it adds nothing
+// to the exposed area, and its pyramid has height 0 and adds nothing to the volume. The measures of
+// the ball are therefore sums over sectors. A sector is bounded by three such planes and cut by the
+// few caps that reach it. The kernel applies its checks to every sector.
 #pragma once
 
 #include <span>
@@ -15,25 +15,27 @@
 
 namespace vdwmesh::arcs {
 
-// Memory for the kernel, kept from ball to ball.
+// Memory for the kernel, reused from ball to ball. It only grows.
 class CellSpace {
  public:
-  // Room for `caps` caps and for the faces and edges of a cell with at most `faces` faces.
+  // Returns a workspace for `caps` caps and for a cell with at most `faces` faces. It is valid
+  // until the next call.
   ArcWorkspace reserve(std::size_t caps, std::size_t faces);
 
  private:
   std::vector<Cap> nudged_;
   std::vector<CellFace> faces_;
-  std::vector<std::uint32_t> active_;
+  std::vector<std::uint32_t> active_;  // as many as faces_
   std::vector<CellEdge> edges_;
 };
 
-// Sectors are halved until no more caps than this reach one of them.
+// A sector is halved if more caps than this reach it.
 inline constexpr std::size_t kMostCapsInSector = 64;
 
-// The measures of measure_ball(), to rounding, in time n log n for n caps of which few overlap in
-// any one place. Caps that overlap nearly all others cost n² as there: such sectors are not halved.
-// Runs in parallel; the same bits for any number of threads. `most_caps` is for tests.
+// Returns what measure_ball() returns, to rounding. For n caps of which few overlap at any one
+// place it takes n log n time. If nearly all caps overlap each other, halving does not help and the
+// time is n², as in measure_ball(). Runs in parallel; any number of threads gives the same bits.
+// `most_caps` is for tests.
 BallMeasures measure_by_sectors(std::span<const Cap> caps,
                                 std::size_t most_caps = kMostCapsInSector);
 

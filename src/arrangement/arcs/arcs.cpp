@@ -1,3 +1,9 @@
+// arc_measures(): every sphere by itself, in parallel.
+//
+// For each sphere, find_caps() collects the caps of overlapping balls from a cell list, and the
+// kernel (arc_kernel.hpp) measures the unit ball that they cut. If the cell has more than
+// kMostFaces faces, measure_by_sectors() does it instead. The results are scaled by the radius and
+// stored by sphere id, so they do not depend on the number of threads.
 #include "arrangement/arcs/arcs.hpp"
 
 #include <tbb/blocked_range.h>
@@ -14,13 +20,13 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::uint32_t kBlock = 256;  // spheres
+constexpr std::uint32_t kBlock = 256;  // spheres in a task; consecutive in list order
 
-// Faces of a cell that the kernel handles in one piece: far more than the cell of an atom has, and
-// so few that their square does not matter.
+// Up to this number of faces the kernel handles a ball in one piece. The cell of an atom has far
+// fewer, and the square of this number is still a short time.
 constexpr std::size_t kMostFaces = 512;
 
-// What one thread works in.
+// Memory of one thread.
 struct ThreadSpace {
   std::vector<arcs::Cap> caps;
   arcs::CellSpace space;
@@ -36,9 +42,12 @@ bool same_ball(const Sphere& a, const Sphere& b) {
   return a.center == b.center && a.radius == b.radius;
 }
 
+// found: `caps` is complete. bury: another ball covers the whole sphere, or an equal ball with a
+// lower id owns it.
 enum class Neighbours : std::uint8_t { found, bury };
 
-// Collects the caps of all balls that overlap ball `place`.
+// Collects the caps of all balls that overlap the ball at list place `place`. The search stops at
+// the first ball that buries this one.
 Neighbours find_caps(const CellListView& list, std::uint32_t place, std::vector<arcs::Cap>& caps) {
   caps.clear();
   const Sphere& ball = list.spheres[place];
@@ -55,6 +64,7 @@ Neighbours find_caps(const CellListView& list, std::uint32_t place, std::vector<
   return buried ? Neighbours::bury : Neighbours::found;
 }
 
+// Measures of the sphere at list place `place`, in Å² and Å³.
 arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place,
                                   ThreadSpace& work) {
   if (find_caps(list, place, work.caps) == Neighbours::bury) return {0, 0, 0};
@@ -96,7 +106,7 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, Monitor* monito
 
   const std::uint32_t blocks = (list.size + kBlock - 1) / kBlock;
   begin_stage(monitor, "exact union (arcs)", blocks);
-  // In list order: neighbouring spheres find the same cells in cache.
+  // Blocks run in list order: spheres that are near in space find the same list cells in the cache.
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, blocks, 1), [&](const auto& range) {
     ThreadSpace& work = threads.local();
     for (std::uint32_t block = range.begin(); block != range.end(); ++block) {

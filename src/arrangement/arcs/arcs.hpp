@@ -1,9 +1,10 @@
-// The union of balls without a triangulation: each sphere by itself, from its neighbours. Its
-// exposed part is bounded by circular arcs, and the Gauss–Bonnet theorem gives its area from them
-// (Connolly 1983, "Analytical molecular surface calculation"; Richmond 1984, "Solvent accessible
-// surface area and excluded volume in proteins").
+// The measures of a union of balls without a triangulation. Each sphere is looked at by itself,
+// with its neighbours. Circular arcs bound the exposed part of a sphere, and the Gauss–Bonnet
+// theorem gives the area inside them (Connolly 1983, "Analytical molecular surface calculation";
+// Richmond 1984, "Solvent accessible surface area and excluded volume in proteins").
 //
-// Shares nothing with the triangulation and its formulas but the input, so it is their check.
+// These computations have nothing but the input in common with the triangulation and its formulas,
+// so each is a check of the other.
 #pragma once
 
 #include <cstdint>
@@ -17,33 +18,33 @@
 namespace vdwmesh {
 
 struct ArcMeasures {
-  double area, volume;  // Å², Å³; sums of per_sphere, carried in a wide accumulator
-  // In the order of the SphereSet: exposed area, and volume of ball ∩ power cell. Both depend on
-  // the sphere and its neighbours alone, not on the origin.
+  double area, volume;  // Å², Å³; sums over per_sphere, carried in a wide accumulator
+  // One entry per sphere, in the order of the SphereSet: exposed area, and volume of ball ∩ power
+  // cell. Both depend on the sphere and its neighbours alone, not on the origin of coordinates.
   std::vector<SphereMeasures> per_sphere;
-  // Spheres whose numbers are not to be trusted, ascending: they failed a check (Gauss-Bonnet on
-  // the exposed patch; closedness of ball ∩ power cell) or are near-degenerate (circles all but
-  // tangent or equal, more than two circles through one point of the sphere, planes along an edge,
-  // all but vanishing arcs or cells).
-  // per_sphere holds what was found with planes nudged apart by parts in 10^11 of the radius, which
-  // is right to 1e-9 as a rule, not by guarantee; the sums count it.
+  // Spheres whose numbers are not to be trusted, ascending. Either a check failed (Gauss–Bonnet on
+  // the exposed patch, closedness of the surface of ball ∩ power cell), or the sphere is nearly
+  // degenerate: circles nearly tangent or equal, more than two circles through one point of the
+  // sphere, a plane along an edge, an arc or a cell of nearly no size.
+  // For them per_sphere holds the numbers of planes that were nudged apart by some 1e-11 of the
+  // radius. They are right to 1e-9 as a rule, but not by guarantee. The sums include them.
   std::vector<SphereId> suspect;
 };
 
-// The same result, bit for bit, for any number of threads. Of exact duplicates the lowest index
-// owns area and volume; buried spheres have area 0. Memory beside the result: a cell list, and for
-// each thread a workspace that grows with the largest number of neighbours of one sphere. The time
-// is n log n for a sphere of n neighbours, unless most of these overlap one another and the sphere
-// is exposed between hundreds of them all the same.
-// Throws InvalidInput for an empty set, Cancelled.
+// The result is the same, bit for bit, for any number of threads. Of equal balls the lowest index
+// owns area and volume. A buried sphere has area 0.
+// Memory beside the result: a cell list, and a workspace for each thread, which grows with the
+// largest number of neighbours of one sphere. Time: n log n for a sphere of n neighbours, and n² if
+// most of them overlap each other and the sphere is still exposed between hundreds of them.
+// Throws InvalidInput for an empty set, and Cancelled.
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor = nullptr);
 
 // The same into a result that is there, in the memory of its arrays and of the workspace.
 void arc_measures(ArcMeasures& result, const SphereSet& spheres, Monitor* monitor,
                   Workspace& workspace);
 
-// Sums of area and volume over the spheres, in order, in a wide accumulator: for a caller who
-// replaces measures of suspect spheres.
+// Sums of area and volume over the spheres, in their order, in a wide accumulator. For callers that
+// replace the measures of suspect spheres.
 SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere);
 
 }  // namespace vdwmesh

@@ -1,3 +1,11 @@
+// angle_by_dihedrals(): the angle of an arc as a difference of dihedral angles.
+//
+// An arc of the circle of edge e starts at a corner of triangle f and ends at one of triangle g.
+// Three angles about e enter:
+// - the gap from f to g, on the side of the arc: a dihedral angle of the tetrahedron of the edge
+//   and the third vertices of f and g, or 2 π minus it;
+// - for f and for g, the angle between the triangle and the half-plane through e and the corner.
+// The angle of the arc is the gap minus the other two.
 #include "arrangement/complex/arc_angle.hpp"
 
 #include <cmath>
@@ -10,16 +18,22 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+// Which of the triangle's edges e is: k, if e lies opposite to vertex k.
 std::size_t slot(const DualTriangle& f, std::uint32_t e) {
   return f.edges[0] == e ? 0 : (f.edges[1] == e ? 1 : 2);
 }
 
+// Angle about edge e between triangle f and the half-plane through e and a corner of f. Seen along
+// e, half_chord is the corner's distance from the plane of f, and `distance` leads to its foot.
 double corner_dihedral(const PowerTriangulation& t, const DualTriangle& f, std::uint32_t e) {
   const TriangleShape shape =
       triangle_shape(t.balls[f.vertices[0]], t.balls[f.vertices[1]], t.balls[f.vertices[2]]);
   return std::atan2(shape.half_chord, shape.distance[slot(f, e)]);
 }
 
+// Angle about edge e from triangle f to triangle g. It is a whole turn if both are the same
+// triangle. Below 180 degrees the edge and the third vertices c of f and d of g form a positively
+// oriented tetrahedron; else the tetrahedron fills the rest of the turn.
 double gap_angle(const PowerTriangulation& t, const DualComplex& complex, std::uint32_t e,
                  const DualTriangle& f, const DualTriangle& g) {
   if (&f == &g) return 2 * kPi;
@@ -34,7 +48,7 @@ double gap_angle(const PowerTriangulation& t, const DualComplex& complex, std::u
 
 }  // namespace
 
-// The gap between the two triangles less what their corners take of it.
+// `start / 2` and `end / 2` are the triangles of the two corners (see CornerIndex).
 double angle_by_dihedrals(const PowerTriangulation& triangulation, const DualComplex& complex,
                           const ExposedArc& arc) {
   const DualTriangle &f = complex.triangles[arc.start / 2], &g = complex.triangles[arc.end / 2];

@@ -1,6 +1,9 @@
-// The angle of an exposed arc from the dihedral angles of the triangulation: right to rounding
-// where the arc's corners are too near to each other, or to the centre of its circle, to tell
-// nothing from a whole turn.
+// The angle of an exposed arc, from the dihedral angles of the triangulation.
+//
+// The usual way is the angle between the two corners, seen from the centre of the circle. It fails
+// if the corners are too near to the centre, or so near to each other that an angle of nearly 0 and
+// one of nearly 2 π cannot be told apart. The way over dihedral angles is slower and right to
+// rounding in these cases too.
 #pragma once
 
 #include "arrangement/complex/exposed_arcs.hpp"
@@ -8,13 +11,14 @@
 
 namespace vdwmesh {
 
-// Circles smaller than this (squared, by the squared radius of the smaller sphere) have corners too
-// near to their centre for angles between them; and arcs this near to nothing (rad) may round to a
-// whole turn.
+// Limits for the usual way. On a circle whose squared radius is below kSmallCircle times the
+// squared radius of the smaller sphere, the corners are too near to the centre. An arc whose angle
+// (rad) is nearer to 0 than kSmallArc may be nothing or a whole turn.
 inline constexpr double kSmallCircle = 1e-6;
 inline constexpr double kSmallArc = 1e-6;
 
-// Precondition: the arc has corners.
+// Returns the angle in radians, between 0 and 2 π up to rounding. Precondition: the arc has
+// corners, that is, it is not a whole circle.
 double angle_by_dihedrals(const PowerTriangulation& triangulation, const DualComplex& complex,
                           const ExposedArc& arc);
 

@@ -1,3 +1,17 @@
+// dual_complex(): decides for every simplex of the triangulation whether it is in the complex.
+//
+// The size of a simplex is the squared radius of the smallest sphere orthogonal to its balls. The
+// simplex is attached if, at the centre of that sphere, a neighbouring ball has less power than the
+// simplex's own balls. By the rule for alpha complexes (Edelsbrunner and Mücke 1994, "Three-
+// dimensional alpha shapes", here weighted and with alpha = 0), a simplex is in the complex if
+// - it is a face of a larger simplex of the complex, or
+// - it is not attached and its size is <= 0 (it is "free").
+// Builder goes from tetrahedra to triangles, edges and vertices. Signs are exact. Most simplices
+// fall out before an exact predicate is needed, because two of their balls are far apart.
+//
+// A ball is strict if it remains in the complex when all balls shrink a little: it is a vertex of a
+// simplex that is not attached and has a negative size, not 0. A ball that is not strict may be in
+// the complex and still has no exposed area.
 #include "arrangement/complex/dual_complex.hpp"
 
 #include <algorithm>
@@ -9,31 +23,38 @@
 namespace vdwmesh {
 namespace {
 
-// Pairs of vertices of a cell, and the pairs on the facet opposite to each vertex as a mask.
+// A cell has six pairs of vertices. Bit p of a pair mask stands for kPairs[p]. kFacetPairs[k] holds
+// the three pairs on the facet opposite to vertex k.
 constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 constexpr std::uint8_t kAllPairs = 63;
 constexpr std::array<std::uint8_t, 4> kFacetPairs{{0b111000, 0b100110, 0b010101, 0b001011}};
 
+// Whether all of `bits` are set in the mask.
 bool contains(std::uint8_t mask, std::uint8_t bits) { return (mask & bits) == bits; }
 
+// Position of the value in the cell: 0 to 3.
 std::size_t slot_of(const std::array<std::uint32_t, 4>& cell, std::uint32_t vertex) {
   return static_cast<std::size_t>(std::find(cell.begin(), cell.end(), vertex) - cell.begin());
 }
 
-// Edges by their two vertices. Buckets follow the vertices' order, so that edges near in space are
-// near in memory, and a vertex of thousands of edges has them in as many buckets.
+// A hash table from two vertices to the number of their edge, with chains in one array. The bucket
+// grows with the vertex numbers. Vertices near in space have near numbers, so their buckets are
+// near in memory. The 8 a + 5 b of a vertex with thousands of edges differ, so its edges spread
+// over many buckets.
 class EdgeTable {
  public:
   explicit EdgeTable(std::size_t vertices)
       : first_(std::bit_ceil(kBucketsPerVertex * vertices), kNoIndex) {}
 
+  // Returns the number of edge ab, or kNoIndex.
   std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
     if (a > b) std::swap(a, b);
     std::uint32_t e = first_[bucket(a, b)];
     while (e != kNoIndex && (links_[e].lower != a || links_[e].upper != b)) e = links_[e].next;
     return e;
   }
+  // Numbers edge ab, which must not be in the table yet; numbers count up from 0.
   std::uint32_t add(std::uint32_t a, std::uint32_t b) {
     if (a > b) std::swap(a, b);
     const auto e = static_cast<std::uint32_t>(links_.size());
@@ -46,13 +67,13 @@ class EdgeTable {
  private:
   static constexpr std::size_t kBucketsPerVertex = 8;
   struct Link {
-    std::uint32_t lower, upper, next;
+    std::uint32_t lower, upper, next;  // the two vertices; next edge of the bucket or kNoIndex
   };
   std::size_t bucket(std::size_t a, std::size_t b) const {
     return (8 * a + 5 * b) & (first_.size() - 1);
   }
 
-  std::vector<std::uint32_t> first_;  // per bucket, a power of two of them
+  std::vector<std::uint32_t> first_;  // first edge of each bucket; a power of two of buckets
   std::vector<Link> links_;
 };
 
@@ -79,9 +100,11 @@ class Builder {
   }
 
  private:
-  // Pairs whose balls may meet: a floating-point sieve, wide enough never to lose one.
+  // Returns the mask of pairs whose balls may meet. This is a floating-point filter: it may keep a
+  // pair whose balls do not meet, but never drops one whose balls do. kSlack exceeds the rounding
+  // of both sides (a few 1e-16); kTiny covers squares that underflow.
   std::uint8_t overlapping_pairs(const std::array<std::uint32_t, 4>& cell) const {
-    constexpr double kSlack = 1 + 0x1p-40, kTiny = 1e-280;  // squares below it may be nothing
+    constexpr double kSlack = 1 + 0x1p-40, kTiny = 1e-280;
     std::uint8_t mask = 0;
     for (std::size_t p = 0; p < 6; ++p) {
       const std::uint32_t i = cell[kPairs[p][0]], j = cell[kPairs[p][1]];
@@ -97,12 +120,15 @@ class Builder {
 
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
 
+  // Marks the vertices of the cell as strict, except vertex `skipped` (4: none).
   void mark_strict(const std::array<std::uint32_t, 4>& cell, std::size_t skipped) {
     for (std::size_t k = 0; k < 4; ++k) {
       if (k != skipped) strict_[cell[k]] = 1;
     }
   }
 
+  // Four balls can only have a point in common if each two of them meet. A tetrahedron is never
+  // attached, because no other ball lies inside its orthogonal sphere.
   void classify_cell(std::uint32_t c) {
     const auto& v = t_.cells[c];
     overlaps_[c] = overlapping_pairs(v);
@@ -116,8 +142,8 @@ class Builder {
     if (size == Sign::negative) mark_strict(v, 4);
   }
 
-  // Whether the triangle opposite to vertex k is in the complex by itself, not through a cell; if
-  // so and strict, its vertices are.
+  // Whether the triangle opposite to vertex k of cell c is free: of size <= 0 and not attached. If
+  // so and its size is negative, its vertices are marked strict.
   bool is_free_triangle(std::uint32_t c, std::size_t k) {
     const auto& cell = t_.cells[c];
     const auto& f = kFacetVertices[k];
@@ -132,11 +158,13 @@ class Builder {
     return true;
   }
 
-  // Vertex of cell n that faces cell c.
+  // The vertex of cell n that is not on its facet to cell c.
   std::uint32_t opposite(std::uint32_t n, std::uint32_t c) const {
     return t_.cells[n][slot_of(t_.neighbors[n], c)];
   }
 
+  // Looks at every facet once, from the cell with the lower number. Beside a tetrahedron of the
+  // complex the triangle is in the complex anyway.
   void classify_facets(std::uint32_t c) {
     if (overlaps_[c] == 0) return;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -148,6 +176,8 @@ class Builder {
     }
   }
 
+  // Adds the triangle opposite to vertex k of cell c, towards cell n, with its edges. `exposed`
+  // says for c and for n whether that cell is outside the complex.
   void add_triangle(std::uint32_t c, std::size_t k, std::uint32_t n, std::array<bool, 2> exposed) {
     const auto id = static_cast<std::uint32_t>(out_.triangles.size());
     out_.cell_triangles[c][k] = id;
@@ -165,6 +195,7 @@ class Builder {
     out_.triangles.push_back(triangle);
   }
 
+  // Returns the number of edge ab; adds the edge if need be.
   std::uint32_t edge(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t found = table_.find(a, b);
     return found != kNoIndex ? found : add_edge(a, b, Contact::strict);
@@ -177,7 +208,7 @@ class Builder {
     return id;
   }
 
-  // Pairs of the cell that are on none of its facets in the complex: edges without triangles.
+  // Edges that are in no triangle of the complex. Pairs on a triangle of this cell need no look.
   void classify_edges(std::uint32_t c) {
     std::uint8_t open = overlaps_[c];
     for (std::size_t k = 0; k < 4; ++k) {
@@ -191,6 +222,8 @@ class Builder {
     }
   }
 
+  // Looks at the edge once, from the lowest-numbered cell around it. It may be in the table
+  // already, from a triangle of another cell around it.
   void classify_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b) {
     if (table_.find(a, b) != kNoIndex || !is_lowest_around(c, a, b)) return;
     const Sign size = size_sign(ball(a), ball(b));
@@ -201,7 +234,9 @@ class Builder {
     if (size == Sign::negative) strict_[a] = strict_[b] = 1;
   }
 
-  // Visits the cells around edge ab from cell c on, until the visitor says false.
+  // Visits the cells around edge ab, from cell c on: visit(cell, x, y), where x and y are the other
+  // two vertices of the cell. Stops and returns false if `visit` does. The auxiliary points
+  // surround every ball, so the cells form a closed ring.
   template <class Visitor>
   bool around_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b, Visitor visit) const {
     std::uint32_t current = c, from = kNoIndex;
@@ -213,6 +248,7 @@ class Builder {
         if (cell[k] != a && cell[k] != b) link[n++] = k;
       }
       if (!visit(current, cell[link[0]], cell[link[1]])) return false;
+      // Leave by the facet opposite to the vertex that was there in the previous cell.
       const std::size_t exit = cell[link[0]] == from || from == kNoIndex ? link[0] : link[1];
       from = cell[exit == link[0] ? link[1] : link[0]];
       current = t_.neighbors[current][exit];
@@ -225,6 +261,7 @@ class Builder {
                        [&](std::uint32_t d, std::uint32_t, std::uint32_t) { return d >= c; });
   }
 
+  // Whether a ball next to edge ab makes it attached.
   bool is_attached(std::uint32_t c, std::uint32_t a, std::uint32_t b) const {
     return !around_edge(c, a, b, [&](std::uint32_t, std::uint32_t x, std::uint32_t y) {
       const auto clear = [&](std::uint32_t d) {
@@ -234,8 +271,10 @@ class Builder {
     });
   }
 
-  // Vertices without edges are in the complex where their own centre is in their power cell; so
-  // are strict those that only touching simplices hold.
+  // A vertex has the negative size -r². So it is free, and then strict, exactly if no neighbour
+  // makes it attached, that is, if its centre is in its own power cell. This needs a test for
+  // vertices that no simplex has put into the complex, and for vertices that only simplices of size
+  // 0 did. `attached` is 1 from the start for vertices that need none.
   void classify_vertices() {
     std::vector<std::uint8_t> attached(t_.balls.size(), 1);
     for (std::uint32_t v = 0; v < t_.balls.size(); ++v) {
@@ -257,13 +296,16 @@ class Builder {
     if (doubtful) find_strict_faces();
   }
 
-  // Triangles and edges may be strict by themselves though every simplex on them only touches.
+  // Marks the vertices of triangles and edges that are free and of negative size, but lie on a
+  // simplex of the complex, so that nothing tested them before. A vertex needs this if all
+  // simplices tested on it have size 0.
   void find_strict_faces() {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
       const auto& v = t_.cells[c];
       for (std::size_t k = 0; k < 4; ++k) {
         if (out_.cell_triangles[c][k] == kNoIndex) continue;
         const auto& f = kFacetVertices[k];
+        // Called for the mark that it leaves on the vertices.
         if (!strict_[v[f[0]]] || !strict_[v[f[1]]] || !strict_[v[f[2]]]) is_free_triangle(c, k);
       }
       for (const auto& pair : kPairs) find_strict_edge(c, v[pair[0]], v[pair[1]]);
@@ -276,13 +318,15 @@ class Builder {
     if (!is_attached(c, a, b)) strict_[a] = strict_[b] = 1;
   }
 
+  // Whether a ball of the cell has less power than v at the centre of v, so that v is attached.
   bool has_closer_ball(const std::array<std::uint32_t, 4>& cell, std::uint32_t v) const {
     return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t d) {
       return d != v && t_.is_ball(d) && side_sign(ball(v), ball(d)) == Sign::negative;
     });
   }
 
-  // Area is exposed where it is so for balls a little smaller and a little larger.
+  // A ball has exposed area if the same is true after all balls shrink a little (the ball is
+  // strict) and after all grow a little (a cell around it is outside the complex).
   void mark_exposed() {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
       if (out_.cell_in_complex[c]) continue;
@@ -292,6 +336,8 @@ class Builder {
     }
   }
 
+  // A singular edge of size 0 is a point of contact if the balls touch from outside. If the radical
+  // plane is not between the centres, one ball touches the other from inside.
   void count_contacts() {
     for (const DualEdge& e : out_.edges) {
       const bool touching = e.singular && e.contact == Contact::touching;

@@ -1,10 +1,12 @@
-// The dual complex of a union of closed balls: the simplices of the regular triangulation whose
-// balls meet on their common power face (the alpha complex at 0; Edelsbrunner 1995, "The union of
-// balls and its dual shape"). Combinatorics only, all of it exact.
+// The dual complex of a union of closed balls: the alpha complex of the weighted centres for alpha
+// = 0 (Edelsbrunner 1995, "The union of balls and its dual shape"). A simplex of the regular
+// triangulation is in it if its balls have a point in common in the power cells of all of them, in
+// other words on their common power face. The complex is combinatorics only, and exact.
 //
-// Every face of the union's boundary has its simplex: a vertex with a cell outside the complex has
-// exposed patches; an edge with one, exposed arcs on the circle of its two spheres; a triangle side
-// without a tetrahedron is an exposed corner.
+// The faces of the union's boundary follow from it:
+// - A ball with a cell outside the complex around it has exposed patches.
+// - An edge with such a cell around it has exposed arcs, on the circle of its two spheres.
+// - A triangle with such a cell on one side has an exposed corner on that side.
 #pragma once
 
 #include <array>
@@ -15,40 +17,41 @@
 
 namespace vdwmesh {
 
-// size: sign of the smallest orthogonal sphere. Strict simplices persist when all balls shrink a
-// little; touching ones are there only because balls are closed.
+// The size of a simplex is the squared radius of the smallest sphere orthogonal to its balls. A
+// simplex of negative size (strict) stays when all balls shrink a little. A simplex of size 0
+// (touching) is there only because balls are closed.
 enum class Contact : std::uint8_t { strict, touching };
 
 struct DualEdge {
-  std::array<std::uint32_t, 2> vertices;  // balls
-  Contact contact;
-  bool exposed;   // outside the complex somewhere around it
-  bool singular;  // without triangles: a full circle, or a single point of contact
+  std::array<std::uint32_t, 2> vertices;  // balls of the triangulation, ascending
+  Contact contact;  // decided for singular edges; edges of triangles all say `strict`
+  bool exposed;     // a cell around the edge is outside the complex
+  bool singular;    // in no triangle of the complex: a full circle, or a point of contact
 };
 
 struct DualTriangle {
-  std::array<std::uint32_t, 3> vertices;  // counter-clockwise seen from cells[0]
-  std::array<std::uint32_t, 3> edges;     // opposite to each vertex
-  std::array<std::uint32_t, 2> cells;     // of the triangulation, on both sides
-  std::array<bool, 2> exposed;            // that side has no tetrahedron: a corner is exposed
+  std::array<std::uint32_t, 3> vertices;  // balls, counter-clockwise seen from cells[0]
+  std::array<std::uint32_t, 3> edges;     // of the complex; edges[k] is opposite to vertices[k]
+  std::array<std::uint32_t, 2> cells;     // of the triangulation, one on each side
+  std::array<bool, 2> exposed;            // cells[s] is outside the complex: an exposed corner
 };
 
 struct DualComplex {
-  std::vector<std::uint8_t> in_complex;  // per ball
+  std::vector<std::uint8_t> in_complex;  // per ball of the triangulation
   std::vector<std::uint8_t> exposed;     // per ball: its sphere has exposed area
   std::vector<DualEdge> edges;
   std::vector<DualTriangle> triangles;
-  std::vector<std::uint32_t> tetrahedra;  // cells of the triangulation
+  std::vector<std::uint32_t> tetrahedra;  // cells of the triangulation, ascending
 
-  // Per cell of the triangulation: whether it is in the complex; the complex's triangle opposite
-  // to each vertex (kNoIndex: not in the complex).
+  // Per cell of the triangulation: whether it is in the complex, and for each of its vertices the
+  // index in `triangles` of the triangle opposite to it (kNoIndex: not in the complex).
   std::vector<std::uint8_t> cell_in_complex;
   Buffer<std::array<std::uint32_t, 4>> cell_triangles;
 
   std::uint64_t point_contacts = 0;  // pairs that touch from outside, outside all other balls
 };
 
-// Edge of the triangle between two of its vertices.
+// The index of the triangle's edge between its vertices a and b.
 inline std::uint32_t edge_between(const DualTriangle& t, std::uint32_t a, std::uint32_t b) {
   for (std::size_t k = 0; k < 2; ++k) {
     if (t.vertices[k] != a && t.vertices[k] != b) return t.edges[k];

@@ -1,3 +1,8 @@
+// exposed_arcs(): walks around the edges of the dual complex.
+//
+// The cells around an edge correspond to the turn about its circle. A run of cells outside the
+// complex, between two triangles of the complex, is one exposed arc: it starts at a corner of the
+// first triangle and ends at one of the second. An edge without triangles is exposed all around.
 #include "arrangement/complex/exposed_arcs.hpp"
 
 #include <algorithm>
@@ -5,8 +10,9 @@
 namespace vdwmesh {
 namespace {
 
-// Turns about edge k of triangle f through the cells of its `side`, all outside the complex, to
-// the next triangle of the complex.
+// Turns about edge k of triangle f, from the cell on its given side, which is outside the complex.
+// Returns the corner of the next triangle of the complex. `from` is the vertex behind: the walk
+// leaves a cell by the facet opposite to it.
 CornerIndex next_corner(const PowerTriangulation& t, const DualComplex& complex,
                         const DualTriangle& f, std::size_t k, std::size_t side) {
   const std::uint32_t a = f.vertices[(k + 1) % 3], b = f.vertices[(k + 2) % 3];

@@ -1,4 +1,5 @@
-// The arcs of the union's boundary, from corner to corner, from the dual complex alone.
+// The arcs of the union's boundary, from corner to corner. They follow from the dual complex alone,
+// without coordinates.
 #pragma once
 
 #include <cstdint>
@@ -8,22 +9,26 @@
 
 namespace vdwmesh {
 
-// Corner 2 f + s: on side s of triangle f of the complex; that side is exposed.
+// Corner 2 f + s is the corner on side s (0 or 1) of triangle f of the complex; that side is
+// exposed.
 using CornerIndex = std::uint64_t;
 inline constexpr CornerIndex kNoCorner = ~CornerIndex{0};
 
-// An arc of the circle of an edge, counter-clockwise seen against the axis from the edge's first
-// ball to its second. A whole circle has no corners (of a touching edge it is a point).
+// An exposed arc of the circle of an edge. It runs counter-clockwise about the axis from the edge's
+// first ball to its second, seen from the second. An arc without corners is the whole circle, or a
+// point if the edge is touching.
 struct ExposedArc {
-  std::uint32_t edge;
-  CornerIndex start, end;
+  std::uint32_t edge;      // of the complex
+  CornerIndex start, end;  // both kNoCorner on a whole circle
 };
 
+// All exposed arcs, first the whole circles. The order depends on the complex alone.
 std::vector<ExposedArc> exposed_arcs(const PowerTriangulation& triangulation,
                                      const DualComplex& complex);
 
-// The side of triangle f that is met first when turning counter-clockwise, away from it, about the
-// axis of its edge k.
+// Edge k of triangle f is opposite to vertex k. Its axis runs from its lower to its higher vertex
+// number. Returns the side of f that comes first when a half-plane turns from f counter-clockwise
+// about that axis.
 inline std::size_t leading_side(const DualTriangle& f, std::size_t k) {
   return f.vertices[(k + 1) % 3] < f.vertices[(k + 2) % 3] ? 0 : 1;
 }

@@ -1,3 +1,13 @@
+// gauss_bonnet(): areas by the Gauss–Bonnet theorem, volumes by pyramids over power faces.
+//
+// For a ball of radius r with height h to a radical plane, exposed angle φ of the circle there:
+//   area   = r² (2 π χ + sum φ h / r - sum turning angles)    over the exposed patches
+//   volume = r area / 3 + sum h F / 3,  F = area of (power face ∩ ball)
+// F is a polygon in the radical plane, closed by circular sectors. It is summed as signed triangles
+// from the centre of the circle: one over the chord of each triangle of the complex at the edge,
+// and the sectors of the exposed arcs.
+//
+// Small circles lose digits in these formulas. They take the formulas of simplex_shape.hpp instead.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,12 +23,13 @@ namespace vdwmesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// On a sphere circles smaller than this (squared, by the squared radius) have corners too near to
-// their centre: angles of arcs lose digits, and cosines of turning angles are differences that lose
-// twice as many.
+// A circle on a sphere is small if its squared radius is below this fraction of the sphere's. Its
+// corners are so near to its centre that the angles of arcs lose digits. The cosines of turning
+// angles lose twice as many, because they are differences.
 constexpr double kSmallOnSphere = 1e-3;
 
-// Adds 2 π n, whose rounding to a double would be as large as n roundings.
+// Adds 2 π n. The product is split into its rounded value and the rest, and so is 2 π: one double
+// for 2 π alone would cost as much as n roundings.
 void add_multiple_of_two_pi(int n, WideSum& sum) {
   constexpr double kTwoPi = 2 * kPi, kTwoPiRest = 2.4492935982947064e-16;  // 2 π - kTwoPi
   sum.add(kTwoPi * n);
@@ -46,16 +57,18 @@ class PatchSum {
   }
 
  private:
-  // Ends of the part of a triangle's dual line inside its balls, from the first of them: a corner
-  // on an exposed side, else the orthogonal centre of that side's tetrahedron.
+  // The part of a triangle's dual line (the line of equal power to its three balls) that lies in
+  // the balls' common power face. Each end is a corner if that side is exposed, else the orthogonal
+  // centre of the tetrahedron there. Positions are relative to the centre of the first ball.
   struct Chord {
-    std::array<Vec3d, 2> end;
-    double determinant;  // half chord between the common points times twice the triangle's area
+    std::array<Vec3d, 2> end;  // on the side of cells[0], of cells[1]
+    double determinant;        // of two edges and the vector to a corner: half_chord × twice_area
   };
 
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
   Vec3d between(std::uint32_t i, std::uint32_t j) const { return ball(j).center - ball(i).center; }
 
+  // Finds the orthogonal centres of tetrahedra, then the chords of triangles.
   void place_points() {
     centers_.resize(t_.cells.size());
     for (const std::uint32_t c : k_.tetrahedra) {
@@ -78,7 +91,9 @@ class PatchSum {
     return out;
   }
 
-  // The exposed part of a sphere has the Euler characteristic of a sphere less the vertex's link.
+  // The exposed part of a sphere is dual to the complement of the vertex's link. So its Euler
+  // characteristic is 2 minus that of the link, whose vertices, edges and triangles come from the
+  // edges, triangles and tetrahedra at the vertex.
   void count_euler() {
     for (const DualEdge& e : k_.edges) {
       for (const std::uint32_t v : e.vertices) --euler_[v];
@@ -91,18 +106,20 @@ class PatchSum {
     }
   }
 
+  // Whether the circle of edge e is small on a sphere of this radius, or its edge is very short.
   bool is_small(std::uint32_t e, double radius) const {
     return edges_[e].squared_circle_radius < kSmallOnSphere * radius * radius ||
            edges_[e].length < kShortEdge;
   }
 
-  // From the centre of edge e's circle to an end of a triangle's chord.
+  // The vector from the centre of edge e's circle to `end`, which is relative to f's first ball.
   Vec3d from_circle(std::uint32_t e, const DualTriangle& f, const Vec3d& end) const {
     const auto& [a, b] = k_.edges[e].vertices;
     return between(a, f.vertices[0]) + end -
            (edges_[e].height[0] / edges_[e].length) * between(a, b);
   }
 
+  // Adds the triangle's chord to the faces of its three edges, and its corners to the curvature.
   void add_triangle(std::size_t i) {
     const DualTriangle& f = k_.triangles[i];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -119,8 +136,9 @@ class PatchSum {
     }
   }
 
-  // At a corner, on the sphere of vertex k: between the planes through the centre, the corner and
-  // one other centre each.
+  // The turning angle of the patch of vertex k at a corner of f. It is the angle between two planes
+  // through the centre o of k and the corner x; one contains the centre p, the other q. With
+  // |x - o| = r: cosine ∝ r² op·oq - (op·ox)(oq·ox), sine ∝ r det(op, oq, ox).
   double turning_angle(const DualTriangle& f, std::size_t k, double determinant) const {
     const std::size_t m = (k + 1) % 3, n = (k + 2) % 3;
     const double radius = ball(f.vertices[k]).radius;
@@ -132,11 +150,15 @@ class PatchSum {
     return std::atan2(radius * determinant, cosine);
   }
 
-  // (other centre - centre of v) · (corner - centre of v), for any corner on the edge's circle.
+  // (other centre - centre of v) · (x - centre of v), the same for every point x on the circle of
+  // edge e.
   double reach(std::uint32_t e, std::uint32_t v) const {
     return edges_[e].height[k_.edges[e].vertices[0] == v ? 0 : 1] * edges_[e].length;
   }
 
+  // The same turning angle from the spherical triangle that p, q and the corner span at o. Its area
+  // is the solid angle, its angles at p and q are dihedral angles, and their sum exceeds π by the
+  // area.
   double angle_by_excess(const DualTriangle& f, std::size_t k) const {
     const Sphere &a = ball(f.vertices[0]), &b = ball(f.vertices[1]), &c = ball(f.vertices[2]);
     const CornerShape corner = corner_shape(a, b, c, triangle_shape(a, b, c));
@@ -144,6 +166,7 @@ class PatchSum {
            corner.dihedral[(k + 2) % 3];
   }
 
+  // Adds the arc's sector to the power face, and its curvature φ h / r to both spheres.
   void add_arc(const ExposedArc& arc) {
     const EdgeShape& shape = edges_[arc.edge];
     const double angle = arc.start == kNoCorner ? 2 * kPi : arc_angle(arc);
@@ -154,6 +177,8 @@ class PatchSum {
     }
   }
 
+  // The angle between the corners, seen from the circle's centre. On small circles, and for angles
+  // next to 0 or 2 π, angle_by_dihedrals() decides.
   double arc_angle(const ExposedArc& arc) const {
     const auto& [a, b] = k_.edges[arc.edge].vertices;
     if (is_small(arc.edge, std::max(ball(a).radius, ball(b).radius)))
@@ -183,7 +208,7 @@ class PatchSum {
     for (std::size_t v = 0; v < out.size(); ++v) {
       if (!k_.in_complex[v]) continue;
       const double r = ball(static_cast<std::uint32_t>(v)).radius;
-      // With n neighbours both terms are about n times their sum.
+      // With n neighbours both terms are about n times as large as their sum, so both are wide.
       WideSum curvature = curvature_[v];
       add_multiple_of_two_pi(euler_[v], curvature);
       out[v].area = r * r * curvature.value();
@@ -195,12 +220,13 @@ class PatchSum {
 
   const PowerTriangulation& t_;
   const DualComplex& k_;
-  std::vector<int> euler_;          // per ball, of the exposed part of its sphere
-  std::vector<WideSum> curvature_;  // per ball: arcs less turning angles
-  std::vector<double> twice_face_;  // per edge: power face ∩ ball, twice its area
-  std::vector<EdgeShape> edges_;
-  Buffer<Vec3d> centers_;      // per cell of the complex, from its first ball
-  std::vector<Chord> chords_;  // per triangle
+  std::vector<int> euler_;          // per ball: Euler characteristic of its exposed part
+  std::vector<WideSum> curvature_;  // per ball: sum φ h / r less turning angles
+  std::vector<double> twice_face_;  // per edge of the complex: twice the area of power face ∩ ball
+  std::vector<EdgeShape> edges_;    // per edge of the complex
+  Buffer<Vec3d> centers_;           // per cell: orthogonal centre from its first ball; set for
+                                    // cells in the complex only
+  std::vector<Chord> chords_;       // per triangle of the complex
 };
 
 }  // namespace

@@ -1,3 +1,13 @@
+// inclusion_exclusion(): areas and volumes from angles of tetrahedra, triangles and edges.
+//
+// The ball ∩ power cell of each ball is divided into cones from its centre: one over the exposed
+// area and one over each power face. For a ball of radius r,
+//   area   = r² (4 π - Ω) - sum over edges of φ r (r - h)
+//   volume = r area / 3 + sum over edges of h F / 3
+// Ω: solid angle at the centre that is taken by tetrahedra of the complex and by corner tetrahedra.
+//    A corner tetrahedron spans the centres of a triangle and one of its exposed corners.
+// φ: angle about the edge that these tetrahedra leave free; each such part loses a piece of a cap.
+// h: height of the radical plane over the centre. F: area of power face ∩ ball.
 #include <cmath>
 #include <numbers>
 
@@ -11,7 +21,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Wide, because a ball may have thousands of neighbours and little area of its own left.
+// Wide sums, because a ball may have thousands of neighbours and little area of its own left.
 struct Sums {
   WideSum area, volume;
 };
@@ -45,6 +55,8 @@ class Accumulator {
   }
 
  private:
+  // Adds the tetrahedron's angles to its vertices and edges, and the heights of its orthogonal
+  // centre to the dual chords of its facets. Edge ij is on both facets without i or j.
   void add_tetrahedron(std::uint32_t c) {
     const auto& v = t_.cells[c];
     const TetrahedronShape shape =
@@ -63,7 +75,9 @@ class Accumulator {
     taken_dihedral_[edge_between(without0, v[2], v[3])] += shape.dihedral[5];
   }
 
-  // `chord`: the part of the triangle's dual line inside the tetrahedra of the complex.
+  // `chord` is the part of the triangle's dual line inside tetrahedra of the complex. On each
+  // exposed side the line goes on to the corner. The face area is a sum of triangles from the
+  // circle's centre to the chords.
   void add_triangle(const DualTriangle& f, double chord) {
     const Sphere &a = t_.balls[f.vertices[0]], &b = t_.balls[f.vertices[1]],
                  &c = t_.balls[f.vertices[2]];
@@ -79,6 +93,7 @@ class Accumulator {
     }
   }
 
+  // Adds what the edge's free angle takes from both areas, and both cones over its power face.
   void add_edge(std::size_t e, std::vector<Sums>& sums) const {
     const DualEdge& edge = k_.edges[e];
     const EdgeShape shape = edge_shape(t_.balls[edge.vertices[0]], t_.balls[edge.vertices[1]]);
@@ -94,10 +109,10 @@ class Accumulator {
 
   const PowerTriangulation& t_;
   const DualComplex& k_;
-  std::vector<WideSum> taken_solid_angle_;  // per ball, by tetrahedra and corners
-  std::vector<double> taken_dihedral_;      // per edge, likewise
-  std::vector<double> face_area_;           // per edge: power face ∩ ball
-  std::vector<double> chord_;               // per triangle: its dual segment inside the balls
+  std::vector<WideSum> taken_solid_angle_;  // per ball: Ω
+  std::vector<double> taken_dihedral_;      // per edge: 2 π - φ
+  std::vector<double> face_area_;           // per edge: power face ∩ ball, less circular sectors
+  std::vector<double> chord_;               // per triangle: its dual line inside tetrahedra
 };
 
 }  // namespace

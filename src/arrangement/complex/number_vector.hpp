@@ -1,5 +1,5 @@
-// Vectors over any number type: doubles, exact numbers, a hundred digits. Plain products, because
-// such types have no fma.
+// Vectors over any number type: double, exact numbers, floats of a hundred digits. They use plain
+// products, because exact numbers have no fma.
 #pragma once
 
 #include "spheres/sphere_set.hpp"
@@ -11,6 +11,8 @@ struct Vector {
   T x, y, z;
 };
 
+// The vector from the centre of a to that of b. The coordinates are converted to T before they are
+// subtracted, so an exact T gives an exact difference.
 template <class T>
 Vector<T> from_to(const Sphere& a, const Sphere& b) {
   return {T(b.center.x) - T(a.center.x), T(b.center.y) - T(a.center.y),

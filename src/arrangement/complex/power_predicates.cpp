@@ -1,3 +1,13 @@
+// The predicates as polynomials: a floating-point filter first, then exact arithmetic.
+//
+// Each `..._value` function evaluates one polynomial in any number type T. For double it also gives
+// `magnitude`, a bound of the sum of absolute values of all terms. filtered_sign() accepts the
+// double's sign if the value exceeds the rounding error (a standard forward error bound), and
+// otherwise evaluates the same polynomial in CGAL's exact ring numbers.
+//
+// Notation: vectors ab, ac, ad from the centre of a; w_b = |ab|² + r_a² - r_b², and so on. The
+// centre x of an orthogonal sphere, taken from the centre of a, satisfies 2 ab·x = w_b, 2 ac·x =
+// w_c, ..., and its squared radius is |x|² - r_a².
 #include "arrangement/complex/power_predicates.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -13,11 +23,12 @@ namespace {
 
 using Exact = CGAL::internal::Exact_ring_selector<double>::Type;
 
-// Unit roundoff. The factors below count roundings along the longest path through each polynomial
-// (difference of coordinates 1, scalar product 5, cofactor 5, determinant 9, power W 6) and are
-// rounded up; the magnitudes are bounds of the sums of absolute values of all terms.
+// Unit roundoff of double. The first argument of filtered_sign() counts the roundings on the
+// longest path through the polynomial: a difference of coordinates has 1, a scalar product 5, a
+// cofactor 5, a determinant 9, a power offset w 6. It is rounded up.
 constexpr double kRoundoff = std::numeric_limits<double>::epsilon() / 2;
-// Below it a bound may have lost its digits to underflow.
+// Below this an error bound may itself have lost digits to underflow, so the filter does not use
+// it.
 constexpr double kTinyBound = 1e-280;
 
 using numbers::from_to;
@@ -28,12 +39,14 @@ T squared_radius(const Sphere& a) {
   return T(a.radius) * T(a.radius);
 }
 
-// pow_b(c_a) + r_a²: twice the scalar product of (c_b - c_a) with any orthogonal centre, from c_a.
+// w_b: the power of the centre of a with respect to b, plus r_a². It is twice the scalar product of
+// ab with any orthogonal centre x.
 template <class T>
 T power_offset(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
   return dot(ab, ab) + (T(a.radius) - T(b.radius)) * (T(a.radius) + T(b.radius));
 }
 
+// det(ab, ac, ad): six times the signed volume of the tetrahedron.
 template <class T>
 T orientation_value(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d,
                     double* magnitude) {
@@ -44,6 +57,8 @@ T orientation_value(const Sphere& a, const Sphere& b, const Sphere& c, const Sph
   return dot(cross(ab, ac), ad);
 }
 
+// Minus the lifted determinant with the rows (a, w_a), (b, w_b), (c, w_c), (d, w_d), where a to d
+// are the vectors from t to p, q, r, s, expanded by its last column.
 template <class T>
 T power_side_value(const Sphere& p, const Sphere& q, const Sphere& r, const Sphere& s,
                    const Sphere& t, double* magnitude) {
@@ -67,6 +82,7 @@ T power_side_value(const Sphere& p, const Sphere& q, const Sphere& r, const Sphe
   return bcd * wa - acd * wb + abd * wc - abc * wd;
 }
 
+// pow_d - pow_a at the centre of a, which is w_d.
 template <class T>
 T vertex_side_value(const Sphere& a, const Sphere& d, double* magnitude) {
   const Vector<T> ad = from_to<T>(a, d);
@@ -77,6 +93,7 @@ T vertex_side_value(const Sphere& a, const Sphere& d, double* magnitude) {
   return power_offset(a, d, ad);
 }
 
+// x = w ab / (2 |ab|²), so 4 |ab|² (|x|² - r_a²) = w² - 4 |ab|² r_a².
 template <class T>
 T edge_size_value(const Sphere& a, const Sphere& b, double* magnitude) {
   const Vector<T> ab = from_to<T>(a, b);
@@ -88,6 +105,8 @@ T edge_size_value(const Sphere& a, const Sphere& b, double* magnitude) {
   return w * w - T(4) * dot(ab, ab) * squared_radius<T>(a);
 }
 
+// x lies in the plane of the triangle. The value is 4 G (|x|² - r_a²) with the Gram determinant
+// G = |ab|² |ac|² - (ab·ac)².
 template <class T>
 T triangle_size_value(const Sphere& a, const Sphere& b, const Sphere& c, double* magnitude) {
   const Vector<T> ab = from_to<T>(a, b), ac = from_to<T>(a, c);
@@ -102,6 +121,8 @@ T triangle_size_value(const Sphere& a, const Sphere& b, const Sphere& c, double*
          T(4) * (bb * cc - bc * bc) * squared_radius<T>(a);
 }
 
+// With D = det(ab, ac, ad), x = n / (2 D) by Cramer's rule for n = w_b ac×ad + w_c ad×ab + w_d
+// ab×ac. The value is 4 D² (|x|² - r_a²).
 template <class T>
 T tetrahedron_size_value(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d,
                          double* magnitude) {
@@ -120,6 +141,7 @@ T tetrahedron_size_value(const Sphere& a, const Sphere& b, const Sphere& c, cons
   return dot(n, n) - T(4) * determinant * determinant * squared_radius<T>(a);
 }
 
+// |ab|² (pow_d(x) - pow_a(x)) = |ab|² (w_d - 2 ad·x), with the x of edge_size_value().
 template <class T>
 T edge_side_value(const Sphere& a, const Sphere& b, const Sphere& d, double* magnitude) {
   const Vector<T> ab = from_to<T>(a, b), ad = from_to<T>(a, d);
@@ -131,6 +153,7 @@ T edge_side_value(const Sphere& a, const Sphere& b, const Sphere& d, double* mag
   return power_offset(a, d, ad) * dot(ab, ab) - power_offset(a, b, ab) * dot(ab, ad);
 }
 
+// G (pow_d(x) - pow_a(x)) = G (w_d - 2 ad·x), with G and x of triangle_size_value().
 template <class T>
 T triangle_side_value(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d,
                       double* magnitude) {
@@ -145,8 +168,9 @@ T triangle_side_value(const Sphere& a, const Sphere& b, const Sphere& c, const S
   return wd * (bb * cc - bc * bc) - (wb * cc - wc * bc) * bd - (wc * bb - wb * bc) * cd;
 }
 
-// `evaluate(T{}, magnitude)` is the polynomial in T; its error in double is at most
-// `roundings` * kRoundoff * magnitude.
+// `evaluate(T{}, magnitude)` returns the polynomial in T. Its error in double is at most
+// `roundings` * kRoundoff * magnitude. If the bound is tiny, infinite or NaN, or does not settle
+// the sign, the exact value decides.
 template <class Evaluate>
 Sign filtered_sign(double roundings, Evaluate evaluate) {
   double magnitude = 0;

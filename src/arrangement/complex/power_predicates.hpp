@@ -1,9 +1,10 @@
 // Exact signs about balls and their powers: pow_b(x) = |x - c_b|² - r_b².
 //
-// Radii enter as they are and are squared inside, exactly: tangency of balls given in doubles is
-// decided for those doubles, not for rounded squares. Each predicate is a polynomial evaluated in
-// double with a certified error bound, and again in exact arithmetic when the bound does not
-// settle the sign. Finite input of any magnitude is right; it is fast where radii are near 1.
+// Radii enter as they are and are squared inside, exactly. So the tangency of balls given in
+// doubles is decided for these doubles, not for rounded squares. Each predicate is a polynomial. It
+// is evaluated in double with a certified error bound, and again in exact arithmetic if the bound
+// does not settle the sign. The sign is right for finite input of any magnitude. The evaluation is
+// fast if radii are near 1, because double then neither over- nor underflows.
 #pragma once
 
 #include <array>
@@ -14,28 +15,32 @@ namespace vdwmesh {
 
 enum class Sign : signed char { negative = -1, zero = 0, positive = 1 };
 
-// Positive where the centre of d is on the side of a, b, c that sees them counter-clockwise.
+// Positive if the centre of d is on the side of a, b, c that sees them counter-clockwise.
 Sign orientation_sign(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d);
 
-// Conflict test of the regular triangulation: positive where t lies inside the sphere orthogonal to
-// the positively oriented p, q, r, s.
+// Conflict test of the regular triangulation, for positively oriented p, q, r, s. Positive if ball
+// t and the sphere orthogonal to these four have a negative power product: the squared distance of
+// their centres is less than the sum of their squared radii.
 Sign power_side(const Sphere& p, const Sphere& q, const Sphere& r, const Sphere& s,
                 const Sphere& t);
 
-// Sign of the squared radius of the smallest sphere orthogonal to all: the size of the simplex,
-// <= 0 where the closed balls meet on its dual face. Centres are affinely independent.
+// The size of the simplex of these balls: the sign of the squared radius of the smallest sphere
+// orthogonal to all of them. It is <= 0 exactly if the closed balls have a point in common on their
+// dual face, the set of points with equal power to all. Precondition: the centres are affinely
+// independent.
 Sign size_sign(const Sphere& a, const Sphere& b);
 Sign size_sign(const Sphere& a, const Sphere& b, const Sphere& c);
 Sign size_sign(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d);
 
-// Sign of pow_d - pow_a at the centre of that smallest sphere: negative where d makes the simplex
-// attached (its size is then that of a coface).
+// The sign of pow_d - pow_a at the centre of that smallest sphere, of the simplex without d.
+// Negative means that d makes the simplex attached. Whatever its size, it is then in the dual
+// complex only as a face of a larger simplex.
 Sign side_sign(const Sphere& a, const Sphere& d);
 Sign side_sign(const Sphere& a, const Sphere& b, const Sphere& d);
 Sign side_sign(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d);
 
-// Whether the radical plane lies strictly between the centres; where the size of the edge is 0,
-// this tells balls that touch from outside from one that touches the other from inside.
+// Whether the radical plane lies strictly between the centres. If the size of edge ab is 0, this
+// distinguishes balls that touch from outside from a ball that touches the other from inside.
 bool plane_between_centers(const Sphere& a, const Sphere& b);
 
 }  // namespace vdwmesh

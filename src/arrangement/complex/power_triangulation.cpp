@@ -1,3 +1,12 @@
+// triangulate(): incremental insertion into CGAL's regular triangulation, flattened into arrays.
+//
+// 1. Of concentric balls only the largest stays. The balls are put into spatial order, which
+// numbers
+//    them, and are scaled.
+// 2. Four auxiliary points, then all balls, are inserted in a biased randomized order.
+// 3. The finite cells are numbered and copied.
+// The power test is our own predicate (power_predicates.hpp), which squares radii exactly. CGAL's
+// own test takes weights, that is, squared radii that were rounded to double.
 #include "arrangement/complex/power_triangulation.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -22,7 +31,8 @@
 namespace vdwmesh {
 namespace {
 
-// Weighted points carry the radius as their weight; the predicates square it exactly.
+// The geometric traits of the triangulation. A weighted point carries the radius as its weight, and
+// the power test squares it exactly.
 struct PowerTraits : CGAL::Epick {
   struct Power_side_of_oriented_power_sphere_3 {
     using result_type = CGAL::Oriented_side;
@@ -34,7 +44,8 @@ struct PowerTraits : CGAL::Epick {
       return static_cast<result_type>(
           power_side(sphere(p), sphere(q), sphere(r), sphere(s), sphere(t)));
     }
-    // The four auxiliary points make these cases impossible.
+    // Tests among two to four points in a lower dimension. The auxiliary points come first and make
+    // the triangulation three-dimensional, so these tests are never asked for.
     result_type operator()(const P&, const P&) const { return unreachable(); }
     result_type operator()(const P&, const P&, const P&) const { return unreachable(); }
     result_type operator()(const P&, const P&, const P&, const P&) const { return unreachable(); }
@@ -52,6 +63,7 @@ struct PowerTraits : CGAL::Epick {
 }  // namespace
 }  // namespace vdwmesh
 
+// Lets CGAL locate points by a walk with inexact tests first, as it does for its own kernels.
 template <>
 struct CGAL::Triangulation_structural_filtering_traits<vdwmesh::PowerTraits> {
   using Use_structural_filtering_tag = Tag_true;
@@ -62,8 +74,8 @@ namespace {
 
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<
     std::uint32_t, PowerTraits, CGAL::Regular_triangulation_vertex_base_3<PowerTraits>>;
-// A cell with a number that forgets the balls hidden in it: the cell of CGAL's concept
-// RegularTriangulationCellBase_3 without its list, for a smaller triangulation.
+// A cell with a number. It is a model of CGAL's concept RegularTriangulationCellBase_3 that does
+// not keep the list of points hidden in the cell, which makes the triangulation smaller.
 template <class Base = CGAL::Triangulation_ds_cell_base_3<>>
 struct NumberedCell : Base {
   template <class Tds>
@@ -91,7 +103,8 @@ using Triangulation =
 using WeightedPoint = PowerTraits::Weighted_point_3;
 using Point = PowerTraits::Point_3;
 
-// The largest of each group of concentric balls, sorted by centre.
+// Returns the largest ball of each group of concentric balls, sorted by centre. Of equal balls the
+// one with the lowest id stays.
 std::vector<SphereId> distinct_centers(const SphereSet& spheres) {
   std::vector<SphereId> ids(spheres.size());
   std::iota(ids.begin(), ids.end(), SphereId{0});
@@ -107,9 +120,10 @@ std::vector<SphereId> distinct_centers(const SphereSet& spheres) {
   return ids;
 }
 
-// CGAL's spatial_sort: rounds, each along a Hilbert curve, with three quarters of the balls in the
-// last. Balls of a round that are near in space are so in memory. The order is not that of the
-// insertion, and the vertices of crease-exact meshes stand in it.
+// Orders the balls by CGAL's spatial_sort: several rounds along a Hilbert curve, with most balls in
+// the last round. Within a round, balls that are near in space are near in memory. The order
+// numbers the balls, and with them the vertices of crease-exact meshes. The balls are inserted in
+// another order, that of insertion_order().
 std::vector<SphereId> spatial_order(const SphereSet& spheres) {
   const std::vector<SphereId> ids = distinct_centers(spheres);
   std::vector<Point> points;
@@ -129,6 +143,7 @@ std::vector<SphereId> spatial_order(const SphereSet& spheres) {
   return sorted;
 }
 
+// The exponent for which 2^-exponent times the largest radius is in [1/2, 1).
 int scale_exponent(const SphereSet& spheres) {
   double largest = 0;
   for (const Sphere& s : spheres.spheres()) largest = std::max(largest, s.radius);
@@ -141,7 +156,10 @@ Sphere scaled(const Sphere& s, int exponent) {
           std::ldexp(s.radius, -exponent)};
 }
 
-// A corner tetrahedron with every ball well inside.
+// Returns the corners of a large tetrahedron around all balls: a corner below the bounding box and
+// three points along the axes from there. With the box's size at most `reach`, every point of the
+// box is within 5 reach of the corner along each axis. The sum of the three is at most 15 reach,
+// and the far facet lies at 32 reach.
 std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
   Vec3d lower = balls[0].center, upper = lower;
   for (const Sphere& b : balls) {
@@ -152,10 +170,13 @@ std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
   }
   double reach = 0;
   for (int k = 0; k < 3; ++k) {
-    constexpr double kVisible = 0x1p-40;  // of the coordinates, so that the reach survives rounding
+    // The reach is at least this fraction of the coordinates, so that adding it to them survives
+    // rounding.
+    constexpr double kVisible = 0x1p-40;
     reach = std::max(
         {reach, upper[k] - lower[k], kVisible * std::abs(lower[k]), kVisible * std::abs(upper[k])});
   }
+  // Coordinates of up to 32 reach must be finite, with room for sums.
   if (!std::isfinite(64 * reach)) throw InvalidInput("the spheres' extent overflows a double");
   const Vec3d corner = lower - Vec3d{4 * reach, 4 * reach, 4 * reach};
   std::array<Vec3d, 4> points{corner, corner, corner, corner};
@@ -163,14 +184,14 @@ std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
   return points;
 }
 
-// Insertion in rounds of its own, an eighth of the balls of a round in the one before it, each in
-// spatial order (Amenta, Choi, Rote 2003: biased randomized insertion order). The choice depends on
-// places alone.
+// The order of insertion, as places in the spatial order: a biased randomized insertion order
+// (Amenta, Choi, Rote 2003). A hash of the place chooses the round. The last round has 7/8 of the
+// balls, the one before it 7/8 of the rest, and so on; each round is in spatial order.
 std::vector<std::uint32_t> insertion_order(std::size_t count) {
   constexpr int kBitsPerRound = 3, kRounds = 6;
   std::array<std::vector<std::uint32_t>, kRounds> rounds;
   for (std::size_t i = 0; i < count; ++i) {
-    std::uint64_t hash = (i + 1) * 0x9e3779b97f4a7c15u;  // splitmix64
+    std::uint64_t hash = (i + 1) * 0x9e3779b97f4a7c15u;  // the SplitMix64 generator
     hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9u;
     hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
     const int round = std::min(std::countr_zero(hash ^ (hash >> 31)) / kBitsPerRound, kRounds - 1);
@@ -184,6 +205,8 @@ std::vector<std::uint32_t> insertion_order(std::size_t count) {
   return order;
 }
 
+// Inserts the auxiliary points, then the balls. Every search begins at the cell found last, which
+// is near because the order is spatial. A ball that others hide is not inserted.
 void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, Monitor* monitor) {
   Triangulation::Cell_handle hint;
   const auto insert = [&](const Vec3d& c, double radius, std::size_t index) {
@@ -199,6 +222,7 @@ void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, 
   };
   const auto points = auxiliary_points(balls);
   for (std::size_t k = 0; k < points.size(); ++k) insert(points[k], 0, balls.size() + k);
+  // The monitor is asked for cancellation once in so many balls.
   constexpr std::size_t kBetweenQuestions = 4096;
   std::size_t inserted = 0;
   for (const std::uint32_t i : insertion_order(balls.size())) {
@@ -207,7 +231,8 @@ void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, 
   }
 }
 
-// Numbers the cells by their lowest vertex, so that cells near in space are near in memory.
+// Numbers the finite cells by their lowest vertex, with a counting sort, so that cells near in
+// space are near in memory. Infinite cells get kNoIndex. Returns the number of finite cells.
 std::size_t number_cells(const Triangulation& triangulation, std::size_t vertices) {
   const auto lowest = [](const auto& cell) {
     return std::min(std::min(cell->vertex(0)->info(), cell->vertex(1)->info()),
@@ -223,6 +248,7 @@ std::size_t number_cells(const Triangulation& triangulation, std::size_t vertice
   return count;
 }
 
+// Copies the finite cells and their neighbours into the arrays of `out`.
 void flatten(const Triangulation& triangulation, PowerTriangulation& out) {
   const std::size_t count = number_cells(triangulation, out.balls.size() + 4);
   out.cells.resize(count);

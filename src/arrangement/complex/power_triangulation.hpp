@@ -1,8 +1,8 @@
-// The regular triangulation of a set of balls as plain arrays.
+// The regular triangulation (weighted Delaunay triangulation) of a set of balls, as plain arrays.
 //
-// Four auxiliary points of radius 0 far outside every ball come first into the triangulation, so
-// it is three-dimensional for any input and every real simplex is surrounded by cells. Their power
-// is positive on all balls, so the dual complex does not see them.
+// Four auxiliary points of radius 0, far outside every ball, are vertices too. They make the
+// triangulation three-dimensional for any input and surround every simplex of balls with cells.
+// Their power is positive on all balls, so they do not influence the dual complex.
 #pragma once
 
 #include <array>
@@ -15,29 +15,33 @@
 
 namespace vdwmesh {
 
-inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
+inline constexpr std::uint32_t kNoIndex = 0xffffffffu;  // none
 
 struct PowerTriangulation {
-  // Balls with distinct centres (of concentric ones the largest, of equal ones the lowest id), in
-  // an order that keeps neighbours near, all lengths multiplied by 2^-scale_exponent.
+  // Balls with distinct centres: of concentric ones the largest, of equal ones that of the lowest
+  // id. Their order keeps neighbours near. All lengths are multiplied by 2^-scale_exponent, so that
+  // the largest radius is in [1/2, 1).
   std::vector<Sphere> balls;
-  std::vector<SphereId> ids;  // in the SphereSet, for each ball
+  std::vector<SphereId> ids;  // for each ball its id in the SphereSet
   int scale_exponent = 0;
 
-  // Cells with their vertices positively oriented (indices from balls.size() on: auxiliary) and the
-  // cell across from each vertex (kNoIndex: none). No ball that the weights hide is in a cell.
+  // For each cell its vertices, positively oriented, and for each vertex the neighbouring cell
+  // opposite to it (kNoIndex: none). A vertex is an index into `balls`; four further indices from
+  // balls.size() on are the auxiliary points. A ball that the weights hide is a vertex of no cell.
   Buffer<std::array<std::uint32_t, 4>> cells, neighbors;
 
   bool is_ball(std::uint32_t vertex) const { return vertex < balls.size(); }
 };
 
-// Vertices of the facet opposite to vertex k of a cell, which sees them positively oriented.
+// The vertices of the facet opposite to vertex k of a cell, counter-clockwise seen from vertex k.
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacetVertices{
     {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
 
-// Exact for any finite input. Throws InvalidInput where the extent overflows a double,
-// LimitExceeded past 2^32 cells, Cancelled (asked every few thousand balls). Independent of the
-// order of the spheres, ids apart.
+// The triangulation is exact for any finite input. It does not depend on the order of the spheres,
+// except for their ids.
+// Throws InvalidInput for an empty set or if the extent of the spheres overflows a double,
+// LimitExceeded if there are 2^32 - 1 cells or more, and Cancelled (the monitor is asked once in
+// several thousand balls).
 PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor = nullptr);
 
 }  // namespace vdwmesh

@@ -1,3 +1,12 @@
+// Shapes of edges, triangles and tetrahedra, evaluated in double or in 100 decimal digits.
+//
+// Every quantity is a quotient, a root or an angle of polynomials in the coordinates. Templates
+// over the number type T write each formula once. is_thin(), is_flat() and is_short() decide
+// whether double keeps enough digits of the polynomials; if not, T = Wide evaluates them again.
+// Results are double in both cases.
+//
+// Notation: for balls a, b the half power offset w_b = (|ab|² + r_a² - r_b²) / 2 is the scalar
+// product of ab and the orthogonal centre, taken from the centre of a.
 #include "arrangement/complex/simplex_shape.hpp"
 
 #include <algorithm>
@@ -12,17 +21,19 @@ namespace {
 
 using Wide = boost::multiprecision::cpp_bin_float_100;
 
-// Sine of the angle below which a triangle is thin, and volume by edge lengths below which a
-// tetrahedron is flat. An angle or a centre loses as many digits as these have zeros, so double
-// keeps 1e-13 Å of a thin-limit triangle and 1e-12 Å of a flat-limit orthogonal centre.
+// A triangle is thin if the sine of its smallest angle is below kThinSine. A tetrahedron is flat if
+// six times its volume is below kFlatVolume times the lengths of the three edges at ball 0. An
+// angle or a centre loses as many digits as these numbers have zeros. So double keeps 1e-13 Å of a
+// triangle at the limit and 1e-12 Å of an orthogonal centre at the limit.
 constexpr double kThinSine = 1e-3;
 constexpr double kFlatVolume = 1e-4;
 
-// Half chord by radius below which its square is too small a difference for double.
+// A chord is short if half of it is below this fraction of the radius. Its square is a difference,
+// which is then too small for double.
 constexpr double kShortChord = 1e-3;
 
-// The polynomials below have up to eight lengths in a product. Of edges as long as this (scaled)
-// such a product is far above the smallest double, so nothing underflows.
+// The polynomials below have up to eight lengths in a product. If edges are at least kShortEdge =
+// 2^-100 long, such a product is at least 2^-800, so nothing underflows.
 constexpr double kLeastSquaredLength = kShortEdge * kShortEdge;
 
 using numbers::from_to;
@@ -32,24 +43,26 @@ Vector<T> difference(const Vector<T>& a, const Vector<T>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-// (c_b - c_a) · (orthogonal centre - c_a).
+// w_b = ab · (orthogonal centre - c_a).
 template <class T>
 T half_power_offset(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
   return (dot(ab, ab) + (T(a.radius) - T(b.radius)) * (T(a.radius) + T(b.radius))) * T(0.5);
 }
 
-// Sums and products cancel, roots and quotients of their results do not. They are done in T all the
-// same, because a double may not hold their arguments: a square of a length of 1e-170 is nothing.
+// Sums and products can cancel; roots and quotients of their results cannot. Still, roots and
+// quotients are computed in T, because a double may not hold their arguments: the square of a
+// length of 1e-170 underflows to 0. The conversion to double comes last.
 double to_double(double value) { return value; }
 double to_double(const Wide& value) { return static_cast<double>(value); }
 double ratio(double a, double b) { return a / b; }
 double ratio(const Wide& a, const Wide& b) { return static_cast<double>(a / b); }
 
-// Of a negative square, which is a rounding of nothing, the root is 0; that of NaN is NaN.
+// A negative square is a rounding error of 0, so its root is 0. The root of NaN is NaN.
 double root(double square) { return square <= 0 ? 0 : std::sqrt(square); }
 
-// Newton's iteration for the inverse root, which divides by nothing and doubles the digits in each
-// step: from the 53 bits of a double to the 335 of Wide in three.
+// The square root by Newton's iteration for the inverse root, which needs no division. A step
+// doubles the number of correct bits: 53 from the double, 106, 212, 424, and Wide has 335. An even
+// power of two is split off first, so that the mantissa fits a double.
 Wide root(const Wide& square) {
   if (square <= 0) return 0;
   auto exponent = ilogb(square);
@@ -62,18 +75,25 @@ Wide root(const Wide& square) {
   return ldexp(Wide(mantissa * inverse), exponent / 2);
 }
 
-// The angle of the vector (x, y).
+// The angle of the vector (x, y) from the x axis. For Wide, both coordinates are first divided by
+// the larger one, so that they fit doubles.
 double angle(double y, double x) { return std::atan2(y, x); }
 double angle(const Wide& y, const Wide& x) {
   const Wide size = std::max<Wide>(abs(x), abs(y));
   return size > 0 ? std::atan2(to_double(Wide(y / size)), to_double(Wide(x / size))) : 0.0;
 }
 
+// v / divisor. The quotient of each coordinate is computed in T.
 template <class T>
 Vec3d quotient(const Vector<T>& v, const T& divisor) {
   return {ratio(v.x, divisor), ratio(v.y, divisor), ratio(v.z, divisor)};
 }
 
+// The shape of a triangle. For the edge ab opposite to vertex c, with L = |ab|² and G = (twice the
+// area)²:
+//   distance       = (w_c L - w_b ab·ac) / sqrt(G L)
+//   squared circle = (r_a² L - w_b²) / L
+//   half_chord²    = squared circle - distance²
 template <class T>
 TriangleShape shape_in(const std::array<const Sphere*, 3>& v) {
   const Vector<T> normal = cross(from_to<T>(*v[0], *v[1]), from_to<T>(*v[0], *v[2]));
@@ -88,7 +108,8 @@ TriangleShape shape_in(const std::array<const Sphere*, 3>& v) {
     const T squared_length = dot(ab, ab), scale = twice_area * root(squared_length);
     const T distance = wc * squared_length - wb * dot(ab, ac);
     shape.distance[k] = ratio(distance, scale);
-    // The smallest of the three circles gives the chord with the least rounding.
+    // half_chord is the same for all three edges. The smallest circle gives it with the least
+    // rounding.
     const T circle = T(a.radius) * T(a.radius) * squared_length - wb * wb;
     const double squared_circle_radius = ratio(circle, squared_length);
     if (k > 0 && squared_circle_radius >= smallest) continue;
@@ -99,7 +120,9 @@ TriangleShape shape_in(const std::array<const Sphere*, 3>& v) {
   return shape;
 }
 
-// Whether the triangle of edges u and v is too thin, or an edge too short, for double.
+// Whether the triangle with the edge vectors u and v is too thin, or has an edge too short, for
+// double. Twice the area over the product of the two longest edges is the sine of its smallest
+// angle.
 bool is_thin(const Vector<double>& u, const Vector<double>& v) {
   const double uu = dot(u, u), vv = dot(v, v);
   const Vector<double> w = difference(v, u), normal = cross(u, v);
@@ -109,8 +132,9 @@ bool is_thin(const Vector<double>& u, const Vector<double>& v) {
   return !(dot(normal, normal) >= kThinSine * kThinSine * two_longest);
 }
 
-// Van Oosterom and Strackee 1983: the tangent of half the solid angle that p, q and a point common
-// to the three spheres span at o is their determinant over this.
+// The denominator in the formula of Van Oosterom and Strackee 1983 for the solid angle that p, q
+// and a point x common to the three spheres span at o: the tangent of half of it is det(op, oq, ox)
+// over |op| |oq| |ox| + (op·oq) |ox| + (op·ox) |oq| + (oq·ox) |op|. Here |ox| is the radius of o.
 template <class T>
 T solid_angle_denominator(const Sphere& o, const Sphere& p, const Sphere& q) {
   const Vector<T> op = from_to<T>(o, p), oq = from_to<T>(o, q);
@@ -119,17 +143,19 @@ T solid_angle_denominator(const Sphere& o, const Sphere& p, const Sphere& q) {
          half_power_offset(o, q, oq) * lp;
 }
 
+// Whether half a chord is too short for double; see kShortChord.
 bool is_short(double half_chord, const Sphere& a, const Sphere& b, const Sphere& c) {
   return !(half_chord >= kShortChord * std::max({a.radius, b.radius, c.radius}));
 }
 
-// The polynomials behind a tetrahedron's angles and heights, relative to ball 0.
+// The polynomials behind a tetrahedron's angles and heights, with the centre of ball 0 as origin.
 template <class T>
 struct TetrahedronTerms {
-  std::array<Vector<T>, 3> edge;    // from ball 0
-  std::array<Vector<T>, 4> normal;  // of the facet opposite to k, outward, twice its area
+  std::array<Vector<T>, 3> edge;  // from ball 0 to balls 1, 2, 3
+  std::array<Vector<T>, 4>
+      normal;  // of the facet opposite to k: outward, as long as twice its area
   std::array<T, 4> squared_normal;
-  T determinant;
+  T determinant;  // six times the volume
 
   explicit TetrahedronTerms(const std::array<Sphere, 4>& v) {
     for (std::size_t k = 0; k < 3; ++k) edge[k] = from_to<T>(v[0], v[k + 1]);
@@ -142,13 +168,16 @@ struct TetrahedronTerms {
   }
 };
 
+// Pairs of vertices; pair 5 - p has the two vertices that pair p lacks.
 constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
+// The dihedral angle at an edge from the outward normals m and n of its facets, with |m × n| =
+// determinant * |edge|: cosine ∝ -m·n, sine ∝ determinant * |edge|.
 template <class T>
 void set_dihedrals(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms,
                    TetrahedronShape& shape) {
-  // Of a tetrahedron that is flat the angles are 0 and π, never -π, which a negative zero gives.
+  // A flat tetrahedron has the angles 0 and π. A negative zero here would turn π into -π.
   const T determinant = terms.determinant <= 0 ? T(0) : terms.determinant;
   for (std::size_t p = 0; p < 6; ++p) {
     // The facets at an edge are those opposite to the other two vertices.
@@ -158,7 +187,8 @@ void set_dihedrals(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& te
   }
 }
 
-// The orthogonal centre, from ball 0, times minus the determinant.
+// The orthogonal centre x, from ball 0, times minus the determinant. By Cramer's rule the solution
+// of edge[k]·x = w[k] is a combination of the normals of the facets through ball 0.
 template <class T>
 Vector<T> center_numerator(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms) {
   std::array<T, 3> w;
@@ -169,6 +199,8 @@ Vector<T> center_numerator(const std::array<Sphere, 4>& v, const TetrahedronTerm
           w[0] * n[1].z + w[1] * n[2].z + w[2] * n[3].z};
 }
 
+// Heights of the orthogonal centre x over the facets: -n·x / |n| for a facet through ball 0 with
+// the outward normal n. center_numerator() gives -determinant * x.
 template <class T>
 void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms,
                         TetrahedronShape& shape) {
@@ -176,12 +208,14 @@ void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T
   const T& d = terms.determinant;
   for (std::size_t k = 0; k < 4; ++k) {
     T reach = dot(center, terms.normal[k]);
-    if (k == 0) reach += d * d;  // this facet alone does not pass through ball 0
+    if (k == 0) reach += d * d;  // facet 0 alone is not through ball 0, which is d / |n| above it
     shape.center_height[k] = ratio(reach, T(d * root(terms.squared_normal[k])));
   }
 }
 
-// The centre in the plane is (wu v×n + wv n×u) / n².
+// The points common to three spheres. With u = ab, v = ac and n = u × v, the orthogonal centre in
+// the plane is (w_u v×n + w_v n×u) / |n|². The points lie above and below it by sqrt(r_a² -
+// |centre|²).
 template <class T>
 CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
   const Vector<T> u = from_to<T>(a, b), v = from_to<T>(a, c), n = cross(u, v);
@@ -197,6 +231,7 @@ CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
   return {middle + lift, middle - lift, half_chord, to_double(twice_area)};
 }
 
+// The shape of a tetrahedron. A solid angle is the sum of three dihedral angles less π.
 template <class T>
 TetrahedronShape shape_in(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms) {
   TetrahedronShape shape{};
@@ -210,6 +245,7 @@ TetrahedronShape shape_in(const std::array<Sphere, 4>& v, const TetrahedronTerms
   return shape;
 }
 
+// Whether the tetrahedron is too flat for double, or one of its facets too thin.
 bool is_flat(const TetrahedronTerms<double>& terms) {
   const auto& e = terms.edge;
   const double ab = dot(e[0], e[0]), ac = dot(e[1], e[1]), ad = dot(e[2], e[2]);
@@ -220,6 +256,8 @@ bool is_flat(const TetrahedronTerms<double>& terms) {
          is_thin(difference(e[1], e[0]), difference(e[2], e[0]));
 }
 
+// The shape of an edge. The squared circle radius r² - h² = (r - h)(r + h) is taken on the smaller
+// sphere, which has the smaller rounding error.
 template <class T>
 EdgeShape shape_in(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
   const T length = root(T(dot(ab, ab)));
@@ -237,7 +275,8 @@ T twice_area(const Sphere& a, const Sphere& b, const Sphere& c) {
   return root(T(dot(normal, normal)));
 }
 
-// `determinant`: of three vectors from any vertex, two along the edges and one to the common point.
+// The solid angles of a corner tetrahedron at its three centres. `determinant` is that of two edges
+// of the triangle and the vector to the common point, from any of the centres.
 template <class T>
 std::array<double, 3> solid_angles(const std::array<const Sphere*, 3>& v, const T& determinant) {
   std::array<double, 3> angles;

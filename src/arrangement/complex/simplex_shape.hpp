@@ -1,10 +1,12 @@
-// Lengths and angles of triangles and tetrahedra of ball centres, with their orthogonal centres.
+// Lengths and angles of edges, triangles and tetrahedra of ball centres, and the points of equal
+// power to their balls (orthogonal centres).
 //
-// In double where the simplex is well shaped, else (thin triangles, flat tetrahedra: co-spherical,
-// coplanar and collinear input with jitter; centres so near that squares of their distance
-// underflow) from 100 decimal digits, so that no result depends on how flat or small a simplex is.
+// Well-shaped simplices are computed in double. Thin triangles, flat tetrahedra and very short
+// edges are computed in 100 decimal digits. Such simplices come from co-spherical, coplanar or
+// collinear centres with jitter, and from centres so near that squares of distances underflow. No
+// result depends on how flat or small a simplex is.
 //
-// Lengths are scaled: the largest radius is between 1/2 and 1.
+// Lengths are scaled as in the triangulation: the largest radius is in [1/2, 1).
 #pragma once
 
 #include <array>
@@ -14,18 +16,19 @@
 
 namespace vdwmesh {
 
-// Products of several edges shorter than this (scaled) may underflow.
+// Products of the lengths of several edges shorter than this (scaled) may underflow.
 inline constexpr double kShortEdge = 0x1p-100;
 
-// An edge ab: the radical plane cuts it at right angles, and both spheres in one circle.
+// An edge ab. The radical plane of a and b is at right angles to it and cuts both spheres in the
+// same circle.
 struct EdgeShape {
   double length;
   std::array<double, 2> height;  // signed distance of the plane from each centre, towards the other
-  double squared_circle_radius;  // >= 0
+  double squared_circle_radius;  // >= 0; 0 if the spheres do not quite meet
 };
 EdgeShape edge_shape(const Sphere& a, const Sphere& b);
 
-// Entry k belongs to vertex k or to the edge opposite to it.
+// A triangle of three centres. Entry k belongs to vertex k or to the edge opposite to it.
 struct TriangleShape {
   std::array<double, 3> distance;  // signed, in the plane: from the foot on the edge's line to the
                                    // orthogonal centre, positive towards vertex k
@@ -34,20 +37,20 @@ struct TriangleShape {
 };
 TriangleShape triangle_shape(const Sphere& a, const Sphere& b, const Sphere& c);
 
-// The two points common to three spheres, from the centre of a: above the plane of the centres
-// (which sees a, b, c counter-clockwise) and below it. Where the spheres do not quite meet, both
-// are the orthogonal centre in the plane.
+// The two points common to three spheres, relative to the centre of a. `above` is on the side of
+// the plane of the centres from which a, b, c are counter-clockwise, `below` on the other. If the
+// spheres do not quite meet, both are the orthogonal centre in the plane.
 struct CommonPoints {
   Vec3d above, below;
-  double half_chord, twice_area;  // between the points / 2; of the triangle of the centres
+  double half_chord, twice_area;  // half the distance of the points; of the triangle of centres
 };
 CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c);
 
-// The point of equal power to four balls, from the centre of the first.
+// The point of equal power to four balls, relative to the centre of the first.
 Vec3d orthogonal_center(const std::array<Sphere, 4>& balls);
 
-// Solid angles at a, b, c and dihedral angles at the edges opposite to them, of the tetrahedron
-// whose fourth vertex is a point common to the three spheres; its volume.
+// A corner tetrahedron: the centres of a, b, c and a point common to the three spheres. Entry k has
+// the solid angle at centre k and the dihedral angle at the triangle's edge opposite to it.
 struct CornerShape {
   std::array<double, 3> solid_angle, dihedral;
   double volume;
@@ -55,7 +58,8 @@ struct CornerShape {
 CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
                          const TriangleShape& triangle);
 
-// Of a positively oriented tetrahedron. Pairs in the order 01 02 03 12 13 23.
+// A positively oriented tetrahedron of four centres. Dihedral angles are at the edges 01, 02, 03,
+// 12, 13, 23.
 struct TetrahedronShape {
   std::array<double, 6> dihedral;
   std::array<double, 4> solid_angle;

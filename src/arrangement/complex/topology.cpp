@@ -1,3 +1,14 @@
+// union_topology(): components, voids and tunnels, and the area and volume of every shell.
+//
+// 1. Components of the union are the connected components of the complex's graph (union-find).
+// 2. Components of the complement are found by flood fill over the cells outside the complex. The
+//    outer one, with the auxiliary vertices, has the number kOuter; all others are voids. They are
+//    called regions.
+// 3. The surfaces of voids are measured cell by cell. The outer surfaces have the area that is
+// left.
+// 4. A region and a component that touch have exactly one shell in common. So regions and
+// components
+//    form a tree. The volume inside a shell is the sum over the subtree below it.
 #include "arrangement/complex/topology.hpp"
 
 #include <algorithm>
@@ -17,12 +28,14 @@ constexpr std::uint32_t kOuter = 0;
 constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
+// A partition into numbered sets.
 struct Labels {
-  std::vector<std::uint32_t> of;  // kNoIndex: not labelled
-  std::uint32_t count = 0;
+  std::vector<std::uint32_t> of;  // number of each element's set; kNoIndex: in none
+  std::uint32_t count = 0;        // numbers go from 0 to count - 1
 };
 
-// Components of the union, per ball of the complex.
+// Components of the union, for each ball in the complex. Components are numbered by their lowest
+// ball, which is the representative of its set and so is labelled before the others.
 Labels label_components(const DualComplex& complex) {
   const std::size_t n = complex.in_complex.size();
   DisjointSets sets(n);
@@ -36,7 +49,8 @@ Labels label_components(const DualComplex& complex) {
   return labels;
 }
 
-// Components of the complement, per cell outside the complex; kOuter holds the auxiliary vertices.
+// Components of the complement, for each cell outside the complex. Two such cells are connected if
+// their common facet is not in the complex. The cell of an auxiliary vertex comes first: kOuter.
 Labels label_complement(const PowerTriangulation& t, const DualComplex& complex) {
   Labels labels{std::vector<std::uint32_t>(t.cells.size(), kNoIndex), 0};
   std::vector<std::uint32_t> stack;
@@ -67,11 +81,11 @@ Labels label_complement(const PowerTriangulation& t, const DualComplex& complex)
   return labels;
 }
 
-// What the complement component `region` shows of the union's component `component`.
+// The shell between a region and a component of the union.
 struct Interface {
   WideSum area;
-  bool is_void = false;  // the component surrounds the region
-  double enclosed = 0;
+  bool is_void = false;  // the component surrounds the region, not the other way round
+  double enclosed = 0;   // volume inside the shell, with everything in there
 };
 using Interfaces =
     std::map<std::pair<std::uint32_t, std::uint32_t>, Interface>;  // region, component
@@ -95,7 +109,8 @@ class ShellFinder {
   }
 
  private:
-  // A void is its cells less the sectors of balls, cones over arcs and corner tetrahedra in them.
+  // A void is the union of its cells less the parts of balls in them. The part of a ball in a cell
+  // is a spherical sector; where balls overlap, the sectors are corrected at edges and corners.
   void measure_voids() {
     if (regions_.count == 1) return;
     collect_void_edges();
@@ -104,6 +119,8 @@ class ShellFinder {
     }
   }
 
+  // Adds exposed area on ball v. Area r² Ω has the sector of volume r³ Ω / 3 under it, which is not
+  // void.
   void add_area(std::uint32_t region, std::uint32_t v, double area) {
     interfaces_[{region, components_.of[v]}].area.add(area);
     in_voids_.push_back({v, area});
@@ -129,7 +146,9 @@ class ShellFinder {
     }
   }
 
-  // The free angle of an edge's circle: both caps lose area, and the double cone is not void.
+  // Corrects for the circle of edge ab, over the angle that is free in this cell. Both spheres lose
+  // a piece of their cap, φ r (r - h), with the sector under it. The double cone from the circle to
+  // both centres, φ ρ² length / 6, is not void.
   void add_sector(std::uint32_t region, std::uint32_t a, std::uint32_t b, double angle) {
     if (!is_edge(a, b)) return;
     const EdgeShape shape = edge_shape(t_.balls[a], t_.balls[b]);
@@ -141,6 +160,8 @@ class ShellFinder {
     void_volume_[region].add(-angle * shape.squared_circle_radius * shape.length / 6);
   }
 
+  // Corrects for an exposed corner: the tetrahedron of the three centres and the corner lies in the
+  // balls. Its solid angles are taken from the sectors, its dihedral angles from the free angles.
   void add_corner(std::uint32_t region, std::uint32_t triangle) {
     const DualTriangle& f = k_.triangles[triangle];
     const std::array<Sphere, 3> s{t_.balls[f.vertices[0]], t_.balls[f.vertices[1]],
@@ -154,7 +175,8 @@ class ShellFinder {
     }
   }
 
-  // Edges of the complex between balls that are vertices of void cells.
+  // Collects the edges of the complex between balls that are vertices of void cells, as sorted keys
+  // for is_edge().
   void collect_void_edges() {
     std::vector<std::uint8_t> at_void(t_.balls.size(), 0);
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
@@ -178,7 +200,7 @@ class ShellFinder {
     return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
   }
 
-  // The outer component shows what the voids do not.
+  // The outer surface of a component has the area of its balls less what they show to voids.
   void measure_outside() {
     std::vector<std::uint8_t> outside(t_.balls.size(), 0);
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
@@ -201,8 +223,9 @@ class ShellFinder {
     }
   }
 
-  // Regions and components form a tree rooted at the outer region; what a node encloses is itself
-  // and its children.
+  // Builds the tree of regions and components, rooted at the outer region, by breadth-first search.
+  // In reverse order every node then adds its volume, which includes its children's, to its parent.
+  // Node numbers: region r is r, component x is regions + x.
   void enclose() {
     const std::uint32_t regions = regions_.count, nodes = regions + components_.count;
     std::vector<WideSum> own(nodes);
@@ -235,6 +258,7 @@ class ShellFinder {
     }
   }
 
+  // Betti numbers from Euler's formula: components - tunnels + voids = χ = V - E + F - T.
   UnionTopology summary() const {
     UnionTopology out{};
     const auto count = [](const auto& items) { return static_cast<std::int64_t>(items.size()); };
@@ -254,6 +278,7 @@ class ShellFinder {
     return out;
   }
 
+  // Adds the shells, outer surfaces before voids, each by falling volume.
   void add_shells(UnionTopology& out) const {
     WideSum outer, inner, enclosed;
     std::vector<Shell> voids;
@@ -283,10 +308,10 @@ class ShellFinder {
   const DualComplex& k_;
   const std::vector<SphereMeasures>& measures_;
   Labels components_, regions_;
-  std::vector<WideSum> void_volume_;  // per region
+  std::vector<WideSum> void_volume_;  // per region; of the outer region nothing is added
   Interfaces interfaces_;
-  std::vector<std::pair<std::uint32_t, double>> in_voids_;  // ball, area
-  std::vector<std::uint64_t> void_edges_;
+  std::vector<std::pair<std::uint32_t, double>> in_voids_;  // ball, area that it shows to a void
+  std::vector<std::uint64_t> void_edges_;                   // sorted keys, see key()
 };
 
 }  // namespace

@@ -1,8 +1,8 @@
 // Betti numbers of the union and the connected shells of its boundary, from the dual complex.
 //
-// Components are those of the complex's graph, voids the bounded components of its complement, and
-// tunnels follow from the Euler characteristic, as in space they must (Delfinado and Edelsbrunner
-// 1995, "An incremental algorithm for Betti numbers of simplicial complexes on the 3-sphere").
+// Components are the connected components of the complex's graph. Voids are the bounded components
+// of its complement. Tunnels follow from the Euler characteristic (Delfinado and Edelsbrunner 1995,
+// "An incremental algorithm for Betti numbers of simplicial complexes on the 3-sphere").
 #pragma once
 
 #include <vector>
@@ -12,10 +12,11 @@
 
 namespace vdwmesh {
 
-// `measures` are those of the triangulation's balls; lengths stay scaled. A void is a component of
-// the complement other than the outer one. Each pair of a complement component and a component of
-// the union that touches it has exactly one shell, and these pairs form a tree: that gives the
-// volume inside each shell. hidden_spheres counts the balls of the triangulation only.
+// `measures` has one entry for each ball of the triangulation, for example from
+// inclusion_exclusion(). Areas and volumes of the result are scaled as the triangulation is.
+// A pair of a complement component and a component of the union that touch has exactly one shell.
+// These pairs are the edges of a tree, from which the volume inside each shell follows.
+// hidden_spheres counts balls of the triangulation only, not spheres that it left out.
 UnionTopology union_topology(const PowerTriangulation& triangulation, const DualComplex& complex,
                              const std::vector<SphereMeasures>& measures);
 
