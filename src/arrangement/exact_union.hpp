@@ -25,7 +25,7 @@
 namespace vdwmesh {
 
 // cgal: the regular triangulation and the dual complex; all of ExactUnion.
-// arcs: each sphere by itself, from the arcs on it; area and volume only. See arcs/arcs.hpp.
+// arcs: each sphere by itself, from the arcs on it; area and volume only.
 // both: cgal, with the arcs as an independent check of area and volume.
 enum class UnionMethod { cgal, arcs, both };
 

@@ -103,6 +103,7 @@ VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge) const {
     const std::uint32_t index = space_.active[i];
     if (index == edge.a) continue;
     const Cap& cap = space_.faces[index].cap;
+    // x(s) lies slope * s - room beyond the plane.
     const double room = cap.cosine - inner(cap.axis, edge.middle);
     const double slope = inner(cap.axis, edge.half);
     const bool upper_out = slope * edge.upper - room > -kSlack;

@@ -29,8 +29,8 @@ VDWMESH_HD inline void BallCell::cut(const Cap& cap) {
     return;
   }
   const bool was_closed = closed();
-  // A polytope has no room for a whole disk, so its new face counts as crossed from the start.
   const std::uint32_t fresh = face_slots_;
+  // A polytope has no room for a whole disk, so its new face counts as crossed from the start.
   space_.faces[fresh] = {
       cap, (1 - cap.cosine) * (1 + cap.cosine), 0, was_closed, false, {1, 0}, 0, 0, 0};
   const bool touched = clip_edges(fresh);
@@ -75,6 +75,7 @@ VDWMESH_HD inline bool BallCell::clip_edges(std::uint32_t fresh) {
   double depth = 1;  // of the least deep edge end
   for (std::uint32_t i = 0; i < edge_count_;) {
     CellEdge& e = space_.edges[i];
+    // The depth of the point x(s) of the edge is slope * s - room.
     const double room = cap.cosine - inner(cap.axis, e.middle);
     const double slope = inner(cap.axis, e.half);
     const double upper_depth = slope * e.upper - room;

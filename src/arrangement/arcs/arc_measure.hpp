@@ -24,8 +24,8 @@ inline constexpr double kTinyAngle = 1e-9;
 inline constexpr double kRounding = 64 * 2.220446049250313e-16;
 // Largest estimated rounding error of a corner's angle that is accepted, in radians.
 inline constexpr double kMaxError = 1e-9;
-// Largest vector area, in units of the squared radius, that a closed surface may have. An error of
-// the faces shows in it at about the size it has in the volume; a missing edge, at the edge's size.
+// Largest accepted length of the body's vector area, which is 0 for a closed surface. A rounding
+// error makes it about as large as the volume's error, a missing edge about as large as the edge.
 inline constexpr double kMaxOpen = 1e-10;
 
 // Where the corner lies on the circle of `face`: a unit complex number whose argument is the angle
@@ -103,8 +103,8 @@ VDWMESH_HD inline void add_face_to(const CellFace& face, FaceSums& sums) {
   if (2 * kPi * drop > sums.largest_cap) sums.largest_cap = 2 * kPi * drop;
 }
 
-// Reduces an area modulo 4 pi. The largest cap is not exposed, so the area is at most 4 pi - its
-// area. A result above 4 pi - half of it is therefore a small negative rounding error.
+// Reduces an area modulo 4 pi. The largest cap, of area A, is not exposed, so at most 4 pi - A is.
+// A remainder above 4 pi - A / 2 is therefore an area of 0 less a rounding error, and becomes that.
 VDWMESH_HD inline double reduce_area(double area, double largest_cap) {
   const double full = 4 * kPi;
   area -= full * std::floor(area / full);
@@ -134,6 +134,7 @@ VDWMESH_HD inline BallMeasures measure_cell(const BallCell& cell, const Cap* cap
   if (cell.has_corners()) {
     const double polygon = 2 * argument(patch.polygon);
     area = reduce_area(polygon - faces.sector, faces.largest_cap);
+    // By both formulas for the area this is an integer, the Euler characteristic.
     const double turns = (polygon - faces.angle + argument(patch.turning)) / (2 * kPi);
     const double miss = 2 * kPi * std::abs(turns - std::round(turns));
     if (!(miss <= kRounding * patch.condition)) doubts |= kGaussBonnet;

@@ -97,7 +97,7 @@ VDWMESH_HD inline PatchSums sum_patch(const BallCell& cell) {
 }
 
 // Whether an end of the edge that is no corner lies nearly on the sphere, so that a third circle
-// covers it by a hair only.
+// covers it by less than kTouching.
 VDWMESH_HD inline bool ends_near_sphere(const CellEdge& e) {
   return (!(e.exposed & kUpperEnd) && e.upper > 1 - kTouching) ||
          (!(e.exposed & kLowerEnd) && e.lower < -1 + kTouching);

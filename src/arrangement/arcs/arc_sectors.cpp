@@ -52,9 +52,9 @@ Sector octant(unsigned signs) {
   }
   return s;
 }
+
 // Halves a sector across its longest side. The halves use the same numbers for their common plane,
 // and the sectors beside it for theirs, so no sliver is counted twice or left out.
-// counted twice or left out.
 std::array<Sector, 2> halves(const Sector& s) {
   std::size_t k = 0;
   const auto side = [&](std::size_t i) {
@@ -183,7 +183,7 @@ BallMeasures measure_by_sectors(std::span<const Cap> caps, std::size_t most_caps
   if (2 * total > kOctants * caps.size()) return measure_whole(caps);
   std::array<BallMeasures, kOctants> parts{};
   // A thread that waits here could otherwise steal a task of the caller's loop, that is, measure
-  // another ball in the same Workspace and overwrite these caps. Isolation prevents it.
+  // another ball in the memory of this thread and overwrite these caps. Isolation prevents it.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(0u, kOctants, [&](unsigned i) {
       parts[i] = SectorSum(most_caps).measure(octants[i], near[i]);

@@ -40,8 +40,8 @@ std::size_t slot_of(const std::array<std::uint32_t, 4>& cell, std::uint32_t vert
 
 // A hash table from two vertices to the number of their edge, with chains in one array. The bucket
 // grows with the vertex numbers. Vertices near in space have near numbers, so their buckets are
-// near in memory. The 8 a + 5 b of a vertex with thousands of edges differ, so its edges spread
-// over many buckets.
+// near in memory. The edges of one vertex have different values 8 a + 5 b, so that even thousands
+// of them spread over many buckets.
 class EdgeTable {
  public:
   explicit EdgeTable(std::size_t vertices)
@@ -325,8 +325,9 @@ class Builder {
     });
   }
 
-  // A ball has exposed area if the same is true after all balls shrink a little (the ball is
-  // strict) and after all grow a little (a cell around it is outside the complex).
+  // A ball has exposed area if its sphere stays exposed when all balls shrink a little and when all
+  // grow a little. The first is true if the ball is strict, the second if a cell around it is
+  // outside the complex.
   void mark_exposed() {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
       if (out_.cell_in_complex[c]) continue;

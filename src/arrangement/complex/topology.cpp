@@ -4,11 +4,9 @@
 // 2. Components of the complement are found by flood fill over the cells outside the complex. The
 //    outer one, with the auxiliary vertices, has the number kOuter; all others are voids. They are
 //    called regions.
-// 3. The surfaces of voids are measured cell by cell. The outer surfaces have the area that is
-// left.
-// 4. A region and a component that touch have exactly one shell in common. So regions and
-// components
-//    form a tree. The volume inside a shell is the sum over the subtree below it.
+// 3. The surfaces of voids are measured cell by cell. The outer surfaces have the remaining area.
+// 4. A region and a component that touch have exactly one shell in common. So the regions and the
+//    components form a tree. The volume inside a shell is the sum over the subtree below it.
 #include "arrangement/complex/topology.hpp"
 
 #include <algorithm>
@@ -119,8 +117,7 @@ class ShellFinder {
     }
   }
 
-  // Adds exposed area on ball v. Area r² Ω has the sector of volume r³ Ω / 3 under it, which is not
-  // void.
+  // Adds area r² Ω of ball v. The sector under it, of volume r³ Ω / 3, is not void.
   void add_area(std::uint32_t region, std::uint32_t v, double area) {
     interfaces_[{region, components_.of[v]}].area.add(area);
     in_voids_.push_back({v, area});
