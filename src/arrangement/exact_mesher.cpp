@@ -1,8 +1,8 @@
 // The outer loop of the crease-exact mesher: it chooses feature sizes and checks the topology.
 //
 // 1. arrange() builds the regular triangulation, the dual complex and the areas of the patches.
-// 2. Chooser tries several sets of feature sizes. For each set, boundary_arcs() places the arcs and
-//    corners in space, and mesh_boundary() meshes the patches between them (both in mesher/).
+// 2. FeatureSizeSearch tries several sets of feature sizes. For each set, boundary_arcs() places
+//    arcs and corners in space, and mesh_boundary() meshes the patches between them (see mesher/).
 // 3. If features were reduced to points, compare() holds the Euler characteristic and the number of
 //    closed surfaces of the mesh against those of the dual complex.
 // The first mesh of the right topology is the result. If there is none, it is the first mesh made.
@@ -53,12 +53,12 @@ Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
 }
 
 // The Euler characteristic of a closed surface, and the number of its connected pieces.
-struct Shape {
+struct SurfaceTopology {
   std::int64_t euler_characteristic, shells;
 };
 
 // A closed triangle mesh has E = 3 F / 2 edges, so its Euler characteristic is V - F / 2.
-Shape shape_of(const IndexedMesh& mesh) {
+SurfaceTopology surface_topology(const IndexedMesh& mesh) {
   DisjointSets shells(mesh.vertex_count());
   for (const Triangle& t : mesh.triangles) {
     shells.join(t[0], t[1]);
@@ -71,7 +71,7 @@ Shape shape_of(const IndexedMesh& mesh) {
 
 // The exact shape of the boundary on which each point of contact is doubled, as the mesh doubles
 // it. Two balls that only touch count as separate components here.
-Shape shape_of(const Arrangement& a) {
+SurfaceTopology surface_topology(const Arrangement& a) {
   const UnionTopology topology = union_topology(a.triangulation, a.complex, a.measures);
   DisjointSets components(a.complex.in_complex.size());
   for (const DualEdge& e : a.complex.edges) {
@@ -110,9 +110,9 @@ BoundaryFeatures features_of(const BoundaryArcs& boundary) {
 
 // Meshes an arrangement with one set of feature sizes after the other, until a mesh has the
 // topology of the union. Until then it keeps the first mesh that it could make.
-class Chooser {
+class FeatureSizeSearch {
  public:
-  Chooser(const Arrangement& arrangement, const ExactMeshOptions& options)
+  FeatureSizeSearch(const Arrangement& arrangement, const ExactMeshOptions& options)
       : arrangement_(arrangement), options_(options) {}
 
   // Throws LimitExceeded if no set of sizes led to a mesh.
@@ -137,7 +137,7 @@ class Chooser {
     // The mesher refused these very curves before, and would refuse them again.
     if (features == refused_) return false;
     try {
-      ExactMesh mesh = mesh_boundary(arrangement_, std::move(boundary), options_beside_best());
+      ExactMesh mesh = mesh_boundary(arrangement_, std::move(boundary), options_with_memory_left());
       compare(mesh);
       const bool right = mesh.stats.euler_difference == 0 && mesh.stats.shell_difference == 0;
       if (right || !best_) best_ = std::move(mesh);
@@ -153,7 +153,7 @@ class Chooser {
   }
 
   // The options with the memory limit reduced by what the mesh kept so far occupies.
-  ExactMeshOptions options_beside_best() const {
+  ExactMeshOptions options_with_memory_left() const {
     ExactMeshOptions options = options_;
     if (best_ && options.memory_limit != kNoMemoryLimit) {
       options.memory_limit -= std::min(options.memory_limit, indexed_mesh_bytes(best_->mesh));
@@ -165,8 +165,8 @@ class Chooser {
   // so the topology can only differ if features became points.
   void compare(ExactMesh& mesh) {
     if (mesh.stats.points + mesh.stats.contacts + mesh.stats.joins == 0) return;
-    if (!exact_) exact_ = shape_of(arrangement_);
-    const Shape found = shape_of(mesh.mesh);
+    if (!exact_) exact_ = surface_topology(arrangement_);
+    const SurfaceTopology found = surface_topology(mesh.mesh);
     mesh.stats.euler_difference = found.euler_characteristic - exact_->euler_characteristic;
     mesh.stats.shell_difference = found.shells - exact_->shells;
   }
@@ -174,7 +174,7 @@ class Chooser {
   const Arrangement& arrangement_;
   const ExactMeshOptions& options_;
   std::optional<ExactMesh> best_;            // first mesh made, or the one of the right topology
-  std::optional<Shape> exact_;               // computed when it is first needed
+  std::optional<SurfaceTopology> exact_;     // computed when it is first needed
   std::optional<BoundaryFeatures> refused_;  // curves that the mesher refused last
   std::string refusal_;                      // message of the first refusal, for the caller
 };
@@ -190,7 +190,7 @@ ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options) 
   const Clock::time_point begin = Clock::now();
   const Arrangement arrangement = arrange(spheres, options.monitor);
   const double arrangement_seconds = seconds_since(begin);
-  ExactMesh out = Chooser(arrangement, options).run();
+  ExactMesh out = FeatureSizeSearch(arrangement, options).run();
   out.stats.arrangement_seconds = arrangement_seconds;
   out.stats.seconds = seconds_since(begin);
   return out;

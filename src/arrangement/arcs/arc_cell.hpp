@@ -84,7 +84,7 @@ inline constexpr double kNearlyParallel = 1e-10;
 // Opposite planes nearer than this may cross: a sine of 1e-9 moves them by 1e-9 in the unit ball.
 inline constexpr double kParallelGap = 1e-8;
 // Far above the rounding of a Gram determinant (some 1e-15), far below 1.
-inline constexpr double kRoughly = 1e-12;
+inline constexpr double kCoarseRounding = 1e-12;
 
 // How to compute the end of an edge at a third plane. direct: along the edge; exact to rounding
 // unless plane and edge are nearly parallel. shared: as the point of three planes, with the same
@@ -126,7 +126,7 @@ class BallCell {
   VDWMESH_HD static Relation relate_uncrossed(double toward_a, double toward_b);
   VDWMESH_HD bool add_face(std::uint32_t fresh, bool was_closed);
   VDWMESH_HD bool clip_chord(CellEdge& edge) const;
-  VDWMESH_HD bool keeps_whole(const CellEdge& edge);
+  VDWMESH_HD bool keeps_whole_chord(const CellEdge& edge);
   VDWMESH_HD void push_edge(const CellEdge& edge);
   VDWMESH_HD void remove_edge(std::uint32_t i);
   VDWMESH_HD void drop_faces(std::uint32_t fresh);

@@ -1,9 +1,9 @@
 // Second half of BallCell::cut(): the edges that a new plane adds. Included by arc_cell.hpp alone.
 //
 // relate() compares the new disk with each disk of the body. If the circles cross, their planes
-// meet in a chord; clip_chord() or keeps_whole() finds the part of it that the other planes leave.
-// In formulas a is the older plane, b the new one, t_a and t_b are their distances from the centre,
-// c is the cosine between the axes. A disk is "hidden" if it lies wholly beyond the other plane.
+// meet in a chord; clip_chord() or keeps_whole_chord() finds the part of it that the other planes
+// leave. In formulas a is the older plane, b the new one, t_a and t_b are their distances from the
+// centre, c is the cosine between the axes. A disk wholly beyond the other plane is "hidden".
 #pragma once
 
 #include "arrangement/arcs/arc_cell.hpp"
@@ -45,7 +45,7 @@ VDWMESH_HD inline BallCell::Relation BallCell::relate(const CellFace& old, const
   const double toward_a = (a.cosine - sign * b.cosine) + sign * b.cosine * inner(apart, b.axis);
   // Most pairs of circles are clearly apart, which shows without the cross product.
   const double rough_gram = old.squared_sine * (1 - cosine) * (1 + cosine) - toward_b * toward_b;
-  if (rough_gram < -kRoughly) return relate_uncrossed(toward_a, toward_b);
+  if (rough_gram < -kCoarseRounding) return relate_uncrossed(toward_a, toward_b);
   const Vec3d normal = cross(a.axis, apart);
   const double squared_sine = inner(normal, normal);
   if (squared_sine < kParallel) return relate_parallel(old, fresh, cosine);
@@ -92,7 +92,7 @@ VDWMESH_HD inline bool BallCell::add_face(std::uint32_t fresh, bool was_closed) 
     edge.a = space_.active[i];
     edge.b = fresh;
     // If none of its edges was cut, a face can only lose a segment between two points of its arcs.
-    if (old.touched ? clip_chord(edge) : keeps_whole(edge)) push_edge(edge);
+    if (old.touched ? clip_chord(edge) : keeps_whole_chord(edge)) push_edge(edge);
   }
   return true;
 }
@@ -126,7 +126,7 @@ VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge) const {
 // For a face none of whose edges was cut: whether the other planes leave the whole chord. If an end
 // lies more than kTouching beyond one of them, the chord is not on this face at all. If an end is
 // nearer than that, a rounding decides, so the chord is dropped with a doubt.
-VDWMESH_HD inline bool BallCell::keeps_whole(const CellEdge& edge) {
+VDWMESH_HD inline bool BallCell::keeps_whole_chord(const CellEdge& edge) {
   bool near = false;
   for (std::uint32_t i = 0; i < active_count_; ++i) {
     const std::uint32_t index = space_.active[i];

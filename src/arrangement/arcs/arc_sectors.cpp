@@ -71,9 +71,9 @@ std::array<Sector, 2> halves(const Sector& s) {
 // Whether a cap reaches a sector, or comes so near that the kernel might have a doubt about it. The
 // test may say yes for a cap that does not reach the sector. It says no if the cap lies wholly
 // beyond one of the sector's planes, or outside the circle through the sector's corners.
-class Reach {
+class MayReachSector {
  public:
-  explicit Reach(const Sector& sector)
+  explicit MayReachSector(const Sector& sector)
       : sector_(sector), middle_(unit(sector.corner[0] + sector.corner[1] + sector.corner[2])) {
     for (const Vec3d& corner : sector.corner) cosine_ = std::min(cosine_, dot(middle_, corner));
     sine_ = sine_of(cosine_);
@@ -84,7 +84,7 @@ class Reach {
     if (cosine <= 0) return true;  // the half-space holds the centre, a point of every sector
     const double sine = sine_of(cosine), toward = dot(cap.axis, middle_);
     for (const Vec3d& normal : sector_.normal) {
-      if (dot(cap.axis, normal) > sine + kRoughly) return false;
+      if (dot(cap.axis, normal) > sine + kCoarseRounding) return false;
     }
     // A cap around `middle` with the cosine cosine_ contains the sector. The nearest point of its
     // rim to the axis is at the difference of two angles, whose cosine is computed here.
@@ -104,7 +104,7 @@ class Reach {
 // Returns the caps that may reach the sector, in their order.
 std::vector<Cap> caps_in(const Sector& sector, std::span<const Cap> caps) {
   std::vector<Cap> found;
-  std::copy_if(caps.begin(), caps.end(), std::back_inserter(found), Reach(sector));
+  std::copy_if(caps.begin(), caps.end(), std::back_inserter(found), MayReachSector(sector));
   return found;
 }
 

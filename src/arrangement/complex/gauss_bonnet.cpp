@@ -36,9 +36,9 @@ void add_multiple_of_two_pi(int n, WideSum& sum) {
   sum.add(std::fma(kTwoPi, n, -(kTwoPi * n)) + kTwoPiRest * n);
 }
 
-class PatchSum {
+class GaussBonnetSum {
  public:
-  PatchSum(const PowerTriangulation& triangulation, const DualComplex& complex)
+  GaussBonnetSum(const PowerTriangulation& triangulation, const DualComplex& complex)
       : t_(triangulation),
         k_(complex),
         euler_(t_.balls.size(), 2),
@@ -233,7 +233,7 @@ class PatchSum {
 
 std::vector<SphereMeasures> gauss_bonnet(const PowerTriangulation& triangulation,
                                          const DualComplex& complex) {
-  std::vector<SphereMeasures> measures = PatchSum(triangulation, complex).run();
+  std::vector<SphereMeasures> measures = GaussBonnetSum(triangulation, complex).run();
   require_finite(measures);
   return measures;
 }

@@ -21,14 +21,14 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Wide sums, because a ball may have thousands of neighbours and little area of its own left.
+// The sums are wide: a ball may have thousands of neighbours and little area of its own left.
 struct Sums {
   WideSum area, volume;
 };
 
-class Accumulator {
+class ConeSums {
  public:
-  Accumulator(const PowerTriangulation& triangulation, const DualComplex& complex)
+  ConeSums(const PowerTriangulation& triangulation, const DualComplex& complex)
       : t_(triangulation),
         k_(complex),
         taken_solid_angle_(t_.balls.size()),
@@ -119,7 +119,7 @@ class Accumulator {
 
 std::vector<SphereMeasures> inclusion_exclusion(const PowerTriangulation& triangulation,
                                                 const DualComplex& complex) {
-  std::vector<SphereMeasures> measures = Accumulator(triangulation, complex).run();
+  std::vector<SphereMeasures> measures = ConeSums(triangulation, complex).run();
   require_finite(measures);
   return measures;
 }

@@ -27,8 +27,7 @@ using Exact = CGAL::internal::Exact_ring_selector<double>::Type;
 // longest path through the polynomial: a difference of coordinates has 1, a scalar product 5, a
 // cofactor 5, a determinant 9, a power offset w 6. It is rounded up.
 constexpr double kRoundoff = std::numeric_limits<double>::epsilon() / 2;
-// Below this an error bound may itself have lost digits to underflow, so the filter does not use
-// it.
+// A smaller error bound may itself have lost digits to underflow, so the filter does not use it.
 constexpr double kTinyBound = 1e-280;
 
 using numbers::from_to;

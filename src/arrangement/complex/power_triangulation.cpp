@@ -172,9 +172,9 @@ std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
   for (int k = 0; k < 3; ++k) {
     // The reach is at least this fraction of the coordinates, so that adding it to them survives
     // rounding.
-    constexpr double kVisible = 0x1p-40;
-    reach = std::max(
-        {reach, upper[k] - lower[k], kVisible * std::abs(lower[k]), kVisible * std::abs(upper[k])});
+    constexpr double kLeastRelativeReach = 0x1p-40;
+    reach = std::max({reach, upper[k] - lower[k], kLeastRelativeReach * std::abs(lower[k]),
+                      kLeastRelativeReach * std::abs(upper[k])});
   }
   // Coordinates of up to 32 reach must be finite, with room for sums.
   if (!std::isfinite(64 * reach)) throw InvalidInput("the spheres' extent overflows a double");
@@ -223,10 +223,10 @@ void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, 
   const auto points = auxiliary_points(balls);
   for (std::size_t k = 0; k < points.size(); ++k) insert(points[k], 0, balls.size() + k);
   // The monitor is asked for cancellation once in so many balls.
-  constexpr std::size_t kBetweenQuestions = 4096;
+  constexpr std::size_t kBallsPerCancellationCheck = 4096;
   std::size_t inserted = 0;
   for (const std::uint32_t i : insertion_order(balls.size())) {
-    if (++inserted % kBetweenQuestions == 0) advance(monitor, 0);
+    if (++inserted % kBallsPerCancellationCheck == 0) advance(monitor, 0);
     insert(balls[i].center, balls[i].radius, i);
   }
 }

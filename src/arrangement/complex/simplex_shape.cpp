@@ -2,7 +2,7 @@
 //
 // Every quantity is a quotient, a root or an angle of polynomials in the coordinates. Templates
 // over the number type T write each formula once. is_thin(), is_flat() and is_short() decide
-// whether double keeps enough digits of the polynomials; if not, T = Wide evaluates them again.
+// whether double keeps enough digits of the polynomials; if not, T = Float100 evaluates them again.
 // Results are double in both cases.
 //
 // Notation: for balls a, b the half power offset w_b = (|ab|² + r_a² - r_b²) / 2 is the scalar
@@ -19,7 +19,7 @@
 namespace vdwmesh {
 namespace {
 
-using Wide = boost::multiprecision::cpp_bin_float_100;
+using Float100 = boost::multiprecision::cpp_bin_float_100;
 
 // A triangle is thin if the sine of its smallest angle is below kThinSine. A tetrahedron is flat if
 // six times its volume is below kFlatVolume times the lengths of the three edges at ball 0. An
@@ -53,34 +53,34 @@ T half_power_offset(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
 // quotients are computed in T, because a double may not hold their arguments: the square of a
 // length of 1e-170 underflows to 0. The conversion to double comes last.
 double to_double(double value) { return value; }
-double to_double(const Wide& value) { return static_cast<double>(value); }
+double to_double(const Float100& value) { return static_cast<double>(value); }
 double ratio(double a, double b) { return a / b; }
-double ratio(const Wide& a, const Wide& b) { return static_cast<double>(a / b); }
+double ratio(const Float100& a, const Float100& b) { return static_cast<double>(a / b); }
 
 // A negative square is a rounding error of 0, so its root is 0. The root of NaN is NaN.
 double root(double square) { return square <= 0 ? 0 : std::sqrt(square); }
 
 // The square root by Newton's iteration for the inverse root, which needs no division. A step
-// doubles the number of correct bits: 53 from the double, 106, 212, 424, and Wide has 335. An even
-// power of two is split off first, so that the mantissa fits a double.
-Wide root(const Wide& square) {
+// doubles the number of correct bits: 53 from the double, 106, 212, 424, and Float100 has 335. An
+// even power of two is split off first, so that the mantissa fits a double.
+Float100 root(const Float100& square) {
   if (square <= 0) return 0;
   auto exponent = ilogb(square);
   exponent -= exponent % 2;
-  const Wide mantissa = ldexp(square, -exponent);  // in (1/2, 4)
-  Wide inverse = 1 / std::sqrt(to_double(mantissa));
+  const Float100 mantissa = ldexp(square, -exponent);  // in (1/2, 4)
+  Float100 inverse = 1 / std::sqrt(to_double(mantissa));
   for (int step = 0; step < 3; ++step) {
     inverse += inverse * (1 - mantissa * inverse * inverse) / 2;
   }
-  return ldexp(Wide(mantissa * inverse), exponent / 2);
+  return ldexp(Float100(mantissa * inverse), exponent / 2);
 }
 
-// The angle of the vector (x, y) from the x axis. For Wide, both coordinates are first divided by
-// the larger one, so that they fit doubles.
+// The angle of the vector (x, y) from the x axis. For Float100, both coordinates are first divided
+// by the larger one, so that they fit doubles.
 double angle(double y, double x) { return std::atan2(y, x); }
-double angle(const Wide& y, const Wide& x) {
-  const Wide size = std::max<Wide>(abs(x), abs(y));
-  return size > 0 ? std::atan2(to_double(Wide(y / size)), to_double(Wide(x / size))) : 0.0;
+double angle(const Float100& y, const Float100& x) {
+  const Float100 size = std::max<Float100>(abs(x), abs(y));
+  return size > 0 ? std::atan2(to_double(Float100(y / size)), to_double(Float100(x / size))) : 0.0;
 }
 
 // v / divisor. The quotient of each coordinate is computed in T.
@@ -291,28 +291,28 @@ std::array<double, 3> solid_angles(const std::array<const Sphere*, 3>& v, const 
 
 EdgeShape edge_shape(const Sphere& a, const Sphere& b) {
   const Vector<double> ab = from_to<double>(a, b);
-  if (!(dot(ab, ab) >= kLeastSquaredLength)) return shape_in(a, b, from_to<Wide>(a, b));
+  if (!(dot(ab, ab) >= kLeastSquaredLength)) return shape_in(a, b, from_to<Float100>(a, b));
   return shape_in(a, b, ab);
 }
 
 TriangleShape triangle_shape(const Sphere& a, const Sphere& b, const Sphere& c) {
   const std::array<const Sphere*, 3> v{&a, &b, &c};
-  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return shape_in<Wide>(v);
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return shape_in<Float100>(v);
   const TriangleShape shape = shape_in<double>(v);
-  return is_short(shape.half_chord, a, b, c) ? shape_in<Wide>(v) : shape;
+  return is_short(shape.half_chord, a, b, c) ? shape_in<Float100>(v) : shape;
 }
 
 CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c) {
-  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return points_in<Wide>(a, b, c);
+  if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return points_in<Float100>(a, b, c);
   const CommonPoints points = points_in<double>(a, b, c);
-  return is_short(points.half_chord, a, b, c) ? points_in<Wide>(a, b, c) : points;
+  return is_short(points.half_chord, a, b, c) ? points_in<Float100>(a, b, c) : points;
 }
 
 Vec3d orthogonal_center(const std::array<Sphere, 4>& balls) {
   const TetrahedronTerms<double> terms(balls);
   if (!is_flat(terms)) return quotient(center_numerator(balls, terms), -terms.determinant);
-  const TetrahedronTerms<Wide> wide(balls);
-  return quotient(center_numerator(balls, wide), Wide(-wide.determinant));
+  const TetrahedronTerms<Float100> wide(balls);
+  return quotient(center_numerator(balls, wide), Float100(-wide.determinant));
 }
 
 CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
@@ -321,9 +321,9 @@ CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
   const bool wide = is_thin(from_to<double>(a, b), from_to<double>(a, c)) ||
                     is_short(triangle.half_chord, a, b, c);
   CornerShape corner{};
-  corner.solid_angle =
-      wide ? solid_angles<Wide>(v, twice_area<Wide>(a, b, c) * Wide(triangle.half_chord))
-           : solid_angles<double>(v, triangle.twice_area * triangle.half_chord);
+  corner.solid_angle = wide ? solid_angles<Float100>(
+                                  v, twice_area<Float100>(a, b, c) * Float100(triangle.half_chord))
+                            : solid_angles<double>(v, triangle.twice_area * triangle.half_chord);
   for (std::size_t k = 0; k < 3; ++k) {
     corner.dihedral[k] = std::atan2(triangle.half_chord, triangle.distance[k]);
   }
@@ -333,7 +333,7 @@ CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
 
 TetrahedronShape tetrahedron_shape(const std::array<Sphere, 4>& balls) {
   const TetrahedronTerms<double> terms(balls);
-  if (is_flat(terms)) return shape_in(balls, TetrahedronTerms<Wide>(balls));
+  if (is_flat(terms)) return shape_in(balls, TetrahedronTerms<Float100>(balls));
   return shape_in(balls, terms);
 }
 

@@ -80,13 +80,13 @@ Labels label_complement(const PowerTriangulation& t, const DualComplex& complex)
 }
 
 // The shell between a region and a component of the union.
-struct Interface {
+struct ShellMeasures {
   WideSum area;
   bool is_void = false;  // the component surrounds the region, not the other way round
   double enclosed = 0;   // volume inside the shell, with everything in there
 };
-using Interfaces =
-    std::map<std::pair<std::uint32_t, std::uint32_t>, Interface>;  // region, component
+using ShellTable =
+    std::map<std::pair<std::uint32_t, std::uint32_t>, ShellMeasures>;  // region, component
 
 class ShellFinder {
  public:
@@ -119,7 +119,7 @@ class ShellFinder {
 
   // Adds area r² Ω of ball v. The sector under it, of volume r³ Ω / 3, is not void.
   void add_area(std::uint32_t region, std::uint32_t v, double area) {
-    interfaces_[{region, components_.of[v]}].area.add(area);
+    shells_[{region, components_.of[v]}].area.add(area);
     in_voids_.push_back({v, area});
     void_volume_[region].add(-area * t_.balls[v].radius / 3);
   }
@@ -216,7 +216,7 @@ class ShellFinder {
       area[components_.of[v]].add(measures_[v].area - seen_in_voids[v]);
     }
     for (std::uint32_t x = 0; x < components_.count; ++x) {
-      if (touches[x]) interfaces_[{kOuter, x}].area = area[x];
+      if (touches[x]) shells_[{kOuter, x}].area = area[x];
     }
   }
 
@@ -231,7 +231,7 @@ class ShellFinder {
       if (k_.in_complex[v]) own[regions + components_.of[v]].add(measures_[v].volume);
     }
     std::vector<std::vector<std::uint32_t>> adjacent(nodes);
-    for (const auto& [pair, unused] : interfaces_) {
+    for (const auto& [pair, unused] : shells_) {
       adjacent[pair.first].push_back(regions + pair.second);
       adjacent[regions + pair.second].push_back(pair.first);
     }
@@ -248,8 +248,8 @@ class ShellFinder {
       const double enclosed = own[node].value();
       own[up].add(own[node]);
       const bool is_void = node < regions;
-      Interface& shell =
-          interfaces_[is_void ? std::pair{node, up - regions} : std::pair{up, node - regions}];
+      ShellMeasures& shell =
+          shells_[is_void ? std::pair{node, up - regions} : std::pair{up, node - regions}];
       shell.is_void = is_void;
       shell.enclosed = std::max(0.0, enclosed);
     }
@@ -279,7 +279,7 @@ class ShellFinder {
   void add_shells(UnionTopology& out) const {
     WideSum outer, inner, enclosed;
     std::vector<Shell> voids;
-    for (const auto& [pair, shell] : interfaces_) {
+    for (const auto& [pair, shell] : shells_) {
       const double area = shell.area.value();
       if (shell.is_void) {
         voids.push_back({area, -shell.enclosed});
@@ -306,7 +306,7 @@ class ShellFinder {
   const std::vector<SphereMeasures>& measures_;
   Labels components_, regions_;
   std::vector<WideSum> void_volume_;  // per region; of the outer region nothing is added
-  Interfaces interfaces_;
+  ShellTable shells_;
   std::vector<std::pair<std::uint32_t, double>> in_voids_;  // ball, area that it shows to a void
   std::vector<std::uint64_t> void_edges_;                   // sorted keys, see key()
 };
