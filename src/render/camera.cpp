@@ -1,3 +1,9 @@
+// Frames a surface exactly, by its support function.
+//
+// The support function gives, for any direction, how far the surface reaches. Framing needs nothing
+// else, so it never looks at vertices. An orthographic camera follows from the box along the view's
+// axes. A perspective camera follows from four support values, one for each side plane of the view
+// frustum. The principal axes are the eigenvectors of the covariance of the surface's area (Eigen).
 #include "render/camera.hpp"
 
 #include <fmt/format.h>
@@ -12,19 +18,24 @@
 namespace vdwmesh {
 namespace {
 
-// Spreads closer than this, relative to the largest, are the same.
+// Spreads (eigenvalues, Å²) count as equal if they differ by less than this share of the largest
+// one. The reaches of the surface to both sides of its middle count as equal by the same share of
+// their sum.
 constexpr double kSameSpread = 1e-6;
 
-// Of a needle that points at the viewer: how wide it is taken to be, and how near the eye comes, as
-// shares of its half length.
+// Two bounds for a needle that points at the viewer, as shares of its half length. In an
+// orthographic picture it counts as at least this wide, and in a perspective picture the eye keeps
+// at least this distance from its tip. Otherwise the magnification would have no limit.
 constexpr double kLeastAngle = 0.05;
 
 Vec3d unit(const Vec3d& v) { return (1 / norm(v)) * v; }
 
+// The vector that has the components v along the axes.
 Vec3d combine(const Axes& axes, const Vec3d& v) {
   return v.x * axes[0] + v.y * axes[1] + v.z * axes[2];
 }
 
+// The component of largest magnitude, with its sign.
 double largest_component(const Vec3d& v) {
   double largest = v.x;
   for (const double c : {v.y, v.z}) {
@@ -33,7 +44,9 @@ double largest_component(const Vec3d& v) {
   return largest;
 }
 
-// The one of ±axis that points to where the surface reaches farther from its middle.
+// The axis or its opposite, whichever points to the side on which the surface reaches farther from
+// its middle. If both reach equally far, the sign of the largest component decides, so that
+// rounding does not.
 Vec3d oriented(const SurfaceExtent& surface, const Vec3d& middle, const Vec3d& axis) {
   const Vec3d both[] = {axis, -1.0 * axis};
   const std::vector<double> reach = surface.support(both);
@@ -43,13 +56,14 @@ Vec3d oriented(const SurfaceExtent& surface, const Vec3d& middle, const Vec3d& a
   return keep ? both[0] : both[1];
 }
 
-// A surface reaches from `lower` to `upper` along an axis.
+// The interval that a surface covers along an axis, Å.
 struct Range {
   double lower, upper;
   double middle() const { return (lower + upper) / 2; }
   double half() const { return (upper - lower) / 2; }
 };
 
+// The box around the surface along the axes.
 std::array<Range, 3> ranges(const SurfaceExtent& surface, const Axes& axes) {
   const Vec3d directions[] = {axes[0],        axes[1],        axes[2],
                               -1.0 * axes[0], -1.0 * axes[1], -1.0 * axes[2]};
@@ -57,13 +71,17 @@ std::array<Range, 3> ranges(const SurfaceExtent& surface, const Axes& axes) {
   return {Range{-reach[3], reach[0]}, Range{-reach[4], reach[1]}, Range{-reach[5], reach[2]}};
 }
 
-// Planes a little in front of and behind the surface, so that rounding clips nothing.
+// Sets the near and far plane. They lie a little in front of and behind the surface, so that
+// rounding clips nothing. The near plane stays in front of the eye: it keeps at least half the
+// distance from the eye to the surface.
 void set_depth(Camera& camera, double eye_to_front, double depth) {
   const double slack = 1e-3 * (depth + eye_to_front);
   camera.nearest = std::max(eye_to_front - slack, 0.5 * eye_to_front);
   camera.farthest = eye_to_front + depth + slack;
 }
 
+// Fits the box into the picture's width and height; `fill` is the share of the picture inside the
+// margins. The distance of the eye changes nothing in the picture, so it is as large as the box.
 void frame_orthographic(Camera& camera, const std::array<Range, 3>& box, double aspect,
                         double fill) {
   const double seen = std::max(box[1].half(), box[0].half() / aspect);
@@ -74,9 +92,12 @@ void frame_orthographic(Camera& camera, const std::array<Range, 3>& box, double 
   set_depth(camera, size, 2 * box[2].half());
 }
 
-// A point is inside the picture's right edge where x - eye.x <= w (eye.z - z), w the half width at
-// distance 1; so the edge bounds w eye.z + eye.x by the support of (1, 0, w), and likewise for the
-// other three. The nearest eye that keeps all four bounds is that of the tighter pair.
+// Finds the nearest eye that sees the whole surface. Let w be half the picture's width at distance
+// 1 from the eye. A point lies inside the right edge if x - eye.x <= w (eye.z - z), that is, if x +
+// w z <= w eye.z + eye.x. The largest value of the left side is the support of direction (1, 0, w).
+// The left edge gives a bound with (-1, 0, w), and the sum of both is a lower bound of 2 w eye.z.
+// Top and bottom give another bound. The tighter pair decides the distance, and the differences of
+// the bounds centre the surface in both directions.
 void frame_perspective(Camera& camera, const SurfaceExtent& surface,
                        const std::array<Range, 3>& box, double aspect, double fill) {
   camera.half_height = std::tan(kVerticalFieldOfView * std::numbers::pi / 360);
@@ -85,6 +106,7 @@ void frame_perspective(Camera& camera, const SurfaceExtent& surface,
   const Axes& a = camera.axes;
   const Vec3d directions[] = {w * a[2] + a[0], w * a[2] - a[0], h * a[2] + a[1], h * a[2] - a[1]};
   std::vector<double> bound = surface.support(directions);
+  // From absolute coordinates to coordinates about the camera's origin.
   for (std::size_t i = 0; i < bound.size(); ++i) bound[i] -= dot(directions[i], camera.origin);
   const double distance =
       std::max({(bound[0] + bound[1]) / (2 * w), (bound[2] + bound[3]) / (2 * h),
@@ -149,7 +171,8 @@ Camera frame_surface(const SurfaceExtent& surface, const View& view, CameraProje
 std::array<double, 16> clip_matrix(const Camera& camera) {
   const double n = camera.nearest, f = camera.farthest;
   const bool perspective = camera.projection == CameraProjection::perspective;
-  // Depth d = eye.z - z in [n, f] becomes clip z; w is d, or 1.
+  // The depth d = eye.z - z in [n, f] becomes clip z, and w is d for a perspective picture, else 1.
+  // The two numbers below make z / w = -1 for d = n and 1 for d = f.
   const double slope = perspective ? (f + n) / (f - n) : 2 / (f - n);
   const double offset = perspective ? -2 * f * n / (f - n) : -(f + n) / (f - n);
   const Vec3d x = (1 / camera.half_width) * camera.axes[0];
@@ -178,6 +201,7 @@ std::array<double, 16> clip_matrix(const Camera& camera) {
 Vec3d project(const Camera& camera, const Vec3d& point) {
   const std::array<double, 16> m = clip_matrix(camera);
   const Vec3d p = point - camera.origin;
+  // Row i of the matrix times the point; the matrix is stored column by column.
   const auto row = [&](std::size_t i) {
     return m[i] * p.x + m[4 + i] * p.y + m[8 + i] * p.z + m[12 + i];
   };

@@ -1,4 +1,4 @@
-// From where a surface is seen, and how it fills the picture. Lengths in Å.
+// From where a surface is seen, and how it fills the picture. Lengths are in Å.
 #pragma once
 
 #include <array>
@@ -9,16 +9,17 @@
 
 namespace vdwmesh {
 
-// Where a surface lies, as far as framing it needs to know.
+// What framing needs to know of a surface: how far it reaches, and its principal axes.
 class SurfaceExtent {
  public:
   virtual ~SurfaceExtent() = default;
   // For each direction d the largest d·p over the surface's points p (its support function).
   virtual std::vector<double> support(std::span<const Vec3d> directions) const = 0;
-  // Middle of its area, Å, and the area's mean of (p - middle)(p - middle)ᵀ, Å²: xx xy xz yy yz zz.
+  // The centroid of the surface's area, and the covariance of its points: the mean over the area of
+  // (p - middle)(p - middle)ᵀ.
   struct Moments {
-    Vec3d middle;
-    std::array<double, 6> covariance;
+    Vec3d middle;                      // Å
+    std::array<double, 6> covariance;  // Å², as xx xy xz yy yz zz
   };
   virtual Moments moments() const = 0;
 };
@@ -26,52 +27,61 @@ class SurfaceExtent {
 // Three unit vectors at right angles, right-handed.
 using Axes = std::array<Vec3d, 3>;
 
-// Principal axes by descending spread. Each points to where the surface reaches farther from its
-// middle, or, where that is equal, has its largest component positive; the third completes the
-// right-handed set. A surface with the same spread everywhere has the axes of the coordinates.
+// The principal axes of the surface's area, by descending spread. The first two point to the side
+// on which the surface reaches farther from its middle; if both sides are equal, the component of
+// largest magnitude is positive. The third completes the right-handed set. If the spread is the
+// same in all directions, the axes are the coordinate axes.
 Axes principal_axes(const SurfaceExtent& surface);
 
+// Which axes a view's directions refer to: the surface's principal axes or the coordinate axes.
 enum class ViewFrame { principal, coordinates };
 
-// From the surface to the viewer, and what is up in the picture, in components along the axes of
-// the frame; neither needs unit length, `up` only must not be parallel. The default sees the broad
-// side of the surface with its long axis across.
+// From which side a surface is seen. Both vectors are components along the axes of the frame. They
+// need not have unit length, but must not be parallel. The default shows the broad side of the
+// surface, with its longest extent across the picture.
 struct View {
   ViewFrame frame = ViewFrame::principal;
   Vec3d toward_viewer{0, 0, 1};
   Vec3d up{0, 1, 0};
 };
 
-// The picture's right, up and toward the viewer. Throws InvalidInput where the view's vectors are
-// zero, not finite or parallel.
+// The directions in space of the picture's right side, its top and the viewer. Throws InvalidInput
+// if a vector of the view is zero or not finite, or if they are parallel.
 Axes view_axes(const View& view, const SurfaceExtent& surface);
 
 enum class CameraProjection { orthographic, perspective };
 
-// How points become positions in the picture. View coordinates are along `axes` about `origin`.
+// How points of space become positions in the picture. View coordinates are measured along `axes`
+// from `origin`; z points toward the viewer.
 struct Camera {
   CameraProjection projection = CameraProjection::orthographic;
-  Axes axes{};
-  Vec3d origin{};          // Å; what vertices are stored relative to, to keep float's digits
-  Vec3d eye{};             // view coordinates, Å; orthographic: the middle, its z the near plane's
+  Axes axes{};     // right, up, toward the viewer
+  Vec3d origin{};  // Å; vertices are stored relative to it, to keep the digits of floats
+  // In view coordinates, Å. For an orthographic picture, x and y are its middle, and the distances
+  // of the two planes are counted from z.
+  Vec3d eye{};
   double half_width = 1;   // orthographic: Å; perspective: at distance 1 from the eye
-  double half_height = 1;  // as half_width
-  double nearest = 1;      // distance from eye.z to the near plane, Å
-  double farthest = 2;     // and to the far plane
+  double half_height = 1;  // like half_width
+  double nearest = 1;      // from eye.z to the near plane, Å
+  double farthest = 2;     // from eye.z to the far plane, Å
 };
 
 inline constexpr double kVerticalFieldOfView = 30;  // degrees, of a perspective picture
 
-// The camera whose picture of width/height `aspect` the surface fills but for a border of `margin`
-// of the picture on the tightest pair of sides, and centred on the other: exactly, for both
-// projections. Throws InvalidInput for a surface that is a single point.
+// The camera whose picture the surface fills. `aspect` is width over height of the picture, and
+// `margin` is an empty border as a share of the picture. The surface touches the border on the two
+// opposite sides that bind first, and is centred between the other two. This holds exactly for both
+// projections, as long as the surface is not a needle seen end on. Throws InvalidInput for a
+// surface that is a single point.
 Camera frame_surface(const SurfaceExtent& surface, const View& view, CameraProjection projection,
                      double aspect, double margin);
 
-// Clip coordinates of OpenGL from a point relative to `origin`, column by column.
+// The matrix, in column-major order, that takes a point relative to `origin` to OpenGL's clip
+// coordinates.
 std::array<double, 16> clip_matrix(const Camera& camera);
 
-// Position in the picture: x to the right and y up in [-1, 1], z from near (-1) to far (1).
+// Position of a point of space in the picture: x to the right and y up, in [-1, 1] inside the
+// picture; z from the near plane (-1) to the far plane (1).
 Vec3d project(const Camera& camera, const Vec3d& point);
 
 }  // namespace vdwmesh

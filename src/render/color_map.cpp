@@ -1,3 +1,6 @@
+// The three colour maps. viridis and cividis are tables with linear interpolation between the
+// entries. cool_warm is computed: it interpolates between two colours in the Msh space of Moreland
+// 2009, and converts the result through CIELAB and XYZ to sRGB.
 #include "render/color_map.hpp"
 
 #include <algorithm>
@@ -29,6 +32,7 @@ constexpr std::uint32_t kCividis[kKnots] = {
     0xafa471, 0xb5a86f, 0xbaac6d, 0xbfb06b, 0xc4b468, 0xc9b965, 0xcfbd62, 0xd4c15f, 0xdac65b,
     0xdfca57, 0xe5cf52, 0xead34c, 0xf0d846, 0xf6dd3f, 0xfce236, 0xfee838};
 
+// From a number 0xrrggbb.
 Rgb from_hex(std::uint32_t hex) {
   const auto channel = [&](int shift) { return static_cast<float>((hex >> shift) & 255u) / 255; };
   return {channel(16), channel(8), channel(0)};
@@ -38,6 +42,7 @@ Rgb mix(const Rgb& a, const Rgb& b, float t) {
   return {std::lerp(a.r, b.r, t), std::lerp(a.g, b.g, t), std::lerp(a.b, b.b, t)};
 }
 
+// Linear interpolation in a table; t is in [0, 1]. The last interval includes its upper end.
 Rgb between_knots(std::span<const std::uint32_t, kKnots> knots, double t) {
   const double x = t * (kKnots - 1);
   const auto lower = std::min(static_cast<std::size_t>(x), std::size_t{kKnots - 2});
@@ -45,27 +50,32 @@ Rgb between_knots(std::span<const std::uint32_t, kKnots> knots, double t) {
              static_cast<float>(x - static_cast<double>(lower)));
 }
 
-// CIELAB in polar coordinates: magnitude, saturation, hue (K. Moreland, "Diverging Color Maps for
-// Scientific Visualization", ISVC 2009, equation 1).
+// A colour in Msh space, which is CIELAB in polar coordinates: magnitude m, saturation s and hue h,
+// the latter two as angles (K. Moreland, "Diverging Color Maps for Scientific Visualization", ISVC
+// 2009, equation 1).
 struct Msh {
   double m, s, h;
 };
 
-// The cool and warm ends of the paper, and white as each side runs into it: its hue is spun so that
-// lightness changes evenly.
+// The two ends of the paper's map, and white as each side approaches it. White has no hue of its
+// own; the hue given here is spun away from the end's hue, which makes the change of lightness look
+// even.
 constexpr Msh kCool{80, 1.08, -1.1}, kCoolWhite{88, 0, -1.661};
 constexpr Msh kWarm{80, 1.08, 0.5}, kWarmWhite{88, 0, 1.061};
 
+// The sRGB encoding of linear light (IEC 61966-2-1), clamped to [0, 1].
 float gamma_encoded(double linear) {
   const double v = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
   return static_cast<float>(std::clamp(v, 0.0, 1.0));
 }
 
+// The inverse of the function f in the definition of CIELAB.
 double lab_inverse(double f) {
   return f > 6.0 / 29 ? f * f * f : 3 * (6.0 / 29) * (6.0 / 29) * (f - 4.0 / 29);
 }
 
-// Through CIELAB and XYZ with the D65 white of sRGB (IEC 61966-2-1).
+// Converts Msh to CIELAB, then to XYZ with the white point D65, then to sRGB with the matrix of IEC
+// 61966-2-1.
 Rgb to_rgb(const Msh& c) {
   const double lightness = c.m * std::cos(c.s);
   const double a = c.m * std::sin(c.s) * std::cos(c.h), b = c.m * std::sin(c.s) * std::sin(c.h);
@@ -78,6 +88,7 @@ Rgb to_rgb(const Msh& c) {
           gamma_encoded(0.0556434 * x - 0.2040259 * y + 1.0572252 * z)};
 }
 
+// Each half of the map runs from white, in the middle, to its end; u is the share of that way.
 Rgb cool_warm(double t) {
   const bool warm = t > 0.5;
   const Msh& end = warm ? kWarm : kCool;

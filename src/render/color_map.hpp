@@ -10,13 +10,13 @@
 
 namespace vdwmesh {
 
-// sRGB as a screen takes it (gamma-encoded), each channel in [0, 1].
+// A colour in sRGB, gamma-encoded as screens and picture files take it; each channel is in [0, 1].
 struct Rgb {
   float r, g, b;
   friend bool operator==(const Rgb&, const Rgb&) = default;
 };
 
-// Nearest bytes, as picture files and web pages have them.
+// The nearest bytes, 0 to 255; channels out of range are clamped.
 VDWMESH_HD inline std::uint8_t to_byte(float channel) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
 }
@@ -30,9 +30,9 @@ enum class ColorMap {
   cool_warm,  // diverging, blue over grey to red; neutral at 1/2 (Moreland 2009)
 };
 
-// The colour at t of the map; below 0 and above 1 the colour of that end. The lightness of the
-// sequential maps rises with t; cool_warm is lightest, and grey, at t = 1/2 and falls alike on both
-// sides. Throws InvalidInput for NaN.
+// The colour of the map at t in [0, 1]; t outside gives the colour of the nearer end. In the
+// sequential maps lightness rises with t. cool_warm is lightest, and neutral grey, at t = 1/2, and
+// darkens equally to both sides. Throws InvalidInput for NaN.
 Rgb color_at(ColorMap map, double t);
 
 }  // namespace vdwmesh

@@ -1,3 +1,5 @@
+// Chooses round bounds and round labels for colour scales. Rounding must not spoil round numbers: a
+// value that exceeds a round number only in its last bits still counts as that number (kSlack).
 #include "render/color_scale.hpp"
 
 #include <fmt/format.h>
@@ -10,10 +12,10 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kLeastBound = 5e-4;  // of values that are all zero
-constexpr double kSlack = 1e-9;       // relative; what is round but for the last bits stays
+constexpr double kLeastBound = 5e-4;  // the bound for values that are all zero
+constexpr double kSlack = 1e-9;       // relative
 
-// The least round number that is not below v > 0.
+// The least round number that is at least v, for v > 0; see symmetric_bound() in the header.
 double round_up(double v) {
   constexpr double kRound[] = {1, 1.5, 2, 3, 4, 5, 6, 8};
   const double unit = std::pow(10, std::floor(std::log10(v)));
@@ -23,7 +25,8 @@ double round_up(double v) {
   return 10 * unit;
 }
 
-// The value of rank ceil(share n), n >= 1.
+// The smallest value such that the share `share` of all values is not above it: the one of rank
+// ceil(share n), counted from 1. Changes the order of the values. Precondition: there is one.
 double quantile(std::vector<double>& values, double share) {
   const double rank = std::ceil(share * static_cast<double>(values.size()));
   const auto at =
@@ -32,7 +35,8 @@ double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(at)];
 }
 
-// "≤ " or "≥ " for a label at an end beyond which there are values.
+// "≤ " or "≥ " if the label stands at an end of the scale beyond which there are values; else
+// nothing.
 const char* tail_sign(const ColorScale& scale, double value) {
   const double near = kSlack * (scale.upper - scale.lower);
   const bool at_lower = std::abs(value - scale.lower) <= near;
@@ -62,7 +66,8 @@ double symmetric_bound(std::span<const float> values, double inside) {
 }
 
 Tails find_tails(const ColorScale& scale, std::span<const float> values) {
-  // Bounds that came from a float and were rounded up by slack hold it.
+  // Bounds may stem from one of these floats and may have been rounded a little; the slack makes
+  // sure that such a bound still holds its own float.
   const double slack = kSlack * (scale.upper - scale.lower);
   const auto below = [&](float v) { return v < scale.lower - slack; };
   const auto above = [&](float v) { return v > scale.upper + slack; };
@@ -73,6 +78,9 @@ Tails find_tails(const ColorScale& scale, std::span<const float> values) {
 
 std::vector<Tick> ticks(const ColorScale& scale, int most) {
   check(scale);
+  // The step that would give `most` ticks exactly is rounded up to 1, 2, 5 or 10 times a power of
+  // ten. The power of ten gives the number of decimals; 1e-12 keeps the logarithm of a power of ten
+  // from falling below it.
   const double raw = (scale.upper - scale.lower) / std::max(most - 1, 1);
   const double power = std::floor(std::log10(raw) + 1e-12);
   const double unit = std::pow(10, power), mantissa = raw / unit;
@@ -83,6 +91,7 @@ std::vector<Tick> ticks(const ColorScale& scale, int most) {
   const double step = factor * unit;
   const int decimals = std::max(0, static_cast<int>(-power) - (factor == 10 ? 1 : 0));
   std::vector<Tick> result;
+  // The ticks are first * step .. last * step.
   const auto first = std::llround(std::ceil(scale.lower / step - kSlack));
   const auto last = std::llround(std::floor(scale.upper / step + kSlack));
   for (auto i = first; i <= last; ++i) {

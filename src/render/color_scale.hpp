@@ -1,4 +1,4 @@
-// Which colour a value has, and the labels that say so.
+// Which colour a value has, and which numbers label a colour bar.
 #pragma once
 
 #include <span>
@@ -9,36 +9,40 @@
 
 namespace vdwmesh {
 
-// On which sides values lie outside of the bounds; they have the colours of the ends, and labels
-// say so.
+// On which sides of a scale there are values outside its bounds. They are drawn in the colour of
+// that end, and the label of the end says so.
 enum class Tails { none, below, above, both };
 
-// Values from `lower` to `upper` run through the map.
+// A scale that takes the values from `lower` to `upper` through a colour map.
 struct ColorScale {
   ColorMap map = ColorMap::viridis;
-  double lower = 0, upper = 1;  // finite, lower < upper
-  std::string title;            // of the colour bar, with the unit
+  // Finite, and lower < upper. In the unit of the values.
+  double lower = 0, upper = 1;
+  // Of the colour bar, with the unit.
+  std::string title;
   Tails tails = Tails::none;
 };
 
-// Throws InvalidInput where the bounds are not finite or not in order.
+// Throws InvalidInput if the bounds are not finite or not in order.
 void check(const ColorScale& scale);
 
-// The bound b, round (1, 1.5, 2, 3, 4, 5, 6 or 8 times a power of ten), for which [-b, b] holds at
-// least the share `inside` of the finite values; at least 5e-4. Throws InvalidInput where no value
-// is finite.
+// The least round bound b such that [-b, b] holds at least the share `inside` of the finite values.
+// Round numbers are 1, 1.5, 2, 3, 4, 5, 6 or 8 times a power of ten. The result is at least 5e-4.
+// Throws InvalidInput if no value is finite.
 double symmetric_bound(std::span<const float> values, double inside);
 
-// On which sides values lie outside of the bounds.
+// On which sides of the scale some of the values lie outside its bounds. NaN lies on none.
 Tails find_tails(const ColorScale& scale, std::span<const float> values);
 
-// Values in [lower, upper] that are multiples of a round step (1, 2 or 5 times a power of ten):
-// `most` at most, and two at least where `most` is 7 or more. Their text has as many decimals as
-// the step; a minus is U+2212.
+// A labelled value of a colour bar. The label has as many decimals as the step between ticks; its
+// minus sign is U+2212.
 struct Tick {
   double value;
   std::string label;
 };
+// The multiples of a round step that lie in [lower, upper]. The step is the least of 1, 2 or 5
+// times a power of ten that cannot give more than `most` ticks. If `most` is 7 or more, there are
+// at least two.
 std::vector<Tick> ticks(const ColorScale& scale, int most);
 
 }  // namespace vdwmesh

@@ -1,3 +1,6 @@
+// Splits vertices at creases. A hash map from (vertex, sphere) to the new vertex makes each copy
+// once. Copies are numbered in the order in which the triangles first use them, so the result
+// depends on the input alone.
 #include "render/crease_split.hpp"
 
 #include <fmt/format.h>
@@ -9,6 +12,7 @@
 namespace vdwmesh {
 namespace {
 
+// Throws InvalidInput unless every triangle names a sphere of the set.
 void check(const IndexedMesh& mesh, const SphereSet& spheres) {
   if (mesh.triangle_spheres.size() != mesh.triangle_count()) {
     throw InvalidInput("the mesh does not say which sphere its triangles lie on");
@@ -21,6 +25,7 @@ void check(const IndexedMesh& mesh, const SphereSet& spheres) {
   }
 }
 
+// The unit normal of the sphere at a point on it.
 Vec3f outward(const Sphere& sphere, const Vec3d& point) {
   const Vec3d radius = point - sphere.center;
   return cast<float>((1 / norm(radius)) * radius);
@@ -33,7 +38,7 @@ IndexedMesh split_at_creases(const IndexedMesh& mesh, const SphereSet& spheres) 
   IndexedMesh split;
   split.triangle_spheres = mesh.triangle_spheres;
   split.triangles.resize(mesh.triangle_count());
-  std::unordered_map<std::uint64_t, std::uint32_t> places;  // of vertex and sphere
+  std::unordered_map<std::uint64_t, std::uint32_t> places;  // key: vertex << 32 | sphere
   places.reserve(mesh.vertex_count());
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     const SphereId sphere = mesh.triangle_spheres[t];

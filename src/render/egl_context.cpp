@@ -1,3 +1,10 @@
+// Opens an OpenGL context through EGL.
+//
+// Steps: (1) list the displays that need no window: one per EGL device (EGL_EXT_platform_device),
+// then Mesa's surfaceless platform. (2) Take the first display on which an OpenGL 3.3 core context
+// without a surface can be made current. Drivers differ in what they advertise, so extension
+// functions are looked up by name and every failure only moves on to the next display. If all fail,
+// the error lists every reason.
 #include "render/egl_context.hpp"
 
 #include <epoxy/gl.h>
@@ -11,12 +18,14 @@
 namespace vdwmesh {
 namespace {
 
+// Whether a list of extensions, separated by spaces, holds a name. `extensions` may be null.
 bool lists(const char* extensions, std::string_view name) {
   const std::string padded = fmt::format(" {} ", extensions ? extensions : "");
   return padded.find(fmt::format(" {} ", name)) != std::string::npos;
 }
 
-// By address, because epoxy ends the program where an extension function is missing.
+// Looks up an extension function; null if it is missing. epoxy's own wrappers would end the program
+// in this case.
 template <class Function>
 Function address_of(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
@@ -28,7 +37,7 @@ struct NamedDisplay {
   std::optional<int> cuda_device;
 };
 
-// Number of the device in CUDA, where its driver has one for it (EGL_NV_device_cuda).
+// The number that CUDA has for the device, if its driver says so (EGL_NV_device_cuda).
 std::optional<int> cuda_number(EGLDeviceEXT device) {
   const auto text = address_of<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
   const auto query = address_of<PFNEGLQUERYDEVICEATTRIBEXTPROC>("eglQueryDeviceAttribEXT");
@@ -38,8 +47,8 @@ std::optional<int> cuda_number(EGLDeviceEXT device) {
   return static_cast<int>(number);
 }
 
-// Mesa's enumeration puts hardware before its software rasterizer. Some drivers advertise only
-// EGL_EXT_device_base, which includes EGL_EXT_device_enumeration.
+// One display per EGL device. Mesa lists hardware before its software rasterizer. Some drivers
+// advertise only EGL_EXT_device_base, which includes EGL_EXT_device_enumeration.
 std::vector<NamedDisplay> device_displays(const char* extensions) {
   const bool devices =
       lists(extensions, "EGL_EXT_device_base") || lists(extensions, "EGL_EXT_device_enumeration");
@@ -58,6 +67,7 @@ std::vector<NamedDisplay> device_displays(const char* extensions) {
   return displays;
 }
 
+// All displays to be tried, in order.
 std::vector<NamedDisplay> displays_without_window() {
   const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   std::vector<NamedDisplay> displays = device_displays(extensions);
@@ -69,11 +79,14 @@ std::vector<NamedDisplay> displays_without_window() {
   return displays;
 }
 
+// Throws BackendUnavailable with the name of the function that failed and EGL's error.
 [[noreturn]] void fail(const char* what) {
   throw BackendUnavailable(
       fmt::format("{} failed (EGL error {:#x})", what, static_cast<unsigned>(eglGetError())));
 }
 
+// Any configuration with desktop OpenGL. EGL_SURFACE_TYPE is 0, because no EGL surface is needed;
+// by default EGL would require one for windows.
 EGLConfig choose_config(EGLDisplay display) {
   const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
   EGLConfig config{};
@@ -101,6 +114,7 @@ EglContext::EglContext() {
 
 EglContext::~EglContext() { close(); }
 
+// Opens a display, or appends the reason why this failed to `reasons`.
 bool EglContext::try_open(EGLDisplay display, const std::string& name, std::string& reasons) {
   try {
     open(display);
@@ -138,13 +152,14 @@ void EglContext::open(EGLDisplay display) {
 void EglContext::close() {
   if (display_ == EGL_NO_DISPLAY) return;
   if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
-  // The display is the process's: others may be using it, so it is not terminated.
+  // A display belongs to the whole process, and others may use it. So it is not terminated.
   context_ = EGL_NO_CONTEXT;
   display_ = EGL_NO_DISPLAY;
 }
 
 EglContext::Use::Use(const EglContext& context) : display_(context.display_) {
-  // The API bound is the thread's, and this may be another thread than the constructor's.
+  // The bound API is a setting of each thread, and this may be another thread than the
+  // constructor's.
   eglBindAPI(EGL_OPENGL_API);
   if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context.context_)) {
     fail("eglMakeCurrent");

@@ -1,4 +1,4 @@
-// An OpenGL context without a window.
+// An OpenGL context that needs no window and no display server (EGL).
 #pragma once
 
 #include <epoxy/egl.h>
@@ -9,15 +9,17 @@
 
 namespace vdwmesh {
 
+// An OpenGL 3.3 core context without a surface: drawing goes to framebuffer objects. It may be used
+// by any thread, but by one at a time.
 class EglContext {
  public:
-  // Throws BackendUnavailable with the reason of every way that was tried.
+  // Opens the context. Throws BackendUnavailable, with a reason for each way that was tried.
   EglContext();
   ~EglContext();
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
-  // Current on this thread while one of these lives.
+  // Makes the context current on this thread for its own lifetime.
   class Use {
    public:
     explicit Use(const EglContext& context);
@@ -29,8 +31,9 @@ class EglContext {
     EGLDisplay display_;
   };
 
+  // Name of the device and version of OpenGL.
   const std::string& device() const { return device_; }
-  // See Renderer::cuda_device().
+  // The device's number in CUDA; see Renderer::cuda_device().
   std::optional<int> cuda_device() const { return cuda_device_; }
 
  private:

@@ -1,10 +1,11 @@
-// The bytes of DejaVuSans.ttf, put into a source file when building.
+// The font file that is embedded in the program.
 #pragma once
 
 #include <string_view>
 
 namespace vdwmesh {
 
+// The bytes of DejaVuSans.ttf. EmbedFont.cmake writes the source file that defines this function.
 std::string_view font_data();
 
 }  // namespace vdwmesh

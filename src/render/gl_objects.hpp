@@ -1,4 +1,5 @@
-// Owners of OpenGL names. All need their context current, in destructors too.
+// Owners of OpenGL names (RAII), and the check for errors. All functions need the context to be
+// current on the calling thread; destructors need it too.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -14,7 +15,8 @@
 
 namespace vdwmesh {
 
-// Throws LimitExceeded where the device is out of memory, Error for what else went wrong.
+// Turns a pending OpenGL error into an exception: LimitExceeded if the device is out of memory,
+// else Error. `what` names the thing that was being made, for the message.
 inline void check_gl(std::string_view what) {
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR) return;
@@ -27,11 +29,11 @@ inline void check_gl(std::string_view what) {
   throw Error(fmt::format("OpenGL error {:#x} at {}", error, what));
 }
 
-// An offset into the bound buffer, as OpenGL takes it: its bits in the place of a pointer, which
-// nobody follows.
+// An offset in bytes into the bound buffer, in the form that OpenGL expects: a pointer with these
+// bits, which is never dereferenced.
 inline const void* buffer_offset(std::size_t bytes) { return std::bit_cast<const void*>(bytes); }
 
-// One name, made by `Generate` and given back by `Delete`.
+// Owns one OpenGL name. Traits::generate() makes it and Traits::release() deletes it.
 template <class Traits>
 class GlObject {
  public:

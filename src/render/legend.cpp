@@ -1,3 +1,8 @@
+// Draws the colour bar into the pixels of a picture, after OpenGL has drawn the surface above it.
+//
+// All measures are multiples of one text size, which grows with the picture. From top to bottom
+// there are the title, the bar, the tick marks and the labels. The number of labels is the largest
+// one at which neighbours keep clear of each other.
 #include "render/legend.hpp"
 
 #include <fmt/format.h>
@@ -12,21 +17,27 @@
 namespace vdwmesh {
 namespace {
 
-constexpr int kLeastWidth = 240, kLeastHeight = 160;  // pixels, with text of kLeastTextSize
+// The smallest picture that has a legend, in pixels.
+constexpr int kLeastWidth = 240, kLeastHeight = 160;
+// Pixels per em; smaller text is not readable.
 constexpr int kLeastTextSize = 11;
-constexpr double kBarShare = 0.62;  // of the picture's width
+constexpr double kBarShare = 0.62;  // the bar's width as a share of the picture's
 
+// Pixels per em for a picture of this size.
 int text_size(int width, int height) {
   return std::max(kLeastTextSize, std::min(width / 48, height / 36));
 }
 
-// Rows below the top of the legend, in text sizes.
+// Heights below the top of the legend, in text sizes.
 constexpr double kTitleBaseline = 0.9, kBarTop = 1.4, kBarBottom = 2.3, kTickBottom = 2.55,
                  kLabelBaseline = 3.55, kHeight = 4.2;
 
+// From text sizes to rows of pixels.
 int rows(double text_sizes, int size) { return static_cast<int>(std::lround(text_sizes * size)); }
 
-// Black on light, white on dark; light as CIE luminance, whose middle grey is 0.18.
+// The colour of text: black on a light background, white on a dark one. A background is light if
+// its relative luminance (CIE Y of sRGB) exceeds 0.18, the luminance of middle grey. Text on a
+// transparent background is black.
 Rgb ink_on(const std::optional<Rgb>& background) {
   if (!background) return {0, 0, 0};
   const double luminance = 0.2126 * to_linear(background->r) + 0.7152 * to_linear(background->g) +
@@ -44,6 +55,7 @@ void fill(const Rectangle& r, const Rgb& color, Picture& picture) {
   }
 }
 
+// Draws the bar, one colour per column of pixels, with a frame that is one pixel wide.
 void draw_bar(const ColorScale& scale, const Rectangle& bar, const Rgb& ink, Picture& picture) {
   fill({bar.left - 1, bar.right + 1, bar.top - 1, bar.bottom + 1}, ink, picture);
   const double width = bar.right - bar.left;
@@ -53,12 +65,14 @@ void draw_bar(const ColorScale& scale, const Rectangle& bar, const Rgb& ink, Pic
   }
 }
 
+// The column of pixels at which a value stands on the bar.
 int place(const ColorScale& scale, const Rectangle& bar, double value) {
   const double share = (value - scale.lower) / (scale.upper - scale.lower);
   return bar.left + static_cast<int>(std::lround(share * (bar.right - 1 - bar.left)));
 }
 
-// As many labels as stand clear of each other.
+// The ticks to be labelled: as many as possible, 11 at most, such that neighbouring labels keep
+// half a label's width between them. Ticks have equal distances, so the first two decide.
 std::vector<Tick> fitting_ticks(const ColorScale& scale, const Rectangle& bar, const Font& font) {
   std::vector<Tick> chosen;
   for (int most = 11; most >= 3; most -= 2) {
@@ -68,7 +82,7 @@ std::vector<Tick> fitting_ticks(const ColorScale& scale, const Rectangle& bar, c
     const bool alone = chosen.size() < 2;
     const int apart =
         alone ? 0 : place(scale, bar, chosen[1].value) - place(scale, bar, chosen[0].value);
-    if (alone || 2 * apart >= 3 * widest) break;
+    if (alone || 2 * apart >= 3 * widest) break;  // 1.5 widths apart
   }
   return chosen;
 }

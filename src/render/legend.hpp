@@ -8,10 +8,12 @@
 
 namespace vdwmesh {
 
-// Rows it takes, in pixels. Throws InvalidInput for a picture too small to hold a readable one.
+// The height of the legend in rows of pixels. Throws InvalidInput if the picture is too small for a
+// readable legend.
 int legend_height(int picture_width, int picture_height);
 
-// Fills the rows from `top` on: the scale's title, the bar, and labels at round values.
+// Fills the rows from `top` to the foot of the picture with the scale's title, the bar, and labels
+// at round values. The rows are cleared to `background` before, or to transparent if there is none.
 void draw_legend(const ColorScale& scale, int top, const std::optional<Rgb>& background,
                  Picture& picture);
 

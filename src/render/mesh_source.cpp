@@ -1,3 +1,9 @@
+// The surface source of a mesh in host memory.
+//
+// The constructor checks the mesh, integrates its moments and completes its normals; fill() then
+// writes the vertices into the renderer's buffers. Loops run on all cores in blocks of fixed size.
+// Partial sums are added in the order of the blocks, so results do not depend on the number of
+// threads.
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -13,11 +19,11 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kPerBlock = std::size_t{1} << 15;  // triangles or vertices
+constexpr std::size_t kPerBlock = std::size_t{1} << 15;  // triangles or vertices per block
 
 std::size_t blocks_of(std::size_t count) { return (count + kPerBlock - 1) / kPerBlock; }
 
-// body(block, first, last) for all blocks, on all cores.
+// Calls body(block, first, last) for all blocks of [0, count), in parallel.
 template <class Body>
 void for_blocks(std::size_t count, const Body& body) {
   tbb::parallel_for(std::size_t{0}, blocks_of(count), [&](std::size_t block) {
@@ -29,6 +35,7 @@ bool is_finite(const Vec3d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
+// Throws InvalidInput for the first triangle that has an index or a coordinate out of order.
 void check_triangles(const IndexedMesh& mesh) {
   if (mesh.triangles.empty()) throw InvalidInput("the mesh has no triangles; nothing to draw");
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -44,6 +51,7 @@ void check_triangles(const IndexedMesh& mesh) {
   }
 }
 
+// Throws InvalidInput unless there are as many colours or values as needed.
 void check_count(std::string_view what, std::size_t count, std::size_t needed) {
   if (count == needed) return;
   throw InvalidInput(fmt::format("{} {}, but {} are needed", count, what, needed));
@@ -61,12 +69,14 @@ void check_paint(const IndexedMesh& mesh, const Paint& paint) {
   }
 }
 
+// The corners of triangle t, relative to `origin`.
 std::array<Vec3d, 3> corners(const IndexedMesh& mesh, std::size_t t, const Vec3d& origin) {
   const auto corner = [&](std::size_t k) { return mesh.positions[mesh.triangles[t][k]] - origin; };
   return {corner(0), corner(1), corner(2)};
 }
 
-// Area, its first moments and its second (xx xy xz yy yz zz), about some origin.
+// The area of a set of triangles, its first moments (x y z) and its second moments (xx xy xz yy yz
+// zz) about an origin, in this order.
 struct AreaMoments {
   std::array<WideSum, 10> sums;
 
@@ -88,7 +98,8 @@ struct AreaMoments {
   }
 };
 
-// Block by block in order, so that any number of threads gives the same bits.
+// The moments of the whole mesh about an origin. Each block has a sum of its own; the sums are
+// added in order, so that any number of threads gives the same bits.
 AreaMoments integrate(const IndexedMesh& mesh, const Vec3d& origin) {
   std::vector<AreaMoments> parts(blocks_of(mesh.triangle_count()));
   for_blocks(mesh.triangle_count(), [&](std::size_t block, std::size_t first, std::size_t last) {
@@ -99,6 +110,8 @@ AreaMoments integrate(const IndexedMesh& mesh, const Vec3d& origin) {
   return total;
 }
 
+// Centroid and covariance of the area. The moments are integrated about a vertex of the mesh,
+// because the subtraction of mean · meanᵀ would cancel digits far from the origin.
 SurfaceExtent::Moments area_moments(const IndexedMesh& mesh) {
   const Vec3d origin = mesh.positions[mesh.triangles[0][0]];
   const AreaMoments total = integrate(mesh, origin);
@@ -113,12 +126,14 @@ SurfaceExtent::Moments area_moments(const IndexedMesh& mesh) {
            mean(8) - m.y * m.z, mean(9) - m.z * m.z}};
 }
 
+// Whether the normal has a direction.
 bool is_usable(const Vec3f& normal) {
   const float length = norm(normal);
   return std::isfinite(length) && length > 0;
 }
 
-// The mesh's own normals with the gaps filled; empty where there are no gaps.
+// The mesh's normals, with unusable ones replaced by vertex_normals(). Empty if all of them are
+// usable, so that the mesh's own array serves without a copy.
 Buffer<Vec3f> completed_normals(const IndexedMesh& mesh) {
   const bool own = mesh.normals.size() == mesh.vertex_count();
   if (own && std::ranges::all_of(mesh.normals, is_usable)) return {};
@@ -140,6 +155,7 @@ Buffer<Vec3f> vertex_normals(const IndexedMesh& mesh) {
     if (!(twice_area > 0)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3d to_next = v[(k + 1) % 3] - v[k], to_last = v[(k + 2) % 3] - v[k];
+      // The angle of the triangle at its vertex k: |a × b| is twice the area at every corner.
       const double angle = std::atan2(twice_area, dot(to_next, to_last));
       Vec3d& sum = sums[mesh.triangles[t][k]];
       sum = sum + (angle / twice_area) * normal;
@@ -166,6 +182,7 @@ std::vector<double> MeshSource::support(std::span<const Vec3d> directions) const
   const double lowest = -std::numeric_limits<double>::infinity();
   std::vector<double> parts(blocks * n, lowest);
   for_blocks(mesh_.triangle_count(), [&](std::size_t block, std::size_t first, std::size_t last) {
+    // The largest values of this block, one per direction.
     double* reach = parts.data() + block * n;
     for (std::size_t t = first; t < last; ++t) {
       for (const std::uint32_t v : mesh_.triangles[t]) {

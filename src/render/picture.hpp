@@ -11,7 +11,7 @@ namespace vdwmesh {
 
 using Rgba8 = std::array<std::uint8_t, 4>;  // sRGB and straight alpha: 255 is opaque
 
-// Rows from the top, pixels from the left.
+// A picture. Rows run from the top, pixels of a row from the left.
 struct Picture {
   int width = 0, height = 0;
   std::vector<Rgba8> pixels;
@@ -26,9 +26,9 @@ struct Picture {
   }
 };
 
-// A PNG of 8 bits per channel: RGB where every pixel is opaque, else RGBA; the same picture gives
-// the same bytes. Throws InvalidInput for a picture without pixels, BackendUnavailable in a build
-// without libpng.
+// The bytes of a PNG file with 8 bits per channel: RGB if every pixel is opaque, else RGBA. The
+// same picture gives the same bytes. Throws InvalidInput for a picture without pixels,
+// BackendUnavailable in a build without libpng.
 std::string encode_png(const Picture& picture);
 
 }  // namespace vdwmesh

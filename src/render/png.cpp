@@ -1,3 +1,5 @@
+// Encodes pictures as PNG with libpng's simplified API, which writes to memory. The alpha channel
+// is dropped if all pixels are opaque.
 #include <fmt/format.h>
 #include <png.h>
 
@@ -10,6 +12,7 @@
 namespace vdwmesh {
 namespace {
 
+// The pixels as RGB bytes.
 std::vector<std::uint8_t> without_alpha(const Picture& picture) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(3 * picture.pixels.size());
@@ -21,7 +24,7 @@ std::vector<std::uint8_t> without_alpha(const Picture& picture) {
 std::string encode(png_image& image, const void* pixels) {
   png_alloc_size_t size = 0;
   std::string bytes;
-  // The first call only counts.
+  // Without a buffer the call only computes the size of the file; the second call writes it.
   if (png_image_write_to_memory(&image, nullptr, &size, 0, pixels, 0, nullptr)) {
     bytes.resize(size);
     png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels, 0, nullptr);

@@ -1,3 +1,10 @@
+// Draws one picture with OpenGL, from checks to pixels.
+//
+// Steps: (1) check options and memory; (2) frame the surface (camera.cpp); (3) draw it into a
+// framebuffer that has samples_per_axis samples along each axis of a pixel (surface_buffers.cpp,
+// surface_program.cpp); (4) read the samples back and average them (samples.cpp); (5) add the
+// colour bar (legend.cpp). Averaging is done here and not by OpenGL's multisampling, whose sample
+// positions depend on the driver.
 #include "render/renderer.hpp"
 
 #include <fmt/format.h>
@@ -17,11 +24,12 @@
 namespace vdwmesh {
 namespace {
 
+// Colours in the texture of a colour map; OpenGL interpolates between them.
 constexpr int kPaletteSize = 256;
 constexpr int kMostSamplesPerAxis = 8;
-// One draw call counts its indices in 31 bits.
+// The most triangles in one draw call, which counts its indices in a GLsizei of 31 bits.
 constexpr std::uint64_t kTrianglesPerCall = std::uint64_t{1} << 28;
-// Of a sample: colour, depth, and colour as read back.
+// Colour and depth in the framebuffer, and the colour after it has been read back.
 constexpr std::uint64_t kBytesPerSample = 4 + 4 + 4;
 
 void check_options(const RenderOptions& o) {
@@ -41,10 +49,12 @@ void check_options(const RenderOptions& o) {
   }
 }
 
+// In samples or pixels, as the context says.
 struct Size {
   int width, height;
 };
 
+// Throws LimitExceeded if the buffers and the samples need more than `limit` bytes.
 void check_memory(const SurfaceSource& source, const Size& samples, std::uint64_t limit) {
   const auto pixels =
       static_cast<std::uint64_t>(samples.width) * static_cast<std::uint64_t>(samples.height);
@@ -56,6 +66,8 @@ void check_memory(const SurfaceSource& source, const Size& samples, std::uint64_
       source.triangle_count(), samples.width, samples.height, needed, limit));
 }
 
+// Throws LimitExceeded if the OpenGL device cannot draw so many samples. The context must be
+// current.
 void check_device(const Size& samples) {
   GLint renderbuffer = 0, viewport[2] = {0, 0};
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbuffer);
@@ -69,7 +81,7 @@ void check_device(const Size& samples) {
       samples.width, samples.height, width, height));
 }
 
-// Where samples are drawn.
+// The framebuffer into which samples are drawn: 8-bit colour and float depth. It stays bound.
 class Canvas {
  public:
   explicit Canvas(const Size& size) {
@@ -92,6 +104,7 @@ class Canvas {
   GlRenderbuffer color_, depth_;
 };
 
+// Uploads a colour map as a texture of one row and binds it to texture unit 0.
 void bind_palette(const GlTexture& texture, ColorMap map) {
   std::array<std::array<std::uint8_t, 3>, kPaletteSize> colors{};
   for (int i = 0; i < kPaletteSize; ++i) {
@@ -111,6 +124,9 @@ void bind_palette(const GlTexture& texture, ColorMap map) {
   check_gl("the palette");
 }
 
+// Draws all triangles of the bound buffers, in several calls if there are too many for one. The
+// program needs the first triangle of each call, because OpenGL counts primitives from 0 in every
+// call.
 void draw_triangles(const SurfaceProgram& program, std::uint64_t count) {
   for (std::uint64_t first = 0; first < count; first += kTrianglesPerCall) {
     const std::uint64_t here = std::min(count - first, kTrianglesPerCall);
@@ -120,6 +136,8 @@ void draw_triangles(const SurfaceProgram& program, std::uint64_t count) {
   }
 }
 
+// Draws the surface into the bound framebuffer. Faces are not culled, so that the inside of an open
+// surface is visible. The cleared samples have alpha 0, which marks them as not covered.
 void draw_surface(const SurfaceSource& source, const RenderOptions& options, const Camera& camera,
                   const Size& size) {
   const SurfaceBuffers buffers(source, camera.origin);
@@ -137,6 +155,7 @@ void draw_surface(const SurfaceSource& source, const RenderOptions& options, con
   check_gl("the drawing");
 }
 
+// Reads the samples from the bound framebuffer.
 Samples read_back(const Size& size, int per_axis) {
   Samples samples{size.width, size.height, per_axis, {}};
   samples.values.resize(static_cast<std::size_t>(size.width) *
@@ -147,6 +166,7 @@ Samples read_back(const Size& size, int per_axis) {
   return samples;
 }
 
+// Throws InvalidInput if no sample is covered: an empty picture would be mistaken for a result.
 void require_something(const Samples& samples) {
   const auto covered = [](const Rgba8& v) { return v[3] != 0; };
   if (std::ranges::any_of(samples.values, covered)) return;
@@ -155,7 +175,7 @@ void require_something(const Samples& samples) {
       "view or a larger picture");
 }
 
-// Height of the picture above the colour bar.
+// Height in pixels of the part of the picture above the colour bar.
 int surface_height(const SurfaceSource& source, const RenderOptions& options) {
   if (!source.scale()) return options.height;
   return options.height - legend_height(options.width, options.height);

@@ -1,3 +1,5 @@
+// Averages samples (a box filter) in linear light. Averaging encoded sRGB values would make edges
+// too dark. The rows of the picture are computed in parallel.
 #include "render/samples.hpp"
 
 #include <tbb/parallel_for.h>
@@ -9,7 +11,7 @@
 namespace vdwmesh {
 namespace {
 
-// IEC 61966-2-1.
+// Linear light of each sRGB byte (IEC 61966-2-1), computed once.
 const std::array<double, 256>& linear_of_byte() {
   static const auto kTable = [] {
     std::array<double, 256> t{};
@@ -23,12 +25,13 @@ struct Light {
   double r = 0, g = 0, b = 0;
 };
 
-// Sum of light over the covered samples of one pixel, and their number.
+// The sum of light over the covered samples of one pixel, and the number of these samples.
 struct Covered {
   Light light;
   int count = 0;
 };
 
+// Adds up the samples of pixel x in row y, counted from the bottom.
 Covered gather(const Samples& s, int x, int y_from_bottom) {
   const std::array<double, 256>& linear = linear_of_byte();
   Covered covered;
@@ -47,6 +50,7 @@ Covered gather(const Samples& s, int x, int y_from_bottom) {
   return covered;
 }
 
+// A pixel without a background. Alpha is straight: the colour is not multiplied by it.
 Rgba8 over_nothing(const Covered& c, int samples) {
   if (c.count == 0) return {0, 0, 0, 0};
   const double n = c.count;
@@ -54,6 +58,7 @@ Rgba8 over_nothing(const Covered& c, int samples) {
           static_cast<std::uint8_t>(std::lround(255.0 * n / samples))};
 }
 
+// A pixel over a background, which all samples show that are not covered.
 Rgba8 over(const Light& background, const Covered& c, int samples) {
   const double free = samples - c.count;
   const auto channel = [&](double light, double behind) {

@@ -1,4 +1,4 @@
-// From the samples that OpenGL drew to the pixels of a picture.
+// Makes the pixels of a picture from the samples that OpenGL has drawn.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,22 @@
 
 namespace vdwmesh {
 
-// Covered samples have alpha 255, the others 0. Rows from the bottom, as OpenGL reads them.
+// The samples of a picture, in rows from the bottom as OpenGL reads them. Samples that show the
+// surface have alpha 255, all others 0.
 struct Samples {
-  int width = 0, height = 0;  // of the samples: those of the picture times per_axis
+  // In samples: the picture's size in pixels times per_axis.
+  int width = 0, height = 0;
   int per_axis = 1;
   std::vector<Rgba8> values;
 };
 
-// Means over per_axis × per_axis samples in linear light, over the background, or with the covered
-// share as alpha where there is none. Written to the top of `picture`, which is as wide.
+// Computes each pixel as the mean of its per_axis × per_axis samples, in linear light. Samples that
+// are not covered count as background. Without a background, a pixel has the mean colour of its
+// covered samples, and their share as alpha. The pixels go to the top rows of `picture`, which must
+// be as wide as the samples need.
 void resolve(const Samples& samples, const std::optional<Rgb>& background, Picture& picture);
 
-// Light from 0 to 1 of an sRGB channel, and the nearest byte of such a light.
+// Linear light of an sRGB channel, both from 0 to 1; and the nearest sRGB byte of linear light.
 double to_linear(double channel);
 std::uint8_t to_srgb_byte(double light);
 

@@ -1,3 +1,6 @@
+// Allocates the buffers of a surface, maps them on demand while the source fills them, and binds
+// them for drawing. The values of triangles go into a buffer texture, from which the fragment
+// shader fetches the value by the number of the triangle.
 #include "render/surface_buffers.hpp"
 
 #include <cstddef>
@@ -7,10 +10,12 @@
 namespace vdwmesh {
 namespace {
 
+// Bytes of the values of triangles; 0 if these are not painted.
 std::uint64_t value_bytes(PaintKind paint, std::uint64_t triangles) {
   return paint == PaintKind::triangle_value ? triangles * sizeof(float) : 0;
 }
 
+// Gives a buffer its size and checks that the device has granted it.
 void allocate_buffer(GLenum target, GLuint name, std::uint64_t bytes, std::string_view what) {
   glBindBuffer(target, name);
   glBufferData(target, static_cast<GLsizeiptr>(bytes), nullptr, GL_STATIC_DRAW);
@@ -23,7 +28,8 @@ void allocate_buffer(GLenum target, GLuint name, std::uint64_t bytes, std::strin
   }
 }
 
-// Maps a buffer to be written in full.
+// Maps a buffer to host memory for writing. Its former content is lost, so all of it must be
+// written.
 template <class T>
 T* map(GLenum target, GLuint name, std::uint64_t count) {
   glBindBuffer(target, name);
@@ -34,7 +40,8 @@ T* map(GLenum target, GLuint name, std::uint64_t count) {
   return static_cast<T*>(memory);
 }
 
-// Content is undefined where the device lost it meanwhile.
+// Unmaps a buffer if it was mapped. OpenGL reports here if the device has lost the content
+// meanwhile.
 template <class T>
 void unmap_buffer(GLenum target, GLuint name, T*& mapped) {
   if (!mapped) return;
@@ -43,6 +50,7 @@ void unmap_buffer(GLenum target, GLuint name, T*& mapped) {
   if (!glUnmapBuffer(target)) throw Error("the OpenGL device lost a buffer");
 }
 
+// Throws LimitExceeded if a buffer texture cannot hold a value per triangle.
 void check_texture_size(std::uint64_t triangles) {
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
@@ -65,7 +73,7 @@ SurfaceBuffers::SurfaceBuffers(const SurfaceSource& source, const Vec3d& origin)
     : vertex_count_(source.vertex_count()),
       triangle_count_(source.triangle_count()),
       paint_(source.paint()) {
-  // The index buffer belongs to the vertex array that is bound meanwhile.
+  // The vertex array that is bound while the index buffer is bound remembers it, so it comes first.
   glBindVertexArray(array_.name());
   allocate();
   source.fill(*this, origin);

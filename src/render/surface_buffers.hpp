@@ -1,4 +1,4 @@
-// A surface in the device's memory.
+// A surface in the OpenGL buffers of the device that draws.
 #pragma once
 
 #include "render/gl_objects.hpp"
@@ -6,12 +6,15 @@
 
 namespace vdwmesh {
 
-// Bytes a source takes in buffers.
+// The number of bytes that a source needs in buffers.
 std::uint64_t buffer_bytes(const SurfaceSource& source);
 
+// Owns the buffers of one surface. They are mapped to host memory only if the source asks for this;
+// otherwise the source fills them by their OpenGL names, from CUDA for example.
 class SurfaceBuffers : public SurfaceTarget {
  public:
-  // Allocates and has the source fill them. Throws LimitExceeded where the device cannot hold them.
+  // Allocates the buffers and calls source.fill(). Throws LimitExceeded if the device cannot hold
+  // them. The context must be current.
   SurfaceBuffers(const SurfaceSource& source, const Vec3d& origin);
   ~SurfaceBuffers() override;
 
@@ -24,11 +27,12 @@ class SurfaceBuffers : public SurfaceTarget {
     return paint_ == PaintKind::triangle_value ? value_buffer_.name() : 0;
   }
 
-  // Binds vertices and indices, and the values of triangles to texture unit 1.
+  // Binds vertices and indices for drawing, and the values of triangles to texture unit 1.
   void bind() const;
 
  private:
   void allocate() const;
+  // Tells OpenGL the layout of a SurfaceVertex.
   void describe_vertices() const;
   void unmap();
 
@@ -37,6 +41,7 @@ class SurfaceBuffers : public SurfaceTarget {
   GlVertexArray array_;
   GlBuffer vertex_buffer_, index_buffer_, value_buffer_;
   GlTexture value_texture_;
+  // Host memory of the buffers while they are mapped, else null.
   SurfaceVertex* mapped_vertices_ = nullptr;
   Triangle* mapped_triangles_ = nullptr;
   float* mapped_values_ = nullptr;

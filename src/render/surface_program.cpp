@@ -1,3 +1,10 @@
+// The GLSL shaders of a surface and their uniform variables.
+//
+// Light is computed by Blinn's model with a light at infinity, in linear light; colours are decoded
+// from sRGB before and encoded after it. kCommon holds the light model and goes into both shaders.
+// The vertex shader computes light for Gouraud shading, the fragment shader for shading per pixel;
+// the macro GOURAUD selects one of them at compile time. Either side of a triangle is lit as seen
+// from the viewer, with the normal reversed for the back side.
 #include "render/surface_program.hpp"
 
 #include <fmt/format.h>
@@ -10,8 +17,10 @@
 namespace vdwmesh {
 namespace {
 
-// Blinn's model in eye coordinates: x right, y up, z toward the viewer. The ambient share is larger
-// toward the viewer, so that shape stays visible where the light does not reach.
+// Both shaders' common part: the light model in eye coordinates (x right, y up, z toward the
+// viewer). illuminate() returns two shares of light: of the surface's own colour, and of white for
+// the highlight. The ambient share is larger where the surface faces the viewer, so that shape
+// stays visible in places without light.
 constexpr const char* kCommon = R"(#version 330 core
 uniform vec3 light;          // unit, toward it
 uniform vec4 material;       // ambient, diffuse, specular, shininess
@@ -38,8 +47,8 @@ vec3 to_srgb(vec3 c) {
 }
 )";
 
-// GOURAUD is defined before the following where light is computed at vertices: for the side that
-// faces the viewer and for the other.
+// The vertex shader. If GOURAUD is defined, it computes light for both sides of the surface,
+// because only the fragment shader knows which side is seen: xy for the front, zw for the back.
 constexpr const char* kVertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -69,6 +78,8 @@ void main() {
 }
 )";
 
+// The fragment shader. The colour comes from the vertices or, for values, from the palette. Value
+// and light are interpolated; the palette is looked up per pixel. NaN is shown grey.
 constexpr const char* kFragment = R"(
 in vec3 eye_position;
 in vec3 eye_normal;
@@ -107,6 +118,7 @@ void main() {
 }
 )";
 
+// The first line of a shader's or a program's log.
 std::string log_of(GLuint name, decltype(glGetShaderInfoLog) get) {
   char text[512] = "";
   get(name, sizeof text, nullptr, text);
@@ -114,6 +126,7 @@ std::string log_of(GLuint name, decltype(glGetShaderInfoLog) get) {
   return log.substr(0, log.find('\n'));
 }
 
+// A compiled shader, deleted with the object.
 class Shader {
  public:
   Shader(GLenum kind, Shading shading, const char* body) : name_(glCreateShader(kind)) {
@@ -143,6 +156,7 @@ std::array<GLfloat, 16> to_floats(const std::array<double, 16>& m) {
   return result;
 }
 
+// The value of the uniform variable `paint`; the fragment shader lists its meanings.
 int paint_number(PaintKind paint) {
   return paint == PaintKind::vertex_color ? 0 : paint == PaintKind::vertex_value ? 1 : 2;
 }
@@ -175,6 +189,7 @@ void SurfaceProgram::use(const Camera& camera, const RenderOptions& options, Pai
   glUseProgram(name_);
   glUniformMatrix4fv(place("clip"), 1, GL_FALSE, to_floats(clip_matrix(camera)).data());
   const Axes& a = camera.axes;
+  // The axes are the rows of the matrix, so OpenGL has to transpose it (GL_TRUE).
   const double rows[] = {a[0].x, a[0].y, a[0].z, a[1].x, a[1].y, a[1].z, a[2].x, a[2].y, a[2].z};
   std::array<GLfloat, 9> axes{};
   for (std::size_t i = 0; i < axes.size(); ++i) axes[i] = static_cast<GLfloat>(rows[i]);

@@ -1,4 +1,4 @@
-// The shaders that draw a surface.
+// The shader program that draws a surface.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -7,25 +7,28 @@
 
 namespace vdwmesh {
 
-// Attribute places of a SurfaceVertex.
+// Locations of the vertex attributes, which hold the members of a SurfaceVertex.
 enum SurfaceAttribute : GLuint { kPosition = 0, kNormal = 1, kColor = 2, kValue = 3 };
 
+// The compiled and linked shaders. The context must be current in every call, destructor included.
 class SurfaceProgram {
  public:
-  // Throws Error with the compiler's first complaint.
+  // Compiles and links. Throws Error with the first line of the compiler's or linker's log.
   explicit SurfaceProgram(Shading shading);
   ~SurfaceProgram();
   SurfaceProgram(const SurfaceProgram&) = delete;
   SurfaceProgram& operator=(const SurfaceProgram&) = delete;
 
-  // Makes it current and sets what stays the same over a picture. The palette is texture unit 0,
-  // the values of triangles are unit 1.
+  // Makes the program current and sets everything that stays the same for one picture. The palette
+  // is read from texture unit 0 and the values of triangles from unit 1. `scale` may be null if
+  // colours are painted.
   void use(const Camera& camera, const RenderOptions& options, PaintKind paint,
            const ColorScale* scale) const;
-  // Number of the first triangle of the next draw call.
+  // Sets the number of the first triangle of the next draw call.
   void set_first_triangle(std::uint64_t triangle) const;
 
  private:
+  // Location of a uniform variable.
   GLint place(const char* uniform) const;
 
   GLuint name_ = 0;

@@ -1,5 +1,6 @@
-// What the renderer draws, and how it gets into its buffers. A source may write from the host, or
-// fill the OpenGL buffers itself on the device that draws (CUDA-OpenGL interoperation).
+// What the renderer draws: a surface that can be framed and can fill the renderer's buffers. A
+// source writes them from the host, or fills the OpenGL buffers itself on the device that draws
+// (CUDA-OpenGL interoperation).
 #pragma once
 
 #include <array>
@@ -16,35 +17,40 @@
 
 namespace vdwmesh {
 
-// Which of its colours a surface shows.
+// From what the surface's colour comes: a colour or a value per vertex, or a value per triangle.
 enum class PaintKind : std::uint8_t { vertex_color, vertex_value, triangle_value };
 
-// The renderer's buffers while they are filled, with its OpenGL context current on this thread.
+// The renderer's buffers while a source fills them. The renderer's OpenGL context is then current
+// on this thread.
 class SurfaceTarget {
  public:
   virtual ~SurfaceTarget() = default;
-  // Host memory that becomes the buffer's content. Write only.
+  // Host memory that becomes the content of the buffers. It may be written only, never read. The
+  // first call for a buffer maps it.
   virtual std::span<SurfaceVertex> vertices() = 0;
   virtual std::span<Triangle> triangles() = 0;
-  virtual std::span<float> triangle_values() = 0;  // empty unless they are painted
-  // OpenGL names of the same buffers, allocated, and not mapped until the host memory is asked for.
+  virtual std::span<float> triangle_values() = 0;  // empty unless values of triangles are painted
+  // OpenGL names of the same buffers. They are allocated, and not mapped unless their host memory
+  // was asked for.
   virtual unsigned vertex_buffer() const = 0;
   virtual unsigned index_buffer() const = 0;
-  virtual unsigned triangle_value_buffer() const = 0;  // 0 unless they are painted
+  virtual unsigned triangle_value_buffer() const = 0;  // 0 unless values of triangles are painted
 };
 
+// A surface with its paint.
 class SurfaceSource : public SurfaceExtent {
  public:
   virtual std::uint64_t vertex_count() const = 0;
   virtual std::uint64_t triangle_count() const = 0;
   virtual PaintKind paint() const = 0;
-  // Of the values; none for colours.
+  // The scale of the values; null if colours are painted.
   virtual const ColorScale* scale() const = 0;
+  // Writes all buffers in full. Positions are stored relative to `origin` (Å).
   virtual void fill(SurfaceTarget& target, const Vec3d& origin) const = 0;
 };
 
-// One colour; a colour per vertex; a value per vertex, interpolated before it becomes a colour; a
-// value per triangle. Values that are NaN are shown grey.
+// What a mesh is painted with: one colour; a colour per vertex; a value per vertex, interpolated
+// before it becomes a colour; or a value per triangle. NaN is shown grey.
 struct VertexColors {
   std::vector<Rgb> colors;
 };
@@ -58,18 +64,20 @@ struct TriangleValues {
 };
 using Paint = std::variant<Rgb, VertexColors, VertexValues, TriangleValues>;
 
-// A surface and its paint in host memory, for who fills the buffers on a device.
+// A view of a surface and its paint in host memory, for code that copies them to a device.
 struct SurfaceArrays {
   VertexArrays vertices;
   std::uint64_t vertex_count = 0;
   std::span<const Triangle> triangles;
-  std::span<const float> triangle_values;  // empty unless they are painted
+  std::span<const float> triangle_values;  // empty unless values of triangles are painted
 };
 
-// A mesh in host memory, which must outlive it. Normals of the mesh where it has one per vertex,
-// and for vertices whose normal is missing, zero or not finite those of vertex_normals(). Throws
-// InvalidInput, naming the first offender, for a mesh without triangles or without area, an index
-// of no vertex, a vertex that is not finite, paint of another size.
+// A mesh in host memory as a source. The mesh must outlive it. It shows the mesh's normals if there
+// is one per vertex; a normal that is missing, zero or not finite is replaced by that of
+// vertex_normals().
+//
+// Throws InvalidInput for a mesh without triangles or without area, and for an index out of range,
+// a vertex that is not finite or paint of another size, naming the first one.
 class MeshSource : public SurfaceSource {
  public:
   MeshSource(const IndexedMesh& mesh, Paint paint);
@@ -81,19 +89,19 @@ class MeshSource : public SurfaceSource {
   PaintKind paint() const override;
   const ColorScale* scale() const override;
   void fill(SurfaceTarget& target, const Vec3d& origin) const override;
-  // What fill() fills from. Valid as long as the source.
+  // The arrays from which fill() copies. Valid as long as the source.
   SurfaceArrays arrays() const;
 
  private:
   const IndexedMesh& mesh_;
   Paint paint_;
   Moments moments_;
-  Buffer<Vec3f> normals_;  // empty: the mesh's own
+  Buffer<Vec3f> normals_;  // empty: the mesh's own normals serve
 };
 
-// Unit normals from the triangles around each vertex, weighted by their angle there (G. Thürmer and
-// C. A. Wüthrich, "Computing Vertex Normals from Polygonal Facets", JGT 3, 1998); (0, 0, 1) where
-// they cancel or there are none.
+// Unit normals at the vertices: the mean of the normals of the triangles around a vertex, weighted
+// by their angles there (G. Thürmer and C. A. Wüthrich, "Computing Vertex Normals from Polygonal
+// Facets", JGT 3, 1998). The normal is (0, 0, 1) if they cancel or there are none.
 Buffer<Vec3f> vertex_normals(const IndexedMesh& mesh);
 
 }  // namespace vdwmesh

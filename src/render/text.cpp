@@ -1,3 +1,5 @@
+// Draws text with FreeType: decodes UTF-8, renders glyph by glyph in shades of coverage, and blends
+// these over the picture. There is no kerning; labels are short.
 #include "render/text.hpp"
 
 #include <ft2build.h>
@@ -14,13 +16,16 @@
 namespace vdwmesh {
 namespace {
 
+// Stands for bytes that are no UTF-8.
 constexpr char32_t kReplacement = 0xfffd;
 
-// Code points of UTF-8; bytes that are none become U+FFFD.
+// The code points of a UTF-8 text. A stray continuation byte or a sequence that ends too early
+// becomes U+FFFD. Overlong sequences are not detected.
 std::vector<char32_t> decode(std::string_view text) {
   std::vector<char32_t> points;
   for (std::size_t i = 0; i < text.size();) {
     const auto lead = static_cast<unsigned char>(text[i++]);
+    // The number of continuation bytes that the lead byte announces; -1 if it is one itself.
     const int more = lead < 0x80 ? 0 : lead < 0xc0 ? -1 : lead < 0xe0 ? 1 : lead < 0xf0 ? 2 : 3;
     char32_t point = more == 0 ? lead : lead & (0x3fu >> more);
     for (int k = 0; k < more; ++k) {
@@ -35,6 +40,7 @@ std::vector<char32_t> decode(std::string_view text) {
   return points;
 }
 
+// Throws Error if a FreeType function failed.
 void require(FT_Error error, const char* what) {
   if (error != 0) throw Error(std::string("FreeType failed at ") + what);
 }
@@ -49,7 +55,7 @@ struct Font::State {
     if (face) FT_Done_Face(face);
     if (library) FT_Done_FreeType(library);
   }
-  // The glyph's picture and metrics, until the next call.
+  // The glyph's bitmap and metrics, valid until the next call.
   const FT_GlyphSlotRec& glyph(char32_t point) const {
     require(FT_Load_Char(face, point, FT_LOAD_RENDER), "a glyph");
     return *face->glyph;
@@ -74,6 +80,7 @@ int Font::width(std::string_view text) const {
 }
 
 void Font::draw(std::string_view text, int x, int y, const Rgb& ink, Picture& picture) const {
+  // FreeType counts advances in units of 1/64 pixel.
   FT_Pos pen = FT_Pos{x} * 64;
   for (const char32_t point : decode(text)) {
     const FT_GlyphSlotRec& glyph = state_->glyph(point);
@@ -94,6 +101,8 @@ void Font::draw(std::string_view text, int x, int y, const Rgb& ink, Picture& pi
 
 void blend(const Rgb& ink, double coverage, Rgba8& pixel) {
   if (coverage <= 0) return;
+  // Porter and Duff's "over" for straight alpha: the result's alpha is coverage + behind, and its
+  // colour is the mean of both colours weighted by their parts of it.
   const double behind = pixel[3] / 255.0 * (1 - coverage), alpha = coverage + behind;
   const auto bytes = to_bytes(ink);
   for (std::size_t c = 0; c < 3; ++c) {

@@ -1,4 +1,4 @@
-// Text in pictures: DejaVu Sans, which is part of the program.
+// Text in pictures. The font is DejaVu Sans, whose file is embedded in the program.
 #pragma once
 
 #include <memory>
@@ -9,6 +9,7 @@
 
 namespace vdwmesh {
 
+// The font in one size, as FreeType renders it.
 class Font {
  public:
   // `size`: pixels per em.
@@ -17,9 +18,10 @@ class Font {
   Font(const Font&) = delete;
   Font& operator=(const Font&) = delete;
 
-  // Pixels that a line of UTF-8 text advances.
+  // Width of a line of UTF-8 text: the pixels by which it advances.
   int width(std::string_view text) const;
-  // Draws it with its left end at x and its baseline at row y; what lies outside is cut off.
+  // Draws a line of UTF-8 text. Its left end is at column x and its baseline at row y. Whatever
+  // lies outside the picture is cut off.
   void draw(std::string_view text, int x, int y, const Rgb& ink, Picture& picture) const;
 
  private:
@@ -27,7 +29,8 @@ class Font {
   std::unique_ptr<State> state_;
 };
 
-// Puts `ink` over a pixel, covering the share `coverage` of it, 0 to 1.
+// Blends `ink` over a pixel in linear light; `coverage`, from 0 to 1, is the covered share of the
+// pixel.
 void blend(const Rgb& ink, double coverage, Rgba8& pixel);
 
 }  // namespace vdwmesh

@@ -1,4 +1,5 @@
-// The renderer of a build without the libraries it needs.
+// Stands in for the renderer in a build without the libraries that it needs: every call throws
+// BackendUnavailable with the reason.
 #include "core/errors.hpp"
 #include "render/picture.hpp"
 #include "render/renderer.hpp"

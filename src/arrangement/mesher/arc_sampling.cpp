@@ -1,3 +1,9 @@
+// Divides arcs into pieces. At first all pieces of an arc are equal, and a count describes them.
+// Once a piece has been split, the arc keeps a list of fractions of its sweep instead.
+//
+// Points are computed anew from the arc's frame at each call. Equal arguments give equal bits, so
+// the two patches beside an arc agree on its points without sharing storage. union_mesher.cpp owns
+// the sampling and splits pieces between the rounds of meshing.
 #include "arrangement/mesher/arc_sampling.hpp"
 
 #include <algorithm>
@@ -11,9 +17,13 @@ namespace {
 
 constexpr double kLargestPiece = 2 * std::numbers::pi / kLeastPiecesOfCircle;
 
+// The least number of equal pieces that keeps each piece within both limits, its length and its
+// angle.
 std::uint32_t piece_count(const BoundaryArc& arc, double edge_length) {
   const double wanted = std::max(arc.sweep * arc.radius / edge_length, arc.sweep / kLargestPiece);
-  // The last few roundings of an exact fifth make no sixth piece.
+  // A quotient that is a whole number except for rounding must not get one more piece, so 1e-12 of
+  // it is taken off first. That is far above the rounding of two operations, and pieces exceed the
+  // edge length by no more than this.
   const double count = std::ceil(wanted * (1 - 1e-12));
   if (!(count < 1e9)) throw LimitExceeded("an arc has more than 10^9 pieces; a larger edge length");
   return std::max(1u, static_cast<std::uint32_t>(count));
@@ -50,6 +60,7 @@ double ArcSampling::piece_angle(const ArcPiece& piece) const {
 }
 
 void ArcSampling::split(std::span<const PieceSplit> splits) {
+  // One arc at a time: [begin, end) are the requests for its pieces.
   for (std::size_t begin = 0, end = 0; begin < splits.size(); begin = end) {
     const std::uint32_t arc = splits[begin].piece.arc;
     while (end < splits.size() && splits[end].piece.arc == arc) ++end;
@@ -59,6 +70,7 @@ void ArcSampling::split(std::span<const PieceSplit> splits) {
       const double low = part(arc, k), high = part(arc, k + 1);
       if (k > 0) parts.push_back(low);
       if (next == end || splits[next].piece.piece != k) continue;
+      // The points are spaced evenly in angle between `low` and `high`.
       const std::uint32_t count = 1u << splits[next++].halvings;
       for (std::uint32_t i = 1; i < count; ++i) {
         parts.push_back(low + (high - low) * static_cast<double>(i) / count);
@@ -74,6 +86,8 @@ void ArcSampling::number_vertices() {
   std::uint64_t next = boundary_.corners.size();
   for (std::size_t a = 0; a < pieces_.size(); ++a) {
     first_vertex_[a] = static_cast<std::uint32_t>(next);
+    // A whole circle of n pieces has n points of its own; any other arc shares its two ends and has
+    // n - 1.
     next += pieces_[a] - (boundary_.arcs[a].is_circle() ? 0 : 1);
     if (next >= kNoIndex) throw LimitExceeded("the arcs have more than 2^32 - 2 vertices");
   }

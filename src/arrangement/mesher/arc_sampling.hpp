@@ -1,7 +1,8 @@
-// Vertices on the arcs of the boundary, shared by the patches on both sides of each arc.
+// The sample points on all arcs of the boundary. The two patches beside an arc use the same points,
+// which makes the mesh watertight.
 //
-// An arc of n pieces has the points 0 .. n: point 0 is its first corner and point n its last; on a
-// whole circle they are one.
+// An arc of n pieces has the points 0 .. n. Point 0 is its first corner and point n its last. On a
+// whole circle both are the same point.
 #pragma once
 
 #include <cstdint>
@@ -12,46 +13,61 @@
 
 namespace vdwmesh {
 
-// Pieces of a whole circle, at least; an arc's piece never turns further than one of these.
+// A whole circle has at least this many pieces. A piece of any arc turns by at most 2 pi over this
+// number.
 inline constexpr std::uint32_t kLeastPiecesOfCircle = 8;
 
+// A chord of an arc, between two neighbouring sample points. Pieces are ordered by arc, then along
+// it.
 struct ArcPiece {
-  std::uint32_t arc, piece;  // from point `piece` to point `piece` + 1
+  std::uint32_t arc, piece;  // index of the arc; the chord runs from point `piece` to `piece` + 1
   friend auto operator<=>(const ArcPiece&, const ArcPiece&) = default;
 };
 
-// A piece that is to be halved, its halves again and so on.
+// A request to split a piece into 2^halvings parts of equal angle.
 struct PieceSplit {
   ArcPiece piece;
   std::uint32_t halvings;
   friend auto operator<=>(const PieceSplit&, const PieceSplit&) = default;
 };
 
+// How each arc is divided into pieces, and which mesh vertex each sample point is.
 class ArcSampling {
  public:
-  // Equal pieces of at most `edge_length` (scaled). The arcs must outlive this.
+  // Divides every arc into equal pieces no longer than `edge_length`, measured along the arc in
+  // scaled units. Keeps a reference to `boundary`. Throws LimitExceeded for an arc of more than
+  // 10^9 pieces.
   ArcSampling(const BoundaryArcs& boundary, double edge_length);
 
+  // The number of pieces of an arc.
   std::uint32_t pieces(std::uint32_t arc) const;
+  // Position of a sample point, 0 <= index <= pieces(arc). Ends of an arc are exactly its corners.
   Vec3d point(std::uint32_t arc, std::uint32_t index) const;
+  // The angle (rad) by which the arc turns along the piece.
   double piece_angle(const ArcPiece& piece) const;
-  // `splits` are sorted, each piece once, as numbered before the call.
+  // Splits the pieces named. `splits` must be sorted and hold each piece once. All of them use the
+  // numbers that the pieces had before the call; afterwards the pieces of the arcs that were split
+  // are renumbered.
   void split(std::span<const PieceSplit> splits);
 
-  // Vertices: the corners, then the points between the ends of arc after arc. Valid until the next
-  // split().
+  // Numbers the vertices: all corners first, then arc by arc the points between its ends. The
+  // numbers are valid until the next split(). Throws LimitExceeded past 2^32 - 2 vertices.
   void number_vertices();
   std::uint32_t vertex(std::uint32_t arc, std::uint32_t index) const;
   std::uint32_t vertex_count() const;
 
  private:
-  // Angle of a point as a part of the sweep.
+  // The angle of a point as a fraction of the arc's sweep, 0 to 1.
   double part(std::uint32_t arc, std::uint32_t index) const;
 
   const BoundaryArcs& boundary_;
-  std::vector<std::uint32_t> pieces_;         // per arc
-  std::vector<std::vector<double>> unequal_;  // per arc: parts of points 1 .. n - 1; empty: equal
-  std::vector<std::uint32_t> first_vertex_;   // per arc, and one more
+  std::vector<std::uint32_t> pieces_;  // per arc: the number of its pieces
+  // Per arc: the fractions of points 1 .. n - 1, ascending. Empty while all pieces of the arc are
+  // equal.
+  std::vector<std::vector<double>> unequal_;
+  // Per arc: the vertex number of its first point that is no corner. The last entry is the number
+  // of all vertices.
+  std::vector<std::uint32_t> first_vertex_;
 };
 
 }  // namespace vdwmesh

@@ -1,3 +1,11 @@
+// Places the exposed arcs of the dual complex in space and reduces those that are too small.
+//
+// Steps: (1) each arc of exposed_arcs() gets the frame of its circle and its sweep angle; each
+// corner is computed once, from its three spheres, and shared by its arcs. (2) Circles of one ball
+// that touch get a common corner (touching_arcs.cpp). (3) Corners of one ball that coincide within
+// FeatureSizes::arc are found. (4) All corners that are one point are merged by union-find, and
+// arcs between them that have become points are removed. (5) Patches without width are closed until
+// there is none left.
 #include "arrangement/mesher/boundary_arcs.hpp"
 
 #include <algorithm>
@@ -14,9 +22,13 @@ namespace vdwmesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Corners that are one by steps are this many times the length of no arc apart, at most.
+// Corners are joined pair by pair, so two corners of one set can be farther apart than the
+// threshold of a pair. An arc between them still counts as a point up to this multiple of the
+// threshold. The factor is an allowance for such chains and no proven bound: a longer arc stays, as
+// a loop.
 constexpr double kCornersInOnePlace = 4;
 
+// Builds the result step by step; run() lists the steps.
 class Placer {
  public:
   Placer(const PowerTriangulation& triangulation, const DualComplex& complex,
@@ -30,6 +42,7 @@ class Placer {
     find_touching_arcs();
     find_coincident_corners();
     join_corners();
+    // A closed slit can make another one. Each successful pass removes an arc, so the loop ends.
     while (close_slits()) {
     }
     return std::move(out_);
@@ -38,9 +51,12 @@ class Placer {
  private:
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
 
+  // The number of a corner of the dual complex in the result; its position is computed at first
+  // use.
   std::uint32_t corner(CornerIndex index) {
     std::uint32_t& place = corner_of_[index];
     if (place != kNoIndex) return place;
+    // A CornerIndex is 2 × triangle + side; side 0 lies above the triangle.
     const DualTriangle& f = k_.triangles[index / 2];
     const Sphere& a = ball(f.vertices[0]);
     const CommonPoints points = common_points(a, ball(f.vertices[1]), ball(f.vertices[2]));
@@ -49,6 +65,8 @@ class Placer {
     return place;
   }
 
+  // Computes the frame and the sweep of one arc. Its zero direction `out` points to its first
+  // corner.
   void place(const ExposedArc& exposed) {
     const DualEdge& e = k_.edges[exposed.edge];
     const Sphere &a = ball(e.vertices[0]), &b = ball(e.vertices[1]);
@@ -66,13 +84,16 @@ class Placer {
     Vec3d out = any_orthogonal(axis);
     if (exposed.start == kNoCorner) {
       arc.sweep = 2 * kPi;
-      // In lattices circles touch along the axes: they shall have no vertex there.
+      // In lattices, circles touch each other in the directions of the coordinate axes. The first
+      // vertex of a whole circle is turned away from there by 1 rad, so that two circles have no
+      // vertex in the point where they touch.
       out = std::cos(1.0) * out + std::sin(1.0) * cross(axis, out);
     } else {
       arc.ends = {corner(exposed.start), corner(exposed.end)};
       const Vec3d p = out_.corners[arc.ends[0]].position - arc.center,
                   q = out_.corners[arc.ends[1]].position - arc.center;
       const Vec3d radial = p - dot(p, axis) * axis;
+      // The corner is projected into the circle's plane, which it leaves by rounding errors only.
       if (norm(radial) > 0) out = (1 / norm(radial)) * radial;
       arc.sweep = sweep(exposed, axis, p, q, small);
     }
@@ -81,6 +102,12 @@ class Placer {
     add(arc, std::min(a.radius, b.radius));
   }
 
+  // The angle from corner p to corner q about the axis, in (0, 2 pi]. Both are given from the
+  // circle's centre.
+  //
+  // The positions of the corners decide it unless rounding could take a tiny angle for a whole turn
+  // or the circle is tiny. In these cases the dihedral angles of the triangulation decide
+  // (arc_angle.hpp).
   double sweep(const ExposedArc& arc, const Vec3d& axis, const Vec3d& p, const Vec3d& q,
                bool small) const {
     if (small) return angle_by_dihedrals(t_, k_, arc);
@@ -89,6 +116,8 @@ class Placer {
     return angle_by_dihedrals(t_, k_, arc) > kPi ? 2 * kPi + angle : std::abs(angle);
   }
 
+  // Keeps an arc, or reduces it if it is too small. An arc of a tiny circle counts as a point
+  // however far it turns, because its circle is no larger than a contact.
   void add(const BoundaryArc& arc, double smaller_radius) {
     const bool no_circle = out_.is_contact(arc.radius, smaller_radius);
     if (arc.is_circle() && no_circle) {
@@ -102,7 +131,8 @@ class Placer {
     }
   }
 
-  // Corners of one ball in one place: boundaries of a patch that meet in a point.
+  // Finds pairs of corners of one ball that coincide: there, boundary curves of one patch meet in a
+  // point. A ball has few corners as a rule, so all its pairs are compared.
   void find_coincident_corners() {
     std::vector<std::array<std::uint32_t, 2>> places;  // ball, corner
     for (std::uint32_t c = 0; c < out_.corners.size(); ++c) {
@@ -118,7 +148,8 @@ class Placer {
     }
   }
 
-  // An arc between corners that are one, and not around its circle.
+  // Whether both ends of an arc have become one corner and the arc is so short that it is that
+  // point. An arc with one end that turns around most of its circle is a loop and stays.
   bool is_point(const BoundaryArc& arc, DisjointSets& sets) const {
     if (arc.is_circle() || sets.find(arc.ends[0]) != sets.find(arc.ends[1])) return false;
     const double reach =
@@ -126,6 +157,7 @@ class Placer {
     return arc.sweep * arc.radius <= kCornersInOnePlace * reach;
   }
 
+  // Gives touching circles a common corner. This may cut arcs and append corners.
   void find_touching_arcs() {
     const std::size_t corners = out_.corners.size();
     const auto joined = join_touching_arcs(t_, out_);
@@ -133,11 +165,12 @@ class Placer {
     out_.has_joined_corners = corners < out_.corners.size() || !joined.empty();
   }
 
-  // Corners that are one point become the lowest of them; those that no arc ends in go.
+  // Replaces each set of joined corners by its member of lowest number. Corners in which no arc
+  // ends any more are dropped.
   void join_corners() {
     out_.has_joined_corners = out_.has_joined_corners || !along_arcs_.empty() || !joined_.empty();
     DisjointSets sets(out_.corners.size());
-    for (const auto& [a, b] : along_arcs_) sets.join(a, b);
+    for (const auto& [a, b] : along_arcs_) sets.join(a, b);  // the ends of arcs that became points
     for (const auto& [a, b] : joined_) {
       out_.joins += sets.find(a) != sets.find(b);
       sets.join(a, b);
@@ -159,16 +192,21 @@ class Placer {
     out_.corners = std::move(kept);
   }
 
-  // A ball between two others on whose common circle it lies: its patch there has no width, and
-  // the arcs on either side of it become one between the other two. Says whether there was one.
+  // Closes slits. A slit is a patch without width: the part of a ball between two other balls that
+  // meets them in the same circle. The arcs on both sides of the slit have the same ends and the
+  // same place. They become one arc between the two other balls. Returns whether there was a slit.
   bool close_slits() {
-    std::vector<std::array<std::uint32_t, 4>> places;  // ball, ends, arc
+    // Entries (ball, lower end, higher end, arc), sorted: arcs of one ball with the same ends
+    // follow each other. Whole circles have the ends kNoIndex, so all circles of a ball follow each
+    // other.
+    std::vector<std::array<std::uint32_t, 4>> places;
     for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
       const BoundaryArc& arc = out_.arcs[a];
       const auto [low, high] = std::minmax(arc.ends[0], arc.ends[1]);
       for (const std::uint32_t b : arc.balls) places.push_back({b, low, high, a});
     }
     std::sort(places.begin(), places.end());
+    // An arc takes part in one closure per pass, because its balls change.
     std::vector<char> changed(out_.arcs.size(), 0), gone(out_.arcs.size(), 0);
     for (std::size_t i = 0; i < places.size(); ++i) {
       const auto [ball, low, high, a] = places[i];
@@ -176,6 +214,9 @@ class Placer {
         const std::uint32_t b = places[j][3];
         if (places[j][0] != ball || places[j][1] != low || places[j][2] != high) break;
         if (changed[a] || changed[b] || !is_slit(ball, out_.arcs[a], out_.arcs[b])) continue;
+        // Arc a takes the ball beyond arc b in place of the closed one. It keeps its direction:
+        // is_slit() makes sure that the two outer balls lie on opposite sides of the ball between
+        // them.
         (out_.arcs[a].balls[0] == ball ? out_.arcs[a].balls[0] : out_.arcs[a].balls[1]) =
             other_ball(out_.arcs[b], ball);
         changed[a] = changed[b] = gone[b] = 1;
@@ -196,7 +237,12 @@ class Placer {
     return arc.balls[arc.balls[0] == ball ? 1 : 0];
   }
 
-  // Whether two arcs of the ball with the same ends are in one place, its patch between them.
+  // Whether two arcs of the ball that have the same ends bound a slit. The two other balls must lie
+  // on opposite sides of this ball, and the arcs must coincide within the length that counts as a
+  // point. For arcs with ends it is enough to compare their midpoints, since the circles then agree
+  // in three points. For whole circles, the sum below bounds the distance of any point of one
+  // circle from the other: the shift of the centre, the difference of the radii, and the tilt of
+  // the planes at the rim.
   bool is_slit(std::uint32_t ball_index, const BoundaryArc& a, const BoundaryArc& b) const {
     const Sphere& s = ball(ball_index);
     const Vec3d to_a = ball(other_ball(a, ball_index)).center - s.center,
@@ -212,8 +258,12 @@ class Placer {
   const PowerTriangulation& t_;
   const DualComplex& k_;
   BoundaryArcs out_;
-  std::vector<std::uint32_t> corner_of_;  // of the dual complex -> of the result
-  std::vector<std::array<std::uint32_t, 2>> along_arcs_, joined_;  // corners that are one point
+  // By CornerIndex of the dual complex: the corner of the result, or kNoIndex while it is not
+  // placed.
+  std::vector<std::uint32_t> corner_of_;
+  // Pairs of corners that are one point: the ends of an arc of no length, and those found by
+  // position.
+  std::vector<std::array<std::uint32_t, 2>> along_arcs_, joined_;
 };
 
 }  // namespace

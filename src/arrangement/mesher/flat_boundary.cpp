@@ -1,3 +1,9 @@
+// Projects the boundary of a patch and finds pieces that overlap or cross.
+//
+// Pieces with common ends are found in a list sorted by their ends. Crossings are found by a sweep
+// along x over the bounding boxes of the pieces (sweep and prune); CGAL's exact predicate decides
+// about each pair of overlapping boxes. patch_mesher.cpp calls this before and during its
+// triangulation.
 #include "arrangement/mesher/flat_boundary.hpp"
 
 #include <algorithm>
@@ -12,6 +18,7 @@ FlatBoundary::FlatBoundary(const PatchBoundary& boundary, const Stereographic& p
     const PlanePoint p = plane.project(u);
     points_.emplace_back(p.x, p.y);
   }
+  // Equal points are neighbours after sorting.
   std::vector<Point> sorted = points_;
   std::sort(sorted.begin(), sorted.end());
   if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) throw CoincidentPoints();
@@ -51,7 +58,8 @@ std::vector<std::uint32_t> FlatBoundary::crossings_of(std::uint32_t piece) const
   return found;
 }
 
-// A sweep over x: of two pieces that cross, the intervals overlap.
+// The boxes are sorted by their left ends. Two pieces can cross only if their boxes overlap, so for
+// each box it is enough to look at those that begin before it ends.
 std::vector<std::uint32_t> FlatBoundary::crossings(Monitor* monitor) const {
   std::vector<std::uint32_t> found;
   std::vector<std::pair<CGAL::Bbox_2, std::uint32_t>> boxes;
@@ -76,7 +84,9 @@ FlatBoundary::Kernel::Segment_2 FlatBoundary::segment(std::uint32_t piece) const
   return {points_[boundary_.pieces[piece].from], points_[boundary_.pieces[piece].to]};
 }
 
-// Pieces that share an end meet there and nowhere else.
+// Pieces with a common end do not count as crossing: two segments from one point meet again only if
+// they overlap. Overlapping pieces have a vertex of the boundary inside one of them. They are found
+// later, since such a piece is no single edge of the triangulation.
 bool FlatBoundary::do_cross(std::uint32_t p, std::uint32_t q) const {
   const BoundaryPiece &one = boundary_.pieces[p], &other = boundary_.pieces[q];
   const bool joined =

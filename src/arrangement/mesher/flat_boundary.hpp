@@ -1,5 +1,5 @@
-// The boundary of a patch in the plane: points and the straight pieces between them, and which of
-// those cannot stand together.
+// The boundary of a patch after its projection to the plane: points, the straight pieces between
+// them, and tests that find pieces which cannot be constraints of one triangulation.
 #pragma once
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -15,38 +15,42 @@
 
 namespace vdwmesh {
 
-// Thrown where two points of a boundary are one in double precision.
+// Thrown if two points of a boundary have the same coordinates in double precision.
 struct CoincidentPoints {};
 
-// Keeps a reference to the boundary.
+// All tests are exact for the rounded coordinates of the points. Keeps a reference to the boundary.
 class FlatBoundary {
  public:
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Point = Kernel::Point_2;
 
-  // Throws CoincidentPoints.
+  // Projects the points. Throws CoincidentPoints.
   FlatBoundary(const PatchBoundary& boundary, const Stereographic& plane);
 
   const Point& point(std::uint32_t i) const { return points_[i]; }
-  // The piece between two points that one joins.
+  // The piece that joins two points. Precondition: there is one.
   std::uint32_t piece_between(std::uint32_t a, std::uint32_t b) const;
-  // Pieces from a point to itself, and those with the same two ends.
+  // Pieces whose straight segments are no edges of their own: pieces from a point to itself, and
+  // all pieces that share both ends with another piece. Some are listed more than once.
   std::vector<std::uint32_t> doubled_pieces() const;
-  // The piece itself and those that cross it (exact).
+  // The piece itself and all pieces that cross it.
   std::vector<std::uint32_t> crossings_of(std::uint32_t piece) const;
-  // Every piece that crosses another, some more than once. Throws Cancelled.
+  // Every piece that crosses another one. Some are listed more than once. Throws Cancelled.
   std::vector<std::uint32_t> crossings(Monitor* monitor) const;
 
  private:
+  // The straight segment of a piece.
   Kernel::Segment_2 segment(std::uint32_t piece) const;
   bool do_cross(std::uint32_t p, std::uint32_t q) const;
 
   const PatchBoundary& boundary_;
   std::vector<Point> points_;
-  std::vector<std::array<std::uint32_t, 3>> by_ends_;  // low end, high end, piece; sorted
+  // Entries (lower end, higher end, piece), sorted, for binary search.
+  std::vector<std::array<std::uint32_t, 3>> by_ends_;
 };
 
-// Asks every so many steps, so that a patch of many points stops as soon as many small ones.
+// Throws Cancelled if the caller has asked to stop. The monitor is asked in every 128th step, so
+// that a patch with many points stops as soon as many small patches do.
 inline void check_cancelled(Monitor* monitor, std::size_t step) {
   constexpr std::size_t kStride = 128;
   if (step % kStride == 0) advance(monitor, 0);

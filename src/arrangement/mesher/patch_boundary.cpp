@@ -1,3 +1,10 @@
+// Gathers the boundary of one patch from the arcs around it, and the index needed for this.
+//
+// PatchIndex and PointCircles are compressed sparse rows, filled by a counting sort: count the
+// entries of each row, take the prefix sum, then place the entries. gather_boundary() numbers the
+// corners of the patch first, in ascending order, then the other points arc by arc.
+// boundary_vertices() repeats this order, so that both lists match. union_mesher.cpp calls them for
+// every ball in each round of meshing.
 #include "arrangement/mesher/patch_boundary.hpp"
 
 #include <algorithm>
@@ -11,7 +18,7 @@
 namespace vdwmesh {
 namespace {
 
-// Sorted ids of the corners that the arcs end in.
+// The corners in which the arcs end, ascending, each once.
 void collect_corners(const BoundaryArcs& boundary, std::span<const std::uint32_t> arcs,
                      std::vector<std::uint32_t>& corners) {
   corners.clear();
@@ -23,23 +30,29 @@ void collect_corners(const BoundaryArcs& boundary, std::span<const std::uint32_t
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
 }
 
+// Index of a corner in the sorted list. Precondition: it is in the list.
 std::uint32_t place_of(const std::vector<std::uint32_t>& corners, std::uint32_t corner) {
   return static_cast<std::uint32_t>(std::lower_bound(corners.begin(), corners.end(), corner) -
                                     corners.begin());
 }
 
+// The cap of sphere `s` that `neighbor` covers.
 CoveredCap cap_on(const BoundaryArcs& boundary, const Sphere& s, const Sphere& neighbor) {
   const EdgeShape shape = edge_shape(s, neighbor);
   const double cosine = shape.height[0] / s.radius;
-  // A contact has no arcs, so it must not look like a cap beside which there is a patch.
+  // A contact has no arcs, so its distance is set to 0 to make it cover nothing. As a pole of the
+  // projection it would leave the mesher without a boundary around it.
   const bool contact = boundary.is_contact(std::sqrt(shape.squared_circle_radius),
                                            std::min(s.radius, neighbor.radius));
   const double squared_sine = contact ? 0 : shape.squared_circle_radius / (s.radius * s.radius);
+  // For the angular radius a, the squared distance from the rim to the axis is 2 - 2 |cos a|. This
+  // cancels for a tiny cap, so it is computed as 2 sin² a / (1 + |cos a|).
   return {(1 / shape.length) * (neighbor.center - s.center), cosine,
           2 * squared_sine / (1 + std::abs(cosine))};
 }
 
-// Lists of `count` balls, from pairs (ball, entry) by counting.
+// Fills compressed sparse rows with `count` rows. `for_each` is called twice with a visitor and
+// must pass the same pairs (row, entry) to it each time: first they are counted, then placed.
 template <class ForEach>
 void fill_lists(std::size_t count, const ForEach& for_each, std::vector<std::uint32_t>& first,
                 std::vector<std::uint32_t>& entries) {
@@ -51,6 +64,7 @@ void fill_lists(std::size_t count, const ForEach& for_each, std::vector<std::uin
   for_each([&](std::uint32_t ball, std::uint32_t entry) { entries[next[ball]++] = entry; });
 }
 
+// One row.
 std::span<const std::uint32_t> list(const std::vector<std::uint32_t>& first,
                                     const std::vector<std::uint32_t>& entries, std::uint32_t ball) {
   return {entries.data() + first[ball], first[ball + 1] - first[ball]};
@@ -70,6 +84,7 @@ PointCircles::PointCircles(const PatchBoundary& boundary) {
 }
 
 std::span<const std::uint32_t> PointCircles::of(std::uint32_t point) const {
+  // An interior point, which has a number past all points of the boundary.
   if (point + 1 >= first_.size()) return {};
   return list(first_, neighbors_, point);
 }
@@ -134,6 +149,7 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
   out = {};
   std::vector<std::uint32_t> corners;
   collect_corners(boundary, index.arcs(ball), corners);
+  // First the corners, with the spheres through those that were joined.
   for (const std::uint32_t c : corners) {
     const auto point = static_cast<std::uint32_t>(out.points.size());
     for (const std::uint32_t other : index.balls_at(c)) {
@@ -143,17 +159,24 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
   }
   for (const std::uint32_t a : index.arcs(ball)) {
     const BoundaryArc& arc = boundary.arcs[a];
+    // The patch of the second ball lies on the left of the arc. For the first ball the pieces run
+    // backwards.
     const bool is_first = arc.balls[0] == ball;
     const std::uint32_t neighbor = arc.balls[is_first ? 1 : 0], n = sampling.pieces(a);
     const auto before = static_cast<std::uint32_t>(out.points.size());
     for (std::uint32_t k = arc.is_circle() ? 0 : 1; k < n; ++k) {
       out.points.push_back(direction(sampling.point(a, k)));
     }
+    // The number that point k of the arc has in `out`.
     const auto local = [&](std::uint32_t k) {
       if (arc.is_circle()) return before + (k == n ? 0 : k);
       if (k == 0 || k == n) return place_of(corners, arc.ends[k == 0 ? 0 : 1]);
       return before + k - 1;
     };
+    // A circle of angular radius a has the geodesic curvature cot a on the unit sphere, so along a
+    // piece of angle x it turns by x cos a against a great circle. Half of this falls to each end.
+    // For a cap smaller than a hemisphere, cos a > 0 and the arc bulges away from the cap, into the
+    // patch.
     const double half_turn = cap_on(boundary, s, triangulation.balls[neighbor]).cosine / 2;
     for (std::uint32_t k = 0; k < n; ++k) {
       const std::uint32_t from = local(k), to = local(k + 1);
@@ -170,7 +193,8 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
 }
 
 Vec3d buried_pole(const PatchBoundary& boundary) {
-  // From the axis to the rim.
+  // Squared distance from the axis to the rim. The squared distances from a point of the sphere to
+  // axis and -axis add up to 4.
   const auto squared_reach = [](const CoveredCap& cap) {
     return cap.cosine >= 0 ? cap.squared_distance : 4 - cap.squared_distance;
   };
@@ -195,10 +219,13 @@ VDWMESH_MULTIVERSION std::vector<Vec3d> clear_points(const std::vector<CoveredCa
 }
 
 std::vector<std::uint32_t> insertion_order(const PatchBoundary& boundary) {
+  // Up to this many points, their own order is fast enough.
   constexpr std::uint32_t kMany = 1024;
   const auto count = static_cast<std::uint32_t>(boundary.points.size());
   std::vector<std::uint32_t> order;
   order.reserve(count);
+  // The first round takes every step-th point. Each following round takes the points halfway
+  // between those inserted so far, until the step is 1 and all points have been taken.
   std::uint32_t step = count < kMany ? 1 : std::bit_floor(count);
   for (std::uint32_t i = 0; i < count; i += step) order.push_back(i);
   for (; step > 1; step /= 2) {

@@ -1,3 +1,12 @@
+// Meshes one patch by constrained Delaunay refinement in the stereographic plane.
+//
+// Steps: (1) insert the boundary and mark the faces inside it; (2) if quality counts, look for
+// pieces that are too long for the patch beside them; (3) fill the inside with points of a
+// subdivided icosahedron; (4) insert circumcentres of bad triangles (Chew); (5) divide edges that
+// join points of one circle; (6) smooth, and look for invalid triangles. Each step may ask for
+// splits of pieces instead. Then the run ends after (2), (5) or (6), and union_mesher.cpp splits
+// the pieces on both sides and calls again. Bisecting a piece here alone would break the seam with
+// the other patch.
 #include "arrangement/mesher/patch_mesher.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
@@ -21,6 +30,7 @@ namespace vdwmesh {
 namespace {
 
 using Kernel = FlatBoundary::Kernel;
+// `inside` says whether a face is part of the patch; `number` counts the faces inside.
 struct FaceInfo {
   bool inside = false;
   std::uint32_t number = 0;
@@ -38,15 +48,20 @@ using FaceHandle = Planar::Face_handle;
 
 constexpr double kPi = std::numbers::pi;
 
-// Interior points of the first lattice keep this much of the edge length from the arcs.
+// Points of the icosahedron keep this distance from the arcs, as a fraction of the edge length.
+// About half an edge leaves room for one row of triangles along the boundary.
 constexpr double kLatticeMargin = 0.55;
-// An inserted point may see a piece under an angle of this cosine at most.
+// The cosine of the widest angle (110°) under which an inserted point may see a piece. A point that
+// sees it under a wider angle would make a flat triangle with it. (Ruppert's algorithm has 90°
+// here.)
 constexpr double kWidestView = -0.35;
 constexpr int kSmoothingPasses = 1;
-// By the radius; without points inside, the triangles of a patch larger than half a sphere face
-// inwards.
+// The largest edge length, as a fraction of the radius. With longer edges a patch larger than half
+// the sphere could have no point inside. Its triangles would then join points of the boundary only
+// and face inwards.
 constexpr double kLongestEdge = 1;
 
+// One attempt to mesh one patch; run() lists the steps.
 class PlanarPatch {
  public:
   PlanarPatch(const PatchBoundary& boundary, const PatchOptions& options)
@@ -76,11 +91,13 @@ class PlanarPatch {
   }
 
  private:
+  // Asks for a piece to be split into 2^halvings parts.
   void want_split(std::uint32_t piece, std::uint32_t halvings = 1) {
     splits_.push_back({b_.pieces[piece].source, halvings});
   }
 
-  // The most halvings that any reason gave.
+  // Returns the requests. If a piece was asked for several times, the largest number of halvings
+  // counts: it comes first in descending order.
   PatchMesh requests() {
     std::sort(splits_.begin(), splits_.end(), std::greater<>());
     const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
@@ -97,10 +114,10 @@ class PlanarPatch {
     for (const std::uint32_t piece : pieces) want_split(piece);
   }
 
-  // Whether all pieces are edges of the triangulation. Curves side by side take many rounds to
-  // part (a hundred places where they cross, halved in each round), and points all but on one
-  // circle are slow to triangulate: where only validity is asked for, crossings are looked for
-  // without a triangulation first.
+  // Inserts points and pieces; returns whether all pieces are constraints now. Otherwise it asks
+  // for splits. Once only validity counts, crossings are looked for before anything is
+  // triangulated. This finds all crossings of two curves side by side at once, while insertion ends
+  // at the first one; and it saves the triangulation of nearly co-circular points, which is slow.
   bool insert_boundary() {
     want_splits(flat_.doubled_pieces());
     if (splits_.empty() && options_.demand == Demand::validity) {
@@ -128,7 +145,9 @@ class PlanarPatch {
     }
   }
 
-  // Marks the faces on the left of the pieces; false where the boundary does not separate them.
+  // Marks the faces inside the patch: those on the left of a piece, and all that can be reached
+  // from there without crossing a piece. Returns false and asks for splits if a piece is no edge of
+  // the triangulation, because a point lies on it, or if marks have leaked.
   bool mark_inside() {
     for (const FaceHandle f : planar_.all_face_handles()) f->info().inside = false;
     std::vector<FaceHandle> stack;
@@ -157,8 +176,11 @@ class PlanarPatch {
     return splits_.empty();
   }
 
-  // Where a boundary lies on the far side of another's chords, what was marked leaks past them. The
-  // chord that is too coarse is among those with marks on both sides, and not among the short ones.
+  // Asks for splits if marks have leaked out of the patch. This happens if a chord is so coarse
+  // that another part of the boundary lies between the chord and its arc: there, the flood starts
+  // outside the chord. It shows at pieces with marked faces on both sides, or with the infinite
+  // face on their left. The chord to blame is among these and is not short, so those of at least
+  // half the longest one's length are split.
   void split_leaks() {
     std::vector<std::uint32_t> leaks;
     double longest = 0;
@@ -183,7 +205,7 @@ class PlanarPatch {
 
   const Vec3d& at(VertexHandle v) const { return points_[v->info()]; }
 
-  // Pieces that are long beside the width of the patch there.
+  // Asks for splits of pieces that are long compared with the width of the patch beside them.
   void find_crowded() {
     if (options_.demand == Demand::validity) return;
     for (const FaceHandle f : planar_.finite_face_handles()) {
@@ -194,6 +216,9 @@ class PlanarPatch {
     }
   }
 
+  // Judges the piece that is edge k of face f by the opposite vertex. A vertex on the piece's own
+  // circle says nothing about the width. If another edge of the face is a piece too, the two meet
+  // at a corner, and only the ratio of their lengths counts.
   void look_from(FaceHandle f, int k) {
     const VertexHandle va = f->vertex(f->ccw(k)), vb = f->vertex(f->cw(k)), vp = f->vertex(k);
     const std::uint32_t piece = flat_.piece_between(va->info(), vb->info());
@@ -202,7 +227,7 @@ class PlanarPatch {
     const double length = norm(b - a);
     if (length <= kShortest * h_) return;
     for (const int other : {f->ccw(k), f->cw(k)}) {
-      // Edge `other` is opposite to that end, so it starts at the other one.
+      // Edge `other` is opposite to one end of the piece, so it starts at the other end.
       if (!f->is_constrained(other)) continue;
       const double beside = other == f->ccw(k) ? norm(p - b) : norm(p - a);
       if (length > kCornerRatio * beside) want_split(piece);
@@ -211,6 +236,8 @@ class PlanarPatch {
     if (const std::uint32_t halvings = halvings_for_width(a, b, p)) want_split(piece, halvings);
   }
 
+  // Inserts the points of the subdivided icosahedron that lie outside all caps by the margin. If a
+  // cap and its margin cover the whole sphere, the bound of -2 admits no point.
   void insert_lattice() {
     std::vector<double> margins;
     for (const CoveredCap& cap : b_.caps) {
@@ -228,6 +255,7 @@ class PlanarPatch {
                        [&](const CoveredCap& cap) { return cap.covers(u); });
   }
 
+  // Inserts a point whose face is near `hint` and gives it the next number.
   VertexHandle insert_interior(const Vec3d& u, FaceHandle hint) {
     const VertexHandle v = planar_.insert(project(u), hint);
     v->info() = static_cast<std::uint32_t>(points_.size());
@@ -235,7 +263,8 @@ class PlanarPatch {
     return v;
   }
 
-  // A face as it was when it was queued.
+  // A face and its vertices when it was queued. CGAL reuses faces, so a face whose vertices have
+  // changed is another triangle.
   struct Candidate {
     FaceHandle face;
     std::array<std::uint32_t, 3> vertices;
@@ -249,7 +278,9 @@ class PlanarPatch {
                        {f->is_constrained(0), f->is_constrained(1), f->is_constrained(2)}, h_);
   }
 
-  // Circumcentres of bad triangles, until there are none or each is too near to the boundary.
+  // Inserts the circumcentres of bad triangles until none is left or each remaining one was
+  // refused. New faces join the end of the queue. The limit on the number of points ends the loop
+  // in any case; the mesh is then valid, but some triangles stay bad.
   void refine() {
     std::vector<Candidate> queue;
     for (const FaceHandle f : planar_.finite_face_handles()) {
@@ -265,6 +296,7 @@ class PlanarPatch {
     }
   }
 
+  // Inserts u if it lies inside the patch and not too near to the boundary.
   void try_insert(const Vec3d& u, FaceHandle near, std::vector<Candidate>& queue) {
     if (is_buried(u)) return;
     const Point p = project(u);
@@ -277,6 +309,7 @@ class PlanarPatch {
     insert_marked(u, face, queue);
   }
 
+  // Inserts u into a face of the patch. All faces around it are inside, and they join the queue.
   void insert_marked(const Vec3d& u, FaceHandle face, std::vector<Candidate>& queue) {
     const VertexHandle v = insert_interior(u, face);
     auto around = planar_.incident_faces(v), end = around;
@@ -286,7 +319,8 @@ class PlanarPatch {
     } while (++around != end);
   }
 
-  // Whether a piece next to the place where u would go looks wide from there.
+  // Whether u would encroach upon a piece: whether it sees a piece of its conflict zone under an
+  // angle wider than kWidestView.
   bool crowds_boundary(const Vec3d& u, const Point& p, FaceHandle face) {
     edges_.clear();
     planar_.get_boundary_of_conflicts(p, std::back_inserter(edges_), face);
@@ -301,12 +335,12 @@ class PlanarPatch {
   // An edge that is no piece of the boundary, seen from one of its two faces.
   struct InnerEdge {
     Candidate candidate;
-    int opposite;  // the face's vertex that is not an end
+    int opposite;  // index of the face's vertex that is no end of the edge
   };
 
-  // The edges inside the patch that join two points of one circle. Each is found from the face in
-  // which its lower end comes first: CGAL's own list of edges takes the face at the lower address,
-  // and the mesh would depend on where the heap has put the faces.
+  // The edges inside the patch that join two points of one circle. Each is taken from the face in
+  // which its end of lower number comes first. CGAL's own list of edges would take the face at the
+  // lower address, and the mesh would depend on where the heap has put the faces.
   std::vector<InnerEdge> edges_within_circles() const {
     std::vector<InnerEdge> found;
     for (const FaceHandle f : planar_.finite_face_handles()) {
@@ -321,9 +355,9 @@ class PlanarPatch {
     return found;
   }
 
-  // Edges inside the patch between two points of one circle get a point in their middle. When that
-  // does not get rid of all of them, the pieces at their ends are split: afterwards there is no
-  // such edge, or there are splits.
+  // Inserts points into the middle of edges that join two points of one circle. New edges may be of
+  // this kind again, so this is repeated. If some are left after the last round, the pieces at
+  // their ends are split: afterwards there is no such edge, or there are requests.
   void separate_circles() {
     constexpr int kMostRounds = 8;
     std::vector<InnerEdge> found = edges_within_circles();
@@ -347,8 +381,9 @@ class PlanarPatch {
     }
   }
 
-  // In the middle of its great circle, which lies outside the patch where the circle of both ends
-  // is a large part of the sphere; that of the edge in the plane lies inside.
+  // Divides an edge in the middle of the great circle through its ends. If the ends lie on a circle
+  // that is a large part of the sphere, this point may lie outside the patch. Then the middle of
+  // the edge in the plane is taken, which lies inside.
   void divide_edge(FaceHandle f, int k) {
     const VertexHandle a = f->vertex(f->ccw(k)), b = f->vertex(f->cw(k));
     const Vec3d sum = at(a) + at(b);
@@ -357,7 +392,8 @@ class PlanarPatch {
     divide_at(plane_.lift({middle.x(), middle.y()}), f);
   }
 
-  // A point there, or a piece that is split, or false.
+  // Inserts u into the patch. If u lies on a piece, the piece is split instead. Returns false, and
+  // does nothing, if u lies outside the patch.
   bool divide_at(const Vec3d& u, FaceHandle near) {
     if (u == plane_.pole()) return false;
     Planar::Locate_type type;
@@ -374,6 +410,7 @@ class PlanarPatch {
     return true;
   }
 
+  // The faces inside the patch as plain arrays.
   std::vector<PatchTriangle> numbered_triangles() {
     std::vector<FaceHandle> faces;
     for (const FaceHandle f : planar_.finite_face_handles()) {
@@ -397,9 +434,10 @@ class PlanarPatch {
     return triangles;
   }
 
+  // Numbers the interior points that triangles use, in the order of their first use.
   PatchMesh finish(const PatchTriangles& patch) const {
     PatchMesh out;
-    // Points that ended up outside the patch are left out.
+    // Points that lie outside the patch belong to no triangle and are left out.
     std::vector<std::uint32_t> number(patch.points.size(), kNoNeighbor);
     for (std::uint32_t i = 0; i < b_.points.size(); ++i) number[i] = i;
     for (const PatchTriangle& t : patch.triangles) {
@@ -417,18 +455,21 @@ class PlanarPatch {
     return out;
   }
 
-  static constexpr double kShortest = 1e-3;  // by the edge length: not split for quality
+  // Pieces shorter than this fraction of the edge length are not split for quality.
+  static constexpr double kShortest = 1e-3;
 
   const PatchBoundary& b_;
-  double h_;
+  double h_;  // edge length, in radii
   PatchOptions options_;
   Stereographic plane_;
   FlatBoundary flat_;
   PointCircles circles_;
   Planar planar_;
+  // All points on the sphere, by the number in the vertices' info(): those of the boundary, then
+  // interior ones.
   std::vector<Vec3d> points_;
-  std::vector<VertexHandle> handles_;
-  std::vector<Planar::Edge> edges_;
+  std::vector<VertexHandle> handles_;  // of the boundary's points
+  std::vector<Planar::Edge> edges_;    // scratch memory of crowds_boundary()
   std::vector<PieceSplit> splits_;
 };
 

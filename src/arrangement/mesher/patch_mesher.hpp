@@ -1,8 +1,9 @@
-// Triangles of the exposed part of one sphere, between given boundary points.
+// Meshes the exposed part of one sphere between given boundary points, or a whole sphere.
 //
-// The sphere is projected stereographically from a buried point and triangulated in the plane with
-// the boundary as constraints (CGAL, exact predicates). Circles stay circles, so Delaunay there is
-// Delaunay on the sphere (Chew 1993: circumcentres of bad triangles are inserted).
+// The sphere is projected stereographically from a buried point, and the patch is triangulated in
+// the plane with its boundary as constraints (CGAL, exact predicates). Circles stay circles, so the
+// triangulation is Delaunay on the sphere as well. Bad triangles are removed by inserting their
+// circumcentres (Chew 1993, "Guaranteed-quality mesh generation for curved surfaces").
 #pragma once
 
 #include <array>
@@ -14,34 +15,41 @@
 
 namespace vdwmesh {
 
-// What a piece of the boundary is split for: anything, or only what makes the triangles wrong.
+// For which reasons pieces of the boundary are split: for the quality of triangles as well, or only
+// to make the triangles valid.
 enum class Demand : std::uint8_t { quality, validity };
 
-// How far a patch is meshed: only its boundary is looked at, or all of it.
+// How far a patch is meshed: only its boundary is triangulated and tested, or all of it is meshed.
 enum class PatchStage : std::uint8_t { boundary, triangles };
 
 struct PatchOptions {
-  double edge_length;  // by the radius
+  double edge_length;  // wanted, as a fraction of the sphere's radius
   Demand demand = Demand::quality;
   PatchStage stage = PatchStage::triangles;
   Monitor* monitor = nullptr;  // asked now and then whether to stop
 };
 
-// Either triangles, or the pieces that must be split first.
+// The outcome: either triangles, or requests to split pieces, after which the patch must be meshed
+// again. Points are numbered through: first those of the boundary, then the interior ones. A run of
+// stage `boundary` returns requests only, and nothing if the boundary is good.
 struct PatchMesh {
-  std::vector<Vec3d> interior;  // directions; numbered after the points of the boundary
+  std::vector<Vec3d> interior;                          // unit vectors from the sphere's centre
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
   std::vector<PieceSplit> splits;                       // each piece once
 };
 
-// Precondition: at least one piece, and one cap. Every triangle faces outwards, and no edge but a
-// piece has both ends on one circle, so triangles of different spheres do not meet. Throws
+// Meshes a patch. Every triangle faces outwards. No edge joins two points of one circle unless it
+// is a piece of the boundary, so triangles of different spheres do not meet (docs/exact_mesh.md
+// says why).
+//
+// Precondition: at least one piece, and one cap that is larger than a point. Throws
 // CoincidentPoints (flat_boundary.hpp), Cancelled.
 PatchMesh mesh_patch(const PatchBoundary& boundary, const PatchOptions& options);
 
-// The whole sphere: an icosahedron with its faces divided, vertices on the unit sphere.
+// Meshes a whole sphere: a subdivided icosahedron. All points are interior ones. The edge length is
+// a fraction of the radius.
 PatchMesh mesh_sphere(double edge_length);
-// Its vertices alone, in another order.
+// The points of mesh_sphere() alone, in another order.
 std::vector<Vec3d> sphere_points(double edge_length);
 
 }  // namespace vdwmesh

@@ -1,3 +1,9 @@
+// Smooths the triangles of a patch, and finds the pieces that make triangles invalid.
+//
+// Smoothing is Laplacian with a quality test ("smart"): a move is accepted only if the least angle
+// around the point grows. Edges are flipped by the local Delaunay criterion on the flat triangles:
+// the angles opposite to an edge must not add up to more than half a turn. patch_mesher.cpp calls
+// both functions at the end of meshing one patch.
 #include "arrangement/mesher/patch_triangles.hpp"
 
 #include <algorithm>
@@ -10,19 +16,22 @@
 namespace vdwmesh {
 namespace {
 
-// Of the angle of the flat triangle, what must remain when arcs replace its chords.
+// The fraction of a flat triangle's angle that must remain when arcs replace the chords beside it.
 constexpr double kLeastRest = 0.3;
 
 constexpr int next(int k) { return k == 2 ? 0 : k + 1; }
 constexpr int previous(int k) { return k == 0 ? 2 : k - 1; }
 
-// Whether the triangle, counter-clockwise, faces away from the centre: by differences, which keep
-// their digits in small triangles.
+// Whether the triangle a, b, c is counter-clockwise seen from outside, so that its normal points
+// away from the sphere's centre. The sign of a · (b × c) says the same, but it cancels for small
+// triangles; differences of nearby points keep their digits.
 bool faces_outwards(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return dot(a, cross(b - a, c - a)) > 0;
 }
 
-// Squared sine of the least angle, which is at most 60°.
+// Squared sine of the least angle of a triangle. The least angle is at most 60°, so it grows with
+// its sine. It lies between the two longest edges, and its sine is twice the area over their
+// product.
 double least_squared_sine(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a;
   const double x = squared_norm(ab), y = squared_norm(ac), z = squared_norm(c - b);
@@ -30,14 +39,16 @@ double least_squared_sine(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return squared_norm(cross(ab, ac)) / two_longest;
 }
 
-// Whether the angles at a and d over the edge bc sum to more than half a turn.
+// Whether the angles at a and d, opposite to the common edge bc, add up to more than half a turn.
+// Then the edge is not Delaunay. For angles α and δ of triangles, this holds if sin(α + δ) < 0.
 bool exceed_half_turn(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  constexpr double kSlack = 1e-12;  // co-circular points do not flip for ever
+  constexpr double kSlack = 1e-12;  // relative: co-circular points must not flip for ever
   const Vec3d ab = b - a, ac = c - a, db = b - d, dc = c - d;
   const double cosine_a = dot(ab, ac), cosine_d = dot(db, dc);
+  // Both angles are at most a right angle.
   if (cosine_a >= 0 && cosine_d >= 0) return false;
   const double sine_a = norm(cross(ab, ac)), sine_d = norm(cross(db, dc));
-  // sin(α + δ), times the four lengths.
+  // sin(α + δ), times the lengths of the four outer edges.
   return sine_a * cosine_d + cosine_a * sine_d <
          -kSlack * (sine_a + std::abs(cosine_a)) * (sine_d + std::abs(cosine_d));
 }
@@ -47,6 +58,7 @@ double angle_at(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
   return std::atan2(norm(cross(u, v)), dot(u, v));
 }
 
+// Smooths in place; see smooth() in the header.
 class Smoother {
  public:
   Smoother(const PatchBoundary& boundary, const PointCircles& circles, PatchTriangles& patch)
@@ -65,6 +77,8 @@ class Smoother {
   }
 
  private:
+  // Lists the triangles around each vertex as compressed sparse rows. Flips change them, so they
+  // are listed anew in each pass.
   void index_stars() {
     first_.assign(points_.size() + 1, 0);
     for (const PatchTriangle& t : triangles_) {
@@ -78,8 +92,9 @@ class Smoother {
     }
   }
 
-  // Squared sine of the least angle of the triangles around vertex v, were it at p; -1 where one
-  // turns, and where there is none above `enough`.
+  // Squared sine of the least angle of the triangles around vertex v if v were at p. Returns -1 if
+  // p is of no use: a triangle would face inwards, or the least angle would not be larger than
+  // `enough`.
   double least_angle_around(std::uint32_t v, const Vec3d& p, double enough) const {
     double least = 1;
     for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i) {
@@ -93,7 +108,9 @@ class Smoother {
     return least;
   }
 
-  // To the mean of its triangles' centroids, weighted by area; or half the way there.
+  // Moves vertex v to the mean of the centroids around it, weighted by area and put back on the
+  // sphere. If that does not enlarge the least angle, half the way is tried; if that fails too, v
+  // stays.
   void move(std::uint32_t v) {
     Vec3d sum{0, 0, 0};
     for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i) {
@@ -111,8 +128,10 @@ class Smoother {
     points_[v] = p;
   }
 
-  // Flips edge k of triangle t where the angles opposite to it sum to more than half a turn, both
-  // new triangles face outwards and the new edge may be one.
+  // Flips an edge of triangle t if it is not Delaunay, both new triangles face outwards, and the
+  // new edge does not join two points of one circle. Returns whether it did. Edge and vertex
+  // numbers within the triangles: k and m are the vertices opposite to the common edge in the two
+  // triangles; 1 and 2 behind a letter mean the next and the previous vertex.
   bool flip_if_better(std::uint32_t t, int edge) {
     const auto k = static_cast<std::size_t>(edge), k1 = static_cast<std::size_t>(next(edge)),
                k2 = static_cast<std::size_t>(previous(edge));
@@ -139,6 +158,7 @@ class Smoother {
     two = {{a, d, c},
            {old2.neighbors[m2], old1.neighbors[k1], t},
            {old2.pieces[m2], old1.pieces[k1], kNoPiece}};
+    // Two outer edges have changed sides, so their neighbours must point to the other triangle.
     const auto relink = [&](std::uint32_t of, std::uint32_t from, std::uint32_t to) {
       if (of == kNoNeighbor) return;
       for (std::uint32_t& link : triangles_[of].neighbors) {
@@ -153,6 +173,9 @@ class Smoother {
     return true;
   }
 
+  // Flips edges in sweeps over all triangles until nothing changes. The number of sweeps is
+  // limited, since flips that are refused can keep others from coming to rest. The triangles are
+  // valid after any number of flips.
   void make_delaunay() {
     constexpr int kMostSweeps = 16;
     bool flipped = true;
@@ -164,14 +187,16 @@ class Smoother {
     }
   }
 
+  // Points from this number on may move.
   std::uint32_t first_interior_;
   const PointCircles& circles_;
   std::vector<Vec3d>& points_;
   std::vector<PatchTriangle>& triangles_;
-  std::vector<std::uint32_t> first_, star_;  // triangles around each vertex
+  // Triangles around vertex v: star_[first_[v]] .. star_[first_[v + 1] - 1].
+  std::vector<std::uint32_t> first_, star_;
 };
 
-// Finds the pieces that have to be split because of one triangle after the other.
+// Collects the pieces to split, triangle by triangle; see defects() in the header.
 class DefectFinder {
  public:
   DefectFinder(const PatchBoundary& boundary, const PatchTriangles& patch)
@@ -197,12 +222,15 @@ class DefectFinder {
   bool is_inward(const PatchTriangle& t) const {
     return !faces_outwards(at(t, 0), at(t, 1), at(t, 2));
   }
+  // By how much (rad) the arc of an edge leaves its chord at either end; 0 for an edge inside the
+  // patch.
   double bulge(const PatchTriangle& t, std::size_t edge) const {
     return t.pieces[edge] == kNoPiece ? 0 : boundary_.pieces[t.pieces[edge]].bulge;
   }
 
-  // The triangle's own pieces; if it has none, those that end in its vertices; if there are none
-  // either, all pieces of the patch.
+  // Blames pieces for an inward triangle: its own pieces if it has any; else those that end in its
+  // vertices; else all pieces of the patch. So at least one piece is always found, and meshing
+  // either ends or goes on with a finer boundary.
   void split_around(const PatchTriangle& t) {
     const std::size_t before = found_.size();
     std::copy_if(t.pieces.begin(), t.pieces.end(), std::back_inserter(found_),
@@ -218,10 +246,14 @@ class DefectFinder {
     for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) found_.push_back(p);
   }
 
+  // Finds angles of the triangle that its arcs would use up. At vertex k, the arcs of the two edges
+  // there bulge into the triangle and take their bulge from its angle. If less than kLeastRest of
+  // the angle would remain, the pieces that bulge inwards must be split: halves bulge half as far.
   void find_folds(const PatchTriangle& t) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-      // Between two arcs there is the angle of the patch's corner, whatever the chords.
+      // Two arcs that meet in vertex k enclose the angle of the patch's corner. It is given,
+      // whatever the angle between the chords is.
       if (t.pieces[k1] != kNoPiece && t.pieces[k2] != kNoPiece) continue;
       const double taken = std::max(0.0, bulge(t, k1)) + std::max(0.0, bulge(t, k2));
       if (taken == 0) continue;
@@ -237,6 +269,7 @@ class DefectFinder {
   std::vector<std::uint32_t> found_;
 };
 
+// The whole smoothing is compiled in two versions (core/multiversion.hpp).
 VDWMESH_MULTIVERSION void run(Smoother& smoother, int passes) { smoother.run(passes); }
 
 }  // namespace

@@ -1,3 +1,10 @@
+// Meshes of whole spheres, and the points of such meshes (declared in patch_mesher.hpp): the
+// geodesic subdivision of an icosahedron.
+//
+// Each of the 20 faces is divided into n² triangles by a lattice in barycentric coordinates, and
+// the points are moved to the unit sphere. Points on an edge are shared by the two faces beside it.
+// mesh_sphere() serves spheres without neighbours, sphere_points() fills the inside of patches
+// (patch_mesher.cpp), which needs no triangles.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,8 +17,9 @@
 namespace vdwmesh {
 namespace {
 
-// A turn by 1 rad about (2, 3, 6) / 7 (Rodrigues), which takes no axis or diagonal to another:
-// balls of a lattice that touch do so between the vertices of their meshes.
+// Turns a point by 1 rad about the axis (2, 3, 6) / 7 by Rodrigues' formula. The turn takes no
+// coordinate axis or diagonal to another one. Balls of a lattice that touch do so in these
+// directions, so their meshes have no vertices in the points of contact.
 Vec3d turned(const Vec3d& p) {
   const Vec3d axis{2.0 / 7, 3.0 / 7, 6.0 / 7};
   const double c = std::cos(1.0), s = std::sin(1.0);
@@ -19,7 +27,8 @@ Vec3d turned(const Vec3d& p) {
   return (1 / norm(out)) * out;
 }
 
-// Vertices (0, ±1, ±φ) and their rotations, on the unit sphere, turned.
+// The 12 vertices of an icosahedron on the unit sphere, turned: (0, ±1, ±φ), scaled, and its cyclic
+// permutations, with φ the golden ratio.
 std::vector<Vec3d> icosahedron_points() {
   const double golden = std::numbers::phi, scale = 1 / std::sqrt(1 + golden * golden);
   const double a = scale, b = golden * scale;
@@ -30,22 +39,25 @@ std::vector<Vec3d> icosahedron_points() {
   return points;
 }
 
+// Counter-clockwise seen from outside; numbers of the points above.
 constexpr std::array<std::array<std::uint32_t, 3>, 20> kFaces{
     {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
      {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
      {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
 
-// The icosahedron's edge seen from the centre is 63.4°; the mean edge of its parts is within 3 % of
-// that over their number.
+// How many parts each edge is divided into. The edge is seen from the centre under arctan 2 =
+// 63.4°. Divided by the number of parts, this angle is the mean edge of the mesh to within 3 %.
 std::uint32_t parts_of_edge(double edge_length) {
   return static_cast<std::uint32_t>(std::ceil(std::max(1.0, std::atan(2.0) / edge_length)));
 }
 
-// A face divided into n² triangles; points of its edges are shared through `edges`.
+// Divides faces into n² triangles each, appending points and triangles to `out`. The first 12
+// points of `out` are the icosahedron's. The points of an edge are made once and kept in `edges_`.
 class FaceDivider {
  public:
   FaceDivider(std::uint32_t n, PatchMesh& out) : n_(n), out_(out) {}
 
+  // Goes through a face row by row, from its corner 0 to the opposite edge. Row i has i + 1 points.
   void divide(const std::array<std::uint32_t, 3>& face) {
     std::vector<std::uint32_t> above, row;
     for (std::uint32_t i = 0; i <= n_; ++i) {
@@ -60,7 +72,7 @@ class FaceDivider {
   }
 
  private:
-  // Weights n - i, i - j and j of the corners.
+  // The number of the point with barycentric weights n - i, i - j and j at the corners of the face.
   std::uint32_t point(const std::array<std::uint32_t, 3>& face, std::uint32_t i, std::uint32_t j) {
     if (i == 0) return face[0];
     if (j == 0) return on_edge(face[0], face[1], i);
@@ -71,6 +83,8 @@ class FaceDivider {
                static_cast<double>(j) * out_.interior[face[2]]);
   }
 
+  // Point k of n on the edge from corner a to corner b. The edge is stored from the lower number to
+  // the higher one, so that both faces find the same points.
   std::uint32_t on_edge(std::uint32_t a, std::uint32_t b, std::uint32_t k) {
     if (k == n_) return b;
     if (a > b) return on_edge(b, a, n_ - k);
@@ -85,6 +99,7 @@ class FaceDivider {
     return points[k - 1];
   }
 
+  // Appends a point, moved to the sphere.
   std::uint32_t add(const Vec3d& p) {
     out_.interior.push_back((1 / norm(p)) * p);
     return static_cast<std::uint32_t>(out_.interior.size() - 1);
@@ -92,6 +107,7 @@ class FaceDivider {
 
   std::uint32_t n_;
   PatchMesh& out_;
+  // By corners (lower, higher): the points between them, from the lower corner on.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> edges_;
 };
 
@@ -110,7 +126,9 @@ VDWMESH_MULTIVERSION std::vector<Vec3d> sphere_points(double edge_length) {
   const std::vector<Vec3d> corners = icosahedron_points();
   std::vector<Vec3d> points = corners;
   points.reserve(10 * std::size_t{n} * n + 2);
-  // Row i of a face from its corner a; an edge's points belong to the face that runs it upwards.
+  // Row i runs parallel to the edge bc of the face. An edge is run through by its two faces in
+  // opposite directions; its points belong to the face that runs from the lower corner to the
+  // higher one. Corners are already in the list.
   for (const auto& [a, b, c] : kFaces) {
     for (std::uint32_t i = 1; i <= n; ++i) {
       for (std::uint32_t j = 0; j <= i; ++j) {

@@ -1,3 +1,7 @@
+// Splits non-manifold vertices. The corners of triangles at a vertex are its wedges. Two wedges
+// that share an edge at the vertex belong to one fan, so the fans are the sets of a union-find over
+// the wedges. union_mesher.cpp calls this for joined corners, at which surfaces may meet in a point
+// only.
 #include "arrangement/mesher/split_fans.hpp"
 
 #include <algorithm>
@@ -11,14 +15,19 @@
 namespace vdwmesh {
 namespace {
 
-// A triangle's corner at a vertex, with the other ends of its two edges there.
+// The corner of a triangle at the vertex that is looked at, with the other ends of its two edges
+// there.
 struct Wedge {
+  // `corner` is the place of the vertex in the triangle, 0 to 2. `next` and `previous` are
+  // vertices.
   std::uint32_t triangle, corner, next, previous;
 };
 
-// Joins the wedges that share an edge.
+// Joins the wedges of a vertex that share an edge. After sorting by the other end of the edge, they
+// are neighbours.
 DisjointSets fans_of(const std::vector<Wedge>& wedges) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;  // other end of an edge, wedge
+  // Entries (other end of an edge, wedge).
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
   for (std::uint32_t w = 0; w < wedges.size(); ++w) {
     ends.push_back({wedges[w].next, w});
     ends.push_back({wedges[w].previous, w});
@@ -31,6 +40,7 @@ DisjointSets fans_of(const std::vector<Wedge>& wedges) {
   return sets;
 }
 
+// Appends a copy of a vertex and returns its number.
 std::uint32_t copy_of(std::uint32_t vertex, IndexedMesh& mesh) {
   const std::size_t copy = mesh.vertex_count();
   if (copy >= kMaxVertices) throw LimitExceeded("the mesh has more than 2^32 vertices");
@@ -40,7 +50,8 @@ std::uint32_t copy_of(std::uint32_t vertex, IndexedMesh& mesh) {
   return static_cast<std::uint32_t>(copy);
 }
 
-// The spheres of a fan's triangles, ascending; empty where they are more than three.
+// The spheres of a fan's triangles, ascending. Empty if there are more than three, because a label
+// has no room for them.
 std::vector<SphereId> spheres_of(const std::vector<Wedge>& wedges, DisjointSets& fans,
                                  std::uint32_t fan, const IndexedMesh& mesh) {
   std::vector<SphereId> spheres;
@@ -53,8 +64,8 @@ std::vector<SphereId> spheres_of(const std::vector<Wedge>& wedges, DisjointSets&
   return spheres;
 }
 
-// A vertex that is more than one corner is labelled with the spheres around it, where its label
-// lacks one of them and they are few enough.
+// The label for the vertex of a fan. Usually it stays as it is. At a joined corner it may lack a
+// sphere of the fan; then the label becomes the spheres of the fan, if they fit.
 VertexSpheres relabelled(const VertexSpheres& label, const std::vector<SphereId>& spheres) {
   if (spheres.empty() || std::includes(label.begin(), label.end(), spheres.begin(), spheres.end()))
     return label;
@@ -66,6 +77,7 @@ VertexSpheres relabelled(const VertexSpheres& label, const std::vector<SphereId>
 }  // namespace
 
 void split_fans(std::size_t count, IndexedMesh& mesh) {
+  // By vertex.
   std::vector<std::vector<Wedge>> wedges(count);
   for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
     const Triangle& v = mesh.triangles[t];
@@ -75,6 +87,8 @@ void split_fans(std::size_t count, IndexedMesh& mesh) {
   }
   for (std::uint32_t vertex = 0; vertex < count; ++vertex) {
     DisjointSets fans = fans_of(wedges[vertex]);
+    // The vertex of each fan, by the first wedge of the fan. Union-find represents a set by its
+    // smallest member, so the loop meets the representative of a fan before its other wedges.
     std::vector<std::uint32_t> name(wedges[vertex].size(), vertex);
     for (std::uint32_t w = 0; w < wedges[vertex].size(); ++w) {
       const std::uint32_t fan = fans.find(w);

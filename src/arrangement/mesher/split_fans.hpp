@@ -1,4 +1,4 @@
-// Vertices where several fans of triangles meet only in the point.
+// Makes a mesh manifold at vertices in which several fans of triangles meet only in the point.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,13 @@
 
 namespace vdwmesh {
 
-// Of the first `count` vertices, those whose triangles are not one fan get a copy at the end for
-// each fan beyond the first (in the order of the triangles), so that the mesh is a 2-manifold.
-// `opposite` must be empty. Throws LimitExceeded past 2^32 vertices.
+// Splits those of the first `count` vertices whose triangles form more than one fan. A fan is a set
+// of triangles around the vertex that hang together by common edges. The first fan (in the order of
+// the triangles) keeps the vertex; each other fan gets a copy of it at the end of the mesh. Labels
+// of the vertices follow the spheres of their fan. If all other vertices are manifold, so is the
+// mesh afterwards.
+//
+// Precondition: `opposite` is empty. Throws LimitExceeded past 2^32 vertices.
 void split_fans(std::size_t count, IndexedMesh& mesh);
 
 }  // namespace vdwmesh

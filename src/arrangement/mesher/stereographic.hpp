@@ -1,4 +1,9 @@
-// The unit sphere less one point, its pole, as a plane. Circles stay circles or become lines.
+// Stereographic projection of the unit sphere, less one point (the pole), to a plane. It is
+// conformal and maps circles to circles or lines. So the empty-circle property of a Delaunay
+// triangulation means the same in the plane and on the sphere.
+//
+// The plane's axes are chosen so that orientation is kept: what turns counter-clockwise on the
+// sphere, seen from outside, turns counter-clockwise in the plane.
 #pragma once
 
 #include "arrangement/directions.hpp"
@@ -12,23 +17,26 @@ struct PlanePoint {
 
 class Stereographic {
  public:
+  // The pole must have unit length.
   explicit Stereographic(const Vec3d& pole)
       : pole_(pole), first_(any_orthogonal(pole)), second_(cross(first_, pole)) {}
 
   const Vec3d& pole() const { return pole_; }
 
-  // Not finite for the pole.
+  // The image of a unit vector; not finite for the pole itself. The factor 2 / |u - pole|² equals
+  // the usual 1 / (1 - u · pole), without its cancellation near the pole.
   PlanePoint project(const Vec3d& u) const {
     const double w = 2 / squared_norm(u - pole_);
     return {w * dot(u, first_), w * dot(u, second_)};
   }
 
+  // The unit vector that project() takes to p, to rounding.
   Vec3d lift(const PlanePoint& p) const {
     return unit(2.0 * (p.x * first_ + p.y * second_) + (p.x * p.x + p.y * p.y - 1) * pole_);
   }
 
  private:
-  Vec3d pole_, first_, second_;  // first × second = -pole
+  Vec3d pole_, first_, second_;  // orthonormal; first × second = -pole
 };
 
 }  // namespace vdwmesh

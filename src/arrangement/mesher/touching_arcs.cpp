@@ -1,3 +1,10 @@
+// Finds circles of one ball that all but touch, and cuts their arcs at the point of touching.
+//
+// Steps: (1) all arcs are sorted by ball and by the ball on their other side, so that the arcs of
+// one circle follow each other. (2) For each ball, every pair of its circles is tested on the unit
+// sphere about its centre. If the circles touch from outside and both are exposed at that point,
+// the point becomes a corner. (3) Several balls may find the same point of an arc; such cuts are
+// merged. (4) The arcs are cut. boundary_arcs.cpp calls this file before it merges corners.
 #include "arrangement/mesher/touching_arcs.hpp"
 
 #include <algorithm>
@@ -13,26 +20,35 @@
 namespace vdwmesh {
 namespace {
 
-// Circles whose axes are nearer to one line than this (rad) lie side by side all around, if at all.
+// Circles with axes closer to one line than this angle (rad) have no single nearest point: if they
+// are close at all, they are close all around. boundary_arcs.cpp closes such slits.
 constexpr double kParallel = 1e-6;
 
-// The circle that a ball shares with another, on the unit sphere about its centre, and the arcs
-// of it that are exposed: places `first` to `first` + `count`.
+// A circle on the unit sphere about the centre of a ball, namely the rim of what another ball
+// covers.
 struct Circle {
+  // Unit, towards the other ball.
   Vec3d axis;
-  double cosine, sine;  // of its radius as an angle
-  std::uint32_t other;  // ball
+  // Of the circle's angular radius, seen from the centre of the ball.
+  double cosine, sine;
+  // The ball that shares the circle.
+  std::uint32_t other;
+  // Its exposed arcs: entries first .. first + count - 1 of places_.
   std::size_t first, count;
 };
 
+// One side of an arc. Each arc has two entries, one for each of its balls.
 struct ArcOfBall {
   std::uint32_t ball, other, arc;
   friend auto operator<=>(const ArcOfBall&, const ArcOfBall&) = default;
 };
 
+// The place at which an arc is to be cut.
 struct Cut {
   std::uint32_t arc;
+  // rad, from the start of the arc.
   double angle;
+  // Of the result; kNoIndex until the corner is known.
   std::uint32_t corner;
 };
 
@@ -64,6 +80,7 @@ class TouchingArcs {
     std::sort(places_.begin(), places_.end());
   }
 
+  // Gathers the circles of one ball from its entries [begin, end) and tests all pairs.
   void search_ball(std::size_t begin, std::size_t end) {
     circles_.clear();
     for (std::size_t i = begin; i < end; ++i) {
@@ -92,11 +109,18 @@ class TouchingArcs {
             1};
   }
 
-  // Between the two points where the circles are nearest to each other; two caps that together
-  // reach further than half around touch at the back, where nothing is exposed.
+  // The point of the unit sphere in which two circles touch from outside, or nothing.
+  //
+  // Circles of angular radii α and β whose axes enclose the angle γ touch from outside if γ = α +
+  // β. The first test compares the cosines: cos(α + β) = cos α cos β - sin α sin β. A gap of at
+  // most FeatureSizes::arc changes the cosine by no more than that, because a cosine has slope 1 at
+  // most; the factor 4 leaves room for rounding. If sin(α + β) < 0, the two caps reach further than
+  // half around the sphere. They then touch at the back and cover all the rest, so nothing is
+  // exposed there. The last test is the decisive one: it measures the gap between the nearest
+  // points p and q.
   std::optional<Vec3d> touching_point(const Circle& a, const Circle& b) const {
     const double along = dot(a.axis, b.axis);
-    const double slack = 4 * out_.sizes.arc;  // the sine of an angle is at most 1
+    const double slack = 4 * out_.sizes.arc;  // as above
     if (std::abs(along - (a.cosine * b.cosine - a.sine * b.sine)) > slack) return std::nullopt;
     if (a.sine * b.cosine + a.cosine * b.sine < -slack) return std::nullopt;
     const Vec3d to_b = b.axis - along * a.axis, to_a = a.axis - along * b.axis;
@@ -107,6 +131,8 @@ class TouchingArcs {
     return unit(p + q);
   }
 
+  // Records that two circles touch in a direction. Both must have an exposed arc there: otherwise a
+  // third ball covers the point and there is nothing to do.
   void touch(std::uint32_t ball, const Circle& a, const Circle& b, const Vec3d& direction) {
     const Sphere& s = t_.balls[ball];
     const BoundaryCorner corner{s.center + s.radius * direction, {ball, a.other, b.other}};
@@ -117,9 +143,9 @@ class TouchingArcs {
       const std::size_t before = ends.size() + cuts.size();
       for (std::size_t i = c.first; i < c.first + c.count; ++i)
         find_on_arc(places_[i].arc, corner.position, reach, ends, cuts);
-      if (ends.size() + cuts.size() == before) return;  // covered by another ball
+      if (ends.size() + cuts.size() == before) return;  // a third ball covers it
     }
-    if (cuts.empty()) return;  // corners in one place have been found already
+    if (cuts.empty()) return;  // both circles end there: find_coincident_corners() compares these
     ++out_.joins;
     if (ends.empty()) {
       ends.push_back(static_cast<std::uint32_t>(out_.corners.size()));
@@ -132,7 +158,9 @@ class TouchingArcs {
     }
   }
 
-  // Where the point is on the arc: in a corner that it ends in, or between.
+  // Finds the point on an arc. If an end of the arc lies within `reach` of the point, that corner
+  // is added to `ends`. If the point lies inside the arc, a cut is added to `cuts`. Otherwise the
+  // arc does not contain the point.
   void find_on_arc(std::uint32_t index, const Vec3d& point, double reach,
                    std::vector<std::uint32_t>& ends, std::vector<Cut>& cuts) const {
     const BoundaryArc& arc = out_.arcs[index];
@@ -150,12 +178,14 @@ class TouchingArcs {
     if (angle < arc.sweep) cuts.push_back({index, angle, kNoIndex});
   }
 
-  // Two touches of an arc in one place, which several balls may have found.
+  // Merges cuts of one arc at the same place, which different balls may have found, and joins their
+  // corners. After sorting by angle, such cuts are neighbours. Around a whole circle the last cut
+  // also neighbours the first, so each cut is compared with both.
   void join_cuts() {
     std::sort(cuts_.begin(), cuts_.end(), [](const Cut& a, const Cut& b) {
       return std::tie(a.arc, a.angle, a.corner) < std::tie(b.arc, b.angle, b.corner);
     });
-    std::size_t kept = 0, first = 0;  // first: of the cuts of the same arc
+    std::size_t kept = 0, first = 0;  // first: index of the first cut of the same arc
     for (const Cut& cut : cuts_) {
       if (kept == 0 || cuts_[kept - 1].arc != cut.arc) first = kept;
       const bool again =
@@ -170,7 +200,9 @@ class TouchingArcs {
     cuts_.resize(kept);
   }
 
-  // Of cuts of one arc.
+  // Whether two cuts of one arc coincide. Each corner lies within 2 × FeatureSizes::arc of the
+  // point that its ball has found, hence the sum of 4. The radius is the larger one of the two
+  // balls, because either may have found the point.
   bool is_same_place(const Cut& a, const Cut& b) const {
     const BoundaryArc& arc = out_.arcs[a.arc];
     const double r = std::max(t_.balls[arc.balls[0]].radius, t_.balls[arc.balls[1]].radius);
@@ -187,8 +219,10 @@ class TouchingArcs {
     }
   }
 
-  // The pieces are new arcs at the end, but for the first, which keeps the arc's place. That of a
-  // circle goes from its first cut around to it.
+  // Cuts one arc at `cuts`, which are sorted by angle. The first part takes the number of the whole
+  // arc, and the others become new arcs at the end of the list. A circle has no start of its own:
+  // it is cut into as many parts as there are cuts, and the last part ends at the first cut after a
+  // full turn.
   void cut_arc(std::span<const Cut> cuts) {
     const BoundaryArc whole = out_.arcs[cuts[0].arc];
     const bool circle = whole.is_circle();
@@ -205,6 +239,7 @@ class TouchingArcs {
     }
   }
 
+  // The part of an arc between two cuts. Its frame is turned so that angle 0 is at `from`.
   static BoundaryArc part(const BoundaryArc& whole, const Cut& from, const Cut& to) {
     BoundaryArc arc = whole;
     const double c = std::cos(from.angle), s = std::sin(from.angle);
@@ -217,9 +252,11 @@ class TouchingArcs {
 
   const PowerTriangulation& t_;
   BoundaryArcs& out_;
-  std::vector<ArcOfBall> places_;
-  std::vector<Circle> circles_;  // of the ball at hand
+  std::vector<ArcOfBall> places_;  // sorted by ball, then other ball, then arc
+  std::vector<Circle> circles_;    // of the ball that is being searched
+  // Of all arcs; sorted by arc and angle once join_cuts() has run.
   std::vector<Cut> cuts_;
+  // Pairs of corners that are one point.
   std::vector<std::array<std::uint32_t, 2>> joined_;
 };
 

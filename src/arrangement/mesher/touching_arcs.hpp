@@ -1,5 +1,6 @@
-// Arcs of one ball that touch where the arrangement has no corner. Lengths are those of the
-// triangulation (scaled).
+// Gives arcs of one ball that touch a common corner. The arrangement has no corner there: two
+// circles on the ball come close, but they do not cross. Lengths are scaled as in the
+// triangulation.
 #pragma once
 
 #include <array>
@@ -10,9 +11,13 @@
 
 namespace vdwmesh {
 
-// Where two circles of a ball lie side by side and all but touch (to FeatureSizes::arc of its
-// radius), the passage between them has no width in double coordinates: the arcs there get one
-// corner, new or one that an arc ends in. Returns pairs of corners that are one point.
+// Finds pairs of circles on one ball that come closer to each other than FeatureSizes::arc of its
+// radius. Between them the patch has a passage without width in double coordinates, so both circles
+// get one corner there. It is a new corner, or an existing one in which an arc ends. An arc with
+// the corner inside is cut in two. Adds the corners and arcs to `boundary` and counts them in
+// `joins`.
+//
+// Returns pairs of corners that are one point; the caller merges them.
 std::vector<std::array<std::uint32_t, 2>> join_touching_arcs(
     const PowerTriangulation& triangulation, BoundaryArcs& boundary);
 

@@ -1,3 +1,14 @@
+// Meshes the boundary of a union of balls patch by patch and assembles the patches.
+//
+// Steps: (1) sample all arcs; (2) mesh the patches in rounds: all patches in parallel, then split
+// the pieces that any patch asks for, then mesh the patches beside these pieces again, until nobody
+// asks. Patches talk to each other through the sampling of their common arcs only. A first series
+// of rounds tests boundaries alone, which is quick. (3) Number the vertices (corners, points of
+// arcs, interior points ball by ball) and copy the patches into one mesh. (4) At joined corners,
+// part the fans of triangles.
+//
+// Splitting may not end if curves nearly coincide. Three tests end it with CurvesTooClose: the
+// number of rounds, the number of pieces, and pieces that are straight in double precision.
 #include "arrangement/mesher/union_mesher.hpp"
 
 #include <fmt/format.h>
@@ -17,22 +28,28 @@
 namespace vdwmesh {
 namespace {
 
-// Rounds in which arcs are split for the shape of triangles, and for anything.
+// In the first rounds, pieces are split for the quality of triangles as well, afterwards only for
+// validity. After the last round the mesher gives up.
 constexpr int kQualityRounds = 12;
 constexpr int kMostRounds = 60;
-// Pieces that splitting may add, besides 64 for each there was; fewer once curves are known to lie
-// too close for the usual sizes of features.
+// How many pieces splitting may add, besides 64 for each piece there was at first. Coarser feature
+// sizes are tried only after curves were found too close for the usual ones; less is spent on
+// these.
 constexpr std::uint64_t kMostGrowth = std::uint64_t{1} << 16, kCoarserGrowth = kMostGrowth / 4;
-// A piece is straight if its arc is nearer to its chord than this, by the size of coordinates: an
-// eighth of what splitting it may still move by rounding, and some room.
+// A piece counts as straight if its sagitta, the distance between chord and arc, is below this
+// fraction of the size of its coordinates. Rounding moves a coordinate of size S by up to 2^-53 S,
+// which is 32 times as far. So the midpoint of such a piece lies on its chord, as far as
+// coordinates tell.
 constexpr double kStraight = 0x1p-58;
 
+// What the mesh holds beside positions, normals and triangles.
 constexpr MeshArrays kArrays = {.labels = TriangleLabels::spheres, .width = LabelWidth::three};
 
 double largest_coordinate(const Vec3d& p) {
   return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
 }
 
+// One run of the mesher; run() lists the steps.
 class UnionMesher {
  public:
   UnionMesher(const Arrangement& arrangement, BoundaryArcs&& boundary,
@@ -74,16 +91,20 @@ class UnionMesher {
     return pieces;
   }
 
-  // From the area: equilateral triangles of the edge length, and as many again as it takes to keep
-  // narrow places well shaped.
+  // Refuses a mesh that will not fit the memory limit, before its memory is taken. The number of
+  // triangles is estimated from the area: equilateral triangles of the edge length, times a factor,
+  // plus some per piece for narrow places. A closed mesh has about half as many vertices as
+  // triangles.
   void check_memory() const {
-    constexpr double kFill = 1.4;
-    constexpr std::uint64_t kScratch = 40;  // bytes per triangle: patches before they are joined
+    constexpr double kFill = 1.4;  // allowance over the ideal number of triangles
+    // Bytes per triangle for the patches before they are joined.
+    constexpr std::uint64_t kScratch = 40;
     const std::uint64_t pieces = count_pieces();
     const double ideal =
         total_measures(measures_).area / (std::sqrt(3.0) / 4) / (edge_length_ * edge_length_);
     const double triangles = kFill * ideal + 4 * static_cast<double>(pieces);
-    constexpr double kMost = 1.8e19;  // fits 64 bits after the sums below
+    // Just below 2^64. The bytes per triangle are less than 200, so the product fits 64 bits.
+    constexpr double kMost = 1.8e19;
     const auto count = static_cast<std::uint64_t>(std::min(triangles, kMost / 200));
     const std::uint64_t vertices = count / 2;
     const std::uint64_t need = indexed_mesh_bytes({vertices, count}, kArrays) + kScratch * count;
@@ -99,14 +120,15 @@ class UnionMesher {
             1.05));
   }
 
-  // Without arcs a sphere is exposed as a whole or, but for points, not at all.
+  // Whether the sphere is exposed as a whole. A sphere without arcs is exposed entirely or not at
+  // all, except for single points. So its exposed area is near 4 pi r² or near 0, and half of the
+  // sphere's area tells the two apart despite rounding.
   bool is_whole(std::uint32_t ball) const {
     const double r = t_.balls[ball].radius;
     return index_.arcs(ball).empty() && measures_[ball].area > 2 * std::numbers::pi * r * r;
   }
 
-  // First the boundaries alone, which is quick, then the patches; each until no piece is to be
-  // split.
+  // First meshes the boundaries of all patches that have one, then all patches.
   void mesh_patches() {
     std::vector<std::uint32_t> bounded, all;
     for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
@@ -118,6 +140,8 @@ class UnionMesher {
     run_rounds(std::move(all), PatchStage::triangles);
   }
 
+  // Meshes the balls of the list in parallel, splits the pieces asked for, and goes on with the
+  // balls beside these pieces, until there are no requests.
   void run_rounds(std::vector<std::uint32_t> balls, PatchStage stage) {
     for (int round = 1; !balls.empty(); ++round) {
       begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
@@ -139,8 +163,9 @@ class UnionMesher {
     }
   }
 
-  // To split a piece that is straight in double coordinates changes nothing: what it crosses or
-  // folds over it will cross and fold over as well when it is shorter.
+  // Refuses to split a straight piece. The split would not move any point off the chord, so
+  // whatever crosses the piece or folds over it would cross the halves and fold over them as well.
+  // The sagitta of an arc of radius r and angle a is r a² / 8 for small a.
   void check_straightness(const std::vector<PieceSplit>& splits) const {
     for (const PieceSplit& s : splits) {
       const BoundaryArc& arc = boundary_.arcs[s.piece.arc];
@@ -150,7 +175,9 @@ class UnionMesher {
     }
   }
 
-  // Curves that all but coincide ask for ever shorter pieces; each has four triangles at least.
+  // Refuses when the number of pieces has grown too large for memory or beyond its limit: curves
+  // that nearly coincide ask for shorter and shorter pieces. The memory is estimated with four
+  // triangles for each piece. The message names the arc of the most pieces.
   void check_growth(const std::vector<PieceSplit>& splits) const {
     const std::uint64_t pieces = count_pieces();
     const std::uint64_t need = indexed_mesh_bytes({2 * pieces, 4 * pieces}, kArrays);
@@ -168,6 +195,7 @@ class UnionMesher {
         t_.ids[balls[0]], t_.ids[balls[1]], pieces, options_.memory_limit));
   }
 
+  // Gives up at a piece, naming the two spheres that meet there.
   [[noreturn]] void refuse(const ArcPiece& piece) const {
     const auto& balls = boundary_.arcs[piece.arc].balls;
     throw CurvesTooClose(fmt::format(
@@ -176,7 +204,10 @@ class UnionMesher {
         t_.ids[balls[0]], t_.ids[balls[1]]));
   }
 
+  // Meshes one ball into patches_[ball]. Threads run this at the same time for different balls, so
+  // coincident points are noted and reported later.
   void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
+    // As a fraction of the radius, since patches are meshed on the unit sphere.
     const double edge_length = edge_length_ / t_.balls[ball].radius;
     if (is_whole(ball)) {
       patches_[ball] = mesh_sphere(edge_length);
@@ -191,7 +222,8 @@ class UnionMesher {
     }
   }
 
-  // The first ball of the list is named, whichever was meshed first.
+  // Reports coincident points. The message names the first ball of the list, so it does not depend
+  // on which thread came first.
   void check_coincidence(const std::vector<std::uint32_t>& balls) const {
     for (const std::uint32_t b : balls) {
       if (!has_coincident_points_[b]) continue;
@@ -202,7 +234,8 @@ class UnionMesher {
     }
   }
 
-  // Where both sides ask, the more halvings.
+  // The requests of all balls, each piece once. If the patches on both sides ask for the same
+  // piece, the larger number of halvings counts: it is sorted first.
   std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& balls) const {
     std::vector<PieceSplit> splits;
     for (const std::uint32_t b : balls) {
@@ -216,6 +249,7 @@ class UnionMesher {
     return splits;
   }
 
+  // The balls on both sides of the pieces, ascending, each once.
   std::vector<std::uint32_t> balls_beside(const std::vector<PieceSplit>& splits) const {
     std::vector<std::uint32_t> balls;
     for (const PieceSplit& s : splits) {
@@ -227,6 +261,9 @@ class UnionMesher {
     return balls;
   }
 
+  // Builds the mesh. Vertices: corners and points of arcs with the numbers of the sampling, then
+  // the interior points of all balls. Every ball writes a range of its own, so balls run in
+  // parallel.
   void assemble(IndexedMesh& mesh) {
     std::vector<std::uint64_t> first_vertex(t_.balls.size() + 1),
         first_triangle(t_.balls.size() + 1);
@@ -268,7 +305,9 @@ class UnionMesher {
     });
   }
 
-  // A vertex on several spheres: its normal is the mean of theirs.
+  // Writes a vertex that lies on up to three spheres; unused entries of `balls` are kNoIndex. Its
+  // normal is the mean of the spheres' normals. If these cancel, as at a point of contact, the
+  // normal of the first sphere is taken.
   void place(const Vec3d& p, const std::array<std::uint32_t, 3>& balls, std::size_t vertex,
              IndexedMesh& mesh) const {
     Vec3d sum{0, 0, 0}, first{0, 0, 0};
@@ -286,6 +325,8 @@ class UnionMesher {
     mesh.vertex_spheres.set(vertex, label);
   }
 
+  // Writes the interior vertices and the triangles of one patch. `vertices` maps the patch's own
+  // numbers to those of the mesh: first its boundary, then its interior points.
   void place_patch(std::uint32_t ball, std::uint64_t first_vertex, std::uint64_t first_triangle,
                    IndexedMesh& mesh) const {
     const PatchMesh& patch = patches_[ball];
@@ -309,6 +350,7 @@ class UnionMesher {
     }
   }
 
+  // From scaled lengths to Å; exact, because the scale is a power of two.
   Vec3d unscaled(const Vec3d& p) const {
     const int e = t_.scale_exponent;
     return {std::ldexp(p.x, e), std::ldexp(p.y, e), std::ldexp(p.z, e)};
@@ -319,11 +361,13 @@ class UnionMesher {
   const std::vector<SphereMeasures>& measures_;
   BoundaryArcs boundary_;
   PatchIndex index_;
-  double edge_length_;
+  double edge_length_;  // scaled
   ArcSampling sampling_;
+  // The number of pieces before any was split, and how many more are allowed besides 64 for each.
   std::uint64_t pieces_at_first_, growth_;
-  std::vector<PatchMesh> patches_;
-  std::vector<std::uint8_t> has_coincident_points_;  // of balls; not bool: set by several threads
+  std::vector<PatchMesh> patches_;  // by ball; empty for balls without a patch
+  // By ball. It is no vector<bool>, because several threads set its elements.
+  std::vector<std::uint8_t> has_coincident_points_;
   ExactMeshStats stats_;
 };
 

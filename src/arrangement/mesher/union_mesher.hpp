@@ -1,4 +1,5 @@
-// The crease-exact mesh of an arrangement, from its boundary as it was placed.
+// Makes the crease-exact mesh of an arrangement from its boundary as placed by boundary_arcs().
+// exact_mesher.cpp calls it, possibly with one choice of feature sizes after the other.
 #pragma once
 
 #include <vector>
@@ -10,18 +11,20 @@
 
 namespace vdwmesh {
 
-// What a set of balls has in common, whatever is meshed. Lengths are those of the triangulation.
+// The arrangement of a set of balls, which is computed once for all attempts to mesh it. Lengths
+// are scaled as in the triangulation.
 struct Arrangement {
   PowerTriangulation triangulation;
   DualComplex complex;
-  std::vector<SphereMeasures> measures;
+  std::vector<SphereMeasures> measures;  // per ball of the triangulation
 };
 
-// Thrown where curves of the boundary lie too close to be told apart: other feature sizes may help.
+// Thrown if curves of the boundary lie too close to be told apart. Coarser feature sizes may help.
 class CurvesTooClose : public LimitExceeded {
   using LimitExceeded::LimitExceeded;
 };
 
+// Meshes the whole boundary. The mesh depends on the arguments alone, not on the number of threads.
 // Throws CurvesTooClose, LimitExceeded, Cancelled.
 ExactMesh mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
                         const ExactMeshOptions& options);
