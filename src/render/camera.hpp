@@ -69,10 +69,10 @@ struct Camera {
 inline constexpr double kVerticalFieldOfView = 30;  // degrees, of a perspective picture
 
 // The camera whose picture the surface fills. `aspect` is width over height of the picture, and
-// `margin` is an empty border as a share of the picture. The surface touches the border on the two
-// opposite sides that bind first, and is centred between the other two. This holds exactly for both
-// projections, as long as the surface is not a needle seen end on. Throws InvalidInput for a
-// surface that is a single point.
+// `margin` is the empty border on each side, as a share of the picture. The surface touches the
+// border on two opposite sides, whichever pair is tighter, and is centred between the other two.
+// This is exact for both projections, except for a needle seen end on, which is drawn smaller.
+// Throws InvalidInput for a surface that is a single point.
 Camera frame_surface(const SurfaceExtent& surface, const View& view, CameraProjection projection,
                      double aspect, double margin);
 

@@ -50,6 +50,7 @@ IndexedMesh split_at_creases(const IndexedMesh& mesh, const SphereSet& spheres) 
       const auto next = static_cast<std::uint32_t>(split.vertex_count());
       const auto [place, added] = places.try_emplace(std::uint64_t{v} << 32 | sphere, next);
       split.triangles[t][k] = place->second;
+      // The copy of v for this sphere exists already.
       if (!added) continue;
       split.positions.push_back(mesh.positions.at(v));
       split.normals.push_back(outward(spheres[sphere], mesh.positions[v]));

@@ -72,7 +72,8 @@ int place(const ColorScale& scale, const Rectangle& bar, double value) {
 }
 
 // The ticks to be labelled: as many as possible, 11 at most, such that neighbouring labels keep
-// half a label's width between them. Ticks have equal distances, so the first two decide.
+// half a label's width between them. Ticks have equal distances, so the first two decide. If even
+// three are too many, they are returned all the same.
 std::vector<Tick> fitting_ticks(const ColorScale& scale, const Rectangle& bar, const Font& font) {
   std::vector<Tick> chosen;
   for (int most = 11; most >= 3; most -= 2) {

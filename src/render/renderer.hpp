@@ -43,7 +43,7 @@ struct RenderOptions {
 // The largest width or height of a picture. A device may have a lower limit.
 inline constexpr int kMaxPictureSide = 16384;
 
-// Draws surfaces with one OpenGL context. Calls of draw() must not overlap in time.
+// Draws surfaces with one OpenGL context. Calls of draw() on one Renderer must not overlap in time.
 class Renderer {
  public:
   // Opens an OpenGL 3.3 core context: on the first EGL device that provides one (hardware first),

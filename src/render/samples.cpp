@@ -40,6 +40,7 @@ Covered gather(const Samples& s, int x, int y_from_bottom) {
                      static_cast<std::size_t>(s.width);
     for (int i = 0; i < s.per_axis; ++i) {
       const Rgba8& v = s.values[row + static_cast<std::size_t>(x * s.per_axis + i)];
+      // Alpha 0: the sample shows no surface.
       if (v[3] == 0) continue;
       covered.light.r += linear[v[0]];
       covered.light.g += linear[v[1]];
@@ -58,7 +59,7 @@ Rgba8 over_nothing(const Covered& c, int samples) {
           static_cast<std::uint8_t>(std::lround(255.0 * n / samples))};
 }
 
-// A pixel over a background, which all samples show that are not covered.
+// A pixel over a background. Samples that are not covered show the background.
 Rgba8 over(const Light& background, const Covered& c, int samples) {
   const double free = samples - c.count;
   const auto channel = [&](double light, double behind) {
@@ -81,6 +82,7 @@ std::uint8_t to_srgb_byte(double light) {
 
 void resolve(const Samples& samples, const std::optional<Rgb>& background, Picture& picture) {
   const int rows = samples.height / samples.per_axis, of = samples.per_axis * samples.per_axis;
+  // The background is rounded to bytes first, as if it had been drawn.
   const auto bytes = to_bytes(background.value_or(Rgb{0, 0, 0}));
   const std::array<double, 256>& linear = linear_of_byte();
   const Light behind{linear[bytes[0]], linear[bytes[1]], linear[bytes[2]]};

@@ -22,7 +22,7 @@ struct Samples {
 // Computes each pixel as the mean of its per_axis × per_axis samples, in linear light. Samples that
 // are not covered count as background. Without a background, a pixel has the mean colour of its
 // covered samples, and their share as alpha. The pixels go to the top rows of `picture`, which must
-// be as wide as the samples need.
+// be samples.width / per_axis pixels wide.
 void resolve(const Samples& samples, const std::optional<Rgb>& background, Picture& picture);
 
 // Linear light of an sRGB channel, both from 0 to 1; and the nearest sRGB byte of linear light.

@@ -73,7 +73,8 @@ SurfaceBuffers::SurfaceBuffers(const SurfaceSource& source, const Vec3d& origin)
     : vertex_count_(source.vertex_count()),
       triangle_count_(source.triangle_count()),
       paint_(source.paint()) {
-  // The vertex array that is bound while the index buffer is bound remembers it, so it comes first.
+  // A vertex array remembers the index buffer that is bound while it is bound itself. So it comes
+  // first.
   glBindVertexArray(array_.name());
   allocate();
   source.fill(*this, origin);

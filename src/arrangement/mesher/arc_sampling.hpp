@@ -35,8 +35,8 @@ struct PieceSplit {
 class ArcSampling {
  public:
   // Divides every arc into equal pieces no longer than `edge_length`, measured along the arc in
-  // scaled units. Keeps a reference to `boundary`. Throws LimitExceeded for an arc of more than
-  // 10^9 pieces.
+  // scaled units. Keeps a reference to `boundary`. Throws LimitExceeded for an arc of 10^9 pieces
+  // or more.
   ArcSampling(const BoundaryArcs& boundary, double edge_length);
 
   // The number of pieces of an arc.

@@ -102,12 +102,12 @@ class Placer {
     add(arc, std::min(a.radius, b.radius));
   }
 
-  // The angle from corner p to corner q about the axis, in (0, 2 pi]. Both are given from the
-  // circle's centre.
+  // The angle from corner p to corner q about the axis, between 0 and a whole turn. Both corners
+  // are given relative to the circle's centre.
   //
-  // The positions of the corners decide it unless rounding could take a tiny angle for a whole turn
-  // or the circle is tiny. In these cases the dihedral angles of the triangulation decide
-  // (arc_angle.hpp).
+  // Their positions decide the angle, with two exceptions: on a tiny circle, and if they are so
+  // close together that rounding could take a tiny angle for a whole turn. In these cases the
+  // dihedral angles of the triangulation decide (arc_angle.hpp).
   double sweep(const ExposedArc& arc, const Vec3d& axis, const Vec3d& p, const Vec3d& q,
                bool small) const {
     if (small) return angle_by_dihedrals(t_, k_, arc);
@@ -192,13 +192,13 @@ class Placer {
     out_.corners = std::move(kept);
   }
 
-  // Closes slits. A slit is a patch without width: the part of a ball between two other balls that
-  // meets them in the same circle. The arcs on both sides of the slit have the same ends and the
-  // same place. They become one arc between the two other balls. Returns whether there was a slit.
+  // Closes slits. A slit is a patch without width: two other balls meet the ball in the same circle
+  // from opposite sides, so that nothing of its sphere shows between them. The two arcs beside the
+  // slit have the same ends and the same place. They become one arc between the two other balls.
+  // Returns whether there was a slit.
   bool close_slits() {
-    // Entries (ball, lower end, higher end, arc), sorted: arcs of one ball with the same ends
-    // follow each other. Whole circles have the ends kNoIndex, so all circles of a ball follow each
-    // other.
+    // Entries (ball, lower end, higher end, arc). After sorting, arcs of one ball with the same
+    // ends follow each other. So do all whole circles of a ball, whose ends are kNoIndex.
     std::vector<std::array<std::uint32_t, 4>> places;
     for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
       const BoundaryArc& arc = out_.arcs[a];

@@ -51,8 +51,9 @@ struct PatchBoundary {
   std::vector<SphereThrough> through;
 };
 
-// The axis of the largest cap. This direction is buried, and no other axis is farther from the rim
-// of its own cap. Precondition: at least one cap is larger than a point.
+// The centre of the largest cap, as a direction. Of all centres of caps it is the farthest from its
+// own rim, and so it lies well away from the patch. Precondition: at least one cap is larger than a
+// point.
 Vec3d buried_pole(const PatchBoundary& boundary);
 
 // The points outside all enlarged caps. margins[i] is the cosine of the angular radius of cap i

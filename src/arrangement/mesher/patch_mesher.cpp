@@ -49,7 +49,7 @@ using FaceHandle = Planar::Face_handle;
 constexpr double kPi = std::numbers::pi;
 
 // Points of the icosahedron keep this distance from the arcs, as a fraction of the edge length.
-// About half an edge leaves room for one row of triangles along the boundary.
+// Points nearer to an arc would make flat triangles with its pieces.
 constexpr double kLatticeMargin = 0.55;
 // The cosine of the widest angle (110°) under which an inserted point may see a piece. A point that
 // sees it under a wider angle would make a flat triangle with it. (Ruppert's algorithm has 90°
@@ -146,8 +146,9 @@ class PlanarPatch {
   }
 
   // Marks the faces inside the patch: those on the left of a piece, and all that can be reached
-  // from there without crossing a piece. Returns false and asks for splits if a piece is no edge of
-  // the triangulation, because a point lies on it, or if marks have leaked.
+  // from there without crossing a piece. Returns false and asks for splits in two cases: a piece is
+  // no edge of the triangulation, because another point lies on it, or the marks have leaked out of
+  // the patch.
   bool mark_inside() {
     for (const FaceHandle f : planar_.all_face_handles()) f->info().inside = false;
     std::vector<FaceHandle> stack;

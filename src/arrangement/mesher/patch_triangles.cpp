@@ -129,9 +129,10 @@ class Smoother {
   }
 
   // Flips an edge of triangle t if it is not Delaunay, both new triangles face outwards, and the
-  // new edge does not join two points of one circle. Returns whether it did. Edge and vertex
-  // numbers within the triangles: k and m are the vertices opposite to the common edge in the two
-  // triangles; 1 and 2 behind a letter mean the next and the previous vertex.
+  // new edge does not join two points of one circle. Returns whether it did.
+  //
+  // Within triangle t, k is the vertex opposite to the edge; k1 and k2 follow it counter-clockwise.
+  // In the neighbouring triangle m, m1 and m2 mean the same.
   bool flip_if_better(std::uint32_t t, int edge) {
     const auto k = static_cast<std::size_t>(edge), k1 = static_cast<std::size_t>(next(edge)),
                k2 = static_cast<std::size_t>(previous(edge));
@@ -173,9 +174,10 @@ class Smoother {
     return true;
   }
 
-  // Flips edges in sweeps over all triangles until nothing changes. The number of sweeps is
-  // limited, since flips that are refused can keep others from coming to rest. The triangles are
-  // valid after any number of flips.
+  // Flips edges in sweeps over all triangles until nothing changes. For triangles that do not lie
+  // in one plane, flips are not sure to come to an end, so the number of sweeps is limited. The
+  // triangles are valid after any number of flips, because each flip leaves two triangles that face
+  // outwards.
   void make_delaunay() {
     constexpr int kMostSweeps = 16;
     bool flipped = true;

@@ -15,11 +15,10 @@
 namespace vdwmesh {
 namespace {
 
-// The corner of a triangle at the vertex that is looked at, with the other ends of its two edges
-// there.
+// The corner of a triangle at one vertex of the mesh.
 struct Wedge {
-  // `corner` is the place of the vertex in the triangle, 0 to 2. `next` and `previous` are
-  // vertices.
+  // `corner` is the place of the vertex in its triangle, 0 to 2. `next` and `previous` are the
+  // other two vertices of the triangle.
   std::uint32_t triangle, corner, next, previous;
 };
 
@@ -77,7 +76,7 @@ VertexSpheres relabelled(const VertexSpheres& label, const std::vector<SphereId>
 }  // namespace
 
 void split_fans(std::size_t count, IndexedMesh& mesh) {
-  // By vertex.
+  // The wedges at each vertex.
   std::vector<std::vector<Wedge>> wedges(count);
   for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
     const Triangle& v = mesh.triangles[t];

@@ -111,16 +111,16 @@ class TouchingArcs {
 
   // The point of the unit sphere in which two circles touch from outside, or nothing.
   //
-  // Circles of angular radii α and β whose axes enclose the angle γ touch from outside if γ = α +
-  // β. The first test compares the cosines: cos(α + β) = cos α cos β - sin α sin β. A gap of at
-  // most FeatureSizes::arc changes the cosine by no more than that, because a cosine has slope 1 at
-  // most; the factor 4 leaves room for rounding. If sin(α + β) < 0, the two caps reach further than
-  // half around the sphere. They then touch at the back and cover all the rest, so nothing is
-  // exposed there. The last test is the decisive one: it measures the gap between the nearest
-  // points p and q.
+  // Let α and β be the angular radii of the circles and γ the angle between their axes. They touch
+  // from outside if γ = α + β. The first test compares the cosines of both sides, with cos(α + β) =
+  // cos α cos β - sin α sin β. Circles with a gap of at most FeatureSizes::arc always pass: the gap
+  // changes the cosine by no more than itself, and the slack is four times as large. If sin(α + β)
+  // < 0, the two caps together reach further than half around the sphere. If they touch, they do so
+  // at the back and cover all the rest, so nothing is exposed. The last test decides: it measures
+  // the gap between p and q, the nearest points of the two circles.
   std::optional<Vec3d> touching_point(const Circle& a, const Circle& b) const {
     const double along = dot(a.axis, b.axis);
-    const double slack = 4 * out_.sizes.arc;  // as above
+    const double slack = 4 * out_.sizes.arc;
     if (std::abs(along - (a.cosine * b.cosine - a.sine * b.sine)) > slack) return std::nullopt;
     if (a.sine * b.cosine + a.cosine * b.sine < -slack) return std::nullopt;
     const Vec3d to_b = b.axis - along * a.axis, to_a = a.axis - along * b.axis;
@@ -200,9 +200,10 @@ class TouchingArcs {
     cuts_.resize(kept);
   }
 
-  // Whether two cuts of one arc coincide. Each corner lies within 2 × FeatureSizes::arc of the
-  // point that its ball has found, hence the sum of 4. The radius is the larger one of the two
-  // balls, because either may have found the point.
+  // Whether two cuts of one arc coincide. The corner of a cut lies within 2 × FeatureSizes::arc of
+  // the point that its ball has found, so the corners of two cuts at the same place are at most
+  // twice as far apart. Lengths refer to the larger radius, because either ball of the arc may have
+  // found the point.
   bool is_same_place(const Cut& a, const Cut& b) const {
     const BoundaryArc& arc = out_.arcs[a.arc];
     const double r = std::max(t_.balls[arc.balls[0]].radius, t_.balls[arc.balls[1]].radius);

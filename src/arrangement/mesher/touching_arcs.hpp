@@ -13,8 +13,8 @@ namespace vdwmesh {
 
 // Finds pairs of circles on one ball that come closer to each other than FeatureSizes::arc of its
 // radius. Between them the patch has a passage without width in double coordinates, so both circles
-// get one corner there. It is a new corner, or an existing one in which an arc ends. An arc with
-// the corner inside is cut in two. Adds the corners and arcs to `boundary` and counts them in
+// get one corner there. It is a new corner, or an existing one in which an arc ends. Arcs that pass
+// through the corner are cut there. Adds the corners and arcs to `boundary` and counts them in
 // `joins`.
 //
 // Returns pairs of corners that are one point; the caller merges them.

@@ -1,13 +1,13 @@
 // Meshes the boundary of a union of balls patch by patch and assembles the patches.
 //
-// Steps: (1) sample all arcs; (2) mesh the patches in rounds: all patches in parallel, then split
-// the pieces that any patch asks for, then mesh the patches beside these pieces again, until nobody
-// asks. Patches talk to each other through the sampling of their common arcs only. A first series
-// of rounds tests boundaries alone, which is quick. (3) Number the vertices (corners, points of
-// arcs, interior points ball by ball) and copy the patches into one mesh. (4) At joined corners,
-// part the fans of triangles.
+// Steps: (1) Sample all arcs. (2) Mesh the patches in rounds. A round meshes its patches in
+// parallel, each by itself. A patch may ask for pieces of its boundary to be split. These are split
+// in the common sampling, and the patches on both sides of them are meshed again in the next round,
+// until no patch asks. A first series of rounds tests boundaries alone, which is quick. (3) Number
+// the vertices (corners, points of arcs, interior points ball by ball) and copy the patches into
+// one mesh. (4) At joined corners, part the fans of triangles.
 //
-// Splitting may not end if curves nearly coincide. Three tests end it with CurvesTooClose: the
+// Splitting might not end if curves nearly coincide. Three tests end it with CurvesTooClose: the
 // number of rounds, the number of pieces, and pieces that are straight in double precision.
 #include "arrangement/mesher/union_mesher.hpp"
 
@@ -29,7 +29,7 @@ namespace vdwmesh {
 namespace {
 
 // In the first rounds, pieces are split for the quality of triangles as well, afterwards only for
-// validity. After the last round the mesher gives up.
+// their validity. If there are still requests after the last round, the mesher gives up.
 constexpr int kQualityRounds = 12;
 constexpr int kMostRounds = 60;
 // How many pieces splitting may add, besides 64 for each piece there was at first. Coarser feature
@@ -103,7 +103,8 @@ class UnionMesher {
     const double ideal =
         total_measures(measures_).area / (std::sqrt(3.0) / 4) / (edge_length_ * edge_length_);
     const double triangles = kFill * ideal + 4 * static_cast<double>(pieces);
-    // Just below 2^64. The bytes per triangle are less than 200, so the product fits 64 bits.
+    // Just below 2^64. A triangle takes less than 200 bytes, so with at most kMost / 200 triangles
+    // the number of bytes fits 64 bits.
     constexpr double kMost = 1.8e19;
     const auto count = static_cast<std::uint64_t>(std::min(triangles, kMost / 200));
     const std::uint64_t vertices = count / 2;
@@ -307,7 +308,7 @@ class UnionMesher {
 
   // Writes a vertex that lies on up to three spheres; unused entries of `balls` are kNoIndex. Its
   // normal is the mean of the spheres' normals. If these cancel, as at a point of contact, the
-  // normal of the first sphere is taken.
+  // normal of the first sphere is taken: a sum shorter than 1e-6 would have no reliable direction.
   void place(const Vec3d& p, const std::array<std::uint32_t, 3>& balls, std::size_t vertex,
              IndexedMesh& mesh) const {
     Vec3d sum{0, 0, 0}, first{0, 0, 0};
@@ -350,7 +351,7 @@ class UnionMesher {
     }
   }
 
-  // From scaled lengths to Å; exact, because the scale is a power of two.
+  // From scaled lengths to Å. The scale is a power of two, so this does not round.
   Vec3d unscaled(const Vec3d& p) const {
     const int e = t_.scale_exponent;
     return {std::ldexp(p.x, e), std::ldexp(p.y, e), std::ldexp(p.z, e)};
