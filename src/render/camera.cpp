@@ -26,7 +26,7 @@ constexpr double kSameSpread = 1e-6;
 // Two bounds for a needle that points at the viewer, as shares of its half length. In an
 // orthographic picture it counts as at least this wide, and in a perspective picture the eye keeps
 // at least this distance from its tip. Otherwise the magnification would have no limit.
-constexpr double kLeastAngle = 0.05;
+constexpr double kNeedleShare = 0.05;
 
 Vec3d unit(const Vec3d& v) { return (1 / norm(v)) * v; }
 
@@ -85,7 +85,7 @@ void set_depth(Camera& camera, double eye_to_front, double depth) {
 void frame_orthographic(Camera& camera, const std::array<Range, 3>& box, double aspect,
                         double fill) {
   const double seen = std::max(box[1].half(), box[0].half() / aspect);
-  camera.half_height = std::max(seen, kLeastAngle * box[2].half()) / fill;
+  camera.half_height = std::max(seen, kNeedleShare * box[2].half()) / fill;
   camera.half_width = camera.half_height * aspect;
   const double size = std::max(box[2].half(), camera.half_height);
   camera.eye = {0, 0, box[2].half() + size};
@@ -110,7 +110,7 @@ void frame_perspective(Camera& camera, const SurfaceExtent& surface,
   for (std::size_t i = 0; i < bound.size(); ++i) bound[i] -= dot(directions[i], camera.origin);
   const double distance =
       std::max({(bound[0] + bound[1]) / (2 * w), (bound[2] + bound[3]) / (2 * h),
-                (1 + kLeastAngle) * box[2].half()});
+                (1 + kNeedleShare) * box[2].half()});
   camera.eye = {(bound[0] - bound[1]) / 2, (bound[2] - bound[3]) / 2, distance};
   set_depth(camera, distance - box[2].half(), 2 * box[2].half());
 }

@@ -26,13 +26,13 @@ constexpr double kPi = std::numbers::pi;
 // threshold of a pair. An arc between them still counts as a point up to this multiple of the
 // threshold. The factor is an allowance for such chains and no proven bound: a longer arc stays, as
 // a loop.
-constexpr double kCornersInOnePlace = 4;
+constexpr double kJoinAllowance = 4;
 
 // Builds the result step by step; run() lists the steps.
-class Placer {
+class BoundaryBuilder {
  public:
-  Placer(const PowerTriangulation& triangulation, const DualComplex& complex,
-         const FeatureSizes& sizes)
+  BoundaryBuilder(const PowerTriangulation& triangulation, const DualComplex& complex,
+                  const FeatureSizes& sizes)
       : t_(triangulation), k_(complex), corner_of_(2 * k_.triangles.size(), kNoIndex) {
     out_.sizes = sizes;
   }
@@ -125,7 +125,7 @@ class Placer {
     } else if (!arc.is_circle() &&
                (no_circle || arc.sweep * arc.radius <= out_.sizes.arc * smaller_radius)) {
       ++out_.points;
-      along_arcs_.push_back(arc.ends);
+      short_arc_ends_.push_back(arc.ends);
     } else {
       out_.arcs.push_back(arc);
     }
@@ -154,7 +154,7 @@ class Placer {
     if (arc.is_circle() || sets.find(arc.ends[0]) != sets.find(arc.ends[1])) return false;
     const double reach =
         out_.sizes.arc * std::max(ball(arc.balls[0]).radius, ball(arc.balls[1]).radius);
-    return arc.sweep * arc.radius <= kCornersInOnePlace * reach;
+    return arc.sweep * arc.radius <= kJoinAllowance * reach;
   }
 
   // Gives touching circles a common corner. This may cut arcs and append corners.
@@ -168,9 +168,10 @@ class Placer {
   // Replaces each set of joined corners by its member of lowest number. Corners in which no arc
   // ends any more are dropped.
   void join_corners() {
-    out_.has_joined_corners = out_.has_joined_corners || !along_arcs_.empty() || !joined_.empty();
+    out_.has_joined_corners =
+        out_.has_joined_corners || !short_arc_ends_.empty() || !joined_.empty();
     DisjointSets sets(out_.corners.size());
-    for (const auto& [a, b] : along_arcs_) sets.join(a, b);  // the ends of arcs that became points
+    for (const auto& [a, b] : short_arc_ends_) sets.join(a, b);
     for (const auto& [a, b] : joined_) {
       out_.joins += sets.find(a) != sets.find(b);
       sets.join(a, b);
@@ -263,7 +264,7 @@ class Placer {
   std::vector<std::uint32_t> corner_of_;
   // Pairs of corners that are one point: the ends of an arc of no length, and those found by
   // position.
-  std::vector<std::array<std::uint32_t, 2>> along_arcs_, joined_;
+  std::vector<std::array<std::uint32_t, 2>> short_arc_ends_, joined_;
 };
 
 }  // namespace
@@ -274,7 +275,7 @@ Vec3d BoundaryArc::at(double angle) const {
 
 BoundaryArcs boundary_arcs(const PowerTriangulation& triangulation, const DualComplex& complex,
                            const FeatureSizes& sizes) {
-  return Placer(triangulation, complex, sizes).run();
+  return BoundaryBuilder(triangulation, complex, sizes).run();
 }
 
 }  // namespace vdwmesh

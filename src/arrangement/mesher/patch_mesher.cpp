@@ -54,7 +54,7 @@ constexpr double kLatticeMargin = 0.55;
 // The cosine of the widest angle (110°) under which an inserted point may see a piece. A point that
 // sees it under a wider angle would make a flat triangle with it. (Ruppert's algorithm has 90°
 // here.)
-constexpr double kWidestView = -0.35;
+constexpr double kEncroachCosine = -0.35;
 constexpr int kSmoothingPasses = 1;
 // The largest edge length, as a fraction of the radius. With longer edges a patch larger than half
 // the sphere could have no point inside. Its triangles would then join points of the boundary only
@@ -62,11 +62,11 @@ constexpr int kSmoothingPasses = 1;
 constexpr double kLongestEdge = 1;
 
 // One attempt to mesh one patch; run() lists the steps.
-class PlanarPatch {
+class PatchTriangulator {
  public:
-  PlanarPatch(const PatchBoundary& boundary, const PatchOptions& options)
-      : b_(boundary),
-        h_(std::min(options.edge_length, kLongestEdge)),
+  PatchTriangulator(const PatchBoundary& boundary, const PatchOptions& options)
+      : boundary_(boundary),
+        edge_length_(std::min(options.edge_length, kLongestEdge)),
         options_(options),
         plane_(buried_pole(boundary)),
         flat_(boundary, plane_),
@@ -76,16 +76,16 @@ class PlanarPatch {
   }
 
   PatchMesh run() && {
-    if (insert_boundary() && mark_inside()) find_crowded();
+    if (insert_boundary() && mark_inside()) find_long_pieces();
     if (!splits_.empty() || options_.stage == PatchStage::boundary) return requests();
     insert_lattice();
     mark_inside();
     refine();
-    separate_circles();
+    divide_edges_within_circles();
     if (!splits_.empty()) return requests();
     PatchTriangles patch{std::move(points_), numbered_triangles()};
-    smooth(b_, circles_, kSmoothingPasses, patch);
-    for (const std::uint32_t piece : defects(b_, patch)) want_split(piece);
+    smooth(boundary_, circles_, kSmoothingPasses, patch);
+    for (const std::uint32_t piece : defects(boundary_, patch)) want_split(piece);
     if (!splits_.empty()) return requests();
     return finish(patch);
   }
@@ -93,7 +93,7 @@ class PlanarPatch {
  private:
   // Asks for a piece to be split into 2^halvings parts.
   void want_split(std::uint32_t piece, std::uint32_t halvings = 1) {
-    splits_.push_back({b_.pieces[piece].source, halvings});
+    splits_.push_back({boundary_.pieces[piece].source, halvings});
   }
 
   // Returns the requests. If a piece was asked for several times, the largest number of halvings
@@ -125,21 +125,22 @@ class PlanarPatch {
     }
     if (!splits_.empty()) return false;
     FaceHandle hint;
-    handles_.resize(b_.points.size());
-    for (const std::uint32_t i : insertion_order(b_)) {
+    handles_.resize(boundary_.points.size());
+    for (const std::uint32_t i : insertion_order(boundary_)) {
       check_cancelled(options_.monitor, i);
       handles_[i] = planar_.insert(flat_.point(i), hint);
       handles_[i]->info() = i;
       hint = handles_[i]->face();
     }
-    for (std::uint32_t p = 0; p < b_.pieces.size() && splits_.empty(); ++p) insert_piece(p);
+    for (std::uint32_t p = 0; p < boundary_.pieces.size() && splits_.empty(); ++p) insert_piece(p);
     return splits_.empty();
   }
 
   void insert_piece(std::uint32_t p) {
     check_cancelled(options_.monitor, p);
     try {
-      planar_.insert_constraint(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to]);
+      planar_.insert_constraint(handles_[boundary_.pieces[p].from],
+                                handles_[boundary_.pieces[p].to]);
     } catch (const Planar::Intersection_of_constraints_exception&) {
       want_splits(flat_.crossings_of(p));
     }
@@ -157,10 +158,11 @@ class PlanarPatch {
       f->info().inside = true;
       stack.push_back(f);
     };
-    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
+    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
       FaceHandle right;
       int edge;
-      if (planar_.is_edge(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to], right, edge)) {
+      if (planar_.is_edge(handles_[boundary_.pieces[p].from], handles_[boundary_.pieces[p].to],
+                          right, edge)) {
         visit(right->neighbor(edge));
       } else {
         want_split(p);
@@ -185,10 +187,11 @@ class PlanarPatch {
   void split_leaks() {
     std::vector<std::uint32_t> leaks;
     double longest = 0;
-    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
+    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
       FaceHandle right;
       int edge;
-      planar_.is_edge(handles_[b_.pieces[p].from], handles_[b_.pieces[p].to], right, edge);
+      planar_.is_edge(handles_[boundary_.pieces[p].from], handles_[boundary_.pieces[p].to], right,
+                      edge);
       if (!right->info().inside && !planar_.is_infinite(right->neighbor(edge))) continue;
       leaks.push_back(p);
       longest = std::max(longest, chord(p));
@@ -199,7 +202,7 @@ class PlanarPatch {
   }
 
   double chord(std::uint32_t p) const {
-    return norm(points_[b_.pieces[p].to] - points_[b_.pieces[p].from]);
+    return norm(points_[boundary_.pieces[p].to] - points_[boundary_.pieces[p].from]);
   }
 
   bool is_inside(FaceHandle f) const { return f->info().inside && !planar_.is_infinite(f); }
@@ -207,12 +210,12 @@ class PlanarPatch {
   const Vec3d& at(VertexHandle v) const { return points_[v->info()]; }
 
   // Asks for splits of pieces that are long compared with the width of the patch beside them.
-  void find_crowded() {
+  void find_long_pieces() {
     if (options_.demand == Demand::validity) return;
     for (const FaceHandle f : planar_.finite_face_handles()) {
       if (!is_inside(f)) continue;
       for (int k = 0; k < 3; ++k) {
-        if (f->is_constrained(k)) look_from(f, k);
+        if (f->is_constrained(k)) judge_piece(f, k);
       }
     }
   }
@@ -220,13 +223,13 @@ class PlanarPatch {
   // Judges the piece that is edge k of face f by the opposite vertex. A vertex on the piece's own
   // circle says nothing about the width. If another edge of the face is a piece too, the two meet
   // at a corner, and only the ratio of their lengths counts.
-  void look_from(FaceHandle f, int k) {
+  void judge_piece(FaceHandle f, int k) {
     const VertexHandle va = f->vertex(f->ccw(k)), vb = f->vertex(f->cw(k)), vp = f->vertex(k);
     const std::uint32_t piece = flat_.piece_between(va->info(), vb->info());
-    if (circles_.on(vp->info(), b_.pieces[piece].neighbor)) return;
+    if (circles_.on(vp->info(), boundary_.pieces[piece].neighbor)) return;
     const Vec3d &a = at(va), &b = at(vb), &p = at(vp);
     const double length = norm(b - a);
-    if (length <= kShortest * h_) return;
+    if (length <= kShortest * edge_length_) return;
     for (const int other : {f->ccw(k), f->cw(k)}) {
       // Edge `other` is opposite to one end of the piece, so it starts at the other end.
       if (!f->is_constrained(other)) continue;
@@ -241,18 +244,19 @@ class PlanarPatch {
   // cap and its margin cover the whole sphere, the bound of -2 admits no point.
   void insert_lattice() {
     std::vector<double> margins;
-    for (const CoveredCap& cap : b_.caps) {
-      const double angle = std::acos(std::clamp(cap.cosine, -1.0, 1.0)) + kLatticeMargin * h_;
+    for (const CoveredCap& cap : boundary_.caps) {
+      const double angle =
+          std::acos(std::clamp(cap.cosine, -1.0, 1.0)) + kLatticeMargin * edge_length_;
       margins.push_back(angle < kPi ? std::cos(angle) : -2);
     }
     FaceHandle hint;
-    for (const Vec3d& u : clear_points(b_.caps, margins, sphere_points(h_))) {
+    for (const Vec3d& u : clear_points(boundary_.caps, margins, sphere_points(edge_length_))) {
       hint = insert_interior(u, hint)->face();
     }
   }
 
   bool is_buried(const Vec3d& u) const {
-    return std::any_of(b_.caps.begin(), b_.caps.end(),
+    return std::any_of(boundary_.caps.begin(), boundary_.caps.end(),
                        [&](const CoveredCap& cap) { return cap.covers(u); });
   }
 
@@ -276,7 +280,8 @@ class PlanarPatch {
 
   FlatCircle circle(FaceHandle f) const {
     return flat_circle({at(f->vertex(0)), at(f->vertex(1)), at(f->vertex(2))},
-                       {f->is_constrained(0), f->is_constrained(1), f->is_constrained(2)}, h_);
+                       {f->is_constrained(0), f->is_constrained(1), f->is_constrained(2)},
+                       edge_length_);
   }
 
   // Inserts the circumcentres of bad triangles until none is left or each remaining one was
@@ -306,7 +311,7 @@ class PlanarPatch {
     const FaceHandle face = planar_.locate(p, type, edge, near);
     if (type != Planar::FACE && type != Planar::EDGE) return;
     if (!is_inside(face) || (type == Planar::EDGE && face->is_constrained(edge))) return;
-    if (crowds_boundary(u, p, face)) return;
+    if (encroaches(u, p, face)) return;
     insert_marked(u, face, queue);
   }
 
@@ -321,14 +326,14 @@ class PlanarPatch {
   }
 
   // Whether u would encroach upon a piece: whether it sees a piece of its conflict zone under an
-  // angle wider than kWidestView.
-  bool crowds_boundary(const Vec3d& u, const Point& p, FaceHandle face) {
+  // angle wider than 110° (kEncroachCosine).
+  bool encroaches(const Vec3d& u, const Point& p, FaceHandle face) {
     edges_.clear();
     planar_.get_boundary_of_conflicts(p, std::back_inserter(edges_), face);
     for (const auto& [f, k] : edges_) {
       if (!f->is_constrained(k)) continue;
       const Vec3d a = at(f->vertex(f->ccw(k))) - u, b = at(f->vertex(f->cw(k))) - u;
-      if (dot(a, b) < kWidestView * std::sqrt(squared_norm(a) * squared_norm(b))) return true;
+      if (dot(a, b) < kEncroachCosine * std::sqrt(squared_norm(a) * squared_norm(b))) return true;
     }
     return false;
   }
@@ -359,7 +364,7 @@ class PlanarPatch {
   // Inserts points into the middle of edges that join two points of one circle. New edges may be of
   // this kind again, so this is repeated. If some are left after the last round, the pieces at
   // their ends are split: afterwards there is no such edge, or there are requests.
-  void separate_circles() {
+  void divide_edges_within_circles() {
     constexpr int kMostRounds = 8;
     std::vector<InnerEdge> found = edges_within_circles();
     for (int round = 0; round < kMostRounds && !found.empty(); ++round) {
@@ -376,8 +381,8 @@ class PlanarPatch {
 
   // Every piece that ends in one of the two points.
   void split_pieces_at(std::uint32_t a, std::uint32_t b) {
-    for (std::uint32_t p = 0; p < b_.pieces.size(); ++p) {
-      const BoundaryPiece& piece = b_.pieces[p];
+    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
+      const BoundaryPiece& piece = boundary_.pieces[p];
       if (piece.from == a || piece.to == a || piece.from == b || piece.to == b) want_split(p);
     }
   }
@@ -440,13 +445,13 @@ class PlanarPatch {
     PatchMesh out;
     // Points that lie outside the patch belong to no triangle and are left out.
     std::vector<std::uint32_t> number(patch.points.size(), kNoNeighbor);
-    for (std::uint32_t i = 0; i < b_.points.size(); ++i) number[i] = i;
+    for (std::uint32_t i = 0; i < boundary_.points.size(); ++i) number[i] = i;
     for (const PatchTriangle& t : patch.triangles) {
       std::array<std::uint32_t, 3> vertices{};
       for (std::size_t k = 0; k < 3; ++k) {
         std::uint32_t& n = number[t.vertices[k]];
         if (n == kNoNeighbor) {
-          n = static_cast<std::uint32_t>(b_.points.size() + out.interior.size());
+          n = static_cast<std::uint32_t>(boundary_.points.size() + out.interior.size());
           out.interior.push_back(patch.points[t.vertices[k]]);
         }
         vertices[k] = n;
@@ -459,8 +464,8 @@ class PlanarPatch {
   // Pieces shorter than this fraction of the edge length are not split for quality.
   static constexpr double kShortest = 1e-3;
 
-  const PatchBoundary& b_;
-  double h_;  // edge length, in radii
+  const PatchBoundary& boundary_;
+  double edge_length_;  // in radii, at most kLongestEdge
   PatchOptions options_;
   Stereographic plane_;
   FlatBoundary flat_;
@@ -470,14 +475,14 @@ class PlanarPatch {
   // interior ones.
   std::vector<Vec3d> points_;
   std::vector<VertexHandle> handles_;  // of the boundary's points
-  std::vector<Planar::Edge> edges_;    // scratch memory of crowds_boundary()
+  std::vector<Planar::Edge> edges_;    // scratch memory of encroaches()
   std::vector<PieceSplit> splits_;
 };
 
 }  // namespace
 
 PatchMesh mesh_patch(const PatchBoundary& boundary, const PatchOptions& options) {
-  return PlanarPatch(boundary, options).run();
+  return PatchTriangulator(boundary, options).run();
 }
 
 }  // namespace vdwmesh

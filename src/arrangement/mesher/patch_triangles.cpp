@@ -17,7 +17,7 @@ namespace vdwmesh {
 namespace {
 
 // The fraction of a flat triangle's angle that must remain when arcs replace the chords beside it.
-constexpr double kLeastRest = 0.3;
+constexpr double kLeastAngleShare = 0.3;
 
 constexpr int next(int k) { return k == 2 ? 0 : k + 1; }
 constexpr int previous(int k) { return k == 0 ? 2 : k - 1; }
@@ -249,8 +249,9 @@ class DefectFinder {
   }
 
   // Finds angles of the triangle that its arcs would use up. At vertex k, the arcs of the two edges
-  // there bulge into the triangle and take their bulge from its angle. If less than kLeastRest of
-  // the angle would remain, the pieces that bulge inwards must be split: halves bulge half as far.
+  // there bulge into the triangle and take their bulge from its angle. If less than
+  // kLeastAngleShare of the angle would remain, the pieces that bulge inwards must be split: halves
+  // bulge half as far.
   void find_folds(const PatchTriangle& t) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
@@ -259,7 +260,7 @@ class DefectFinder {
       if (t.pieces[k1] != kNoPiece && t.pieces[k2] != kNoPiece) continue;
       const double taken = std::max(0.0, bulge(t, k1)) + std::max(0.0, bulge(t, k2));
       if (taken == 0) continue;
-      if (!(taken > (1 - kLeastRest) * angle_at(at(t, k), at(t, k1), at(t, k2)))) continue;
+      if (!(taken > (1 - kLeastAngleShare) * angle_at(at(t, k), at(t, k1), at(t, k2)))) continue;
       for (const std::size_t edge : {k1, k2}) {
         if (bulge(t, edge) > 0) found_.push_back(t.pieces[edge]);
       }

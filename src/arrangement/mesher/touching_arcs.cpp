@@ -33,7 +33,7 @@ struct Circle {
   double cosine, sine;
   // The ball that shares the circle.
   std::uint32_t other;
-  // Its exposed arcs: entries first .. first + count - 1 of places_.
+  // Its exposed arcs: entries first .. first + count - 1 of ball_arcs_.
   std::size_t first, count;
 };
 
@@ -59,9 +59,9 @@ class TouchingArcs {
 
   std::vector<std::array<std::uint32_t, 2>> run() && {
     list_arcs();
-    for (std::size_t begin = 0; begin < places_.size();) {
+    for (std::size_t begin = 0; begin < ball_arcs_.size();) {
       std::size_t end = begin;
-      while (end < places_.size() && places_[end].ball == places_[begin].ball) ++end;
+      while (end < ball_arcs_.size() && ball_arcs_[end].ball == ball_arcs_[begin].ball) ++end;
       search_ball(begin, end);
       begin = end;
     }
@@ -74,17 +74,17 @@ class TouchingArcs {
   void list_arcs() {
     for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
       const auto [first, second] = out_.arcs[a].balls;
-      places_.push_back({first, second, a});
-      places_.push_back({second, first, a});
+      ball_arcs_.push_back({first, second, a});
+      ball_arcs_.push_back({second, first, a});
     }
-    std::sort(places_.begin(), places_.end());
+    std::sort(ball_arcs_.begin(), ball_arcs_.end());
   }
 
   // Gathers the circles of one ball from its entries [begin, end) and tests all pairs.
   void search_ball(std::size_t begin, std::size_t end) {
     circles_.clear();
     for (std::size_t i = begin; i < end; ++i) {
-      if (i > begin && places_[i].other == places_[i - 1].other) {
+      if (i > begin && ball_arcs_[i].other == ball_arcs_[i - 1].other) {
         ++circles_.back().count;
       } else {
         circles_.push_back(circle_at(i));
@@ -93,18 +93,18 @@ class TouchingArcs {
     for (std::size_t i = 0; i < circles_.size(); ++i) {
       for (std::size_t j = i + 1; j < circles_.size(); ++j) {
         if (const auto point = touching_point(circles_[i], circles_[j]))
-          touch(places_[begin].ball, circles_[i], circles_[j], *point);
+          touch(ball_arcs_[begin].ball, circles_[i], circles_[j], *point);
       }
     }
   }
 
   Circle circle_at(std::size_t place) const {
-    const Sphere &s = t_.balls[places_[place].ball], &o = t_.balls[places_[place].other];
+    const Sphere &s = t_.balls[ball_arcs_[place].ball], &o = t_.balls[ball_arcs_[place].other];
     const EdgeShape shape = edge_shape(s, o);
     return {(1 / shape.length) * (o.center - s.center),
             shape.height[0] / s.radius,
             std::sqrt(shape.squared_circle_radius) / s.radius,
-            places_[place].other,
+            ball_arcs_[place].other,
             place,
             1};
   }
@@ -142,7 +142,7 @@ class TouchingArcs {
     for (const Circle& c : {a, b}) {
       const std::size_t before = ends.size() + cuts.size();
       for (std::size_t i = c.first; i < c.first + c.count; ++i)
-        find_on_arc(places_[i].arc, corner.position, reach, ends, cuts);
+        find_on_arc(ball_arcs_[i].arc, corner.position, reach, ends, cuts);
       if (ends.size() + cuts.size() == before) return;  // a third ball covers it
     }
     if (cuts.empty()) return;  // both circles end there: find_coincident_corners() compares these
@@ -253,8 +253,8 @@ class TouchingArcs {
 
   const PowerTriangulation& t_;
   BoundaryArcs& out_;
-  std::vector<ArcOfBall> places_;  // sorted by ball, then other ball, then arc
-  std::vector<Circle> circles_;    // of the ball that is being searched
+  std::vector<ArcOfBall> ball_arcs_;  // sorted by ball, then other ball, then arc
+  std::vector<Circle> circles_;       // of the ball that is being searched
   // Of all arcs; sorted by arc and angle once join_cuts() has run.
   std::vector<Cut> cuts_;
   // Pairs of corners that are one point.

@@ -62,7 +62,7 @@ class UnionMesher {
         edge_length_(std::ldexp(options.edge_length, -t_.scale_exponent)),
         sampling_(boundary_, edge_length_),
         pieces_at_first_(count_pieces()),
-        growth_(boundary_.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
+        allowed_growth_(boundary_.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
         patches_(t_.balls.size()),
         has_coincident_points_(t_.balls.size(), 0) {}
 
@@ -183,7 +183,7 @@ class UnionMesher {
     const std::uint64_t pieces = count_pieces();
     const std::uint64_t need = indexed_mesh_bytes({2 * pieces, 4 * pieces}, kArrays);
     const bool fits = need <= options_.memory_limit;
-    if (fits && pieces <= growth_ + 64 * pieces_at_first_) return;
+    if (fits && pieces <= allowed_growth_ + 64 * pieces_at_first_) return;
     const auto& longest = *std::max_element(
         splits.begin(), splits.end(), [&](const PieceSplit& a, const PieceSplit& b) {
           return sampling_.pieces(a.piece.arc) < sampling_.pieces(b.piece.arc);
@@ -365,7 +365,7 @@ class UnionMesher {
   double edge_length_;  // scaled
   ArcSampling sampling_;
   // The number of pieces before any was split, and how many more are allowed besides 64 for each.
-  std::uint64_t pieces_at_first_, growth_;
+  std::uint64_t pieces_at_first_, allowed_growth_;
   std::vector<PatchMesh> patches_;  // by ball; empty for balls without a patch
   // By ball. It is no vector<bool>, because several threads set its elements.
   std::vector<std::uint8_t> has_coincident_points_;
