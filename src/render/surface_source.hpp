@@ -72,8 +72,8 @@ struct SurfaceArrays {
   std::span<const float> triangle_values;  // empty unless values of triangles are painted
 };
 
-// A mesh in host memory as a source. The mesh must outlive it. It shows the mesh's normals if there
-// is one per vertex; a normal that is missing, zero or not finite is replaced by that of
+// A mesh in host memory as a source. The mesh must outlive it. If the mesh has one normal per
+// vertex, these are shown; normals that are missing, zero or not finite are taken from
 // vertex_normals().
 //
 // Throws InvalidInput for a mesh without triangles or without area, and for an index out of range,

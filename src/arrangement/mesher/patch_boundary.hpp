@@ -74,7 +74,8 @@ std::vector<std::uint32_t> insertion_order(const PatchBoundary& boundary);
 class PointCircles {
  public:
   explicit PointCircles(const PatchBoundary& boundary);
-  // Whether both points lie on one circle. Points past those of the boundary lie on none.
+  // Whether both points lie on one circle. Interior points, which are numbered after the points of
+  // the boundary, lie on none.
   bool share(std::uint32_t a, std::uint32_t b) const;
   // Whether the circle shared with `neighbor` passes through the point.
   bool on(std::uint32_t point, std::uint32_t neighbor) const;

@@ -182,8 +182,8 @@ class PatchTriangulator {
   // Asks for splits if marks have leaked out of the patch. This happens if a chord is so coarse
   // that another part of the boundary lies between the chord and its arc: there, the flood starts
   // outside the chord. It shows at pieces with marked faces on both sides, or with the infinite
-  // face on their left. The chord to blame is among these and is not short, so those of at least
-  // half the longest one's length are split.
+  // face on their left. The chord to blame is one of these pieces, and it is not short. So every
+  // such piece is split that is at least half as long as the longest one.
   void split_leaks() {
     std::vector<std::uint32_t> leaks;
     double longest = 0;
@@ -471,8 +471,8 @@ class PatchTriangulator {
   FlatBoundary flat_;
   PointCircles circles_;
   Planar planar_;
-  // All points on the sphere, by the number in the vertices' info(): those of the boundary, then
-  // interior ones.
+  // The points on the sphere, indexed by the info() of vertices: first the points of the boundary,
+  // then the interior ones.
   std::vector<Vec3d> points_;
   std::vector<VertexHandle> handles_;  // of the boundary's points
   std::vector<Planar::Edge> edges_;    // scratch memory of encroaches()

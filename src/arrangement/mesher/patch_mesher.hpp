@@ -30,7 +30,7 @@ struct PatchOptions {
 };
 
 // The outcome: either triangles, or requests to split pieces, after which the patch must be meshed
-// again. Points are numbered through: first those of the boundary, then the interior ones. A run of
+// again. Triangles number the points of the boundary first, then the interior points. A run of
 // stage `boundary` returns requests only, and nothing if the boundary is good.
 struct PatchMesh {
   std::vector<Vec3d> interior;                          // unit vectors from the sphere's centre

@@ -23,7 +23,8 @@ struct PatchTriangle {
   std::array<std::uint32_t, 3> vertices, neighbors, pieces;
 };
 
-// The points are unit vectors: first those of the boundary, in its order, then the interior ones.
+// The points are unit vectors: first the points of the boundary, in its order, then the interior
+// ones.
 struct PatchTriangles {
   std::vector<Vec3d> points;
   std::vector<PatchTriangle> triangles;

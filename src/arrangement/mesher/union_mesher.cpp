@@ -326,8 +326,8 @@ class UnionMesher {
     mesh.vertex_spheres.set(vertex, label);
   }
 
-  // Writes the interior vertices and the triangles of one patch. `vertices` maps the patch's own
-  // numbers to those of the mesh: first its boundary, then its interior points.
+  // Writes the interior vertices and the triangles of one patch. `vertices` maps point numbers of
+  // the patch to vertices of the mesh: first its boundary, then its interior points.
   void place_patch(std::uint32_t ball, std::uint64_t first_vertex, std::uint64_t first_triangle,
                    IndexedMesh& mesh) const {
     const PatchMesh& patch = patches_[ball];
