@@ -1,15 +1,22 @@
+// mesh_area_by_sphere(): the area of a mesh, divided among the spheres that its labels name.
+//
+// A triangle with a label adds its area to the sphere of that label. In a mesh without triangle
+// labels each triangle adds a third of its area to the atom of each of its vertices. The sums of
+// all spheres are accumulated in one pass over the triangles, on one thread and in their order.
 #include "analysis/mesh_measures.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
 namespace {
 
+// Å²: half the length of the cross product of two edge vectors.
 double area_of(const IndexedMesh& mesh, const Triangle& t) {
   const Vec3d a = mesh.positions[t[0]];
   return 0.5 * norm(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a));
 }
 
-// Calls add(sphere, area) for all triangles; says whether every sphere was below `count`.
+// Calls add(sphere, area in Å²) for all triangles, once or three times for each. Returns false, and
+// stops, at the first label that names a sphere id of `count` or above.
 template <class Add>
 bool visit_areas(const IndexedMesh& mesh, std::size_t count, const Add& add) {
   const bool labelled = mesh.triangle_labels() == TriangleLabels::spheres;

@@ -1,3 +1,8 @@
+// Topology and measures of a mesh by CGAL's package Polygon Mesh Processing.
+//
+// OpenMesh's triangle mesh models the graph concepts that CGAL's functions require, so they work on
+// a SurfaceMesh directly and nothing is converted. This file shares no code with mesh_measures.cpp;
+// reports compare the two results.
 #include "analysis/cgal_measures.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -19,6 +24,8 @@ namespace {
 namespace pmp = CGAL::Polygon_mesh_processing;
 using Face = boost::graph_traits<SurfaceMesh>::face_descriptor;
 
+// Counts the pieces that are connected across edges. CGAL writes the number of each face's piece
+// into a property map; here the map refers to a plain vector, indexed by face.
 std::uint64_t count_shells(const SurfaceMesh& mesh) {
   std::vector<std::size_t> shell_of(mesh.n_faces());
   return pmp::connected_components(
@@ -27,6 +34,7 @@ std::uint64_t count_shells(const SurfaceMesh& mesh) {
       }));
 }
 
+// Counts the pairs of faces that intersect other than in a shared vertex or edge.
 std::uint64_t count_self_intersections(const SurfaceMesh& mesh) {
   std::vector<std::pair<Face, Face>> pairs;
   pmp::self_intersections(mesh, std::back_inserter(pairs));

@@ -1,5 +1,7 @@
-// The same questions put to CGAL's Polygon Mesh Processing on the OpenMesh mesh itself: an
-// independent check of topology() and measures().
+// Topology and measures of a SurfaceMesh by CGAL's package Polygon Mesh Processing.
+//
+// They serve as an independent check of topology() and measures() in mesh_measures.hpp, which work
+// on an IndexedMesh with code of this project.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +12,28 @@
 namespace vdwmesh {
 
 struct CgalMeasures {
-  bool closed;
-  bool valid;  // CGAL::is_valid_polygon_mesh
-  std::uint64_t shells;
-  double area;  // Å²
-  // Of closed meshes only:
-  std::optional<double> volume;  // Å³, signed
-  std::optional<bool> outward;   // every shell bounds a volume; false too where a void is wound in
-  std::optional<std::uint64_t> self_intersections;  // null where not asked for
+  bool closed;           // no edge is on the boundary
+  bool valid;            // CGAL::is_valid_polygon_mesh
+  std::uint64_t shells;  // pieces that are connected across edges
+  double area;           // Å²
+  // The next two have values for closed meshes only:
+  std::optional<double> volume;  // Å³, signed; positive if the faces are oriented outwards
+  // CGAL::is_outward_oriented. CGAL looks at the faces around the vertex with the largest z only,
+  // so this is the orientation of the shell of that vertex, and nothing is known about other
+  // shells.
+  std::optional<bool> outward;
+  std::optional<std::uint64_t> self_intersections;  // pairs of faces; empty if not requested
 };
 
 enum class SelfIntersectionTest { skip, run };
 
-// Triangles up to which a report asks CGAL too; beyond, the check would take longer than the mesh.
+// Reports include CGAL's measures of meshes up to this number of triangles. For larger meshes the
+// check would take longer than all other stages.
 inline constexpr std::uint64_t kCgalMeasuresLimit = 1'000'000;
 
-// Sums are plain doubles about the coordinate origin, as CGAL takes them. Self-intersections take
-// about 1 s per 400,000 triangles, everything else about 1 s per 10^6.
+// Area and volume are plain sums in double. CGAL measures volumes from the coordinate origin, so a
+// mesh far from it loses digits. The test for self-intersections takes about 1 s for 400,000
+// triangles, everything else about 1 s for 10^6.
 CgalMeasures cgal_measures(const SurfaceMesh& mesh,
                            SelfIntersectionTest test = SelfIntersectionTest::skip);
 

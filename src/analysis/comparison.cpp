@@ -1,3 +1,4 @@
+// Compares a mesh with the exact union of the balls, and counts the components of a union.
 #include "analysis/comparison.hpp"
 
 #include "core/blocks.hpp"
@@ -13,6 +14,8 @@ Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
   if (measures.volume) {
     result.volume_relative_error = (*measures.volume - exact.volume) / exact.volume;
   }
+  // The exact χ is twice the χ of the union. At a point contact a 2-manifold needs two separate
+  // points. To separate the balls there raises the χ of the union by 1, and the exact χ by 2.
   if (exact.topology && topology.closed && topology.manifold) {
     const auto doubled = 2 * static_cast<std::int64_t>(exact.topology->point_contacts);
     result.euler_characteristic_difference =
@@ -21,6 +24,8 @@ Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
   return result;
 }
 
+// Union-find over the spheres, by their list places. Each sphere is joined with all balls whose
+// cells are near its bounding box and that overlap or touch its ball; threads join concurrently.
 std::uint64_t count_components(const SphereSet& spheres) {
   const CellList list = make_ball_list(spheres);
   const CellListView& view = list.view();
@@ -33,7 +38,7 @@ std::uint64_t count_components(const SphereSet& spheres) {
       if (norm(a.center - b.center) <= a.radius + b.radius) {
         pieces.join(static_cast<std::uint32_t>(i), j);
       }
-      return false;
+      return false;  // false means: visit the next sphere
     });
   });
   return pieces.count();

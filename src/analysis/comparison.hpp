@@ -1,4 +1,5 @@
-// A mesh beside the exact union of the balls.
+// Comparison of a mesh with the exact union of the balls that it approximates: errors of area,
+// volume and topology. The distances between the two surfaces are in distances.hpp.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +12,25 @@
 namespace vdwmesh {
 
 struct Comparison {
-  double area_relative_error = 0;  // (mesh - exact) / exact
-  std::optional<double> volume_relative_error;
-  // From the χ a 2-manifold can have: the exact one + 2 point contacts. Of closed manifolds only.
+  // Both errors are signed: (mesh - exact) / exact.
+  double area_relative_error = 0;
+  std::optional<double> volume_relative_error;  // empty if the mesh has no volume
+  // χ of the mesh minus (exact χ + 2 × point contacts). At a point contact of two balls a
+  // 2-manifold cannot follow the boundary of the union: it needs two points there, and its χ is
+  // larger by 2. The value is empty for meshes that are not closed manifolds, and if the topology
+  // of the union was not computed.
   std::optional<std::int64_t> euler_characteristic_difference;
   std::optional<MeshDistances> distances;
 };
 
-// Everything but the distances, which distances() takes.
+// Fills all members of a Comparison but `distances`, which the caller obtains from distances().
 Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
                    const ExactUnion& exact);
 
-// Connected pieces of the union of the closed balls: those of the graph in which two balls are
-// neighbours where they overlap or touch. Much cheaper than the exact union; where balls touch to
-// the last digit it goes by their rounded distance.
+// Counts the connected components of the union of the closed balls. Two balls are connected if the
+// distance of their centres is at most the sum of their radii. Both are rounded to double, so for
+// balls that nearly touch the answer may differ from the exact one. The cost is far below the cost
+// of the exact union.
 std::uint64_t count_components(const SphereSet& spheres);
 
 }  // namespace vdwmesh

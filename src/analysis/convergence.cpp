@@ -1,3 +1,10 @@
+// Orders of convergence: a power law fitted to errors, and Richardson extrapolation of values.
+//
+// fit_power_law() is a linear regression on logarithms, because |error| = scale · size^order is the
+// straight line ln |error| = ln scale + order · ln size. extrapolate() solves for the order at
+// which the model value = limit + constant · size^order passes through three values. The limit and
+// the constant are eliminated first, which leaves one equation in the order (ratio_of_powers()); a
+// bracketing root finder solves it. docs/studies.md shows the results of both.
 #include "analysis/convergence.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +24,7 @@ namespace vdwmesh {
 namespace {
 
 struct Point {
-  double x, y;
+  double x, y;  // (ln size, ln |error|) in the fit, (size, value) in the extrapolation
 };
 
 void check(std::span<const double> sizes, std::span<const double> values) {
@@ -31,6 +38,7 @@ void check(std::span<const double> sizes, std::span<const double> values) {
   }
 }
 
+// Returns the points (ln size, ln |error|), without errors that are 0 or not finite.
 std::vector<Point> logarithms(std::span<const double> sizes, std::span<const double> errors) {
   std::vector<Point> points;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -40,6 +48,7 @@ std::vector<Point> logarithms(std::span<const double> sizes, std::span<const dou
   return points;
 }
 
+// Returns the sum of term(point) over all points.
 template <class Term>
 double sum(const std::vector<Point>& points, Term&& term) {
   WideSum total;
@@ -47,18 +56,21 @@ double sum(const std::vector<Point>& points, Term&& term) {
   return total.value();
 }
 
-// Of three points with rising x: how much steeper the values rise towards the coarse end,
-// (y3 - y2) / (y2 - y1), and what a power of the sizes would give.
+// Three points (size, value) with increasing sizes x1 < x2 < x3.
 using Three = std::array<Point, 3>;
 
+// Returns (y3 - y2) / (y2 - y1). In this ratio limit and constant of the model cancel.
 double ratio_of_differences(const Three& p) { return (p[2].y - p[1].y) / (p[1].y - p[0].y); }
 
-// Written with expm1, so that small orders do not cancel.
+// Returns the same ratio for the model y = x^order: (x3^p - x2^p) / (x2^p - x1^p) with p = order.
+// Division by x2^p gives ((x3/x2)^p - 1) / (1 - (x1/x2)^p). expm1 computes both differences without
+// cancellation when p is small.
 double ratio_of_powers(const Three& p, double order) {
   return std::expm1(order * std::log(p[2].x / p[1].x)) /
          -std::expm1(order * std::log(p[0].x / p[1].x));
 }
 
+// Returns the points with finite values at the three smallest different sizes, if there are three.
 std::optional<Three> three_smallest(std::span<const double> sizes, std::span<const double> values) {
   std::vector<Point> points;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -78,6 +90,7 @@ std::optional<PowerLaw> fit_power_law(std::span<const double> sizes,
   check(sizes, errors);
   const std::vector<Point> points = logarithms(sizes, errors);
   if (points.empty()) return std::nullopt;
+  // The regression uses the means x, y and sums of centred products: order = Sxy / Sxx.
   const auto n = static_cast<double>(points.size());
   const double x = sum(points, [](const Point& p) { return p.x; }) / n;
   const double y = sum(points, [](const Point& p) { return p.y; }) / n;
@@ -96,16 +109,19 @@ std::optional<Extrapolation> extrapolate(std::span<const double> sizes,
   const std::optional<Three> points = three_smallest(sizes, values);
   if (!points) return std::nullopt;
   const Three& p = *points;
-  // The ratio of powers rises with the order, so there is at most one that fits.
+  // The ratio of powers increases with the order, so at most one order fits. If the ratio of the
+  // values is not finite, or the root is outside the bounds, the next test fails.
   const double wanted = ratio_of_differences(p);
   const auto excess = [&](double order) { return ratio_of_powers(p, order) - wanted; };
   const double low = excess(kMinExtrapolationOrder), high = excess(kMaxExtrapolationOrder);
   if (!(low <= 0 && high >= 0)) return std::nullopt;
+  // TOMS 748 ends when the bracket agrees in 50 bits; 100 steps are far more than it needs.
   std::uintmax_t steps = 100;
   const auto bracket =
       boost::math::tools::toms748_solve(excess, kMinExtrapolationOrder, kMaxExtrapolationOrder, low,
                                         high, boost::math::tools::eps_tolerance<double>(50), steps);
   const double order = (bracket.first + bracket.second) / 2;
+  // limit = y1 - C x1^p, and C x1^p = (y2 - y1) / ((x2/x1)^p - 1).
   const double growth = std::expm1(order * std::log(p[1].x / p[0].x));
   return Extrapolation{p[0].y - (p[1].y - p[0].y) / growth, order};
 }

@@ -1,4 +1,7 @@
-// How fast a sequence of approximations approaches its limit, and where that limit lies.
+// Order of convergence of a sequence of approximations, and extrapolation of their limit.
+//
+// A sequence consists of sizes (grid spacing, edge length or number of triangles, any unit) and one
+// error or value for each size. A study applies both functions to its runs (study.hpp).
 #pragma once
 
 #include <cstddef>
@@ -7,33 +10,35 @@
 
 namespace vdwmesh {
 
-// |error| = scale * size^order.
+// The model |error| = scale * size^order.
 struct PowerLaw {
   double order, scale;
-  double rms_residual;  // of ln |error|
-  std::size_t points;   // that took part
+  double rms_residual;  // root mean square of the residuals of ln |error|
+  std::size_t points;   // how many points were used in the fit
 };
 
-// Least squares on (ln size, ln |error|). Errors that are exactly 0, which have no logarithm, or
-// not finite are left out; nothing where fewer than two different sizes remain. Throws InvalidInput
-// for spans of different lengths, or a size that is not finite and positive.
+// Fits a power law by least squares on (ln size, ln |error|). Errors that are exactly 0 have no
+// logarithm; they are left out, and so are errors that are not finite. The result is empty if fewer
+// than two different sizes remain. Throws InvalidInput if the spans have different lengths, or if a
+// size is not finite and positive.
 std::optional<PowerLaw> fit_power_law(std::span<const double> sizes,
                                       std::span<const double> errors);
 
-// value(size) = limit + constant * size^order.
+// The model value(size) = limit + constant * size^order.
 struct Extrapolation {
   double limit, order;
 };
 
+// The range of orders that extrapolate() accepts.
 inline constexpr double kMinExtrapolationOrder = 0.05;
 inline constexpr double kMaxExtrapolationOrder = 16;
 
-// Richardson's extrapolation with the order that the values themselves show (L. F. Richardson and
-// J. A. Gaunt, Phil. Trans. R. Soc. A 226 (1927) 299; for steps of any ratio I. B. Celik et al.,
-// J. Fluids Eng. 130 (2008) 078001): the curve through the values of the three smallest sizes,
-// which need not be in order. Nothing where there are fewer than three different sizes, or where
-// the values do not approach a limit with an order between the bounds above. Throws as
-// fit_power_law().
+// Richardson extrapolation with an observed order (L. F. Richardson and J. A. Gaunt, Phil. Trans.
+// R. Soc. A 226 (1927) 299; for sizes of any ratio I. B. Celik et al., J. Fluids Eng. 130 (2008)
+// 078001). The three parameters of the model are chosen so that it passes through the values at the
+// three smallest sizes. The sizes may be in any order. The result is empty if there are fewer than
+// three different sizes with finite values, or if no order in the range above fits the values.
+// Throws as fit_power_law() does.
 std::optional<Extrapolation> extrapolate(std::span<const double> sizes,
                                          std::span<const double> values);
 

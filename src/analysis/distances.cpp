@@ -1,3 +1,16 @@
+// Distances between a triangle mesh and the boundary of a union of balls, in both directions.
+//
+//  1. The input and the memory limit are checked before any array is allocated.
+//  2. ExposedSurface builds the exact boundary of the union as patches.
+//  3. Mesh to surface (MeshSampler): points on the mesh, chosen by stratified sampling of its area;
+//     SurfaceFinder finds the nearest point of the boundary.
+//  4. Surface to mesh (surface_to_mesh()): points on the patches, from spherical Fibonacci
+//  lattices;
+//     MeshFinder finds the nearest triangle.
+//
+// Work is divided into blocks of fixed size. Each block has its own sums, which are joined in the
+// order of the blocks; histograms count integers. The result is therefore the same bit for bit for
+// any number of threads.
 #include "analysis/distances.hpp"
 
 #include <fmt/format.h>
@@ -23,11 +36,12 @@ namespace {
 
 constexpr std::size_t kTrianglesPerBlock = 2048, kVerticesPerBlock = 2048, kSamplesPerBlock = 2048;
 constexpr std::size_t kPatchesPerBlock = 8;
-constexpr double kLeastSamples =
-    1e4;  // on the mesh; on all spheres together, buried parts included
-constexpr double kMostSamples = 1e12;  // weeks of work
+// The smallest number of samples on the mesh, and on all whole spheres together. Samples on buried
+// parts of spheres are discarded, so fewer may remain on the boundary.
+constexpr double kLeastSamples = 1e4;
+constexpr double kMostSamples = 1e12;  // more would take weeks
 
-// body(block) for all blocks, on all cores.
+// Calls body(block) for all blocks, on all cores, and reports each as one step of progress.
 template <class Body>
 void for_blocks(std::size_t blocks, Monitor* monitor, const Body& body) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1), [&](const auto& range) {
@@ -66,6 +80,10 @@ void check_spheres(const SphereSet& spheres) {
   if (spheres.empty()) throw InvalidInput("no spheres: their union has no boundary");
 }
 
+// Throws LimitExceeded if the triangles are too many for the 32-bit indices of BoxTree, or if mesh,
+// search tree and exposed surface need more than `limit` bytes. The message proposes coarser
+// meshes: one subdivision less divides the bytes by 4, a spacing s times as wide by s². The
+// factor 1.02 makes up for rounding of the proposal to three digits.
 void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t limit) {
   const std::uint64_t triangles = mesh.triangle_count();
   if (triangles >= kNoSphere) {
@@ -86,7 +104,8 @@ void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t li
       1.02 * std::sqrt(ratio)));
 }
 
-// Samples per Å² of an area.
+// Returns the density of samples, per Å², for a surface of this total area (Å²): samples_per_area,
+// or as much more as gives kLeastSamples on the whole surface. Throws if either is out of range.
 double density_for(double total_area, double samples_per_area) {
   if (!std::isfinite(kLeastSamples / total_area))
     throw InvalidInput(
@@ -102,6 +121,7 @@ double density_for(double total_area, double samples_per_area) {
   return std::max(samples_per_area, kLeastSamples / total_area);
 }
 
+// Returns the area of all whole spheres, Å²: the sum of 4 π r².
 double area_of(const SphereSet& spheres) {
   WideSum total;
   for (const Sphere& s : spheres.spheres()) total.add(2 * kTwoPi * s.radius * s.radius);
@@ -115,13 +135,15 @@ void include(Box& box, const Vec3d& p) {
   }
 }
 
+// Returns the bounding box of mesh and balls together. All queries and primitives of the search
+// trees are within it.
 Box world_of(const IndexedMesh& mesh, const SphereSet& spheres) {
   Box box = bounding_box(spheres);
   for (const Vec3d& p : mesh.positions) include(box, p);
   return box;
 }
 
-// 1 for each vertex on a triangle.
+// Returns 1 for each vertex that is on some triangle, 0 for isolated vertices.
 Buffer<std::uint8_t> used_vertices(const IndexedMesh& mesh) {
   Buffer<std::uint8_t> used(mesh.vertex_count(), 0);
   for_blocks(blocks_of(mesh.triangle_count(), kTrianglesPerBlock), nullptr, [&](std::size_t block) {
@@ -133,7 +155,8 @@ Buffer<std::uint8_t> used_vertices(const IndexedMesh& mesh) {
   return used;
 }
 
-// Sums of each block, and one histogram for each thread.
+// Collects the distances of all blocks: sums for each block, which are joined in the order of the
+// blocks, and a histogram for each thread, whose integer counts can be added in any order.
 class Statistics {
  public:
   explicit Statistics(std::size_t blocks) : blocks_(blocks) {}
@@ -150,9 +173,11 @@ class Statistics {
   tbb::enumerable_thread_specific<DistanceHistogram> histograms_;
 };
 
-// One point of each of `samples` equal parts of the area, at random within it: no triangle is too
-// small to be sampled, and on average every part of the mesh counts by its area. Maxima also take
-// the vertices and the triangles' centres.
+// Distances from the mesh to the surface. The mesh's area is an interval (MeshArea) that is divided
+// into `samples_` strata of equal length, with one random point in each (stratified sampling).
+// Every part of the mesh is thus sampled in proportion to its area, and triangles smaller than a
+// stratum have their share too. Vertices and triangle centres are measured as well, but count only
+// for the maximum, because they are not distributed by area.
 class MeshSampler {
  public:
   MeshSampler(const IndexedMesh& mesh, const SurfaceFinder& finder, const DistanceOptions& options)
@@ -183,12 +208,15 @@ class MeshSampler {
   }
 
  private:
-  // Where sample i lies in the area, Å².
+  // Returns the position of sample i in the area interval [0, total], Å². The random stream of
+  // sample i is ~i, which counts downwards from 2^64 - 1; the streams of spheres count upwards from
+  // 0 (surface_to_mesh()), so no stream is used twice.
   double place_of(std::uint64_t i) const {
-    const double within = Random(seed_, ~i).next();  // spheres count their streams upwards from 0
+    const double within = Random(seed_, ~i).next();
     return (static_cast<double>(i) + within) / static_cast<double>(samples_) * area_.total();
   }
 
+  // Consecutive samples are near each other, so the patch found last is the hint for the next one.
   void sample_area(std::size_t block, DistanceSums& sums, DistanceHistogram& histogram) const {
     std::uint32_t hint = 0;
     const std::uint64_t first = block * kSamplesPerBlock;
@@ -234,7 +262,7 @@ Box box_of(const Corners& t) {
   return box;
 }
 
-// Distances to the mesh.
+// Finds the distance from a point to the nearest triangle of the mesh.
 class MeshFinder {
  public:
   MeshFinder(const IndexedMesh& mesh, const Box& world)
@@ -242,7 +270,8 @@ class MeshFinder {
         tree_(static_cast<std::uint32_t>(mesh.triangle_count()), world,
               [&](std::uint32_t t) { return box_of(corners_of(mesh, t)); }) {}
 
-  // `hint` is the triangle to try first and becomes the one found.
+  // Returns the distance, Å. `hint` is the index of the triangle that is measured first; a near one
+  // makes the search short. It is set to the nearest triangle.
   double distance(const Vec3d& p, std::uint32_t& hint) const {
     double squared = squared_distance(p, hint);
     tree_.nearest(p, squared, [&](std::uint32_t t, double& best) {
@@ -264,6 +293,8 @@ class MeshFinder {
   BoxTree tree_;
 };
 
+// Distances from the surface to the mesh. Samples inside patches enter all statistics. Samples on
+// circles, with the square root of the areal density per Å, and corners enter the maximum only.
 DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFinder& finder,
                                    double density, const DistanceOptions& options) {
   const std::span<const Patch> patches = surface.patches();
@@ -276,7 +307,8 @@ DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFind
     std::uint32_t hint = 0;
     const std::size_t end = std::min(patches.size(), (block + 1) * kPatchesPerBlock);
     for (std::size_t i = block * kPatchesPerBlock; i < end; ++i) {
-      // The rank in canonical order: the spheres' own order does not matter.
+      // The random stream is the rank of the sphere in canonical order, so that the samples do not
+      // depend on the order of the spheres in the caller's set.
       Random random(options.seed, surface.list().rank[patches[i].place]);
       sample_patch(patches[i], density, random, [&](const Vec3d& p) {
         const double distance = finder.distance(p, hint);

@@ -1,6 +1,9 @@
-// How far a triangle mesh is from the boundary of a union of balls, and that boundary from the
-// mesh. All distances are true ones: to the nearest exposed point, be it on a patch, an arc or a
-// corner, and to the nearest point of the nearest triangle.
+// Distances between a triangle mesh and the exact boundary of a union of balls, in both directions.
+//
+// The distance from a point to the boundary is measured to the nearest exposed point, which may be
+// inside a patch, on an arc or at a corner. The distance from a point to the mesh is measured to
+// the nearest point of the nearest triangle. Only the sample points are chosen; each distance is
+// exact up to rounding.
 #pragma once
 
 #include <cstdint>
@@ -13,44 +16,54 @@
 namespace vdwmesh {
 
 struct DistanceOptions {
-  double samples_per_area = 10;  // per Å², > 0; at least 10^4 on the mesh and on all spheres
-  std::uint64_t seed = 1;        // of the samples
-  std::uint64_t memory_limit = ~std::uint64_t{0};  // bytes, the mesh included
+  // Samples per Å², > 0. The density is raised if the mesh, or all spheres together, would have
+  // fewer than 10^4 samples.
+  double samples_per_area = 10;
+  std::uint64_t seed = 1;                          // of the random numbers that place the samples
+  std::uint64_t memory_limit = ~std::uint64_t{0};  // bytes, including the mesh
   Monitor* monitor = nullptr;
 };
 
-// Å. Mean, RMS and percentiles are over area, and estimated without bias: more samples change the
-// error, not the value; max is over all samples, and only a lower bound. Percentiles come from a
-// histogram with bins of 1/256 octave, so they are good to 0.2 % beside the sampling.
+// Statistics of the distances in one direction, Å. Mean, RMS and percentiles are averages over area
+// whose estimates have no bias from the density of the samples: more samples make the statistical
+// errors smaller and do not shift the values. `max` is over all samples and therefore a lower bound
+// of the true maximum. Percentiles come from a histogram with 256 bins per octave, so the middle of
+// a bin differs by at most 0.2 % from the values in it.
 struct DistanceStatistics {
-  double mean, rms, p50, p95, p99, max;  // the first five NaN where no sample fell on a patch
-  // Standard errors of mean and RMS, as of independent samples. These are spread more evenly, so
-  // their true errors are somewhat smaller.
+  double mean, rms, p50, p95, p99, max;  // all but max are NaN if no sample fell on a patch
+  // Standard errors of mean and RMS for independent samples. The samples are spread more evenly
+  // than independent ones, so the true errors are somewhat smaller.
   double mean_error, rms_error;
-  std::uint64_t samples;
+  std::uint64_t samples;  // including samples for the maximum only
 };
 
 struct MeshDistances {
-  DistanceStatistics mesh_to_surface;  // points by area; vertices and triangles' centres for max
-  DistanceStatistics surface_to_mesh;  // points on exposed patches; arcs and all corners for max
-  double hausdorff_lower_bound;        // Å: the larger max
-  std::uint64_t samples;               // of both directions
+  DistanceStatistics mesh_to_surface;  // max also includes vertices and triangle centres
+  DistanceStatistics surface_to_mesh;  // max also includes points on arcs and all corners
+  double hausdorff_lower_bound;        // Å: the larger of the two maxima
+  std::uint64_t samples;               // of both directions together
   std::uint64_t seed;
 };
 
-// Any triangle soup; isolated vertices are no part of it. The mesh's area is cut into as many equal
-// parts as there are samples, with one at random in each (stratified sampling). The points on
-// patches are spherical Fibonacci lattices (González 2010), turned at random for each sphere. The
-// result is the same, bit for bit, for any number of threads, and does not depend on the order of
-// the spheres. Beside the mesh it takes 13 bytes per triangle and some 800 per sphere. Throws
-// InvalidInput for no spheres, no triangles, an index of no vertex, a vertex that is not finite, a
-// mesh without area, or samples_per_area out of range; LimitExceeded where mesh and search tree
-// need more than memory_limit; Cancelled.
+// Computes the statistics of both directions. The mesh may be any triangle soup; isolated vertices
+// are ignored.
+//
+// Samples on the mesh: its area is divided into as many equal parts as there are samples, with one
+// random point in each (stratified sampling). Samples on the surface: a spherical Fibonacci lattice
+// (Á. González, Math. Geosci. 42 (2010) 49) on each sphere, rotated at random. The result is the
+// same bit for bit for any number of threads and any order of the spheres. Memory beside the mesh
+// is 13 bytes per triangle and about 800 bytes per sphere.
+//
+// Throws InvalidInput if there are no spheres or no triangles, if a triangle names a vertex that
+// does not exist, if a vertex is not finite, if the mesh has no area, and if samples_per_area is
+// not a positive finite number. Throws LimitExceeded if more than memory_limit bytes or more than
+// 10^12 samples would be needed, and Cancelled on request of the monitor.
 MeshDistances distances(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceOptions& options = {});
 
-// For each vertex the distance to the boundary of the union, Å: positive outside, negative inside.
-// Throws as distances(), but takes meshes without triangles.
+// Returns the distance of each vertex to the boundary of the union, Å: positive outside the union,
+// negative inside. Triangles are not used, so the mesh may have none. Throws InvalidInput if there
+// are no spheres or if a vertex is not finite, and Cancelled on request of the monitor.
 std::vector<float> vertex_distances(const IndexedMesh& mesh, const SphereSet& spheres,
                                     Monitor* monitor = nullptr);
 

@@ -1,4 +1,8 @@
-// Where distances are taken on the exact surface: points on exposed patches, arcs and corners.
+// Sample points on the exact surface: inside exposed patches, on exposed arcs, and at corners.
+//
+// The points inside a patch are the exposed points of a spherical Fibonacci lattice with a random
+// rotation. All random numbers come from streams with explicit numbers, one stream per sphere, so
+// that the points do not depend on the number of threads.
 #pragma once
 
 #include <cmath>
@@ -8,13 +12,15 @@
 
 namespace vdwmesh {
 
-// Numbers in [0, 1) that depend on seed, stream and how many were drawn (SplitMix64).
+// Pseudo-random numbers in [0, 1): the generator SplitMix64 (G. L. Steele, D. Lea and C. H. Flood,
+// OOPSLA 2014). The k-th number depends on seed, stream and k only. `kStep` is 2^64 divided by the
+// golden ratio, and mix() is the generator's finaliser.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t stream) : state_(mix(mix(seed) + stream)) {}
   double next() {
     state_ += kStep;
-    return std::ldexp(static_cast<double>(mix(state_) >> 11), -53);
+    return std::ldexp(static_cast<double>(mix(state_) >> 11), -53);  // the upper 53 bits
   }
 
  private:
@@ -29,7 +35,8 @@ class Random {
 
 inline constexpr double kTwoPi = 6.283185307179586476925;
 
-// A turn of space, uniform over all turns (Shoemake 1992).
+// A rotation of space, uniformly distributed over all rotations: a random unit quaternion after
+// K. Shoemake, "Uniform random rotations", Graphics Gems III (1992).
 class RandomTurn {
  public:
   explicit RandomTurn(Random& random) {
@@ -39,18 +46,21 @@ class RandomTurn {
     vector_ = {p * std::sin(a), p * std::cos(a), q * std::sin(b)};
     scalar_ = q * std::cos(b);
   }
+  // Rotates v by the quaternion q = (vector u, scalar w): v + 2 w (u × v) + 2 u × (u × v).
   Vec3d operator()(const Vec3d& v) const {
     const Vec3d t = 2.0 * cross(vector_, v);
     return v + scalar_ * t + cross(vector_, t);
   }
 
  private:
-  Vec3d vector_;
-  double scalar_;
+  Vec3d vector_;   // the three imaginary parts of the unit quaternion
+  double scalar_;  // its real part
 };
 
-// visit(point) for the exposed points of a Fibonacci lattice (González 2010) of `density` points
-// per Å² on the whole sphere; what is left over of a point is one with that probability.
+// Calls visit(point) for the exposed points of a spherical Fibonacci lattice (González 2010) with
+// `density` points per Å² on the whole sphere. The number of lattice points is the area times the
+// density, rounded up or down at random so that its expected value is exact. Small spheres thus
+// have their share of the samples.
 template <class Visit>
 void sample_patch(const Patch& patch, double density, Random& random, Visit&& visit) {
   const double r = patch.ball.radius;
@@ -60,6 +70,8 @@ void sample_patch(const Patch& patch, double density, Random& random, Visit&& vi
   constexpr double kGoldenTurn = 0.6180339887498948482;
   const std::span<const Cover> covers = patch.covers;
   for (std::uint64_t i = 0; i < count; ++i) {
+    // Point k of the lattice: z in the middle of the k-th of `count` zones of equal area, and a
+    // longitude of k golden-ratio turns, of which only the fraction of a turn matters.
     const auto k = static_cast<double>(i);
     const double z = 1 - (2 * k + 1) / static_cast<double>(count);
     const double angle = kTwoPi * (k * kGoldenTurn - std::floor(k * kGoldenTurn));
@@ -69,8 +81,9 @@ void sample_patch(const Patch& patch, double density, Random& random, Visit&& vi
   }
 }
 
-// The same for points evenly spaced on the circles, `density` per Å, and for all corners; each
-// circle and corner from the first of its spheres.
+// Calls visit(point) for exposed points at even distances on the circles of the patch, `density`
+// points per Å, and for its corners. Two spheres share a circle and three share a corner; only the
+// sphere with the smallest list place visits the shared points.
 template <class Visit>
 void sample_border(const Patch& patch, double density, Random& random, Visit&& visit) {
   const double r = patch.ball.radius;
@@ -78,6 +91,7 @@ void sample_border(const Patch& patch, double density, Random& random, Visit&& v
   for (std::size_t i = 0; i < patch.circles; ++i) {
     if (covers[i].place < patch.place) continue;
     const arcs::Cap& cap = covers[i].cap;
+    // The circle's radius and, below, all points on it are in units of the sphere's radius.
     const double radius = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
     const Frame frame = frame_of(cap.axis);
     const auto count = static_cast<std::uint64_t>(std::ceil(kTwoPi * radius * r * density));

@@ -1,3 +1,8 @@
+// Histogram bins of distances, and the statistics that distances() reports.
+//
+// A bin is a range of the bit patterns of doubles: the exponent and the leading 8 bits of the
+// mantissa are its number, which gives 256 bins of equal width to every octave. summarize() joins
+// the sums of the blocks, and estimates standard errors from the sums of d², d⁴.
 #include "analysis/distances_statistics.hpp"
 
 #include <algorithm>
@@ -10,12 +15,14 @@
 namespace vdwmesh {
 namespace {
 
+// The layout of a double, and the first bin: 2^-48 Å, as exponent and 8 mantissa bits (the key).
 constexpr int kMantissaBits = 52, kBinBits = 8, kExponentBias = 1023, kFirstExponent = -48;
 constexpr std::uint64_t kFirstKey = static_cast<std::uint64_t>(kExponentBias + kFirstExponent)
                                     << kBinBits;
 
-// Of a mean of n independent values, from their mean and the mean of their squares; NaN for fewer
-// than two.
+// Returns the standard error of the mean of n independent values, given their mean and the mean of
+// their squares: the square root of the sample variance n / (n - 1) · variance, divided by n. NaN
+// for n < 2. The difference `variance` may be negative by rounding and then counts as 0.
 double standard_error(double mean, double mean_square, double n) {
   const double variance = mean_square - mean * mean;
   if (!(n >= 2)) return std::numeric_limits<double>::quiet_NaN();
@@ -24,12 +31,15 @@ double standard_error(double mean, double mean_square, double n) {
 
 }  // namespace
 
-// Exponent and leading bits of the mantissa: doubles >= 0 are ordered as their bits are.
+// The bit patterns of doubles >= 0, as integers, have the same order as the doubles. A shift that
+// keeps the exponent and kBinBits of the mantissa therefore gives keys in order of distance.
 std::size_t DistanceHistogram::bin_of(double distance) {
   const std::uint64_t key = std::bit_cast<std::uint64_t>(distance) >> (kMantissaBits - kBinBits);
   return std::min<std::size_t>(key > kFirstKey ? key - kFirstKey : 0, kBins - 1);
 }
 
+// Returns the middle of a bin, Å: the bin's smallest double with the next mantissa bit set. The
+// first bin, which contains 0, has the value 0.
 double DistanceHistogram::middle_of(std::size_t bin) {
   if (bin == 0) return 0;
   const std::uint64_t half = std::uint64_t{1} << (kMantissaBits - kBinBits - 1);
@@ -68,11 +78,13 @@ DistanceStatistics summarize(const std::vector<DistanceSums>& blocks,
   }
   const auto n = static_cast<double>(counted);
   const double mean = first.value() / n, square = second.value() / n, rms = std::sqrt(square);
-  // By the central limit theorem; that of the root by its derivative.
+  // `square` is a mean, of d², and its standard error follows from the mean of d⁴. The RMS is the
+  // square root of `square`; by first-order error propagation its error is the error of `square`
+  // times the derivative 1 / (2 rms).
   const double mean_error = standard_error(mean, square, n);
   const double square_error = standard_error(square, fourth.value() / n, n);
   const double rms_error = square_error > 0 ? square_error / (2 * rms) : square_error;
-  // The middle of the last bin may lie beyond the largest distance.
+  // The middle of the bin of the largest distance may exceed that distance; max is then reported.
   const auto percentile = [&](double fraction) {
     const double value = histogram.percentile(fraction);
     return value > max ? max : value;

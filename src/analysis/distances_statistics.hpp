@@ -1,4 +1,7 @@
-// Statistics of distances that come out the same however the work was cut.
+// Accumulators for distances whose result does not depend on the number of threads.
+//
+// Floating-point sums are kept for each block of samples (DistanceSums) and joined in the order of
+// the blocks. Counts are integers (DistanceHistogram) and may be joined in any order.
 #pragma once
 
 #include <array>
@@ -9,13 +12,14 @@
 
 namespace vdwmesh {
 
-// What one block of samples adds up to, in the order of its samples.
+// The sums over one block of samples, added in the order of the samples.
 struct DistanceSums {
-  double first = 0, second = 0, fourth = 0;  // sums of d, d², d⁴
-  double max = 0;                            // Å
-  std::uint64_t counted = 0;                 // of which these are the sums
-  std::uint64_t samples = 0;                 // those for the maximum alone as well
+  double first = 0, second = 0, fourth = 0;  // sums of d, d² and d⁴ (Å, Å², Å⁴)
+  double max = 0;                            // largest distance, Å
+  std::uint64_t counted = 0;                 // how many distances are in the three sums
+  std::uint64_t samples = 0;                 // how many distances are in `max`: counted or more
 
+  // Adds a distance to the sums and to the maximum.
   void add(double distance) {
     const double square = distance * distance;
     first += distance;
@@ -24,26 +28,28 @@ struct DistanceSums {
     ++counted;
     add_extreme(distance);
   }
-  // Counts for the maximum alone.
+  // Adds a distance to the maximum only.
   void add_extreme(double distance) {
     if (distance > max) max = distance;
     ++samples;
   }
 };
 
-// How many samples by distance, in bins of 1/256 octave.
+// The number of samples in each bin of distances, with 256 bins per octave. From it percentiles are
+// found without keeping or sorting the samples.
 class DistanceHistogram {
  public:
   DistanceHistogram() : bins_(kBins) {}
 
   void add(double distance) { ++bins_[bin_of(distance)]; }
   void add(const DistanceHistogram& other);
-  // The middle of the bin that holds the percentile: least value with at least that fraction of
-  // the samples at or below it. NaN without samples.
+  // Returns the middle of the first bin up to whose end at least this fraction of the samples lies
+  // (nearest-rank percentile); NaN without samples.
   double percentile(double fraction) const;
 
  private:
-  // 2^-48 … 2^48 Å; the first bin takes all that is smaller, the last all that is larger.
+  // The bins cover 2^-48 … 2^48 Å. The first bin also counts all smaller distances, the last bin
+  // all larger ones.
   static constexpr int kOctaves = 96, kPerOctave = 256;
   static constexpr std::size_t kBins = std::size_t{kOctaves} * kPerOctave;
   static std::size_t bin_of(double distance);
@@ -52,7 +58,7 @@ class DistanceHistogram {
   std::vector<std::uint64_t> bins_;
 };
 
-// Joins the blocks in their order.
+// Computes the statistics. The sums are joined in the order of the blocks.
 DistanceStatistics summarize(const std::vector<DistanceSums>& blocks,
                              const DistanceHistogram& histogram);
 

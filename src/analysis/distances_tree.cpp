@@ -1,3 +1,16 @@
+// Construction of BoxTree, a bounding volume hierarchy in Morton order.
+//
+//  1. Sort the primitives by the Morton code (Z-order) of the centres of their boxes (sort()).
+//  2. Put each four consecutive primitives into a leaf, and the boxes of eight leaves into a node
+//  of
+//     level 0 (make_leaves()).
+//  3. Put the boxes of each eight consecutive nodes into a node of the next level, until one node
+//  is
+//     left, the root (make_levels()).
+//
+// Every step is parallel over its output, and the sort keys are unique, so the tree is the same for
+// any number of threads. The principle is the linear BVH of C. Lauterbach et al. (Computer Graphics
+// Forum 28 (2009) 375). distances_tree.hpp has the search.
 #include "analysis/distances_tree.hpp"
 
 #include <tbb/blocked_range.h>
@@ -11,7 +24,7 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kGrain = 4096;  // indices per task
 
 template <class Body>
 void for_all(std::size_t count, const Body& body) {
@@ -20,7 +33,7 @@ void for_all(std::size_t count, const Body& body) {
   });
 }
 
-// Every third bit of the result, from the lower 21 of x.
+// Moves bit i of x to bit 3i, for the lower 21 bits; all other bits of the result are 0.
 std::uint64_t spread(std::uint64_t x) {
   x = (x | x << 32) & 0x001f00000000ffffu;
   x = (x | x << 16) & 0x001f0000ff0000ffu;
@@ -29,7 +42,8 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249u;
 }
 
-// Place of a point of [-1, 1]³ on the Z-order curve, `bits` per axis.
+// Returns the Morton code of a point of [-1, 1]³: its position along the Z-order curve through
+// 2^bits cells per axis.
 std::uint64_t morton(const Vec3d& p, int bits) {
   const double cells = std::ldexp(1.0, bits);
   const auto cell = [&](double x) {
@@ -39,6 +53,7 @@ std::uint64_t morton(const Vec3d& p, int bits) {
 }
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
+// The empty box: the smallest box around it and any other box is the other box.
 constexpr Box kNothing{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
 
 void include(Box& box, const Vec3d& lower, const Vec3d& upper) {
@@ -56,6 +71,7 @@ BoxTree::BoxTree(std::uint32_t count, const Box& world,
                  const std::function<Box(std::uint32_t)>& box_of)
     : center_(middle(world)) {
   const Vec3d extent = world.upper - world.lower;
+  // One scale for all axes, so that scaled distances are proportional to distances in Å.
   const double half = 0.5 * std::max({extent.x, extent.y, extent.z});
   scale_ = half > 0 ? 1 / half : 1;
   sort(count, box_of);
@@ -63,8 +79,9 @@ BoxTree::BoxTree(std::uint32_t count, const Box& world,
   make_levels();
 }
 
-// Along the Z-order curve, by keys that hold the primitive in the bits it needs and the place in
-// all others: unique, so the order is one whatever sorts them.
+// A key has the index of the primitive in its lower bits and the Morton code in all others, with
+// up to 21 bits per axis. The keys are unique, so their sorted order does not depend on the
+// algorithm. An index has at most 32 bits, so the code has at least 10 bits per axis.
 void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>& box_of) {
   const int index_bits = std::bit_width(count);
   const int axis_bits = std::min(21, (64 - index_bits) / 3);
@@ -79,7 +96,9 @@ void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>&
   for_all(count, [&](std::size_t i) { order_[i] = static_cast<std::uint32_t>(keys[i] & mask); });
 }
 
-// An empty range has lower > upper = -infinity.
+// Stores the range [lower, upper] of one box along one axis as its middle and half its length, in
+// float. The half is extended by kInflate, which covers the rounding (see there). An empty range
+// has lower = infinity > upper = -infinity; its half becomes -infinity.
 void BoxTree::Node::set(std::size_t lane, int axis, double lower, double upper) {
   const bool there = lower <= upper;
   center[axis][lane] = there ? static_cast<float>(0.5 * (lower + upper)) : 0;
@@ -87,6 +106,8 @@ void BoxTree::Node::set(std::size_t lane, int axis, double lower, double upper) 
       there ? static_cast<float>(0.5 * (upper - lower)) + kInflate : -static_cast<float>(kFar);
 }
 
+// Lane l of node n is the box of the leaf 8 n + l, which has the primitives order_[4 (8 n + l)] and
+// the next three. Lanes beyond the last leaf remain empty.
 void BoxTree::make_leaves(const std::function<Box(std::uint32_t)>& box_of) {
   const std::size_t per_node = std::size_t{kLeaf} * kWidth;
   Buffer<Node> nodes((order_.size() + per_node - 1) / per_node);
@@ -106,6 +127,8 @@ void BoxTree::make_leaves(const std::function<Box(std::uint32_t)>& box_of) {
   levels_.push_back(std::move(nodes));
 }
 
+// Lane l of node n is the box around all lanes of node 8 n + l of the level below. set() extends it
+// by kInflate once more, so the boxes of a level contain the boxes of the level below in float.
 void BoxTree::make_levels() {
   while (levels_.back().size() > 1) {
     const Buffer<Node>& below = levels_.back();

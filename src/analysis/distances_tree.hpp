@@ -1,5 +1,8 @@
-// A tree of boxes for nearest-primitive queries, small beside what it sorts: eight boxes to a node,
-// four primitives to a leaf, no pointers; 11 bytes per primitive, 12 while it is built.
+// BoxTree: a bounding volume hierarchy over boxes, for nearest-primitive queries.
+//
+// A node has eight children, whose boxes are in float and are measured with vector instructions. A
+// leaf has four primitives. Children are found by index arithmetic, without pointers. The tree
+// takes 11 bytes per primitive, and 12 while it is built. The caller measures primitives itself.
 #pragma once
 
 #include <algorithm>
@@ -17,27 +20,30 @@ namespace vdwmesh {
 
 class BoxTree {
  public:
-  // Every primitive and every query lies in `world`. box_of(i) is called from several threads.
+  // box_of(i) returns the box of primitive i < count, Å; several threads call it at the same time.
+  // Precondition: all boxes and all later query points are in `world`.
   BoxTree(std::uint32_t count, const Box& world, const std::function<Box(std::uint32_t)>& box_of);
 
-  // Calls visit(i, squared) for all primitives whose box comes nearer to p than the square root
-  // of `squared` (Å²), the nearer boxes first; visit lowers it.
+  // Calls visit(i, squared) for at least all primitives i whose box is nearer to p than √squared
+  // (Å), boxes of near nodes first. visit lowers `squared` when it finds a nearer primitive.
   template <class Visit>
   void nearest(const Vec3d& p, double& squared, Visit&& visit) const;
 
-  // The most that building and keeping a tree takes.
+  // Upper bound of the bytes for building and keeping a tree of `count` primitives.
   static std::uint64_t bytes(std::uint64_t count) { return 12 * count + 4096; }
 
  private:
-  static constexpr int kWidth = 8;
-  static constexpr std::uint32_t kLeaf = 4;
-  static constexpr int kMaxLevels = 11;  // 4 * 8^11 > 2^32
-  // Coordinates are scaled to [-1, 1]. A float is then wrong by 2^-25, in box and query, and their
-  // difference by 2^-24; boxes grow by four times that on every level.
+  static constexpr int kWidth = 8;           // children of a node
+  static constexpr std::uint32_t kLeaf = 4;  // primitives of a leaf
+  static constexpr int kMaxLevels = 11;      // 4 * 8^11 > 2^32
+  // No box may seem farther from a query than it is. Coordinates are scaled to [-1, 1], so rounding
+  // to float changes each by at most 2^-25 and a difference of two by at most 2^-24. Every box is
+  // extended by four times 2^-24. kSlack, which is relative, covers the roundings of squares.
   static constexpr float kInflate = 0x1p-22F;
-  static constexpr float kSlack = 1e-5F;  // relative, of squared lengths: many float roundings
+  static constexpr float kSlack = 1e-5F;
 
-  // Lanes without a box have the half -infinity: nothing is near them.
+  // The boxes of eight children, axis by axis. An unused lane has the half -infinity, so that its
+  // distance from every point is infinite.
   struct alignas(32) Node {
     float center[3][kWidth], half[3][kWidth];
 
@@ -50,9 +56,9 @@ class BoxTree {
     }
   };
   struct Entry {
-    float distance;
-    std::int32_t level;  // -1: a leaf
-    std::uint32_t index;
+    float distance;       // squared and scaled, from the query to the box
+    std::int32_t level;   // into levels_; -1 for a leaf
+    std::uint32_t index;  // of the node in its level, or of the leaf
   };
   struct FloatPoint {
     float x, y, z;
@@ -66,6 +72,8 @@ class BoxTree {
     const Vec3f f = cast<float>(scaled(p));
     return {f.x, f.y, f.z};
   }
+  // The squared scaled distance that a box must be below. FLT_MIN keeps it above 0 if the square
+  // underflows, so that boxes at distance 0 are still visited.
   float bound_of(double squared) const {
     return static_cast<float>(squared * scale_ * scale_) * (1 + kSlack) + FLT_MIN;
   }
@@ -73,14 +81,15 @@ class BoxTree {
   static std::uint32_t nearer_than(float bound, const float (&distance)[kWidth]);
   static int push(const Entry& entry, Entry* stack, int from, int size);
 
-  Vec3d center_;
-  double scale_;
-  Buffer<std::uint32_t> order_;
-  std::vector<Buffer<Node>> levels_;  // leaves first
+  Vec3d center_;                      // of `world`, Å
+  double scale_;                      // 1/Å: half the longest side of `world` becomes 1
+  Buffer<std::uint32_t> order_;       // primitives in Morton order
+  std::vector<Buffer<Node>> levels_;  // the parents of the leaves first, the root last
 };
 
-// Squared scaled distances to the eight boxes. Without branches or comparisons, which would keep
-// the compiler from using vector instructions.
+// Computes the squared scaled distances to the eight boxes. Along an axis the distance is max(d, 0)
+// with d = |p - center| - half. Written as (d + |d|) / 2 it needs no branches and can be
+// vectorised.
 inline void BoxTree::measure(const Node& node, const FloatPoint& p, float (&distance)[kWidth]) {
   const auto twice_outside = [](float place, float center, float half) {
     const float beyond = std::abs(place - center) - half;
@@ -94,14 +103,15 @@ inline void BoxTree::measure(const Node& node, const FloatPoint& p, float (&dist
   }
 }
 
-// As bits.
+// Returns a mask whose bit i says that distance[i] is below the bound.
 inline std::uint32_t BoxTree::nearer_than(float bound, const float (&distance)[kWidth]) {
   std::uint32_t near = 0;
   for (int i = 0; i < kWidth; ++i) near |= static_cast<std::uint32_t>(distance[i] < bound) << i;
   return near;
 }
 
-// Keeps the entries from `from` on in falling order of distance.
+// Inserts an entry and keeps stack[from … size] in decreasing order of distance, so that the
+// nearest entry is popped first. Returns the new size.
 inline int BoxTree::push(const Entry& entry, Entry* stack, int from, int size) {
   int place = size;
   for (; place > from && stack[place - 1].distance < entry.distance; --place)
@@ -110,6 +120,7 @@ inline int BoxTree::push(const Entry& entry, Entry* stack, int from, int size) {
   return size + 1;
 }
 
+// Depth-first branch and bound. Each level removes one stack entry before it adds at most kWidth.
 template <class Visit>
 void BoxTree::nearest(const Vec3d& p, double& squared, Visit&& visit) const {
   const FloatPoint query = to_float(p);

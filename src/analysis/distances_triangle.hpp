@@ -1,4 +1,7 @@
-// Squared distance from a point to a triangle.
+// Squared distance from a point to a segment and to a triangle.
+//
+// These functions are the inner loop of the distance search. All lengths are in Å, all results in
+// Å².
 #pragma once
 
 #include <algorithm>
@@ -7,7 +10,8 @@
 
 namespace vdwmesh {
 
-// Plain products: where the processor is not known to have fma, it is a library call.
+// A dot product without fma, unlike dot(). This code is compiled for every x86-64 processor, and
+// there std::fma is a library call.
 inline double plain_dot(const Vec3d& a, const Vec3d& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
@@ -16,16 +20,21 @@ inline double squared(const Vec3d& a) { return plain_dot(a, a); }
 inline double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   const Vec3d ab = b - a, ap = p - a;
   const double length = squared(ab);
+  // The parameter of the nearest point of the line, clamped to the segment. A segment of no length
+  // is the point a.
   const double t = length > 0 ? std::clamp(plain_dot(ap, ab) / length, 0.0, 1.0) : 0.0;
   return squared(ap - t * ab);
 }
 
-// Squared sine of the angle at a below which a triangle counts as its three edges: it is then
-// narrower than 1e-7 of an edge, and its inside all rounding.
+// If the squared sine of the angle at corner a is below this, the triangle is measured as its three
+// edges. Its width is then below 1e-7 of an edge, and its normal, a difference of nearly equal
+// products, has few correct digits.
 inline constexpr double kFlatTriangle = 1e-14;
 
-// By the Voronoi regions of the corners, edges and inside (Ericson 2005, 5.1.5). Any triangle,
-// also one that is a segment or a point.
+// Finds the Voronoi region of p among the regions of the three corners, the three edges and the
+// face (C. Ericson, Real-Time Collision Detection (2005), section 5.1.5). d1 … d6 are the
+// projections of p on the edges ab and ac, relative to each corner; va, vb, vc are the unnormalised
+// barycentric coordinates of p. Degenerate triangles, segments or points, are allowed.
 inline double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b,
                                            const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a, ap = p - a;
@@ -52,6 +61,7 @@ inline double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const
   if (va <= 0 && d4 >= d3 && d5 >= d6) {
     return squared(bp - ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b));
   }
+  // p is above or below the face: its distance from the plane is |normal · ap| / |normal|.
   const double height = plain_dot(normal, ap);
   return height * height / area;
 }

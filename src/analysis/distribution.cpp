@@ -1,3 +1,13 @@
+// distribution_of(): exact percentiles of many values by a histogram and a selection.
+//
+//  1. One parallel pass counts the values in bins of 1/32 octave, and computes the sum, the minimum
+//     and the maximum of each block of values.
+//  2. The bin that contains each wanted rank follows from a running sum over the bins.
+//  3. A second parallel pass copies the values in these bins, at most three, and std::nth_element
+//     selects the wanted ranks among them.
+//
+// The blocks have a fixed size and their sums are joined in order, so the mean does not depend on
+// the number of threads. A selection by rank does not depend on the order of its input.
 #include "analysis/distribution.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -21,6 +31,7 @@ namespace {
 constexpr std::size_t kValuesPerBlock = 1 << 14;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+// Sum, minimum and maximum of a set of values.
 struct Summary {
   WideSum sum;
   double min = std::numeric_limits<double>::infinity();
@@ -33,7 +44,8 @@ struct Summary {
   }
 };
 
-// Four sums side by side: each addition waits for the one before it.
+// Summarises one block with four independent accumulators. The additions of a single one would have
+// to wait for each other.
 Summary summarize_block(std::span<const double> values) {
   std::array<Summary, 4> lanes;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -46,8 +58,9 @@ Summary summarize_block(std::span<const double> values) {
   return lanes[0];
 }
 
-// The bits of a double that is not negative rise with it, so the upper ones are a bin: 32 of them
-// in an octave.
+// The bit patterns of non-negative doubles, as integers, are in the order of the doubles. The upper
+// 17 bits are a bin number: sign 0, 11 bits of exponent and 5 bits of mantissa, thus 32 bins in
+// an octave. Bin kBins counts values with the sign bit set, which the contract excludes.
 constexpr int kLowerBits = 47;
 constexpr std::size_t kBins = std::size_t{1} << (63 - kLowerBits);
 std::size_t bin_of(double value) {
@@ -64,8 +77,8 @@ void for_blocks(std::span<const double> values, Body&& body) {
   });
 }
 
-// Values by rank, in two looks at all of them: how many there are in each bin, then those in the
-// bins that matter.
+// Finds values by their rank. The constructor makes the first pass over the values, percentiles()
+// the second one.
 class Ranks {
  public:
   explicit Ranks(std::span<const double> values) : values_(values) {
@@ -78,6 +91,7 @@ class Ranks {
       blocks[b] = summarize_block(block);
     });
     for (const Summary& block : blocks) summary_.add(block);
+    // Each thread has counted into a histogram of its own; they are added here.
     for (std::vector<std::size_t>& theirs : counts) {
       if (counts_.empty()) {
         counts_ = std::move(theirs);
@@ -89,7 +103,10 @@ class Ranks {
 
   const Summary& summary() const { return summary_; }
 
-  // The values of rank ceil(hundredths n / 100), counted from 1; `hundredths` rise.
+  // Returns the values of rank ceil(hundredths n / 100), where ranks count from 1 and n is the
+  // number of values. Precondition: `hundredths` increase, so percentiles in the same bin are
+  // neighbours. The values of such a bin are gathered once, at the first percentile in it; the
+  // others have kNoBin in `bins` and use the same values.
   std::array<double, 3> percentiles(const std::array<std::size_t, 3>& hundredths) const {
     std::array<Place, 3> places;
     Bins bins;
@@ -113,7 +130,7 @@ class Ranks {
   using Bins = std::array<std::size_t, 3>;
   static constexpr std::size_t kNoBin = kBins + 1;
 
-  // A bin, and a rank among the values inside.
+  // A bin, and the rank, counted from 0, of a value among the values in that bin.
   struct Place {
     std::size_t bin = 0, rank = 0;
   };
@@ -124,7 +141,8 @@ class Ranks {
     return place;
   }
 
-  // The values in each bin, in any order.
+  // Returns the values in each of the bins, in any order. Every thread collects the values of a
+  // block, then reserves a part of the result by an atomic addition and copies them there.
   std::array<Buffer<double>, 3> gather(const Bins& bins) const {
     std::array<Buffer<double>, 3> inside;
     std::array<std::atomic<std::size_t>, 3> next{};

@@ -1,4 +1,4 @@
-// Order statistics of many values without sorting them.
+// Minimum, maximum, mean and percentiles of many values, without sorting them.
 #pragma once
 
 #include <span>
@@ -7,8 +7,11 @@
 
 namespace vdwmesh {
 
-// Values at or above 0. Percentiles are values of the set: p of n is that of rank ceil(p n / 100).
-// The mean is of a wide sum, block by block in order. All are NaN where there are no values.
+// Returns the distribution of the values. A percentile is an element of the set: the p-th
+// percentile of n values is the value of rank ceil(p n / 100), counted from 1. The mean is computed
+// from a compensated sum (WideSum) and does not depend on the number of threads. Without values all
+// members are NaN. Precondition: the values are at or above 0 and have no sign bit, so -0.0 is not
+// allowed.
 Distribution distribution_of(std::span<const double> values);
 
 }  // namespace vdwmesh

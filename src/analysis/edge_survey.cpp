@@ -1,3 +1,18 @@
+// Topology of a triangle soup from its edges: closed, manifold, oriented, and its shells.
+//
+//  1. Every edge is examined by itself: the number of its half-edges and their directions. Two
+//     half-edges of one edge are recorded as opposite to each other.
+//  2. If every edge has two half-edges in opposite directions, the triangles around each vertex
+//  form
+//     closed fans. A walk around each vertex from one corner shows whether there is one fan only.
+//  3. If so, the mesh is a closed 2-manifold. Triangles that share a vertex are then connected
+//  across
+//     edges, and the shells are the connected sets of vertices (union-find in parallel).
+//  4. Otherwise the mesh is any soup. Union-find over triangles and over corners, on one thread,
+//     answers the same questions (join_across_edges()).
+//
+// A corner is one vertex of one triangle. Corner 3t + k is at vertex k of triangle t, where
+// half-edge 3t + k begins.
 #include "analysis/edge_survey.hpp"
 
 #include <algorithm>
@@ -11,7 +26,8 @@
 namespace vdwmesh {
 namespace {
 
-// Corner 3t + k is that of vertex k of triangle t.
+// The two corners of a half-edge's triangle at the ends of its edge: the corner at the end with the
+// smaller vertex index, and the corner at the other end.
 std::uint32_t corner_at_smaller(EdgeEntry e) {
   return e.descending() ? next_in_triangle(e.half_edge()) : e.half_edge();
 }
@@ -19,11 +35,13 @@ std::uint32_t corner_at_larger(EdgeEntry e) {
   return e.descending() ? e.half_edge() : next_in_triangle(e.half_edge());
 }
 
-// What the edges say one by one.
+// Properties of a set of edges that follow from each edge by itself.
 struct EdgeCounts {
   bool closed = true, manifold = true, oriented = true;
   std::uint64_t edges = 0;
 
+  // Adds one edge, given by its half-edges. An edge is oriented if as many half-edges run in one
+  // direction as in the other; an edge on the boundary, with one half-edge, is always oriented.
   void take(std::span<const EdgeEntry> edge) {
     ++edges;
     const auto down =
@@ -61,8 +79,8 @@ class Surveyor {
   }
 
  private:
-  // What edges and vertices say one by one. Says whether every edge has two sides and every vertex
-  // one fan.
+  // Examines every edge and every vertex by itself. Returns true if every edge has two half-edges
+  // in opposite directions and the triangles around every vertex form one fan.
   bool survey_locally() {
     Buffer<std::uint32_t> opposite;
     resize_untouched(opposite, 3 * mesh_.triangle_count());
@@ -79,7 +97,8 @@ class Surveyor {
     return every_edge_has_two_sides && has_one_fan_everywhere(corner, opposite);
   }
 
-  // Pairs the half-edges of edges that have two.
+  // Examines all edges. Writes opposite[h] for the half-edges of edges that have exactly two; the
+  // other elements remain uninitialised.
   EdgeCounts count_edges(Buffer<std::uint32_t>& opposite) const {
     const auto count = [&](std::size_t v, EdgeCounts& counts) {
       for_each_edge(buckets_.at(v), [&](std::span<const EdgeEntry> edge) {
@@ -92,7 +111,8 @@ class Surveyor {
     return reduce_all(buckets_.vertex_count(), EdgeCounts{}, count, std::plus<>());
   }
 
-  // Any one of them; kNoIndex for a vertex of no triangle.
+  // Returns one corner of each vertex, kNoIndex for a vertex of no triangle. Which of its corners
+  // it is depends on the threads, and no result depends on it.
   Buffer<std::uint32_t> a_corner_of_each_vertex() const {
     Buffer<std::uint32_t> corner = filled(mesh_.vertex_count(), kNoIndex);
     for_all(mesh_.triangle_count(), [&](std::size_t t) {
@@ -103,8 +123,10 @@ class Surveyor {
     return corner;
   }
 
-  // Whether going round each vertex from one of its corners meets all of them, where every edge has
-  // two sides.
+  // Returns whether the triangles around every vertex form one fan. Precondition: every edge has
+  // two half-edges in opposite directions. The step corner -> opposite[previous] then permutes the
+  // corners of a vertex, so every walk returns to its first corner. The walks from one corner per
+  // vertex pass each corner at most once; they pass all if their lengths add up to all corners.
   bool has_one_fan_everywhere(const Buffer<std::uint32_t>& corner,
                               const Buffer<std::uint32_t>& opposite) const {
     const auto go_round = [&](std::size_t v, std::uint64_t& corners) {
@@ -119,7 +141,10 @@ class Surveyor {
     return met == 3 * static_cast<std::uint64_t>(mesh_.triangle_count());
   }
 
-  // Triangles that meet in a vertex are connected across edges where each vertex has one fan.
+  // Finds the shells by union-find over vertices. Precondition: each vertex has one fan, so all its
+  // triangles are in one shell. There are half as many vertices as triangles, and each edge joins
+  // its ends once, by its ascending half-edge. shell_of[t] becomes the smallest vertex of the
+  // shell.
   void number_shells_by_vertices() {
     DisjointSets vertices(mesh_.vertex_count());
     for_all(buckets_.vertex_count(), [&](std::size_t v) {
@@ -132,7 +157,8 @@ class Surveyor {
     number_shells();
   }
 
-  // Shells are named by a vertex so far; now by numbers from 0 in the order of their triangles.
+  // Replaces the vertices in shell_of by numbers from 0, in the order of the shells' first
+  // triangles.
   void number_shells() {
     Buffer<std::uint32_t> number = filled(mesh_.vertex_count(), kNoIndex);
     result_.shells = 0;
@@ -146,8 +172,10 @@ class Surveyor {
             [&](std::size_t t) { result_.shell_of[t] = number[result_.shell_of[t]]; });
   }
 
-  // Any soup: every corner of a vertex must be reached from every other across the edges between
-  // them.
+  // Finds shells and the manifold property of any soup. Triangles are joined across all edges. The
+  // corners at each end of an edge are joined if the edge has two triangles. A manifold vertex is
+  // one whose corners are then in a single set, so the mesh is manifold if there are as many sets
+  // of corners as used vertices (and no edge has more than two triangles).
   void join_across_edges() {
     DisjointSets triangles(mesh_.triangle_count()), corners(3 * mesh_.triangle_count());
     const auto join = [&](std::span<const EdgeEntry> edge) {

@@ -1,4 +1,5 @@
-// What the edges of a triangle soup say about it: one pass that topology and measures share.
+// The topological properties of a triangle soup that follow from its edges. topology() and
+// measures() in mesh_measures.cpp both need them.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +13,13 @@ namespace vdwmesh {
 struct EdgeSurvey {
   bool closed, manifold, oriented;  // as in MeshTopology
   std::uint64_t edges;
-  std::uint64_t used_vertices;  // on some triangle
-  std::uint32_t shells;
-  Buffer<std::uint32_t> shell_of;  // of each triangle; shells are numbered by their first triangle
+  std::uint64_t used_vertices;  // vertices that are on some triangle
+  std::uint32_t shells;         // number of pieces that are connected across edges
+  // The shell of each triangle. Shells are numbered from 0 in the order of their first triangles.
+  Buffer<std::uint32_t> shell_of;
 };
 
-// `buckets` are those of the mesh.
+// Precondition: `buckets` were made from the triangles of `mesh`.
 EdgeSurvey survey_edges(const IndexedMesh& mesh, const EdgeBuckets& buckets);
 
 }  // namespace vdwmesh

@@ -1,3 +1,16 @@
+// The boundary of a union of balls as patches (ExposedSurface), and the distance from points to it
+// (SurfaceFinder).
+//
+// Construction treats every sphere by itself, on all cores (PatchBuilder):
+//  1. Find the covers of the sphere, the caps that neighbours from the cell list cut from it. If a
+//     neighbour buries the sphere, it has no patch.
+//  2. Sort the covers by decreasing size and drop caps that lie within others.
+//  3. Intersect the circles of every two covers. An intersection that no third cap covers is a
+//     corner, and both circles have exposed arcs there.
+//  4. A circle without corners is exposed as a whole or not at all; one of its points decides.
+//
+// Search: the nearest point of a patch is the radial projection of the query, or a point of an
+// exposed arc, or a corner (improve()). A BoxTree over the balls selects the patches to examine.
 #include "analysis/exposed_surface.hpp"
 
 #include <tbb/blocked_range.h>
@@ -12,13 +25,17 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::uint32_t kBlock = 64;  // spheres
-// Squared sine of the angle below which two planes count as parallel.
+// Two circles whose planes meet at an angle with a squared sine below this have no corners. The
+// angle is then below 1e-9, and their line of intersection has at most seven correct digits. If
+// they do cross, each circle is within 2e-9 radii of the plane of the other.
 constexpr double kParallel = 1e-18;
-// A cap is left out only where it lies this far within a larger one: several roundings.
+// A cap is dropped only if it lies within a larger one by this margin in the cosine, about 90
+// roundings. To keep a nested cap is always correct; dropping it only saves time.
 constexpr double kNested = 1e-14;
 
-// The patches of one block of spheres. Until all are found they refer to nothing; their covers and
-// corners end at these places.
+// The patches of one block of spheres. The vectors grow while patches are added, so the spans of a
+// patch are set at the end, by refer(). Until then the two arrays of indices say where the covers
+// and corners of each patch end; those of the next patch follow.
 struct BlockPatches {
   std::vector<Patch> patches;
   std::vector<std::size_t> covers_end, corners_end;
@@ -42,23 +59,26 @@ bool same_ball(const Sphere& a, const Sphere& b) {
   return a.center == b.center && a.radius == b.radius;
 }
 
+// A strict order of covers: larger caps first, of equal caps the one with the lower list place.
 bool comes_first(const Cover& a, const Cover& b) {
   return arcs::same_cap(a.cap, b.cap) ? a.place < b.place : arcs::cuts_deeper(a.cap, b.cap);
 }
 
-// Cosine of the difference of two caps' angles.
+// Returns cos(α - β) for caps with the angles α and β: cos α cos β + sin α sin β.
 double cosine_between(const arcs::Cap& a, const arcs::Cap& b) {
   const double sines = (1 - a.cosine) * (1 + a.cosine) * ((1 - b.cosine) * (1 + b.cosine));
   return a.cosine * b.cosine + std::sqrt(sines);
 }
 
-// Whether the larger cap holds the smaller.
+// Returns whether the larger cap contains the smaller one: the angle between their axes plus the
+// angle of the small cap is at most the angle of the large cap. The cosines are compared.
 bool holds(const arcs::Cap& large, const arcs::Cap& small) {
   return arcs::same_cap(large, small) ||
          arcs::inner(large.axis, small.axis) > cosine_between(large, small) + kNested;
 }
 
-// Removes caps within others, of those sorted by falling size.
+// Removes caps that lie within others. Precondition: the covers are sorted by comes_first(), so a
+// cap can only lie within an earlier one.
 void drop_nested(std::vector<Cover>& covers) {
   std::size_t kept = 0;
   for (const Cover& cover : covers) {
@@ -70,10 +90,12 @@ void drop_nested(std::vector<Cover>& covers) {
   covers.resize(kept);
 }
 
+// Builds the patch of one sphere after another. The vectors keep their memory between spheres.
 class PatchBuilder {
  public:
   explicit PatchBuilder(const CellListView& list) : list_(list) {}
 
+  // Appends the patch of the sphere at this list place to `out`, unless the sphere is buried.
   void add(std::uint32_t place, BlockPatches& out) {
     if (!find_covers(place)) return;
     std::sort(covers_.begin(), covers_.end(), comes_first);
@@ -82,7 +104,10 @@ class PatchBuilder {
     find_whole_circles();
     const auto circles =
         static_cast<std::uint32_t>(std::count(exposed_.begin(), exposed_.end(), 1));
+    // The boundary of an exposed part consists of exposed arcs, so covers without any leave
+    // nothing.
     if (circles == 0 && !covers_.empty()) return;
+    // Covers with exposed arcs come first, as Patch::circles requires.
     for (const bool wanted : {true, false}) {
       for (std::size_t i = 0; i < covers_.size(); ++i)
         if ((exposed_[i] != 0) == wanted) out.covers.push_back(covers_[i]);
@@ -94,7 +119,8 @@ class PatchBuilder {
   }
 
  private:
-  // False where one neighbour buries the sphere.
+  // Collects the caps of all neighbours. Returns false if one neighbour buries the whole sphere. Of
+  // equal balls the one with the lowest id buries the others.
   bool find_covers(std::uint32_t place) {
     covers_.clear();
     const Sphere& ball = list_.spheres[place];
@@ -116,7 +142,10 @@ class PatchBuilder {
       for (std::size_t j = i + 1; j < covers_.size(); ++j) cross_circles(place, i, j);
   }
 
-  // Where planes i and j and the sphere meet.
+  // Adds the exposed points where circles i and j cross. With unit normals a, b and distances α, β
+  // of the two planes and c = a · b, s² = 1 - c², the point of their common line nearest to the
+  // centre is m = α a + (β - c α) / s² (b - c a). The crossings are m ± (√g / s²) a × b with the
+  // Gram determinant g = s² (1 - |m|²); the circles do not cross if g <= 0.
   void cross_circles(std::uint32_t place, std::size_t i, std::size_t j) {
     const arcs::Cap& a = covers_[i].cap;
     const arcs::Cap& b = covers_[j].cap;
@@ -136,6 +165,7 @@ class PatchBuilder {
     }
   }
 
+  // Returns whether no cover other than i and j covers the direction.
   bool exposed_beside(const Vec3d& direction, std::size_t i, std::size_t j) const {
     for (std::size_t k = 0; k < covers_.size(); ++k) {
       const arcs::Cap& cap = covers_[k].cap;
@@ -145,7 +175,7 @@ class PatchBuilder {
     return true;
   }
 
-  // A circle without exposed corners is exposed everywhere or nowhere.
+  // A circle without corners is exposed everywhere or nowhere: exposure changes at corners only.
   void find_whole_circles() {
     for (std::size_t i = 0; i < covers_.size(); ++i) {
       if (exposed_[i]) continue;
@@ -159,11 +189,13 @@ class PatchBuilder {
   const CellListView& list_;
   std::vector<Cover> covers_;
   std::vector<Corner> corners_;
-  std::vector<std::uint8_t> exposed_;  // per cover: its circle has exposed arcs
+  std::vector<std::uint8_t> exposed_;  // for each cover: 1 if its circle has exposed arcs
 };
 
-// Lowers `squared` to the squared distance from y to the exposed arcs' nearest points within them,
-// all in units of the radius.
+// Lowers `squared` to the squared distance from y to circle i, if that is smaller and the nearest
+// point of the circle is exposed. If it is covered, the nearest exposed point of the circle is an
+// end of an arc, a corner, which improve() examines itself. y is relative to the centre of the
+// sphere, and all lengths are in units of its radius.
 void improve_by_circle(std::span<const Cover> covers, std::size_t i, const Vec3d& y,
                        double& squared) {
   const arcs::Cap& cap = covers[i].cap;
@@ -174,7 +206,7 @@ void improve_by_circle(std::span<const Cover> covers, std::size_t i, const Vec3d
   const double up = height - cap.cosine, out = length - radius;
   const double found = up * up + out * out;
   if (!(found < squared)) return;
-  // On the axis every point of the circle is as near, and some are exposed.
+  // If y is on the axis of the circle, all its points are equally near, and some are exposed.
   if (length > 0 && !is_exposed(covers, cap.cosine * cap.axis + (radius / length) * radial, i))
     return;
   squared = found;
@@ -211,16 +243,19 @@ ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
   assert(!patches_.empty());
 }
 
-// Along the sphere the distance grows with the angle from the radial direction, so where that is
-// covered, the nearest point is on the patch's border; and along a circle likewise.
+// The distance from p to a point of the sphere grows with the angle between that point and the
+// direction of p. If that direction is exposed, it gives the nearest point; otherwise the nearest
+// point is on the border of the patch, on an arc or at a corner. Along a circle the distance grows
+// in the same way with the angle from the nearest point of the circle.
 bool improve(const Patch& patch, const Vec3d& p, double& squared) {
   const double r = patch.ball.radius;
   const Vec3d from_center = p - patch.ball.center;
   const double length = norm(from_center);
+  // No point of the sphere is nearer than |gap|.
   const double gap = length - r;
   if (!(gap * gap < squared)) return false;
   const std::span<const Cover> all = patch.covers;
-  // From the centre every point is as near.
+  // From the centre all points of the sphere are equally near, and some are exposed.
   if (!(length > 0) || is_exposed(all, (1 / length) * from_center)) {
     squared = gap * gap;
     return true;
@@ -256,7 +291,8 @@ double SurfaceFinder::distance(const Vec3d& p, std::uint32_t& hint) const {
   const std::span<const Patch> patches = surface_.patches();
   double squared = std::numeric_limits<double>::infinity();
   improve(patches[hint], p, squared);
-  // Compared as a length: most balls near p are passed over without a square root.
+  // A sphere is within the current distance only if |p - center| is between radius - distance and
+  // radius + distance. The squares are compared, so most balls are rejected without a square root.
   double reach = std::sqrt(squared);
   tree_.nearest(p, squared, [&](std::uint32_t i, double& best) {
     const Sphere& ball = patches[i].ball;

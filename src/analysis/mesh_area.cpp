@@ -1,3 +1,8 @@
+// The area of a mesh as an interval (MeshArea), and the map from the interval to points.
+//
+// A position in the interval selects a triangle by a prefix sum of the areas, of which only one
+// value for each block of 2048 triangles is stored; within a block a cursor adds up the areas. The
+// remaining fraction of the triangle's area selects a point by point_of_triangle().
 #include "analysis/mesh_area.hpp"
 
 #include <tbb/blocked_range.h>
@@ -13,15 +18,20 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kBlock = 2048;  // triangles
-constexpr int kDigits = 24;           // 2^-24 of an edge: less than a float tells
+// Subdivisions of the triangle. Points are thus resolved to 2^-24 of an edge, the resolution of a
+// float, and 24 digits to the base 4 take 48 of the 53 bits of the fraction.
+constexpr int kDigits = 24;
 
+// Å².
 double area_of(const Corners& t) { return 0.5 * norm(cross(t.b - t.a, t.c - t.a)); }
 
 }  // namespace
 
-// The triangle at hand has its centre at the whole triangle's centre + sum of weight[k] times the
-// way from there to corner k, and its edges are `scale` times the whole one's. The child at a
-// corner lies half as far as that corner; the child in the middle is turned by half a turn.
+// Invariant of the loop: the current triangle is the whole triangle, scaled by `scale` about its
+// centre and moved by the sum of weight[k] · (corner k - centre). A subdivision at the midpoints of
+// the edges gives four children with half the edges. Child 0, in the middle, has the same centre
+// and is rotated by half a turn, so `scale` changes its sign. The centre of child k + 1 is half the
+// way from the centre to corner k of the current triangle.
 Vec3d point_of_triangle(const Corners& triangle, double fraction) {
   std::array<double, 3> weight{};
   double scale = 1;
@@ -36,6 +46,7 @@ Vec3d point_of_triangle(const Corners& triangle, double fraction) {
       weight[static_cast<std::size_t>(child - 1)] += scale;
     }
   }
+  // The centre of the last triangle, in barycentric coordinates of the whole one.
   const double rest = (1 - weight[0] - weight[1] - weight[2]) / 3;
   const Vec3d& a = triangle.a;
   return a + (weight[1] + rest) * (triangle.b - a) + (weight[2] + rest) * (triangle.c - a);
@@ -63,8 +74,8 @@ MeshArea::Cursor::Cursor(const MeshArea& area, double place) : area_(area) {
   enter(kBlock * static_cast<std::size_t>(next - area.starts_.begin() - 1));
 }
 
-// Every block begins where its own sum says, so the stretches are the same from wherever the cursor
-// came.
+// Starts at the stored prefix sum whenever a block begins, and adds up areas within the block. The
+// interval of a triangle is therefore the same wherever the cursor began.
 void MeshArea::Cursor::enter(std::size_t triangle) {
   const bool first_of_block = triangle % kBlock == 0;
   begin_ = first_of_block ? area_.starts_[triangle / kBlock] : begin_ + length_;
@@ -72,7 +83,8 @@ void MeshArea::Cursor::enter(std::size_t triangle) {
   triangle_ = triangle;
 }
 
-// A place beyond the end of the last triangle, by rounding, is in the last one.
+// Triangles without area are skipped. A position beyond the end of the last triangle, which
+// rounding can cause, belongs to that triangle.
 Vec3d MeshArea::Cursor::point_at(double place) {
   while (!(place < begin_ + length_ && length_ > 0) &&
          triangle_ + 1 < area_.mesh_.triangle_count()) {

@@ -1,4 +1,6 @@
-// Points of a mesh by the area that comes before them.
+// Maps an interval as long as the area of a mesh onto the mesh, so that equal lengths of the
+// interval become equal areas of the mesh. Samples that are spread evenly over the interval are
+// then spread evenly over the mesh.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +10,7 @@
 
 namespace vdwmesh {
 
+// References to the positions of a triangle's vertices, which must outlive them.
 struct Corners {
   const Vec3d &a, &b, &c;
 };
@@ -17,14 +20,15 @@ inline Corners corners_of(const IndexedMesh& mesh, std::size_t triangle) {
   return {mesh.positions[i], mesh.positions[j], mesh.positions[k]};
 }
 
-// Maps [0, 1) onto the triangle so that equal lengths become equal areas, and a short interval a
-// small neighbourhood: the triangular van der Corput sequence of Basu and Owen, "Low discrepancy
-// constructions in the triangle" (2015). Each digit of `fraction` to the base 4 chooses one of the
-// four triangles that the midpoints of the edges make; the result is the centre of the last one.
+// Maps [0, 1) onto the triangle so that equal lengths become equal areas and a short interval
+// becomes a small neighbourhood. This is the map of the triangular van der Corput sequence (K. Basu
+// and A. B. Owen, "Low discrepancy constructions in the triangle", SIAM J. Numer. Anal. 53 (2015)
+// 743). Each digit of `fraction` to the base 4 selects one of the four triangles into which the
+// midpoints of the edges divide the current one. The result is the centre of the last triangle.
 Vec3d point_of_triangle(const Corners& triangle, double fraction);
 
-// The mesh's area as an interval, in which each triangle takes a stretch as long as its area, Å²,
-// in the order of the triangles. Keeps one number for 2048 triangles.
+// The area of a mesh as the interval [0, total()], in Å². In the order of the triangles each one
+// has a subinterval as long as its area. Memory is one number for 2048 triangles.
 class MeshArea {
  public:
   // The mesh must outlive this. Throws InvalidInput for a mesh without area.
@@ -32,14 +36,14 @@ class MeshArea {
 
   double total() const { return starts_.back(); }  // Å²
 
-  // Goes through the interval from any place upwards.
+  // Visits positions of the interval in increasing order.
   class Cursor {
    public:
-    // Points may be asked for from `place` on, in [0, total()].
+    // Starts at the position `place` in [0, total()].
     Cursor(const MeshArea& area, double place);
 
-    // The point of the mesh at `place`, Å², which is not below the last one asked for. It does not
-    // depend on where the cursor began.
+    // Returns the point of the mesh at the position `place`, Å². It does not depend on where the
+    // cursor started. Precondition: `place` is not below the position of the previous call.
     Vec3d point_at(double place);
 
    private:
@@ -47,12 +51,12 @@ class MeshArea {
 
     const MeshArea& area_;
     std::size_t triangle_;
-    double begin_ = 0, length_ = 0;  // the triangle's stretch
+    double begin_ = 0, length_ = 0;  // the subinterval of the current triangle, Å²
   };
 
  private:
   const IndexedMesh& mesh_;
-  std::vector<double> starts_;  // of each block of triangles, and the end
+  std::vector<double> starts_;  // where each block of triangles begins, then total(), Å²
 };
 
 }  // namespace vdwmesh

@@ -1,3 +1,10 @@
+// Topology, area and volume of a mesh (summarize(), topology(), measures()), and all measures
+// together (examine()).
+//
+// survey_edges() finds the shells. Then one parallel pass over the triangles sums area and signed
+// volume of every shell: the volume is the sum of the tetrahedra between each triangle and a common
+// origin (divergence theorem). Blocks of triangles have a fixed size, their sums are compensated
+// (WideSum) and joined in order, so results do not depend on the number of threads.
 #include "analysis/mesh_measures.hpp"
 
 #include <tbb/parallel_for.h>
@@ -19,16 +26,18 @@ namespace {
 
 constexpr std::size_t kTrianglesPerBlock = 1 << 13;
 
+// Area and volume of a set of triangles.
 struct Sums {
   WideSum area;    // Å²
-  WideSum volume;  // Å³, about the local origin
+  WideSum volume;  // Å³, of the tetrahedra with their apex at the local origin
   void add(const Sums& other) {
     area.add(other.area);
     volume.add(other.volume);
   }
 };
 
-// Consecutive triangles of one shell.
+// The sums of consecutive triangles of one shell. Triangles of a shell are mostly consecutive, so a
+// block has few runs.
 struct Run {
   std::uint32_t shell;
   Sums sums;
@@ -36,6 +45,7 @@ struct Run {
 
 struct Box {
   Vec3d lower, upper;
+  // The smallest box around both.
   Box operator+(const Box& other) const {
     Box sum = *this;
     for (int axis = 0; axis < 3; ++axis) {
@@ -46,7 +56,8 @@ struct Box {
   }
 };
 
-// The middle of the box: products of coordinates about it stay as small as the mesh is.
+// Returns the middle of the bounding box. Coordinates relative to it are no larger than the mesh,
+// so volumes of meshes far from the coordinate origin do not lose digits.
 Vec3d local_origin(const IndexedMesh& mesh) {
   if (mesh.positions.empty()) return {0, 0, 0};
   const auto include = [&](std::size_t v, Box& box) {
@@ -57,6 +68,8 @@ Vec3d local_origin(const IndexedMesh& mesh) {
   return lower + 0.5 * (upper - lower);
 }
 
+// Appends the runs of the triangles [begin, end). With the edge vectors u, v at vertex a the area
+// of a triangle is |u × v| / 2 and the volume of its tetrahedron (a - origin) · (u × v) / 6.
 VDWMESH_MULTIVERSION void sum_block(const IndexedMesh& mesh, const EdgeSurvey& survey,
                                     const Vec3d& origin, std::size_t begin, std::size_t end,
                                     std::vector<Run>& runs) {
@@ -71,6 +84,7 @@ VDWMESH_MULTIVERSION void sum_block(const IndexedMesh& mesh, const EdgeSurvey& s
   }
 }
 
+// Returns the sums of every shell. Runs are added in the order of their triangles.
 std::vector<Sums> sum_shells(const IndexedMesh& mesh, const EdgeSurvey& survey) {
   const Vec3d origin = local_origin(mesh);
   const std::size_t triangles = mesh.triangle_count();
@@ -86,6 +100,8 @@ std::vector<Sums> sum_shells(const IndexedMesh& mesh, const EdgeSurvey& survey) 
   return shells;
 }
 
+// Adds up the shells. Volume, and with it the distinction of outer shells and voids, is defined for
+// closed, oriented meshes only.
 MeshMeasures totals(const std::vector<Sums>& shells, const EdgeSurvey& survey) {
   WideSum area, volume, outer, voids;
   for (const Sums& shell : shells) {
@@ -103,6 +119,8 @@ MeshMeasures totals(const std::vector<Sums>& shells, const EdgeSurvey& survey) {
   return result;
 }
 
+// Collects the topology. Isolated vertices do not count in χ = V - E + F. The genus of a shell is
+// 1 - χ/2, so the sum over all shells is (number of shells) - χ/2.
 MeshTopology describe(const IndexedMesh& mesh, const EdgeSurvey& survey,
                       const std::vector<Sums>& shells) {
   MeshTopology result{};
@@ -145,7 +163,8 @@ MeshExamination examine(const IndexedMesh& mesh) {
   std::optional<EdgeBuckets> buckets(std::in_place, mesh.triangles, mesh.vertex_count());
   const MeshSummary summary = summarize(mesh, *buckets);
   const Distribution edge_length = edge_length_distribution(mesh, *buckets);
-  buckets.reset();  // as large as the triangles' shapes, which come now
+  // The buckets are freed before quality_of_triangles() allocates arrays of about the same size.
+  buckets.reset();
   MeshExamination result{summary.topology, summary.measures, quality_of_triangles(mesh)};
   result.quality.edge_length = edge_length;
   return result;

@@ -1,4 +1,9 @@
-// What a triangle mesh is, by itself: size, topology, quality.
+// Measures of a triangle mesh by itself: topology, area and volume, quality of its triangles, and
+// self-intersections.
+//
+// The functions read positions and triangles of an IndexedMesh and accept any triangle soup with
+// shared vertex indices; `opposite` is not used. Sums are compensated (WideSum) and added in the
+// order of the triangles, so results do not depend on the number of threads. All take linear time.
 #pragma once
 
 #include <cstdint>
@@ -9,61 +14,67 @@
 
 namespace vdwmesh {
 
-// Percentiles by nearest rank: the value of rank ceil(p n), exact. All NaN where there are no
-// values.
+// A distribution of n values. The percentile p is the value of rank ceil(p n), an element of the
+// set. All members are NaN if there are no values.
 struct Distribution {
   double min, p01, median, p99, max, mean;
 };
 
-// Triangles are connected where they share an edge; two shells may still touch in a vertex.
+// A shell is a piece of the mesh whose triangles are connected across edges. Two shells may still
+// touch in a vertex.
 struct MeshTopology {
-  bool closed;    // every edge on two triangles
-  bool manifold;  // every edge on at most two triangles, every vertex one fan
-  bool oriented;  // neighbours run their shared edge in opposite directions
+  bool closed;  // every edge is on exactly two triangles
+  // Every edge is on at most two triangles, the triangles around every vertex form one fan, and no
+  // triangle has a repeated index.
+  bool manifold;
+  bool oriented;  // neighbouring triangles run along their shared edge in opposite directions
   std::uint64_t vertices, edges, triangles;
-  std::uint64_t isolated_vertices;    // on no triangle; counted in `vertices`, not in χ
-  std::uint64_t shells;               // connected pieces
-  std::int64_t euler_characteristic;  // V - E + F
-  // Of closed, oriented meshes only; shells of volume 0 are neither:
+  std::uint64_t isolated_vertices;  // on no triangle; included in `vertices`, but not in χ
+  std::uint64_t shells;
+  std::int64_t euler_characteristic;  // χ = V - E + F
+  // These two have values for closed, oriented meshes only. A shell of volume 0 counts in neither.
   std::optional<std::uint64_t> components;  // shells of positive volume
   std::optional<std::uint64_t> voids;       // shells of negative volume
-  // Of closed, oriented, manifold meshes only:
-  std::optional<std::int64_t> genus;  // shells - χ/2
+  // This one has a value for closed, oriented, manifold meshes only: the sum of the genera of all
+  // shells, which is shells - χ/2.
+  std::optional<std::int64_t> genus;
 };
 
 struct MeshMeasures {
-  double area;                   // Å²
-  std::optional<double> volume;  // Å³, signed, outward normals positive; closed oriented only
+  double area;  // Å²
+  // The others have values for closed, oriented meshes only. The volume is signed, and positive if
+  // the triangles face outwards.
+  std::optional<double> volume;                 // Å³
   std::optional<double> outer_area, void_area;  // Å², of shells of positive and negative volume
 };
 
 struct MeshQuality {
   Distribution min_angle_deg;  // smallest angle of each triangle, degrees
-  Distribution aspect_ratio;   // circumradius / (2 inradius): 1 is equilateral; areas > 0 only
-  Distribution edge_length;    // Å, each edge once
-  std::uint64_t degenerate_triangles;  // a repeated index, or area exactly 0 in double
+  // Circumradius / (2 inradius), 1 for equilateral triangles; degenerate triangles are left out.
+  Distribution aspect_ratio;
+  Distribution edge_length;            // Å, each edge once
+  std::uint64_t degenerate_triangles;  // with a repeated index, or area exactly 0 in double
 };
 
-// Positions, triangles; any triangle soup with shared indices (`opposite` is not looked at). Sums
-// are wide, about the middle of the mesh's box and in triangle order, the same for any number of
-// threads. Linear time. All throw InvalidInput for an index of no vertex, LimitExceeded beyond
-// 2^31 - 1 half-edges.
+// These three throw InvalidInput if a triangle names a vertex that does not exist, and
+// LimitExceeded for more than 2^31 - 1 half-edges.
 MeshTopology topology(const IndexedMesh& mesh);
 MeshMeasures measures(const IndexedMesh& mesh);
 MeshQuality quality(const IndexedMesh& mesh);
 
-// The smallest angle of each triangle, degrees; 0 for degenerate ones. Throws InvalidInput
-// for an index of no vertex.
+// Returns the smallest angle of each triangle, in degrees; 0 for degenerate triangles. Throws
+// InvalidInput if a triangle names a vertex that does not exist.
 std::vector<float> min_angles_deg(const IndexedMesh& mesh);
 
-// topology() and measures() from one survey of the edges, in the time of topology().
+// The results of topology() and measures() together, in the time of topology() alone.
 struct MeshSummary {
   MeshTopology topology;
   MeshMeasures measures;
 };
 MeshSummary summarize(const IndexedMesh& mesh);
 
-// All three, with the edges gathered once: in two thirds of the time that they take apart.
+// The results of topology(), measures() and quality() together. The edges are gathered once, so
+// this takes two thirds of the time of the three calls.
 struct MeshExamination {
   MeshTopology topology;
   MeshMeasures measures;
@@ -71,19 +82,22 @@ struct MeshExamination {
 };
 MeshExamination examine(const IndexedMesh& mesh);
 
-// Å² of the mesh that belong to each of `sphere_count` spheres: a triangle's area goes to its own
-// sphere where triangles name them, else in thirds to the atoms of its vertices. Sums are wide.
-// Empty when the mesh does not say whose it is, or names a sphere beyond the set. Linear time.
+// Returns the area of the mesh, in Å², that belongs to each of `sphere_count` spheres. If triangles
+// have labels, the area of each goes to its sphere; otherwise a third of it goes to the atom of
+// each vertex. The result is empty if the mesh has no labels or names a sphere id of `sphere_count`
+// or above.
 std::vector<double> mesh_area_by_sphere(const IndexedMesh& mesh, std::size_t sphere_count);
 
-// What a measure of second order in the edge length tends to, from its values at some edge length
-// and at half of it: its error is 4 times smaller there (Richardson 1911).
+// Extrapolates a measure whose error is of second order in the edge length, given its values at
+// some edge length and at half of it (L. F. Richardson, 1911). The error of `fine` is a quarter of
+// the error of `coarse`, thus a third of their difference.
 constexpr double extrapolate_second_order(double coarse, double fine) {
   return fine + (fine - coarse) / 3;
 }
 
-// Pairs of triangles that intersect other than in a shared vertex or edge (CGAL, exact
-// predicates). Triangles of area 0 are left out. About 800,000 triangles per second and core.
+// Counts the pairs of triangles that intersect other than in a shared vertex or edge, with CGAL's
+// exact predicates. Triangles of area 0 are left out. The speed is about 800,000 triangles per
+// second and core.
 std::uint64_t self_intersections(const IndexedMesh& mesh);
 
 }  // namespace vdwmesh

@@ -1,3 +1,9 @@
+// Quality of triangles: smallest angles, aspect ratios and edge lengths, as distributions and as
+// histograms.
+//
+// Every triangle has a Shape, its three lengths and its area, from which angle and ratio follow.
+// Edges come from EdgeBuckets, so that an edge of two triangles counts once. All values are written
+// into arrays in parallel; distribution_of() or histogram() evaluates the arrays.
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -25,7 +31,7 @@ namespace {
 constexpr std::size_t kItemsPerTask = 1 << 13;
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
-// Edge lengths a >= b >= c and area of one triangle.
+// The edge lengths a >= b >= c (Å) and the area (Å²) of a triangle.
 struct Shape {
   double a, b, c, area;
 };
@@ -41,15 +47,18 @@ Shape shape_of(const IndexedMesh& mesh, std::size_t t) {
   return {a, b, c, norm(cross(ij, ik)) / 2};
 }
 
-// The angle between the two longer sides: sin = 2A / ab, cos by the law of cosines, written as a
-// sum of products that cannot cancel badly when the angle is small.
+// Returns the smallest angle, which lies between the two longer sides: sin = 2 A / (a b), and by
+// the law of cosines cos = (a² + b² - c²) / (2 a b). The code computes 2 a b times both. It writes
+// a² - c² as (a - c)(a + c), which does not cancel when a and c are nearly equal.
 double min_angle_deg(const Shape& s) {
   if (s.area == 0) return 0;
   const double twice_ab_cos = s.b * s.b + (s.a - s.c) * (s.a + s.c);
   return std::atan2(4 * s.area, twice_ab_cos) * kDegreesPerRadian;
 }
 
-// R / 2r = abc (a + b + c) / 16 A².
+// Returns R / (2 r) = a b c (a + b + c) / (16 A²), from the circumradius R = a b c / (4 A) and the
+// inradius r = 2 A / (a + b + c). An overflow becomes the largest double, so every ratio is finite.
+// Precondition: the area is above 0.
 double aspect_ratio(const Shape& s) {
   const double ratio = (s.a * s.b / (4 * s.area)) * (s.c * (s.a + s.b + s.c) / (4 * s.area));
   return std::min(ratio, std::numeric_limits<double>::max());
@@ -57,6 +66,7 @@ double aspect_ratio(const Shape& s) {
 
 bool has_repeated_index(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
+// Throws InvalidInput if a triangle names a vertex that does not exist.
 void require_vertices(const IndexedMesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
     for (const std::uint32_t v : mesh.triangles[t])
@@ -73,16 +83,18 @@ void for_blocks(std::size_t count, Body&& body) {
       [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
 }
 
+// Returns a shape of area 0 for triangles with a repeated index, even if rounding would give
+// another area.
 Shape shape_or_none(const IndexedMesh& mesh, std::size_t t) {
   return has_repeated_index(mesh.triangles[t]) ? Shape{} : shape_of(mesh, t);
 }
 
-// -1 where there is none.
+// Returns -1 if the triangle has no area.
 double aspect_ratio_or_none(const Shape& s) { return s.area > 0 ? aspect_ratio(s) : -1; }
 
-// ---- the loops in both processor versions ----
+// ---- Loops that are compiled for both processor versions (core/multiversion.hpp) ----
 
-// Says whether all triangles have an aspect ratio.
+// Writes angle and ratio of the triangles [first, last). Returns whether all have an aspect ratio.
 VDWMESH_MULTIVERSION bool fill_shapes(const IndexedMesh& mesh, std::size_t first, std::size_t last,
                                       double* angles, double* ratios) {
   bool all = true;
@@ -95,6 +107,7 @@ VDWMESH_MULTIVERSION bool fill_shapes(const IndexedMesh& mesh, std::size_t first
   return all;
 }
 
+// Writes the lengths of all edges whose smaller vertex is in [first, last), one after another.
 VDWMESH_MULTIVERSION void fill_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets,
                                        std::size_t first, std::size_t last, double* lengths) {
   for (std::size_t v = first; v < last; ++v)
@@ -104,8 +117,8 @@ VDWMESH_MULTIVERSION void fill_lengths(const IndexedMesh& mesh, const EdgeBucket
 }
 
 struct TriangleShapes {
-  Buffer<double> min_angles_deg;
-  Buffer<double> aspect_ratios;  // of the triangles that have one
+  Buffer<double> min_angles_deg;  // one per triangle, 0 for degenerate triangles
+  Buffer<double> aspect_ratios;   // of the triangles with an area above 0 only
 };
 
 TriangleShapes triangle_shapes(const IndexedMesh& mesh) {
@@ -121,7 +134,8 @@ TriangleShapes triangle_shapes(const IndexedMesh& mesh) {
   return shapes;
 }
 
-// Each edge once, by its smaller vertex.
+// Returns the length of each edge, once, in the order of the edges' smaller vertices. A first pass
+// counts the edges of every task; the prefix sums are the offsets at which a second pass writes.
 Buffer<double> edge_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
   std::vector<std::size_t> before(mesh.vertex_count() / kItemsPerTask + 2);
   const auto each_task = [&](auto&& body) {
@@ -145,7 +159,8 @@ Buffer<double> edge_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets)
   return lengths;
 }
 
-// From 0 at `lower` to 1 at `upper`.
+// Returns the relative position of a value between the bounds of a histogram: 0 at `lower`, 1 at
+// `upper`.
 double place(double value, BinScale scale, double lower, double upper) {
   if (scale == BinScale::linear) return (value - lower) / (upper - lower);
   return std::log(value / lower) / std::log(upper / lower);
@@ -200,7 +215,8 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   result.edge_length =
       histogram(edge_lengths(mesh, EdgeBuckets(mesh.triangles, mesh.vertex_count())),
                 BinScale::logarithmic, 0x1p-10, 4, 48);
-  // No smallest angle is above 60 degrees and no aspect ratio below 1, but for rounding.
+  // The smallest angle of a triangle is at most 60 degrees and its aspect ratio at least 1. Values
+  // that rounding put beyond these limits are moved to them, so that they count in a bin.
   TriangleShapes shapes = triangle_shapes(mesh);
   for (double& angle : shapes.min_angles_deg) angle = std::min(angle, 60.0);
   result.min_angle_deg = histogram(shapes.min_angles_deg, BinScale::linear, 0, 60, 30);

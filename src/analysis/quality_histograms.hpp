@@ -1,4 +1,5 @@
-// How the shapes of a mesh's triangles are distributed, in bins that are the same for every mesh.
+// Histograms of the quality of a mesh. The bins are the same for every mesh, so that histograms of
+// different meshes can be compared and drawn together.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +12,17 @@ namespace vdwmesh {
 
 enum class BinScale : std::uint8_t { linear, logarithmic };
 
-// Bin i of n holds values from edge i up to, but not including, edge i + 1; `upper` itself is in
-// the last one. NaN counts as below.
+// A histogram of n bins between `lower` and `upper`, of equal width on the chosen scale. A bin
+// contains its lower edge but not its upper one; only the last bin contains both.
 struct Histogram {
   BinScale scale = BinScale::linear;
   double lower = 0, upper = 1;
-  std::uint64_t below = 0, above = 0;
-  std::vector<std::uint64_t> counts;
+  std::uint64_t below = 0, above = 0;  // values outside the bounds; NaN counts as below
+  std::vector<std::uint64_t> counts;   // one per bin
 };
 
-// Throws InvalidInput for no bins, or a lower bound that is not below the upper one (of logarithmic
-// bins: and above 0).
+// Throws InvalidInput if `bins` is 0, if `lower` is not below `upper`, or if the scale is
+// logarithmic and `lower` is not above 0.
 Histogram histogram(std::span<const double> values, BinScale scale, double lower, double upper,
                     std::size_t bins);
 
@@ -31,7 +32,7 @@ struct QualityHistograms {
   Histogram edge_length;    // each edge once, 2^-10 Å to 4 Å, four bins per octave
 };
 
-// The values are those of quality(): degenerate triangles have an angle of 0 and no aspect ratio.
+// Counts the same values as quality(): degenerate triangles have an angle of 0 and no aspect ratio.
 QualityHistograms quality_histograms(const IndexedMesh& mesh);
 
 }  // namespace vdwmesh

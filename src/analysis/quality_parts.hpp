@@ -1,4 +1,5 @@
-// The two halves of quality(), for callers that have the edges at hand.
+// The two parts of quality(), for callers that already have the EdgeBuckets of the mesh. examine()
+// uses them to free the buckets between the two.
 #pragma once
 
 #include "analysis/mesh_measures.hpp"
@@ -6,9 +7,9 @@
 
 namespace vdwmesh {
 
-// `buckets` are those of the mesh.
+// Precondition: `buckets` were made from the triangles of `mesh`.
 Distribution edge_length_distribution(const IndexedMesh& mesh, const EdgeBuckets& buckets);
-// All but the edge lengths.
+// Fills all members of MeshQuality but the edge lengths.
 MeshQuality quality_of_triangles(const IndexedMesh& mesh);
 
 }  // namespace vdwmesh

@@ -1,3 +1,9 @@
+// self_intersections(): counts intersecting pairs of triangles with CGAL.
+//
+// CGAL's box_self_intersection_d finds the pairs of triangles whose bounding boxes overlap, in
+// parallel with TBB. Each pair is tested with exact predicates (Intersector). What counts as an
+// intersection depends on how many vertices the two triangles share by index: intersections in a
+// shared vertex or along a shared edge are part of every mesh and are not counted.
 #define CGAL_LINKED_WITH_TBB
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -17,17 +23,22 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using TriangleBox = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
 
-constexpr std::ptrdiff_t kSweepCutoff = 2000;  // boxes, as CGAL's own function takes
+// Below this number of boxes CGAL sweeps instead of dividing further. The value is the same as in
+// CGAL's own function self_intersections().
+constexpr std::ptrdiff_t kSweepCutoff = 2000;
 
 class Intersector {
  public:
   explicit Intersector(const IndexedMesh& mesh) : mesh_(mesh) {}
 
+  // Returns whether the triangle has area 0 (exact).
   bool is_flat(const Triangle& t) const {
     return CGAL::collinear(point(t[0]), point(t[1]), point(t[2]));
   }
 
-  // Vertices in common are turned to the front of both triangles first.
+  // Returns whether two triangles intersect other than in their shared vertices and edge. With one
+  // shared vertex, an intersection elsewhere means that the edge opposite to that vertex in one
+  // triangle meets the other triangle. With three shared vertices they are the same triangle.
   bool operator()(std::uint32_t first, std::uint32_t second) const {
     Triangle a = mesh_.triangles[first], b = mesh_.triangles[second];
     switch (bring_shared_to_front(a, b)) {
@@ -58,6 +69,8 @@ class Intersector {
   }
   Kernel::Segment_3 segment(std::uint32_t u, std::uint32_t v) const { return {point(u), point(v)}; }
 
+  // Reorders both triangles so that shared vertices come first, in the same order. Returns how many
+  // there are.
   static unsigned bring_shared_to_front(Triangle& a, Triangle& b) {
     unsigned shared = 0;
     for (unsigned i = 0; i < 3; ++i)
@@ -71,7 +84,8 @@ class Intersector {
     return shared;
   }
 
-  // Neighbours across an edge overlap only where they lie in one plane on one side of it.
+  // Two triangles with a common edge pq overlap only if they lie in one plane and their third
+  // vertices r and s are on the same side of pq.
   bool folds_over(const Triangle& a, const Triangle& b) const {
     const Point p = point(a[0]), q = point(a[1]), r = point(a[2]), s = point(b[2]);
     return CGAL::coplanar(p, q, r, s) && CGAL::coplanar_orientation(p, q, r, s) == CGAL::POSITIVE;

@@ -1,3 +1,8 @@
+// Estimates of the peak memory of the stages behind a mesh.
+//
+// Arrays of this project are counted: their element sizes times their lengths, at the moment when
+// most of them exist together. Memory of CGAL is not visible in types and was measured. A closed
+// mesh is assumed: it has three half-edges per triangle and half as many edges.
 #include "analysis/stage_bytes.hpp"
 
 #include <algorithm>
@@ -12,10 +17,11 @@ namespace {
 
 constexpr std::uint64_t kIndex = sizeof(std::uint32_t);
 
+// The arrays of EdgeBuckets: an offset per vertex and an entry per half-edge.
 std::uint64_t edge_buckets_bytes(const MeshSize& m) {
   return m.vertices * kIndex + 3 * m.triangles * sizeof(EdgeEntry);
 }
-// And while they are filled: the half-edges of each range.
+// The additional array while EdgeBuckets are filled: the half-edges, grouped by ranges of vertices.
 std::uint64_t edge_buckets_scratch(const MeshSize& m) { return 3 * m.triangles * kIndex; }
 
 }  // namespace
@@ -32,24 +38,30 @@ std::uint64_t surface_mesh_bytes(const MeshSize& m, Connectivity given) {
       sizeof(Kernel::Face) + sizeof(OpenMesh::Attributes::StatusInfo) + sizeof(SphereId);
   const std::uint64_t mesh = m.vertices * vertex + edges * edge + m.triangles * face;
   const std::uint64_t opposite = given == Connectivity::half_edges ? 0 : 3 * m.triangles * kIndex;
+  // Two arrays exist while OpenMesh's half-edges are made: the new number of each half-edge, and
+  // one outgoing half-edge of each vertex.
   const std::uint64_t handles = 3 * m.triangles * kIndex + m.vertices * kIndex;
   return std::max(edge_buckets_bytes(m) + edge_buckets_scratch(m), mesh + handles) + opposite;
 }
 
 std::uint64_t measures_bytes(const MeshSize& m) {
-  // Sets of triangles and of corners, and the shell of each triangle; less where all is closed.
+  // The survey of a soup has union-find arrays of triangles and of corners and the shell of each
+  // triangle: 1 + 3 + 1 indices per triangle. Closed manifolds take less.
   const std::uint64_t survey = (1 + 3 + 1) * m.triangles * kIndex;
   const std::uint64_t lengths = 3 * m.triangles / 2 * sizeof(double);
   return edge_buckets_bytes(m) + std::max({edge_buckets_scratch(m), survey, lengths});
 }
 
 std::uint64_t self_intersections_bytes(const MeshSize& m) {
-  constexpr std::uint64_t kBoxes = 175;  // of CGAL, and the lists that it parts them into; measured
+  // Bytes per triangle, measured: CGAL's boxes, and the lists into which CGAL divides them.
+  constexpr std::uint64_t kBoxes = 175;
   return m.triangles * kBoxes;
 }
 
 std::uint64_t union_bytes(std::uint64_t spheres, UnionMethod method, double exposed) {
-  // Measured on 6ZU5: 1220 where a third is exposed, 2490 with a probe of 1.4 Å, where 6 % is.
+  // Bytes per sphere of the triangulation, by a straight line in the exposed share of the area.
+  // Measured on 6ZU5: 1220 if a third is exposed, and 2490 with a probe of 1.4 Å, if 6 % is. The
+  // line is above both: 1430 and 2720.
   constexpr double kLeast = 900, kBuried = 3000, kLessExposed = 4700;
   constexpr std::uint64_t kArcs = 400;
   if (method == UnionMethod::arcs) return spheres * kArcs;
@@ -57,9 +69,11 @@ std::uint64_t union_bytes(std::uint64_t spheres, UnionMethod method, double expo
 }
 
 std::uint64_t distances_bytes(const MeshSize& m, std::uint64_t spheres) {
-  // Measured on molecules: 6 covers and 8 corners without a probe, 20 and 7 with one of 1.4 Å on
-  // two thirds of the spheres; and the cell list.
+  // The patches and the cell list of ExposedSurface. Measured on molecules: a patch has 6 covers
+  // and 8 corners without a probe. With a probe of 1.4 Å it has 20 covers and 7 corners, and two
+  // thirds of the spheres have a patch.
   constexpr std::uint64_t kBytesPerSphere = 800;
+  // Beside the search tree of the triangles there is one byte for each vertex, whether it is used.
   return BoxTree::bytes(m.triangles) + m.vertices + kBytesPerSphere * spheres;
 }
 

@@ -1,5 +1,7 @@
-// How many bytes the stages behind a mesh take at their peak, each beside what it is given: for
-// limits that are asked before anything is taken. Upper bounds for molecules, by at most a half;
+// Peak memory of the stages that come after a mesh, in bytes, without the input of each stage.
+//
+// The program compares these estimates with its memory limit before a stage allocates anything. For
+// molecules they are upper bounds that exceed the measured peak by at most a half;
 // docs/robustness.md has the measurements.
 #pragma once
 
@@ -10,20 +12,21 @@
 
 namespace vdwmesh {
 
-// to_surface_mesh() and the mesh that it makes.
+// to_surface_mesh(), including the mesh that it returns.
 std::uint64_t surface_mesh_bytes(const MeshSize& mesh, Connectivity given);
 
-// topology(), measures() and quality(), one after the other.
+// topology(), measures() and quality(), called one after the other.
 std::uint64_t measures_bytes(const MeshSize& mesh);
 
 // self_intersections().
 std::uint64_t self_intersections_bytes(const MeshSize& mesh);
 
-// exact_union(), its result included. `exposed`: the part of all spheres' area on the boundary; the
-// less, the more of the triangulation is in the dual complex.
+// exact_union(), including its result. `exposed`, in [0, 1], is the share of the area of all
+// spheres that is on the boundary of the union. The smaller it is, the more simplices of the
+// triangulation are in the dual complex, which takes more memory.
 std::uint64_t union_bytes(std::uint64_t spheres, UnionMethod method, double exposed);
 
-// distances(); the mesh itself is not in it.
+// distances(), without the mesh.
 std::uint64_t distances_bytes(const MeshSize& mesh, std::uint64_t spheres);
 
 }  // namespace vdwmesh

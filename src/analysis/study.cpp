@@ -1,3 +1,8 @@
+// find_series(): groups the runs of a study into series and fits each series.
+//
+// Ordered maps sort the runs by their setting, so a series lists its runs by increasing resolution.
+// Each fit reads one figure of every run as a column of numbers; a run without the figure has NaN,
+// which fit_power_law() and extrapolate() leave out.
 #include "analysis/study.hpp"
 
 #include <cmath>
@@ -10,7 +15,8 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// One figure of every run, NaN where a run does not have it.
+// Returns one figure of every picked run; `picked` are indices into `runs`. `read` returns NaN if a
+// run does not have the figure.
 template <class Read>
 std::vector<double> column(std::span<const StudyRun> runs, const std::vector<std::size_t>& picked,
                            Read&& read) {
@@ -20,6 +26,8 @@ std::vector<double> column(std::span<const StudyRun> runs, const std::vector<std
   return values;
 }
 
+// Turns a reader of MeshDistances into a reader of runs, which returns NaN for runs without
+// distances.
 template <class Read>
 auto of_distances(Read read) {
   return [read](const StudyRun& run) {
@@ -32,6 +40,7 @@ double volume_error(const StudyRun& run) {
   return run.comparison.volume_relative_error.value_or(kNone);
 }
 
+// Fits the order of every error against the given sizes, one size per picked run.
 StudyOrders fit_orders(std::span<const StudyRun> runs, const std::vector<std::size_t>& picked,
                        const std::vector<double>& sizes) {
   const auto fit = [&](auto read) { return fit_power_law(sizes, column(runs, picked, read)); };

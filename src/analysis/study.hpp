@@ -1,5 +1,8 @@
-// The records of a study: meshes of one molecule made in many ways, and what those that differ in
-// resolution alone show together.
+// Records of a study: many meshes of one molecule with their measures, and the orders of
+// convergence of each series of meshes.
+//
+// A run is one mesh with its measures. A setting says how the mesh was made; it consists of a key
+// and a resolution. A series consists of the runs with the same key.
 #pragma once
 
 #include <cstdint>
@@ -20,28 +23,28 @@ namespace vdwmesh {
 
 enum class Mesher : std::uint8_t { marching_cubes, exact };
 
-// How a mesh was made, but for its resolution.
+// How a mesh was made, without its resolution.
 struct StudyKey {
   Mesher mesher = Mesher::marching_cubes;
   FieldKind field = FieldKind::vdw;
-  Projection projection = Projection::none;  // none without subdivisions
+  Projection projection = Projection::none;  // always `none` if there are no subdivisions
   int subdivisions = 0;
-  std::string backend;  // the one that ran
+  std::string backend;  // the backend that ran, which may differ from the requested one
 
   auto operator<=>(const StudyKey&) const = default;
 };
 
 struct StudySetting {
   StudyKey key;
-  double resolution = 0;  // Å: spacing of the grid, or edge length of the exact mesher
+  double resolution = 0;  // Å: grid spacing, or edge length of the crease-exact mesher
 
   auto operator<=>(const StudySetting&) const = default;
 };
 
-// Wall-clock seconds of the stages that lead to this mesh, all levels up to it included.
+// Wall-clock seconds of the stages that made the mesh, including all refinement levels below it.
 struct StudySeconds {
-  std::optional<double> field, extract, refine;  // refine: of subdivided meshes only
-  double mesh = 0;                               // all of them
+  std::optional<double> field, extract, refine;  // refine has a value for subdivided meshes only
+  double mesh = 0;                               // all stages together
   std::optional<double> distances;
 };
 
@@ -62,22 +65,22 @@ struct StudyRun {
   StudyMemory memory;
 };
 
-// Fits over the runs of a series; empty where fewer than two of them say anything.
+// One fit for each kind of error. A fit is empty if fewer than two runs have a usable error.
 struct StudyOrders {
-  std::optional<PowerLaw> area_error, volume_error;  // relative, by magnitude
+  std::optional<PowerLaw> area_error, volume_error;  // absolute values of the relative errors
   std::optional<PowerLaw> mesh_to_surface_rms, surface_to_mesh_rms, hausdorff;
 };
 
 struct StudySeries {
   StudyKey key;
-  std::vector<std::size_t> runs;  // indices, finest resolution first
-  StudyOrders by_resolution;      // order p: error ~ resolution^p
-  StudyOrders by_triangles;       // order p: error ~ (number of triangles)^p, so p < 0 converges
-  std::optional<Extrapolation> area, volume;  // Å², Å³ at resolution 0, of the three finest runs
+  std::vector<std::size_t> runs;  // indices into the runs of the study, finest resolution first
+  StudyOrders by_resolution;      // order p in error ~ resolution^p
+  StudyOrders by_triangles;  // order p in error ~ (number of triangles)^p; p < 0 means convergence
+  std::optional<Extrapolation> area, volume;  // Å², Å³ at resolution 0, from the three finest runs
 };
 
-// Runs that differ in resolution alone, series by series in the order of their keys. Precondition:
-// all runs are of one molecule, no two have the same setting.
+// Groups the runs into series, in the order of their keys. Precondition: all runs are of one
+// molecule, and no two have the same setting.
 std::vector<StudySeries> find_series(std::span<const StudyRun> runs);
 
 }  // namespace vdwmesh

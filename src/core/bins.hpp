@@ -1,4 +1,8 @@
-// Cubic bins over a box, for searching by place.
+// Divides a box into cubic bins of equal width, for searches by position.
+//
+// The cell list of the spheres (spheres/cell_list.cpp) stores each sphere in the bin of its centre
+// and visits only the bins near a query. cubic_bins() chooses the width of the bins such that
+// their number, and with it the memory of the list, stays within a limit.
 #pragma once
 
 #include <algorithm>
@@ -12,16 +16,17 @@
 namespace vdwmesh {
 
 struct Bins {
-  double width;  // Å
-  std::array<std::int32_t, 3> count;
+  double width;                       // Å, the edge of one bin
+  std::array<std::int32_t, 3> count;  // bins along x, y and z, each at least 1
 };
 
-// Most bins that are made, whatever is asked for: int32 numbers them.
+// Upper limit on the number of bins, whatever the caller allows: bins are numbered by int32.
 inline constexpr double kMostBins = std::numeric_limits<std::int32_t>::max();
 
-// Bins of the width wished, or as much wider as makes them at most `most` in all; one bin reaches
-// over the end of the box. Precondition: extent (Å) finite and not negative, width (Å) above 0,
-// most at least 1.
+// Returns bins of width `width` that cover a box of the given extent. If these would be more than
+// `most` bins in all, the bins are made wider until they are at most `most`. Along every axis the
+// last bin contains the upper end of the box in its interior, so a point on that end has a bin.
+// Preconditions: extent (Å) is finite and not negative, width (Å) is above 0, most is at least 1.
 inline Bins cubic_bins(const Vec3d& extent, double width, double most) {
   most = std::min(most, kMostBins);
   for (;;) {
@@ -31,6 +36,9 @@ inline Bins cubic_bins(const Vec3d& extent, double width, double most) {
       const auto count = [&](int axis) { return static_cast<std::int32_t>(along(axis)); };
       return {width, {count(0), count(1), count(2)}};
     }
+    // The total falls about as 1 / width³, so the cube root of the excess is the factor needed. The
+    // counts are rounded up, so this factor may be too small; the factor 1.01 makes the loop end,
+    // because one bin is left at the latest when the bin is wider than the box.
     width *= std::max(1.01, std::cbrt(total / most));
   }
 }

@@ -1,5 +1,9 @@
-// Loops over all cores. Bodies write to places of their own, and what is reduced is counts, maxima
-// and minima, so no result depends on how the range was cut.
+// Parallel loops over index ranges, with oneTBB.
+//
+// oneTBB divides the range [0, count) into blocks while it runs, and differently every time. The
+// results do not depend on this division under two rules: a body of for_all() writes only to
+// elements that belong to its index, and reduce_all() joins only values whose join is exact, such
+// as counts, maxima and minima. Sums of floating-point numbers do not follow the second rule.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -12,9 +16,10 @@
 
 namespace vdwmesh {
 
-inline constexpr std::size_t kBlock = 1024;
+inline constexpr std::size_t kBlock = 1024;  // indices: the size below which no block is divided
 
-// The inner loops, in both processor versions.
+// The sequential loop over one block. It is compiled for two processor versions (multiversion.hpp),
+// and the body is inlined into both.
 template <class Body>
 VDWMESH_MULTIVERSION void run_block(std::size_t begin, std::size_t end, const Body& body) {
   for (std::size_t i = begin; i != end; ++i) body(i);
@@ -25,13 +30,16 @@ VDWMESH_MULTIVERSION void run_block(std::size_t begin, std::size_t end, const Bo
   for (std::size_t i = begin; i != end; ++i) body(i, total);
 }
 
+// Calls body(i) for every i in [0, count) on all cores, in no particular order.
 template <class Body>
 void for_all(std::size_t count, const Body& body, std::size_t grain = kBlock) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
                     [&](const auto& range) { run_block(range.begin(), range.end(), body); });
 }
 
-// body(i, total) folds item i into a total; join(a, b) must be exact, commutative and associative.
+// Reduces the indices [0, count) to one total on all cores. body(i, total) adds index i to a
+// partial total, which starts as `none`. join(a, b) combines two partial totals; it must be exact,
+// commutative and associative.
 template <class Total, class Body, class Join>
 Total reduce_all(std::size_t count, const Total& none, const Body& body, const Join& join) {
   return tbb::parallel_reduce(

@@ -1,7 +1,11 @@
-// Union-find, by path halving; join() and find() by any number of threads at once.
+// Lock-free union-find: any number of threads may call join() and find() at the same time.
 //
-// Each link goes from a root to a smaller one and is made by compare-and-swap (Anderson and Woll
-// 1991), so the sets and their representatives do not depend on who comes first.
+// The algorithm follows the wait-free union-find of R. J. Anderson and H. Woll (STOC 1991), with
+// path halving. parent_[i] is an element of the set of i that is at most i; a root is its own
+// parent. join() links the larger of two roots to the smaller one by compare-and-swap, so the root
+// of a finished set is its smallest member. The sets and their representatives therefore do not
+// depend on the order in which threads join. Relaxed atomics suffice because the parents are the
+// only data that threads exchange.
 #pragma once
 
 #include <atomic>
@@ -15,7 +19,8 @@
 
 namespace vdwmesh {
 
-// Disjoint sets; the representative of a set is its smallest member.
+// A partition of {0, …, count - 1}, at first into sets of one element. The representative of a set
+// is its smallest member.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) {
@@ -23,34 +28,45 @@ class DisjointSets {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
-  // While others join, a member that was the representative at some time during the call.
+  // Returns the representative of the set of i. If other threads join at the same time, the result
+  // is an element that was the representative at some moment during the call.
   std::uint32_t find(std::uint32_t i) {
     for (;;) {
       const std::uint32_t above = parent(i), next = parent(above);
       if (next == above) return above;
-      place(i).store(next, std::memory_order_relaxed);  // above i, even if others know it higher up
+      // Path halving: i now points to its grandparent. Another thread may have stored a more
+      // distant ancestor in the meantime; overwriting it is harmless, because `next` is an ancestor
+      // of i too.
+      place(i).store(next, std::memory_order_relaxed);
       i = next;
     }
   }
 
+  // Unites the sets of a and b.
   void join(std::uint32_t a, std::uint32_t b) {
     for (a = find(a), b = find(b); a != b; a = find(a), b = find(b)) {
       if (a < b) std::swap(a, b);
+      // The exchange fails if another thread has linked a since find(); both roots are then looked
+      // up again.
       std::uint32_t root = a;
       if (place(a).compare_exchange_strong(root, b, std::memory_order_relaxed)) return;
     }
   }
 
-  // Not while others join, nor number_sets().
+  // Returns the number of sets. Precondition of this function and of number_sets(): no other thread
+  // calls join() or find() at the same time.
   std::size_t count() const {
     std::size_t roots = 0;
     for (std::uint32_t i = 0; i < parent_.size(); ++i) roots += parent_[i] == i;
     return roots;
   }
 
-  // Sets numbered from 0 by their smallest member, in place of the structure itself.
+  // Writes the number of the set of every element i into number[i] and returns the number of sets.
+  // Sets are numbered from 0 in the order of their smallest members. The parents' memory becomes
+  // the array of numbers, so this object is empty afterwards.
   std::uint32_t number_sets(Buffer<std::uint32_t>& number) && {
     std::uint32_t sets = 0;
+    // A parent is smaller than its child, so parent_[i] already holds its set's number at index i.
     for (std::uint32_t i = 0; i < parent_.size(); ++i)
       parent_[i] = parent_[i] == i ? sets++ : parent_[parent_[i]];
     number = std::move(parent_);

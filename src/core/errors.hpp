@@ -1,5 +1,9 @@
-// Exceptions by cause. The message is one line that says what, where, and what would work; it may
-// name what stands in files and options, so control characters become question marks here.
+// The exceptions of the library, one class for each cause.
+//
+// A message is one line. It says what is wrong, at which place of the input, and what would work.
+// The program maps each class to an exit code (apps/main.cpp). A message may quote text from files
+// and options, so control characters become question marks; they cannot break the line or send
+// commands to a terminal.
 #pragma once
 
 #include <stdexcept>
@@ -21,17 +25,17 @@ class Error : public std::runtime_error {
   }
 };
 
-// Options or data outside what the function's contract accepts.
+// An option or argument violates the contract of the function.
 class InvalidInput : public Error {
   using Error::Error;
 };
 
-// A file that cannot be opened, read, understood or written.
+// A file cannot be opened, read, understood or written.
 class FileFormatError : public Error {
   using Error::Error;
 };
 
-// The backend asked for is not in this build, or its device is not there.
+// The requested backend is not part of this build, or the machine has no device for it.
 class BackendUnavailable : public Error {
   using Error::Error;
 };
@@ -41,22 +45,23 @@ class CudaError : public Error {
   using Error::Error;
 };
 
-// The run needs more cells, vertices or bytes than allowed; thrown before they are taken.
+// The run needs more cells, vertices or bytes than the limits allow. It is thrown before the memory
+// is allocated.
 class LimitExceeded : public Error {
   using Error::Error;
 };
 
-// The same of a device's memory: the host may have room.
+// The run needs more memory than the CUDA device has. The same run may still fit the host's memory.
 class DeviceMemoryExceeded : public LimitExceeded {
   using LimitExceeded::LimitExceeded;
 };
 
-// The program contradicts itself: no input should be able to cause it.
+// An internal consistency check failed. No input should be able to cause this error.
 class InternalError : public Error {
   using Error::Error;
 };
 
-// The caller's Monitor asked to stop.
+// The caller's Monitor asked the library to stop.
 class Cancelled : public Error {
   using Error::Error;
 };

@@ -1,5 +1,7 @@
-// The one place where the code asks whether it is compiled for CUDA: formulas of a few lines are
-// written once, marked VDWMESH_HD, and run on host and device alike.
+// Support for functions that are compiled for the host and for the CUDA device.
+//
+// Formulas of a few lines are written once, in headers, and marked VDWMESH_HD. The same source then
+// runs on both sides. This header is the only place that asks whether the compiler is nvcc.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +14,7 @@
 
 namespace vdwmesh {
 
+// Returns the number of set bits.
 VDWMESH_HD inline int count_bits(std::uint32_t bits) {
 #ifdef __CUDA_ARCH__
   return __popc(bits);
@@ -20,7 +23,8 @@ VDWMESH_HD inline int count_bits(std::uint32_t bits) {
 #endif
 }
 
-// x, or 0 where x is not above 0; for x <= 1, which lets the device clamp for free.
+// Returns max(x, 0), and 0 for NaN. Precondition: x <= 1. With it the device can use its saturation
+// to [0, 1], which is a modifier of the instruction that computes x and costs nothing.
 VDWMESH_HD inline float positive_part(float x) {
 #ifdef __CUDA_ARCH__
   return __saturatef(x);

@@ -1,4 +1,9 @@
-// Hints to the kernel and the allocator; the program does the same without them.
+// Hints to the operating system and the allocator about the pages of large arrays.
+//
+// The first write to each page of new memory is a page fault, and for large arrays these faults
+// take a large part of the time. Two hints reduce it: transparent huge pages (2 MiB instead of
+// 4 KiB for one fault) and MADV_POPULATE_WRITE, which maps many pages in one system call. The
+// functions ignore errors and do nothing on other systems: results are the same without the hints.
 #pragma once
 
 #include <algorithm>
@@ -16,11 +21,13 @@
 
 namespace vdwmesh {
 
-// The whole pages of `page` bytes in [begin, begin + bytes).
+// An address range that begins and ends at page boundaries; empty if first == last.
 struct PageRange {
   const char *first, *last;
 };
 
+// Returns the whole pages of `page` bytes within [begin, begin + bytes). If there is none, the
+// result is an empty range whose position is between begin and begin + bytes.
 inline PageRange whole_pages(const void* begin, std::size_t bytes, std::size_t page) {
   const auto address = reinterpret_cast<std::uintptr_t>(begin);
   const std::size_t before = std::min(bytes, (page - address % page) % page);
@@ -32,8 +39,8 @@ inline PageRange whole_pages(const void* begin, std::size_t bytes, std::size_t p
 inline constexpr std::size_t kPage = 4096;                       // bytes
 inline constexpr std::size_t kLargePage = std::size_t{2} << 20;  // bytes
 
-// Asks for large pages under an array that is not touched yet: a first touch then costs a third.
-// Where the kernel declines, nothing changes.
+// Asks the kernel for large pages under an array that has not been written yet. The first writes to
+// the array then take a third of the time. The kernel may decline.
 inline void advise_large_pages([[maybe_unused]] const void* begin,
                                [[maybe_unused]] std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
@@ -43,12 +50,13 @@ inline void advise_large_pages([[maybe_unused]] const void* begin,
 #endif
 }
 
+// The same for an array of `count` elements.
 template <class T>
 void advise_large_pages(const T* begin, std::size_t count) {
   advise_large_pages(static_cast<const void*>(begin), count * sizeof(T));
 }
 
-// Has the kernel hand out pages at once, which takes a fraction of a fault for each.
+// Maps the pages of [first, last) with one system call, which is cheaper than one fault for each.
 inline void touch_pages([[maybe_unused]] const char* first, [[maybe_unused]] const char* last) {
 #ifdef MADV_POPULATE_WRITE
   if (last > first)
@@ -57,11 +65,12 @@ inline void touch_pages([[maybe_unused]] const char* first, [[maybe_unused]] con
 #endif
 }
 
-// For an array that is not touched yet and about to be written in full: large pages where they
-// fit, and the small ones at both ends, some MB at most, at once.
+// Prepares an array that has not been written yet and is about to be written in full. Its whole
+// 2 MiB blocks are requested as large pages, which are mapped when they are first written. The
+// parts before and after these blocks, less than 2 MiB each, are mapped at once in small pages.
 template <class T>
 void expect_writing(const T* begin, std::size_t count) {
-  constexpr std::size_t kFew = 1 << 16;  // bytes, not worth the calls
+  constexpr std::size_t kFew = 1 << 16;  // bytes; smaller arrays are not worth the system calls
   const std::size_t bytes = count * sizeof(T);
   if (bytes < kFew) return;
   advise_large_pages(begin, count);
@@ -71,15 +80,16 @@ void expect_writing(const T* begin, std::size_t count) {
   touch_pages(large.last, all.last);
 }
 
-// resize() of an array that is about to be written once, in large pages where it can have them.
+// Resizes an array that is about to be written in full, and prepares its pages for that.
 template <class T>
 void resize_untouched(Buffer<T>& array, std::size_t count) {
   array.resize(count);
   expect_writing(array.data(), count);
 }
 
-// Gives the pages of freed small blocks back, of which the allocator keeps what lies between blocks
-// in use: worth its milliseconds between many small blocks and a few large ones.
+// Returns freed pages to the operating system. glibc keeps the free pages that lie between small
+// blocks in use, and a large allocation cannot use them. The call takes milliseconds. It lowers the
+// peak memory after a stage with many small blocks and before a stage with a few large ones.
 inline void return_freed_pages() {
 #ifdef __GLIBC__
   (void)malloc_trim(0);

@@ -1,4 +1,8 @@
-// How a caller watches and stops long work. Stages call it from any thread.
+// Progress reports and cancellation for long computations.
+//
+// A caller implements Monitor and passes a pointer to it; a null pointer means no reports. The
+// stages call the functions below, from any thread and from several threads at once, so an
+// implementation must be thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +17,18 @@ class Monitor {
   virtual ~Monitor() = default;
   // A new stage of `steps` equal pieces of work begins.
   virtual void begin_stage(std::string_view name, std::uint64_t steps) = 0;
+  // `steps` more pieces of the current stage are done.
   virtual void advance(std::uint64_t steps) = 0;
+  // Whether the computation should stop. Stages ask at every advance().
   virtual bool cancelled() const = 0;
 };
 
+// Reports the beginning of a stage, if there is a monitor.
 inline void begin_stage(Monitor* monitor, std::string_view name, std::uint64_t steps) {
   if (monitor) monitor->begin_stage(name, steps);
 }
 
-// Throws Cancelled when the caller asked to stop.
+// Reports progress, if there is a monitor. Throws Cancelled if the caller asked to stop.
 inline void advance(Monitor* monitor, std::uint64_t steps) {
   if (!monitor) return;
   if (monitor->cancelled()) throw Cancelled("stopped on request");

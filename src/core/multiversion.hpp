@@ -1,8 +1,13 @@
-// Hot loops in two versions, chosen by the processor at run time: plain x86-64, where std::fma is a
-// library call, and x86-64-v3, where it is one instruction. Both give the same bits, because every
-// fma is written out and contraction is off. Everything called inside is inlined, so that both
-// versions hold whole loops and no function compiled for the newer processor escapes.
-// VDWMESH_PLAIN_LOOPS leaves the plain version alone, which a test compares with.
+// VDWMESH_MULTIVERSION: compiles a function for two processor generations (GCC on x86-64).
+//
+// The "default" version runs on every x86-64 processor; there std::fma is a library call. The
+// x86-64-v3 version (AVX2 and FMA) computes it in one instruction. The loader chooses a version for
+// the processor at run time (target_clones). Both versions give the same bits, because every fma in
+// the sources is written out and the compiler may not contract other expressions.
+//
+// The attribute `flatten` inlines everything that the function calls. Each version thus contains
+// its whole loop, and no code for the newer processor is emitted as a function that others share.
+// With VDWMESH_PLAIN_LOOPS there is only the default version; a test compares results with it.
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \

@@ -1,5 +1,10 @@
-// Wide accumulation: the sum is carried as an unevaluated pair of doubles (Knuth's TwoSum), about
-// 106 bits, so totals over 10^6 terms keep every digit of a double.
+// Compensated summation: a sum of doubles with about 106 bits of working precision.
+//
+// The sum is an unevaluated pair high_ + low_. Knuth's TwoSum computes the rounding error of each
+// addition to high_ exactly, and low_ collects these errors (algorithm Sum2 of T. Ogita, S. M. Rump
+// and S. Oishi, SIAM J. Sci. Comput. 26 (2005) 1955). A total of 10^6 terms of one sign is correct
+// in every digit of a double. The result still depends on the order of the terms in its last bits,
+// so callers add in an order that does not depend on the number of threads.
 #pragma once
 
 namespace vdwmesh {
@@ -9,6 +14,7 @@ class WideSum {
   void add(double term) {
     const double sum = high_ + term;
     const double part = sum - high_;
+    // The two brackets are the errors of high_ and of term; their sum is exact (TwoSum).
     low_ += (high_ - (sum - part)) + (term - part);
     high_ = sum;
   }
@@ -19,8 +25,8 @@ class WideSum {
   double value() const { return high_ + low_; }
 
  private:
-  double high_ = 0;
-  double low_ = 0;
+  double high_ = 0;  // the plain sum in double
+  double low_ = 0;   // the sum of the rounding errors of high_
 };
 
 }  // namespace vdwmesh

@@ -1,5 +1,8 @@
-// Three coordinates, for host and device. The order of every rounding is written out (explicit
-// fma, contraction is off in all targets), because CPU and CUDA results must agree bit for bit.
+// Vec3: three coordinates with the usual operations, for host and device.
+//
+// CPU and CUDA results must agree bit for bit. The order of every rounding is therefore written
+// out: fused multiply-adds are explicit, and all targets forbid the compiler to form others
+// (-ffp-contract=off).
 #pragma once
 
 #include <cmath>
@@ -39,12 +42,15 @@ VDWMESH_HD constexpr Vec3<T> operator*(T s, const Vec3<T>& a) {
   return {s * a.x, s * a.y, s * a.z};
 }
 
+// dot() rounds three times: the product of the x coordinates, then two fused multiply-adds.
 template <class T>
 VDWMESH_HD inline T dot(const Vec3<T>& a, const Vec3<T>& b) {
   using std::fma;
   return fma(a.z, b.z, fma(a.y, b.y, a.x * b.x));
 }
 
+// cross() has no fma: both products of a component are rounded, so cross(a, a) is exactly 0 and
+// cross(b, a) is exactly -cross(a, b).
 template <class T>
 VDWMESH_HD inline Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -61,6 +67,7 @@ VDWMESH_HD inline T norm(const Vec3<T>& a) {
   return sqrt(dot(a, a));
 }
 
+// Converts each coordinate, rounding as static_cast does.
 template <class To, class From>
 VDWMESH_HD constexpr Vec3<To> cast(const Vec3<From>& a) {
   return {static_cast<To>(a.x), static_cast<To>(a.y), static_cast<To>(a.z)};

@@ -1,3 +1,8 @@
+// The arrays of an IndexedMesh as a whole: their bytes, their allocation and their hashes.
+//
+// indexed_mesh_bytes() must count exactly the arrays that make_room() allocates, because memory
+// limits are checked with the former before the latter is called. A new array of IndexedMesh has to
+// be added to both functions and to hash().
 #include "surface/indexed_mesh.hpp"
 
 #include <tbb/parallel_invoke.h>
@@ -9,6 +14,8 @@
 namespace vdwmesh {
 namespace {
 
+// The 64-bit FNV-1a hash: for every byte, exclusive or, then multiplication by the FNV prime. The
+// initial value is the FNV offset basis.
 class Hash {
  public:
   template <class T>
@@ -29,7 +36,8 @@ std::uint64_t hash_bytes(const Buffer<T>& values) {
   return hash.value();
 }
 
-// With all three places of every vertex, so that only the labels count, not their room.
+// Hashes all three sphere ids of every vertex, whatever the width of the arrays. Labels that are
+// equal thus have equal hashes, even if one of them stores its unused ids and the other does not.
 std::uint64_t hash_bytes(const VertexLabels& labels) {
   Hash hash;
   for (std::size_t v = 0; v < labels.size(); ++v) {
@@ -62,8 +70,10 @@ std::uint64_t indexed_mesh_bytes(const IndexedMesh& m) {
          bytes_of(m.opposite);
 }
 
-// Side by side: it takes as long as the kernel needs to hand out pages.
+// The arrays are allocated in parallel, because nearly all the time is the kernel's time for
+// mapping their pages.
 void make_room(IndexedMesh& mesh, const MeshSize& size, const MeshArrays& arrays) {
+  // The number of elements of an array that the mesh may not have.
   const auto where = [](bool there, std::uint64_t count) { return there ? count : 0; };
   const bool has_half_edges = arrays.connectivity == Connectivity::half_edges;
   tbb::parallel_invoke(

@@ -1,4 +1,8 @@
-// Triangles by index, as every stage before OpenMesh passes them on.
+// IndexedMesh: vertices, and triangles as triples of vertex indices.
+//
+// All stages that make or refine a mesh pass it on in this form. Only the stage `mesh` converts it
+// into the half-edge structure of OpenMesh. Connectivity (`opposite`) and labels are optional
+// arrays; an empty array means that the mesh does not have them.
 #pragma once
 
 #include <array>
@@ -14,29 +18,33 @@
 
 namespace vdwmesh {
 
-using Triangle = std::array<std::uint32_t, 3>;
+using Triangle = std::array<std::uint32_t, 3>;  // vertex indices
 
 struct MeshSize {
   std::uint64_t vertices = 0, triangles = 0;
 };
 
-// Hears how large a mesh will be before it is there.
+// A callback that a mesher calls with the size of the mesh as soon as it is known, before it
+// allocates the mesh.
 using MeshSizeObserver = std::function<void(const MeshSize&)>;
 
 // Whether `triangle_spheres` is filled.
 enum class TriangleLabels : std::uint8_t { none, spheres };
 
-// Triangles wind counter-clockwise seen from outside. Half-edge 3t + k of triangle t runs from
-// its vertex k to vertex (k + 1) % 3.
+// The vertices of a triangle are in counter-clockwise order for a viewer outside the surface.
+// Half-edge 3t + k of triangle t runs from its vertex k to its vertex (k + 1) % 3.
 struct IndexedMesh {
   Buffer<Vec3d> positions;      // Å
   Buffer<Vec3f> normals;        // unit, outward; empty, or one per vertex
   VertexLabels vertex_spheres;  // empty, or one per vertex
   Buffer<Triangle> triangles;
-  // Empty, or one per triangle: the sphere whose patch it is part of. Crease-exact meshes have it:
-  // every vertex lies on the spheres of all triangles around it. Marching cubes leaves it empty.
+  // Empty, or one per triangle: the id of the sphere whose patch the triangle is part of.
+  // Crease-exact meshes have this array, and every vertex of such a mesh lies on the spheres of all
+  // triangles around it. Marching cubes leaves the array empty.
   Buffer<SphereId> triangle_spheres;
-  Buffer<std::uint32_t> opposite;  // empty, or one per half-edge: the half-edge that runs back
+  // Empty, or one per half-edge: the index of the opposite half-edge, which runs along the same
+  // edge in the other direction.
+  Buffer<std::uint32_t> opposite;
 
   std::size_t vertex_count() const { return positions.size(); }
   std::size_t triangle_count() const { return triangles.size(); }
@@ -45,22 +53,23 @@ struct IndexedMesh {
   }
 };
 
-// Most vertices an IndexedMesh can hold.
+// The largest number of vertices: indices are 32 bits wide.
 inline constexpr std::uint64_t kMaxVertices = std::uint64_t{1} << 32;
 
-// Most half-edges that `opposite` can number.
+// The largest number of half-edges for which `opposite` can be filled. It is one less than 2^32, so
+// that the value 2^32 - 1 can mean "no opposite half-edge".
 inline constexpr std::uint64_t kMaxHalfEdges = (std::uint64_t{1} << 32) - 1;
 
-// Whether `opposite` is filled as well.
+// Whether `opposite` is filled.
 enum class Connectivity : std::uint8_t { triangles, half_edges };
 
-// Whether `normals` is filled: with those of the field's gradient.
+// Whether `normals` is filled. Each is the unit normal of a level set of the field.
 enum class Normals : std::uint8_t { none, gradients };
 
-// A limit of so many bytes is none.
+// A memory limit, in bytes, that no mesh can exceed.
 inline constexpr std::uint64_t kNoMemoryLimit = std::numeric_limits<std::uint64_t>::max();
 
-// What a mesh has beside positions and triangles.
+// Which optional arrays a mesh has beside positions and triangles.
 struct MeshArrays {
   Connectivity connectivity = Connectivity::triangles;
   TriangleLabels labels = TriangleLabels::none;
@@ -68,14 +77,16 @@ struct MeshArrays {
   LabelWidth width = LabelWidth::one;
 };
 
-// Bytes of the arrays.
+// Bytes of the arrays of a mesh of this size, and of an existing mesh.
 std::uint64_t indexed_mesh_bytes(const MeshSize& size, const MeshArrays& arrays = {});
 std::uint64_t indexed_mesh_bytes(const IndexedMesh& mesh);
 
-// Gives a mesh its arrays, which have to be written in full.
+// Allocates the arrays of a mesh, and empties the others. The elements are uninitialised; the
+// caller must write all of them.
 void make_room(IndexedMesh& mesh, const MeshSize& size, const MeshArrays& arrays);
 
-// A hash over all bits of all arrays (FNV-1a, 64 bits, array by array): equal for equal meshes.
+// One 64-bit hash (FNV-1a) for each array, over all its bits. Meshes that are equal bit for bit
+// have equal hashes.
 struct IndexedMeshHash {
   std::uint64_t positions, normals, vertex_spheres, triangles, triangle_spheres, opposite;
   friend bool operator==(const IndexedMeshHash&, const IndexedMeshHash&) = default;

@@ -1,3 +1,9 @@
+// The labels of vertices in two arrays, so that labels of one sphere take 4 bytes instead of 12.
+//
+// Most meshes name only the atom of each vertex. The array `others`, with the second and third
+// sphere, is allocated at the first label that needs it (push_back(), widen()), and narrow() frees
+// it if no label needs it. Two containers are equal if their labels are, whether or not one of
+// them stores unused second and third spheres.
 #include "surface/vertex_labels.hpp"
 
 #include "core/large_pages.hpp"
@@ -8,7 +14,8 @@ namespace {
 OtherSpheres others_of(const VertexSpheres& label) { return {label[1], label[2]}; }
 
 bool has_none(const Buffer<OtherSpheres>& others) {
-  SphereId bits = kNoSphere;  // which has them all
+  // kNoSphere has all bits set, so the conjunction keeps all bits only if every id is kNoSphere.
+  SphereId bits = kNoSphere;
   for (const auto& [second, third] : others) bits &= second & third;
   return bits == kNoSphere;
 }

@@ -1,4 +1,4 @@
-// Which spheres the vertices of a mesh lie on.
+// VertexLabels: for each vertex of a mesh, the spheres that the vertex lies on.
 #pragma once
 
 #include <array>
@@ -11,21 +11,23 @@
 
 namespace vdwmesh {
 
-// The spheres a vertex lies on, unused places kNoSphere: one on a patch, two on the circle of two
-// spheres, three at a corner. The first is the vertex's atom. Crease-exact meshes name two or three
-// in ascending order.
+// One label: the ids of the spheres that a vertex lies on, then kNoSphere for unused elements. A
+// vertex inside a patch lies on one sphere, a vertex on the circle of two spheres on two, and a
+// vertex at a corner on three. The first id is the atom of the vertex. Crease-exact meshes name
+// two or three spheres in ascending order of their ids.
 using VertexSpheres = std::array<SphereId, 3>;
 
 inline constexpr VertexSpheres on_sphere(SphereId id) { return {id, kNoSphere, kNoSphere}; }
 
-// All but the atom.
+// The second and third sphere of a label.
 using OtherSpheres = std::array<SphereId, 2>;
 inline constexpr OtherSpheres kNoOthers = {kNoSphere, kNoSphere};
 
-// How many spheres a label has room for: marching cubes names the atom alone, and nothing where the
-// field is given.
+// How many sphere ids the arrays can store for each vertex. Marching cubes stores one id, the atom;
+// meshes of a sampled field, which has no spheres, store none.
 enum class LabelWidth : std::uint8_t { none, one, three };
 
+// Bytes of one label in arrays of this width.
 constexpr std::uint64_t label_bytes(LabelWidth width) {
   return (width == LabelWidth::none ? 0 : sizeof(SphereId)) +
          (width == LabelWidth::three ? sizeof(OtherSpheres) : 0);
@@ -34,7 +36,7 @@ constexpr std::uint64_t label_bytes(LabelWidth width) {
 // The labels of all vertices.
 struct VertexLabels {
   Buffer<SphereId> atoms;       // empty, or one per vertex
-  Buffer<OtherSpheres> others;  // empty where no vertex has any, or one per vertex
+  Buffer<OtherSpheres> others;  // one per vertex, or empty if no label names more than the atom
 
   std::size_t size() const { return atoms.size(); }
   bool empty() const { return atoms.empty(); }
@@ -47,24 +49,26 @@ struct VertexLabels {
     return {atoms[v], more[0], more[1]};
   }
 
-  // Precondition: there is room for the label.
+  // Sets the label of vertex v. Precondition: the width of the arrays is enough for the label.
   void set(std::size_t v, const VertexSpheres& label) {
     assert(!others.empty() || label == on_sphere(label[0]));
     atoms[v] = label[0];
     if (!others.empty()) others[v] = {label[1], label[2]};
   }
 
-  // Makes room for `size` labels of that width. Those added have to be written, and without any
-  // before they are expected to be soon, see expect_writing().
+  // Resizes the arrays to `size` labels of this width. New labels are uninitialised, and the caller
+  // must write them. Their pages are prepared for writing, see expect_writing().
   void resize(std::size_t size, LabelWidth width);
+  // Replaces all labels by `size` copies of one label.
   void assign(std::size_t size, const VertexSpheres& label);
-  // Makes room for three spheres where the label needs it.
+  // Appends a label; widens the arrays if the label names more than the atom.
   void push_back(const VertexSpheres& label);
-  // Room for three spheres; and for one where no label names more.
+  // Makes the arrays wide enough for three spheres per vertex.
   void widen();
+  // Frees the array `others` if no label names more than the atom.
   void narrow();
 
-  // Of the labels, whatever their room.
+  // Compares the labels; the widths of the arrays do not matter.
   friend bool operator==(const VertexLabels& a, const VertexLabels& b);
 };
 

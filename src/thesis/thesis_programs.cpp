@@ -1,3 +1,13 @@
+// The two CPU programs of Dias's thesis, in single precision, on one thread and on a dense grid.
+//
+//  1. thesis_grid(): the grid around the atom centres.
+//  2. thesis_field(): every atom adds its function to the nodes of its sub-grid.
+//  3. thesis_marching_cubes(): marching cubes over all voxels, with linear interpolation along the
+//     edges and normals from the analytic gradient, summed over all atoms.
+//
+// The programs are a baseline for timings and are deliberately simple. They share only the case
+// table with the extractor. docs/thesis.md says how the parameters were recovered. In the comments
+// below d2 is a squared distance in Å², h the spacing in Å, and b the parameter `blob`.
 #include "thesis/thesis_programs.hpp"
 
 #include <algorithm>
@@ -14,7 +24,11 @@ namespace {
 using PointF = Vec3f;
 using Voxel = Vec3i;
 
-// Value of one atom's function at squared distance d2, in units of a or C.
+// Returns the value of one atom's function f at squared distance d2, in units of its amplitude (a
+// for Blinn and the soft object, C for inverse squared).
+//   Blinn:            f = exp(-b d2)
+//   inverse squared:  f = 1 / d2; d2 is kept above (h / 1000)², so that f is finite at the centre
+//   soft object:      f = 1 - 22/9 q + 17/9 q² - 4/9 q³ with q = d2 / b², and 0 for q > 1 (Wyvill)
 float contribution(const ThesisParameters& p, float d2) {
   const float b = static_cast<float>(p.blob);
   if (p.function == ThesisFunction::blinn) return std::exp(-b * d2);
@@ -27,7 +41,8 @@ float contribution(const ThesisParameters& p, float d2) {
   return 1.0f + q * (-22.0f / 9.0f + q * (17.0f / 9.0f - q * (4.0f / 9.0f)));
 }
 
-// d f / d (d2); the gradient is twice this times (p - c).
+// Returns the derivative of f by d2. The gradient of f at p is twice this times (p - c) for an atom
+// at c.
 float slope(const ThesisParameters& p, float d2) {
   const float b = static_cast<float>(p.blob);
   if (p.function == ThesisFunction::blinn) return -b * std::exp(-b * d2);
@@ -37,11 +52,13 @@ float slope(const ThesisParameters& p, float d2) {
   return (-22.0f / 9.0f + q * (34.0f / 9.0f - q * (12.0f / 9.0f))) / (b * b);
 }
 
-// The atom relative to the grid's origin, where single precision is good enough.
+// Returns the atom's position relative to the grid's origin, in single precision. Relative
+// coordinates are at most as large as the grid, so they keep more digits than absolute ones.
 PointF relative(const Vec3d& atom, const ThesisGrid& grid) {
   return cast<float>(atom - grid.origin);
 }
 
+// The number of nodes along each axis, and the index of a node in the field's array.
 struct Nodes {
   std::int64_t nx, ny, nz;
   explicit Nodes(const ThesisGrid& g)
@@ -51,6 +68,8 @@ struct Nodes {
   }
 };
 
+// Adds the function of an atom at c to the nodes of its sub-grid: along each axis the nodes from
+// v - n to v + n, or v + n + 1, clipped to the grid. v is the voxel of the atom, n the half width.
 void add_atom(const PointF& c, const ThesisGrid& grid, const ThesisParameters& p,
               std::vector<float>& field) {
   const Nodes nodes(grid);
@@ -74,6 +93,8 @@ void add_atom(const PointF& c, const ThesisGrid& grid, const ThesisParameters& p
   }
 }
 
+// Returns the case of voxel v: bit c is set if the value at corner c is at least the threshold t.
+// The bits of c are the offsets of the corner along x, y and z.
 unsigned voxel_flag(const std::vector<float>& field, const Nodes& nodes, const Voxel& v, float t) {
   unsigned flag = 0;
   for (int c = 0; c < 8; ++c) {
@@ -83,6 +104,7 @@ unsigned voxel_flag(const std::vector<float>& field, const Nodes& nodes, const V
   return flag;
 }
 
+// Calls visit(voxel) for all voxels, x fastest.
 template <class Visit>
 void for_each_voxel(const ThesisGrid& grid, Visit&& visit) {
   for (std::int64_t z = 0; z < grid.voxels[2]; ++z) {
@@ -92,6 +114,7 @@ void for_each_voxel(const ThesisGrid& grid, Visit&& visit) {
   }
 }
 
+// Marching cubes over a sampled field.
 class Marcher {
  public:
   Marcher(std::span<const Vec3d> atoms, const std::vector<float>& field, const ThesisGrid& grid,
@@ -107,6 +130,8 @@ class Marcher {
   }
 
  private:
+  // Appends the triangles of one voxel. `ids` are the vertices on its twelve edges, made when a
+  // triangle first needs them.
   void march(const Voxel& v, unsigned flag) {
     if (flag == 0 || flag == 255) return;
     std::array<std::uint32_t, 12> ids;
@@ -124,6 +149,9 @@ class Marcher {
     }
   }
 
+  // Returns the vertex on an edge of voxel v. With SharedVertices::recomputed every voxel makes its
+  // own copy. Otherwise a hash table finds the vertex if another voxel has made it; the key
+  // 3 · node + axis identifies the grid edge that leaves `node` along `axis`.
   std::uint32_t vertex(const Voxel& v, int edge) {
     const CellEdge e = cell_edge(edge);
     const Voxel a{v.x + e.x, v.y + e.y, v.z + e.z};
@@ -139,6 +167,8 @@ class Marcher {
     return id;
   }
 
+  // Makes the vertex between the nodes a and b = a + 1 along one axis, by linear interpolation to
+  // the threshold (equation 2.3 of the thesis).
   std::uint32_t new_vertex(const Voxel& a, const Voxel& b, std::size_t node_a) {
     const float fa = field_[node_a], fb = field_[nodes_.index(b[0], b[1], b[2])];
     const float s = (static_cast<float>(p_.threshold) - fa) / (fb - fa);
@@ -152,6 +182,8 @@ class Marcher {
     return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
   }
 
+  // Returns the unit normal at a point: the negative gradient, summed over all atoms, not only over
+  // the atoms whose sub-grid contains the point, as the thesis's timings show.
   PointF normal(const PointF& at) const {
     PointF sum{0, 0, 0};
     for (const PointF& c : atoms_) {
@@ -171,7 +203,7 @@ class Marcher {
   ThesisParameters p_;
   SharedVertices shared_;
   std::vector<PointF> atoms_;
-  std::unordered_map<std::size_t, std::uint32_t> table_;
+  std::unordered_map<std::size_t, std::uint32_t> table_;  // grid edge -> vertex
   ThesisMesh mesh_;
 };
 

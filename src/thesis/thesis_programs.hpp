@@ -1,9 +1,10 @@
-// The two CPU programs of Dias's thesis (Tables 4.1 and 4.2), plain, on a dense grid, one thread:
-// the baseline that `vdwmesh bench thesis` times. docs/thesis.md has how they were recovered.
+// The two CPU programs of Dias's thesis (Tables 4.1 and 4.2), rewritten as the baseline that
+// `vdwmesh bench thesis` times. They run on one thread, in single precision, on a dense grid.
 //
-// Stages: the field of every atom is added to the nodes of a sub-grid around the atom's voxel; an
-// 8-bit flag per voxel; the table of triangles; linear interpolation (2.3); the normal of a vertex
-// is the analytic gradient of F, summed over all atoms. Single precision, as on the thesis's GPU.
+// Both programs are marching cubes on a sum of atom functions. They differ in one point: in the
+// first every voxel computes the vertices on its edges anew, in the second voxels share them by a
+// hash table. docs/thesis.md says how grid, functions and parameters were recovered from the
+// tables.
 #pragma once
 
 #include <cstdint>
@@ -17,21 +18,24 @@ namespace vdwmesh {
 
 enum class ThesisFunction { blinn, soft_object, inverse_squared };
 
-// Which nodes an atom in voxel v = floor((c - origin) / h) reaches, per axis.
-enum class SubGrid { voxels, nodes };  // v - n .. v + 1 + n (corners of the voxels); v - n .. v + n
+// The sub-grid of an atom at c: the nodes to which the atom contributes. Along each axis the atom
+// is in voxel v = floor((c - origin) / h), and n is the half width.
+//   voxels: nodes v - n … v + n + 1, all corners of the voxels v - n … v + n
+//   nodes:  nodes v - n … v + n
+enum class SubGrid { voxels, nodes };
 
 struct ThesisParameters {
   ThesisFunction function = ThesisFunction::inverse_squared;
   double spacing = 0.4;    // h, Å
   double padding = 5.0;    // Å beyond the box of the atom centres
   double blob = 0;         // b: 1/Å^2 for Blinn, Å for the soft object
-  double threshold = 4.8;  // T: in units of a, or C/Å^2 for inverse squared
+  double threshold = 4.8;  // T of the isosurface: in units of a, or C/Å^2 for inverse squared
   int half_width = 20;     // n of the sub-grid, voxels
   SubGrid sub_grid = SubGrid::nodes;
 };
 
-// The fitted parameters of docs/thesis.md for Tables 4.1-4.3 and for the van der Waals stage of
-// Tables 4.4-4.5.
+// The parameters fitted in docs/thesis.md: of each function for Tables 4.1-4.3, and of the van der
+// Waals surface (inverse squared) for Tables 4.4-4.5.
 ThesisParameters thesis_parameters(ThesisFunction function);
 ThesisParameters thesis_vdw_parameters();
 
@@ -40,23 +44,27 @@ struct ThesisGrid {
   Vec3i voxels;  // cells; one node more per axis
   std::int64_t voxel_count() const { return voxels.x * voxels.y * voxels.z; }
 };
-// Voxels per axis: floor((extent + 2 padding) / h).
+// Returns the grid around the box of the atom centres, with floor((extent + 2 padding) / h) voxels
+// along each axis. Precondition: there is at least one atom.
 ThesisGrid thesis_grid(std::span<const Vec3d> atoms, const ThesisParameters& parameters);
 
-// Values at the nodes, x fastest.
+// Returns the values of the summed field at all nodes, x fastest.
 std::vector<float> thesis_field(std::span<const Vec3d> atoms, const ThesisGrid& grid,
                                 const ThesisParameters& parameters);
 
-// Triangles that marching cubes makes of a field.
+// Counts the triangles that marching cubes makes of a field, without making them.
 std::int64_t count_triangles(const std::vector<float>& field, const ThesisGrid& grid,
                              double threshold);
 
-enum class SharedVertices { recomputed, hash_table };  // Table 4.1; Table 4.2
+// How voxels obtain the vertices of their edges: `recomputed` in the program of Table 4.1, from a
+// `hash_table` in the program of Table 4.2.
+enum class SharedVertices { recomputed, hash_table };
 
 struct ThesisMesh {
-  std::vector<Vec3f> positions, normals;
+  std::vector<Vec3f> positions, normals;  // positions in Å, relative to the origin of the grid
   std::vector<Triangle> triangles;
 };
+// Runs marching cubes on a field from thesis_field() with the same atoms, grid and parameters.
 ThesisMesh thesis_marching_cubes(std::span<const Vec3d> atoms, const std::vector<float>& field,
                                  const ThesisGrid& grid, const ThesisParameters& parameters,
                                  SharedVertices shared);
