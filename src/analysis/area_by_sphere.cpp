@@ -1,8 +1,8 @@
 // mesh_area_by_sphere(): the area of a mesh, divided among the spheres that its labels name.
 //
 // A triangle with a label adds its area to the sphere of that label. In a mesh without triangle
-// labels each triangle adds a third of its area to the atom of each of its vertices. The sums of
-// all spheres are accumulated in one pass over the triangles, on one thread and in their order.
+// labels each triangle adds a third of its area to the atom of each of its vertices. One pass over
+// the triangles, in their order and on one thread, accumulates the sums of all spheres.
 #include "analysis/mesh_measures.hpp"
 #include "core/sum.hpp"
 

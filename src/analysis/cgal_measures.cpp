@@ -1,8 +1,7 @@
 // Topology and measures of a mesh by CGAL's package Polygon Mesh Processing.
 //
-// OpenMesh's triangle mesh models the graph concepts that CGAL's functions require, so they work on
-// a SurfaceMesh directly and nothing is converted. This file shares no code with mesh_measures.cpp;
-// reports compare the two results.
+// CGAL has adapters for OpenMesh, so its functions work on a SurfaceMesh directly, without a
+// conversion. This file shares no code with mesh_measures.cpp, which it serves to check.
 #include "analysis/cgal_measures.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

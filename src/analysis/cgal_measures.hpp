@@ -18,9 +18,8 @@ struct CgalMeasures {
   double area;           // Å²
   // The next two have values for closed meshes only:
   std::optional<double> volume;  // Å³, signed; positive if the faces are oriented outwards
-  // CGAL::is_outward_oriented. CGAL looks at the faces around the vertex with the largest z only,
-  // so this is the orientation of the shell of that vertex, and nothing is known about other
-  // shells.
+  // CGAL::is_outward_oriented. CGAL looks only at the faces around the vertex with the largest z,
+  // so this is the orientation of the shell of that vertex and says nothing about other shells.
   std::optional<bool> outward;
   std::optional<std::uint64_t> self_intersections;  // pairs of faces; empty if not requested
 };

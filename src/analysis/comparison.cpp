@@ -24,8 +24,9 @@ Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
   return result;
 }
 
-// Union-find over the spheres, by their list places. Each sphere is joined with all balls whose
-// cells are near its bounding box and that overlap or touch its ball; threads join concurrently.
+// Union-find over the spheres, by their list places. The cell list gives, for each ball, all balls
+// near its bounding box; the ball is joined with those that it overlaps or touches. Threads join
+// concurrently.
 std::uint64_t count_components(const SphereSet& spheres) {
   const CellList list = make_ball_list(spheres);
   const CellListView& view = list.view();

@@ -4,8 +4,7 @@
 //  2. ExposedSurface builds the exact boundary of the union as patches.
 //  3. Mesh to surface (MeshSampler): points on the mesh, chosen by stratified sampling of its area;
 //     SurfaceFinder finds the nearest point of the boundary.
-//  4. Surface to mesh (surface_to_mesh()): points on the patches, from spherical Fibonacci
-//  lattices;
+//  4. Surface to mesh (surface_to_mesh()): points of spherical Fibonacci lattices on the patches;
 //     MeshFinder finds the nearest triangle.
 //
 // Work is divided into blocks of fixed size. Each block has its own sums, which are joined in the
@@ -82,8 +81,8 @@ void check_spheres(const SphereSet& spheres) {
 
 // Throws LimitExceeded if the triangles are too many for the 32-bit indices of BoxTree, or if mesh,
 // search tree and exposed surface need more than `limit` bytes. The message proposes coarser
-// meshes: one subdivision less divides the bytes by 4, a spacing s times as wide by s². The
-// factor 1.02 makes up for rounding of the proposal to three digits.
+// meshes: one subdivision less divides the bytes by 4, a spacing s times as wide by s². The factor
+// 1.02 is a margin; it is more than the rounding of the printed spacing to three digits (0.5 %).
 void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t limit) {
   const std::uint64_t triangles = mesh.triangle_count();
   if (triangles >= kNoSphere) {
@@ -105,7 +104,8 @@ void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t li
 }
 
 // Returns the density of samples, per Å², for a surface of this total area (Å²): samples_per_area,
-// or as much more as gives kLeastSamples on the whole surface. Throws if either is out of range.
+// or more if that would give fewer than kLeastSamples. Throws if the area is too small or 0, if
+// samples_per_area is not positive and finite, or if there would be more than kMostSamples.
 double density_for(double total_area, double samples_per_area) {
   if (!std::isfinite(kLeastSamples / total_area))
     throw InvalidInput(
@@ -216,7 +216,8 @@ class MeshSampler {
     return (static_cast<double>(i) + within) / static_cast<double>(samples_) * area_.total();
   }
 
-  // Consecutive samples are near each other, so the patch found last is the hint for the next one.
+  // Measures the samples of one block. Consecutive samples are near each other, so the nearest
+  // patch of one sample is the hint for the next.
   void sample_area(std::size_t block, DistanceSums& sums, DistanceHistogram& histogram) const {
     std::uint32_t hint = 0;
     const std::uint64_t first = block * kSamplesPerBlock;
@@ -229,6 +230,7 @@ class MeshSampler {
     }
   }
 
+  // Measures the centres of one block of triangles, for the maximum.
   void visit_centres(std::size_t block, DistanceSums& sums) const {
     std::uint32_t hint = 0;
     const std::size_t end = std::min(mesh_.triangle_count(), (block + 1) * kTrianglesPerBlock);
@@ -240,6 +242,7 @@ class MeshSampler {
     }
   }
 
+  // Measures one block of vertices, without isolated ones, for the maximum.
   void visit_vertices(std::size_t block, const Buffer<std::uint8_t>& used,
                       DistanceSums& sums) const {
     std::uint32_t hint = 0;

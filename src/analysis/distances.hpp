@@ -2,8 +2,8 @@
 //
 // The distance from a point to the boundary is measured to the nearest exposed point, which may be
 // inside a patch, on an arc or at a corner. The distance from a point to the mesh is measured to
-// the nearest point of the nearest triangle. Only the sample points are chosen; each distance is
-// exact up to rounding.
+// the nearest point of the nearest triangle. Both are exact up to rounding; sampling only decides
+// at which points they are taken.
 #pragma once
 
 #include <cstdint>
@@ -24,11 +24,11 @@ struct DistanceOptions {
   Monitor* monitor = nullptr;
 };
 
-// Statistics of the distances in one direction, Å. Mean, RMS and percentiles are averages over area
-// whose estimates have no bias from the density of the samples: more samples make the statistical
-// errors smaller and do not shift the values. `max` is over all samples and therefore a lower bound
-// of the true maximum. Percentiles come from a histogram with 256 bins per octave, so the middle of
-// a bin differs by at most 0.2 % from the values in it.
+// Statistics of the distances in one direction, Å. Mean, RMS and percentiles weight the distances
+// by area. Their estimates are unbiased: more samples make the statistical errors smaller and do
+// not shift the values. `max` is over all samples and therefore a lower bound of the true maximum.
+// Percentiles come from a histogram with 256 bins per octave, so the middle of a bin differs by at
+// most 0.2 % from the values in it.
 struct DistanceStatistics {
   double mean, rms, p50, p95, p99, max;  // all but max are NaN if no sample fell on a patch
   // Standard errors of mean and RMS for independent samples. The samples are spread more evenly

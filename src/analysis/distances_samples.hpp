@@ -67,11 +67,11 @@ void sample_patch(const Patch& patch, double density, Random& random, Visit&& vi
   const double wanted = 2 * kTwoPi * r * r * density;
   const auto count = static_cast<std::uint64_t>(wanted + random.next());
   const RandomTurn turn(random);
-  constexpr double kGoldenTurn = 0.6180339887498948482;
+  constexpr double kGoldenTurn = 0.6180339887498948482;  // 1 / golden ratio, in turns
   const std::span<const Cover> covers = patch.covers;
   for (std::uint64_t i = 0; i < count; ++i) {
-    // Point k of the lattice: z in the middle of the k-th of `count` zones of equal area, and a
-    // longitude of k golden-ratio turns, of which only the fraction of a turn matters.
+    // The zones between `count` + 1 parallels at equal distances in z have equal areas. Point k is
+    // in the middle of zone k, at the longitude k · kGoldenTurn, without its whole turns.
     const auto k = static_cast<double>(i);
     const double z = 1 - (2 * k + 1) / static_cast<double>(count);
     const double angle = kTwoPi * (k * kGoldenTurn - std::floor(k * kGoldenTurn));

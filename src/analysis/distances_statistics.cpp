@@ -2,7 +2,7 @@
 //
 // A bin is a range of the bit patterns of doubles: the exponent and the leading 8 bits of the
 // mantissa are its number, which gives 256 bins of equal width to every octave. summarize() joins
-// the sums of the blocks, and estimates standard errors from the sums of d², d⁴.
+// the sums of the blocks, and estimates standard errors from the sums of d² and d⁴.
 #include "analysis/distances_statistics.hpp"
 
 #include <algorithm>
@@ -15,14 +15,16 @@
 namespace vdwmesh {
 namespace {
 
-// The layout of a double, and the first bin: 2^-48 Å, as exponent and 8 mantissa bits (the key).
+// A key is the exponent of a double with its first kBinBits mantissa bits. kFirstKey is the key of
+// 2^kFirstExponent Å, where the first bin begins.
 constexpr int kMantissaBits = 52, kBinBits = 8, kExponentBias = 1023, kFirstExponent = -48;
 constexpr std::uint64_t kFirstKey = static_cast<std::uint64_t>(kExponentBias + kFirstExponent)
                                     << kBinBits;
 
 // Returns the standard error of the mean of n independent values, given their mean and the mean of
-// their squares: the square root of the sample variance n / (n - 1) · variance, divided by n. NaN
-// for n < 2. The difference `variance` may be negative by rounding and then counts as 0.
+// their squares; NaN for n < 2. The variance of the values is estimated as n / (n - 1) ·
+// `variance`, and the variance of their mean as this divided by n. Rounding may make `variance`
+// negative, which counts as 0.
 double standard_error(double mean, double mean_square, double n) {
   const double variance = mean_square - mean * mean;
   if (!(n >= 2)) return std::numeric_limits<double>::quiet_NaN();
@@ -38,8 +40,9 @@ std::size_t DistanceHistogram::bin_of(double distance) {
   return std::min<std::size_t>(key > kFirstKey ? key - kFirstKey : 0, kBins - 1);
 }
 
-// Returns the middle of a bin, Å: the bin's smallest double with the next mantissa bit set. The
-// first bin, which contains 0, has the value 0.
+// Returns the middle of a bin, Å. The key of the bin, followed by zeros, is the bin's smallest
+// double; with the highest of these zeros set it is the middle. The first bin, which contains all
+// small distances down to 0, has the value 0.
 double DistanceHistogram::middle_of(std::size_t bin) {
   if (bin == 0) return 0;
   const std::uint64_t half = std::uint64_t{1} << (kMantissaBits - kBinBits - 1);

@@ -1,12 +1,10 @@
 // Construction of BoxTree, a bounding volume hierarchy in Morton order.
 //
-//  1. Sort the primitives by the Morton code (Z-order) of the centres of their boxes (sort()).
-//  2. Put each four consecutive primitives into a leaf, and the boxes of eight leaves into a node
-//  of
-//     level 0 (make_leaves()).
-//  3. Put the boxes of each eight consecutive nodes into a node of the next level, until one node
-//  is
-//     left, the root (make_levels()).
+//  1. sort(): sort the primitives by the Morton code (Z-order) of the centres of their boxes.
+//  2. make_leaves(): every four consecutive primitives form a leaf, and the boxes of every eight
+//     leaves form a node of level 0.
+//  3. make_levels(): the boxes of every eight consecutive nodes form a node of the next level,
+//     until there is only one node, the root.
 //
 // Every step is parallel over its output, and the sort keys are unique, so the tree is the same for
 // any number of threads. The principle is the linear BVH of C. Lauterbach et al. (Computer Graphics
@@ -26,6 +24,7 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;  // indices per task
 
+// Calls body(i) for every i in [0, count) on all cores.
 template <class Body>
 void for_all(std::size_t count, const Body& body) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {

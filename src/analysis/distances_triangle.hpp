@@ -1,7 +1,6 @@
 // Squared distance from a point to a segment and to a triangle.
 //
-// These functions are the inner loop of the distance search. All lengths are in Å, all results in
-// Å².
+// These functions are the inner loop of the distance search. Coordinates are in Å, results in Å².
 #pragma once
 
 #include <algorithm>

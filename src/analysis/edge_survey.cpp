@@ -1,15 +1,14 @@
 // Topology of a triangle soup from its edges: closed, manifold, oriented, and its shells.
 //
-//  1. Every edge is examined by itself: the number of its half-edges and their directions. Two
-//     half-edges of one edge are recorded as opposite to each other.
+//  1. Every edge is examined by itself: the number of its half-edges and their directions. If it
+//     has two half-edges, they are recorded as opposite to each other.
 //  2. If every edge has two half-edges in opposite directions, the triangles around each vertex
-//  form
-//     closed fans. A walk around each vertex from one corner shows whether there is one fan only.
-//  3. If so, the mesh is a closed 2-manifold. Triangles that share a vertex are then connected
-//  across
-//     edges, and the shells are the connected sets of vertices (union-find in parallel).
-//  4. Otherwise the mesh is any soup. Union-find over triangles and over corners, on one thread,
-//     answers the same questions (join_across_edges()).
+//     form one or more closed fans. A walk around the vertex shows whether it is one.
+//  3. If every vertex has one fan, the mesh is a closed 2-manifold. Triangles that share a vertex
+//     are then connected across edges, so the connected sets of vertices are the shells. Parallel
+//     union-find over the vertices finds them.
+//  4. In all other cases union-find over triangles and over corners, on one thread, answers the
+//     same questions (join_across_edges()).
 //
 // A corner is one vertex of one triangle. Corner 3t + k is at vertex k of triangle t, where
 // half-edge 3t + k begins.
@@ -56,8 +55,9 @@ struct EdgeCounts {
   }
 };
 
-constexpr std::uint32_t kNoIndex = 0xffffffffu;
+constexpr std::uint32_t kNoIndex = 0xffffffffu;  // no corner, or no shell yet
 
+// Returns an array of `count` copies of a value, written by all cores.
 Buffer<std::uint32_t> filled(std::size_t count, std::uint32_t value) {
   Buffer<std::uint32_t> array;
   resize_untouched(array, count);
@@ -65,6 +65,7 @@ Buffer<std::uint32_t> filled(std::size_t count, std::uint32_t value) {
   return array;
 }
 
+// Carries out the steps at the head of this file.
 class Surveyor {
  public:
   Surveyor(const IndexedMesh& mesh, const EdgeBuckets& buckets) : mesh_(mesh), buckets_(buckets) {}
@@ -111,8 +112,8 @@ class Surveyor {
     return reduce_all(buckets_.vertex_count(), EdgeCounts{}, count, std::plus<>());
   }
 
-  // Returns one corner of each vertex, kNoIndex for a vertex of no triangle. Which of its corners
-  // it is depends on the threads, and no result depends on it.
+  // Returns one corner of each vertex, kNoIndex for a vertex of no triangle. The threads race for
+  // the choice of the corner, and no result depends on it.
   Buffer<std::uint32_t> a_corner_of_each_vertex() const {
     Buffer<std::uint32_t> corner = filled(mesh_.vertex_count(), kNoIndex);
     for_all(mesh_.triangle_count(), [&](std::size_t t) {

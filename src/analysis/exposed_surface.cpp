@@ -25,23 +25,26 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::uint32_t kBlock = 64;  // spheres
-// Two circles whose planes meet at an angle with a squared sine below this have no corners. The
-// angle is then below 1e-9, and their line of intersection has at most seven correct digits. If
-// they do cross, each circle is within 2e-9 radii of the plane of the other.
+// Circles count as parallel, without common points, if the squared sine of the angle between their
+// planes is below this. The angle is then below 1e-9, and the line of intersection of the planes
+// has at most seven correct digits. If such circles do cross, all points of one are within 2e-9
+// radii of the plane of the other.
 constexpr double kParallel = 1e-18;
 // A cap is dropped only if it lies within a larger one by this margin in the cosine, about 90
 // roundings. To keep a nested cap is always correct; dropping it only saves time.
 constexpr double kNested = 1e-14;
 
-// The patches of one block of spheres. The vectors grow while patches are added, so the spans of a
-// patch are set at the end, by refer(). Until then the two arrays of indices say where the covers
-// and corners of each patch end; those of the next patch follow.
+// The patches of one block of spheres, and the covers and corners to which they refer. Growing
+// vectors move their elements, so refer() sets the spans of the patches at the end. Until then the
+// covers of patch i are the elements covers_end[i - 1] … covers_end[i] - 1 of `covers`, and its
+// corners are given by corners_end in the same way.
 struct BlockPatches {
   std::vector<Patch> patches;
   std::vector<std::size_t> covers_end, corners_end;
   std::vector<Cover> covers;
   std::vector<Corner> corners;
 
+  // Sets the spans of all patches.
   void refer() {
     covers.shrink_to_fit();
     corners.shrink_to_fit();
@@ -104,8 +107,8 @@ class PatchBuilder {
     find_whole_circles();
     const auto circles =
         static_cast<std::uint32_t>(std::count(exposed_.begin(), exposed_.end(), 1));
-    // The boundary of an exposed part consists of exposed arcs, so covers without any leave
-    // nothing.
+    // An exposed part of a sphere with covers is bounded by exposed arcs. Without such arcs the
+    // whole sphere is covered.
     if (circles == 0 && !covers_.empty()) return;
     // Covers with exposed arcs come first, as Patch::circles requires.
     for (const bool wanted : {true, false}) {
@@ -135,6 +138,7 @@ class PatchBuilder {
     });
   }
 
+  // Finds the corners among the intersections of every two circles.
   void find_corners(std::uint32_t place) {
     corners_.clear();
     exposed_.assign(covers_.size(), 0);
@@ -212,6 +216,7 @@ void improve_by_circle(std::span<const Cover> covers, std::size_t i, const Vec3d
   squared = found;
 }
 
+// Returns the bounding box of a ball.
 Box box_of(const Sphere& ball) {
   const Vec3d r{ball.radius, ball.radius, ball.radius};
   return {ball.center - r, ball.center + r};

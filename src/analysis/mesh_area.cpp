@@ -22,7 +22,7 @@ constexpr std::size_t kBlock = 2048;  // triangles
 // float, and 24 digits to the base 4 take 48 of the 53 bits of the fraction.
 constexpr int kDigits = 24;
 
-// Å².
+// The area of a triangle, Å².
 double area_of(const Corners& t) { return 0.5 * norm(cross(t.b - t.a, t.c - t.a)); }
 
 }  // namespace

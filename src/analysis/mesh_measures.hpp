@@ -3,7 +3,8 @@
 //
 // The functions read positions and triangles of an IndexedMesh and accept any triangle soup with
 // shared vertex indices; `opposite` is not used. Sums are compensated (WideSum) and added in the
-// order of the triangles, so results do not depend on the number of threads. All take linear time.
+// order of the triangles, so results do not depend on the number of threads. All but
+// self_intersections() take linear time.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +15,8 @@
 
 namespace vdwmesh {
 
-// A distribution of n values. The percentile p is the value of rank ceil(p n), an element of the
-// set. All members are NaN if there are no values.
+// The distribution of n values. p01 and p99 are the 1st and 99th percentile: the values of rank
+// ceil(n / 100) and ceil(99 n / 100), counted from 1. All members are NaN if there are no values.
 struct Distribution {
   double min, p01, median, p99, max, mean;
 };

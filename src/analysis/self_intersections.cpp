@@ -38,7 +38,8 @@ class Intersector {
 
   // Returns whether two triangles intersect other than in their shared vertices and edge. With one
   // shared vertex, an intersection elsewhere means that the edge opposite to that vertex in one
-  // triangle meets the other triangle. With three shared vertices they are the same triangle.
+  // triangle meets the other triangle. Two triangles with three shared vertices coincide, which
+  // counts as an intersection.
   bool operator()(std::uint32_t first, std::uint32_t second) const {
     Triangle a = mesh_.triangles[first], b = mesh_.triangles[second];
     switch (bring_shared_to_front(a, b)) {

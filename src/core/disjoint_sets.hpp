@@ -66,7 +66,8 @@ class DisjointSets {
   // the array of numbers, so this object is empty afterwards.
   std::uint32_t number_sets(Buffer<std::uint32_t>& number) && {
     std::uint32_t sets = 0;
-    // A parent is smaller than its child, so parent_[i] already holds its set's number at index i.
+    // parent_[i] < i unless i is a root, so when the loop comes to i, the element of its parent has
+    // already been replaced by the number of their set.
     for (std::uint32_t i = 0; i < parent_.size(); ++i)
       parent_[i] = parent_[i] == i ? sets++ : parent_[parent_[i]];
     number = std::move(parent_);

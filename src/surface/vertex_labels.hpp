@@ -57,7 +57,7 @@ struct VertexLabels {
   }
 
   // Resizes the arrays to `size` labels of this width. New labels are uninitialised, and the caller
-  // must write them. Their pages are prepared for writing, see expect_writing().
+  // must write them. Their pages are prepared for writing (expect_writing() in large_pages.hpp).
   void resize(std::size_t size, LabelWidth width);
   // Replaces all labels by `size` copies of one label.
   void assign(std::size_t size, const VertexSpheres& label);

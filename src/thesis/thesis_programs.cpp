@@ -68,8 +68,8 @@ struct Nodes {
   }
 };
 
-// Adds the function of an atom at c to the nodes of its sub-grid: along each axis the nodes from
-// v - n to v + n, or v + n + 1, clipped to the grid. v is the voxel of the atom, n the half width.
+// Adds the function of an atom at c to the nodes of its sub-grid (see SubGrid), clipped to the
+// grid.
 void add_atom(const PointF& c, const ThesisGrid& grid, const ThesisParameters& p,
               std::vector<float>& field) {
   const Nodes nodes(grid);

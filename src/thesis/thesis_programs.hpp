@@ -40,8 +40,8 @@ ThesisParameters thesis_parameters(ThesisFunction function);
 ThesisParameters thesis_vdw_parameters();
 
 struct ThesisGrid {
-  Vec3d origin;
-  Vec3i voxels;  // cells; one node more per axis
+  Vec3d origin;  // the lower corner, Å
+  Vec3i voxels;  // number of cells along each axis; there is one node more
   std::int64_t voxel_count() const { return voxels.x * voxels.y * voxels.z; }
 };
 // Returns the grid around the box of the atom centres, with floor((extent + 2 padding) / h) voxels
