@@ -137,7 +137,7 @@ void include(Box& box, const Vec3d& p) {
 
 // Returns the bounding box of mesh and balls together. All queries and primitives of the search
 // trees are within it.
-Box world_of(const IndexedMesh& mesh, const SphereSet& spheres) {
+Box common_bounding_box(const IndexedMesh& mesh, const SphereSet& spheres) {
   Box box = bounding_box(spheres);
   for (const Vec3d& p : mesh.positions) include(box, p);
   return box;
@@ -211,7 +211,7 @@ class MeshSampler {
   // Returns the position of sample i in the area interval [0, total], Å². The random stream of
   // sample i is ~i, which counts downwards from 2^64 - 1; the streams of spheres count upwards from
   // 0 (surface_to_mesh()), so no stream is used twice.
-  double place_of(std::uint64_t i) const {
+  double sample_position(std::uint64_t i) const {
     const double within = Random(seed_, ~i).next();
     return (static_cast<double>(i) + within) / static_cast<double>(samples_) * area_.total();
   }
@@ -222,9 +222,9 @@ class MeshSampler {
     std::uint32_t hint = 0;
     const std::uint64_t first = block * kSamplesPerBlock;
     const std::uint64_t end = std::min<std::uint64_t>(samples_, first + kSamplesPerBlock);
-    MeshArea::Cursor cursor(area_, place_of(first));
+    MeshArea::Cursor cursor(area_, sample_position(first));
     for (std::uint64_t i = first; i < end; ++i) {
-      const double distance = finder_.distance(cursor.point_at(place_of(i)), hint);
+      const double distance = finder_.distance(cursor.point_at(sample_position(i)), hint);
       sums.add(distance);
       histogram.add(distance);
     }
@@ -334,7 +334,7 @@ MeshDistances distances(const IndexedMesh& mesh, const SphereSet& spheres,
   check_vertices(mesh);
   check_memory(mesh, spheres.size(), options.memory_limit);
   const double density = density_for(area_of(spheres), options.samples_per_area);
-  const Box world = world_of(mesh, spheres);
+  const Box world = common_bounding_box(mesh, spheres);
   const ExposedSurface surface(spheres, options.monitor);
   MeshDistances result{};
   result.mesh_to_surface =
@@ -351,7 +351,7 @@ std::vector<float> vertex_distances(const IndexedMesh& mesh, const SphereSet& sp
   check_spheres(spheres);
   check_vertices(mesh);
   const ExposedSurface surface(spheres, monitor);
-  const SurfaceFinder finder(surface, world_of(mesh, spheres));
+  const SurfaceFinder finder(surface, common_bounding_box(mesh, spheres));
   std::vector<float> signed_distances(mesh.vertex_count());
   const std::size_t blocks = blocks_of(mesh.vertex_count(), kVerticesPerBlock);
   begin_stage(monitor, "distances of the vertices", blocks);

@@ -37,9 +37,9 @@ inline constexpr double kTwoPi = 6.283185307179586476925;
 
 // A rotation of space, uniformly distributed over all rotations: a random unit quaternion after
 // K. Shoemake, "Uniform random rotations", Graphics Gems III (1992).
-class RandomTurn {
+class RandomRotation {
  public:
-  explicit RandomTurn(Random& random) {
+  explicit RandomRotation(Random& random) {
     const double split = random.next();
     const double a = kTwoPi * random.next(), b = kTwoPi * random.next();
     const double p = std::sqrt(1 - split), q = std::sqrt(split);
@@ -66,15 +66,15 @@ void sample_patch(const Patch& patch, double density, Random& random, Visit&& vi
   const double r = patch.ball.radius;
   const double wanted = 2 * kTwoPi * r * r * density;
   const auto count = static_cast<std::uint64_t>(wanted + random.next());
-  const RandomTurn turn(random);
-  constexpr double kGoldenTurn = 0.6180339887498948482;  // 1 / golden ratio, in turns
+  const RandomRotation turn(random);
+  constexpr double kInverseGoldenRatio = 0.6180339887498948482;  // 1 / golden ratio, in turns
   const std::span<const Cover> covers = patch.covers;
   for (std::uint64_t i = 0; i < count; ++i) {
     // The zones between `count` + 1 parallels at equal distances in z have equal areas. Point k is
-    // in the middle of zone k, at the longitude k · kGoldenTurn, without its whole turns.
+    // in the middle of zone k, at the longitude k · kInverseGoldenRatio, without its whole turns.
     const auto k = static_cast<double>(i);
     const double z = 1 - (2 * k + 1) / static_cast<double>(count);
-    const double angle = kTwoPi * (k * kGoldenTurn - std::floor(k * kGoldenTurn));
+    const double angle = kTwoPi * (k * kInverseGoldenRatio - std::floor(k * kInverseGoldenRatio));
     const double s = std::sqrt((1 - z) * (1 + z));
     const Vec3d direction = turn({s * std::cos(angle), s * std::sin(angle), z});
     if (is_exposed(covers, direction)) visit(patch.ball.center + r * direction);

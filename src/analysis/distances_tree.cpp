@@ -53,7 +53,7 @@ std::uint64_t morton(const Vec3d& p, int bits) {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 // The empty box: the smallest box around it and any other box is the other box.
-constexpr Box kNothing{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+constexpr Box kEmptyBox{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
 
 void include(Box& box, const Vec3d& lower, const Vec3d& upper) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -114,7 +114,7 @@ void BoxTree::make_leaves(const std::function<Box(std::uint32_t)>& box_of) {
     for (std::size_t lane = 0; lane < kWidth; ++lane) {
       const std::size_t first = n * per_node + lane * kLeaf;
       const std::size_t end = std::min(first + kLeaf, order_.size());
-      Box all = kNothing;
+      Box all = kEmptyBox;
       for (std::size_t i = first; i < end; ++i) {
         const Box box = box_of(order_[i]);
         include(all, scaled(box.lower), scaled(box.upper));

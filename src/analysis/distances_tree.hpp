@@ -77,7 +77,7 @@ class BoxTree {
   float bound_of(double squared) const {
     return static_cast<float>(squared * scale_ * scale_) * (1 + kSlack) + FLT_MIN;
   }
-  static void measure(const Node& node, const FloatPoint& p, float (&distance)[kWidth]);
+  static void squared_distances(const Node& node, const FloatPoint& p, float (&distance)[kWidth]);
   static std::uint32_t nearer_than(float bound, const float (&distance)[kWidth]);
   static int push(const Entry& entry, Entry* stack, int from, int size);
 
@@ -90,7 +90,8 @@ class BoxTree {
 // Computes the squared scaled distances to the eight boxes. Along an axis the distance is max(d, 0)
 // with d = |p - center| - half. Written as (d + |d|) / 2 it needs no branches and can be
 // vectorised.
-inline void BoxTree::measure(const Node& node, const FloatPoint& p, float (&distance)[kWidth]) {
+inline void BoxTree::squared_distances(const Node& node, const FloatPoint& p,
+                                       float (&distance)[kWidth]) {
   const auto twice_outside = [](float place, float center, float half) {
     const float beyond = std::abs(place - center) - half;
     return beyond + std::abs(beyond);
@@ -110,8 +111,7 @@ inline std::uint32_t BoxTree::nearer_than(float bound, const float (&distance)[k
   return near;
 }
 
-// Inserts an entry and keeps stack[from … size] in decreasing order of distance, so that the
-// nearest entry is popped first. Returns the new size.
+// Inserts an entry into stack[from … size], which is in decreasing order of distance.
 inline int BoxTree::push(const Entry& entry, Entry* stack, int from, int size) {
   int place = size;
   for (; place > from && stack[place - 1].distance < entry.distance; --place)
@@ -138,7 +138,7 @@ void BoxTree::nearest(const Vec3d& p, double& squared, Visit&& visit) const {
       continue;
     }
     float distance[kWidth];
-    measure(levels_[static_cast<std::size_t>(entry.level)][entry.index], query, distance);
+    squared_distances(levels_[static_cast<std::size_t>(entry.level)][entry.index], query, distance);
     const int from = size;
     for (std::uint32_t near = nearer_than(bound, distance); near != 0; near &= near - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(near));

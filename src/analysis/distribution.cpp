@@ -79,9 +79,9 @@ void for_blocks(std::span<const double> values, Body&& body) {
 
 // Finds values by their rank. The constructor makes the first pass over the values, percentiles()
 // the second one.
-class Ranks {
+class OrderStatistics {
  public:
-  explicit Ranks(std::span<const double> values) : values_(values) {
+  explicit OrderStatistics(std::span<const double> values) : values_(values) {
     std::vector<Summary> blocks((values.size() + kValuesPerBlock - 1) / kValuesPerBlock);
     tbb::enumerable_thread_specific<std::vector<std::size_t>> counts;
     for_blocks(values, [&](std::size_t b, std::span<const double> block) {
@@ -174,7 +174,7 @@ class Ranks {
 
 Distribution distribution_of(std::span<const double> values) {
   if (values.empty()) return {kNone, kNone, kNone, kNone, kNone, kNone};
-  const Ranks ranks(values);
+  const OrderStatistics ranks(values);
   const auto [p01, median, p99] = ranks.percentiles({1, 50, 99});
   const Summary& all = ranks.summary();
   return {all.min, p01, median, p99, all.max, all.sum.value() / static_cast<double>(values.size())};

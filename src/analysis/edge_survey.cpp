@@ -41,7 +41,7 @@ struct EdgeCounts {
 
   // Adds one edge, given by its half-edges. An edge is oriented if as many half-edges run in one
   // direction as in the other; an edge on the boundary, with one half-edge, is always oriented.
-  void take(std::span<const EdgeEntry> edge) {
+  void add_edge(std::span<const EdgeEntry> edge) {
     ++edges;
     const auto down =
         std::count_if(edge.begin(), edge.end(), [](EdgeEntry entry) { return entry.descending(); });
@@ -103,7 +103,7 @@ class Surveyor {
   EdgeCounts count_edges(Buffer<std::uint32_t>& opposite) const {
     const auto count = [&](std::size_t v, EdgeCounts& counts) {
       for_each_edge(buckets_.at(v), [&](std::span<const EdgeEntry> edge) {
-        counts.take(edge);
+        counts.add_edge(edge);
         if (edge.size() != 2) return;
         opposite[edge[0].half_edge()] = edge[1].half_edge();
         opposite[edge[1].half_edge()] = edge[0].half_edge();
@@ -130,7 +130,7 @@ class Surveyor {
   // vertex pass each corner at most once; they pass all if their lengths add up to all corners.
   bool has_one_fan_everywhere(const Buffer<std::uint32_t>& corner,
                               const Buffer<std::uint32_t>& opposite) const {
-    const auto go_round = [&](std::size_t v, std::uint64_t& corners) {
+    const auto circulate = [&](std::size_t v, std::uint64_t& corners) {
       if (corner[v] == kNoIndex) return;
       std::uint32_t at = corner[v];
       do {
@@ -138,7 +138,7 @@ class Surveyor {
         at = opposite[previous_in_triangle(at)];
       } while (at != corner[v]);
     };
-    const std::uint64_t met = reduce_all(corner.size(), std::uint64_t{0}, go_round, std::plus<>());
+    const std::uint64_t met = reduce_all(corner.size(), std::uint64_t{0}, circulate, std::plus<>());
     return met == 3 * static_cast<std::uint64_t>(mesh_.triangle_count());
   }
 

@@ -10,7 +10,8 @@
 //  4. A circle without corners is exposed as a whole or not at all; one of its points decides.
 //
 // Search: the nearest point of a patch is the radial projection of the query, or a point of an
-// exposed arc, or a corner (improve()). A BoxTree over the balls selects the patches to examine.
+// exposed arc, or a corner (update_nearest()). A BoxTree over the balls selects the patches to
+// examine.
 #include "analysis/exposed_surface.hpp"
 
 #include <tbb/blocked_range.h>
@@ -35,8 +36,8 @@ constexpr double kParallel = 1e-18;
 constexpr double kNested = 1e-14;
 
 // The patches of one block of spheres, and the covers and corners to which they refer. Growing
-// vectors move their elements, so refer() sets the spans of the patches at the end. Until then the
-// covers of patch i are the elements covers_end[i - 1] … covers_end[i] - 1 of `covers`, and its
+// vectors move their elements, so set_spans() sets the spans of the patches at the end. Until then
+// the covers of patch i are the elements covers_end[i - 1] … covers_end[i] - 1 of `covers`, and its
 // corners are given by corners_end in the same way.
 struct BlockPatches {
   std::vector<Patch> patches;
@@ -45,7 +46,7 @@ struct BlockPatches {
   std::vector<Corner> corners;
 
   // Sets the spans of all patches.
-  void refer() {
+  void set_spans() {
     covers.shrink_to_fit();
     corners.shrink_to_fit();
     std::size_t cover = 0, corner = 0;
@@ -75,7 +76,7 @@ double cosine_between(const arcs::Cap& a, const arcs::Cap& b) {
 
 // Returns whether the larger cap contains the smaller one: the angle between their axes plus the
 // angle of the small cap is at most the angle of the large cap. The cosines are compared.
-bool holds(const arcs::Cap& large, const arcs::Cap& small) {
+bool contains_cap(const arcs::Cap& large, const arcs::Cap& small) {
   return arcs::same_cap(large, small) ||
          arcs::inner(large.axis, small.axis) > cosine_between(large, small) + kNested;
 }
@@ -86,8 +87,8 @@ void drop_nested(std::vector<Cover>& covers) {
   std::size_t kept = 0;
   for (const Cover& cover : covers) {
     const auto last = covers.begin() + static_cast<std::ptrdiff_t>(kept);
-    const bool nested =
-        std::any_of(covers.begin(), last, [&](const Cover& c) { return holds(c.cap, cover.cap); });
+    const bool nested = std::any_of(covers.begin(), last,
+                                    [&](const Cover& c) { return contains_cap(c.cap, cover.cap); });
     if (!nested) covers[kept++] = cover;
   }
   covers.resize(kept);
@@ -198,10 +199,10 @@ class PatchBuilder {
 
 // Lowers `squared` to the squared distance from y to circle i, if that is smaller and the nearest
 // point of the circle is exposed. If it is covered, the nearest exposed point of the circle is an
-// end of an arc, a corner, which improve() examines itself. y is relative to the centre of the
-// sphere, and all lengths are in units of its radius.
-void improve_by_circle(std::span<const Cover> covers, std::size_t i, const Vec3d& y,
-                       double& squared) {
+// end of an arc, a corner, which update_nearest() examines itself. y is relative to the centre of
+// the sphere, and all lengths are in units of its radius.
+void update_nearest_on_circle(std::span<const Cover> covers, std::size_t i, const Vec3d& y,
+                              double& squared) {
   const arcs::Cap& cap = covers[i].cap;
   const double height = arcs::inner(cap.axis, y);
   const Vec3d radial = y - height * cap.axis;
@@ -236,7 +237,7 @@ ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
       const std::uint32_t end = std::min(list.size, (block + 1) * kBlock);
       for (std::uint32_t place = block * kBlock; place < end; ++place)
         builder.add(place, found[block]);
-      found[block].refer();
+      found[block].set_spans();
       advance(monitor, 1);
     }
   });
@@ -252,7 +253,7 @@ ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
 // direction of p. If that direction is exposed, it gives the nearest point; otherwise the nearest
 // point is on the border of the patch, on an arc or at a corner. Along a circle the distance grows
 // in the same way with the angle from the nearest point of the circle.
-bool improve(const Patch& patch, const Vec3d& p, double& squared) {
+bool update_nearest(const Patch& patch, const Vec3d& p, double& squared) {
   const double r = patch.ball.radius;
   const Vec3d from_center = p - patch.ball.center;
   const double length = norm(from_center);
@@ -268,7 +269,7 @@ bool improve(const Patch& patch, const Vec3d& p, double& squared) {
   const Vec3d y = (1 / r) * from_center;
   const double before = squared / (r * r);
   double best = before;
-  for (std::size_t i = 0; i < patch.circles; ++i) improve_by_circle(all, i, y, best);
+  for (std::size_t i = 0; i < patch.circles; ++i) update_nearest_on_circle(all, i, y, best);
   for (const Corner& corner : patch.corners) {
     const Vec3d to = y - corner.position;
     best = std::min(best, arcs::inner(to, to));
@@ -295,7 +296,7 @@ SurfaceFinder::SurfaceFinder(const ExposedSurface& surface, const Box& world)
 double SurfaceFinder::distance(const Vec3d& p, std::uint32_t& hint) const {
   const std::span<const Patch> patches = surface_.patches();
   double squared = std::numeric_limits<double>::infinity();
-  improve(patches[hint], p, squared);
+  update_nearest(patches[hint], p, squared);
   // A sphere is within the current distance only if |p - center| is between radius - distance and
   // radius + distance. The squares are compared, so most balls are rejected without a square root.
   double reach = std::sqrt(squared);
@@ -305,7 +306,7 @@ double SurfaceFinder::distance(const Vec3d& p, std::uint32_t& hint) const {
     const double square = arcs::inner(to, to);
     const double most = ball.radius + reach, least = ball.radius - reach;
     if (square > most * most || (least > 0 && square < least * least)) return;
-    if (!improve(patches[i], p, best)) return;
+    if (!update_nearest(patches[i], p, best)) return;
     hint = i;
     reach = std::sqrt(best);
   });

@@ -84,7 +84,7 @@ inline bool is_exposed(std::span<const Cover> covers, const Vec3d& direction,
 
 // Lowers `squared` (Å²) to the squared distance from p to the patch if that is smaller, and returns
 // whether it was.
-bool improve(const Patch& patch, const Vec3d& p, double& squared);
+bool update_nearest(const Patch& patch, const Vec3d& p, double& squared);
 
 // Two unit vectors that form an orthonormal basis with a given unit vector (T. Duff et al.,
 // "Building an orthonormal basis, revisited", JCGT 6 (2017) 1).

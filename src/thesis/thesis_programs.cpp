@@ -115,10 +115,10 @@ void for_each_voxel(const ThesisGrid& grid, Visit&& visit) {
 }
 
 // Marching cubes over a sampled field.
-class Marcher {
+class MarchingCubes {
  public:
-  Marcher(std::span<const Vec3d> atoms, const std::vector<float>& field, const ThesisGrid& grid,
-          const ThesisParameters& parameters, SharedVertices shared)
+  MarchingCubes(std::span<const Vec3d> atoms, const std::vector<float>& field,
+                const ThesisGrid& grid, const ThesisParameters& parameters, SharedVertices shared)
       : field_(field), nodes_(grid), grid_(grid), p_(parameters), shared_(shared) {
     for (const Vec3d& atom : atoms) atoms_.push_back(relative(atom, grid));
   }
@@ -263,7 +263,7 @@ std::int64_t count_triangles(const std::vector<float>& field, const ThesisGrid& 
 ThesisMesh thesis_marching_cubes(std::span<const Vec3d> atoms, const std::vector<float>& field,
                                  const ThesisGrid& grid, const ThesisParameters& parameters,
                                  SharedVertices shared) {
-  return Marcher(atoms, field, grid, parameters, shared).run();
+  return MarchingCubes(atoms, field, grid, parameters, shared).run();
 }
 
 }  // namespace vdwmesh

@@ -198,7 +198,7 @@ TEST_P(DistanceSearch, FindsTheNearestExposedPoint) {
   for (const Vec3d& p : c.points) {
     const double found = finder.distance(p, hint);
     double squared = kFar;
-    for (const Patch& patch : surface.patches()) improve(patch, p, squared);
+    for (const Patch& patch : surface.patches()) update_nearest(patch, p, squared);
     const double unpruned = std::sqrt(squared);
     ASSERT_NEAR(found, unpruned, 1e-12 * (1 + unpruned)) << p.x << ' ' << p.y << ' ' << p.z;
     ASSERT_NEAR(found, oracle.distance(p), kBorder + kRoundings * found)

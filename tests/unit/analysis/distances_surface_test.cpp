@@ -136,14 +136,14 @@ TEST(ExposedSurface, BorderSamplesLieOnTwoSpheres) {
 // Over all turns the mean of a turned vector is 0, and that of the product of two coordinates of
 // two turned vectors is a third of the vectors' product where the coordinates are one, else 0
 // (Schur).
-TEST(RandomTurn, IsUniform) {
+TEST(RandomRotation, IsUniform) {
   constexpr int kTurns = 40000;
   const std::array<Vec3d, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   std::array<double, 9> sum{};
   std::array<double, 81> products{};
   for (int t = 0; t < kTurns; ++t) {
     Random random(11, static_cast<std::uint64_t>(t));
-    const RandomTurn turn(random);
+    const RandomRotation turn(random);
     std::array<double, 9> entries;
     for (std::size_t a = 0; a < 3; ++a) {
       const Vec3d image = turn(axes[a]);
