@@ -1,4 +1,5 @@
-// Bytes and text collected into large writes.
+// A write buffer between the writers of mesh files and a ByteSink, so that the sink gets few large
+// writes. Also the access to vertices and faces that all writers need.
 #pragma once
 
 #include <array>
@@ -17,29 +18,34 @@ namespace vdwmesh::formats {
 static_assert(std::endian::native == std::endian::little,
               "binary formats are written as in memory");
 
+// The writer calls begin_record() before each vertex, face or other short record. What it appends
+// until the next record is not checked against the end of the buffer: begin_record() has made room.
 class ChunkWriter {
  public:
   explicit ChunkWriter(ByteSink& sink) : sink_(sink), buffer_(kSize), end_(buffer_.data()) {}
 
-  // Room for one record, at most kMostPerRecord bytes; what follows must fit in it.
+  // Makes room for the next kMostPerRecord bytes. A record must not be longer.
   void begin_record() {
     if (end_ + kMostPerRecord > buffer_.data() + kSize) flush();
   }
+  // Appends the bytes of the value as they are in memory, so little-endian.
   template <class T>
   void raw(const T& value) {
     std::memcpy(end_, &value, sizeof value);
     end_ += sizeof value;
   }
   void character(char c) { *end_++ = c; }
-  // The shortest digits that read back the same number.
+  // Appends the fewest digits from which the same number is read back.
   template <class T>
   void number(T value) {
     end_ = std::to_chars(end_, end_ + kMostPerNumber, value).ptr;
   }
+  // Writes text of any length. The buffer is empty afterwards.
   void text(std::string_view s) {
     flush();
     sink_.write(s.data(), s.size());
   }
+  // Hands the buffer over to the sink. Every writer must call it at the end.
   void flush() {
     sink_.write(buffer_.data(), static_cast<std::size_t>(end_ - buffer_.data()));
     end_ = buffer_.data();
@@ -47,15 +53,18 @@ class ChunkWriter {
 
  private:
   static constexpr std::size_t kSize = std::size_t{1} << 18;  // stays in the second-level cache
+  // Bytes. The longest record is a face of an OBJ file: six indices of up to 10 digits.
   static constexpr std::size_t kMostPerRecord = 512;
+  // Characters. A double needs at most 24, as in -1.2345678901234567e-308.
   static constexpr std::ptrdiff_t kMostPerNumber = 32;
 
   ByteSink& sink_;
   Buffer<char> buffer_;
-  char* end_;
+  char* end_;  // end of what is in the buffer
 };
 
-// Vertices of a face, first the one its half-edge starts from.
+// The vertices of a face in order. The first is the start of the half-edge that OpenMesh keeps for
+// the face.
 inline std::array<std::uint32_t, 3> face_vertices(const SurfaceMesh& mesh, std::size_t face) {
   const auto h = mesh.halfedge_handle(OpenMesh::FaceHandle(static_cast<int>(face)));
   const auto index = [&](OpenMesh::HalfedgeHandle to) {

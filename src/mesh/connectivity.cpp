@@ -1,3 +1,9 @@
+// Builds OpenMesh's half-edge structure in bulk, from triangles and their opposite half-edges.
+// add_face(), OpenMesh's own way, works on one thread and searches around vertices for each face.
+// Here the steps are: number the edges by counting and a prefix sum; check that the triangles
+// around each vertex are one fan, while other threads allocate the arrays; link faces and vertices
+// in parallel; link the boundary on one thread, as boundaries are short. SurfaceMeshBuilder calls
+// connect().
 #include "mesh/connectivity.hpp"
 
 #include <fmt/format.h>
@@ -25,10 +31,11 @@ using handles::half_edge;
 using handles::kItemsPerBlock;
 using handles::vertex;
 using Range = tbb::blocked_range<std::size_t>;
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNone = 0xffffffffu;  // in outgoing_: the vertex is on no triangle
 
-// Builds the connectivity of one mesh. Half-edges of the input are 3t + k; "handles" are those of
-// OpenMesh, 2 per edge. An edge is owned by the first of its half-edges.
+// Builds the connectivity of one mesh. A half-edge has two numbers. Its input number is 3t + k for
+// corner k of triangle t. Its handle is OpenMesh's number, 2e or 2e + 1 for edge e. The half-edge
+// of smaller input number owns the edge and gets handle 2e.
 class Connector {
  public:
   Connector(SurfaceMesh& mesh, std::span<const Triangle> triangles,
@@ -39,6 +46,7 @@ class Connector {
         opposite_(opposite),
         vertex_count_(vertex_count) {}
 
+  // choose_outgoing() is serial and needs the triangles alone, so it runs beside make_room().
   void run(Opposites origin) {
     if (origin == Opposites::given) check_opposite();
     number_edges();
@@ -53,13 +61,18 @@ class Connector {
     link_faces();
     link_vertices();
     handle_of_ = {};
+    // opposite_ has one entry per half-edge of a triangle. In a closed mesh there are two per edge;
+    // on a boundary, the second half-edge belongs to no triangle.
     if (2 * edge_count_ != opposite_.size()) link_boundary();
   }
 
  private:
-  bool owns(std::uint32_t h) const { return h < opposite_[h]; }  // kNoOpposite is the largest
+  // kNoOpposite is the largest number, so a half-edge on the boundary owns its edge.
+  bool owns(std::uint32_t h) const { return h < opposite_[h]; }
 
-  // What a producer hands over is believed only as far as it is consistent.
+  // Checks opposites that the caller gave. Afterwards all indices are in range, and opposite_ pairs
+  // half-edges that run along the same edge in opposite directions. The walks below rely on this:
+  // they need no bounds checks, and they end.
   void check_opposite() const {
     std::atomic<bool> all_good = true;
     for_each_index(triangles_.size(), [&](std::size_t t) {
@@ -72,7 +85,9 @@ class Connector {
       if (!is_consistent(h, next_in_triangle(h))) throw_bad_triangle(h / 3);
   }
 
-  // Of half-edge h, which `after` follows in its triangle.
+  // Whether half-edge h has two different, valid ends and a correct opposite. `after` is the next
+  // half-edge of the same triangle, so corners_[after] is the end of h. Checking h and its opposite
+  // in turn checks both ends of the pair.
   bool is_consistent(std::size_t h, std::size_t after) const {
     const std::uint32_t o = opposite_[h], from = corners_[h], to = corners_[after];
     if (from >= vertex_count_ || from == to) return false;
@@ -80,6 +95,7 @@ class Connector {
     return o < opposite_.size() && opposite_[o] == h && corners_[o] == to;
   }
 
+  // Says what is wrong with triangle t, one of whose half-edges is not consistent.
   [[noreturn]] void throw_bad_triangle(std::uint32_t t) const {
     const auto [a, b, c] = triangles_[t];
     if (std::max({a, b, c}) >= vertex_count_ || a == b || b == c || c == a)
@@ -89,7 +105,10 @@ class Connector {
         "a half-edge of triangle {} (vertices {} {} {}) has no consistent opposite", t, a, b, c));
   }
 
-  // Edges are numbered by their owners in order: count by block, scan, number.
+  // Numbers the edges in the order of their owners, in parallel: each block of half-edges counts
+  // its owners, an exclusive prefix sum over the blocks gives each block its first edge, and each
+  // block numbers its own edges. The numbers do not depend on the number of threads. Every handle
+  // is written by one thread alone, the one that visits the owner.
   void number_edges() {
     const std::size_t half_edges = opposite_.size();
     const std::size_t blocks = (half_edges + kItemsPerBlock - 1) / kItemsPerBlock;
@@ -121,6 +140,8 @@ class Connector {
     });
   }
 
+  // Gives each half-edge of a triangle its end, its face and its successor. OpenMesh sets the
+  // previous half-edge along with the successor.
   void link_faces() {
     for_each_index(triangles_.size(), [&](std::size_t t) {
       const std::uint32_t* h = handle_of_.data() + 3 * t;
@@ -134,6 +155,7 @@ class Connector {
     });
   }
 
+  // Gives each vertex a half-edge that leaves it. A vertex on no triangle keeps none.
   void link_vertices() {
     for_each_index(vertex_count_, [&](std::size_t v) {
       if (outgoing_[v] != kNone)
@@ -141,8 +163,11 @@ class Connector {
     });
   }
 
-  // A boundary half-edge is the second of its edge. Its start becomes the outgoing half-edge of
-  // its vertex, as OpenMesh demands, and from there the next one along the boundary is found.
+  // Links the half-edges on the boundary, which belong to no triangle and have odd handles. The
+  // first loop makes each of them the outgoing half-edge of the vertex where it starts, as OpenMesh
+  // demands. A vertex has one fan of triangles, so only one boundary half-edge starts there. The
+  // second loop uses this: the successor of a boundary half-edge is the outgoing half-edge of the
+  // vertex where it ends.
   void link_boundary() {
     std::vector<std::uint32_t> boundary;
     for (std::uint32_t e = 0; e < edge_count_; ++e)
@@ -159,13 +184,15 @@ class Connector {
                                      mesh_.halfedge_handle(mesh_.to_vertex_handle(half_edge(h))));
   }
 
-  // The last half-edge that starts at each vertex.
+  // Picks an outgoing half-edge for each vertex: the last one, in input numbers, that starts there.
   void choose_outgoing() {
     outgoing_.assign(vertex_count_, kNone);
     for (std::uint32_t h = 0; h < opposite_.size(); ++h) outgoing_[corners_[h]] = h;
   }
 
-  // Every corner must be met by going round the vertices from their outgoing half-edges.
+  // Checks that the triangles around each vertex are one fan. A walk round a vertex meets the
+  // triangles of one fan only, each once, so its length is at most the number of corners at the
+  // vertex. Hence all vertices are right exactly if the lengths sum to the number of all corners.
   void check_fans() const {
     std::atomic<std::uint64_t> met{0};
     tbb::parallel_for(Range(0, vertex_count_, kItemsPerBlock), [&](const Range& range) {
@@ -174,6 +201,7 @@ class Connector {
       met += corners;
     });
     if (met == opposite_.size()) return;
+    // Some vertex is wrong. Only now are corners counted per vertex, to find the first such vertex.
     std::vector<std::uint32_t> corners(vertex_count_);
     for (const Triangle& triangle : triangles_)
       for (const std::uint32_t v : triangle) ++corners[v];
@@ -181,7 +209,9 @@ class Connector {
       if (corners[v] != fan_size(v)) throw_two_fans(v);
   }
 
-  // Triangles met from the outgoing half-edge on, one way and, from a boundary, the other.
+  // Number of triangles in the fan of v that holds its outgoing half-edge. The walk turns one way
+  // until it is back. If it meets the boundary instead, a second walk turns the other way. Turning
+  // is injective, because opposites come in pairs, so the walk can only return to where it began.
   std::uint32_t fan_size(std::size_t v) const {
     const std::uint32_t first = outgoing_[v];
     if (first == kNone) return 0;
@@ -201,12 +231,12 @@ class Connector {
 
   SurfaceMesh& mesh_;
   std::span<const Triangle> triangles_;
-  const std::uint32_t* corners_;  // where each half-edge starts: the triangles once more
+  const std::uint32_t* corners_;  // the triangles as a flat array: the start of each half-edge
   std::span<const std::uint32_t> opposite_;
   std::size_t vertex_count_;
   std::size_t edge_count_ = 0;
-  Buffer<std::uint32_t> handle_of_;  // of each input half-edge
-  Buffer<std::uint32_t> outgoing_;   // input half-edge of each vertex, or kNone
+  Buffer<std::uint32_t> handle_of_;  // input number -> handle
+  Buffer<std::uint32_t> outgoing_;   // vertex -> input number of a half-edge, or kNone
 };
 
 }  // namespace

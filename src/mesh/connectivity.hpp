@@ -1,4 +1,4 @@
-// The half-edge structure of a SurfaceMesh from triangles, in bulk.
+// Makes the half-edge structure of a SurfaceMesh from all triangles at once.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,13 @@
 
 namespace vdwmesh {
 
-// Whether the opposite half-edges come from elsewhere and have to be checked.
+// Where the opposite half-edges come from: from the caller of the library, so that they have to be
+// checked, or from opposite_half_edges(), which has checked the triangles.
 enum class Opposites { given, computed };
 
-// Gives the mesh its vertices, edges and faces and links them. Throws as to_surface_mesh() does.
+// Gives the mesh its vertices, edges and faces and links them; positions and properties stay unset.
+// `opposite` has one entry per half-edge 3t + k, as opposite_half_edges() returns them. Throws as
+// to_surface_mesh() does.
 void connect(SurfaceMesh& mesh, std::span<const Triangle> triangles,
              std::span<const std::uint32_t> opposite, std::size_t vertex_count, Opposites origin);
 

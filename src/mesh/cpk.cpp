@@ -1,3 +1,6 @@
+// Colours a SurfaceMesh by element: a table from element to colour, looked up once per atom, and a
+// parallel loop that gives each vertex the colour of its atom. The colours are those of the
+// space-filling models of Corey, Pauling and Koltun (CPK).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +20,7 @@ namespace {
 using Color = std::array<std::uint8_t, 3>;
 
 struct ElementColor {
-  std::string_view element;
+  std::string_view element;  // in capitals
   Color color;
 };
 
@@ -35,8 +38,9 @@ const ElementColor kColors[] = {
     {"LI", {204, 128, 255}}, {"AG", {192, 192, 192}}, {"CD", {255, 217, 143}},
     {"HG", {184, 184, 208}}, {"PT", {208, 208, 224}}, {"AU", {255, 209, 35}},
 };
-const Color kOther{255, 20, 147};
+const Color kOther{255, 20, 147};  // all other elements
 
+// Reports the first vertex whose atom is beyond the end of the table of elements.
 [[noreturn]] void throw_first_without_element(const SurfaceMesh& mesh,
                                               VertexSpheresProperty spheres, std::size_t elements) {
   const auto has_none = [&](const auto v) {
@@ -61,13 +65,15 @@ Color element_color(std::string_view element) {
 }
 
 void color_by_element(SurfaceMesh& mesh, std::span<const std::string> elements) {
-  std::vector<SurfaceMesh::Color> colors;
+  std::vector<SurfaceMesh::Color> colors;  // by sphere
   colors.reserve(elements.size());
   for (const std::string& element : elements) {
     const Color c = element_color(element);
     colors.emplace_back(c[0], c[1], c[2]);
   }
   const VertexSpheresProperty spheres = vertex_spheres(mesh);
+  // The parallel loop only notes that a vertex has no element. The search for the first one is
+  // serial, so the error does not depend on the threads.
   std::atomic<bool> all_named = true;
   handles::for_each_index(mesh.n_vertices(), [&](std::size_t v) {
     const SphereId atom = mesh.property(spheres, handles::vertex(v))[0];

@@ -1,6 +1,8 @@
-// Half-edges of a triangle soup grouped by the edge they run along: counting sorts by ranges of the
-// smaller vertex and by that vertex, then a small sort inside each bucket, so the time is linear in
-// the triangles; on all cores.
+// Groups the half-edges of any triangles by the edge that they run along. The triangles need not be
+// a manifold: an edge may have any number of half-edges. The smaller vertex of an edge is its
+// vertex of smaller index. There is one bucket per vertex v, which holds the half-edges of all
+// edges whose smaller vertex is v. The work is done on all cores. Its time is linear in the number
+// of triangles, as long as vertices have few edges.
 #pragma once
 
 #include <cstddef>
@@ -13,15 +15,16 @@
 
 namespace vdwmesh {
 
-// OpenMesh handles are int, so 2^31 - 1 half-edges are the most a mesh can have.
+// The most half-edges that a SurfaceMesh can have, because OpenMesh's handles are of type int.
 inline constexpr std::uint64_t kMaxSurfaceHalfEdges = 0x7fffffffu;
 
-// Half-edges 3t + k of one triangle, the one after and the one before.
+// The half-edges after and before h = 3t + k in its triangle t.
 constexpr std::uint32_t next_in_triangle(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
 constexpr std::uint32_t previous_in_triangle(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
-// One half-edge in the bucket of its smaller vertex. Comparison sorts by larger vertex, then
-// half-edge.
+// One half-edge in the bucket of its smaller vertex. Entries are ordered by the larger vertex, then
+// by half-edge. Both are packed into 64 bits, from the top: 32 bits of larger vertex, 31 bits of
+// half-edge, 1 bit of direction. One integer comparison therefore compares entries.
 class EdgeEntry {
  public:
   EdgeEntry() = default;
@@ -40,26 +43,27 @@ class EdgeEntry {
 
 class EdgeBuckets {
  public:
-  // Half-edges whose two ends are one vertex are left out; repeated_index() names the first
-  // triangle that has one. Throws InvalidInput for an index of no vertex, LimitExceeded beyond
-  // 2^31 - 1 half-edges.
+  // Leaves out half-edges that start and end at the same vertex. Throws InvalidInput if a triangle
+  // has an index of vertex_count or more, and LimitExceeded beyond 2^31 - 1 half-edges.
   EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex_count);
 
   std::size_t vertex_count() const { return end_.size(); }
-  // The half-edges of all edges whose smaller vertex is v, those of one edge side by side.
+  // The bucket of vertex v: the half-edges of all edges whose smaller vertex is v, in the order of
+  // EdgeEntry. So the half-edges of one edge stand side by side.
   std::span<const EdgeEntry> at(std::size_t v) const {
     const std::size_t begin = v == 0 ? 0 : end_[v - 1];
     return {entries_.data() + begin, end_[v] - begin};
   }
+  // The first triangle that names a vertex twice, if there is one.
   std::optional<std::size_t> repeated_index() const { return repeated_index_; }
 
  private:
-  Buffer<std::uint32_t> end_;
-  Buffer<EdgeEntry> entries_;
+  Buffer<std::uint32_t> end_;  // vertex -> end of its bucket in entries_
+  Buffer<EdgeEntry> entries_;  // all buckets, by vertex
   std::optional<std::size_t> repeated_index_;
 };
 
-// Calls visit(span of EdgeEntry) for every edge of a bucket.
+// Calls visit(edge) for every edge of a bucket; `edge` is the span of the edge's entries.
 template <class Visit>
 void for_each_edge(std::span<const EdgeEntry> bucket, Visit&& visit) {
   for (std::size_t first = 0; first < bucket.size();) {

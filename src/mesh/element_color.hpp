@@ -1,4 +1,4 @@
-// Colours of the elements.
+// The colours in which atoms are drawn, by chemical element.
 #pragma once
 
 #include <array>
@@ -7,8 +7,9 @@
 
 namespace vdwmesh {
 
-// sRGB by symbol, in any case: the CPK colours as Jmol extends them; elements that are not met in
-// structures of macromolecules share one colour, a strong pink.
+// The CPK colour of an element, as Jmol extends them: sRGB, red first, 0 to 255. `element` is a
+// chemical symbol, whose case does not matter. Elements outside of the table, which has those met
+// in structures of macromolecules, share a strong pink.
 std::array<std::uint8_t, 3> element_color(std::string_view element);
 
 }  // namespace vdwmesh

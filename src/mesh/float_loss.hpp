@@ -1,4 +1,5 @@
-// What coordinates lose on their way into a format of float32.
+// Rounds coordinates to float32 for the formats that store nothing wider (STL, GLB), and measures
+// how far they move by that.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,17 +15,21 @@
 
 namespace vdwmesh::formats {
 
-inline constexpr double kNoticeableLoss = 1e-4;  // Å
+// The writers warn of displacements above this (Å, per coordinate).
+inline constexpr double kNoticeableLoss = 1e-4;
 
 class FloatLoss {
  public:
-  // Throws InvalidInput for a coordinate beyond the range of float.
+  // Returns p rounded to float. A coordinate beyond the range of float becomes infinite, which
+  // finish() reports.
   Vec3f round(const Vec3d& p) {
     const Vec3f rounded = cast<float>(p);
     for (int axis = 0; axis < 3; ++axis)
       largest_ = std::max(largest_, std::abs(p[axis] - static_cast<double>(rounded[axis])));
     return rounded;
   }
+  // Call it once, after the last round(). Adds a warning if a coordinate moved noticeably. Throws
+  // InvalidInput if one was beyond the range of float. `format` is the format's name for people.
   void finish(const char* format, std::vector<std::string>& warnings) const {
     if (largest_ > std::numeric_limits<double>::max())
       throw InvalidInput(fmt::format("coordinates are beyond the range of {}'s float32", format));
@@ -36,7 +41,7 @@ class FloatLoss {
   }
 
  private:
-  double largest_ = 0;
+  double largest_ = 0;  // Å, over all coordinates so far; infinite after an overflow
 };
 
 }  // namespace vdwmesh::formats

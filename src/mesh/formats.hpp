@@ -1,7 +1,8 @@
-// One writer and one reader per mesh format, as mesh_io.cpp calls them. Writers may assume finite
-// coordinates and no deleted elements. Readers throw FileFormatError with the line or byte, which
-// mesh_io.cpp completes with the file's name; what a header promises is believed only as far as
-// the bytes that are there can hold it.
+// One writer and one reader per mesh format; mesh_io.cpp calls them. Writers may assume that
+// coordinates are finite and no element is deleted. Readers throw FileFormatError with the line or
+// byte of the error, and mesh_io.cpp adds the name of the file. Readers do not trust the counts in
+// a header: before they allocate memory for a count, they check that the bytes that follow could
+// hold so many elements.
 #pragma once
 
 #include <string>
@@ -13,6 +14,7 @@
 
 namespace vdwmesh::formats {
 
+// One line each, for people.
 using Warnings = std::vector<std::string>;
 
 void write_ply(const SurfaceMesh& mesh, ByteSink& sink);

@@ -1,3 +1,8 @@
+// Reader of GLB, the binary form of glTF 2.0. The library tinygltf parses the JSON and finds the
+// binary chunk; this file checks its indices and sizes, walks through the tree of nodes and
+// collects all triangles in one mesh. Every node has a transform relative to its parent, which is
+// applied in double, so a translation such as write_glb() stores keeps the precision of the
+// positions.
 #include <fmt/format.h>
 #include <tiny_gltf.h>
 
@@ -17,10 +22,10 @@ namespace {
 
 [[noreturn]] void fail(const std::string& what) { throw FileFormatError("GLB: " + what); }
 
-// x -> A x + t.
+// An affine map x -> A x + t, in double.
 struct Transform {
   std::array<Vec3d, 3> rows{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // of A
-  Vec3d shift{0, 0, 0};
+  Vec3d shift{0, 0, 0};                                          // t
 
   Vec3d apply_linear(const Vec3d& p) const {
     return {dot(rows[0], p), dot(rows[1], p), dot(rows[2], p)};
@@ -28,10 +33,13 @@ struct Transform {
   Vec3d apply(const Vec3d& p) const { return apply_linear(p) + shift; }
   Vec3d column(int k) const { return {rows[0][k], rows[1][k], rows[2][k]}; }
   double determinant() const { return dot(rows[0], cross(rows[1], rows[2])); }
-  // Normals go with the cofactors of A.
+  // The cofactor matrix of A, which equals det(A) times the inverse transpose and maps normals to
+  // normals up to their length. It needs no division, so it exists for singular A as well. If
+  // det(A) is negative, it maps a normal to the opposite of what the inverse transpose gives.
   Transform for_normals() const {
     return {{cross(rows[1], rows[2]), cross(rows[2], rows[0]), cross(rows[0], rows[1])}, {0, 0, 0}};
   }
+  // The map that applies `first`, then this one.
   Transform after(const Transform& first) const {
     Transform result;
     for (unsigned i = 0; i < 3; ++i)
@@ -41,7 +49,8 @@ struct Transform {
   }
 };
 
-Transform rotation(const std::vector<double>& q) {  // x, y, z, w
+// The rotation by a unit quaternion (x, y, z, w).
+Transform rotation(const std::vector<double>& q) {
   const double x = q[0], y = q[1], z = q[2], w = q[3];
   Transform result;
   result.rows = {{{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
@@ -50,9 +59,11 @@ Transform rotation(const std::vector<double>& q) {  // x, y, z, w
   return result;
 }
 
+// The transform of a node relative to its parent: a matrix of 4 x 4, or translation * rotation *
+// scale, each of which may be missing (glTF 2.0, 3.5.3).
 Transform transform_of(const tinygltf::Node& node) {
   Transform result;
-  if (node.matrix.size() == 16) {  // by columns
+  if (node.matrix.size() == 16) {  // column by column
     const auto& m = node.matrix;
     for (unsigned i = 0; i < 3; ++i) result.rows[i] = {m[i], m[4 + i], m[8 + i]};
     result.shift = {m[12], m[13], m[14]};
@@ -67,6 +78,7 @@ Transform transform_of(const tinygltf::Node& node) {
   return result;
 }
 
+// items[index], or an error that names the index. Indices of glTF are int, and -1 if missing.
 template <class T>
 const T& item(const std::vector<T>& items, int index, const char* what) {
   if (index < 0 || static_cast<std::size_t>(index) >= items.size())
@@ -74,11 +86,12 @@ const T& item(const std::vector<T>& items, int index, const char* what) {
   return items[static_cast<std::size_t>(index)];
 }
 
-// The bytes an accessor stands for, every element inside its buffer.
+// The array that a glTF accessor describes. All its elements lie inside of their buffer.
 struct Elements {
   const unsigned char* data;
-  std::size_t count, stride;
+  std::size_t count, stride;  // stride in bytes, at least the size of an element
 
+  // The bytes need not be aligned.
   template <class T>
   T at(std::size_t i) const {
     T value;
@@ -87,6 +100,10 @@ struct Elements {
   }
 };
 
+// Resolves an accessor whose elements have `size` bytes. An accessor is a part of a buffer view,
+// which is a part of a buffer; all sizes come from the file. The comparisons are written with
+// differences that cannot be negative, so that no sum or product overflows. The last element needs
+// `size` bytes only, not a whole stride.
 Elements elements(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
                   std::size_t size) {
   if (accessor.sparse.isSparse) fail("sparse accessors are not read here");
@@ -105,6 +122,7 @@ Elements elements(const tinygltf::Model& model, const tinygltf::Accessor& access
   return {data.data() + view.byteOffset + accessor.byteOffset, accessor.count, step};
 }
 
+// An accessor of positions or normals. Quantised ones (an extension of glTF) are refused.
 Elements float_vectors(const tinygltf::Model& model, int accessor_index) {
   const auto& accessor = item(model.accessors, accessor_index, "accessor");
   if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT ||
@@ -113,6 +131,8 @@ Elements float_vectors(const tinygltf::Model& model, int accessor_index) {
   return elements(model, accessor, sizeof(Vec3f));
 }
 
+// The indices of a primitive, all below `vertices`. A primitive without indices uses its vertices
+// one after the other.
 std::vector<std::uint32_t> read_indices(const tinygltf::Model& model,
                                         const tinygltf::Primitive& primitive,
                                         std::size_t vertices) {
@@ -145,6 +165,8 @@ std::vector<std::uint32_t> read_indices(const tinygltf::Model& model,
   return indices;
 }
 
+// Collects the triangles of the default scene (the first one if none is named), or of all meshes if
+// the file has no scenes.
 class GlbReader {
  public:
   explicit GlbReader(const tinygltf::Model& model)
@@ -158,6 +180,7 @@ class GlbReader {
       const int scene = std::max(model_.defaultScene, 0);
       for (const int root : item(scenes, scene, "scene").nodes) visit(root);
     }
+    // Normals of some primitives only are of no use.
     if (file_.mesh.normals.size() != file_.mesh.vertex_count()) file_.mesh.normals.clear();
     if (skipped_ > 0)
       file_.notes.push_back(
@@ -170,7 +193,10 @@ class GlbReader {
   }
 
  private:
-  // Depth first without recursion: a hostile file may nest nodes as deep as it likes.
+  // Adds the meshes of a node and of its descendants, in depth-first order. The stack of open nodes
+  // is a vector, because a hostile file could nest nodes deeper than recursion can go. A node that
+  // is met twice is an error (glTF demands trees); so the loop ends even if nodes form a cycle.
+  // Children are pushed in reverse, so that the first is taken first.
   void visit(int root) {
     std::vector<std::pair<int, Transform>> open{{root, Transform{}}};
     while (!open.empty()) {
@@ -186,6 +212,7 @@ class GlbReader {
     }
   }
 
+  // Adds the primitives of a mesh. A primitive of no mode (-1) is one of triangles, the default.
   void add(const tinygltf::Mesh& mesh, const Transform& transform) {
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
       const bool triangles = primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == -1;
@@ -198,6 +225,7 @@ class GlbReader {
     }
   }
 
+  // Adds a primitive of triangles, whose positions are in accessor `position`.
   void add(const tinygltf::Primitive& primitive, int position, const Transform& transform) {
     IndexedMesh& mesh = file_.mesh;
     const Elements points = float_vectors(model_, position);
@@ -218,6 +246,7 @@ class GlbReader {
     const Elements source = float_vectors(model_, accessor);
     if (source.count != count) fail("normals are not as many as vertices");
     const Transform turn = transform.for_normals();
+    // Without rotation or scale, normals keep their bits.
     const bool plain = turn.rows == Transform{}.rows;
     for (std::size_t i = 0; i < count; ++i) {
       const Vec3f given = source.at<Vec3f>(i);
@@ -228,7 +257,8 @@ class GlbReader {
     }
   }
 
-  // A mirroring transform turns the winding around (glTF 2.0, 3.7.4).
+  // Adds the triangles of a primitive whose vertices begin at `first`. A transform with a negative
+  // determinant is a mirror and reverses the winding (glTF 2.0, 3.7.4), so two corners are swapped.
   void add_triangles(const std::vector<std::uint32_t>& indices, std::size_t first, bool mirrored) {
     left_over_ += indices.size() % 3;
     for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
@@ -241,10 +271,10 @@ class GlbReader {
   }
 
   const tinygltf::Model& model_;
-  std::vector<bool> visited_;
+  std::vector<bool> visited_;  // by node
   MeshFile file_;
-  std::uint64_t skipped_ = 0;    // primitives
-  std::uint64_t left_over_ = 0;  // indices
+  std::uint64_t skipped_ = 0;    // primitives that are no triangles or have no positions
+  std::uint64_t left_over_ = 0;  // indices at the ends of primitives that make no triangle
 };
 
 }  // namespace
@@ -253,7 +283,8 @@ MeshFile read_glb(std::string_view bytes) {
   if (bytes.size() > std::numeric_limits<std::uint32_t>::max())
     fail("the file is larger than its 32 bits can count");
   tinygltf::TinyGLTF loader;
-  // Pictures are of no interest, and nothing outside the file is opened.
+  // Images are not decoded. Without file callbacks, tinygltf opens no other file, whatever the file
+  // names.
   loader.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int,
                            const unsigned char*, int, void*) { return true; },
                         nullptr);

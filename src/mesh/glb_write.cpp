@@ -1,6 +1,10 @@
-// glTF 2.0 in one binary file: float32 positions about the middle of the box, which the node's
-// translation, printed as double, puts back. Written array by array straight into the sink, which
-// looks for signals with every write.
+// Writer of GLB, the binary form of glTF 2.0: a header, a chunk of JSON and a chunk of binary
+// arrays.
+//
+// glTF has float32 positions only. To lose little, positions are stored relative to the middle of
+// the mesh's bounding box, and the translation of the node, a double in the JSON, moves them back.
+// tinygltf could write the file, but only from a second copy of all arrays and in one call. Here
+// each array goes through a ChunkWriter into the sink, which can stop between two writes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,14 +22,17 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Numbers of the glTF 2.0 specification.
+// Constants of the glTF 2.0 specification.
 constexpr int kFloat = 5126, kUnsignedByte = 5121, kUnsignedInt = 5125;  // component types
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;         // targets
 constexpr int kTriangles = 4;                                            // mode
 constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2;               // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 constexpr std::uint32_t kHeaderSize = 12, kChunkHeaderSize = 8;
-constexpr std::uint64_t kVectorSize = 12, kColorSize = 4, kTriangleSize = 12;  // bytes, all of 4
+// Bytes per vertex or triangle. All are multiples of 4, as glTF demands of offsets and chunks, so
+// the arrays need no padding between them.
+constexpr std::uint64_t kVectorSize = 12, kColorSize = 4, kTriangleSize = 12;
+// An upper bound of the JSON, with the headers. Its length depends on the mesh by few numbers only.
 constexpr std::uint64_t kMostOfJson = 4096;
 
 struct Box3 {
@@ -33,6 +40,7 @@ struct Box3 {
   Vec3d middle() const { return lower + 0.5 * (upper - lower); }
 };
 
+// The bounding box of all vertices; a mesh without any has a box at the origin.
 Box3 box_of(const SurfaceMesh& mesh) {
   if (mesh.n_vertices() == 0) return {{0, 0, 0}, {0, 0, 0}};
   constexpr double kHuge = std::numeric_limits<double>::max();
@@ -46,11 +54,13 @@ Box3 box_of(const SurfaceMesh& mesh) {
   return box;
 }
 
+// Bytes of the four arrays: positions, normals, colours, corners of the triangles.
 std::uint64_t binary_size(const SurfaceMesh& mesh) {
   return (2 * kVectorSize + kColorSize) * std::uint64_t{mesh.n_vertices()} +
          kTriangleSize * std::uint64_t{mesh.n_faces()};
 }
 
+// The header stores the size of the file as uint32.
 void check_size(const SurfaceMesh& mesh) {
   const std::uint64_t bytes = binary_size(mesh) + kMostOfJson;
   if (bytes > std::numeric_limits<std::uint32_t>::max())
@@ -63,7 +73,8 @@ Json as_json(const Vec3<T>& v) {
   return {v.x, v.y, v.z};
 }
 
-// The arrays, one after the other: positions, normals, colours, corners.
+// Adds the four arrays to the JSON, each as a buffer view and an accessor, in the order in which
+// write_arrays() writes them, and the mesh that uses them.
 void describe_arrays(const SurfaceMesh& mesh, const Box3& box, Json& json) {
   const std::uint64_t vertices = mesh.n_vertices(), faces = mesh.n_faces();
   std::uint64_t offset = 0;
@@ -75,9 +86,9 @@ void describe_arrays(const SurfaceMesh& mesh, const Box3& box, Json& json) {
     json["accessors"].push_back(std::move(accessor));
     offset += bytes;
   };
-  const auto rounded = [&](const Vec3d& p) {  // as every vertex is, which keeps their order
-    return as_json(cast<float>(p - box.middle()));
-  };
+  // glTF demands the exact bounds of the stored positions. Rounding is monotone, so the rounded
+  // corners of the box are the bounds of the rounded vertices.
+  const auto rounded = [&](const Vec3d& p) { return as_json(cast<float>(p - box.middle())); };
   add(kVectorSize * vertices, kArrayBuffer,
       {{"componentType", kFloat},
        {"count", vertices},
@@ -100,7 +111,7 @@ void describe_arrays(const SurfaceMesh& mesh, const Box3& box, Json& json) {
                         {"mode", kTriangles}}}}}};
 }
 
-// Padded with blanks to whole words.
+// The JSON chunk. It is padded with blanks to a multiple of 4 bytes, as the format demands.
 std::string json_of(const SurfaceMesh& mesh, const Box3& box) {
   Json json{{"asset", {{"version", "2.0"}, {"generator", "vdwmesh; lengths in angstrom"}}},
             {"scene", 0},
@@ -115,6 +126,8 @@ std::string json_of(const SurfaceMesh& mesh, const Box3& box) {
   return text;
 }
 
+// Writes the header of the file, the whole JSON chunk and the header of the binary chunk, whose
+// size is `binary`. A mesh without faces has no binary chunk.
 void write_header(const std::string& json, std::uint64_t binary, ChunkWriter& out) {
   const auto json_size = static_cast<std::uint32_t>(json.size());
   const auto binary_chunk = static_cast<std::uint32_t>(binary > 0 ? kChunkHeaderSize + binary : 0);
@@ -130,6 +143,8 @@ void write_header(const std::string& json, std::uint64_t binary, ChunkWriter& ou
   out.raw(kBinaryChunk);
 }
 
+// Writes the arrays in the order of describe_arrays(). `origin` is the middle of the box. Colours
+// get a fourth byte, for alpha.
 void write_arrays(const SurfaceMesh& mesh, const Vec3d& origin, ChunkWriter& out,
                   Warnings& warnings) {
   const auto for_each = [&](std::size_t count, const auto& write) {

@@ -1,4 +1,4 @@
-// What the readers share while they put a mesh together.
+// A check that all readers of mesh files share.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,6 +10,8 @@
 
 namespace vdwmesh::formats {
 
+// Throws LimitExceeded if an IndexedMesh cannot have this many vertices. One index is kept free:
+// 2^32 - 1 means "none" in several tables.
 inline void check_vertex_limit(std::uint64_t vertices) {
   if (vertices >= kMaxVertices)
     throw LimitExceeded(fmt::format("{} vertices are more than a mesh can hold", vertices));

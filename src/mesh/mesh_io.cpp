@@ -1,3 +1,6 @@
+// Chooses the reader or writer of a mesh file by its format and connects it with the file system.
+// Writers write into a ByteSink: an OutputFile, or a StringSink for encode_mesh(). Readers get the
+// whole file as one string_view. formats.hpp declares one reader and one writer per format.
 #include "mesh/mesh_io.hpp"
 
 #include <fcntl.h>
@@ -20,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Throws unless the mesh is as the writers of formats.hpp may assume. OpenMesh only marks deleted
+// elements; its garbage_collection() removes them and renumbers the rest.
 void check_writable(const SurfaceMesh& mesh) {
   for (const auto f : mesh.all_faces())
     if (mesh.status(f).deleted())
@@ -50,7 +55,7 @@ void write(const SurfaceMesh& mesh, MeshFormat format, ByteSink& sink,
   }
 }
 
-// A file open for reading, closed whichever way its reader ends.
+// A file open for reading. The destructor closes it, also after an exception.
 class OpenFile {
  public:
   explicit OpenFile(const fs::path& path)
@@ -61,13 +66,14 @@ class OpenFile {
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
 
-  int descriptor() const { return descriptor_; }  // negative: could not be opened
+  int descriptor() const { return descriptor_; }  // negative if open() failed; errno says why
 
  private:
   int descriptor_;
 };
 
-// A whole file in memory: what it holds cannot change under the reader.
+// A whole file in memory. A copy is safer than a mapping of the file: another process cannot change
+// it while a reader, which has checked sizes and counts, works on it.
 class FileBytes {
  public:
   explicit FileBytes(const fs::path& path) {
@@ -83,6 +89,8 @@ class FileBytes {
   std::string_view view() const { return {bytes_.data(), bytes_.size()}; }
 
  private:
+  // Fills bytes_. Throws if the file is shorter than its size was, which happens if another process
+  // writes it at the same time.
   void read_all(int descriptor) {
     std::size_t size = 0;
     while (size < bytes_.size()) {
@@ -98,6 +106,7 @@ class FileBytes {
           bytes_.size()));
     }
   }
+  // Reports errno. read_mesh() completes the message with the name of the file.
   [[noreturn]] static void fail() {
     throw FileFormatError("cannot be read: " + std::generic_category().message(errno));
   }

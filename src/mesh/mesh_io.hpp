@@ -1,5 +1,6 @@
-// Mesh files, by extension: .ply .obj .off .stl .glb. Files appear whole or not at all (written
-// beside their name, then renamed).
+// Reading and writing of mesh files. The extension of the name decides on the format: .ply .obj
+// .off .stl or .glb. A file that is written appears whole or not at all: it is renamed to its name
+// when it is complete.
 #pragma once
 
 #include <filesystem>
@@ -16,33 +17,38 @@ namespace vdwmesh {
 
 enum class MeshFormat { ply, obj, off, stl, glb };
 
-// By the extension, in capitals or not; empty where it is none of a mesh file.
+// The format by the extension of `path`, whose case does not matter. Empty for other extensions.
 std::optional<MeshFormat> find_mesh_format(const std::filesystem::path& path);
-// The same. Throws InvalidInput that lists the known extensions.
+// The same, but throws InvalidInput that lists the known extensions.
 MeshFormat mesh_format(const std::filesystem::path& path);
 
-// PLY: binary little-endian, double positions, float normals, uchar colours, int atom (and further
-// sphere ids). OBJ, OFF: shortest digits that read back the same double. STL: binary, float32.
-// GLB: float32 about an offset that the node transform carries. Returns warnings for people (STL,
-// GLB: coordinates that lose more than 1e-4 Å; STL: triangles whose corners fall together). Throws
-// FileFormatError (the file cannot be written; nothing is left of it), InvalidInput (deleted
-// elements not yet collected, coordinates that are not finite), LimitExceeded (more than the format
-// can count), Cancelled.
+// Writes a mesh file.
+//   PLY: binary little-endian; double positions, float normals, uchar colours, int sphere ids.
+//   OBJ, OFF: text, with the fewest digits from which the same double is read back.
+//   STL: binary, float32.
+//   GLB: float32 relative to the middle of the mesh, which the translation of the node restores.
+// Returns warnings for people: coordinates that move by more than 1e-4 Å when they become float32
+// (STL, GLB), and triangles of which two corners become equal (STL).
+// Throws FileFormatError if the file cannot be written (no part of it is left), InvalidInput if the
+// mesh has deleted elements or coordinates that are not finite, LimitExceeded if the format cannot
+// count or number the elements, and Cancelled if `monitor` asks to stop.
 std::vector<std::string> write_mesh(const SurfaceMesh& mesh, const std::filesystem::path& path,
                                     const Monitor* monitor = nullptr);
 
-// What a mesh file of any program holds. Triangles may be open, non-manifold or inside out.
+// The content of a mesh file, which any program may have written. The triangles may have a
+// boundary, be no manifold or face inwards.
 struct MeshFile {
-  IndexedMesh mesh;     // normals and spheres empty unless the file has them
-  bool welded = false;  // STL soup: vertices merged where all three coordinates are equal
-  std::vector<std::string> notes;
+  IndexedMesh mesh;                // normals and spheres are empty unless the file has them
+  bool welded = false;             // STL: vertices with three equal coordinates were merged
+  std::vector<std::string> notes;  // for people: what was changed or left out
 };
 
-// PLY (ascii, binary), OBJ, OFF, STL (ascii, binary), GLB; polygons become triangles, also
-// concave ones. Doubles are read as doubles. Throws FileFormatError with the line or byte.
+// Reads a mesh file: PLY and STL in text or binary form, OBJ, OFF, GLB. Convex and concave polygons
+// become triangles. Doubles keep their precision. Throws FileFormatError with the line or byte of
+// the error, and InvalidInput if the extension is unknown.
 MeshFile read_mesh(const std::filesystem::path& path);
 
-// The same, to and from memory.
+// write_mesh() and read_mesh() with a string instead of a file.
 struct EncodedMesh {
   std::string bytes;
   std::vector<std::string> warnings;

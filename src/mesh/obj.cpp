@@ -1,4 +1,10 @@
-// Wavefront OBJ: positions, normals and faces; everything else is skipped.
+// Writer and reader of Wavefront OBJ.
+//
+// The first word of a line says what it holds: "v" a position, "vn" a normal, "f" a face. Other
+// lines (textures, groups, materials, lines, curves) are skipped. The corners of a face name a
+// vertex and may name a texture and a normal: v, v/vt, v//vn or v/vt/vn. So a vertex may have
+// several normals, and may be named before it is defined. IndexedMesh has one normal per vertex:
+// the reader keeps the first that a face names, and keeps none at all unless every vertex has one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,13 +46,14 @@ class ObjReader {
  private:
   IndexedMesh& mesh() { return file_.mesh; }
 
+  // The next three numbers of the line.
   Vec3d vector() {
     const double x = in_.number();
     const double y = in_.number();
     return {x, y, in_.number()};
   }
 
-  // Corners are v, v/vt, v//vn or v/vt/vn.
+  // Reads the corners of a face, in any of the four forms above.
   void read_face() {
     polygon_.clear();
     while (!in_.at_line_end()) {
@@ -55,7 +62,7 @@ class ObjReader {
       polygon_.push_back(v);
       if (!in_.take('/')) continue;
       if (!in_.take('/')) {
-        (void)in_.integer<std::int64_t>();  // the texture is of no interest
+        (void)in_.integer<std::int64_t>();  // the index of a texture, which is skipped
         if (!in_.take('/')) continue;
       }
       set_normal(v, index(normals_.size()));
@@ -63,7 +70,9 @@ class ObjReader {
     polygons_.add(mesh(), polygon_);
   }
 
-  // Counted from 1, or from -1 backwards from the last one read.
+  // Reads an index and converts it to one from 0. The file counts from 1; negative indices count
+  // backwards, and -1 is the last of the `count` elements read so far. The index 2^32 - 1 is
+  // refused, because kNoNormal has this value.
   std::uint32_t index(std::size_t count) {
     const auto value = in_.integer<std::int64_t>();
     const std::int64_t from_zero = value > 0 ? value - 1 : static_cast<std::int64_t>(count) + value;
@@ -72,7 +81,8 @@ class ObjReader {
     return static_cast<std::uint32_t>(from_zero);
   }
 
-  // A face may name vertices that come later; the furthest is remembered.
+  // A face may name a vertex that is not read yet. Notes the largest such index and where it
+  // stands; check_forward() checks it at the end of the file.
   void note_forward(std::uint32_t v) {
     if (v < mesh().positions.size() || v < furthest_) return;
     furthest_ = v;
@@ -84,9 +94,10 @@ class ObjReader {
                                             std::uint64_t{furthest_} + 1, mesh().positions.size()));
   }
 
+  // Gives vertex v a normal (an index into normals_) unless it has one.
   void set_normal(std::uint32_t v, std::uint32_t normal) {
     if (normal_of_.size() <= v) {
-      // Bounded by what was read, however far ahead the face points.
+      // A vertex that is not read yet gets none: a hostile index must not decide on the size.
       if (v >= mesh().positions.size()) return;
       normal_of_.resize(mesh().positions.size(), kNoNormal);
     }
@@ -94,7 +105,7 @@ class ObjReader {
     several_normals_ |= normal_of_[v] != normal;
   }
 
-  // One normal per vertex, where every vertex has one.
+  // Fills mesh().normals if every vertex has a normal that exists.
   void give_normals() {
     if (normals_.empty() || normal_of_.size() != mesh().positions.size()) return;
     const auto exists = [&](std::uint32_t n) { return n < normals_.size(); };
@@ -110,21 +121,23 @@ class ObjReader {
 
   TextScanner in_;
   MeshFile file_;
-  Buffer<Vec3f> normals_;
-  std::vector<std::uint32_t> normal_of_;
-  bool several_normals_ = false;
-  std::uint32_t furthest_ = 0;
-  const char* furthest_at_ = nullptr;
+  Buffer<Vec3f> normals_;                 // as the "vn" lines give them
+  std::vector<std::uint32_t> normal_of_;  // vertex -> index into normals_, or kNoNormal
+  bool several_normals_ = false;          // a vertex was given two different normals
+  std::uint32_t furthest_ = 0;            // largest index named before its vertex was read
+  const char* furthest_at_ = nullptr;     // where the file names it; null if nowhere
   Polygons polygons_;
-  std::vector<std::uint32_t> polygon_;
+  std::vector<std::uint32_t> polygon_;  // corners of the face that is being read
 };
 
 }  // namespace
 
 void write_obj(const SurfaceMesh& mesh, ByteSink& sink) {
-  sink.expect(96 * mesh.n_vertices() + 52 * mesh.n_faces());  // of 7 digits and full doubles
+  // An estimate for full doubles and floats per vertex, and six 7-digit indices per face.
+  sink.expect(96 * mesh.n_vertices() + 52 * mesh.n_faces());
   ChunkWriter out(sink);
   out.text("# made by vdwmesh; lengths in angstrom\n");
+  // `kind` is the letter after the v, or a blank for a position.
   const auto write_vector = [&](char kind, const auto& vector) {
     out.begin_record();
     out.character('v');

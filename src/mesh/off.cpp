@@ -1,5 +1,9 @@
-// Geomview's OFF, with normals (N), colours (C) and textures (ST) on the vertices; the last two are
-// skipped.
+// Writer and reader of OFF, the Object File Format of Geomview, in its text form.
+//
+// A file is a keyword, the counts of vertices, faces and edges, one line per vertex and one line
+// per face (number of corners, then indices from 0). The keyword announces what a vertex line has
+// beside the position: [ST][C][N]OFF, for texture coordinates, a colour and a normal. Normals are
+// read; colours and textures are skipped, as are colours of faces. The writer makes a plain OFF.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,7 +28,7 @@ class OffReader {
     const auto vertices = count("vertices", has_normals_ ? 6 : 3);
     const auto faces = count("faces", 1);
     in_.skip_to_token();
-    (void)in_.integer<std::uint64_t>();  // edges; nobody counts them right
+    (void)in_.integer<std::uint64_t>();  // edges: many programs write 0 or a wrong number
     check_vertex_limit(vertices);
     for (std::uint64_t i = 0; i < vertices; ++i) read_vertex();
     for (std::uint64_t i = 0; i < faces; ++i) read_face();
@@ -36,6 +40,8 @@ class OffReader {
   }
 
  private:
+  // Reads the first word. BINARY may follow it on the same line; otherwise the position stays after
+  // the first word, because the counts may stand on the same line.
   void read_keyword() {
     in_.skip_to_token();
     const std::string_view word = in_.word();
@@ -54,7 +60,9 @@ class OffReader {
     in_.move_to(after);
   }
 
-  // What the header promises takes two bytes per number at the least.
+  // Reads a count from the header. Each element has at least `numbers` numbers, and each number
+  // takes at least two bytes, a digit and a separator (the last number of the file needs none,
+  // hence + 1). A count that cannot fit into the rest of the file is an error.
   std::uint64_t count(const char* what, std::size_t numbers) {
     in_.skip_to_token();
     const auto value = in_.integer<std::uint64_t>();
@@ -64,6 +72,7 @@ class OffReader {
     return value;
   }
 
+  // The next three numbers, which may stand on several lines.
   Vec3d vector() {
     Vec3d result;
     for (int axis = 0; axis < 3; ++axis) {
@@ -73,12 +82,15 @@ class OffReader {
     return result;
   }
 
+  // The normal follows the position directly; colour and texture come after it and are skipped with
+  // the rest of the line.
   void read_vertex() {
     file_.mesh.positions.push_back(vector());
     if (has_normals_) file_.mesh.normals.push_back(cast<float>(vector()));
     in_.next_line();
   }
 
+  // A colour at the end of the line is skipped.
   void read_face() {
     in_.skip_to_token();
     const auto corners = in_.integer<std::uint32_t>();
@@ -99,13 +111,14 @@ class OffReader {
   MeshFile file_;
   bool has_normals_ = false;
   Polygons polygons_;
-  std::vector<std::uint32_t> polygon_;
+  std::vector<std::uint32_t> polygon_;  // corners of the face that is being read
 };
 
 }  // namespace
 
 void write_off(const SurfaceMesh& mesh, ByteSink& sink) {
-  sink.expect(58 * mesh.n_vertices() + 27 * mesh.n_faces());  // of 7 digits and full doubles
+  // An estimate: three doubles of about 18 characters per vertex, three 7-digit indices per face.
+  sink.expect(58 * mesh.n_vertices() + 27 * mesh.n_faces());
   ChunkWriter out(sink);
   out.text(fmt::format("OFF\n# made by vdwmesh; lengths in angstrom\n{} {} {}\n", mesh.n_vertices(),
                        mesh.n_faces(), mesh.n_edges()));

@@ -1,3 +1,7 @@
+// opposite_half_edges(): finds for each half-edge the one that runs back along the same edge.
+// EdgeBuckets groups the half-edges by edge. In a 2-manifold a group has one half-edge (boundary)
+// or two that run in opposite directions; anything else is an error. Buckets are handled in
+// parallel.
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -15,6 +19,7 @@ namespace {
 
 constexpr std::size_t kVerticesPerTask = 1 << 14;
 
+// Names the first bad edge in the bucket of v, in the order of larger vertices.
 [[noreturn]] void throw_bad_edge(const EdgeBuckets& buckets, std::size_t v) {
   for_each_edge(buckets.at(v), [&](std::span<const EdgeEntry> edge) {
     const std::uint32_t w = edge[0].larger();
@@ -30,7 +35,8 @@ constexpr std::size_t kVerticesPerTask = 1 << 14;
   throw InvalidInput(fmt::format("an edge of vertex {} cannot be in a half-edge mesh", v));
 }
 
-// Pairs the half-edges of one bucket; false where an edge cannot be paired.
+// Makes the half-edges of each edge in a bucket each other's opposites. Returns false if an edge
+// has more than two half-edges, or two of the same direction; `opposite` is then of no use.
 bool pair_bucket(std::span<const EdgeEntry> bucket, Buffer<std::uint32_t>& opposite) {
   bool good = true;
   for_each_edge(bucket, [&](std::span<const EdgeEntry> edge) {
@@ -45,6 +51,7 @@ bool pair_bucket(std::span<const EdgeEntry> bucket, Buffer<std::uint32_t>& oppos
   return good;
 }
 
+// Sets `smallest` to the minimum of itself and `value`, atomically.
 void keep_smallest(std::atomic<std::size_t>& smallest, std::size_t value) {
   std::size_t seen = smallest.load();
   while (value < seen && !smallest.compare_exchange_weak(seen, value)) {
@@ -61,6 +68,8 @@ Buffer<std::uint32_t> opposite_half_edges(std::span<const Triangle> triangles,
                                    triangles[*t][0], triangles[*t][1], triangles[*t][2]));
   Buffer<std::uint32_t> opposite(3 * triangles.size());
   advise_large_pages(opposite.data(), opposite.size());
+  // Buckets are disjoint, so threads never write to the same half-edge. An error is reported for
+  // the smallest bad vertex, whichever thread finds one first.
   std::atomic<std::size_t> first_bad{vertex_count};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertex_count, kVerticesPerTask),
                     [&](const tbb::blocked_range<std::size_t>& range) {

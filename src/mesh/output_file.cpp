@@ -1,3 +1,8 @@
+// Files that appear whole or not at all. The bytes go into a file without a name (Linux's
+// O_TMPFILE) or with a hidden name, in the directory of the target, hence on the same file system.
+// commit() sets its permissions, links the unnamed file under a hidden name, closes it and renames
+// it to the target. rename() is atomic: other processes see either the old file or the whole new
+// one.
 #include "mesh/output_file.hpp"
 
 #include <fcntl.h>
@@ -19,16 +24,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr mode_t kMode = 0666;  // less the umask
+constexpr mode_t kMode = 0666;  // permissions of a new file, from which the system takes the umask
 
-// A name of its own, because the target's may be as long as the file system allows.
+// A hidden name in the target's directory. It does not contain the target's name, which may be as
+// long as the file system allows. Process id and serial number make it unique.
 fs::path hidden_beside(const fs::path& target) {
   static std::atomic<unsigned> serial{0};
   return target.parent_path() / fmt::format(".vdwmesh-{}-{}.tmp", ::getpid(), serial++);
 }
 
-// Calls `make` with hidden names until one is free: an earlier process with our number may have
-// been killed and left its file. Returns what the last call did; its name is in `name`.
+// Calls make(hidden name) with one name after the other until it does not fail with EEXIST. A name
+// is taken if an earlier process of the same process id was killed and left its file. Returns the
+// result of the last call, negative for an error, and puts its name into `name`.
 template <class Make>
 int make_hidden(const fs::path& target, fs::path& name, Make make) {
   constexpr int kAttempts = 1000;
@@ -48,13 +55,13 @@ fs::path directory_of(const fs::path& target) {
 }  // namespace
 
 fs::path written_file(const fs::path& path) {
-  constexpr int kMostLinks = 40;  // that Linux follows
+  constexpr int kMostLinks = 40;  // Linux follows no more either
   fs::path file = path;
   std::error_code error;
   for (int links = 0; links < kMostLinks && fs::is_symlink(file, error); ++links) {
     const fs::path next = fs::read_symlink(file, error);
     if (error) return path;
-    file = file.parent_path() / next;  // which is `next` where that is absolute
+    file = file.parent_path() / next;  // operator/ returns `next` if that is an absolute path
   }
   return file;
 }
@@ -67,8 +74,8 @@ bool is_written_directly(const fs::path& path) {
 
 OutputFile::OutputFile(const fs::path& path, Staging staging)
     : path_(path), target_(written_file(path)) {
-  // What a link in /proc stands for, as /dev/stdout does in a pipe, has no name to go by: it is
-  // opened by the name it was given.
+  // This opens path_, not target_: /dev/stdout, for one, leads to a link in /proc whose text, such
+  // as "pipe:[1234]", is the name of no file.
   if (is_written_directly(path)) {
     kind_ = Kind::direct;
     descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
@@ -76,6 +83,7 @@ OutputFile::OutputFile(const fs::path& path, Staging staging)
     return;
   }
   std::error_code error;
+  // If target_ is still a link, there were more than kMostLinks, so the links form a loop.
   const bool is_folder = fs::is_directory(target_, error), is_loop = fs::is_symlink(target_, error);
   if (is_folder || is_loop) {
     errno = is_folder ? EISDIR : ELOOP;
@@ -85,9 +93,11 @@ OutputFile::OutputFile(const fs::path& path, Staging staging)
   if (descriptor_ < 0) open_hidden();
 }
 
+// Opens a file without a name, if the kernel and the file system can do that (O_TMPFILE,
+// Linux 3.11). Leaves descriptor_ negative if not. link_unnamed() will need /proc.
 void OutputFile::open_unnamed() {
 #ifdef O_TMPFILE
-  if (::access("/proc/self/fd", X_OK) == 0)  // link_unnamed() needs it
+  if (::access("/proc/self/fd", X_OK) == 0)
     descriptor_ = ::open(directory_of(target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, kMode);
 #endif
 }
@@ -102,13 +112,16 @@ void OutputFile::open_hidden() {
   hidden_ = name;
 }
 
+// After commit() there is nothing left to close or remove.
 OutputFile::~OutputFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
   if (!hidden_.empty()) ::unlink(hidden_.c_str());
 }
 
 void OutputFile::write(const char* data, std::size_t size) {
-  constexpr std::size_t kMost = std::size_t{1} << 24;  // of one system call, which nothing stops
+  // Bytes per system call. A running call cannot be cancelled, so the monitor is asked between
+  // calls.
+  constexpr std::size_t kMost = std::size_t{1} << 24;
   while (size > 0) {
     if (monitor_ && monitor_->cancelled()) throw Cancelled("stopped on request");
     const ssize_t written = ::write(descriptor_, data, std::min(size, kMost));
@@ -119,7 +132,8 @@ void OutputFile::write(const char* data, std::size_t size) {
   }
 }
 
-// A name can only be given to an unnamed file where there is none, hence the step in between.
+// Gives the unnamed file a hidden name. linkat() cannot replace an existing file, so the file
+// cannot get its final name at once; the rename() in commit() can replace one.
 void OutputFile::link_unnamed() {
   fs::path name;
   const std::string self = fmt::format("/proc/self/fd/{}", descriptor_);
@@ -130,8 +144,8 @@ void OutputFile::link_unnamed() {
   hidden_ = name;
 }
 
-// A file that was private stays so. Not every file system can say permissions, and then none are
-// lost.
+// Copies the permissions of the file that is replaced, so that a private file stays private. An
+// error of fchmod() is ignored: it means that the file system has no permissions to lose.
 void OutputFile::take_permissions() {
   struct stat replaced {};
   constexpr mode_t kPermissions = 0777;
@@ -149,6 +163,7 @@ void OutputFile::commit() {
   hidden_.clear();
 }
 
+// Reports errno, so nothing may be called between the failure and fail().
 void OutputFile::fail(const char* what) const {
   const std::string reason = std::generic_category().message(errno);
   throw FileFormatError(fmt::format("{} {}: {}", path_.string(), what, reason));

@@ -1,4 +1,4 @@
-// Where bytes of a file go while it is made.
+// Destinations for the bytes of a file: a string, or a file that appears only when it is complete.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,16 @@
 
 namespace vdwmesh {
 
+// Interface through which the writers of mesh files give away their bytes.
 class ByteSink {
  public:
   virtual ~ByteSink() = default;
-  // About how much will be written.
+  // A hint how many bytes will be written in all.
   virtual void expect(std::size_t /*bytes*/) {}
   virtual void write(const char* data, std::size_t size) = 0;
 };
 
+// Collects the bytes in memory.
 class StringSink : public ByteSink {
  public:
   void expect(std::size_t bytes) override {
@@ -32,21 +34,23 @@ class StringSink : public ByteSink {
   std::string bytes_;
 };
 
-// The file that writing to `path` replaces: the end of its symbolic links, also where nothing is
-// there yet.
+// The file that an OutputFile to `path` replaces: symbolic links are followed to their end, even if
+// no file is there yet.
 std::filesystem::path written_file(const std::filesystem::path& path);
 
-// Whether `path` is a device, pipe or socket. Such a file takes the bytes as they come: nothing is
-// replaced, and opening or writing may wait for a reader.
+// Whether `path` is a device, pipe or socket. Bytes go straight into such a file: nothing is
+// replaced, and opening or writing may block until there is a reader.
 bool is_written_directly(const std::filesystem::path& path);
 
-// A file that appears under its name whole, at commit(), or not at all: until then it has no name
-// where the file system can do that (even a killed process leaves nothing), else a hidden one in
-// the same directory. It takes the permissions of the file that it replaces. What
-// is_written_directly() is not replaced. Every function throws FileFormatError that names the file
-// and the system's reason.
+// A file that appears under its name at commit(), whole, or not at all. Until then it has no name,
+// if the file system supports that: then even a killed process leaves nothing behind. Otherwise it
+// has a hidden name in the same directory, which the destructor removes. The file takes the
+// permissions of the file that it replaces. If is_written_directly(path), bytes go into that file
+// at once. All functions but the destructor throw FileFormatError with the name of the file and the
+// reason that the system gives.
 class OutputFile : public ByteSink {
  public:
+  // How the bytes are kept before commit(): `hidden` is for tests of the second way.
   enum class Staging { unnamed_where_possible, hidden };
 
   explicit OutputFile(const std::filesystem::path& path,
@@ -55,12 +59,14 @@ class OutputFile : public ByteSink {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  // From now on write() throws Cancelled once the monitor says so.
+  // After this call, write() throws Cancelled as soon as `monitor` says so. Null: never.
   void watch(const Monitor* monitor) { monitor_ = monitor; }
   void write(const char* data, std::size_t size) override;
+  // Completes the file and gives it its name. To be called once, after the last write().
   void commit();
 
  private:
+  // `direct` is a file for which is_written_directly() holds.
   enum class Kind { unnamed, hidden, direct };
   void open_unnamed();
   void open_hidden();
@@ -68,10 +74,10 @@ class OutputFile : public ByteSink {
   void take_permissions();
   [[noreturn]] void fail(const char* what) const;
 
-  std::filesystem::path path_, target_;  // as given; links followed
-  std::filesystem::path hidden_;
+  std::filesystem::path path_, target_;  // the name as given; the file that is replaced
+  std::filesystem::path hidden_;         // empty unless a file of this name has to be removed
   Kind kind_ = Kind::unnamed;
-  int descriptor_ = -1;
+  int descriptor_ = -1;  // negative if no file is open
   const Monitor* monitor_ = nullptr;
 };
 

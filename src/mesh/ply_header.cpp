@@ -1,3 +1,6 @@
+// Parses the header of a PLY file, line by line: a keyword, then its arguments. An "element" line
+// begins a new element, and the "property" lines that follow describe it. read_ply() calls this and
+// then reads the body, whose layout the header gives.
 #include "mesh/ply_header.hpp"
 
 #include <fmt/format.h>
@@ -10,6 +13,7 @@
 namespace vdwmesh::formats {
 namespace {
 
+// Both sets of names are in use: the original ones (char, uchar, ...) and those with sizes.
 PlyScalar scalar_named(TextScanner& in, std::string_view name) {
   static constexpr std::pair<std::string_view, PlyScalar> kNames[] = {
       {"char", PlyScalar::int8},      {"int8", PlyScalar::int8},
@@ -25,6 +29,7 @@ PlyScalar scalar_named(TextScanner& in, std::string_view name) {
   in.fail(fmt::format("'{}' is no PLY type", name));
 }
 
+// The rest of a "format" line. Its version is not read: there is only 1.0.
 PlyEncoding read_format(TextScanner& in) {
   const std::string_view name = in.word();
   if (name == "ascii") return PlyEncoding::ascii;
@@ -33,11 +38,13 @@ PlyEncoding read_format(TextScanner& in) {
   in.fail(fmt::format("'{}' is no PLY format", name));
 }
 
+// The rest of a "property" line: "type name", or "list count-type type name".
 PlyProperty read_property(TextScanner& in) {
   PlyProperty property{};
   std::string_view type = in.word();
   if (type == "list") {
     property.list_count = scalar_named(in, in.word());
+    // In the order of the enumeration, integers come before floating-point types.
     if (*property.list_count >= PlyScalar::float32)
       in.fail("the count of a list is a whole number");
     type = in.word();
@@ -51,6 +58,7 @@ PlyProperty read_property(TextScanner& in) {
 }  // namespace
 
 std::size_t size_of(PlyScalar scalar) {
+  // In the order of PlyScalar.
   static constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
   return kSizes[static_cast<std::size_t>(scalar)];
 }
@@ -72,10 +80,11 @@ PlyHeader read_ply_header(std::string_view bytes) {
   PlyHeader header{};
   bool has_format = false;
   for (;;) {
-    in.next_line();
+    in.next_line();  // the rest of a line does not matter
     if (in.bytes_left() == 0) in.fail("the file ends before end_header");
     const std::string_view keyword = in.word();
     if (keyword == "end_header") break;
+    // Comments are free text and may hold what looks like a keyword.
     if (keyword.empty() || keyword == "comment" || keyword == "obj_info") continue;
     if (keyword == "format") {
       header.encoding = read_format(in);
@@ -90,7 +99,7 @@ PlyHeader read_ply_header(std::string_view bytes) {
     }
   }
   if (!has_format) in.fail("the header names no format");
-  in.next_line();
+  in.next_line();  // the body begins after the line feed that ends this line
   header.size = bytes.size() - in.bytes_left();
   return header;
 }

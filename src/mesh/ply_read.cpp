@@ -1,3 +1,10 @@
+// Reader of PLY files, text and binary. The header (ply_header.hpp) lists elements and properties
+// in any order, and the reader takes what it knows by name: positions, normals and sphere ids of
+// vertices; corner lists and atoms of faces. It drops the rest.
+//
+// PlyReader walks through the elements and does not know about bytes; BinaryBody and AsciiBody
+// deliver numbers. Two fast paths of binary files avoid work per number: vertices without lists are
+// read column by column, and faces that are all triangles are read in one loop.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,6 +28,7 @@
 namespace vdwmesh::formats {
 namespace {
 
+// Reads a T at any address. The host is little-endian, as chunk_writer.hpp asserts.
 template <class T, PlyEncoding encoding>
 T load(const char* from) {
   std::array<char, sizeof(T)> bytes;
@@ -29,7 +37,8 @@ T load(const char* from) {
   return std::bit_cast<T>(bytes);
 }
 
-// Calls use(T{}) with the type that a PlyScalar stands for.
+// Calls use(T{}) with the C++ type T of a PlyScalar. So code that depends on the type is compiled
+// once per type, and the type is chosen outside of its loops.
 template <class Use>
 auto with_type(PlyScalar scalar, Use&& use) {
   switch (scalar) {
@@ -52,7 +61,8 @@ auto with_type(PlyScalar scalar, Use&& use) {
   }
 }
 
-// Numbers of a body one by one, as doubles: every PLY scalar fits.
+// The body of a binary file, read number by number. Numbers are returned as double, which holds
+// every PLY type exactly. All errors name the byte of the current position.
 template <PlyEncoding encoding>
 class BinaryBody {
  public:
@@ -67,26 +77,31 @@ class BinaryBody {
       return static_cast<double>(value);
     });
   }
+  // The T at `from`, in the byte order of the file. Does not check the end of the file.
   template <class T>
   static T load_as(const char* from) {
     return load<T, encoding>(from);
   }
+  // Throws if the rest of the file cannot hold the elements that the header claims, even with empty
+  // lists. Memory for an element is taken only after this check.
   void check_room(const PlyElement& element) const {
     const std::size_t least = element.least_size();
     if (least > 0 && element.count > bytes_left() / least)
       fail(fmt::format("{} '{}' elements are promised, but {} bytes are left for them",
                        element.count, element.name, bytes_left()));
   }
-  // Most entries that a list can still have.
+  // The most entries of this type that the rest of the file can hold.
   std::size_t room(PlyScalar scalar) const { return bytes_left() / size_of(scalar); }
   std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
+  // Steps over so many bytes and returns where they begin; take(0) is the current position. The
+  // caller has checked that the file has them. give_back() returns to such a position.
   const char* take(std::size_t bytes) {
     const char* first = at_;
     at_ += bytes;
     return first;
   }
   void give_back(const char* position) { at_ = position; }
-  // A line break at the end does no harm.
+  // Whether the body is over. Some programs end a binary file with a line break.
   bool at_end() const {
     return std::all_of(at_, end_, [](char c) { return c == '\n' || c == '\r' || c == ' '; });
   }
@@ -100,6 +115,8 @@ class BinaryBody {
   const char* end_;
 };
 
+// The body of a text file, with the same interface where PlyReader needs it. An element should be
+// one line, but numbers are read across line ends. Errors name the line.
 class AsciiBody {
  public:
   AsciiBody(std::string_view bytes, std::size_t start) : in_(bytes) {
@@ -110,7 +127,9 @@ class AsciiBody {
     return in_.number();
   }
   void check_room(const PlyElement& element) const {
-    const std::size_t least = 2 * element.properties.size();  // a digit and what parts it
+    // Each property takes at least a digit and a separator; only the last of the file needs no
+    // separator, hence + 1.
+    const std::size_t least = 2 * element.properties.size();
     if (least > 0 && element.count > in_.bytes_left() / least + 1)
       fail(fmt::format("{} '{}' elements are promised, but {} bytes are left for them",
                        element.count, element.name, in_.bytes_left()));
@@ -123,10 +142,12 @@ class AsciiBody {
   TextScanner in_;
 };
 
-// Where a property of a vertex goes.
+// What a property of a vertex means, and so where its value is stored. Properties with other names
+// (colours, for instance) are read and dropped.
 enum class Slot { other, x, y, z, nx, ny, nz, atom, sphere2, sphere3 };
 constexpr std::size_t kSlots = 10;
 
+// The slot of a property of this name. The names are in the order of the enumeration.
 Slot slot_named(std::string_view name) {
   static constexpr std::string_view kNames[kSlots] = {"",   "x",  "y",    "z",       "nx",
                                                       "ny", "nz", "atom", "sphere2", "sphere3"};
@@ -134,6 +155,7 @@ Slot slot_named(std::string_view name) {
   return found == kNames + kSlots ? Slot::other : static_cast<Slot>(found - kNames);
 }
 
+// Reads the elements in the order of the header. Body is BinaryBody or AsciiBody.
 template <class Body>
 class PlyReader {
  public:
@@ -162,11 +184,13 @@ class PlyReader {
   }
 
  private:
+  // Reads the element "vertex": allocates the arrays of the mesh that the properties fill, and
+  // reads the values by column if the layout allows that, else one by one.
   void read_vertices(const PlyElement& element) {
     if (std::exchange(has_vertices_, true)) body_.fail("a second element 'vertex'");
     check_vertex_limit(element.count);
     std::array<bool, kSlots> present{};
-    std::vector<Slot> slots;
+    std::vector<Slot> slots;  // one per property
     for (const PlyProperty& property : element.properties) {
       slots.push_back(property.list_count ? Slot::other : slot_named(property.name));
       present[static_cast<std::size_t>(slots.back())] = true;
@@ -177,6 +201,7 @@ class PlyReader {
     resize_untouched(file_.mesh.positions, count);
     if (has(Slot::nx) && has(Slot::ny) && has(Slot::nz))
       resize_untouched(file_.mesh.normals, count);
+    // Labels need the atom; the other two spheres may be missing, and are kNoSphere then.
     if (has(Slot::atom)) {
       const bool has_others = has(Slot::sphere2) || has(Slot::sphere3);
       VertexLabels& labels = file_.mesh.vertex_spheres;
@@ -198,7 +223,9 @@ class PlyReader {
     check_finite(0, count);
   }
 
-  // Column by column within blocks that stay in the cache, so that the type is looked at once.
+  // Reads vertices without lists from a binary file. In a block of 2048 vertices, which stays in
+  // the cache, it reads one property of all vertices before the next property. So the type and the
+  // slot are looked up once per property and block, and not for each number.
   void read_columns(const PlyElement& element, const std::vector<Slot>& slots) {
     constexpr std::size_t kBlock = 2048;
     const std::size_t stride = element.least_size();
@@ -215,6 +242,8 @@ class PlyReader {
     }
   }
 
+  // Reads the property of the vertices [first, last). `from` is its address in the first of them,
+  // and `stride` is the size of a vertex in bytes.
   void read_column(Slot slot, PlyScalar type, const char* from, std::size_t stride,
                    std::size_t first, std::size_t last) {
     with_store(slot, [&](const auto& store) {
@@ -226,6 +255,7 @@ class PlyReader {
     });
   }
 
+  // Throws if a coordinate of the vertices [first, last) is not finite.
   void check_finite(std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const Vec3d& p = file_.mesh.positions[i];
@@ -234,15 +264,18 @@ class PlyReader {
     }
   }
 
+  // A sphere id from a number of the file; negative numbers and numbers too large are no sphere.
   static SphereId sphere_id(double value) {
     return value >= 0 && value < kNoSphere ? static_cast<SphereId>(value) : kNoSphere;
   }
 
-  // Calls use(store) where the values of a slot are kept: store(i, value) keeps vertex i's.
+  // Calls use(store) with a function that stores a value of this slot: store(i, value) stores the
+  // value of vertex i. Does not call `use` if values of the slot are dropped.
   template <class Use>
   void with_store(Slot slot, const Use& use) {
     IndexedMesh& mesh = file_.mesh;
     VertexLabels& labels = mesh.vertex_spheres;
+    // Distance from another slot in the enumeration, such as 0, 1, 2 for x, y, z from x.
     const auto place = [slot](Slot first) {
       return static_cast<std::size_t>(slot) - static_cast<std::size_t>(first);
     };
@@ -270,8 +303,10 @@ class PlyReader {
     with_store(slot, [&](const auto& store) { store(i, value); });
   }
 
+  // Reads an element "face". The list of indices goes by two names, and both are common. In a
+  // binary file, the fast path reads as many faces as it can, and the loop reads the others.
   void read_faces(const PlyElement& element) {
-    std::size_t indices = element.properties.size();
+    std::size_t indices = element.properties.size();  // which property: this value means none
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const PlyProperty& property = element.properties[p];
       if (property.list_count &&
@@ -288,7 +323,9 @@ class PlyReader {
     for (std::uint64_t f = start; f < element.count; ++f) read_face(element, indices);
   }
 
-  // For just as many more, but in steps that double where a file has many elements of few faces.
+  // Reserves memory for `more` triangles: exactly as many if the file has one element "face", as is
+  // usual. With many such elements the capacity at least doubles each time, so that all triangles
+  // together are copied O(1) times.
   static void make_room(Buffer<Triangle>& triangles, std::size_t more) {
     const std::size_t needed = triangles.size() + more;
     if (needed > triangles.capacity())
@@ -299,7 +336,8 @@ class PlyReader {
     return property.name == "atom" && !property.list_count;
   }
 
-  // A polygon becomes a fan of triangles, all of its atom.
+  // Reads one face. A polygon becomes several triangles, which all get the atom of the face.
+  // Triangles of earlier faces without an atom are labelled kNoSphere.
   void read_face(const PlyElement& element, std::size_t indices) {
     IndexedMesh& mesh = file_.mesh;
     const std::size_t before = mesh.triangle_count();
@@ -317,8 +355,10 @@ class PlyReader {
     mesh.triangle_spheres.resize(mesh.triangle_count(), *atom);
   }
 
-  // The usual cases, (uchar 3, int, int, int) and perhaps (int atom), and nothing else; stops at
-  // the first other face.
+  // The fast path for the usual layout of binary faces: a list with a count of one byte and indices
+  // of 32 bits, perhaps followed by an atom of 32 bits, and no other property. Reads triangles up
+  // to the first face that has another number of corners, and returns how many it read. Returns 0
+  // if the layout is another one. Indices are checked later, by check_indices().
   std::uint64_t read_plain_triangles(const PlyElement& element) {
     const PlyProperty& list = element.properties[0];
     const auto is_whole = [](const PlyProperty& property) {
@@ -329,6 +369,7 @@ class PlyReader {
     if (element.properties.size() != (named ? 2u : 1u)) return 0;
     if (!list.list_count || !is_whole(list) || size_of(*list.list_count) != 1) return 0;
     const std::size_t size = 1 + (named ? 4 : 3) * sizeof(std::uint32_t);
+    // So many triangles fit into the rest of the file; within them, take() stays inside.
     const std::size_t most = std::min<std::uint64_t>(element.count, body_.bytes_left() / size);
     if (most == 0 || *body_.take(0) != 3) return 0;
     Buffer<Triangle>& triangles = file_.mesh.triangles;
@@ -349,6 +390,7 @@ class PlyReader {
         body_.give_back(face);
         break;
       }
+      // The k-th 32-bit number after the count.
       const auto number = [&](std::size_t k) {
         return body_.template load_as<std::uint32_t>(face + 1 + k * sizeof(std::uint32_t));
       };
@@ -361,6 +403,7 @@ class PlyReader {
     return t - before;
   }
 
+  // Reads one property of an element; skips it unless it is the list of a face's corners.
   void read_face_property(const PlyProperty& property, bool is_indices) {
     if (!property.list_count) {
       body_.number(property.type);
@@ -375,12 +418,14 @@ class PlyReader {
     polygons_.add(file_.mesh, polygon_);
   }
 
+  // A vertex index from a number. Whether the vertex exists is checked by check_indices().
   std::uint32_t index(double value) {
     if (!(value >= 0 && value < static_cast<double>(kMaxVertices) && value == std::floor(value)))
       body_.fail(fmt::format("{} is no vertex index", value));
     return static_cast<std::uint32_t>(value);
   }
 
+  // Reads the count before a list. A count that the rest of the file cannot hold is an error.
   std::size_t list_size(const PlyProperty& property) {
     const double size = body_.number(*property.list_count);
     if (!(size >= 0 && size <= static_cast<double>(body_.room(property.type))))
@@ -399,14 +444,15 @@ class PlyReader {
       for (const PlyProperty& property : element.properties) read_face_property(property, false);
   }
 
-  // Of several elements of faces some may name no atoms.
+  // If a file has several elements "face", some may have atoms and the last none. Its triangles get
+  // kNoSphere, so that triangle_spheres is either empty or complete.
   void label_all_triangles() {
     IndexedMesh& mesh = file_.mesh;
     if (!mesh.triangle_spheres.empty())
       mesh.triangle_spheres.resize(mesh.triangle_count(), kNoSphere);
   }
 
-  // Faces may stand before the vertices, so indices are checked when all is read.
+  // Faces may stand before the vertices in a file, so indices can only be checked at the end.
   void check_indices() {
     const std::size_t vertices = file_.mesh.vertex_count();
     for (std::size_t t = 0; t < file_.mesh.triangle_count(); ++t)
@@ -419,10 +465,12 @@ class PlyReader {
   MeshFile file_;
   bool has_vertices_ = false;
   Polygons polygons_;
-  std::vector<std::uint32_t> polygon_;
+  std::vector<std::uint32_t> polygon_;  // corners of the face that is being read
 };
 
-// Told before the header is read, since its lines may need mending.
+// Whether the file is a text file, by a search instead of by its header: lines that end in CR alone
+// have to be converted before the header can be read. The "format" line is the second line, unless
+// comments precede it; 200 bytes allow for a few of them.
 bool is_text(std::string_view bytes) {
   constexpr std::size_t kFirstLines = 200;
   return bytes.substr(0, kFirstLines).find("format ascii") != std::string_view::npos;
@@ -438,7 +486,7 @@ MeshFile read_ply(std::string_view bytes) {
   }
   const PlyHeader header = read_ply_header(bytes);
   switch (header.encoding) {
-    case PlyEncoding::ascii:
+    case PlyEncoding::ascii:  // is_text() did not find the "format" line
       return PlyReader(AsciiBody(bytes, header.size)).read(header);
     case PlyEncoding::little_endian:
       return PlyReader(BinaryBody<PlyEncoding::little_endian>(bytes, header.size)).read(header);

@@ -1,3 +1,6 @@
+// Writer of PLY, the only format here that keeps everything a SurfaceMesh has: double positions,
+// normals, colours and the sphere ids of vertices and faces. The file is binary little-endian. The
+// order of the properties in kHeader is the order in which write_ply() appends the values.
 #include <fmt/format.h>
 
 #include <limits>
@@ -10,6 +13,8 @@
 namespace vdwmesh::formats {
 namespace {
 
+// A format string: comment on faces, number of vertices, number of faces, property of faces. The
+// first and the last are empty unless the mesh has spheres of faces.
 constexpr const char* kHeader =
     "ply\n"
     "format binary_little_endian 1.0\n"
@@ -36,8 +41,9 @@ constexpr const char* kHeader =
 constexpr const char* kFaceComment = "comment atom of a face: index of the sphere it is part of\n";
 constexpr const char* kFaceProperty = "property int atom\n";
 
-constexpr std::size_t kMostOfHeader = 1024;
+constexpr std::size_t kMostOfHeader = 1024;  // bytes; the text above has fewer than 800
 
+// The number of a sphere in the file. It is an int, so that -1 can stand for kNoSphere.
 std::int32_t as_int(SphereId id) {
   if (id == kNoSphere) return -1;
   if (id > static_cast<SphereId>(std::numeric_limits<std::int32_t>::max()))
@@ -49,6 +55,8 @@ std::int32_t as_int(SphereId id) {
 
 void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
   const std::optional<FaceSphereProperty> sphere = face_spheres(mesh);
+  // A vertex has 3 doubles, 3 floats, 3 bytes and 3 ints: 24 + 12 + 3 + 12 = 51 bytes. A face has a
+  // count of one byte and 3 ints, and 4 more bytes for its sphere.
   sink.expect(kMostOfHeader + 51 * mesh.n_vertices() + (sphere ? 17 : 13) * mesh.n_faces());
   ChunkWriter out(sink);
   out.text(fmt::format(kHeader, sphere ? kFaceComment : "", mesh.n_vertices(), mesh.n_faces(),

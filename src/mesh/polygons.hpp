@@ -1,4 +1,5 @@
-// Polygons of a mesh file become triangles.
+// Triangulates the polygons of a mesh file. Readers add the faces one by one; add() makes fans of
+// triangles at once, and finish() corrects the fans of concave polygons.
 #pragma once
 
 #include <cstddef>
@@ -11,21 +12,23 @@ namespace vdwmesh::formats {
 
 class Polygons {
  public:
-  // Adds the polygon as a fan of triangles around its first corner: n - 2 of n corners.
+  // Appends a polygon to mesh.triangles as a fan around its first corner: n corners give n - 2
+  // triangles. A face of fewer than three corners is counted and left out.
   void add(IndexedMesh& mesh, const std::vector<std::uint32_t>& corners);
 
-  // To be called once all positions are there and all indices are checked. Where a fan would fold
-  // over, because the polygon is concave, its triangles are replaced by as many that ear clipping
-  // finds (Meisters 1975), in the plane of the polygon's area vector. Notes what was done.
+  // Call it when all positions are known and all indices are checked. If a fan folds over, which
+  // happens for concave polygons, its triangles are replaced by those of ear clipping (Meisters
+  // 1975) in the plane normal to the polygon's area vector. There are n - 2 of them as well, so no
+  // other triangle moves. Adds notes to `file` that say what was done.
   void finish(MeshFile& file);
 
  private:
   struct Fan {
-    std::size_t first;  // triangle
-    std::uint32_t corners;
+    std::size_t first;      // index of its first triangle
+    std::uint32_t corners;  // of the polygon
   };
-  std::vector<Fan> fans_;  // of more than three corners
-  std::uint64_t too_few_ = 0;
+  std::vector<Fan> fans_;      // of polygons with more than three corners
+  std::uint64_t too_few_ = 0;  // faces with fewer than three corners
 };
 
 }  // namespace vdwmesh::formats

@@ -1,4 +1,10 @@
-// STL: triangles without indices, welded again when read.
+// Writer and reader of STL. The writer makes the binary form; the reader takes both forms.
+//
+// A binary file is a header of 80 bytes of any text, a uint32 number of triangles, and 50 bytes per
+// triangle: normal and three corners as 12 float32, then a uint16 that is 0. A text file is a list
+// of facets between "solid" and "endsolid". STL has no indices, so a corner is repeated for every
+// triangle around it; the reader welds corners with equal coordinates. Normals are not read, as the
+// corners determine them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,12 +31,14 @@ constexpr std::size_t kHeaderSize = 80;
 constexpr std::size_t kFirstTriangle = kHeaderSize + sizeof(std::uint32_t);
 constexpr std::size_t kTriangleSize = 50;
 
+// Zero for a degenerate triangle, which has no normal.
 Vec3f unit_normal(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d normal = cross(b - a, c - a);
   const double length = norm(normal);
   return length > 0 ? cast<float>((1 / length) * normal) : Vec3f{0, 0, 0};
 }
 
+// Marks the mesh as welded and adds the note that says so.
 void say_welded(MeshFile& file, std::size_t triangles) {
   file.welded = true;
   file.notes.push_back(
@@ -39,13 +47,17 @@ void say_welded(MeshFile& file, std::size_t triangles) {
                   3 * triangles, file.mesh.vertex_count()));
 }
 
+// The number of triangles that the header of a binary file claims. Precondition: at least
+// kFirstTriangle bytes.
 std::uint32_t promised_triangles(std::string_view bytes) {
   std::uint32_t count;
   std::memcpy(&count, bytes.data() + kHeaderSize, sizeof count);
   return count;
 }
 
-// The corners of one triangle; its normal, which comes first, is of no interest.
+// Reads the three corners of a triangle of a binary file and skips its normal, which comes first.
+// The sum of three finite doubles that were floats cannot overflow, so one test finds any
+// coordinate that is not finite.
 void read_corners(std::string_view bytes, std::size_t triangle, Vec3d* corners) {
   const std::size_t at = kFirstTriangle + kTriangleSize * triangle;
   std::array<Vec3f, 4> numbers;
@@ -58,12 +70,15 @@ void read_corners(std::string_view bytes, std::size_t triangle, Vec3d* corners) 
   }
 }
 
+// Precondition: the file is as long as its number of triangles needs. Triangles are read in blocks
+// of 32, because the welder takes up to kMost = 96 points at a time.
 MeshFile read_binary(std::string_view bytes) {
   constexpr std::size_t kBlock = VertexWelder::kMost / 3;
   MeshFile file;
   const std::size_t triangles = promised_triangles(bytes);
   resize_untouched(file.mesh.triangles, triangles);
-  VertexWelder welder(file.mesh.positions, triangles / 2 + 2);  // as a closed mesh has
+  // A closed mesh of genus 0 has T / 2 + 2 vertices, by Euler's formula.
+  VertexWelder welder(file.mesh.positions, triangles / 2 + 2);
   for (std::size_t first = 0; first < triangles; first += kBlock) {
     const std::size_t count = std::min(kBlock, triangles - first);
     std::array<Vec3d, 3 * kBlock> corners;
@@ -83,6 +98,9 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
+// Reads the text form line by line. A facet has one loop ("outer loop" ... "endloop") of vertices,
+// usually three; more become a polygon. Keywords may be in capitals. A file may hold several
+// solids, which become one mesh.
 class AsciiReader {
  public:
   explicit AsciiReader(std::string_view text) : in_(text), welder_(file_.mesh.positions) {}
@@ -120,11 +138,13 @@ class AsciiReader {
   TextScanner in_;
   MeshFile file_;
   VertexWelder welder_;
+  // Whether the position is between "outer loop" and "endloop", and whether it is after "endsolid".
   bool in_loop_ = false, ended_ = false;
   Polygons polygons_;
-  std::vector<std::uint32_t> polygon_;
+  std::vector<std::uint32_t> polygon_;  // vertices of the loop that is being read
 };
 
+// Whether the file begins with "solid", as every text file must.
 bool begins_as_text(std::string_view bytes) {
   bytes = without_byte_order_mark(bytes);
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
@@ -141,7 +161,7 @@ void write_stl(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings) {
   out.text(header);
   out.raw(static_cast<std::uint32_t>(mesh.n_faces()));
   FloatLoss loss;
-  std::uint64_t collapsed = 0;
+  std::uint64_t collapsed = 0;  // triangles with two corners that become equal as floats
   for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
     std::array<Vec3d, 3> corners;
     const auto vertices = face_vertices(mesh, f);
@@ -166,7 +186,10 @@ void write_stl(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings) {
   out.flush();
 }
 
-// Some binary files begin with "solid" too, so their size is asked first.
+// Decides between the two forms. Some programs write binary files that begin with "solid", so the
+// first word is no proof. A file whose size agrees with the number of triangles at byte 80 is
+// binary. If it does not agree, "solid" means text, and otherwise the file is binary but cut off or
+// followed by other bytes.
 MeshFile read_stl(std::string_view bytes) {
   const bool has_count = bytes.size() >= kFirstTriangle;
   const std::size_t wanted =

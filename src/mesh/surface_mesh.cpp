@@ -1,3 +1,8 @@
+// Access to the sphere properties of a SurfaceMesh, and its conversion back to an IndexedMesh.
+//
+// to_surface_mesh() hands its work to SurfaceMeshBuilder. to_indexed_mesh() copies vertices and
+// faces on all cores. The first corner of a triangle is the start of the half-edge that OpenMesh
+// keeps for the face, so converting a mesh there and back keeps the order of its corners.
 #include "mesh/surface_mesh.hpp"
 
 #include <fmt/format.h>
@@ -47,6 +52,9 @@ IndexedMesh to_indexed_mesh(const SurfaceMesh& mesh) {
     result.normals[v] = {n[0], n[1], n[2]};
     result.vertex_spheres.set(v, mesh.property(spheres, vertex(v)));
   });
+  // OpenMesh numbers half-edges by edge, IndexedMesh by triangle. index_of maps the former to the
+  // latter. A half-edge on a boundary belongs to no triangle. Its entry stays kNoOpposite, which is
+  // the value that `opposite` needs there.
   Buffer<std::uint32_t> index_of(mesh.n_halfedges());
   std::fill(index_of.begin(), index_of.end(), kNoOpposite);
   result.triangles.resize(triangles);
@@ -63,6 +71,7 @@ IndexedMesh to_indexed_mesh(const SurfaceMesh& mesh) {
       result.triangle_spheres[t] = mesh.property(*spheres_of_faces, face(t));
     });
   }
+  // A second pass over the faces, because it needs the complete index_of.
   result.opposite.resize(3 * triangles);
   for_each_index(triangles, [&](std::size_t t) {
     auto h = mesh.halfedge_handle(face(t));

@@ -1,3 +1,7 @@
+// Builds a SurfaceMesh from an IndexedMesh in five steps: check the sizes of all arrays; find the
+// opposite half-edges unless the source has them; wait for the arrays that prepare() started to
+// allocate; link the half-edges (connectivity.cpp); copy positions, normals and labels on all
+// cores. to_surface_mesh() is this builder without prepare().
 #include "mesh/surface_mesh_builder.hpp"
 
 #include <fmt/format.h>
@@ -20,8 +24,10 @@ namespace {
 using handles::face;
 using handles::for_each_index;
 using handles::vertex;
+// Grey, until color_by_element() or the user sets another colour.
 const SurfaceMesh::Color kPlainColor{176, 176, 176};
 
+// OpenMesh's handles are of type int, which limits vertices and half-edges alike.
 void check_limits(std::size_t vertices, std::size_t triangles) {
   constexpr auto kMaxHandle = static_cast<std::size_t>(std::numeric_limits<int>::max());
   if (vertices > kMaxHandle || triangles > kMaxSurfaceHalfEdges / 3)
@@ -31,6 +37,7 @@ void check_limits(std::size_t vertices, std::size_t triangles) {
                     vertices, triangles, kMaxSurfaceHalfEdges));
 }
 
+// Optional arrays of the mesh must be empty or have one entry per vertex, triangle or half-edge.
 void check_sizes(const IndexedMesh& mesh) {
   const auto check = [&](std::size_t size, std::size_t wanted, const char* what) {
     if (size != 0 && size != wanted)
@@ -43,6 +50,7 @@ void check_sizes(const IndexedMesh& mesh) {
   check(mesh.opposite.size(), 3 * mesh.triangle_count(), "opposite half-edges");
 }
 
+// The unit vector along a, or zero if a is zero or not a number.
 SurfaceMesh::Normal unit(const Vec3d& a) {
   const double length = norm(a);
   if (!(length > 0)) return {0, 0, 0};
@@ -50,7 +58,10 @@ SurfaceMesh::Normal unit(const Vec3d& a) {
           static_cast<float>(a.z / length)};
 }
 
-// Without a field's gradient: the sum of the area vectors of the triangles around each vertex.
+// Computes vertex normals for a mesh that has none. A normal is the sum of the area vectors of the
+// triangles around the vertex, normalised, so large triangles weigh more. The sums run on one
+// thread, because two triangles would add to the same vertex; their order, and so the result, is
+// always the same.
 void set_normals_of_triangles(SurfaceMesh& mesh, const IndexedMesh& source) {
   Buffer<Vec3d> sums(source.vertex_count());
   std::fill(sums.begin(), sums.end(), Vec3d{0, 0, 0});
@@ -77,6 +88,7 @@ void set_vertex_data(SurfaceMesh& mesh, const IndexedMesh& source, VertexSpheres
   if (source.normals.empty()) set_normals_of_triangles(mesh, source);
 }
 
+// Adds the face property of face_spheres() if the source labels its triangles.
 void set_face_data(SurfaceMesh& mesh, const IndexedMesh& source) {
   if (source.triangle_labels() == TriangleLabels::none) return;
   FaceSphereProperty spheres;
@@ -88,7 +100,8 @@ void set_face_data(SurfaceMesh& mesh, const IndexedMesh& source) {
 
 }  // namespace
 
-// The room that is being made.
+// A call of make_room() that runs as a TBB task. The destructor waits for the task, so the mesh is
+// never destroyed under it. An exception in the task is kept for wait().
 class SurfaceMeshBuilder::Room {
  public:
   Room(SurfaceMesh& mesh, const ElementCounts& counts) {
@@ -104,6 +117,7 @@ class SurfaceMeshBuilder::Room {
   Room(const Room&) = delete;
   Room& operator=(const Room&) = delete;
 
+  // Returns when the arrays are there. Rethrows what make_room() threw.
   void wait() {
     task_.wait();
     if (failure_) std::rethrow_exception(failure_);
@@ -124,6 +138,7 @@ SurfaceMeshBuilder::~SurfaceMeshBuilder() = default;
 void SurfaceMeshBuilder::prepare(const MeshSize& size) {
   if (room_) return;
   check_limits(size.vertices, size.triangles);
+  // Every triangle has three edges, and in a closed mesh two triangles share each of them.
   room_ = std::make_unique<Room>(
       mesh_, ElementCounts{size.vertices, 3 * size.triangles / 2, size.triangles});
 }
@@ -134,6 +149,7 @@ SurfaceMesh& SurfaceMeshBuilder::build(const IndexedMesh& source) {
   const bool given = !source.opposite.empty();
   Buffer<std::uint32_t> computed;
   if (!given) computed = opposite_half_edges(source.triangles, source.vertex_count());
+  // Until here the background task and the search for opposites run side by side.
   if (room_) room_->wait();
   connect(mesh_, source.triangles, given ? std::span(source.opposite) : std::span(computed),
           source.vertex_count(), given ? Opposites::given : Opposites::computed);

@@ -1,4 +1,5 @@
-// Builds a SurfaceMesh in two steps, so that the first can run while its triangles are still made.
+// Builds a SurfaceMesh in two steps. The first allocates its arrays and needs nothing but the size
+// of the mesh, so it can run in the background while the triangles are still being computed.
 #pragma once
 
 #include <memory>
@@ -9,24 +10,25 @@ namespace vdwmesh {
 
 class SurfaceMeshBuilder {
  public:
-  // Fills `mesh`, which must be new and stay where it is as long as the builder.
+  // Will fill `mesh`. Precondition: `mesh` is empty, and it outlives the builder at its address.
   explicit SurfaceMeshBuilder(SurfaceMesh& mesh);
   ~SurfaceMeshBuilder();
   SurfaceMeshBuilder(const SurfaceMeshBuilder&) = delete;
   SurfaceMeshBuilder& operator=(const SurfaceMeshBuilder&) = delete;
 
-  // Begins to make room for a closed mesh of that size on a thread of TBB's pool, and returns at
-  // once. Only the first call counts. Throws LimitExceeded as build() does.
+  // Starts to allocate the arrays of a closed mesh of this size on a thread of TBB's pool, and
+  // returns at once. The size is a hint: build() corrects it. Only the first call has an effect.
+  // Throws LimitExceeded as build() does.
   void prepare(const MeshSize& size);
 
-  // Fills the mesh as to_surface_mesh() does, whatever was prepared, and returns it. To be called
-  // once; after an exception the mesh is of no use.
+  // Fills the mesh as to_surface_mesh() does, with or without a prepare() before, and returns it.
+  // Call it at most once. After an exception the mesh is in no defined state.
   SurfaceMesh& build(const IndexedMesh& source);
 
  private:
-  class Room;
+  class Room;  // the allocation that prepare() started
   SurfaceMesh& mesh_;
-  std::unique_ptr<Room> room_;
+  std::unique_ptr<Room> room_;  // null before prepare()
 };
 
 }  // namespace vdwmesh

@@ -1,3 +1,10 @@
+// Allocates the arrays of a SurfaceMesh on all cores, in four steps: reserve() allocates address
+// space without writing to it; madvise() asks for large pages under every array; all cores touch
+// the pages, so that the kernel maps them in parallel; at last the properties are resized, which
+// writes their initial values, one task per property. The result equals mesh.resize().
+//
+// connect() calls make_room() when it knows the number of edges. SurfaceMeshBuilder::prepare()
+// calls it earlier, in the background.
 #include "mesh/surface_room.hpp"
 
 #include <tbb/parallel_for.h>
@@ -15,10 +22,14 @@ using handles::face;
 using handles::half_edge;
 using handles::vertex;
 
+// Up to this number of faces the arrays are so small that large pages and threads gain nothing.
 constexpr std::size_t kFewFaces = 1 << 10;
-constexpr std::size_t kTouchedAtOnce = std::size_t{16} << 20;  // bytes
+constexpr std::size_t kTouchedAtOnce = std::size_t{16} << 20;  // bytes per task
 
-// All arrays of the mesh, between reserve() and resize(): the only time to ask for large pages.
+// Calls visit(first element, number of elements) for every large array of the mesh. It is meant for
+// the moment between reserve() and resize(), when the memory is allocated but not yet written:
+// later, the kernel has already chosen small pages. The mesh needs at least one vertex, edge and
+// face, because the addresses are taken from element 0.
 template <class Visit>
 void for_each_array(SurfaceMesh& mesh, const ElementCounts& n, Visit&& visit) {
   const OpenMesh::EdgeHandle edge(0);
@@ -35,7 +46,7 @@ void for_each_array(SurfaceMesh& mesh, const ElementCounts& n, Visit&& visit) {
   visit(&mesh.property(vertex_spheres(mesh), vertex(0)), n.vertices);
 }
 
-// The pages of an array that is not written yet, on all cores.
+// Makes the kernel map the pages of an array, on all cores. The array is not written yet.
 template <class T>
 void touch(const T* begin, std::size_t count) {
   advise_large_pages(begin, count);
@@ -48,7 +59,8 @@ void touch(const T* begin, std::size_t count) {
                     });
 }
 
-// The properties of the mesh, each of which is a single thread's work, side by side.
+// Resizes the properties of the mesh, which in OpenMesh include positions, normals and colours. One
+// resize() uses one thread, so each property is a task of its own.
 void resize_properties(SurfaceMesh& mesh, const ElementCounts& counts) {
   tbb::task_group properties;
   const auto resize = [&](auto first, auto last, std::size_t count) {
@@ -68,11 +80,13 @@ void resize_properties(SurfaceMesh& mesh, const ElementCounts& counts) {
 
 void make_room(SurfaceMesh& mesh, const ElementCounts& counts) {
   if (mesh.n_faces() == 0 && counts.faces > kFewFaces) {
+    // One element of each kind gives for_each_array() an element 0 whose address it can take.
     mesh.resize(1, 1, 1);
     mesh.reserve(counts.vertices, counts.edges, counts.faces);
     for_each_array(mesh, counts, [](const auto* begin, std::size_t count) { touch(begin, count); });
     resize_properties(mesh, counts);
   }
+  // This resizes the arrays of connectivity. Properties that have their size are left as they are.
   mesh.resize(counts.vertices, counts.edges, counts.faces);
 }
 

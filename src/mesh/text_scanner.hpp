@@ -1,5 +1,5 @@
-// Numbers and words of a text file, read where they lie. Line numbers are counted only when an
-// error needs one.
+// A scanner for the text formats (OBJ, OFF, STL, PLY): it reads words and numbers in place, without
+// copying lines. It does not count lines while it reads; an error counts them up to its position.
 #pragma once
 
 #include <charconv>
@@ -8,40 +8,48 @@
 
 namespace vdwmesh::formats {
 
+// Comments run from # to the end of the line. A line ends with a line feed; carriage returns count
+// as blanks.
 class TextScanner {
  public:
   explicit TextScanner(std::string_view text)
       : begin_(text.data()), at_(begin_), end_(begin_ + text.size()) {}
 
+  // The current position, as a pointer into the text; move_to() goes back to such a position.
   const char* position() const { return at_; }
   void move_to(const char* position) { at_ = position; }
   std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
 
-  // Blanks, and line breaks escaped by a backslash.
+  // Skips blanks, and line breaks after a backslash, which continue a line.
   void skip_blanks() {
     while (at_ < end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r' || is_continuation())) ++at_;
   }
-  // Blanks, empty lines and comments from # to the end of the line.
+  // Skips blanks, ends of lines and comments.
   void skip_to_token() {
     for (skip_blanks(); at_ < end_ && (*at_ == '\n' || *at_ == '#'); skip_blanks()) next_line();
   }
+  // Moves to the beginning of the next line, or to the end of the text.
   void next_line() {
     const void* found = at_ < end_ ? find_newline() : nullptr;
     at_ = found ? static_cast<const char*>(found) + 1 : end_;
   }
+  // Whether nothing but blanks and a comment is left on the line.
   bool at_line_end() {
     skip_blanks();
     return at_ == end_ || *at_ == '\n' || *at_ == '#';
   }
+  // Whether nothing but blanks and comments is left in the text.
   bool at_end() {
     skip_to_token();
     return at_ == end_;
   }
 
-  // The next word, empty at the end of the line.
+  // The next word of the line: all characters up to a blank or the end of the line.
+  // Empty at the end of the line.
   std::string_view word();
-  // A number that follows on the same line. Throws FileFormatError where there is none, or one
-  // that is not finite or not in range.
+  // The next number of the line. Throws FileFormatError if there is none, or if it is not finite or
+  // does not fit a double. std::from_chars also reads "inf" and "nan"; only for finite numbers is
+  // value - value equal to 0.
   double number() {
     skip_blanks();
     skip_plus();
@@ -51,6 +59,7 @@ class TextScanner {
     at_ = next;
     return value;
   }
+  // The next integer of the line. Throws FileFormatError if there is none that fits the type.
   template <class Integer>
   Integer integer() {
     skip_blanks();
@@ -61,16 +70,20 @@ class TextScanner {
     at_ = next;
     return value;
   }
+  // Consumes the next character if it is c, and returns whether it was.
   bool take(char c) {
     if (at_ == end_ || *at_ != c) return false;
     ++at_;
     return true;
   }
 
+  // Throw FileFormatError with the line number of the current or the given position.
   [[noreturn]] void fail(const std::string& what) const { fail_at(at_, what); }
   [[noreturn]] void fail_at(const char* position, const std::string& what) const;
 
  private:
+  // Whether a backslash and a line break (LF or CR LF) stand here. If so, moves to the LF, which
+  // the caller steps over.
   bool is_continuation() {
     if (*at_ != '\\') return false;
     const char* next = at_ + 1;
@@ -79,15 +92,16 @@ class TextScanner {
     at_ = next;
     return true;
   }
+  // std::from_chars takes no plus sign. The sign is kept before a minus, so that "+-1" is an error.
   void skip_plus() {
     if (at_ + 1 < end_ && *at_ == '+' && at_[1] != '-') ++at_;
   }
   const void* find_newline() const;
   [[noreturn]] void fail_number() const;
 
-  const char* begin_;
-  const char* at_;
-  const char* end_;
+  const char* begin_;  // of the text
+  const char* at_;     // current position
+  const char* end_;    // of the text
 };
 
 }  // namespace vdwmesh::formats

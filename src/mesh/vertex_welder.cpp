@@ -1,3 +1,5 @@
+// Exact welding of points with a hash table (open addressing, linear probing) and a small cache in
+// front of it. The readers of STL files, whose triangles have no indices, and welded() use it.
 #include "mesh/vertex_welder.hpp"
 
 #include <algorithm>
@@ -10,10 +12,13 @@
 namespace vdwmesh::formats {
 namespace {
 
-constexpr std::uint32_t kEmpty = 0xffffffffu;
-constexpr std::size_t kRecent = std::size_t{1} << 15;
-constexpr std::size_t kFirstSlots = std::size_t{1} << 16;
+constexpr std::uint32_t kEmpty = 0xffffffffu;              // no vertex: see check_vertex_limit()
+constexpr std::size_t kRecent = std::size_t{1} << 15;      // entries of the cache, 128 KiB
+constexpr std::size_t kFirstSlots = std::size_t{1} << 16;  // initial table, 512 KiB
 
+// Multiplicative hash of the bits of all three coordinates, with the constant 2^64 / golden ratio.
+// The multiplication mixes bits upwards only; the shift brings the upper half down to the bits that
+// index the table.
 std::uint64_t hash_of(const Vec3d& p) {
   const auto mix = [](std::uint64_t h, double value) {
     h = (h ^ std::bit_cast<std::uint64_t>(value)) * 0x9e3779b97f4a7c15u;
@@ -22,6 +27,8 @@ std::uint64_t hash_of(const Vec3d& p) {
   return mix(mix(mix(0, p.x), p.y), p.z);
 }
 
+// -0 + 0 is 0, and any other number stays as it is. So points that are equal have equal bits, which
+// the hash needs.
 Vec3d without_negative_zeros(const Vec3d& p) { return {p.x + 0.0, p.y + 0.0, p.z + 0.0}; }
 
 std::uint32_t tag_of(std::uint64_t hash) { return static_cast<std::uint32_t>(hash >> 32); }
@@ -52,12 +59,14 @@ void VertexWelder::index(std::span<const Vec3d> points, std::span<std::uint32_t>
   for (std::size_t i = 0; i < points.size(); ++i) result[i] = index(p[i], hash[i]);
 }
 
+// Asks the cache first; its index is bits 20 to 34 of the hash.
 std::uint32_t VertexWelder::index(const Vec3d& p, std::uint64_t hash) {
   std::uint32_t& recent = recent_[(hash >> 20) % kRecent];
   if (recent == kEmpty || !(positions_[recent] == p)) recent = find_or_add(p, hash);
   return recent;
 }
 
+// Linear probing. An empty slot always ends the search, because the table is at most half full.
 std::uint32_t VertexWelder::find_or_add(const Vec3d& p, std::uint64_t hash) {
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = hash & mask;
@@ -72,6 +81,8 @@ std::uint32_t VertexWelder::find_or_add(const Vec3d& p, std::uint64_t hash) {
   return index;
 }
 
+// Makes an empty table of `slots` slots (a power of two) and inserts all positions. They are all
+// different, so nothing has to be compared.
 void VertexWelder::insert_all(std::size_t slots) {
   slots_.clear();
   slots_.reserve(slots);

@@ -1,4 +1,5 @@
-// Vertices merged where all three coordinates are equal, in order of first appearance.
+// Collects points into a list without duplicates, in the order of first appearance. Two points are
+// duplicates if all three coordinates are equal as numbers; there is no tolerance.
 #pragma once
 
 #include <cstddef>
@@ -12,28 +13,35 @@ namespace vdwmesh::formats {
 
 class VertexWelder {
  public:
-  // `expected` vertices or fewer take no growing.
+  // Will append to `positions`, which is empty and must outlive the welder. Neither `positions` nor
+  // the hash table has to grow up to `expected` vertices.
   explicit VertexWelder(Buffer<Vec3d>& positions, std::size_t expected = 0);
 
-  // Index of the vertex at p, which is added where it is new. 0 and -0 are equal.
+  // Returns the index of p in `positions`, after adding p if it is new. 0 and -0 are equal.
+  // Precondition: p is finite. Throws LimitExceeded if the mesh has too many vertices.
   std::uint32_t index(const Vec3d& p);
 
-  // The same for many points, at most kMost of them; memory is asked for all of them at once.
+  // The same for up to kMost points. It prefetches the table's slots of all points before it looks
+  // at the first, so that their cache misses overlap.
   static constexpr std::size_t kMost = 96;
   void index(std::span<const Vec3d> points, std::span<std::uint32_t> result);
 
  private:
-  // The tag is part of the hash: another vertex is told apart without looking at its position.
+  // A slot holds the index of a vertex and the upper 32 bits of its hash. If two tags differ, so do
+  // the points, and no position has to be read.
   struct Slot {
     std::uint32_t index, tag;
   };
+  // index() for a point without negative zeros, and its hash.
   std::uint32_t index(const Vec3d& p, std::uint64_t hash);
   std::uint32_t find_or_add(const Vec3d& p, std::uint64_t hash);
   void insert_all(std::size_t slots);
 
   Buffer<Vec3d>& positions_;
-  Buffer<std::uint32_t> recent_;  // by hash: most vertices come again soon
-  Buffer<Slot> slots_;            // open addressing, at most half full
+  // A small direct-mapped cache in front of the table: the last vertex found for each value of some
+  // hash bits. The corners of neighbouring triangles repeat soon, so it answers most questions.
+  Buffer<std::uint32_t> recent_;
+  Buffer<Slot> slots_;  // open addressing; its size is a power of two; at most half full
 };
 
 }  // namespace vdwmesh::formats

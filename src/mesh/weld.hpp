@@ -1,4 +1,4 @@
-// Vertices that lie in one place become one.
+// Merges vertices of a mesh that have equal coordinates.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,14 @@
 
 namespace vdwmesh {
 
-// The same triangles on vertices of which no two have all three coordinates equal, in the order of
-// their first appearance. Labels are those of the first; normals, which corners need not agree on,
-// and opposite half-edges are left out. Throws InvalidInput for an index of no vertex.
+// Returns the mesh with vertices merged if all three coordinates are equal, without a tolerance; 0
+// and -0 are equal. Vertices keep the order of their first appearance, and triangles keep their
+// order. A merged vertex has the label of the first. The result has no normals, because merged
+// vertices may have different ones, and no opposite half-edges. Throws InvalidInput if a triangle
+// has an index of no vertex.
 IndexedMesh welded(const IndexedMesh& mesh);
 
-// Bytes that welded() takes at its peak beyond its argument, at most.
+// An upper bound of the bytes that welded() needs in addition to a mesh of this size.
 std::uint64_t welding_bytes(const MeshSize& size);
 
 }  // namespace vdwmesh
