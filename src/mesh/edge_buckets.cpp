@@ -81,25 +81,25 @@ void for_each_side(const Triangle& triangle, Visit&& visit) {
 
 // What a first look at the triangles finds. Sums are associative, and the left operand's triangles
 // come first, so a parallel reduction gives the first bad triangle for any number of threads.
-struct Findings {
-  std::optional<std::size_t> stranger;        // first triangle with an index of no vertex
+struct IndexSurvey {
+  std::optional<std::size_t> invalid_index;   // first triangle with an index of no vertex
   std::optional<std::size_t> repeated_index;  // first triangle that names a vertex twice
   std::size_t half_edges = 0;                 // half-edges whose ends differ
 
-  Findings operator+(const Findings& later) const {
-    return {stranger ? stranger : later.stranger,
+  IndexSurvey operator+(const IndexSurvey& later) const {
+    return {invalid_index ? invalid_index : later.invalid_index,
             repeated_index ? repeated_index : later.repeated_index, half_edges + later.half_edges};
   }
 };
 
-Findings look_at(std::span<const Triangle> triangles, std::size_t vertex_count) {
+IndexSurvey survey_indices(std::span<const Triangle> triangles, std::size_t vertex_count) {
   using Range = tbb::blocked_range<std::size_t>;
   return tbb::parallel_reduce(
-      Range(0, triangles.size(), kTrianglesPerBlock), Findings{},
-      [&](const Range& range, Findings found) {
+      Range(0, triangles.size(), kTrianglesPerBlock), IndexSurvey{},
+      [&](const Range& range, IndexSurvey found) {
         for (std::size_t t = range.begin(); t < range.end(); ++t) {
           const auto [i, j, k] = triangles[t];
-          if (std::max({i, j, k}) >= vertex_count && !found.stranger) found.stranger = t;
+          if (std::max({i, j, k}) >= vertex_count && !found.invalid_index) found.invalid_index = t;
           const unsigned sides = (i != j) + (j != k) + (k != i);
           if (sides < 3 && !found.repeated_index) found.repeated_index = t;
           found.half_edges += sides;
@@ -177,7 +177,7 @@ class HalfEdgesByRange {
 
   // Calls visit(half-edge, range of its smaller vertex) for the half-edges of block b.
   template <class Visit>
-  void for_block(std::size_t b, Visit&& visit) const {
+  void visit_half_edges(std::size_t b, Visit&& visit) const {
     const std::size_t end = std::min((b + 1) * per_block_, triangles_.size());
     for (std::size_t t = b * per_block_; t < end; ++t)
       for_each_side(triangles_[t], [&](unsigned side, std::uint32_t from, std::uint32_t to) {
@@ -188,7 +188,7 @@ class HalfEdgesByRange {
   // First pass over block b.
   void count(std::size_t b) {
     Counters counts(std::vector<std::uint32_t>(ranges_, 0));
-    for_block(b, [&](HalfEdge, std::size_t range) { counts.take(range); });
+    visit_half_edges(b, [&](HalfEdge, std::size_t range) { counts.take(range); });
     for (std::size_t r = 0; r < ranges_; ++r) next_[r * blocks_ + b] = counts[r];
   }
 
@@ -197,7 +197,7 @@ class HalfEdgesByRange {
     std::vector<std::uint32_t> first(ranges_);
     for (std::size_t r = 0; r < ranges_; ++r) first[r] = next_[r * blocks_ + b];
     Counters next(std::move(first));
-    for_block(b, [&](HalfEdge h, std::size_t range) { half_edges_[next.take(range)] = h; });
+    visit_half_edges(b, [&](HalfEdge h, std::size_t range) { half_edges_[next.take(range)] = h; });
   }
 
   std::span<const Triangle> triangles_;
@@ -268,18 +268,18 @@ EdgeBuckets::EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex
         fmt::format("{} triangles have more than the {} half-edges a mesh can hold; a coarser "
                     "spacing makes fewer",
                     triangles.size(), kMaxSurfaceHalfEdges));
-  const Findings found = look_at(triangles, vertex_count);
-  if (found.stranger)
-    throw InvalidInput(fmt::format("triangle {} names vertex {}, but there are {} vertices",
-                                   *found.stranger, std::ranges::max(triangles[*found.stranger]),
-                                   vertex_count));
+  const IndexSurvey found = survey_indices(triangles, vertex_count);
+  if (found.invalid_index)
+    throw InvalidInput(
+        fmt::format("triangle {} names vertex {}, but there are {} vertices", *found.invalid_index,
+                    std::ranges::max(triangles[*found.invalid_index]), vertex_count));
   repeated_index_ = found.repeated_index;
   resize_untouched(end_, vertex_count);
   resize_untouched(entries_, found.half_edges);
   // Grouping by range is an extra pass, which does not pay on a single thread.
-  const bool alone =
+  const bool single_threaded =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) == 1;
-  (alone ? fill_on_one_core : fill_on_all_cores)(triangles, end_, entries_.data());
+  (single_threaded ? fill_on_one_core : fill_on_all_cores)(triangles, end_, entries_.data());
 }
 
 }  // namespace vdwmesh

@@ -87,7 +87,7 @@ const T& item(const std::vector<T>& items, int index, const char* what) {
 }
 
 // The array that a glTF accessor describes. All its elements lie inside of their buffer.
-struct Elements {
+struct AccessorView {
   const unsigned char* data;
   std::size_t count, stride;  // stride in bytes, at least the size of an element
 
@@ -104,8 +104,8 @@ struct Elements {
 // which is a part of a buffer; all sizes come from the file. The comparisons are written with
 // differences that cannot be negative, so that no sum or product overflows. The last element needs
 // `size` bytes only, not a whole stride.
-Elements elements(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
-                  std::size_t size) {
+AccessorView elements(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
+                      std::size_t size) {
   if (accessor.sparse.isSparse) fail("sparse accessors are not read here");
   const auto& view = item(model.bufferViews, accessor.bufferView, "buffer view");
   const auto& data = item(model.buffers, view.buffer, "buffer").data;
@@ -123,7 +123,7 @@ Elements elements(const tinygltf::Model& model, const tinygltf::Accessor& access
 }
 
 // An accessor of positions or normals. Quantised ones (an extension of glTF) are refused.
-Elements float_vectors(const tinygltf::Model& model, int accessor_index) {
+AccessorView float_vectors(const tinygltf::Model& model, int accessor_index) {
   const auto& accessor = item(model.accessors, accessor_index, "accessor");
   if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT ||
       accessor.type != TINYGLTF_TYPE_VEC3)
@@ -143,7 +143,7 @@ std::vector<std::uint32_t> read_indices(const tinygltf::Model& model,
   }
   const auto& accessor = item(model.accessors, primitive.indices, "accessor");
   const auto read = [&]<class T>(T) {
-    const Elements source = elements(model, accessor, sizeof(T));
+    const AccessorView source = elements(model, accessor, sizeof(T));
     indices.resize(source.count);
     for (std::size_t i = 0; i < source.count; ++i) indices[i] = source.at<T>(i);
   };
@@ -228,7 +228,7 @@ class GlbReader {
   // Adds a primitive of triangles, whose positions are in accessor `position`.
   void add(const tinygltf::Primitive& primitive, int position, const Transform& transform) {
     IndexedMesh& mesh = file_.mesh;
-    const Elements points = float_vectors(model_, position);
+    const AccessorView points = float_vectors(model_, position);
     const std::size_t first = mesh.vertex_count();
     check_vertex_limit(std::uint64_t{first} + points.count);
     for (std::size_t i = 0; i < points.count; ++i) {
@@ -243,7 +243,7 @@ class GlbReader {
   }
 
   void add_normals(int accessor, std::size_t count, const Transform& transform) {
-    const Elements source = float_vectors(model_, accessor);
+    const AccessorView source = float_vectors(model_, accessor);
     if (source.count != count) fail("normals are not as many as vertices");
     const Transform turn = transform.for_normals();
     // Without rotation or scale, normals keep their bits.

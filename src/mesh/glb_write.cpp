@@ -33,7 +33,7 @@ constexpr std::uint32_t kHeaderSize = 12, kChunkHeaderSize = 8;
 // the arrays need no padding between them.
 constexpr std::uint64_t kVectorSize = 12, kColorSize = 4, kTriangleSize = 12;
 // An upper bound of the JSON, with the headers. Its length depends on the mesh by few numbers only.
-constexpr std::uint64_t kMostOfJson = 4096;
+constexpr std::uint64_t kMaxJsonBytes = 4096;
 
 struct Box3 {
   Vec3d lower, upper;
@@ -62,7 +62,7 @@ std::uint64_t binary_size(const SurfaceMesh& mesh) {
 
 // The header stores the size of the file as uint32.
 void check_size(const SurfaceMesh& mesh) {
-  const std::uint64_t bytes = binary_size(mesh) + kMostOfJson;
+  const std::uint64_t bytes = binary_size(mesh) + kMaxJsonBytes;
   if (bytes > std::numeric_limits<std::uint32_t>::max())
     throw LimitExceeded(fmt::format(
         "a GLB file of {} bytes is more than its 32 bits can count; PLY holds any mesh", bytes));

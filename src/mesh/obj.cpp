@@ -84,14 +84,15 @@ class ObjReader {
   // A face may name a vertex that is not read yet. Notes the largest such index and where it
   // stands; check_forward() checks it at the end of the file.
   void note_forward(std::uint32_t v) {
-    if (v < mesh().positions.size() || v < furthest_) return;
-    furthest_ = v;
-    furthest_at_ = in_.position();
+    if (v < mesh().positions.size() || v < largest_forward_index_) return;
+    largest_forward_index_ = v;
+    largest_forward_position_ = in_.position();
   }
   void check_forward() {
-    if (furthest_at_ && furthest_ >= mesh().positions.size())
-      in_.fail_at(furthest_at_, fmt::format("a face names vertex {}, but there are {}",
-                                            std::uint64_t{furthest_} + 1, mesh().positions.size()));
+    if (largest_forward_position_ && largest_forward_index_ >= mesh().positions.size())
+      in_.fail_at(largest_forward_position_,
+                  fmt::format("a face names vertex {}, but there are {}",
+                              std::uint64_t{largest_forward_index_} + 1, mesh().positions.size()));
   }
 
   // Gives vertex v a normal (an index into normals_) unless it has one.
@@ -121,11 +122,11 @@ class ObjReader {
 
   TextScanner in_;
   MeshFile file_;
-  Buffer<Vec3f> normals_;                 // as the "vn" lines give them
-  std::vector<std::uint32_t> normal_of_;  // vertex -> index into normals_, or kNoNormal
-  bool several_normals_ = false;          // a vertex was given two different normals
-  std::uint32_t furthest_ = 0;            // largest index named before its vertex was read
-  const char* furthest_at_ = nullptr;     // where the file names it; null if nowhere
+  Buffer<Vec3f> normals_;                    // as the "vn" lines give them
+  std::vector<std::uint32_t> normal_of_;     // vertex -> index into normals_, or kNoNormal
+  bool several_normals_ = false;             // a vertex was given two different normals
+  std::uint32_t largest_forward_index_ = 0;  // largest index named before its vertex was read
+  const char* largest_forward_position_ = nullptr;  // where the file names it; null if nowhere
   Polygons polygons_;
   std::vector<std::uint32_t> polygon_;  // corners of the face that is being read
 };

@@ -84,23 +84,23 @@ class BinaryBody {
   }
   // Throws if the rest of the file cannot hold the elements that the header claims, even with empty
   // lists. Memory for an element is taken only after this check.
-  void check_room(const PlyElement& element) const {
+  void check_claimed_count(const PlyElement& element) const {
     const std::size_t least = element.least_size();
     if (least > 0 && element.count > bytes_left() / least)
       fail(fmt::format("{} '{}' elements are promised, but {} bytes are left for them",
                        element.count, element.name, bytes_left()));
   }
   // The most entries of this type that the rest of the file can hold.
-  std::size_t room(PlyScalar scalar) const { return bytes_left() / size_of(scalar); }
+  std::size_t max_list_entries(PlyScalar scalar) const { return bytes_left() / size_of(scalar); }
   std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
   // Steps over so many bytes and returns where they begin; take(0) is the current position. The
-  // caller has checked that the file has them. give_back() returns to such a position.
+  // caller has checked that the file has them. rewind_to() returns to such a position.
   const char* take(std::size_t bytes) {
     const char* first = at_;
     at_ += bytes;
     return first;
   }
-  void give_back(const char* position) { at_ = position; }
+  void rewind_to(const char* position) { at_ = position; }
   // Whether the body is over. Some programs end a binary file with a line break.
   bool at_end() const {
     return std::all_of(at_, end_, [](char c) { return c == '\n' || c == '\r' || c == ' '; });
@@ -126,7 +126,7 @@ class AsciiBody {
     in_.skip_to_token();
     return in_.number();
   }
-  void check_room(const PlyElement& element) const {
+  void check_claimed_count(const PlyElement& element) const {
     // Each property takes at least a digit and a separator; only the last of the file needs no
     // separator, hence + 1.
     const std::size_t least = 2 * element.properties.size();
@@ -134,7 +134,7 @@ class AsciiBody {
       fail(fmt::format("{} '{}' elements are promised, but {} bytes are left for them",
                        element.count, element.name, in_.bytes_left()));
   }
-  std::size_t room(PlyScalar) const { return in_.bytes_left(); }
+  std::size_t max_list_entries(PlyScalar) const { return in_.bytes_left(); }
   bool at_end() { return in_.at_end(); }
   [[noreturn]] void fail(const std::string& what) const { in_.fail(what); }
 
@@ -163,7 +163,7 @@ class PlyReader {
 
   MeshFile read(const PlyHeader& header) {
     for (const PlyElement& element : header.elements) {
-      body_.check_room(element);
+      body_.check_claimed_count(element);
       if (element.name == "vertex") {
         read_vertices(element);
       } else if (element.name == "face") {
@@ -319,7 +319,7 @@ class PlyReader {
     }
     make_room(file_.mesh.triangles, static_cast<std::size_t>(element.count));
     std::uint64_t start = 0;
-    if constexpr (!std::is_same_v<Body, AsciiBody>) start = read_plain_triangles(element);
+    if constexpr (!std::is_same_v<Body, AsciiBody>) start = read_packed_triangles(element);
     for (std::uint64_t f = start; f < element.count; ++f) read_face(element, indices);
   }
 
@@ -359,7 +359,7 @@ class PlyReader {
   // of 32 bits, perhaps followed by an atom of 32 bits, and no other property. Reads triangles up
   // to the first face that has another number of corners, and returns how many it read. Returns 0
   // if the layout is another one. Indices are checked later, by check_indices().
-  std::uint64_t read_plain_triangles(const PlyElement& element) {
+  std::uint64_t read_packed_triangles(const PlyElement& element) {
     const PlyProperty& list = element.properties[0];
     const auto is_whole = [](const PlyProperty& property) {
       return property.type == PlyScalar::int32 || property.type == PlyScalar::uint32;
@@ -387,7 +387,7 @@ class PlyReader {
     for (; t < before + most; ++t) {
       const char* face = body_.take(size);
       if (*face != 3) {
-        body_.give_back(face);
+        body_.rewind_to(face);
         break;
       }
       // The k-th 32-bit number after the count.
@@ -428,7 +428,7 @@ class PlyReader {
   // Reads the count before a list. A count that the rest of the file cannot hold is an error.
   std::size_t list_size(const PlyProperty& property) {
     const double size = body_.number(*property.list_count);
-    if (!(size >= 0 && size <= static_cast<double>(body_.room(property.type))))
+    if (!(size >= 0 && size <= static_cast<double>(body_.max_list_entries(property.type))))
       body_.fail(fmt::format("a list of {} entries is more than the file holds", size));
     return static_cast<std::size_t>(size);
   }
@@ -468,8 +468,8 @@ class PlyReader {
   std::vector<std::uint32_t> polygon_;  // corners of the face that is being read
 };
 
-// Whether the file is a text file, by a search instead of by its header: lines that end in CR alone
-// have to be converted before the header can be read. The "format" line is the second line, unless
+// Whether the file is a text file, by a search instead of by its header: line ends of CR alone have
+// to be converted before the header can be read. The "format" line is the second line, unless
 // comments precede it; 200 bytes allow for a few of them.
 bool is_text(std::string_view bytes) {
   constexpr std::size_t kFirstLines = 200;

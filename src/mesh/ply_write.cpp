@@ -41,7 +41,7 @@ constexpr const char* kHeader =
 constexpr const char* kFaceComment = "comment atom of a face: index of the sphere it is part of\n";
 constexpr const char* kFaceProperty = "property int atom\n";
 
-constexpr std::size_t kMostOfHeader = 1024;  // bytes; the text above has fewer than 800
+constexpr std::size_t kMaxHeaderBytes = 1024;  // bytes; the text above has fewer than 800
 
 // The number of a sphere in the file. It is an int, so that -1 can stand for kNoSphere.
 std::int32_t as_int(SphereId id) {
@@ -57,7 +57,7 @@ void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
   const std::optional<FaceSphereProperty> sphere = face_spheres(mesh);
   // A vertex has 3 doubles, 3 floats, 3 bytes and 3 ints: 24 + 12 + 3 + 12 = 51 bytes. A face has a
   // count of one byte and 3 ints, and 4 more bytes for its sphere.
-  sink.expect(kMostOfHeader + 51 * mesh.n_vertices() + (sphere ? 17 : 13) * mesh.n_faces());
+  sink.expect(kMaxHeaderBytes + 51 * mesh.n_vertices() + (sphere ? 17 : 13) * mesh.n_faces());
   ChunkWriter out(sink);
   out.text(fmt::format(kHeader, sphere ? kFaceComment : "", mesh.n_vertices(), mesh.n_faces(),
                        sphere ? kFaceProperty : ""));

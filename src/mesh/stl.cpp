@@ -39,7 +39,7 @@ Vec3f unit_normal(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
 }
 
 // Marks the mesh as welded and adds the note that says so.
-void say_welded(MeshFile& file, std::size_t triangles) {
+void note_welding(MeshFile& file, std::size_t triangles) {
   file.welded = true;
   file.notes.push_back(
       fmt::format("STL has no indices: the {} corners were welded to {} vertices where all three "
@@ -87,7 +87,7 @@ MeshFile read_binary(std::string_view bytes) {
     welder.index({corners.data(), 3 * count}, {index.data(), 3 * count});
     std::memcpy(&file.mesh.triangles[first], index.data(), count * sizeof(Triangle));
   }
-  say_welded(file, triangles);
+  note_welding(file, triangles);
   return file;
 }
 
@@ -110,7 +110,7 @@ class AsciiReader {
     if (in_loop_) in_.fail("the file ends inside a facet");
     if (!ended_) in_.fail("the file ends without 'endsolid'; it was cut off");
     polygons_.finish(file_);
-    say_welded(file_, file_.mesh.triangle_count());
+    note_welding(file_, file_.mesh.triangle_count());
     return std::move(file_);
   }
 
