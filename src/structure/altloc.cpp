@@ -1,3 +1,11 @@
+// Chooses among alternate locations; site.hpp states the rules. A "position" below is a sequence
+// position of a chain: one residue, or several residues with the same number (microheterogeneity).
+//
+// The atoms of a position stand together, so positions are handled one after the other:
+// 1. Labels are ranked by the mean occupancy of their atoms at the position.
+// 2. PlaceChoice marks every atom that does not belong to the chosen label or residue.
+// 3. For "highest", atoms that the residue would lack are taken back.
+// 4. Unlabelled copies of atoms that stay are marked too, and marked atoms are removed and counted.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,21 +21,24 @@
 namespace vdwmesh {
 namespace {
 
-// Occupancies are given to two or three decimals; means closer than this are equal.
+// Means that differ by no more than this are equal. Occupancies have two or three decimals, so the
+// means of n and of m atoms are either equal or at least 1e-3 / (n m) apart. That exceeds the
+// tolerance up to about 30 atoms each. Storing occupancies as floats changes the means by 3e-8 at
+// most.
 constexpr double kSameOccupancy = 1e-6;
 
-// Mean occupancy of what shares a label, or a label and a residue name.
+// The mean occupancy of the atoms with one label, or of the atoms of one residue with that label.
 struct Mean {
   char label;
-  const gemmi::Residue* residue;
-  double sum = 0;
+  const gemmi::Residue* residue;  // of the first atom
+  double sum = 0;                 // of occupancies
   int count = 0;
   double value() const { return sum / count; }
 };
 
 using Range = std::pair<Sites::iterator, Sites::iterator>;
 
-// The atoms at one place of the chain: one residue, or several with the same number.
+// The end of the run of atoms that share the sequence position of `first`.
 Sites::iterator end_of_place(Sites::iterator first, Sites::iterator last) {
   return std::find_if(first, last, [first](const Site& site) {
     return site.chain != first->chain || site.residue->seqid != first->residue->seqid ||
@@ -35,6 +46,7 @@ Sites::iterator end_of_place(Sites::iterator first, Sites::iterator last) {
   });
 }
 
+// Adds the atom's occupancy to the mean that satisfies `same`; begins a new one if none does.
 template <class Same>
 void entry(std::vector<Mean>& means, const Site& site, Same same) {
   auto found = std::find_if(means.begin(), means.end(), same);
@@ -46,7 +58,7 @@ void entry(std::vector<Mean>& means, const Site& site, Same same) {
   ++found->count;
 }
 
-// The first of those that are highest but for rounding.
+// The highest mean. The first one wins ties, which are differences up to kSameOccupancy.
 const Mean& highest(const std::vector<Mean>& means) {
   const Mean* best = &means.front();
   for (const Mean& mean : means)
@@ -54,6 +66,7 @@ const Mean& highest(const std::vector<Mean>& means) {
   return *best;
 }
 
+// One mean for each label at the position, in the order of the file.
 std::vector<Mean> means_by_label(Range place) {
   std::vector<Mean> means;
   for (auto site = place.first; site != place.second; ++site)
@@ -62,14 +75,16 @@ std::vector<Mean> means_by_label(Range place) {
   return means;
 }
 
+// Whether all atoms of the residue have labels. Only such a residue is one of several alternatives;
+// a residue with unlabelled atoms is always there.
 bool wholly_labelled(Range place, const gemmi::Residue* residue) {
   return std::all_of(place.first, place.second, [residue](const Site& site) {
     return site.residue != residue || site.atom->altloc != '\0';
   });
 }
 
-// Of several residues at one place that all bear labels, the one that stays: that of the chosen
-// label with the highest mean. Null where there is no such choice.
+// Among the wholly labelled residues of the position, the one that stays: the residue whose atoms
+// with the chosen label have the highest mean occupancy. Null if none of them has the label.
 const gemmi::Residue* residue_that_stays(Range place, char label) {
   std::vector<Mean> means;
   for (auto site = place.first; site != place.second; ++site)
@@ -78,7 +93,9 @@ const gemmi::Residue* residue_that_stays(Range place, char label) {
   return means.empty() ? nullptr : highest(means).residue;
 }
 
-// The labels of a place, that of the highest mean first.
+// The labels of the position in descending order of their means. Selecting the highest repeatedly
+// keeps ties in the order of the file; comparing with a tolerance in std::sort would not be a valid
+// order.
 std::vector<char> labels_by_mean(Range place) {
   std::vector<Mean> means = means_by_label(place);
   std::vector<char> labels;
@@ -89,13 +106,15 @@ std::vector<char> labels_by_mean(Range place) {
   return labels;
 }
 
-// The choice at one place of the chain.
+// The decision about every atom at one position. fates_[i] belongs to the i-th atom of the
+// position.
 class PlaceChoice {
  public:
   explicit PlaceChoice(Range place)
       : place_(place), fates_(static_cast<std::size_t>(place.second - place.first), Fate::stays) {}
 
-  // Keeps the atoms of `label` and those without one.
+  // Marks the atoms of other labels and of the residues that were not chosen. Unlabelled atoms
+  // stay.
   void choose(char label) {
     const gemmi::Residue* first = place_.first->residue;
     const bool mixed = std::any_of(place_.first, place_.second,
@@ -109,8 +128,8 @@ class PlaceChoice {
     }
   }
 
-  // Some files leave the label of one conformation blank. Such an atom, which is there in part
-  // only, goes if the label kept has one of its name.
+  // Marks unlabelled atoms with an occupancy below 1 if an atom of the same residue and name stays
+  // with a label. Some files leave the label of one conformation blank; both atoms would overlap.
   void drop_blank_twins() {
     std::set<std::pair<const gemmi::Residue*, std::string>> labelled;
     for (std::size_t i = 0; i < fates_.size(); ++i)
@@ -124,14 +143,15 @@ class PlaceChoice {
   }
 
   // Takes back atoms whose names the residue would lack, from the first of `labels` that has them.
-  // Where one of several residues was chosen, only it is completed: what is left of another belongs
-  // to both.
+  // If one of several residues was chosen, only that residue is completed.
   void complete(const std::vector<char>& labels) {
     std::set<std::pair<const gemmi::Residue*, std::string>> held;
     for (std::size_t i = 0; i < fates_.size(); ++i)
       if (fates_[i] == Fate::stays) held.emplace(site(i).residue, site(i).atom->name);
     for (const char label : labels) {
-      const auto before = held;  // an atom may stand twice under one label
+      // Names are compared with the state before this label: a name may occur twice under one
+      // label, and both atoms come back.
+      const auto before = held;
       for (std::size_t i = 0; i < fates_.size(); ++i) {
         if (fates_[i] != Fate::other_label || site(i).atom->altloc != label) continue;
         if (chosen_ && site(i).residue != chosen_) continue;
@@ -143,7 +163,7 @@ class PlaceChoice {
     }
   }
 
-  // Takes the atoms away that do not stay, and counts them.
+  // Counts the marked atoms and sets their pointers to null; the caller removes such sites.
   void carry_out(SkippedAtoms& skipped) {
     for (std::size_t i = 0; i < fates_.size(); ++i) {
       if (fates_[i] == Fate::stays) continue;
@@ -158,7 +178,7 @@ class PlaceChoice {
 
   Range place_;
   std::vector<Fate> fates_;
-  const gemmi::Residue* chosen_ = nullptr;  // of several at the place; null: no such choice
+  const gemmi::Residue* chosen_ = nullptr;  // among several residues; null: only one, or none suits
 };
 
 bool has_labels(Range place) {
@@ -179,6 +199,7 @@ void choose_at(Range place, const std::string& label, SkippedAtoms& skipped) {
   choice.carry_out(skipped);
 }
 
+// Throws if no atom has the label that the user asked for; the message lists the labels there are.
 void check_label(const Sites& sites, const std::string& label, const std::string& path) {
   if (label == "highest") return;
   std::set<char> labels;

@@ -1,3 +1,6 @@
+// Turns the assembly tables of a file into a recipe. RecipeMaker parses the operator expression of
+// every row of the assembly, collects the operators that occur, and then checks these operators
+// only. Operators should be rotations with a shift. Others are used as they stand, with a warning.
 #include "structure/assembly.hpp"
 
 #include <fmt/format.h>
@@ -13,20 +16,24 @@
 namespace vdwmesh {
 namespace {
 
-// Entries of rotation matrices are given to four or more decimals, so products of two rows are off
-// by at most 2 * sqrt(3) * 5e-5 = 1.8e-4.
+// How far a scalar product of two matrix rows may be from 0 or 1 in a rotation. Files give the
+// entries to four or more decimals, so each is off by at most e = 5e-5, and each row by a vector of
+// length at most sqrt(3) e. Rows have length 1, so their scalar product is off by at most 2 sqrt(3)
+// e = 1.8e-4 up to terms of e^2. The tolerance is five times that.
 constexpr double kRotationTolerance = 1e-3;
-constexpr std::size_t kMostNamed = 3;  // operators in one warning
+constexpr std::size_t kMostNamed = 3;  // operators that one warning lists
 
 Vec3d column(const AffineMap& map, int axis) {
   return {map.rows[0][axis], map.rows[1][axis], map.rows[2][axis]};
 }
 
-// Empty for a rotation, which is what keeps the shape and the hand of a molecule.
+// Says why the map is not a rotation with a shift; empty if it is one. A rotation keeps lengths and
+// angles (its rows are orthonormal) and chirality (its determinant is positive).
 std::string why_no_rotation(const AffineMap& map) {
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = i; j < 3; ++j) {
       const double expected = i == j ? 1 : 0;
+      // Written so that NaN counts as a deviation.
       if (!(std::abs(dot(map.rows[i], map.rows[j]) - expected) <= kRotationTolerance))
         return "changes lengths or angles";
     }
@@ -34,6 +41,7 @@ std::string why_no_rotation(const AffineMap& map) {
   return mirrors ? "makes mirror images" : "";
 }
 
+// Makes one recipe: construct, then call run() once.
 class RecipeMaker {
  public:
   RecipeMaker(const AssemblyTables& tables, const std::string& name, const std::string& path)
@@ -54,6 +62,7 @@ class RecipeMaker {
   }
 
  private:
+  // Adds the part of the recipe that one row of the file describes.
   void add(const AssemblyRow& row) {
     const std::string where = fmt::format("{}: {}", path_, row.where);
     ChainCopies& part = recipe_.parts.emplace_back();
@@ -65,6 +74,7 @@ class RecipeMaker {
       for (const OperatorFactor& factor : product) used_.insert(factor.begin(), factor.end());
   }
 
+  // Refuses an operator that is ambiguous or has a fault, and notes one that is not a rotation.
   void check(const SymmetryOperator& used) {
     const std::string where = fmt::format("{}: {}", path_, used.where);
     if (repeated_.count(used.id) != 0)
@@ -91,16 +101,17 @@ class RecipeMaker {
   const AssemblyTables& tables_;
   const std::string& name_;
   const std::string& path_;
-  OperatorPlaces places_;
-  std::set<std::string> repeated_;
-  std::set<std::uint32_t> used_;
+  OperatorPlaces places_;  // operator id -> index in tables_.operators, the first if repeated
+  std::set<std::string> repeated_;  // ids that are listed more than once
+  std::set<std::uint32_t> used_;    // indices into tables_.operators
   std::vector<std::string> deformations_;
   AssemblyRecipe recipe_;
 };
 
 }  // namespace
 
-// Plain products and sums, not dot(): copies keep the coordinates they have always had.
+// Plain products and sums instead of dot(), whose fma rounds differently. The coordinates of copies
+// are meant to stay the same, bit for bit, from version to version.
 Vec3d AffineMap::operator()(const Vec3d& p) const {
   const auto row = [&p](const Vec3d& r, double s) { return r.x * p.x + r.y * p.y + r.z * p.z + s; };
   return {row(rows[0], shift.x), row(rows[1], shift.y), row(rows[2], shift.z)};

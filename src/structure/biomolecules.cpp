@@ -1,3 +1,14 @@
+// A state machine over the records of REMARK 350, which look like this:
+//
+//   REMARK 350 BIOMOLECULE: 1
+//   REMARK 350 APPLY THE FOLLOWING TO CHAINS: A, B,
+//   REMARK 350                    AND CHAINS: C
+//   REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        0.00000
+//   REMARK 350   BIOMT2   1  ...
+//
+// Three BIOMT rows are one operator. The operators that follow a list of chains apply to it;
+// together they are a group, that is, one AssemblyRow. A new list or a new biomolecule closes the
+// group.
 #include "structure/biomolecules.hpp"
 
 #include <fmt/format.h>
@@ -13,9 +24,10 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kText = 11;    // columns before the text of a remark
-constexpr std::size_t kMatrix = 13;  // columns before BIOMT
+constexpr std::size_t kText = 11;    // columns before the text of a remark: "REMARK 350 "
+constexpr std::size_t kMatrix = 13;  // columns before the word BIOMT1
 constexpr std::string_view kBiomolecule = "BIOMOLECULE:";
+// The four numbers of a matrix row, for messages.
 constexpr std::array<std::string_view, 4> kNames{"x", "y", "z", "the shift"};
 
 std::string upper_case(std::string_view text) {
@@ -25,14 +37,15 @@ std::string upper_case(std::string_view text) {
   return result;
 }
 
-// What follows `word` in the text; nothing without the word.
+// The part of the text behind `word`, which is given in capitals. Nothing if the word is not there.
 std::optional<std::string_view> text_after(std::string_view text, std::string_view word) {
   const std::size_t found = upper_case(text).find(word);
   if (found == std::string::npos) return std::nullopt;
   return text.substr(found + word.size());
 }
 
-// "A, B, C," and "A B C"; old files write NULL for a chain without a name.
+// The names in a list such as "A, B, C," or "A B C". Old files write NULL for a chain without a
+// name; its name is the empty string.
 std::vector<std::string> listed_names(std::string_view list) {
   std::string text(list);
   std::replace(text.begin(), text.end(), ',', ' ');
@@ -42,8 +55,9 @@ std::vector<std::string> listed_names(std::string_view list) {
   return names;
 }
 
-// "BIOMT1   1  1.000000  0.000000  0.000000        0.00000": the fields by blanks, which every
-// program writes; by columns where numbers touch.
+// The six fields of a matrix row: BIOMTn, the serial number, three numbers of the matrix and the
+// shift. Blanks separate them in nearly all files. If that does not give six fields, numbers touch,
+// and the columns of the format separate them.
 std::array<std::string_view, 6> matrix_fields(std::string_view record) {
   const std::string_view text = columns(record, kMatrix, record.size());
   const std::vector<std::string_view> fields = split_at_blanks(text);
@@ -75,6 +89,7 @@ void BiomoleculeReader::take_names(std::string_view list) {
   names_ = listed_names(list);
 }
 
+// `first`: the record begins a list ("APPLY THE FOLLOWING"); others continue it ("AND CHAINS").
 void BiomoleculeReader::take_chains(std::string_view list, bool first, std::uint32_t number) {
   if (first) {
     close_group();
@@ -86,6 +101,7 @@ void BiomoleculeReader::take_chains(std::string_view list, bool first, std::uint
 
 void BiomoleculeReader::take_matrix_row(std::string_view record, std::uint32_t number) {
   const std::array<std::string_view, 6> fields = matrix_fields(record);
+  // 0, 1 or 2 for BIOMT1 to BIOMT3; 3 or more for anything else, which is a fault.
   const std::size_t row = fields[0].size() == 6 ? static_cast<std::size_t>(fields[0][5] - '1') : 3;
   if (row == 0 || row >= 3) close_operator();
   if (matrix_rows_ == 0) operator_.where = fmt::format("line {}", number);
@@ -104,7 +120,9 @@ void BiomoleculeReader::take_matrix_row(std::string_view record, std::uint32_t n
   }
 }
 
-// Every program numbers them anew somewhere, so they are called by their place in the file.
+// Adds the current matrix to the tables and to the current group. Files number their matrices anew
+// in each biomolecule or group, so the numbers are not unique. The id is the index among all
+// matrices of the file instead, from 1.
 void BiomoleculeReader::close_operator() {
   if (matrix_rows_ == 0) return;
   if (matrix_rows_ != 3 && operator_.fault.empty())
@@ -117,6 +135,7 @@ void BiomoleculeReader::close_operator() {
   matrix_rows_ = 0;
 }
 
+// Adds the current group to the tables, once for each biomolecule that it belongs to.
 void BiomoleculeReader::close_group() {
   close_operator();
   if (!group_.where.empty())

@@ -1,5 +1,5 @@
-// REMARK 350 of PDB files: which chains a biomolecule holds, and moved by which matrices. Inside
-// the room only.
+// Reads REMARK 350 of PDB files, which describes the biological assemblies ("biomolecules"): which
+// chains an assembly holds, and which matrices move them. Internal header of this folder.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,14 @@
 
 namespace vdwmesh {
 
+// Collects the records of REMARK 350 one by one into assembly tables. Broken records throw nothing:
+// the fault is noted with the operator, and make_recipe() reports it if the assembly is asked for.
 class BiomoleculeReader {
  public:
-  // Takes the next record of REMARK 350, which is line `number` of the file.
+  // Reads the next record of REMARK 350. `number` is its line in the file, from 1, for messages.
   void take(std::string_view record, std::uint32_t number);
 
-  // Call once, after the last record.
+  // Returns the tables. Call this once, after the last record.
   AssemblyTables finish();
 
  private:
@@ -27,10 +29,10 @@ class BiomoleculeReader {
   void close_group();
 
   AssemblyTables tables_;
-  std::vector<std::string> names_;  // of the biomolecules that are being described
-  AssemblyRow group_;               // of chains; complete once its operators are known
-  SymmetryOperator operator_;
-  std::size_t matrix_rows_ = 0;  // how many of operator_ were read
+  std::vector<std::string> names_;  // the biomolecules that the current records describe
+  AssemblyRow group_;               // the current chains, with the operators read so far
+  SymmetryOperator operator_;       // the current matrix
+  std::size_t matrix_rows_ = 0;     // rows of operator_ that were read: 0 to 3 in a sound file
 };
 
 }  // namespace vdwmesh

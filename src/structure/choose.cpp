@@ -1,3 +1,9 @@
+// Choice::run() goes through the options one after the other, on one list of sites. Each step
+// erases sites and counts them under its reason. What is left gets radii and becomes the atoms of
+// the Molecule: once each for the asymmetric unit, or once for each copy in an assembly.
+//
+// An assembly is measured before it is made. An operator expression of a few characters can stand
+// for billions of copies, so the number of atoms is computed first and checked against the limits.
 #include "structure/choose.hpp"
 
 #include <fmt/format.h>
@@ -22,12 +28,15 @@
 namespace vdwmesh {
 namespace {
 
+// Residue names of water. In the PDB these names mean nothing else.
 constexpr std::array<std::string_view, 4> kAlwaysWater{"HOH", "DOD", "WAT", "H2O"};
-// Of simulation programs; also names of other things, so their atoms must be those of a water.
+// Names of water models in simulation programs. Other molecules have some of these names too, so
+// is_water() also looks at the atoms.
 constexpr std::array<std::string_view, 18> kSolvent{"W",    "WF",   "PW",   "SOL",  "TIP",  "TIP2",
                                                     "TIP3", "TIP4", "TIP5", "TP3",  "TP4",  "TP5",
                                                     "T3P",  "T4P",  "SPC",  "SPCE", "TP3M", "OH2"};
 
+// Elements that are too common to be listed in a note when they were derived from names.
 constexpr std::array<std::string_view, 7> kOrganicElements{"H", "D", "C", "N", "O", "P", "S"};
 
 template <class Names>
@@ -35,13 +44,15 @@ bool listed(const Names& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+// A residue is a water by its name alone, or by the name of a water model and at most one oxygen
+// with nothing but hydrogens and sites without an element (virtual sites, beads).
 bool is_water(const gemmi::Residue& residue) {
   std::string name = residue.name;
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   if (listed(kAlwaysWater, name)) return true;
   if (!listed(kSolvent, name)) return false;
-  std::set<std::string> oxygens;  // by name: alternate locations repeat them
+  std::set<std::string> oxygens;  // names, because alternate locations repeat an atom
   for (const gemmi::Atom& atom : residue.atoms) {
     if (atom.element == gemmi::El::O)
       oxygens.insert(atom.name);
@@ -51,6 +62,7 @@ bool is_water(const gemmi::Residue& residue) {
   return oxygens.size() <= 1;
 }
 
+// Describes an atom for a message.
 std::string name_of(const Site& site, const AtomRecord& record) {
   std::string chain = site.chain->name.empty() ? "" : " of chain " + site.chain->name;
   return fmt::format("atom {} of residue {} {}{} (serial {}, {} {})", site.atom->name,
@@ -58,15 +70,17 @@ std::string name_of(const Site& site, const AtomRecord& record) {
                      record.line == 0 ? "number" : "line", record.line);
 }
 
-constexpr double kMostAtoms = 4294967294;  // that a SphereSet holds
+constexpr double kMostAtoms = 4294967294;  // 2^32 - 2, the most spheres that a SphereSet holds
 
-// 0 where the file calls it by something else than a number.
+// The number of the model; 0 if the file names it by something else.
 std::int32_t number_of(const gemmi::Model& model) {
   const std::int64_t number = whole_number(model.name).value_or(0);
   return std::in_range<std::int32_t>(number) ? static_cast<std::int32_t>(number) : 0;
 }
 
-// Chains of an assembly: A1, A2, ... are chain A moved by one operator, by another, and so on.
+// Names the chains of an assembly: A1, A2, ... are the copies of chain A, numbered in the order in
+// which the combinations of operators come up. The same chain and combination always get the same
+// name, even if several parts of the recipe hold pieces of that chain.
 class CopyNames {
  public:
   const std::string& of(const gemmi::Chain& chain, const OperatorFactor& combination) {
@@ -76,7 +90,8 @@ class CopyNames {
   }
 
  private:
-  // Chains may end in digits themselves: A1 with another 1 is not A with 11.
+  // The next name that is free. Chain ids may end in digits: copy 1 of chain A1 and copy 11 of
+  // chain A would both be A11.
   std::string unused(const std::string& chain) {
     for (int& count = counts_[chain];;) {
       std::string name = chain + std::to_string(++count);
@@ -89,6 +104,7 @@ class CopyNames {
   std::set<std::string> used_;
 };
 
+// One call of choose_atoms(). sites_ holds the atoms that no step has dropped.
 class Choice {
  public:
   Choice(const ParsedFile& file, const ReadOptions& options) : file_(file), options_(options) {
@@ -116,12 +132,14 @@ class Choice {
   }
 
  private:
+  // Erases the sites for which the predicate is true, and counts them under `reason`.
   template <class Predicate>
   void drop(const char* reason, Predicate predicate) {
     const std::size_t dropped = std::erase_if(sites_, predicate);
     if (dropped != 0) molecule_.skipped[reason] += dropped;
   }
 
+  // Whether the options ask for this model. Numbers compare as numbers, so "01" finds model 1.
   bool is_chosen(std::size_t index) const {
     if (options_.model == "all") return true;
     if (options_.model == "first") return index == 0;
@@ -130,6 +148,7 @@ class Choice {
     return name == options_.model || (wanted && wanted == whole_number(name));
   }
 
+  // Fills sites_ with the atoms of the chosen models, in the order of gemmi's hierarchy.
   void choose_models() {
     const std::vector<gemmi::Model>& models = file_.structure->models;
     sites_.reserve(file_.atoms.size());
@@ -154,7 +173,7 @@ class Choice {
           fmt::format("{}: has no model {}; it has {}", file_.path, options_.model, model_names()));
   }
 
-  // A model that the file does not number goes by its place.
+  // The name of the model; its number in the file's order, from 1, if it has no name.
   std::string model_name(std::size_t index) const {
     const std::string& name = file_.structure->models[index].name;
     return name.empty() ? std::to_string(index + 1) : name;
@@ -168,6 +187,7 @@ class Choice {
 
   void drop_by_kind() {
     if (options_.waters == Inclusion::drop) {
+      // The atoms of a residue stand together, so one test for each residue is enough.
       const gemmi::Residue* seen = nullptr;
       bool water = false;
       drop("waters", [&](const Site& site) {
@@ -192,6 +212,7 @@ class Choice {
                       "or /1/A,B",
                       in_quotes(options_.select), one_line(error.what())));
     }
+    // Selections by entity type (polymer, ligand, water) need types that gemmi derives on request.
     if (!selection.entity_types.all) gemmi::setup_entities(*file_.structure);
     drop("not_selected", [&](const Site& site) {
       return !selection.matches(*site.model) || !selection.matches(*site.chain) ||
@@ -199,6 +220,7 @@ class Choice {
     });
   }
 
+  // Throws if no atom is left, and lists how many each step dropped.
   void refuse_if_empty() const {
     if (!sites_.empty()) return;
     std::string reasons;
@@ -210,6 +232,8 @@ class Choice {
                     file_.path, molecule_.atoms_read, reasons));
   }
 
+  // Sets Site::radius from the file or the table, and counts radii that the chosen set itself
+  // lacks.
   void assign_radii(const RadiusTable& table) {
     std::map<std::string, AssumedRadius> assumed;
     for (Site& site : sites_) {
@@ -249,7 +273,8 @@ class Choice {
         file_.path, options_.radii, site.atom->element.name(), name, site.atom->element.name()));
   }
 
-  // Radii of the file do not rest on elements, so there a guess is counted and not told.
+  // Counts the atoms whose elements were derived from names, and adds a note for the user. Files
+  // with radii of their own get no note, because their radii do not depend on elements.
   void count_guesses() {
     std::map<std::tuple<std::string, std::string, std::string>, std::uint64_t> unusual;
     for (const Site& site : sites_) {
@@ -286,6 +311,7 @@ class Choice {
     return file_.atoms[static_cast<std::size_t>(site.atom->serial)];
   }
 
+  // Appends the site to the molecule.
   Atom& take(const Site& site) {
     const AtomRecord& from = record(site);
     if (site.residue != numbered_) {
@@ -307,7 +333,8 @@ class Choice {
   }
 
   void take_asymmetric() {
-    // gemmi gathers the atoms of a residue; the file may interleave them.
+    // gemmi collects the atoms of a residue, while the file may interleave residues. Sorting by
+    // gemmi's serial, the index in the file, restores the order of the file.
     const auto in_order = [](const Site& a, const Site& b) {
       return a.atom->serial < b.atom->serial;
     };
@@ -318,16 +345,18 @@ class Choice {
     molecule_.atoms_used = sites_.size();
   }
 
+  // Reserves memory for that many atoms.
   void make_room(std::size_t atoms) {
     molecule_.atoms.reserve(atoms);
     advise_large_pages(molecule_.atoms.data(), atoms);
   }
 
+  // Appends the copies of the assembly: model by model, then part by part, copy by copy.
   void take_assembly() {
     const AssemblyRecipe recipe = find_recipe();
     molecule_.warnings.insert(molecule_.warnings.end(), recipe.warnings.begin(),
                               recipe.warnings.end());
-    std::vector<bool> used(file_.atoms.size());
+    std::vector<bool> used(file_.atoms.size());  // by index of the atom in the file
     const double atoms = count_copies(recipe, used);
     drop("not_in_assembly",
          [&](const Site& site) { return !used[static_cast<std::size_t>(site.atom->serial)]; });
@@ -337,13 +366,14 @@ class Choice {
     for (auto first = sites_.cbegin(); first != sites_.cend();) {
       const auto last = std::find_if(
           first, sites_.cend(), [first](const Site& site) { return site.model != first->model; });
-      CopyNames names;  // anew for each model
+      CopyNames names;  // each model begins with A1 again
       for (const ChainCopies& part : recipe.parts) take_copies(part, first, last, names);
       first = last;
     }
     molecule_.atoms_used = sites_.size();
   }
 
+  // Throws if the file has no assembly of that name; the message lists the names.
   AssemblyRecipe find_recipe() const {
     const std::vector<std::string> names = assembly_names(file_.assemblies);
     if (listed(names, options_.assembly))
@@ -356,13 +386,15 @@ class Choice {
                                    options_.assembly, known.empty() ? " only" : " and", known));
   }
 
+  // Whether the part of the recipe copies the chain of this site.
   bool holds(const ChainCopies& part, const Site& site) const {
     const bool by_author = file_.assemblies.chain_names == AssemblyTables::ChainNames::author;
     return part.chains.count(by_author ? site.chain->name : site.residue->subchain) != 0;
   }
 
-  // How many atoms the assembly has, exactly while it matters; marks in `used` which atoms of the
-  // file are in it.
+  // Returns how many atoms the assembly has, and marks in `used` the atoms of the file that are in
+  // it. The result is a double because it may be huge. It is exact up to 2^53, far above
+  // kMostAtoms, so no assembly within the limits is miscounted.
   double count_copies(const AssemblyRecipe& recipe, std::vector<bool>& used) const {
     double total = 0;
     for (const ChainCopies& part : recipe.parts) {
@@ -387,12 +419,15 @@ class Choice {
         file_.path, options_.assembly, atoms, bytes / 0x1p30, allowed / 0x1p30, kMostAtoms));
   }
 
+  // Appends the copies of one part, for the sites [first, last) of one model.
   void take_copies(const ChainCopies& part, Sites::const_iterator first, Sites::const_iterator last,
                    CopyNames& names) {
     std::vector<const Site*> held;
     for (auto site = first; site != last; ++site)
       if (holds(part, *site)) held.push_back(&*site);
-    if (held.empty()) return;  // no limit on atoms bounds the copies of none
+    // Without atoms, the limit on atoms does not bound the combinations, which may be 2^64 and
+    // more.
+    if (held.empty()) return;
     for (const OperatorProduct& product : part.products)
       for_each_combination(product, [&](const OperatorFactor& combination) {
         const AffineMap map = map_of(file_.assemblies, combination);
@@ -410,7 +445,7 @@ class Choice {
 
   void refuse_if_far(const Atom& copy, const OperatorFactor& combination) const {
     const Vec3d& p = copy.position;
-    const auto is_near = [](double x) { return std::abs(x) <= kFarthest; };  // no NaN is
+    const auto is_near = [](double x) { return std::abs(x) <= kFarthest; };  // false for NaN
     if (is_near(p.x) && is_near(p.y) && is_near(p.z)) return;
     throw FileFormatError(
         fmt::format("{}: assembly {}: operator {} moves an atom to {:g}, {:g}, {:g} Å; coordinates "
@@ -423,8 +458,8 @@ class Choice {
   const ReadOptions& options_;
   Sites sites_;
   Molecule molecule_;
-  const gemmi::Residue* numbered_ = nullptr;  // whose number residue_number_ is
-  std::string residue_number_;
+  const gemmi::Residue* numbered_ = nullptr;  // the residue of the atom appended last
+  std::string residue_number_;                // its number as text, formatted once for each residue
 };
 
 }  // namespace

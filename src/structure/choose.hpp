@@ -1,4 +1,5 @@
-// From everything in a file to the atoms in use. Inside the room only.
+// Turns everything that a file holds (ParsedFile) into the atoms in use (Molecule). Internal header
+// of this folder.
 #pragma once
 
 #include "structure/molecule.hpp"
@@ -8,8 +9,11 @@
 
 namespace vdwmesh {
 
-// Applies, in this order: model, waters, hydrogens, HETATM, alternate locations, selection, radii,
-// assembly. `table` is not used for files with their own radii. Throws InvalidInput.
+// Applies the options in this order: model, waters, hydrogens, HETATM, alternate locations,
+// selection, radii, assembly. Counts every atom that is dropped in Molecule::skipped. `table` gives
+// the radii, unless the file has its own. Throws InvalidInput if an option does not suit the file,
+// if no atom is left, or if an atom has no known radius. Throws FileFormatError for an assembly
+// that cannot be made, and LimitExceeded for one with too many atoms.
 Molecule choose_atoms(const ParsedFile& file, const ReadOptions& options, const RadiusTable& table);
 
 }  // namespace vdwmesh

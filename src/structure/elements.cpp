@@ -1,3 +1,10 @@
+// A cascade of rules, from the most to the least reliable:
+// 1. in_known_residue(): what the name of the residue implies (tables in residue_elements.cpp).
+// 2. of_aligned_name(): the columns in which a PDB file places the name.
+// 3. of_bare_name(): the letters alone, with a preference for light elements, since nearly all
+//    atoms of molecules are C, N, O, H, P or S.
+// Each rule returns El::X if it cannot decide, and the next one is tried. Names are in capitals
+// here.
 #include "structure/elements.hpp"
 
 #include <algorithm>
@@ -14,7 +21,7 @@ namespace {
 
 using gemmi::El;
 
-constexpr std::string_view kOrganic = "CNOHPS";
+constexpr std::string_view kOrganic = "CNOHPS";  // elements of one letter in standard residues
 
 char upper(char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); }
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
@@ -28,19 +35,22 @@ std::string capitals(std::string_view text) {
 
 El single_letter(char c) { return gemmi::impl::find_single_letter_element(upper(c)); }
 
-// Elements past lawrencium exist for moments; a name like "NH1A" never means nihonium.
+// The element with this symbol of two letters, or of one letter if the other character is a blank.
+// X for elements past lawrencium, which exist for moments: "NH1A" is nitrogen, never nihonium.
 El two_letters(char first, char second) {
   const std::array<char, 3> symbol{first, second, '\0'};
   const El found = gemmi::find_element(symbol.data());
   return found > El::Lr && found != El::D ? El::X : found;
 }
 
+// The element of one letter that the first letter of the name stands for; digits are skipped.
 El first_letter(std::string_view name) {
   for (const char c : name)
     if (is_letter(c)) return single_letter(c);
   return El::X;
 }
 
+// Whether the element is one of kOrganic or deuterium.
 bool is_organic(El element) {
   return element == El::D ||
          (element != El::X &&
@@ -48,13 +58,16 @@ bool is_organic(El element) {
           gemmi::element_name(element)[1] == '\0');
 }
 
+// Standard residues hold only the elements of kOrganic, and Se in selenomethionine and
+// selenocysteine.
 El in_standard_residue(std::string_view name, std::string_view residue) {
   if ((residue == "MSE" || residue == "SEC") && name == "SE") return El::Se;
   const El element = first_letter(name);
   return is_organic(element) ? element : El::X;
 }
 
-// What the residue tells; X where it tells nothing.
+// Rule 1: the element that the name of the residue implies. In ligands with metals, an atom that is
+// not a metal is an organic element by its first letter.
 El in_known_residue(std::string_view name, std::string_view residue) {
   if (is_standard_residue(residue)) return in_standard_residue(name, residue);
   if (const El ion = element_of_ion(name, residue); ion != El::X) return ion;
@@ -63,15 +76,17 @@ El in_known_residue(std::string_view name, std::string_view residue) {
   return is_organic(light) ? light : El::X;
 }
 
-// "CL1", "BR": no carbon or boron has such a name outside the standard residues.
+// Chlorine or bromine by the first two letters ("CL1", "BR"). Outside the standard residues, no
+// carbon or boron has such a name.
 El halogen(std::string_view name) {
   if (name.size() < 2) return El::X;
   const El element = two_letters(name[0], name[1]);
   return element == El::Cl || element == El::Br ? element : El::X;
 }
 
-// Two letters and nothing but digits behind them, of an element for which such a name stands far
-// more often than for a lighter one with a letter behind it. Not so "CA", "CO", "HG", "NA", "PB".
+// A symbol of two letters followed by nothing but digits, such as "FE2", for elements that such a
+// name nearly always means. Names such as "CA", "CO", "HG", "NA" and "PB" are not among them: they
+// more often mean a light element with a letter behind it (alpha carbon, gamma hydrogen).
 El telling_symbol(std::string_view name) {
   static constexpr std::array kTelling{El::Fe, El::Ni, El::Cu, El::Si, El::Se, El::Pt, El::Ir};
   if (name.size() < 2 || name.find_first_not_of("0123456789", 2) != std::string_view::npos)
@@ -80,6 +95,9 @@ El telling_symbol(std::string_view name) {
   return std::find(kTelling.begin(), kTelling.end(), element) != kTelling.end() ? element : El::X;
 }
 
+// A name that fills all four columns. Then column 13 says nothing about the length of the symbol,
+// because long names of light elements begin there too ("HG11", "CG2A"). Light elements are
+// preferred.
 El of_full_name(std::string_view name) {
   if (halogen(name) != El::X) return halogen(name);
   if (kOrganic.find(name[0]) != std::string_view::npos) return single_letter(name[0]);
@@ -87,17 +105,22 @@ El of_full_name(std::string_view name) {
   return element != El::X ? element : first_letter(name);
 }
 
+// Rule 2. The name has exactly four characters and may contain blanks. Old PDB files put the digit
+// of a hydrogen first ("1HB "), so the letter behind a leading digit is the symbol.
 El of_aligned_name(std::string_view name) {
   if (is_digit(name[0])) return single_letter(name[1]);
   if (name[3] != ' ' && is_letter(name[0])) {
     if (is_digit(name[1])) return single_letter(name[0]);
     return of_full_name(name);
   }
+  // One letter in column 13 and no letter behind it, as in "K   " or "C1  ": the name is not
+  // aligned.
   if (is_letter(name[0]) && !is_letter(name[1])) return single_letter(name[0]);
   const El element = two_letters(name[0], name[1]);
   return element != El::X ? element : first_letter(name);
 }
 
+// Rule 3. Two letters are tried last, for names whose first letter is no element ("ZN").
 El of_bare_name(std::string_view name) {
   El element = halogen(name);
   if (element == El::X) element = telling_symbol(name);
@@ -115,7 +138,7 @@ const char* element_of_aligned_name(std::string_view four_columns, std::string_v
   const El known = in_known_residue(trimmed(name), capitals(residue));
   if (known != El::X) return gemmi::element_name(known);
   const El element = of_aligned_name(name);
-  // A name in column 14 whose first letter is no element, as CHARMM writes "ZN".
+  // CHARMM writes "ZN" from column 14 on. No element has the symbol Z, so the columns fail.
   return gemmi::element_name(element != El::X ? element : of_bare_name(trimmed(name)));
 }
 

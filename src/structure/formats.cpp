@@ -1,3 +1,7 @@
+// Two independent tests, both before any parsing. format_of_name() looks at the extension only.
+// checked_text() looks at the content: magic numbers of binary formats, a zero byte anywhere, and
+// the first words of the text. Users often hand over a wrong file (an error page saved as .pdb, a
+// zip archive), and a parser's message about its first line would not help them.
 #include "structure/formats.hpp"
 
 #include <fmt/format.h>
@@ -18,12 +22,15 @@ using namespace std::string_view_literals;
 
 constexpr const char* kReadable = "read are .pdb .ent .cif .mmcif .pqr .xyzr, each also .gz";
 
+// Extensions in lower case, each with its format.
 constexpr std::array kExtensions{
     std::pair{".pdb"sv, StructureFormat::pdb},   std::pair{".ent"sv, StructureFormat::pdb},
     std::pair{".cif"sv, StructureFormat::mmcif}, std::pair{".mmcif"sv, StructureFormat::mmcif},
     std::pair{".pqr"sv, StructureFormat::pqr},   std::pair{".xyzr"sv, StructureFormat::xyzr},
 };
 
+// The first bytes of formats that are often mistaken for structure files, and what to do about
+// them. Gzip stands here because the text is already unpacked once.
 constexpr std::array kMagic{
     std::pair{"\x1f\x8b"sv, "gzip data inside gzip data; unpack it once"},
     std::pair{"PK\x03\x04"sv, "a zip archive; unpack it first"},
@@ -48,6 +55,7 @@ std::string lower(std::string_view text) {
   throw FileFormatError(fmt::format("{}: {}", path.string(), what));
 }
 
+// Throws if the bytes are no text. The magic number of tar stands at offset 257.
 void refuse_binary(std::string_view bytes, const std::filesystem::path& path) {
   for (const auto& [magic, name] : kMagic)
     if (bytes.starts_with(magic)) refuse(path, fmt::format("is {}", name));
@@ -58,7 +66,8 @@ void refuse_binary(std::string_view bytes, const std::filesystem::path& path) {
     refuse(path, fmt::format("is not text (a zero byte at offset {}); {}", zero, kReadable));
 }
 
-// The first line that is neither blank nor a comment.
+// The first 16 characters, in lower case, of the first line that is neither blank nor a comment.
+// Empty if there is no such line.
 std::string first_words(std::string_view text) {
   std::string_view line;
   while (next_line(text, line)) {
@@ -68,6 +77,8 @@ std::string first_words(std::string_view text) {
   return {};
 }
 
+// Whether one of the first 1000 lines is a record that PDB files have and mmCIF files do not. It
+// only decides which advice the message gives.
 bool has_pdb_records(std::string_view text) {
   std::string_view line;
   for (int i = 0; i < 1000 && next_line(text, line); ++i)
@@ -101,6 +112,7 @@ std::string_view checked_text(std::string_view bytes, StructureFormat format,
   if (first.empty()) refuse(path, "is empty");
   if (first[0] == '<') refuse(path, "is a web page or XML; get the file itself, as PDB or mmCIF");
   if (first[0] == '{') refuse(path, "is JSON; get the file as PDB or mmCIF");
+  // Every mmCIF file begins with a data block; no other format that is read begins like this.
   const bool cif = first.starts_with("data_");
   if (cif && format != StructureFormat::mmcif)
     refuse(path, "holds mmCIF; rename it to .cif or say --format mmcif");

@@ -1,4 +1,5 @@
-// Which format a file is in. Inside the room only.
+// Determines the format of a structure file from its name, and checks that the content can be of
+// that format. Internal header of this folder.
 #pragma once
 
 #include <filesystem>
@@ -8,12 +9,13 @@
 
 namespace vdwmesh {
 
-// By the extension (before .gz). Throws FileFormatError for extensions that are not read, and
-// InvalidInput for standard input, which has none.
+// The format that the extension stands for; ".gz" is removed first. Throws FileFormatError for an
+// unknown extension, and InvalidInput for standard input ("-"), which has no extension.
 StructureFormat format_of_name(const std::filesystem::path& path);
 
-// The text without a byte order mark. Throws FileFormatError, saying what it is, for what cannot
-// be a file of that format: empty, binary, an archive, a web page, another structure format.
+// Returns `bytes` without the byte order mark of UTF-8. Throws FileFormatError if the bytes cannot
+// be a file of that format: an empty or binary file, an archive, a web page or another structure
+// format. The message says what the file is instead.
 std::string_view checked_text(std::string_view bytes, StructureFormat format,
                               const std::filesystem::path& path);
 

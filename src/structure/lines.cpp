@@ -1,3 +1,5 @@
+// Numbers are read with std::from_chars, which does not depend on the locale and needs no copy of
+// the field.
 #include "structure/lines.hpp"
 
 #include <algorithm>
@@ -9,7 +11,7 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
-constexpr std::size_t kLongestQuote = 40;
+constexpr std::size_t kLongestQuote = 40;  // characters, so that a message stays readable
 
 }  // namespace
 
@@ -21,6 +23,7 @@ bool next_line(std::string_view& rest, std::string_view& line) {
     rest = {};
     return true;
   }
+  // CR LF is one line end of two characters.
   const bool two = rest[end] == '\r' && end + 1 < rest.size() && rest[end + 1] == '\n';
   rest.remove_prefix(end + (two ? 2 : 1));
   return true;
@@ -49,7 +52,7 @@ std::vector<std::string_view> split_at_blanks(std::string_view line) {
 
 std::optional<double> finite_number(std::string_view field) {
   field = trimmed(field);
-  // from_chars takes no plus sign; another sign must not follow it.
+  // from_chars accepts no plus sign, so the sign is removed first. "+-3" keeps it and is refused.
   if (field.starts_with('+') && !field.starts_with("+-")) field.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);

@@ -1,4 +1,6 @@
-// Lines and fields of text files, whatever ends their lines. Inside the room only.
+// Splits text files into lines and fields, turns fields into numbers, and prepares text for
+// messages. Views that are returned point into the text, which must outlive them. Internal header
+// of this folder.
 #pragma once
 
 #include <cstddef>
@@ -10,26 +12,33 @@
 
 namespace vdwmesh {
 
-// Takes the next line off `rest`; LF, CR LF and CR alone end lines. False at the end.
+// Moves the next line from the front of `rest` into `line`, without its end. A line ends with LF
+// (Unix), CR LF (Windows) or CR alone (old Macintosh). Returns false if `rest` is empty.
 bool next_line(std::string_view& rest, std::string_view& line);
 
+// The field without blanks, tabs and line ends on either side.
 std::string_view trimmed(std::string_view field);
 
-// Columns [first, first + count) of a line, counted from 0; shorter where the line ends early.
+// Columns [first, first + count) of a line. Columns count from 0, while the PDB's manual counts
+// them from 1. The result is shorter, or empty, if the line ends early.
 std::string_view columns(std::string_view line, std::size_t first, std::size_t count);
 
+// The words of the line, between blanks and tabs.
 std::vector<std::string_view> split_at_blanks(std::string_view line);
 
-// The whole field as a finite number; nothing for anything else (blank, text, NaN, infinity).
+// The field as a finite number. Nothing if any part of the trimmed field is something else: an
+// empty field, text behind the digits, NaN or infinity.
 std::optional<double> finite_number(std::string_view field);
 
-// The whole field as a decimal integer.
+// The field as a decimal integer, with the same rule. Nothing if it does not fit 64 bits.
 std::optional<std::int64_t> whole_number(std::string_view field);
 
-// Printable and short, for messages.
+// The field in single quotes, for messages: "?" replaces unprintable characters, and long fields
+// are cut. A damaged file can therefore not send control characters to the terminal.
 std::string in_quotes(std::string_view field);
 
-// Line breaks become blanks, so that a message is one line.
+// The message with every run of white space replaced by one blank. Messages of other libraries may
+// span several lines; errors of this library are one line.
 std::string one_line(std::string_view message);
 
 }  // namespace vdwmesh

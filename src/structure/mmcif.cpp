@@ -1,4 +1,13 @@
-// mmCIF through gemmi, and crystallographic CIF of small molecules (asymmetric unit).
+// Reads mmCIF files of macromolecules, and CIF files of small molecules as their asymmetric unit.
+//
+// gemmi parses the text and builds the structure. gemmi is silent about much that is wrong or
+// missing, so this file works on both sides of it. Before: it completes the table _atom_site with
+// the columns that gemmi insists on, checks the integers, and replaces the atom ids by row numbers,
+// so that gemmi::Atom::serial is the index of an AtomRecord. After: it checks that all rows became
+// atoms and that positions are finite, and derives missing elements.
+//
+// The two kinds of file differ in their tags: mmCIF writes _atom_site.id with Cartesian
+// coordinates, CIF of small molecules writes _atom_site_label with fractional ones.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,8 +36,9 @@ constexpr const char* kAtoms = "_atom_site.";
   throw FileFormatError(fmt::format("{}: {}", path, what));
 }
 
+// Parses the CIF syntax. CR line ends become LF first if the file has no LF.
 cif::Document parse(std::string_view text, const std::string& path) {
-  // PEGTL counts lines by LF; files of old Macintoshes have none.
+  // gemmi's parser (PEGTL) recognises line ends by LF; files of old Macintoshes have only CR.
   const bool lone_cr =
       text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos;
   if (!lone_cr) return cif::read_memory(text.data(), text.size(), path.c_str());
@@ -37,6 +47,7 @@ cif::Document parse(std::string_view text, const std::string& path) {
   return cif::read_memory(lines.data(), lines.size(), path.c_str());
 }
 
+// The only data block with an atom table. Throws if there is none or more than one.
 cif::Block& block_with_atoms(cif::Document& document, const std::string& path) {
   cif::Block* found = nullptr;
   for (cif::Block& block : document.blocks) {
@@ -53,14 +64,15 @@ cif::Block& block_with_atoms(cif::Document& document, const std::string& path) {
   return *found;
 }
 
-// A column to be added: a copy of another, or unknown in every row.
+// A column that the atom table lacks: a copy of another column, or the value "?" (unknown) in every
+// row.
 struct AddedColumn {
   std::string tag;
-  int source;  // -1: none
+  int source;  // index of the column to copy; -1: none, so unknown
 };
 
-// Columns that gemmi insists on but whose absence loses nothing. Chains are called by the author's
-// names where there are no others; elements are told from names.
+// The columns to add: gemmi requires them, but files without them can be read. The author's chain
+// ids replace missing label_asym_id; missing elements are derived from names later.
 std::vector<AddedColumn> columns_to_add(const cif::Loop& loop) {
   std::vector<AddedColumn> added;
   const auto index_of = [&loop](const char* tag) {
@@ -74,9 +86,13 @@ std::vector<AddedColumn> columns_to_add(const cif::Loop& loop) {
   return added;
 }
 
+// Adds the missing columns to the atom table. A loop stores its values row by row in one array, so
+// the whole array is rewritten.
 void complete_columns(cif::Block& block) {
   cif::Loop* loop = block.find_loop("_atom_site.Cartn_x").get_loop();
   if (!loop) return;
+  // gemmi requires auth_seq_id. If it is missing, the column label_seq_id gets that tag instead; -1
+  // means that it exists, or that there is no column to rename.
   const int sequence =
       loop->has_tag("_atom_site.auth_seq_id") ? -1 : loop->find_tag("_atom_site.label_seq_id");
   if (sequence >= 0) loop->tags[static_cast<std::size_t>(sequence)] = "_atom_site.auth_seq_id";
@@ -97,6 +113,7 @@ void complete_columns(cif::Block& block) {
   for (const AddedColumn& column : added) loop->tags.push_back(column.tag);
 }
 
+// Throws if a column is missing that no other can replace.
 void check_columns(cif::Block& block, const std::string& path) {
   for (const char* tag :
        {"type_symbol", "label_asym_id", "Cartn_x", "Cartn_y", "Cartn_z", "auth_seq_id"})
@@ -104,7 +121,8 @@ void check_columns(cif::Block& block, const std::string& path) {
       refuse(path, fmt::format("its _atom_site table lacks the column {}", tag));
 }
 
-// gemmi reads whole numbers into an int and does not look whether they fit.
+// gemmi converts integers without a check for overflow, so numbers that do not fit an int are
+// refused. Nine digits always fit: 2^31 - 1 has ten.
 void check_whole_numbers(cif::Block& block, const std::string& path) {
   constexpr std::size_t kMostDigits = 9;
   for (const char* tag : {"label_seq_id", "auth_seq_id", "pdbx_formal_charge"}) {
@@ -118,7 +136,7 @@ void check_whole_numbers(cif::Block& block, const std::string& path) {
   }
 }
 
-// Notes what gemmi's atom cannot hold, and numbers the atoms by their row.
+// Makes the AtomRecord of every row, and overwrites the column `id` with the index of the row.
 std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) {
   cif::Table table = block.find(kAtoms, {"id", "?group_PDB"});
   std::vector<AtomRecord> atoms;
@@ -127,7 +145,8 @@ std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) 
     AtomRecord atom;
     atom.line = static_cast<std::uint32_t>(atoms.size()) + 1;
     atom.serial = whole_number(row[0]).value_or(atom.line);
-    if (row.has2(1)) atom.hetero = row[1].find_first_of("Hh") <= 1;  // behind a quote, perhaps
+    // HETATM or ATOM; the raw value may have a quote before the first letter.
+    if (row.has2(1)) atom.hetero = row[1].find_first_of("Hh") <= 1;
     row[0] = std::to_string(atoms.size());
     atoms.push_back(atom);
   }
@@ -135,6 +154,7 @@ std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) 
   return atoms;
 }
 
+// Throws for an atom whose position is not finite, and names the coordinate that is at fault.
 [[noreturn]] void refuse_position(cif::Block& block, const ParsedFile& file,
                                   const gemmi::Atom& atom) {
   for (const char axis : {'x', 'y', 'z'}) {
@@ -149,7 +169,8 @@ std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) 
   refuse(file.path, fmt::format("row {} of _atom_site has no position", atom.serial + 1));
 }
 
-// gemmi knows no symbol with a charge behind it, and some files leave symbols out.
+// Sets the element of an atom for which gemmi found none. The file may give a symbol with a charge
+// that gemmi does not read ("O2-"). If it gives none, the names decide.
 void complete_element(const cif::Column& symbols, const gemmi::Residue& residue, gemmi::Atom& atom,
                       ParsedFile& file) {
   AtomRecord& record = file.atoms[static_cast<std::size_t>(atom.serial)];
@@ -160,7 +181,8 @@ void complete_element(const cif::Column& symbols, const gemmi::Residue& residue,
                                                : element_of_symbol(symbol));
 }
 
-// What gemmi leaves unsaid: coordinates that are no numbers, symbols with a charge or none.
+// Checks the position of every atom and completes its element. gemmi turns a coordinate that is not
+// a number into NaN, and an element that it does not know into X, without an error.
 void complete_atoms(cif::Block& block, ParsedFile& file) {
   const cif::Column symbols = block.find_values("_atom_site.type_symbol");
   for (gemmi::Model& model : file.structure->models)
@@ -174,7 +196,8 @@ void complete_atoms(cif::Block& block, ParsedFile& file) {
         }
 }
 
-// gemmi leaves a table out of which it misses a column: one in a loop of its own counts as missing.
+// Throws if gemmi read fewer atoms than the table has rows. gemmi ignores the whole table if a
+// required column is missing, and also if the column exists but stands in another loop.
 void check_all_rows_read(const ParsedFile& file) {
   std::size_t read = 0;
   for (const gemmi::Model& model : file.structure->models) read += gemmi::count_atom_sites(model);
@@ -184,12 +207,15 @@ void check_all_rows_read(const ParsedFile& file) {
                                   read, file.atoms.size()));
 }
 
+// The order matters. complete_columns() must precede check_columns(). The assembly tables must
+// leave the block before gemmi sees it, because gemmi would expand their expressions.
 void read_macromolecule(cif::Block& block, ParsedFile& file) {
   complete_columns(block);
   check_columns(block, file.path);
   check_whole_numbers(block, file.path);
   file.atoms = number_rows(block, file.path);
-  for (cif::Item& item : block.items)  // not needed, and slow to match with the atoms
+  // Anisotropic displacements are not needed, and gemmi would match them with the atoms by id.
+  for (cif::Item& item : block.items)
     if (item.has_prefix("_atom_site_anisotrop.")) item.erase();
   file.assemblies = take_assembly_tables(block);
   *file.structure = gemmi::make_structure_from_block(block);
@@ -198,13 +224,18 @@ void read_macromolecule(cif::Block& block, ParsedFile& file) {
   file.format = "mmcif";
 }
 
-// Labels begin with the symbol: "Ca1" is calcium. One in capitals may be either: "CA1".
+// The element in the label of a small molecule's atom, which begins with the symbol. A small second
+// letter belongs to the symbol: "Ca1" is calcium. In capitals, "CA1" may be calcium or a carbon A1,
+// so the rules for bare atom names decide.
 const char* element_of_label(const std::string& label) {
   const bool two = label.size() > 1 && std::islower(static_cast<unsigned char>(label[1])) != 0;
   const char* element = two ? element_of_symbol(label.substr(0, 2)) : "X";
   return element[0] != 'X' ? element : element_of_bare_name(label, "");
 }
 
+// The atom of one row. Fractional coordinates become Cartesian ones (Å) by the unit cell. A
+// disorder group from 1 to 9 becomes the label of an alternate location. A minus sign marks
+// disorder about a special position and is ignored. Higher numbers give no label.
 gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index, bool has_symbol,
                          const std::string& path) {
   const gemmi::SmallStructure::Site& site = crystal.sites[index];
@@ -225,12 +256,13 @@ gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index
   return atom;
 }
 
+// All atoms go into one residue UNL ("unknown ligand") of chain A in model 1.
 void read_small_molecule(cif::Block& block, ParsedFile& file) {
   const gemmi::SmallStructure crystal = gemmi::make_small_structure_from_block(block);
   if (crystal.sites.empty()) refuse(file.path, "its _atom_site table has no rows");
   if (!crystal.cell.is_crystal())
     refuse(file.path, "gives fractional coordinates but no unit cell to place them in");
-  // Where there is no such column, gemmi takes symbols from labels.
+  // Without this column gemmi fills type_symbol with the label, which must not count as a symbol.
   const bool has_symbols = block.has_tag("_atom_site_type_symbol");
   gemmi::Residue residue;
   residue.name = "UNL";
@@ -268,7 +300,7 @@ ParsedFile parse_mmcif(std::string_view text, const std::string& path) {
     throw;
   } catch (const std::bad_alloc&) {
     throw;
-  } catch (const std::exception& error) {
+  } catch (const std::exception& error) {  // from gemmi; most of its messages begin with the path
     const std::string what = one_line(error.what());
     throw FileFormatError(what.rfind(path, 0) == 0 ? what : fmt::format("{}: {}", path, what));
   }

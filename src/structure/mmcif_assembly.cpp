@@ -1,3 +1,5 @@
+// Copies the two tables into AssemblyTables, row by row. Nothing is refused here. An entry of a
+// matrix that is not a number becomes the fault of its operator, which make_recipe() reports.
 #include "structure/mmcif_assembly.hpp"
 
 #include <fmt/format.h>
@@ -16,12 +18,12 @@ namespace cif = gemmi::cif;
 constexpr const char* kGenerators = "_pdbx_struct_assembly_gen.";
 constexpr const char* kOperators = "_pdbx_struct_oper_list.";
 
-// Values of a row by name; empty where the column is missing.
+// The value in a column of the row; empty if the table lacks the column.
 std::string value(cif::Table::Row row, std::size_t column) {
   return row.has(column) ? row.str(static_cast<int>(column)) : std::string();
 }
 
-// Lists of chains run over several lines, and over blanks.
+// The names in a comma-separated list. Long lists of chains have blanks and line breaks in them.
 std::vector<std::string> names_between_commas(std::string_view list) {
   std::vector<std::string> names;
   while (!list.empty()) {
@@ -33,6 +35,8 @@ std::vector<std::string> names_between_commas(std::string_view list) {
   return names;
 }
 
+// The columns that are read: the id, then for each row of the matrix three entries and the shift.
+// "?" marks a column as optional for gemmi; an empty value becomes a fault later.
 std::vector<std::string> matrix_tags() {
   std::vector<std::string> tags{"id"};
   for (const char row : {'1', '2', '3'}) {
@@ -43,6 +47,7 @@ std::vector<std::string> matrix_tags() {
   return tags;
 }
 
+// The operator in one row of the table. `tags` is matrix_tags().
 SymmetryOperator operator_of(cif::Table::Row row, const std::vector<std::string>& tags) {
   SymmetryOperator listed;
   listed.id = row.str(0);
@@ -52,6 +57,7 @@ SymmetryOperator operator_of(cif::Table::Row row, const std::vector<std::string>
     if (!std::isfinite(number) && listed.fault.empty())
       listed.fault = fmt::format("{} of operator {} is {}, not a finite number",
                                  tags[column].substr(1), in_quotes(listed.id), in_quotes(text));
+    // Four columns for each matrix row: entries 0 to 2 and the shift.
     const std::size_t axis = (column - 1) / 4;
     const int place = static_cast<int>((column - 1) % 4);
     (place < 3 ? listed.map.rows[axis][place] : listed.map.shift[static_cast<int>(axis)]) = number;

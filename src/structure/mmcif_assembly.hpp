@@ -1,4 +1,4 @@
-// The assemblies of an mmCIF file. Inside the room only.
+// Reads the biological assemblies of an mmCIF file. Internal header of this folder.
 #pragma once
 
 #include "structure/assembly.hpp"
@@ -9,9 +9,9 @@ struct Block;
 
 namespace vdwmesh {
 
-// From the tables _pdbx_struct_assembly_gen and _pdbx_struct_oper_list, whatever other tables say
-// or leave out. Takes these tables out of `block`, because gemmi would follow their expressions
-// too.
+// Reads the tables _pdbx_struct_assembly_gen (chains and operator expressions) and
+// _pdbx_struct_oper_list (matrices). No other table is needed. Removes these tables and the other
+// tables of assemblies from `block`: gemmi would expand their expressions too, by its own rules.
 AssemblyTables take_assembly_tables(gemmi::cif::Block& block);
 
 }  // namespace vdwmesh

@@ -1,4 +1,5 @@
-// Atoms as read, chosen and given radii, with the account of what was not used.
+// A molecule as the readers return it: the atoms in use with their radii, and an account of all
+// atoms of the file that were not used, of guesses and of warnings.
 #pragma once
 
 #include <cstdint>
@@ -11,49 +12,53 @@
 namespace vdwmesh {
 
 struct Atom {
-  Vec3d position;            // Å
-  double radius = 0;         // Å; of the file (PQR, XYZR) or assigned from a radius set
-  std::string element;       // symbol as in the periodic table ("C", "Zn"; "D" for deuterium)
-  std::string name;          // "CA"
-  std::string residue_name;  // "ALA"
-  std::string chain;
-  std::string residue_number;  // with insertion code: "52A"
-  std::int64_t serial = 0;
-  std::int32_t model = 1;
-  bool hetero = false;  // HETATM
+  Vec3d position;              // Å
+  double radius = 0;           // Å; from the file (PQR, XYZR) or from a radius set
+  std::string element;         // symbol as in the periodic table ("C", "Zn"; "D" for deuterium)
+  std::string name;            // "CA"
+  std::string residue_name;    // "ALA"
+  std::string chain;           // in an assembly with the number of the copy: "A1"
+  std::string residue_number;  // with insertion code: "52A"; empty if the file has none
+  std::int64_t serial = 0;     // as in the file
+  std::int32_t model = 1;      // 0 if the file names the model by something else than a number
+  bool hetero = false;         // the record is HETATM
 };
 
-// Why atoms of the file were not used -> how many. Keys are those of the report's `skipped`:
-// other_models, waters, hydrogens, hetatm, alternate_locations, microheterogeneity, not_selected,
-// zero_radius, not_in_assembly.
+// Maps a reason why atoms of the file were not used to the number of these atoms. The reasons are
+// the keys of `skipped` in the JSON report: other_models, waters, hydrogens, hetatm,
+// alternate_locations, microheterogeneity, not_selected, zero_radius, not_in_assembly.
 using SkippedAtoms = std::map<std::string, std::uint64_t>;
 
-// A radius that no table gives for this very atom but that was taken for its element.
+// An element that the chosen radius set lacks and whose radius comes from the set that completes it
+// (Alvarez for Bondi).
 struct AssumedRadius {
   std::string element;
-  double radius;  // Å
-  std::uint64_t count;
+  double radius;        // Å
+  std::uint64_t count;  // atoms with this radius
 };
 
-// An element other than H, C, N, O, P and S that the file does not give but that was told from the
-// names of atom and residue.
+// An element that the file does not give and that was derived from the names of atom and residue.
+// H, C, N, O, P and S are too common to be listed. Users can check the others here.
 struct GuessedElement {
   std::string element, residue_name, atom_name;
-  std::uint64_t count;
+  std::uint64_t count;  // atoms with these three names
 };
 
 struct Molecule {
   std::vector<Atom> atoms;
+  // `path` may be "standard input" or "sample ubiquitin"; `format` is "pdb", "mmcif", "cif" (of a
+  // small molecule), "pqr" or "xyzr".
   std::string path, format;
-  std::string model;       // "1", "all"
-  std::string assembly;    // "asymmetric" or the name
-  std::string radius_set;  // "bondi", "alvarez", "file", or the path of a radius file
-  std::uint64_t atoms_read = 0;
-  std::uint64_t atoms_used = 0;  // atoms of the file in `atoms`, each counted once: an assembly
-                                 // holds copies, otherwise it is atoms.size()
-  SkippedAtoms skipped;          // atoms_read = atoms_used + sum of skipped
+  std::string model;             // the name of the model ("1"), or "all"
+  std::string assembly;          // "asymmetric", or the name of an assembly in the file
+  std::string radius_set;        // "bondi", "alvarez", "file", or the path of a radius file
+  std::uint64_t atoms_read = 0;  // all atoms of the file, in all of its models
+  // Atoms of the file that are in `atoms`, each counted once. An assembly may hold several copies
+  // of an atom; otherwise this is atoms.size().
+  std::uint64_t atoms_used = 0;
+  SkippedAtoms skipped;  // atoms_read = atoms_used + sum of skipped
   std::vector<AssumedRadius> radii_assumed;
-  std::uint64_t elements_guessed = 0;  // of the atoms used: told from their names
+  std::uint64_t elements_guessed = 0;  // used atoms of the file whose element comes from names
   std::vector<GuessedElement> unusual_elements_guessed;
   std::vector<std::string> notes;     // what was chosen or guessed
   std::vector<std::string> warnings;  // what may be wrong with the file

@@ -1,3 +1,7 @@
+// A recursive descent parser: term(), factor() and item() are the rules of the grammar in the
+// header. Each removes what it recognises from the front of rest_. gemmi has a parser of its own,
+// which is not used: it follows only the first factor of a product and ignores operators that are
+// not listed.
 #include "structure/operator_expression.hpp"
 
 #include <fmt/format.h>
@@ -10,7 +14,8 @@
 namespace vdwmesh {
 namespace {
 
-// Bounds the memory of ranges that are repeated over and over; no virus has a thousandth of it.
+// A text can repeat a range ("(1-60,1-60,...)") and so grow a factor without bound; this limit
+// bounds the memory. No virus has a thousandth of it.
 constexpr std::size_t kMostOperatorsInAFactor = std::size_t{1} << 20;
 
 bool is_number(std::string_view text) {
@@ -26,11 +31,13 @@ class Parser {
     std::vector<OperatorProduct> products;
     do products.push_back(term());
     while (take(','));
+    // A term ends before anything that cannot continue it, such as a closing bracket too many.
     if (!rest_.empty()) refuse(fmt::format("{} is one too many", in_quotes(rest_.substr(0, 1))));
     return products;
   }
 
  private:
+  // An item without brackets is a product with one factor.
   OperatorProduct term() {
     OperatorProduct product;
     while (take('(')) product.push_back(factor());
@@ -38,6 +45,7 @@ class Parser {
     return product;
   }
 
+  // The opening bracket is already taken.
   OperatorFactor factor() {
     OperatorFactor factor;
     do item(factor);
@@ -46,6 +54,7 @@ class Parser {
     return factor;
   }
 
+  // Appends one operator, or a range of operators, to the factor.
   void item(OperatorFactor& factor) {
     const std::string_view word = trimmed(rest_.substr(0, rest_.find_first_of("(),")));
     if (word.empty()) refuse("the name of an operator is missing");
@@ -55,20 +64,23 @@ class Parser {
     const std::string_view first = trimmed(word.substr(0, minus));
     const std::string_view last = trimmed(word.substr(minus + 1));
     if (is_number(first) && is_number(last)) return range(first, last, factor);
-    add(word, factor);  // an id with a minus in it
+    add(word, factor);  // an id that contains a minus sign
   }
 
-  // Ends with the first number that is not listed, however far away the last one is.
+  // add() throws at the first number that is not listed. A range such as 1-999999999999 therefore
+  // ends soon, even though nothing bounds its last number.
   void range(std::string_view first, std::string_view last, OperatorFactor& factor) {
     const auto begin = whole_number(first), end = whole_number(last);
     if (!begin || !end || *begin > *end)
       refuse(fmt::format("{} to {} is no range of numbers", in_quotes(first), in_quotes(last)));
-    for (std::int64_t number = *begin;; ++number) {  // the last may be the largest there is
+    // The end is tested before the increment: the last number may be the largest std::int64_t.
+    for (std::int64_t number = *begin;; ++number) {
       add(std::to_string(number), factor);
       if (number == *end) return;
     }
   }
 
+  // Appends the operator with this id.
   void add(std::string_view id, OperatorFactor& factor) {
     const auto found = places_.find(id);
     if (found == places_.end())
@@ -79,6 +91,7 @@ class Parser {
     factor.push_back(found->second);
   }
 
+  // Removes the symbol, and the white space behind it, if it comes next.
   bool take(char symbol) {
     if (!rest_.starts_with(symbol)) return false;
     rest_ = trimmed(rest_.substr(1));
@@ -90,11 +103,12 @@ class Parser {
                                       where_, in_quotes(text_), what));
   }
 
-  std::string_view text_, rest_;
+  std::string_view text_, rest_;  // the whole expression; the part that is not parsed yet
   const OperatorPlaces& places_;
   const std::string& where_;
 };
 
+// Counts saturate at this value. It is far beyond any limit on atoms, so saturation is harmless.
 constexpr std::uint64_t kUncountable = std::numeric_limits<std::uint64_t>::max();
 
 std::uint64_t combination_count(const OperatorProduct& product) {
@@ -123,7 +137,8 @@ std::uint64_t combination_count(const std::vector<OperatorProduct>& products) {
   return sum;
 }
 
-// Counts like an odometer, one wheel per factor.
+// Counts like an odometer with one wheel per factor: wheels[f] is the index within factor f. When a
+// wheel passes its end, it returns to 0 and the wheel on its left moves on.
 void for_each_combination(const OperatorProduct& product,
                           const std::function<void(const OperatorFactor&)>& visit) {
   std::vector<std::size_t> wheels(product.size(), 0);

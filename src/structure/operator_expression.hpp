@@ -1,5 +1,6 @@
-// Operator expressions of assemblies, as the mmCIF dictionary defines them for
-// _pdbx_struct_assembly_gen.oper_expression. Inside the room only.
+// Operator expressions say which symmetry operators make the copies of an assembly. The mmCIF
+// dictionary defines them for _pdbx_struct_assembly_gen.oper_expression. Internal header of this
+// folder.
 #pragma once
 
 #include <cstdint>
@@ -11,33 +12,39 @@
 
 namespace vdwmesh {
 
-// Which place in the list of operators has an id.
+// Maps the id of an operator to its index in AssemblyTables::operators.
 using OperatorPlaces = std::map<std::string, std::uint32_t, std::less<>>;
 
-// One factor: operators, by their places in the list.
+// A list of operators, by their indices in AssemblyTables::operators. It is either one factor of a
+// product or one combination, which has one operator from each factor.
 using OperatorFactor = std::vector<std::uint32_t>;
 
-// All combinations of one operator from each factor. The operator of the last factor is applied
-// first: the dictionary applies factors from right to left.
+// A Cartesian product: it stands for all combinations of one operator from each factor. The
+// dictionary applies the factors from right to left, so the operator from the last factor acts
+// first.
 using OperatorProduct = std::vector<OperatorFactor>;
 
-// The products whose union an expression stands for. With white space allowed between the symbols:
+// Parses an expression. It stands for the union of the products that are returned, one for each
+// term. The grammar, with white space allowed between the symbols:
 //
 //   expression := term { "," term }
 //   term       := item | factor { factor }
 //   factor     := "(" item { "," item } ")"
 //   item       := id | number "-" number
 //
-// "1,2,5", "1-4", "(X0)(1-10,21-25)", "(1-60)(61-88)", "P", "1,(4-5)". Throws FileFormatError,
-// one line that begins with `where`, for anything else and for an operator that is not listed.
+// Examples: "1,2,5", "1-4", "(X0)(1-10,21-25)", "(1-60)(61-88)", "P", "1,(4-5)". Throws
+// FileFormatError if the text does not follow the grammar or an operator is not in `places`, and
+// LimitExceeded if a factor has more than 2^20 operators. `where` begins these messages; it says
+// where in which file the expression stands.
 std::vector<OperatorProduct> parse_operator_expression(std::string_view expression,
                                                        const OperatorPlaces& places,
                                                        const std::string& where);
 
-// How many combinations there are; the largest number where that overflows.
+// The number of combinations in all products, 2^64 - 1 if there are more than that.
 std::uint64_t combination_count(const std::vector<OperatorProduct>& products);
 
-// Calls `visit` with each combination, one place per factor; the last factor runs fastest.
+// Calls `visit` with each combination of the product. The operator of the last factor changes
+// fastest.
 void for_each_combination(const OperatorProduct& product,
                           const std::function<void(const OperatorFactor&)>& visit);
 

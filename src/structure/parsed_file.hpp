@@ -1,4 +1,5 @@
-// What every parser makes of a file, before any choice is made. Inside the room only.
+// The common result of all parsers: all atoms of a file, before any of them is chosen or dropped.
+// choose.hpp turns a ParsedFile into a Molecule. Internal header of this folder.
 #pragma once
 
 #include <cstdint>
@@ -16,31 +17,36 @@ struct Structure;
 
 namespace vdwmesh {
 
-// What gemmi's atom cannot hold. gemmi's `serial` is the index of the atom in the file, so it leads
-// here, and sorting by it restores the order of the file.
+// What the file says of an atom and gemmi::Atom has no field for. The parsers set
+// gemmi::Atom::serial to the index of the atom in the file, from 0. It is therefore also the index
+// of the atom's AtomRecord in ParsedFile::atoms, and sorting atoms by it restores the order of the
+// file.
 struct AtomRecord {
-  std::int64_t serial = 0;       // as the file numbers it
-  std::uint32_t line = 0;        // line of the file (mmCIF: row of its atom table), from 1
-  bool hetero = false;           // HETATM
-  bool element_guessed = false;  // from its name, because the file does not give it
-  double radius = 0;             // Å, where the file gives it
+  std::int64_t serial = 0;       // the serial number that the file gives
+  std::uint32_t line = 0;        // line of the file (CIF and mmCIF: row of the atom table), from 1
+  bool hetero = false;           // the record is HETATM
+  bool element_guessed = false;  // the file gives no element; it was derived from the names
+  double radius = 0;             // Å; 0 if the format has no radii
 };
 
-// Beyond this, in Å, doubles no longer keep the digits that meshes are promised to.
+// Largest coordinate and radius that is accepted, in Å. Doubles near 1e6 are 1.2e-10 apart; beyond
+// that they would no longer keep the digits that meshes promise.
 inline constexpr double kFarthest = 1e6;
 
 struct ParsedFile {
-  std::shared_ptr<gemmi::Structure> structure;
+  std::shared_ptr<gemmi::Structure> structure;  // models, chains, residues and atoms
   AssemblyTables assemblies;
-  std::vector<AtomRecord> atoms;
-  std::string path;
-  std::string format;
-  bool own_radii = false;
-  bool coarse_grained = false;        // its atoms are beads of several atoms each, without elements
+  std::vector<AtomRecord> atoms;      // index: gemmi::Atom::serial
+  std::string path;                   // for messages
+  std::string format;                 // "pdb", "mmcif", "cif" (small molecule), "pqr" or "xyzr"
+  bool own_radii = false;             // the file gives the radii (PQR, XYZR)
+  bool coarse_grained = false;        // atoms are Martini beads: several atoms each, no elements
   std::vector<std::string> warnings;  // what may be wrong with the file
 };
 
-// Each throws FileFormatError, one line that names the file and the line or row.
+// One parser per format. `text` is the whole file, checked by checked_text(); `path` serves the
+// messages. Each throws FileFormatError; the message is one line that names the file and, if there
+// is one, the line or row.
 ParsedFile parse_pdb(std::string_view text, const std::string& path);
 ParsedFile parse_mmcif(std::string_view text, const std::string& path);
 ParsedFile parse_pqr(std::string_view text, const std::string& path);

@@ -1,6 +1,13 @@
-// PDB files. gemmi reads strictly formed records; here every record is first put into that form,
-// with its own checks, because real files are not so: entry ids in columns 73-80, missing element
-// columns, models without end, serials beyond 99,999.
+// Reads PDB files: normalises the text and hands the result to gemmi's parser.
+//
+// gemmi expects records that follow the format strictly. Real files do not: old files carry entry
+// ids in columns 73-80, simulation programs leave out elements, models have no end, serial numbers
+// pass 99,999. Therefore:
+// 1. layout_of() scans the file once and finds out how it uses the disputed columns.
+// 2. Normaliser rewrites each record that gemmi needs, and checks it with messages that name the
+//    line. It renumbers atoms from 0, so that gemmi::Atom::serial is the index of an AtomRecord.
+// 3. gemmi parses the rewritten text, and the models get the names that the file gives them.
+// REMARK 350 (assemblies) does not go to gemmi but to BiomoleculeReader.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,17 +28,22 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kMaxModels = 9999;         // four columns
-constexpr std::uint64_t kMaxAtoms = 43'770'015;  // five columns of upper-case hybrid-36
-constexpr std::size_t kTagColumn = 72;           // 73 in the format's own counting
-constexpr std::size_t kElementColumn = 76;
-constexpr std::size_t kLastColumn = 78;
+// The rewritten text must hold every number in the columns that gemmi reads: four columns for
+// models; for atoms five columns of hybrid-36 with capitals, 100,000 + 26 * 36^4 values from 0 to
+// kMaxAtoms.
+constexpr std::size_t kMaxModels = 9999;
+constexpr std::uint64_t kMaxAtoms = 43'770'015;
+// Columns count from 0, while the manual of the format counts them from 1.
+constexpr std::size_t kTagColumn = 72;      // entry tag or segment id
+constexpr std::size_t kElementColumn = 76;  // two columns, right-aligned
+constexpr std::size_t kLastColumn = 78;     // end of the element; the charge behind it is not used
 constexpr std::string_view kDigits36 = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
-// "4PTI  75", "4INSB 12", "1ABC1234": an entry id, perhaps a revision letter, a line number.
+// Whether the eight characters from column 73 on are the entry tag of files from before 1996: the
+// entry id, possibly a revision letter, and the line number ("4PTI  75", "4INSB 12", "1ABC1234").
 bool is_entry_tag(std::string_view tag) {
   if (tag.size() < 8 || !is_digit(tag[0]) || !is_digit(tag[7])) return false;
   const auto id = tag.substr(1, 3), number = tag.substr(5, 3);
@@ -39,17 +51,21 @@ bool is_entry_tag(std::string_view tag) {
          std::all_of(number.begin(), number.end(), [](char c) { return is_digit(c) || c == ' '; });
 }
 
-// How the file uses the columns that programs disagree on.
+// How the file uses the columns on which programs disagree.
 struct Layout {
-  bool entry_tags = false;     // 73-80 number the lines of the entry, as before 1996; no element
-  bool names_at_left = false;  // names begin in column 13 whatever the element
-  bool beads = false;          // of a coarse-grained model
+  bool entry_tags = false;     // columns 73-80 hold entry tags, so there is no element in them
+  bool names_at_left = false;  // atom names begin in column 13 even if the element has one letter
+  bool beads = false;          // the atoms are beads of a coarse-grained (Martini) model
 };
 
+// Looks at all atom records of the file. Single records are ambiguous, so the majority decides:
+// names are at the left if more of the names N, C, O and P begin in column 13 than in column 14,
+// where the format puts elements of one letter. Entry tags must show one and the same entry id in
+// more than half of the atoms; a single match could be chance.
 Layout layout_of(std::string_view text) {
   Layout layout;
   std::size_t atoms = 0, aligned = 0, at_left = 0;
-  std::map<std::string_view, std::size_t> tagged;  // by entry id
+  std::map<std::string_view, std::size_t> tagged;  // atoms with an entry tag, by entry id
   std::string_view line;
   while (next_line(text, line)) {
     if (!is_atom_record(line)) continue;
@@ -66,10 +82,13 @@ Layout layout_of(std::string_view text) {
   return layout;
 }
 
-// Hybrid-36 (R. W. Grosse-Kunstleve): decimal, then base 36 from A0000, then from a0000.
+// Reads a serial number in hybrid-36 (R. W. Grosse-Kunstleve, cci.lbl.gov/hybrid_36), which extends
+// five decimal columns: 0 to 99999 as usual, then A0000 to ZZZZZ and a0000 to zzzzz in base 36. The
+// letters continue the count, so A0000 is 100,000 and a0000 is 100,000 + 26 * 36^4.
 std::optional<std::int64_t> serial_number(std::string_view field) {
   const std::string_view digits = trimmed(field);
   if (digits.size() == 5 && is_letter(digits[0])) {
+    // What to add to the value in base 36, where A0000 and a0000 both are 10 * 36^4.
     constexpr std::int64_t kUpper = 100'000 - std::int64_t{10} * 36 * 36 * 36 * 36;
     constexpr std::int64_t kLower = kUpper + std::int64_t{26} * 36 * 36 * 36 * 36;
     std::int64_t value = 0;
@@ -82,6 +101,7 @@ std::optional<std::int64_t> serial_number(std::string_view field) {
   return whole_number(digits);
 }
 
+// Writes an index as a serial number in hybrid-36: the inverse of serial_number() for capitals.
 std::string five_columns(std::uint64_t index) {
   if (index < 100'000) return fmt::format("{:5}", index);
   std::uint64_t rest = index - 100'000 + std::uint64_t{10} * 36 * 36 * 36 * 36;
@@ -90,12 +110,15 @@ std::string five_columns(std::uint64_t index) {
   return field;
 }
 
+// Rewrites the text of a PDB file for gemmi, and collects what gemmi does not take: an AtomRecord
+// for each atom, the names of the models, and the assemblies. Call run() once, then the accessors.
 class Normaliser {
  public:
   Normaliser(std::string_view text, const std::string& path)
       : path_(path), rest_(text), layout_(layout_of(text)) {}
 
   void run() {
+    // Short records grow when they are padded; an eighth more avoids most reallocations.
     text_.reserve(rest_.size() + rest_.size() / 8);
     std::string_view line;
     for (number_ = 1; next_line(rest_, line); ++number_) take(line);
@@ -110,6 +133,8 @@ class Normaliser {
   const std::vector<std::string>& model_names() const { return models_.names(); }
 
  private:
+  // Handles one line. TER and SEQRES are passed on because gemmi derives entity types (polymer,
+  // ligand) from them, and selections can name these types. All other records are left out.
   void take(std::string_view line) {
     if (is_atom_record(line)) {
       take_atom(line);
@@ -124,7 +149,8 @@ class Normaliser {
     }
   }
 
-  // Models are numbered anew for gemmi, since files leave numbers out or repeat them.
+  // Begins a model in the rewritten text. The models are numbered from 1, because files leave
+  // numbers out or repeat them, and gemmi refuses repeated numbers.
   void open_model() {
     const std::size_t count = models_.names().size();
     if (count > kMaxModels)
@@ -133,11 +159,13 @@ class Normaliser {
     text_ += fmt::format("MODEL     {:4}\n", count);
   }
 
+  // Checks an atom record, rewrites it to exactly kLastColumn columns, and adds its AtomRecord.
   void take_atom(std::string_view line) {
     if (models_.begins_model()) open_model();
     if (atoms_.size() >= kMaxAtoms)
       refuse(fmt::format("more than {} atoms; write it as mmCIF", kMaxAtoms));
     check_coordinates(line);
+    // The entry tag is cut off, because its characters would be read as an element.
     std::string record(line.substr(0, layout_.entry_tags ? kTagColumn : kLastColumn));
     record.resize(kLastColumn, ' ');
     AtomRecord atom;
@@ -147,6 +175,7 @@ class Normaliser {
         serial_number(columns(record, 6, 5)).value_or(static_cast<std::int64_t>(atoms_.size()) + 1);
     record.replace(0, 6, atom.hetero ? "HETATM" : "ATOM  ");
     record.replace(6, 5, five_columns(atoms_.size()));
+    // gemmi reads a blank occupancy as 0; the atom is meant to be there in full.
     if (trimmed(columns(record, 54, 6)).empty()) record.replace(54, 6, "  1.00");
     std::string_view element = element_of_symbol(columns(record, kElementColumn, 2));
     atom.element_guessed = element == "X";
@@ -156,6 +185,7 @@ class Normaliser {
     text_.append(record).append("\n");
   }
 
+  // The element of an atom whose record does not give it. "X" is unknown; beads have no element.
   std::string_view guessed_element(const std::string& record) const {
     if (layout_.beads) return "X";
     const std::string_view name = columns(record, 12, 4), residue = trimmed(columns(record, 17, 3));
@@ -163,6 +193,7 @@ class Normaliser {
                                  : element_of_aligned_name(name, residue);
   }
 
+  // gemmi reads whatever digits it finds, so shifted columns would become a wrong position.
   void check_coordinates(std::string_view line) const {
     static constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
     for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
@@ -181,10 +212,10 @@ class Normaliser {
   }
 
   std::string path_;
-  std::string_view rest_;
+  std::string_view rest_;  // the lines that are still to be read
   Layout layout_;
-  std::string text_;
-  std::uint32_t number_ = 0;  // of the line
+  std::string text_;          // the rewritten file
+  std::uint32_t number_ = 0;  // of the current line, from 1
   ModelRecords models_;
   std::vector<AtomRecord> atoms_;
   BiomoleculeReader biomolecules_;

@@ -1,3 +1,5 @@
+// Recognises records by their names, and numbers models. A model opens with its first atom, not
+// with its MODEL record, because files have empty models and models without any MODEL record.
 #include "structure/pdb_records.hpp"
 
 #include <algorithm>
@@ -47,7 +49,9 @@ bool ModelRecords::begins_model() {
   return true;
 }
 
-// The number announced, or else the model's place among the models, or else the next free number.
+// The number in the MODEL record if it is free. Otherwise the number of models so far plus one, or
+// the next free number above it. next_ never decreases, so naming n models takes O(n) searches in
+// total even if every number is missing.
 std::string ModelRecords::unused_name() {
   if (!announced_.empty() && taken_.count(announced_) == 0) return announced_;
   next_ = std::max(next_, names_.size() + 1);

@@ -1,3 +1,6 @@
+// The two published radius sets as tables, and the parser of radius files. The set "bondi" consists
+// of Bondi's 38 elements; Alvarez's table completes it, and entries from there are marked as
+// assumed.
 #include "structure/radii.hpp"
 
 #include <fmt/format.h>
@@ -14,14 +17,17 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kLargestRadius = 1000;  // Å; a bead of a coarse model, not a typing error
+// Å. Larger radii in radius files are refused as typing errors. The limit leaves room for the beads
+// of coarse models, which are much larger than atoms.
+constexpr double kLargestRadius = 1000;
 
 struct Listed {
   const char* element;
   double radius;  // Å
 };
 
-// Tables I and XIV of the paper of 1964 (that of 1966 revises Cd, Hg and Zn; not taken over).
+// Tables I and XIV of Bondi's paper of 1964. His paper of 1966 revises Cd, Hg and Zn; these
+// revisions are not adopted.
 constexpr std::array kBondi{
     Listed{"H", 1.20},  Listed{"He", 1.40}, Listed{"Li", 1.82}, Listed{"C", 1.70},
     Listed{"N", 1.55},  Listed{"O", 1.52},  Listed{"F", 1.47},  Listed{"Ne", 1.54},
@@ -35,7 +41,8 @@ constexpr std::array kBondi{
     Listed{"Pb", 2.02}, Listed{"U", 1.86},
 };
 
-// Table 1 of the paper. Pm, Po, At, Rn, Fr, Ra and all after Es are not in it.
+// Table 1 of Alvarez's paper, 93 elements. It lacks Pm, Po, At, Rn, Fr, Ra and all elements after
+// Es.
 constexpr std::array kAlvarez{
     Listed{"H", 1.20},  Listed{"He", 1.43}, Listed{"Li", 2.12}, Listed{"Be", 1.98},
     Listed{"B", 1.91},  Listed{"C", 1.77},  Listed{"N", 1.66},  Listed{"O", 1.50},
@@ -67,6 +74,7 @@ constexpr std::array kAlvarez{
   throw FileFormatError(fmt::format("{}:{}: {}", path.string(), line, what));
 }
 
+// The field as a radius in Å. Throws if it is not a number from 0 to kLargestRadius.
 double radius_or_refuse(std::string_view field, const std::filesystem::path& path, int line) {
   const std::optional<double> radius = finite_number(field);
   if (!radius || *radius < 0 || *radius > kLargestRadius)
@@ -76,12 +84,13 @@ double radius_or_refuse(std::string_view field, const std::filesystem::path& pat
   return *radius;
 }
 
-// What lines have given a radius so far, and which lines.
+// Remembers which line of the file gave which radius, in order to find contradictions.
 class GivenRadii {
  public:
   explicit GivenRadii(const std::filesystem::path& path) : path_(path) {}
 
-  // Refuses another radius for what has one; the same again does no harm.
+  // `name` is an element, or residue and atom. Throws if an earlier line gave it a different
+  // radius. The same radius twice does no harm.
   void add(const std::string& name, double radius, int line) {
     const auto [entry, first] = given_.try_emplace(name, radius, line);
     const auto [earlier, earlier_line] = entry->second;
@@ -93,7 +102,7 @@ class GivenRadii {
 
  private:
   const std::filesystem::path& path_;
-  std::map<std::string, std::pair<double, int>> given_;
+  std::map<std::string, std::pair<double, int>> given_;  // name -> (radius in Å, line)
 };
 
 }  // namespace
@@ -107,6 +116,7 @@ RadiusTable RadiusTable::named(std::string_view name) {
                     in_quotes(name)));
   if (name == "bondi")
     for (const Listed& entry : kBondi) table.by_element_[entry.element] = {entry.radius, false};
+  // try_emplace keeps Bondi's radii where both papers have one.
   for (const Listed& entry : kAlvarez)
     table.by_element_.try_emplace(entry.element, Entry{entry.radius, name == "bondi"});
   return table;
@@ -131,6 +141,8 @@ RadiusTable RadiusTable::from_file(const std::filesystem::path& path) {
       table.by_atom_[{std::string(fields[0]), std::string(fields[1])}] = radius;
       continue;
     }
+    // "X" stands for a bad symbol, but also for itself: atoms of unknown element can be given a
+    // radius.
     const std::string_view element = element_of_symbol(fields[0]);
     if (element == "X" && fields[0] != "X")
       refuse(path, number, fmt::format("{} is not an element", in_quotes(fields[0])));

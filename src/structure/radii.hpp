@@ -1,6 +1,8 @@
-// Van der Waals radii. Bondi: A. Bondi, J. Phys. Chem. 68 (1964) 441, hydrogen 1.20 Å, completed
-// from Alvarez for the elements it does not list. Alvarez: S. Alvarez, Dalton Trans. 42 (2013)
-// 8617.
+// Van der Waals radii by element, or by residue and atom name. There are two built-in sets:
+// - "bondi": A. Bondi, J. Phys. Chem. 68 (1964) 441, with 1.20 Å for hydrogen. Elements that Bondi
+//   does not list come from Alvarez.
+// - "alvarez": S. Alvarez, Dalton Trans. 42 (2013) 8617.
+// A file of the user replaces them.
 #pragma once
 
 #include <filesystem>
@@ -14,24 +16,27 @@ namespace vdwmesh {
 
 class RadiusTable {
  public:
-  // "bondi" or "alvarez". Throws InvalidInput for another name.
+  // The built-in set "bondi" or "alvarez". Throws InvalidInput for another name.
   static RadiusTable named(std::string_view name);
 
-  // `ELEMENT RADIUS` or `RESIDUE ATOM RADIUS` per line, # comments; the latter win. Elements the
-  // file does not name are unknown. Throws FileFormatError with the line number, also for two
-  // different radii of one element or atom.
+  // Reads a radius file. A line is `ELEMENT RADIUS` or `RESIDUE ATOM RADIUS`, in Å; "#" begins a
+  // comment. Lines for an atom take precedence over lines for an element. Elements that the file
+  // does not name have no radius. Throws FileFormatError with the line number for a malformed line
+  // and for two different radii of one element or atom.
   static RadiusTable from_file(const std::filesystem::path& path);
 
   struct Entry {
     double radius;  // Å
-    bool assumed;   // from the completion of the set, not from the set itself
+    bool assumed;   // the set lacks the element; the radius comes from Alvarez
   };
+  // The radius of an atom; nothing if it is unknown. Names and element must be spelled as in the
+  // table ("Zn", not "ZN"). Deuterium (D) gets the radius of hydrogen if the table has none for it.
   std::optional<Entry> find(std::string_view residue, std::string_view atom,
                             std::string_view element) const;
 
  private:
   std::map<std::string, Entry, std::less<>> by_element_;
-  std::map<std::pair<std::string, std::string>, double> by_atom_;
+  std::map<std::pair<std::string, std::string>, double> by_atom_;  // (residue, atom) -> Å
 };
 
 }  // namespace vdwmesh

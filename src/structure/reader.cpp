@@ -1,3 +1,9 @@
+// The reader's pipeline. Each step has its own file:
+//   format (formats.cpp) -> text (text_source.cpp) -> check of the content (formats.cpp)
+//   -> one parser per format (pdb.cpp, mmcif.cpp, sphere_lists.cpp) -> range check
+//   -> choice of atoms (choose.cpp).
+// This file connects the steps. Radii are looked up first, because a mistyped option should be
+// reported before a large file is read.
 #include "structure/reader.hpp"
 
 #include <fmt/format.h>
@@ -18,6 +24,7 @@
 namespace vdwmesh {
 namespace {
 
+// The built-in radius set of that name, or the table in a file of that name.
 RadiusTable radius_table(const std::string& radii) {
   if (radii == "bondi" || radii == "alvarez") return RadiusTable::named(radii);
   if (!std::filesystem::exists(radii))
@@ -44,7 +51,8 @@ ParsedFile parse(std::string_view text, StructureFormat format, const std::strin
   throw InvalidInput(path + ": its format is not known; say --format");
 }
 
-// The last line holds atoms and does not end: its last number may be a part of what it was.
+// Adds a warning if the last line may hold an atom but has no line end. The file may have been cut
+// off there, in the middle of a number: "1.5" could be what is left of "1.53".
 void doubt_unfinished_line(std::string_view text, ParsedFile& file) {
   if (text.ends_with('\n') || text.ends_with('\r')) return;
   const std::size_t end = text.find_last_of("\r\n");
@@ -55,6 +63,8 @@ void doubt_unfinished_line(std::string_view text, ParsedFile& file) {
       "last atom with it");
 }
 
+// Throws if the atom's position or radius is beyond kFarthest. `record` has a radius only if the
+// file gives radii; it is 0 otherwise.
 void refuse_far(const ParsedFile& file, const gemmi::Atom& atom) {
   const AtomRecord& record = file.atoms[static_cast<std::size_t>(atom.serial)];
   const double far = std::max({std::abs(atom.pos.x), std::abs(atom.pos.y), std::abs(atom.pos.z)});

@@ -1,5 +1,6 @@
-// Structure files -> Molecule: PDB, mmCIF, PQR, XYZR, each also gzipped, and standard input; CIF of
-// small molecules as its asymmetric unit.
+// Reads structure files into a Molecule. Formats: PDB, mmCIF, PQR and XYZR, each also gzipped, from
+// a file or from standard input. A CIF file of a small molecule is read too, as its asymmetric
+// unit.
 #pragma once
 
 #include <cstdint>
@@ -12,40 +13,50 @@
 namespace vdwmesh {
 
 enum class StructureFormat { by_extension, pdb, mmcif, pqr, xyzr };
-// Reading takes up to this many times the bytes of the unpacked text.
+
+// Reading takes up to this many times the bytes of the unpacked text: the text itself, the parsed
+// atoms and the Molecule exist at the same time. read_structure() refuses texts for which
+// ReadOptions::memory_limit is too small.
 inline constexpr std::uint64_t kReadingFactor = 12;
 
 enum class Inclusion { keep, drop };
 
-// What is taken from the file. Atoms are dropped in this order, each counted once: models, waters,
-// hydrogens, HETATM, alternate locations, selection, radii of zero, not in the assembly.
+// Which atoms are taken from the file, and which radii they get. The options drop atoms in this
+// order: model, waters, hydrogens, HETATM records, alternate locations, selection, radii of zero,
+// chains that are not in the assembly. An atom is counted for the first reason that drops it.
 struct ReadOptions {
   StructureFormat format = StructureFormat::by_extension;
   std::string model = "first";          // "first", "all", or a model number
   std::string assembly = "asymmetric";  // or the name of a biological assembly of the file
-  std::string select;                   // gemmi selection, applied after the water rule; "" = all
+  std::string select;                   // selection in gemmi's syntax ("A/10-40/CA"); "" = all
   Inclusion waters = Inclusion::drop;
   Inclusion hydrogens = Inclusion::keep;     // deuterium counts as hydrogen
   Inclusion hetero_atoms = Inclusion::keep;  // HETATM records
-  // "highest": one label per residue, that of highest mean occupancy (ties: first in the file),
-  // likewise where several residues share a place, and atoms that this label lacks from the next
-  // that has them; or a label; or "all", which keeps every one.
+  // Which alternate locations (conformations of one residue, each with a label) are kept.
+  // "highest": in every residue the label of highest mean occupancy; the first label in the file
+  //   wins ties. If several residues share one sequence number, the same rule chooses among them.
+  //   Atoms that the chosen label lacks come from the next label that has them.
+  // A label, such as "B": the atoms of this label.
+  // "all": every atom, so conformations overlap.
+  // Atoms without a label are kept, unless they are a partial copy of a labelled atom.
   std::string altloc = "highest";
-  std::uint64_t memory_limit = ~std::uint64_t{0};  // bytes; a text of more than a part of it is
-                                                   // refused, kReadingFactor
-  std::string radii = "bondi";  // "bondi", "alvarez", or the path of a radius file; PQR and XYZR
-                                // have their own
+  // Bytes. Texts above memory_limit / kReadingFactor are refused, and so are assemblies whose atoms
+  // take more than the limit.
+  std::uint64_t memory_limit = ~std::uint64_t{0};
+  // "bondi", "alvarez", or the path of a radius file. PQR and XYZR files bring their own radii.
+  std::string radii = "bondi";
 };
 
-// Reads `path`; "-" is standard input and needs a format. Gzip is told by the first bytes. Atoms
-// keep the order of the file; an assembly is copy after copy, chains named A1, A2, ...
-// Throws FileFormatError (cannot be opened or understood; names file and line where known),
-// LimitExceeded (more than 2 GiB of text, or than the memory allows) and InvalidInput (no atom
-// left: says what dropped them; unknown radius: names the atom; unknown model, assembly or label:
-// says which the file has).
+// Reads the file `path`; "-" is standard input, which needs an explicit format. Gzipped data are
+// recognised by their first bytes. Atoms keep the order of the file. An assembly lists one copy
+// after the other; the copies of chain A are named A1, A2, ... Throws FileFormatError if the file
+// cannot be opened or understood (the message names the file, and the line if there is one),
+// LimitExceeded if the text is longer than 2 GiB or than the memory limit allows, and InvalidInput
+// if the options do not suit the file: no atom is left, an atom has no known radius, or the file
+// lacks the model, assembly or label.
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options = {});
 
-// One of the samples built into the library: "ubiquitin" (1UBQ) or "bpti".
+// Reads a sample that is built into the library: "ubiquitin" (PDB entry 1UBQ) or "bpti".
 Molecule read_sample(const std::string& name, const ReadOptions& options = {});
 
 }  // namespace vdwmesh

@@ -1,5 +1,9 @@
-// Sources of the names: the residues of CHARMM's toppar_water_ions.str, AMBER's atomic_ions.lib and
-// leaprc files and GROMACS' ions.itp and residuetypes.dat; for ligands the components of the PDB.
+// Tables of residue names, and the rules that read them. gemmi's table of residues covers the names
+// of the PDB; the tables here add what force fields call the same residues.
+//
+// Sources of the names: toppar_water_ions.str of CHARMM, atomic_ions.lib and the leaprc files of
+// AMBER, ions.itp and residuetypes.dat of GROMACS, and for ligands the chemical components of the
+// PDB.
 #include "structure/residue_elements.hpp"
 
 #include <algorithm>
@@ -14,18 +18,19 @@ namespace {
 using gemmi::El;
 using namespace std::string_view_literals;
 
+// An ion: its name and its element.
 struct Named {
   std::string_view name;
   El element;
 };
 
-// CHARMM's ions, whose atoms are called like their residues.
+// The ions of CHARMM. Residue and atom have the same name, which is not the symbol.
 constexpr std::array kCharmmIons{
     Named{"SOD", El::Na}, Named{"POT", El::K},  Named{"CAL", El::Ca},
     Named{"CES", El::Cs}, Named{"LIT", El::Li}, Named{"RUB", El::Rb},
     Named{"BAR", El::Ba}, Named{"CLA", El::Cl}, Named{"IOD", El::I},
 };
-// Components of the PDB: the atom is called after the element, the residue otherwise.
+// Ions in the PDB whose residue name is not the symbol. The atom name is the symbol ("I" in "IOD").
 constexpr std::array kOddlyNamedIons{
     Named{"IOD", El::I},  Named{"YT", El::Y},   Named{"BS", El::Bi},
     Named{"RHD", El::Rh}, Named{"ARS", El::As},
@@ -38,7 +43,8 @@ El find_named(const List& list, std::string_view name) {
   return found == list.end() ? El::X : found->element;
 }
 
-// Without the digits in front ("3CO") and the charge behind ("ZN2", "NA+", CHARMM's "AL3P").
+// The name without leading digits ("3CO") and without a charge at the end ("ZN2", "NA+", and
+// CHARMM's "AL3P", where P means plus).
 std::string_view core(std::string_view name) {
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   if (name.size() > 2 && name.back() == 'P' && is_digit(name[name.size() - 2]))
@@ -48,7 +54,8 @@ std::string_view core(std::string_view name) {
   return name.substr(std::min(name.find_first_not_of("0123456789"), name.size()));
 }
 
-// Elements past einsteinium are no ions of any file; their symbols are names of other things.
+// The element with this symbol. X past einsteinium: no file holds ions of these elements, and their
+// symbols occur as names of other things.
 El element_named(std::string_view symbol) {
   if (symbol.empty() || symbol.size() > 2) return El::X;
   const El found = symbol.size() == 1 ? gemmi::impl::find_single_letter_element(symbol[0])
@@ -61,14 +68,18 @@ bool holds(const List& list, const Value& value) {
   return std::find(list.begin(), list.end(), value) != list.end();
 }
 
+// Amino acids in force fields: protonation states of His, Cys, Asp, Glu, Lys and Arg; and some
+// modified amino acids.
 constexpr std::array kAminoAcids{
     "HID"sv,  "HIE"sv,  "HIP"sv,  "HSD"sv,  "HSE"sv,  "HSP"sv, "HISA"sv, "HISB"sv, "HISD"sv,
     "HISE"sv, "HISH"sv, "HIS1"sv, "HIS2"sv, "CYX"sv,  "CYM"sv, "CYS2"sv, "CYSH"sv, "ASH"sv,
     "ASPH"sv, "ASPP"sv, "GLH"sv,  "GLUH"sv, "GLUP"sv, "LYN"sv, "LYP"sv,  "LYSH"sv, "LSN"sv,
     "ARGN"sv, "HYP"sv,  "NLE"sv,  "ORN"sv,  "SEP"sv,  "TPO"sv, "PTR"sv,
 };
+// Nucleotides in force fields.
 constexpr std::array kNucleotides{"ADE"sv, "GUA"sv, "CYT"sv, "THY"sv, "URA"sv,
                                   "RA"sv,  "RC"sv,  "RG"sv,  "RU"sv};
+// Groups that cap the ends of a chain, such as acetyl and N-methyl amide.
 constexpr std::array kEndGroups{"ACE"sv, "NME"sv, "NHE"sv, "NH2"sv, "NMA"sv, "CT3"sv};
 
 bool is_amino_acid_of_the_pdb(std::string_view residue) {
@@ -81,7 +92,8 @@ bool is_nucleotide_of_the_pdb(std::string_view residue) {
   return info.is_nucleic_acid() && info.is_standard();
 }
 
-// AMBER's and GROMACS' ends of nucleic acids: "DA5", "RU3", "GN"; but "IN" is indium.
+// AMBER and GROMACS append a letter to a nucleotide at the end of a chain: 5, 3, or N for a single
+// nucleotide ("DA5", "RU3", "GN"). The residue "IN" is indium, not a single inosine.
 bool is_nucleotide(std::string_view residue) {
   if (is_nucleotide_of_the_pdb(residue) || holds(kNucleotides, residue)) return true;
   if (residue.size() < 2 || "53N"sv.find(residue.back()) == std::string_view::npos) return false;
@@ -90,12 +102,15 @@ bool is_nucleotide(std::string_view residue) {
   return is_nucleotide_of_the_pdb(residue) || holds(kNucleotides, residue);
 }
 
-// Components of the PDB with a metal whose symbol could be read as a lighter element with a letter
-// behind it (FE, CO, CA, NI, CU), or whose other names could be read as metals (NA of a porphyrin).
+// Ligands of the PDB in which atom names are ambiguous. The symbol of the metal could be read as a
+// light element with a letter behind it (CO, CA, NI, CU), or the name of a light atom as a metal
+// (NA in a porphyrin).
 struct Ligands {
-  std::array<El, 2> metals;
-  std::string_view residues;  // between blanks
+  std::array<El, 2> metals;   // X: only one metal
+  std::string_view residues;  // names, each between blanks, so that searching finds whole names
 };
+// "CLA" is chlorophyll here and chloride in CHARMM; element_of_ion() is asked first and needs an
+// atom of the same name.
 constexpr std::array kLigands{
     Ligands{{El::Fe, El::X},
             " HEM HEC HEA HEB HAS HDD HDM HEO HES HEV DHE SRM HEME HEMO "},  // haems
@@ -123,6 +138,7 @@ El element_of_ion(std::string_view name, std::string_view residue) {
   const std::string_view atom = core(name), ion = core(residue);
   if (atom.empty() || ion.empty()) return El::X;
   const El odd = find_named(kOddlyNamedIons, ion);
+  // "IOD" is in both tables: with an atom "I" in the PDB, with an atom "IOD" in CHARMM.
   if (odd != El::X && element_named(atom) == odd) return odd;
   if (atom != ion) return El::X;
   const El charmm = find_named(kCharmmIons, ion);
@@ -131,6 +147,7 @@ El element_of_ion(std::string_view name, std::string_view residue) {
 
 bool is_amino_acid(std::string_view residue) {
   if (is_amino_acid_of_the_pdb(residue) || holds(kAminoAcids, residue)) return true;
+  // AMBER marks residues at the ends of a chain with N or C in front: "NALA", "CHIE".
   const bool end = residue.size() == 4 && (residue[0] == 'N' || residue[0] == 'C');
   return end &&
          (is_amino_acid_of_the_pdb(residue.substr(1)) || holds(kAminoAcids, residue.substr(1)));

@@ -1,5 +1,5 @@
-// What the name of a residue says about the elements of its atoms. Names come in capitals and
-// without blanks. Inside the room only.
+// What the name of a residue says about the elements of its atoms. All names are passed in capitals
+// and without blanks. elements.cpp calls these functions. Internal header of this folder.
 #pragma once
 
 #include <gemmi/elem.hpp>
@@ -7,22 +7,25 @@
 
 namespace vdwmesh {
 
-// The element of a monatomic ion: the atom is called like its residue, which is called after the
-// element (PDB, AMBER, GROMACS: "CA" in "CA", "ZN" in "ZN2", "CL-" in "CL-", "AL3P" in "AL3P") or
-// has a name of CHARMM's ("SOD" in "SOD"). X: it is no such ion.
+// The element of a monatomic ion; X if the names are not those of an ion. The atom and its residue
+// have the same name up to digits and charge. The name is a symbol ("CA" in residue "CA", "ZN" in
+// "ZN2", "CL-" in "CL-", "AL3P" in "AL3P") or one of CHARMM's names of ions ("SOD" in "SOD" is
+// sodium).
 gemmi::El element_of_ion(std::string_view name, std::string_view residue);
 
-// Amino acids, nucleotides and end groups of chains, under the names of the PDB and those that
-// AMBER, CHARMM and GROMACS give to their states of charge and to ends of chains. They hold nothing
-// but H, C, N, O, P, S and Se.
+// Whether the residue is an amino acid, a nucleotide or an end group of a chain. Names are
+// recognised from the PDB and from AMBER, CHARMM and GROMACS, which have names of their own for
+// protonation states and for the ends of chains. Such residues contain only H, C, N, O, P, S and
+// Se.
 bool is_standard_residue(std::string_view residue);
 bool is_amino_acid(std::string_view residue);
 
-// In a ligand with metals, the element of the atom if it is one of them: "FE" in "HEM", "CA1" in
-// "OEX". X: the atom is no metal, or the ligand is not known.
+// The element of a metal atom in a known ligand: "FE" in "HEM" is iron, "CA1" in "OEX" is calcium.
+// X if the atom is not a metal of the ligand, or if the ligand is not known.
 gemmi::El metal_of_ligand(std::string_view name, std::string_view residue);
 
-// Whether metal_of_ligand() knows the metals of that ligand, so that "NA" in "HEM" is nitrogen.
+// Whether metal_of_ligand() knows this ligand. Then all its other atoms are not metals: "NA" in
+// "HEM" is a nitrogen.
 bool is_ligand_with_metals(std::string_view residue);
 
 }  // namespace vdwmesh

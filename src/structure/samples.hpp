@@ -1,4 +1,5 @@
-// The structures built into the library. Inside the room only.
+// The sample structures that are built into the library. The build generates the source from data/
+// (EmbedSamples.cmake). Internal header of this folder.
 #pragma once
 
 #include <string_view>

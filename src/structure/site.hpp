@@ -1,4 +1,5 @@
-// One atom with where it stands in the file. Inside the room only; needs gemmi's headers.
+// An atom together with its residue, chain and model, and the choice among alternate locations.
+// Internal header of this folder; sources that use the members include gemmi's headers themselves.
 #pragma once
 
 #include <string>
@@ -15,24 +16,33 @@ struct Residue;
 
 namespace vdwmesh {
 
+// An atom site: pointers into the gemmi::Structure of a ParsedFile, which must outlive the site.
 struct Site {
   const gemmi::Model* model;
   const gemmi::Chain* chain;
   const gemmi::Residue* residue;
   const gemmi::Atom* atom;
-  double radius = 0;  // Å
+  double radius = 0;  // Å; 0 until radii are assigned
 };
 
+// The atoms of a residue stand together, as in gemmi's hierarchy.
 using Sites = std::vector<Site>;
 
-// Keeps one alternate location per residue: `label`, or if that is "highest" the one of highest
-// mean occupancy in the residue (ties: the first in the file); if several residues share a place
-// (microheterogeneity), the one of highest mean occupancy of them all. Atoms without a label stay.
-// With "highest", so do atoms whose names the label kept does not have, of the label of the next
-// highest mean that has them, because no conformation lacks an atom: files give hydrogens and
-// parts of side chains a label of their own. An atom without a label and of an occupancy below 1
-// goes if the label kept has one of its name. "all" keeps everything. Throws InvalidInput if no
-// atom has `label`.
+// Removes alternate locations from `sites`, so that one conformation per sequence position remains.
+//
+// - `label` is "all": nothing is removed.
+// - `label` is one character: atoms with this label stay, atoms with another label go. Throws
+//   InvalidInput if no atom of `sites` has the label; `path` serves the message.
+// - `label` is "highest": each position keeps the label of highest mean occupancy; the first label
+//   in the file wins ties. Then every atom name that the residue lacks is taken from the label of
+//   the next highest mean that has it. Real files need this step: they give a hydrogen or a part of
+//   a side chain a label that the other atoms of the same conformation do not have.
+// - If several residues share the position (microheterogeneity), only one of them stays: the one
+//   with the highest mean occupancy under the label kept.
+// - Atoms without a label stay. The exception is an atom with an occupancy below 1 if an atom of
+//   the same name stays with a label: some files leave the label of one conformation blank.
+//
+// `skipped` counts what was removed, under "alternate_locations" and "microheterogeneity".
 void choose_alternate_locations(Sites& sites, const std::string& label, const std::string& path,
                                 SkippedAtoms& skipped);
 

@@ -1,4 +1,9 @@
-// PQR and XYZR: files that bring their own radii.
+// Reads PQR and XYZR files: lists of atoms or spheres with radii of their own.
+//
+// XYZR has one sphere per line: x y z radius. PQR is PDB-like: ATOM and HETATM records whose last
+// fields are charge and radius (PDB2PQR, APBS). PQR fields are separated by blanks, but some
+// programs write the columns of PDB, where neighbouring numbers may touch; pqr_row() reads both.
+// gemmi has no parser for these formats. Builder creates the gemmi::Structure.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,6 +22,7 @@
 namespace vdwmesh {
 namespace {
 
+// The contents of one line. The views point into the text of the file.
 struct Row {
   std::array<double, 3> position{};  // Å
   double radius = 0;                 // Å
@@ -24,7 +30,8 @@ struct Row {
   bool hetero = false;
 };
 
-// Adds atoms one by one, opening chains and residues as their names change.
+// Builds the ParsedFile atom by atom. A new chain begins when the chain id changes, and a new
+// residue when the residue's number or name changes. Call begin_model() before the first atom.
 class Builder {
  public:
   explicit Builder(const std::string& path, const char* format) {
@@ -52,6 +59,7 @@ class Builder {
         whole_number(row.serial).value_or(static_cast<std::int64_t>(file_.atoms.size()) + 1);
     record.hetero = row.hetero;
     record.radius = row.radius;
+    // An atom of XYZR has no name, so its element X is not a guess.
     record.element_guessed = !row.name.empty();
     file_.atoms.push_back(record);
   }
@@ -61,6 +69,7 @@ class Builder {
   ParsedFile finish() { return std::move(file_); }
 
  private:
+  // The residue that the row belongs to; begins a new one if necessary.
   gemmi::Residue& residue_of(const Row& row) {
     if (!chain_ || chain_->name != row.chain) {
       std::vector<gemmi::Chain>& chains = file_.structure->models.back().chains;
@@ -80,6 +89,7 @@ class Builder {
     return residues.back();
   }
 
+  // Splits "52A" into the number 52 and the insertion code A.
   static gemmi::SeqId sequence_id(std::string_view number) {
     gemmi::SeqId id;
     int value = 0;
@@ -91,14 +101,15 @@ class Builder {
   }
 
   ParsedFile file_;
-  gemmi::Chain* chain_ = nullptr;
-  std::string number_;
+  gemmi::Chain* chain_ = nullptr;  // the current chain; null at the beginning of a model
+  std::string number_;             // of the current residue, as in the file
 };
 
 [[noreturn]] void refuse(const std::string& path, std::uint32_t line, const std::string& what) {
   throw FileFormatError(fmt::format("{}:{}: {}", path, line, what));
 }
 
+// The field as a finite number. Throws otherwise; `what` names the field in the message.
 double number_or_refuse(std::string_view field, std::string_view what, const std::string& path,
                         std::uint32_t line) {
   const auto value = finite_number(field);
@@ -107,7 +118,7 @@ double number_or_refuse(std::string_view field, std::string_view what, const std
   return *value;
 }
 
-// x y z [charge] radius.
+// Reads x, y and z from fields[first] on, and the radius from fields[radius].
 void read_sphere(const std::vector<std::string_view>& fields, std::size_t first, std::size_t radius,
                  Row& row, const std::string& path, std::uint32_t line) {
   static constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
@@ -120,8 +131,8 @@ void read_sphere(const std::vector<std::string_view>& fields, std::size_t first,
 
 bool is_number(std::string_view field) { return finite_number(field).has_value(); }
 
-// The PDB's columns for the names and coordinates, then charge and radius: the layout whose
-// numbers may touch.
+// Splits a PQR record by the columns of PDB: record name, serial, atom name, residue name, chain,
+// residue number, x, y, z. Charge and radius follow in no fixed columns, so blanks separate them.
 std::vector<std::string_view> fields_by_column(std::string_view line) {
   std::vector<std::string_view> fields{
       columns(line, 0, 6),  columns(line, 6, 5),  columns(line, 12, 4),
@@ -133,7 +144,11 @@ std::vector<std::string_view> fields_by_column(std::string_view line) {
   return fields;
 }
 
-// ATOM serial name residue [chain] number x y z charge radius.
+// Reads one record: ATOM serial name residue [chain] number x y z charge radius.
+//
+// Splitting at blanks is right if it gives 10 or 11 fields of which the fifth to third from the end
+// are numbers (x, y, z). Otherwise the columns of PDB are tried. If they do not fit either, the
+// first eleven fields are kept and the checks below name the one that is wrong.
 Row pqr_row(std::string_view line, const std::string& path, std::uint32_t number) {
   std::vector<std::string_view> fields = split_at_blanks(line);
   const std::size_t count = fields.size();
@@ -153,6 +168,7 @@ Row pqr_row(std::string_view line, const std::string& path, std::uint32_t number
     else if (count > 11)
       fields.resize(11);
   }
+  // The chain is optional, so everything behind it is counted from the end.
   const std::size_t last = fields.size() - 1;
   Row row;
   row.hetero = fields[0].starts_with("HETATM");
@@ -161,6 +177,7 @@ Row pqr_row(std::string_view line, const std::string& path, std::uint32_t number
   row.residue = fields[3];
   if (fields.size() == 11) row.chain = fields[4];
   row.number = fields[last - 5];
+  // The chain id and the number may touch: "A1000".
   if (row.chain.empty() && row.number.size() > 1 &&
       std::isalpha(static_cast<unsigned char>(row.number[0]))) {
     row.chain = row.number.substr(0, 1);
@@ -175,7 +192,8 @@ Row pqr_row(std::string_view line, const std::string& path, std::uint32_t number
   return row;
 }
 
-// Occupancy and temperature factor where the PDB has them, with its two decimals.
+// Whether the line has an occupancy and a temperature factor in the columns of PDB, each with the
+// two decimals that PDB prescribes.
 bool has_pdb_factors(std::string_view line) {
   const auto has_two_decimals = [](std::string_view field) {
     return field.size() == 6 && field[3] == '.' && is_number(field);
@@ -183,11 +201,14 @@ bool has_pdb_factors(std::string_view line) {
   return has_two_decimals(columns(line, 54, 6)) && has_two_decimals(columns(line, 60, 6));
 }
 
-// A PDB file under the name of a PQR file would give its temperature factors for radii.
+// Throws if the text is a PDB file under the name of a PQR file: its occupancies would be read as
+// charges and its temperature factors as radii. A file counts as PDB if every atom record has both,
+// and if in addition every record has an element in columns 77-78 or some "radius" is too large for
+// an atom.
 void refuse_pdb(std::string_view text, const std::string& path) {
-  constexpr double kLargestOfAtoms = 5;  // Å; caesium has 3.5
+  constexpr double kLargestOfAtoms = 5;  // Å; no atom has more: caesium, the largest, has 3.5
   bool pdb = true, elements = true;
-  double largest = 0;  // Å, were it a PQR file
+  double largest = 0;  // temperature factor, which would be a radius in Å
   std::string_view line;
   while (pdb && next_line(text, line)) {
     if (!is_atom_record(line)) continue;
@@ -210,6 +231,7 @@ ParsedFile parse_pqr(std::string_view text, const std::string& path) {
   std::string_view line;
   for (std::uint32_t number = 1; next_line(text, line); ++number) {
     if (models.take(trimmed(line))) continue;
+    // Blanks before the record name are harmless here, unlike in PDB files with fixed columns.
     if (is_atom_record(trimmed(line)) && !is_atom_record(line)) line = trimmed(line);
     if (!is_atom_record(line)) continue;
     if (models.begins_model()) builder.begin_model(models.names().back());

@@ -1,3 +1,10 @@
+// Reads a file with POSIX calls and unpacks gzip with zlib.
+//
+// 1. read_bytes() reads the file in one piece. The size of a regular file is known beforehand; the
+//    buffer for a pipe grows by doubling.
+// 2. If the bytes begin with the magic number of gzip, Inflater unpacks them in chunks.
+// Both steps check the limit on bytes as they go. A huge file, or a small file that unpacks to a
+// huge text, is refused soon after the limit is passed.
 #include "structure/text_source.hpp"
 
 #include <fcntl.h>
@@ -18,11 +25,15 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kChunk = std::size_t{1} << 20;
-constexpr std::size_t kLargestDeflateRatio = 1032;  // of the format: 258 bytes in 2 bits
+constexpr std::size_t kChunk = std::size_t{1} << 20;  // bytes
+
+// The best compression that the deflate format can reach. The longest match is 258 bytes, and it
+// takes at least 2 bits (1 for the length code, 1 for the distance code): 258 * 8 / 2 = 1032.
+constexpr std::size_t kLargestDeflateRatio = 1032;
 
 std::string cause(int error) { return std::generic_category().message(error); }
 
+// An open file descriptor, closed by the destructor. Descriptor 0 (standard input) stays open.
 class Descriptor {
  public:
   explicit Descriptor(const std::filesystem::path& path)
@@ -49,6 +60,8 @@ class Descriptor {
                                                         : "; cut it into smaller files"));
 }
 
+// The size of a regular file in bytes. 0 for pipes and devices, which have no size beforehand, and
+// for the files of /proc, which claim to be empty.
 std::uint64_t expected_size(int fd, const std::filesystem::path& path) {
   struct stat info {};
   if (::fstat(fd, &info) != 0) return 0;
@@ -59,15 +72,17 @@ std::uint64_t expected_size(int fd, const std::filesystem::path& path) {
 
 Text read_bytes(const std::filesystem::path& path, std::uint64_t limit) {
   const Descriptor file(path);
-  const std::uint64_t expected = expected_size(file.get(), path);  // 0: of a pipe or the like
+  const std::uint64_t expected = expected_size(file.get(), path);  // 0: not known
   if (expected > limit) refuse_size(path, limit);
   Text bytes;
-  resize_untouched(bytes, static_cast<std::size_t>(expected) + 1);  // one more, to meet the end
+  // One byte more than the file has: the read() that finds the end of the file needs a free byte,
+  // and the buffer must not be doubled for it.
+  resize_untouched(bytes, static_cast<std::size_t>(expected) + 1);
   std::size_t used = 0;
   for (;;) {
     if (used == bytes.size()) bytes.resize(std::max(2 * bytes.size(), kChunk));
     const ssize_t got = ::read(file.get(), bytes.data() + used, bytes.size() - used);
-    if (got < 0 && errno == EINTR) continue;
+    if (got < 0 && errno == EINTR) continue;  // a signal interrupted the call; try again
     if (got < 0)
       throw FileFormatError(fmt::format("{}: cannot be read: {}", path.string(), cause(errno)));
     if (got == 0) break;
@@ -86,9 +101,12 @@ bool is_gzip(const Text& bytes) {
   return bytes.size() >= 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b';
 }
 
-// Size of the unpacked text as gzip notes it in its last four bytes, where that is believable.
+// A first size for the buffer of the unpacked text. gzip stores the size modulo 2^32 in its last
+// four bytes, lowest byte first. The number may be wrong (damaged data, several members), so it is
+// used only if deflate could have reached it and if it is within the limit. A wrong hint costs time
+// and memory, but never correctness: unpack() enlarges the buffer as needed.
 std::size_t unpacked_size_hint(const Text& packed, std::uint64_t limit) {
-  if (packed.size() < 18) return kChunk;
+  if (packed.size() < 18) return kChunk;  // gzip's header has 10 bytes and its trailer 8
   std::uint64_t size = 0;
   for (std::size_t i = 1; i <= 4; ++i)
     size = size << 8 | static_cast<unsigned char>(packed[packed.size() - i]);
@@ -97,15 +115,18 @@ std::size_t unpacked_size_hint(const Text& packed, std::uint64_t limit) {
   return size > 0 && size <= believable ? static_cast<std::size_t>(size) + 1 : kChunk;
 }
 
+// Unpacks gzip data. `path` serves the messages only.
 class Inflater {
  public:
   explicit Inflater(const std::filesystem::path& path) : path_(path) {
+    // 15: the largest window, so every stream can be read; + 16: with the header of gzip.
     if (inflateInit2(&stream_, 15 + 16) != Z_OK) fail("zlib could not start");
   }
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
   ~Inflater() { inflateEnd(&stream_); }
 
+  // `used` counts the bytes of text so far, `read` the bytes of `packed` that were consumed.
   Text unpack(const Text& packed, std::uint64_t limit) {
     Text text;
     resize_untouched(text, unpacked_size_hint(packed, limit));
@@ -123,6 +144,8 @@ class Inflater {
   }
 
  private:
+  // Unpacks at most one chunk and returns zlib's status, Z_OK or Z_STREAM_END. zlib counts in
+  // 32 bits; a chunk stays below that and lets unpack() check the limit after every MiB.
   int step(const Text& packed, std::size_t& read, Text& text, std::size_t& used) {
     const std::size_t in = std::min(packed.size() - read, kChunk);
     const std::size_t out = std::min(text.size() - used, kChunk);
@@ -133,13 +156,15 @@ class Inflater {
     const int status = inflate(&stream_, Z_NO_FLUSH);
     read += in - stream_.avail_in;
     used += out - stream_.avail_out;
+    // zlib made no progress, or it has no more input and wrote nothing: the stream has no end.
     if (status == Z_BUF_ERROR || (status == Z_OK && in == 0 && stream_.avail_out == out))
       fail("ends in the middle of its gzip data; it was cut off, get it again");
     if (status != Z_OK && status != Z_STREAM_END) fail("holds damaged gzip data; get it again");
     return status;
   }
 
-  // Files joined with cat hold several members; padding with zeros after the last is common.
+  // Prepares for the next member of the gzip file; false if there is none. Files that were joined
+  // with `cat` hold several members. Zeros after the last member are common padding.
   bool next_member(const Text& packed, std::size_t& read) {
     const auto rest = packed.begin() + static_cast<std::ptrdiff_t>(read);
     if (std::all_of(rest, packed.end(), [](char c) { return c == '\0'; })) return false;

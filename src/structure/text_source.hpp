@@ -1,4 +1,5 @@
-// Whole files in memory: plain or gzipped, from disk or standard input. Inside the room only.
+// Reads a whole file into memory: plain or gzipped, from disk or from standard input. The structure
+// readers and the radius tables get their text here. Internal header of this folder.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +12,14 @@ namespace vdwmesh {
 
 using Text = Buffer<char>;
 
-// Larger texts are refused: about ten times the largest entry of the PDB, far below what a
-// maliciously compressed file can unfold to.
+// Texts of more bytes than this are refused. The limit is about ten times the largest entry of the
+// PDB. It is far below the size to which a maliciously compressed file (a "zip bomb") can grow.
 inline constexpr std::uint64_t kMaxTextBytes = std::uint64_t{2} << 30;
 
-// The bytes of `path` ("-": standard input), unpacked where they are gzipped (told by the first
-// bytes, not by the name). Throws FileFormatError (missing, unreadable, a directory, damaged gzip
-// data) and LimitExceeded (more than `limit` bytes).
+// Returns the bytes of the file `path`; "-" is standard input. Gzipped data are unpacked. They are
+// recognised by their first two bytes, not by the name of the file.
+// Throws FileFormatError if the file is missing, unreadable, a directory or damaged gzip data, and
+// LimitExceeded if the file, or its text once unpacked, has more than `limit` bytes.
 Text read_text(const std::filesystem::path& path, std::uint64_t limit = kMaxTextBytes);
 
 }  // namespace vdwmesh
