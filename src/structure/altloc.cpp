@@ -3,7 +3,7 @@
 //
 // The atoms of a position stand together, so positions are handled one after the other:
 // 1. Labels are ranked by the mean occupancy of their atoms at the position.
-// 2. PlaceChoice marks every atom that does not belong to the chosen label or residue.
+// 2. PositionChoice marks every atom that does not belong to the chosen label or residue.
 // 3. For "highest", atoms that the residue would lack are taken back.
 // 4. Unlabelled copies of atoms that stay are marked too, and marked atoms are removed and counted.
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ namespace {
 constexpr double kSameOccupancy = 1e-6;
 
 // The mean occupancy of the atoms with one label, or of the atoms of one residue with that label.
-struct Mean {
+struct MeanOccupancy {
   char label;
   const gemmi::Residue* residue;  // of the first atom
   double sum = 0;                 // of occupancies
@@ -39,7 +39,7 @@ struct Mean {
 using Range = std::pair<Sites::iterator, Sites::iterator>;
 
 // The end of the run of atoms that share the sequence position of `first`.
-Sites::iterator end_of_place(Sites::iterator first, Sites::iterator last) {
+Sites::iterator end_of_position(Sites::iterator first, Sites::iterator last) {
   return std::find_if(first, last, [first](const Site& site) {
     return site.chain != first->chain || site.residue->seqid != first->residue->seqid ||
            site.residue->segment != first->residue->segment;
@@ -48,7 +48,7 @@ Sites::iterator end_of_place(Sites::iterator first, Sites::iterator last) {
 
 // Adds the atom's occupancy to the mean that satisfies `same`; begins a new one if none does.
 template <class Same>
-void entry(std::vector<Mean>& means, const Site& site, Same same) {
+void entry(std::vector<MeanOccupancy>& means, const Site& site, Same same) {
   auto found = std::find_if(means.begin(), means.end(), same);
   if (found == means.end()) {
     means.push_back({site.atom->altloc, site.residue});
@@ -59,19 +59,19 @@ void entry(std::vector<Mean>& means, const Site& site, Same same) {
 }
 
 // The highest mean. The first one wins ties, which are differences up to kSameOccupancy.
-const Mean& highest(const std::vector<Mean>& means) {
-  const Mean* best = &means.front();
-  for (const Mean& mean : means)
+const MeanOccupancy& highest(const std::vector<MeanOccupancy>& means) {
+  const MeanOccupancy* best = &means.front();
+  for (const MeanOccupancy& mean : means)
     if (mean.value() > best->value() + kSameOccupancy) best = &mean;
   return *best;
 }
 
 // One mean for each label at the position, in the order of the file.
-std::vector<Mean> means_by_label(Range place) {
-  std::vector<Mean> means;
+std::vector<MeanOccupancy> means_by_label(Range place) {
+  std::vector<MeanOccupancy> means;
   for (auto site = place.first; site != place.second; ++site)
     if (site->atom->altloc != '\0')
-      entry(means, *site, [site](const Mean& m) { return m.label == site->atom->altloc; });
+      entry(means, *site, [site](const MeanOccupancy& m) { return m.label == site->atom->altloc; });
   return means;
 }
 
@@ -86,10 +86,10 @@ bool wholly_labelled(Range place, const gemmi::Residue* residue) {
 // Among the wholly labelled residues of the position, the one that stays: the residue whose atoms
 // with the chosen label have the highest mean occupancy. Null if none of them has the label.
 const gemmi::Residue* residue_that_stays(Range place, char label) {
-  std::vector<Mean> means;
+  std::vector<MeanOccupancy> means;
   for (auto site = place.first; site != place.second; ++site)
     if (site->atom->altloc == label && wholly_labelled(place, site->residue))
-      entry(means, *site, [site](const Mean& m) { return m.residue == site->residue; });
+      entry(means, *site, [site](const MeanOccupancy& m) { return m.residue == site->residue; });
   return means.empty() ? nullptr : highest(means).residue;
 }
 
@@ -97,21 +97,22 @@ const gemmi::Residue* residue_that_stays(Range place, char label) {
 // keeps ties in the order of the file; comparing with a tolerance in std::sort would not be a valid
 // order.
 std::vector<char> labels_by_mean(Range place) {
-  std::vector<Mean> means = means_by_label(place);
+  std::vector<MeanOccupancy> means = means_by_label(place);
   std::vector<char> labels;
   while (!means.empty()) {
     labels.push_back(highest(means).label);
-    std::erase_if(means, [&](const Mean& mean) { return mean.label == labels.back(); });
+    std::erase_if(means, [&](const MeanOccupancy& mean) { return mean.label == labels.back(); });
   }
   return labels;
 }
 
-// The decision about every atom at one position. fates_[i] belongs to the i-th atom of the
+// The decision about every atom at one position. decisions_[i] belongs to the i-th atom of the
 // position.
-class PlaceChoice {
+class PositionChoice {
  public:
-  explicit PlaceChoice(Range place)
-      : place_(place), fates_(static_cast<std::size_t>(place.second - place.first), Fate::stays) {}
+  explicit PositionChoice(Range place)
+      : place_(place),
+        decisions_(static_cast<std::size_t>(place.second - place.first), Decision::stays) {}
 
   // Marks the atoms of other labels and of the residues that were not chosen. Unlabelled atoms
   // stay.
@@ -120,25 +121,26 @@ class PlaceChoice {
     const bool mixed = std::any_of(place_.first, place_.second,
                                    [first](const Site& site) { return site.residue != first; });
     chosen_ = mixed ? residue_that_stays(place_, label) : nullptr;
-    for (std::size_t i = 0; i < fates_.size(); ++i) {
+    for (std::size_t i = 0; i < decisions_.size(); ++i) {
       if (mixed && site(i).residue != chosen_ && wholly_labelled(place_, site(i).residue))
-        fates_[i] = Fate::other_residue;
+        decisions_[i] = Decision::other_residue;
       else if (site(i).atom->altloc != '\0' && site(i).atom->altloc != label)
-        fates_[i] = Fate::other_label;
+        decisions_[i] = Decision::other_label;
     }
   }
 
   // Marks unlabelled atoms with an occupancy below 1 if an atom of the same residue and name stays
   // with a label. Some files leave the label of one conformation blank; both atoms would overlap.
-  void drop_blank_twins() {
+  void drop_unlabelled_copies() {
     std::set<std::pair<const gemmi::Residue*, std::string>> labelled;
-    for (std::size_t i = 0; i < fates_.size(); ++i)
-      if (fates_[i] == Fate::stays && site(i).atom->altloc != '\0')
+    for (std::size_t i = 0; i < decisions_.size(); ++i)
+      if (decisions_[i] == Decision::stays && site(i).atom->altloc != '\0')
         labelled.emplace(site(i).residue, site(i).atom->name);
-    for (std::size_t i = 0; i < fates_.size(); ++i) {
+    for (std::size_t i = 0; i < decisions_.size(); ++i) {
       const gemmi::Atom& atom = *site(i).atom;
-      const bool blank = fates_[i] == Fate::stays && atom.altloc == '\0' && atom.occ < 1;
-      if (blank && labelled.count({site(i).residue, atom.name}) != 0) fates_[i] = Fate::other_label;
+      const bool blank = decisions_[i] == Decision::stays && atom.altloc == '\0' && atom.occ < 1;
+      if (blank && labelled.count({site(i).residue, atom.name}) != 0)
+        decisions_[i] = Decision::other_label;
     }
   }
 
@@ -146,18 +148,18 @@ class PlaceChoice {
   // If one of several residues was chosen, only that residue is completed.
   void complete(const std::vector<char>& labels) {
     std::set<std::pair<const gemmi::Residue*, std::string>> held;
-    for (std::size_t i = 0; i < fates_.size(); ++i)
-      if (fates_[i] == Fate::stays) held.emplace(site(i).residue, site(i).atom->name);
+    for (std::size_t i = 0; i < decisions_.size(); ++i)
+      if (decisions_[i] == Decision::stays) held.emplace(site(i).residue, site(i).atom->name);
     for (const char label : labels) {
       // Names are compared with the state before this label: a name may occur twice under one
       // label, and both atoms come back.
       const auto before = held;
-      for (std::size_t i = 0; i < fates_.size(); ++i) {
-        if (fates_[i] != Fate::other_label || site(i).atom->altloc != label) continue;
+      for (std::size_t i = 0; i < decisions_.size(); ++i) {
+        if (decisions_[i] != Decision::other_label || site(i).atom->altloc != label) continue;
         if (chosen_ && site(i).residue != chosen_) continue;
         const std::pair name(site(i).residue, site(i).atom->name);
         if (before.count(name) != 0) continue;
-        fates_[i] = Fate::stays;
+        decisions_[i] = Decision::stays;
         held.insert(name);
       }
     }
@@ -165,19 +167,20 @@ class PlaceChoice {
 
   // Counts the marked atoms and sets their pointers to null; the caller removes such sites.
   void carry_out(SkippedAtoms& skipped) {
-    for (std::size_t i = 0; i < fates_.size(); ++i) {
-      if (fates_[i] == Fate::stays) continue;
-      ++skipped[fates_[i] == Fate::other_label ? "alternate_locations" : "microheterogeneity"];
+    for (std::size_t i = 0; i < decisions_.size(); ++i) {
+      if (decisions_[i] == Decision::stays) continue;
+      ++skipped[decisions_[i] == Decision::other_label ? "alternate_locations"
+                                                       : "microheterogeneity"];
       site(i).atom = nullptr;
     }
   }
 
  private:
-  enum class Fate : std::uint8_t { stays, other_label, other_residue };
+  enum class Decision : std::uint8_t { stays, other_label, other_residue };
   Site& site(std::size_t i) const { return place_.first[static_cast<std::ptrdiff_t>(i)]; }
 
   Range place_;
-  std::vector<Fate> fates_;
+  std::vector<Decision> decisions_;
   const gemmi::Residue* chosen_ = nullptr;  // among several residues; null: only one, or none suits
 };
 
@@ -187,7 +190,7 @@ bool has_labels(Range place) {
 }
 
 void choose_at(Range place, const std::string& label, SkippedAtoms& skipped) {
-  PlaceChoice choice(place);
+  PositionChoice choice(place);
   if (label == "highest") {
     const std::vector<char> labels = labels_by_mean(place);
     choice.choose(labels.front());
@@ -195,7 +198,7 @@ void choose_at(Range place, const std::string& label, SkippedAtoms& skipped) {
   } else {
     choice.choose(label[0]);
   }
-  choice.drop_blank_twins();
+  choice.drop_unlabelled_copies();
   choice.carry_out(skipped);
 }
 
@@ -221,7 +224,7 @@ void choose_alternate_locations(Sites& sites, const std::string& label, const st
   if (label == "all") return;
   check_label(sites, label, path);
   for (auto first = sites.begin(); first != sites.end();) {
-    const Range place{first, end_of_place(first, sites.end())};
+    const Range place{first, end_of_position(first, sites.end())};
     first = place.second;
     if (has_labels(place)) choose_at(place, label, skipped);
   }

@@ -48,7 +48,7 @@ class RecipeMaker {
       : tables_(tables), name_(name), path_(path) {
     for (std::size_t place = 0; place < tables.operators.size(); ++place) {
       const SymmetryOperator& listed = tables.operators[place];
-      if (!places_.emplace(listed.id, static_cast<std::uint32_t>(place)).second)
+      if (!indices_.emplace(listed.id, static_cast<std::uint32_t>(place)).second)
         repeated_.insert(listed.id);
     }
   }
@@ -69,7 +69,7 @@ class RecipeMaker {
     part.chains.insert(row.chains.begin(), row.chains.end());
     if (part.chains.empty())
       throw FileFormatError(fmt::format("{}: names no chains of assembly {}", where, name_));
-    part.products = parse_operator_expression(row.expression, places_, where);
+    part.products = parse_operator_expression(row.expression, indices_, where);
     for (const OperatorProduct& product : part.products)
       for (const OperatorFactor& factor : product) used_.insert(factor.begin(), factor.end());
   }
@@ -101,7 +101,7 @@ class RecipeMaker {
   const AssemblyTables& tables_;
   const std::string& name_;
   const std::string& path_;
-  OperatorPlaces places_;  // operator id -> index in tables_.operators, the first if repeated
+  OperatorIndices indices_;  // operator id -> index in tables_.operators, the first if repeated
   std::set<std::string> repeated_;  // ids that are listed more than once
   std::set<std::uint32_t> used_;    // indices into tables_.operators
   std::vector<std::string> deformations_;

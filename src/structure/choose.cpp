@@ -73,7 +73,7 @@ std::string name_of(const Site& site, const AtomRecord& record) {
 constexpr double kMostAtoms = 4294967294;  // 2^32 - 2, the most spheres that a SphereSet holds
 
 // The number of the model; 0 if the file names it by something else.
-std::int32_t number_of(const gemmi::Model& model) {
+std::int32_t model_number(const gemmi::Model& model) {
   const std::int64_t number = whole_number(model.name).value_or(0);
   return std::in_range<std::int32_t>(number) ? static_cast<std::int32_t>(number) : 0;
 }
@@ -81,7 +81,7 @@ std::int32_t number_of(const gemmi::Model& model) {
 // Names the chains of an assembly: A1, A2, ... are the copies of chain A, numbered in the order in
 // which the combinations of operators come up. The same chain and combination always get the same
 // name, even if several parts of the recipe hold pieces of that chain.
-class CopyNames {
+class CopyChainNames {
  public:
   const std::string& of(const gemmi::Chain& chain, const OperatorFactor& combination) {
     std::string& name = names_[{chain.name, combination}];
@@ -327,7 +327,7 @@ class Choice {
     taken.chain = site.chain->name;
     taken.residue_number = residue_number_;
     taken.serial = from.serial;
-    taken.model = number_of(*site.model);
+    taken.model = model_number(*site.model);
     taken.hetero = from.hetero;
     return taken;
   }
@@ -366,7 +366,7 @@ class Choice {
     for (auto first = sites_.cbegin(); first != sites_.cend();) {
       const auto last = std::find_if(
           first, sites_.cend(), [first](const Site& site) { return site.model != first->model; });
-      CopyNames names;  // each model begins with A1 again
+      CopyChainNames names;  // each model begins with A1 again
       for (const ChainCopies& part : recipe.parts) take_copies(part, first, last, names);
       first = last;
     }
@@ -421,7 +421,7 @@ class Choice {
 
   // Appends the copies of one part, for the sites [first, last) of one model.
   void take_copies(const ChainCopies& part, Sites::const_iterator first, Sites::const_iterator last,
-                   CopyNames& names) {
+                   CopyChainNames& names) {
     std::vector<const Site*> held;
     for (auto site = first; site != last; ++site)
       if (holds(part, *site)) held.push_back(&*site);

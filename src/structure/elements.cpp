@@ -87,7 +87,7 @@ El halogen(std::string_view name) {
 // A symbol of two letters followed by nothing but digits, such as "FE2", for elements that such a
 // name nearly always means. Names such as "CA", "CO", "HG", "NA" and "PB" are not among them: they
 // more often mean a light element with a letter behind it (alpha carbon, gamma hydrogen).
-El telling_symbol(std::string_view name) {
+El unambiguous_symbol(std::string_view name) {
   static constexpr std::array kTelling{El::Fe, El::Ni, El::Cu, El::Si, El::Se, El::Pt, El::Ir};
   if (name.size() < 2 || name.find_first_not_of("0123456789", 2) != std::string_view::npos)
     return El::X;
@@ -123,7 +123,7 @@ El of_aligned_name(std::string_view name) {
 // Rule 3. Two letters are tried last, for names whose first letter is no element ("ZN").
 El of_bare_name(std::string_view name) {
   El element = halogen(name);
-  if (element == El::X) element = telling_symbol(name);
+  if (element == El::X) element = unambiguous_symbol(name);
   if (element == El::X) element = first_letter(name);
   if (element == El::X && name.size() > 1) element = two_letters(name[0], name[1]);
   return element;

@@ -24,8 +24,8 @@ bool is_number(std::string_view text) {
 
 class Parser {
  public:
-  Parser(std::string_view text, const OperatorPlaces& places, const std::string& where)
-      : text_(text), rest_(trimmed(text)), places_(places), where_(where) {}
+  Parser(std::string_view text, const OperatorIndices& indices, const std::string& where)
+      : text_(text), rest_(trimmed(text)), indices_(indices), where_(where) {}
 
   std::vector<OperatorProduct> run() {
     std::vector<OperatorProduct> products;
@@ -82,8 +82,8 @@ class Parser {
 
   // Appends the operator with this id.
   void add(std::string_view id, OperatorFactor& factor) {
-    const auto found = places_.find(id);
-    if (found == places_.end())
+    const auto found = indices_.find(id);
+    if (found == indices_.end())
       refuse(fmt::format("there is no operator {} in the file", in_quotes(id)));
     if (factor.size() == kMostOperatorsInAFactor)
       throw LimitExceeded(fmt::format("{}: the operator expression {} has more than {} operators",
@@ -104,7 +104,7 @@ class Parser {
   }
 
   std::string_view text_, rest_;  // the whole expression; the part that is not parsed yet
-  const OperatorPlaces& places_;
+  const OperatorIndices& indices_;
   const std::string& where_;
 };
 
@@ -123,9 +123,9 @@ std::uint64_t combination_count(const OperatorProduct& product) {
 }  // namespace
 
 std::vector<OperatorProduct> parse_operator_expression(std::string_view expression,
-                                                       const OperatorPlaces& places,
+                                                       const OperatorIndices& indices,
                                                        const std::string& where) {
-  return Parser(expression, places, where).run();
+  return Parser(expression, indices, where).run();
 }
 
 std::uint64_t combination_count(const std::vector<OperatorProduct>& products) {
@@ -142,10 +142,10 @@ std::uint64_t combination_count(const std::vector<OperatorProduct>& products) {
 void for_each_combination(const OperatorProduct& product,
                           const std::function<void(const OperatorFactor&)>& visit) {
   std::vector<std::size_t> wheels(product.size(), 0);
-  OperatorFactor places(product.size());
+  OperatorFactor indices(product.size());
   for (;;) {
-    for (std::size_t f = 0; f < product.size(); ++f) places[f] = product[f][wheels[f]];
-    visit(places);
+    for (std::size_t f = 0; f < product.size(); ++f) indices[f] = product[f][wheels[f]];
+    visit(indices);
     std::size_t wheel = product.size();
     while (wheel > 0 && ++wheels[wheel - 1] == product[wheel - 1].size()) wheels[--wheel] = 0;
     if (wheel == 0) return;

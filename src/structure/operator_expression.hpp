@@ -13,7 +13,7 @@
 namespace vdwmesh {
 
 // Maps the id of an operator to its index in AssemblyTables::operators.
-using OperatorPlaces = std::map<std::string, std::uint32_t, std::less<>>;
+using OperatorIndices = std::map<std::string, std::uint32_t, std::less<>>;
 
 // A list of operators, by their indices in AssemblyTables::operators. It is either one factor of a
 // product or one combination, which has one operator from each factor.
@@ -33,11 +33,11 @@ using OperatorProduct = std::vector<OperatorFactor>;
 //   item       := id | number "-" number
 //
 // Examples: "1,2,5", "1-4", "(X0)(1-10,21-25)", "(1-60)(61-88)", "P", "1,(4-5)". Throws
-// FileFormatError if the text does not follow the grammar or an operator is not in `places`, and
+// FileFormatError if the text does not follow the grammar or an operator is not in `indices`, and
 // LimitExceeded if a factor has more than 2^20 operators. `where` begins these messages; it says
 // where in which file the expression stands.
 std::vector<OperatorProduct> parse_operator_expression(std::string_view expression,
-                                                       const OperatorPlaces& places,
+                                                       const OperatorIndices& indices,
                                                        const std::string& where);
 
 // The number of combinations in all products, 2^64 - 1 if there are more than that.

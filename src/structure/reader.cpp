@@ -53,7 +53,7 @@ ParsedFile parse(std::string_view text, StructureFormat format, const std::strin
 
 // Adds a warning if the last line may hold an atom but has no line end. The file may have been cut
 // off there, in the middle of a number: "1.5" could be what is left of "1.53".
-void doubt_unfinished_line(std::string_view text, ParsedFile& file) {
+void warn_of_unfinished_line(std::string_view text, ParsedFile& file) {
   if (text.ends_with('\n') || text.ends_with('\r')) return;
   const std::size_t end = text.find_last_of("\r\n");
   const std::string_view last = trimmed(text.substr(end == std::string_view::npos ? 0 : end + 1));
@@ -65,7 +65,7 @@ void doubt_unfinished_line(std::string_view text, ParsedFile& file) {
 
 // Throws if the atom's position or radius is beyond kFarthest. `record` has a radius only if the
 // file gives radii; it is 0 otherwise.
-void refuse_far(const ParsedFile& file, const gemmi::Atom& atom) {
+void check_range(const ParsedFile& file, const gemmi::Atom& atom) {
   const AtomRecord& record = file.atoms[static_cast<std::size_t>(atom.serial)];
   const double far = std::max({std::abs(atom.pos.x), std::abs(atom.pos.y), std::abs(atom.pos.z)});
   if (far <= kFarthest && record.radius <= kFarthest) return;
@@ -75,11 +75,11 @@ void refuse_far(const ParsedFile& file, const gemmi::Atom& atom) {
       far <= kFarthest ? "a radius" : "a coordinate", std::max(far, record.radius), kFarthest));
 }
 
-void refuse_far_atoms(const ParsedFile& file) {
+void check_ranges(const ParsedFile& file) {
   for (const gemmi::Model& model : file.structure->models)
     for (const gemmi::Chain& chain : model.chains)
       for (const gemmi::Residue& residue : chain.residues)
-        for (const gemmi::Atom& atom : residue.atoms) refuse_far(file, atom);
+        for (const gemmi::Atom& atom : residue.atoms) check_range(file, atom);
 }
 
 ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
@@ -89,8 +89,8 @@ ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
   const std::string name = path == "-" ? "standard input" : path.string();
   const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
   ParsedFile file = parse(text, format, name);
-  refuse_far_atoms(file);
-  doubt_unfinished_line(text, file);
+  check_ranges(file);
+  warn_of_unfinished_line(text, file);
   return file;
 }
 

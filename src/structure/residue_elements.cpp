@@ -45,7 +45,7 @@ El find_named(const List& list, std::string_view name) {
 
 // The name without leading digits ("3CO") and without a charge at the end ("ZN2", "NA+", and
 // CHARMM's "AL3P", where P means plus).
-std::string_view core(std::string_view name) {
+std::string_view base_name(std::string_view name) {
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   if (name.size() > 2 && name.back() == 'P' && is_digit(name[name.size() - 2]))
     name.remove_suffix(1);
@@ -135,7 +135,7 @@ const Ligands* find_ligand(std::string_view residue) {
 }  // namespace
 
 El element_of_ion(std::string_view name, std::string_view residue) {
-  const std::string_view atom = core(name), ion = core(residue);
+  const std::string_view atom = base_name(name), ion = base_name(residue);
   if (atom.empty() || ion.empty()) return El::X;
   const El odd = find_named(kOddlyNamedIons, ion);
   // "IOD" is in both tables: with an atom "I" in the PDB, with an atom "IOD" in CHARMM.
@@ -159,7 +159,7 @@ bool is_standard_residue(std::string_view residue) {
 
 El metal_of_ligand(std::string_view name, std::string_view residue) {
   const Ligands* ligand = find_ligand(residue);
-  const El element = ligand ? element_named(core(name)) : El::X;
+  const El element = ligand ? element_named(base_name(name)) : El::X;
   return element != El::X && holds(ligand->metals, element) ? element : El::X;
 }
 
