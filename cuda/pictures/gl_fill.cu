@@ -1,4 +1,7 @@
-// Vertex buffers of pictures, written by a kernel where OpenGL keeps them.
+// Fills OpenGL's vertex and index buffers from CUDA. The driver maps the buffers into the address
+// space of CUDA. Vertices are uploaded in slices and converted by a kernel with the formula of the
+// host (render/surface_vertex.hpp), so the bytes are the same. Indices and triangle values are
+// copied.
 #include <cuda_gl_interop.h>
 
 #include <algorithm>
@@ -15,20 +18,23 @@ namespace vdwmesh {
 namespace {
 
 constexpr unsigned kThreads = 256;
-// Vertices on their way at a time: what uploading takes besides the buffers is at most 52 MB.
+// Vertices of a slice. A vertex takes at most 52 bytes while it is uploaded (position 24, normal
+// 12, colour 12, value 4), so a slice takes at most 52 MiB of device memory beside the buffers.
 constexpr std::uint64_t kSlice = std::uint64_t{1} << 20;
 
+// Writes vertex v of a slice, relative to `origin`. One thread per vertex.
 __global__ void make_vertices(VertexArrays arrays, std::uint64_t count, Vec3d origin,
                               SurfaceVertex* vertices) {
   const std::uint64_t v = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (v < count) vertices[v] = surface_vertex(arrays, v, origin);
 }
 
-// Buffers of the current OpenGL context as device memory, while it lives. OpenGL must not touch
-// them meanwhile.
+// Maps buffers of the thread's current OpenGL context into device memory, for as long as the object
+// lives. OpenGL must not use the buffers during that time.
 class SharedBuffers {
  public:
-  // Buffers of name 0 are left out. Throws CudaError where the driver does not share one of them.
+  // `names` are OpenGL names of at most three buffers; the name 0 is skipped. Throws CudaError if
+  // the driver cannot share one of the buffers.
   SharedBuffers(std::span<const unsigned> names, cudaStream_t stream) : stream_(stream) {
     try {
       for (const unsigned name : names) share(name);
@@ -44,7 +50,7 @@ class SharedBuffers {
   SharedBuffers(const SharedBuffers&) = delete;
   SharedBuffers& operator=(const SharedBuffers&) = delete;
 
-  // Of the buffers not left out, in order.
+  // The device memory of a buffer. `which` counts the buffers that were not skipped, in order.
   template <class T>
   T* memory(std::size_t which) const {
     void* pointer = nullptr;
@@ -54,7 +60,7 @@ class SharedBuffers {
     return static_cast<T*>(pointer);
   }
 
-  // What was written in the stream so far is there for OpenGL.
+  // Gives the buffers back to OpenGL, which sees everything written in the stream so far.
   void give_back() {
     mapped_ = false;
     check_cuda(cudaGraphicsUnmapResources(count_, resources_.data(), stream_),
@@ -62,6 +68,7 @@ class SharedBuffers {
   }
 
  private:
+  // Registers a buffer that CUDA will only write, and write in full.
   void share(unsigned name) {
     if (name == 0) return;
     check_cuda(cudaGraphicsGLRegisterBuffer(&resources_[static_cast<std::size_t>(count_)], name,
@@ -82,12 +89,15 @@ class SharedBuffers {
   bool mapped_ = false;
 };
 
+// Uploads array[first .. first + count); an absent array (null) stays absent.
 template <class T>
 DeviceArray<T> upload_slice(const T* array, std::uint64_t first, std::uint64_t count,
                             cudaStream_t stream) {
   return array ? upload(array + first, count, stream) : DeviceArray<T>();
 }
 
+// Uploads one slice of the vertices and launches the kernel that converts it. The uploads are given
+// back in stream order, after the kernel.
 void write_slice(const VertexArrays& host, std::uint64_t first, std::uint64_t count,
                  const Vec3d& origin, SurfaceVertex* vertices, cudaStream_t stream) {
   const auto positions = upload_slice(host.positions, first, count, stream);
@@ -107,6 +117,7 @@ void copy_to_device(std::span<const T> from, T* to, cudaStream_t stream) {
              "upload");
 }
 
+// Fills all mapped buffers: vertices, indices, and triangle values if triangles are painted.
 void write_buffers(const SurfaceArrays& arrays, const Vec3d& origin, const SharedBuffers& buffers,
                    cudaStream_t stream) {
   auto* vertices = buffers.memory<SurfaceVertex>(0);
@@ -119,6 +130,8 @@ void write_buffers(const SurfaceArrays& arrays, const Vec3d& origin, const Share
   copy_to_device(arrays.triangle_values, buffers.memory<float>(2), stream);
 }
 
+// Why the current CUDA device cannot write OpenGL's buffers: OpenGL draws on another one. Empty if
+// it is the same device.
 std::string other_device(int gl_device) {
   int device = 0;
   check_cuda(cudaGetDevice(&device), "current device");
@@ -136,6 +149,8 @@ std::string fill_with_cuda(const SurfaceArrays& arrays, const SurfaceTarget& tar
   std::optional<DeviceScope> scope;
   std::optional<Stream> stream;
   std::optional<SharedBuffers> buffers;
+  // A failure in this block only means that the buffers cannot be shared: it is returned as a
+  // reason.
   try {
     scope.emplace();
     if (const std::string reason = other_device(gl_device); !reason.empty()) return reason;

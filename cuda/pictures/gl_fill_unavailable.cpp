@@ -1,4 +1,5 @@
-// Of a build without a CUDA compiler or without OpenGL.
+// Replaces gl_fill.cu in a build without a CUDA compiler or without OpenGL: the reason is always
+// the same.
 #include "cuda/pictures/gl_fill.hpp"
 
 namespace vdwmesh {

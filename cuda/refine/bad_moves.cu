@@ -1,3 +1,10 @@
+// Takes bad moves back in simultaneous passes: a pass judges all triangles before any vertex goes
+// back (refine/bad_moves.hpp says why this ends).
+//
+// Level 0 has the smallest mesh, so each of its passes simply launches a thread per triangle. On
+// later levels most midpoints move, and one or two in a hundred go back. There the marked midpoints
+// are kept in a list, and a pass visits the patches on both sides of the listed edges only.
+// Crossing triangles are found by CrossingFinder in both cases.
 #include <thrust/iterator/counting_iterator.h>
 
 #include <cub/device/device_select.cuh>
@@ -14,6 +21,7 @@ namespace {
 
 constexpr unsigned kThreads = 256;
 
+// Computes the boxes of all triangles and builds the grid over them.
 template <class Level>
 CrossingFinder make_crossing_finder(const Level& level, const Stream& stream) {
   const std::uint64_t patches = level.patches(), triangles = level.mesh.triangles;
@@ -27,7 +35,8 @@ CrossingFinder make_crossing_finder(const Level& level, const Stream& stream) {
   return CrossingFinder(std::move(boxes), stream);
 }
 
-// None where crossings are allowed; what needed no step did not move.
+// The finder of a level; empty if crossings are allowed, or if no vertex has moved: a move takes
+// one step of the projection at least.
 template <class Level>
 std::optional<CrossingFinder> finder_for(const Level& level, const LevelPasses& passes,
                                          const Stream& stream) {
@@ -40,10 +49,11 @@ void clear_marks(const FatesView& fates, const Stream& stream) {
   check_cuda(cudaMemsetAsync(fates.marked, 0, sizeof(*fates.marked), stream.get()), "marks");
 }
 
-// ---- given vertices: every pass looks at every triangle ----
+// ---- level 0 ----
 
-// From the second pass on only a triangle with a vertex that the last one took back can have
-// changed.
+// Marks the moved vertices of triangles that their moves turned against their one atom. One thread
+// per triangle. After the first pass only triangles with a vertex that was just put back are
+// tested; the others have not changed.
 __global__ void mark_turned(SurfaceView surface, GivenLevel level, FatesView fates, int pass) {
   const std::uint64_t t = thread_index();
   if (t >= level.patches()) return;
@@ -69,6 +79,7 @@ __global__ void mark_turned(SurfaceView surface, GivenLevel level, FatesView fat
   for (int k = 0; k < 3; ++k) fates.mark(vertex[k]);
 }
 
+// Puts the marked vertices back and adds their number to `count`. One thread per vertex.
 __global__ void restore_marked(SurfaceView surface, GivenLevel level, Fate* fates,
                                unsigned long long* count) {
   const std::uint64_t v = thread_index();
@@ -81,7 +92,7 @@ __global__ void restore_marked(SurfaceView surface, GivenLevel level, Fate* fate
   atomicAdd(count, 1ull);
 }
 
-// ---- midpoints: later passes look at the neighbourhood of what the last one took back ----
+// ---- midpoints ----
 
 struct IsTakingBack {
   const Fate* fates;
@@ -90,12 +101,15 @@ struct IsTakingBack {
   }
 };
 
+// The edges whose midpoints a pass puts back, in device memory. Their order depends on the
+// scheduling of threads; the results do not.
 struct EdgeList {
-  const std::uint32_t* edges = nullptr;
+  const std::uint32_t* edges = nullptr;  // edge numbers of the parent
   std::uint64_t count = 0;
 };
 
-// The edges of marked midpoints where the list of marks had no room for all.
+// The edges of all marked midpoints, found by a search over all states. This is the fallback if the
+// list of FatesView had no room for all of them.
 DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const Fate* fates,
                                          std::uint64_t marked, const Stream& stream) {
   DeviceArray<std::uint32_t> list(marked, stream.get());
@@ -110,10 +124,12 @@ DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const Fate*
   return list;
 }
 
-// A thread per listed edge and side: the patch there, if the edge is the first of those whose
-// midpoints have the fate.
+// The patch of one thread in a launch of two threads per listed edge, one for each of the two
+// parent triangles at the edge. A patch may have up to three listed edges. Only the thread of the
+// first one has the patch, so that each patch is handled once. Listed edges are those whose
+// midpoints are in the given state.
 struct ListedPatch {
-  std::uint64_t t;
+  std::uint64_t t;  // parent triangle
   bool has;
 };
 __device__ ListedPatch listed_patch(const MidpointLevel& level, const FatesView& fates,
@@ -129,7 +145,8 @@ __device__ ListedPatch listed_patch(const MidpointLevel& level, const FatesView&
   return {t, true};
 }
 
-// What is about to change no longer counts.
+// Subtracts the turned children of the patches at listed edges from the count, before their
+// vertices go back. Two threads per edge. judge_listed() counts the same patches again afterwards.
 __global__ void discount_turned(SurfaceView surface, MidpointLevel level, FatesView fates,
                                 const std::uint32_t* edges, std::uint64_t count,
                                 DeviceStats* stats) {
@@ -139,9 +156,12 @@ __global__ void discount_turned(SurfaceView surface, MidpointLevel level, FatesV
   load_vertices(level, listed.t, patch);
   load_places(level, listed.t, patch);
   const int turned = __popc(facing_of_children(surface.spheres, patch).turned);
+  // The two's complement: atomicAdd() on unsigned integers has no subtraction.
   if (turned > 0) atomicAdd(&stats->turned, ~static_cast<unsigned long long>(turned) + 1);
 }
 
+// Puts the midpoints of the listed edges back into the middle of their edges, and recomputes their
+// normals if the mesh has any. One thread per edge.
 __global__ void restore_listed(SurfaceView surface, MidpointLevel level, Fate* fates,
                                const std::uint32_t* edges, std::uint64_t count) {
   const std::uint64_t i = thread_index();
@@ -155,6 +175,8 @@ __global__ void restore_listed(SurfaceView surface, MidpointLevel level, Fate* f
   fates[edges[i]] = Fate::taken_back;
 }
 
+// Tests the patches at listed edges once more: counts their turned children, renews their safe
+// marks and marks further bad moves for the next pass. Two threads per edge.
 __global__ void judge_listed(SurfaceView surface, MidpointLevel level, FatesView fates,
                              const std::uint32_t* edges, std::uint64_t count, DeviceStats* stats) {
   const ListedPatch listed = listed_patch(level, fates, edges, count, Fate::taken_back);
@@ -172,12 +194,15 @@ __global__ void judge_listed(SurfaceView surface, MidpointLevel level, FatesView
   mark_turned_children(surface, level, listed.t, patch, facing.against_one_atom, fates);
 }
 
+// Gives the midpoints of the listed edges the state `stayed`. One thread per edge.
 __global__ void settle_listed(Fate* fates, const std::uint32_t* edges, std::uint64_t count) {
   const std::uint64_t i = thread_index();
   if (i < count) fates[edges[i]] = Fate::stayed;
 }
 
-// Puts the listed midpoints back, and judges their patches again.
+// Puts the listed midpoints back and tests their patches again. Three kernels, because every patch
+// must be discounted before any vertex moves, and every vertex must be back before any patch is
+// judged.
 void take_back_listed(const MidpointLevel& level, const LevelPasses& passes, const EdgeList& list,
                       const Stream& stream) {
   const std::uint32_t* const edges = list.edges;
@@ -200,6 +225,8 @@ void settle(const EdgeList& list, Fate* fates, const Stream& stream) {
   check_launch("settle_listed");
 }
 
+// One thread per triangle. Counts the triangles that do not face outward, with one atomic addition
+// per warp. If `safe` is given, each group of four lanes writes one byte of it from a warp vote.
 __global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, std::uint8_t* safe,
                              DeviceStats* stats) {
   const std::uint64_t t = thread_index();
@@ -231,8 +258,7 @@ __global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, std::uint
 
 }  // namespace
 
-// The simultaneous passes of refine/bad_moves.hpp: all triangles are judged before any vertex goes
-// back.
+// Every pass judges all triangles, then puts the marked vertices back.
 std::uint64_t take_back_bad_moves(const GivenLevel& level, const LevelPasses& passes,
                                   const Stream& stream) {
   const std::optional<CrossingFinder> finder = finder_for(level, passes, stream);
@@ -258,7 +284,8 @@ std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses&
                                   const Stream& stream) {
   const std::optional<CrossingFinder> finder = finder_for(level, passes, stream);
   LevelPasses now = passes;
-  // Marks are listed in one list while the other is worked off.
+  // Two lists take turns: one holds the edges whose midpoints go back, while the other collects the
+  // marks of the next pass.
   const DeviceArray<std::uint32_t> spare(passes.fates.room, stream.get());
   std::uint32_t* other = spare.data();
   DeviceArray<std::uint32_t> searched;
@@ -268,6 +295,7 @@ std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses&
     advance(passes.monitor, 0);
     if (finder) finder->mark(level.mesh, now.fates, pass);
     const std::uint64_t marked = fetch(now.fates.marked, stream);
+    // The finder has looked at the vertices put back by the previous pass: they are done.
     settle(last, now.fates.fates, stream);
     if (marked == 0) return undone;
     last = {now.fates.list, marked};

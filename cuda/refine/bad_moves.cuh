@@ -1,4 +1,5 @@
-// Moves that spoil the mesh, taken back: refine/bad_moves.hpp on the device.
+// Moves that turn a triangle over or make triangles cross, found and taken back on the device.
+// refine/bad_moves.hpp says which moves are bad; the results are the same, bit for bit.
 #pragma once
 
 #include "cuda/refine/refine_levels.cuh"
@@ -6,30 +7,32 @@
 
 namespace vdwmesh {
 
-// What the passes over a level share.
+// The arguments that all passes over a level share.
 struct LevelPasses {
   SurfaceView surface;
   FatesView fates;
-  DeviceStats* stats;
-  Crossings crossings;
-  Monitor* monitor;
+  DeviceStats* stats;   // in device memory
+  Crossings crossings;  // whether crossing triangles are left alone
+  Monitor* monitor;     // asked before each pass whether the run is cancelled; may be null
 };
 
-// Takes back the bad moves of given vertices; returns how many.
+// Takes back all bad moves of level 0 and returns their number.
 std::uint64_t take_back_bad_moves(const GivenLevel& level, const LevelPasses& passes,
                                   const Stream& stream);
 
-// The same for midpoints. The moves that turn a triangle are marked already, and the triangles that
-// are turned counted: see make_children_on_device().
+// The same for midpoints. Precondition: make_children_on_device() has marked the moves that turn a
+// triangle and has counted the turned triangles. The count is kept up to date.
 std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses& passes,
                                   const Stream& stream);
 
-// Writes the children's corners, spheres and half-edges, counts those that are turned and marks the
-// moves that did it. `fates.fates` is null where nothing moved.
+// Writes the corners, labels and half-edges of all child triangles. Then counts the children that
+// do not face outward, and marks the moves that turned them. passes.fates.fates is null if no
+// vertex can have moved; nothing is marked then.
 void make_children_on_device(const MidpointLevel& level, const LevelPasses& passes,
                              const Stream& stream);
 
-// Counts the triangles of a mesh that are turned. `safe`: null, or room for a bit of each.
+// Adds to `stats` the number of triangles that do not face outward. Writes to `safe`, unless it is
+// null, whether each triangle is safe: bit t % 4 of byte t / 4, see PatchMarks.
 void count_turned_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
                             std::uint8_t* safe, DeviceStats* stats, const Stream& stream);
 

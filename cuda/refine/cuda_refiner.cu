@@ -1,4 +1,5 @@
-// The Refiner on CUDA.
+// The CUDA backend of Refiner: checks the arguments as the CPU backend does, uploads the mesh and
+// the spheres, refines in device memory (refine_on_device()), and downloads the result.
 #include <utility>
 
 #include "cuda/cuda_backend.hpp"
@@ -16,6 +17,8 @@ DeviceSurface::DeviceSurface(const SphereSet& spheres, const RefineOptions& opti
 
 namespace {
 
+// Copies the prepared mesh to the device. Normals are uploaded only if nothing is projected,
+// because they are interpolated then; otherwise they are computed, and only get room here.
 DeviceMesh upload_mesh(const IndexedMesh& host, Projection projection, const Stream& stream) {
   DeviceMesh mesh;
   mesh.positions = upload(host.positions.data(), host.positions.size(), stream.get());

@@ -1,3 +1,7 @@
+// Builds the grid (extent of the boxes, width of the cells, counts, prefix sum, entries) and tests
+// the pairs of triangles that share a cell. A pair that shares several cells is tested in one of
+// them only: the cell that holds the lower corner of the boxes' intersection. This is the reference
+// point method of spatial joins (Dittrich and Seeger, ICDE 2000).
 #include <thrust/iterator/transform_iterator.h>
 
 #include <algorithm>
@@ -18,13 +22,14 @@ constexpr unsigned kThreads = 256;
 // ---- the grid ----
 
 struct Extent {
-  FloatBox all;
-  double width_sum;
+  FloatBox all;      // holds all boxes
+  double width_sum;  // the sum of the boxes' longest sides, Å
 };
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr Extent kNoExtent{{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}}, 0};
 
+// The extent of a single box.
 struct ExtentOf {
   __host__ __device__ Extent operator()(const FloatBox& box) const {
     double width = 0;
@@ -47,17 +52,20 @@ struct JoinExtents {
   }
 };
 
+// The number of cells of width `cell` that the box spans along an axis.
 double cells_along(const FloatBox& all, double cell, int axis) {
   return std::floor((static_cast<double>(all.upper[axis]) - all.lower[axis]) / cell) + 1;
 }
 
-// Rounding keeps the order of coordinates: of two boxes with a point in common, both stand in the
-// cell that the point falls in.
+// The index, along one axis, of the cell that holds the coordinate, clamped to the grid. Rounding
+// keeps the order of coordinates, so a point of a box never falls in a cell outside the box's range
+// of cells. Two boxes with a point in common are both listed in that point's cell.
 __device__ std::uint32_t cell_along(const CrossingGrid& grid, int axis, float coordinate) {
   const double place = (coordinate - grid.origin[axis]) * grid.per_length;
   return static_cast<std::uint32_t>(fmin(fmax(place, 0.0), grid.cells[axis] - 1.0));
 }
 
+// The position of a cell in the grid, as its index along each axis.
 struct Place {
   std::uint32_t along[3];
 };
@@ -67,7 +75,8 @@ __device__ Place place_of(const CrossingGrid& grid, const float* corner) {
           cell_along(grid, 2, corner[2])};
 }
 
-// visit(cell, place) for each cell that the box touches.
+// Calls visit(cell, place) for every cell that the box touches, with the cell's number and
+// position.
 template <class Visit>
 __device__ void visit_cells(const CrossingGrid& grid, const FloatBox& box, const Visit& visit) {
   const Place low = place_of(grid, box.lower), high = place_of(grid, box.upper);
@@ -82,6 +91,7 @@ __device__ void visit_cells(const CrossingGrid& grid, const FloatBox& box, const
   }
 }
 
+// Adds each triangle to the counts of its cells in grid.start. One thread per triangle.
 __global__ void count_entries(CrossingGrid grid, const FloatBox* boxes, std::uint64_t triangles) {
   const std::uint64_t t = thread_index();
   if (t >= triangles) return;
@@ -89,8 +99,9 @@ __global__ void count_entries(CrossingGrid grid, const FloatBox* boxes, std::uin
               [&](std::uint64_t cell, Place) { atomicAdd(&grid.start[cell], 1ull); });
 }
 
-// Fills each cell from its back, so that `start` ends up at its first entry. The order within a
-// cell is that of the threads; marks do not depend on it.
+// Writes the entries. One thread per triangle. Before, start[c] is the end of cell c; each cell is
+// filled from its end, so start[c] arrives at the cell's first entry. The order within a cell
+// depends on the scheduling of threads; the marks do not.
 __global__ void fill_cells(CrossingGrid grid, const FloatBox* boxes, std::uint64_t triangles) {
   const std::uint64_t t = thread_index();
   if (t >= triangles) return;
@@ -102,6 +113,7 @@ __global__ void fill_cells(CrossingGrid grid, const FloatBox* boxes, std::uint64
 
 // ---- crossings ----
 
+// The corners of a triangle.
 struct Corners {
   std::uint32_t vertex[3];
   Vec3d position[3];
@@ -119,8 +131,10 @@ __device__ void load_places(const DeviceMeshView& mesh, Corners& c) {
   }
 }
 
+// Whether a vertex of a triangle is where the projection moved it, and whether one was just put
+// back.
 struct TriangleFate {
-  bool away, taken_back;  // whether a vertex is where it moved to; whether one just went back
+  bool away, taken_back;
 };
 
 __device__ TriangleFate fate_of(const FatesView& fates, const std::uint32_t* vertex) {
@@ -141,7 +155,9 @@ __device__ bool overlap(const FloatBox& a, const FloatBox& b) {
   return !apart;
 }
 
-// Of the cells that two overlapping boxes share, the one where the pair is looked at.
+// Whether the cell at `place` is the one, among the cells that boxes a and b share, in which the
+// pair is tested: the cell that holds the lower corner of their intersection. Precondition: they
+// overlap.
 __device__ bool is_first_shared(const CrossingGrid& grid, const Place& place, const FloatBox& a,
                                 const FloatBox& b) {
   bool first = true;
@@ -157,8 +173,11 @@ __device__ bool is_crossing(const Corners& a, const Corners& b) {
          triangles_cross(a.position, a.vertex, a.atom, b.position, b.vertex, b.atom);
 }
 
-// A thread looks at the triangles near its own: in the first pass at those behind it, later at all
-// of them, but only if its own has changed.
+// Marks the vertices of crossing triangles. One thread per triangle, which tests its own triangle
+// against the others in its cells. In pass 0 it tests the triangles with a higher number, so each
+// pair is tested once. In later passes it tests all others, but only if a vertex of its own
+// triangle was just put back. Other threads may mark vertices meanwhile: a marked vertex still
+// counts as away, so the outcome does not depend on their order.
 __global__ void mark_crossed(CrossingGrid grid, const FloatBox* boxes, DeviceMeshView mesh,
                              FatesView fates, int pass) {
   const std::uint64_t t = thread_index();
@@ -197,8 +216,9 @@ CrossingFinder::CrossingFinder(DeviceArray<FloatBox> boxes, const Stream& stream
   fill();
 }
 
-// Cells as wide as the mean box, so that a triangle stands in a few of them; wider where that makes
-// more cells than triangles.
+// Chooses origin, width and number of the cells. Cells are as wide as the mean box, so that a
+// triangle is listed in a few of them. If this makes more cells than triangles, the width grows by
+// the cube root of the excess, and by 1 % at least, until the cells are few enough.
 void CrossingFinder::shape() {
   const DeviceArray<Extent> total(1, stream_.get());
   const auto extents =
@@ -212,6 +232,7 @@ void CrossingFinder::shape() {
   const auto triangles = static_cast<double>(boxes_.size());
   const double most =
       std::clamp(triangles, 64.0, double{std::numeric_limits<std::uint32_t>::max()});
+  // The lower bound avoids a division by zero if all triangles are points.
   double cell = std::max(extent.width_sum / triangles, 1e-100);
   for (;;) {
     double cells = 1;
@@ -227,6 +248,7 @@ void CrossingFinder::shape() {
   grid_.per_length = 1 / cell;
 }
 
+// Takes the memory of the grid, checked first, and writes its entries.
 void CrossingFinder::fill() {
   const std::uint64_t cells = std::uint64_t{grid_.cells[0]} * grid_.cells[1] * grid_.cells[2];
   const char* const purpose = "looking for crossing triangles";

@@ -1,5 +1,7 @@
-// Triangles of a level that cross others, looked for in device memory: the uniform grid of
-// refine/triangle_grid.hpp and the passes of refine/bad_moves.hpp over it.
+// Search for crossing triangles of a level in device memory, with a uniform grid over the
+// triangles' boxes. The grid differs from refine/triangle_grid.hpp on the host in the size of its
+// cells and in its single precision boxes. The triangles found are the same, because a grid only
+// has to bring the pairs together that refine/crossing_formulas.hpp then tests in double.
 #pragma once
 
 #include <array>
@@ -10,8 +12,8 @@
 
 namespace vdwmesh {
 
-// Of where a triangle's vertices were and are, rounded outward: it holds the triangle whichever
-// moves are taken back.
+// The bounding box of a triangle before and after the moves of its vertices, rounded outward to
+// single precision. It holds the triangle whichever of these moves are taken back.
 struct FloatBox {
   float lower[3], upper[3];
 };
@@ -23,7 +25,7 @@ __device__ inline void extend(FloatBox& box, const Vec3d& p) {
   }
 }
 
-// The box of each triangle, by triangle; a thread per patch.
+// Writes the boxes of all triangles of a level to boxes[triangle]. One thread per patch.
 template <class Level>
 __global__ void bound_triangles(Level level, FloatBox* boxes) {
   const std::uint64_t patch = thread_index();
@@ -39,24 +41,26 @@ __global__ void bound_triangles(Level level, FloatBox* boxes) {
   }
 }
 
-// A uniform grid of at most as many cells as triangles. Each triangle stands in every cell that its
-// box touches.
+// A uniform grid with at most as many cells as triangles (or 64), as kernels see it. Each triangle
+// is listed in every cell that its box touches. Compressed sparse rows: cell c lists the
+// `triangles` from start[c] to start[c + 1].
 struct CrossingGrid {
-  std::array<double, 3> origin;
-  double per_length;  // 1 / Å
-  std::array<std::uint32_t, 3> cells;
-  unsigned long long* start;  // of each cell, and the end
-  std::uint32_t* triangles;   // by cell
+  std::array<double, 3> origin;        // lower corner of cell 0, Å
+  double per_length;                   // 1 / width of a cell, 1/Å
+  std::array<std::uint32_t, 3> cells;  // along x, y, z
+  unsigned long long* start;
+  std::uint32_t* triangles;
 };
 
 class CrossingFinder {
  public:
-  // Throws LimitExceeded when the grid does not fit in device memory.
+  // Builds the grid over the boxes that bound_triangles() wrote. Throws DeviceMemoryExceeded if it
+  // does not fit into device memory.
   CrossingFinder(DeviceArray<FloatBox> boxes, const Stream& stream);
 
-  // Marks the moved vertices of triangles that cross, of which one at least has moved vertices.
-  // From the second pass on only a pair with a vertex that the last one took back can have come to
-  // cross.
+  // Marks the moved vertices of all pairs of triangles that cross. Pairs without a moved vertex are
+  // not tested: a crossing of theirs is the given mesh's own. After pass 0 only pairs with a vertex
+  // that was just put back are tested; no other pair has changed.
   void mark(const DeviceMeshView& mesh, const FatesView& fates, int pass) const;
 
  private:

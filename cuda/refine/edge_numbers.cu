@@ -1,3 +1,5 @@
+// Builds the edge numbers: one kernel finds the lower half-edge of every edge and packs 32 answers
+// into a word, then a prefix sum over the words counts the edges before each word.
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
@@ -14,7 +16,9 @@ std::uint64_t words_for(std::uint64_t half_edges) {
   return (half_edges + kHalfEdgesPerWord - 1) / kHalfEdgesPerWord;
 }
 
-// A thread looks at four half-edges, eight threads make a word.
+// Sets bit k of a word's `first` if half-edge k of the word is the lower one of its edge. One
+// thread per four half-edges, loaded as one 16-byte word; eight neighbouring lanes combine their
+// four bits each into a word by shuffles.
 __global__ void mark_first_half_edges(const std::uint32_t* opposite, std::uint64_t half_edges,
                                       EdgeWord* words) {
   const std::uint64_t h = 4 * (static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x);
@@ -32,13 +36,14 @@ __global__ void mark_first_half_edges(const std::uint32_t* opposite, std::uint64
   if (eighth == 0 && h < half_edges) words[h / kHalfEdgesPerWord].first = bits;
 }
 
+// The number of edges whose lower half-edge is in the word: what the prefix sum adds up.
 struct CountFirst {
   __host__ __device__ std::uint32_t operator()(const EdgeWord& word) const {
     return static_cast<std::uint32_t>(count_bits(word.first));
   }
 };
 
-// Where a scan over words writes its sums.
+// An output iterator's access to the `before` of word i, into which the prefix sum writes.
 struct BeforeOf {
   EdgeWord* words;
   __host__ __device__ std::uint32_t& operator()(std::int64_t i) const { return words[i].before; }

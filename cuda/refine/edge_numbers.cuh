@@ -1,5 +1,8 @@
-// Numbers of a closed mesh's edges, by first half-edge: a bit per half-edge and a sum per 32 of
-// them instead of a number each.
+// Numbers of a closed mesh's edges, in the order of their first (lower) half-edges, in compressed
+// form. 32 half-edges share a word of 8 bytes: a bit per half-edge, which says whether it is the
+// first of its edge, and the number of first half-edges before the word. An edge's number is this
+// sum plus the bits set below its own: 2 bits per half-edge instead of 32. In succinct data
+// structures this is a bit vector with rank and select.
 #pragma once
 
 #include <cstdint>
@@ -11,25 +14,28 @@ namespace vdwmesh {
 inline constexpr std::uint32_t kHalfEdgesPerWord = 32;
 
 struct EdgeWord {
-  std::uint32_t first;   // bit k: whether half-edge k of the word is its edge's first
-  std::uint32_t before;  // first half-edges before the word
+  std::uint32_t first;   // bit k: whether half-edge k of the word is the first of its edge
+  std::uint32_t before;  // number of first half-edges in all earlier words
 };
 
 struct EdgeNumbersView {
-  const EdgeWord* words;
-  std::uint64_t count;
+  const EdgeWord* words;  // in device memory
+  std::uint64_t count;    // of words
 
+  // The word of half-edge h, read by one 8-byte load.
   __device__ EdgeWord word(std::uint64_t h) const {
     const uint2 w = reinterpret_cast<const uint2*>(words)[h / kHalfEdgesPerWord];
     return {w.x, w.y};
   }
   __device__ bool is_first(std::uint64_t h) const { return (word(h).first >> (h % 32) & 1) != 0; }
-  // Of the edge whose first half-edge is h; what h is not, how many edges come before it.
+  // The number of edges whose first half-edge is below h. If h is itself the first half-edge of an
+  // edge, this is the number of that edge.
   __device__ std::uint32_t number(std::uint64_t h) const {
     const EdgeWord w = word(h);
     return w.before + static_cast<std::uint32_t>(__popc(w.first & ((1u << (h % 32)) - 1)));
   }
-  // The first half-edge of an edge.
+  // The first half-edge of an edge: a binary search for the last word with at most `edge` edges
+  // before it, then the search for the right bit of the word.
   __device__ std::uint64_t half_edge(std::uint32_t edge) const {
     std::uint64_t low = 0, high = count;
     while (low + 1 < high) {
@@ -43,6 +49,7 @@ struct EdgeNumbersView {
 
 class DeviceEdgeNumbers {
  public:
+  // `opposite` has `half_edges` entries in device memory.
   DeviceEdgeNumbers(const std::uint32_t* opposite, std::uint64_t half_edges, const Stream& stream);
   EdgeNumbersView view() const { return {words_.data(), words_.size()}; }
   // Bytes that the numbers of a mesh take.

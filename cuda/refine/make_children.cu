@@ -1,4 +1,8 @@
-// The four children of each parent triangle: written, then judged.
+// The children of a level: their corners and half-edges, and the test of their orientation.
+//
+// make_children writes four children per parent triangle through shared memory, so that a warp
+// stores whole consecutive 16-byte words. It also collects the patches that PatchMarks cannot vouch
+// for; judge_children tests only these.
 #include "cuda/refine/bad_moves.cuh"
 #include "cuda/refine/patch_facing.cuh"
 
@@ -9,9 +13,10 @@ constexpr unsigned kThreads = 256;
 constexpr unsigned kJudgeThreads = 128;
 constexpr unsigned kWarp = 32;
 constexpr unsigned kAllLanes = 0xffffffffu;
-constexpr unsigned kPerParent = 12;  // corners, and half-edges, of four children
+constexpr unsigned kPerParent = 12;  // corners of four children; and as many half-edges
 
-// Lanes hold kPerParent numbers each, in their place of `staged`: written to memory in order.
+// Copies the numbers that a warp has staged in shared memory, kPerParent per parent, to `to` in
+// device memory. The lanes write consecutive 16-byte words. All lanes must call it.
 __device__ void write_staged(const std::uint32_t* staged, std::uint32_t* to, unsigned parents) {
   __syncwarp();
   const unsigned lane = threadIdx.x % kWarp, quads = parents * kPerParent / 4;
@@ -21,7 +26,9 @@ __device__ void write_staged(const std::uint32_t* staged, std::uint32_t* to, uns
   __syncwarp();
 }
 
-// Whether nothing needs to be known of the patch's places.
+// Whether the marks prove that all children of parent triangle t face outward, so that no position
+// has to be read: the parent is safe and its three midpoints are regular. `vertex` has the patch's
+// six vertices.
 __device__ bool is_plain(const MidpointLevel& level, std::uint64_t t, const std::uint32_t* vertex) {
   const PatchMarks& marks = level.marks;
   if (marks.regular == nullptr || !marks.is_safe(t)) return false;
@@ -30,15 +37,17 @@ __device__ bool is_plain(const MidpointLevel& level, std::uint64_t t, const std:
   return plain;
 }
 
-constexpr unsigned kTurns = 4;  // of kThreads parents, which a block takes
+constexpr unsigned kTurns = 4;  // a block takes kThreads parents in each of its turns
 
-// A block's part of the list of patches to be looked at.
+// The patches of one block that must be tested, in shared memory: 4 KiB.
 struct BlockList {
-  std::uint32_t patch[kTurns * kThreads];
+  std::uint32_t patch[kTurns * kThreads];  // parent triangles
   unsigned count;
-  unsigned long long first;  // in the list of all
+  unsigned long long first;  // where they begin in the list of the whole level
 };
 
+// Adds patch t to the block's list if `asks`. All lanes of a warp must call it together. They vote,
+// and one lane reserves the entries of all with a single atomic addition.
 __device__ void note(BlockList& list, std::uint64_t t, bool asks) {
   const unsigned votes = __ballot_sync(kAllLanes, asks), lane = threadIdx.x % kWarp;
   unsigned first = 0;
@@ -49,7 +58,8 @@ __device__ void note(BlockList& list, std::uint64_t t, bool asks) {
       static_cast<std::uint32_t>(t);
 }
 
-// By all threads of the block: one of them adds to the count of all, which is one address.
+// Appends the block's list to the list of the level. All threads of the block must call it. One of
+// them adds to the level's count, so that this address sees one atomic operation per block.
 __device__ void append(BlockList& list, const PatchMarks& marks) {
   __syncthreads();
   if (threadIdx.x == 0 && list.count > 0) {
@@ -61,8 +71,8 @@ __device__ void append(BlockList& list, const PatchMarks& marks) {
   }
 }
 
-// The children of 32 parents from `first` on, through `staged`; says whether the lane's parent must
-// be looked at.
+// Writes the children of the 32 parents from `first` on, one parent per lane. `staged` is the
+// warp's shared memory. Returns whether the patch of the lane's parent must be tested.
 __device__ bool make_children_of_warp(const MidpointLevel& level, std::uint64_t first,
                                       std::uint32_t* staged) {
   const std::uint64_t parents = level.parent.triangles, t = first + threadIdx.x % kWarp;
@@ -77,6 +87,7 @@ __device__ bool make_children_of_warp(const MidpointLevel& level, std::uint64_t 
       for (int k = 0; k < 3; ++k) own[3 * child + k] = vertex[child_corner(child, k)];
     }
     plain = is_plain(level, t, vertex);
+    // All four children are safe. Those of other patches get their marks when they are tested.
     if (plain && level.marks.child_safe != nullptr) level.marks.child_safe[t] = 0xf;
   }
   write_staged(staged, level.mesh.corners + kPerParent * first, here);
@@ -96,6 +107,8 @@ __device__ bool make_children_of_warp(const MidpointLevel& level, std::uint64_t 
   return !plain;
 }
 
+// One thread per parent and turn; a block takes kTurns * kThreads = 1024 parents. Shared memory: 12
+// KiB of staged numbers and the list of 4 KiB.
 __global__ void __launch_bounds__(kThreads) make_children(MidpointLevel level) {
   __shared__ __align__(16) std::uint32_t staged[kThreads * kPerParent];
   __shared__ BlockList list;
@@ -113,7 +126,9 @@ __global__ void __launch_bounds__(kThreads) make_children(MidpointLevel level) {
   if (level.marks.regular != nullptr) append(list, level.marks);
 }
 
-// Looks at `count` patches: those of the list, or all where nothing is known of any.
+// Tests the children of `count` patches: of the listed ones, or of all patches if no marks are
+// kept. One thread per patch. Counts the turned children, writes safe marks, and marks the moves of
+// the vertices of turned children.
 __global__ void __launch_bounds__(kJudgeThreads)
     judge_children(SurfaceView surface, MidpointLevel level, FatesView fates, std::uint64_t count,
                    DeviceStats* stats) {

@@ -1,5 +1,11 @@
-// Midpoints of a level. A warp takes a run of half-edges, picks those that come first of their
-// edge, and makes 32 midpoints at a time: they stand close together.
+// Midpoints of a level: positions, labels, normals and states, one kernel per kind of surface.
+//
+// For the union of the balls, nearly all midpoints take a short cut: both ends of the edge lie on
+// one ball, and a radial step to its sphere is proved to be the answer by a test in single
+// precision. make_union_midpoints takes it, and lists the midpoints for which it fails;
+// make_hard_midpoints then gives those the full projection. In both kernels a warp takes midpoints
+// that are close together, so that it can gather the few balls near all of them (warp_balls.cuh).
+// The results equal the host's, bit for bit.
 #include "cuda/refine/make_vertices.cuh"
 #include "cuda/refine/warp_balls.cuh"
 #include "refine/constraint_formulas.hpp"
@@ -9,10 +15,13 @@ namespace {
 
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
-constexpr unsigned kRunWords = 16;  // words of 32 half-edges in the run of a warp
+// A warp takes a run of 512 consecutive half-edges, and makes the midpoints of those that are the
+// first of their edge. They are close together, because neighbouring triangles have close numbers.
+constexpr unsigned kRunWords = 16;  // words of 32 half-edges
 constexpr unsigned kRun = kRunWords * kHalfEdgesPerWord;
 
-// The first half-edges among a warp's run, as offsets into it; returns how many.
+// Writes the first half-edges of a warp's run to `list`, as offsets into the run, in rising order.
+// Returns their number. All lanes must call it.
 __device__ unsigned list_first_half_edges(const EdgeNumbersView& edges, std::uint64_t first_word,
                                           std::uint64_t end_word, std::uint16_t* list) {
   const unsigned lane = threadIdx.x % kWarp;
@@ -29,12 +38,14 @@ __device__ unsigned list_first_half_edges(const EdgeNumbersView& edges, std::uin
   return count;
 }
 
+// Gives the midpoint v of half-edge h the mean normal of the edge's ends.
 __device__ void interpolate_normal(const MidpointLevel& level, std::uint64_t h, std::uint32_t v) {
   level.mesh.normals[v] = unit_normal(cast<double>(level.parent.normals[level.start_of(h)]) +
                                       cast<double>(level.parent.normals[level.end_of(h)]));
 }
 
-// Writes the midpoint, projected or not; returns its fate.
+// Writes position and label of midpoint v of half-edge h, given the outcome p of its projection,
+// and returns its state. A midpoint whose projection failed goes into the middle of its edge.
 __device__ Fate store_midpoint(const SurfaceView& surface, const MidpointLevel& level,
                                std::uint64_t h, std::uint32_t v, const ProjectedPoint& p) {
   if (p.outcome != ProjectionOutcome::converged) {
@@ -46,17 +57,19 @@ __device__ Fate store_midpoint(const SurfaceView& surface, const MidpointLevel& 
   return p.steps > 0 ? Fate::moved : Fate::stayed;
 }
 
-constexpr unsigned kMostRounds = 4;  // of 32 midpoints for which balls are gathered together
+constexpr unsigned kMostRounds = 4;  // balls are gathered for at most so many times 32 midpoints
 
-// Middles of edges, which a warp is about to project.
+// The middles of the edges whose midpoints a warp is about to project, in shared memory.
 struct EdgeMiddles {
   Vec3d start[kMostRounds * kWarp];
-  double reach[kMostRounds * kWarp];
-  SphereId atom[kMostRounds * kWarp];  // of both ends; kNoSphere where they differ
+  double reach[kMostRounds * kWarp];   // Å, see midpoint_reach()
+  SphereId atom[kMostRounds * kWarp];  // of both ends; kNoSphere if they have different atoms
 };
 
-// Writes the middles of the edges with first half-edges half_edge(i), i < count, at most kRounds
-// times 32, and returns their box.
+// Writes the middles of the edges with the first half-edges half_edge(i), i < count, and returns
+// their box. Precondition: 0 < count <= kRounds * 32. A projection moves a point by `reach` at most
+// and then asks for balls within reach + kProjectionTolerance: that sum is the width around the
+// box.
 template <unsigned kRounds, class HalfEdge>
 __device__ WarpBox load_middles(const MidpointLevel& level, unsigned count, EdgeMiddles& middles,
                                 const HalfEdge& half_edge) {
@@ -83,21 +96,23 @@ __device__ WarpBox load_middles(const MidpointLevel& level, unsigned count, Edge
   return box;
 }
 
-// See PatchMarks.
+// Whether a projected midpoint is regular, see PatchMarks.
 __device__ bool is_regular(const ProjectedPoint& p, SphereId atom_of_ends) {
   return p.outcome == ProjectionOutcome::converged && p.steps <= 1 && p.spheres[1] == kNoSphere &&
          p.spheres[0] == atom_of_ends;
 }
 
-// What is written of a midpoint.
+// Output arrays of the two kernels for the union, beside the mesh.
 struct MidpointOutputs {
-  Fate* fates;
-  // Edges, as offsets of their first half-edges into the run, that are not settled easily: those of
-  // a run from the number of its first edge on.
+  Fate* fates;  // by edge
+  // The edges whose midpoints need the full projection, as offsets of their first half-edges into
+  // their run. The list of a run begins at hard[number of the first edge of the run], which leaves
+  // room for all edges of the run, and has hard_count[run] entries.
   std::uint32_t* hard;
-  std::uint32_t* hard_count;  // of each run
+  std::uint32_t* hard_count;
 };
 
+// Writes everything about the midpoint of an edge, given the outcome p of its projection.
 __device__ void finish_midpoint(const SurfaceView& surface, const MidpointLevel& level,
                                 std::uint64_t h, std::uint32_t edge, const Vec3d& start,
                                 SphereId atom_of_ends, const ProjectedPoint& p, Fate* fates) {
@@ -112,16 +127,21 @@ __device__ void finish_midpoint(const SurfaceView& surface, const MidpointLevel&
   }
 }
 
+// Shared memory of make_union_midpoints, 32 KiB.
 struct MidpointShared {
-  std::uint16_t first[kWarps][kRun];
+  std::uint16_t first[kWarps][kRun];  // from list_first_half_edges()
   EdgeMiddles middles[kWarps];
   WarpBallsStorage balls[kWarps];
 };
 
-// The radial step of a midpoint whose ends are both on ball a. Where it leads to a point that no
-// other ball comes near, the midpoint's nearest ball was a and that of the point is: a ball that is
-// nearer at the start would cover it, since gaps change by no more than the way. So that is what
-// project_to_union() finds.
+// The short cut for an edge with both ends on ball a: a radial step from `start` to the sphere of
+// a. Returns whether p is what project_to_union() finds; p is meaningless otherwise.
+//
+// The step must end at a point that lies in or on no ball but a. Then a was the nearest ball of the
+// start: let its gap there be -s, with s the length of the step. A ball b with a gap of at most -s
+// there would have a gap of at most -s + s = 0 at the end point, since a gap changes by no more
+// than the point moves. But then b would cover that point. So project_to_union() makes the same
+// step, and stops after it.
 __device__ bool step_to_own_sphere(const Sphere& a, const Vec3d& start, double reach,
                                    const WarpBalls& balls, ProjectedPoint& p) {
   const double gap_before = gap(a, start);
@@ -133,8 +153,9 @@ __device__ bool step_to_own_sphere(const Sphere& a, const Vec3d& start, double r
   return p.residual <= kProjectionTolerance && balls.is_alone(to.position);
 }
 
-// Midpoints of edges on one ball that a radial step brings to the union, nearly all of them; the
-// others are listed.
+// Makes the midpoints for which the short cut works, and lists the others. One warp per run. Balls
+// are gathered for kRounds * 32 midpoints at a time. Level 1 has the longest edges, and takes fewer
+// midpoints at a time, so that their box does not hold too many balls.
 template <unsigned kRounds>
 __global__ void __launch_bounds__(kThreads, 6)
     make_union_midpoints(SurfaceView surface, MidpointLevel level, MidpointOutputs outputs,
@@ -193,14 +214,16 @@ __global__ void __launch_bounds__(kThreads, 6)
   tally.add_to(stats);
 }
 
-constexpr unsigned kRunsTogether = 4;
+constexpr unsigned kRunsTogether = 4;  // runs whose lists one warp of make_hard_midpoints takes
 
+// Shared memory of make_hard_midpoints, 28 KiB.
 struct HardShared {
   EdgeMiddles middles[kWarps];
   WarpBallsStorage balls[kWarps];
 };
 
-// Those that are listed, by neighbouring runs.
+// Makes the listed midpoints by the full projection. One warp per kRunsTogether neighbouring runs,
+// because the list of one run rarely fills a warp.
 __global__ void __launch_bounds__(kThreads, 4)
     make_hard_midpoints(SurfaceView surface, MidpointLevel level, MidpointOutputs outputs,
                         std::uint64_t runs, DeviceStats* stats) {
@@ -209,7 +232,8 @@ __global__ void __launch_bounds__(kThreads, 4)
   const std::uint64_t first_run =
       (static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp) * kRunsTogether;
   if (first_run >= runs) return;
-  // Where the lists of the runs end among all of them, and where they stand.
+  // If the lists of the warp's runs are joined into one, the list of run r ends at end[r]. In
+  // memory it begins at hard[first_edge[r]].
   unsigned end[kRunsTogether], count = 0;
   std::uint32_t first_edge[kRunsTogether];
   for (unsigned r = 0; r < kRunsTogether; ++r) {
@@ -220,6 +244,7 @@ __global__ void __launch_bounds__(kThreads, 4)
     }
     end[r] = count;
   }
+  // The first half-edge of entry i of the joined list.
   const auto half_edge = [&](unsigned i) {
     unsigned r = 0;
     std::uint32_t at = first_edge[0] + i;
@@ -257,6 +282,9 @@ __global__ void __launch_bounds__(kThreads, 4)
   tally.add_to(stats);
 }
 
+// Makes the midpoints by projection onto the blended field. One warp per run; listing the first
+// half-edges keeps all lanes busy, although only every second half-edge has a midpoint to make.
+// Shared memory: 4 KiB.
 __global__ void __launch_bounds__(kThreads)
     make_field_midpoints(SurfaceView surface, MidpointLevel level, Fate* fates,
                          DeviceStats* stats) {
@@ -284,6 +312,8 @@ __global__ void __launch_bounds__(kThreads)
   tally.add_to(stats);
 }
 
+// Puts every midpoint into the middle of its edge, with interpolated normals if the mesh has any.
+// One thread per half-edge; the thread of the first half-edge makes the midpoint.
 __global__ void make_plain_midpoints(SurfaceView surface, MidpointLevel level, Fate* fates) {
   const std::uint64_t h = thread_index();
   if (h >= 3 * level.parent.triangles || !level.edges.is_first(h)) return;
@@ -294,7 +324,7 @@ __global__ void make_plain_midpoints(SurfaceView surface, MidpointLevel level, F
   if (level.mesh.normals != nullptr) interpolate_normal(level, h, v);
 }
 
-// What is to be told of a vertex that must lie on the spheres of its label.
+// The outcome for a vertex p that must lie on the spheres of its label: converged if it does.
 __device__ ProjectedPoint judge_constrained(const SurfaceView& surface, const Vec3d& p,
                                             const SphereId* label) {
   const double residual = label_residual(surface.spheres, label, p);
@@ -306,6 +336,7 @@ __device__ ProjectedPoint judge_constrained(const SurfaceView& surface, const Ve
           good ? ProjectionOutcome::converged : ProjectionOutcome::unconverged};
 }
 
+// Counts the outcomes of all vertices of a mesh with labelled triangles. One thread per vertex.
 __global__ void count_constrained(SurfaceView surface, DeviceMeshView mesh, DeviceStats* stats) {
   const std::uint64_t v = thread_index();
   OutcomeTally tally;
@@ -316,6 +347,8 @@ __global__ void count_constrained(SurfaceView surface, DeviceMeshView mesh, Devi
   tally.add_to(stats);
 }
 
+// Makes the midpoints of a mesh with labelled triangles. One thread per half-edge; the thread of
+// the first half-edge makes the midpoint.
 __global__ void make_constrained_midpoints(SurfaceView surface, MidpointLevel level,
                                            DeviceStats* stats) {
   const std::uint64_t h = thread_index();
@@ -341,6 +374,7 @@ __global__ void make_constrained_midpoints(SurfaceView surface, MidpointLevel le
   tally.add_to(stats);
 }
 
+// Computes the normals of all vertices. One thread per vertex.
 __global__ void compute_normals(SurfaceView surface, DeviceMeshView mesh) {
   const std::uint64_t v = thread_index();
   if (v >= mesh.vertices) return;
@@ -355,6 +389,8 @@ __global__ void compute_normals(SurfaceView surface, DeviceMeshView mesh) {
 
 namespace {
 
+// Launches the two kernels for the union. `hard` has one entry per edge, half as many as
+// half-edges.
 void make_union_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
                                     Fate* fates, DeviceStats* stats, const Stream& stream) {
   const std::uint64_t half_edges = 3 * level.parent.triangles;

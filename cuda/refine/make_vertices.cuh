@@ -1,31 +1,38 @@
-// Where the vertices of a level go.
+// Launches of the kernels that compute positions, labels and normals of vertices, by projection or
+// under the constraints of labelled triangles. refine_on_device() calls them level by level.
 #pragma once
 
 #include "cuda/refine/bad_moves.cuh"
 
 namespace vdwmesh {
 
-// Projects the given vertices of a mesh without labels of triangles, and takes bad moves back.
-// Where the mesh has normals they are those of the surface afterwards. Returns how many moves went
-// back.
+// Level 0 of a mesh without triangle labels: projects its vertices in place and takes bad moves
+// back. If the mesh has an array of normals, it is filled with the surface's normals. Adds the
+// outcomes to `stats` and returns the number of moves taken back, which `stats` still counts as
+// projected.
 std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
                                       Crossings crossings, Monitor* monitor, DeviceStats* stats,
                                       const Stream& stream);
 
-// Counts how far vertices are from the spheres that they must lie on.
+// Level 0 of a mesh with labelled triangles: moves nothing, and counts which vertices lie on all
+// the spheres of their labels.
 void count_constrained_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
                                  DeviceStats* stats, const Stream& stream);
 
-// Makes the midpoints of a level, projected where that succeeds: positions, labels, fates, and
-// normals where the mesh has them: of the surface, or interpolated without one.
+// Makes the midpoints of a level of a mesh without triangle labels: positions, labels and states,
+// and regular marks if they are kept. A midpoint whose projection fails stays in the middle of its
+// edge. If the mesh has normals, the midpoints get normals of the surface; without a surface they
+// get the mean normals of their edges' ends.
 void make_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level, Fate* fates,
                               DeviceStats* stats, const Stream& stream);
 
-// The same on the spheres of the triangles on both sides; nothing moves freely.
+// The same for a mesh with labelled triangles: each midpoint goes to the sphere or circle of the
+// two triangles at its edge (refine/constraint_formulas.hpp). There are no states: no move is taken
+// back.
 void make_constrained_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
                                           DeviceStats* stats, const Stream& stream);
 
-// Normals of all vertices, of the surface.
+// Fills mesh.normals with the surface's normals. Precondition: mesh.normals is not null.
 void compute_normals_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
                                const Stream& stream);
 

@@ -1,6 +1,9 @@
-// The given vertices of a mesh go to the surface. Those of marching cubes over the union lie on it
-// already, but for a few: a first look finds them, 32 vertices at a time, and the rest of the work
-// is theirs alone.
+// Level 0 on the device: projects the vertices of the given mesh onto the surface.
+//
+// Most vertices of a marching cubes mesh of the union lie on it already. A first kernel finds the
+// others, called astray here: a warp gathers the balls near 128 vertices and compares each vertex
+// with them. Only astray vertices need the length of their longest edge, which limits their move,
+// and the full projection. For a blended field every vertex counts as astray.
 #include <cmath>
 #include <cub/device/device_reduce.cuh>
 
@@ -14,9 +17,11 @@ namespace {
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
 
-// Until it is projected, a vertex that is not where it should be.
+// The state of a vertex that is not on the surface, until it is projected. No move is marked in
+// these kernels, so the value is free to be used for this.
 constexpr Fate kAstray = Fate::taking_back;
 
+// Gives a projected vertex its new label, unless it has not moved and its old label is still right.
 __device__ void relabel(const SurfaceView& surface, const DeviceMeshView& mesh, std::uint64_t v,
                         const ProjectedPoint& p) {
   const VertexSpheres label = mesh.vertex_spheres[v];
@@ -31,10 +36,12 @@ __device__ void renew_normal(const SurfaceView& surface, const DeviceMeshView& m
   mesh.normals[v] = surface.normal(mesh.positions[v], ids(label));
 }
 
-constexpr unsigned kRounds = 4;  // of 32 vertices for which balls are gathered together
+constexpr unsigned kRounds = 4;  // a warp gathers balls for so many times 32 vertices
 constexpr unsigned kGroup = kRounds * kWarp;
 
-// What lies on the union stays; what does not is found astray. A warp takes kGroup vertices.
+// Finishes the vertices that lie on the union, and gives the others the state kAstray. One warp per
+// kGroup consecutive vertices. Adds the number of astray vertices to `astray`. Shared memory: one
+// WarpBallsStorage per warp.
 __global__ void __launch_bounds__(kThreads)
     find_astray(SurfaceView surface, DeviceMeshView mesh, Fate* fates, unsigned long long* astray,
                 DeviceStats* stats) {
@@ -76,12 +83,15 @@ __global__ void __launch_bounds__(kThreads)
   tally.add_to(stats);
 }
 
+// Gives every vertex the state kAstray. One thread per vertex.
 __global__ void set_astray(Fate* fates, std::uint64_t vertices) {
   const std::uint64_t v = thread_index();
   if (v < vertices) fates[v] = kAstray;
 }
 
-// Square of the longest edge at each vertex that is astray, as bits.
+// Raises square_bits[v] to the square of the longest edge at each astray vertex v, as the bits of a
+// double; bits of doubles that are not negative have the order of the numbers. One thread per
+// half-edge.
 __global__ void raise_longest_edges(DeviceMeshView mesh, const Fate* fates,
                                     unsigned long long* square_bits) {
   const std::uint64_t h = thread_index();
@@ -95,6 +105,7 @@ __global__ void raise_longest_edges(DeviceMeshView mesh, const Fate* fates,
   if (b_strays) atomicMax(&square_bits[b], bits);
 }
 
+// Projects the astray vertices by at most their longest edge. One thread per vertex.
 __global__ void project_astray(SurfaceView surface, DeviceMeshView mesh,
                                const unsigned long long* square_bits, Fate* fates,
                                DeviceStats* stats) {
@@ -126,7 +137,7 @@ DeviceArray<T> copy_of(const T* from, std::uint64_t size, const Stream& stream) 
   return copy;
 }
 
-// Marks what is astray; returns how many vertices are.
+// Gives all astray vertices the state kAstray and finishes the others. Returns how many are astray.
 std::uint64_t mark_astray(const SurfaceView& surface, const DeviceMeshView& mesh, Fate* fates,
                           DeviceStats* stats, const Stream& stream) {
   const unsigned blocks = blocks_for(mesh.vertices, kThreads);
@@ -154,9 +165,11 @@ std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMe
   const DeviceArray<Vec3d> positions = copy_of(mesh.positions, mesh.vertices, stream);
   const DeviceVertexLabels labels{copy_of(mesh.vertex_spheres.atoms, mesh.vertices, stream),
                                   copy_of(mesh.vertex_spheres.others, mesh.vertices, stream)};
+  // The mesh as it was given: its positions and labels are copies, all other arrays are shared.
   DeviceMeshView given = mesh;
   given.positions = positions.data();
   given.vertex_spheres = labels.view();
+  // In a scope of its own, so that the squares are given back before the search for crossings.
   {
     const DeviceArray<unsigned long long> squares(mesh.vertices, stream.get());
     clear(squares, stream.get());

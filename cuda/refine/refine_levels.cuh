@@ -1,4 +1,6 @@
-// A level of a refinement as its kernels see it, and the counts that they add to.
+// What the kernels of one refinement level share: views of the level's meshes, the states of its
+// vertices, marks that let triangles be skipped, and the counts. The CPU counterpart is
+// refine/level_view.hpp, which explains patches and handled vertices.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +12,21 @@
 
 namespace vdwmesh {
 
+// The index of the thread in a one-dimensional grid.
 __device__ inline std::uint64_t thread_index() {
   return static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
 }
 
-// ProjectionStats as kernels add to them. Residuals are not negative, so their bits order as they
-// do.
+// The counts of ProjectionStats in device memory; kernels add to them atomically. The largest
+// residual is kept as the bits of a double: the bits of doubles that are not negative have the
+// order of the numbers, so atomicMax() on integers finds the largest.
 struct DeviceStats {
   unsigned long long projected, unconverged, out_of_reach, turned, residual_bits;
   int iterations_max;
 };
 
-// What a thread has seen of the outcomes, until its warp adds them up.
+// The outcomes that one thread has counted. A warp sums them up once at its end, so that few atomic
+// operations reach the shared counts.
 class OutcomeTally {
  public:
   __device__ void add(const ProjectedPoint& p) {
@@ -32,7 +37,7 @@ class OutcomeTally {
     if (p.outcome == ProjectionOutcome::converged && p.residual > residual_) residual_ = p.residual;
   }
 
-  // Called by all lanes of the warp, once.
+  // Adds the tallies of a warp to the stats. All 32 lanes must call it together, once.
   __device__ void add_to(DeviceStats* stats) const {
     constexpr unsigned all = 0xffffffffu;
     const unsigned converged = __reduce_add_sync(all, converged_);
@@ -59,19 +64,24 @@ class OutcomeTally {
   double residual_ = 0;
 };
 
-// What became of the vertices that a level handles, which are the last of its mesh. Other threads
-// may be marking them at the same time.
+// The states of the vertices that a level handles, and a list of the vertices whose moves the
+// current pass has marked as bad. Handled vertices are numbered from first_handled.
 struct FatesView {
-  Fate* fates;  // in an array of fate_bytes()
-  std::uint64_t first_handled;
-  unsigned long long* marked;  // grows by one for each vertex that is marked
-  std::uint32_t* list;         // their numbers among the handled ones, as far as there is room
-  std::uint64_t room;
+  Fate* fates;                  // one byte per handled vertex, in an array of fate_bytes() bytes
+  std::uint64_t first_handled;  // vertex index; all later vertices of the mesh are handled too
+  unsigned long long* marked;   // how many vertices the pass has marked
+  std::uint32_t* list;          // the numbers of the first `room` marked vertices, in any order
+  std::uint64_t room;           // 0 if no list is kept
 
+  // The state of vertex v, handled or not. The load is volatile because other threads may be
+  // marking the vertex.
   __device__ Fate of(std::uint32_t v) const {
     if (v < first_handled) return Fate::stayed;
     return *const_cast<const volatile Fate*>(&fates[v - first_handled]);
   }
+  // Changes the state of v from `moved` to `taking_back`, and lists v. Does nothing in other
+  // states. Of several threads that mark v at once, only the one whose compare-and-swap succeeds
+  // lists it. The swap works on the aligned 32-bit word that holds the state and three others.
   __device__ void mark(std::uint32_t v) const {
     if (of(v) != Fate::moved) return;
     const std::uint64_t i = v - first_handled;
@@ -90,21 +100,23 @@ struct FatesView {
   }
 };
 
-// Fates are exchanged in words of four.
+// Bytes of an array of states: whole words of four, since FatesView::mark() swaps words.
 inline std::uint64_t fate_bytes(std::uint64_t handled) { return (handled + 3) / 4 * 4; }
 
 __device__ inline VertexSpheres make_label(const SphereId* s) { return {s[0], s[1], s[2]}; }
 
-// A level as the kernels see it: patches of vertices with the triangles among them. Given: one
-// triangle of three vertices, all of which the level handles.
+// Level 0: every vertex is handled, and a patch is one triangle.
 struct GivenLevel {
-  static constexpr int kVertices = 3, kTriangles = 1;
-  DeviceMeshView given, mesh;
+  static constexpr int kVertices = 3, kTriangles = 1;  // per patch
+  DeviceMeshView given, mesh;                          // before and after the projection
 
   __host__ __device__ std::uint64_t patches() const { return given.triangles; }
+  // Corner k of a triangle of a patch, as an index into the patch's vertices.
   __device__ int corner(int, int k) const { return k; }
+  // Vertex i of patch t in the mesh, and its position before its move.
   __device__ std::uint32_t vertex(std::uint64_t t, int i) const { return given.corners[3 * t + i]; }
   __device__ Vec3d before(std::uint64_t t, int i) const { return given.positions[vertex(t, i)]; }
+  // Puts vertex v back where it was given, with its label.
   __device__ void take_back(const SurfaceView& surface, std::uint64_t v) const {
     mesh.positions[v] = given.positions[v];
     const VertexSpheres label = given.vertex_spheres[v];
@@ -115,38 +127,45 @@ struct GivenLevel {
   }
 };
 
-// What spares most triangles a look at their places. A midpoint is regular when it went radially to
-// the sphere of both ends. A triangle is safe when it is of one atom and faces outward by a wide
-// margin (is_safe()). Moving points radially from a centre keeps the sign of the volume that they
-// span with it, and a child spans a quarter of its parent's at least: the children of a safe
-// triangle with regular midpoints face outward and are safe.
+// Marks that let most patches skip the test of their children's orientation.
+//
+// A midpoint is regular if both ends of its edge have one atom and the midpoint went radially to
+// the sphere of that atom. A triangle is safe if its corners have one atom and it faces outward by
+// a wide margin, see is_safe(). The children of a safe triangle with regular midpoints face outward
+// too, and count as safe in turn. The proof is about the volumes that triangles span with the
+// sphere's centre. Before the moves, each child has a quarter of its parent's volume. A radial move
+// of a corner multiplies the volume by a positive factor, which is at least 1 if the move leads
+// outward.
 struct PatchMarks {
-  std::uint8_t* regular;            // by edge; null: nothing is known
-  const std::uint8_t* parent_safe;  // bit t % 4 of byte t / 4
-  std::uint8_t* child_safe;         // the same of the children: by parent; null on the last level
-  std::uint32_t* list;              // patches that must be looked at
-  unsigned long long* listed;
+  std::uint8_t* regular;            // by edge of the parent: 0 or 1; null if no marks are kept
+  const std::uint8_t* parent_safe;  // bit t % 4 of byte t / 4: whether parent triangle t is safe
+  std::uint8_t* child_safe;         // the same for the children: a byte per parent; null: not kept
+  std::uint32_t* list;              // the patches that must be tested, in any order
+  unsigned long long* listed;       // their number
 
   __device__ bool is_safe(std::uint64_t t) const {
     return (parent_safe[t / 4] >> (t % 4) & 1) != 0;
   }
 };
 
-// Midpoints: a parent triangle, three old vertices and three midpoints, and its four children.
-// `mesh` holds the parent's vertices in front.
+// Level 1 and above: the midpoints are handled, and a patch is a parent triangle with its midpoints
+// and its four children. `mesh` has the parent's vertices in front, in the same arrays.
 struct MidpointLevel {
-  static constexpr int kVertices = 6, kTriangles = 4;
+  static constexpr int kVertices = 6, kTriangles = 4;  // per patch
   DeviceMeshView parent, mesh;
-  EdgeNumbersView edges;
+  EdgeNumbersView edges;  // of the parent
   PatchMarks marks;
-  bool is_first;  // of its refinement: its edges are long
+  bool is_first;  // whether this is level 1, whose edges are the longest
 
   __host__ __device__ std::uint64_t patches() const { return parent.triangles; }
   __device__ int corner(int child, int k) const { return child_corner(child, k); }
+  // The vertex of `mesh` that halves the parent's half-edge h.
   __device__ std::uint32_t midpoint_of(std::uint64_t h) const {
     const std::uint64_t opposite = parent.opposite[h];
     return static_cast<std::uint32_t>(parent.vertices + edges.number(opposite < h ? opposite : h));
   }
+  // Vertex i of patch t: a corner of parent triangle t for i < 3, else the midpoint of its
+  // half-edge 3t + i - 3.
   __device__ std::uint32_t vertex(std::uint64_t t, int i) const {
     return i < 3 ? parent.corners[3 * t + i] : midpoint_of(3 * t + i - 3);
   }
@@ -154,18 +173,20 @@ struct MidpointLevel {
   __device__ std::uint32_t end_of(std::uint64_t h) const {
     return parent.corners[h % 3 == 2 ? h - 2 : h + 1];
   }
+  // The middle of half-edge h, from which its midpoint is projected.
   __device__ Vec3d start(std::uint64_t h) const {
     return midpoint(parent.positions[start_of(h)], parent.positions[end_of(h)]);
   }
   __device__ Vec3d before(std::uint64_t t, int i) const {
     return i < 3 ? parent.positions[parent.corners[3 * t + i]] : start(3 * t + i - 3);
   }
+  // The label of a midpoint that stays on its edge: of the atoms of the two ends, the nearer one.
   __device__ VertexSpheres unprojected_label(const SurfaceView& surface, std::uint64_t h) const {
     const SphereId a = parent.vertex_spheres.atoms[start_of(h)];
     const SphereId b = parent.vertex_spheres.atoms[end_of(h)];
     return on_sphere(nearer_sphere(surface.spheres, a, b, start(h)));
   }
-  // Vertex v, the midpoint of h, goes back to the middle of its edge.
+  // Puts vertex v, the midpoint of half-edge h, into the middle of its edge.
   __device__ void take_back(const SurfaceView& surface, std::uint64_t h, std::uint32_t v) const {
     mesh.positions[v] = start(h);
     mesh.vertex_spheres.set(v, unprojected_label(surface, h));

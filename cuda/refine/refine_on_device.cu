@@ -1,5 +1,9 @@
-// Refinement in device memory, level by level. Vertices keep their numbers, so those of all levels
-// share arrays of the final size; triangles are made anew on each level.
+// Refinement in device memory, level by level: memory, order of the kernels, and timing. The
+// kernels are in make_vertices.cuh and bad_moves.cuh.
+//
+// Vertices keep their numbers from level to level. Their arrays therefore get their final size at
+// the start, and each level writes its midpoints behind the vertices that are there. Triangles are
+// replaced on each level, so their arrays are taken anew. All memory is taken in stream order.
 #include <bit>
 #include <utility>
 
@@ -9,8 +13,10 @@
 namespace vdwmesh {
 namespace {
 
+// Whether the half-edges of a mesh fit the 32-bit numbers of `opposite`.
 bool has_half_edges(std::uint64_t triangles) { return 3 * triangles <= kMaxHalfEdges; }
 
+// An array of `size` entries with the entries of `from` in front; the others are uninitialised.
 template <class T>
 DeviceArray<T> grown(DeviceArray<T> from, std::uint64_t size, const Stream& stream) {
   if (from.size() == size) return from;
@@ -23,11 +29,11 @@ DeviceArray<T> grown(DeviceArray<T> from, std::uint64_t size, const Stream& stre
   return to;
 }
 
-// A mesh with room for the vertices to come.
+// The mesh of the current level, whose vertex arrays have room for the vertices of later levels.
 struct GrowingMesh {
   DeviceMesh mesh;
-  std::uint64_t vertices;
-  DeviceArray<std::uint8_t> safe;  // of each triangle, as in PatchMarks; empty: nothing is known
+  std::uint64_t vertices;          // vertices that exist so far
+  DeviceArray<std::uint8_t> safe;  // a bit per triangle, see PatchMarks; empty: no marks are kept
 
   DeviceMeshView view() const {
     DeviceMeshView v = mesh.view();
@@ -36,7 +42,8 @@ struct GrowingMesh {
   }
 };
 
-// Room for the labels of `vertices`, three spheres each.
+// Labels with room for `vertices` vertices and three spheres each. The given labels may name one
+// sphere only; filling the others with 0xff bytes makes them kNoSphere.
 DeviceVertexLabels with_room(DeviceVertexLabels labels, std::uint64_t vertices,
                              const Stream& stream) {
   if (labels.others.size() == 0 && vertices > 0) {
@@ -50,8 +57,11 @@ DeviceVertexLabels with_room(DeviceVertexLabels labels, std::uint64_t vertices,
   return labels;
 }
 
-// Normals of vdw are made with the vertices, those of other surfaces at the end; without a surface
-// they are interpolated.
+// Gives the mesh its room for `vertices` vertices. What becomes of the normals depends on the
+// surface:
+//   none: given normals are kept, and interpolated on each level.
+//   vdw, triangles without labels: the kernels that make the vertices compute the normals too.
+//   otherwise: normals are dropped here, and computed after the last level.
 GrowingMesh with_room(DeviceMesh mesh, Projection projection, std::uint64_t vertices,
                       const Stream& stream) {
   GrowingMesh growing{std::move(mesh), 0, {}};
@@ -70,6 +80,8 @@ GrowingMesh with_room(DeviceMesh mesh, Projection projection, std::uint64_t vert
   return growing;
 }
 
+// Downloads the counts of a level. Its kernels counted as projected every vertex that converged,
+// including the `undone` vertices whose moves were taken back.
 ProjectionStats to_host(const DeviceArray<DeviceStats>& stats, std::uint64_t undone,
                         const Stream& stream) {
   const DeviceStats s = fetch(stats.data(), stream);
@@ -82,10 +94,15 @@ ProjectionStats to_host(const DeviceArray<DeviceStats>& stats, std::uint64_t und
           std::bit_cast<double>(s.residual_bits)};
 }
 
+// Whether vertices are projected onto the union and not bound to the labels of triangles. Safe
+// marks are kept in this case only, because here most midpoints move radially to the sphere of
+// their ends.
 bool is_freely_projected_union(const SurfaceView& surface, const DeviceMeshView& mesh) {
   return surface.projection == Projection::vdw && mesh.triangle_spheres == nullptr;
 }
 
+// Level 0: projects the vertices, counts the turned triangles, and starts the safe marks if a
+// subdivision follows.
 ProjectionStats project_given(const SurfaceView& surface, GrowingMesh& growing,
                               const RefineOptions& options, const Stream& stream) {
   const DeviceArray<DeviceStats> stats(1, stream.get());
@@ -107,10 +124,12 @@ ProjectionStats project_given(const SurfaceView& surface, GrowingMesh& growing,
   return to_host(stats, undone, stream);
 }
 
-// Room for the marks of bad moves; where it is too small they are searched for.
+// Entries of the list of bad moves. Fewer than 2 % of the midpoints went back in all measured cases
+// (docs/refinement.md); 1/32 is 3 %, and the constant serves small meshes. If a list is too small,
+// the marked midpoints are found by a search instead.
 std::uint64_t room_for_marks(std::uint64_t midpoints) { return midpoints / 32 + 4096; }
 
-// Replaces the triangles of `growing` by their children, and adds the midpoints.
+// One subdivision: adds the midpoints to `growing` and replaces its triangles by their children.
 ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int level_number,
                           const RefineOptions& options, RefineTimings& timings,
                           const Stream& stream) {
@@ -137,6 +156,7 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
   const DeviceArray<std::uint32_t> patches(marked_safe ? parent.triangles : 0, stream.get());
   const DeviceArray<unsigned long long> listed(1, stream.get());
   clear(listed, stream.get());
+  // Below, `mesh` shares the vertex arrays of `parent`; only the triangles are other arrays.
   const MidpointLevel level{
       parent,
       mesh,
@@ -178,6 +198,7 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
   return result;
 }
 
+// Computes the normals that the levels have left out, see with_room().
 void finish_normals(const SurfaceView& surface, DeviceMesh& mesh, const Stream& stream) {
   if (surface.projection == Projection::none) return;
   if (surface.projection == Projection::vdw && mesh.triangle_labels() == TriangleLabels::none) {
@@ -205,14 +226,17 @@ std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangle
       triangle_bytes(size) + triangle_bytes(parent) +
       DeviceEdgeNumbers::bytes(3 * parent.triangles);
   if (labels == TriangleLabels::spheres) return mesh;
-  // Fates, marks, lists of patches and of marks.
+  // Per midpoint 6 bytes: state, regular mark, entry of the list of hard midpoints. Per parent
+  // triangle 4 bytes in the list of patches. Per four triangles one byte of safe marks. A quarter
+  // byte per midpoint in the two lists of bad moves: 4 bytes for every 32nd midpoint, twice.
   const std::uint64_t midpoints = size.vertices - parent.vertices;
   const std::uint64_t fates =
       6 * midpoints + 4 * parent.triangles + size.triangles / 4 + midpoints / 4;
   if (options.crossings == Crossings::allow || options.projection == Projection::none) {
     return mesh + fates;
   }
-  // Boxes, and a grid of at most a cell per triangle with some four entries per triangle.
+  // The search for crossings: a box per triangle, at most one cell per triangle with an offset of
+  // 64 bits, and about four entries per triangle.
   return mesh + fates +
          size.triangles * (6 * sizeof(float) + sizeof(std::uint64_t) + 4 * sizeof(std::uint32_t));
 }

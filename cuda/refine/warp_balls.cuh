@@ -1,6 +1,10 @@
-// A warp gathers the balls near its points, so that each lane finds the nearest one among a few
-// instead of searching the list. The answers are those of nearest_ball(), bit for bit: a single
-// precision look rules balls out, what it cannot tell apart is compared in double.
+// The ball nearest to a point, for the points of a warp that lie close together. The warp gathers
+// the balls near all its points into shared memory once. Each lane then searches these few balls
+// instead of the cell list.
+//
+// nearest() gives the same answers as nearest_ball(), bit for bit. Distances are computed in single
+// precision first, with a bound on their error. Only the balls that this bound cannot tell apart
+// are compared in double.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +14,17 @@
 
 namespace vdwmesh {
 
-inline constexpr std::uint32_t kNearBalls = 128;
-inline constexpr std::uint32_t kAtATime = 4;  // looked at together
+inline constexpr std::uint32_t kNearBalls = 128;  // the most balls that a warp gathers
+inline constexpr std::uint32_t kAtATime = 4;      // balls per turn of a loop, to overlap their work
 
-// Shared memory of a warp.
+// Shared memory of one warp, 2.6 KiB. Ball k of those gathered is in slot k.
 struct WarpBallsStorage {
-  float4 rough[kNearBalls + kAtATime];  // centre relative to the origin, radius
-  std::uint32_t place[kNearBalls];
+  float4 rough[kNearBalls + kAtATime];  // centre relative to the box's origin, and radius; Å
+  std::uint32_t place[kNearBalls];      // list place
 };
 
-// Maps floats to integers of the same order, and back.
+// Maps floats to integers of the same order, and back, because __reduce_max_sync() takes integers
+// only. A negative float gets the bits below its sign inverted.
 __device__ inline int ordered(float f) {
   const int bits = __float_as_int(f);
   return bits ^ ((bits >> 31) & 0x7fffffff);
@@ -28,12 +33,13 @@ __device__ inline float from_ordered(int bits) {
   return __int_as_float(bits ^ ((bits >> 31) & 0x7fffffff));
 }
 
-// The box of a warp's points, in single precision relative to one of them, rounded outward.
+// The bounding box of a warp's points, relative to an origin near them and rounded outward to
+// single precision, with the largest distance at which a point asks for balls.
 class WarpBox {
  public:
-  // Called by all lanes with the same origin, which is one of the points or near them.
+  // All lanes must give the same origin, which is one of the points or near them.
   __device__ explicit WarpBox(const Vec3d& origin) : origin_(origin) {}
-  // A point of the lane, from which balls within `wide` (Å) are wanted.
+  // Adds a point of the calling lane, from which balls within `wide` (Å) are wanted.
   __device__ void add(const Vec3d& p, double wide) {
     for (int axis = 0; axis < 3; ++axis) {
       const double at = p[axis] - origin_[axis];
@@ -42,7 +48,7 @@ class WarpBox {
     }
     wide_ = fmaxf(wide_, __double2float_ru(wide));
   }
-  // Called by all lanes, once: makes the boxes of the lanes that of the warp.
+  // Replaces the lanes' boxes by the box of the whole warp. All lanes must call it together, once.
   __device__ void join() {
     for (int axis = 0; axis < 3; ++axis) {
       low_[axis] = from_ordered(__reduce_min_sync(kAllLanes, ordered(low_[axis]))) * 1.00001f;
@@ -57,33 +63,41 @@ class WarpBox {
 
  private:
   Vec3d origin_;
-  // The origin is in the box, so that the factors of join() widen it.
+  // The box holds the origin, so low <= 0 <= high. The factors of join() therefore widen it.
   float low_[3] = {0, 0, 0}, high_[3] = {0, 0, 0}, wide_ = 0;
 };
 
+// The balls near a WarpBox. A lane calls begin() and nearest() for each of its points; or all lanes
+// call prepare_covers() once, and then is_alone().
 class WarpBalls {
  public:
-  // Called by all lanes: gathers the balls near the box. Where they are too many or too far apart
-  // there are none, and nearest() searches the list.
+  // Gathers the balls near the box. All lanes must call it together. If the box spans too many
+  // cells or the balls are more than kNearBalls, the set is incomplete: nearest() then searches the
+  // cell list, and is_alone() is always false.
   __device__ WarpBalls(const CellListView& list, WarpBallsStorage& storage, const WarpBox& box);
 
-  // Before the calls of nearest() for a point that is to move at most `moves` (Å).
+  // Announces a new point of the lane, which moves by at most `moves` (Å) between the calls of
+  // nearest(). A move of that length changes the gap d - r of every ball by `moves` at most, so a
+  // ball that becomes the nearest has a gap within 2 * moves of the least one at the start. The
+  // window adds the errors of two computed gaps.
   __device__ void begin(double moves) {
     likely_ = 0;
     window_ = 2 * (1.00001f * __double2float_ru(moves) + doubt_);
   }
-  // The ball of least d - r among those within `reach` of q, ties by rank; moves + reach is within
-  // what was gathered. The first call is for the point itself; later ones look at the balls alone
-  // that can be nearest after the move.
+  // The ball of least d - r among those with d - r of at most `reach` at q, ties by rank. The first
+  // call after begin() is for the announced point. Later calls are for points that it has moved to,
+  // and test only the balls within the window. Precondition: the announced point was added to the
+  // box with a `wide` of at least moves + reach.
   __device__ NearestBall nearest(const Vec3d& q, double reach);
 
-  // Called by all lanes: from now on only is_alone() may be asked.
+  // Prepares is_alone(), after which nearest() must not be called. All lanes must call it together.
   __device__ void prepare_covers();
-  // Whether q lies in or on one ball at most, by a margin that rounding does not bridge. False
-  // where that is not known.
+  // Whether q is proved to lie in or on one ball at most, in spite of rounding and with a margin of
+  // kProjectionTolerance. False if that is not known.
   __device__ bool is_alone(const Vec3d& q) const;
 
  private:
+  // A point relative to the origin, in single precision.
   struct Rough {
     float x, y, z;
   };
@@ -91,6 +105,7 @@ class WarpBalls {
     return {static_cast<float>(q.x - origin_.x), static_cast<float>(q.y - origin_.y),
             static_cast<float>(q.z - origin_.z)};
   }
+  // d - r in single precision, with an error below doubt_.
   __device__ static float gap_of(const Rough& q, const float4& ball) {
     const float dx = q.x - ball.x, dy = q.y - ball.y, dz = q.z - ball.z;
     float distance;
@@ -101,6 +116,7 @@ class WarpBalls {
   __device__ std::uint32_t padded_count() const {
     return (count_ + kAtATime - 1) / kAtATime * kAtATime;
   }
+  // The least gap of the balls seen so far, the second least, and the slot of the least.
   struct Least {
     float gap, second;
     std::uint32_t slot;
@@ -119,10 +135,10 @@ class WarpBalls {
   WarpBallsStorage& storage_;
   Vec3d origin_;
   std::uint32_t count_ = 0;
-  std::uint32_t likely_ = 0;  // slots that later calls look at; 0: all
-  float window_ = 0;          // Å, beyond the least gap
-  float doubt_ = 0;           // Å, more than the error of gap_of()
-  bool complete_ = false;
+  std::uint32_t likely_ = 0;  // bit k: later calls test slot k; no bit set: they test all slots
+  float window_ = 0;          // Å, see begin()
+  float doubt_ = 0;           // Å, an upper bound of the error of gap_of()
+  bool complete_ = false;     // whether all balls near the box have been gathered
 };
 
 __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorage& storage,
@@ -136,6 +152,8 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
     lower[axis] = origin_[axis] + (static_cast<double>(box.low(axis)) - reach);
     upper[axis] = origin_[axis] + (static_cast<double>(box.high(axis)) + reach);
   }
+  // A box that spans more cells than this on a level is not gathered for: its points are too far
+  // apart to have many balls in common.
   constexpr double most_cells = 16;
   for (int l = 0; l < list.level_count; ++l) {
     const CellListView::Level& level = list.levels[l];
@@ -161,6 +179,8 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
         const float dy = fmaxf(0.0f, fmaxf(box.low(1) - ball.y, ball.y - box.high(1)));
         const float dz = fmaxf(0.0f, fmaxf(box.low(2) - ball.z, ball.z - box.high(2)));
         const float size = fabsf(ball.x) + fabsf(ball.y) + fabsf(ball.z) + ball.w;
+        // The ball is kept if it may come within `reach` of the box. The slack of 1e-5 of all
+        // lengths involved is over a hundred times their rounding (2^-24 = 6e-8).
         const float most = ball.w + reach + 1e-5f * size;
         near = !(dx * dx + dy * dy + dz * dz > most * most);
         if (near) largest = fmaxf(largest, size);
@@ -178,16 +198,21 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
       return false;
     });
   }
-  // Balls too far to be nearest fill the last group.
+  // The last group of kAtATime slots is filled up with points too far away to be nearest.
   const unsigned lane = threadIdx.x % kWarp;
   if (lane < kAtATime) storage.rough[count_ + lane] = {1e18f, 0, 0, 0};
   __syncwarp();
   largest = from_ordered(__reduce_max_sync(kAllLanes, ordered(largest)));
-  // Squares of what is accepted neither overflow nor lose all their digits.
+  // The error of gap_of(): all lengths in it are at most largest + 3 * extent, and it makes about
+  // eight roundings of relative size 2^-24 = 6e-8, 5e-7 together. 4e-6 is eight times as much. The
+  // constant 1e-15 covers squares that underflow: lengths below 1e-19. If doubt_ < 1e10, all
+  // lengths are below 3e15, and no square overflows.
   doubt_ = 4e-6f * (largest + 3 * extent) + 1e-15f;
   complete_ = !full && doubt_ < 1e10f;
 }
 
+// Replaces `best` by the ball at a list place if the ball is nearer to q, or as near and of lower
+// rank. In double, as in nearest_ball_within().
 __device__ inline void WarpBalls::consider(std::uint32_t place, const Vec3d& q, double reach,
                                            NearestBall& best) const {
   const double g = gap(list_.spheres[place], q);
@@ -197,7 +222,9 @@ __device__ inline void WarpBalls::consider(std::uint32_t place, const Vec3d& q, 
   if (first) best = {g, place, true};
 }
 
-// Notes what can be nearest after a move of `moves`: gaps differ by twice that at most.
+// The least gaps over all slots. Notes in likely_ the balls within the window, unless there are too
+// many balls for its 32 bits. The window is measured from the least gap so far, which is not below
+// the final one, so no ball within the window is left out.
 __device__ inline WarpBalls::Least WarpBalls::least_of_all(const Rough& at) {
   Least least{INFINITY, INFINITY, 0};
   std::uint32_t likely = 0;
@@ -216,6 +243,7 @@ __device__ inline WarpBalls::Least WarpBalls::least_of_all(const Rough& at) {
   return least;
 }
 
+// The least gaps over the slots noted in likely_.
 __device__ inline WarpBalls::Least WarpBalls::least_of_likely(const Rough& at) const {
   Least least{INFINITY, INFINITY, 0};
   for (std::uint32_t left = likely_; left != 0; left &= left - 1) {
@@ -231,6 +259,9 @@ __device__ inline NearestBall WarpBalls::nearest(const Vec3d& q, double reach) {
   const Least least = likely_ != 0 ? least_of_likely(at) : least_of_all(at);
   NearestBall best{reach, 0, false};
   if (!(least.gap <= __double2float_ru(reach) + doubt_)) return best;
+  // The ball that is nearest in double has a computed gap of at most this, since the computed gaps
+  // of two balls are off by doubt_ at most each. If the second least is above it, only one ball is
+  // left.
   const float most = least.gap + 2 * doubt_;
   if (least.second > most) {
     consider(storage_.place[least.slot], q, reach, best);
@@ -243,7 +274,8 @@ __device__ inline NearestBall WarpBalls::nearest(const Vec3d& q, double reach) {
   return best;
 }
 
-// Radii become squares of a little more than them.
+// Replaces each radius by the square of a slightly larger one, for the comparisons of is_alone().
+// The margin is twice the error of a computed distance plus twice kProjectionTolerance.
 __device__ inline void WarpBalls::prepare_covers() {
   const float more = 2 * doubt_ + 2 * static_cast<float>(kProjectionTolerance);
   for (std::uint32_t k = threadIdx.x % kWarp; k < count_; k += kWarp) {

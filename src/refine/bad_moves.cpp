@@ -1,3 +1,10 @@
+// One pass of the search for bad moves; the loop over the passes is in the header.
+//
+// Turned triangles are found patch by patch, by the sign of a triple product (facing()). Crossing
+// triangles are found in a uniform grid: two triangles that cross share a cell, so every pair in a
+// cell is tested, boxes first. A pair that shares several cells is tested in each of them; marking
+// a vertex twice does no harm. After the first pass only patches and cells around the vertices that
+// were put back are checked.
 #include "refine/bad_moves.hpp"
 
 #include <algorithm>
@@ -10,13 +17,14 @@
 
 namespace vdwmesh {
 
+// A triangle of a cell, copied once for all the pairs that it takes part in.
 template <class Level>
 struct BadMoves<Level>::Corners {
   std::array<std::uint32_t, 3> vertex;
   std::array<Vec3d, 3> position;
   std::array<SphereId, 3> atom;
-  std::array<double, 6> box;  // lower, then negated upper: overlap is one comparison per side
-  bool has_moved;
+  std::array<double, 6> box;  // lower corner, then the upper corner negated: all six are minima
+  bool has_moved;             // whether a vertex is away from where it started
 };
 
 template <class Level>
@@ -37,6 +45,8 @@ bool BadMoves<Level>::mark() {
   return bad > 0;
 }
 
+// Marks the cells that the triangles with a vertex just put back stand in. bounds_of() covers such
+// a triangle before and after any of its moves, so every new crossing is in a marked cell.
 template <class Level>
 void BadMoves<Level>::find_dirty_cells() {
   for_all(dirty_.size(), [&](std::size_t cell) { dirty_[cell] = 0; });
@@ -63,6 +73,8 @@ void BadMoves<Level>::mark_vertices(const std::array<std::uint32_t, 3>& vertices
   for (const std::uint32_t v : vertices) vdwmesh::mark(level_, fates_, v);
 }
 
+// Marks the vertices of the patch's triangles that face against their one atom and faced outward
+// before. Returns whether there is such a triangle. Triangles of several atoms are left alone.
 template <class Level>
 bool BadMoves<Level>::mark_turned(const Vertices& v) {
   bool any = false;
@@ -104,16 +116,19 @@ typename BadMoves<Level>::Corners BadMoves<Level>::corners(std::uint32_t triangl
   return c;
 }
 
-// Not boxes_overlap(), from boxes at hand; without branches, since their outcome is as good as
-// random.
+// The opposite of boxes_overlap(), for boxes that are already computed. It has no branches, because
+// their outcome would be close to random and badly predicted.
 inline bool are_apart(const std::array<double, 6>& a, const std::array<double, 6>& b) {
   int apart = 0;
   for (std::size_t i = 0; i < 3; ++i) apart |= (a[i] > -b[i + 3]) | (b[i] > -a[i + 3]);
   return apart != 0;
 }
 
+// Marks the vertices of all pairs of triangles in the cell that cross, if a vertex of the pair has
+// moved: a crossing between unmoved triangles is the given mesh's own. Returns whether any cross.
 template <class Level>
 bool BadMoves<Level>::mark_crossed(std::size_t cell) {
+  // Kept from cell to cell, so that each thread allocates only a few times.
   static thread_local std::vector<Corners> here;
   here.clear();
   for (const std::uint32_t t : grid_->triangles_in(cell)) here.push_back(corners(t));

@@ -1,4 +1,5 @@
-// Moves that spoil the mesh, and the passes that take them back.
+// Projection may fold a triangle over or push it through another one. This header finds the moves
+// that did so, and puts their vertices back in passes until no bad move is left.
 #pragma once
 
 #include <array>
@@ -14,11 +15,16 @@
 
 namespace vdwmesh {
 
-// A move is bad when it turns a triangle of one atom against that atom's outward normal, or when it
-// is of a triangle that crosses another, unless the options allow that.
+// Finds the bad moves of one level. A move of a vertex is bad in two cases:
+//   1. The vertex belongs to a triangle whose corners all have the same atom. The triangle faces
+//      against the outward normal of that atom, and did not do so before the moves.
+//   2. The vertex belongs to a triangle that crosses another one (refine/crossing_formulas.hpp).
+//      The second case is left out if the options allow crossings.
+// `Level` is Given or Midpoints (refine/level_view.hpp).
 template <class Level>
 class BadMoves {
  public:
+  // All arguments must outlive the object. `fates` has the state of each handled vertex.
   BadMoves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates,
            const RefineOptions& options)
       : spheres_(spheres.spheres().data()),
@@ -30,13 +36,15 @@ class BadMoves {
     dirty_.assign(grid_->cell_count(), 1);
   }
 
-  // Marks the vertices whose moves are bad; says whether there are any. The first pass looks at
-  // every triangle, later ones at those whose vertices the last one took back and what is near.
+  // One pass: changes the state of every vertex with a bad move from `moved` to `taking_back`, and
+  // returns whether there is any. The first pass checks all triangles. A later pass checks only the
+  // triangles with a vertex that was put back after the previous pass, and the triangles near them:
+  // nothing else has changed.
   bool mark();
 
  private:
-  using Vertices = std::array<std::uint32_t, Level::kVertices>;
-  struct Corners;
+  using Vertices = std::array<std::uint32_t, Level::kVertices>;  // of a patch
+  struct Corners;                                                // of a triangle
   void find_dirty_cells();
   bool has_taken_back(const Vertices& v);
   bool mark_turned(const Vertices& v);
@@ -48,18 +56,22 @@ class BadMoves {
   const Level& level_;
   Buffer<Fate>& fates_;
   Monitor* monitor_;
-  std::optional<TriangleGrid> grid_;  // none where crossings are allowed; then no cells either
-  Buffer<std::uint8_t> dirty_;        // of each cell: whether a triangle of it is to be looked at
-  int pass_ = 0;
+  std::optional<TriangleGrid> grid_;  // empty if crossings are allowed
+  Buffer<std::uint8_t> dirty_;        // by cell of grid_: 1 if the next pass checks its triangles
+  int pass_ = 0;                      // passes done
 };
 
 extern template class BadMoves<Given>;
 extern template class BadMoves<Midpoints>;
 
-// Simultaneous passes: all triangles are judged before any vertex goes back, so their order does
-// not matter. Each pass takes back at least one move, and triangles without moves are not judged:
-// it ends. Calls restore(item), from many threads, for each item whose vertex goes back; returns
-// how many went.
+// Takes back all bad moves of a level and returns how many vertices it put back. Calls
+// restore(item) for the item of each such vertex (see handled_by_item()), from many threads at
+// once.
+//
+// Each pass checks all triangles before any vertex is put back, so neither the order of the
+// triangles nor the number of threads matters. The loop ends: a bad triangle, and one triangle at
+// least of a bad pair, has a moved vertex. A pass that finds one therefore puts a vertex back, and
+// no vertex moves a second time.
 template <class Level, class Restore>
 std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates,
                                   const RefineOptions& options, const Restore& restore) {
@@ -72,6 +84,7 @@ std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level, 
     const auto settle = [&](std::size_t item, std::uint64_t& count) {
       const std::optional<std::size_t> i = level.handled_by_item(item);
       if (!i) return;
+      // Vertices that were put back before this pass: it has checked the triangles around them.
       if (fates[*i] == Fate::taken_back) fates[*i] = Fate::stayed;
       if (fates[*i] != Fate::taking_back) return;
       fates[*i] = Fate::taken_back;

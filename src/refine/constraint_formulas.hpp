@@ -1,8 +1,9 @@
-// Where the midpoints of a mesh whose triangles name their spheres go, for host and device.
+// Midpoints of a mesh whose triangles are labelled with their spheres, for host and device. Such a
+// mesh has edges along every crease, and midpoints must keep them there.
 //
-// An edge between two triangles of one sphere has its midpoint on that sphere, an edge between
-// triangles of two spheres on their circle. No threshold has a length in it: nothing changes when
-// all is scaled, however small a circle is.
+// The midpoint of an edge between two triangles of one sphere goes to that sphere. The midpoint of
+// an edge between triangles of two spheres goes to the circle in which the spheres meet. All
+// thresholds are ratios of lengths, so the result scales with the input, however small a circle is.
 #pragma once
 
 #include <cmath>
@@ -15,28 +16,35 @@
 
 namespace vdwmesh {
 
-// The label of an edge between triangles of spheres a and b: one sphere, or two, lower id first.
+// The spheres that the midpoint of an edge between triangles of spheres a and b must lie on: one
+// sphere, or two with the lower id first.
 VDWMESH_HD inline VertexSpheres edge_label(SphereId a, SphereId b) {
   if (a == b) return {a, kNoSphere, kNoSphere};
   if (a < b) return {a, b, kNoSphere};
   return {b, a, kNoSphere};
 }
 
-// Of the mean of two radial directions, relative to them: below it the ends are opposite points of
-// the circle to rounding, and either half could be meant.
+// Two points of a circle count as opposite if the mean of their radial vectors is shorter than this
+// fraction of the radius. It is then hardly more than rounding (2^-53 = 1e-16 of the coordinates),
+// so its direction does not say which half of the circle is the shorter one.
 inline constexpr double kOppositeEnds = 1e-12;
 
-// The middle of the shorter arc from u to v on the circle of spheres a and b, which is the point of
-// the circle nearest to the middle of u and v: the ends, turned half-way about the line of the
-// centres. Its radius is theirs, so that it is as near to the spheres as they are, also where the
-// circle is too small for its radius to be told from those of the spheres. Not found for concentric
-// spheres and for opposite ends.
+// The middle of the shorter arc from u to v on the circle of spheres a and b. This is also the
+// point of the circle nearest to the middle of u and v. Not found if the spheres are concentric, or
+// if u and v are opposite points of the circle.
+//
+// Each end is split into its height along the line of the centres and its radial vector. The result
+// has the mean height, the direction of the mean radial vector, and the root mean square of the two
+// radial lengths. The radius is taken from the ends and not from the spheres: sqrt(r^2 - h^2) loses
+// all digits if the circle is tiny, while the ends are as near to both spheres as their coordinates
+// allow. See docs/refinement.md, "Meshes that follow the creases".
 VDWMESH_HD inline FoundPoint arc_midpoint(const Sphere& a, const Sphere& b, const Vec3d& u,
                                           const Vec3d& v) {
   const Vec3d axis = b.center - a.center;
   const double square = squared_norm(axis);
   if (!(square > 0)) return {u, false};
   const Vec3d from_u = u - a.center, from_v = v - a.center;
+  // Heights above a's centre, as fractions of the vector from a's centre to b's.
   const double height_u = dot(from_u, axis) / square, height_v = dot(from_v, axis) / square;
   const Vec3d radial_u = along(from_u, -height_u, axis), radial_v = along(from_v, -height_v, axis);
   const Vec3d radial = midpoint(radial_u, radial_v);
@@ -47,8 +55,9 @@ VDWMESH_HD inline FoundPoint arc_midpoint(const Sphere& a, const Sphere& b, cons
   return {along(middle, std::sqrt(radius_square / length_square), radial), true};
 }
 
-// Where the midpoint of the edge u v goes; the plain one where there is no such point. The same
-// bits from either end, and whatever the ids of the spheres.
+// The position of the midpoint of edge u v, given its label. Falls back to the middle of the edge
+// if the sphere or circle has no unique nearest point. The result has the same bits if u and v are
+// swapped, and if the spheres have other ids: canonical order decides which sphere comes first.
 VDWMESH_HD inline Vec3d constrained_midpoint(const Sphere* spheres, const SphereId* label,
                                              const Vec3d& u, const Vec3d& v) {
   const Sphere& a = spheres[label[0]];
@@ -62,7 +71,7 @@ VDWMESH_HD inline Vec3d constrained_midpoint(const Sphere* spheres, const Sphere
   return found.found ? found.position : midpoint(u, v);
 }
 
-// Distance from p to the farthest of the spheres of its label, Å.
+// The largest distance (Å) from p to a sphere of its label; 0 if the label is empty.
 VDWMESH_HD inline double label_residual(const Sphere* spheres, const SphereId* label,
                                         const Vec3d& p) {
   using std::abs;
@@ -74,7 +83,8 @@ VDWMESH_HD inline double label_residual(const Sphere* spheres, const SphereId* l
   return most;
 }
 
-// union_normal(), with the spheres in canonical order: the same bits whatever their ids.
+// union_normal() with the label's spheres sorted into canonical order. The sum of their normals
+// then rounds alike whatever the ids of the spheres. The sort is an insertion sort.
 VDWMESH_HD inline Vec3f constrained_normal(const Sphere* spheres, const SphereId* label,
                                            const Vec3d& p) {
   SphereId sorted[3] = {label[0], label[1], label[2]};

@@ -1,4 +1,9 @@
 // Whether two triangles of a mesh pass through each other, for host and device.
+//
+// Two triangles intersect properly if an edge of one pierces the other. Each of the six edges is
+// tested by the signs of tetrahedron volumes, the classical orientation test. The signs are
+// computed in double without an exact fallback: host and device take the same roundings, so they
+// agree.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +14,16 @@
 
 namespace vdwmesh {
 
-// Six times the volume of the tetrahedron (a, b, c, d), positive where d sees a b c clockwise.
+// Six times the signed volume of the tetrahedron (a, b, c, d). Positive if a, b, c run
+// counter-clockwise as seen from d.
 VDWMESH_HD inline double orientation(const Vec3d& a, const Vec3d& b, const Vec3d& c,
                                      const Vec3d& d) {
   return dot(cross(b - a, c - a), d - a);
 }
 
-// Whether the line p q, whose ends lie on either side of the plane of triangle t, meets t, its
-// edges included.
+// Whether the segment p q meets triangle t, the edges of t included. Precondition: p and q lie on
+// different sides of the plane of t. The line p q then meets t if and only if it passes all three
+// edges of t on the same side, or touches some of them.
 VDWMESH_HD inline int line_meets(const Vec3d& p, const Vec3d& q, const Vec3d* t) {
   const double a = orientation(p, q, t[0], t[1]);
   const double b = orientation(p, q, t[1], t[2]);
@@ -24,8 +31,10 @@ VDWMESH_HD inline int line_meets(const Vec3d& p, const Vec3d& q, const Vec3d* t)
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
-// Whether an edge of s pierces t. Edges that end in a vertex of t (bits of `shared`) cannot; those
-// that only touch the plane of t do not: neighbours in one plane are no crossing.
+// Whether an edge of s pierces t. Bit k of `shared` says that corner k of s is a vertex of t too;
+// an edge that ends in such a corner touches t there and is left out. An edge that does not have
+// its ends strictly on different sides of the plane of t does not count either, so that triangles
+// which touch, or lie in one plane, do not cross.
 VDWMESH_HD inline int edge_pierces(const Vec3d* s, int shared, const Vec3d* t) {
   const Vec3d normal = cross(t[1] - t[0], t[2] - t[0]);
   double side[3];
@@ -39,7 +48,7 @@ VDWMESH_HD inline int edge_pierces(const Vec3d* s, int shared, const Vec3d* t) {
   return 0;
 }
 
-// Whether the boxes of two triangles have a point in common.
+// Whether the axis-parallel bounding boxes of two triangles have a point in common.
 VDWMESH_HD inline int boxes_overlap(const Vec3d* s, const Vec3d* t) {
   for (int axis = 0; axis < 3; ++axis) {
     double low[2], high[2];
@@ -54,10 +63,15 @@ VDWMESH_HD inline int boxes_overlap(const Vec3d* s, const Vec3d* t) {
   return 1;
 }
 
-// Whether triangles s and t, of vertices vs and vt and atoms as and at, pass through each other:
-// some edge of one pierces the other. Edges that end in a shared vertex cannot; neighbours across
-// an edge are left to the orientation tests, and so are neighbours around a vertex that are both of
-// the same single atom. Precondition: boxes_overlap(s, t), which is part of the definition.
+// Whether triangles s and t cross: whether an edge of one pierces the other. vs and vt are the
+// triangles' vertex indices, as and at the atoms of these vertices.
+//
+// Two kinds of neighbours never count as crossing. Triangles that share an edge meet nowhere else,
+// unless one is folded into the plane of the other. Triangles that share a vertex are left to
+// facing() if all their corners have the same atom.
+//
+// Precondition: boxes_overlap(s, t). It is part of the definition: whatever signs rounding gives a
+// pair far apart, the answer does not depend on whether a search happens to test that pair.
 VDWMESH_HD inline int triangles_cross(const Vec3d* s, const std::uint32_t* vs, const SphereId* as,
                                       const Vec3d* t, const std::uint32_t* vt, const SphereId* at) {
   int shared_s = 0, shared_t = 0;  // bit k: corner k is a vertex of the other triangle
@@ -68,7 +82,7 @@ VDWMESH_HD inline int triangles_cross(const Vec3d* s, const std::uint32_t* vs, c
       shared_t |= 1 << j;
     }
   }
-  if ((shared_s & (shared_s - 1)) != 0) return 0;
+  if ((shared_s & (shared_s - 1)) != 0) return 0;  // two bits or more: a shared edge
   const bool one_atom = as[0] == as[1] && as[0] == as[2] && as[0] == at[0] && as[0] == at[1] &&
                         as[0] == at[2] && as[0] != kNoSphere;
   if (shared_s != 0 && one_atom) return 0;

@@ -1,3 +1,9 @@
+// Matching of half-edges and numbering of edges, both in linear time and on all cores.
+//
+// find_opposite() sorts the half-edges by start vertex with a counting sort (count, prefix sum,
+// fill). The opposite of a half-edge from u to v is then the only half-edge in the bucket of v that
+// ends in u. number_edges() is a prefix sum over blocks: count each block's edges, sum up the
+// counts, number the edges of each block. The CUDA counterpart is cuda/refine/edge_numbers.cu.
 #include "refine/half_edges.hpp"
 
 #include <fmt/format.h>
@@ -12,8 +18,9 @@
 namespace vdwmesh {
 namespace {
 
+// No half-edge. Valid half-edges are lower, since at most 2^32 - 1 are allowed (kMaxHalfEdges).
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr std::size_t kAllGood = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kAllGood = std::numeric_limits<std::size_t>::max();  // no half-edge is bad
 
 std::uint32_t start_of(const IndexedMesh& mesh, std::size_t h) {
   return mesh.triangles[h / 3][h % 3];
@@ -29,11 +36,12 @@ std::uint32_t end_of(const IndexedMesh& mesh, std::size_t h) {
                   start_of(mesh, h), end_of(mesh, h), h / 3));
 }
 
-// Half-edges in buckets by start vertex. The order within a bucket depends on the threads, but only
-// the one half-edge that matches is ever taken from it.
+// Half-edges in buckets by start vertex, in compressed sparse rows. The order within a bucket
+// depends on the threads. This does not matter, because a bucket is only asked for the one
+// half-edge with a given end.
 struct Buckets {
-  Buffer<std::uint32_t> begin;  // one per vertex and one more
-  Buffer<std::uint32_t> half_edges;
+  Buffer<std::uint32_t> begin;       // by vertex: offset of its bucket; and the total
+  Buffer<std::uint32_t> half_edges;  // bucket by bucket
 };
 
 Buckets fill_buckets(const IndexedMesh& mesh) {
@@ -44,9 +52,10 @@ Buckets fill_buckets(const IndexedMesh& mesh) {
   for_all(count, [&](std::size_t h) {
     std::atomic_ref(b.begin[start_of(mesh, h)]).fetch_add(1, std::memory_order_relaxed);
   });
+  // After this inclusive prefix sum, begin[v] is the end of bucket v.
   std::uint32_t sum = 0;
   for (std::uint32_t& n : b.begin) n = sum += n;
-  // Filled from the back, so that `begin` ends up at the first of each bucket.
+  // Each bucket is filled from its end, so begin[v] arrives at the bucket's first entry.
   for_all(count, [&](std::size_t h) {
     std::atomic_ref slot(b.begin[start_of(mesh, h)]);
     b.half_edges[slot.fetch_sub(1, std::memory_order_relaxed) - 1] = static_cast<std::uint32_t>(h);
@@ -54,7 +63,7 @@ Buckets fill_buckets(const IndexedMesh& mesh) {
   return b;
 }
 
-// Half-edge from `from` to `to`, kNone when there is not exactly one.
+// The half-edge from `from` to `to`; kNone if there is no such half-edge, or more than one.
 std::uint32_t only_half_edge(const IndexedMesh& mesh, const Buckets& b, std::uint32_t from,
                              std::uint32_t to) {
   std::uint32_t found = kNone;
@@ -75,6 +84,8 @@ Buffer<std::uint32_t> match(const IndexedMesh& mesh) {
   return opposite;
 }
 
+// Whether opposite[h] is a valid opposite of half-edge h: a different half-edge with the same ends,
+// the other way round, whose opposite is h again.
 bool runs_back(const IndexedMesh& mesh, const Buffer<std::uint32_t>& opposite, std::size_t h) {
   const std::size_t back = opposite[h];
   return back < opposite.size() && opposite[back] == h && back != h &&
@@ -95,6 +106,7 @@ Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh) {
   return opposite;
 }
 
+// The lower half-edge of each edge stands for it: half-edge h is one if h < opposite[h].
 Buffer<std::uint32_t> number_edges(const Buffer<std::uint32_t>& opposite) {
   const std::size_t blocks = (opposite.size() + kBlock - 1) / kBlock;
   const auto end_of_block = [&](std::size_t b) {
@@ -107,6 +119,7 @@ Buffer<std::uint32_t> number_edges(const Buffer<std::uint32_t>& opposite) {
     first_of_block[b] = count;
   };
   for_all(blocks, count_firsts, 1);
+  // An exclusive prefix sum: the number of the first edge of each block.
   std::uint32_t sum = 0;
   for (std::uint32_t& n : first_of_block) {
     const std::uint32_t count = n;
@@ -117,7 +130,7 @@ Buffer<std::uint32_t> number_edges(const Buffer<std::uint32_t>& opposite) {
   const auto number = [&](std::size_t b) {
     std::uint32_t next = first_of_block[b];
     for (std::size_t h = b * kBlock; h < end_of_block(b); ++h) {
-      // Each pair is written by its first half-edge.
+      // The lower half-edge writes both entries, so each entry is written once.
       if (h < opposite[h]) edge[h] = edge[opposite[h]] = next++;
     }
   };

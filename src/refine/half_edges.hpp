@@ -1,4 +1,5 @@
-// Opposite half-edges and edge numbers of a triangle mesh, on all cores.
+// Opposite half-edges and edge numbers of a closed triangle mesh, on all cores. Half-edge 3t + k
+// runs from vertex k of triangle t to the next vertex of t.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +8,14 @@
 
 namespace vdwmesh {
 
-// The half-edge that runs back along each half-edge; `mesh.opposite`, checked, where it is there.
-// Found by the index of the start vertex: coordinates are not looked at. Throws InvalidInput
-// naming the first half-edge that does not have exactly one opposite.
+// For each half-edge, the half-edge of the neighbouring triangle that runs back along it. Uses
+// `mesh.opposite` if it is filled, after checking it. Only vertex indices are compared, never
+// coordinates. Throws InvalidInput, naming the first half-edge that does not have exactly one
+// opposite: the mesh is then not closed, not oriented, or not a manifold.
 Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh);
 
-// Number of the edge of each half-edge. Edges are numbered by their first half-edge.
+// For each half-edge, the number of its edge, from 0. Edges are numbered in the order of their
+// lower half-edges. `opposite` must come from find_opposite().
 Buffer<std::uint32_t> number_edges(const Buffer<std::uint32_t>& opposite);
 
 }  // namespace vdwmesh

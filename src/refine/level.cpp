@@ -1,3 +1,11 @@
+// Midpoint subdivision (every triangle becomes four) with one projection per new vertex.
+//
+// subdivide() numbers the parent's edges, copies the parent's vertices to the front of the new
+// arrays, writes the four children of each triangle, makes one midpoint per edge, and takes bad
+// moves back. project_given() does the projection and the taking back for the vertices of the given
+// mesh. All loops are parallel. Each item writes entries of its own, and the counts are exact sums,
+// so the result does not depend on the number of threads. cuda/refine/refine_on_device.cu takes the
+// same steps on a device.
 #include "refine/level.hpp"
 
 #include <algorithm>
@@ -28,6 +36,8 @@ ProjectionStats join(const ProjectionStats& a, const ProjectionStats& b) {
 
 std::uint64_t add(std::uint64_t a, std::uint64_t b) { return a + b; }
 
+// Calls body(i, stats) for all i < count and returns the sum of the stats. Reports to the monitor
+// about once per block, so that a cancelled run ends soon.
 template <class Body>
 ProjectionStats tally(std::size_t count, Monitor* monitor, const Body& body) {
   const auto watched = [&](std::size_t i, ProjectionStats& stats) {
@@ -57,6 +67,8 @@ VertexSpheres label_of(const ProjectedPoint& p) {
   return {p.spheres[0], p.spheres[1], p.spheres[2]};
 }
 
+// The number of triangles that face inward: against their own sphere if triangles are labelled, and
+// against the atoms of their corners otherwise.
 std::uint64_t count_turned(const SphereSet& spheres, const IndexedMesh& mesh) {
   const bool labelled = mesh.triangle_labels() == TriangleLabels::spheres;
   const auto count = [&](std::size_t t, std::uint64_t& n) {
@@ -72,8 +84,9 @@ std::uint64_t count_turned(const SphereSet& spheres, const IndexedMesh& mesh) {
   return reduce_all(mesh.triangle_count(), std::uint64_t{0}, count, add);
 }
 
-// Square of the longest edge at each vertex. Of squares, which are not negative, the bit patterns
-// order as the numbers do, so a maximum of integers serves.
+// For each vertex, the square of the length of its longest edge, as the bits of a double. The bits
+// of doubles that are not negative have the same order as the numbers, so an atomic maximum of
+// integers finds the largest square, and finds it in any order of the threads.
 Buffer<std::uint64_t> longest_edge_squares(const IndexedMesh& mesh) {
   Buffer<std::uint64_t> square(mesh.vertex_count());
   for_all(square.size(), [&](std::size_t v) { square[v] = 0; });
@@ -95,10 +108,13 @@ Buffer<std::uint64_t> longest_edge_squares(const IndexedMesh& mesh) {
   return square;
 }
 
+// Writes the corners, labels and opposite half-edges of all children. See the top of
+// subdivision_formulas.hpp for their order.
 void write_children(const Midpoints& level, IndexedMesh& mesh) {
   const IndexedMesh& parent = level.parent;
   mesh.triangles.resize(4 * parent.triangle_count());
   mesh.triangle_spheres.resize(4 * parent.triangle_spheres.size());
+  // Four children of three half-edges each. Only the last level may have too many for `opposite`.
   if (12 * parent.triangle_count() <= kMaxHalfEdges) {
     mesh.opposite.resize(12 * parent.triangle_count());
   }
@@ -121,6 +137,7 @@ void write_children(const Midpoints& level, IndexedMesh& mesh) {
   });
 }
 
+// Resizes `to` and copies `from` to its front. An array that is absent (empty) stays absent.
 template <class T>
 void copy_front(const Buffer<T>& from, std::size_t size, Buffer<T>& to) {
   if (from.empty()) return;
@@ -128,6 +145,8 @@ void copy_front(const Buffer<T>& from, std::size_t size, Buffer<T>& to) {
   for_all(from.size(), [&](std::size_t i) { to[i] = from[i]; });
 }
 
+// Counts vertex v of a mesh with labelled triangles: as projected if it lies within the tolerance
+// of all the spheres of its label, and as unconverged otherwise.
 void count_constrained(const SphereSet& spheres, const IndexedMesh& mesh, std::size_t v,
                        ProjectionStats& stats) {
   const VertexSpheres label = mesh.vertex_spheres[v];
@@ -140,7 +159,8 @@ void count_constrained(const SphereSet& spheres, const IndexedMesh& mesh, std::s
   stats.residual_max = std::max(stats.residual_max, residual);
 }
 
-// Makes the midpoint of half-edge h on the spheres of its two triangles.
+// Makes the midpoint of half-edge h for a mesh with labelled triangles: on the spheres of the two
+// triangles at the edge, or in the middle of the edge if nothing is projected.
 void make_constrained_midpoint(const SphereSet& spheres, Projection projection,
                                const Midpoints& level, std::size_t h, IndexedMesh& mesh,
                                ProjectionStats& stats) {
@@ -159,7 +179,9 @@ void make_constrained_midpoint(const SphereSet& spheres, Projection projection,
   count_constrained(spheres, mesh, v, stats);
 }
 
-// Projects given vertex v, and says what became of it.
+// Projects vertex v of the given mesh by at most `reach` (Å) and counts the outcome. A vertex that
+// is on the surface already keeps its position. It keeps its label too, if it lies on all the
+// spheres that the label names.
 Fate project_vertex(const TargetSurface& surface, std::size_t v, double reach, IndexedMesh& mesh,
                     ProjectionStats& stats) {
   const ProjectedPoint p = surface.project(mesh.positions[v], reach);
@@ -171,6 +193,8 @@ Fate project_vertex(const TargetSurface& surface, std::size_t v, double reach, I
   return p.steps > 0 ? Fate::moved : Fate::stayed;
 }
 
+// Gives the midpoint of half-edge h the mean normal of the edge's ends. Only meshes that are not
+// projected have normals here; all others get theirs after the last level.
 void interpolate_normal(const Midpoints& level, std::size_t h, IndexedMesh& mesh) {
   if (mesh.normals.empty()) return;
   mesh.normals[level.midpoint_of(h)] =
@@ -178,7 +202,8 @@ void interpolate_normal(const Midpoints& level, std::size_t h, IndexedMesh& mesh
                   cast<double>(level.parent.normals[level.end_of(h)]));
 }
 
-// Makes the midpoint of half-edge h, projected where that succeeds.
+// Makes the midpoint of half-edge h and counts the outcome. If the projection fails, or there is
+// none, the midpoint stays in the middle of its edge and takes the label of the nearer end.
 Fate make_midpoint(const SphereSet& spheres, const TargetSurface& surface, const Midpoints& level,
                    std::size_t h, IndexedMesh& mesh, ProjectionStats& stats) {
   const std::uint32_t v = level.midpoint_of(h);
@@ -199,6 +224,8 @@ Fate make_midpoint(const SphereSet& spheres, const TargetSurface& surface, const
   return Fate::stayed;
 }
 
+// Makes all midpoints of a mesh with labelled triangles. Each goes to the spheres of its own
+// triangles, so no move is taken back.
 ProjectionStats constrain_midpoints(const SphereSet& spheres, const TargetSurface& surface,
                                     const Midpoints& level, IndexedMesh& mesh,
                                     const RefineOptions& options) {
@@ -209,11 +236,11 @@ ProjectionStats constrain_midpoints(const SphereSet& spheres, const TargetSurfac
   });
 }
 
-// Projects the midpoints, and takes back the bad moves.
+// Makes all midpoints of a mesh without triangle labels: projects them and takes bad moves back.
 ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface& surface,
                                   const Midpoints& level, IndexedMesh& mesh,
                                   const RefineOptions& options) {
-  Buffer<Fate> fates(level.items() / 2);
+  Buffer<Fate> fates(level.items() / 2);  // by edge: two half-edges each
   ProjectionStats stats =
       tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
         const std::optional<std::size_t> i = level.handled_by_item(h);
@@ -227,6 +254,7 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
     mesh.positions[v] = level.start(h);
     mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), h));
   });
+  // Every vertex taken back had converged, so it was counted as projected.
   stats.projected -= stats.undone;
   return stats;
 }
@@ -267,6 +295,7 @@ SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
   SubdividedMesh child;
   IndexedMesh& mesh = child.mesh;
   const Midpoints level{parent, edge, mesh};
+  // A closed mesh has one edge per two half-edges.
   const std::size_t vertices = parent.vertex_count() + parent.opposite.size() / 2;
   copy_front(parent.positions, vertices, mesh.positions);
   copy_front(parent.vertex_spheres.atoms, vertices, mesh.vertex_spheres.atoms);

@@ -1,4 +1,5 @@
-// The steps of one level: subdivision, projection, and the moves taken back. All throw Cancelled
+// One refinement level on the CPU: subdivision, projection, and taking bad moves back. The CPU
+// refiner calls project_given() once and subdivide() once per subdivision. Both throw Cancelled
 // soon after the options' monitor asks for it.
 #pragma once
 
@@ -14,7 +15,9 @@ namespace vdwmesh {
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
                               IndexedMesh& mesh, const RefineOptions& options);
 
-// Subdivides `parent` (with `opposite`) once and projects the midpoints.
+// A higher level: subdivides `parent` once, projects the midpoints and takes bad moves back.
+// Precondition: `parent` has `opposite`. The result has it too, unless its half-edges do not fit 32
+// bits. It has normals only if `parent` has them.
 struct SubdividedMesh {
   IndexedMesh mesh;
   ProjectionStats stats;

@@ -1,8 +1,23 @@
-// A level as its passes see it: patches of vertices, the triangles among them, where the vertices
-// were and which of them the level handles.
-//   Given: a patch is one triangle of three vertices, all of them handled.
-//   Midpoints: a patch is a parent triangle, three old vertices and three midpoints, with its four
-//   children; the midpoints are handled.
+// Two views of a refinement level with one interface, so that the code which takes bad moves back
+// is written once (refine/bad_moves.hpp, refine/triangle_grid.hpp).
+//
+// A level handles some vertices of its mesh: it creates or projects them, and may take their moves
+// back. The handled vertices stand at the end of the mesh's vertex arrays. The triangles come in
+// patches that share vertices:
+//   Given (level 0): every vertex is handled, and a patch is one triangle.
+//   Midpoints (level 1 and above): the midpoints of the parent's edges are handled. A patch is a
+//   parent triangle with its three midpoints, and holds the four child triangles.
+// Both have these members:
+//   kVertices, kTriangles  vertices and triangles of a patch
+//   patches()              the number of patches
+//   vertices(t)            the mesh's vertex indices of patch t
+//   triangle(child)        the corners of a triangle of a patch, as indices into vertices(t)
+//   before(v, i)           the position of vertex v[i] before its move, with v = vertices(t)
+//   mesh                   the mesh after the moves
+//   first_handled()        index of the first handled vertex
+//   items()                length of a loop over the handled vertices
+//   handled_by_item(item)  the handled vertex that an item of this loop stands for, counted from
+//                          first_handled(); empty if the item stands for none
 #pragma once
 
 #include <array>
@@ -15,8 +30,12 @@
 
 namespace vdwmesh {
 
-// What became of a vertex on the level that handles it: taking_back while a pass marks, taken_back
-// until the next pass has looked at its neighbours.
+// What has happened to a handled vertex.
+//   stayed       It is where it started, and nothing is left to check.
+//   moved        The projection moved it.
+//   taking_back  It was moved, and the current pass has found the move bad.
+//   taken_back   It was put back after the last pass. The next pass checks the triangles around it
+//                once more; the vertex counts as `stayed` afterwards.
 enum class Fate : std::uint8_t { stayed, moved, taking_back, taken_back };
 
 struct Given {
@@ -36,53 +55,61 @@ struct Given {
 
 struct Midpoints {
   static constexpr int kVertices = 6, kTriangles = 4;
-  const IndexedMesh& parent;
-  const Buffer<std::uint32_t>& edge;
-  const IndexedMesh& mesh;
+  const IndexedMesh& parent;          // with `opposite`
+  const Buffer<std::uint32_t>& edge;  // by half-edge of the parent: the number of its edge
+  const IndexedMesh& mesh;            // the parent's vertices, then one midpoint per edge
 
   std::size_t patches() const { return parent.triangle_count(); }
   static constexpr std::array<int, 3> triangle(int child) {
     return {child_corner(child, 0), child_corner(child, 1), child_corner(child, 2)};
   }
+  // The vertex of `mesh` that halves the parent's half-edge h.
   std::uint32_t midpoint_of(std::size_t h) const {
     return static_cast<std::uint32_t>(parent.vertex_count() + edge[h]);
   }
+  // The corners of parent triangle t, then the midpoints of its half-edges 3t, 3t + 1, 3t + 2.
   std::array<std::uint32_t, 6> vertices(std::size_t t) const {
     const Triangle& v = parent.triangles[t];
     return {v[0], v[1], v[2], midpoint_of(3 * t), midpoint_of(3 * t + 1), midpoint_of(3 * t + 2)};
   }
+  // Before its move a midpoint is the middle of its edge. Midpoint i of a patch halves the edge
+  // from corner i - 3 to the next corner.
   Vec3d before(const std::array<std::uint32_t, 6>& v, std::size_t i) const {
     if (i < 3) return parent.positions[v[i]];
     return midpoint(parent.positions[v[i - 3]], parent.positions[v[i == 5 ? 0 : i - 2]]);
   }
   std::size_t first_handled() const { return parent.vertex_count(); }
-  // An edge is the item of its first half-edge.
+  // The items are the parent's half-edges. The lower half-edge of an edge stands for its midpoint.
   std::size_t items() const { return parent.opposite.size(); }
   std::optional<std::size_t> handled_by_item(std::size_t h) const {
     if (parent.opposite[h] < h) return std::nullopt;
     return edge[h];
   }
 
+  // The vertices from which and to which half-edge h runs.
   std::uint32_t start_of(std::size_t h) const { return parent.triangles[h / 3][h % 3]; }
   std::uint32_t end_of(std::size_t h) const { return parent.triangles[h / 3][(h + 1) % 3]; }
+  // The middle of half-edge h, from which its midpoint is projected.
   Vec3d start(std::size_t h) const {
     return midpoint(parent.positions[start_of(h)], parent.positions[end_of(h)]);
   }
-  // The atom of a midpoint that is not on the surface.
+  // The label of a midpoint that stays on its edge: of the atoms of the two ends, the nearer one.
   VertexSpheres unprojected_label(const Sphere* spheres, std::size_t h) const {
     return on_sphere(nearer_sphere(spheres, parent.vertex_spheres.atoms[start_of(h)],
                                    parent.vertex_spheres.atoms[end_of(h)], start(h)));
   }
 };
 
-// Of any vertex; others may be marking it at this moment.
+// The state of vertex v, handled or not. The load is atomic because other threads may be marking
+// the same vertex.
 template <class Level>
 Fate fate_of(const Level& level, Buffer<Fate>& fates, std::uint32_t v) {
   if (v < level.first_handled()) return Fate::stayed;
   return std::atomic_ref(fates[v - level.first_handled()]).load(std::memory_order_relaxed);
 }
 
-// A moved vertex is to go back.
+// Marks the move of vertex v as bad. Does nothing if v has not moved, or is marked already. Threads
+// may mark one vertex at the same time: they all store the same value.
 template <class Level>
 void mark(const Level& level, Buffer<Fate>& fates, std::uint32_t v) {
   if (fate_of(level, fates, v) != Fate::moved) return;
@@ -90,7 +117,8 @@ void mark(const Level& level, Buffer<Fate>& fates, std::uint32_t v) {
       .store(Fate::taking_back, std::memory_order_relaxed);
 }
 
-// Whether a triangle's vertex moved and is not back: whether there is anything to take back.
+// Whether a vertex in this state is away from where it started, so that its move can be taken back.
+// The answer is the same before and after the current pass marks the vertex.
 inline bool is_away(Fate fate) { return fate == Fate::moved || fate == Fate::taking_back; }
 
 }  // namespace vdwmesh

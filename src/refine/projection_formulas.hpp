@@ -1,4 +1,9 @@
-// Newton projection of one point (3.7), for host and device: p <- p - f grad f / |grad f|^2.
+// Projection of one point onto the surface by Newton steps, for host and device. CPU and CUDA run
+// this same code, so their vertices agree bit for bit.
+//
+// A Newton step for the surface f = 0 is p <- p - f grad f / |grad f|^2 (equation 3.7 of the
+// thesis). For a blended field f is F - T. For the union of the balls f is the least d - r over the
+// balls, where d is the distance to a ball's centre and r its radius.
 #pragma once
 
 #include <cmath>
@@ -14,19 +19,21 @@ namespace vdwmesh {
 
 enum class ProjectionOutcome : std::uint8_t { converged, unconverged, out_of_reach };
 
+// Converged: within kProjectionTolerance of the surface. Out of reach: the start is further from
+// the surface than a vertex may move. Unconverged: every other failure.
 struct ProjectedPoint {
-  Vec3d position;       // the start, bit for bit, unless converged away from it
-  double residual;      // Å, distance to the surface (first order, for a field)
-  SphereId spheres[3];  // as VertexSpheres; kNoSphere unless converged
-  int steps;
+  Vec3d position;       // the start itself, bit for bit, unless converged after a step
+  double residual;      // Å, distance to the surface; to first order for a field
+  SphereId spheres[3];  // the label, as VertexSpheres; kNoSphere unless converged
+  int steps;            // Newton steps; for a field, trial points
   ProjectionOutcome outcome;
 };
 
-// How far a vertex may be moved in all ("reach", Å). The safeguard of both projections: the ends
-// of an edge lie on the surface, so its midpoint has surface within half the edge's length; a
-// nearest point further away belongs to another part of it. A given vertex may cross its
-// longest edge: marching cubes leaves it within a cell of the surface. Whoever would go further
-// stays where he was, so no vertex jumps across a gap or through a wall.
+// The largest distance (Å) that a midpoint may move from its start, called `reach` below. The ends
+// of an edge lie on the surface, so there is surface within half an edge length of the midpoint. If
+// the projection would go further, it has found another part of the surface; the vertex then stays
+// where it was, so that no vertex jumps across a gap. A vertex of the given mesh has a wider reach,
+// its longest edge, because marching cubes leaves it within a grid cell of the surface.
 VDWMESH_HD inline double midpoint_reach(const Vec3d& a, const Vec3d& b) {
   return 0.5 * norm(b - a);
 }
@@ -35,14 +42,17 @@ VDWMESH_HD inline bool within_reach(const Vec3d& p, const Vec3d& start, double r
   return squared_distance(p, start) <= reach * reach;
 }
 
-// The last three different spheres that p was moved to, latest first, and how often in a row the
-// nearest one was among them: once is an alternation between two, twice one among three.
+// The last three different spheres that the point was moved to, the latest first. If the nearest
+// sphere is one that the point has just left, radial steps alone would go on between these spheres.
 struct SphereHistory {
-  std::uint32_t place[3];
+  std::uint32_t place[3];  // list places
+  // Entries in use, 0 to 3; and how often in a row the nearest sphere was an earlier entry. One
+  // return means an alternation between two spheres, two or more can be one among three.
   int count, returns;
 };
 
-// Moves `place` to the front and says where it was; `count` where it was not.
+// Moves the sphere at list place `place` to the front. Returns the index that it had in the
+// history, or 3 if it was not there.
 VDWMESH_HD inline int note_sphere(SphereHistory& h, std::uint32_t place) {
   int at = 0;
   while (at < h.count && h.place[at] != place) ++at;
@@ -59,7 +69,8 @@ VDWMESH_HD inline int note_sphere(SphereHistory& h, std::uint32_t place) {
   return was;
 }
 
-// The label of p: the first `count` spheres of the history by rank.
+// Writes the label of a vertex on `count` spheres: their ids in canonical order, then kNoSphere.
+// `place` has their list places.
 VDWMESH_HD inline void label_by_rank(const CellListView& list, const std::uint32_t* place,
                                      int count, SphereId* label) {
   std::uint32_t sorted[3];
@@ -75,11 +86,13 @@ VDWMESH_HD inline void label_by_rank(const CellListView& list, const std::uint32
 
 struct UnionStep {
   FoundPoint to;
-  int spheres;  // how many of the history's first it lies on
+  int spheres;  // how many spheres it lies on: the first entries of the history
 };
 
-// Onto the nearest sphere; where the nearest alternates between two, onto their circle; among
-// three, onto their corner. Newton's step on d - r is exact, since its gradient is a unit vector.
+// One step towards the boundary of the union, given the list place of the ball nearest to p. The
+// step leads to the nearest sphere; if the nearest sphere alternates between two, to the circle in
+// which they meet; among three, to the corner. A radial step is the whole Newton step: d - r is
+// linear along the radius with slope 1, so one step reaches the sphere.
 VDWMESH_HD inline UnionStep step_to_union(const CellListView& list, SphereHistory& history,
                                           std::uint32_t nearest, const Vec3d& p) {
   const int was = note_sphere(history, nearest);
@@ -96,9 +109,13 @@ VDWMESH_HD inline UnionStep step_to_union(const CellListView& list, SphereHistor
   return {nearest_on_sphere(a, p), 1};
 }
 
-// Projection onto the boundary of the union of the balls of `list` (reach = radius). |min(d - r)|
-// is never more than the distance to the boundary, so a start beyond `reach` by it is out of reach.
-// nearest(p) is the ball of least d - r among those within reach + kProjectionTolerance of p.
+// Projects `start` onto the boundary of the union of the balls of `list`, a list whose reach is the
+// radius. nearest(p) must return the ball of least d - r among those with d - r of at most
+// reach + kProjectionTolerance.
+//
+// Outside the union the least d - r is the distance to the boundary. Inside, its absolute value is
+// the distance to the sphere of one ball, and the boundary is at least that far away. So if the
+// absolute value exceeds `reach` at the start, no point of the boundary is within reach.
 template <class Nearest>
 VDWMESH_HD inline ProjectedPoint project_to_union(const CellListView& list, const Vec3d& start,
                                                   double reach, Nearest&& nearest) {
@@ -111,6 +128,7 @@ VDWMESH_HD inline ProjectedPoint project_to_union(const CellListView& list, cons
     const NearestBall near = nearest(step.to.position);
     result.residual = abs(near.gap);
     if (near.found && result.residual <= kProjectionTolerance) {
+      // Without a step the history is empty, and the vertex lies on its nearest sphere.
       if (step.spheres == 0) history.place[0] = near.place;
       result.position = step.to.position;
       label_by_rank(list, history.place, step.spheres == 0 ? 1 : step.spheres, result.spheres);
@@ -133,9 +151,12 @@ VDWMESH_HD inline ProjectedPoint project_to_union(const CellListView& list, cons
   });
 }
 
-// Newton on F = T. A step is halved until |F - T| falls within the reach, so an overshoot across a
-// steep or flat part of the field is taken back; every sample of the field counts as a step. Out of
-// reach is who fails from further away than the reach, to first order.
+// Projects `start` onto the isosurface F = T of a blended field, by Newton steps with backtracking:
+// each step is shortened to `reach`, then halved until the new point is within reach and |F - T| is
+// smaller there. Without the halving, a step could overshoot a bend of the field. Every trial point
+// counts as a step, so a run tries at most kMaxProjectionSteps of them. The distance to the surface
+// is estimated to first order, |F - T| / |grad F|. A start that fails is out of reach if this
+// estimate exceeds `reach` there, or if no atom contributes or the gradient is zero there.
 VDWMESH_HD inline ProjectedPoint project_to_field(const CellListView& list, const FieldModel& model,
                                                   const Vec3d& start, double reach) {
   using std::abs;
@@ -156,8 +177,9 @@ VDWMESH_HD inline ProjectedPoint project_to_field(const CellListView& list, cons
       result.outcome = ProjectionOutcome::converged;
       return result;
     }
+    // From here on a failure means no convergence.
     if (result.steps == 0 && distance <= reach) result.outcome = ProjectionOutcome::unconverged;
-    double step = distance <= reach ? 1 : reach / distance;
+    double step = distance <= reach ? 1 : reach / distance;  // fraction of the Newton step
     for (bool closer = false; !closer; step *= 0.5) {
       if (result.steps == kMaxProjectionSteps) return result;
       ++result.steps;

@@ -1,5 +1,6 @@
-// Where spheres meet, and which one is nearest: the geometry behind projection onto the union, for
-// host and device.
+// Nearest points on a sphere, on the circle of two spheres and on the corner of three, and the ball
+// nearest to a point: the geometry behind projection onto the union, for host and device. d is the
+// distance of a point to a ball's centre, r the ball's radius.
 #pragma once
 
 #include <cmath>
@@ -12,22 +13,23 @@
 namespace vdwmesh {
 
 struct FoundPoint {
-  Vec3d position;
+  Vec3d position;  // meaningless unless found
   bool found;
 };
 
+// from + length * direction, with one rounding per coordinate.
 VDWMESH_HD inline Vec3d along(const Vec3d& from, double length, const Vec3d& direction) {
   using std::fma;
   return {fma(length, direction.x, from.x), fma(length, direction.y, from.y),
           fma(length, direction.z, from.z)};
 }
 
-// Signed distance of p to the sphere, negative inside. Å.
+// d - r: the signed distance (Å) of p to the sphere, negative inside.
 VDWMESH_HD inline double gap(const Sphere& s, const Vec3d& p) {
   return std::sqrt(squared_distance(p, s.center)) - s.radius;
 }
 
-// The point of the sphere nearest to p. Not found from its centre.
+// The point of the sphere nearest to p. Not found if p is its centre.
 VDWMESH_HD inline FoundPoint nearest_on_sphere(const Sphere& s, const Vec3d& p) {
   const Vec3d out = p - s.center;
   const double distance = std::sqrt(squared_distance(p, s.center));
@@ -35,34 +37,42 @@ VDWMESH_HD inline FoundPoint nearest_on_sphere(const Sphere& s, const Vec3d& p) 
   return {along(s.center, s.radius / distance, out), true};
 }
 
-// The point of the circle of two spheres nearest to p. Not found where they do not cross, or from
-// the line of their centres.
+// The point nearest to p on the circle in which two spheres meet. Not found if they do not cross,
+// or if p lies on the line of their centres, from which all points of the circle are equally far.
 VDWMESH_HD inline FoundPoint nearest_on_circle(const Sphere& a, const Sphere& b, const Vec3d& p) {
   using std::fma;
   const Vec3d axis = b.center - a.center;
   const double square = squared_norm(axis);
   if (!(square > 0)) return {p, false};
-  // Place of the circle's plane along the axis, in units of the axis, from a's centre.
+  // The circle's plane cuts the axis at this fraction of it from a's centre: a point with equal
+  // power d^2 - r^2 for both spheres has (D^2 + ra^2 - rb^2) / 2 D^2, with D the distance of the
+  // centres. The difference of squares is written as a product, which rounds better for like radii.
   const double plane = 0.5 * (square + (a.radius - b.radius) * (a.radius + b.radius)) / square;
   const double circle_square = fma(a.radius, a.radius, -(plane * plane) * square);
   if (!(circle_square > 0)) return {p, false};
   const Vec3d from_a = p - a.center;
   const Vec3d radial = along(from_a, -(dot(from_a, axis) / square), axis);
   const double length = norm(radial);
-  // Below this the direction would be nothing but rounding.
+  // The subtraction of two vectors as long as from_a leaves an error of a few 2^-53 = 1e-16 of that
+  // length. A radial vector of less than 1e-14 of it could owe its direction to that error.
   if (!(length > 1e-14 * norm(from_a))) return {p, false};
   const Vec3d middle = along(a.center, plane, axis);
   return {along(middle, std::sqrt(circle_square) / length, radial), true};
 }
 
-// That of the two points common to three spheres which lies on p's side of the plane of their
-// centres. Not found where there is none.
+// The nearest corner of three spheres: of the two points that they have in common, the one on p's
+// side of the plane of their centres. Not found if they have none, or if the centres are collinear.
+//
+// Let x be measured from a's centre, and let u and v be the vectors to the other two centres.
+// Points of equal power satisfy the two equations dot(x, u) = bu and dot(x, v) = bv. Cramer's rule
+// gives `foot`, their solution in the plane of the centres. The corners lie above and below it, at
+// the height sqrt(ra^2 - |foot|^2).
 VDWMESH_HD inline FoundPoint nearest_corner(const Sphere& a, const Sphere& b, const Sphere& c,
                                             const Vec3d& p) {
   using std::fma;
   const Vec3d u = b.center - a.center, v = c.center - a.center;
   const Vec3d across = cross(u, v);
-  const double det = squared_norm(across);
+  const double det = squared_norm(across);  // = uu vv - uv^2, the determinant of the equations
   if (!(det > 0)) return {p, false};
   const double uu = squared_norm(u), vv = squared_norm(v), uv = dot(u, v);
   const double bu = 0.5 * (uu + (a.radius - b.radius) * (a.radius + b.radius));
@@ -77,12 +87,13 @@ VDWMESH_HD inline FoundPoint nearest_corner(const Sphere& a, const Sphere& b, co
 }
 
 struct NearestBall {
-  double gap;           // d - r of it, Å
-  std::uint32_t place;  // in the list
+  double gap;           // its d - r, Å
+  std::uint32_t place;  // its list place
   bool found;
 };
 
-// The ball of least d - r among those that come within `margin` (Å) of p; ties: lowest rank.
+// The ball of least d - r among those with d - r of at most `margin` (Å). Ties go to the lowest
+// rank.
 VDWMESH_HD inline NearestBall nearest_ball_within(const CellListView& list, const Vec3d& p,
                                                   double margin) {
   const Vec3d lower{p.x - margin, p.y - margin, p.z - margin};
@@ -91,7 +102,9 @@ VDWMESH_HD inline NearestBall nearest_ball_within(const CellListView& list, cons
   visit_near_box(list, lower, upper, [&](std::uint32_t place) {
     const Sphere& ball = list.spheres[place];
     const double square = squared_distance(p, ball.center);
-    // Spares most square roots; the slack is many times their rounding, so no tie is lost.
+    // Rejects most balls without a square root: d - r exceeds the least so far if d > gap + r. The
+    // relative slack of 1e-12 is thousands of times the rounding of the squares (2^-53 = 1e-16), so
+    // no better ball is lost.
     const double most = best.gap + ball.radius;
     if (most < 0 || square > most * most * (1 + 1e-12)) return false;
     const double g = std::sqrt(square) - ball.radius;
@@ -102,16 +115,16 @@ VDWMESH_HD inline NearestBall nearest_ball_within(const CellListView& list, cons
   return best;
 }
 
-// The same over all balls within `reach`. Most queries come from inside the union or from its
-// boundary, where the balls that hold p are all that matter: the wide search waits until the one
-// within `near` finds none.
+// The same for all balls with d - r of at most `reach`, in two searches. Most queries come from
+// inside the union or from its boundary. Then there is a ball within the smaller margin `near`, and
+// the narrow search finds the answer. The wide search runs only if it finds none.
 VDWMESH_HD inline NearestBall nearest_ball(const CellListView& list, const Vec3d& p, double near,
                                            double reach) {
   const NearestBall best = nearest_ball_within(list, p, near);
   return best.found ? best : nearest_ball_within(list, p, reach);
 }
 
-// Whether a comes before b in canonical order (x, y, z, r), which breaks exact ties.
+// Whether a comes before b in the canonical order (x, y, z, r). Equal spheres precede neither way.
 VDWMESH_HD inline bool precedes(const Sphere& a, const Sphere& b) {
   if (a.center.x != b.center.x) return a.center.x < b.center.x;
   if (a.center.y != b.center.y) return a.center.y < b.center.y;

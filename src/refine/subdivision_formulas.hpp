@@ -1,7 +1,8 @@
-// Midpoint subdivision of one triangle, its labels, normals and orientation, for host and device.
+// Midpoint subdivision of one triangle: indices, labels, normals, orientation. For host and device.
 //
-// Triangle t with corners v0 v1 v2 and midpoints m_k on its half-edges 3t + k becomes
-// 4t + k = (v_k, m_k, m_(k+2)) for k = 0, 1, 2 and 4t + 3 = (m0, m1, m2).
+// Triangle t has the corners v0, v1, v2, and midpoint m_k halves its half-edge 3t + k. Its children
+// are the triangles 4t + k = (v_k, m_k, m_(k+2)) for k = 0, 1, 2, one at each corner, and the
+// middle triangle 4t + 3 = (m0, m1, m2). Indices of corners and midpoints are modulo 3.
 #pragma once
 
 #include <cmath>
@@ -16,14 +17,15 @@ namespace vdwmesh {
 
 VDWMESH_HD constexpr int previous_corner(int k) { return k == 0 ? 2 : k - 1; }
 
-// Corners of the four triangles, in terms of those of the parent: 0, 1, 2 its corners, 3, 4, 5 its
-// midpoints.
+// Corner k of child `child`, as an index into a patch of six vertices: 0, 1, 2 are the corners of
+// the parent, 3, 4, 5 its midpoints m0, m1, m2.
 VDWMESH_HD constexpr int child_corner(int child, int k) {
   if (child == 3) return 3 + k;
   return k == 0 ? child : (k == 1 ? 3 + child : 3 + previous_corner(child));
 }
 
-// Half-edge h = 3t + k is halved: the first half leaves its start, the second reaches its end.
+// The half-edges of the children into which the parent's half-edge h = 3t + k is split: the first
+// half runs from v_k to m_k and belongs to child k, the second from m_k to v_(k+1) in child k + 1.
 VDWMESH_HD constexpr std::uint32_t first_half(std::uint32_t h) {
   const std::uint32_t t = h / 3, k = h % 3;
   return 3 * (4 * t + k);
@@ -33,9 +35,10 @@ VDWMESH_HD constexpr std::uint32_t second_half(std::uint32_t h) {
   return 3 * (4 * t + (k == 2 ? 0 : k + 1)) + 2;
 }
 
-// Writes the opposites of half-edge h's two halves and of the pair of half-edges that cut the
-// corner at its start. `own` are the twelve entries of the children of h's triangle; over its three
-// half-edges each is written once.
+// Writes four of the twelve opposites of the children of one triangle: for the two halves of the
+// triangle's half-edge h = 3t + k, and for the two half-edges between child k and the middle child.
+// Three calls, one for each half-edge of the triangle, write each of the twelve entries once. `own`
+// points to the twelve entries.
 VDWMESH_HD inline void write_child_opposites(std::uint32_t h, std::uint32_t opposite_of_h,
                                              std::uint32_t* own) {
   const std::uint32_t k = h % 3, base = 12 * (h / 3);
@@ -47,10 +50,11 @@ VDWMESH_HD inline void write_child_opposites(std::uint32_t h, std::uint32_t oppo
   own[inner] = base + outer;
 }
 
-// The same bits from either end.
+// The middle of the edge from a to b. Addition commutes, so b and a give the same bits.
 VDWMESH_HD inline Vec3d midpoint(const Vec3d& a, const Vec3d& b) { return 0.5 * (a + b); }
 
-// Which of two spheres (either may be kNoSphere) is nearer to p by d - r; ties: canonical order.
+// The sphere of a and b whose d - r at p is less. Either may be kNoSphere; the other one wins then.
+// Ties go to the first in canonical order, and between equal spheres to the lower id.
 VDWMESH_HD inline SphereId nearer_sphere(const Sphere* spheres, SphereId a, SphereId b,
                                          const Vec3d& p) {
   if (a == b || b == kNoSphere) return a;
@@ -62,7 +66,7 @@ VDWMESH_HD inline SphereId nearer_sphere(const Sphere* spheres, SphereId a, Sphe
   return a < b ? a : b;
 }
 
-// A unit vector, or +z for a vector without direction: a normal must be something.
+// v divided by its length. The zero vector gives +z, so that every normal has unit length.
 VDWMESH_HD inline Vec3f unit_normal(const Vec3d& v) {
   const double length = norm(v);
   if (!(length > 0)) return {0, 0, 1};
@@ -78,30 +82,37 @@ VDWMESH_HD inline Vec3d outward(const Sphere& s, const Vec3d& p) {
   return scale * out;
 }
 
-// Outward normal of a sphere at a point of it.
+// The outward unit normal of a sphere at its point p.
 VDWMESH_HD inline Vec3f sphere_normal(const Sphere& s, const Vec3d& p) {
   return unit_normal(p - s.center);
 }
 
-// Normal of the union's boundary at a vertex: that of its sphere; on a circle or corner the mean of
-// the outward normals of the spheres that meet there, each once: the middle of the directions that
-// the crease spans, whatever triangles lie around it. Opposite normals (balls in point contact)
-// leave the first sphere's.
+// The unit normal of the union's boundary at vertex p with the given label. On one sphere it is the
+// normal of that sphere. On a circle or corner, where the boundary has a crease, it has the
+// direction of the sum of the normals of the spheres that meet there. It depends on the label
+// alone, not on the triangles around p. If the normals cancel, which happens if two balls touch in
+// one point, it is the normal of the first sphere.
 VDWMESH_HD inline Vec3f union_normal(const Sphere* spheres, const SphereId* label, const Vec3d& p) {
   if (label[0] != kNoSphere && label[1] == kNoSphere) {
     return sphere_normal(spheres[label[0]], p);
   }
   Vec3d sum{0, 0, 0};
   for (int i = 0; i < 3 && label[i] != kNoSphere; ++i) sum = sum + outward(spheres[label[i]], p);
+  // Unit vectors have rounding errors of about 1e-16. A sum longer than sqrt(1e-12) = 1e-6 has a
+  // direction that is right to about 1e-10; a shorter one counts as cancelled.
   if (!(squared_norm(sum) > 1e-12) && label[0] != kNoSphere) sum = outward(spheres[label[0]], p);
   return unit_normal(sum);
 }
 
-// How a triangle stands to the outward normals of its atoms.
+// Whether a triangle faces the way its atoms' outward normals point. If it does not, the other two
+// values say whether its corners have one atom or several.
 enum class Facing : std::uint8_t { outward, against_one_atom, against_several_atoms };
 
-// A triangle of one atom is measured against the atom's normal at its centroid, one of several
-// against the mean of their normals at its corners, outward_at(k). Without atoms it faces outward.
+// Compares the normal of triangle p[0..2], by winding, with the outward direction at it. `atom` has
+// the atoms of the corners. If they are one atom, the outward direction is the vector from its
+// centre to the centroid of the triangle, here times three. If they differ, it is the sum of the
+// unit normals outward_at(k) at the corners. A triangle with a corner without an atom counts as
+// facing outward.
 template <class OutwardAt>
 VDWMESH_HD inline Facing facing(const Sphere* spheres, const Vec3d* p, const SphereId* atom,
                                 const OutwardAt& outward_at) {
@@ -115,6 +126,7 @@ VDWMESH_HD inline Facing facing(const Sphere* spheres, const Vec3d* p, const Sph
   const Vec3d out = (outward_at(0) + outward_at(1)) + outward_at(2);
   return dot(area, out) < 0 ? Facing::against_several_atoms : Facing::outward;
 }
+// The same, with the unit normals computed from the atoms.
 VDWMESH_HD inline Facing facing(const Sphere* spheres, const Vec3d* p, const SphereId* atom) {
   return facing(spheres, p, atom, [=](int k) { return outward(spheres[atom[k]], p[k]); });
 }

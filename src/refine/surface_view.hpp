@@ -1,4 +1,6 @@
-// The surface that a run projects to, as host and device code see it.
+// The surface that a refinement projects to, as host and device code see it: the blended isosurface
+// or the boundary of the union of the balls. TargetSurface (refine/target_surface.hpp) owns the
+// arrays on the host, DeviceSurface (cuda/refine/device_refinement.cuh) on a device.
 #pragma once
 
 #include <cmath>
@@ -12,20 +14,22 @@
 
 namespace vdwmesh {
 
-// Trivially copyable; owns nothing.
+// Trivially copyable, so that it can be passed to kernels by value. It owns nothing.
 struct SurfaceView {
   Projection projection;
-  CellListView list;      // reach = radius for vdw, field_reach() for field
-  FieldModel model;       // of field
-  const Sphere* spheres;  // in the caller's order, as vertex labels name them
+  CellListView list;      // its reach is the radius for vdw, field_reach() for field
+  FieldModel model;       // used for field only
+  const Sphere* spheres;  // by sphere id, as vertex labels name them
 
-  // Moves `start` onto the surface within `reach` (Å). Precondition: projection is not none.
+  // Projects `start` onto the surface, moving it by at most `reach` (Å). Precondition: `projection`
+  // is not none.
   VDWMESH_HD ProjectedPoint project(const Vec3d& start, double reach) const {
     return projection == Projection::field ? project_to_field(list, model, start, reach)
                                            : project_to_union(list, start, reach);
   }
 
-  // Whether a vertex that lies on the surface may keep its label.
+  // Whether a vertex p that lies on the surface may keep its label. For vdw, p must be within
+  // kProjectionTolerance of every sphere that the label names. For a field any atom will do.
   VDWMESH_HD bool on_label(const Vec3d& p, const SphereId* label) const {
     if (label[0] == kNoSphere) return false;
     if (projection == Projection::field) return true;
@@ -37,7 +41,8 @@ struct SurfaceView {
     return true;
   }
 
-  // Unit outward normal at a vertex of the surface.
+  // The unit outward normal at vertex p of the surface. A field grows towards the atoms, so its
+  // outward direction is against the gradient; if the gradient is zero, the label decides.
   VDWMESH_HD Vec3f normal(const Vec3d& p, const SphereId* label) const {
     if (projection == Projection::field) {
       const FieldSample sample = sample_field(list, model, p);

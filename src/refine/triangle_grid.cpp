@@ -1,3 +1,6 @@
+// Builds the grid in passes over all triangles: the extent and the mean width of their boxes, then
+// the number of entries per cell, a prefix sum, and the entries. Each pass computes the boxes anew,
+// which saves the memory that they would take.
 #include "refine/triangle_grid.hpp"
 
 #include <tbb/blocked_range.h>
@@ -13,13 +16,13 @@
 namespace vdwmesh {
 namespace {
 
-// In units of the mean width of a triangle's bounds: a triangle stands in about three cells, and a
-// cell holds about ten.
+// The width of a cell, in units of the mean width of a triangle's box. With 1 a triangle has about
+// three entries, and a cell that the surface crosses has about ten.
 constexpr double kCellWidth = 1;
 
 struct Extent {
-  Bounds all = no_bounds();
-  double width_sum = 0;
+  Bounds all = no_bounds();  // holds the boxes of all triangles
+  double width_sum = 0;      // the sum of their widths, Å
 };
 
 Extent join(Extent a, const Extent& b) {
@@ -31,6 +34,7 @@ Extent join(Extent a, const Extent& b) {
   return a;
 }
 
+// The longest side of the box.
 double width(const Bounds& box) {
   return std::max(
       {box.upper.x - box.lower.x, box.upper.y - box.lower.y, box.upper.z - box.lower.z});
@@ -39,7 +43,8 @@ double width(const Bounds& box) {
 template <class Level>
 Extent extent_of(const Level& level) {
   const tbb::blocked_range<std::size_t> patches(0, level.patches(), kBlock);
-  // The sum is not exact, so the blocks must be the same on every run.
+  // The sum of widths is rounded, and depends on how the range is cut. The deterministic reduction
+  // cuts it alike on every run, for any number of threads.
   return tbb::parallel_deterministic_reduce(
       patches, Extent{},
       [&](const auto& range, Extent total) {
@@ -55,8 +60,8 @@ Extent extent_of(const Level& level) {
       join);
 }
 
-// From `lower` to `upper` in cells. Halves, because the whole way may overflow; being exact, they
-// change nothing else.
+// (upper - lower) / cell. The difference of two large doubles may overflow; the difference of their
+// halves cannot. Halving is exact, so it does not change the result otherwise.
 double in_cells(double lower, double upper, double cell) {
   return (0.5 * upper - 0.5 * lower) / (0.5 * cell);
 }
@@ -76,19 +81,28 @@ Bounds no_bounds() {
   return {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 }
 
+// The index, along one axis, of the cell that holds the coordinate. Every coordinate lies within
+// the box of all triangles, and the clamping only catches rounding at its ends. Rounding keeps the
+// order of coordinates, so a point of a box never falls in a cell before or behind the cells of the
+// box.
 std::uint32_t TriangleGrid::cell_along(int axis, double coordinate) const {
   const double place = std::max(in_cells(origin_[axis], coordinate, cell_), 0.0);
   return std::min(static_cast<std::uint32_t>(place), cells_[static_cast<std::size_t>(axis)] - 1);
 }
 
+// Sets the origin and the width of the cells, and returns the box of all triangles. The width
+// starts at the mean width of a triangle and grows until the grid has few enough cells. The loop
+// ends, since the width grows by 1 % at least in each turn, and a grid with cells wider than the
+// box has one cell.
 template <class Level>
 Bounds TriangleGrid::choose_cells(const Level& level) {
   const double triangles = static_cast<double>(level.patches() * Level::kTriangles);
   const Extent extent = extent_of(level);
   origin_ = extent.all.lower;
+  // The lower bound avoids a division by zero if every triangle is a point.
   cell_ = std::max(kCellWidth * extent.width_sum / triangles, 1e-100);
   const double most = std::max(64.0, 2 * triangles);
-  constexpr double kWiden = 1e30;  // where the number of cells overflows
+  constexpr double kWiden = 1e30;  // growth while the number of cells overflows a double
   for (double total; !((total = cells_in(extent.all, cell_)) <= most);) {
     cell_ *= std::isfinite(total) ? std::max(1.01, std::cbrt(total / most)) : kWiden;
   }
@@ -102,7 +116,7 @@ void TriangleGrid::set_cells(const Bounds& all) {
   }
 }
 
-// visit(triangle, cell) for each cell of each triangle, from many threads.
+// Calls visit(triangle, cell) for every entry, from many threads at once.
 template <class Level, class Visit>
 void TriangleGrid::visit_all(const Level& level, const Visit& visit) const {
   for_all(level.patches(), [&](std::size_t patch) {
@@ -115,7 +129,8 @@ void TriangleGrid::visit_all(const Level& level, const Visit& visit) const {
   });
 }
 
-// Leaves in `start_` how many triangles stand in each cell.
+// Writes the number of entries of each cell to start_, and returns their sum. The sum has 64 bits,
+// because it may exceed what offsets of 32 bits can hold.
 template <class Level>
 std::uint64_t TriangleGrid::count_entries(const Level& level) {
   start_.assign(std::size_t{cells_[0]} * cells_[1] * cells_[2] + 1, 0);
@@ -129,14 +144,15 @@ template <class Level>
 TriangleGrid::TriangleGrid(const Level& level, std::uint64_t most_entries) {
   const Bounds all = level.patches() > 0 ? choose_cells(level) : Bounds{};
   set_cells(all);
-  // In one cell all triangles stand once.
+  // Cells of twice the width have fewer entries; one cell has one entry per triangle.
   while (count_entries(level) > most_entries && start_.size() > 2) {
     cell_ *= 2;
     set_cells(all);
   }
   std::inclusive_scan(start_.begin(), start_.end(), start_.begin());
   triangles_.resize(start_.back());
-  // Filled from the back, so that `start_` ends up at the first of each cell.
+  // After the prefix sum start_[c] is the end of cell c. Each cell is filled from its end, so
+  // start_[c] arrives at the cell's first entry.
   visit_all(level, [&](std::uint32_t t, std::size_t cell) {
     triangles_[std::atomic_ref(start_[cell]).fetch_sub(1, std::memory_order_relaxed) - 1] = t;
   });

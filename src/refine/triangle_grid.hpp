@@ -1,4 +1,5 @@
-// Triangles of a level binned by place, to find those that may cross.
+// A uniform grid over the triangles of a level, to find pairs that may cross without testing all
+// pairs. BadMoves builds one per level.
 #pragma once
 
 #include <algorithm>
@@ -12,12 +13,15 @@
 
 namespace vdwmesh {
 
+// An axis-parallel box, Å.
 struct Bounds {
   Vec3d lower, upper;
 };
+// The empty box: every point extends it.
 Bounds no_bounds();
 
-// The box of where the vertices of a patch's triangle were and are: it holds the triangle whichever
+// The bounding box of triangle `child` of a patch with vertices v, before and after the moves of
+// its vertices. A triangle lies in the hull of its vertices, so the box holds it whichever of these
 // moves are taken back.
 template <class Level>
 Bounds bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVertices>& v,
@@ -37,15 +41,17 @@ Bounds bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVer
   return box;
 }
 
-// A uniform grid with at most two cells per triangle. Each triangle stands in every cell that its
-// bounds touch, so two triangles that cross, whatever is taken back, share a cell. Within a cell
-// the order depends on the threads.
+// A uniform grid with at most two cells per triangle (or 64 cells). Each triangle is listed in
+// every cell that its bounds touch. Two triangles that cross have overlapping bounds, whichever
+// moves are taken back, and so both are listed in the cell of any point common to the bounds. The
+// order of the triangles within a cell depends on the threads.
 class TriangleGrid {
  public:
-  // The most entries that there is room for: how often triangles stand in cells.
+  // An entry is one listing of a triangle in a cell. Offsets of entries must fit 32 bits.
   static constexpr std::uint64_t kMostEntries = std::numeric_limits<std::uint32_t>::max();
 
-  // Cells grow until there are at most `most_entries`. Precondition: no more triangles than that.
+  // Enlarges the cells until there are at most `most_entries` entries. Precondition: the level has
+  // no more triangles than that; in a grid of one cell each triangle has one entry.
   template <class Level>
   explicit TriangleGrid(const Level& level, std::uint64_t most_entries = kMostEntries);
 
@@ -54,6 +60,7 @@ class TriangleGrid {
     return {triangles_.data() + start_[cell], triangles_.data() + start_[cell + 1]};
   }
 
+  // Calls visit(cell) for every cell that the box touches.
   template <class Visit>
   void visit_cells(const Bounds& box, const Visit& visit) const {
     std::array<std::uint32_t, 3> low, high;
@@ -79,11 +86,12 @@ class TriangleGrid {
   template <class Level>
   std::uint64_t count_entries(const Level& level);
 
-  Vec3d origin_{0, 0, 0};
-  double cell_ = 1;  // Å
-  std::array<std::uint32_t, 3> cells_{1, 1, 1};
-  Buffer<std::uint32_t> start_;      // of each cell, and the end
-  Buffer<std::uint32_t> triangles_;  // by cell
+  Vec3d origin_{0, 0, 0};                        // lower corner of cell 0, Å
+  double cell_ = 1;                              // width of a cell, Å
+  std::array<std::uint32_t, 3> cells_{1, 1, 1};  // along x, y, z
+  // Compressed sparse rows: cell c lists the triangles_ from start_[c] to start_[c + 1].
+  Buffer<std::uint32_t> start_;
+  Buffer<std::uint32_t> triangles_;
 };
 
 extern template TriangleGrid::TriangleGrid(const Given&, std::uint64_t);
