@@ -45,8 +45,9 @@ std::optional<CrossingFinder> finder_for(const Level& level, const LevelPasses& 
   return make_crossing_finder(level, stream);
 }
 
-void clear_marks(const FatesView& fates, const Stream& stream) {
-  check_cuda(cudaMemsetAsync(fates.marked, 0, sizeof(*fates.marked), stream.get()), "marks");
+void clear_marks(const MoveStatesView& move_states, const Stream& stream) {
+  check_cuda(cudaMemsetAsync(move_states.marked, 0, sizeof(*move_states.marked), stream.get()),
+             "marks");
 }
 
 // ---- level 0 ----
@@ -54,19 +55,20 @@ void clear_marks(const FatesView& fates, const Stream& stream) {
 // Marks the moved vertices of triangles that their moves turned against their one atom. One thread
 // per triangle. After the first pass only triangles with a vertex that was just put back are
 // tested; the others have not changed.
-__global__ void mark_turned(SurfaceView surface, GivenLevel level, FatesView fates, int pass) {
+__global__ void mark_turned(SurfaceView surface, GivenLevel level, MoveStatesView move_states,
+                            int pass) {
   const std::uint64_t t = thread_index();
   if (t >= level.patches()) return;
   std::uint32_t vertex[3];
-  bool moved = false, taken_back = false;
+  bool moved = false, just_undone = false;
   for (int i = 0; i < 3; ++i) {
     vertex[i] = level.vertex(t, i);
-    const Fate fate = fates.of(vertex[i]);
-    moved |= fate == Fate::moved || fate == Fate::taking_back;
-    taken_back |= fate == Fate::taken_back;
+    const MoveState state = move_states.of(vertex[i]);
+    moved |= state == MoveState::moved || state == MoveState::to_undo;
+    just_undone |= state == MoveState::just_undone;
   }
   // Only a move can have turned a triangle.
-  if (!moved || (pass > 0 && !taken_back)) return;
+  if (!moved || (pass > 0 && !just_undone)) return;
   Vec3d now[3], before[3];
   SphereId atom[3];
   for (int k = 0; k < 3; ++k) {
@@ -76,28 +78,28 @@ __global__ void mark_turned(SurfaceView surface, GivenLevel level, FatesView fat
   }
   if (facing(surface.spheres, now, atom) != Facing::against_one_atom) return;
   if (facing(surface.spheres, before, atom) != Facing::outward) return;
-  for (int k = 0; k < 3; ++k) fates.mark(vertex[k]);
+  for (int k = 0; k < 3; ++k) move_states.mark(vertex[k]);
 }
 
 // Puts the marked vertices back and adds their number to `count`. One thread per vertex.
-__global__ void restore_marked(SurfaceView surface, GivenLevel level, Fate* fates,
+__global__ void restore_marked(SurfaceView surface, GivenLevel level, MoveState* move_states,
                                unsigned long long* count) {
   const std::uint64_t v = thread_index();
   if (v >= level.given.vertices) return;
-  Fate& fate = fates[v];
-  if (fate == Fate::taken_back) fate = Fate::stayed;
-  if (fate != Fate::taking_back) return;
-  fate = Fate::taken_back;
+  MoveState& state = move_states[v];
+  if (state == MoveState::just_undone) state = MoveState::stayed;
+  if (state != MoveState::to_undo) return;
+  state = MoveState::just_undone;
   level.take_back(surface, v);
   atomicAdd(count, 1ull);
 }
 
 // ---- midpoints ----
 
-struct IsTakingBack {
-  const Fate* fates;
+struct IsToUndo {
+  const MoveState* move_states;
   __host__ __device__ bool operator()(std::uint32_t edge) const {
-    return fates[edge] == Fate::taking_back;
+    return move_states[edge] == MoveState::to_undo;
   }
 };
 
@@ -109,8 +111,8 @@ struct EdgeList {
 };
 
 // The edges of all marked midpoints, found by a search over all states. This is the fallback if the
-// list of FatesView had no room for all of them.
-DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const Fate* fates,
+// list of MoveStatesView had no room for all of them.
+DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const MoveState* move_states,
                                          std::uint64_t marked, const Stream& stream) {
   DeviceArray<std::uint32_t> list(marked, stream.get());
   const DeviceArray<std::uint64_t> count(1, stream.get());
@@ -118,8 +120,8 @@ DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const Fate*
   run_cub("list of marks", stream.get(), [&](void* scratch, std::size_t& bytes) {
     return cub::DeviceSelect::If(
         scratch, bytes, all, list.data(), count.data(),
-        static_cast<std::int64_t>(level.mesh.vertices - level.parent.vertices), IsTakingBack{fates},
-        stream.get());
+        static_cast<std::int64_t>(level.mesh.vertices - level.parent.vertices),
+        IsToUndo{move_states}, stream.get());
   });
   return list;
 }
@@ -132,25 +134,26 @@ struct ListedPatch {
   std::uint64_t t;  // parent triangle
   bool has;
 };
-__device__ ListedPatch listed_patch(const MidpointLevel& level, const FatesView& fates,
-                                    const std::uint32_t* edges, std::uint64_t count, Fate fate) {
+__device__ ListedPatch listed_patch(const MidpointLevel& level, const MoveStatesView& move_states,
+                                    const std::uint32_t* edges, std::uint64_t count,
+                                    MoveState state) {
   const std::uint64_t i = thread_index();
   if (i >= 2 * count) return {0, false};
   std::uint64_t h = level.edges.half_edge(edges[i / 2]);
   if (i % 2 != 0) h = level.parent.opposite[h];
   const std::uint64_t t = h / 3;
   for (std::uint64_t before = 3 * t; before < h; ++before) {
-    if (fates.of(level.midpoint_of(before)) == fate) return {t, false};
+    if (move_states.of(level.midpoint_of(before)) == state) return {t, false};
   }
   return {t, true};
 }
 
 // Subtracts the turned children of the patches at listed edges from the count, before their
 // vertices go back. Two threads per edge. judge_listed() counts the same patches again afterwards.
-__global__ void discount_turned(SurfaceView surface, MidpointLevel level, FatesView fates,
-                                const std::uint32_t* edges, std::uint64_t count,
-                                DeviceStats* stats) {
-  const ListedPatch listed = listed_patch(level, fates, edges, count, Fate::taking_back);
+__global__ void discount_turned(SurfaceView surface, MidpointLevel level,
+                                MoveStatesView move_states, const std::uint32_t* edges,
+                                std::uint64_t count, DeviceStats* stats) {
+  const ListedPatch listed = listed_patch(level, move_states, edges, count, MoveState::to_undo);
   if (!listed.has) return;
   ParentPatch patch;
   load_vertices(level, listed.t, patch);
@@ -162,7 +165,7 @@ __global__ void discount_turned(SurfaceView surface, MidpointLevel level, FatesV
 
 // Puts the midpoints of the listed edges back into the middle of their edges, and recomputes their
 // normals if the mesh has any. One thread per edge.
-__global__ void restore_listed(SurfaceView surface, MidpointLevel level, Fate* fates,
+__global__ void restore_listed(SurfaceView surface, MidpointLevel level, MoveState* move_states,
                                const std::uint32_t* edges, std::uint64_t count) {
   const std::uint64_t i = thread_index();
   if (i >= count) return;
@@ -172,14 +175,14 @@ __global__ void restore_listed(SurfaceView surface, MidpointLevel level, Fate* f
     const VertexSpheres label = level.mesh.vertex_spheres[v];
     level.mesh.normals[v] = surface.normal(level.mesh.positions[v], ids(label));
   }
-  fates[edges[i]] = Fate::taken_back;
+  move_states[edges[i]] = MoveState::just_undone;
 }
 
 // Tests the patches at listed edges once more: counts their turned children, renews their safe
 // marks and marks further bad moves for the next pass. Two threads per edge.
-__global__ void judge_listed(SurfaceView surface, MidpointLevel level, FatesView fates,
+__global__ void judge_listed(SurfaceView surface, MidpointLevel level, MoveStatesView move_states,
                              const std::uint32_t* edges, std::uint64_t count, DeviceStats* stats) {
-  const ListedPatch listed = listed_patch(level, fates, edges, count, Fate::taken_back);
+  const ListedPatch listed = listed_patch(level, move_states, edges, count, MoveState::just_undone);
   if (!listed.has) return;
   ParentPatch patch;
   load_vertices(level, listed.t, patch);
@@ -191,13 +194,14 @@ __global__ void judge_listed(SurfaceView surface, MidpointLevel level, FatesView
   if (level.marks.child_safe != nullptr) {
     level.marks.child_safe[listed.t] = static_cast<std::uint8_t>(facing.safe);
   }
-  mark_turned_children(surface, level, listed.t, patch, facing.against_one_atom, fates);
+  mark_turned_children(surface, level, listed.t, patch, facing.against_one_atom, move_states);
 }
 
 // Gives the midpoints of the listed edges the state `stayed`. One thread per edge.
-__global__ void settle_listed(Fate* fates, const std::uint32_t* edges, std::uint64_t count) {
+__global__ void settle_listed(MoveState* move_states, const std::uint32_t* edges,
+                              std::uint64_t count) {
   const std::uint64_t i = thread_index();
-  if (i < count) fates[edges[i]] = Fate::stayed;
+  if (i < count) move_states[edges[i]] = MoveState::stayed;
 }
 
 // Puts the listed midpoints back and tests their patches again. Three kernels, because every patch
@@ -207,21 +211,21 @@ void take_back_listed(const MidpointLevel& level, const LevelPasses& passes, con
                       const Stream& stream) {
   const std::uint32_t* const edges = list.edges;
   const unsigned sides = blocks_for(2 * list.count, kThreads);
-  discount_turned<<<sides, kThreads, 0, stream.get()>>>(passes.surface, level, passes.fates, edges,
-                                                        list.count, passes.stats);
+  discount_turned<<<sides, kThreads, 0, stream.get()>>>(passes.surface, level, passes.move_states,
+                                                        edges, list.count, passes.stats);
   check_launch("discount_turned");
   restore_listed<<<blocks_for(list.count, kThreads), kThreads, 0, stream.get()>>>(
-      passes.surface, level, passes.fates.fates, edges, list.count);
+      passes.surface, level, passes.move_states.move_states, edges, list.count);
   check_launch("restore_listed");
-  judge_listed<<<sides, kThreads, 0, stream.get()>>>(passes.surface, level, passes.fates, edges,
-                                                     list.count, passes.stats);
+  judge_listed<<<sides, kThreads, 0, stream.get()>>>(passes.surface, level, passes.move_states,
+                                                     edges, list.count, passes.stats);
   check_launch("judge_listed");
 }
 
-void settle(const EdgeList& list, Fate* fates, const Stream& stream) {
+void settle(const EdgeList& list, MoveState* move_states, const Stream& stream) {
   if (list.count == 0) return;
-  settle_listed<<<blocks_for(list.count, kThreads), kThreads, 0, stream.get()>>>(fates, list.edges,
-                                                                                 list.count);
+  settle_listed<<<blocks_for(list.count, kThreads), kThreads, 0, stream.get()>>>(
+      move_states, list.edges, list.count);
   check_launch("settle_listed");
 }
 
@@ -266,16 +270,16 @@ std::uint64_t take_back_bad_moves(const GivenLevel& level, const LevelPasses& pa
   clear(restored, stream.get());
   for (int pass = 0;; ++pass) {
     advance(passes.monitor, 0);
-    clear_marks(passes.fates, stream);
+    clear_marks(passes.move_states, stream);
     if (level.patches() > 0) {
       mark_turned<<<blocks_for(level.patches(), kThreads), kThreads, 0, stream.get()>>>(
-          passes.surface, level, passes.fates, pass);
+          passes.surface, level, passes.move_states, pass);
       check_launch("mark_turned");
     }
-    if (finder) finder->mark(level.mesh, passes.fates, pass);
-    if (fetch(passes.fates.marked, stream) == 0) return fetch(restored.data(), stream);
+    if (finder) finder->mark(level.mesh, passes.move_states, pass);
+    if (fetch(passes.move_states.marked, stream) == 0) return fetch(restored.data(), stream);
     restore_marked<<<blocks_for(level.given.vertices, kThreads), kThreads, 0, stream.get()>>>(
-        passes.surface, level, passes.fates.fates, restored.data());
+        passes.surface, level, passes.move_states.move_states, restored.data());
     check_launch("restore_marked");
   }
 }
@@ -286,26 +290,26 @@ std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses&
   LevelPasses now = passes;
   // Two lists take turns: one holds the edges whose midpoints go back, while the other collects the
   // marks of the next pass.
-  const DeviceArray<std::uint32_t> spare(passes.fates.room, stream.get());
+  const DeviceArray<std::uint32_t> spare(passes.move_states.room, stream.get());
   std::uint32_t* other = spare.data();
   DeviceArray<std::uint32_t> searched;
   EdgeList last;
   std::uint64_t undone = 0;
   for (int pass = 0;; ++pass) {
     advance(passes.monitor, 0);
-    if (finder) finder->mark(level.mesh, now.fates, pass);
-    const std::uint64_t marked = fetch(now.fates.marked, stream);
+    if (finder) finder->mark(level.mesh, now.move_states, pass);
+    const std::uint64_t marked = fetch(now.move_states.marked, stream);
     // The finder has looked at the vertices put back by the previous pass: they are done.
-    settle(last, now.fates.fates, stream);
+    settle(last, now.move_states.move_states, stream);
     if (marked == 0) return undone;
-    last = {now.fates.list, marked};
-    if (marked > now.fates.room) {
-      searched = search_marked(level, now.fates.fates, marked, stream);
+    last = {now.move_states.list, marked};
+    if (marked > now.move_states.room) {
+      searched = search_marked(level, now.move_states.move_states, marked, stream);
       last.edges = searched.data();
     }
     undone += marked;
-    std::swap(now.fates.list, other);
-    clear_marks(now.fates, stream);
+    std::swap(now.move_states.list, other);
+    clear_marks(now.move_states, stream);
     take_back_listed(level, now, last, stream);
   }
 }

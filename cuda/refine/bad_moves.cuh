@@ -10,7 +10,7 @@ namespace vdwmesh {
 // The arguments that all passes over a level share.
 struct LevelPasses {
   SurfaceView surface;
-  FatesView fates;
+  MoveStatesView move_states;
   DeviceStats* stats;   // in device memory
   Crossings crossings;  // whether crossing triangles are left alone
   Monitor* monitor;     // asked before each pass whether the run is cancelled; may be null
@@ -26,8 +26,8 @@ std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses&
                                   const Stream& stream);
 
 // Writes the corners, labels and half-edges of all child triangles. Then counts the children that
-// do not face outward, and marks the moves that turned them. passes.fates.fates is null if no
-// vertex can have moved; nothing is marked then.
+// do not face outward, and marks the moves that turned them. passes.move_states.move_states is null
+// if no vertex can have moved; nothing is marked then.
 void make_children_on_device(const MidpointLevel& level, const LevelPasses& passes,
                              const Stream& stream);
 

@@ -133,16 +133,16 @@ __device__ void load_places(const DeviceMeshView& mesh, Corners& c) {
 
 // Whether a vertex of a triangle is where the projection moved it, and whether one was just put
 // back.
-struct TriangleFate {
-  bool away, taken_back;
+struct TriangleState {
+  bool away, just_undone;
 };
 
-__device__ TriangleFate fate_of(const FatesView& fates, const std::uint32_t* vertex) {
-  TriangleFate triangle{false, false};
+__device__ TriangleState state_of(const MoveStatesView& move_states, const std::uint32_t* vertex) {
+  TriangleState triangle{false, false};
   for (int k = 0; k < 3; ++k) {
-    const Fate fate = fates.of(vertex[k]);
-    triangle.away |= fate == Fate::moved || fate == Fate::taking_back;
-    triangle.taken_back |= fate == Fate::taken_back;
+    const MoveState state = move_states.of(vertex[k]);
+    triangle.away |= state == MoveState::moved || state == MoveState::to_undo;
+    triangle.just_undone |= state == MoveState::just_undone;
   }
   return triangle;
 }
@@ -179,13 +179,13 @@ __device__ bool is_crossing(const Corners& a, const Corners& b) {
 // triangle was just put back. Other threads may mark vertices meanwhile: a marked vertex still
 // counts as away, so the outcome does not depend on their order.
 __global__ void mark_crossed(CrossingGrid grid, const FloatBox* boxes, DeviceMeshView mesh,
-                             FatesView fates, int pass) {
+                             MoveStatesView move_states, int pass) {
   const std::uint64_t t = thread_index();
   if (t >= mesh.triangles) return;
   Corners mine;
   load_vertices(mesh, t, mine.vertex);
-  const TriangleFate fate = fate_of(fates, mine.vertex);
-  if (pass > 0 && !fate.taken_back) return;
+  const TriangleState state = state_of(move_states, mine.vertex);
+  if (pass > 0 && !state.just_undone) return;
   load_places(mesh, mine);
   const FloatBox box = boxes[t];
   visit_cells(grid, box, [&](std::uint64_t cell, const Place& place) {
@@ -196,12 +196,12 @@ __global__ void mark_crossed(CrossingGrid grid, const FloatBox* boxes, DeviceMes
       if (!overlap(box, other_box) || !is_first_shared(grid, place, box, other_box)) continue;
       Corners theirs;
       load_vertices(mesh, other, theirs.vertex);
-      if (!fate.away && !fate_of(fates, theirs.vertex).away) continue;
+      if (!state.away && !state_of(move_states, theirs.vertex).away) continue;
       load_places(mesh, theirs);
       if (!is_crossing(mine, theirs)) continue;
       for (int k = 0; k < 3; ++k) {
-        fates.mark(mine.vertex[k]);
-        fates.mark(theirs.vertex[k]);
+        move_states.mark(mine.vertex[k]);
+        move_states.mark(theirs.vertex[k]);
       }
     }
   });
@@ -272,10 +272,11 @@ void CrossingFinder::fill() {
   check_launch("fill_cells");
 }
 
-void CrossingFinder::mark(const DeviceMeshView& mesh, const FatesView& fates, int pass) const {
+void CrossingFinder::mark(const DeviceMeshView& mesh, const MoveStatesView& move_states,
+                          int pass) const {
   if (mesh.triangles == 0) return;
   mark_crossed<<<blocks_for(mesh.triangles, kThreads), kThreads, 0, stream_.get()>>>(
-      grid_, boxes_.data(), mesh, fates, pass);
+      grid_, boxes_.data(), mesh, move_states, pass);
   check_launch("mark_crossed");
 }
 

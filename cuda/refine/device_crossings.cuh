@@ -61,7 +61,7 @@ class CrossingFinder {
   // Marks the moved vertices of all pairs of triangles that cross. Pairs without a moved vertex are
   // not tested: a crossing of theirs is the given mesh's own. After pass 0 only pairs with a vertex
   // that was just put back are tested; no other pair has changed.
-  void mark(const DeviceMeshView& mesh, const FatesView& fates, int pass) const;
+  void mark(const DeviceMeshView& mesh, const MoveStatesView& move_states, int pass) const;
 
  private:
   void shape();

@@ -130,8 +130,8 @@ __global__ void __launch_bounds__(kThreads) make_children(MidpointLevel level) {
 // kept. One thread per patch. Counts the turned children, writes safe marks, and marks the moves of
 // the vertices of turned children.
 __global__ void __launch_bounds__(kJudgeThreads)
-    judge_children(SurfaceView surface, MidpointLevel level, FatesView fates, std::uint64_t count,
-                   DeviceStats* stats) {
+    judge_children(SurfaceView surface, MidpointLevel level, MoveStatesView move_states,
+                   std::uint64_t count, DeviceStats* stats) {
   const std::uint64_t i = thread_index();
   unsigned turned = 0;
   if (i < count) {
@@ -144,8 +144,8 @@ __global__ void __launch_bounds__(kJudgeThreads)
     if (level.marks.child_safe != nullptr) {
       level.marks.child_safe[t] = static_cast<std::uint8_t>(facing.safe);
     }
-    if (facing.against_one_atom != 0 && fates.fates != nullptr) {
-      mark_turned_children(surface, level, t, patch, facing.against_one_atom, fates);
+    if (facing.against_one_atom != 0 && move_states.move_states != nullptr) {
+      mark_turned_children(surface, level, t, patch, facing.against_one_atom, move_states);
     }
   }
   turned = __reduce_add_sync(kAllLanes, turned);
@@ -166,7 +166,7 @@ void make_children_on_device(const MidpointLevel& level, const LevelPasses& pass
       level.marks.regular != nullptr ? fetch(level.marks.listed, stream) : level.patches();
   if (count == 0) return;
   judge_children<<<blocks_for(count, kJudgeThreads), kJudgeThreads, 0, stream.get()>>>(
-      passes.surface, level, passes.fates, count, passes.stats);
+      passes.surface, level, passes.move_states, count, passes.stats);
   check_launch("judge_children");
 }
 

@@ -3,9 +3,9 @@
 // For the union of the balls, nearly all midpoints take a short cut: both ends of the edge lie on
 // one ball, and a radial step to its sphere is proved to be the answer by a test in single
 // precision. make_union_midpoints takes it, and lists the midpoints for which it fails;
-// make_hard_midpoints then gives those the full projection. In both kernels a warp takes midpoints
-// that are close together, so that it can gather the few balls near all of them (warp_balls.cuh).
-// The results equal the host's, bit for bit.
+// make_deferred_midpoints then gives those the full projection. In both kernels a warp takes
+// midpoints that are close together, so that it can gather the few balls near all of them
+// (warp_balls.cuh). The results equal the host's, bit for bit.
 #include "cuda/refine/make_vertices.cuh"
 #include "cuda/refine/warp_balls.cuh"
 #include "refine/constraint_formulas.hpp"
@@ -46,15 +46,15 @@ __device__ void interpolate_normal(const MidpointLevel& level, std::uint64_t h, 
 
 // Writes position and label of midpoint v of half-edge h, given the outcome p of its projection,
 // and returns its state. A midpoint whose projection failed goes into the middle of its edge.
-__device__ Fate store_midpoint(const SurfaceView& surface, const MidpointLevel& level,
-                               std::uint64_t h, std::uint32_t v, const ProjectedPoint& p) {
+__device__ MoveState store_midpoint(const SurfaceView& surface, const MidpointLevel& level,
+                                    std::uint64_t h, std::uint32_t v, const ProjectedPoint& p) {
   if (p.outcome != ProjectionOutcome::converged) {
     level.take_back(surface, h, v);
-    return Fate::stayed;
+    return MoveState::stayed;
   }
   level.mesh.positions[v] = p.position;
   level.mesh.vertex_spheres.set(v, make_label(p.spheres));
-  return p.steps > 0 ? Fate::moved : Fate::stayed;
+  return p.steps > 0 ? MoveState::moved : MoveState::stayed;
 }
 
 constexpr unsigned kMostRounds = 4;  // balls are gathered for at most so many times 32 midpoints
@@ -104,20 +104,21 @@ __device__ bool is_regular(const ProjectedPoint& p, SphereId atom_of_ends) {
 
 // Output arrays of the two kernels for the union, beside the mesh.
 struct MidpointOutputs {
-  Fate* fates;  // by edge
+  MoveState* move_states;  // by edge
   // The edges whose midpoints need the full projection, as offsets of their first half-edges into
-  // their run. The list of a run begins at hard[number of the first edge of the run], which leaves
-  // room for all edges of the run, and has hard_count[run] entries.
-  std::uint32_t* hard;
-  std::uint32_t* hard_count;
+  // their run. The list of a run begins at deferred[number of the first edge of the run], which
+  // leaves room for all edges of the run, and has deferred_count[run] entries.
+  std::uint32_t* deferred;
+  std::uint32_t* deferred_count;
 };
 
 // Writes everything about the midpoint of an edge, given the outcome p of its projection.
 __device__ void finish_midpoint(const SurfaceView& surface, const MidpointLevel& level,
                                 std::uint64_t h, std::uint32_t edge, const Vec3d& start,
-                                SphereId atom_of_ends, const ProjectedPoint& p, Fate* fates) {
+                                SphereId atom_of_ends, const ProjectedPoint& p,
+                                MoveState* move_states) {
   const auto v = static_cast<std::uint32_t>(level.parent.vertices + edge);
-  fates[edge] = store_midpoint(surface, level, h, v, p);
+  move_states[edge] = store_midpoint(surface, level, h, v, p);
   level.marks.regular[edge] = is_regular(p, atom_of_ends);
   if (p.outcome == ProjectionOutcome::converged) {
     level.mesh.normals[v] = surface.normal(p.position, p.spheres);
@@ -150,7 +151,7 @@ __device__ bool step_to_own_sphere(const Sphere& a, const Vec3d& start, double r
   if (!to.found || !within_reach(to.position, start, reach)) return false;
   p.position = to.position;
   p.residual = std::abs(gap(a, to.position));
-  return p.residual <= kProjectionTolerance && balls.is_alone(to.position);
+  return p.residual <= kProjectionTolerance && balls.is_on_at_most_one_ball(to.position);
 }
 
 // Makes the midpoints for which the short cut works, and lists the others. One warp per run. Balls
@@ -173,7 +174,7 @@ __global__ void __launch_bounds__(kThreads, 6)
   const std::uint64_t first_half_edge = first_word * kHalfEdgesPerWord;
   const std::uint32_t first_edge = level.edges.number(first_half_edge);
   OutcomeTally tally;
-  unsigned hard = 0;
+  unsigned deferred = 0;
   for (unsigned group = 0; group < count; group += kRounds * kWarp) {
     const unsigned here = count - group < kRounds * kWarp ? count - group : kRounds * kWarp;
     const WarpBox box = load_middles<kRounds>(level, here, s.middles[warp], [&](unsigned i) {
@@ -198,26 +199,26 @@ __global__ void __launch_bounds__(kThreads, 6)
           level.mesh.vertex_spheres.set(v, on_sphere(atom));
           level.mesh.normals[v] = sphere_normal(surface.spheres[atom], p.position);
           level.marks.regular[edge] = 1;
-          outputs.fates[edge] = Fate::moved;
+          outputs.move_states[edge] = MoveState::moved;
         }
       }
       const unsigned votes = __ballot_sync(kAllLanes, !settled);
       if (!settled) {
-        const auto slot = hard + static_cast<unsigned>(__popc(votes & ((1u << lane) - 1)));
-        outputs.hard[first_edge + slot] = list[group + i];
+        const auto slot = deferred + static_cast<unsigned>(__popc(votes & ((1u << lane) - 1)));
+        outputs.deferred[first_edge + slot] = list[group + i];
       }
-      hard += static_cast<unsigned>(__popc(votes));
+      deferred += static_cast<unsigned>(__popc(votes));
     }
     __syncwarp();
   }
-  if (lane == 0) outputs.hard_count[run] = hard;
+  if (lane == 0) outputs.deferred_count[run] = deferred;
   tally.add_to(stats);
 }
 
-constexpr unsigned kRunsTogether = 4;  // runs whose lists one warp of make_hard_midpoints takes
+constexpr unsigned kRunsTogether = 4;  // runs whose lists one warp of make_deferred_midpoints takes
 
-// Shared memory of make_hard_midpoints, 28 KiB.
-struct HardShared {
+// Shared memory of make_deferred_midpoints, 28 KiB.
+struct DeferredShared {
   EdgeMiddles middles[kWarps];
   WarpBallsStorage balls[kWarps];
 };
@@ -225,21 +226,21 @@ struct HardShared {
 // Makes the listed midpoints by the full projection. One warp per kRunsTogether neighbouring runs,
 // because the list of one run rarely fills a warp.
 __global__ void __launch_bounds__(kThreads, 4)
-    make_hard_midpoints(SurfaceView surface, MidpointLevel level, MidpointOutputs outputs,
-                        std::uint64_t runs, DeviceStats* stats) {
-  __shared__ HardShared s;
+    make_deferred_midpoints(SurfaceView surface, MidpointLevel level, MidpointOutputs outputs,
+                            std::uint64_t runs, DeviceStats* stats) {
+  __shared__ DeferredShared s;
   const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
   const std::uint64_t first_run =
       (static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp) * kRunsTogether;
   if (first_run >= runs) return;
   // If the lists of the warp's runs are joined into one, the list of run r ends at end[r]. In
-  // memory it begins at hard[first_edge[r]].
+  // memory it begins at deferred[first_edge[r]].
   unsigned end[kRunsTogether], count = 0;
   std::uint32_t first_edge[kRunsTogether];
   for (unsigned r = 0; r < kRunsTogether; ++r) {
     const std::uint64_t run = first_run + r;
     if (run < runs) {
-      count += outputs.hard_count[run];
+      count += outputs.deferred_count[run];
       first_edge[r] = level.edges.number(run * kRun);
     }
     end[r] = count;
@@ -254,7 +255,7 @@ __global__ void __launch_bounds__(kThreads, 4)
       r = n;
       at = first_edge[n] + i - end[n - 1];
     }
-    return (first_run + r) * kRun + outputs.hard[at];
+    return (first_run + r) * kRun + outputs.deferred[at];
   };
   const EdgeMiddles& middles = s.middles[warp];
   constexpr unsigned group_size = kMostRounds * kWarp;
@@ -274,7 +275,7 @@ __global__ void __launch_bounds__(kThreads, 4)
       tally.add(p);
       const std::uint64_t h = half_edge(group + i);
       finish_midpoint(surface, level, h, level.edges.number(h), start, middles.atom[i], p,
-                      outputs.fates);
+                      outputs.move_states);
     }
     __syncwarp();
   }
@@ -286,7 +287,7 @@ __global__ void __launch_bounds__(kThreads, 4)
 // half-edges keeps all lanes busy, although only every second half-edge has a midpoint to make.
 // Shared memory: 4 KiB.
 __global__ void __launch_bounds__(kThreads)
-    make_field_midpoints(SurfaceView surface, MidpointLevel level, Fate* fates,
+    make_field_midpoints(SurfaceView surface, MidpointLevel level, MoveState* move_states,
                          DeviceStats* stats) {
   __shared__ std::uint16_t first[kWarps][kRun];
   const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
@@ -306,7 +307,7 @@ __global__ void __launch_bounds__(kThreads)
     tally.add(p);
     const std::uint32_t edge = first_edge + i;
     const auto v = static_cast<std::uint32_t>(level.parent.vertices + edge);
-    fates[edge] = store_midpoint(surface, level, h, v, p);
+    move_states[edge] = store_midpoint(surface, level, h, v, p);
   }
   __syncwarp();
   tally.add_to(stats);
@@ -314,13 +315,14 @@ __global__ void __launch_bounds__(kThreads)
 
 // Puts every midpoint into the middle of its edge, with interpolated normals if the mesh has any.
 // One thread per half-edge; the thread of the first half-edge makes the midpoint.
-__global__ void make_plain_midpoints(SurfaceView surface, MidpointLevel level, Fate* fates) {
+__global__ void make_plain_midpoints(SurfaceView surface, MidpointLevel level,
+                                     MoveState* move_states) {
   const std::uint64_t h = thread_index();
   if (h >= 3 * level.parent.triangles || !level.edges.is_first(h)) return;
   const std::uint32_t edge = level.edges.number(h);
   const auto v = static_cast<std::uint32_t>(level.parent.vertices + edge);
   level.take_back(surface, h, v);
-  fates[edge] = Fate::stayed;
+  move_states[edge] = MoveState::stayed;
   if (level.mesh.normals != nullptr) interpolate_normal(level, h, v);
 }
 
@@ -389,39 +391,41 @@ __global__ void compute_normals(SurfaceView surface, DeviceMeshView mesh) {
 
 namespace {
 
-// Launches the two kernels for the union. `hard` has one entry per edge, half as many as
+// Launches the two kernels for the union. `deferred` has one entry per edge, half as many as
 // half-edges.
 void make_union_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
-                                    Fate* fates, DeviceStats* stats, const Stream& stream) {
+                                    MoveState* move_states, DeviceStats* stats,
+                                    const Stream& stream) {
   const std::uint64_t half_edges = 3 * level.parent.triangles;
   const std::uint64_t runs = (half_edges + kRun - 1) / kRun;
-  const DeviceArray<std::uint32_t> hard(half_edges / 2, stream.get()), counts(runs, stream.get());
-  const MidpointOutputs outputs{fates, hard.data(), counts.data()};
+  const DeviceArray<std::uint32_t> deferred(half_edges / 2, stream.get()),
+      counts(runs, stream.get());
+  const MidpointOutputs outputs{move_states, deferred.data(), counts.data()};
   const auto make = level.is_first ? make_union_midpoints<2> : make_union_midpoints<kMostRounds>;
   make<<<blocks_for(runs, kWarps), kThreads, 0, stream.get()>>>(surface, level, outputs, stats);
   check_launch("make_union_midpoints");
-  make_hard_midpoints<<<blocks_for(runs, kWarps * kRunsTogether), kThreads, 0, stream.get()>>>(
+  make_deferred_midpoints<<<blocks_for(runs, kWarps * kRunsTogether), kThreads, 0, stream.get()>>>(
       surface, level, outputs, runs, stats);
-  check_launch("make_hard_midpoints");
+  check_launch("make_deferred_midpoints");
 }
 
 }  // namespace
 
-void make_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level, Fate* fates,
-                              DeviceStats* stats, const Stream& stream) {
+void make_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
+                              MoveState* move_states, DeviceStats* stats, const Stream& stream) {
   const std::uint64_t half_edges = 3 * level.parent.triangles;
   if (half_edges == 0) return;
   const unsigned runs = blocks_for(half_edges, kRun * kWarps);
   switch (surface.projection) {
     case Projection::vdw:
-      make_union_midpoints_on_device(surface, level, fates, stats, stream);
+      make_union_midpoints_on_device(surface, level, move_states, stats, stream);
       break;
     case Projection::field:
-      make_field_midpoints<<<runs, kThreads, 0, stream.get()>>>(surface, level, fates, stats);
+      make_field_midpoints<<<runs, kThreads, 0, stream.get()>>>(surface, level, move_states, stats);
       break;
     case Projection::none:
       make_plain_midpoints<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
-          surface, level, fates);
+          surface, level, move_states);
       break;
   }
   check_launch("make_midpoints");

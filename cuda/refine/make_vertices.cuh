@@ -23,8 +23,8 @@ void count_constrained_on_device(const SurfaceView& surface, const DeviceMeshVie
 // and regular marks if they are kept. A midpoint whose projection fails stays in the middle of its
 // edge. If the mesh has normals, the midpoints get normals of the surface; without a surface they
 // get the mean normals of their edges' ends.
-void make_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level, Fate* fates,
-                              DeviceStats* stats, const Stream& stream);
+void make_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
+                              MoveState* move_states, DeviceStats* stats, const Stream& stream);
 
 // The same for a mesh with labelled triangles: each midpoint goes to the sphere or circle of the
 // two triangles at its edge (refine/constraint_formulas.hpp). There are no states: no move is taken

@@ -89,7 +89,7 @@ __device__ inline ChildrenFacing facing_of_children(const Sphere* spheres,
 // and faced outward before the moves. `against` is the set ChildrenFacing::against_one_atom.
 __device__ inline void mark_turned_children(const SurfaceView& surface, const MidpointLevel& level,
                                             std::uint64_t t, const ParentPatch& patch,
-                                            unsigned against, const FatesView& fates) {
+                                            unsigned against, const MoveStatesView& move_states) {
   for (int child = 0; child < 4; ++child) {
     if ((against >> child & 1) == 0) continue;
     Vec3d before[3];
@@ -99,7 +99,7 @@ __device__ inline void mark_turned_children(const SurfaceView& surface, const Mi
       atom[k] = patch.atom[child_corner(child, k)];
     }
     if (facing(surface.spheres, before, atom) != Facing::outward) continue;
-    for (int k = 0; k < 3; ++k) fates.mark(patch.vertex[child_corner(child, k)]);
+    for (int k = 0; k < 3; ++k) move_states.mark(patch.vertex[child_corner(child, k)]);
   }
 }
 

@@ -19,7 +19,7 @@ constexpr unsigned kWarps = kThreads / kWarp;
 
 // The state of a vertex that is not on the surface, until it is projected. No move is marked in
 // these kernels, so the value is free to be used for this.
-constexpr Fate kAstray = Fate::taking_back;
+constexpr MoveState kAstray = MoveState::to_undo;
 
 // Gives a projected vertex its new label, unless it has not moved and its old label is still right.
 __device__ void relabel(const SurfaceView& surface, const DeviceMeshView& mesh, std::uint64_t v,
@@ -43,8 +43,8 @@ constexpr unsigned kGroup = kRounds * kWarp;
 // kGroup consecutive vertices. Adds the number of astray vertices to `astray`. Shared memory: one
 // WarpBallsStorage per warp.
 __global__ void __launch_bounds__(kThreads)
-    find_astray(SurfaceView surface, DeviceMeshView mesh, Fate* fates, unsigned long long* astray,
-                DeviceStats* stats) {
+    find_astray(SurfaceView surface, DeviceMeshView mesh, MoveState* move_states,
+                unsigned long long* astray, DeviceStats* stats) {
   __shared__ WarpBallsStorage storage[kWarps];
   const unsigned warp = threadIdx.x / kWarp, lane = threadIdx.x % kWarp;
   const std::uint64_t first = (static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp) * kGroup;
@@ -65,7 +65,7 @@ __global__ void __launch_bounds__(kThreads)
     balls.begin(0);
     const NearestBall near = balls.nearest(p, kProjectionTolerance);
     const bool stays = near.found && std::abs(near.gap) <= kProjectionTolerance;
-    fates[v] = stays ? Fate::stayed : kAstray;
+    move_states[v] = stays ? MoveState::stayed : kAstray;
     strays += stays ? 0 : 1;
     if (!stays) continue;
     const ProjectedPoint where{p,
@@ -84,20 +84,20 @@ __global__ void __launch_bounds__(kThreads)
 }
 
 // Gives every vertex the state kAstray. One thread per vertex.
-__global__ void set_astray(Fate* fates, std::uint64_t vertices) {
+__global__ void set_astray(MoveState* move_states, std::uint64_t vertices) {
   const std::uint64_t v = thread_index();
-  if (v < vertices) fates[v] = kAstray;
+  if (v < vertices) move_states[v] = kAstray;
 }
 
 // Raises square_bits[v] to the square of the longest edge at each astray vertex v, as the bits of a
 // double; bits of doubles that are not negative have the order of the numbers. One thread per
 // half-edge.
-__global__ void raise_longest_edges(DeviceMeshView mesh, const Fate* fates,
+__global__ void raise_longest_edges(DeviceMeshView mesh, const MoveState* move_states,
                                     unsigned long long* square_bits) {
   const std::uint64_t h = thread_index();
   if (h >= 3 * mesh.triangles) return;
   const std::uint32_t a = mesh.corners[h], b = mesh.corners[h % 3 == 2 ? h - 2 : h + 1];
-  const bool a_strays = fates[a] == kAstray, b_strays = fates[b] == kAstray;
+  const bool a_strays = move_states[a] == kAstray, b_strays = move_states[b] == kAstray;
   if (!a_strays && !b_strays) return;
   const double s = squared_distance(mesh.positions[a], mesh.positions[b]);
   const auto bits = static_cast<unsigned long long>(__double_as_longlong(s));
@@ -107,16 +107,16 @@ __global__ void raise_longest_edges(DeviceMeshView mesh, const Fate* fates,
 
 // Projects the astray vertices by at most their longest edge. One thread per vertex.
 __global__ void project_astray(SurfaceView surface, DeviceMeshView mesh,
-                               const unsigned long long* square_bits, Fate* fates,
+                               const unsigned long long* square_bits, MoveState* move_states,
                                DeviceStats* stats) {
   const std::uint64_t v = thread_index();
   OutcomeTally tally;
-  if (v < mesh.vertices && fates[v] == kAstray) {
+  if (v < mesh.vertices && move_states[v] == kAstray) {
     const double reach = std::sqrt(__longlong_as_double(static_cast<long long>(square_bits[v])));
     const ProjectedPoint p = surface.project(mesh.positions[v], reach);
     tally.add(p);
     const bool converged = p.outcome == ProjectionOutcome::converged;
-    fates[v] = converged && p.steps > 0 ? Fate::moved : Fate::stayed;
+    move_states[v] = converged && p.steps > 0 ? MoveState::moved : MoveState::stayed;
     if (converged) {
       mesh.positions[v] = p.position;
       relabel(surface, mesh, v, p);
@@ -138,18 +138,18 @@ DeviceArray<T> copy_of(const T* from, std::uint64_t size, const Stream& stream) 
 }
 
 // Gives all astray vertices the state kAstray and finishes the others. Returns how many are astray.
-std::uint64_t mark_astray(const SurfaceView& surface, const DeviceMeshView& mesh, Fate* fates,
-                          DeviceStats* stats, const Stream& stream) {
+std::uint64_t mark_astray(const SurfaceView& surface, const DeviceMeshView& mesh,
+                          MoveState* move_states, DeviceStats* stats, const Stream& stream) {
   const unsigned blocks = blocks_for(mesh.vertices, kThreads);
   if (surface.projection == Projection::field) {
-    set_astray<<<blocks, kThreads, 0, stream.get()>>>(fates, mesh.vertices);
+    set_astray<<<blocks, kThreads, 0, stream.get()>>>(move_states, mesh.vertices);
     check_launch("set_astray");
     return mesh.vertices;
   }
   const DeviceArray<unsigned long long> astray(1, stream.get());
   clear(astray, stream.get());
   find_astray<<<blocks_for(mesh.vertices, kWarps * kGroup), kThreads, 0, stream.get()>>>(
-      surface, mesh, fates, astray.data(), stats);
+      surface, mesh, move_states, astray.data(), stats);
   check_launch("find_astray");
   return fetch(astray.data(), stream);
 }
@@ -160,8 +160,8 @@ std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMe
                                       Crossings crossings, Monitor* monitor, DeviceStats* stats,
                                       const Stream& stream) {
   if (mesh.vertices == 0) return 0;
-  const DeviceArray<Fate> fates(fate_bytes(mesh.vertices), stream.get());
-  if (mark_astray(surface, mesh, fates.data(), stats, stream) == 0) return 0;
+  const DeviceArray<MoveState> move_states(move_state_bytes(mesh.vertices), stream.get());
+  if (mark_astray(surface, mesh, move_states.data(), stats, stream) == 0) return 0;
   const DeviceArray<Vec3d> positions = copy_of(mesh.positions, mesh.vertices, stream);
   const DeviceVertexLabels labels{copy_of(mesh.vertex_spheres.atoms, mesh.vertices, stream),
                                   copy_of(mesh.vertex_spheres.others, mesh.vertices, stream)};
@@ -175,17 +175,18 @@ std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMe
     clear(squares, stream.get());
     if (mesh.triangles > 0) {
       raise_longest_edges<<<blocks_for(3 * mesh.triangles, kThreads), kThreads, 0, stream.get()>>>(
-          given, fates.data(), squares.data());
+          given, move_states.data(), squares.data());
       check_launch("raise_longest_edges");
     }
     project_astray<<<blocks_for(mesh.vertices, kThreads), kThreads, 0, stream.get()>>>(
-        surface, mesh, squares.data(), fates.data(), stats);
+        surface, mesh, squares.data(), move_states.data(), stats);
     check_launch("project_astray");
   }
   const DeviceArray<unsigned long long> marked(1, stream.get());
   return take_back_bad_moves(
       GivenLevel{given, mesh},
-      {surface, {fates.data(), 0, marked.data(), nullptr, 0}, stats, crossings, monitor}, stream);
+      {surface, {move_states.data(), 0, marked.data(), nullptr, 0}, stats, crossings, monitor},
+      stream);
 }
 
 }  // namespace vdwmesh

@@ -66,8 +66,8 @@ class OutcomeTally {
 
 // The states of the vertices that a level handles, and a list of the vertices whose moves the
 // current pass has marked as bad. Handled vertices are numbered from first_handled.
-struct FatesView {
-  Fate* fates;                  // one byte per handled vertex, in an array of fate_bytes() bytes
+struct MoveStatesView {
+  MoveState* move_states;  // one byte per handled vertex, in an array of move_state_bytes() bytes
   std::uint64_t first_handled;  // vertex index; all later vertices of the mesh are handled too
   unsigned long long* marked;   // how many vertices the pass has marked
   std::uint32_t* list;          // the numbers of the first `room` marked vertices, in any order
@@ -75,22 +75,24 @@ struct FatesView {
 
   // The state of vertex v, handled or not. The load is volatile because other threads may be
   // marking the vertex.
-  __device__ Fate of(std::uint32_t v) const {
-    if (v < first_handled) return Fate::stayed;
-    return *const_cast<const volatile Fate*>(&fates[v - first_handled]);
+  __device__ MoveState of(std::uint32_t v) const {
+    if (v < first_handled) return MoveState::stayed;
+    return *const_cast<const volatile MoveState*>(&move_states[v - first_handled]);
   }
-  // Changes the state of v from `moved` to `taking_back`, and lists v. Does nothing in other
+  // Changes the state of v from `moved` to `to_undo`, and lists v. Does nothing in other
   // states. Of several threads that mark v at once, only the one whose compare-and-swap succeeds
   // lists it. The swap works on the aligned 32-bit word that holds the state and three others.
   __device__ void mark(std::uint32_t v) const {
-    if (of(v) != Fate::moved) return;
+    if (of(v) != MoveState::moved) return;
     const std::uint64_t i = v - first_handled;
-    auto* const word = reinterpret_cast<unsigned*>(fates) + i / 4;
+    auto* const word = reinterpret_cast<unsigned*>(move_states) + i / 4;
     const unsigned shift = 8 * static_cast<unsigned>(i % 4);
-    const auto fate_in = [=](unsigned bits) { return static_cast<Fate>(bits >> shift & 0xff); };
+    const auto state_in = [=](unsigned bits) {
+      return static_cast<MoveState>(bits >> shift & 0xff);
+    };
     for (unsigned seen = *const_cast<volatile unsigned*>(word);;) {
-      if (fate_in(seen) != Fate::moved) return;
-      const unsigned marks = static_cast<unsigned>(Fate::taking_back) << shift;
+      if (state_in(seen) != MoveState::moved) return;
+      const unsigned marks = static_cast<unsigned>(MoveState::to_undo) << shift;
       const unsigned old = atomicCAS(word, seen, (seen & ~(0xffu << shift)) | marks);
       if (old == seen) break;
       seen = old;
@@ -100,8 +102,8 @@ struct FatesView {
   }
 };
 
-// Bytes of an array of states: whole words of four, since FatesView::mark() swaps words.
-inline std::uint64_t fate_bytes(std::uint64_t handled) { return (handled + 3) / 4 * 4; }
+// Bytes of an array of states: whole words of four, since MoveStatesView::mark() swaps words.
+inline std::uint64_t move_state_bytes(std::uint64_t handled) { return (handled + 3) / 4 * 4; }
 
 __device__ inline VertexSpheres make_label(const SphereId* s) { return {s[0], s[1], s[2]}; }
 

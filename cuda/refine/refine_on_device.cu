@@ -164,7 +164,8 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
       {regular.data(), growing.safe.data(), safe.data(), patches.data(), listed.data()},
       level_number == 1};
   const bool moves = surface.projection != Projection::none && !constrained;
-  const DeviceArray<Fate> fates(constrained ? 0 : fate_bytes(midpoints), stream.get());
+  const DeviceArray<MoveState> move_states(constrained ? 0 : move_state_bytes(midpoints),
+                                           stream.get());
   const std::uint64_t room = moves ? room_for_marks(midpoints) : 0;
   const DeviceArray<std::uint32_t> marks_list(room, stream.get());
   const DeviceArray<unsigned long long> marked(1, stream.get());
@@ -175,15 +176,15 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
   if (constrained) {
     make_constrained_midpoints_on_device(surface, level, stats.data(), stream);
   } else {
-    make_midpoints_on_device(surface, level, fates.data(), stats.data(), stream);
+    make_midpoints_on_device(surface, level, move_states.data(), stats.data(), stream);
   }
   marks.mark();
-  const LevelPasses passes{
-      surface,
-      {moves ? fates.data() : nullptr, parent.vertices, marked.data(), marks_list.data(), room},
-      stats.data(),
-      options.crossings,
-      options.monitor};
+  const LevelPasses passes{surface,
+                           {moves ? move_states.data() : nullptr, parent.vertices, marked.data(),
+                            marks_list.data(), room},
+                           stats.data(),
+                           options.crossings,
+                           options.monitor};
   make_children_on_device(level, passes, stream);
   marks.mark();
   const std::uint64_t undone = moves ? take_back_bad_moves(level, passes, stream) : 0;
@@ -226,18 +227,18 @@ std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangle
       triangle_bytes(size) + triangle_bytes(parent) +
       DeviceEdgeNumbers::bytes(3 * parent.triangles);
   if (labels == TriangleLabels::spheres) return mesh;
-  // Per midpoint 6 bytes: state, regular mark, entry of the list of hard midpoints. Per parent
+  // Per midpoint 6 bytes: state, regular mark, entry of the list of deferred midpoints. Per parent
   // triangle 4 bytes in the list of patches. Per four triangles one byte of safe marks. A quarter
   // byte per midpoint in the two lists of bad moves: 4 bytes for every 32nd midpoint, twice.
   const std::uint64_t midpoints = size.vertices - parent.vertices;
-  const std::uint64_t fates =
+  const std::uint64_t move_states =
       6 * midpoints + 4 * parent.triangles + size.triangles / 4 + midpoints / 4;
   if (options.crossings == Crossings::allow || options.projection == Projection::none) {
-    return mesh + fates;
+    return mesh + move_states;
   }
   // The search for crossings: a box per triangle, at most one cell per triangle with an offset of
   // 64 bits, and about four entries per triangle.
-  return mesh + fates +
+  return mesh + move_states +
          size.triangles * (6 * sizeof(float) + sizeof(std::uint64_t) + 4 * sizeof(std::uint32_t));
 }
 

@@ -68,12 +68,12 @@ class WarpBox {
 };
 
 // The balls near a WarpBox. A lane calls begin() and nearest() for each of its points; or all lanes
-// call prepare_covers() once, and then is_alone().
+// call prepare_covers() once, and then is_on_at_most_one_ball().
 class WarpBalls {
  public:
   // Gathers the balls near the box. All lanes must call it together. If the box spans too many
   // cells or the balls are more than kNearBalls, the set is incomplete: nearest() then searches the
-  // cell list, and is_alone() is always false.
+  // cell list, and is_on_at_most_one_ball() is always false.
   __device__ WarpBalls(const CellListView& list, WarpBallsStorage& storage, const WarpBox& box);
 
   // Announces a new point of the lane, which moves by at most `moves` (Å) between the calls of
@@ -82,7 +82,7 @@ class WarpBalls {
   // window adds the errors of two computed gaps.
   __device__ void begin(double moves) {
     likely_ = 0;
-    window_ = 2 * (1.00001f * __double2float_ru(moves) + doubt_);
+    window_ = 2 * (1.00001f * __double2float_ru(moves) + error_bound_);
   }
   // The ball of least d - r among those with d - r of at most `reach` at q, ties by rank. The first
   // call after begin() is for the announced point. Later calls are for points that it has moved to,
@@ -90,11 +90,12 @@ class WarpBalls {
   // box with a `wide` of at least moves + reach.
   __device__ NearestBall nearest(const Vec3d& q, double reach);
 
-  // Prepares is_alone(), after which nearest() must not be called. All lanes must call it together.
+  // Prepares is_on_at_most_one_ball(), after which nearest() must not be called. All lanes must
+  // call it together.
   __device__ void prepare_covers();
   // Whether q is proved to lie in or on one ball at most, in spite of rounding and with a margin of
   // kProjectionTolerance. False if that is not known.
-  __device__ bool is_alone(const Vec3d& q) const;
+  __device__ bool is_on_at_most_one_ball(const Vec3d& q) const;
 
  private:
   // A point relative to the origin, in single precision.
@@ -105,7 +106,7 @@ class WarpBalls {
     return {static_cast<float>(q.x - origin_.x), static_cast<float>(q.y - origin_.y),
             static_cast<float>(q.z - origin_.z)};
   }
-  // d - r in single precision, with an error below doubt_.
+  // d - r in single precision, with an error below error_bound_.
   __device__ static float gap_of(const Rough& q, const float4& ball) {
     const float dx = q.x - ball.x, dy = q.y - ball.y, dz = q.z - ball.z;
     float distance;
@@ -137,7 +138,7 @@ class WarpBalls {
   std::uint32_t count_ = 0;
   std::uint32_t likely_ = 0;  // bit k: later calls test slot k; no bit set: they test all slots
   float window_ = 0;          // Å, see begin()
-  float doubt_ = 0;           // Å, an upper bound of the error of gap_of()
+  float error_bound_ = 0;     // Å, an upper bound of the error of gap_of()
   bool complete_ = false;     // whether all balls near the box have been gathered
 };
 
@@ -205,10 +206,10 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
   largest = from_ordered(__reduce_max_sync(kAllLanes, ordered(largest)));
   // The error of gap_of(): all lengths in it are at most largest + 3 * extent, and it makes about
   // eight roundings of relative size 2^-24 = 6e-8, 5e-7 together. 4e-6 is eight times as much. The
-  // constant 1e-15 covers squares that underflow: lengths below 1e-19. If doubt_ < 1e10, all
+  // constant 1e-15 covers squares that underflow: lengths below 1e-19. If error_bound_ < 1e10, all
   // lengths are below 3e15, and no square overflows.
-  doubt_ = 4e-6f * (largest + 3 * extent) + 1e-15f;
-  complete_ = !full && doubt_ < 1e10f;
+  error_bound_ = 4e-6f * (largest + 3 * extent) + 1e-15f;
+  complete_ = !full && error_bound_ < 1e10f;
 }
 
 // Replaces `best` by the ball at a list place if the ball is nearer to q, or as near and of lower
@@ -258,11 +259,11 @@ __device__ inline NearestBall WarpBalls::nearest(const Vec3d& q, double reach) {
   const Rough at = rough(q);
   const Least least = likely_ != 0 ? least_of_likely(at) : least_of_all(at);
   NearestBall best{reach, 0, false};
-  if (!(least.gap <= __double2float_ru(reach) + doubt_)) return best;
+  if (!(least.gap <= __double2float_ru(reach) + error_bound_)) return best;
   // The ball that is nearest in double has a computed gap of at most this, since the computed gaps
-  // of two balls are off by doubt_ at most each. If the second least is above it, only one ball is
-  // left.
-  const float most = least.gap + 2 * doubt_;
+  // of two balls are off by error_bound_ at most each. If the second least is above it, only one
+  // ball is left.
+  const float most = least.gap + 2 * error_bound_;
   if (least.second > most) {
     consider(storage_.place[least.slot], q, reach, best);
     return best;
@@ -274,10 +275,11 @@ __device__ inline NearestBall WarpBalls::nearest(const Vec3d& q, double reach) {
   return best;
 }
 
-// Replaces each radius by the square of a slightly larger one, for the comparisons of is_alone().
-// The margin is twice the error of a computed distance plus twice kProjectionTolerance.
+// Replaces each radius by the square of a slightly larger one, for the comparisons of
+// is_on_at_most_one_ball(). The margin is twice the error of a computed distance plus twice
+// kProjectionTolerance.
 __device__ inline void WarpBalls::prepare_covers() {
-  const float more = 2 * doubt_ + 2 * static_cast<float>(kProjectionTolerance);
+  const float more = 2 * error_bound_ + 2 * static_cast<float>(kProjectionTolerance);
   for (std::uint32_t k = threadIdx.x % kWarp; k < count_; k += kWarp) {
     const float radius = storage_.rough[k].w + more;
     storage_.rough[k].w = radius * radius;
@@ -285,7 +287,7 @@ __device__ inline void WarpBalls::prepare_covers() {
   __syncwarp();
 }
 
-__device__ inline bool WarpBalls::is_alone(const Vec3d& q) const {
+__device__ inline bool WarpBalls::is_on_at_most_one_ball(const Vec3d& q) const {
   const Rough at = rough(q);
   const std::uint32_t end = padded_count();
   unsigned covers = 0;

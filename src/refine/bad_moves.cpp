@@ -64,13 +64,13 @@ void BadMoves<Level>::find_dirty_cells() {
 template <class Level>
 bool BadMoves<Level>::has_taken_back(const Vertices& v) {
   return std::any_of(v.begin(), v.end(), [&](std::uint32_t i) {
-    return fate_of(level_, fates_, i) == Fate::taken_back;
+    return state_of(level_, move_states_, i) == MoveState::just_undone;
   });
 }
 
 template <class Level>
 void BadMoves<Level>::mark_vertices(const std::array<std::uint32_t, 3>& vertices) {
-  for (const std::uint32_t v : vertices) vdwmesh::mark(level_, fates_, v);
+  for (const std::uint32_t v : vertices) vdwmesh::mark(level_, move_states_, v);
 }
 
 // Marks the vertices of the patch's triangles that face against their one atom and faced outward
@@ -111,7 +111,7 @@ typename BadMoves<Level>::Corners BadMoves<Level>::corners(std::uint32_t triangl
       c.box[low] = std::min(c.box[low], c.position[k][axis]);
       c.box[low + 3] = std::min(c.box[low + 3], -c.position[k][axis]);
     }
-    c.has_moved = c.has_moved || is_away(fate_of(level_, fates_, c.vertex[k]));
+    c.has_moved = c.has_moved || is_away(state_of(level_, move_states_, c.vertex[k]));
   }
   return c;
 }

@@ -24,19 +24,19 @@ namespace vdwmesh {
 template <class Level>
 class BadMoves {
  public:
-  // All arguments must outlive the object. `fates` has the state of each handled vertex.
-  BadMoves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates,
+  // All arguments must outlive the object. `move_states` has the state of each handled vertex.
+  BadMoves(const SphereSet& spheres, const Level& level, Buffer<MoveState>& move_states,
            const RefineOptions& options)
       : spheres_(spheres.spheres().data()),
         level_(level),
-        fates_(fates),
+        move_states_(move_states),
         monitor_(options.monitor) {
     if (options.crossings == Crossings::allow) return;
     grid_.emplace(level);
     dirty_.assign(grid_->cell_count(), 1);
   }
 
-  // One pass: changes the state of every vertex with a bad move from `moved` to `taking_back`, and
+  // One pass: changes the state of every vertex with a bad move from `moved` to `to_undo`, and
   // returns whether there is any. The first pass checks all triangles. A later pass checks only the
   // triangles with a vertex that was put back after the previous pass, and the triangles near them:
   // nothing else has changed.
@@ -54,7 +54,7 @@ class BadMoves {
 
   const Sphere* spheres_;
   const Level& level_;
-  Buffer<Fate>& fates_;
+  Buffer<MoveState>& move_states_;
   Monitor* monitor_;
   std::optional<TriangleGrid> grid_;  // empty if crossings are allowed
   Buffer<std::uint8_t> dirty_;        // by cell of grid_: 1 if the next pass checks its triangles
@@ -73,21 +73,24 @@ extern template class BadMoves<Midpoints>;
 // least of a bad pair, has a moved vertex. A pass that finds one therefore puts a vertex back, and
 // no vertex moves a second time.
 template <class Level, class Restore>
-std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level, Buffer<Fate>& fates,
-                                  const RefineOptions& options, const Restore& restore) {
+std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level,
+                                  Buffer<MoveState>& move_states, const RefineOptions& options,
+                                  const Restore& restore) {
   const auto add = [](std::uint64_t a, std::uint64_t b) { return a + b; };
-  const auto count_moved = [&](std::size_t i, std::uint64_t& n) { n += fates[i] == Fate::moved; };
-  if (reduce_all(fates.size(), std::uint64_t{0}, count_moved, add) == 0) return 0;
-  BadMoves<Level> bad(spheres, level, fates, options);
+  const auto count_moved = [&](std::size_t i, std::uint64_t& n) {
+    n += move_states[i] == MoveState::moved;
+  };
+  if (reduce_all(move_states.size(), std::uint64_t{0}, count_moved, add) == 0) return 0;
+  BadMoves<Level> bad(spheres, level, move_states, options);
   std::uint64_t total = 0;
   while (bad.mark()) {
     const auto settle = [&](std::size_t item, std::uint64_t& count) {
       const std::optional<std::size_t> i = level.handled_by_item(item);
       if (!i) return;
       // Vertices that were put back before this pass: it has checked the triangles around them.
-      if (fates[*i] == Fate::taken_back) fates[*i] = Fate::stayed;
-      if (fates[*i] != Fate::taking_back) return;
-      fates[*i] = Fate::taken_back;
+      if (move_states[*i] == MoveState::just_undone) move_states[*i] = MoveState::stayed;
+      if (move_states[*i] != MoveState::to_undo) return;
+      move_states[*i] = MoveState::just_undone;
       restore(item);
       ++count;
     };

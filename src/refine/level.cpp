@@ -182,15 +182,15 @@ void make_constrained_midpoint(const SphereSet& spheres, Projection projection,
 // Projects vertex v of the given mesh by at most `reach` (Å) and counts the outcome. A vertex that
 // is on the surface already keeps its position. It keeps its label too, if it lies on all the
 // spheres that the label names.
-Fate project_vertex(const TargetSurface& surface, std::size_t v, double reach, IndexedMesh& mesh,
-                    ProjectionStats& stats) {
+MoveState project_vertex(const TargetSurface& surface, std::size_t v, double reach,
+                         IndexedMesh& mesh, ProjectionStats& stats) {
   const ProjectedPoint p = surface.project(mesh.positions[v], reach);
   count_outcome(p, stats);
-  if (p.outcome != ProjectionOutcome::converged) return Fate::stayed;
+  if (p.outcome != ProjectionOutcome::converged) return MoveState::stayed;
   mesh.positions[v] = p.position;
   const bool keeps_label = p.steps == 0 && surface.on_label(p.position, mesh.vertex_spheres[v]);
   if (!keeps_label) mesh.vertex_spheres.set(v, label_of(p));
-  return p.steps > 0 ? Fate::moved : Fate::stayed;
+  return p.steps > 0 ? MoveState::moved : MoveState::stayed;
 }
 
 // Gives the midpoint of half-edge h the mean normal of the edge's ends. Only meshes that are not
@@ -204,8 +204,9 @@ void interpolate_normal(const Midpoints& level, std::size_t h, IndexedMesh& mesh
 
 // Makes the midpoint of half-edge h and counts the outcome. If the projection fails, or there is
 // none, the midpoint stays in the middle of its edge and takes the label of the nearer end.
-Fate make_midpoint(const SphereSet& spheres, const TargetSurface& surface, const Midpoints& level,
-                   std::size_t h, IndexedMesh& mesh, ProjectionStats& stats) {
+MoveState make_midpoint(const SphereSet& spheres, const TargetSurface& surface,
+                        const Midpoints& level, std::size_t h, IndexedMesh& mesh,
+                        ProjectionStats& stats) {
   const std::uint32_t v = level.midpoint_of(h);
   const Vec3d start = level.start(h);
   if (surface.projection() != Projection::none) {
@@ -216,12 +217,12 @@ Fate make_midpoint(const SphereSet& spheres, const TargetSurface& surface, const
     if (p.outcome == ProjectionOutcome::converged) {
       mesh.positions[v] = p.position;
       mesh.vertex_spheres.set(v, label_of(p));
-      return p.steps > 0 ? Fate::moved : Fate::stayed;
+      return p.steps > 0 ? MoveState::moved : MoveState::stayed;
     }
   }
   mesh.positions[v] = start;
   mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), h));
-  return Fate::stayed;
+  return MoveState::stayed;
 }
 
 // Makes all midpoints of a mesh with labelled triangles. Each goes to the spheres of its own
@@ -240,16 +241,16 @@ ProjectionStats constrain_midpoints(const SphereSet& spheres, const TargetSurfac
 ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface& surface,
                                   const Midpoints& level, IndexedMesh& mesh,
                                   const RefineOptions& options) {
-  Buffer<Fate> fates(level.items() / 2);  // by edge: two half-edges each
+  Buffer<MoveState> move_states(level.items() / 2);  // by edge: two half-edges each
   ProjectionStats stats =
       tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
         const std::optional<std::size_t> i = level.handled_by_item(h);
         if (!i) return;
         interpolate_normal(level, h, mesh);
-        fates[*i] = make_midpoint(spheres, surface, level, h, mesh, total);
+        move_states[*i] = make_midpoint(spheres, surface, level, h, mesh, total);
       });
   if (surface.projection() == Projection::none) return stats;
-  stats.undone = take_back_bad_moves(spheres, level, fates, options, [&](std::size_t h) {
+  stats.undone = take_back_bad_moves(spheres, level, move_states, options, [&](std::size_t h) {
     const std::uint32_t v = level.midpoint_of(h);
     mesh.positions[v] = level.start(h);
     mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), h));
@@ -272,14 +273,14 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
   } else if (surface.projection() != Projection::none) {
     const Buffer<Vec3d> positions = mesh.positions;
     const VertexLabels labels = mesh.vertex_spheres;
-    Buffer<Fate> fates(mesh.vertex_count());
+    Buffer<MoveState> move_states(mesh.vertex_count());
     const Buffer<std::uint64_t> squares = longest_edge_squares(mesh);
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
       const double reach = std::sqrt(std::bit_cast<double>(squares[v]));
-      fates[v] = project_vertex(surface, v, reach, mesh, total);
+      move_states[v] = project_vertex(surface, v, reach, mesh, total);
     });
     const Given level{positions, mesh};
-    stats.undone = take_back_bad_moves(spheres, level, fates, options, [&](std::size_t v) {
+    stats.undone = take_back_bad_moves(spheres, level, move_states, options, [&](std::size_t v) {
       mesh.positions[v] = positions[v];
       mesh.vertex_spheres.set(v, labels[v]);
     });

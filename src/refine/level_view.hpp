@@ -33,10 +33,10 @@ namespace vdwmesh {
 // What has happened to a handled vertex.
 //   stayed       It is where it started, and nothing is left to check.
 //   moved        The projection moved it.
-//   taking_back  It was moved, and the current pass has found the move bad.
-//   taken_back   It was put back after the last pass. The next pass checks the triangles around it
+//   to_undo      It was moved, and the current pass has found the move bad.
+//   just_undone  It was put back after the last pass. The next pass checks the triangles around it
 //                once more; the vertex counts as `stayed` afterwards.
-enum class Fate : std::uint8_t { stayed, moved, taking_back, taken_back };
+enum class MoveState : std::uint8_t { stayed, moved, to_undo, just_undone };
 
 struct Given {
   static constexpr int kVertices = 3, kTriangles = 1;
@@ -103,22 +103,24 @@ struct Midpoints {
 // The state of vertex v, handled or not. The load is atomic because other threads may be marking
 // the same vertex.
 template <class Level>
-Fate fate_of(const Level& level, Buffer<Fate>& fates, std::uint32_t v) {
-  if (v < level.first_handled()) return Fate::stayed;
-  return std::atomic_ref(fates[v - level.first_handled()]).load(std::memory_order_relaxed);
+MoveState state_of(const Level& level, Buffer<MoveState>& move_states, std::uint32_t v) {
+  if (v < level.first_handled()) return MoveState::stayed;
+  return std::atomic_ref(move_states[v - level.first_handled()]).load(std::memory_order_relaxed);
 }
 
 // Marks the move of vertex v as bad. Does nothing if v has not moved, or is marked already. Threads
 // may mark one vertex at the same time: they all store the same value.
 template <class Level>
-void mark(const Level& level, Buffer<Fate>& fates, std::uint32_t v) {
-  if (fate_of(level, fates, v) != Fate::moved) return;
-  std::atomic_ref(fates[v - level.first_handled()])
-      .store(Fate::taking_back, std::memory_order_relaxed);
+void mark(const Level& level, Buffer<MoveState>& move_states, std::uint32_t v) {
+  if (state_of(level, move_states, v) != MoveState::moved) return;
+  std::atomic_ref(move_states[v - level.first_handled()])
+      .store(MoveState::to_undo, std::memory_order_relaxed);
 }
 
 // Whether a vertex in this state is away from where it started, so that its move can be taken back.
 // The answer is the same before and after the current pass marks the vertex.
-inline bool is_away(Fate fate) { return fate == Fate::moved || fate == Fate::taking_back; }
+inline bool is_away(MoveState state) {
+  return state == MoveState::moved || state == MoveState::to_undo;
+}
 
 }  // namespace vdwmesh

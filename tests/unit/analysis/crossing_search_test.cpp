@@ -157,7 +157,7 @@ TEST_P(CrossingSearch, TheFormulaAgreesWithCgal) {
 struct Moved {
   IndexedMesh given, mesh;
   SphereSet spheres;
-  Buffer<Fate> fates;
+  Buffer<MoveState> move_states;
 };
 
 Moved moved_soup(Soup soup, Dice& dice) {
@@ -171,7 +171,7 @@ Moved moved_soup(Soup soup, Dice& dice) {
     if (moves)
       m.mesh.positions[v] =
           m.mesh.positions[v] + place(dice, dice.one_in(5) ? 4 * step : 0.3 * step);
-    m.fates.push_back(moves ? Fate::moved : Fate::stayed);
+    m.move_states.push_back(moves ? MoveState::moved : MoveState::stayed);
     const auto atom = static_cast<SphereId>(v / 3 % 3);
     m.mesh.vertex_spheres.atoms.push_back(dice.one_in(6) ? kNoSphere : atom);
   }
@@ -221,8 +221,8 @@ struct Restored {
 };
 
 Restored restore_by_all_pairs(Moved m) {
-  std::vector<bool> away(m.fates.size());
-  for (std::size_t v = 0; v < away.size(); ++v) away[v] = m.fates[v] == Fate::moved;
+  std::vector<bool> away(m.move_states.size());
+  for (std::size_t v = 0; v < away.size(); ++v) away[v] = m.move_states[v] == MoveState::moved;
   for (int passes = 0;; ++passes) {
     const Marks bad = bad_vertices(m, away);
     if (bad.empty()) return {std::move(m), passes};
@@ -243,7 +243,7 @@ TEST_P(CrossingSearch, BadMovesAreThoseOfAllPairs) {
     const Restored expected = restore_by_all_pairs(m);
     longest = std::max(longest, expected.passes);
     const Given level{m.given.positions, m.mesh};
-    take_back_bad_moves(m.spheres, level, m.fates, {},
+    take_back_bad_moves(m.spheres, level, m.move_states, {},
                         [&](std::size_t v) { m.mesh.positions[v] = m.given.positions[v]; });
     ASSERT_EQ(m.mesh.positions, expected.soup.mesh.positions) << "round " << round;
   }

@@ -28,13 +28,13 @@ std::vector<Vec3d> settled(const Moves& moves, Crossings crossings) {
   given.vertex_spheres.atoms.assign(moves.atoms.begin(), moves.atoms.end());
   IndexedMesh mesh = given;
   mesh.positions.assign(moves.after.begin(), moves.after.end());
-  Buffer<Fate> fates;
+  Buffer<MoveState> move_states;
   for (std::size_t v = 0; v < given.vertex_count(); ++v) {
-    fates.push_back(moves.after[v] == moves.before[v] ? Fate::stayed : Fate::moved);
+    move_states.push_back(moves.after[v] == moves.before[v] ? MoveState::stayed : MoveState::moved);
   }
   RefineOptions options;
   options.crossings = crossings;
-  take_back_bad_moves(kBelow, Given{given.positions, mesh}, fates, options,
+  take_back_bad_moves(kBelow, Given{given.positions, mesh}, move_states, options,
                       [&](std::size_t v) { mesh.positions[v] = given.positions[v]; });
   return {mesh.positions.begin(), mesh.positions.end()};
 }
