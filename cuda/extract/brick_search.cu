@@ -1,6 +1,13 @@
-// Which bricks the surface can cross: octree descent. A thread per block for the union of balls;
-// for blended fields a warp per parent, four lanes per child, each of which takes every fourth
-// atom.
+// Finds the bricks that the surface may cross, by descending an octree of blocks from coarse to
+// fine. Each level tests the eight children of every block that survived the level above, with
+// bounds on the field over the child's box (the tests of extract/blended/block_bounds.hpp in
+// float32). Survivors are compacted, and the bricks of the last level are sorted by key.
+//
+// One warp tests one parent. The warp gathers the spheres near the parent, and all eight children
+// are tested against them at once: four lanes per child, each of which takes every fourth sphere.
+// At the end the four lanes combine their results.
+//
+// A test may keep a brick without surface, but it never drops a brick that has some.
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_select.cuh>
 #include <string>
@@ -18,29 +25,31 @@ namespace {
 constexpr unsigned kThreads = 128;
 
 constexpr int kChildren = 8;
-constexpr unsigned kLanesPerChild = kWarp / kChildren;  // lane: child + kChildren * part
+// Lane c + 8 p of a warp works for child c on part p = 0 .. 3 of the spheres.
+constexpr unsigned kLanesPerChild = kWarp / kChildren;
 
 __device__ int own_child() { return static_cast<int>(threadIdx.x % kChildren); }
 __device__ unsigned own_part() { return threadIdx.x % kWarp / kChildren; }
 
-// A sphere near a parent block.
+// A sphere near a parent block, relative to the parent, so that float32 suffices.
 struct NearSphere {
-  float from[3];  // from it to the middle of the parent, Å
-  float number;   // what the test wants of it
-  Vec3d center;   // for the sub-grid
+  float from[3];  // from the sphere's centre to the middle of the parent, Å
+  float number;   // Test::number(): the radius (Å) for the union, the scale (1/Å²) for a field
+  Vec3d center;   // Å; sub-grids need it in double
 };
 
-// Spheres that wait until they fill a warp.
+// A warp's shared memory: list places of gathered spheres, and the 32 spheres being tested.
 struct Waiting {
   std::uint32_t place[2 * kWarp];
   NearSphere sphere[kWarp];
 };
 
-// The block of a lane.
+// The child block that a lane tests.
 struct ChildBlock {
   LatticeBlock nodes;
   BlockBox box;
-  float from_parent[3], half[3];  // Å: its middle less that of the parent
+  // from_parent: from the parent's middle to the child's middle. half: half the size of the box. Å.
+  float from_parent[3], half[3];
 };
 
 __device__ ChildBlock child_block(const GridSpec& grid, const BrickIndex& child, int level,
@@ -56,7 +65,8 @@ __device__ ChildBlock child_block(const GridSpec& grid, const BrickIndex& child,
   return c;
 }
 
-// Bit c: some lane of child c says so.
+// Vote of the warp: bit c is set if `says` is true on some of the four lanes of child c. The ballot
+// has a bit per lane; its four bytes, one per part, are combined by or.
 __device__ unsigned children_where(bool says) {
   unsigned votes = __ballot_sync(kAllLanes, says);
   for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) votes |= votes >> step;
@@ -64,13 +74,14 @@ __device__ unsigned children_where(bool says) {
 }
 constexpr unsigned kAllChildren = (1u << kChildren) - 1;
 
-// The test of a child for a blended field: bounds on it.
+// The test of a child for a blended field. Each lane bounds the sum over its part of the atoms;
+// join() adds the four lanes' bounds.
 template <BlendedKind Kind>
 struct BlendedTest {
   ShapeParameters<float> shape;
   float isovalue;
   FieldBounds<float> bounds;
-  bool settled = false;  // as may hold surface, from some of the atoms
+  bool settled = false;  // gathering ended early: all children of the parent may hold surface
 
   __device__ explicit BlendedTest(const FieldContext& f)
       : shape(shape_parameters<float>(f.model)), isovalue(static_cast<float>(f.model.isovalue)) {}
@@ -82,7 +93,9 @@ struct BlendedTest {
     bounds.add<Kind>(shape, s.number, to_middle, child.half,
                      subgrid_overlap(m, child.nodes, s.center));
   }
-  // As in field_may_cross(): large blocks that the sums so far admit are split without more atoms.
+  // The early exit of field_may_cross(), for the whole warp: true if the sums so far admit surface
+  // in every child, and the children are so large that testing their own children is cheaper than
+  // visiting more atoms.
   __device__ bool is_settled(const ChildBlock& child) {
     settled = child.nodes.level > 2 && __all_sync(kAllLanes, bounds.least <= 0) &&
               children_where(bounds.most >= isovalue) == kAllChildren;
@@ -99,7 +112,7 @@ struct BlendedTest {
       join(bounds.chord_slope[axis]);
     }
   }
-  // A settled test has met some atoms only, of which no bound from above follows.
+  // A settled test has not visited all atoms, so its sums give no bounds.
   __device__ bool is_outside(const ChildBlock& child) const {
     return !settled && bounds.upper(child.half) < isovalue;
   }
@@ -108,6 +121,7 @@ struct BlendedTest {
   }
 
  private:
+  // Sum over the four lanes of a child (butterfly reduction over the lane bits 8 and 16).
   __device__ static void join(float& value) {
     for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) {
       value += __shfl_xor_sync(kAllLanes, value, static_cast<int>(step));
@@ -115,7 +129,9 @@ struct BlendedTest {
   }
 };
 
-// The test of a child for the union: no ball touches it, or one holds all of it.
+// The test of a child for the union of balls: whether a ball touches its box, and whether one ball
+// holds all of it. Both are computed in float32. A ball within the rounding error of touching
+// counts as touching; a ball within it of holding does not count as holding.
 struct UnionTest {
   float largest = 0;  // radius, Å
   bool touched = false, covered = false;
@@ -130,6 +146,8 @@ struct UnionTest {
   }
   __device__ void add(const FieldModel&, const NearSphere& s, const float (&to_middle)[3],
                       const ChildBlock& child) {
+    // near, far: squared distances to the nearest and the farthest point of the box. extent: the
+    // sum of the coordinates of the farthest point, which bounds every length in here.
     float near = 0, far = 0, extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const float away = fabsf(to_middle[axis]), end = away + child.half[axis];
@@ -138,13 +156,15 @@ struct UnionTest {
       far = fmaf(end, end, far);
       extent += end;
     }
-    // More than single precision rounds distances of this size.
+    // 2e-6 is 33 units of 2^-24. A difference of coordinates is rounded three times, the squares
+    // and sums a few times more, each by at most one unit of `extent`.
     const float doubt = 2e-6f * extent, outer = s.number + doubt;
     const float inner = fmaxf(s.number - doubt, 0.0f);
     touched |= near <= outer * outer;
     covered |= far <= inner * inner;
   }
-  // Wider blocks than the largest ball are never covered.
+  // True if more balls change no child's result: a covered child is inside for good. A child wider
+  // than the largest ball is never covered, so being touched settles it.
   __device__ bool is_settled(const ChildBlock& child) const {
     return children_where(covered || (touched && child.half[0] > largest)) == kAllChildren;
   }
@@ -159,7 +179,9 @@ struct UnionTest {
   __device__ bool is_inside(const ChildBlock&) const { return covered; }
 };
 
-// The spheres near the parent are collected, and looked at 32 at a time.
+// Tests the eight children of a parent by one warp, 32 gathered spheres at a time: each lane
+// prepares one sphere in shared memory, then each lane tests its child against every fourth of
+// them.
 template <class Test>
 __device__ void test_child(const FieldContext& f, const BlockBox& parent,
                            const Vec3d& parent_middle, const ChildBlock& child, Waiting& waiting,
@@ -188,6 +210,9 @@ __device__ void test_child(const FieldContext& f, const BlockBox& parent,
   test.join();
 }
 
+// A warp per parent block, 4 warps a block; 6 KB of shared memory. Reads the keys of `count`
+// parents. Writes the keys of their children at 8 * parent + child, and to `keep` whether the child
+// may hold surface. The first lane of each child (part 0) writes.
 template <class Test>
 __global__ void __launch_bounds__(kThreads, 6)
     test_children(const __grid_constant__ FieldContext f, const std::uint64_t* parents,
@@ -224,6 +249,9 @@ TestKernel kernel_of(FieldKind kind) {
       kind, []<class Kind>(Kind) -> TestKernel { return test_children<BlendedTest<Kind>>; });
 }
 
+// The children of `parents` that may hold surface, in the order of the parents. Throws
+// LimitExceeded if they are more than `most`, the number of bricks that fit in the memory allowed;
+// this limits the memory of the descent too.
 KeyList surviving_children(const FieldContext& f, const KeyList& parents, int child_level,
                            const KeyRange& range, std::uint64_t most, const Stream& stream) {
   const std::uint64_t children = kChildren * parents.count;
@@ -251,8 +279,8 @@ KeyList surviving_children(const FieldContext& f, const KeyList& parents, int ch
   return result;
 }
 
-// All blocks of the finest level that has at most kFirstBlocks of them: a kernel's worth of work,
-// where the root would keep one thread busy.
+// The blocks with which the descent begins: all blocks of the finest level, 1 or above, that has at
+// most kFirstBlocks of them. The levels above would have too few blocks to keep the device busy.
 struct FirstBlocks {
   KeyList blocks;
   int level;
@@ -260,6 +288,7 @@ struct FirstBlocks {
 
 constexpr std::int64_t kFirstBlocks = 65536;
 
+// A thread per block of a box of `width` x `height` x .. blocks, `count` in all; writes its key.
 __global__ void list_blocks(std::int64_t width, std::int64_t height, std::int64_t count,
                             std::uint64_t* keys) {
   const std::int64_t i = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;

@@ -1,4 +1,6 @@
-// What the warps share that work on one brick each.
+// Device functions for kernels in which one warp works on one brick: the geometry of the brick in
+// shared memory, counting from the node signs, and writing its vertices. "share" in a name means
+// that a warp fills a structure in shared memory for all of its lanes.
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"
@@ -10,19 +12,22 @@
 
 namespace vdwmesh {
 
-inline constexpr unsigned kBrickWarps = 2;  // of a block: more would wait for the longest
+// Warps of a block. A block keeps its resources until its slowest warp ends, so few are better.
+inline constexpr unsigned kBrickWarps = 2;
 inline constexpr unsigned kBrickThreads = kBrickWarps * kWarp;
-inline constexpr int kRows = kBrickReach * kBrickReach;   // rows of nodes that cells touch
-inline constexpr int kOwnRows = kBrickSide * kBrickSide;  // rows of own nodes, and of cells
+inline constexpr int kRows = kBrickReach * kBrickReach;   // rows of nodes that the cells touch
+inline constexpr int kOwnRows = kBrickSide * kBrickSide;  // rows of the brick's own nodes or cells
 
-// Row (y, z) of the brick's signs; virtual nodes are outside.
+// Stores row (y, z) of the brick's signs; bit x of `inside` is the sign of node x. Virtual nodes
+// are outside whatever their bit is.
 __device__ inline void share_signs(const BrickGeometry& g, std::uint32_t inside, int y, int z,
                                    BrickSigns& signs) {
   const bool real = (g.real[1] >> y & g.real[2] >> z & 1) != 0;
   signs.row[z][y] = real ? static_cast<std::uint16_t>(inside & g.real[0]) : std::uint16_t{0};
 }
 
-// brick_geometry() by one warp, which it leaves synchronised.
+// brick_geometry() by one warp: lane 9 * axis + i makes node i along the axis. Ends with
+// __syncwarp().
 __device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, BrickGeometry& g) {
   const BrickIndex brick = brick_of_key(key);
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
@@ -39,7 +44,8 @@ __device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, B
   __syncwarp();
 }
 
-// Copies a brick between global and shared memory by `threads` threads; the caller synchronises.
+// Copies a brick between global and shared memory, 8 bytes a thread and step. Called by `threads`
+// threads, of which this is number `thread`; the caller synchronises.
 __device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsigned thread,
                                   unsigned threads) {
   static_assert(sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
@@ -50,13 +56,15 @@ __device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsi
   }
 }
 
-// Counts what the brick's signs imply, vertices and triangles per row and in all: by one warp, two
-// rows a lane. The caller synchronises before and after.
+// Counts the vertices and triangles that the brick's signs imply, and their prefix sums over the
+// rows: by one warp, two rows a lane. Both counts are packed into one word, so one prefix sum
+// serves both; 16 bits suffice for at most 1536 vertices and 2560 triangles. The caller
+// synchronises before and after.
 __device__ inline void count_brick(const BrickGeometry& geometry, const CaseTable& table,
                                    ActiveBrick& brick) {
   static_assert(kOwnRows == 2 * kWarp);
   const unsigned lane = threadIdx.x % kWarp;
-  std::uint32_t clipped = 0, before = 0;  // triangles << 16 | vertices
+  std::uint32_t clipped = 0, before = 0;  // before: triangles << 16 | vertices of earlier rows
   for (unsigned row = lane; row < kOwnRows; row += kWarp) {
     const int y = static_cast<int>(row) % kBrickSide, z = static_cast<int>(row) / kBrickSide;
     const auto vertices =
@@ -79,7 +87,7 @@ __device__ inline void count_brick(const BrickGeometry& geometry, const CaseTabl
   brick.clipped_cells = clipped;
 }
 
-// Writes a counted brick at place i, by one warp.
+// Writes a counted brick as bricks[i], and its counts, by one warp.
 __device__ inline void store_count(const ActiveBrick& brick, std::uint64_t i, ActiveBrick* bricks,
                                    const BrickCounts& counts) {
   const unsigned lane = threadIdx.x % kWarp;
@@ -91,14 +99,15 @@ __device__ inline void store_count(const ActiveBrick& brick, std::uint64_t i, Ac
   if (brick.vertices + brick.triangles != 0) atomicAdd(&part.surface_bricks, 1ull);
 }
 
-// The 8 low bits, each followed by two zeros.
+// Spreads the 8 low bits to every third bit: bit i moves to bit 3 i.
 __device__ inline std::uint32_t spread_by_three(std::uint32_t bits) {
   bits = (bits | bits << 8) & 0x00f00fu;
   bits = (bits | bits << 4) & 0x0c30c3u;
   return (bits | bits << 2) & 0x249249u;
 }
 
-// Place of the n-th set bit, from 0; there are more than n.
+// Position of the n-th set bit, counting from 0, by a binary search over population counts.
+// Precondition: more than n bits are set.
 __device__ inline int nth_bit(std::uint32_t bits, int n) {
   int place = 0;
   for (int width = 16; width > 0; width /= 2) {
@@ -110,15 +119,16 @@ __device__ inline int nth_bit(std::uint32_t bits, int n) {
   return place;
 }
 
-// The edge of vertex n of a brick.
+// The edge that carries vertex n of a brick: a binary search for its row, then for its bit in the
+// row. So any lane can compute any vertex without a list of edges.
 __device__ inline CrossedEdge edge_of_vertex(const ActiveBrick& brick, std::uint32_t n) {
-  int row = 0;  // the last that begins at or before n
+  int row = 0;  // the last row whose first vertex is at most n
   for (int step = kOwnRows / 2; step > 0; step /= 2) {
     if (brick.row_vertices[row + step] <= n) row += step;
   }
   const int y = row % kBrickSide, z = row / kBrickSide;
   const RowCrossings c = row_crossings(brick.signs, y, z);
-  // By node, then axis.
+  // Bit 3 x + axis, in the order of the vertices: by node, then by axis.
   const std::uint32_t crossed = spread_by_three(c.along(0)) | spread_by_three(c.along(1)) << 1 |
                                 spread_by_three(c.along(2)) << 2;
   const int place = nth_bit(crossed, static_cast<int>(n - brick.row_vertices[row]));
@@ -126,13 +136,15 @@ __device__ inline CrossedEdge edge_of_vertex(const ActiveBrick& brick, std::uint
   return crossed_edge((brick.signs.row[z][y] >> x & 1) != 0, x, y, z, place % 3);
 }
 
-// Through which a warp writes its vertices, one a lane, in whole lines of memory.
+// Shared memory in which a warp transposes the vertices of its lanes, so that consecutive lanes
+// write consecutive words of global memory (coalesced writes).
 struct VertexStage {
   double position[3 * kWarp];
   float normal[3 * kWarp];
 };
 
-// Writes `count` vertices of a warp from place `first` on; lane i holds the i-th.
+// Writes `count` vertices, of which lane i holds the i-th, to the arrays of the mesh from index
+// `first` on. All lanes of the warp call it.
 __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& mesh,
                                       std::uint64_t first, unsigned count,
                                       const EdgeVertex& vertex) {
@@ -154,8 +166,10 @@ __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& 
   }
 }
 
-// Writes vertex(edge) for the vertices of a brick, whose numbers begin with `base`, by one warp,
-// all lanes of which call it; adds those that were clamped to `clamped`.
+// Computes vertex(edge) for all vertices of a brick, 32 at a time, and writes them by one warp.
+// `base` is the number of the brick's first vertex in the whole mesh. Adds the number of clamped
+// vertices to `clamped`. All lanes of the warp call it, and vertex() too is called by all lanes
+// together.
 template <class Vertex>
 __device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexStage& stage,
                           const DeviceMeshView& mesh, unsigned long long* clamped, Vertex vertex) {
@@ -164,7 +178,7 @@ __device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexSt
   for (std::uint32_t first = 0; first < brick.vertices; first += kWarp) {
     const std::uint32_t left = brick.vertices - first;
     const unsigned count = left < kWarp ? left : kWarp;
-    // Lanes without a vertex make the last one too, so that all of the warp stay together.
+    // Lanes without a vertex repeat the last one, because vertex() may synchronise the warp.
     const unsigned own = lane < count ? lane : count - 1;
     const EdgeVertex v = vertex(edge_of_vertex(brick, first + own));
     if (lane < count && v.clamped) atomicAdd(clamped, 1ull);

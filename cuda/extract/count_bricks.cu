@@ -1,4 +1,10 @@
-// Node signs and counts, a warp per brick.
+// Node signs of the candidate bricks, and the counts that follow from them, with one warp per
+// brick. The warp gathers the spheres near the brick in list order, adds them in chunks to the
+// nodes of its rows, packs the signs, and counts vertices and triangles (count_brick()). For
+// blended fields the values at the nodes of bricks with surface are kept for the vertices.
+//
+// Each of 27 lanes has three rows of nine nodes in registers. The order of the sums is the list's,
+// as on the CPU, so the values agree with the CPU bit by bit.
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/extract_stages.cuh"
 #include "cuda/extract/node_atoms.cuh"
@@ -7,12 +13,16 @@
 namespace vdwmesh {
 namespace {
 
-constexpr int kLaneRows = 3;                  // rows of nodes a lane
-constexpr int kRowLanes = kRows / kLaneRows;  // lane i: rows i, i + 27, i + 54
+// Lane i < 27 has the rows i, i + 27 and i + 54 of the 81 rows 9 z + y: one y, and three z that are
+// kPlanesApart = 3 apart.
+constexpr int kLaneRows = 3;
+constexpr int kRowLanes = kRows / kLaneRows;
 constexpr int kPlanesApart = kRowLanes / kBrickReach;
 
 // ---- the union of balls ----
 
+// Shared memory of a warp, about 3 KB. `places` has room for one more warp's worth, as
+// gather_by_warp() asks.
 struct UnionShared {
   BrickGeometry geometry;
   ActiveBrick brick;
@@ -20,7 +30,8 @@ struct UnionShared {
   Sphere balls[kNearItems];
 };
 
-// Adds the nodes of row (y, z) that lie in the balls.
+// Sets bit x of `inside` for the nodes of row (y, z) that lie in one of the balls. The operations
+// are those of squared_distance(), so the signs are exactly inside_ball()'s.
 __device__ void add_to_row(const BrickGeometry& g, const Sphere* balls, std::uint32_t count, int y,
                            int z, std::uint32_t& inside) {
   for (std::uint32_t k = 0; k < count; ++k) {
@@ -36,6 +47,8 @@ __device__ void add_to_row(const BrickGeometry& g, const Sphere* balls, std::uin
   }
 }
 
+// A warp per candidate brick, 2 warps a block; about 6 KB of shared memory. Reads the keys of
+// `size` bricks; writes bricks[i] and the counts of brick i.
 __global__ void __launch_bounds__(kBrickThreads)
     count_union(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
                 std::uint64_t size, const CaseTable* table, ActiveBrick* bricks,
@@ -77,6 +90,7 @@ __global__ void __launch_bounds__(kBrickThreads)
 
 // ---- blended fields ----
 
+// Shared memory of a warp, about 5 KB. The values replace the atoms once all atoms are added.
 struct WarpShared {
   BrickGeometry geometry;
   ActiveBrick brick;
@@ -87,8 +101,10 @@ struct WarpShared {
   };
 };
 
+// The values at the nodes of a lane's rows, kept in registers: loops over them are unrolled.
 using LaneRows = float[kLaneRows][kBrickReach];
 
+// Adds the first `count` atoms of the chunk in shared memory to the lane's rows.
 template <BlendedKind Kind>
 __device__ void add_atoms(const NodeShape& nodes, const WarpShared& s, std::uint32_t count,
                           LaneRows& rows) {
@@ -110,7 +126,8 @@ __device__ void add_atoms(const NodeShape& nodes, const WarpShared& s, std::uint
   }
 }
 
-// Sums at the lane's nodes over all atoms, in list order; returns how many reach the brick.
+// Sums over all atoms near the brick, in list order, at the nodes of the lane's rows. Returns the
+// number of atoms.
 template <BlendedKind Kind>
 __device__ std::uint32_t sum_field(const FieldContext& f, WarpShared& s, LaneRows& rows) {
   const NodeShape nodes = Kind::node_shape(f.model);
@@ -123,7 +140,7 @@ __device__ std::uint32_t sum_field(const FieldContext& f, WarpShared& s, LaneRow
   });
 }
 
-// Signs of the lane's rows; the values go to shared memory.
+// Stores the signs and the values of the lane's rows in shared memory.
 __device__ void share_rows(float isovalue, const LaneRows& rows, WarpShared& s) {
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   __syncwarp();
@@ -139,6 +156,9 @@ __device__ void share_rows(float isovalue, const LaneRows& rows, WarpShared& s) 
   __syncwarp();
 }
 
+// A warp per candidate brick, 2 warps a block; about 10 KB of shared memory. Reads the keys of
+// `size` bricks; writes bricks[i] and the counts of brick i and, if it has a vertex, the values at
+// its 9 x 9 x 9 nodes from values[i * kBrickValues] on.
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads, 12)
     count_blended(const __grid_constant__ FieldContext f, const std::uint64_t* keys,

@@ -1,3 +1,7 @@
+// Prepares the spheres of a field for searches on the device: float4 copies of centre and reach,
+// relative to the grid's origin. gather_by_warp() rules spheres out with them. They take half the
+// memory of the spheres in double. The reach is widened by more than all rounding errors, so no
+// sphere that reaches a box is ruled out.
 #include <algorithm>
 
 #include "cuda/extract/extract_stages.cuh"
@@ -8,20 +12,24 @@ namespace {
 
 constexpr unsigned kThreads = 256;
 
+// A thread per sphere of the list. Reads the sphere; writes its float4.
 __global__ void round_spheres(CellListView list, FieldModel model, float margin, Vec3d origin,
                               float4* rough) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   if (i >= list.size) return;
   const Sphere& s = list.spheres[i];
   const Vec3d c = s.center - origin;
-  // Under a sub-grid all atoms of the cells near a box are taken.
+  // With sub-grids no atom is ruled out by its distance, as in reaches_box(): its reach is made
+  // endless. 1e18 still has a finite square in float32.
   const bool endless = model.kind != FieldKind::vdw && model.truncation == Truncation::subgrid;
   const auto reach = static_cast<float>(field_reach(model, s.radius));
   rough[i] = {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z),
               endless ? 1e18f : reach * (1 + 1e-5f) + margin};
 }
 
-// More than the rounding of distances between points of the grid and of spheres near it, Å.
+// A bound, Å, on the rounding error of float32 distances between points of the grid and the spheres
+// near it. All coordinates involved are at most about `extent`, the longest side of the grid plus
+// the reaches; 1e-6 is 17 units of 2^-24.
 float rounding_margin(const CellListView& list, const GridSpec& grid) {
   double extent = 0;
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,5 +1,12 @@
-// Triangles and their half-edges, a block of threads per brick. First the block lays out in shared
-// memory what the numbers are made from, then a thread writes a half-edge at a time, in order.
+// Writes the triangles of the bricks, and on request their opposite half-edges, with one block of
+// threads per brick.
+// 1. find_neighbours finds each brick's neighbours in the list, once for all bricks.
+// 2. emit_triangles gathers in shared memory all that the numbers of a brick follow from: first
+//    vertices and crossed edges of its 9 x 9 rows of nodes, its mixed cells with their first
+//    triangles, and, for half-edges, the cells beyond its faces.
+// 3. Then each thread computes one half-edge at a time and writes it, consecutive threads to
+//    consecutive words.
+// The device counterpart of TriangleEmitter; the numbers are the same.
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/extract_stages.cuh"
 
@@ -10,18 +17,21 @@ constexpr unsigned kTriangleThreads = 4 * kWarp;
 constexpr int kMostTriangles = kMaxCaseTriangles * kBrickNodes;
 constexpr int kCellsPerFace = kBrickSide * kBrickSide;
 
+// Index into TriangleNeighbours::place of the neighbour at an offset of 0 or 1 along each axis; -1
+// for the brick itself.
 __host__ __device__ constexpr int upper_neighbour(int dx, int dy, int dz) {
   return dx + 2 * dy + 4 * dz - 1;
 }
 
+// Index into TriangleNeighbours::place of the neighbour across a face (2 * axis + side).
 __host__ __device__ constexpr int neighbour_across(int face) {
   return face % 2 == 0 ? 7 + face / 2 : (1 << face / 2) - 1;
 }
 
-// What brick_key() of a neighbour is above that of the brick.
+// The difference between the keys of neighbours along y and along z; along x it is 1.
 constexpr std::uint64_t kStepY = std::uint64_t{1} << 21, kStepZ = std::uint64_t{1} << 42;
 
-// The first place from `low` on, and at most `high`, whose key is not below `key`.
+// Index of the first key in keys[low .. high) that is at least `key`, or `high`.
 __device__ std::uint32_t first_not_below(const std::uint64_t* keys, std::uint32_t low,
                                          std::uint32_t high, std::uint64_t key) {
   while (low < high) {
@@ -35,8 +45,13 @@ __device__ std::uint32_t first_not_below(const std::uint64_t* keys, std::uint32_
   return low;
 }
 
-// Six threads per brick, in as many rows of blocks, each for one search: neighbours along x stand
-// side by side.
+// Six threads per brick, one for each task; blockIdx.y is the task. Reads the keys, which rise;
+// writes neighbours[own]. Neighbours along x are next to each other in the list, so the ten
+// neighbours need only five binary searches:
+// - task 0: the neighbours along x, without a search;
+// - tasks 1 to 3: the upper neighbour along y, along z, or along both, and the next brick along x
+//   from there;
+// - tasks 4 and 5: the lower neighbour along y or z.
 __global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
                                 TriangleNeighbours* neighbours) {
   const std::uint32_t own = blockIdx.x * blockDim.x + threadIdx.x;
@@ -68,30 +83,38 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
   }
 }
 
+// A row of nodes: what the numbers of its vertices follow from.
 struct alignas(8) VertexRow {
-  std::uint32_t first;  // number of its first vertex
-  std::uint32_t crossed;
+  std::uint32_t first;    // number in the mesh of the first vertex of the row
+  std::uint32_t crossed;  // RowCrossings::packed
 };
 
+// A cell of the brick that the surface crosses.
 struct alignas(4) MixedCell {
-  std::uint16_t start;   // triangles before it
+  std::uint16_t start;   // triangles of the brick before this cell's
   std::uint16_t inside;  // its case
 };
 
+// Shared memory of a block, about 11 KB. Cells are numbered 64 z + 8 y + x.
 struct TriangleShared {
   ActiveBrick brick;
   TriangleNeighbours near;
-  // Nodes x = 0 .. 7 of row (z, y), then those of the next brick along x.
+  // rows[9 z + y] has the nodes x = 0 .. 7 of row (y, z), y and z = 0 .. 8. The next 81 entries are
+  // the same rows in the next brick along x; their first nodes are this brick's nodes x = 8.
   VertexRow rows[2 * kRows];
-  std::uint32_t before[4 * kBrickSide];  // crossings_before(x, axis), at 4 x + axis
-  MixedCell cells[kBrickNodes];
-  std::uint16_t cell_of[kMostTriangles];
-  // Cells across each face: first half-edge and case.
+  std::uint32_t before[4 * kBrickSide];   // crossings_before(x, axis), at 4 x + axis
+  MixedCell cells[kBrickNodes];           // set for mixed cells only
+  std::uint16_t cell_of[kMostTriangles];  // the cell of each triangle of the brick
+  // First half-edge (its number in the mesh) and case of the cells beyond each face, as [face][8 v
+  // + u] with u and v the cell's coordinates along the other two axes, u along the lower one. Set
+  // for mixed cells only.
   std::uint32_t beyond_first[6][kCellsPerFace];
   std::uint8_t beyond_case[6][kCellsPerFace];
 };
 
-// Row (y & 7, z & 7) of the brick at (dx, y >> 3, z >> 3).
+// Row (y & 7, z & 7) of the brick at offset (dx, y >> 3, z >> 3), dx being 0 or 1, from the block's
+// brick. A missing neighbour gives an empty row; count_missing() reports it if the surface goes
+// there.
 __device__ VertexRow vertex_row(const BrickList& list, const TriangleShared& s, std::uint32_t own,
                                 int dx, int y, int z) {
   const int neighbour = upper_neighbour(dx, y >> 3, z >> 3);
@@ -104,6 +127,7 @@ __device__ VertexRow vertex_row(const BrickList& list, const TriangleShared& s, 
   return {static_cast<std::uint32_t>(first), row_crossings(owner.signs, y, z).packed};
 }
 
+// Fills `rows` and `before`, by all threads of the block.
 __device__ void share_vertex_rows(const BrickList& list, std::uint32_t own, TriangleShared& s) {
   for (unsigned i = threadIdx.x; i < 2 * kRows; i += kTriangleThreads) {
     const int row = static_cast<int>(i) % kRows, y = row % kBrickReach, z = row / kBrickReach;
@@ -115,7 +139,7 @@ __device__ void share_vertex_rows(const BrickList& list, std::uint32_t own, Tria
   }
 }
 
-// By threads 0 .. 63, a row of cells each.
+// Fills `cells` and `cell_of`, by threads 0 .. 63, each for a row of cells.
 __device__ void share_own_cells(const CaseTable& table, TriangleShared& s) {
   const int y = static_cast<int>(threadIdx.x) % kBrickSide;
   const int z = static_cast<int>(threadIdx.x) / kBrickSide;
@@ -132,13 +156,15 @@ __device__ void share_own_cells(const CaseTable& table, TriangleShared& s) {
   }
 }
 
+// Enters the cell at place `uv` = 8 v + u beyond a face.
 __device__ void share_cell_beyond(TriangleShared& s, int face, int uv, std::uint32_t inside,
                                   std::uint64_t triangles_before) {
   s.beyond_case[face][uv] = static_cast<std::uint8_t>(inside);
   s.beyond_first[face][uv] = static_cast<std::uint32_t>(3 * triangles_before);
 }
 
-// Cells beyond the faces across y and z: by 32 threads, each a row of eight cells along x.
+// Enters the cells beyond the faces across y and z: by 32 threads, each for a row of eight cells
+// along x.
 __device__ void share_rows_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
                                   int thread) {
   const int face = 2 + thread / kBrickSide, v = thread % kBrickSide;
@@ -157,7 +183,10 @@ __device__ void share_rows_beyond(const BrickList& list, const CaseTable& table,
   }
 }
 
-// Cells beyond the faces across x: by 32 threads. They are the first or the last of their rows.
+// Enters the cells beyond the faces across x: by 32 threads, each for two cells of either face. A
+// cell is the last of its row beyond the lower face and the first beyond the upper face. The first
+// triangle of a row is known from counting. Before the row's last cell, it is the row's end less
+// the cell's triangles.
 __device__ void share_ends_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
                                   int thread) {
   for (int i = thread; i < 2 * kCellsPerFace; i += static_cast<int>(kWarp)) {
@@ -179,7 +208,7 @@ __device__ void share_ends_beyond(const BrickList& list, const CaseTable& table,
   }
 }
 
-// Cells beyond all faces, by two warps.
+// Enters the cells beyond all faces, by two warps; `thread` is 0 .. 63.
 __device__ void share_cells_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
                                    int thread) {
   if (thread < static_cast<int>(kWarp)) {
@@ -189,9 +218,11 @@ __device__ void share_cells_beyond(const BrickList& list, const CaseTable& table
   }
 }
 
-// Counts the rows of cells along a face that the surface crosses although the brick beyond is not
-// in the list: by 48 threads, a face and a row each. Bricks that share an edge alone need no check
-// of their own, because the bricks at both sides of one have a face to it.
+// Adds to `missing` the rows of cells at a face that the surface crosses although the brick beyond
+// the face is not in the list: by 48 threads, each for one face and one row of cells. A row is
+// crossed if its nodes in the face are of both signs. A brick that only shares an edge with this
+// one needs no check of its own: two other bricks share faces with both, these faces contain the
+// edge, and so the checks of the faces report the missing brick.
 __device__ void count_missing(const TriangleShared& s, int thread, unsigned long long* missing) {
   const int face = thread / kBrickSide, v = thread % kBrickSide;
   if (face >= 6 || s.near.place[neighbour_across(face)] != kNoBrick) return;
@@ -218,7 +249,8 @@ __device__ void count_missing(const TriangleShared& s, int thread, unsigned long
   if (any != 0 && every != all) atomicAdd(missing, 1ull);
 }
 
-// The vertex on the edge that node (x, y, z), each at most 8, owns along the axis.
+// Number in the mesh of the vertex on the edge that node (x, y, z), each 0 .. 8, owns along the
+// axis: the row's first vertex plus the crossed edges before this one.
 __device__ std::uint32_t corner_number(const TriangleShared& s, unsigned x, unsigned y, unsigned z,
                                        unsigned axis) {
   const VertexRow row = s.rows[(x / kBrickSide) * kRows + z * kBrickReach + y];
@@ -226,7 +258,10 @@ __device__ std::uint32_t corner_number(const TriangleShared& s, unsigned x, unsi
   return row.first + static_cast<std::uint32_t>(__popc(row.crossed & before));
 }
 
-// The half-edge across a face of the cell; `base` is the first half-edge of the brick.
+// Number in the mesh of the opposite of a half-edge that lies in a face of its cell. `base` is the
+// number of the brick's first half-edge, `cell` the cell 64 z + 8 y + x, and `code` = 4 face + slot
+// the across code less kFirstFaceCode. The bits of `cell` from `shift` on are its coordinate along
+// the face's axis.
 __device__ std::uint32_t number_across(const TriangleShared& s, const CaseTable& table,
                                        std::uint32_t base, unsigned cell, std::uint32_t code) {
   const unsigned face = code / 4, slot = code % 4, shift = 3 * (face / 2);
@@ -234,7 +269,7 @@ __device__ std::uint32_t number_across(const TriangleShared& s, const CaseTable&
   const unsigned at = cell >> shift & (kBrickSide - 1);
   const auto entry = static_cast<int>(face ^ 1);
   if (at == (upper ? kBrickSide - 1u : 0u)) {
-    // The cell's place in the face: its other two coordinates.
+    // The cell's place in the face, 8 v + u: `cell` without the coordinate along the face's axis.
     const unsigned uv = (cell & ((1u << shift) - 1)) | (cell >> (shift + 3)) << shift;
     return s.beyond_first[face][uv] +
            table.at_face(s.beyond_case[face][uv], entry, static_cast<int>(slot));
@@ -244,8 +279,10 @@ __device__ std::uint32_t number_across(const TriangleShared& s, const CaseTable&
   return base + 3 * there.start + table.at_face(there.inside, entry, static_cast<int>(slot));
 }
 
-// A block per brick, from brick `first` on. What lies beyond the faces is needed by half-edges
-// alone.
+// A block of 128 threads per brick; block b works on brick first + b of the list. About 11 KB of
+// shared memory. Reads the brick, its neighbours and the case table; writes the corners and, if
+// half-edges are asked for, the opposite half-edges of the brick's triangles, at 3 * triangle - 3 *
+// mesh.first_triangle. Cells beyond the faces are needed for half-edges only.
 template <Connectivity connectivity>
 __global__ void __launch_bounds__(kTriangleThreads)
     emit_triangles(BrickList list, std::uint32_t first, const TriangleNeighbours* neighbours,
@@ -271,6 +308,8 @@ __global__ void __launch_bounds__(kTriangleThreads)
   }
   share_vertex_rows(list, own, s);
   __syncthreads();
+  // A thread takes every 128th half-edge n of the brick. The triangle n / 3 gives the cell, and h
+  // is the half-edge's number among those of the cell's case.
   const std::uint64_t before = list.before[own].triangles;
   const auto base_number = static_cast<std::uint32_t>(3 * before);
   const std::uint64_t place = 3 * (before - mesh.first_triangle);

@@ -1,4 +1,11 @@
-// Vertices, a warp per brick.
+// Positions, normals and labels of the vertices, with one warp per brick and one vertex per lane at
+// a time. A lane finds the edge of its vertex from the brick's signs (edge_of_vertex()), computes
+// the vertex with the formulas that the CPU uses, and the warp writes 32 vertices together
+// (store_all()).
+//
+// There are three kinds of surface: the union of balls, blended fields and sampled fields. For the
+// first two, the warp first gathers the spheres near the brick into shared memory. If they do not
+// fit there, every vertex searches the cell list itself, which gives the same bits more slowly.
 #include <algorithm>
 
 #include "cuda/extract/brick_warp.cuh"
@@ -10,19 +17,20 @@
 namespace vdwmesh {
 namespace {
 
-// The place in the list of the brick that a warp works on.
+// Index in the list of the brick that this warp works on.
 __device__ std::uint64_t own_brick() {
   return static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
 }
 
-// What a warp knows of its brick.
+// Shared memory of a warp for its brick, about 1.8 KB.
 struct WarpBrick {
   ActiveBrick brick;
   BrickGeometry geometry;
   VertexStage stage;
 };
 
-// False where there is nothing to do.
+// Copies the warp's brick to shared memory. Returns false if there is nothing to do: the list has
+// ended, or the brick has no vertex.
 __device__ bool load_brick(const BrickList& list, ActiveBrick& brick) {
   if (own_brick() >= list.size) return false;
   copy_brick(&list.bricks[own_brick()], &brick, threadIdx.x % kWarp, kWarp);
@@ -32,12 +40,15 @@ __device__ bool load_brick(const BrickList& list, ActiveBrick& brick) {
 
 // ---- the union of balls ----
 
+// Shared memory of a warp, about 6 KB.
 struct UnionShared {
   WarpBrick own;
   std::uint32_t places[kNearItems + kWarp];
   UnionItems items;
 };
 
+// A warp per brick, 2 warps a block; about 12 KB of shared memory. Reads the spheres; writes the
+// vertices of brick i at their numbers, and adds clamped ones to `clamped`.
 __global__ void __launch_bounds__(kBrickThreads)
     emit_union_vertices(const __grid_constant__ FieldContext f, BrickList list, DeviceMeshView mesh,
                         unsigned long long* clamped) {
@@ -53,6 +64,8 @@ __global__ void __launch_bounds__(kBrickThreads)
                        s.items.load(f, g, s.places, count);
                        return false;
                      });
+  // More balls than kNearItems have overwritten each other in s.items: null makes every vertex
+  // search the cell list.
   const UnionItems* const all = near <= kNearItems ? &s.items : nullptr;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
             [&](const CrossedEdge& edge) { return union_vertex(f, g, all, near, edge); });
@@ -60,11 +73,11 @@ __global__ void __launch_bounds__(kBrickThreads)
 
 // ---- blended fields ----
 
-// What a vertex needs of an atom.
+// An atom near the brick, as far as the gradient and the label of a vertex need it.
 struct alignas(16) VertexAtom {
-  float center[3];  // Å, from the brick's node 0
-  float scale;
-  std::int32_t cell[3];  // of its sub-grid
+  float center[3];       // from the brick's node 0, Å
+  float scale;           // q = d^2 * scale
+  std::int32_t cell[3];  // with sub-grids: the grid cell in which the atom lies
   std::uint32_t rank;
 };
 
@@ -82,7 +95,7 @@ __device__ VertexAtom vertex_atom(const FieldContext& f, const BrickGeometry& g,
   return a;
 }
 
-// False where the sub-grid of the atom ends before the node.
+// Whether the node lies in the atom's sub-grid; true without sub-grids.
 __device__ bool reaches_node(const FieldModel& m, const VertexAtom& a, const LatticeNode& node) {
   if (m.truncation != Truncation::subgrid) return true;
   bool reaches = true;
@@ -93,7 +106,8 @@ __device__ bool reaches_node(const FieldModel& m, const VertexAtom& a, const Lat
   return reaches;
 }
 
-// What the atom alone adds to a node. Hardly ever called, so not inlined.
+// The contribution of the atom at list place `place` to a node of the brick. It is called only if
+// no atom contributes at a vertex, which is rare, so it is not inlined.
 template <BlendedKind Kind>
 __device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGeometry& g,
                                             std::uint32_t place, float scale, const int node[3]) {
@@ -106,8 +120,9 @@ __device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGe
   return Kind::add_atom(nodes, Kind::row_term(nodes, term[1], term[2]), term[0], scale, 0.0f);
 }
 
-// `values` are those of the brick's nodes; for_each(visit) calls visit(atom, place) for the atoms
-// that reach the brick, in list order.
+// The vertex on a crossed edge; the device counterpart of BlendedBrick::vertex(). `values` are the
+// field's values at the brick's nodes. for_each(visit) calls visit(atom, place) for the atoms that
+// reach the brick, in list order, on all lanes of the warp together.
 template <BlendedKind Kind, class ForEach>
 __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry& g,
                                      const float* values, const CrossedEdge& edge,
@@ -125,11 +140,11 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
   for_each([&](const VertexAtom& a, std::uint32_t place) {
     const bool reaches = reaches_node(f.model, a, inside);
     const Vec3f from = local - Vec3f{a.center[0], a.center[1], a.center[2]};
-    // Where it adds nothing to any vertex of the warp, nothing is computed.
+    // An atom that adds nothing to any vertex of the warp is skipped by the whole warp.
     if (!__any_sync(kAllLanes, reaches && is_in_window<Kind>(shape, from, a.scale))) return;
     if (reaches) add_gradient<Kind>(shape, from, a.scale, a.rank, place, gradient);
   });
-  // Where no atom reaches the vertex, the strongest at its inside end.
+  // If no atom contributes at the vertex, take the atom that contributes most at the inside end.
   if (!(gradient.strongest.value > 0)) {
     for_each([&](const VertexAtom& a, std::uint32_t place) {
       const float alone = value_at_node<Kind>(f, g, place, a.scale, edge.inside);
@@ -141,8 +156,11 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
   return v;
 }
 
-// Dynamic shared memory: for each warp `room` atoms, enough for every brick, and the places of
-// kWarp more.
+// A warp per brick, 2 warps a block. Reads the spheres and `values`, the values of the list's
+// bricks, kBrickValues each; writes the vertices of brick i at their numbers, and adds clamped ones
+// to `clamped`. Static shared memory: 3.6 KB. Dynamic shared memory: for each warp `room` atoms,
+// then for each warp room + kWarp list places. Precondition: no brick has more than `room` atoms,
+// so one batch gathers all atoms of a brick, and `atoms` and `places` stay valid afterwards.
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads, 16)
     emit_blended_vertices(const __grid_constant__ FieldContext f, BrickList list,
@@ -176,7 +194,8 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
             });
 }
 
-// The same with any number of atoms near a brick: every vertex visits the list.
+// The same for any number of atoms near a brick: all vertices of a warp visit the cell list. No
+// dynamic shared memory; the last parameter is unused and gives both kernels one type.
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads)
     emit_crowded_vertices(const __grid_constant__ FieldContext f, BrickList list,
@@ -204,7 +223,7 @@ __global__ void __launch_bounds__(kBrickThreads)
 using BlendedKernel = void (*)(FieldContext, BrickList, const float*, DeviceMeshView,
                                unsigned long long*, std::uint32_t);
 
-// Atoms of a brick that fit in shared memory.
+// Atoms of a brick that fit in shared memory: with the list places, 2 warps take 37 KB then.
 constexpr std::uint32_t kMostAtoms = 512;
 
 template <BlendedKind Kind>
@@ -218,6 +237,9 @@ BlendedKernel blended_kernel_of(FieldKind kind, std::uint32_t most_atoms) {
 
 // ---- sampled fields ----
 
+// A warp per brick, 2 warps a block; about 3 KB of shared memory. Reads the field's values at the
+// ends of crossed edges and, for normals, around them; writes the vertices of brick i at their
+// numbers.
 template <Normals normals>
 __global__ void __launch_bounds__(kBrickThreads, normals == Normals::none ? 24 : 16)
     emit_sampled_vertices(SampledFieldView field, BrickList list, DeviceMeshView mesh,

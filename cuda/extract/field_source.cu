@@ -1,6 +1,11 @@
-// Marching cubes over a field in device memory: a kernel packs the field into a bit per node, a
-// second one finds the bricks with nodes of both signs, and the kernel that counts bricks reads
-// bits alone.
+// Marching cubes over a field that is given by its values in device memory, for
+// FieldMesher::mesh_into().
+// 1. pack_signs streams the field once and writes a sign bit per node.
+// 2. find_mixed looks at the bits and marks the bricks of the range whose nodes are of both signs.
+// 3. A stream compaction makes the list of candidate bricks; unlike for fields of spheres, each of
+//    them holds surface.
+// 4. count_sampled counts them; DeviceBrickMesher numbers and emits them as for any field.
+// Only the vertices read values again, at the ends of crossed edges and, for normals, around them.
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
@@ -15,7 +20,7 @@ namespace vdwmesh {
 namespace {
 
 constexpr unsigned kThreads = 256;
-constexpr int kBricksPerWord = 4;
+constexpr int kBricksPerWord = 4;  // a word has the signs of 32 nodes, 8 of each brick
 
 SignGrid sign_grid(const GridSpec& grid) {
   SignGrid g{};
@@ -26,8 +31,10 @@ SignGrid sign_grid(const GridSpec& grid) {
   return g;
 }
 
-// A warp per row of nodes; eight words at a time keep enough reads in flight. Reads begin where the
-// row does, so that they fall on whole lines; bits move up by one, past the virtual node.
+// A warp per row of nodes, 8 rows a block. Reads the row's values, 32 per word; writes its sign
+// words. Eight words at a time keep enough reads in flight. Node i of the grid has lattice index i
+// + 1, so the words are shifted up by one bit. The shift comes after the ballot, so that reads
+// begin at the first value of the row.
 __global__ void __launch_bounds__(kThreads)
     pack_signs(SampledFieldView field, SignGrid grid, std::uint32_t* words) {
   constexpr int at_once = 8;
@@ -36,13 +43,13 @@ __global__ void __launch_bounds__(kThreads)
   if (row >= grid.height * grid.depth) return;
   const std::int64_t width = field.grid.cells.x + 1;
   const float* const values = field.values + row * width;
-  std::uint32_t before = 0;  // the word before
+  std::uint32_t before = 0;  // the last unshifted word of the round before
   for (std::int64_t first = 0; first < grid.words; first += at_once) {
     float value[at_once];
 #pragma unroll
     for (int w = 0; w < at_once; ++w) {
       const std::int64_t node = kWarp * (first + w) + lane;
-      // Not a number: outside.
+      // Beyond the row: not a number, which compares as outside.
       value[w] = node < width ? __ldcs(values + node) : __int_as_float(0x7fc00000);
     }
     std::uint32_t own = 0;
@@ -58,8 +65,11 @@ __global__ void __launch_bounds__(kThreads)
   }
 }
 
-// A thread per word of four bricks: whether the nodes that a brick's cells touch are of both signs.
-// The next brick's first node along x is in the next thread's word; so blocks overlap by a thread.
+// A thread per word along x and per brick along y and z, that is, per four bricks; 2 KB of shared
+// memory. Reads the words of the 9 x 9 rows that the bricks' cells touch; writes to `mixed` whether
+// the nodes are of both signs. The ninth node along x of the last brick is in the next thread's
+// word, so words are exchanged in shared memory. The last thread of a block only provides its word,
+// and blocks overlap by one thread.
 __global__ void __launch_bounds__(kThreads)
     find_mixed(SignGrid grid, const std::uint32_t* words, KeyRange range, std::uint8_t* mixed) {
   __shared__ std::uint32_t any_next[kThreads], all_next[kThreads];
@@ -102,6 +112,7 @@ __global__ void __launch_bounds__(kThreads)
   }
 }
 
+// Key of brick i in z-y-x order.
 struct KeyOfBrick {
   std::int32_t width, height;
 
@@ -112,6 +123,7 @@ struct KeyOfBrick {
   }
 };
 
+// Keys of the bricks whose nodes are of both signs, rising. Throws LimitExceeded beyond `most`.
 KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const KeyRange& range,
                      std::uint64_t most, const Stream& stream) {
   const auto bricks = static_cast<std::size_t>(grid.brick_total());
@@ -139,7 +151,7 @@ KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const Key
   return result;
 }
 
-// The bits of nodes 0 .. 8 of a brick's row.
+// The signs of nodes 0 .. 8 of row (y, z) of a brick; node 8 may be in the next word.
 __device__ std::uint32_t row_signs(const SignGrid& grid, const std::uint32_t* words,
                                    const BrickIndex& brick, int y, int z) {
   const std::int64_t node_y = lattice_index(brick.y, y) - 1;
@@ -153,7 +165,8 @@ __device__ std::uint32_t row_signs(const SignGrid& grid, const std::uint32_t* wo
   return bits & ((1u << kBrickReach) - 1);
 }
 
-// A warp per brick.
+// A warp per candidate brick, 2 warps a block; about 1.4 KB of shared memory. Reads the sign words;
+// writes bricks[i] and the counts of brick i.
 __global__ void __launch_bounds__(kBrickThreads)
     count_sampled(GridSpec spec, SignGrid grid, const std::uint32_t* words,
                   const std::uint64_t* keys, std::uint64_t size, const CaseTable* table,

@@ -1,4 +1,6 @@
-// The terms of the atoms near a brick at its planes of nodes, which a warp makes in shared memory.
+// The axis terms of a chunk of atoms at a brick's planes of nodes, made by a warp in shared memory.
+// Every node of the brick then combines three terms per atom. The kernels that sum blended fields
+// at nodes (count_bricks.cu, sample_field.cu) use them.
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"
@@ -7,21 +9,23 @@
 
 namespace vdwmesh {
 
-inline constexpr std::uint32_t kAtomChunk = 16;  // in shared memory at a time
+inline constexpr std::uint32_t kAtomChunk = 16;  // atoms in shared memory at a time
 
+// Atoms of a warp on their way to its chunk, in shared memory.
 struct AtomStage {
-  std::uint32_t waiting[kAtomChunk + kWarp];  // places of atoms near the brick
-  Sphere spheres[kAtomChunk];
-  float scale[kAtomChunk];
+  std::uint32_t waiting[kAtomChunk + kWarp];  // list places, as gather_by_warp() fills them
+  Sphere spheres[kAtomChunk];                 // the atoms of the chunk
+  float scale[kAtomChunk];                    // their scales: q = d^2 * scale
 };
 
+// The terms of one atom at kNodes planes of nodes across each axis.
 template <int kNodes>
 struct alignas(16) NodeAtom {
   AxisTerm term[3][kNodes];
 };
 
-// Makes the terms of the first `count` waiting atoms, all lanes at work; leaves the warp
-// synchronised.
+// Makes the terms of the first `count` waiting atoms: by one warp, whose lanes share the count * 3
+// * kNodes terms. `coordinate` has the positions of the planes, Å. Ends with __syncwarp().
 template <BlendedKind Kind, int kNodes>
 __device__ void share_terms(const FieldContext& f, const NodeShape& nodes, std::uint32_t count,
                             const BrickIndex& brick, const double (&coordinate)[3][kNodes],

@@ -1,4 +1,8 @@
-// A warp gathers the spheres near a box in list order: the order in which the CPU meets them.
+// A warp gathers the spheres near a box in list order, the order in which visit_near_box() visits
+// them on the CPU, so that sums over them have the same bits. The work is spread over the lanes in
+// two ways: a lane per row of the cell list finds the row's range of places, and then a prefix sum
+// over the lengths of 32 rows assigns 32 consecutive spheres to the lanes, however they are spread
+// over the rows.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +14,13 @@ namespace vdwmesh {
 inline constexpr unsigned kWarp = 32;
 inline constexpr unsigned kAllLanes = 0xffffffffu;
 
-struct PlaceRange {
+struct PlaceRange {  // of list places
   std::uint32_t begin, end;
 };
 
-// The row among a warp's 32 that holds place `wanted` of all their places, given the inclusive sum
-// of the lengths of each lane's row; 32 beyond the last.
+// Each lane has a row of some length; `sum` is the inclusive prefix sum of the lengths. Returns the
+// row that holds element `wanted` of the concatenated rows, or 32 beyond the last: a binary search
+// across the lanes.
 __device__ inline unsigned row_holding(std::uint32_t sum, std::uint32_t wanted) {
   unsigned owner = 0;
   for (unsigned step = kWarp / 2; step > 0; step /= 2) {
@@ -34,13 +39,14 @@ __device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {
   return sum;
 }
 
-// Calls visit(place, valid) for the spheres of a level near a box, in list order, 32 at a time: all
-// lanes call it, `valid` says which of them have a sphere. Stops where it returns true.
+// Visits the spheres of one level of the cell list near a box, in list order, 32 at a time. All
+// lanes call visit(place, valid) together; `valid` is false on lanes without a sphere. Stops if
+// visit() returns true, which it must do on all lanes alike.
 template <class Visit>
 __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3d& lower,
                                     const Vec3d& upper, Visit&& visit) {
   const unsigned lane = threadIdx.x % kWarp;
-  // A lane per axis.
+  // Lanes 0, 1 and 2 compute the range of cells along x, y and z; then all lanes read all three.
   const int axis = static_cast<int>(lane % 3);
   const CellRange own = cell_range(level, axis, lower[axis], upper[axis]);
   const auto of_axis = [&](unsigned a) {
@@ -70,7 +76,7 @@ __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3
   }
 }
 
-// A box from the origin of rough spheres, Å.
+// A box relative to RoughSpheres::origin, Å.
 struct RoughBox {
   float lower[3], upper[3];
 };
@@ -84,7 +90,8 @@ __device__ inline RoughBox rough_box(const Vec3d& origin, const Vec3d& lower, co
   return box;
 }
 
-// Whether a sphere of that reach may touch the box: never false where it does.
+// Whether a rough sphere (centre in xyz, widened reach in w) may touch the box: true for every
+// sphere whose reach touches it.
 __device__ inline bool may_reach(const RoughBox& box, const float4& sphere) {
   const float x = fmaxf(fmaxf(box.lower[0] - sphere.x, sphere.x - box.upper[0]), 0.0f);
   const float y = fmaxf(fmaxf(box.lower[1] - sphere.y, sphere.y - box.upper[1]), 0.0f);
@@ -92,11 +99,12 @@ __device__ inline bool may_reach(const RoughBox& box, const float4& sphere) {
   return fmaf(x, x, fmaf(y, y, z * z)) <= sphere.w * sphere.w;
 }
 
-// Collects the places of the spheres that may reach a box, in list order, by one warp; those that
-// do not reach it add nothing to what is made of them. Whenever `size` of them stand in `waiting`,
-// which has room for kWarp more, and at the end for the rest, it calls batch(count) for the first
-// `count`; the warp is synchronised before and after. Stops where batch() returns true. Returns how
-// many there were.
+// Collects, by one warp, the list places of the spheres that may reach a box, in list order.
+// Spheres that do not reach the box may be among them; callers get 0 from those. Whenever `size`
+// places stand in `waiting`, and once more for the rest, batch(count) is called on all lanes to
+// take the first `count` of them; the warp is synchronised before and after. Stops if batch()
+// returns true. `waiting` has room for size + kWarp places. Returns how many places batch() has
+// taken.
 template <class Batch>
 __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lower,
                                         const Vec3d& upper, std::uint32_t* waiting,
@@ -121,6 +129,7 @@ __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lowe
     visit_level_by_warp(list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
       const bool kept = valid && may_reach(box, f.rough.spheres[place]);
       const unsigned votes = __ballot_sync(kAllLanes, kept);
+      // Compaction: each kept place goes behind those of the lower lanes.
       if (kept) waiting[count + __popc(votes & ((1u << lane) - 1))] = place;
       count += static_cast<std::uint32_t>(__popc(votes));
       while (count >= size && !done) hand_over(size);

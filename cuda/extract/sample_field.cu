@@ -1,19 +1,25 @@
-// A blended field at every node of a grid: a warp per brick, two rows of nodes a lane.
+// Samples a blended field at every node of a grid, for FieldMesher::sample(): one warp per brick,
+// with the same sums in the same order as in count_bricks.cu. All bricks are visited, because every
+// node needs its value. A brick writes its own 8 x 8 x 8 nodes only, so no node is written twice.
+// Each lane has two rows of eight nodes in registers.
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/node_atoms.cuh"
 
 namespace vdwmesh {
 namespace {
 
-constexpr unsigned kBlockBricks = 4;  // side by side, so that they write whole lines together
+// Bricks of a block, side by side along x. Their rows join into 32 values, 128 bytes, which is a
+// whole line of memory.
+constexpr unsigned kBlockBricks = 4;
 constexpr unsigned kBlockThreads = kBlockBricks * kWarp;
-constexpr int kRowsApart = kBrickSide / 2;
+constexpr int kRowsApart = kBrickSide / 2;  // in z, between the two rows of a lane
 
 using SampleAtom = NodeAtom<kBrickSide>;
 
+// Shared memory of a warp, about 4 KB. The values replace the atoms once all atoms are added.
 struct SampleShared {
   BrickIndex brick;
-  double coordinate[3][kBrickSide];
+  double coordinate[3][kBrickSide];  // of the brick's own nodes, Å
   AtomStage stage;
   union {
     SampleAtom atoms[kAtomChunk];
@@ -21,7 +27,8 @@ struct SampleShared {
   };
 };
 
-// Bricks along the axes in blocks, those of a block side by side along x.
+// The launch grid: a block has kBlockBricks bricks along x and one along y and z. CUDA allows 65535
+// blocks along y and z.
 dim3 blocks_of(const GridSpec& grid) {
   constexpr std::int32_t side = kBlockBricks, most = 65535;
   const std::int32_t height = brick_count(grid.cells.y), depth = brick_count(grid.cells.z);
@@ -32,7 +39,8 @@ dim3 blocks_of(const GridSpec& grid) {
               static_cast<unsigned>(height), static_cast<unsigned>(depth));
 }
 
-// By one warp, which it leaves synchronised.
+// Fills `brick` and `coordinate`, by one warp: lane 8 * axis + node makes one coordinate. Ends with
+// __syncwarp(). Bricks beyond the last along x are computed too, but have no node to write.
 __device__ void share_nodes(const GridSpec& grid, SampleShared& s) {
   const BrickIndex brick{static_cast<std::int32_t>(blockIdx.x * kBlockBricks + threadIdx.x / kWarp),
                          static_cast<std::int32_t>(blockIdx.y),
@@ -46,13 +54,14 @@ __device__ void share_nodes(const GridSpec& grid, SampleShared& s) {
   __syncwarp();
 }
 
-// The rows (y, z) and (y, z + kRowsApart) of a lane.
+// A lane's rows of nodes: `low` is row (y, z) and `high` row (y, z + kRowsApart).
 struct RowPair {
   int y, z;
   float low[kBrickSide] = {}, high[kBrickSide] = {};
 };
 
-// Adds an atom to a row, where it reaches that of any lane.
+// Adds an atom to one row of each lane. Skipped if the rows of all lanes are out of its reach. Two
+// nodes' terms along x are read as one float4.
 template <BlendedKind Kind>
 __device__ void add_to_row(const NodeShape& nodes, const SampleAtom& atom, float scale,
                            const RowTerm& term, float (&row)[kBrickSide]) {
@@ -66,6 +75,7 @@ __device__ void add_to_row(const NodeShape& nodes, const SampleAtom& atom, float
   }
 }
 
+// Adds the first `count` atoms of the chunk in shared memory to the lane's rows.
 template <BlendedKind Kind>
 __device__ void add_atoms(const NodeShape& nodes, const SampleShared& s, std::uint32_t count,
                           RowPair& rows) {
@@ -79,7 +89,8 @@ __device__ void add_atoms(const NodeShape& nodes, const SampleShared& s, std::ui
   }
 }
 
-// Writes the nodes that the grid has, four rows at a time.
+// Writes the brick's own nodes that belong to the grid. The values go through shared memory, so
+// that eight lanes write the eight nodes of a row, and a warp four rows at a time.
 __device__ void store_rows(const GridSpec& grid, const RowPair& rows, SampleShared& s,
                            float* values) {
   __syncwarp();
@@ -103,6 +114,8 @@ __device__ void store_rows(const GridSpec& grid, const RowPair& rows, SampleShar
   }
 }
 
+// A warp per brick, 4 bricks a block; about 16 KB of shared memory. Writes values[] at every node,
+// in the order of SampledFieldView.
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBlockThreads, 8)
     sample_bricks(const __grid_constant__ FieldContext f, float* values) {

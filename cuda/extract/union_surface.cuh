@@ -1,5 +1,7 @@
-// The union of balls seen from one brick by a warp: node signs, and the vertex on an edge. The
-// device counterpart of UnionBrick.
+// The vertices of the union of balls on the crossed edges of one brick, for a warp: the device
+// counterpart of UnionBrick. The balls near the brick are in shared memory with float32 copies. A
+// lane first filters them for the balls that may touch its edge, then applies the exit rule in
+// double to these few.
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"
@@ -10,16 +12,19 @@
 
 namespace vdwmesh {
 
+// Balls of a brick that fit in shared memory; a set of them is the bits of one 64-bit word.
 inline constexpr std::uint32_t kNearItems = 64;
 
-// A brick's balls in shared memory.
+// The balls near a brick, in shared memory: rank[k] and list place[k] of ball[k].
 struct UnionItems {
   Sphere ball[kNearItems];
   std::uint32_t rank[kNearItems], place[kNearItems];
-  // Centre from the brick's node 0, Å; squared distance from which an edge may touch it, Å².
+  // xyz: the centre from the brick's node 0, Å. w: squared radius plus rounding error, Å²; an edge
+  // at a larger squared distance from the centre does not touch the ball.
   float4 rough[kNearItems];
 
-  // By one warp, which synchronises after it.
+  // Loads the balls at these list places, by one warp. The caller synchronises afterwards.
+  // Precondition: count <= kNearItems.
   __device__ void load(const FieldContext& f, const BrickGeometry& g, const std::uint32_t* places,
                        std::uint32_t count) {
     for (std::uint32_t k = threadIdx.x % kWarp; k < count; k += kWarp) {
@@ -29,7 +34,9 @@ struct UnionItems {
       place[k] = places[k];
       const Vec3d from = own.center - g.node(0, 0, 0);
       const auto radius = static_cast<float>(own.radius);
-      // Of lengths up to this, single precision errs less than 1e-5 of its square.
+      // All lengths below are at most `extent`: a node is at most 9 spacings from node 0 along an
+      // axis, and the ball is near the brick. The error of d^2 - r^2 is then some 30 units of 2^-24
+      // times extent^2, see NearBalls; 1e-5 is five times as much.
       const float extent = radius + 2 * kBrickReach * static_cast<float>(f.model.grid.spacing);
       rough[k] = {static_cast<float>(from.x), static_cast<float>(from.y),
                   static_cast<float>(from.z), fmaf(1e-5f * extent, extent, radius * radius)};
@@ -37,7 +44,9 @@ struct UnionItems {
   }
 };
 
-// Bit k: ball k may touch the edge. Single precision, so some are taken that do not.
+// Bit k is set if ball k may touch the edge: if the edge, a box without width, is at most its
+// radius away in float32. Some balls that just miss the edge are included, no ball that touches it
+// is missed.
 __device__ inline std::uint64_t balls_near_edge(const UnionItems& items, std::uint32_t count,
                                                 const BrickGeometry& g, const CrossedEdge& edge,
                                                 float spacing) {
@@ -57,8 +66,8 @@ __device__ inline std::uint64_t balls_near_edge(const UnionItems& items, std::ui
   return near;
 }
 
-// The vertex on a crossed edge. `items` are all balls near the brick; null when they do not fit,
-// then the list is searched.
+// The vertex on a crossed edge. `items` has all `count` balls near the brick. It is null if they do
+// not fit in shared memory; then the cell list is searched for the balls near the edge.
 __device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeometry& g,
                                           const UnionItems* items, std::uint32_t count,
                                           const CrossedEdge& edge) {

@@ -1,3 +1,11 @@
+// Quasi-Monte Carlo integration of a surface's area: directions are evenly spread and fixed instead
+// of random, so the same set always gives the same estimate. A sample of the spheres stands for all
+// of them.
+// - Union of balls: of 32 points spread evenly over a sphere, the share that no other ball covers
+//   is the exposed share of the sphere's area.
+// - Blended field: every point of the isosurface belongs to the atom that contributes most there.
+//   Rays from the atom's centre find its part of the isosurface, and a change of variables from
+//   solid angle to area gives the part's area.
 #include "extract/area_estimate.hpp"
 
 #include <tbb/parallel_for.h>
@@ -16,15 +24,17 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::uint64_t kSampledSpheres = 4096;
+constexpr std::uint64_t kSampledSpheres = 4096;  // at most so many are looked at
 constexpr int kPointsPerSphere = 32;
-// Of a field: few for many spheres.
+// Blended fields: about kRays rays are shared among the spheres, within these numbers per sphere.
 constexpr std::uint64_t kRays = 16384;
 constexpr int kFewestRays = 4, kMostRays = 128;
-constexpr double kRayStep = 0.25;     // of the radius
-constexpr double kLeastCosine = 0.1;  // of a ray to the normal: none counts for more than tenfold
+constexpr double kRayStep = 0.25;  // relative to the radius
+// Least cosine between a ray and the normal. It limits the weight of grazing rays to ten times the
+// weight of a ray that meets the surface at a right angle.
+constexpr double kLeastCosine = 0.1;
 
-// The k-th of a spiral of equally spaced directions (Fibonacci lattice).
+// The k-th of `count` unit vectors that are spread evenly over the sphere (Fibonacci lattice).
 Vec3d direction(int k, int count) {
   const double z = 1 - (2 * k + 1) / static_cast<double>(count);
   const double angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
@@ -32,9 +42,13 @@ Vec3d direction(int k, int count) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-// On or in another ball. Of balls that share the point, the first owns it.
+// Whether another ball covers the point p of the sphere at list place `own`. If the point lies on
+// several spheres, all but the first in the list count as covered there.
 bool is_covered(const CellListView& list, std::uint32_t own, const Vec3d& p) {
-  constexpr double kSlack = 1e-9;  // relative: points on equal spheres are told by their order
+  // Relative to the squared radius: points nearer to a sphere count as lying on it. So of several
+  // equal spheres the first keeps its area and the others have none, whichever way the point is
+  // rounded.
+  constexpr double kSlack = 1e-9;
   return visit_near_box(list, p, p, [&](std::uint32_t place) {
     const Sphere& ball = list.spheres[place];
     const double square = ball.radius * ball.radius;
@@ -44,6 +58,7 @@ bool is_covered(const CellListView& list, std::uint32_t own, const Vec3d& p) {
   });
 }
 
+// Share of a sphere's area that no other ball covers, 0 to 1.
 double exposed_part(const CellListView& list, std::uint32_t own) {
   const Sphere& ball = list.spheres[own];
   int exposed = 0;
@@ -52,7 +67,8 @@ double exposed_part(const CellListView& list, std::uint32_t own) {
   return exposed / static_cast<double>(kPointsPerSphere);
 }
 
-// Sums area_of(place) over evenly spaced places of the list, and scales to all.
+// Estimates the sum of area_of(place) over all list places from evenly spaced ones. The terms are
+// summed in the order of the list, so the result does not depend on the number of threads.
 template <class AreaOf>
 double sum_over_sample(std::uint64_t spheres, const AreaOf& area_of) {
   if (spheres == 0) return 0;
@@ -66,14 +82,18 @@ double sum_over_sample(std::uint64_t spheres, const AreaOf& area_of) {
   return sum * static_cast<double>(spheres) / static_cast<double>(sampled);
 }
 
-// From the centre of a sphere outwards while its contribution is the largest: what the first way
-// out of the surface stands for, per solid angle. Every point of the surface belongs to one sphere,
-// and a patch dA at distance r fills the solid angle dA cos / r².
+// Area per solid angle of the isosurface in direction u from the centre of the sphere at list place
+// `own`, counting only surface that belongs to this sphere; Å². The ray is walked in steps from the
+// centre outwards, as long as the point is inside and `own` contributes most. The first step that
+// leaves the surface brackets a crossing at distance r, which linear interpolation finds. An area
+// dA there fills the solid angle dA cos(a) / r^2, with a the angle between ray and normal, so the
+// result is r^2 / cos(a). It is 0 if another sphere contributes most on the way or at the crossing,
+// or if the field is below the isovalue after the first step.
 double area_along(const CellListView& list, const FieldModel& model, std::uint32_t own,
                   const Vec3d& u) {
   const Sphere& ball = list.spheres[own];
   const double step = kRayStep * ball.radius, reach = field_reach(model, ball.radius);
-  double r = 0, value = 0;  // at r, from the second step on
+  double r = 0, value = 0;  // value: the field at r; 0 at the centre, where it is not evaluated
   while (r < reach) {
     const FieldSample next = sample_field(list, model, ball.center + (r + step) * u);
     if (next.value >= model.isovalue) {
@@ -92,6 +112,8 @@ double area_along(const CellListView& list, const FieldModel& model, std::uint32
   return 0;
 }
 
+// Area of the isosurface that belongs to the sphere at list place `own`, Å²: the mean over the rays
+// times the full solid angle.
 VDWMESH_MULTIVERSION double area_along_rays(const CellListView& list, const FieldModel& model,
                                             std::uint32_t own, int rays) {
   double sum = 0;

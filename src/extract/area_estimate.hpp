@@ -1,4 +1,5 @@
-// How much surface a set of balls has, before anything is made of it.
+// Estimates how much surface a set of balls has, without extracting a mesh. The program's memory
+// plan (apps/memory_plan.cpp) uses it to predict the size of the mesh.
 #pragma once
 
 #include "extract/field.hpp"
@@ -6,13 +7,15 @@
 
 namespace vdwmesh {
 
-// Area of the boundary of the union, Å², from points on a sample of the spheres: to 3 % for sets of
-// thousands, to 10 % for less. For limits, not for reports. Always the same for the same set.
+// Estimates the area of the boundary of the union of balls, Å², from points on a sample of the
+// spheres. The error is up to 3 % for sets of thousands of spheres and up to 10 % for smaller sets,
+// good enough for limits but not for reports. The same set always gives the same estimate.
 double estimate_area(const SphereSet& spheres);
 
-// Area of the isosurface of a blended field, Å², likewise: to 10 % where the surface is smooth.
-// What an atom with the largest contribution in other places as well has there is left out.
-// Precondition: model.kind is not vdw.
+// Estimates the area of the isosurface of a blended field, Å², in the same way. The error is up to
+// 10 % if the surface is smooth. Left out are parts of the surface that a straight line from their
+// atom's centre reaches only through the outside or through another atom's part. Precondition:
+// model.kind is not vdw.
 double estimate_area(const SphereSet& spheres, const FieldModel& model);
 
 }  // namespace vdwmesh

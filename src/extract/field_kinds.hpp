@@ -1,9 +1,9 @@
-// The kinds of field as types, and the one place that goes from a FieldKind to its type.
+// The kinds of field as types, and the one place that goes from a FieldKind, known at run time, to
+// its type. Templates over the type then compile every loop once per kind, without a branch on it.
 //
-// A blended field is a type like Blinn (blended/blinn.hpp): its value and slope by the squared
-// distance, its terms at the nodes of a grid, what its bounds may assume, and the parameters of its
-// presets; BlendedKind lists them. A new one needs its header, its name in FieldKind, and its line
-// in with_blended(): the compiler warns where a switch lacks a name.
+// A blended field is a type with static functions only, like Blinn in blended/blinn.hpp; the
+// concept BlendedKind lists them. A new kind needs a header with its type, a name in FieldKind, and
+// a case in with_blended(); the compiler warns if a switch lacks a name.
 #pragma once
 
 #include <concepts>
@@ -16,6 +16,14 @@
 
 namespace vdwmesh {
 
+// What a kind of blended field defines, for the contribution f of one atom:
+// - f and its slope by the squared distance, in float or double: reaches(q) is false only if f is
+//   0, value(), value_and_slope().
+// - What bounds on f over a box may assume: is_convex_beyond(d2) and absolute_rounding().
+// - The same f at the nodes of a grid, in float32, as a product of terms of one axis each:
+//   node_shape() makes the parameters, axis_term() the term of a plane, row_term() combines y and
+//   z, row_is_out_of_reach() is true only if the row adds 0, add_atom() adds f at a node to a sum.
+// - The parameters of its presets, and the range of its isovalues: largest_factor().
 template <class Kind>
 concept BlendedKind = requires(const ShapeParameters<double>& shape, const NodeShape& nodes,
                                const AxisTerm& axis, const RowTerm& row, const FieldModel& model,
@@ -35,10 +43,11 @@ concept BlendedKind = requires(const ShapeParameters<double>& shape, const NodeS
   Kind::set_thesis(options, made);
 };
 
-// The union of the balls, which is no sum over atoms: its formulas are in union/.
+// Tag of the union of balls. It is not a sum over atoms, so it is no BlendedKind; its formulas are
+// in union/ and in blended/edge_formulas.hpp.
 struct UnionOfBalls {};
 
-// f(Kind{}) with the type of the kind. Precondition: it is not vdw.
+// Returns f(Kind{}) with the type of the kind. Precondition: kind is not vdw.
 template <class F>
 VDWMESH_HD decltype(auto) with_blended(FieldKind kind, F&& f) {
   switch (kind) {
@@ -54,7 +63,7 @@ VDWMESH_HD decltype(auto) with_blended(FieldKind kind, F&& f) {
   __builtin_unreachable();
 }
 
-// The same for every kind; f(UnionOfBalls{}) for vdw.
+// The same for every kind; for vdw it returns f(UnionOfBalls{}).
 template <class F>
 VDWMESH_HD decltype(auto) with_kind(FieldKind kind, F&& f) {
   return kind == FieldKind::vdw ? f(UnionOfBalls{}) : with_blended(kind, f);

@@ -1,4 +1,13 @@
-// A blended field seen from one brick, in float32 relative to it. CPU.
+// A blended field on one brick, on the CPU: its values and signs at the nodes, and the vertices on
+// the crossed edges. Everything is computed in float32 relative to the brick's node 0, where
+// coordinates are small.
+// - A node's value is the sum over the brick's atoms, in list order, of a product of one term per
+//   axis. The terms depend on atom and node plane alone, so neighbouring bricks compute the same
+//   bits for the nodes that they share.
+// - A vertex is found by linear interpolation between the values at the ends of its edge. Its
+//   normal is the gradient of the field at the vertex, and its label the atom that contributes most
+//   there.
+// The device counterparts are count_bricks.cu and emit_vertices.cu.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +24,15 @@
 
 namespace vdwmesh {
 
-// The field at all nodes that the brick's cells touch: nodes x = 0 .. 7 of row [z][y], and node 8.
+// The field at all nodes that the brick's cells touch. row[z][y] holds the nodes x = 0 .. 7, a
+// whole vector of float32; last[z][y] holds the node x = 8.
 struct BrickValues {
   float row[kBrickReach][kBrickReach][kBrickSide];
   float last[kBrickReach][kBrickReach];
 };
 
+// A Surface as brick_extraction.hpp asks for it. One object works for one thread, brick after
+// brick.
 template <BlendedKind Kind>
 class BlendedBrick {
  public:
@@ -31,11 +43,11 @@ class BlendedBrick {
         nodes_(Kind::node_shape(model)),
         isovalue_(static_cast<float>(model.isovalue)) {}
 
-  // Gathers the atoms that reach the brick's nodes, in list order.
+  // Moves to a brick: gathers the atoms that reach the box of its nodes, in list order.
   void visit(const BrickIndex& brick);
   void values(BrickValues& values) const;
   void signs(BrickSigns& signs) const;
-  // Calls put(i, vertex) for every edge i.
+  // Calls put(i, vertex) for every edge i of `edges`, which are the brick's crossed edges.
   template <class Put>
   void vertices(const BrickEdges& edges, Put&& put) const {
     for (std::size_t i = 0; i < edges.all().size(); ++i) put(i, vertex(edges.all()[i].crossed()));
@@ -53,8 +65,8 @@ class BlendedBrick {
   NodeShape nodes_;
   float isovalue_;
   BrickGeometry geometry_{};
-  std::vector<LocalAtom> atoms_;
-  std::vector<std::uint32_t> places_;
+  std::vector<LocalAtom> atoms_;       // the atoms that reach the brick
+  std::vector<std::uint32_t> places_;  // their list places
 };
 
 template <BlendedKind Kind>
@@ -72,6 +84,7 @@ LocalAtom BlendedBrick<Kind>::local_atom(const Sphere& atom) const {
   return local;
 }
 
+// Bit i is set if node plane i across the axis lies in the atom's sub-grid; LocalAtom::in_subgrid.
 template <BlendedKind Kind>
 std::uint16_t BlendedBrick<Kind>::subgrid_planes(int axis, const Sphere& atom) const {
   if (model_.truncation != Truncation::subgrid) return (1u << kBrickReach) - 1;
@@ -98,6 +111,7 @@ void BlendedBrick<Kind>::visit(const BrickIndex& brick) {
                  });
 }
 
+// Adds an atom to all nodes, row by row. A row out of the atom's reach would only get zeros.
 template <BlendedKind Kind>
 void BlendedBrick<Kind>::add_rows(const LocalAtom& atom, BrickValues& values) const {
   AxisTerm along[kBrickReach];
@@ -136,14 +150,17 @@ void BlendedBrick<Kind>::signs(BrickSigns& signs) const {
   if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
 }
 
-// False where the sub-grid of the atom ends before the node; sub-grids count at a vertex as at its
-// inside end. A value of 0 at the node would not say so: that of a steep Blinn field is 0 within
-// reach, and may be large at the vertex.
+// Whether the node lies in the atom's sub-grid. An atom contributes to a vertex if the inside end
+// of the vertex's edge lies in its sub-grid. It would be wrong to ask instead whether the atom's
+// value at that node is above 0: a steep Blinn field may underflow to 0 at the node and still be
+// large at the vertex.
 inline bool reaches_node(const LocalAtom& a, const int node[3]) {
   return (a.in_subgrid[0] >> node[0] & a.in_subgrid[1] >> node[1] & a.in_subgrid[2] >> node[2] &
           1) != 0;
 }
 
+// The vertex on an edge. The node values are summed again instead of stored; the same operations in
+// the same order give the bits from which the signs were taken.
 template <BlendedKind Kind>
 EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
   float inside = 0, outside = 0;
@@ -161,7 +178,8 @@ EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
     add_gradient<Kind>(shape_, local - Vec3f{a.center[0], a.center[1], a.center[2]}, a.scale,
                        list_.rank[places_[k]], k, g);
   }
-  // Where no atom reaches the vertex, the strongest at its inside end.
+  // If no atom contributes at the vertex, take the atom that contributes most at the inside end.
+  // There is one, because the field is at least the isovalue there.
   if (!(g.strongest.value > 0)) {
     for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
       const float value = add_to_node<Kind>(nodes_, atoms_[k], edge.inside, 0.0f);

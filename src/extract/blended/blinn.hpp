@@ -1,13 +1,19 @@
-// Blinn's field, ACM Transactions on Graphics 1 (1982) 235. Host and device.
+// Blinn's field, ACM Transactions on Graphics 1 (1982) 235. Host and device. An atom at distance d
+// contributes
 //
-//   f = exp(B (o - q)) w(q),   q = s d^2,   w(q) = (W (1 - k q))^2 up to its zero, then 0
+//   f = exp(B (o - q)) w(q),   q = s d^2,   w(q) = (W (1 - k q))^2 up to its zero, then 0.
 //
-// At the nodes of a grid f is a product of terms of one axis each, so that an atom needs one
-// exponential per node plane, not one per node: with q = qx + qy + qz and g = exp(-B q / 2) of each
-// axis,
-//   f = exp(B o) W^2 (gy gz)^2 (gx (1 - k (qy + qz)) - k qx gx)^2,
-// and the bracket, cut at 0, takes one fma. An axis contributes {k q, g}, along x {k qx gx, gx}; a
-// row {1 - k (qy + qz), exp(B o) W^2 (gy gz)^2}.
+// B is the steepness, o the offset, s the atom's scale, W the window's scale and k its inverse
+// cutoff: the members of FieldModel. The window w ends f smoothly; k = 0 means no window.
+//
+// At the nodes of a grid, f is a product of terms that depend on one axis each, so an atom needs
+// one exponential per node plane instead of one per node. With q = qx + qy + qz and g = exp(-B q /
+// 2) for each axis,
+//
+//   f = exp(B o) W^2 (gy gz)^2 (gx (1 - k (qy + qz)) - k qx gx)^2.
+//
+// The last bracket is cut off at 0 and takes one fma. The axis terms are {k q, g} along y and z and
+// {k qx gx, gx} along x; a row's term is {1 - k (qy + qz), exp(B o) W^2 (gy gz)^2}.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +26,7 @@
 namespace vdwmesh {
 
 struct Blinn {
-  // False only where f is exactly 0.
+  // Returns false only if f is exactly 0.
   template <class T>
   VDWMESH_HD static bool reaches(const ShapeParameters<T>& p, T q) {
     return window_root(p, q) > 0;
@@ -33,6 +39,7 @@ struct Blinn {
     return exponential(p.steepness * (p.offset - q)) * (u * u);
   }
 
+  // With u = W (1 - k q) and e = exp(B (o - q)): df/dq = e (-B u^2 - 2 u W k), and dq/d(d^2) = s.
   template <class T>
   VDWMESH_HD static ValueAndSlope<T> value_and_slope(const ShapeParameters<T>& p, T d2, T s) {
     const T q = d2 * s;
@@ -42,7 +49,8 @@ struct Blinn {
     return {e * (u * u), s * (e * std::fma(-p.steepness, u * u, window_slope))};
   }
 
-  // It is convex in d^2 everywhere, and its rounding is relative.
+  // f is convex in d^2 everywhere, as a product of two falling convex functions, and its rounding
+  // error is relative to its value.
   template <class T>
   VDWMESH_HD static bool is_convex_beyond(const ShapeParameters<T>&, T) {
     return true;
@@ -74,13 +82,15 @@ struct Blinn {
     return !(row.rest > 0);
   }
 
+  // The bracket is at most 1, because 1 - k (qy + qz) and gx are; positive_part() asks for that.
   VDWMESH_HD static float add_atom(const NodeShape&, const RowTerm& row, const AxisTerm& x, float,
                                    float sum) {
     const float root = positive_part(std::fma(row.rest, x.factor, -x.square));
     return std::fma(root * root, row.factor, sum);
   }
 
-  // Parameters of the presets; those of the thesis are fitted to its counts: docs/thesis.md.
+  // Parameters of the presets. The offset 1 of the radius-aware preset makes f = 1 at q = 1, the
+  // atom's sphere. The thesis's parameters are fitted to its triangle counts: docs/thesis.md.
   static void set_radius_aware(const FieldOptions& options, FieldModel& m) {
     constexpr double kDefaultBlobbiness = 2;
     m.steepness = options.blobbiness.value_or(kDefaultBlobbiness);
@@ -91,7 +101,8 @@ struct Blinn {
     m.steepness = 0.8;
     m.isovalue = options.isovalue.value_or(0.70);
   }
-  // The largest number that a product of float32 terms at a node begins with.
+  // The largest factor in the product of float32 terms at a node: exp(B o) W^2, or 1 if that is
+  // less.
   static double largest_factor(const FieldModel& m) {
     return std::max(1.0, std::exp(m.steepness * m.offset) * m.window_scale * m.window_scale);
   }

@@ -1,4 +1,12 @@
-// Whether a block of lattice nodes can hold surface, from bounds on the field. Host and device.
+// Decides whether a block of 2^level bricks along each axis can hold surface, from bounds on the
+// field over the block's box. The brick search descends an octree of such blocks and drops a block
+// if the field is proved to be below the isovalue at all of its nodes, or at or above it at all of
+// them. Bounds may be loose, which costs time; they must never be wrong, which would cost surface.
+//
+// For the union of balls, a block is outside if no ball touches its box, and inside if one ball
+// holds all of it. For blended fields, FieldBounds bounds the sum over the atoms from below and
+// above. The CPU evaluates the bounds in double, the device in float32
+// (cuda/extract/brick_search.cu). Host and device.
 #pragma once
 
 #include "core/host_device.hpp"
@@ -9,12 +17,14 @@
 
 namespace vdwmesh {
 
-// Lattice nodes [first, last] along each axis of a block of 2^level bricks, both ends included.
+// The lattice nodes first .. last along each axis that the cells of a block touch. A block has
+// 2^level bricks along each axis.
 struct LatticeBlock {
   std::int64_t first[3], last[3];
   int level;
 };
 
+// `index` counts blocks of that level, so at level 0 it is the index of a brick.
 VDWMESH_HD inline LatticeBlock lattice_block(const BrickIndex& index, int level) {
   const std::int32_t b[3] = {index.x, index.y, index.z};
   LatticeBlock block{};
@@ -27,11 +37,11 @@ VDWMESH_HD inline LatticeBlock lattice_block(const BrickIndex& index, int level)
   return block;
 }
 
-// The box of a block's grid nodes; empty where the block has none.
+// The box around the nodes of a block that belong to the grid.
 struct BlockBox {
-  Vec3d lower, upper;
-  bool empty;
-  bool touches_border;  // some nodes are virtual
+  Vec3d lower, upper;   // Å
+  bool empty;           // no node of the block belongs to the grid
+  bool touches_border;  // some nodes are virtual, hence outside
 };
 
 VDWMESH_HD inline BlockBox block_box(const GridSpec& grid, const LatticeBlock& block) {
@@ -49,11 +59,12 @@ VDWMESH_HD inline BlockBox block_box(const GridSpec& grid, const LatticeBlock& b
 }
 
 struct SquareRange {
-  double least, most;
+  double least, most;  // Å²
 };
 
-// Squared distances from c to the points of the box. Rounded like squared_distance(), which is
-// monotone in each difference, so the bounds hold for the rounded distances of the nodes too.
+// The least and the largest squared distance from c to a point of the box. They are computed with
+// the operations of squared_distance(). Each of these is monotone under rounding, so the bounds
+// also hold for the rounded squared distances of the nodes.
 VDWMESH_HD inline SquareRange square_range(const BlockBox& box, const Vec3d& c) {
   double near[3], far[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -66,9 +77,9 @@ VDWMESH_HD inline SquareRange square_range(const BlockBox& box, const Vec3d& c) 
           std::fma(far[0], far[0], std::fma(far[1], far[1], far[2] * far[2]))};
 }
 
-// Union of balls: no ball touches the box, or one ball holds all of it -> no surface.
-// visit_near(visit) calls visit(place) for any superset of the balls that touch the box, until it
-// returns true.
+// Union of balls: returns false if no ball touches the box, or if one ball holds all of it and no
+// node of the block is virtual. visit_near(visit) calls visit(place) for any superset of the balls
+// that touch the box, until visit() returns true.
 template <class VisitNear>
 VDWMESH_HD bool union_may_cross(const CellListView& list, const BlockBox& box,
                                 VisitNear&& visit_near) {
@@ -76,6 +87,8 @@ VDWMESH_HD bool union_may_cross(const CellListView& list, const BlockBox& box,
   for (int l = 0; l < list.level_count; ++l) {
     largest = list.levels[l].reach > largest ? list.levels[l].reach : largest;
   }
+  // A ball that holds the box is at least as wide. If none is that wide, the first ball that
+  // touches the box settles the answer.
   const bool coverable = box.upper.x - box.lower.x <= 2 * largest;
   bool touched = false, covered = false;
   visit_near([&](std::uint32_t place) {
@@ -94,7 +107,8 @@ VDWMESH_HD inline bool union_may_cross(const CellListView& list, const BlockBox&
                          [&](auto&& visit) { visit_near_box(list, box.lower, box.upper, visit); });
 }
 
-// Sub-grid against a block: whether the atom's box meets the block, and whether it holds it.
+// How the sub-grid of an atom lies to a block: whether it has some of the block's nodes (`meets`),
+// and whether it has all of them (`holds`). Without sub-grids both are true.
 struct SubgridOverlap {
   bool meets, holds;
 };
@@ -105,6 +119,7 @@ VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const Latt
   if (m.truncation != Truncation::subgrid) return o;
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t cell = subgrid_cell(m.grid, axis, c[axis]);
+    // The sub-grid has the nodes cell - n .. cell + n; lattice indices are larger by 1.
     const std::int64_t low = cell - m.subgrid_cells + 1, high = cell + m.subgrid_cells + 1;
     if (block.last[axis] < low || block.first[axis] > high) o.meets = false;
     if (block.first[axis] < low || block.last[axis] > high) o.holds = false;
@@ -112,38 +127,53 @@ VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const Latt
   return o;
 }
 
-// Bounds on a blended field over a box. Every f falls with d^2, so its values at the nearest and
-// the farthest point bound it; and where its kind says that it is convex in d^2 (a product of
-// falling convex functions is), it lies above its tangent at the middle of the box and below its
-// chord. With d^2 = |m|^2 + 2 m (x - middle) + |x - middle|^2, where m leads from
-// the atom to the middle, the sums of tangents and of chords are linear in x but for a term that
-// is at most 0 and at least slope * |half|^2: second order in the size of the box.
+// Bounds on a blended field over a box, from the sum over its atoms of bounds on each. There are
+// two pairs of bounds, and the better of each pair is used.
 //
-// The bounds must hold for the float32 values of the nodes, not for the field alone. An atom's
-// value at a node errs in three ways.
-// - By a few units of its own size. kMargin covers them.
-// - Where the window ends, its square root is a difference of numbers about 1 and errs by up to
-//   4e-7, whatever is left of it. So the nearest and the farthest point are taken nearer and
-//   farther by kWiden of d^2: that moves the root there by at least 4e-4, and the margin of the
-//   value found exceeds the square of the error.
-// - By what the kind names as its absolute rounding, above or below.
-// The sum over n atoms errs by n units more, at the nodes and, with T = float, here.
+// 1. An atom's contribution f falls with d^2. So f at the point of the box nearest to the atom
+//    bounds it from above (`most`), and f at the farthest point from below (`least`).
+//
+// 2. If f is convex in d^2, it lies above its tangent at the middle of the box and below its chord
+//    between the nearest and the farthest distance. Write m for the vector from the atom to the
+//    middle of the box and y for the vector from the middle to a point of the box. Then
+//
+//   d^2 = |m|^2 + 2 m y + |y|^2   with   0 <= |y|^2 <= |half|^2.
+//
+// Tangent and chord are linear in d^2 with a slope of at most 0. The chord is largest with |y|^2 =
+// 0, and the tangent least with |y|^2 = |half|^2. What is left is linear in y, so the sums over the
+// atoms are linear too, and their extremes over the box follow from the sums of the slopes
+// (`chords`, `tangents`). This pair errs in the second order of the box's size, the first pair in
+// the first order.
+//
+// The bounds must hold for the float32 values at the nodes, not for the exact field alone. An
+// atom's float32 value at a node has three errors:
+// - It errs by some units of its own size, 2^-24 relative. kMargin covers them.
+// - Near the end of the window, the root u = 1 - k q is a difference of two numbers near 1 and errs
+//   by up to 4e-7, however small u is. Therefore the nearest and the farthest distance are widened
+//   by kWiden of d^2. With k q near 1 this moves u by about 1/512 = 2e-3. So f at the widened
+//   distances bounds the float32 value. It also makes kMargin sufficient for the second pair: with
+//   e = 4e-7, 1e-3 (u + 2e-3)^2 > 2 u e + e^2 for every u >= 0.
+// - Some kinds have an absolute error besides, absolute_rounding(). It is added or subtracted.
+// The sum over n atoms errs by up to n units more, at the nodes and, if T is float, here.
 template <class T>
 struct FieldBounds {
-  T least = 0, most = 0;                         // sums of values
-  T tangents = 0, chords = 0;                    // sums at the middle
-  T tangent_slope[3] = {}, chord_slope[3] = {};  // 1/Å
-  T atoms = 0;
+  T least = 0, most = 0;                         // sums of f at the farthest and nearest points
+  T tangents = 0, chords = 0;                    // sums of tangents and chords at y = 0
+  T tangent_slope[3] = {}, chord_slope[3] = {};  // their sums' gradients with respect to y, 1/Å
+  T atoms = 0;                                   // how many were added
 
-  // An atom whose box `overlap`s that of the nodes; `m` leads from it to the middle, Å.
+  // Adds an atom. `m` leads from the atom to the middle of the box and `half` is half the box's
+  // size, both in Å; `overlap` says how the atom's sub-grid lies to the block.
   template <BlendedKind Kind>
   VDWMESH_HD void add(const ShapeParameters<T>& shape, T scale, const T (&m)[3], const T (&half)[3],
                       const SubgridOverlap& overlap) {
     if (!overlap.meets) return;
-    T near = 0, middle = 0, far = 0, extent = 0;  // squares
+    // Squares: nearest, middle and farthest distance, and |half|.
+    T near = 0, middle = 0, far = 0, extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const T away = m[axis] < 0 ? -m[axis] : m[axis];
-      // A gap much smaller than the block is a difference that has lost its digits.
+      // The gap between atom and box is a difference. If it is much smaller than its terms,
+      // cancellation leaves few correct digits, so `doubt`, four units of the terms, is taken off.
       const T doubt = kUnit * (away + half[axis]), reach = half[axis] + doubt;
       const T gap = away > reach ? away - reach : T(0);
       near = std::fma(gap, gap, near);
@@ -156,7 +186,8 @@ struct FieldBounds {
     const T at_near = Kind::value(shape, near, scale);
     const T at_far = Kind::value(shape, far, scale);
     const T rounding = at_near > 0 ? Kind::absolute_rounding(shape) : T(0);
-    // The slope of a chord over a short interval would be that of its rounding.
+    // Over a short interval, the slope of the chord would consist of rounding errors. Without a
+    // chord, `most` is used: the constant at_near.
     const bool convex = Kind::is_convex_beyond(shape, near) && far - near > kShort * far;
     const T chord = convex ? (at_far - at_near) / (far - near) : T(0);
     atoms += 1;
@@ -165,8 +196,8 @@ struct FieldBounds {
     for (int axis = 0; axis < 3; ++axis) {
       chord_slope[axis] = std::fma(2 * chord, m[axis], chord_slope[axis]);
     }
+    // Some nodes may lie outside the sub-grid, and f is 0 there. Only its rounding is below 0.
     if (!overlap.holds) {
-      // Its rounding alone can make it less than 0.
       least -= rounding;
       tangents -= rounding;
       return;
@@ -183,7 +214,8 @@ struct FieldBounds {
     }
   }
 
-  // What no node of the box is below, or above, once all atoms near it have been added.
+  // Bounds on the float32 values of all nodes in the box, once all atoms near it have been added: a
+  // linear function over a box has its extremes at corners, |slope| * half away along each axis.
   VDWMESH_HD T lower(const T (&half)[3]) const {
     T bound = tangents;
     for (int axis = 0; axis < 3; ++axis) bound -= half[axis] * std::fabs(tangent_slope[axis]);
@@ -198,13 +230,17 @@ struct FieldBounds {
  private:
   VDWMESH_HD T margin() const { return (kMargin + kUnit * atoms) * most; }
 
+  // The largest relative error is Blinn's: some 1300 units of 2^-24, or 8e-5, for B = 50, the
+  // largest allowed, at the window's end q = 6.25 (tests/unit/extract/node_terms_test.cpp).
   static constexpr T kMargin = T(1e-3);
-  static constexpr T kUnit = T(4) / (1 << 23);  // four units of float32
-  static constexpr T kWiden = T(1) / (1 << 9);  // of d^2
-  static constexpr T kShort = T(1) / (1 << 7);  // of d^2; more than 2 kWiden
+  static constexpr T kUnit = T(4) / (1 << 23);  // four units in the last place of float32
+  static constexpr T kWiden = T(1) / (1 << 9);  // share of d^2
+  // Share of d^2. Widening makes any interval about 2 kWiden = 1/256 of d^2 long, so an interval of
+  // that length can be due to widening alone.
+  static constexpr T kShort = T(1) / (1 << 7);
 };
 
-// Middle and half sizes of a box.
+// Middle and half sizes of a box, Å.
 template <class T>
 struct BoxFrame {
   Vec3d middle;
@@ -221,6 +257,8 @@ VDWMESH_HD inline BoxFrame<T> box_frame(const Vec3d& lower, const Vec3d& upper) 
   return f;
 }
 
+// Blended fields: returns false if the bounds prove that no node of the block is inside, or that
+// all nodes are inside and none is virtual.
 template <BlendedKind Kind>
 VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
                                 const LatticeBlock& block, const BlockBox& box) {
@@ -233,16 +271,18 @@ VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
     const double to_middle[3] = {from.x, from.y, from.z};
     bounds.add<Kind>(shape, inverse_square_scale(m, ball.radius), to_middle, frame.half,
                      subgrid_overlap(m, block, ball.center));
-    // A large block most likely holds surface as soon as these sums admit it, and costs many atoms
-    // to know better: its children are asked instead.
+    // Early exit for large blocks. As soon as the sums over some of the atoms admit surface, the
+    // block most likely holds some, and visiting its many other atoms would be expensive. The block
+    // is kept and its children are tested. Levels 0 to 2 always visit all atoms.
     return block.level > 2 && bounds.most >= m.isovalue && bounds.least <= 0;
   });
-  // The sums are then of some atoms only, and a bound from above that lacks an atom is none.
+  // After an early exit the sums lack atoms, so upper() is no bound.
   if (settled) return true;
   return bounds.upper(frame.half) >= m.isovalue &&
          (bounds.lower(frame.half) < m.isovalue || box.touches_border);
 }
 
+// Whether a block may hold surface; false only if it holds none.
 VDWMESH_HD inline bool may_hold_surface(const CellListView& list, const FieldModel& m,
                                         const LatticeBlock& block) {
   const BlockBox box = block_box(m.grid, block);

@@ -1,4 +1,7 @@
-// Where the surface meets a grid edge, for host and device.
+// The point in which the surface meets a crossed grid edge. For blended fields and sampled fields
+// it follows from linear interpolation between the values at the ends. For the union of balls it is
+// the first exit from the union, found by merging the intervals in which balls cover the edge. Host
+// and device.
 #pragma once
 
 #include <cmath>
@@ -9,15 +12,18 @@
 
 namespace vdwmesh {
 
-// A vertex stays this far, in edge lengths, from both ends of its edge.
+// A vertex stays this far, in edge lengths, from both ends of its edge. This keeps the vertices on
+// edges that meet in a node apart.
 inline constexpr double kEdgeMargin = 1.0 / (1 << 20);
 
 struct EdgePoint {
   double distance;      // from the inside node along the edge, Å
-  std::uint32_t owner;  // union of balls: index of the ball whose interval ends there
+  std::uint32_t owner;  // union of balls: the caller's index of the ball whose interval ends there
   bool clamped;
 };
 
+// Moves a point into the part of the edge where vertices may lie; a distance that is not a number
+// goes to the inside end.
 VDWMESH_HD inline EdgePoint clamp_to_edge(double distance, double spacing, std::uint32_t owner) {
   const double least = kEdgeMargin * spacing, most = (1 - kEdgeMargin) * spacing;
   if (!(distance >= least)) return {least, owner, true};
@@ -25,9 +31,9 @@ VDWMESH_HD inline EdgePoint clamp_to_edge(double distance, double spacing, std::
   return {distance, owner, false};
 }
 
-// Blended fields: linear interpolation between the values at the inside and the outside node. An
-// outside node of the virtual border may hold a value at or above the isovalue; then the edge is
-// cut at its outer end.
+// Linear interpolation between the values at the inside and the outside node. A virtual node is
+// outside by definition, but its value may be at or above the isovalue. Then the vertex is placed
+// at the outer end of the edge.
 VDWMESH_HD inline EdgePoint interpolate_edge(float inside, float outside, float isovalue,
                                              double spacing) {
   if (!(outside < isovalue)) return clamp_to_edge(spacing, spacing, 0);
@@ -35,12 +41,15 @@ VDWMESH_HD inline EdgePoint interpolate_edge(float inside, float outside, float 
   return clamp_to_edge((a - t) / (a - b) * spacing, spacing, 0);
 }
 
-// Part of a grid line that a ball covers, measured from the inside node towards the outside node.
+// The part of a grid line that a ball covers. Positions are measured from the inside node towards
+// the outside node.
 struct Interval {
-  double enter, exit;
+  double enter, exit;  // Å
   bool empty;
 };
 
+// The ball's interval on the line through `node` along the axis. With the distance a of the line
+// from the centre, it is the centre's position plus and minus sqrt(r^2 - a^2).
 VDWMESH_HD inline Interval cover(const Sphere& ball, const Vec3d& node, int axis,
                                  double direction) {
   const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
@@ -52,7 +61,8 @@ VDWMESH_HD inline Interval cover(const Sphere& ball, const Vec3d& node, int axis
   return {middle - half, middle + half, false};
 }
 
-// Where a ball that holds the node ends: rounding may end its interval before the node.
+// End of the interval of a ball that holds the node, hence at least 0. If rounding has made the
+// interval empty or has ended it before the node, the end is taken to be 0, the node itself.
 VDWMESH_HD inline double exit_of_holder(const Sphere& ball, const Vec3d& node, int axis,
                                         double direction) {
   const Interval i = cover(ball, node, axis, direction);
@@ -64,17 +74,21 @@ struct UnionExit {
   std::uint32_t owner;  // index of the ball whose interval ends there
 };
 
-// Union of balls: the first exit from the union seen from the inside node. Intervals are merged
-// from the node outwards; the balls that hold the node (same predicate as its sign) begin the run,
-// and balls that reach the edge within its length extend it. Where several end it exactly, the
-// lowest rank owns. for_each(visit) calls visit(ball, rank, index) for any superset of the balls
-// that touch the edge: further ones change nothing. Not clamped to the edge.
+// Union of balls: the first exit from the union, seen from the inside node. This is the end of the
+// connected run of covered points that begins at the node.
+// 1. The balls that hold the node begin the run; it ends where the farthest of them ends. The
+//    predicate is the same as for the node's sign, so there is at least one.
+// 2. A ball whose interval contains the end of the run, and begins before the edge ends, extends
+//    the run to its own end. This repeats over all balls until none extends the run.
+// If several intervals end exactly at the exit, the ball of lowest rank owns it. for_each(visit)
+// calls visit(ball, rank, index) for any superset of the balls that touch the edge; further balls
+// change nothing. The result is not clamped to the edge.
 template <class ForEach>
 VDWMESH_HD UnionExit union_exit(const Vec3d& node, int axis, double direction, double spacing,
                                 ForEach&& for_each) {
-  double reach = -1;
+  double reach = -1;  // end of the run so far; below every exit, which are at least 0
   std::uint32_t owner = 0, owner_rank = 0;
-  bool others = false;  // balls that do not hold the node: those that do change nothing later
+  bool others = false;  // some ball does not hold the node; without any, step 2 changes nothing
   const auto end_at = [&](double exit, std::uint32_t rank, std::uint32_t index) {
     if (exit == reach && rank >= owner_rank) return;
     reach = exit;
@@ -101,6 +115,7 @@ VDWMESH_HD UnionExit union_exit(const Vec3d& node, int axis, double direction, d
   return {reach, owner};
 }
 
+// union_exit(), clamped to the edge.
 template <class ForEach>
 VDWMESH_HD EdgePoint first_exit(const Vec3d& node, int axis, double direction, double spacing,
                                 ForEach&& for_each) {

@@ -1,4 +1,8 @@
-// exp of our own: library functions differ between host and device, this one rounds alike on both.
+// The exponential function with the same bits on host and device. Library functions differ between
+// the two; here every operation is written out and rounds the same everywhere.
+//
+// Method: x = n ln 2 + r with an integer n and |r| <= ln(2) / 2 (Cody-Waite reduction), so that e^x
+// = 2^n e^r. A Taylor polynomial gives e^r, and 2^n is built from its exponent bits.
 #pragma once
 
 #include <bit>
@@ -9,12 +13,15 @@
 
 namespace vdwmesh {
 
-// e^x for x <= 88, 0 below -87. Cody-Waite reduction to |r| <= ln(2)/2, Taylor to r^7; relative
-// error below 3e-7.
+// e^x for x <= 88, and 0 for x < -87, with a relative error below 3e-7. Precondition: x <= 88.
+// Taylor polynomial to r^7.
 VDWMESH_HD inline float exponential(float x) {
-  constexpr float round_to_integer = 12582912.0f;  // 1.5 * 2^23
+  // 1.5 * 2^23. Floats of this size are integers, so adding it rounds to the nearest integer, and
+  // subtracting it again gives that integer.
+  constexpr float round_to_integer = 12582912.0f;
   const float t = std::fmaf(x, 1.44269504f, round_to_integer);
   const float n = t - round_to_integer;
+  // ln 2 is subtracted in two parts. The first has so few digits that n times it is exact.
   float r = std::fmaf(n, -0.693359375f, x);
   r = std::fmaf(n, 2.12194440e-4f, r);
   float p = std::fmaf(r, 1.0f / 5040, 1.0f / 720);
@@ -24,13 +31,16 @@ VDWMESH_HD inline float exponential(float x) {
   p = std::fmaf(r, p, 0.5f);
   p = std::fmaf(r, p, 1.0f);
   p = std::fmaf(r, p, 1.0f);
+  // The exponent field of 2^n is n + 127. For x >= -87 it is at least 1. Smaller x give 0 below,
+  // and clamping only keeps their field in range.
   const float clamped = n < -126.0f ? -126.0f : n;
   const float scale =
       std::bit_cast<float>((static_cast<std::int32_t>(clamped) + 127) * (std::int32_t{1} << 23));
   return x < -87.0f ? 0.0f : p * scale;
 }
 
-// e^x for x <= 709, 0 below -708; Taylor to r^13, relative error below 1e-15.
+// The same in double: e^x for x <= 709, and 0 for x < -708, with a relative error below 1e-15.
+// Precondition: x <= 709. Taylor polynomial to r^13.
 VDWMESH_HD inline double exponential(double x) {
   constexpr double round_to_integer = 6755399441055744.0;  // 1.5 * 2^52
   const double t = std::fma(x, 1.4426950408889634074, round_to_integer);

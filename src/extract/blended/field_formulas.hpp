@@ -1,4 +1,6 @@
-// Where an atom of a field matters: its scale, its reach, its ball, its sub-grid. Host and device.
+// What a field needs to know of one atom: the scale of its distances, its reach, whether a point
+// lies in its ball, and its sub-grid. The formulas of the kinds themselves are in blinn.hpp and its
+// neighbours. Host and device.
 #pragma once
 
 #include <cmath>
@@ -9,14 +11,18 @@
 
 namespace vdwmesh {
 
-// s of a sphere: q = d^2 * s.
+// The scale s of an atom, 1/Å²: the kinds take q = d^2 * s. It is the same for all atoms or follows
+// from the radius.
 VDWMESH_HD inline double inverse_square_scale(const FieldModel& m, double radius) {
   return m.uniform_scale > 0 ? m.uniform_scale : m.radius_scale / (radius * radius);
 }
 
-// How far from its centre the sphere matters: its radius for vdw, else where f_i ends (along an
-// axis, for a sub-grid). Å. The slack is for float32 coordinates: an atom that a brick's list
-// leaves out adds exactly 0 there, whichever brick computes the node.
+// The reach of a sphere, Å: how far from its centre it matters. For vdw it is the radius. For a
+// blended field it is where the atom's contribution ends: the end of the window, or with a sub-grid
+// the largest distance along an axis at which its box can end, but at most where f itself ends. The
+// slack covers the float32 coordinates in which nodes are evaluated: an atom beyond its reach from
+// a brick adds exactly 0 to each of its nodes. So the bricks that share a node agree on its value
+// although they gather different atoms.
 VDWMESH_HD inline double field_reach(const FieldModel& m, double radius) {
   const double slack = 1e-4 * radius + 1e-5 * m.grid.spacing;
   if (m.kind == FieldKind::vdw) return radius;
@@ -25,22 +31,24 @@ VDWMESH_HD inline double field_reach(const FieldModel& m, double radius) {
   return (m.most_reach < box ? m.most_reach : box) + slack;
 }
 
-// Whether the point lies in the closed ball: the one predicate behind node signs and edge exits.
 VDWMESH_HD inline double squared_distance(const Vec3d& p, const Vec3d& c) {
   const double dx = p.x - c.x, dy = p.y - c.y, dz = p.z - c.z;
   return std::fma(dx, dx, std::fma(dy, dy, dz * dz));
 }
 
+// Whether the point lies in the closed ball. This predicate alone decides the signs of nodes, and
+// which balls hold the inside end of an edge.
 VDWMESH_HD inline bool inside_ball(const Vec3d& p, const Sphere& ball) {
   return squared_distance(p, ball.center) <= ball.radius * ball.radius;
 }
 
-// Grid cell of an atom along one axis, and whether a point given in node units from the grid's
-// origin lies in the sub-grid box [cell - n, cell + 1 + n] around it.
+// The grid cell in which an atom lies, along one axis.
 VDWMESH_HD inline std::int64_t subgrid_cell(const GridSpec& grid, int axis, double coordinate) {
   return static_cast<std::int64_t>(std::floor((coordinate - grid.origin[axis]) / grid.spacing));
 }
 
+// Whether a coordinate lies in the sub-grid [cell - n, cell + n] of an atom, along one axis. It is
+// given in spacings from the grid's origin; n = half_width.
 template <class T>
 VDWMESH_HD inline bool in_subgrid(T node_units, std::int64_t cell, std::int32_t half_width) {
   return node_units >= static_cast<T>(cell - half_width) &&

@@ -1,4 +1,6 @@
-// A blended field at one point, in double: what Newton projection and the tests of a mesh need.
+// A blended field at one point, in double: its value, its gradient and the atom that contributes
+// most. Newton projection in the refinement, the estimate of the area and tests use it; the
+// extraction itself evaluates the field in float32 at the nodes of bricks. Host and device.
 #pragma once
 
 #include "core/host_device.hpp"
@@ -11,11 +13,12 @@ namespace vdwmesh {
 struct FieldSample {
   double value;
   Vec3d gradient;       // 1/Å
-  std::uint32_t place;  // in the cell list: the largest contribution, lowest rank among equals
-  bool in_reach;        // some atom contributes
+  std::uint32_t place;  // list place of the largest contribution, lowest rank among equals
+  bool in_reach;        // some atom contributes; `place` has no meaning otherwise
 };
 
-// Sums over the spheres near p in list order. `list` was built with field_reach().
+// Sums over the spheres near p in list order. Precondition: `list` was built with field_reach().
+// The gradient of f(d^2) at p is 2 df/d(d^2) (p - centre).
 template <BlendedKind Kind>
 VDWMESH_HD FieldSample sample_field(const CellListView& list, const FieldModel& model,
                                     const Vec3d& p) {

@@ -1,9 +1,12 @@
-// The inverse squared field of the thesis. Host and device.
+// The inverse squared field of the thesis (docs/thesis.md). Host and device. An atom at distance d
+// contributes
 //
-//   f = w(q) / q,   q = s d^2,   w(q) = (W (1 - k q))^2 up to its zero, then 0,
+//   f = w(q) / q,   q = s d^2,   w(q) = (W (1 - k q))^2 up to its zero, then 0.
 //
-// with d^2 not below `min_square`. At the nodes of a grid an axis contributes {q of the axis, 1}, a
-// row {qy + qz, 1}.
+// s is the atom's scale, W the window's scale and k its inverse cutoff. Smaller d^2 than min_square
+// are replaced by it, so f is finite at the centre. At the nodes of a grid, an axis term is {q of
+// the axis, 1} and a row's term {qy + qz, 1}; both factors are 0 for planes outside the atom's
+// sub-grid.
 #pragma once
 
 #include <cmath>
@@ -15,7 +18,7 @@
 namespace vdwmesh {
 
 struct InverseSquared {
-  // False only where f is exactly 0.
+  // Returns false only if f is exactly 0.
   template <class T>
   VDWMESH_HD static bool reaches(const ShapeParameters<T>& p, T q) {
     return window_root(p, q) > 0;
@@ -28,6 +31,8 @@ struct InverseSquared {
     return (u * u) / q;
   }
 
+  // With u = W (1 - k q): df/dq = (-2 u W k q - u^2) / q^2, and dq/d(d^2) = s. Below min_square f
+  // is constant.
   template <class T>
   VDWMESH_HD static ValueAndSlope<T> value_and_slope(const ShapeParameters<T>& p, T d2, T s) {
     const T q = (d2 > p.min_square ? d2 : p.min_square) * s;
@@ -37,7 +42,7 @@ struct InverseSquared {
     return {(u * u) / q, d2 > p.min_square ? s * slope : T(0)};
   }
 
-  // It is convex in d^2 from its least distance on, and its rounding is relative.
+  // f is convex in d^2 from min_square on. Its rounding error is relative to its value.
   template <class T>
   VDWMESH_HD static bool is_convex_beyond(const ShapeParameters<T>& p, T d2) {
     return d2 >= p.min_square;
@@ -72,7 +77,8 @@ struct InverseSquared {
     return std::fma((u * u) / q, row.factor * x.factor, sum);
   }
 
-  // Parameters of the presets; those of the thesis are fitted to its counts: docs/thesis.md.
+  // Parameters of the presets. The thesis's isovalues are fitted to its triangle counts:
+  // docs/thesis.md.
   static void set_radius_aware(const FieldOptions&, FieldModel& m) { m.reach_radii = kWindowRadii; }
   static void set_thesis(const FieldOptions& options, FieldModel& m) {
     const double fitted = options.preset == FieldPreset::thesis ? 4.8 : 4.6;

@@ -1,4 +1,6 @@
-// The numbers that the formulas of blended fields take and give. Host and device.
+// The types that the formulas of all kinds of blended fields share: the parameters that they take,
+// in the precision of the evaluation, and the terms that they return. The concept BlendedKind in
+// field_kinds.hpp says which functions a kind has. Host and device.
 #pragma once
 
 #include <cmath>
@@ -8,7 +10,7 @@
 
 namespace vdwmesh {
 
-// The numbers of a FieldModel in the precision of the evaluation.
+// The members of FieldModel of these names, as T. Evaluation at any point uses these.
 template <class T>
 struct ShapeParameters {
   T steepness, offset, amplitude, min_square, inverse_cutoff, window_scale;
@@ -21,10 +23,11 @@ VDWMESH_HD inline ShapeParameters<T> shape_parameters(const FieldModel& m) {
           static_cast<T>(m.inverse_cutoff), static_cast<T>(m.window_scale)};
 }
 
-// Where the window of radius-aware fields ends, in radii.
+// The window of radius-aware fields ends at this distance from the atom's centre, in radii.
 inline constexpr double kWindowRadii = 2.5;
 
-// window_scale * (1 - q * inverse_cutoff), not below 0: the square root of w(q).
+// The square root of the window w(q): W (1 - k q), or 0 beyond its zero, with W = window_scale and
+// k = inverse_cutoff.
 template <class T>
 VDWMESH_HD inline T window_root(const ShapeParameters<T>& p, T q) {
   const T u = std::fma(-q, p.inverse_cutoff, T(1));
@@ -37,26 +40,27 @@ struct ValueAndSlope {
   T slope;  // df/d(d^2), 1/Å²
 };
 
-// The numbers of a FieldModel that sums at nodes need. A kind's node_shape() fills those that it
-// has.
+// The parameters of a field for sums at nodes, in float32. A kind's node_shape() sets the members
+// that the kind uses; the others are 0.
 struct NodeShape {
   float half_steepness;  // Blinn: B / 2
-  float amplitude;       // of a value: Blinn's exp(B o) W^2, the soft object's amplitude
+  float amplitude;       // Blinn: exp(B o) W^2; soft object: its amplitude
   float inverse_cutoff;  // k
   float window_scale;    // W
   float min_square;      // inverse squared, Å²
 };
 
-// What an atom and a plane of nodes across one axis contribute, as its kind defines it. A plane
-// outside the atom's sub-grid contributes {0, 0}.
+// Contribution of an atom and one plane of nodes, across one axis, to the product at a node. The
+// header of each kind defines the two numbers. A plane outside the atom's sub-grid has {0, 0}.
 struct AxisTerm {
   float square, factor;
 };
 
-// An atom's terms for a row of nodes along x, as its kind defines them.
+// Contribution of an atom and one row of nodes along x: the axis terms of y and z combined. The
+// header of each kind defines the two numbers.
 struct RowTerm {
-  float rest;    // what the squares of y and z leave
-  float factor;  // all factors that do not depend on x
+  float rest;    // additive part, from the squares of y and z
+  float factor;  // product of all factors that do not depend on x
 };
 
 }  // namespace vdwmesh

@@ -1,4 +1,6 @@
-// An atom of a blended field as one brick sees it, in float32. Host and device.
+// An atom of a blended field in the coordinates of one brick, in float32, and the formulas for its
+// contribution to nodes and vertices. The CPU and the device share them, which makes their sums
+// agree bit by bit. Host and device.
 #pragma once
 
 #include <cmath>
@@ -14,14 +16,15 @@
 namespace vdwmesh {
 
 struct alignas(16) LocalAtom {
-  float center[3];  // Å, from the brick's node 0
-  float scale;      // q = d^2 * scale
-  AxisTerm term[3][kBrickReach];
-  // Bit i: node plane i across the axis lies in the atom's sub-grid; all bits without sub-grids.
+  float center[3];                // Å, from the brick's node 0
+  float scale;                    // q = d^2 * scale
+  AxisTerm term[3][kBrickReach];  // [axis][node plane]
+  // Bit i: node plane i across the axis lies in the atom's sub-grid. All bits without sub-grids.
   std::uint16_t in_subgrid[3];
 };
 
-// Whether the atom can add anything but 0 to nodes in the box.
+// Whether the atom can add anything but 0 to nodes in the box. With sub-grids the cell list decides
+// alone; planes outside an atom's sub-grid have zero terms anyway.
 VDWMESH_HD inline bool reaches_box(const FieldModel& m, const Vec3d& lower, const Vec3d& upper,
                                    const Sphere& atom) {
   if (m.truncation == Truncation::subgrid) return true;
@@ -40,7 +43,8 @@ VDWMESH_HD inline bool reaches_brick(const FieldModel& m, const BrickGeometry& g
   return reaches_box(m, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), atom);
 }
 
-// Whether a lattice plane across an axis lies in the sub-grid of an atom; always without sub-grids.
+// Whether a plane of nodes across an axis, given by its lattice index, lies in the sub-grid of an
+// atom; true without sub-grids.
 VDWMESH_HD inline bool plane_in_subgrid(const FieldModel& m, int axis, std::int64_t lattice,
                                         const Sphere& atom) {
   if (m.truncation != Truncation::subgrid) return true;
@@ -48,7 +52,9 @@ VDWMESH_HD inline bool plane_in_subgrid(const FieldModel& m, int axis, std::int6
   return away >= -m.subgrid_cells && away <= m.subgrid_cells;
 }
 
-// The atom's term at lattice plane `lattice` across an axis, whose coordinate is given, Å.
+// The atom's term at a plane of nodes across an axis. `lattice` is the plane's lattice index and
+// `coordinate` its position, Å. The difference to the atom is taken in double and then rounded, so
+// the term does not depend on the brick that asks.
 template <BlendedKind Kind>
 VDWMESH_HD inline AxisTerm lattice_term(const FieldModel& m, const NodeShape& p, const Sphere& atom,
                                         float scale, int axis, std::int64_t lattice,
@@ -57,6 +63,7 @@ VDWMESH_HD inline AxisTerm lattice_term(const FieldModel& m, const NodeShape& p,
   return Kind::axis_term(p, scale, axis, static_cast<float>(coordinate - atom.center[axis]));
 }
 
+// The same for node plane `node` = 0 .. 8 of a brick.
 template <BlendedKind Kind>
 VDWMESH_HD inline AxisTerm brick_term(const FieldModel& m, const NodeShape& p,
                                       const BrickGeometry& g, const Sphere& atom, float scale,
@@ -66,7 +73,7 @@ VDWMESH_HD inline AxisTerm brick_term(const FieldModel& m, const NodeShape& p,
                             g.coordinate[axis][node]);
 }
 
-// The sum over atoms at a node of the brick, one atom further.
+// Returns `sum` plus the atom's contribution at a node of the brick.
 template <BlendedKind Kind>
 VDWMESH_HD inline float add_to_node(const NodeShape& p, const LocalAtom& a, const int node[3],
                                     float sum) {
@@ -74,7 +81,8 @@ VDWMESH_HD inline float add_to_node(const NodeShape& p, const LocalAtom& a, cons
   return Kind::add_atom(p, row, a.term[0][node[0]], a.scale, sum);
 }
 
-// The atom of largest contribution so far, lowest rank among equals. Atoms that add 0 do not count.
+// A running maximum: the atom of largest contribution so far. Among equal contributions the lowest
+// rank wins; contributions of 0 do not count.
 struct Strongest {
   float value = 0;
   std::uint32_t rank = 0;
@@ -89,9 +97,8 @@ struct Strongest {
   }
 };
 
-// Gradient of the field at a vertex, and the strongest atom there.
 struct LocalGradient {
-  Vec3f sum{0, 0, 0};
+  Vec3f sum{0, 0, 0};  // half the gradient of the field at a vertex, 1/Å
   Strongest strongest;
 };
 
@@ -99,7 +106,7 @@ VDWMESH_HD inline float local_square(const Vec3f& local) {
   return std::fma(local.x, local.x, std::fma(local.y, local.y, local.z * local.z));
 }
 
-// False only where add_gradient() adds exactly 0.
+// Returns false only if add_gradient() would add exactly 0.
 template <BlendedKind Kind>
 VDWMESH_HD inline bool is_in_window(const ShapeParameters<float>& shape, const Vec3f& local,
                                     float scale) {
@@ -107,7 +114,7 @@ VDWMESH_HD inline bool is_in_window(const ShapeParameters<float>& shape, const V
   return Kind::reaches(shape, q);
 }
 
-// `local`: the vertex less the centre of the atom, Å.
+// Adds an atom to the gradient at a vertex. `local` is the vertex less the atom's centre, Å.
 template <BlendedKind Kind>
 VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const Vec3f& local,
                                     float scale, std::uint32_t rank, std::uint32_t atom,
@@ -118,7 +125,8 @@ VDWMESH_HD inline void add_gradient(const ShapeParameters<float>& shape, const V
   g.strongest.meet(f.value, rank, atom);
 }
 
-// The vertex between nodes of the given values, but for its normal and label.
+// The vertex on an edge whose ends have these values. It has no label yet, and its normal is the
+// edge's direction, the fallback of outward_normal().
 VDWMESH_HD inline EdgeVertex vertex_between(float inside, float outside, float isovalue,
                                             const GridSpec& grid, const CrossedEdge& edge,
                                             const Vec3d& inside_node) {
@@ -127,7 +135,7 @@ VDWMESH_HD inline EdgeVertex vertex_between(float inside, float outside, float i
           kNoSphere, point.clamped};
 }
 
-// Outward: down the gradient, or along the edge where it vanishes.
+// The outward normal: against the gradient, or along the edge if the gradient vanishes.
 VDWMESH_HD inline Vec3f outward_normal(const LocalGradient& g, const EdgeVertex& v) {
   return unit_or({-g.sum.x, -g.sum.y, -g.sum.z}, cast<double>(v.normal));
 }

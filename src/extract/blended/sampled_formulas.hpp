@@ -1,4 +1,6 @@
-// Node signs, vertices and normals of a sampled field. Host and device.
+// Vertices and normals of a field that is given by its values at the nodes of a grid
+// (SampledField). Vertices interpolate linearly along edges, normals interpolate central
+// differences. Host and device.
 #pragma once
 
 #include <cmath>
@@ -13,7 +15,7 @@
 
 namespace vdwmesh {
 
-// Lattice indices, 0 and cells + 2 being the virtual layer.
+// A node by its lattice indices; 0 and cells + 2 are the virtual layer.
 struct LatticeNode {
   std::int64_t index[3];
 };
@@ -28,14 +30,14 @@ VDWMESH_HD inline bool is_virtual(const GridSpec& grid, const LatticeNode& n) {
          is_virtual(grid, 2, n.index[2]);
 }
 
-// Precondition: not virtual.
+// Where the value of a node stands. Precondition: the node is not virtual.
 VDWMESH_HD inline const float* node_address(const SampledFieldView& f, const LatticeNode& n) {
   const std::int64_t row = (n.index[2] - 1) * (f.grid.cells.y + 1) + n.index[1] - 1;
   return f.values + row * (f.grid.cells.x + 1) + n.index[0] - 1;
 }
 
-// Twice the spacing times the gradient at a node: central differences, at the border doubled
-// one-sided ones.
+// The gradient at a node times twice the spacing, by central differences. At the border of the grid
+// it is twice the one-sided difference. Precondition: the node is not virtual.
 VDWMESH_HD inline Vec3f node_difference(const SampledFieldView& f, const LatticeNode& n) {
   const float* const value = node_address(f, n);
   const std::int64_t width = f.grid.cells.x + 1;
@@ -49,13 +51,13 @@ VDWMESH_HD inline Vec3f node_difference(const SampledFieldView& f, const Lattice
   return difference;
 }
 
-// The vertex on a crossed edge, its normal along the edge; `node` is the position of its inside
-// end, Å.
+// The vertex on a crossed edge, with the edge's direction as its normal. `node` is the position of
+// the edge's inside end, Å.
 VDWMESH_HD inline EdgeVertex sampled_vertex(const SampledFieldView& f, const BrickIndex& brick,
                                             const CrossedEdge& edge, const Vec3d& node) {
   const LatticeNode inside = lattice_node(brick, edge.inside);
   const LatticeNode outside = lattice_node(brick, edge.outside);
-  // No value beyond the border: interpolation then takes the outer end.
+  // A virtual node has no value. Infinity makes interpolate_edge() take the outer end of the edge.
   const float beyond = is_virtual(f.grid, outside) ? std::numeric_limits<float>::infinity()
                                                    : *node_address(f, outside);
   const EdgePoint point =
@@ -64,7 +66,8 @@ VDWMESH_HD inline EdgeVertex sampled_vertex(const SampledFieldView& f, const Bri
           point.clamped};
 }
 
-// Down the gradient at a vertex, between those of its edge's ends.
+// The outward normal at a vertex: against the gradient, which is interpolated linearly between the
+// ends of the edge. A virtual outside end has no gradient; the inside end's is taken instead.
 VDWMESH_HD inline Vec3f sampled_normal(const SampledFieldView& f, const BrickIndex& brick,
                                        const CrossedEdge& edge, const EdgeVertex& v) {
   const LatticeNode inside = lattice_node(brick, edge.inside);

@@ -1,9 +1,11 @@
 // The field of soft objects: Wyvill, McPheeters and Wyvill, The Visual Computer 2 (1986) 227. Host
-// and device.
+// and device. An atom at distance d contributes
 //
-//   f = A (1 - 22/9 q + 17/9 q^2 - 4/9 q^3)   for q = s d^2 < 1, else 0
+//   f = A (1 - 22/9 q + 17/9 q^2 - 4/9 q^3)   for q = s d^2 < 1, else 0,
 //
-// At the nodes of a grid an axis contributes {q of the axis, 1}, a row {qy + qz, A}.
+// with the amplitude A and the atom's scale s. Value and slope are 0 at q = 1, so f needs no
+// window. At the nodes of a grid, an axis term is {q of the axis, 1} and a row's term {qy + qz, A};
+// both factors are 0 for planes outside the atom's sub-grid.
 #pragma once
 
 #include <cmath>
@@ -14,12 +16,13 @@
 namespace vdwmesh {
 
 struct SoftObject {
+  // f / A by Horner's scheme, for q < 1.
   template <class T>
   VDWMESH_HD static T cubic(T q) {
     return std::fma(q, std::fma(q, std::fma(q, T(-4) / T(9), T(17) / T(9)), T(-22) / T(9)), T(1));
   }
 
-  // False only where f is exactly 0.
+  // Returns false only if f is exactly 0.
   template <class T>
   VDWMESH_HD static bool reaches(const ShapeParameters<T>&, T q) {
     return q < T(1);
@@ -36,20 +39,22 @@ struct SoftObject {
   VDWMESH_HD static ValueAndSlope<T> value_and_slope(const ShapeParameters<T>& p, T d2, T s) {
     const T q = d2 * s;
     const T shape = cubic(q);
+    // The derivative of the cubic: -22/9 + 34/9 q - 12/9 q^2.
     const T square = std::fma(q, std::fma(q, T(-4) / T(3), T(34) / T(9)), T(-22) / T(9));
     return q < T(1) ? ValueAndSlope<T>{p.amplitude * shape, s * (p.amplitude * square)}
                     : ValueAndSlope<T>{T(0), T(0)};
   }
 
-  // It is convex in d^2 everywhere. The cubic errs by some units of float32 of its amplitude,
-  // above or below, however little of it is left.
+  // f is convex in d^2 everywhere: the second derivative of the cubic, 34/9 - 24/9 q, is positive
+  // up to q = 17/12. Near q = 1 the cubic is a small difference of terms of up to 22/9, so its
+  // rounding error is relative to the amplitude, not to the value, and has either sign.
   template <class T>
   VDWMESH_HD static bool is_convex_beyond(const ShapeParameters<T>&, T) {
     return true;
   }
   template <class T>
   VDWMESH_HD static T absolute_rounding(const ShapeParameters<T>& p) {
-    constexpr T kRounding = T(4e-6);  // of the amplitude
+    constexpr T kRounding = T(4e-6);  // 67 units of 2^-24, relative to the amplitude
     return kRounding * p.amplitude;
   }
 
@@ -77,9 +82,11 @@ struct SoftObject {
     return std::fma(q < 1 ? shape : 0.0f, row.factor * x.factor, sum);
   }
 
-  // Parameters of the presets; those of the thesis are fitted to its counts: docs/thesis.md.
+  // Parameters of the presets; the thesis's are fitted to its triangle counts: docs/thesis.md. The
+  // radius-aware field ends at d = 2 R, where q = 1. At d = R, q = 1/4 and the cubic is 1/2, so the
+  // amplitude 2 makes f = 1 on the atom's sphere.
   static void set_radius_aware(const FieldOptions&, FieldModel& m) {
-    m.amplitude = 2;  // f is 1/2 at half its reach b = 2 R
+    m.amplitude = 2;
     m.radius_scale = 0.25;
     m.reach_radii = 2;
   }

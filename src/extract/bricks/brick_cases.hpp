@@ -1,4 +1,7 @@
-// The cases of a brick's cells, whole rows at once, a byte each. CPU.
+// The marching-cubes cases of all 512 cells of a brick, on the CPU. A row of eight cases is one
+// 64-bit word with a byte per cell: a table turns the nine signs of a row of nodes into eight bytes
+// of two bits, and four such words, one for each row of nodes around the row of cells, are shifted
+// and combined into eight cases at once.
 #pragma once
 
 #include <array>
@@ -11,7 +14,8 @@
 
 namespace vdwmesh {
 
-// Eight rows of eight bits in one word, row(y) from bit 8 y on.
+// Packs eight rows of eight bits into one word: the low eight bits of row(y) begin at bit 8 y.
+// Higher bits of row(y) are dropped.
 template <class Row>
 std::uint64_t layer_bits(Row&& row) {
   static_assert(std::endian::native == std::endian::little);
@@ -22,7 +26,8 @@ std::uint64_t layer_bits(Row&& row) {
   return bits;
 }
 
-// Byte x of pairs[row]: bits x and x + 1 of a row of nine signs.
+// Byte x of kSignPairs[row] holds bits x and x + 1 of `row`, nine signs: the two corners that the
+// row of nodes gives to cell x.
 inline constexpr std::array<std::uint64_t, 1u << kBrickReach> kSignPairs = [] {
   std::array<std::uint64_t, 1u << kBrickReach> pairs{};
   for (std::uint64_t row = 0; row < pairs.size(); ++row) {
@@ -31,10 +36,12 @@ inline constexpr std::array<std::uint64_t, 1u << kBrickReach> kSignPairs = [] {
   return pairs;
 }();
 
-// The cases of all cells of a brick, and which of them the surface crosses. Cells of a layer are
-// numbered 8 y + x.
+// The cases of all cells of a brick, and which of them the surface crosses ("mixed" cells). The
+// triangle emitter asks for both, so one pass over the signs prepares them.
 class BrickCases {
  public:
+  // Computes the cases of a brick. Bits 0-3 of a case come from the nodes at z and bits 4-7 from
+  // the nodes at z + 1, so the pairs above one layer are kept as the pairs below the next.
   void set(const BrickSigns& s) {
     std::uint64_t below[kBrickSide];
     for (int y = 0; y < kBrickSide; ++y) below[y] = pairs(s, y, 0);
@@ -49,12 +56,13 @@ class BrickCases {
     }
   }
 
-  // As cell_case().
+  // The same value as cell_case().
   std::uint32_t at(int x, int y, int z) const {
     return cases_[row_begin(y, z) + static_cast<std::size_t>(x)];
   }
 
-  // visit(x, y, z, case) for the cells that the surface crosses, in order, x fastest.
+  // Calls visit(x, y, z, case) for the cells that the surface crosses, x fastest and z slowest.
+  // This is the order of the triangles.
   template <class Visit>
   void for_each_mixed(Visit&& visit) const {
     for (int z = 0; z < kBrickSide; ++z) {
@@ -72,12 +80,13 @@ class BrickCases {
     return std::size_t{kBrickSide} * static_cast<std::size_t>(kBrickSide * z + y);
   }
 
+  // Byte x: the signs of the four corners of cell x that lie in the plane z.
   static std::uint64_t pairs(const BrickSigns& s, int y, int z) {
     return kSignPairs[s.row[z][y]] | kSignPairs[s.row[z][y + 1]] << 2;
   }
 
-  std::array<std::uint8_t, kBrickNodes> cases_;
-  std::array<std::uint64_t, kBrickSide> mixed_;
+  std::array<std::uint8_t, kBrickNodes> cases_;  // at 64 z + 8 y + x
+  std::array<std::uint64_t, kBrickSide> mixed_;  // of each z: bit 8 y + x: cell (x, y, z) is mixed
 };
 
 }  // namespace vdwmesh

@@ -1,4 +1,7 @@
-// The grid edges of one brick that carry a vertex, in the order of their vertices. CPU.
+// The crossed grid edges of one brick, listed in the order of their vertices, on the CPU. The list
+// is made from the node signs a layer of 64 nodes at a time: exclusive ors of shifted words give a
+// bit per crossed edge, and the set bits are then visited one after the other. The vertices of the
+// brick are computed edge by edge from this list.
 #pragma once
 
 #include <array>
@@ -13,9 +16,10 @@
 
 namespace vdwmesh {
 
-// From node (x, y, z) one step up along the axis: one word, so that it is written at once.
+// The grid edge from node (x, y, z) of a brick one step up along the axis, packed into one word so
+// that a single store writes it. Coordinates are 0 .. 7.
 struct BrickEdge {
-  std::uint32_t bits;
+  std::uint32_t bits;  // x: bits 0-3, y: 4-7, z: 8-11, axis: 12-13, sign of the lower end: 14
 
   int x() const { return static_cast<int>(bits & 15u); }
   int y() const { return static_cast<int>(bits >> 4 & 15u); }
@@ -25,16 +29,20 @@ struct BrickEdge {
   CrossedEdge crossed() const { return crossed_edge(lower_inside(), x(), y(), z(), axis()); }
 };
 
-// The edges, and the places of those along each axis among them.
+// The crossed edges of a brick, and for each axis the indices of the edges along it. Loops over one
+// axis need no branch on the axis.
 class BrickEdges {
  public:
+  // Replaces the list by the crossed edges of a brick with these node signs.
   void gather(const BrickSigns& signs) {
     Counts counts{};
     for (int z = 0; z < kBrickSide; ++z) counts = gather_layer(signs, z, counts);
     count_ = counts;
   }
 
+  // All crossed edges; edge i carries the i-th vertex of the brick.
   std::span<const BrickEdge> all() const { return {edge_.data(), count_.all}; }
+  // Indices into all() of the edges along the axis, rising.
   template <int axis>
   std::span<const std::uint16_t> along() const {
     return {along_[axis].data(), count_.along[axis]};
@@ -46,7 +54,11 @@ class BrickEdges {
     std::size_t all, along[3];
   };
 
-  // Written always, kept where the edge is crossed: no branch to guess.
+  // Appends the crossed edges of one layer of nodes and returns the new counts. The loop runs over
+  // nodes that have at least one crossed edge. The edges of such a node are written along all three
+  // axes, but the counts advance only for the crossed ones, so that the next edge overwrites an
+  // edge that is not crossed. This compaction needs no branch, which the processor could not
+  // predict.
   Counts gather_layer(const BrickSigns& signs, int z, Counts counts) {
     const auto row = [&](int y) { return std::uint32_t{signs.row[z][y]}; };
     const std::uint64_t inside = layer_bits(row);
@@ -71,6 +83,7 @@ class BrickEdges {
   }
 
   Counts count_{};
+  // One element more than can be kept, because an element is also written for edges not crossed.
   std::array<BrickEdge, kMost + 1> edge_;
   std::array<std::uint16_t, kBrickNodes + 1> along_[3];
 };

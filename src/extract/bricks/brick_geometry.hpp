@@ -1,4 +1,6 @@
-// Where the nodes of one brick are, and which of them belong to the grid. Host and device.
+// Positions of the nodes of one brick, and which of these nodes belong to the grid. A brick at the
+// border of the grid also holds nodes of the virtual layer and nodes beyond it; all of them count
+// as outside, which closes the mesh there. Host and device.
 #pragma once
 
 #include "core/host_device.hpp"
@@ -7,11 +9,14 @@
 
 namespace vdwmesh {
 
+// Nodes are local: 0 .. 8 along each axis, 8 being the first node of the next brick. Node i along
+// an axis has the lattice index 8 * brick + i.
 struct BrickGeometry {
   BrickIndex brick;
   double coordinate[3][kBrickReach];  // Å, of lattice nodes 0 .. 8 along each axis
   std::uint16_t real[3];              // bit i: node i along that axis belongs to the grid
 
+  // Position of a node, Å.
   VDWMESH_HD Vec3d node(int x, int y, int z) const {
     return {coordinate[0][x], coordinate[1][y], coordinate[2][z]};
   }
@@ -36,7 +41,7 @@ VDWMESH_HD inline BrickGeometry brick_geometry(const GridSpec& grid, const Brick
   return g;
 }
 
-// Clears the signs of the virtual nodes: outside, whatever the field says there.
+// Clears the signs of the virtual nodes. They are outside whatever the field's value is there.
 VDWMESH_HD inline void clear_virtual_nodes(const BrickGeometry& g, BrickSigns& signs) {
   for (int z = 0; z < kBrickReach; ++z) {
     for (int y = 0; y < kBrickReach; ++y) {

@@ -1,4 +1,7 @@
-// The vertex on each grid edge of one brick, for the emission on the CPU.
+// A table from the grid edges that the cells of one brick touch to the numbers of the vertices on
+// them, so that the CPU emits a triangle corner with one look-up. An edge belongs to the node at
+// its lower end. The nodes with x, y or z = 8 belong to neighbouring bricks, so the table copies
+// the numbers that these neighbours gave.
 #pragma once
 
 #include <array>
@@ -13,7 +16,8 @@
 
 namespace vdwmesh {
 
-// Places of the brick's neighbours, each found when first asked for.
+// Indices in the brick list of a brick's neighbours. Each is found by a binary search when it is
+// first asked for, and then remembered.
 class Neighbourhood {
  public:
   Neighbourhood(const BrickList& list, std::uint64_t brick)
@@ -22,6 +26,7 @@ class Neighbourhood {
     found_[neighbour_slot(0, 0, 0)] = brick;
   }
 
+  // Throws InternalError if there is no such brick: see find_neighbour().
   std::uint64_t operator()(int slot) {
     std::uint64_t& found = found_[static_cast<std::size_t>(slot)];
     if (found == kNotSought) found = find_neighbour(list_, key_, slot);
@@ -35,15 +40,15 @@ class Neighbourhood {
   std::array<std::uint64_t, kNeighbours> found_;
 };
 
-// Where the corners of a case's triangles are, from the place of the cell's own edges.
+// of[case][h]: map index of the vertex at the start of half-edge h, less the cell's map index.
 struct CornerPlaces {
   std::uint16_t of[256][kCaseHalfEdges];
 };
 
-// Vertices of the edges of nodes 0 .. 8, those of the brick itself and of its upper neighbours.
 class VertexMap {
  public:
-  // Where the edges of a cell are, or with axis those of its lower corner.
+  // Map index of the edge that node (x, y, z), each 0 .. 8, owns along the axis. With axis 0 it is
+  // also the map index of the cell (x, y, z).
   static constexpr int place(int x, int y, int z, int axis = 0) {
     return ((z * kBrickReach + y) * kBrickReach + x) * 3 + axis;
   }
@@ -58,14 +63,16 @@ class VertexMap {
     return places;
   }
 
-  // The brick's own, numbered from `first`.
+  // Enters the vertices on the brick's own edges, numbered from `first` on.
   void set(std::span<const BrickEdge> edges, std::uint64_t first) {
     auto vertex = static_cast<std::uint32_t>(first);
     for (const BrickEdge& e : edges)
       number_[static_cast<std::size_t>(place(e.x(), e.y(), e.z(), e.axis()))] = vertex++;
   }
 
-  // Those of the neighbours on nodes x = 8, y = 8 or z = 8 that the brick's cells touch.
+  // Enters the vertices that neighbours own on nodes with x, y or z = 8, as far as the brick's
+  // cells touch their edges: those that lie in the plane x = 8, y = 8 or z = 8. Only neighbours
+  // with such a vertex are looked up.
   void set_neighbours(const BrickList& list, const BrickSigns& signs, Neighbourhood& near) {
     constexpr std::uint32_t own = (1u << kBrickSide) - 1;
     for (int z = 0; z < kBrickSide; ++z) {
@@ -84,11 +91,12 @@ class VertexMap {
     }
   }
 
-  // Numbers from `place` on; those of edges without a vertex mean nothing.
+  // The entries from a map index on. Entries of edges that are not crossed have no meaning.
   const std::uint32_t* from(int place) const { return &number_[static_cast<std::size_t>(place)]; }
 
  private:
-  // Nodes 0 .. 7 of a row of a neighbour.
+  // Enters the vertices of nodes x = 0 .. 7 of a row (y, z) that a neighbour owns. Numbers rise by
+  // one per crossed edge; every axis is written, so that the loop has no branch.
   void set_row(const BrickList& list, Neighbourhood& near, int y, int z) {
     const NeighbourRow row = neighbour_row(list, locate(near, 0, y, z));
     std::uint32_t vertex = row.first_vertex;
@@ -101,7 +109,7 @@ class VertexMap {
     }
   }
 
-  // Rows y whose node x = 8 has a vertex on its edge along y or z that the brick's cells touch.
+  // Bit y: node (8, y, z) has a crossed edge along y or z that the brick's cells touch.
   static std::uint32_t crossed_at_end(const BrickSigns& signs, int z) {
     std::uint32_t rows = 0;
     for (int y = 0; y < kBrickReach; ++y) {
@@ -113,7 +121,7 @@ class VertexMap {
     return rows;
   }
 
-  // Node 8 of a row.
+  // Enters the vertices of node (8, y, z). It is node 0 of its row in the neighbour that owns it.
   void set_end(const BrickList& list, Neighbourhood& near, int y, int z) {
     const NeighbourRow row = neighbour_row(list, locate(near, kBrickSide, y, z));
     std::uint32_t vertex = row.first_vertex;
@@ -127,6 +135,7 @@ class VertexMap {
     RowCrossings crossings;
     std::uint32_t first_vertex;
   };
+  // The crossed edges of a row in its brick, and the number of the first vertex on them.
   static NeighbourRow neighbour_row(const BrickList& list, const Located& at) {
     const ActiveBrick& owner = list.bricks[at.brick];
     return {row_crossings(owner.signs, at.y, at.z),

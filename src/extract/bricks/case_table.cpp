@@ -1,3 +1,14 @@
+// Generates the case table at compile time. For each of the 256 cases:
+// 1. On every face of the cell, each run of neighbouring inside corners is cut off by one segment
+//    between two cell edges.
+// 2. The segments of the six faces chain into closed loops: the boundary of the surface in the
+//    cell.
+// 3. Each loop is triangulated by a backtracking search that draws no diagonal in a cell face.
+// 4. Each half-edge of the triangles gets its opposite: another half-edge of the cell, or a slot in
+//    the face across which the neighbouring cell has it.
+// Step 1 looks at the corners of one face only, and the neighbouring cell sees the same face. So
+// the two cells always draw the same segments on it, and the mesh closes for every combination of
+// cases.
 #include "extract/bricks/case_table.hpp"
 
 #include <algorithm>
@@ -11,6 +22,8 @@ constexpr int kNone = -1;
 
 constexpr int corner_at(int x, int y, int z) { return x | y << 1 | z << 2; }
 
+// The cell edge between two adjacent corners, numbered as case_table.hpp says. The corners differ
+// in one bit, which is the axis; the lower corner has this bit clear.
 constexpr int edge_between(int a, int b) {
   const int axis = (a ^ b) == 1 ? 0 : ((a ^ b) == 2 ? 1 : 2);
   const int low = a & b;
@@ -20,7 +33,8 @@ constexpr int edge_between(int a, int b) {
   return 8 + (x | y << 1);
 }
 
-// Corners of each face, counter-clockwise seen from outside the cell.
+// Corners of each face, counter-clockwise seen from outside the cell. Faces are numbered as in
+// case_table.hpp: 2 * axis + side.
 constexpr std::array<std::array<int, 4>, 6> kFaces = {{
     {corner_at(0, 0, 0), corner_at(0, 0, 1), corner_at(0, 1, 1), corner_at(0, 1, 0)},
     {corner_at(1, 0, 0), corner_at(1, 1, 0), corner_at(1, 1, 1), corner_at(1, 0, 1)},
@@ -30,11 +44,13 @@ constexpr std::array<std::array<int, 4>, 6> kFaces = {{
     {corner_at(0, 0, 1), corner_at(1, 0, 1), corner_at(1, 1, 1), corner_at(0, 1, 1)},
 }};
 
+// The cell edge from corner k of a face to the next corner around it; k is taken modulo 4.
 constexpr int face_edge(const std::array<int, 4>& face, int k) {
   return edge_between(face[static_cast<std::size_t>(k & 3)],
                       face[static_cast<std::size_t>((k + 1) & 3)]);
 }
 
+// Whether some face of the cell has both cell edges.
 constexpr bool share_face(int a, int b) {
   for (const auto& face : kFaces) {
     bool has_a = false, has_b = false;
@@ -49,9 +65,16 @@ constexpr bool share_face(int a, int b) {
 
 using Successors = std::array<int, kCellEdges>;
 
-// Successor of each edge along the boundary of the surface in the cell, or kNone.
-// Each run of inside corners around a face is cut off by one segment. An edge ends a run on one of
-// its two faces and begins one on the other, so the segments chain into closed loops.
+// Steps 1 and 2: the successor of each cell edge along the boundary of the surface, or kNone if the
+// edge is not crossed.
+//
+// Around a face, a run of inside corners k + 1 .. end begins after the crossed edge (k, k + 1) and
+// ends before the crossed edge (end, end + 1). One segment leads from the second of these edges
+// back to the first. The two faces of a cell edge are walked in opposite directions along it, so a
+// crossed edge ends a run on one of its faces and begins a run on the other. Thus every crossed
+// edge has one successor and one predecessor, and the segments chain into closed loops.
+//
+// Seen from outside the surface the loops run clockwise.
 constexpr Successors surface_segments(int inside) {
   Successors next{};
   next.fill(kNone);
@@ -69,24 +92,32 @@ constexpr Successors surface_segments(int inside) {
   return next;
 }
 
+// A closed loop of crossed cell edges, the corners of a polygon.
 struct Loop {
   std::array<int, kCellEdges> edges{};
   int size = 0;
 };
 
+// Whether a triangle may have a side from loop corner i to j, i < j: sides of the loop always, and
+// diagonals unless they would lie in a face of the cell.
 constexpr bool allowed(const Loop& loop, int i, int j) {
   const bool side = j - i == 1 || j - i == loop.size - 1;
   return side || !share_face(loop.edges[static_cast<std::size_t>(i)],
                              loop.edges[static_cast<std::size_t>(j)]);
 }
 
+// The triangles of a case: entries 3 t + k are the cell edges on which the corners of triangle t
+// lie.
 struct Triangles {
   std::array<std::uint8_t, std::size_t{3} * kMaxCaseTriangles> edges{};
   int count = 0;
 };
 
-// Triangulates the part i .. j of the loop behind the diagonal (i, j); false where every way
-// draws a forbidden diagonal.
+// Step 3: appends a triangulation of the polygon i, i + 1, .., j to `out`. It tries every corner k
+// as the third corner of the triangle at the side (i, j), and triangulates what is left on both
+// sides of it. Returns false, with `out` unchanged, if every way draws a forbidden diagonal. The
+// corners (i, j, k) reverse the clockwise loop, so triangles wind counter-clockwise seen from
+// outside.
 constexpr bool triangulate(const Loop& loop, int i, int j, Triangles& out) {
   if (j - i < 2) return true;
   for (int k = i + 1; k < j; ++k) {
@@ -105,6 +136,8 @@ constexpr bool triangulate(const Loop& loop, int i, int j, Triangles& out) {
   return false;
 }
 
+// All triangles of a case. The throw never runs: at compile time it would be an error, so the
+// program compiles only if every case has a triangulation.
 constexpr Triangles triangles_of(int inside) {
   Successors next = surface_segments(inside);
   Triangles out;
@@ -121,7 +154,8 @@ constexpr Triangles triangles_of(int inside) {
   return out;
 }
 
-// Slot of a cell edge in a face, or kNone where it does not lie in it.
+// Slot (0 .. 3) of a cell edge in a face, as case_table.hpp numbers slots, or kNone if the edge
+// does not lie in the face.
 constexpr int slot_in_face(int edge, int face) {
   const int axis = face / 2, side = face & 1;
   const CellEdge e = cell_edge(edge);
@@ -131,6 +165,7 @@ constexpr int slot_in_face(int edge, int face) {
   return e.axis == u ? offset[v] : 2 + offset[u];
 }
 
+// The half-edge that runs from cell edge `start` to cell edge `end`, or kNone.
 constexpr int half_edge_between(const Triangles& t, int start, int end) {
   for (int h = 0; h < 3 * t.count; ++h) {
     const int following = h % 3 == 2 ? h - 2 : h + 1;
@@ -142,6 +177,9 @@ constexpr int half_edge_between(const Triangles& t, int start, int end) {
   return kNone;
 }
 
+// Step 4: fills `across` and `face_half_edge` of a case. A half-edge without a partner in the cell
+// is a segment of step 1 and lies in exactly one face. Its opposite is in the cell across that face
+// and runs backwards, so it starts at the slot where this half-edge ends.
 constexpr void link_half_edges(const Triangles& t, std::size_t inside, CaseTable& table) {
   for (std::uint8_t& h : table.face_half_edge[inside]) h = kNoHalfEdge;
   for (int h = 0; h < 3 * t.count; ++h) {

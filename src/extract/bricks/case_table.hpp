@@ -1,12 +1,15 @@
 // The 256 cases of marching cubes (Lorensen & Cline, SIGGRAPH 1987), generated at compile time.
 //
-// Corner c of a cell is at (c & 1, c >> 1 & 1, c >> 2); bit c of a case is set where that corner is
-// inside. Edge e runs along axis e / 4 from the corner whose offsets along the other two axes, in
-// rising order, are the bits of e % 4.
+// Corner c of a cell is at (c & 1, c >> 1 & 1, c >> 2). Bit c of a case is set if corner c is
+// inside. Cell edge e runs along axis e / 4. It starts at the corner whose offsets along the other
+// two axes, in rising order, are the bits of e % 4. A crossed cell edge carries one vertex, so
+// triangles name their corners by cell edges.
 //
-// On a face with two inside corners across a diagonal the inside corners are separated, from both
-// of its cells alike. No triangulation draws a diagonal inside a cell face: two cells would then
-// share that edge four times. Triangles wind counter-clockwise seen from outside.
+// An ambiguous face has its two inside corners at the ends of a diagonal. The surface always
+// separates these two corners, whichever of the two cells at the face is asked, so the mesh closes.
+// No triangle has a side along a diagonal of a cell face: if both cells at the face drew it, four
+// triangles would share one edge and the mesh would not be a manifold. Triangles wind
+// counter-clockwise seen from outside.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +21,16 @@ namespace vdwmesh {
 inline constexpr int kMaxCaseTriangles = 5;
 
 // Half-edge 3 t + k of a case runs from corner k to corner k + 1 of its triangle t. Face f of a
-// cell is perpendicular to axis f / 2, at the cell's lower (f even) or upper (f odd) side; the four
-// cell edges in it have slots 0, 1 (along the first other axis, at the second's offset 0, 1) and 2,
-// 3 (along the second, at the first's offset), the same from both of the cells that share the face.
+// cell is perpendicular to axis f / 2, at the cell's lower side if f is even and at its upper side
+// if f is odd. Let u < v be the other two axes. The four cell edges in the face have slots: 0 and 1
+// run along u, at offset 0 and 1 along v; 2 and 3 run along v, at offset 0 and 1 along u. An edge
+// has the same slot in both cells that share the face.
 inline constexpr int kCaseHalfEdges = 3 * kMaxCaseTriangles;
-inline constexpr std::uint8_t kFirstFaceCode = 32;
+inline constexpr std::uint8_t kFirstFaceCode = 32;  // codes below name half-edges of the same cell
 inline constexpr std::uint8_t kNoHalfEdge = 255;
 
-// A half-edge in one word: where the node that owns its corner is, that edge's axis, the opposite.
+// A half-edge in one word. It starts on the cell edge that the node at offset (x, y, z) from the
+// cell's lower corner owns along axis(). across() is the code of its opposite, as in CaseTable.
 struct PackedHalfEdge {
   std::uint32_t bits;
 
@@ -38,14 +43,14 @@ struct PackedHalfEdge {
 
 struct CaseTable {
   std::uint8_t triangle_count[256];
-  std::uint8_t edges[256][kCaseHalfEdges];  // cell edge of each corner
-  // The opposite half-edge: one of the same cell (< kCaseHalfEdges), or of the cell across face f,
-  // where it starts at slot s: kFirstFaceCode + 4 f + s.
+  std::uint8_t edges[256][kCaseHalfEdges];  // cell edge at which each half-edge starts
+  // Code of the opposite half-edge. A code below kCaseHalfEdges is a half-edge of the same cell.
+  // kFirstFaceCode + 4 f + s is the half-edge of the cell across face f that starts at slot s.
   std::uint8_t across[256][kCaseHalfEdges];
-  // Half-edge in face f that starts at slot s: [case][4 f + s], or kNoHalfEdge.
+  // [case][4 f + s]: the half-edge in face f that starts at slot s, or kNoHalfEdge.
   std::uint8_t face_half_edge[256][24];
 
-  PackedHalfEdge half_edge[256][kCaseHalfEdges];  // what edges and across say
+  PackedHalfEdge half_edge[256][kCaseHalfEdges];  // `edges` and `across` in one word, for the GPU
 
   VDWMESH_HD std::uint32_t count(std::uint32_t inside) const { return triangle_count[inside]; }
   VDWMESH_HD int across_code(std::uint32_t inside, int h) const { return across[inside][h]; }
@@ -56,7 +61,8 @@ struct CaseTable {
 
 const CaseTable& case_table();
 
-// Offset from the cell's lower corner of the node that owns the edge, and the edge's axis.
+// A cell edge as a grid edge: the offset, from the cell's lower corner, of the node that owns it,
+// which is its lower end, and its axis.
 struct CellEdge {
   std::uint8_t x, y, z, axis;
 };

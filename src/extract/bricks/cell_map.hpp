@@ -1,4 +1,6 @@
-// Half-edges across the cells of one brick and those beyond its faces. CPU.
+// A table of the cells of one brick and of the cells beyond its six faces, so that the CPU finds
+// the opposite of a half-edge with two look-ups: the cell across the face, and the half-edge of
+// that cell's case. Only cells that the surface crosses are entered; no others are looked up.
 #pragma once
 
 #include <algorithm>
@@ -13,28 +15,27 @@
 
 namespace vdwmesh {
 
-// Where the opposite of each half-edge of a case is: a code says in which cell, seen from its own,
-// and with the case of that cell at which of its half-edges.
+// How to go from a half-edge to its opposite without branches: its code gives the step to the cell
+// that has the opposite; the code and that cell's case give the half-edge there.
 struct OppositePlaces {
   static constexpr std::size_t kCodes = kFirstFaceCode + 24;
-  std::uint8_t code[256][kCaseHalfEdges];  // as CaseTable::across; 0 beyond the case's half-edges
-  std::int16_t step[kCodes];               // from place to place of a CellMap
-  std::uint8_t half_edge[256][kCodes];
+  std::uint8_t code[256][kCaseHalfEdges];  // CaseTable::across; 0 beyond the case's half-edges
+  std::int16_t step[kCodes];               // from CellMap index to CellMap index; 0: the same cell
+  std::uint8_t half_edge[256][kCodes];     // [case of the cell stepped to][code]
 };
 
-// The cells that the surface crosses, of a brick and of its neighbours where they share a face.
 class CellMap {
  public:
   struct Cell {
-    std::uint32_t first_half_edge, inside;  // inside: the case
+    std::uint32_t first_half_edge, inside;  // number in the mesh; the case
   };
-
+  // Map index of a cell; coordinates are -1 .. 8, -1 and 8 being cells of neighbours.
   static constexpr int place(int x, int y, int z) {
     return ((z + 1) * kSide + y + 1) * kSide + x + 1;
   }
   static OppositePlaces opposite_places(const CaseTable& table);
 
-  // Brick b, whose cases are given; `near(slot)` gives the places of its neighbours.
+  // Enters the cells of brick b and those beyond its faces; near(slot): index of a neighbour.
   template <class Neighbour>
   void fill(const BrickList& list, std::uint64_t b, const BrickCases& cases, const CaseTable& table,
             Neighbour&& near);
@@ -44,17 +45,19 @@ class CellMap {
   static constexpr int kSide = kBrickSide + 2;
   static constexpr int kLast = kBrickSide - 1;
 
+  // Enters one cell. `triangles_before`: number in the mesh of its first triangle.
   void put(int x, int y, int z, std::uint64_t triangles_before, std::uint32_t inside) {
     cell_[static_cast<std::size_t>(place(x, y, z))] = {
         static_cast<std::uint32_t>(3 * triangles_before), inside};
   }
-  // Cells of the neighbour beyond the face of the axis, at its lower (side 0) or upper side.
+  // Enters a row of cells along x beyond the lower (side 0) or upper (side 1) face across y or z
+  // (`axis`). `along` is the row's other coordinate.
   void put_row(const BrickList& list, std::uint64_t neighbour, const CaseTable& table, int axis,
                int side, int along);
+  // Enters the cell of row (y, z) beyond the lower or upper face across x.
   void put_end(const BrickList& list, std::uint64_t neighbour, const CaseTable& table, int side,
                int y, int z);
-
-  std::array<Cell, static_cast<std::size_t>(kSide* kSide* kSide)> cell_;  // others are not read
+  std::array<Cell, static_cast<std::size_t>(kSide* kSide* kSide)> cell_;
 };
 
 inline OppositePlaces CellMap::opposite_places(const CaseTable& table) {
@@ -65,8 +68,8 @@ inline OppositePlaces CellMap::opposite_places(const CaseTable& table) {
       places.code[inside][h] =
           static_cast<std::uint8_t>(table.across_code(inside, static_cast<int>(h)));
     for (std::uint8_t code = 0; code < kFirstFaceCode; ++code)
-      places.half_edge[inside][code] = code;
-    for (int face = 0; face < 6; ++face) {
+      places.half_edge[inside][code] = code;  // of the same cell: the code is the half-edge
+    for (int face = 0; face < 6; ++face) {    // face ^ 1: the face as the cell beyond it numbers it
       for (int slot = 0; slot < 4; ++slot)
         places.half_edge[inside][kFirstFaceCode + 4 * face + slot] =
             static_cast<std::uint8_t>(table.at_face(inside, face ^ 1, slot));
@@ -80,7 +83,7 @@ inline OppositePlaces CellMap::opposite_places(const CaseTable& table) {
   return places;
 }
 
-// Cells of a row whose face between two rows of nodes the surface crosses.
+// Bit i: the four nodes i and i + 1 of two adjacent rows, a cell face, are of both signs.
 inline std::uint32_t mixed_faces(std::uint32_t a, std::uint32_t b) {
   const std::uint32_t any = a | b, all = a & b;
   return (any | any >> 1) & ~(all & all >> 1) & ((1u << kBrickSide) - 1);
@@ -96,8 +99,8 @@ void CellMap::fill(const BrickList& list, std::uint64_t b, const BrickCases& cas
   });
   const BrickSigns& signs = list.bricks[b].signs;
   for (int side = 0; side < 2; ++side) {
-    const int node = side * kBrickSide, to = 2 * side - 1;
-    std::uint32_t column[kBrickReach] = {};  // of the nodes x = 0 or 8, by z
+    const int node = side * kBrickSide, to = 2 * side - 1;  // of the face; offset of the brick
+    std::uint32_t column[kBrickReach] = {};  // column[z] bit y: the sign of node (x = node, y, z)
     for (int z = 0; z < kBrickReach; ++z) {
       for (int y = 0; y < kBrickReach; ++y) column[z] |= (signs.row[z][y] >> node & 1u) << y;
     }
@@ -136,7 +139,7 @@ inline void CellMap::put_end(const BrickList& list, std::uint64_t neighbour, con
     put(kBrickSide, y, z, before + owner.row_triangles[row], cell_case(owner.signs, 0, y, z));
     return;
   }
-  // The last cell of a row ends where the next row begins.
+  // The triangles of the row's last cell end where the next row begins.
   const std::uint32_t end =
       row + 1 < kBrickSide * kBrickSide ? owner.row_triangles[row + 1] : owner.triangles;
   const std::uint32_t inside = cell_case(owner.signs, kLast, y, z);

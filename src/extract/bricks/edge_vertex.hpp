@@ -1,4 +1,5 @@
-// What extraction knows of one vertex before it is numbered.
+// One vertex of the mesh as the formulas of a field make it, and the grid edge that carries it.
+// Host and device.
 #pragma once
 
 #include <cmath>
@@ -9,13 +10,13 @@
 namespace vdwmesh {
 
 struct EdgeVertex {
-  Vec3d position;  // Å
-  Vec3f normal;    // unit, outward
-  SphereId sphere;
-  bool clamped;
+  Vec3d position;   // Å
+  Vec3f normal;     // unit, outward
+  SphereId sphere;  // the vertex's atom; kNoSphere if the field has none
+  bool clamped;     // moved to kEdgeMargin from an end of its edge
 };
 
-// Unit vector along g, or `fallback` where g is 0 or not finite.
+// Unit vector along g, or `fallback` if the length of g is 0 or not finite.
 VDWMESH_HD inline Vec3f unit_or(const Vec3d& g, const Vec3d& fallback) {
   const double length = norm(g);
   if (!(length > 0) || !(length < 1e300)) return cast<float>(fallback);
@@ -23,22 +24,22 @@ VDWMESH_HD inline Vec3f unit_or(const Vec3d& g, const Vec3d& fallback) {
           static_cast<float>(g.z / length)};
 }
 
-// An edge of the lattice seen from its inside end.
+// A crossed edge by its two ends.
 struct CrossedEdge {
-  int inside[3], outside[3];  // local node indices of the brick
+  int inside[3], outside[3];  // coordinates of the ends in the brick, 0 .. 8
   int axis;
-  double direction;  // +1 where the outside node is the upper one
+  double direction;  // +1 if the outside end is the upper one, else -1
 };
 
-// No component is chosen by a variable here and below: on a device the whole would have to stand in
-// memory for that.
+// The crossed edge from node (x, y, z) upwards. Here and below no array is indexed by a variable: a
+// GPU would then have to keep the array in local memory instead of registers.
 VDWMESH_HD inline CrossedEdge crossed_edge(bool lower_inside, int x, int y, int z, int axis) {
   const int upper[3] = {x + (axis == 0 ? 1 : 0), y + (axis == 1 ? 1 : 0), z + (axis == 2 ? 1 : 0)};
   if (lower_inside) return {{x, y, z}, {upper[0], upper[1], upper[2]}, axis, 1.0};
   return {{upper[0], upper[1], upper[2]}, {x, y, z}, axis, -1.0};
 }
 
-// The point at a distance (Å) from the inside end, `node`.
+// The point of the edge at a distance (Å) from its inside end, which is at `node`.
 VDWMESH_HD inline Vec3d point_on_edge(const CrossedEdge& edge, const Vec3d& node, double distance) {
   return {edge.axis == 0 ? std::fma(edge.direction, distance, node.x) : node.x,
           edge.axis == 1 ? std::fma(edge.direction, distance, node.y) : node.y,

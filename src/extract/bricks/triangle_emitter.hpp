@@ -1,4 +1,8 @@
-// The triangles of bricks on the CPU, from what their maps know.
+// Writes the triangles of the bricks, and on request their opposite half-edges, on the CPU. For
+// each brick it fills two tables: VertexMap from grid edges to vertex numbers, and CellMap from
+// cells to first half-edges and cases. Then it walks the mixed cells in order. A triangle corner is
+// one entry of the first table; an opposite half-edge follows from one entry of the second. The
+// words of a brick are collected in a buffer and copied to the mesh at once.
 #pragma once
 
 #include <array>
@@ -15,7 +19,7 @@
 
 namespace vdwmesh {
 
-// What emission reads and writes.
+// Input and output of the emission of vertices and triangles.
 struct Emission {
   const BrickList& bricks;
   IndexedMesh& mesh;  // vertex_spheres and opposite may be empty: then they are left out
@@ -23,14 +27,15 @@ struct Emission {
   BrickSums first{0, 0};
 };
 
-// Triangles and half-edges, brick by brick.
+// One emitter works for one thread, brick after brick, and reuses its tables.
 class TriangleEmitter {
  public:
   explicit TriangleEmitter(const Emission& e)
       : e_(e), table_(case_table()), corners_(corner_places()), opposites_(opposite_places()) {}
 
-  // Brick b, whose own vertices are on `edges`. Throws InternalError where the surface leaves it
-  // through one of `faces`, or along one of its edges, and there is no brick in the list.
+  // Writes the triangles of brick b at their final place in the mesh. `edges` are the crossed edges
+  // of the brick, `faces` its crossed faces. Throws InternalError if the surface continues through
+  // an upper face, or along an upper edge of the brick, into a brick that is not in the list.
   void emit(std::size_t b, std::span<const BrickEdge> edges, const CrossedFaces& faces) {
     const ActiveBrick& brick = e_.bricks.bricks[b];
     const BrickSums& before = e_.bricks.before[b];
@@ -61,11 +66,13 @@ class TriangleEmitter {
 
   static constexpr std::uint32_t kMostWords = kBrickNodes * kCaseHalfEdges;
 
-  // word(inside, h) for the half-edges h of a case, and of more triangles than it has as well: what
-  // is written beyond them means nothing and is written over.
+  // Writes word(h) for the half-edges h of a cell with case `inside` from `words` on, and returns
+  // the end. It writes 9 words, or 15 if the case has more than three triangles, so that the loops
+  // have constant length. Words beyond the case's own are meaningless; the next cell overwrites
+  // them.
   template <class Word>
   std::uint32_t* write(std::uint32_t inside, std::uint32_t* words, Word&& word) const {
-    constexpr std::uint32_t few = 9;  // of three triangles: what most cells have at most
+    constexpr std::uint32_t few = 9;  // three triangles; most cells have no more
     for (std::uint32_t h = 0; h < few; ++h) words[h] = word(h);
     if (table_.count(inside) > few / 3) {
       for (std::uint32_t h = few; h < kCaseHalfEdges; ++h) words[h] = word(h);
@@ -73,8 +80,10 @@ class TriangleEmitter {
     return words + std::size_t{3} * table_.count(inside);
   }
 
-  // Almost always a vertex was borrowed from there and the brick is known; it is not where one
-  // corner alone differs.
+  // Looks up the neighbours beyond the crossed upper faces, which throws if one is missing. Usually
+  // set_neighbours() has looked them up already, because they own vertices of this brick's cells.
+  // It has not if the node (8, 8, 8) alone differs from the other nodes of the face: then the
+  // crossed edges at that node belong to bricks further along the diagonal.
   static void find_beyond(const CrossedFaces& faces, Neighbourhood& near) {
     if ((faces.upper & 1u) != 0) near(neighbour_slot(1, 0, 0));
     if ((faces.upper & 2u) != 0) near(neighbour_slot(0, 1, 0));
@@ -107,10 +116,11 @@ class TriangleEmitter {
   const CaseTable& table_;
   const CornerPlaces& corners_;
   const OppositePlaces& opposites_;
-  // Of the brick at hand.
+  // Tables of the brick that is being written.
   BrickCases cases_;
   VertexMap vertices_;
-  CellMap cells_;  // for half-edges
+  CellMap cells_;  // used only if opposite half-edges are written
+  // Room for the words of a full brick, and for what write() puts beyond the last cell's own.
   std::array<std::uint32_t, kMostWords + kCaseHalfEdges> words_;
 };
 

@@ -1,4 +1,7 @@
-// Balls near one brick after the other along x, from one search for several. CPU.
+// Finds the balls that touch a brick, for bricks that are visited in the order of their keys, on
+// the CPU. Consecutive bricks lie side by side along x, so the cell list is searched once for a
+// group of four bricks, and the result is filtered for each brick of the group. Both the search and
+// the filter compact their lists without branches.
 #pragma once
 
 #include <algorithm>
@@ -11,11 +14,14 @@
 
 namespace vdwmesh {
 
+// The balls near the group of bricks that was searched last. Any brick may be asked for; a brick of
+// another group starts a new search.
 class BallRun {
  public:
   BallRun(const CellListView& list, const GridSpec& grid) : list_(list), grid_(grid) {}
 
-  // Places in the list, rising, of the balls that touch the box of the brick's nodes.
+  // Replaces `places` by the list places, rising, of the balls that touch the box of the brick's
+  // nodes. Some balls that miss the box by rounding may be among them.
   void find(const BrickGeometry& brick, std::vector<std::uint32_t>& places) {
     const BrickIndex& b = brick.brick;
     const BrickIndex start{b.x / kBricks * kBricks, b.y, b.z};
@@ -26,7 +32,8 @@ class BallRun {
     touches_.resize(count);
     for (std::size_t k = 0; k < count; ++k)
       touches_[k] = square_to_box({x_[k], y_[k], z_[k]}, lower, upper) <= reach2_[k] ? 1 : 0;
-    // Kept without a branch to guess.
+    // Every place is written, but the end advances only for balls that touch the brick. The last
+    // place may be written beyond those that are kept, which the + 1 makes room for.
     places.resize(count + 1);
     std::size_t found = 0;
     for (std::size_t k = 0; k < count; ++k) {
@@ -37,8 +44,10 @@ class BallRun {
   }
 
  private:
-  static constexpr std::int32_t kBricks = 4;  // of one search
-  // Covers the rounding of a squared distance against the predicate's.
+  static constexpr std::int32_t kBricks = 4;  // bricks of a group
+  // A node inside a ball has a squared distance of at most r² to it as inside_ball() rounds it. The
+  // distance to the box is never larger except for the rounding of its few operations, some units
+  // of 1.1e-16 relative. The margin covers it, so no ball that holds a node is left out.
   static constexpr double kTouchMargin = 1 + 1e-12;
 
   static double touch_square(const Sphere& ball) {
@@ -46,7 +55,7 @@ class BallRun {
   }
 
   static double square_to_box(const Vec3d& c, const Vec3d& lower, const Vec3d& upper) {
-    // By value: std::max() becomes a branch that cannot be guessed.
+    // std::max() takes references and is compiled to a branch, which would be mispredicted often.
     const auto larger = [](double a, double b) { return a > b ? a : b; };
     const double dx = larger(larger(lower.x - c.x, c.x - upper.x), 0.0);
     const double dy = larger(larger(lower.y - c.y, c.y - upper.y), 0.0);
@@ -54,12 +63,13 @@ class BallRun {
     return dx * dx + dy * dy + dz * dz;
   }
 
+  // Finds the balls near the group that begins with brick `start`; `brick` is a brick of the group.
+  // The list doubles whenever it is full, so that place_[found] can always be written.
   void search(const BrickIndex& start, const BrickGeometry& brick) {
     start_ = start;
     Vec3d lower = brick.node(0, 0, 0), upper = brick.node(kBrickSide, kBrickSide, kBrickSide);
     lower.x = lattice_coordinate(grid_, 0, lattice_index(start.x, 0));
     upper.x = lattice_coordinate(grid_, 0, lattice_index(start.x + kBricks, 0));
-    // Kept without a branch to guess, as in find().
     std::size_t found = 0;
     place_.resize(std::max(place_.capacity(), std::size_t{64}));
     visit_near_box(list_, lower, upper, [&](std::uint32_t place) {
@@ -82,10 +92,12 @@ class BallRun {
 
   const CellListView& list_;
   const GridSpec& grid_;
-  BrickIndex start_{-1, -1, -1};
+  BrickIndex start_{-1, -1, -1};  // first brick of the group; none yet
+  // Balls near the group: list place, centre (Å), and squared radius times kTouchMargin (Å²).
+  // Separate arrays let the compiler vectorise the filter.
   std::vector<std::uint32_t> place_;
-  std::vector<double> x_, y_, z_, reach2_;  // Å, Å²
-  std::vector<std::int64_t> touches_;
+  std::vector<double> x_, y_, z_, reach2_;
+  std::vector<std::int64_t> touches_;  // 1 if the ball touches the brick; as wide as a double
 };
 
 }  // namespace vdwmesh

@@ -1,4 +1,8 @@
-// Node signs of a brick in float32, a layer of nodes at a time. CPU.
+// Node signs of a brick for the union of balls, in float32 and a layer of nodes at a time, on the
+// CPU: a floating-point filter before the exact predicate. A node is inside if the least d² - r²
+// over the balls is at most 0. The loops run over the nodes of a layer as vector lanes. If at some
+// node this value is smaller than its possible rounding error, the filter gives up, and the caller
+// computes the signs of the brick in double.
 #pragma once
 
 #include <array>
@@ -14,28 +18,34 @@
 
 namespace vdwmesh {
 
-// Nodes x = 0 .. 7 of rows y = 0 .. 8, then nodes x = 8 of these rows, filled up to whole vectors.
+// Lanes of a layer: nodes x = 0 .. 7 of the rows y = 0 .. 8 at 8 y + x, then the nodes x = 8 of
+// these rows at 72 + y, then 7 unused lanes that fill up whole vectors of 8. The unused lanes have
+// the position of node (0, 0), so they never make a difference.
 class SignLanes {
  public:
-  // False where some node is too near a sphere for float32 to tell; the signs then mean nothing.
+  // Computes the signs of all 9 x 9 x 9 nodes. Returns false if some node is too near a sphere for
+  // float32 to decide; the signs are meaningless then. If it returns true, all signs are those of
+  // inside_ball(). `spacing` is the grid's, Å.
   bool signs(const NearBalls& balls, const BrickGeometry& geometry, float spacing,
              BrickSigns& signs);
 
  private:
   static constexpr int kRows = kBrickReach * kBrickSide;
   static constexpr int kLanes = kRows + 16;
-  static constexpr float kFar = 1e38f;
+  static constexpr float kFar = 1e38f;  // Å²; stands for no ball at all
   using Layer = std::array<float, kLanes>;
 
   void set_nodes(const BrickGeometry& geometry);
   void set_balls(const NearBalls& balls);
   void read_layer(std::uint16_t* row) const;
 
-  float along_z_[kBrickReach];
-  Layer x_{}, y_{};              // Å, from node 0
+  float along_z_[kBrickReach];   // z of each layer from node 0, Å
+  Layer x_{}, y_{};              // x and y of each lane from node 0, Å
   std::vector<Layer> in_layer_;  // of each ball: (x - cx)^2 + (y - cy)^2, Å²
-  Layer least_, closest_;        // Å²: least d^2 - r^2 of a node, its least distance from 0
-  alignas(8) std::array<std::uint8_t, kLanes> inside_;
+  // least_: the least d^2 - r^2 over the balls at each node of the layer. closest_: the least
+  // absolute value of least_ over all layers so far. Both in Å².
+  Layer least_, closest_;
+  alignas(8) std::array<std::uint8_t, kLanes> inside_;  // of the layer: 1 if inside
 };
 
 inline void SignLanes::set_nodes(const BrickGeometry& geometry) {
@@ -52,6 +62,7 @@ inline void SignLanes::set_nodes(const BrickGeometry& geometry) {
   for (int z = 0; z < kBrickReach; ++z) along_z_[z] = offset(2, z);
 }
 
+// The part of a squared distance that all layers share. It is computed once per ball.
 inline void SignLanes::set_balls(const NearBalls& balls) {
   if (in_layer_.size() < balls.size()) in_layer_.resize(balls.size());
   for (std::size_t k = 0; k < balls.size(); ++k) {
@@ -64,7 +75,9 @@ inline void SignLanes::set_balls(const NearBalls& balls) {
   }
 }
 
-// The lowest bits of eight bytes side by side: the product puts byte x's at bit 56 + x.
+// Packs the bytes of a layer into rows of nine bits. The multiplication gathers the lowest bits of
+// eight bytes: its factor has the bits 56 - 7 x, so it moves bit 8 x, the sign of byte x, to bit 56
+// + x. No two of the partial products meet in one bit, so nothing is carried.
 inline void SignLanes::read_layer(std::uint16_t* row) const {
   static_assert(std::endian::native == std::endian::little);
   for (int y = 0; y < kBrickReach; ++y) {
@@ -79,6 +92,7 @@ inline void SignLanes::read_layer(std::uint16_t* row) const {
 
 inline bool SignLanes::signs(const NearBalls& balls, const BrickGeometry& geometry, float spacing,
                              BrickSigns& signs) {
+  // Squares must stay well below kFar and the largest float, else double decides.
   const float rounding = rounding_of_squares(balls.largest, spacing);
   if (!(rounding < 1e30f)) return false;
   set_nodes(geometry);
@@ -89,6 +103,8 @@ inline bool SignLanes::signs(const NearBalls& balls, const BrickGeometry& geomet
     for (std::size_t k = 0; k < balls.size(); ++k) {
       const float dz = along_z_[z] - balls.center[2][k];
       const float rest = dz * dz - balls.radius[k] * balls.radius[k];
+      // The ball ends above or below the layer: all its values there are at least `rest`, so it
+      // makes no node inside and none doubtful.
       if (rest > rounding) continue;
       const Layer& layer = in_layer_[k];
       for (std::size_t i = 0; i < kLanes; ++i) {

@@ -1,4 +1,10 @@
-// The union of balls seen from one brick: node signs and the vertices on its edges. CPU.
+// The union of balls on one brick, on the CPU: the signs of its nodes, and the vertices on its
+// crossed edges. Both follow from predicates in double. Float32 filters come first and leave little
+// for double to do:
+// - signs: SignLanes decides whole layers; double computes the signs if some node is near a sphere.
+// - vertices: EdgeLanes finds the few balls that may touch each edge. The vertex is the first exit
+//   from the union along the edge, seen from its inside end (union_exit()).
+// A filter never changes the result, only the time.
 #pragma once
 
 #include <algorithm>
@@ -20,23 +26,25 @@
 
 namespace vdwmesh {
 
+// A Surface as brick_extraction.hpp asks for it. One object works for one thread, brick after
+// brick.
 class UnionBrick {
  public:
   UnionBrick(const CellListView& list, const FieldModel& model)
       : list_(list), grid_(model.grid), run_(list, model.grid) {}
 
-  // Gathers the balls that touch the brick's nodes, in list order.
+  // Moves to a brick: gathers the balls that touch the box of its nodes, in list order.
   void visit(const BrickIndex& brick);
   void signs(BrickSigns& signs);
-  // Calls put(i, vertex) for every edge i.
+  // Calls put(i, vertex) for every edge i of `edges`, which are the brick's crossed edges.
   template <class Put>
   void vertices(const BrickEdges& edges, Put&& put);
 
  private:
-  // Of a crossed edge, and which way the edge runs from it.
+  // The inside end of a crossed edge.
   struct InsideEnd {
-    Vec3d node;
-    double direction;
+    Vec3d node;        // Å
+    double direction;  // +1 if the edge runs upwards from here, else -1
   };
 
   void signs_in_double(BrickSigns& signs) const;
@@ -55,13 +63,14 @@ class UnionBrick {
   const GridSpec& grid_;
   BallRun run_;
   BrickGeometry geometry_{};
-  std::vector<std::uint32_t> places_;  // of the brick's balls in the list
-  std::vector<Sphere> balls_;
-  NearBalls near_;
+  std::vector<std::uint32_t> places_;  // list places of the brick's balls
+  std::vector<Sphere> balls_;          // the same balls; ball k below is balls_[k]
+  NearBalls near_;                     // the same in float32
   SignLanes sign_lanes_;
   EdgeLanes lanes_;
-  std::vector<std::uint32_t> touching_;  // 32 balls a word: word, edge
-  std::vector<std::uint16_t> shared_;    // edges that several balls may touch
+  // Bit k % 32 of touching_[k / 32 * EdgeLanes::kMost + e]: ball k may touch edge e.
+  std::vector<std::uint32_t> touching_;
+  std::vector<std::uint16_t> shared_;  // indices of the edges that several balls may touch
 };
 
 inline void UnionBrick::visit(const BrickIndex& brick) {
@@ -78,6 +87,7 @@ inline void UnionBrick::signs(BrickSigns& signs) {
   if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
 }
 
+// The signs by the exact predicate: every ball marks the nodes that it holds.
 inline void UnionBrick::signs_in_double(BrickSigns& signs) const {
   signs = {};
   for (const Sphere& ball : balls_) {
@@ -88,7 +98,8 @@ inline void UnionBrick::signs_in_double(BrickSigns& signs) const {
       const double dz = geometry_.coordinate[2][z] - ball.center.z;
       for (int y = 0; y < kBrickReach; ++y) {
         const double dy = geometry_.coordinate[1][y] - ball.center.y;
-        // As squared_distance().
+        // The operations of squared_distance() in its order, so that the bits agree with it. The
+        // sum grows with dx², so a row is skipped if its nearest possible point is outside.
         const double dyz2 = std::fma(dy, dy, dz * dz);
         if (dyz2 > r2) continue;
         std::uint32_t bits = 0;
@@ -100,8 +111,8 @@ inline void UnionBrick::signs_in_double(BrickSigns& signs) const {
   }
 }
 
-// Few of the brick's balls come near one of its edges; the others cannot change where it leaves the
-// union.
+// Sets touching_: which balls may touch which crossed edge. Most edges are touched by one or two of
+// the brick's balls. The other balls cannot change where the edge leaves the union.
 inline void UnionBrick::find_touching(const BrickEdges& edges) {
   lanes_.count = edges.all().size();
   const float half = 0.5f * static_cast<float>(grid_.spacing);
@@ -127,13 +138,14 @@ inline void UnionBrick::find_touching(const BrickEdges& edges) {
 
 template <int axis>
 UnionBrick::InsideEnd UnionBrick::inside_end(const BrickEdge& edge) const {
-  // By arithmetic: which end is inside cannot be guessed.
+  // This is arithmetic instead of a branch: which end is inside is unpredictable.
   const int upper = edge.lower_inside() ? 0 : 1;
   int place[3] = {edge.x(), edge.y(), edge.z()};
   place[axis] += upper;
   return {geometry_.node(place[0], place[1], place[2]), static_cast<double>(1 - 2 * upper)};
 }
 
+// Enters the vertex of edge e into the lanes; exit.owner is an index into balls_.
 template <int axis>
 void UnionBrick::put_exit(std::size_t e, const InsideEnd& from, const EdgePoint& exit) {
   Vec3d p = from.node;
@@ -146,8 +158,10 @@ void UnionBrick::put_exit(std::size_t e, const InsideEnd& from, const EdgePoint&
   lanes_.clamped[e] = exit.clamped ? 1 : 0;
 }
 
-// Most edges are touched by one ball alone, which then holds the inside node and ends the union:
-// that is worked out for all of them, without a branch, and again for those with more balls.
+// The vertices on the edges along an axis. Most edges are touched by one ball only. That ball holds
+// the inside node, and the union ends where it ends. So a first loop without branches computes the
+// exit from the lowest touching ball for all edges. A second loop repeats the edges that may be
+// touched by several balls with the full rule.
 template <int axis>
 void UnionBrick::find_exits(const BrickEdges& edges) {
   const std::span<const std::uint16_t> along = edges.along<axis>();
@@ -157,6 +171,8 @@ void UnionBrick::find_exits(const BrickEdges& edges) {
     const std::uint32_t bits = touching_[e];
     shared_[shared] = e;
     shared += (bits & (bits - 1)) != 0 || balls_.size() > 32 ? 1 : 0;
+    // `bits` covers balls 0 .. 31 only. It can be 0 only if there are more balls than that; then
+    // ball 31 exists and stands in, and the second loop overwrites the vertex.
     const auto k = static_cast<std::uint32_t>(std::countr_zero(bits | 1u << 31));
     const InsideEnd from = inside_end<axis>(edges.all()[e]);
     const double exit = exit_of_holder(balls_[k], from.node, axis, from.direction);
@@ -165,6 +181,7 @@ void UnionBrick::find_exits(const BrickEdges& edges) {
   for (std::size_t i = 0; i < shared; ++i) find_shared_exit<axis>(shared_[i], edges);
 }
 
+// The vertex of edge e by the full exit rule, over all balls that may touch the edge.
 template <int axis>
 void UnionBrick::find_shared_exit(std::size_t e, const BrickEdges& edges) {
   const std::size_t words = (balls_.size() + 31) / 32;
@@ -182,6 +199,8 @@ void UnionBrick::find_shared_exit(std::size_t e, const BrickEdges& edges) {
   put_exit<axis>(e, from, exit);
 }
 
+// Normals for all edges at once. If some vertex coincides with the centre of its ball, all normals
+// are computed again with the edge's direction as the fallback.
 inline void UnionBrick::find_normals(const BrickEdges& edges) {
   if (lanes_.find_normals() == 0) return;
   for (std::size_t e = 0; e < lanes_.count; ++e) {

@@ -1,4 +1,7 @@
-// The balls and the crossed edges of one brick, all lanes at once. CPU.
+// The balls and the crossed edges of one brick as arrays (structure of arrays), so that the
+// compiler vectorises the loops over them, on the CPU. NearBalls holds the balls in float32, with a
+// bound on the error of what is computed from it. EdgeLanes holds one edge per lane, finds the
+// balls that may touch each edge, and computes normals.
 #pragma once
 
 #include <algorithm>
@@ -14,17 +17,19 @@
 
 namespace vdwmesh {
 
-// The balls that touch a brick in float32, from its node 0, so that twice the lanes fit. What they
-// decide, they decide with room for their rounding; the rest is for double precision.
+// The balls that touch a brick, in float32 and relative to its node 0. Float32 has twice the lanes
+// of double. Every decision in float32 leaves room for its rounding error; cases within that error
+// are decided in double.
 //
-// Coordinates and their differences are at most D = 8 h + r, differences of rounded coordinates off
-// by 3 u D (u = 2^-24), their squares by 7 u D^2, the sum of three and -r^2 by 30 u D^2 = 1.8e-6
-// D^2.
+// The error of d^2 - r^2, for a spacing h and u = 2^-24: a ball that touches the brick has
+// coordinates of at most D = 8 h + r, and so are the differences to the coordinates of nodes. A
+// difference of two rounded coordinates errs by up to 3 u D, its square by 7 u D^2, and the sum of
+// three squares and -r^2 by 30 u D^2 = 1.8e-6 D^2. kRounding is this factor with some reserve.
 struct NearBalls {
   static constexpr float kRounding = 2.5e-6f;
   std::vector<float> center[3];  // Å
   std::vector<float> radius;     // Å
-  float largest = 0;             // Å
+  float largest = 0;             // largest radius, Å
 
   std::size_t size() const { return radius.size(); }
   void gather(const std::vector<Sphere>& balls, const Vec3d& origin);
@@ -42,7 +47,8 @@ inline void NearBalls::gather(const std::vector<Sphere>& balls, const Vec3d& ori
   }
 }
 
-// What the squares above are off by at most, Å².
+// Bound on the error of d^2 - r^2 in float32, Å², for balls of at most this radius. The smallest
+// normal number is added so that the bound is not 0 if the squares underflow.
 inline float rounding_of_squares(float radius, float spacing) {
   const float extent = 8 * spacing + radius;
   return NearBalls::kRounding * extent * extent + std::numeric_limits<float>::min();
@@ -50,23 +56,26 @@ inline float rounding_of_squares(float radius, float spacing) {
 
 // The crossed edges of a brick, a lane each, in the order of their vertices. Lengths in Å.
 struct EdgeLanes {
-  // Not a power of two: arrays a multiple of a page apart get in each other's way.
+  // Room for all 3 * 512 edges. The 8 extra lanes keep the arrays from lying a multiple of a page
+  // (4096 bytes) apart; equal lanes of all arrays would then compete for the same lines of the
+  // cache.
   static constexpr std::size_t kMost = 3 * kBrickNodes + 8;
   template <class T>
   using Lanes = std::array<T, kMost>;
 
   std::size_t count = 0;
-  Lanes<float> middle[3];  // from node 0
-  // The vertex, seen from the grid's origin and from its sphere's centre; its unit normal.
-  Lanes<double> position[3], radial[3];
-  Lanes<float> normal[3];
-  Lanes<SphereId> sphere;
-  Lanes<std::uint8_t> clamped;
+  Lanes<float> middle[3];                // the middle of the edge, from the brick's node 0
+  Lanes<double> position[3], radial[3];  // the vertex; the vertex less the centre of its sphere
+  Lanes<float> normal[3];                // unit
+  Lanes<SphereId> sphere;                // the vertex's atom
+  Lanes<std::uint8_t> clamped;           // 1 if the vertex was clamped
 
-  // Sets bit k - first of bits[e] for the balls k = first .. first + 31 that may touch edge e.
+  // Sets bit k - first of bits[e] for the balls k = first .. first + 31 that may touch edge e, for
+  // all edges. No ball that touches the edge is missed.
   void find_touching(const NearBalls& balls, float spacing, std::size_t first,
                      std::uint32_t* bits) const;
-  // Normals from radial vectors, with the roundings of unit_or(); says how many have no direction.
+  // Computes the normals from the radial vectors, with the operations of unit_or(). Returns how
+  // many radial vectors have no direction; their normals are 0 and need a fallback.
   std::int64_t find_normals();
 };
 
@@ -76,7 +85,8 @@ inline void EdgeLanes::find_touching(const NearBalls& balls, float spacing, std:
   std::fill_n(bits, count, 0u);
   for (std::size_t k = first; k < last; ++k) {
     const float cx = balls.center[0][k], cy = balls.center[1][k], cz = balls.center[2][k];
-    // A ball that touches the edge comes within half its length of its middle.
+    // A point of the edge is at most half the spacing from its middle, so the middle of an edge
+    // that the ball touches is at most `reach` from the centre.
     const float reach = balls.radius[k] + 0.5f * spacing;
     const float reach2 = reach * reach + rounding_of_squares(reach, spacing);
     const std::uint32_t bit = 1u << (k - first);
