@@ -67,7 +67,7 @@ __device__ ChildBlock child_block(const GridSpec& grid, const BrickIndex& child,
 
 // Vote of the warp: bit c is set if `says` is true on some of the four lanes of child c. The ballot
 // has a bit per lane; its four bytes, one per part, are combined by or.
-__device__ unsigned children_where(bool says) {
+__device__ unsigned vote_by_child(bool says) {
   unsigned votes = __ballot_sync(kAllLanes, says);
   for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) votes |= votes >> step;
   return votes & ((1u << kChildren) - 1);
@@ -81,7 +81,7 @@ struct BlendedTest {
   ShapeParameters<float> shape;
   float isovalue;
   FieldBounds<float> bounds;
-  bool settled = false;  // gathering ended early: all children of the parent may hold surface
+  bool stopped_early = false;  // gathering ended early: all children of the parent may hold surface
 
   __device__ explicit BlendedTest(const FieldContext& f)
       : shape(shape_parameters<float>(f.model)), isovalue(static_cast<float>(f.model.isovalue)) {}
@@ -96,10 +96,10 @@ struct BlendedTest {
   // The early exit of field_may_cross(), for the whole warp: true if the sums so far admit surface
   // in every child, and the children are so large that testing their own children is cheaper than
   // visiting more atoms.
-  __device__ bool is_settled(const ChildBlock& child) {
-    settled = child.nodes.level > 2 && __all_sync(kAllLanes, bounds.least <= 0) &&
-              children_where(bounds.most >= isovalue) == kAllChildren;
-    return settled;
+  __device__ bool can_stop(const ChildBlock& child) {
+    stopped_early = child.nodes.level > 2 && __all_sync(kAllLanes, bounds.least <= 0) &&
+                    vote_by_child(bounds.most >= isovalue) == kAllChildren;
+    return stopped_early;
   }
   __device__ void join() {
     join(bounds.least);
@@ -112,12 +112,12 @@ struct BlendedTest {
       join(bounds.chord_slope[axis]);
     }
   }
-  // A settled test has not visited all atoms, so its sums give no bounds.
+  // A test that has stopped early has not visited all atoms, so its sums give no bounds.
   __device__ bool is_outside(const ChildBlock& child) const {
-    return !settled && bounds.upper(child.half) < isovalue;
+    return !stopped_early && bounds.upper(child.half) < isovalue;
   }
   __device__ bool is_inside(const ChildBlock& child) const {
-    return !settled && bounds.lower(child.half) >= isovalue;
+    return !stopped_early && bounds.lower(child.half) >= isovalue;
   }
 
  private:
@@ -158,20 +158,20 @@ struct UnionTest {
     }
     // 2e-6 is 33 units of 2^-24. A difference of coordinates is rounded three times, the squares
     // and sums a few times more, each by at most one unit of `extent`.
-    const float doubt = 2e-6f * extent, outer = s.number + doubt;
-    const float inner = fmaxf(s.number - doubt, 0.0f);
+    const float error_bound = 2e-6f * extent, outer = s.number + error_bound;
+    const float inner = fmaxf(s.number - error_bound, 0.0f);
     touched |= near <= outer * outer;
     covered |= far <= inner * inner;
   }
   // True if more balls change no child's result: a covered child is inside for good. A child wider
   // than the largest ball is never covered, so being touched settles it.
-  __device__ bool is_settled(const ChildBlock& child) const {
-    return children_where(covered || (touched && child.half[0] > largest)) == kAllChildren;
+  __device__ bool can_stop(const ChildBlock& child) const {
+    return vote_by_child(covered || (touched && child.half[0] > largest)) == kAllChildren;
   }
   __device__ void join() {
     const unsigned child = 1u << own_child();
-    const unsigned touched_children = children_where(touched),
-                   covered_children = children_where(covered);
+    const unsigned touched_children = vote_by_child(touched),
+                   covered_children = vote_by_child(covered);
     touched = (touched_children & child) != 0;
     covered = (covered_children & child) != 0;
   }
@@ -205,7 +205,7 @@ __device__ void test_child(const FieldContext& f, const BlockBox& parent,
       test.add(f.model, s, to_middle, child);
     }
     __syncwarp();
-    return test.is_settled(child);
+    return test.can_stop(child);
   });
   test.join();
 }

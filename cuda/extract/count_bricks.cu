@@ -26,8 +26,8 @@ constexpr int kPlanesApart = kRowLanes / kBrickReach;
 struct UnionShared {
   BrickGeometry geometry;
   ActiveBrick brick;
-  std::uint32_t places[kNearItems + kWarp];
-  Sphere balls[kNearItems];
+  std::uint32_t places[kMostSharedBalls + kWarp];
+  Sphere balls[kMostSharedBalls];
 };
 
 // Sets bit x of `inside` for the nodes of row (y, z) that lie in one of the balls. The operations
@@ -64,7 +64,7 @@ __global__ void __launch_bounds__(kBrickThreads)
   std::uint32_t inside[kLaneRows] = {};
   const Vec3d lower = s.geometry.node(0, 0, 0);
   const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
-  gather_by_warp(f, lower, upper, s.places, kNearItems, [&](std::uint32_t count) {
+  gather_by_warp(f, lower, upper, s.places, kMostSharedBalls, [&](std::uint32_t count) {
     for (auto k = static_cast<std::uint32_t>(lane); k < count; k += kWarp) {
       s.balls[k] = f.list.spheres[s.places[k]];
     }
@@ -91,7 +91,7 @@ __global__ void __launch_bounds__(kBrickThreads)
 // ---- blended fields ----
 
 // Shared memory of a warp, about 5 KB. The values replace the atoms once all atoms are added.
-struct WarpShared {
+struct BlendedShared {
   BrickGeometry geometry;
   ActiveBrick brick;
   AtomStage stage;
@@ -106,7 +106,7 @@ using LaneRows = float[kLaneRows][kBrickReach];
 
 // Adds the first `count` atoms of the chunk in shared memory to the lane's rows.
 template <BlendedKind Kind>
-__device__ void add_atoms(const NodeShape& nodes, const WarpShared& s, std::uint32_t count,
+__device__ void add_atoms(const NodeShape& nodes, const BlendedShared& s, std::uint32_t count,
                           LaneRows& rows) {
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   if (lane >= kRowLanes) return;
@@ -129,7 +129,7 @@ __device__ void add_atoms(const NodeShape& nodes, const WarpShared& s, std::uint
 // Sums over all atoms near the brick, in list order, at the nodes of the lane's rows. Returns the
 // number of atoms.
 template <BlendedKind Kind>
-__device__ std::uint32_t sum_field(const FieldContext& f, WarpShared& s, LaneRows& rows) {
+__device__ std::uint32_t sum_field(const FieldContext& f, BlendedShared& s, LaneRows& rows) {
   const NodeShape nodes = Kind::node_shape(f.model);
   const Vec3d lower = s.geometry.node(0, 0, 0);
   const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
@@ -141,7 +141,7 @@ __device__ std::uint32_t sum_field(const FieldContext& f, WarpShared& s, LaneRow
 }
 
 // Stores the signs and the values of the lane's rows in shared memory.
-__device__ void share_rows(float isovalue, const LaneRows& rows, WarpShared& s) {
+__device__ void share_rows(float isovalue, const LaneRows& rows, BlendedShared& s) {
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   __syncwarp();
   for (int r = 0; r < kLaneRows && lane < kRowLanes; ++r) {
@@ -164,12 +164,12 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
     count_blended(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
                   std::uint64_t size, const CaseTable* table, ActiveBrick* bricks, float* values,
                   BrickCounts counts) {
-  __shared__ WarpShared shared[kBrickWarps];
+  __shared__ BlendedShared shared[kBrickWarps];
   const unsigned lane = threadIdx.x % kWarp;
   const std::uint64_t i =
       static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
   if (i >= size) return;
-  WarpShared& s = shared[threadIdx.x / kWarp];
+  BlendedShared& s = shared[threadIdx.x / kWarp];
   share_geometry(f.model.grid, keys[i], s.geometry);
   LaneRows rows = {};
   const std::uint32_t met = sum_field<Kind>(f, s, rows);

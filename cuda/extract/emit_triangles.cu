@@ -32,8 +32,8 @@ __host__ __device__ constexpr int neighbour_across(int face) {
 constexpr std::uint64_t kStepY = std::uint64_t{1} << 21, kStepZ = std::uint64_t{1} << 42;
 
 // Index of the first key in keys[low .. high) that is at least `key`, or `high`.
-__device__ std::uint32_t first_not_below(const std::uint64_t* keys, std::uint32_t low,
-                                         std::uint32_t high, std::uint64_t key) {
+__device__ std::uint32_t lower_bound_of_key(const std::uint64_t* keys, std::uint32_t low,
+                                            std::uint32_t high, std::uint64_t key) {
   while (low < high) {
     const std::uint32_t middle = low + (high - low) / 2;
     if (keys[middle] < key) {
@@ -69,7 +69,7 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
   } else if (task <= 3) {
     const int dy = task & 1, dz = task >> 1;
     const std::uint64_t wanted = key + (dy ? kStepY : 0) + (dz ? kStepZ : 0);
-    const std::uint32_t at = first_not_below(keys, own + 1, size, wanted);
+    const std::uint32_t at = lower_bound_of_key(keys, own + 1, size, wanted);
     const std::uint32_t there = place_of(at, wanted);
     place[upper_neighbour(0, dy, dz)] = there;
     place[upper_neighbour(1, dy, dz)] = place_of(there == kNoBrick ? at : at + 1, wanted + 1);
@@ -79,7 +79,7 @@ __global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
     const bool first = (along_y ? index.y : index.z) == 0;
     const std::uint64_t wanted = key - (along_y ? kStepY : kStepZ);
     place[neighbour_across(along_y ? 2 : 4)] =
-        first ? kNoBrick : place_of(first_not_below(keys, 0, own, wanted), wanted);
+        first ? kNoBrick : place_of(lower_bound_of_key(keys, 0, own, wanted), wanted);
   }
 }
 

@@ -43,8 +43,8 @@ __device__ bool load_brick(const BrickList& list, ActiveBrick& brick) {
 // Shared memory of a warp, about 6 KB.
 struct UnionShared {
   WarpBrick own;
-  std::uint32_t places[kNearItems + kWarp];
-  UnionItems items;
+  std::uint32_t places[kMostSharedBalls + kWarp];
+  SharedBalls items;
 };
 
 // A warp per brick, 2 warps a block; about 12 KB of shared memory. Reads the spheres; writes the
@@ -60,13 +60,13 @@ __global__ void __launch_bounds__(kBrickThreads)
   const BrickGeometry& g = own.geometry;
   const std::uint32_t near =
       gather_by_warp(f, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), s.places,
-                     kNearItems, [&](std::uint32_t count) {
+                     kMostSharedBalls, [&](std::uint32_t count) {
                        s.items.load(f, g, s.places, count);
                        return false;
                      });
-  // More balls than kNearItems have overwritten each other in s.items: null makes every vertex
-  // search the cell list.
-  const UnionItems* const all = near <= kNearItems ? &s.items : nullptr;
+  // More balls than kMostSharedBalls have overwritten each other in s.items: null makes every
+  // vertex search the cell list.
+  const SharedBalls* const all = near <= kMostSharedBalls ? &s.items : nullptr;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
             [&](const CrossedEdge& edge) { return union_vertex(f, g, all, near, edge); });
 }

@@ -13,18 +13,18 @@
 namespace vdwmesh {
 
 // Balls of a brick that fit in shared memory; a set of them is the bits of one 64-bit word.
-inline constexpr std::uint32_t kNearItems = 64;
+inline constexpr std::uint32_t kMostSharedBalls = 64;
 
 // The balls near a brick, in shared memory: rank[k] and list place[k] of ball[k].
-struct UnionItems {
-  Sphere ball[kNearItems];
-  std::uint32_t rank[kNearItems], place[kNearItems];
+struct SharedBalls {
+  Sphere ball[kMostSharedBalls];
+  std::uint32_t rank[kMostSharedBalls], place[kMostSharedBalls];
   // xyz: the centre from the brick's node 0, Å. w: squared radius plus rounding error, Å²; an edge
   // at a larger squared distance from the centre does not touch the ball.
-  float4 rough[kNearItems];
+  float4 rough[kMostSharedBalls];
 
   // Loads the balls at these list places, by one warp. The caller synchronises afterwards.
-  // Precondition: count <= kNearItems.
+  // Precondition: count <= kMostSharedBalls.
   __device__ void load(const FieldContext& f, const BrickGeometry& g, const std::uint32_t* places,
                        std::uint32_t count) {
     for (std::uint32_t k = threadIdx.x % kWarp; k < count; k += kWarp) {
@@ -47,7 +47,7 @@ struct UnionItems {
 // Bit k is set if ball k may touch the edge: if the edge, a box without width, is at most its
 // radius away in float32. Some balls that just miss the edge are included, no ball that touches it
 // is missed.
-__device__ inline std::uint64_t balls_near_edge(const UnionItems& items, std::uint32_t count,
+__device__ inline std::uint64_t balls_near_edge(const SharedBalls& items, std::uint32_t count,
                                                 const BrickGeometry& g, const CrossedEdge& edge,
                                                 float spacing) {
   const Vec3d node = g.node(edge.inside[0], edge.inside[1], edge.inside[2]) - g.node(0, 0, 0);
@@ -69,7 +69,7 @@ __device__ inline std::uint64_t balls_near_edge(const UnionItems& items, std::ui
 // The vertex on a crossed edge. `items` has all `count` balls near the brick. It is null if they do
 // not fit in shared memory; then the cell list is searched for the balls near the edge.
 __device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeometry& g,
-                                          const UnionItems* items, std::uint32_t count,
+                                          const SharedBalls* items, std::uint32_t count,
                                           const CrossedEdge& edge) {
   const double spacing = f.model.grid.spacing;
   const Vec3d node = g.node(edge.inside[0], edge.inside[1], edge.inside[2]);

@@ -173,8 +173,8 @@ struct FieldBounds {
     for (int axis = 0; axis < 3; ++axis) {
       const T away = m[axis] < 0 ? -m[axis] : m[axis];
       // The gap between atom and box is a difference. If it is much smaller than its terms,
-      // cancellation leaves few correct digits, so `doubt`, four units of the terms, is taken off.
-      const T doubt = kUnit * (away + half[axis]), reach = half[axis] + doubt;
+      // cancellation leaves few correct digits, so the box is widened by four units of the terms.
+      const T error_bound = kUnit * (away + half[axis]), reach = half[axis] + error_bound;
       const T gap = away > reach ? away - reach : T(0);
       near = std::fma(gap, gap, near);
       middle = std::fma(away, away, middle);
@@ -265,7 +265,7 @@ VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
   const ShapeParameters<double> shape = shape_parameters<double>(m);
   const BoxFrame<double> frame = box_frame<double>(box.lower, box.upper);
   FieldBounds<double> bounds;
-  const bool settled = visit_near_box(list, box.lower, box.upper, [&](std::uint32_t place) {
+  const bool stopped_early = visit_near_box(list, box.lower, box.upper, [&](std::uint32_t place) {
     const Sphere& ball = list.spheres[place];
     const Vec3d from = frame.middle - ball.center;
     const double to_middle[3] = {from.x, from.y, from.z};
@@ -277,7 +277,7 @@ VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
     return block.level > 2 && bounds.most >= m.isovalue && bounds.least <= 0;
   });
   // After an early exit the sums lack atoms, so upper() is no bound.
-  if (settled) return true;
+  if (stopped_early) return true;
   return bounds.upper(frame.half) >= m.isovalue &&
          (bounds.lower(frame.half) < m.isovalue || box.touches_border);
 }

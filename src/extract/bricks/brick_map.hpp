@@ -18,9 +18,9 @@ namespace vdwmesh {
 
 // Indices in the brick list of a brick's neighbours. Each is found by a binary search when it is
 // first asked for, and then remembered.
-class Neighbourhood {
+class NeighbourCache {
  public:
-  Neighbourhood(const BrickList& list, std::uint64_t brick)
+  NeighbourCache(const BrickList& list, std::uint64_t brick)
       : list_(list), key_(list.bricks[brick].key) {
     found_.fill(kNotSought);
     found_[neighbour_slot(0, 0, 0)] = brick;
@@ -41,7 +41,7 @@ class Neighbourhood {
 };
 
 // of[case][h]: map index of the vertex at the start of half-edge h, less the cell's map index.
-struct CornerPlaces {
+struct CornerTable {
   std::uint16_t of[256][kCaseHalfEdges];
 };
 
@@ -52,8 +52,8 @@ class VertexMap {
   static constexpr int place(int x, int y, int z, int axis = 0) {
     return ((z * kBrickReach + y) * kBrickReach + x) * 3 + axis;
   }
-  static CornerPlaces corner_places(const CaseTable& table) {
-    CornerPlaces places{};
+  static CornerTable corner_places(const CaseTable& table) {
+    CornerTable places{};
     for (std::size_t inside = 0; inside < 256; ++inside) {
       for (std::size_t h = 0; h < kCaseHalfEdges; ++h) {
         const CellEdge edge = cell_edge(table.edges[inside][h]);
@@ -73,7 +73,7 @@ class VertexMap {
   // Enters the vertices that neighbours own on nodes with x, y or z = 8, as far as the brick's
   // cells touch their edges: those that lie in the plane x = 8, y = 8 or z = 8. Only neighbours
   // with such a vertex are looked up.
-  void set_neighbours(const BrickList& list, const BrickSigns& signs, Neighbourhood& near) {
+  void set_neighbours(const BrickList& list, const BrickSigns& signs, NeighbourCache& near) {
     constexpr std::uint32_t own = (1u << kBrickSide) - 1;
     for (int z = 0; z < kBrickSide; ++z) {
       const std::uint32_t row = signs.row[z][kBrickSide];
@@ -97,7 +97,7 @@ class VertexMap {
  private:
   // Enters the vertices of nodes x = 0 .. 7 of a row (y, z) that a neighbour owns. Numbers rise by
   // one per crossed edge; every axis is written, so that the loop has no branch.
-  void set_row(const BrickList& list, Neighbourhood& near, int y, int z) {
+  void set_row(const BrickList& list, NeighbourCache& near, int y, int z) {
     const NeighbourRow row = neighbour_row(list, locate(near, 0, y, z));
     std::uint32_t vertex = row.first_vertex;
     for (std::uint32_t nodes = row.crossings.nodes(); nodes != 0; nodes &= nodes - 1) {
@@ -122,7 +122,7 @@ class VertexMap {
   }
 
   // Enters the vertices of node (8, y, z). It is node 0 of its row in the neighbour that owns it.
-  void set_end(const BrickList& list, Neighbourhood& near, int y, int z) {
+  void set_end(const BrickList& list, NeighbourCache& near, int y, int z) {
     const NeighbourRow row = neighbour_row(list, locate(near, kBrickSide, y, z));
     std::uint32_t vertex = row.first_vertex;
     for (int axis = 0; axis < 3; ++axis) {
@@ -136,7 +136,7 @@ class VertexMap {
     std::uint32_t first_vertex;
   };
   // The crossed edges of a row in its brick, and the number of the first vertex on them.
-  static NeighbourRow neighbour_row(const BrickList& list, const Located& at) {
+  static NeighbourRow neighbour_row(const BrickList& list, const OwnerPosition& at) {
     const ActiveBrick& owner = list.bricks[at.brick];
     return {row_crossings(owner.signs, at.y, at.z),
             static_cast<std::uint32_t>(list.before[at.brick].vertices +

@@ -36,7 +36,7 @@ struct BrickList {
 };
 
 // Index of the first brick whose key is at least `key`, or list.size: a binary search.
-VDWMESH_HD inline std::uint64_t first_not_below(const BrickList& list, std::uint64_t key) {
+VDWMESH_HD inline std::uint64_t lower_bound_of_key(const BrickList& list, std::uint64_t key) {
   std::uint64_t low = 0, high = list.size;
   while (low < high) {
     const std::uint64_t middle = low + (high - low) / 2;
@@ -69,7 +69,7 @@ VDWMESH_HD constexpr int neighbour_slot(int dx, int dy, int dz) {
 inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, int slot) {
   const BrickIndex own = brick_of_key(key);
   const BrickIndex b{own.x + slot % 3 - 1, own.y + slot / 3 % 3 - 1, own.z + slot / 9 - 1};
-  const std::uint64_t place = first_not_below(list, brick_key(b));
+  const std::uint64_t place = lower_bound_of_key(list, brick_key(b));
   if (place == list.size || list.bricks[place].key != brick_key(b)) {
     throw_missing_neighbour(own);
   }
@@ -77,7 +77,7 @@ inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, in
 }
 
 // A node or a cell by the brick that owns it, and its coordinates in that brick.
-struct Located {
+struct OwnerPosition {
   std::uint64_t brick;  // index in the brick list
   int x, y, z;          // 0 .. 7
 };
@@ -86,7 +86,7 @@ struct Located {
 // the owner's offset from that brick, -1, 0 or 1. neighbour(slot) gives the index in the list of
 // the brick at that offset.
 template <class Neighbour>
-VDWMESH_HD Located locate(Neighbour&& neighbour, int x, int y, int z) {
+VDWMESH_HD OwnerPosition locate(Neighbour&& neighbour, int x, int y, int z) {
   return {neighbour(neighbour_slot(x >> 3, y >> 3, z >> 3)), x & 7, y & 7, z & 7};
 }
 

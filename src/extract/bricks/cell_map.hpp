@@ -17,7 +17,7 @@ namespace vdwmesh {
 
 // How to go from a half-edge to its opposite without branches: its code gives the step to the cell
 // that has the opposite; the code and that cell's case give the half-edge there.
-struct OppositePlaces {
+struct OppositeTable {
   static constexpr std::size_t kCodes = kFirstFaceCode + 24;
   std::uint8_t code[256][kCaseHalfEdges];  // CaseTable::across; 0 beyond the case's half-edges
   std::int16_t step[kCodes];               // from CellMap index to CellMap index; 0: the same cell
@@ -33,7 +33,7 @@ class CellMap {
   static constexpr int place(int x, int y, int z) {
     return ((z + 1) * kSide + y + 1) * kSide + x + 1;
   }
-  static OppositePlaces opposite_places(const CaseTable& table);
+  static OppositeTable opposite_places(const CaseTable& table);
 
   // Enters the cells of brick b and those beyond its faces; near(slot): index of a neighbour.
   template <class Neighbour>
@@ -60,9 +60,9 @@ class CellMap {
   std::array<Cell, static_cast<std::size_t>(kSide* kSide* kSide)> cell_;
 };
 
-inline OppositePlaces CellMap::opposite_places(const CaseTable& table) {
+inline OppositeTable CellMap::opposite_places(const CaseTable& table) {
   constexpr int strides[3] = {1, kSide, kSide * kSide};
-  OppositePlaces places{};
+  OppositeTable places{};
   for (std::uint32_t inside = 0; inside < 256; ++inside) {
     for (std::uint32_t h = 0; h < 3 * table.count(inside); ++h)
       places.code[inside][h] =

@@ -39,7 +39,7 @@ class TriangleEmitter {
   void emit(std::size_t b, std::span<const BrickEdge> edges, const CrossedFaces& faces) {
     const ActiveBrick& brick = e_.bricks.bricks[b];
     const BrickSums& before = e_.bricks.before[b];
-    Neighbourhood near(e_.bricks, b);
+    NeighbourCache near(e_.bricks, b);
     cases_.set(brick.signs);
     vertices_.set(edges, before.vertices);
     vertices_.set_neighbours(e_.bricks, brick.signs, near);
@@ -55,12 +55,12 @@ class TriangleEmitter {
   }
 
  private:
-  static const CornerPlaces& corner_places() {
-    static const CornerPlaces kPlaces = VertexMap::corner_places(case_table());
+  static const CornerTable& corner_places() {
+    static const CornerTable kPlaces = VertexMap::corner_places(case_table());
     return kPlaces;
   }
-  static const OppositePlaces& opposite_places() {
-    static const OppositePlaces kPlaces = CellMap::opposite_places(case_table());
+  static const OppositeTable& opposite_places() {
+    static const OppositeTable kPlaces = CellMap::opposite_places(case_table());
     return kPlaces;
   }
 
@@ -84,7 +84,7 @@ class TriangleEmitter {
   // set_neighbours() has looked them up already, because they own vertices of this brick's cells.
   // It has not if the node (8, 8, 8) alone differs from the other nodes of the face: then the
   // crossed edges at that node belong to bricks further along the diagonal.
-  static void find_beyond(const CrossedFaces& faces, Neighbourhood& near) {
+  static void find_beyond(const CrossedFaces& faces, NeighbourCache& near) {
     if ((faces.upper & 1u) != 0) near(neighbour_slot(1, 0, 0));
     if ((faces.upper & 2u) != 0) near(neighbour_slot(0, 1, 0));
     if ((faces.upper & 4u) != 0) near(neighbour_slot(0, 0, 1));
@@ -114,8 +114,8 @@ class TriangleEmitter {
 
   const Emission& e_;
   const CaseTable& table_;
-  const CornerPlaces& corners_;
-  const OppositePlaces& opposites_;
+  const CornerTable& corners_;
+  const OppositeTable& opposites_;
   // Tables of the brick that is being written.
   BrickCases cases_;
   VertexMap vertices_;

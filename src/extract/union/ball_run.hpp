@@ -16,9 +16,9 @@ namespace vdwmesh {
 
 // The balls near the group of bricks that was searched last. Any brick may be asked for; a brick of
 // another group starts a new search.
-class BallRun {
+class BallSearch {
  public:
-  BallRun(const CellListView& list, const GridSpec& grid) : list_(list), grid_(grid) {}
+  BallSearch(const CellListView& list, const GridSpec& grid) : list_(list), grid_(grid) {}
 
   // Replaces `places` by the list places, rising, of the balls that touch the box of the brick's
   // nodes. Some balls that miss the box by rounding may be among them.

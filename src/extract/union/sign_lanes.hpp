@@ -1,8 +1,8 @@
 // Node signs of a brick for the union of balls, in float32 and a layer of nodes at a time, on the
 // CPU: a floating-point filter before the exact predicate. A node is inside if the least d² - r²
-// over the balls is at most 0. The loops run over the nodes of a layer as vector lanes. If at some
-// node this value is smaller than its possible rounding error, the filter gives up, and the caller
-// computes the signs of the brick in double.
+// over the balls is at most 0. The loops run over the nodes of a layer as vector lanes. If the
+// magnitude of this value is within its possible rounding error at some node, the filter gives up,
+// and the caller computes the signs of the brick in double.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ namespace vdwmesh {
 // Lanes of a layer: nodes x = 0 .. 7 of the rows y = 0 .. 8 at 8 y + x, then the nodes x = 8 of
 // these rows at 72 + y, then 7 unused lanes that fill up whole vectors of 8. The unused lanes have
 // the position of node (0, 0), so they never make a difference.
-class SignLanes {
+class SignFilter {
  public:
   // Computes the signs of all 9 x 9 x 9 nodes. Returns false if some node is too near a sphere for
   // float32 to decide; the signs are meaningless then. If it returns true, all signs are those of
@@ -48,7 +48,7 @@ class SignLanes {
   alignas(8) std::array<std::uint8_t, kLanes> inside_;  // of the layer: 1 if inside
 };
 
-inline void SignLanes::set_nodes(const BrickGeometry& geometry) {
+inline void SignFilter::set_nodes(const BrickGeometry& geometry) {
   const auto offset = [&](int axis, int i) {
     return static_cast<float>(geometry.coordinate[axis][i] - geometry.coordinate[axis][0]);
   };
@@ -63,7 +63,7 @@ inline void SignLanes::set_nodes(const BrickGeometry& geometry) {
 }
 
 // The part of a squared distance that all layers share. It is computed once per ball.
-inline void SignLanes::set_balls(const NearBalls& balls) {
+inline void SignFilter::set_balls(const NearBalls& balls) {
   if (in_layer_.size() < balls.size()) in_layer_.resize(balls.size());
   for (std::size_t k = 0; k < balls.size(); ++k) {
     const float cx = balls.center[0][k], cy = balls.center[1][k];
@@ -78,7 +78,7 @@ inline void SignLanes::set_balls(const NearBalls& balls) {
 // Packs the bytes of a layer into rows of nine bits. The multiplication gathers the lowest bits of
 // eight bytes: its factor has the bits 56 - 7 x, so it moves bit 8 x, the sign of byte x, to bit 56
 // + x. No two of the partial products meet in one bit, so nothing is carried.
-inline void SignLanes::read_layer(std::uint16_t* row) const {
+inline void SignFilter::read_layer(std::uint16_t* row) const {
   static_assert(std::endian::native == std::endian::little);
   for (int y = 0; y < kBrickReach; ++y) {
     std::uint64_t bytes;
@@ -90,8 +90,8 @@ inline void SignLanes::read_layer(std::uint16_t* row) const {
   }
 }
 
-inline bool SignLanes::signs(const NearBalls& balls, const BrickGeometry& geometry, float spacing,
-                             BrickSigns& signs) {
+inline bool SignFilter::signs(const NearBalls& balls, const BrickGeometry& geometry, float spacing,
+                              BrickSigns& signs) {
   // Squares must stay well below kFar and the largest float, else double decides.
   const float rounding = rounding_of_squares(balls.largest, spacing);
   if (!(rounding < 1e30f)) return false;

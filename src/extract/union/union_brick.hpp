@@ -1,7 +1,8 @@
 // The union of balls on one brick, on the CPU: the signs of its nodes, and the vertices on its
 // crossed edges. Both follow from predicates in double. Float32 filters come first and leave little
 // for double to do:
-// - signs: SignLanes decides whole layers; double computes the signs if some node is near a sphere.
+// - signs: SignFilter decides whole layers; double computes the signs if some node is near a
+//   sphere.
 // - vertices: EdgeLanes finds the few balls that may touch each edge. The vertex is the first exit
 //   from the union along the edge, seen from its inside end (union_exit()).
 // A filter never changes the result, only the time.
@@ -61,12 +62,12 @@ class UnionBrick {
 
   const CellListView& list_;
   const GridSpec& grid_;
-  BallRun run_;
+  BallSearch run_;
   BrickGeometry geometry_{};
   std::vector<std::uint32_t> places_;  // list places of the brick's balls
   std::vector<Sphere> balls_;          // the same balls; ball k below is balls_[k]
   NearBalls near_;                     // the same in float32
-  SignLanes sign_lanes_;
+  SignFilter sign_filter_;
   EdgeLanes lanes_;
   // Bit k % 32 of touching_[k / 32 * EdgeLanes::kMost + e]: ball k may touch edge e.
   std::vector<std::uint32_t> touching_;
@@ -82,7 +83,7 @@ inline void UnionBrick::visit(const BrickIndex& brick) {
 }
 
 inline void UnionBrick::signs(BrickSigns& signs) {
-  if (!sign_lanes_.signs(near_, geometry_, static_cast<float>(grid_.spacing), signs))
+  if (!sign_filter_.signs(near_, geometry_, static_cast<float>(grid_.spacing), signs))
     signs_in_double(signs);
   if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
 }
