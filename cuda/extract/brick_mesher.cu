@@ -116,7 +116,7 @@ std::uint64_t DeviceBrickMesher::mesh_bytes(const BrickSums& from, const BrickSu
 
 void DeviceBrickMesher::count(const KeyRange& own) {
   const std::uint64_t most = options_.memory_limit / sizeof(ActiveBrick);
-  count(source_.candidates(halo(own, options_.connectivity), most), own);
+  count(source_.candidates(halo(own), most), own);
 }
 
 void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
@@ -376,8 +376,7 @@ ExtractTimings DeviceBrickMesher::timings() const {
           milliseconds_in(Stage::triangles)};
 }
 
-ExtractStats DeviceBrickMesher::stats() const {
-  const ExtractTimings ms = timings();
+ExtractStats DeviceBrickMesher::stats(const ExtractTimings& ms) const {
   ExtractStats stats;
   stats.surface_bricks = counted_.totals.surface_bricks;
   stats.grid_clipped = counted_.totals.clipped_cells;

@@ -37,7 +37,8 @@ class DeviceBrickMesher {
   std::uint64_t candidates() const { return candidates_.count; }
   // What the kernels took so far; waits for them.
   ExtractTimings timings() const;
-  ExtractStats stats() const;
+  ExtractStats stats() const { return stats(timings()); }
+  ExtractStats stats(const ExtractTimings& milliseconds) const;
 
  private:
   enum class Stage : std::uint8_t { search, count, scan, vertices, triangles, download, other };

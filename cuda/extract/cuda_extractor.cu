@@ -222,7 +222,7 @@ DeviceExtraction mesh_on_device(const BrickSource& source, const ExtractOptions&
   advance(options.monitor, 1);
   result.candidates = mesher.candidates();
   result.timings = mesher.timings();
-  result.stats = mesher.stats();
+  result.stats = mesher.stats(result.timings);
   return result;
 }
 

@@ -116,7 +116,7 @@ struct DeviceExtraction {
 DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
                                    const ExtractOptions& options, const Stream& stream);
 
-// Marching cubes over a field in device memory; see FieldMesher::mesh.
+// Marching cubes over a field in device memory; see FieldMesher::mesh_into().
 DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
                                       const Stream& stream);
 

@@ -33,11 +33,14 @@ struct Transform {
   Vec3d apply(const Vec3d& p) const { return apply_linear(p) + shift; }
   Vec3d column(int k) const { return {rows[0][k], rows[1][k], rows[2][k]}; }
   double determinant() const { return dot(rows[0], cross(rows[1], rows[2])); }
-  // The cofactor matrix of A, which equals det(A) times the inverse transpose and maps normals to
-  // normals up to their length. It needs no division, so it exists for singular A as well. If
-  // det(A) is negative, it maps a normal to the opposite of what the inverse transpose gives.
+  // The inverse transpose of A times the absolute value of its determinant, which maps normals to
+  // normals up to their length. It is made from the cofactors, which are det(A) times the inverse
+  // transpose, without a division, so it exists for singular A as well.
   Transform for_normals() const {
-    return {{cross(rows[1], rows[2]), cross(rows[2], rows[0]), cross(rows[0], rows[1])}, {0, 0, 0}};
+    const double sign = determinant() < 0 ? -1 : 1;
+    return {{sign * cross(rows[1], rows[2]), sign * cross(rows[2], rows[0]),
+             sign * cross(rows[0], rows[1])},
+            {0, 0, 0}};
   }
   // The map that applies `first`, then this one.
   Transform after(const Transform& first) const {

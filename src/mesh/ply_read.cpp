@@ -473,7 +473,9 @@ class PlyReader {
 // comments precede it; 200 bytes allow for a few of them.
 bool is_text(std::string_view bytes) {
   constexpr std::size_t kFirstLines = 200;
-  return bytes.substr(0, kFirstLines).find("format ascii") != std::string_view::npos;
+  const std::string_view lines = bytes.substr(0, kFirstLines);
+  return lines.find("\nformat ascii") != std::string_view::npos ||
+         lines.find("\rformat ascii") != std::string_view::npos;
 }
 
 }  // namespace

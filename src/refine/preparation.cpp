@@ -122,10 +122,13 @@ void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh) {
   }
   const std::size_t vertex = first_bad(mesh.vertex_count(), [&](std::size_t v) {
     const Vec3d& p = mesh.positions[v];
-    return !(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+    const auto is_near = [](double x) { return std::abs(x) <= kFarthestSphere; };  // false for NaN
+    return !(is_near(p.x) && is_near(p.y) && is_near(p.z));
   });
   if (vertex != kAllGood) {
-    throw InvalidInput(fmt::format("vertex {} has a coordinate that is not finite", vertex));
+    throw InvalidInput(
+        fmt::format("vertex {} has a coordinate that is not finite, or farther than {:g} Å from 0",
+                    vertex, kFarthestSphere));
   }
   const std::size_t label = first_bad(mesh.vertex_spheres.size(), [&](std::size_t v) {
     const VertexSpheres s = mesh.vertex_spheres[v];

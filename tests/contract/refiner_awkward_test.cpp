@@ -130,6 +130,16 @@ TEST_P(RefinerAwkward, BrokenArraysAreInvalid) {
   expect_invalid([](IndexedMesh& m) { m.vertex_spheres.assign(6, on_sphere(1)); });
 }
 
+// Grids that look for crossings count cells in single precision, which ends at 3.4e38.
+TEST_P(RefinerAwkward, AVertexFartherThanAnySphereIsInvalid) {
+  for (const double far : {1.0000001e30, 1e39, 1e300, std::numeric_limits<double>::infinity(),
+                           std::numeric_limits<double>::quiet_NaN()}) {
+    IndexedMesh mesh = octahedron();
+    mesh.positions[2].y = -far;
+    EXPECT_THROW(refine(one_sphere(1), mesh, refine_options(1, Projection::vdw)), InvalidInput);
+  }
+}
+
 TEST_P(RefinerAwkward, TheFieldNeedsABlendedFieldAndItsGrid) {
   const GridSpec grid{{-3, -3, -3}, 0.5, {12, 12, 12}};
   EXPECT_THROW(refine(one_sphere(1), octahedron(), field_options(0, FieldKind::vdw, grid)),

@@ -188,6 +188,41 @@ TEST(MeshIo, GlbNodesMoveTheirMeshes) {
   EXPECT_EQ(moved.mesh.triangles, mesh.triangles);
 }
 
+// A mirror turns the winding round, and normals still point out of the mesh: those of a sphere
+// about the origin point away from it.
+TEST(MeshIo, GlbNormalsOfAMirroredMeshPointOutward) {
+  IndexedMesh mesh = testing::cube();
+  const Vec3d middle = 0.5 * (mesh.positions.front() + mesh.positions.back());
+  for (Vec3d& p : mesh.positions) p = p - middle;
+  for (const Vec3d& p : mesh.positions) mesh.normals.push_back(cast<float>((1 / norm(p)) * p));
+  const std::string glb = encode_mesh(to_surface_mesh(mesh), MeshFormat::glb).bytes;
+  std::uint32_t json_size;
+  std::memcpy(&json_size, glb.data() + 12, sizeof json_size);
+  auto json = nlohmann::json::parse(glb.substr(20, json_size));
+  json["nodes"] = {{{"mesh", 0}, {"scale", {-1, 1, 1}}}};
+  json["scenes"] = {{{"nodes", {0}}}};
+  json["scene"] = 0;
+  const IndexedMesh mirrored = decode_mesh(with_json(glb, json), MeshFormat::glb).mesh;
+  ASSERT_EQ(mirrored.normals.size(), mirrored.positions.size());
+  for (std::size_t v = 0; v < mirrored.normals.size(); ++v) {
+    EXPECT_GT(dot(cast<double>(mirrored.normals[v]), mirrored.positions[v]), 0) << v;
+  }
+  for (const Triangle& t : mirrored.triangles) {
+    const Vec3d &a = mirrored.positions[t[0]], &b = mirrored.positions[t[1]],
+                &c = mirrored.positions[t[2]];
+    EXPECT_GT(dot(cross(b - a, c - a), a), 0);
+  }
+}
+
+// The words of another format in a comment do not make a binary file a text.
+TEST(MeshIo, ABinaryPlyMaySpeakOfTextInAComment) {
+  std::string bytes = encode_mesh(to_surface_mesh(testing::cube()), MeshFormat::ply).bytes;
+  const std::size_t at = bytes.find("comment");
+  ASSERT_NE(at, std::string::npos);
+  bytes.insert(at, "comment format ascii was too long\n");
+  EXPECT_EQ(decode_mesh(bytes, MeshFormat::ply).mesh.triangles, testing::cube().triangles);
+}
+
 // Two of the last triangle's indices without the third.
 TEST(MeshIo, GlbSaysWhatItsPrimitivesLeaveOver) {
   const std::string glb = encode_mesh(to_surface_mesh(labelled_mesh()), MeshFormat::glb).bytes;
