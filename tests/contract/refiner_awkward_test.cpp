@@ -1,6 +1,7 @@
 // Centres, far vertices, coincident and nested spheres, ties; limits, bad meshes, cancellation.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "contract/refiner_contract.hpp"
