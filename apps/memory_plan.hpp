@@ -42,7 +42,7 @@ struct MemoryNeed {
 };
 
 // The stage that needs the most. Where the mesh is not known yet, its size follows from the area:
-// good to a few per cent for `vdw`, to about ten for the blended fields.
+// good to a few per cent for vdw, to about ten for the blended fields.
 MemoryNeed estimate_memory(const MemoryDemand& demand);
 
 // Throws LimitExceeded when it is more than `limit` bytes: names stage, bytes, and the options that

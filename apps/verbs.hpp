@@ -28,7 +28,7 @@ std::unique_ptr<Verb> make_study_verb();
 std::unique_ptr<Verb> make_bench_verb();
 std::unique_ptr<Verb> make_info_verb();
 
-// Of `bench`.
+// Of `vdwmesh bench`.
 std::unique_ptr<Verb> make_thesis_bench_verb();
 std::unique_ptr<Verb> make_pipeline_bench_verb();
 

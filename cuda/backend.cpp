@@ -1,3 +1,7 @@
+// The one place that chooses between the backends. Extractor, Refiner, FieldMesher and pipeline
+// come from the CPU, from CUDA, or, for Backend::automatic on a machine with a device, from classes
+// that try CUDA first and compute on the CPU what does not fit the device's memory. A pipeline
+// whose two stages do not fit on the device together runs them one after the other over the host.
 #include "cuda/backend.hpp"
 
 #include <utility>

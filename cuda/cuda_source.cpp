@@ -1,3 +1,4 @@
+// CudaSource asks fill_with_cuda() for the buffers and, where that has an obstacle, its MeshSource.
 #include "cuda/cuda_source.hpp"
 
 #include "cuda/pictures/gl_fill.hpp"

@@ -9,10 +9,10 @@
 
 namespace vdwmesh {
 
-// Shows what `host` shows, which must outlive it. Where OpenGL draws on the device on which CUDA
-// computes, the arrays go to the device as they are and a kernel makes vertices of them in the
+// Shows what a MeshSource shows, which must outlive it. Where OpenGL draws on the device on which
+// CUDA computes, the arrays go to the device as they are and a kernel makes vertices of them in the
 // shared buffers. Elsewhere, and where the driver does not share its buffers or the device has no
-// memory for the arrays, `host` fills them; their bytes are the same.
+// memory for the arrays, the MeshSource fills them; their bytes are the same.
 class CudaSource final : public SurfaceSource {
  public:
   // `gl_device`: of the renderer it is for, Renderer::cuda_device().

@@ -1,3 +1,7 @@
+// Looks for devices that this build can use, makes one of them current, and handles their memory
+// pools. A device is usable if its compute capability is new enough, it has memory pools, and the
+// build has machine code for it or PTX that its driver accepts. The pool of a device in use keeps
+// what is given back to it until release_cuda_memory() trims it.
 #include <algorithm>
 #include <mutex>
 #include <set>

@@ -1,3 +1,6 @@
+// Allocation on the device, from its default pool; where that fails, the pool gives back what it
+// keeps unused, and the allocation is tried once more. Staging buffers are page-locked where the
+// system has such memory to give. Those of FetchPlace go back to a list for the next call.
 #include <mutex>
 
 #include "cuda/memory/device.cuh"

@@ -1,3 +1,6 @@
+// Copies cell lists to a device, allocates the arrays of meshes there, and copies meshes back to
+// the host. Also says how much memory of the device is still to be had, and keeps the case table of
+// marching cubes on each device.
 #include <algorithm>
 #include <map>
 #include <mutex>

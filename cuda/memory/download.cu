@@ -1,3 +1,6 @@
+// download_parts() cuts the parts into chunks of 2 MiB. Threads take the next chunk in turn, each
+// with a stream and two page-locked buffers: the device fills one while the thread copies the other
+// to the caller's memory. The buffers are kept for later downloads.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>

@@ -13,7 +13,7 @@
 namespace vdwmesh {
 namespace {
 
-// Whether the half-edges of a mesh fit the 32-bit numbers of `opposite`.
+// Whether the half-edges of a mesh fit the 32-bit numbers of `DeviceMeshView::opposite`.
 bool has_half_edges(std::uint64_t triangles) { return 3 * triangles <= kMaxHalfEdges; }
 
 // An array of `size` entries with the entries of `from` in front; the others are uninitialised.

@@ -81,8 +81,8 @@ class BoxTree {
   static std::uint32_t nearer_than(float bound, const float (&distance)[kWidth]);
   static int push(const Entry& entry, Entry* stack, int from, int size);
 
-  Vec3d center_;                      // of `world`, Å
-  double scale_;                      // 1/Å: half the longest side of `world` becomes 1
+  Vec3d center_;                      // of the world box, Å
+  double scale_;                      // 1/Å: half the longest side of that box becomes 1
   Buffer<std::uint32_t> order_;       // primitives in Morton order
   std::vector<Buffer<Node>> levels_;  // the parents of the leaves first, the root last
 };

@@ -2,8 +2,8 @@
 // self-intersections.
 //
 // The functions read positions and triangles of an IndexedMesh and accept any triangle soup with
-// shared vertex indices; `opposite` is not used. Sums are compensated (WideSum) and added in the
-// order of the triangles, so results do not depend on the number of threads. All but
+// shared vertex indices; `IndexedMesh::opposite` is not used. Sums are compensated (WideSum) and
+// added in the order of the triangles, so results do not depend on the number of threads. All but
 // self_intersections() take linear time.
 #pragma once
 

@@ -1,3 +1,8 @@
+// Octree descent to the bricks that the surface may cross. candidate_bricks() starts with one block
+// that holds all bricks, splits every block into eight, and keeps those that meet the range and may
+// hold surface (blended/block_bounds.hpp), until blocks are single bricks. The blocks of one level
+// are tested in parallel. Their number is checked against the limit before they are stored, so a
+// run that would not fit ends early, and says which spacing would fit.
 #include "extract/brick_search.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,6 @@
+// make_field_model() checks the options of a field and turns them into numbers: what the kinds of a
+// preset share is set here, the rest by the kind itself (field_kinds.hpp). preset_grid() knows the
+// spacings and paddings of the presets.
 #include "extract/field.hpp"
 
 #include <fmt/format.h>

@@ -27,7 +27,7 @@ struct FieldOptions {
 
 // How an atom's contribution ends.
 enum class Truncation : std::uint8_t {
-  window,   // smoothly, at cutoff_q
+  window,   // smoothly, at q = 1 / inverse_cutoff
   subgrid,  // at the faces of a box of whole grid cells around the atom's cell
 };
 

@@ -1,3 +1,6 @@
+// make_grid() lays a grid around the box of the spheres: its origin is the lower corner less the
+// padding, and along each axis it gets as many cells as the box with its padding needs. The number
+// of cells is checked as a double, before it is narrowed.
 #include "extract/grid.hpp"
 
 #include <fmt/format.h>

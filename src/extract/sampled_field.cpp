@@ -1,3 +1,7 @@
+// FieldMesher on the CPU. Sampling visits all bricks, rows along x in parallel, and stores the
+// values that the Extractor would compute in them. Meshing is marching cubes over all bricks
+// (bricks/brick_extraction.hpp) with signs and vertices from the stored values instead of the
+// spheres.
 #include "extract/sampled_field.hpp"
 
 #include <tbb/parallel_for.h>

@@ -17,7 +17,7 @@ class VertexWelder {
   // the hash table has to grow up to `expected` vertices.
   explicit VertexWelder(Buffer<Vec3d>& positions, std::size_t expected = 0);
 
-  // Returns the index of p in `positions`, after adding p if it is new. 0 and -0 are equal.
+  // Returns the index of p among the positions, after adding p if it is new. 0 and -0 are equal.
   // Precondition: p is finite. Throws LimitExceeded if the mesh has too many vertices.
   std::uint32_t index(const Vec3d& p);
 

@@ -36,10 +36,10 @@ class BadMoves {
     dirty_.assign(grid_->cell_count(), 1);
   }
 
-  // One pass: changes the state of every vertex with a bad move from `moved` to `to_undo`, and
-  // returns whether there is any. The first pass checks all triangles. A later pass checks only the
-  // triangles with a vertex that was put back after the previous pass, and the triangles near them:
-  // nothing else has changed.
+  // One pass: changes the state of every vertex with a bad move from MoveState::moved to
+  // MoveState::to_undo, and returns whether there is any. The first pass checks all triangles. A
+  // later pass checks only the triangles with a vertex that was put back after the previous pass,
+  // and the triangles near them: nothing else has changed.
   bool mark();
 
  private:

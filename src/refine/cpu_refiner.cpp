@@ -1,3 +1,6 @@
+// The Refiner on the CPU: checks and prepares the mesh (preparation.hpp), projects the given
+// vertices, subdivides and projects level by level (level.hpp), and computes the normals at the
+// end. The time that the caller's observer takes is not counted.
 #include <chrono>
 #include <utility>
 

@@ -1,3 +1,7 @@
+// What every backend does before it refines: checks of options, sizes, bytes and mesh, the estimate
+// refine_bytes() on which the memory limit rests, the mesh with the arrays that level 0 needs, and
+// field and cell list of the projection. Arrays are searched for their first bad element in
+// parallel, so the error names the same element whatever the number of threads.
 #include "refine/preparation.hpp"
 
 #include <fmt/format.h>

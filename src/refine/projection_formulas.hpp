@@ -29,7 +29,7 @@ struct ProjectedPoint {
   ProjectionOutcome outcome;
 };
 
-// The largest distance (Å) that a midpoint may move from its start, called `reach` below. The ends
+// The largest distance (Å) that a midpoint may move from its start, called reach below. The ends
 // of an edge lie on the surface, so there is surface within half an edge length of the midpoint. If
 // the projection would go further, it has found another part of the surface; the vertex then stays
 // where it was, so that no vertex jumps across a gap. A vertex of the given mesh has a wider reach,

@@ -1,4 +1,6 @@
 // SphereSet checks its spheres once, when they come in, so that nobody who is given a set has to.
+// Every change gives the set a new revision number, by which caches see that it is another set.
+// canonical_order() sorts by (x, y, z, radius, id), in parallel.
 #include "spheres/sphere_set.hpp"
 
 #include <fmt/format.h>

@@ -19,7 +19,7 @@ class RadiusTable {
   // The built-in set "bondi" or "alvarez". Throws InvalidInput for another name.
   static RadiusTable named(std::string_view name);
 
-  // Reads a radius file. A line is `ELEMENT RADIUS` or `RESIDUE ATOM RADIUS`, in Å; "#" begins a
+  // Reads a radius file. A line is "ELEMENT RADIUS" or "RESIDUE ATOM RADIUS", in Å; "#" begins a
   // comment. Lines for an atom take precedence over lines for an element. Elements that the file
   // does not name have no radius. Throws FileFormatError with the line number for a malformed line
   // and for two different radii of one element or atom.

@@ -164,7 +164,7 @@ class Inflater {
   }
 
   // Prepares for the next member of the gzip file; false if there is none. Files that were joined
-  // with `cat` hold several members. Zeros after the last member are common padding.
+  // with the program cat hold several members. Zeros after the last member are common padding.
   bool next_member(const Text& packed, std::size_t& read) {
     const auto rest = packed.begin() + static_cast<std::ptrdiff_t>(read);
     if (std::all_of(rest, packed.end(), [](char c) { return c == '\0'; })) return false;

@@ -1,6 +1,6 @@
 // The few pieces of TBB that the project uses, on plain threads, for the thread sanitizer: Debian's
 // TBB is not instrumented, so the sanitizer neither sees its hand-overs nor anything it guards. In
-// the preset `tsan` the headers beside this file stand before TBB's; every loop then runs on
+// the preset tsan the headers beside this file stand before TBB's; every loop then runs on
 // threads that the sanitizer follows. Slow and simple; loops inside of loops run where they are.
 #pragma once
 

@@ -86,7 +86,7 @@ class MayReachSector {
     for (const Vec3d& normal : sector_.normal) {
       if (dot(cap.axis, normal) > sine + kCoarseRounding) return false;
     }
-    // A cap around `middle` with the cosine cosine_ contains the sector. The nearest point of its
+    // A cap around middle_ with the cosine cosine_ contains the sector. The nearest point of its
     // rim to the axis is at the difference of two angles, whose cosine is computed here.
     return toward >= cosine_ || toward * cosine_ + sine_of(toward) * sine_ >= cosine;
   }

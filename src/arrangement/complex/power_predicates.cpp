@@ -1,9 +1,9 @@
 // The predicates as polynomials: a floating-point filter first, then exact arithmetic.
 //
-// Each `..._value` function evaluates one polynomial in any number type T. For double it also gives
-// `magnitude`, a bound of the sum of absolute values of all terms. filtered_sign() accepts the
-// double's sign if the value exceeds the rounding error (a standard forward error bound), and
-// otherwise evaluates the same polynomial in CGAL's exact ring numbers.
+// Each function whose name ends in _value evaluates one polynomial in any number type T. For double
+// it also gives `magnitude`, a bound of the sum of absolute values of all terms. filtered_sign()
+// accepts the double's sign if the value exceeds the rounding error (a standard forward error
+// bound), and otherwise evaluates the same polynomial in CGAL's exact ring numbers.
 //
 // Notation: vectors ab, ac, ad from the centre of a; w_b = |ab|² + r_a² - r_b², and so on. The
 // centre x of an orthogonal sphere, taken from the centre of a, satisfies 2 ab·x = w_b, 2 ac·x =

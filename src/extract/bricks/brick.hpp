@@ -83,7 +83,7 @@ VDWMESH_HD inline std::uint32_t mixed_cells(const BrickSigns& s, int y, int z) {
 // The faces of a brick that the surface crosses: their 9 x 9 nodes are of both signs. The brick
 // beyond such a face shares these nodes, so it holds surface too.
 struct CrossedFaces {
-  std::uint32_t lower, upper;  // bit `axis`: the face across the axis at node 0, or at node 8
+  std::uint32_t lower, upper;  // bits 0, 1, 2: the face across x, y, z at node 0, or at node 8
 };
 
 inline CrossedFaces crossed_faces(const BrickSigns& s) {

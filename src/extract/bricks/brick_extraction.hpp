@@ -166,14 +166,15 @@ class BrickMesher {
   // `own` is not everything, those of halo(own).
   void count(const CandidateSearch& candidates, const KeyRange& own = {});
 
-  // What the bricks of `own` hold.
+  // What the bricks of the range hold that count() was given.
   MeshSize size() const;
 
   // Throws LimitExceeded if a mesh of that size is beyond the limits of the options, in which what
   // counting holds beside it is included.
   void check_limits() const;
 
-  // Emits the bricks of `own` into a mesh that has room for them; `first` as for SurfacePart::emit.
+  // Emits the bricks of that range into a mesh that has room for them; `first` as for
+  // SurfacePart::emit.
   // Throws InternalError where the surface runs on into a brick that is no candidate.
   void emit(const MeshSize& first, IndexedMesh& mesh);
 
