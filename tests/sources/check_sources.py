@@ -7,12 +7,16 @@
    where a program links both libraries. The same holds for inline constants.
 2. The headers that docs/architecture.md lists for users are those that are installed.
 3. An installed header includes no header that is not installed.
+4. Comments name nothing that does not exist: see comment_names.py.
+5. Every source of the library begins with a comment that says what it makes and how.
 """
 
 import collections
 import pathlib
 import re
 import sys
+
+import comment_names
 
 ROOMS = ("src", "cuda", "apps")
 SUFFIXES = {".hpp", ".cuh", ".cpp", ".cu"}
@@ -104,7 +108,8 @@ def wrong_headers(root):
 
 def main(root):
     root = pathlib.Path(root)
-    faults = [*double_definitions(root), *wrong_headers(root)]
+    tree = comment_names.Tree(root)
+    faults = [*double_definitions(root), *wrong_headers(root), *tree.wrong_names(), *tree.bare_sources()]
     print("\n".join(faults) or "no fault")
     return 1 if faults else 0
 
