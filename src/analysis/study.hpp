@@ -68,7 +68,7 @@ struct StudyRun {
 // One fit for each kind of error. A fit is empty if fewer than two runs have a usable error.
 struct StudyOrders {
   std::optional<PowerLaw> area_error, volume_error;  // absolute values of the relative errors
-  std::optional<PowerLaw> mesh_to_surface_rms, surface_to_mesh_rms, hausdorff;
+  std::optional<PowerLaw> mesh_to_surface_rms, surface_to_mesh_rms, hausdorff;  // in Å
 };
 
 struct StudySeries {

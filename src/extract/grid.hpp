@@ -20,7 +20,7 @@ enum class GridRounding { cover, floor };
 struct GridSpec {
   Vec3d origin;    // Å
   double spacing;  // Å
-  Vec3i cells;
+  Vec3i cells;     // along x, y and z
 
   std::uint64_t cell_count() const;
   std::uint64_t node_count() const;

@@ -13,8 +13,8 @@ using Rgba8 = std::array<std::uint8_t, 4>;  // sRGB and straight alpha: 255 is o
 
 // A picture. Rows run from the top, pixels of a row from the left.
 struct Picture {
-  int width = 0, height = 0;
-  std::vector<Rgba8> pixels;
+  int width = 0, height = 0;  // pixels
+  std::vector<Rgba8> pixels;  // width * height
 
   Rgba8& at(int x, int y) { return pixels[index(x, y)]; }
   const Rgba8& at(int x, int y) const { return pixels[index(x, y)]; }

@@ -12,7 +12,7 @@ namespace vdwmesh {
 
 // Index of a sphere in the SphereSet it came from.
 using SphereId = std::uint32_t;
-inline constexpr SphereId kNoSphere = 0xffffffffu;
+inline constexpr SphereId kNoSphere = 0xffffffffu;  // stands for no sphere
 
 struct Sphere {
   Vec3d center;   // Å
@@ -20,7 +20,7 @@ struct Sphere {
 };
 
 struct Box {
-  Vec3d lower, upper;
+  Vec3d lower, upper;  // Å
 };
 
 // Largest coordinate, either way, and largest radius that a SphereSet takes, Å: their cubes and the
