@@ -21,6 +21,7 @@ foreach(room core spheres surface structure extract refine arrangement mesh anal
     set(folder "${PROJECT_SOURCE_DIR}/cuda")
   endif()
   list(TRANSFORM ${room}_headers REPLACE "(.+)" "${folder}/\\1.hpp" OUTPUT_VARIABLE headers)
+  list(APPEND public_headers ${headers})
   install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vdwmesh/${room})
 endforeach()
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/vdwmesh")

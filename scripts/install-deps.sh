@@ -4,6 +4,7 @@
 #     browser: Chromium too, which tests the page of a study
 #     fuzz: Clang 19 and its runtime too, for the preset fuzz and for clang-tidy
 #     witnesses: programs and modules of others too, against which tests check ours
+#     docs: Doxygen too, which the target docs_api needs
 #     anchors: VTK and OpenVDB too, which benchmarks compare with (1 GB)
 set -euo pipefail
 
@@ -20,9 +21,10 @@ for group in "$@"; do
     browser) packages+=(chromium chromium-driver python3-selenium python3-pil) ;;
     witnesses)
       packages+=(python3-vtk9 assimp-utils admesh python3-gudhi voronota python3-ase python3-biopython) ;;
+    docs) packages+=(doxygen) ;;
     anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
     fuzz) packages+=(clang-19 libclang-rt-19-dev clang-tidy-19) ;;
-    *) echo "install-deps: no group $group; there are browser, witnesses, fuzz and anchors" >&2; exit 1 ;;
+    *) echo "install-deps: no group $group; there are browser, witnesses, docs, fuzz and anchors" >&2; exit 1 ;;
   esac
 done
 
