@@ -1,15 +1,16 @@
-// The driver of marching cubes on a device.
+// The driver of marching cubes on a device. A BrickSource (brick_source.cuh) stands for the
+// surface: it finds bricks, evaluates the field in them and writes their vertices. The rest is done
+// here.
 //
-// Counting: the source finds the candidates, a kernel of the source writes signs and counts of
-// each, and one exclusive prefix sum over the counts gives every brick the numbers of its first
-// vertex and triangle. The field of all candidates is kept for emission if it fits; else it is
-// summed in runs as long as fit, and again for each slab.
+// Counting: the source finds the candidates and writes signs and counts of each. One exclusive
+// prefix sum over the counts then gives every brick the numbers of its first vertex and triangle.
+// The field of all candidates is kept for emission if it fits into memory. If it does not, it is
+// evaluated for as many bricks at a time as fit, and evaluated again when they are emitted.
 //
-// Emission: for a run of bricks, a kernel of the source writes the vertices and one kernel for all
-// sources the triangles, each to the places that their numbers say. Nothing is appended, so the
-// mesh does not depend on how it was cut into runs, nor on which device made which run.
-#include <algorithm>
-
+// Emission: for a run of bricks the source writes the vertices, and one kernel for all sources the
+// triangles, each to the places that their numbers say. Nothing is appended, so the mesh does not
+// depend on how it was cut into runs, nor on which device made which run. A run that is made on the
+// device and brought to the host is called a slab.
 #include "cuda/extract/brick_mesher.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/download.cuh"
@@ -57,14 +58,14 @@ __global__ void shift_sums(BrickSums* sums, std::uint64_t size, BrickSums shift)
   sums[i] = {sums[i].vertices + shift.vertices, sums[i].triangles + shift.triangles};
 }
 
-// What is counted besides the bricks themselves; begins as zeros.
-struct Tally {
-  CountPart parts[kCountParts];       // of the range
-  CountPart halo_parts[kCountParts];  // of its halo, which nobody asks for
-  BrickTotals totals;
+// Device memory of the counting pass beside the bricks and their sums; begins as zeros.
+struct CountingTally {
+  CountPart parts[kCountParts];       // of the bricks of the range
+  CountPart halo_parts[kCountParts];  // of the bricks around it, which nobody asks for
+  BrickTotals totals;                 // of the range
 };
 
-// Host arrays of the parts of a mesh that a slab fills.
+// The copy of a slab's array on the device into `host`, from element `first` on.
 template <class T, class U>
 DownloadPart part_for(Buffer<T>& host, std::uint64_t first, const DeviceArray<U>& device) {
   return {host.data() + first, device.data(), device.bytes()};
@@ -78,18 +79,20 @@ DeviceBrickMesher::DeviceBrickMesher(const BrickSource& source, const ExtractOpt
       options_(options),
       sharers_(sharers),
       marks_(source.stream().get()),
-      tally_(1, source.stream().get()) {
-  clear(tally_, source.stream().get());
+      emission_tally_(1, source.stream().get()) {
+  clear(emission_tally_, source.stream().get());
 }
 
 // ---- memory ----
 
+// Bytes that may still be taken.
 std::uint64_t DeviceBrickMesher::room() const {
   return std::min(options_.device_memory - std::min(taken_, options_.device_memory),
                   available_device_memory() / sharers_);
 }
 
-// The pool answers at once; the driver takes as long as a small extraction.
+// The pool knows at once what it has to spare. room() asks the driver of the device, which takes as
+// long as a small extraction, so it is asked only if the pool has too little.
 bool DeviceBrickMesher::fits(std::uint64_t bytes) const {
   if (taken_ + bytes > options_.device_memory) return false;
   return bytes <= spare_device_memory() / sharers_ || bytes <= room();
@@ -116,7 +119,7 @@ std::uint64_t DeviceBrickMesher::mesh_bytes(const BrickSums& from, const BrickSu
 
 void DeviceBrickMesher::count(const KeyRange& own) {
   const std::uint64_t most = options_.memory_limit / sizeof(ActiveBrick);
-  count(source_.candidates(halo(own), most), own);
+  count(source_.candidates(with_halo(own), most), own);
 }
 
 void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
@@ -127,15 +130,17 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   const std::uint64_t fixed = n * kBrickBytes, each = field_bytes(1);
   const bool whole = fits(fixed + n * each);
   if (!whole && fixed + each > room()) throw_no_room(fixed + each);
+  // A source that keeps no values (`each` is 0) always counts as holding its field.
   const std::uint64_t at_once = whole || each == 0 ? n : std::min(n, (room() - fixed) / each);
   holds_field_ = at_once == n;
   values_ = DeviceArray<float>(at_once * source_.values_per_brick(), stream.get());
   taken_ += fixed + values_.bytes();
   counted_.bricks = DeviceArray<ActiveBrick>(n, stream.get());
   find_own(own);
-  const DeviceArray<Tally> tally(1, stream.get());
+  // The arrows through tally.data() below only compute addresses in device memory.
+  const DeviceArray<CountingTally> tally(1, stream.get());
   clear(tally, stream.get());
-  // One more than bricks, so that the sums before it are those of all.
+  // n + 1 elements, the last of them 0: element n of their exclusive prefix sum is then the total.
   const DeviceArray<BrickSums> sums(n + 1, stream.get());
   check_cuda(cudaMemsetAsync(sums.data() + n, 0, sizeof(BrickSums), stream.get()), "scan");
   count_all({sums.data(), tally.data()->parts}, tally.data()->halo_parts);
@@ -168,7 +173,7 @@ void DeviceBrickMesher::find_own(const KeyRange& own) {
   own_ = fetch(found.data(), stream);
 }
 
-// The range and, apart from it, the halo on both sides.
+// Counts the bricks of the range, and with a tally of their own those before and behind it.
 void DeviceBrickMesher::count_all(const BrickCounts& counts, CountPart* halo_parts) {
   const BrickCounts halo_counts{counts.sums, halo_parts};
   count_range({0, own_.begin}, halo_counts);
@@ -204,6 +209,7 @@ DeviceMesh DeviceBrickMesher::emit_on_device() {
                      source_.grid().spacing},
                     options_.memory_limit);
   const Slab all{own_, own_from_, own_to_};
+  // A mesh on the device is made in one piece, for which the whole field has to be there.
   const std::uint64_t missing = holds_field_ ? 0 : field_bytes(candidates_.count);
   const std::uint64_t need = mesh_bytes(own_from_, own_to_) + missing;
   if (!holds_field_ || !fits(need)) throw_no_room(need);
@@ -213,12 +219,13 @@ DeviceMesh DeviceBrickMesher::emit_on_device() {
   return mesh;
 }
 
-void DeviceBrickMesher::emit_to_host(const MeshSize& first, IndexedMesh& host, std::uint64_t k,
-                                     std::uint64_t shares) {
+void DeviceBrickMesher::emit_to_host(const MeshSize& first, IndexedMesh& host, std::uint64_t share,
+                                     std::uint64_t share_count) {
+  clear(emission_tally_, source_.stream().get());
   number_from(first);
-  for (const Slab& slab : slabs_of(k, shares)) {
-    advance(options_.monitor, 0);
-    if (!holds_field_ && source_.values_per_brick() > 0) recount(slab.bricks);
+  for (const Slab& slab : plan_slabs(share, share_count)) {
+    advance(options_.monitor, 0);  // no progress to tell, but a chance to cancel
+    if (!holds_field_ && source_.values_per_brick() > 0) fill_field(slab.bricks);
     if (slab.to.triangles == slab.from.triangles && slab.to.vertices == slab.from.vertices)
       continue;
     const DeviceMesh mesh = make_mesh(slab);
@@ -246,11 +253,13 @@ void DeviceBrickMesher::number_from(const MeshSize& first) {
   own_to_ = AddSums()(own_to_, shift);
 }
 
-// One slab if the mesh fits beside what is kept of the field, else runs of as many bricks as do.
-std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::slabs_of(std::uint64_t k,
-                                                                 std::uint64_t shares) {
+// Cuts a share of the range into slabs: one if it is all of the range and the mesh fits beside the
+// field that is kept. Otherwise the field is given up, since a slab needs only that of its own
+// bricks, and each slab takes as many bricks as fit.
+std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::plan_slabs(std::uint64_t share,
+                                                                   std::uint64_t share_count) {
   if (own_.size() == 0) return {};
-  if (shares == 1 && holds_field_ && fits(mesh_bytes(own_from_, own_to_))) {
+  if (share_count == 1 && holds_field_ && fits(mesh_bytes(own_from_, own_to_))) {
     return {{own_, own_from_, own_to_}};
   }
   // before[b] belongs to brick own_.begin + b.
@@ -258,20 +267,29 @@ std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::slabs_of(std::uint64_t k
   download_parts(
       {{before.data(), counted_.before.data() + own_.begin, before.size() * sizeof(BrickSums)}},
       source_.stream());
-  const auto share_begin = [&](std::uint64_t share) -> std::uint64_t {
-    if (share == shares) return own_.size();
-    const std::uint64_t triangles = size().triangles / shares * share;
+  const auto begin_of = [&](std::uint64_t number) -> std::uint64_t {
+    if (number == share_count) return own_.size();
+    const std::uint64_t triangles = size().triangles / share_count * number;
     const auto at = std::partition_point(before.begin(), before.end() - 1, [&](const BrickSums& s) {
       return s.triangles - own_from_.triangles < triangles;
     });
     return static_cast<std::uint64_t>(at - before.begin());
   };
-  taken_ -= values_.bytes();
-  values_ = DeviceArray<float>();
-  holds_field_ = false;
-  std::vector<Slab> slabs = runs_that_fit(before, {share_begin(k), share_begin(k + 1)});
-  make_room_for_fields(slabs);
+  take_field(0);
+  std::vector<Slab> slabs = runs_that_fit(before, {begin_of(share), begin_of(share + 1)});
+  std::uint64_t most = 0;
+  for (const Slab& slab : slabs) most = std::max(most, slab.bricks.size());
+  take_field(most);
   return slabs;
+}
+
+// Gives up the field that is kept and takes memory for that of as many bricks. It holds none yet.
+void DeviceBrickMesher::take_field(std::uint64_t bricks) {
+  taken_ -= values_.bytes();
+  values_ = DeviceArray<float>();  // first, so that both are never there
+  values_ = DeviceArray<float>(bricks * source_.values_per_brick(), source_.stream().get());
+  taken_ += values_.bytes();
+  holds_field_ = false;
 }
 
 std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::runs_that_fit(
@@ -291,15 +309,9 @@ std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::runs_that_fit(
   return slabs;
 }
 
-// From here on the field is summed again, slab by slab.
-void DeviceBrickMesher::make_room_for_fields(const std::vector<Slab>& slabs) {
-  std::uint64_t most = 0;
-  for (const Slab& slab : slabs) most = std::max(most, slab.bricks.size());
-  values_ = DeviceArray<float>(most * source_.values_per_brick(), source_.stream().get());
-}
-
-// The field of a slab; its counts are known already and go to arrays that are thrown away.
-void DeviceBrickMesher::recount(const BrickRange& slab) const {
+// Evaluates the field of a slab by counting its bricks once more. The counts are known already, so
+// they go to arrays that are thrown away.
+void DeviceBrickMesher::fill_field(const BrickRange& slab) const {
   const Stream& stream = source_.stream();
   const DeviceArray<CountPart> parts(kCountParts, stream.get());
   clear(parts, stream.get());
@@ -320,10 +332,11 @@ void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
   source_.emit_vertices(part_of(counted_.list(), slab.bricks), counted_.totals.most_atoms,
                         values_.data() + kept_from * source_.values_per_brick(), mesh,
-                        &tally_.data()->clamped);
+                        &emission_tally_.data()->clamped);
   mark_end_of(Stage::vertices);
   if (neighbours_.size() == 0) neighbours_ = find_triangle_neighbours(candidates_, stream);
-  emit_triangles_on_device(counted_.list(), neighbours_, slab.bricks, mesh, tally_.data(), stream);
+  emit_triangles_on_device(counted_.list(), neighbours_, slab.bricks, mesh, emission_tally_.data(),
+                           stream);
   mark_end_of(Stage::triangles);
 }
 
@@ -348,10 +361,10 @@ void DeviceBrickMesher::download_slab(const Slab& slab, const DeviceMesh& mesh,
 }
 
 void DeviceBrickMesher::check_tally() {
-  const DeviceEmissionTally tally = fetch(tally_.data(), source_.stream());
+  const DeviceEmissionTally tally = fetch(emission_tally_.data(), source_.stream());
   clamped_ = tally.clamped;
   if (tally.missing_neighbours == 0) return;
-  throw InternalError("the surface leaves bricks for neighbours that the search left out, at " +
+  throw InternalError("the surface continues into bricks that the search did not find, at " +
                       std::to_string(tally.missing_neighbours) + " rows of cells");
 }
 

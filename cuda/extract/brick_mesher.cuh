@@ -10,7 +10,8 @@ namespace vdwmesh {
 
 class DeviceBrickMesher {
  public:
-  // `sharers` meshers share the memory of the current device. Source and options must outlive it.
+  // `sharers` meshers work on the current device at the same time, each with its part of the free
+  // memory. Source and options must outlive the mesher.
   DeviceBrickMesher(const BrickSource& source, const ExtractOptions& options,
                     std::size_t sharers = 1);
 
@@ -28,11 +29,12 @@ class DeviceBrickMesher {
   // DeviceMemoryExceeded if it does not fit.
   DeviceMesh emit_on_device();
 
-  // Emits share `k` of `shares` of the range, shared by triangles, to its place in a mesh on the
-  // host that has room for the range. It goes in slabs, runs of bricks that fit the device, whose
-  // field is summed again if it was not kept. `first` as for SurfacePart::emit.
-  void emit_to_host(const MeshSize& first, IndexedMesh& host, std::uint64_t k = 0,
-                    std::uint64_t shares = 1);
+  // Emits one of `share_count` shares of the range, which have about as many triangles each, to its
+  // place in a mesh on the host that has room for the range. It goes in slabs, runs of bricks that
+  // fit the device, whose field is evaluated again if it was not kept. `first`: the numbers of the
+  // range's first vertex and triangle in the whole mesh, as for SurfacePart::emit.
+  void emit_to_host(const MeshSize& first, IndexedMesh& host, std::uint64_t share = 0,
+                    std::uint64_t share_count = 1);
 
   std::uint64_t candidates() const { return candidates_.count; }
   // What the kernels took so far; waits for them.
@@ -57,10 +59,10 @@ class DeviceBrickMesher {
   void count_range(const BrickRange& range, const BrickCounts& counts) const;
   void find_own(const KeyRange& own);
   void number_from(const MeshSize& first);
-  std::vector<Slab> slabs_of(std::uint64_t k, std::uint64_t shares);
+  std::vector<Slab> plan_slabs(std::uint64_t share, std::uint64_t share_count);
   std::vector<Slab> runs_that_fit(const std::vector<BrickSums>& before, BrickRange share);
-  void make_room_for_fields(const std::vector<Slab>& slabs);
-  void recount(const BrickRange& slab) const;
+  void take_field(std::uint64_t bricks);
+  void fill_field(const BrickRange& slab) const;
   DeviceMesh make_mesh(const Slab& slab) const;
   void emit(const Slab& slab, const DeviceMeshView& mesh);
   void download_slab(const Slab& slab, const DeviceMesh& mesh, const MeshSize& first,
@@ -82,7 +84,7 @@ class DeviceBrickMesher {
   DeviceCountedBricks counted_;
   BrickSums own_from_{0, 0}, own_to_{0, 0};  // sums before the range and behind it
   DeviceArray<TriangleNeighbours> neighbours_;
-  DeviceArray<DeviceEmissionTally> tally_;
+  DeviceArray<DeviceEmissionTally> emission_tally_;
   std::uint64_t clamped_ = 0, slabs_ = 0;
 };
 

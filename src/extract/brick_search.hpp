@@ -21,6 +21,6 @@ std::vector<std::uint64_t> candidate_bricks(const CellListView& list, const Fiel
 // The range with the bricks around it to which its triangles and half-edges refer: from the
 // neighbour across its first brick's lower z face to the one beyond the upper corner of its last
 // brick. What lies between must be counted too, since a number is a sum over all bricks before.
-KeyRange halo(const KeyRange& range);
+KeyRange with_halo(const KeyRange& range);
 
 }  // namespace vdwmesh

@@ -134,6 +134,23 @@ TEST_P(ExtractorParts, NumbersBeginWhereTheyAreToldTo) {
                            mesh.positions.size() * sizeof(Vec3d)));
 }
 
+// In slabs too, which give up what counting had kept.
+TEST_P(ExtractorParts, APartCanBeEmittedAgain) {
+  const SphereSet spheres = cluster(200, 15);
+  for (const std::uint64_t memory : {kNoMemoryLimit, std::uint64_t{3} << 20}) {
+    ExtractOptions options = with_half_edges(at_spacing(0.4));
+    options.device_memory = memory;
+    const ExtractResult whole = extract(spheres, options);
+    const auto part = extractor()->count(spheres, {}, options);
+    for (const std::uint64_t first : {0u, 1000u, 0u, 0u}) {
+      IndexedMesh mesh;
+      const ExtractStats stats = part->emit({first, first}, mesh);
+      EXPECT_EQ(stats.clamped_vertices, whole.stats.clamped_vertices);
+      if (first == 0) EXPECT_EQ(hash(mesh), hash(whole.mesh));
+    }
+  }
+}
+
 TEST_P(ExtractorParts, ARangeWithoutSurfaceIsEmpty) {
   const SphereSet spheres = cluster(20, 16);
   const auto part = extractor()->count(spheres, {5, 5}, at_spacing(0.5));

@@ -163,7 +163,7 @@ class BrickMesher {
               const ExtractOptions& options, Workspace& workspace);
 
   // Counts and numbers the candidates, which are the bricks of `own` that may hold surface and, if
-  // `own` is not everything, those of halo(own).
+  // `own` is not everything, those of with_halo(own).
   void count(const CandidateSearch& candidates, const KeyRange& own = {});
 
   // What the bricks of the range hold that count() was given.
