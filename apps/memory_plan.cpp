@@ -213,7 +213,7 @@ double area_of_surface(const SphereSet& spheres, const MemoryDemand& demand, dou
   return estimate_area(spheres, make_field_model(demand.surface->field, grid));
 }
 
-void describe(const SphereSet& spheres, MemoryDemand& demand) {
+void fill_in(const SphereSet& spheres, MemoryDemand& demand) {
   double all = 0;  // Å²
   for (const Sphere& s : spheres.spheres()) all += 4 * std::numbers::pi * s.radius * s.radius;
   demand.spheres = spheres.size();
@@ -245,7 +245,7 @@ std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit) {
 
 std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
                                   std::uint64_t limit) {
-  describe(spheres, demand);
+  fill_in(spheres, demand);
   if (demand.early == Switch::on && !fits(demand, limit)) demand.early = Switch::off;
   return check_memory(demand, limit);
 }
@@ -258,7 +258,7 @@ bool early_build_fits(const MemoryDemand& demand, const MeshSize& mesh, std::uin
 
 void check_memory_after(MemoryDemand& demand, const SphereSet& spheres, const IndexedMesh& mesh,
                         std::uint64_t limit) {
-  if (demand.spheres == 0) describe(spheres, demand);
+  if (demand.spheres == 0) fill_in(spheres, demand);
   demand.mesh = {mesh.vertex_count(), mesh.triangle_count()};
   if (!demand.surface) demand.mesh_bytes = indexed_mesh_bytes(mesh);
   check_memory(demand, limit);

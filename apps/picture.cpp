@@ -1,3 +1,6 @@
+// Paints meshes and has them drawn. Colours are values at triangles or vertices, with a scale that
+// shows all but one in a hundred of them; the renderer knows nothing of molecules or distances. The
+// vertex buffers are filled by CUDA where it is there, else from the host's memory.
 #include "picture.hpp"
 
 #include <fmt/format.h>
@@ -58,8 +61,8 @@ Drawing draw(const Renderer& renderer, const MeshSource& host, const RenderOptio
   return {std::move(picture), Backend::cpu};
 }
 
-PictureReport describe(const PictureOptions& options, const MeshSource& source,
-                       const std::string& device, Backend filled_by) {
+PictureReport report_of(const PictureOptions& options, const MeshSource& source,
+                        const std::string& device, Backend filled_by) {
   PictureReport report;
   report.triangles = source.triangle_count();
   report.path = options.path;
@@ -73,11 +76,6 @@ PictureReport describe(const PictureOptions& options, const MeshSource& source,
 }
 
 }  // namespace
-
-IndexedMesh split_where_labelled(const IndexedMesh& mesh, const SphereSet& spheres) {
-  if (mesh.triangle_labels() == TriangleLabels::none) return {};
-  return split_at_creases(mesh, spheres);
-}
 
 Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
   std::vector<Rgb> atoms;
@@ -112,20 +110,37 @@ Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options) {
   return TriangleValues{std::move(values), std::move(scale)};
 }
 
-void write_picture(const IndexedMesh& mesh, Paint paint, const PictureOptions& options,
-                   const MachineOptions& machine, Monitor* monitor, Report& report) {
-  begin_stage(monitor, "picture", 1);
+void draw_mesh(const IndexedMesh& mesh, const Painter& painter, const PictureOptions& options,
+               Session& session) {
+  Paint paint = painter(mesh);
+  begin_stage(session.monitor, "picture", 1);
   const Stopwatch watch;
-  const Backend backend = report.backend ? report.backend->used : resolve(machine.backend);
+  Report& report = session.report;
+  const Backend backend = report.backend ? report.backend->used : resolve(session.machine.backend);
   const Renderer renderer;
   const MeshSource source(mesh, std::move(paint));
   RenderOptions render = options.render;
-  render.memory_limit = left_of(machine.memory_limit, indexed_mesh_bytes(mesh));
+  render.memory_limit = left_of(session.machine.memory_limit, indexed_mesh_bytes(mesh));
   const Drawing drawing = draw(renderer, source, render, backend, report.notes);
   write_file(options.path, encode_png(drawing.picture));
-  report.picture = describe(options, source, renderer.device(), drawing.filled_by);
+  report.picture = report_of(options, source, renderer.device(), drawing.filled_by);
   report.timing.picture = watch.seconds();
-  advance(monitor, 1);
+  advance(session.monitor, 1);
+}
+
+void draw_surface(const IndexedMesh& mesh, const SphereSet& spheres, const Painter& painter,
+                  const PictureOptions& options, Session& session) {
+  IndexedMesh split;
+  if (mesh.triangle_labels() != TriangleLabels::none) split = split_at_creases(mesh, spheres);
+  draw_mesh(split.triangles.empty() ? mesh : split, painter, options, session);
+}
+
+void draw_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                    const PictureOptions& options, Session& session) {
+  const auto painter = [&](const IndexedMesh& shown) {
+    return paint_by_distance(shown, spheres, options, session.monitor);
+  };
+  draw_surface(mesh, spheres, painter, options, session);
 }
 
 }  // namespace vdwmesh::apps

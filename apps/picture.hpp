@@ -1,17 +1,19 @@
 // Pictures of meshes, as verbs make them.
 #pragma once
 
+#include <functional>
+
 #include "core/monitor.hpp"
 #include "picture_options.hpp"
-#include "report.hpp"
+#include "session.hpp"
 #include "spheres/sphere_set.hpp"
 #include "structure/molecule.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::apps {
 
-// The mesh with sharp creases for drawing, where its triangles know their spheres; else empty.
-IndexedMesh split_where_labelled(const IndexedMesh& mesh, const SphereSet& spheres);
+// What the surface is painted with is chosen when it is known which mesh is drawn.
+using Painter = std::function<Paint(const IndexedMesh&)>;
 
 // CPK colours of the vertices' atoms.
 Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule);
@@ -25,7 +27,13 @@ Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options);
 // Draws, writes the file, and fills report.picture. CUDA fills the vertex buffers where it is the
 // backend of the report, or, where that has none, of the machine; where it cannot, the host does,
 // and a note says why.
-void write_picture(const IndexedMesh& mesh, Paint paint, const PictureOptions& options,
-                   const MachineOptions& machine, Monitor* monitor, Report& report);
+void draw_mesh(const IndexedMesh& mesh, const Painter& painter, const PictureOptions& options,
+               Session& session);
+// The same, with sharp creases where the triangles know their spheres.
+void draw_surface(const IndexedMesh& mesh, const SphereSet& spheres, const Painter& painter,
+                  const PictureOptions& options, Session& session);
+// The same, coloured by distance.
+void draw_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                    const PictureOptions& options, Session& session);
 
 }  // namespace vdwmesh::apps

@@ -1,15 +1,11 @@
-// How pictures are drawn, as the command line says it.
+// How pictures are drawn, and how the command line says it.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <string_view>
 
-#include "named_files.hpp"
 #include "render/renderer.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace vdwmesh::apps {
 
@@ -30,27 +26,18 @@ struct PictureOptions {
   std::optional<ColorRange> range;    // none: from the values
 };
 
-std::string_view color_map_name(ColorMap map);
+// Each reads the text of one option into its place in the options. They throw InvalidInput that
+// names the option, what was given and what would be accepted.
 
-class PictureFlags {
- public:
-  // --picture FILE, always by distance.
-  void add_picture_to(CLI::App& verb);
-  // -o FILE, and --color.
-  void add_render_to(CLI::App& verb);
-  // Checks that the file can be made, and that a picture can be drawn at all.
-  PictureOptions resolve(NamedFiles& files) const;
-
- private:
-  void add_style_to(CLI::App& verb);
-  std::string option_without_picture() const;
-  void resolve_style(PictureOptions& options) const;
-  void resolve_color(PictureOptions& options) const;
-
-  const char* file_option_ = "--picture";
-  std::string path_;
-  std::optional<std::string> view_, size_, background_, camera_, shading_, antialias_;
-  std::optional<std::string> color_, color_map_, color_range_;
-};
+// A side of the molecule, an axis of the file, or a direction X,Y,Z.
+void read_view(std::string_view option, const std::string& text, PictureOptions& options);
+// "1200x900", in pixels.
+void read_size(std::string_view option, const std::string& text, PictureOptions& options);
+// "transparent", "white", "black", "grey" or "#rrggbb".
+void read_background(std::string_view option, const std::string& text, PictureOptions& options);
+// What colours show, or one colour.
+void read_color(std::string_view option, const std::string& text, PictureOptions& options);
+// "LOWER,UPPER".
+void read_color_range(std::string_view option, const std::string& text, PictureOptions& options);
 
 }  // namespace vdwmesh::apps

@@ -1,4 +1,4 @@
-// Progress bars on standard error.
+// Progress on standard error: one line that is drawn anew.
 #pragma once
 
 #include <atomic>
@@ -7,32 +7,42 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 #include "core/monitor.hpp"
 #include "options.hpp"
 
 namespace vdwmesh::apps {
 
-// One line, drawn anew at most ten times a second.
-class ProgressBar : public Monitor {
+// Whether a line is wanted: asked for, or standard error is a terminal.
+bool shows_progress(Progress progress);
+
+// Draws at every stage, and at most ten times a second in between. What the line says is told by
+// those who inherit. It goes when the object goes.
+class ProgressLine : public Monitor {
  public:
-  ~ProgressBar() override;
+  enum class Line { shown, hidden };
+  explicit ProgressLine(Line line) : line_(line) {}
+  ~ProgressLine() override;
   void begin_stage(std::string_view name, std::uint64_t steps) override;
   void advance(std::uint64_t steps) override;
   bool cancelled() const override;
 
- private:
-  void draw();
-  void erase();
+ protected:
+  virtual std::string text() const = 0;
+  void draw();  // mutex_ is locked
 
   std::mutex mutex_;
   std::string stage_;
-  std::uint64_t steps_ = 0;
+  std::uint64_t steps_ = 0;  // of the stage
   std::atomic<std::uint64_t> done_{0};
+
+ private:
+  Line line_;
   std::chrono::steady_clock::time_point next_draw_{};
 };
 
-// A bar where one is wanted: asked for, or standard error is a terminal. Else null.
+// A bar where one is wanted, else null.
 std::unique_ptr<Monitor> make_progress(Progress progress);
 
 }  // namespace vdwmesh::apps

@@ -1,3 +1,5 @@
+// What follows from the figures of a report alone: the sums over the levels of a refinement, the
+// limits that they tend to, and the warnings that they call for.
 #include "report.hpp"
 
 #include <fmt/format.h>
@@ -7,45 +9,52 @@
 namespace vdwmesh::apps {
 namespace {
 
-void add_shape_warnings(const MeshReport& mesh, std::vector<std::string>& warnings) {
-  if (!mesh.topology.closed) {
-    warnings.push_back("the mesh is not closed: it has no volume, and its area misses the holes");
+// The warnings of one mesh, as far as they hold.
+class Warnings {
+ public:
+  explicit Warnings(std::vector<std::string>& list) : list_(list) {}
+  template <class... Values>
+  void add_if(bool holds, fmt::format_string<Values...> text, Values&&... values) {
+    if (holds) list_.push_back(fmt::format(text, std::forward<Values>(values)...));
   }
-  if (!mesh.topology.manifold) warnings.push_back("the mesh is not a 2-manifold");
-  if (!mesh.topology.oriented) {
-    warnings.push_back("the triangles do not face one way: the mesh has no volume");
-  }
-  if (mesh.measures.volume && *mesh.measures.volume < 0) {
-    warnings.push_back("the mesh is inside out: its normals point inwards, its volume is negative");
-  }
-  if (mesh.quality.degenerate_triangles > 0) {
-    warnings.push_back(fmt::format("{} degenerate triangles", mesh.quality.degenerate_triangles));
-  }
-  if (mesh.self_intersections.value_or(0) > 0) {
-    warnings.push_back(
-        fmt::format("{} pairs of triangles intersect each other", *mesh.self_intersections));
-  }
+
+ private:
+  std::vector<std::string>& list_;
+};
+
+void add_shape_warnings(const MeshReport& mesh, Warnings warnings) {
+  warnings.add_if(!mesh.topology.closed,
+                  "the mesh is not closed: it has no volume, and its area misses the holes");
+  warnings.add_if(!mesh.topology.manifold, "the mesh is not a 2-manifold");
+  warnings.add_if(!mesh.topology.oriented,
+                  "the triangles do not face one way: the mesh has no volume");
+  warnings.add_if(mesh.measures.volume.value_or(0) < 0,
+                  "the mesh is inside out: its normals point inwards, its volume is negative");
+  const std::uint64_t degenerate = mesh.quality.degenerate_triangles;
+  warnings.add_if(degenerate > 0, "{} degenerate triangles", degenerate);
+  const std::uint64_t crossings = mesh.self_intersections.value_or(0);
+  warnings.add_if(crossings > 0, "{} pairs of triangles intersect each other", crossings);
 }
 
-void add_extraction_warnings(const MeshReport& mesh, std::vector<std::string>& warnings) {
-  if (mesh.grid_clipped.value_or(0) > 0) {
-    warnings.push_back(fmt::format(
-        "the grid cuts the surface in {} cells, where the mesh is closed by a flat lid; a larger "
-        "--padding holds it all",
-        *mesh.grid_clipped));
-  }
+void add_extraction_warnings(const MeshReport& mesh, Warnings warnings) {
+  const std::uint64_t clipped = mesh.grid_clipped.value_or(0);
+  warnings.add_if(clipped > 0,
+                  "the grid cuts the surface in {} cells, where the mesh is closed by a flat lid; "
+                  "a larger --padding holds it all",
+                  clipped);
   const NewtonSummary newton = summarize(mesh.projection);
-  if (newton.unconverged + newton.out_of_reach > 0) {
-    warnings.push_back(fmt::format(
-        "{} vertices were left where they were by the projection ({} unconverged, {} out of reach)",
-        newton.unconverged + newton.out_of_reach, newton.unconverged, newton.out_of_reach));
-  }
+  const std::uint64_t left = newton.unconverged + newton.out_of_reach;
+  warnings.add_if(left > 0,
+                  "{} vertices were left where they were by the projection ({} unconverged, {} out "
+                  "of reach)",
+                  left, newton.unconverged, newton.out_of_reach);
 }
 
 }  // namespace
 
 NewtonSummary summarize(const std::vector<ProjectionStats>& levels) {
   NewtonSummary sum;
+  sum.levels = levels;
   for (const ProjectionStats& level : levels) {
     sum.iterations_max = std::max(sum.iterations_max, level.iterations_max);
     sum.residual_max = std::max(sum.residual_max, level.residual_max);
@@ -70,8 +79,8 @@ void extrapolate(TriangleLabels labels, MeshReport& mesh) {
 
 void add_warnings(Report& report) {
   if (report.mesh) {
-    add_shape_warnings(*report.mesh, report.warnings);
-    add_extraction_warnings(*report.mesh, report.warnings);
+    add_shape_warnings(*report.mesh, Warnings(report.warnings));
+    add_extraction_warnings(*report.mesh, Warnings(report.warnings));
   }
 }
 

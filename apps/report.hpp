@@ -102,6 +102,7 @@ struct NewtonSummary {
   double residual_max = 0;  // Å
   std::uint64_t projected = 0, unconverged = 0, out_of_reach = 0, undone = 0;
   std::uint64_t turned = 0;  // in the finished mesh
+  std::vector<ProjectionStats> levels;
 };
 NewtonSummary summarize(const std::vector<ProjectionStats>& levels);
 

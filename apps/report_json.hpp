@@ -1,13 +1,15 @@
 // Blocks of the report's JSON that other documents have as well.
 #pragma once
 
-#include "json_writer.hpp"
+#include "json_text.hpp"
 #include "report.hpp"
 
 namespace vdwmesh::apps {
 
-Json input_json(const InputReport& input);
-Json backend_json(const BackendReport& backend);
-Json exact_json(const ExactUnion& exact);
+void describe(JsonText& a, const InputReport& input);
+void describe(JsonText& a, const BackendReport& backend);
+
+// null where memory is not limited.
+std::optional<std::uint64_t> limit_or_null(std::uint64_t memory_limit);
 
 }  // namespace vdwmesh::apps

@@ -1,11 +1,16 @@
-// The report laid out for people.
+// Lays the report out for people: one line per matter, tables where figures stand side by side,
+// then notes and warnings. What was not computed is a dash or left out. The table of mesh and exact
+// union takes its figures from the description that the JSON is made of.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <utility>
 
-#include "picture_options.hpp"
+#include "cells.hpp"
+#include "command_line/names.hpp"
+#include "describe_measures.hpp"
 #include "printable.hpp"
 #include "report.hpp"
 
@@ -82,8 +87,8 @@ std::string surface_text(const ParametersReport& parameters) {
     return fmt::format("union of the spheres, crease-exact, edge length {} Å; {}",
                        parameters.surface.edge_length, refinement_text(parameters.surface));
   }
-  std::string text = fmt::format("field {}", field_name(field.kind));
-  if (field.kind != FieldKind::vdw) text += fmt::format(" ({})", preset_name(field.preset));
+  std::string text = fmt::format("field {}", name_of(field.kind));
+  if (field.kind != FieldKind::vdw) text += fmt::format(" ({})", name_of(field.preset));
   if (parameters.isovalue) text += fmt::format(", isovalue {}", *parameters.isovalue);
   if (parameters.blobbiness) text += fmt::format(", blobbiness {}", *parameters.blobbiness);
   return text + ", marching cubes; " + refinement_text(parameters.surface);
@@ -99,7 +104,7 @@ void parameters_text(Text out, const ParametersReport& parameters) {
 }
 
 void backend_text(Text out, const BackendReport& backend) {
-  std::string text = fmt::format("{}", backend_name(backend.used));
+  std::string text = fmt::format("{}", name_of(backend.used));
   if (backend.device) text += fmt::format(", {}", *backend.device);
   if (backend.devices > 1) text += fmt::format(" and {} more", backend.devices - 1);
   if (backend.driver) text += fmt::format(", driver {}", *backend.driver);
@@ -114,100 +119,75 @@ std::string yes_no(bool value, std::string_view noun) {
   return fmt::format("{}{}", value ? "" : "NOT ", noun);
 }
 
-// One row of the table in which mesh and exact figures stand side by side.
-struct Row {
-  std::string label, mesh = kNotComputed, exact = kNotComputed, difference = "", unit = "";
-};
-
 std::string length_figure(double value) { return fmt::format("{:.3f}", value); }
-
-template <class T>
-std::string figure(const std::optional<T>& value) {
-  if (!value) return kNotComputed;
-  if constexpr (std::is_floating_point_v<T>) return length_figure(*value);
-  return fmt::format("{}", *value);
-}
 
 std::string percent(std::optional<double> relative_error) {
   return relative_error ? fmt::format("{:+.3f} %", 100 * *relative_error) : "";
 }
 
-template <class T>
-std::optional<T> of(const std::optional<UnionTopology>& topology, T UnionTopology::*member) {
-  if (!topology) return std::nullopt;
-  return (*topology).*member;
+std::string equal_or(std::optional<std::int64_t> difference) {
+  if (!difference) return "";
+  return *difference == 0 ? "equal" : fmt::format("{:+}", *difference);
 }
 
-void fill_mesh(std::vector<Row>& rows, const MeshReport& mesh) {
-  const std::optional<std::uint64_t> shells = mesh.topology.shells;
-  const std::string column[] = {length_figure(mesh.measures.area),
-                                figure(mesh.measures.volume),
-                                figure(mesh.measures.outer_area),
-                                figure(mesh.measures.void_area),
-                                figure(shells),
-                                figure(mesh.topology.components),
-                                figure(mesh.topology.genus),
-                                figure(mesh.topology.voids),
-                                fmt::format("{}", mesh.topology.euler_characteristic)};
-  for (std::size_t i = 0; i < std::size(column); ++i) rows[i].mesh = column[i];
+std::string on_the_right(const std::string& text, std::size_t width) {
+  return blanks(width, text) + text;
 }
 
-void fill_exact(std::vector<Row>& rows, const ExactUnion& exact) {
-  const auto& topology = exact.topology;
-  std::optional<std::uint64_t> shells;
-  if (topology) shells = topology->shells.size();
-  const std::string column[] = {length_figure(exact.area),
-                                length_figure(exact.volume),
-                                figure(of(topology, &UnionTopology::outer_area)),
-                                figure(of(topology, &UnionTopology::void_area)),
-                                figure(shells),
-                                figure(of(topology, &UnionTopology::components)),
-                                figure(of(topology, &UnionTopology::tunnels)),
-                                figure(of(topology, &UnionTopology::voids)),
-                                figure(of(topology, &UnionTopology::euler_characteristic))};
-  for (std::size_t i = 0; i < std::size(column); ++i) rows[i].exact = column[i];
+// The figures of a block of the report, by their keys; none where the report lacks it.
+template <class Block>
+std::optional<Cells> figures_of(const std::optional<Block>& block) {
+  if (!block) return std::nullopt;
+  Cells cells(length_figure);
+  describe(cells, *block);
+  return cells;
 }
 
-// Pads by columns on the screen: "–" and "Å" are one column and several bytes.
-std::string padded(const std::string& text, std::size_t width) {
-  const auto continuation = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; };
-  const std::size_t columns =
-      text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), continuation));
-  return std::string(columns < width ? width - columns : 0, ' ') + text;
+// A figure that was not computed is a dash, and nothing stands in the column of a lacking block.
+std::string figure(const std::optional<Cells>& figures, const char* key) {
+  if (!figures) return "";
+  const std::string text = (*figures)[key];
+  return text.empty() ? kNotComputed : text;
 }
 
+// A row of the table: what it is called, and the keys of its figures in mesh and exact union.
+struct Row {
+  const char *label, *mesh, *exact, *unit;
+};
+constexpr Row kRows[] = {
+    {"Area", "area", "area", "Å²"},
+    {"Volume", "volume", "volume", "Å³"},
+    {"  outer area", "outer_area", "outer_area", "Å²"},
+    {"  area of voids", "void_area", "void_area", "Å²"},
+    {"Shells", "shells", "shells", ""},
+    {"Components", "components", "components", ""},
+    {"Tunnels (genus)", "genus", "tunnels", ""},
+    {"Voids", "voids", "voids", ""},
+    {"Euler characteristic", "euler_characteristic", "euler_characteristic", ""}};
+
+// Mesh and exact union side by side, and how far they are apart.
 void table_text(Text out, const Report& report) {
-  std::vector<Row> rows = {{"Area", "", "", "", "Å²"},
-                           {"Volume", "", "", "", "Å³"},
-                           {"  outer area", "", "", "", "Å²"},
-                           {"  area of voids", "", "", "", "Å²"},
-                           {"Shells"},
-                           {"Components"},
-                           {"Tunnels (genus)"},
-                           {"Voids"},
-                           {"Euler characteristic"}};
-  if (report.mesh) fill_mesh(rows, *report.mesh);
-  if (report.exact) fill_exact(rows, *report.exact);
+  const std::optional<Cells> mesh = figures_of(report.mesh), exact = figures_of(report.exact);
+  std::map<std::string_view, std::string> differences;
   if (const auto& comparison = report.comparison) {
-    rows[0].difference = percent(comparison->area_relative_error);
-    rows[1].difference = percent(comparison->volume_relative_error);
-    if (const auto chi = comparison->euler_characteristic_difference) {
-      rows.back().difference = *chi == 0 ? "equal" : fmt::format("{:+}", *chi);
-    }
+    differences["area"] = percent(comparison->area_relative_error);
+    differences["volume"] = percent(comparison->volume_relative_error);
+    differences["euler_characteristic"] = equal_or(comparison->euler_characteristic_difference);
   }
-  fmt::format_to(out, "\n{:<22}{:>14}{:>16}{:>14}\n", "", report.mesh ? "mesh" : "",
-                 report.exact ? "exact" : "", report.comparison ? "mesh - exact" : "");
-  for (const Row& row : rows) {
-    std::string text = fmt::format(
-        "{:<22}{}{}{}  {}", row.label, padded(report.mesh ? row.mesh : "", 14),
-        padded(report.exact ? row.exact : "", 16), padded(row.difference, 14), row.unit);
+  fmt::format_to(out, "\n{:<22}{:>14}{:>16}{:>14}\n", "", mesh ? "mesh" : "", exact ? "exact" : "",
+                 report.comparison ? "mesh - exact" : "");
+  for (const Row& row : kRows) {
+    std::string text =
+        fmt::format("{:<22}{}{}{}  {}", row.label, on_the_right(figure(mesh, row.mesh), 14),
+                    on_the_right(figure(exact, row.exact), 16),
+                    on_the_right(differences[row.mesh], 14), row.unit);
     text.erase(text.find_last_not_of(' ') + 1);
     fmt::format_to(out, "{}\n", text);
   }
 }
 
 void exact_text(Text out, const ExactUnion& exact) {
-  std::string text = fmt::format("method {}", method_name(exact.method));
+  std::string text = fmt::format("method {}", name_of(exact.method));
   if (exact.topology) {
     text += fmt::format("; {} hidden atoms, {} point contacts", exact.topology->hidden_spheres,
                         exact.topology->point_contacts);
@@ -355,9 +335,8 @@ std::string picture_text(const PictureReport& picture) {
                    picture.height, picture.view, picture.triangles));
   if (picture.scale) {
     line(out, "",
-         fmt::format("{}: {} from {} to {}", picture.scale->title,
-                     color_map_name(picture.scale->map), picture.scale->lower,
-                     picture.scale->upper));
+         fmt::format("{}: {} from {} to {}", picture.scale->title, name_of(picture.scale->map),
+                     picture.scale->lower, picture.scale->upper));
   }
   line(out, "Drawn by",
        picture.filled_by == Backend::cuda ? picture.device + "; vertex buffers filled by CUDA"

@@ -1,22 +1,22 @@
+// The steps of the verbs, on the libraries: each does one thing, takes its time, and writes what it
+// found into the report of the session. What only explains figures, such as a fallback to the CPU
+// or a check that was left out, becomes a note; what may be wrong becomes a warning.
 #include "steps.hpp"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 #include "arrangement/exact_mesher.hpp"
 #include "cuda/backend.hpp"
-#include "output.hpp"
-#include "printable.hpp"
 #include "stopwatch.hpp"
 
 namespace vdwmesh::apps {
 namespace {
 
-InputReport describe(const Molecule& molecule, double probe) {
+InputReport input_of(const Molecule& molecule, double probe) {
   InputReport input;
   input.path = molecule.path;
   input.format = molecule.format;
@@ -94,7 +94,9 @@ void require_triangles(const IndexedMesh& mesh, const SphereSet& spheres,
 }
 
 // How many devices make a mesh; only an extraction is shared among several.
-int devices_for(const MachineOptions& machine, const SurfaceOptions& surface, Report& report) {
+int devices_for(const SurfaceOptions& surface, Session& session) {
+  const MachineOptions& machine = session.machine;
+  Report& report = session.report;
   if (report.backend->used == Backend::cpu) {
     if (machine.devices > 1) {
       report.notes.push_back(fmt::format(
@@ -116,19 +118,18 @@ int devices_for(const MachineOptions& machine, const SurfaceOptions& surface, Re
 }
 
 IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
-                       const MeshParts& parts, const MeshSizeObserver& on_size,
-                       RefineOptions& refine, Report& report) {
+                       const MeshRequest& request, RefineOptions& refine, Report& report) {
   require_sensible_spacing(spheres, surface.grid.spacing);
   const GridSpec grid = make_grid(spheres, surface.grid);
   report.parameters = describe_parameters(surface, grid, refine.memory_limit);
   ExtractOptions extract;
   extract.field = surface.field;
   extract.grid = surface.grid;
-  extract.connectivity = parts.connectivity;
-  extract.normals = parts.normals;
+  extract.connectivity = request.connectivity;
+  extract.normals = request.normals;
   extract.memory_limit = refine.memory_limit;
   extract.monitor = refine.monitor;
-  extract.on_size = on_size;
+  extract.on_size = request.on_size;
   extract.devices = std::max(report.backend->devices, 1);
   refine.grid = grid;
   PipelineResult result = make_pipeline(report.backend->requested)->run(spheres, extract, refine);
@@ -222,13 +223,14 @@ bool counts_self_intersections(SelfIntersections wanted, std::uint64_t triangles
   return wanted == SelfIntersections::count || (wanted == SelfIntersections::small_meshes && small);
 }
 
-Molecule load(const InputOptions& options, std::uint64_t memory_limit, Report& report) {
+Molecule load_molecule(const InputOptions& options, Session& session) {
   const Stopwatch watch;
+  Report& report = session.report;
   ReadOptions read = options.read;
-  read.memory_limit = memory_limit;
+  read.memory_limit = session.machine.memory_limit;
   Molecule molecule = options.sample.empty() ? read_structure(options.path, read)
                                              : read_sample(options.sample, read);
-  report.input = describe(molecule, options.probe);
+  report.input = input_of(molecule, options.probe);
   report.notes.insert(report.notes.end(), molecule.notes.begin(), molecule.notes.end());
   report.warnings.insert(report.warnings.end(), molecule.warnings.begin(), molecule.warnings.end());
   report.timing.read = watch.seconds();
@@ -250,22 +252,28 @@ SphereSet to_spheres(const Molecule& molecule, double probe) {
   return SphereSet(std::move(spheres));
 }
 
-IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface,
-                      const MeshParts& parts, const MachineOptions& machine, Monitor* monitor,
-                      Report& report, const MeshObservers& observers) {
-  report.backend = describe_backend(machine.backend, resolve(machine.backend));
+Structure load(const InputOptions& options, Session& session) {
+  Molecule molecule = load_molecule(options, session);
+  SphereSet spheres = to_spheres(molecule, options.probe);
+  return {std::move(molecule), std::move(spheres)};
+}
+
+IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, Session& session,
+                      const MeshRequest& request) {
+  Report& report = session.report;
+  const Backend requested = session.machine.backend;
+  report.backend = describe_backend(requested, resolve(requested));
   report.notes.insert(report.notes.end(), surface.notes.begin(), surface.notes.end());
-  report.backend->devices = devices_for(machine, surface, report);
+  report.backend->devices = devices_for(surface, session);
   RefineOptions refine;
   refine.subdivisions = surface.subdivisions;
   refine.projection = surface.projection;
   refine.field = surface.field;
-  refine.memory_limit = machine.memory_limit;
-  refine.on_level = observers.on_level;
-  refine.monitor = monitor;
-  return surface.mesher == Mesher::exact
-             ? mesh_arrangement(spheres, surface, refine, report)
-             : mesh_field(spheres, surface, parts, observers.on_size, refine, report);
+  refine.memory_limit = session.machine.memory_limit;
+  refine.on_level = request.on_level;
+  refine.monitor = session.monitor;
+  return surface.mesher == Mesher::exact ? mesh_arrangement(spheres, surface, refine, report)
+                                         : mesh_field(spheres, surface, request, refine, report);
 }
 
 LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& levels) {
@@ -284,7 +292,8 @@ bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles) {
          (wanted == CgalCheck::small_meshes && triangles <= kCgalMeasuresLimit);
 }
 
-void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Report& report) {
+void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session) {
+  Report& report = session.report;
   if (check == CgalCheck::skip) return;
   if (!checks_with_cgal(check, mesh.triangle_count())) {
     report.notes.push_back(
@@ -302,21 +311,21 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Report& report) {
   report.mesh->cgal = cgal_measures(to_surface_mesh(mesh));
 }
 
-void measure(const IndexedMesh& mesh, SelfIntersections self_intersections_wanted, Monitor* monitor,
-             Report& report) {
-  const bool count = counts_self_intersections(self_intersections_wanted, mesh.triangle_count());
-  begin_stage(monitor, "measure", count ? 2 : 1);
+void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session) {
+  Report& report = session.report;
+  const bool count = counts_self_intersections(wanted, mesh.triangle_count());
+  begin_stage(session.monitor, "measure", count ? 2 : 1);
   if (!report.mesh) report.mesh.emplace();
   MeshReport& result = *report.mesh;
   const MeshExamination found = examine(mesh);
   result.topology = found.topology;
   result.measures = found.measures;
   result.quality = found.quality;
-  advance(monitor, 1);
+  advance(session.monitor, 1);
   if (count) {
     result.self_intersections = self_intersections(mesh);
-    advance(monitor, 1);
-  } else if (self_intersections_wanted == SelfIntersections::small_meshes) {
+    advance(session.monitor, 1);
+  } else if (wanted == SelfIntersections::small_meshes) {
     report.notes.push_back(
         fmt::format("self-intersections were not counted: more than {} triangles "
                     "(--self-intersections on)",
@@ -324,55 +333,47 @@ void measure(const IndexedMesh& mesh, SelfIntersections self_intersections_wante
   }
 }
 
-void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Monitor* monitor,
-                     Report& report) {
+void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session) {
   const Stopwatch watch;
-  report.exact = exact_union(spheres, {options.method, monitor});
+  Report& report = session.report;
+  report.exact = exact_union(spheres, {options.method, session.monitor});
   if (options.topology == Switch::off) report.exact->topology.reset();
   report.timing.exact = watch.seconds();
 }
 
+MeshDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                                const DistanceChoice& choice, const Session& session) {
+  return distances(
+      mesh, spheres,
+      {choice.samples_per_area, choice.seed, session.machine.memory_limit, session.monitor});
+}
+
 void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
-                        const DistanceChoice& choice, std::uint64_t memory_limit, Monitor* monitor,
-                        Report& report) {
+                        const DistanceChoice& choice, Session& session) {
   const Stopwatch watch;
+  Report& report = session.report;
   report.comparison = compare(report.mesh->topology, report.mesh->measures, *report.exact);
   if (choice.distances == Switch::on) {
-    report.comparison->distances =
-        distances(mesh, spheres, {choice.samples_per_area, choice.seed, memory_limit, monitor});
+    report.comparison->distances = measure_distances(mesh, spheres, choice, session);
   }
   const auto& topology = report.exact->topology;
   warn_of_lost_components(topology ? topology->components : count_components(spheres), report);
   report.timing.compare = watch.seconds();
 }
 
-void warn_of_lost_balls(const SphereSet& spheres, Report& report) {
-  warn_of_lost_components(count_components(spheres), report);
+void warn_of_lost_balls(const SphereSet& spheres, Session& session) {
+  warn_of_lost_components(count_components(spheres), session.report);
 }
 
 void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
-                        SurfaceMeshBuilder& builder, Report& report) {
+                        SurfaceMeshBuilder& builder, Session& session) {
   const Stopwatch watch;
   SurfaceMesh& surface = builder.build(mesh);
   std::vector<std::string> elements;
   elements.reserve(molecule.atoms.size());
   for (const Atom& atom : molecule.atoms) elements.push_back(atom.element);
   color_by_element(surface, elements);
-  report.timing.build = watch.seconds();
-}
-
-void deliver(const Report& report, const OutputOptions& output, Verbosity verbosity) {
-  if (!output.json.empty()) write_output(output.json, to_json(report));
-  const bool taken = output.json == "-" || output.per_atom == "-";
-  const bool text = verbosity == Verbosity::normal && !taken;
-  if (text) return write_standard_output(to_text(report));
-  print_warnings(report.warnings);
-}
-
-void print_warnings(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) {
-    fmt::print(stderr, "vdwmesh: warning: {}\n", printable(warning));
-  }
+  session.report.timing.build = watch.seconds();
 }
 
 }  // namespace vdwmesh::apps

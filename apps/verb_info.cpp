@@ -1,26 +1,23 @@
+// `vdwmesh info`: which program this is, and what it can compute and draw on here. That something
+// is missing is part of the answer, with the reason, and no error.
 #include <fmt/format.h>
 #include <tbb/info.h>
 
-#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "build_id.hpp"
+#include "command_line/command_line.hpp"
+#include "core/errors.hpp"
 #include "cuda/backend.hpp"
-#include "json_writer.hpp"
+#include "json_text.hpp"
 #include "output.hpp"
 #include "render/renderer.hpp"
 #include "verbs.hpp"
 
 namespace vdwmesh::apps {
 namespace {
-
-Json devices_json(const DeviceList& list) {
-  Json devices = Json::array();
-  for (const DeviceInfo& device : list.devices) {
-    devices.push_back(
-        {{"name", device.name}, {"driver", device.driver}, {"memory", device.memory}});
-  }
-  return devices;
-}
 
 // What draws pictures, or why nothing does.
 struct PictureDevice {
@@ -37,14 +34,21 @@ PictureDevice picture_device() {
 }
 
 std::string info_json(const DeviceList& list, const PictureDevice& pictures) {
-  return write_json(
-      {{"schema", "vdwmesh-info/1"},
-       {"version", kVersion},
-       {"revision", kRevision},
-       {"build", kBuild},
-       {"threads", tbb::info::default_concurrency()},
-       {"cuda", {{"devices", devices_json(list)}, {"reason", list.reason}}},
-       {"pictures", {{"device", or_null(pictures.name)}, {"reason", pictures.reason}}}});
+  JsonText json;
+  json("schema", "vdwmesh-info/1");
+  json("version", kVersion), json("revision", kRevision), json("build", kBuild);
+  json("threads", tbb::info::default_concurrency());
+  json.object("cuda", [&] {
+    json.list("devices", list.devices, [&](const DeviceInfo& device) {
+      json("name", device.name), json("driver", device.driver), json("memory", device.memory);
+    });
+    json("reason", list.reason);
+  });
+  json.object("pictures", [&] {
+    json("device", pictures.name);
+    json("reason", pictures.reason);
+  });
+  return std::move(json).take();
 }
 
 std::string cuda_text(const DeviceList& list) {
@@ -64,26 +68,13 @@ std::string info_text(const DeviceList& list, const PictureDevice& pictures) {
                      pictures.name.value_or(pictures.reason));
 }
 
-class InfoVerb : public Verb {
- public:
-  std::string name() const override { return "info"; }
-  std::string summary() const override { return "version, build, backends, devices"; }
-  void add_options(CLI::App& app) override { output_.add_to(app, OutputFlags::PerAtom::none); }
-  void run() const override {
-    NamedFiles files;
-    const OutputOptions output = output_.resolve(files);
-    const DeviceList list = cuda_devices();
-    const PictureDevice pictures = picture_device();
-    if (output.json.empty()) return write_standard_output(info_text(list, pictures));
-    write_output(output.json, info_json(list, pictures));
-  }
-
- private:
-  OutputFlags output_;
-};
-
 }  // namespace
 
-std::unique_ptr<Verb> make_info_verb() { return std::make_unique<InfoVerb>(); }
+void run_info(const Options& options) {
+  const DeviceList list = cuda_devices();
+  const PictureDevice pictures = picture_device();
+  if (options.output.json.empty()) return write_standard_output(info_text(list, pictures));
+  write_output(options.output.json, info_json(list, pictures));
+}
 
 }  // namespace vdwmesh::apps

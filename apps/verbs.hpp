@@ -1,35 +1,37 @@
-// The verbs of the program. Each adds itself to the command line and runs when it was chosen.
+// The verbs of the program: what they are called, and what runs them.
 #pragma once
 
-#include <functional>
-#include <memory>
-#include <string>
-
-#include "steps.hpp"
+#include <span>
+#include <string_view>
 
 namespace vdwmesh::apps {
 
-class Verb {
- public:
-  virtual ~Verb() = default;
-  virtual std::string name() const = 0;
-  virtual std::string summary() const = 0;
-  virtual void add_options(CLI::App& app) = 0;
-  // Checks the options, then works. Throws the exceptions of core/errors.hpp.
-  virtual void run() const = 0;
+struct Options;
+
+// Sets of verbs, as sums: which ones take an option.
+using VerbSet = unsigned;
+inline constexpr VerbSet kMesh = 1, kReport = 2, kExact = 4, kCompare = 8, kRender = 16,
+                         kStudy = 32, kThesisBench = 64, kPipelineBench = 128, kInfo = 256;
+
+struct Verb {
+  VerbSet bit;
+  std::string_view name;  // "mesh"; of two words where a verb of verbs has them, "bench thesis"
+  std::string_view summary;
+  // Works with options that are checked. Throws the exceptions of core/errors.hpp.
+  void (*run)(const Options& options);
 };
 
-std::unique_ptr<Verb> make_mesh_verb();
-std::unique_ptr<Verb> make_report_verb();
-std::unique_ptr<Verb> make_exact_verb();
-std::unique_ptr<Verb> make_compare_verb();
-std::unique_ptr<Verb> make_render_verb();
-std::unique_ptr<Verb> make_study_verb();
-std::unique_ptr<Verb> make_bench_verb();
-std::unique_ptr<Verb> make_info_verb();
+// In the order of the help.
+std::span<const Verb> all_verbs();
 
-// Of `vdwmesh bench`.
-std::unique_ptr<Verb> make_thesis_bench_verb();
-std::unique_ptr<Verb> make_pipeline_bench_verb();
+void run_mesh(const Options& options);
+void run_report(const Options& options);
+void run_exact(const Options& options);
+void run_compare(const Options& options);
+void run_render(const Options& options);
+void run_study(const Options& options);
+void run_thesis_bench(const Options& options);
+void run_pipeline_bench(const Options& options);
+void run_info(const Options& options);
 
 }  // namespace vdwmesh::apps

@@ -37,8 +37,8 @@ std::uint64_t file_bytes(const InputOptions& input) {
 // One pass over all stages of one case.
 class Pass {
  public:
-  Pass(const PipelineBenchOptions& options, const InputOptions& input, double spacing)
-      : options_(options), input_(input) {
+  Pass(const Options& options, const InputOptions& input, double spacing)
+      : options_(options), input_(input), session_{options.machine, nullptr, {}} {
     surface_.grid.spacing = spacing;
   }
 
@@ -74,7 +74,7 @@ class Pass {
 
   void read() {
     stage("read", input_.sample.empty() ? Bytes(file_bytes(input_)) : std::nullopt, [&]() -> Bytes {
-      molecule_ = load(input_, options_.machine.memory_limit, report_);
+      molecule_ = load_molecule(input_, session_);
       return molecule_.atoms.size() * sizeof(Atom);
     });
     stage("spheres", molecule_.atoms.size() * sizeof(Atom), [&]() -> Bytes {
@@ -87,13 +87,16 @@ class Pass {
   // Extraction and refinement, with the parts that the library announces or, on a device, those
   // that it timed.
   IndexedMesh extract() {
-    surface_.subdivisions = options_.subdivisions;
+    surface_.subdivisions = options_.surface.subdivisions;
     surface_.projection = Projection::vdw;
     PartClock parts;
     IndexedMesh mesh;
     StageRow& row = stage("mesh", spheres_->size() * sizeof(Sphere), [&]() -> Bytes {
-      mesh = make_mesh(*spheres_, surface_, {Connectivity::half_edges}, options_.machine, &parts,
-                       report_, {.on_level = {}, .on_size = room_for_half_edges()});
+      session_.monitor = &parts;
+      mesh =
+          make_mesh(*spheres_, surface_, session_,
+                    {.connectivity = Connectivity::half_edges, .on_size = room_for_half_edges()});
+      session_.monitor = nullptr;
       parts.finish();
       return indexed_mesh_bytes(mesh);
     });
@@ -136,14 +139,11 @@ class Pass {
     };
     unite("exact, arcs", UnionMethod::arcs);
     unite("exact, topology", UnionMethod::cgal);
-    if (options_.distances == Switch::off) return;
+    if (options_.distances.distances == Switch::off) return;
     stage(
         "distances", in + indexed_mesh_bytes(mesh),
         [&]() -> Bytes {
-          DistanceChoice choice;
-          (void)distances(
-              mesh, *spheres_,
-              {choice.samples_per_area, choice.seed, options_.machine.memory_limit, nullptr});
+          (void)measure_distances(mesh, *spheres_, DistanceChoice{}, session_);
           return std::nullopt;
         },
         StageKind::beside);
@@ -151,7 +151,7 @@ class Pass {
 
   void measure_mesh(const IndexedMesh& mesh) {
     stage("measure", indexed_mesh_bytes(mesh), [&]() -> Bytes {
-      measure(mesh, SelfIntersections::skip, nullptr, report_);
+      measure(mesh, SelfIntersections::skip, session_);
       return std::nullopt;
     });
   }
@@ -169,7 +169,7 @@ class Pass {
         },
         StageKind::beside);
     stage("build", in, [&]() -> Bytes {
-      build_surface_mesh(mesh, molecule_, builder_, report_);
+      build_surface_mesh(mesh, molecule_, builder_, session_);
       return bytes_of(half_edges_);
     });
     mesh = {};
@@ -180,14 +180,15 @@ class Pass {
     write.bytes_read = file;  // every number of the file is in the mesh, at the same width
   }
 
-  const PipelineBenchOptions& options_;
+  const Options& options_;
   const InputOptions& input_;
   SurfaceOptions surface_;
   Molecule molecule_;
   std::optional<SphereSet> spheres_;
   SurfaceMesh half_edges_;
   SurfaceMeshBuilder builder_{half_edges_};
-  Report report_;
+  Session session_;
+  Report& report_ = session_.report;
   PipelineCase result_;
 };
 
@@ -207,8 +208,7 @@ void set_floors(PipelineCase& done, const CopyRate& copy) {
   }
 }
 
-PipelineCase run_case(const PipelineBenchOptions& options, const InputOptions& input,
-                      double spacing) {
+PipelineCase run_case(const Options& options, const InputOptions& input, double spacing) {
   const Stopwatch watch;
   PipelineCase least = Pass(options, input, spacing).run();
   for (int i = 1; i < options.repeats && watch.seconds() < kEnoughSeconds; ++i)
@@ -236,8 +236,8 @@ StageRow total_of(const PipelineCase& done) {
   return total;
 }
 
-PipelineBench run_pipeline_bench(const PipelineBenchOptions& options,
-                                 const std::function<void(std::size_t, std::size_t)>& on_case) {
+PipelineBench time_pipeline(const Options& options,
+                            const std::function<void(std::size_t, std::size_t)>& on_case) {
   PipelineBench bench;
   bench.backend = describe_backend(options.machine.backend, resolve(options.machine.backend));
   bench.copy = measure_copy_rate();

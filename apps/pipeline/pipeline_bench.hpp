@@ -7,23 +7,19 @@
 #include <string>
 #include <vector>
 
-#include "options.hpp"
+#include "command_line/command_line.hpp"
+#include "command_line/names.hpp"
 #include "pipeline/copy_rate.hpp"
 #include "report.hpp"
 
 namespace vdwmesh::apps {
 
-struct PipelineBenchOptions {
-  std::vector<InputOptions> inputs;
-  std::vector<double> spacings;  // Å
-  int subdivisions = 0;
-  Switch distances = Switch::off;  // they take longer than all the rest
-  int repeats = 3;                 // at most; the least seconds of each stage count
-  MachineOptions machine;
-};
-
 // A stage of the way from file to file; a part of the stage above it; or work beside that way.
 enum class StageKind { stage, part, beside };
+template <>
+inline constexpr auto kNames<StageKind> = names<StageKind>({{"stage", StageKind::stage},
+                                                            {"part", StageKind::part},
+                                                            {"beside", StageKind::beside}});
 
 // What was not measured is empty.
 struct StageRow {
@@ -56,9 +52,11 @@ std::optional<double> floor_ratio(const StageRow& row);
 // From file to file: the sum over the stages.
 StageRow total_of(const PipelineCase& done);
 
-// `on_case` is called before each of the cases, with its place and their number.
-PipelineBench run_pipeline_bench(const PipelineBenchOptions& options,
-                                 const std::function<void(std::size_t, std::size_t)>& on_case);
+// The inputs at the spacings, refined and, where wanted, with the distances to the exact surface,
+// which take longer than all the rest. `on_case` is called before each of the cases, with its place
+// and their number.
+PipelineBench time_pipeline(const Options& options,
+                            const std::function<void(std::size_t, std::size_t)>& on_case);
 
 std::string pipeline_bench_text(const PipelineBench& bench);
 std::string pipeline_bench_csv(const PipelineBench& bench);

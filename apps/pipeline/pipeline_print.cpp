@@ -1,11 +1,11 @@
-// The stages as text, CSV and JSON.
+// Prints the stages: as tables for people, and, from one description of a stage, as CSV and JSON.
 #include <fmt/format.h>
 
 #include <iterator>
 
 #include "build_id.hpp"
 #include "csv.hpp"
-#include "json_writer.hpp"
+#include "json_text.hpp"
 #include "pipeline/pipeline_bench.hpp"
 #include "printable.hpp"
 
@@ -15,17 +15,6 @@ namespace {
 using Text = std::back_insert_iterator<std::string>;
 
 constexpr double kMegabyte = 1e6;
-
-std::string_view kind_name(StageKind kind) {
-  switch (kind) {
-    case StageKind::stage:
-      return "stage";
-    case StageKind::part:
-      return "part";
-    default:
-      return "beside";
-  }
-}
 
 std::string or_dash(const std::optional<double>& value, const char* format) {
   return value ? fmt::format(fmt::runtime(format), *value) : "-";
@@ -57,7 +46,7 @@ void print_case(Text out, const PipelineCase& done) {
 }
 
 void print_machine(Text out, const PipelineBench& bench) {
-  fmt::format_to(out, "Backend: {}, {} threads", backend_name(bench.backend.used),
+  fmt::format_to(out, "Backend: {}, {} threads", name_of(bench.backend.used),
                  bench.backend.threads);
   if (bench.backend.device)
     fmt::format_to(out, ", {}, driver {}", *bench.backend.device,
@@ -70,28 +59,29 @@ void print_machine(Text out, const PipelineBench& bench) {
                  bench.copy.warm / 1e9, bench.copy.fresh / 1e9);
 }
 
-Json stage_json(const StageRow& row) {
-  return {{"name", row.name},
-          {"kind", kind_name(row.kind)},
-          {"cpu_seconds", or_null(row.cpu_seconds)},
-          {"wall_seconds", row.wall_seconds},
-          {"bytes_read", or_null(row.bytes_read)},
-          {"bytes_written", or_null(row.bytes_written)},
-          {"peak_memory", or_null(row.peak_memory)},
-          {"floor_seconds", or_null(row.floor_seconds)},
-          {"floor_ratio", or_null(floor_ratio(row))}};
-}
-
-Json case_json(const PipelineCase& done) {
-  Json stages = Json::array();
-  for (const StageRow& row : done.stages) stages.push_back(stage_json(row));
-  return {{"input", done.input},       {"warnings", done.warnings},
-          {"spacing", done.spacing},   {"spheres", done.spheres},
-          {"vertices", done.vertices}, {"triangles", done.triangles},
-          {"stages", stages},          {"total", stage_json(total_of(done))}};
-}
-
 }  // namespace
+
+template <class A>
+void describe(A& a, const StageRow& row) {
+  a("name", row.name), a("kind", row.kind);
+  a("cpu_seconds", row.cpu_seconds), a("wall_seconds", row.wall_seconds);
+  a("bytes_read", row.bytes_read), a("bytes_written", row.bytes_written);
+  a("peak_memory", row.peak_memory);
+  a("floor_seconds", row.floor_seconds), a("floor_ratio", floor_ratio(row));
+}
+
+template <class A>
+void describe(A& a, const PipelineCase& done) {
+  a("input", done.input), a("warnings", done.warnings);
+  a("spacing", done.spacing), a("spheres", done.spheres);
+  a("vertices", done.vertices), a("triangles", done.triangles);
+  a("stages", done.stages), a("total", total_of(done));
+}
+
+template <class A>
+void describe(A& a, const CopyRate& rate) {
+  a("warm", rate.warm), a("fresh", rate.fresh);
+}
 
 std::string pipeline_bench_text(const PipelineBench& bench) {
   std::string text;
@@ -102,37 +92,32 @@ std::string pipeline_bench_text(const PipelineBench& bench) {
 }
 
 std::string pipeline_bench_csv(const PipelineBench& bench) {
-  std::string csv =
-      "input,spacing,spheres,vertices,triangles,stage,kind,cpu_seconds,wall_seconds,bytes_read,"
-      "bytes_written,peak_memory,floor_seconds,floor_ratio\n";
+  constexpr std::string_view kColumns =
+      "input,spacing,spheres,vertices,triangles,stage,kind,cpu_seconds,wall_seconds,"
+      "bytes_read,bytes_written,peak_memory,floor_seconds,floor_ratio";
+  std::vector<Cells> rows;
   for (const PipelineCase& done : bench.cases) {
-    for (const StageRow& row : done.stages) {
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_field(done.input),
-                         done.spacing, done.spheres, done.vertices, done.triangles,
-                         csv_field(row.name), kind_name(row.kind), csv_number(row.cpu_seconds),
-                         csv_number(row.wall_seconds), csv_count(row.bytes_read),
-                         csv_count(row.bytes_written), csv_count(row.peak_memory),
-                         csv_number(row.floor_seconds), csv_number(floor_ratio(row)));
+    for (const StageRow& stage : done.stages) {
+      Cells& row = rows.emplace_back(csv_number);
+      describe(row, done), describe(row, stage), row("stage", stage.name);
     }
   }
-  return csv;
+  return csv_table(kColumns, rows);
 }
 
 std::string pipeline_bench_json(const PipelineBench& bench) {
-  Json cases = Json::array();
-  for (const PipelineCase& done : bench.cases) cases.push_back(case_json(done));
-  return write_json(
-      {{"schema", "vdwmesh-bench-pipeline/1"},
-       {"version", kVersion},
-       {"revision", kRevision},
-       {"backend",
-        {{"requested", backend_name(bench.backend.requested)},
-         {"used", backend_name(bench.backend.used)},
-         {"device", or_null(bench.backend.device)},
-         {"driver", or_null(bench.backend.driver)},
-         {"threads", bench.backend.threads}}},
-       {"copy_bytes_per_second", {{"warm", bench.copy.warm}, {"fresh", bench.copy.fresh}}},
-       {"cases", cases}});
+  const BackendReport& backend = bench.backend;
+  JsonText json;
+  json("schema", "vdwmesh-bench-pipeline/1");
+  json("version", kVersion), json("revision", kRevision);
+  json.object("backend", [&] {
+    json("requested", backend.requested), json("used", backend.used);
+    json("device", backend.device), json("driver", backend.driver);
+    json("threads", backend.threads);
+  });
+  json("copy_bytes_per_second", bench.copy);
+  json("cases", bench.cases);
+  return std::move(json).take();
 }
 
 }  // namespace vdwmesh::apps

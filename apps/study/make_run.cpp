@@ -1,19 +1,21 @@
+// Makes the meshes of one task. On the CPU one refinement gives the meshes of all levels, each of
+// which is measured on its way; what that takes is counted for none of them.
 #include "study/make_run.hpp"
 
 #include <algorithm>
 #include <utility>
 
+#include "command_line/names.hpp"
 #include "memory.hpp"
 #include "memory_plan.hpp"
-#include "parse.hpp"
 #include "stopwatch.hpp"
 
 namespace vdwmesh::apps {
 namespace {
 
-StudyRun measure(const IndexedMesh& mesh, const StudySetting& setting, const StudyInput& input,
-                 const StudyOptions& options, Monitor* monitor) {
-  begin_stage(monitor, "measure", 1);
+StudyRun measure_run(const IndexedMesh& mesh, const StudySetting& setting, const StudyInput& input,
+                     const StudyOptions& options, const Session& session) {
+  begin_stage(session.monitor, "measure", 1);
   StudyRun run;
   run.setting = setting;
   const MeshExamination summary = examine(mesh);
@@ -28,9 +30,7 @@ StudyRun measure(const IndexedMesh& mesh, const StudySetting& setting, const Stu
   if (options.distances.distances == Switch::on) {
     const Stopwatch watch;
     run.comparison.distances =
-        distances(mesh, input.spheres,
-                  {options.distances.samples_per_area, options.distances.seed,
-                   options.machine.memory_limit, monitor});
+        measure_distances(mesh, input.structure.spheres, options.distances, session);
     run.seconds.distances = watch.seconds();
   }
   // As the setting alone has it: not with what the way there left in the mesh.
@@ -45,15 +45,15 @@ StudyRun measure(const IndexedMesh& mesh, const StudySetting& setting, const Stu
 class LevelRecorder {
  public:
   LevelRecorder(const StudyTask& task, const StudyInput& input, const StudyOptions& options,
-                Monitor* monitor)
-      : task_(task), input_(input), options_(options), monitor_(monitor) {}
+                const Session& session)
+      : task_(task), input_(input), options_(options), session_(session) {}
 
   void see(int level, const IndexedMesh& mesh) {
     const double reached = watch_.seconds() - observed_;
     if (level == 0) extracted_ = reached;
     peak_ = std::max(peak_, memory_.bytes());
     if (std::ranges::find(task_.levels, level) != task_.levels.end()) {
-      StudyRun run = measure(mesh, at_level(task_.setting, level), input_, options_, monitor_);
+      StudyRun run = measure_run(mesh, at_level(task_.setting, level), input_, options_, session_);
       run.memory.peak = peak_;
       if (level > 0) run.seconds.refine = reached - extracted_;
       runs_.push_back(std::move(run));
@@ -78,7 +78,7 @@ class LevelRecorder {
   const StudyTask& task_;
   const StudyInput& input_;
   const StudyOptions& options_;
-  Monitor* monitor_;
+  const Session& session_;
   Stopwatch watch_;
   PeakMemory memory_;
   std::optional<std::uint64_t> peak_;
@@ -90,24 +90,24 @@ class LevelRecorder {
 
 std::vector<StudyRun> make_runs(const StudyTask& task, const StudyInput& input,
                                 const StudyOptions& options, Monitor* monitor) {
-  MachineOptions machine = options.machine;
-  machine.backend = backend_of_name(task.setting.key.backend);
-  LevelRecorder recorder(task, input, options, monitor);
+  Session session{options.machine, monitor, {}};
+  session.machine.backend = value_named<Backend>("backend", task.setting.key.backend);
+  const SurfaceOptions surface = surface_options(task.setting);
+  LevelRecorder recorder(task, input, options, session);
   // A single level is measured once the pipeline is done, so that nothing interrupts its watch.
   const bool one_level = task.levels.size() == 1;
   LevelObserver observer;
   if (!one_level) observer = [&](int level, const IndexedMesh& mesh) { recorder.see(level, mesh); };
-  Report report;
   MemoryDemand demand;
-  demand.surface = surface_options(task.setting);
-  demand.backend = resolve(machine.backend);
+  demand.surface = surface;
+  demand.backend = resolve(session.machine.backend);
   demand.self_intersections = options.self_intersections;
   demand.distances = options.distances.distances;
-  check_memory_before(demand, input.spheres, machine.memory_limit);
-  const IndexedMesh mesh = make_mesh(input.spheres, surface_options(task.setting), {}, machine,
-                                     monitor, report, {.on_level = observer, .on_size = {}});
+  check_memory_before(demand, input.structure.spheres, options.machine.memory_limit);
+  const IndexedMesh mesh =
+      make_mesh(input.structure.spheres, surface, session, {.on_level = observer});
   if (one_level) recorder.see(task.levels.front(), mesh);
-  return std::move(recorder).finish(report.timing);
+  return std::move(recorder).finish(session.report.timing);
 }
 
 }  // namespace vdwmesh::apps

@@ -1,4 +1,6 @@
-// The sweep: what has been kept is found again, what has not is made and kept.
+// The sweep: what has been kept is found again, what has not is made and kept. The cheapest runs
+// come first, and runs beyond a limit are left out, so that whenever a study ends most of it is
+// there.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,14 +11,14 @@
 #include <set>
 #include <utility>
 
-#include "build_id.hpp"
+#include "command_line/names.hpp"
 #include "stopwatch.hpp"
 #include "study/make_run.hpp"
 #include "study/plan.hpp"
-#include "study/progress.hpp"
 #include "study/records.hpp"
 #include "study/store.hpp"
 #include "study/study.hpp"
+#include "study/study_progress.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -39,18 +41,17 @@ std::string name_of_input(const InputOptions& options) {
   return options.sample.empty() ? options.path.filename().string() : options.sample;
 }
 
-StudyInput read_input(const InputOptions& options, std::uint64_t memory_limit) {
+StudyInput read_input(const InputOptions& options, const MachineOptions& machine) {
   StudyInput input;
   input.name = name_of_input(options);
-  Report report;
-  input.molecule = load(options, memory_limit, report);
-  input.report = report.input;
-  input.warnings = report.warnings;
-  input.spheres = to_spheres(input.molecule, options.probe);
-  input.hash = hash_of(input.spheres);
-  measure_exactly(input.spheres, {}, nullptr, report);
-  input.exact = std::move(*report.exact);
-  input.exact_seconds = *report.timing.exact;
+  Session session{machine, nullptr, {}};
+  input.structure = load(options, session);
+  input.hash = hash_of(input.structure.spheres);
+  measure_exactly(input.structure.spheres, {}, session);
+  input.report = session.report.input;
+  input.warnings = session.report.warnings;
+  input.exact = std::move(*session.report.exact);
+  input.exact_seconds = *session.report.timing.exact;
   return input;
 }
 
@@ -110,7 +111,7 @@ class Sweep {
 
   // Takes the levels that were kept off the task; true when none is left.
   bool find_finished(StudyTask& task) {
-    if (study_.options.resume == Resume::off) return false;
+    if (study_.options.resume == Switch::off) return false;
     std::erase_if(task.levels, [&](int level) {
       std::optional<StudyRun> kept = store_.find(key_of(task.input, at_level(task.setting, level)));
       if (!kept) return false;
@@ -127,22 +128,21 @@ class Sweep {
     task.weight = study_weight(study_.findings[task.input].input.exact.area, task.setting);
   }
 
-  // Everything that a run depends on, the program included.
-  Json key_of(std::size_t input, const StudySetting& setting) const {
+  RunKey key_of(std::size_t input, const StudySetting& setting) const {
     const StudyOptions& options = study_.options;
-    const BackendReport& backend = *std::ranges::find(
-        study_.backends, backend_of_name(setting.key.backend), &BackendReport::used);
-    const bool distances = options.distances.distances == Switch::on;
-    return {{"version", kVersion},
-            {"revision", kRevision},
-            {"build", kBuild},
-            {"spheres", study_.findings[input].input.hash},
-            {"setting", setting_json(setting)},
-            {"samples", distances ? Json(options.distances.samples_per_area) : Json(nullptr)},
-            {"seed", distances ? Json(options.distances.seed) : Json(nullptr)},
-            {"self_intersections", static_cast<int>(options.self_intersections)},
-            {"device", or_null(backend.device)},
-            {"threads", backend.threads}};
+    const BackendReport& backend =
+        *std::ranges::find(study_.backends, value_named<Backend>("backend", setting.key.backend),
+                           &BackendReport::used);
+    RunKey key{.spheres = study_.findings[input].input.hash,
+               .setting = setting,
+               .self_intersections = static_cast<int>(options.self_intersections),
+               .device = backend.device,
+               .threads = backend.threads};
+    if (options.distances.distances == Switch::on) {
+      key.samples = options.distances.samples_per_area;
+      key.seed = options.distances.seed;
+    }
+    return key;
   }
 
   // Levels beyond a limit are refused one by one from the deepest, so that the others still come.
@@ -150,7 +150,7 @@ class Sweep {
     const StudyInput& input = study_.findings[task.input].input;
     while (!task.levels.empty()) {
       progress_->begin_run(fmt::format("{} {} {} Å, subdivided {} x, {}", input.name,
-                                       field_name(task.setting.key.field), task.setting.resolution,
+                                       name_of(task.setting.key.field), task.setting.resolution,
                                        task.setting.key.subdivisions, task.setting.key.backend));
       try {
         return keep(task.input, make_runs(task, input, study_.options, progress_.get()));
@@ -205,7 +205,7 @@ Study make_study(const std::vector<InputOptions>& inputs, const StudyOptions& op
   study.options = options;
   study.backends = find_backends(options.axes.backends);
   for (const InputOptions& input : inputs) {
-    study.findings.push_back({read_input(input, options.machine.memory_limit), {}, {}, {}});
+    study.findings.push_back({read_input(input, options.machine), {}, {}, {}});
   }
   make_names_unique(study.findings);
   const StudyStore store(options.folder);

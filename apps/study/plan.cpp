@@ -1,9 +1,14 @@
+// Goes through all combinations of the axes and leaves out those that are the same: the
+// crease-exact mesher has one field, and meshes that are not subdivided are not projected. A task
+// is one call of the pipeline, with a weight by which the cheapest come first.
 #include "study/plan.hpp"
 
 #include <cmath>
 #include <set>
 #include <string>
 #include <utility>
+
+#include "command_line/names.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -25,7 +30,7 @@ class Planner {
       : axes_(axes), exact_areas_(exact_areas) {}
 
   void add(std::size_t input, Backend backend) {
-    const std::string name(backend_name(backend));
+    const std::string name(name_of(backend));
     for (const Mesher mesher : axes_.meshers) {
       if (mesher == Mesher::exact) {
         add_exact(input, backend, name);

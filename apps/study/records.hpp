@@ -1,16 +1,28 @@
-// Records of a study as JSON, and back: finished runs are kept as they will be printed.
+// Finished runs of a study as they are kept: JSON with everything that a run depends on beside it.
 #pragma once
 
-#include "analysis/study.hpp"
-#include "json_writer.hpp"
+#include <optional>
+#include <string>
+
+#include "study/describe_study.hpp"
 
 namespace vdwmesh::apps {
 
-Json setting_json(const StudySetting& setting);
-Json run_json(const StudyRun& run);
-Json series_json(const StudySeries& series);
+// Everything that a run depends on, the program included.
+struct RunKey {
+  std::string spheres;  // their hash
+  StudySetting setting;
+  std::optional<double> samples = {};  // per Å²; none without distances, like the seed
+  std::optional<std::uint64_t> seed = {};
+  int self_intersections;
+  std::optional<std::string> device;
+  int threads;
+};
 
-// The inverse of run_json(). Throws nlohmann::json::exception for anything else.
-StudyRun run_from_json(const Json& json);
+std::string key_json(const RunKey& key);
+std::string record_json(const RunKey& key, const StudyRun& run);
+
+// The run of a record; nothing where the text is damaged or of another key.
+std::optional<StudyRun> run_of_record(const std::string& record, const RunKey& key);
 
 }  // namespace vdwmesh::apps

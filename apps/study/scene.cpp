@@ -1,3 +1,6 @@
+// Makes the meshes of the page anew and packs them: positions in 16 bits of their box, what colours
+// show in 8. Numbers of one place value stand together, each less the one before it, because the
+// page is packed, and differences of neighbours pack better than the numbers.
 #include "study/scene.hpp"
 
 #include <fmt/format.h>
@@ -10,11 +13,12 @@
 #include <utility>
 
 #include "analysis/mesh_measures.hpp"
+#include "command_line/names.hpp"
 #include "core/errors.hpp"
+#include "json_text.hpp"
 #include "memory_plan.hpp"
 #include "mesh/element_color.hpp"
-#include "parse.hpp"
-#include "study/records.hpp"
+#include "study/describe_study.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -68,16 +72,15 @@ void append_triangles(const IndexedMesh& mesh, std::string& bytes) {
   append_planes(corners, bytes);
 }
 
-// The number of each vertex's element in the list of colours returned.
-Json append_elements(const IndexedMesh& mesh, const Molecule& molecule, std::string& bytes) {
-  Json elements = Json::array();
+// The number of each vertex's element in the list of elements returned.
+std::vector<std::string> append_elements(const IndexedMesh& mesh, const Molecule& molecule,
+                                         std::string& bytes) {
+  std::vector<std::string> elements;
   std::map<std::string, char> numbers;
   for (const SphereId atom : mesh.vertex_spheres.atoms) {
     const std::string& element = molecule.atoms.at(atom).element;
     const auto [entry, is_new] = numbers.try_emplace(element, static_cast<char>(numbers.size()));
-    if (is_new) {
-      elements.push_back({{"element", element}, {"color", element_color(element)}});
-    }
+    if (is_new) elements.push_back(element);
     bytes += entry->second;
   }
   return elements;
@@ -113,35 +116,40 @@ double distance_range(const std::vector<float>& distances) {
   return *rank > 0 ? *rank : 1e-9;
 }
 
-Scene make_scene(const Study& study, std::size_t input, const StudySetting& setting) {
-  const StudyInput& molecule = study.findings[input].input;
-  MachineOptions machine = study.options.machine;
-  machine.backend = backend_of_name(setting.key.backend);
+IndexedMesh mesh_anew(const Study& study, const SphereSet& spheres, const StudySetting& setting) {
+  Session session{study.options.machine, nullptr, {}};
+  session.machine.backend = value_named<Backend>("backend", setting.key.backend);
   MemoryDemand demand;
   demand.surface = surface_options(setting);
-  demand.backend = resolve(machine.backend);
+  demand.backend = resolve(session.machine.backend);
   demand.measures = Switch::off;
-  check_memory_before(demand, molecule.spheres, machine.memory_limit);
-  Report report;
-  const IndexedMesh mesh =
-      make_mesh(molecule.spheres, *demand.surface, {}, machine, nullptr, report);
+  check_memory_before(demand, spheres, session.machine.memory_limit);
+  return make_mesh(spheres, *demand.surface, session);
+}
+
+Scene make_scene(const Study& study, std::size_t input, const StudySetting& setting) {
+  const auto& [molecule, spheres] = study.findings[input].input.structure;
+  const IndexedMesh mesh = mesh_anew(study, spheres, setting);
   const Box box = box_of(mesh);
-  const std::vector<float> distances = centroid_distances(mesh, molecule.spheres);
+  const std::vector<float> distances = centroid_distances(mesh, spheres);
   const double range = distance_range(distances);
   Scene scene{input, setting, {}, {}};
   append_positions(mesh, box, scene.bytes);
   append_triangles(mesh, scene.bytes);
-  const Json elements = append_elements(mesh, molecule.molecule, scene.bytes);
+  const std::vector<std::string> elements = append_elements(mesh, molecule, scene.bytes);
   append_bytes(distances, -range, range, scene.bytes);
   append_bytes(min_angles_deg(mesh), 0, 60, scene.bytes);
-  scene.description = {{"input", input},
-                       {"parameters", setting_json(setting)},
-                       {"vertices", mesh.vertex_count()},
-                       {"triangles", mesh.triangle_count()},
-                       {"lower", {box.lower.x, box.lower.y, box.lower.z}},
-                       {"upper", {box.upper.x, box.upper.y, box.upper.z}},
-                       {"elements", elements},
-                       {"distance_range", range}};
+  JsonText json(JsonText::Layout::compact);
+  json("input", input), json("parameters", setting);
+  json("vertices", mesh.vertex_count()), json("triangles", mesh.triangle_count());
+  json("lower", std::vector{box.lower.x, box.lower.y, box.lower.z});
+  json("upper", std::vector{box.upper.x, box.upper.y, box.upper.z});
+  json.list("elements", elements, [&](const std::string& element) {
+    const auto color = element_color(element);
+    json("element", element), json("color", std::vector<int>(color.begin(), color.end()));
+  });
+  json("distance_range", range);
+  scene.description = std::move(json).take();
   return scene;
 }
 

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "json_writer.hpp"
 #include "study/study.hpp"
 
 namespace vdwmesh::apps {
@@ -13,7 +12,7 @@ namespace vdwmesh::apps {
 struct Scene {
   std::size_t input;
   StudySetting setting;
-  Json description;  // counts, box, ranges, colours: what the page needs to read the bytes
+  std::string description;  // JSON: counts, box, ranges, colours, to read the bytes with
   std::string bytes;
 };
 

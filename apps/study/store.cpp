@@ -1,3 +1,5 @@
+// A run is kept in a file named by the hash of its key: two keys of one hash are told apart by the
+// key in the file. Whoever finds no file, or a bad one, makes the run anew.
 #include "study/store.hpp"
 
 #include <fmt/format.h>
@@ -9,7 +11,6 @@
 
 #include "core/errors.hpp"
 #include "output.hpp"
-#include "study/records.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -40,28 +41,20 @@ StudyStore::StudyStore(const fs::path& folder) : folder_(folder / "runs") {
   check_writable("-o", folder_ / "run.json");
 }
 
-fs::path StudyStore::path_of(const Json& key) const {
-  return folder_ / (hash_text(write_json(key)) + ".json");
+fs::path StudyStore::path_of(const RunKey& key) const {
+  return folder_ / (hash_text(key_json(key)) + ".json");
 }
 
-std::optional<StudyRun> StudyStore::find(const Json& key) const {
+std::optional<StudyRun> StudyStore::find(const RunKey& key) const {
   std::ifstream file(path_of(key), std::ios::binary);
   if (!file) return std::nullopt;
   std::ostringstream text;
   text << file.rdbuf();
-  try {
-    const Json kept = Json::parse(text.str());
-    if (write_json(kept.at("key")) != write_json(key)) return std::nullopt;
-    return run_from_json(kept.at("run"));
-  } catch (const Json::exception&) {
-    return std::nullopt;
-  } catch (const InvalidInput&) {
-    return std::nullopt;
-  }
+  return run_of_record(text.str(), key);
 }
 
-void StudyStore::keep(const Json& key, const StudyRun& run) const {
-  write_file(path_of(key), write_json({{"key", key}, {"run", run_json(run)}}));
+void StudyStore::keep(const RunKey& key, const StudyRun& run) const {
+  write_file(path_of(key), record_json(key, run));
 }
 
 }  // namespace vdwmesh::apps

@@ -5,8 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "analysis/study.hpp"
-#include "json_writer.hpp"
+#include "study/records.hpp"
 
 namespace vdwmesh::apps {
 
@@ -18,13 +17,12 @@ class StudyStore {
   // Makes the folder where it is not there; what it is in must be. Throws InvalidInput.
   explicit StudyStore(const std::filesystem::path& folder);
 
-  // The run kept under exactly this key, which holds everything that a run depends on. A file that
-  // is damaged or of another key counts as none.
-  std::optional<StudyRun> find(const Json& key) const;
-  void keep(const Json& key, const StudyRun& run) const;
+  // The run kept under exactly this key. A file that is damaged or of another key counts as none.
+  std::optional<StudyRun> find(const RunKey& key) const;
+  void keep(const RunKey& key, const StudyRun& run) const;
 
  private:
-  std::filesystem::path path_of(const Json& key) const;
+  std::filesystem::path path_of(const RunKey& key) const;
   std::filesystem::path folder_;
 };
 

@@ -1,133 +1,46 @@
-// One row per run.
-#include <fmt/format.h>
-
-#include <utility>
-
+// One row per run. The cells are those that the descriptions of a run's parts give; the header says
+// which of them are shown, and in which order.
 #include "csv.hpp"
-#include "study/records.hpp"
+#include "study/describe_study.hpp"
 #include "study/study.hpp"
 
 namespace vdwmesh::apps {
 namespace {
 
-// A column: its name, and what it holds for a run. Header and rows come from the same list.
-using Columns = std::vector<std::pair<std::string, std::string>>;
+constexpr std::string_view kColumns =
+    "input,atoms,mesher,field,project,subdivide,resolution,backend,vertices,triangles,"
+    "euler_characteristic,shells,components,voids,genus,closed,manifold,oriented,area,exact_area,"
+    "area_relative_error,volume,exact_volume,volume_relative_error,"
+    "euler_characteristic_difference,self_intersections,"
+    "min_angle_deg_min,min_angle_deg_p01,min_angle_deg_median,min_angle_deg_p99,"
+    "min_angle_deg_max,aspect_ratio_min,aspect_ratio_p01,aspect_ratio_median,aspect_ratio_p99,"
+    "aspect_ratio_max,edge_length_min,edge_length_p01,edge_length_median,edge_length_p99,"
+    "edge_length_max,mesh_to_surface_mean,mesh_to_surface_rms,mesh_to_surface_max,"
+    "surface_to_mesh_mean,surface_to_mesh_rms,surface_to_mesh_max,hausdorff_lower_bound,"
+    "seconds_field,seconds_extract,seconds_refine,seconds_mesh,seconds_distances,mesh_bytes,"
+    "peak_bytes";
 
-class Row {
- public:
-  void text(const char* name, std::string_view value) {
-    columns_.emplace_back(name, csv_field(std::string(value)));
-  }
-  void number(std::string name, const std::optional<double>& value) {
-    columns_.emplace_back(std::move(name), csv_number(value));
-  }
-  template <class T>
-  void count(const char* name, const std::optional<T>& value) {
-    columns_.emplace_back(name, csv_count(value));
-  }
-  void yes_no(const char* name, bool value) {
-    columns_.emplace_back(name, value ? "true" : "false");
-  }
-  void distribution(const std::string& name, const Distribution& d) {
-    number(name + "_min", d.min), number(name + "_p01", d.p01), number(name + "_median", d.median);
-    number(name + "_p99", d.p99), number(name + "_max", d.max);
-  }
-  void distances(const std::string& name, const std::optional<DistanceStatistics>& d) {
-    const auto read = [&](auto member) {
-      return d ? std::optional<double>((*d).*member) : std::nullopt;
-    };
-    number(name + "_mean", read(&DistanceStatistics::mean));
-    number(name + "_rms", read(&DistanceStatistics::rms));
-    number(name + "_max", read(&DistanceStatistics::max));
-  }
-  Columns take() && { return std::move(columns_); }
-
- private:
-  Columns columns_;
-};
-
-void add_setting(Row& row, const StudySetting& setting) {
-  row.text("mesher", mesher_name(setting.key.mesher));
-  row.text("field", field_name(setting.key.field));
-  row.text("project", projection_name(setting.key.projection));
-  row.text("subdivide", std::to_string(setting.key.subdivisions));
-  row.number("resolution", setting.resolution);
-  row.text("backend", setting.key.backend);
-}
-
-void add_topology(Row& row, const MeshTopology& t) {
-  row.text("vertices", std::to_string(t.vertices));
-  row.text("triangles", std::to_string(t.triangles));
-  row.text("euler_characteristic", std::to_string(t.euler_characteristic));
-  row.text("shells", std::to_string(t.shells));
-  row.count("components", t.components), row.count("voids", t.voids), row.count("genus", t.genus);
-  row.yes_no("closed", t.closed), row.yes_no("manifold", t.manifold);
-  row.yes_no("oriented", t.oriented);
-}
-
-void add_distances(Row& row, const std::optional<MeshDistances>& distances) {
-  std::optional<DistanceStatistics> there, back;
-  std::optional<double> hausdorff;
-  if (distances) {
-    there = distances->mesh_to_surface;
-    back = distances->surface_to_mesh;
-    hausdorff = distances->hausdorff_lower_bound;
-  }
-  row.distances("mesh_to_surface", there);
-  row.distances("surface_to_mesh", back);
-  row.number("hausdorff_lower_bound", hausdorff);
-}
-
-void add_costs(Row& row, const StudyRun& run) {
-  row.number("seconds_field", run.seconds.field);
-  row.number("seconds_extract", run.seconds.extract);
-  row.number("seconds_refine", run.seconds.refine);
-  row.number("seconds_mesh", run.seconds.mesh);
-  row.number("seconds_distances", run.seconds.distances);
-  row.text("mesh_bytes", std::to_string(run.memory.mesh));
-  row.count("peak_bytes", run.memory.peak);
-}
-
-Columns columns_of(const StudyInput& input, const StudyRun& run) {
-  Row row;
-  row.text("input", input.name);
-  row.text("atoms", std::to_string(input.report.atoms_used));
-  add_setting(row, run.setting);
-  add_topology(row, run.topology);
-  row.number("area", run.measures.area), row.number("exact_area", input.exact.area);
-  row.number("area_relative_error", run.comparison.area_relative_error);
-  row.number("volume", run.measures.volume), row.number("exact_volume", input.exact.volume);
-  row.number("volume_relative_error", run.comparison.volume_relative_error);
-  row.count("euler_characteristic_difference", run.comparison.euler_characteristic_difference);
-  row.count("self_intersections", run.self_intersections);
-  row.distribution("min_angle_deg", run.quality.min_angle_deg);
-  row.distribution("aspect_ratio", run.quality.aspect_ratio);
-  row.distribution("edge_length", run.quality.edge_length);
-  add_distances(row, run.comparison.distances);
-  add_costs(row, run);
-  return std::move(row).take();
-}
-
-void print(const Columns& columns, std::string Columns::value_type::*part, std::string& csv) {
-  const char* separator = "";
-  for (const auto& column : columns) {
-    csv += separator;
-    csv += column.*part;
-    separator = ",";
-  }
-  csv += '\n';
+Cells cells_of(const StudyInput& input, const StudyRun& run) {
+  Cells cells(csv_number);
+  cells("input", input.name), cells("atoms", input.report.atoms_used);
+  cells("exact_area", input.exact.area), cells("exact_volume", input.exact.volume);
+  describe(cells, run.setting);
+  describe(cells, MeshBlock{run});
+  describe(cells, ComparisonBlock{run});
+  if (run.comparison.distances) describe(cells, *run.comparison.distances);
+  cells("seconds", run.seconds);
+  cells("mesh_bytes", run.memory.mesh), cells("peak_bytes", run.memory.peak);
+  return cells;
 }
 
 }  // namespace
 
 std::string study_csv(const Study& study) {
-  using Column = Columns::value_type;
-  std::string csv;
-  print(columns_of(StudyInput{}, StudyRun{}), &Column::first, csv);
+  std::vector<Cells> rows;
   for (const StudyFindings& f : study.findings) {
-    for (const StudyRun& run : f.runs) print(columns_of(f.input, run), &Column::second, csv);
+    for (const StudyRun& run : f.runs) rows.push_back(cells_of(f.input, run));
   }
-  return csv;
+  return csv_table(kColumns, rows);
 }
 
 }  // namespace vdwmesh::apps

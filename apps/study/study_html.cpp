@@ -1,4 +1,6 @@
-// The page: a template, the libraries, our scripts, and the data packed.
+// Puts the page of a study together: a template with marks, in whose places come the title, the
+// style, the libraries and scripts that the program carries, and the data, packed. The page needs
+// nothing else, and no network.
 #include <fmt/format.h>
 
 #include <array>
@@ -7,7 +9,7 @@
 #include "core/errors.hpp"
 #include "study/pack.hpp"
 #include "study/scene.hpp"
-#include "study/study_json.hpp"
+#include "study/study.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -23,22 +25,9 @@ constexpr std::array kVegaPackages = {
 std::string escape_html(std::string_view text) {
   std::string out;
   for (const char c : text) {
-    switch (c) {
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '&':
-        out += "&amp;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
+    const std::size_t special = std::string_view("<>&\"").find(c);
+    constexpr const char* kEscapes[] = {"&lt;", "&gt;", "&amp;", "&quot;"};
+    out += special == std::string_view::npos ? std::string(1, c) : kEscapes[special];
   }
   return out;
 }
@@ -88,15 +77,14 @@ std::string data_block(const std::string& id, std::string_view bytes) {
 }
 
 std::string data_blocks(const Study& study, std::vector<std::string>& warnings) {
-  std::string blocks = data_block(
-      "study", study_document(study).dump(-1, ' ', false, Json::error_handler_t::replace));
-  Json descriptions = Json::array();
+  std::string blocks = data_block("study", study_json(study, JsonText::Layout::compact));
+  std::string descriptions;
   std::size_t number = 0;
   for (const Scene& scene : make_scenes(study, warnings)) {
     blocks += data_block(fmt::format("scene-{}", number++), scene.bytes);
-    descriptions.push_back(scene.description);
+    descriptions += (descriptions.empty() ? "" : ",") + scene.description;
   }
-  return blocks + data_block("scenes", descriptions.dump());
+  return blocks + data_block("scenes", '[' + descriptions + ']');
 }
 
 std::string title(const Study& study) {

@@ -1,81 +1,65 @@
-#include "study/study_json.hpp"
+// The document that docs/study.schema.json describes: what was asked for, and per input its runs,
+// what was refused, and the series with the limits that they tend to.
+#include <utility>
 
 #include "build_id.hpp"
-#include "extract/extractor.hpp"
+#include "describe_measures.hpp"
 #include "report_json.hpp"
-#include "study/records.hpp"
+#include "study/describe_study.hpp"
+#include "study/study.hpp"
 
 namespace vdwmesh::apps {
 namespace {
 
-constexpr const char* kSchema = "vdwmesh-study/1";
-
-template <class T, class Convert>
-Json list(const std::vector<T>& values, Convert&& convert) {
-  Json result = Json::array();
-  for (const T& value : values) result.push_back(convert(value));
-  return result;
-}
-
-Json parameters_json(const StudyOptions& options) {
-  const StudyAxes& axes = options.axes;
-  const bool distances = options.distances.distances == Switch::on;
-  return {{"meshers", list(axes.meshers, mesher_name)},
-          {"spacings", axes.spacings},
-          {"edge_lengths", axes.edge_lengths},
-          {"subdivisions", axes.subdivisions},
-          {"fields", list(axes.fields, field_name)},
-          {"projections", list(axes.projections, study_projection_name)},
-          {"samples", distances ? Json(options.distances.samples_per_area) : Json(nullptr)},
-          {"seed", distances ? Json(options.distances.seed) : Json(nullptr)},
-          {"memory_limit", options.machine.memory_limit == kNoMemoryLimit
-                               ? Json(nullptr)
-                               : Json(options.machine.memory_limit)}};
-}
-
-Json refused_json(const RefusedRun& refused) {
-  return {{"parameters", setting_json(refused.setting)}, {"reason", refused.reason}};
-}
-
-Json relative_error(const std::optional<Extrapolation>& found, double exact) {
-  return found ? Json((found->limit - exact) / exact) : Json(nullptr);
-}
-
-Json compared_series(const StudySeries& series, const ExactUnion& exact) {
-  Json json = series_json(series);
-  json["area_extrapolated_relative_error"] = relative_error(series.area, exact.area);
-  json["volume_extrapolated_relative_error"] = relative_error(series.volume, exact.volume);
-  return json;
-}
-
-Json findings_json(const StudyFindings& f) {
-  return {{"name", f.input.name},
-          {"input", input_json(f.input.report)},
-          {"warnings", f.input.warnings},
-          {"exact", exact_json(f.input.exact)},
-          {"exact_seconds", f.input.exact_seconds},
-          {"runs", list(f.runs, run_json)},
-          {"refused", list(f.refused, refused_json)},
-          {"series", list(f.series, [&](const StudySeries& series) {
-             return compared_series(series, f.input.exact);
-           })}};
+std::optional<double> relative_error(const std::optional<Extrapolation>& found, double exact) {
+  return found ? std::optional((found->limit - exact) / exact) : std::nullopt;
 }
 
 }  // namespace
 
-Json study_document(const Study& study) {
-  return {{"schema", kSchema},
-          {"version", kVersion},
-          {"revision", kRevision},
-          {"parameters", parameters_json(study.options)},
-          {"backends", list(study.backends, backend_json)},
-          {"runs_found", study.runs_found},
-          {"runs_made", study.runs_made},
-          {"runs_left", study.runs_left},
-          {"seconds", study.seconds},
-          {"inputs", list(study.findings, findings_json)}};
+void describe(JsonText& a, const StudyOptions& options) {
+  const StudyAxes& axes = options.axes;
+  const DistanceChoice& d = options.distances;
+  const bool distances = d.distances == Switch::on;
+  a("meshers", axes.meshers);
+  a("spacings", axes.spacings), a("edge_lengths", axes.edge_lengths);
+  a("subdivisions", axes.subdivisions);
+  a("fields", axes.fields);
+  a("projections", axes.projections);
+  a("samples", distances ? std::optional(d.samples_per_area) : std::nullopt);
+  a("seed", distances ? std::optional(d.seed) : std::nullopt);
+  a("memory_limit", limit_or_null(options.machine.memory_limit));
 }
 
-std::string study_json(const Study& study) { return write_json(study_document(study)); }
+void describe(JsonText& a, const RefusedRun& refused) {
+  a("parameters", refused.setting), a("reason", refused.reason);
+}
+
+void describe(JsonText& a, const StudyFindings& f) {
+  const ExactUnion& exact = f.input.exact;
+  a("name", f.input.name);
+  a("input", f.input.report);
+  a("warnings", f.input.warnings);
+  a("exact", exact), a("exact_seconds", f.input.exact_seconds);
+  a("runs", f.runs), a("refused", f.refused);
+  a.list("series", f.series, [&](const StudySeries& series) {
+    describe(a, series);
+    a("area_extrapolated_relative_error", relative_error(series.area, exact.area));
+    a("volume_extrapolated_relative_error", relative_error(series.volume, exact.volume));
+  });
+}
+
+std::string study_json(const Study& study, JsonText::Layout layout) {
+  JsonText json(layout);
+  json("schema", "vdwmesh-study/1");
+  json("version", kVersion), json("revision", kRevision);
+  json("parameters", study.options);
+  json("backends", study.backends);
+  json("runs_found", study.runs_found), json("runs_made", study.runs_made);
+  json("runs_left", study.runs_left);
+  json("seconds", study.seconds);
+  json("inputs", study.findings);
+  return std::move(json).take();
+}
 
 }  // namespace vdwmesh::apps

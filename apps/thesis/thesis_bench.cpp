@@ -238,7 +238,7 @@ std::optional<double> per_triangle_ratio(const ThesisBenchRow& row) {
   return theirs / (*row.seconds.all / static_cast<double>(*row.triangles));
 }
 
-ThesisBench run_thesis_bench(
+ThesisBench rerun_thesis(
     const ThesisBenchOptions& options,
     const std::function<void(std::size_t, std::size_t, const ThesisBenchRow&)>& on_row) {
   Bench bench(options);

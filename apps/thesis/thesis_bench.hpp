@@ -54,7 +54,7 @@ std::optional<double> per_triangle_ratio(const ThesisBenchRow& row);
 std::optional<double> triangles_ratio(const ThesisBenchRow& row);
 
 // `on_row` is called before each row, with its place and the number of rows.
-ThesisBench run_thesis_bench(
+ThesisBench rerun_thesis(
     const ThesisBenchOptions& options,
     const std::function<void(std::size_t, std::size_t, const ThesisBenchRow&)>& on_row);
 

@@ -1,4 +1,5 @@
-// The rerun tables as text, CSV and JSON.
+// Prints the rerun tables: laid out for people, and, from one description of a row, as CSV and
+// JSON.
 #include <fmt/format.h>
 
 #include <iterator>
@@ -6,7 +7,7 @@
 
 #include "build_id.hpp"
 #include "csv.hpp"
-#include "json_writer.hpp"
+#include "json_text.hpp"
 #include "thesis/thesis_bench.hpp"
 
 namespace vdwmesh::apps {
@@ -103,35 +104,42 @@ void print_notes(Text out, const ThesisBench& bench) {
   if (!missing.empty()) fmt::format_to(out, "Missing, no structure file: {}.\n", joined(missing));
 }
 
-Json row_json(const ThesisBenchRow& row) {
-  const bool ran = row.structure.has_value();
-  return {{"table", row.table},
-          {"column", row.column},
-          {"thesis",
-           {{"entry", row.entry.id},
-            {"atoms", row.entry.atoms},
-            {"voxels", row.entry.voxels},
-            {"triangles", row.thesis.triangles},
-            {"seconds", row.thesis.seconds}}},
-          {"structure", ran ? Json(row.structure->id) : Json(nullptr)},
-          {"stand_in", is_stand_in(row)},
-          {"missing", !ran},
-          {"atoms", ran ? Json(row.atoms) : Json(nullptr)},
-          {"grid", ran ? Json({row.grid.x, row.grid.y, row.grid.z}) : Json(nullptr)},
-          {"voxels", ran ? Json(voxels_of(row)) : Json(nullptr)},
-          {"triangles", or_null(row.triangles)},
-          {"program_triangles", or_null(row.program_triangles)},
-          {"seconds",
-           {{"thesis_program_today", or_null(row.seconds.program)},
-            {"one_thread", or_null(row.seconds.one_thread)},
-            {"as_it_runs", or_null(row.seconds.all)},
-            {"kernels", or_null(row.seconds.kernels)}}},
-          {"triangles_ratio", or_null(triangles_ratio(row))},
-          {"seconds_ratio", or_null(seconds_ratio(row))},
-          {"seconds_per_triangle_ratio", or_null(per_triangle_ratio(row))}};
-}
+// What the thesis printed of a row.
+struct Printed {
+  const ThesisBenchRow& row;
+};
 
 }  // namespace
+
+template <class A>
+void describe(A& a, const Printed& printed) {
+  const ThesisBenchRow& row = printed.row;
+  a("entry", row.entry.id), a("atoms", row.entry.atoms), a("voxels", row.entry.voxels);
+  a("triangles", row.thesis.triangles), a("seconds", row.thesis.seconds);
+}
+
+template <class A>
+void describe(A& a, const ThesisTimes& seconds) {
+  a("thesis_program_today", seconds.program), a("one_thread", seconds.one_thread);
+  a("as_it_runs", seconds.all), a("kernels", seconds.kernels);
+}
+
+template <class A>
+void describe(A& a, const ThesisBenchRow& row) {
+  const bool ran = row.structure.has_value();
+  const auto if_ran = [&](const auto& value) { return ran ? std::optional(value) : std::nullopt; };
+  a("table", row.table), a("column", row.column);
+  a("thesis", Printed{row});
+  a("structure", ran ? std::optional(row.structure->id) : std::nullopt);
+  a("stand_in", is_stand_in(row)), a("missing", !ran);
+  a("atoms", if_ran(row.atoms));
+  a("grid", if_ran(std::vector{row.grid.x, row.grid.y, row.grid.z}));
+  a("voxels", if_ran(voxels_of(row)));
+  a("triangles", row.triangles), a("program_triangles", row.program_triangles);
+  a("seconds", row.seconds);
+  a("triangles_ratio", triangles_ratio(row)), a("seconds_ratio", seconds_ratio(row));
+  a("seconds_per_triangle_ratio", per_triangle_ratio(row));
+}
 
 std::string thesis_bench_text(const ThesisBench& bench) {
   std::string text;
@@ -147,38 +155,26 @@ std::string thesis_bench_text(const ThesisBench& bench) {
 }
 
 std::string thesis_bench_csv(const ThesisBench& bench) {
-  std::string csv =
-      "table,column,thesis_entry,thesis_atoms,thesis_voxels,thesis_triangles,thesis_seconds,"
-      "structure,stand_in,missing,atoms,voxels,triangles,seconds_thesis_program_today,"
-      "seconds_one_thread,seconds_as_it_runs,seconds_kernels,triangles_ratio,seconds_ratio,"
-      "seconds_per_triangle_ratio\n";
-  for (const ThesisBenchRow& row : bench.rows) {
-    const bool ran = row.structure.has_value();
-    csv += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.table, row.column,
-        row.entry.id, row.entry.atoms, row.entry.voxels, row.thesis.triangles, row.thesis.seconds,
-        ran ? csv_field(row.structure->id) : "", is_stand_in(row), !ran,
-        ran ? std::to_string(row.atoms) : "", ran ? std::to_string(voxels_of(row)) : "",
-        csv_count(row.triangles), csv_number(row.seconds.program),
-        csv_number(row.seconds.one_thread), csv_number(row.seconds.all),
-        csv_number(row.seconds.kernels), csv_number(triangles_ratio(row)),
-        csv_number(seconds_ratio(row)), csv_number(per_triangle_ratio(row)));
-  }
-  return csv;
+  constexpr std::string_view kColumns =
+      "table,column,thesis_entry,thesis_atoms,thesis_voxels,thesis_triangles,"
+      "thesis_seconds,structure,stand_in,missing,atoms,voxels,triangles,"
+      "seconds_thesis_program_today,seconds_one_thread,seconds_as_it_runs,seconds_kernels,"
+      "triangles_ratio,seconds_ratio,seconds_per_triangle_ratio";
+  std::vector<Cells> rows;
+  for (const ThesisBenchRow& row : bench.rows) describe(rows.emplace_back(csv_number), row);
+  return csv_table(kColumns, rows);
 }
 
 std::string thesis_bench_json(const ThesisBench& bench) {
-  Json rows = Json::array();
-  for (const ThesisBenchRow& row : bench.rows) rows.push_back(row_json(row));
   const bool none = bench.no_device.empty();
-  return write_json({{"schema", "vdwmesh-bench-thesis/1"},
-                     {"version", kVersion},
-                     {"revision", kRevision},
-                     {"threads", bench.threads},
-                     {"device", or_null(bench.device)},
-                     {"driver", or_null(bench.driver)},
-                     {"no_device", none ? Json(nullptr) : Json(bench.no_device)},
-                     {"rows", rows}});
+  JsonText json;
+  json("schema", "vdwmesh-bench-thesis/1");
+  json("version", kVersion), json("revision", kRevision);
+  json("threads", bench.threads);
+  json("device", bench.device), json("driver", bench.driver);
+  json("no_device", none ? std::nullopt : std::optional(bench.no_device));
+  json("rows", bench.rows);
+  return std::move(json).take();
 }
 
 }  // namespace vdwmesh::apps

@@ -260,6 +260,157 @@ class Documentation(ProgramTest):
         self.assertEqual(set(re.findall(r"`(--[a-z-]+)`", table)) - told, set())
 
 
+class Help(ProgramTest):
+    """Options by group, what stands for their values, what is required, what holds without them."""
+
+    def help(self, *verb):
+        result = self.run_ok(*verb, "--help")
+        self.assertEqual(result.stderr, "")
+        return result.stdout
+
+    def entry(self, text, option):
+        """An option's lines joined to one: names and value, then the meaning."""
+        found = re.search(rf"^  ({option}.*(?:\n {{20,}}.*)*)", text, re.M)
+        self.assertIsNotNone(found, option)
+        return re.sub(r"\s+", " ", found[1])
+
+    def test_groups_in_order(self):
+        for verb, groups in {
+            "report": ["Input", "Surface", "Measures", "Picture", "Output", "Machine"],
+            "exact": ["Input", "Measures", "Output", "Machine"],
+            "study": ["Input", "Sweep", "Measures", "Output", "Machine"],
+            "bench thesis": ["Benchmark", "Output", "Machine"],
+            "info": ["Output"],
+        }.items():
+            with self.subTest(verb=verb):
+                self.assertEqual(re.findall(r"^(\w+):$", self.help(*verb.split()), re.M), groups)
+
+    def test_values_have_names_and_units(self):
+        text = self.help("report")
+        for option, value in {"--spacing": "Å", "--probe": "Å", "--subdivide": "N", "--json": "FILE",
+                              "--field": "NAME", "--memory-limit": "BYTES", "--size": "WIDTHxHEIGHT"}.items():  # fmt: skip
+            self.assertRegex(text, rf"(?m)^  {option} {value} ", option)
+        self.assertRegex(text, r"(?m)^  --waters  ")
+        self.assertRegex(self.help("study"), r"(?m)^  --spacing Å,\.\.\. ")
+        self.assertNotIn("TEXT", text)
+
+    def test_columns_are_even_on_the_screen(self):
+        """Å takes two bytes and one column."""
+        lines = [l for l in self.help("report").splitlines() if re.match(r"  --\S+(?: \S+)?  +\S", l)]
+        self.assertGreater(len(lines), 30)
+        self.assertEqual({re.match(r"  --\S+(?: \S+)?  +", l).end() for l in lines}, {32})
+        self.assertLessEqual(max(map(len, self.help("report").splitlines())), 100)
+
+    def test_what_is_required_is_marked(self):
+        for verb, option in {"mesh": "-o, --output FILE", "render": "-o, --output FILE", "compare": "MESH",
+                             "study": "-o, --output FOLDER", "bench thesis": "--structures FOLDER"}.items():  # fmt: skip
+            self.assertIn("(required) ", self.entry(self.help(*verb.split()), option))
+        report = self.help("report")
+        self.assertIn("(required, or --sample) ", self.entry(report, "INPUT"))
+        self.assertEqual(report.count("(required"), 1)
+
+    def test_names_and_defaults(self):
+        text = self.help("report")
+        self.assertIn(": vdw, blinn, soft or inverse-squared [vdw]", self.entry(text, "--field"))
+        self.assertTrue(self.entry(text, "--spacing").endswith("[0.5; thesis presets 0.4]"))
+        for verb, levels in (("mesh", 0), ("report", 1), ("render", 1), ("study", "0,1")):
+            self.assertTrue(self.entry(self.help(verb), "--subdivide").endswith(f"[{levels}]"), verb)
+
+    def test_defaults_are_those_of_the_help(self):
+        """What --help says in brackets is what the report says was taken."""
+        told = self.help("report")
+        taken = self.report("report", "--sample", "bpti", "--spacing", "1", "--distances", "off")["parameters"]
+        for option, key in (("--mesher", "mesher"), ("--field", "field"), ("--preset", "preset"),
+                            ("--subdivide", "subdivide")):  # fmt: skip
+            self.assertTrue(self.entry(told, option).endswith(f"[{taken[key]}]"), option)
+
+    def test_verbs(self):
+        self.assertRegex(self.help(), r"(?m)^  bench pipeline +\S")
+        bench = self.help("bench")
+        self.assertEqual(re.findall(r"^  (\w+ \w+) ", bench, re.M), ["bench thesis", "bench pipeline"])
+        self.assertEqual(self.help("exact", "no-file.pdb"), self.help("exact"))
+        self.assertEqual(run("mesh", "-h").stdout, self.help("mesh"))
+
+
+class DidYouMean(ProgramTest):
+    """A slip of the fingers is named; where nothing is close, or two are as close, nothing is guessed."""
+
+    def suggests(self, name, *arguments):
+        self.assert_refused(BAD_INPUT, *arguments, says=(f"; did you mean {name}?",))
+
+    def suggests_nothing(self, *arguments):
+        result = self.assert_refused(BAD_INPUT, *arguments)
+        self.assertNotIn("did you mean", result.stderr)
+
+    def test_options(self):
+        for typed, meant in {"--spcing": "--spacing", "--spacing1": "--spacing", "--spaicng": "--spacing",
+                             "-spacing": "--spacing", "--colour-map": "--color-map", "--sead": "--seed",
+                             "--memory_limit": "--memory-limit", "--self-intersection": "--self-intersections",
+                             "--spcing=0.5": "--spacing", "--ouput": None, "--frobnicate": None, "--x": None,
+                             "--csv": None}.items():  # fmt: skip
+            with self.subTest(typed=typed):
+                arguments = ("report", UBIQUITIN, typed, "1")
+                if meant:
+                    self.suggests(meant, *arguments)
+                else:
+                    self.suggests_nothing(*arguments)
+
+    def test_options_of_the_verb_alone(self):
+        self.suggests("--field", "mesh", UBIQUITIN, "--feild", "vdw")
+        self.suggests_nothing("exact", UBIQUITIN, "--feild", "vdw")
+
+    def test_verbs(self):
+        for typed, meant in (("repport", "report"), ("mehs", "mesh"), ("benhc", "bench"), ("inof", "info")):
+            self.suggests(meant, typed)
+        self.suggests("pipeline", "bench", "pipline")
+        for typed in ("frobnicate", "x", "--frobnicate", ""):
+            self.suggests_nothing(typed)
+        self.suggests_nothing("bench", "speed")
+
+    def test_values(self):
+        for option, typed, meant in (("--field", "vwd", "vdw"), ("--field", "inverse-square", "inverse-squared"),
+                                     ("--mesher", "exakt", "exact"), ("--topology", "of", None),
+                                     ("--field", "nonsense", None), ("--backend", "gpu", None)):  # fmt: skip
+            with self.subTest(option=option, typed=typed):
+                arguments = ("report", UBIQUITIN, option, typed)
+                if meant:
+                    self.suggests(meant, *arguments)
+                else:
+                    self.suggests_nothing(*arguments)
+        self.suggests("blinn", "study", UBIQUITIN, "-o", self.folder / "out", "--field", "vdw,blin")
+
+
+class Words(ProgramTest):
+    """How options and values are told apart, in the program's own words."""
+
+    def test_values(self):
+        options = ("exact", UBIQUITIN, "--quiet")
+        for arguments in (("--probe", "-0.5"), ("--probe=-0.5",)):
+            self.run_ok(*options, *arguments)
+        result = self.run_ok("mesh", UBIQUITIN, "--spacing", "2", f"-o{self.folder}/a.ply", "--quiet")
+        self.assertEqual((result.stdout, self.files()), ("", ["a.ply"]))
+        self.run_ok("exact", "--quiet", "--", UBIQUITIN)
+
+    def test_refusals(self):
+        for arguments, says in {
+            ("--spacing",): ("--spacing", "value is missing", "--help"),
+            ("--spacing", "1", "--spacing", "2"): ("--spacing", "more than once"),
+            ("--waters=3",): ("--waters", "takes no value"),
+            ("more.pdb",): ("more.pdb", "too many"),
+            ("--sample", "bpti"): ("INPUT and --sample", "only one"),
+            ("--hetatm", "--no-hetatm"): ("--hetatm", "--no-hetatm", "only one"),
+            ("--frobnicate",): ("--frobnicate", "not an option of vdwmesh report", "--help"),
+        }.items():
+            with self.subTest(arguments=arguments):
+                self.assert_refused(BAD_INPUT, "report", UBIQUITIN, *arguments, says=says)
+
+    def test_several_structures(self):
+        both = ("bench", "pipeline", "--spacing", "2", "--repeat", "1", "--csv", "-")
+        rows = self.run_ok(*both, "--sample", "bpti,ubiquitin", UBIQUITIN).stdout.splitlines()
+        self.assertEqual({row.split(",")[0] for row in rows[1:]}, {"bpti", "ubiquitin", "ubiquitin.pdb"})
+        self.assert_refused(BAD_INPUT, "exact", "--sample", "bpti,ubiquitin", says=("--sample", "one structure"))
+
+
 class LostBalls(ProgramTest):
     """A ball between the grid's nodes is no part of the mesh; `mesh` and `report` say so."""
 

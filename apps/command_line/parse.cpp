@@ -1,11 +1,15 @@
-#include "parse.hpp"
+// Numbers are read by std::from_chars, which knows no locale, and must fill the whole text: "0.5x"
+// is no number. A leading plus, which from_chars does not take, is taken off first.
+#include "command_line/parse.hpp"
 
 #include <fmt/format.h>
 
 #include <charconv>
 #include <cmath>
-#include <functional>
 #include <limits>
+
+#include "command_line/suggest.hpp"
+#include "core/errors.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -24,28 +28,9 @@ bool in_range(double value, Range range) {
   return range == Range::finite || value >= 0;
 }
 
-std::string_view describe(Range range) {
+std::string_view words_for(Range range) {
   if (range == Range::positive) return "a finite number above 0";
   return range == Range::non_negative ? "a finite number, 0 or more" : "a finite number";
-}
-
-int binary_exponent(char suffix) {
-  switch (suffix) {
-    case 'K':
-    case 'k':
-      return 10;
-    case 'M':
-    case 'm':
-      return 20;
-    case 'G':
-    case 'g':
-      return 30;
-    case 'T':
-    case 't':
-      return 40;
-    default:
-      return -1;
-  }
 }
 
 // "8GiB", "8GB" and "8B" -> "8G", "8G" and "8".
@@ -62,7 +47,7 @@ double parse_number(std::string_view option, std::string_view text, Range range,
   double value = 0;
   if (!read_whole(text, value) || !in_range(value, range)) {
     throw InvalidInput(fmt::format("{} {}: needs {}, for example {} {}", option, text,
-                                   describe(range), option, example));
+                                   words_for(range), option, example));
   }
   return value;
 }
@@ -78,12 +63,11 @@ std::int64_t parse_integer(std::string_view option, std::string_view text, std::
 }
 
 std::uint64_t parse_bytes(std::string_view option, std::string_view text) {
+  constexpr std::string_view kSuffixes = "kKmMgGtT";
   std::string_view number = without_byte_letters(text);
-  int exponent = 0;
-  if (!number.empty() && binary_exponent(number.back()) >= 0) {
-    exponent = binary_exponent(number.back());
-    number.remove_suffix(1);
-  }
+  const std::size_t suffix = number.empty() ? kSuffixes.npos : kSuffixes.find(number.back());
+  if (suffix != kSuffixes.npos) number.remove_suffix(1);
+  const int exponent = suffix == kSuffixes.npos ? 0 : 10 * (static_cast<int>(suffix / 2) + 1);
   double value = 0;
   const bool read = read_whole(number, value) && in_range(value, Range::positive);
   const double bytes = std::ldexp(value, exponent);
@@ -106,15 +90,8 @@ std::string list_names(std::span<const std::string_view> names) {
 
 void throw_unknown_name(std::string_view option, std::string_view text,
                         std::span<const std::string_view> known) {
-  throw InvalidInput(fmt::format("{} {}: not known; choose {}", option, text, list_names(known)));
-}
-
-std::vector<double> parse_lengths(std::string_view option, const std::string& text) {
-  std::vector<double> lengths = parse_list(option, text, [&](const std::string& part) {
-    return parse_number(option, part, Range::positive, "1,0.5,0.25");
-  });
-  std::ranges::sort(lengths, std::greater());
-  return lengths;
+  throw InvalidInput(fmt::format("{} {}: not known; choose {}{}", option, text, list_names(known),
+                                 suggestion(text, known)));
 }
 
 }  // namespace vdwmesh::apps

@@ -1,0 +1,192 @@
+// Reads the command line in three steps: which verb it names, which texts its options have, and
+// what these mean. CLI11 does the second alone: it splits words into options and values, and knows
+// nothing of what they mean. Every refusal is worded here or where a value is read, one line that
+// says what, where and what would work.
+#include "command_line/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
+
+#include "build_id.hpp"
+#include "command_line/help.hpp"
+#include "command_line/option_list.hpp"
+#include "command_line/suggest.hpp"
+#include "core/errors.hpp"
+#include "output.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+using Words = std::vector<std::string>;
+using WordViews = std::vector<std::string_view>;
+
+constexpr std::string_view kBench = "bench";  // a verb of verbs
+
+bool asks_for_help(const Words& words) {
+  const auto is_help = [](const std::string& word) { return word == "--help" || word == "-h"; };
+  return std::ranges::any_of(words, is_help);
+}
+
+// The first word of every verb, and the second ones of `bench`.
+WordViews words_of_verbs(std::string_view before) {
+  WordViews words;
+  for (const Verb& verb : all_verbs()) {
+    if (!verb.name.starts_with(before)) continue;
+    const std::string_view rest = verb.name.substr(before.size());
+    const std::string_view word = rest.substr(0, rest.find(' '));
+    if (words.empty() || words.back() != word) words.push_back(word);
+  }
+  return words;
+}
+
+// The verb that the first words name; they are taken off.
+const Verb& take_verb(Words& words) {
+  const std::string before = !words.empty() && words[0] == kBench ? "bench " : "";
+  if (!before.empty()) words.erase(words.begin());
+  const std::string given = words.empty() ? "" : words[0];
+  const auto verb = std::ranges::find(all_verbs(), before + given, &Verb::name);
+  if (verb == all_verbs().end()) {
+    const WordViews known = words_of_verbs(before);
+    const std::string what =
+        given.empty() ? "VERB: missing" : given + ": not a verb" + suggestion(given, known);
+    throw InvalidInput(fmt::format("{}{}; the verbs are {}; vdwmesh {} --help says more", before,
+                                   what, fmt::join(known, " "), before.empty() ? "VERB" : kBench));
+  }
+  words.erase(words.begin());
+  return *verb;
+}
+
+// Help and version without a verb. Whether that was asked for.
+bool answer_without_verb(const Words& words) {
+  const bool of_bench = words.size() == 2 && words[0] == kBench;
+  if (!words.empty() && words[0] == "--version") {
+    write_standard_output(fmt::format("vdwmesh {} ({})\n", kVersion, kRevision));
+  } else if (of_bench && asks_for_help(words)) {
+    write_standard_output(verbs_help("bench "));
+  } else if (!words.empty() && asks_for_help({words[0]})) {
+    write_standard_output(verbs_help(""));
+  } else {
+    return false;
+  }
+  return true;
+}
+
+class Reading {
+ public:
+  Reading(const Verb& verb, const std::vector<OptionGroup>& groups) : verb_(verb), groups_(groups) {
+    app_.set_help_flag();
+    app_.allow_extras();
+    for (const OptionGroup& group : groups) {
+      for (const Option& option : group.options) add(option);
+    }
+  }
+
+  void split(Words words) {
+    std::ranges::reverse(words);  // as CLI11 takes them
+    try {
+      app_.parse(words);
+    } catch (const CLI::ArgumentMismatch& error) {
+      const std::string_view what = error.what();
+      throw InvalidInput(
+          fmt::format("{}: its value is missing{}", what.substr(0, what.find(':')), see_help()));
+    }
+    for (const std::string& word : app_.remaining()) refuse(word);
+  }
+
+  // Fills the draft that the options read into.
+  void read(Draft& draft) const {
+    for (const OptionGroup& group : groups_) {
+      for (const Option& option : group.options) {
+        const std::string name = option.short_name();
+        if (!is_given(name)) {
+          read_absent(option);
+          continue;
+        }
+        draft.given.emplace_back(name, group.title);
+        read_given(option, draft.files);
+      }
+    }
+  }
+
+ private:
+  void add(const Option& option) {
+    CLI::Option* added =
+        option.is_flag() ? app_.add_flag(option.name) : app_.add_option(option.name);
+    added->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    if (option.is_positional() && option.reader.times == Times::often) added->expected(-1);
+    added_[option.short_name()] = added;
+  }
+
+  bool is_given(const std::string& name) const { return added_.at(name)->count() > 0; }
+
+  void read_given(const Option& option, NamedFiles& files) const {
+    const std::string name = option.short_name();
+    const std::vector<std::string>& texts = added_.at(name)->results();
+    if (option.is_flag() && texts[0] != "true") throw InvalidInput(name + ": takes no value");
+    if (option.reader.times == Times::once) check_once(option, texts.size());
+    for (const std::string& text : texts) {
+      if (option.reader.use == Use::reads) files.add_input(name, text);
+      if (option.reader.use == Use::writes) files.add_output(name, text);
+      option.reader.read(name, text);
+    }
+  }
+
+  void check_once(const Option& option, std::size_t times) const {
+    const std::string name = option.short_name();
+    if (times > 1 && !option.is_flag()) throw InvalidInput(name + ": is given more than once");
+    if (option.other.empty() || !is_given(option.other)) return;
+    throw InvalidInput(fmt::format("{} and {}: give only one of them", name, option.other));
+  }
+
+  void read_absent(const Option& option) const {
+    const std::string name = option.short_name();
+    const auto& [meaning, text] = option.absence;
+    if (meaning == Absence::Meaning::value) option.reader.read(name, text);
+    if (meaning != Absence::Meaning::error) return;
+    if (!option.other.empty() && is_given(option.other)) return;
+    throw InvalidInput(fmt::format("no {}: {}", name, text));
+  }
+
+  [[noreturn]] void refuse(const std::string& word) const {
+    const std::string name = word.substr(0, word.find('='));
+    if (!name.starts_with('-')) throw InvalidInput(word + ": one argument too many" + see_help());
+    WordViews known;
+    for (const auto& [short_name, option] : added_) known.push_back(short_name);
+    throw InvalidInput(fmt::format("{}: not an option of vdwmesh {}{}{}", name, verb_.name,
+                                   suggestion(name, known), see_help()));
+  }
+
+  std::string see_help() const {
+    return fmt::format("; vdwmesh {} --help lists the options", verb_.name);
+  }
+
+  const Verb& verb_;
+  const std::vector<OptionGroup>& groups_;
+  CLI::App app_;
+  std::map<std::string, CLI::Option*> added_;
+};
+
+}  // namespace
+
+std::optional<Command> read_command_line(int argc, const char* const* argv) {
+  Words words(argv + 1, argv + std::max(argc, 1));
+  if (answer_without_verb(words)) return std::nullopt;
+  const Verb& verb = take_verb(words);
+  Draft draft;
+  draft.verb = verb.bit;
+  const std::vector<OptionGroup> groups = options_of(verb.bit, draft);
+  if (asks_for_help(words)) {
+    write_standard_output(verb_help(verb, groups));
+    return std::nullopt;
+  }
+  Reading reading(verb, groups);
+  reading.split(std::move(words));
+  reading.read(draft);
+  settle(draft);
+  return Command{&verb, std::move(draft.options)};
+}
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,43 @@
+// The command line, read and checked: which verb is to run, with which options.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "options.hpp"
+#include "picture_options.hpp"
+#include "study/study_options.hpp"
+#include "thesis/thesis_bench.hpp"
+#include "verbs.hpp"
+
+namespace vdwmesh::apps {
+
+// The options of all verbs. A verb finds its own filled in, and the others as they are here.
+struct Options {
+  std::vector<InputOptions> inputs;  // one, but for the verbs that take several
+  std::string mesh_path;             // read by `compare`, written by `mesh`
+  SurfaceOptions surface;
+  SelfIntersections self_intersections = SelfIntersections::small_meshes;
+  CgalCheck cgal_check = CgalCheck::small_meshes;
+  ExactOptions exact;
+  DistanceChoice distances;
+  MachineOptions machine;
+  PictureOptions picture;
+  OutputOptions output;
+  StudyOptions study;
+  ThesisBenchOptions thesis;
+  std::vector<double> spacings;  // Å, of `bench pipeline`, longest first
+  int repeats = 3;               // of benchmarks: at most; the least time counts
+};
+
+struct Command {
+  const Verb* verb;
+  Options options;
+};
+
+// Nothing where --help or --version was asked for: that is printed. Throws InvalidInput for what is
+// no verb, no option, no value of its option, or does not go together.
+std::optional<Command> read_command_line(int argc, const char* const* argv);
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,86 @@
+// Lays the lists of verbs and options out in two columns: what is typed, and what it means. Long
+// meanings are broken between words, with the next line below the second column.
+#include "command_line/help.hpp"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+#include "printable.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+constexpr std::size_t kLeft = 32, kRight = 68;  // columns on the screen
+
+std::string entry(const std::string& typed, const std::string& meaning) {
+  std::string text = typed + blanks(kLeft, typed);
+  if (columns_of(typed) >= kLeft) text += '\n' + std::string(kLeft, ' ');
+  std::istringstream words(meaning);
+  std::size_t used = 0;
+  for (std::string word; words >> word; used += columns_of(word) + 1) {
+    const bool breaks = used > 0 && used + columns_of(word) > kRight;
+    if (breaks) text += '\n' + std::string(kLeft, ' ');
+    if (breaks) used = 0;
+    text += (used > 0 ? " " : "") + word;
+  }
+  return text + '\n';
+}
+
+// "  -o, --output FILE".
+std::string typed(const Option& option) {
+  std::string names = option.name;
+  if (const std::size_t comma = names.find(','); comma != names.npos) names.insert(comma + 1, " ");
+  return fmt::format("  {}{}{}", names, option.reader.value.empty() ? "" : " ",
+                     option.reader.value);
+}
+
+std::string mark(const Option& option) {
+  if (option.absence.meaning != Absence::Meaning::error) return "";
+  return option.other.empty() ? "(required) " : fmt::format("(required, or {}) ", option.other);
+}
+
+std::string meaning(const Option& option) {
+  std::string text = mark(option) + option.help;
+  if (!option.reader.accepted.empty()) text += ": " + option.reader.accepted;
+  const bool is_shown = option.absence.meaning == Absence::Meaning::value ||
+                        option.absence.meaning == Absence::Meaning::words;
+  return is_shown ? fmt::format("{} [{}]", text, option.absence.text) : text;
+}
+
+std::string usage(const Verb& verb, const std::vector<OptionGroup>& groups) {
+  std::string text = fmt::format("Usage: vdwmesh {} [OPTION...]", verb.name);
+  for (const OptionGroup& group : groups) {
+    for (const Option& option : group.options) {
+      if (option.is_positional()) text += ' ' + option.name;
+      if (option.reader.times == Times::often && option.is_positional()) text += "...";
+    }
+  }
+  return text + '\n';
+}
+
+}  // namespace
+
+std::string verbs_help(std::string_view prefix) {
+  std::string text = fmt::format(
+      "Van der Waals surface meshes of molecules, and proof of how good they are\n\nUsage: vdwmesh "
+      "{}VERB [OPTION...]\n       vdwmesh VERB --help | --version\n\nVerbs:\n",
+      prefix);
+  for (const Verb& verb : all_verbs()) {
+    if (!verb.name.starts_with(prefix)) continue;
+    text += entry(fmt::format("  {}", verb.name), std::string(verb.summary));
+  }
+  return text;
+}
+
+std::string verb_help(const Verb& verb, const std::vector<OptionGroup>& groups) {
+  std::string text =
+      fmt::format("vdwmesh {}: {}\n\n{}", verb.name, verb.summary, usage(verb, groups));
+  for (const OptionGroup& group : groups) {
+    text += fmt::format("\n{}:\n", group.title);
+    for (const Option& option : group.options) text += entry(typed(option), meaning(option));
+  }
+  return text;
+}
+
+}  // namespace vdwmesh::apps

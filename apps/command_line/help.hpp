@@ -1,0 +1,19 @@
+// What --help prints, made from the lists of verbs and options.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "command_line/option_list.hpp"
+#include "verbs.hpp"
+
+namespace vdwmesh::apps {
+
+// The verbs whose names begin with `prefix`: "" or "bench ".
+std::string verbs_help(std::string_view prefix);
+
+// The options of a verb by group: names, what stands for the value, meaning, what holds without.
+std::string verb_help(const Verb& verb, const std::vector<OptionGroup>& groups);
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,272 @@
+// The list itself: one entry says what an option is called, which verbs take it, where its value
+// goes and how it is read, what it is for, and what holds without it. An option whose value or
+// default differs between verbs has several entries. Whoever adds an option adds it here and to
+// docs/options.md.
+#include "command_line/option_list.hpp"
+
+#include <fmt/format.h>
+
+namespace vdwmesh::apps {
+namespace {
+
+constexpr VerbSet kOneInput = kMesh | kReport | kExact | kCompare | kRender;
+constexpr VerbSet kInputs = kOneInput | kSeveralInputs;
+constexpr VerbSet kSurfaces = kMesh | kReport | kRender;
+constexpr VerbSet kDistances = kReport | kCompare | kStudy;
+constexpr VerbSet kPictures = kReport | kCompare | kRender;
+constexpr VerbSet kBenches = kThesisBench | kPipelineBench;
+constexpr VerbSet kWorking = kInputs | kThesisBench;
+constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare;
+
+constexpr const char* kFormats =
+    ".pdb .ent .cif .mmcif .pqr .xyzr, each also .gz; - is standard input";
+constexpr const char* kNameInput =
+    "name a structure file (.pdb .ent .cif .mmcif .pqr .xyzr, each also .gz), - for standard "
+    "input, or --sample ubiquitin";
+
+// The places of all inputs, one by one.
+Reader inputs(std::vector<std::string>& paths, Times times) {
+  return {"", "", [&](std::string_view, const std::string& path) { paths.push_back(path); },
+          Use::reads, times};
+}
+
+// Samples beyond the limit take hours even on a single atom.
+Kind<double> density() {
+  return {"N", "", [](std::string_view option, const std::string& text) {
+            constexpr double kMostSamples = 1e6;  // per Å²
+            const double samples = parse_number(option, text, Range::positive, "10");
+            if (samples <= kMostSamples) return samples;
+            throw InvalidInput(
+                fmt::format("{} {}: needs at most {} per Å²", option, text, kMostSamples));
+          }};
+}
+
+using ReadPicture = void (*)(std::string_view, const std::string&, PictureOptions&);
+Reader of_picture(PictureOptions& picture, std::string value, ReadPicture read_value) {
+  return {std::move(value), "",
+          [&picture, read_value](std::string_view option, const std::string& name) {
+            read_value(option, name, picture);
+          }};
+}
+
+std::vector<Option> input_options(Draft& d) {
+  ReadOptions& r = d.read;
+  const std::optional<Inclusion> keep = Inclusion::keep, drop = Inclusion::drop;
+  return {{"MESH", kCompare, one(d.options.mesh_path, text(""), Use::reads),
+           "mesh file: .ply .obj .off .stl or .glb",
+           required("name a mesh file (.ply .obj .off .stl .glb), then INPUT")},
+          {"INPUT", kOneInput, inputs(d.paths, Times::once), kFormats, required(kNameInput),
+           "--sample"},
+          {"INPUT", kSeveralInputs, inputs(d.paths, Times::often), kFormats, required(kNameInput),
+           "--sample"},
+          {"--sample", kInputs, several(d.samples, text("NAME")),
+           "built-in structures in place of INPUT: ubiquitin, bpti"},
+          {"--format", kInputs, one(r.format, named<StructureFormat>()),
+           "of INPUT, where its name does not tell"},
+          {"--radii", kInputs, one(r.radii, text("SET|FILE")),
+           "bondi, alvarez, or a file of lines ELEMENT RADIUS or RESIDUE ATOM RADIUS",
+           by_default("bondi")},
+          {"--probe", kInputs, one(d.probe, number("Å", Range::finite, "1.4")),
+           "added to every radius", by_default("0")},
+          {"--model", kInputs, one(r.model, text("N")),
+           "model number, first, or all models as one set", by_default("first")},
+          {"--assembly", kInputs, one(r.assembly, text("NAME")), "biological assembly of the file",
+           by_default("asymmetric")},
+          {"--select", kInputs, one(r.select, text("SELECTION")),
+           "gemmi selection, after the water rule", otherwise("everything")},
+          {"--altloc", kInputs, one(r.altloc, text("LABEL")),
+           "alternate locations: highest, or a label", by_default("highest")},
+          {"--waters", kInputs, flag(r.waters, Inclusion::keep), "keep waters"},
+          {"--no-hydrogens", kInputs, flag(r.hydrogens, Inclusion::drop), "drop hydrogens"},
+          {"--no-hetatm", kInputs, flag(d.hetero_atoms, drop), "drop HETATM records", no_default(),
+           "--hetatm"},
+          {"--hetatm", kInputs, flag(d.hetero_atoms, keep),
+           "keep HETATM records; only the thesis presets drop them otherwise"}};
+}
+
+std::vector<Option> surface_options(Draft& d) {
+  SurfaceOptions& s = d.options.surface;
+  const auto length = [](const char* example) { return number("Å", Range::positive, example); };
+  const Kind<int> levels = whole<int>(0, kMaxSubdivisions);
+  const char *subdivide = "midpoint subdivisions, Newton projection after each",
+             *project = "surface that vertices are moved to after a subdivision";
+  return {
+      {"--mesher", kSurfaces, one(s.mesher, named<Mesher>()),
+       "exact is crease-exact, with one atom per triangle", by_default("marching-cubes")},
+      {"--edge-length", kSurfaces, one(s.edge_length, length("0.35")), "of --mesher exact",
+       by_default("0.35")},
+      {"--field", kSurfaces, one(s.field.kind, named<FieldKind>()), "what is meshed",
+       by_default("vdw")},
+      {"--preset", kSurfaces, one(s.field.preset, named<FieldPreset>()),
+       "parameters of the blended fields", by_default("radius-aware")},
+      {"--spacing", kSurfaces, one(d.spacing, length("0.5")), "grid spacing",
+       otherwise("0.5; thesis presets 0.4")},
+      {"--padding", kSurfaces, one(d.padding, number("Å", Range::non_negative, "1.5")),
+       "grid beyond the box of the spheres", otherwise("3 spacings")},
+      {"--isovalue", kSurfaces, one(s.field.isovalue, number("T", Range::positive, "1")),
+       "of the blended fields", otherwise("1")},
+      {"--blobbiness", kSurfaces, one(s.field.blobbiness, number("B", Range::positive, "2")),
+       "of --field blinn", otherwise("2")},
+      {"--subdivide", kMesh | kPipelineBench, one(s.subdivisions, levels), subdivide,
+       by_default("0")},
+      {"--subdivide", kReport | kRender, one(s.subdivisions, levels), subdivide, by_default("1")},
+      {"--project", kSurfaces, one(d.projection, named<Projection>()), project,
+       otherwise("as --field")},
+      {"--spacing", kPipelineBench, several(d.options.spacings, length("0.5")), "grid spacings",
+       by_default("0.5,0.25")}};
+}
+
+std::vector<Option> axis_options(StudyAxes& a) {
+  const Kind<double> length = number("Å", Range::positive, "1,0.5,0.25");
+  return {
+      {"--mesher", kStudy, several(a.meshers, named<Mesher>()), "meshers",
+       by_default("marching-cubes")},
+      {"--edge-length", kStudy, several(a.edge_lengths, length), "edge lengths, of --mesher exact",
+       by_default("0.7,0.35")},
+      {"--spacing", kStudy, several(a.spacings, length), "grid spacings", by_default("1,0.5,0.25")},
+      {"--subdivide", kStudy, several(a.subdivisions, whole<int>(0, kMaxSubdivisions)),
+       "numbers of subdivisions", by_default("0,1")},
+      {"--field", kStudy, several(a.fields, named<FieldKind>()), "fields",
+       by_default("vdw,blinn,soft,inverse-squared")},
+      {"--project", kStudy, several(a.projections, named<StudyProjection>()),
+       "surfaces that vertices are moved to after a subdivision; own is that of the field",
+       by_default("own,vdw")},
+      {"--backend", kStudy, several(a.backends, named<Backend>()), "who makes the meshes",
+       by_default("auto")}};
+}
+
+std::vector<Option> measure_options(Draft& d) {
+  Options& o = d.options;
+  DistanceChoice& c = o.distances;
+  return {{"--method", kReport | kExact | kCompare, one(d.method, named<UnionMethod>()),
+           "of the exact union", otherwise("cgal; arcs without topology")},
+          {"--topology", kReport | kExact | kCompare, one(d.topology, named<Switch>()),
+           "exact topology", otherwise("on; off with arcs")},
+          {"--distances", kDistances, one(c.distances, named<Switch>()),
+           "between mesh and exact surface", by_default("on")},
+          {"--distances", kPipelineBench, one(c.distances, named<Switch>()),
+           "to the exact surface as well", by_default("off")},
+          {"--samples", kDistances, one(c.samples_per_area, density()), "of --distances, per Å²",
+           by_default("10")},
+          {"--seed", kDistances, one(c.seed, whole<std::uint64_t>(0, 4'294'967'295)),
+           "of the samples", by_default("1")},
+          {"--self-intersections", kReport | kStudy,
+           one(o.self_intersections, named<SelfIntersections>()),
+           "count them; auto: in meshes of up to a million triangles", by_default("auto")},
+          {"--cgal-check", kReport, one(o.cgal_check, named<CgalCheck>()),
+           "area and volume of the mesh by CGAL as well; auto: of up to a million triangles",
+           by_default("auto")}};
+}
+
+std::vector<Option> bench_options(Options& o) {
+  return {{"--structures", kThesisBench, one(o.thesis.structures, text("FOLDER")),
+           "the thesis's structure files",
+           required("name the folder of the structure files (110D.pdb, ...)")},
+          {"--table", kThesisBench, several(o.thesis.tables, text("TABLE")),
+           "of 4.1 4.2 4.3 4.4 4.5", otherwise("all")},
+          {"--entry", kThesisBench, several(o.thesis.entries, text("ID")),
+           "PDB ids of the thesis's tables", otherwise("all")},
+          {"--repeat", kBenches, one(o.repeats, whole<int>(1, 1000)),
+           "runs of which the fastest counts; long ones run once", by_default("3")}};
+}
+
+std::vector<Option> machine_options(Draft& d) {
+  MachineOptions& m = d.options.machine;
+  const VerbSet choosing = kSurfaces | kPipelineBench;
+  return {
+      {"--backend", choosing, one(m.backend, named<Backend>()), "who makes the mesh",
+       by_default("auto")},
+      {"--devices", choosing, one(m.devices, whole<int>(1, 64)),
+       "CUDA devices that share an extraction", by_default("1")},
+      {"--threads", kWorking, one(m.threads, whole<int>(1, 4096)), "CPU threads", otherwise("all")},
+      {"--memory-limit", kWorking,
+       one(d.memory_limit, Kind<std::uint64_t>{"BYTES", "", parse_bytes}),
+       "for example 8G; a run that needs more is refused", otherwise("80 % of what is free")},
+      {"--quiet", kWorking, flag(m.verbosity, Verbosity::quiet),
+       "no text on standard output, no progress", no_default(), "--progress"},
+      {"--progress", kWorking, flag(m.progress, Progress::always),
+       "progress bars even where standard error is no terminal"}};
+}
+
+std::vector<Option> picture_options(Draft& d) {
+  PictureOptions& p = d.options.picture;
+  RenderOptions& r = p.render;
+  return {
+      {"--picture", kReport | kCompare, one(p.path, text("FILE"), Use::writes),
+       "PNG of the mesh, triangles coloured by the distance of their centres to the exact "
+       "surface"},
+      {"--view", kPictures, of_picture(p, "VIEW", read_view),
+       "from where: front back right left top bottom (along the principal axes), x -x y -y z -z "
+       "(along the file's), or a direction X,Y,Z",
+       otherwise("front: the broadest side")},
+      {"--size", kPictures, of_picture(p, "WIDTHxHEIGHT", read_size), "in pixels",
+       by_default("1200x900")},
+      {"--background", kPictures, of_picture(p, "COLOR", read_background),
+       "transparent, white, black, grey or #rrggbb", by_default("white")},
+      {"--camera", kPictures, one(r.projection, named<CameraProjection>()), "how depth is drawn",
+       by_default("orthographic")},
+      {"--shading", kPictures, one(r.shading, named<Shading>()), "where light is computed",
+       by_default("pixel")},
+      {"--antialias", kPictures, one(r.samples_per_axis, whole<int>(1, 8)),
+       "samples along each side of a pixel, 1 to 8", by_default("3")},
+      {"--color-map", kPictures, one(p.color_map, named<ColorMap>()), "of values",
+       otherwise("cool-warm for distances, else viridis")},
+      {"--color-range", kPictures, of_picture(p, "LOWER,UPPER", read_color_range),
+       "values at the ends of the colour map", otherwise("what holds 99 % of them")},
+      {"--color", kRender, of_picture(p, "COLOR", read_color),
+       "element, distance (of triangle centres to the exact surface), angle (smallest of each "
+       "triangle), or one colour: white, black, grey, #rrggbb",
+       otherwise("element; of a MESH: grey")}};
+}
+
+std::vector<Option> output_options(Draft& d) {
+  Options& o = d.options;
+  return {
+      {"-o,--output", kMesh, one(o.mesh_path, text("FILE"), Use::writes),
+       "mesh file: .ply .obj .off .stl or .glb",
+       required("name the mesh file to write (.ply .obj .off .stl .glb)")},
+      {"-o,--output", kRender, one(o.picture.path, text("FILE"), Use::writes), "the picture: .png",
+       required("name the picture to write (.png)")},
+      {"-o,--output", kStudy, one(o.study.folder, text("FOLDER")),
+       "gets study.csv, study.json and index.html",
+       required("name the folder that the study is written to")},
+      {"--resume", kStudy, one(o.study.resume, named<Switch>()),
+       "take finished runs from the folder", by_default("on")},
+      {"--time-limit", kStudy, one(o.study.time_limit, number("s", Range::non_negative, "3600")),
+       "after which no further run begins; what is finished is written", otherwise("none")},
+      {"--page-triangles", kStudy,
+       one(o.study.page_triangles, whole<std::uint64_t>(0, 100'000'000)),
+       "most triangles of all meshes shown on the page", by_default("1000000")},
+      {"--json", kReports | kBenches | kInfo, one(o.output.json, text("FILE"), Use::writes),
+       "the report as JSON; - is standard output"},
+      {"--csv", kBenches, one(o.output.csv, text("FILE"), Use::writes),
+       "the table as CSV; - is standard output"},
+      {"--per-atom", kReport | kExact, one(o.output.per_atom, text("FILE"), Use::writes),
+       "CSV of radius, exact area, mesh area, exact volume; - is standard output"},
+      {"--group", kReport | kExact, one(o.output.group, named<AtomGroup>()), "rows of --per-atom",
+       by_default("atom")}};
+}
+
+}  // namespace
+
+std::vector<OptionGroup> all_options(Draft& d) {
+  return {{kInputGroup, input_options(d)},
+          {kSurfaceGroup, surface_options(d)},
+          {"Sweep", axis_options(d.options.study.axes)},
+          {"Measures", measure_options(d)},
+          {"Benchmark", bench_options(d.options)},
+          {kPictureGroup, picture_options(d)},
+          {"Output", output_options(d)},
+          {"Machine", machine_options(d)}};
+}
+
+std::vector<OptionGroup> options_of(VerbSet verb, Draft& draft) {
+  std::vector<OptionGroup> groups = all_options(draft);
+  for (OptionGroup& group : groups) {
+    std::erase_if(group.options, [&](const Option& option) { return !(option.verbs & verb); });
+  }
+  std::erase_if(groups, [](const OptionGroup& group) { return group.options.empty(); });
+  return groups;
+}
+
+}  // namespace vdwmesh::apps

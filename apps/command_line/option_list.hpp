@@ -1,0 +1,80 @@
+// The list of all options of the program. Parsing, --help and suggestions are made from it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "command_line/command_line.hpp"
+#include "command_line/readers.hpp"
+#include "named_files.hpp"
+#include "verbs.hpp"
+
+namespace vdwmesh::apps {
+
+// What happens where an option is not given.
+struct Absence {
+  enum class Meaning { nothing, value, words, error };
+  Meaning meaning = Meaning::nothing;
+  std::string text;  // value: is read as if it had been given; words: what then holds, for --help;
+                     // error: what to do about it
+};
+
+inline Absence no_default() { return {Absence::Meaning::nothing, ""}; }
+inline Absence by_default(std::string value) { return {Absence::Meaning::value, std::move(value)}; }
+inline Absence otherwise(std::string words) { return {Absence::Meaning::words, std::move(words)}; }
+inline Absence required(std::string advice) { return {Absence::Meaning::error, std::move(advice)}; }
+
+struct Option {
+  std::string name;  // "--spacing"; "-o,--output"; "INPUT", without dashes, by its place
+  VerbSet verbs;     // that take it
+  Reader reader;
+  std::string help;
+  Absence absence = {};
+  std::string other = {};  // the option that does not go with this one, and stands in for it where
+                           // this one is required
+
+  // As messages call it: the first of its names.
+  std::string short_name() const { return name.substr(0, name.find(',')); }
+  bool is_positional() const { return name[0] != '-'; }
+  bool is_flag() const { return !is_positional() && reader.value.empty(); }
+};
+
+struct OptionGroup {
+  std::string title;
+  std::vector<Option> options;
+};
+
+// The options while they are read, and what is not in its place until all of them are.
+struct Draft {
+  VerbSet verb = 0;
+  Options options;
+  std::vector<std::string> paths, samples;
+  ReadOptions read;
+  std::optional<Inclusion> hetero_atoms;
+  double probe = 0;                        // Å
+  std::optional<double> spacing, padding;  // Å
+  std::optional<Projection> projection;
+  std::optional<UnionMethod> method;
+  std::optional<Switch> topology;
+  std::optional<std::uint64_t> memory_limit;  // bytes
+  NamedFiles files;
+  std::vector<std::pair<std::string, std::string>> given;  // name and group, in the list's order
+};
+
+// The options of all verbs by group, in the order of --help; their readers fill `draft`.
+std::vector<OptionGroup> all_options(Draft& draft);
+// Those of one verb; groups without any are left out.
+std::vector<OptionGroup> options_of(VerbSet verb, Draft& draft);
+
+// The verbs that take more than one INPUT.
+inline constexpr VerbSet kSeveralInputs = kStudy | kPipelineBench;
+// Groups whose options mean nothing in places.
+inline constexpr const char *kInputGroup = "Input", *kSurfaceGroup = "Surface",
+                            *kPictureGroup = "Picture";
+
+// Puts everything in its place. Throws InvalidInput where options do not go together.
+void settle(Draft& draft);
+
+}  // namespace vdwmesh::apps

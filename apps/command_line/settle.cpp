@@ -1,0 +1,203 @@
+// What several options decide together: checks of what goes together, and values that follow from
+// others. Each function settles one part of the options. They run when every value has been read,
+// so that the order on the command line does not matter.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "command_line/option_list.hpp"
+#include "core/errors.hpp"
+#include "memory.hpp"
+#include "mesh/mesh_io.hpp"
+#include "render/renderer.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+template <class... Values>
+void refuse_if(bool wrong, fmt::format_string<Values...> message, Values&&... values) {
+  if (wrong) throw InvalidInput(fmt::format(message, std::forward<Values>(values)...));
+}
+
+// The first of the names that was given; empty where none was.
+std::string first_given(const Draft& d, std::initializer_list<const char*> names) {
+  for (const auto& [given, group] : d.given) {
+    if (std::ranges::count(names, given) > 0) return given;
+  }
+  return {};
+}
+
+bool is_given(const Draft& d, const char* name) { return !first_given(d, {name}).empty(); }
+
+void settle_field(const FieldOptions& field) {
+  const bool of_union = field.kind == FieldKind::vdw;
+  refuse_if(of_union && field.preset != FieldPreset::radius_aware,
+            "--preset {}: is of the blended fields; add --field blinn, soft or inverse-squared",
+            name_of(field.preset));
+  refuse_if(of_union && field.isovalue,
+            "--isovalue: --field vdw has none; add --field blinn, soft or inverse-squared");
+  refuse_if(field.blobbiness && field.kind != FieldKind::blinn,
+            "--blobbiness: --field {} has none; add --field blinn", name_of(field.kind));
+}
+
+// The crease-exact mesher has neither field nor grid.
+void settle_mesher(const Draft& d) {
+  const SurfaceOptions& s = d.options.surface;
+  const bool exact = s.mesher == Mesher::exact;
+  const std::string of_grid = first_given(d, {"--spacing", "--padding"});
+  refuse_if(!exact && is_given(d, "--edge-length"),
+            "--edge-length: is of --mesher exact; marching cubes takes --spacing instead");
+  refuse_if(exact && s.field.kind != FieldKind::vdw,
+            "--field {}: --mesher exact meshes the union of the spheres, which is --field vdw",
+            name_of(s.field.kind));
+  refuse_if(exact && !of_grid.empty(),
+            "{}: --mesher exact has no grid; --edge-length sets the size", of_grid);
+}
+
+void settle_projection(Draft& d) {
+  SurfaceOptions& s = d.options.surface;
+  const bool of_union = s.field.kind == FieldKind::vdw;
+  Projection projection = d.projection.value_or(of_union ? Projection::vdw : Projection::field);
+  // The field of --field vdw is the union itself.
+  if (of_union && projection == Projection::field) projection = Projection::vdw;
+  if (s.subdivisions > 0) {
+    s.projection = projection;
+  } else if (d.projection && projection != Projection::none) {
+    s.notes.push_back(fmt::format(
+        "--project {} has no effect with --subdivide 0: projection follows a subdivision",
+        name_of(*d.projection)));
+  }
+}
+
+void settle_surface(Draft& d) {
+  SurfaceOptions& s = d.options.surface;
+  settle_field(s.field);
+  if (d.verb & (kMesh | kReport | kRender)) settle_mesher(d);
+  s.grid = preset_grid(s.field.preset, d.spacing, d.padding);
+  settle_projection(d);
+}
+
+void check_model(const std::string& model) {
+  const bool is_number = !model.empty() && model.size() < 10 &&
+                         model.find_first_not_of("0123456789") == std::string::npos;
+  refuse_if(model != "first" && model != "all" && !is_number,
+            "--model {}: needs a model number of the file, first or all", model);
+}
+
+// The thesis took ATOM records alone.
+void settle_input(Draft& d) {
+  check_model(d.read.model);
+  const std::string& radii = d.read.radii;
+  if (radii != "bondi" && radii != "alvarez") d.files.add_input("--radii", radii);
+  const bool thesis = d.options.surface.field.preset != FieldPreset::radius_aware;
+  d.read.hetero_atoms = d.hetero_atoms.value_or(thesis ? Inclusion::drop : Inclusion::keep);
+  refuse_if(std::ranges::count(d.paths, "-") > 0 && d.read.format == StructureFormat::by_extension,
+            "INPUT -: standard input needs --format pdb, mmcif, pqr or xyzr");
+  for (const std::string& path : d.paths) d.options.inputs.push_back({path, "", d.read, d.probe});
+  for (const std::string& sample : d.samples) {
+    d.options.inputs.push_back({"", sample, d.read, d.probe});
+  }
+  refuse_if(d.options.inputs.size() > 1 && !(d.verb & kSeveralInputs),
+            "--sample: only one structure is taken");
+}
+
+// A mesh file is drawn as it is: what is said about structures would be lost on it.
+void settle_render(const Draft& d) {
+  if (d.verb != kRender || d.paths.empty() || !find_mesh_format(d.paths.front())) return;
+  const std::optional<ColorBy> color = d.options.picture.color;
+  refuse_if(color == ColorBy::element || color == ColorBy::distance,
+            "--color: a mesh file has no atoms; vdwmesh compare MESH INPUT --picture FILE.png "
+            "colours it by distance");
+  for (const auto& [name, group] : d.given) {
+    refuse_if(name != "INPUT" && (group == kInputGroup || group == kSurfaceGroup),
+              "{}: is of structures; {} is a mesh, which is drawn as it is", name, d.paths.front());
+  }
+}
+
+// Arcs are quicker, and know no topology.
+void settle_exact(Draft& d) {
+  ExactOptions& exact = d.options.exact;
+  const bool quick = d.topology == Switch::off;
+  exact.method = d.method.value_or(quick ? UnionMethod::arcs : UnionMethod::cgal);
+  const bool arcs = exact.method == UnionMethod::arcs;
+  refuse_if(arcs && d.topology == Switch::on,
+            "--topology on: needs the triangulation, which --method arcs does without; choose "
+            "--method cgal or both");
+  exact.topology = arcs || quick ? Switch::off : Switch::on;
+}
+
+void settle_distances(const Draft& d) {
+  const std::string of_samples = first_given(d, {"--samples", "--seed"});
+  refuse_if(!of_samples.empty() && d.options.distances.distances == Switch::off,
+            "{}: is of the distances; leave out --distances off", of_samples);
+}
+
+void settle_machine(Draft& d) {
+  MachineOptions& m = d.options.machine;
+  refuse_if(m.backend == Backend::cpu && is_given(d, "--devices"),
+            "--devices: says how many CUDA devices work; leave out --backend cpu");
+  m.memory_limit = d.memory_limit ? *d.memory_limit : default_memory_limit();
+  if (m.verbosity == Verbosity::quiet) m.progress = Progress::never;
+}
+
+void settle_output(const Draft& d) {
+  if (!d.options.mesh_path.empty()) mesh_format(d.options.mesh_path);
+  refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom"),
+            "--group: says how --per-atom FILE is grouped, and needs it");
+}
+
+// Where nothing can draw, that is said before any work.
+void settle_picture(const Draft& d) {
+  const std::filesystem::path path = d.options.picture.path;
+  for (const auto& [name, group] : d.given) {
+    refuse_if(group == kPictureGroup && path.empty(),
+              "{}: says how --picture FILE is drawn, and needs it", name);
+  }
+  if (path.empty()) return;
+  refuse_if(path.extension() != ".png", "{} {}: pictures are PNG; name a .png file",
+            first_given(d, {"-o", "--picture"}), path.string());
+  const Renderer available;
+}
+
+void settle_study(Draft& d) {
+  StudyOptions& study = d.options.study;
+  for (const char* name : {kStudyTable, kStudyDocument, kStudyPage}) {
+    if (d.verb == kStudy) d.files.add_output_in("-o", study.folder, name);
+  }
+  std::ranges::sort(study.axes.spacings, std::greater());
+  std::ranges::sort(study.axes.edge_lengths, std::greater());
+  std::ranges::sort(study.axes.subdivisions);
+  study.distances = d.options.distances;
+  study.self_intersections = d.options.self_intersections;
+  study.machine = d.options.machine;
+}
+
+void settle_bench(Options& o) {
+  std::ranges::sort(o.spacings, std::greater());
+  std::vector<std::string>& tables = o.thesis.tables;
+  for (const std::string& table : tables) {
+    if (std::ranges::count(kThesisTables, table) == 0) {
+      throw_unknown_name("--table", table, kThesisTables);
+    }
+  }
+  if (tables.empty()) tables.assign(kThesisTables.begin(), kThesisTables.end());
+  o.thesis.repeats = o.repeats;
+}
+
+}  // namespace
+
+void settle(Draft& d) {
+  settle_surface(d);
+  settle_input(d);
+  settle_exact(d);
+  settle_distances(d);
+  settle_machine(d);
+  settle_output(d);
+  settle_render(d);
+  settle_picture(d);
+  settle_study(d);
+  settle_bench(d.options);
+}
+
+}  // namespace vdwmesh::apps

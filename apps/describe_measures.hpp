@@ -1,0 +1,109 @@
+// The figures of a mesh and of an exact union, described for the report's JSON and its tables.
+#pragma once
+
+#include <optional>
+
+#include "describe.hpp"
+#include "report.hpp"
+
+namespace vdwmesh::apps {
+
+// A member of what may not be there.
+template <class T, class Member>
+std::optional<Member> of(const std::optional<T>& block, Member T::*member) {
+  return block ? std::optional<Member>((*block).*member) : std::nullopt;
+}
+
+template <class A>
+void describe(A& a, const ProjectionStats& level) {
+  a("projected", level.projected), a("unconverged", level.unconverged);
+  a("out_of_reach", level.out_of_reach);
+  a("undone", level.undone), a("turned", level.turned);
+  a("iterations_max", level.iterations_max), a("residual_max", level.residual_max);
+}
+
+template <class A>
+void describe(A& a, const NewtonSummary& sum) {
+  a("iterations_max", sum.iterations_max), a("residual_max", sum.residual_max);
+  a("unconverged", sum.unconverged), a("out_of_reach", sum.out_of_reach);
+  a("projected", sum.projected), a("undone", sum.undone), a("turned", sum.turned);
+  a("levels", sum.levels);
+}
+
+template <class A>
+void describe(A& a, const LevelReport& level) {
+  a("level", level.level);
+  a("vertices", level.vertices), a("triangles", level.triangles);
+  a("area", level.measures.area), a("volume", level.measures.volume);
+  a("self_intersections", level.self_intersections);
+  a("min_angle_deg", level.quality.min_angle_deg);
+  a("aspect_ratio", level.quality.aspect_ratio);
+  a("edge_length", level.quality.edge_length);
+}
+
+template <class A>
+void describe(A& a, const ExactMeshStats& stats) {
+  a("arcs", stats.arcs), a("corners", stats.corners);
+  a("points", stats.points), a("contacts", stats.contacts), a("joins", stats.joins);
+  a("euler_difference", stats.euler_difference), a("shell_difference", stats.shell_difference);
+  a("pieces", stats.pieces), a("split", stats.split);
+  a("seconds", stats.arrangement_seconds);
+}
+
+template <class A>
+void describe(A& a, const CgalMeasures& cgal) {
+  a("closed", cgal.closed), a("valid", cgal.valid), a("shells", cgal.shells);
+  a("area", cgal.area), a("volume", cgal.volume);
+}
+
+template <class A>
+void describe(A& a, const MeshReport& mesh) {
+  const MeshTopology& topology = mesh.topology;
+  a("path", mesh.path);
+  a("vertices", topology.vertices), a("edges", topology.edges), a("triangles", topology.triangles);
+  a("area", mesh.measures.area), a("volume", mesh.measures.volume);
+  a("outer_area", mesh.measures.outer_area), a("void_area", mesh.measures.void_area);
+  a("shells", topology.shells), a("components", topology.components);
+  a("voids", topology.voids), a("genus", topology.genus);
+  a("euler_characteristic", topology.euler_characteristic);
+  a("grid_clipped", mesh.grid_clipped), a("clamped_vertices", mesh.clamped_vertices);
+  a("closed", topology.closed), a("manifold", topology.manifold), a("oriented", topology.oriented);
+  a("degenerate_triangles", mesh.quality.degenerate_triangles);
+  a("self_intersections", mesh.self_intersections);
+  a("min_angle_deg", mesh.quality.min_angle_deg);
+  a("aspect_ratio", mesh.quality.aspect_ratio);
+  a("edge_length", mesh.quality.edge_length);
+  a("newton", mesh.projection.empty() ? std::nullopt : std::optional(summarize(mesh.projection)));
+  a("levels", mesh.levels);
+  a("arrangement", mesh.arrangement);
+  a("extrapolated_area", mesh.extrapolated_area);
+  a("extrapolated_volume", mesh.extrapolated_volume);
+  a("cgal", mesh.cgal);
+  a("notes", mesh.notes);
+}
+
+template <class A>
+void describe(A& a, const Shell& shell) {
+  a("area", shell.area), a("volume", shell.volume);
+}
+
+template <class A>
+void describe(A& a, const ExactUnion& exact) {
+  const auto& topology = exact.topology;
+  using T = UnionTopology;
+  a("method", exact.method);
+  a("area", exact.area);
+  a("outer_area", of(topology, &T::outer_area)), a("void_area", of(topology, &T::void_area));
+  a("volume", exact.volume), a("void_volume", of(topology, &T::void_volume));
+  a("shells", topology ? std::optional(topology->shells.size()) : std::nullopt);
+  a("components", of(topology, &T::components)), a("tunnels", of(topology, &T::tunnels));
+  a("voids", of(topology, &T::voids));
+  a("euler_characteristic", of(topology, &T::euler_characteristic));
+  a("point_contacts", of(topology, &T::point_contacts));
+  a("hidden_atoms", of(topology, &T::hidden_spheres));
+  a("shell_measures", of(topology, &T::shells));
+  a("check_area", exact.check_area), a("check_volume", exact.check_volume);
+  a("fallback_spheres", exact.fallback_spheres);
+}
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,49 @@
+// Sets a verb up and delivers what it found: the report as text for people, as JSON for programs,
+// and warnings on standard error where nobody would see them in the text.
+#include "session.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "output.hpp"
+#include "printable.hpp"
+#include "progress.hpp"
+
+namespace vdwmesh::apps {
+
+VerbSession::VerbSession(const MachineOptions& options)
+    : Session{options, nullptr, {}}, progress_(make_progress(options.progress)) {
+  monitor = progress_.get();
+  if (options.threads == 0) return;
+  threads_.emplace(tbb::global_control::max_allowed_parallelism,
+                   static_cast<std::size_t>(options.threads));
+}
+
+void VerbSession::end_progress() {
+  monitor = nullptr;
+  progress_.reset();
+}
+
+void VerbSession::deliver_report(const OutputOptions& output) {
+  end_progress();
+  add_warnings(report);
+  stop_watch();
+  if (!output.json.empty()) write_output(output.json, to_json(report));
+  deliver_text(output, [&] { return to_text(report); });
+}
+
+void VerbSession::deliver_text(const OutputOptions& output,
+                               const std::function<std::string()>& text) const {
+  const bool taken = output.json == "-" || output.csv == "-" || output.per_atom == "-";
+  if (machine.verbosity == Verbosity::quiet || taken) return print_warnings(report.warnings);
+  write_standard_output(text());
+}
+
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) {
+    fmt::print(stderr, "vdwmesh: warning: {}\n", printable(warning));
+  }
+}
+
+}  // namespace vdwmesh::apps

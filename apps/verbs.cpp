@@ -1,0 +1,28 @@
+// The table of the verbs. It stands apart from the verbs themselves, so that the list of options
+// can name them without knowing what they do.
+#include "verbs.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+constexpr Verb kVerbs[] = {
+    {kMesh, "mesh", "structure -> welded mesh file", run_mesh},
+    {kReport, "report", "mesh + exact geometry + comparison", run_report},
+    {kExact, "exact", "exact sphere union only, no mesh", run_exact},
+    {kCompare, "compare", "a triangle mesh, from any program, against the exact sphere union",
+     run_compare},
+    {kRender, "render", "a picture of a structure's surface, or of a mesh file", run_render},
+    {kStudy, "study", "sweep of spacings x subdivisions x fields: CSV, JSON and a page with plots",
+     run_study},
+    {kThesisBench, "bench thesis", "Tables 4.1 to 4.5 of the thesis, rerun on its grids",
+     run_thesis_bench},
+    {kPipelineBench, "bench pipeline",
+     "stage by stage from structure file to mesh file: seconds, bytes, memory, floor",
+     run_pipeline_bench},
+    {kInfo, "info", "version, build, backends, devices", run_info}};
+
+}  // namespace
+
+std::span<const Verb> all_verbs() { return kVerbs; }
+
+}  // namespace vdwmesh::apps
