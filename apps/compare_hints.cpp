@@ -67,16 +67,17 @@ void warn_of_place(const IndexedMesh& mesh, const SphereSet& spheres, Report& re
   const double size = norm(ours.upper - ours.lower);
   const double ratio = norm(theirs.upper - theirs.lower) / size;
   if (ratio < kSmall || ratio > kLarge) {
-    report.warnings.push_back(
-        fmt::format("the mesh is {:.3g} times as large as the molecule{}", ratio, unit_of(ratio)));
+    report.warn_if(true, "the mesh is {:.3g} times as large as the molecule{}", ratio,
+                   unit_of(ratio));
     return;
   }
   const double aside = norm(0.5 * (theirs.lower + theirs.upper) - 0.5 * (ours.lower + ours.upper));
   if (!(aside > kAside * size)) return;
-  report.warnings.push_back(fmt::format(
+  report.warn_if(
+      true,
       "the mesh lies {:.3g} Å from the molecule, middle to middle: was one of them moved, "
       "to the origin for example?",
-      aside));
+      aside);
 }
 
 }  // namespace vdwmesh::apps

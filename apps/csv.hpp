@@ -1,13 +1,69 @@
-// Comma-separated values (RFC 4180).
+// Tables: what is described, as single figures, and comma-separated values (RFC 4180) of them.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "cells.hpp"
+#include "command_line/names.hpp"
+#include "describe.hpp"
 
 namespace vdwmesh::apps {
+
+// The figures of a table by name: a visitor of described types. Members of members are called
+// "outer_inner". Lists have no cell.
+class Cells {
+ public:
+  // How numbers that are not whole are written.
+  using Format = std::string (*)(double);
+  explicit Cells(Format format) : format_(format) {}
+
+  template <class T>
+  void operator()(const std::string& key, const T& value) {
+    write(prefix_ + key, value);
+  }
+
+  // Empty where there is no such cell, or it has no value.
+  std::string operator[](const std::string& name) const {
+    const auto cell = cells_.find(name);
+    return cell == cells_.end() ? "" : cell->second;
+  }
+
+ private:
+  void write(const std::string& name, bool value) { cells_[name] = value ? "true" : "false"; }
+  void write(const std::string& name, double value) { cells_[name] = format_(value); }
+  template <Number T>
+  void write(const std::string& name, T value) {
+    cells_[name] = std::to_string(value);
+  }
+  template <Textual T>
+  void write(const std::string& name, const T& value) {
+    cells_[name] = value;
+  }
+  template <Named T>
+  void write(const std::string& name, T value) {
+    cells_[name] = name_of(value);
+  }
+  template <class T>
+  void write(const std::string& name, const std::optional<T>& value) {
+    if (value) write(name, *value);
+  }
+  template <class T>
+  void write(const std::string&, const std::vector<T>&) {}
+  template <class T>
+  requires(std::is_class_v<T> && !Textual<T>) void write(const std::string& name, const T& value) {
+    const std::string outer = std::exchange(prefix_, name + '_');
+    describe(*this, value);
+    prefix_ = outer;
+  }
+
+  Format format_;
+  std::string prefix_;
+  std::map<std::string, std::string> cells_;
+};
 
 // Text with a comma, quote or line break is quoted.
 std::string csv_field(std::string_view text);

@@ -8,14 +8,11 @@
 #pragma once
 
 #include <concepts>
-#include <optional>
-#include <string>
 #include <string_view>
 #include <type_traits>
 
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
-#include "command_line/names.hpp"
 
 namespace vdwmesh::apps {
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "command_line/names.hpp"
 #include "describe.hpp"
 
 namespace vdwmesh::apps {

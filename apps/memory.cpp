@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <limits>
-#include <optional>
 #include <string>
 
 #include "extract/extractor.hpp"

@@ -12,6 +12,7 @@
 #include "core/errors.hpp"
 #include "interrupt.hpp"
 #include "mesh/output_file.hpp"
+#include "refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -46,9 +47,8 @@ void check_folder(const fs::path& folder) {
   if (!fs::is_directory(status_of(folder))) {
     throw InvalidInput(fmt::format("there is no folder {}; make it first", folder.string()));
   }
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw InvalidInput(fmt::format("no permission to write into {}", folder.string()));
-  }
+  refuse_if(::access(folder.c_str(), W_OK | X_OK) != 0, "no permission to write into {}",
+            folder.string());
 }
 
 void check_writable(const fs::path& path) {
@@ -69,7 +69,7 @@ void check_writable(std::string_view option, const fs::path& path) {
   try {
     check_writable(path);
   } catch (const InvalidInput& error) {
-    throw InvalidInput(fmt::format("{} {}: {}", option, path.string(), error.what()));
+    refuse("{} {}: {}", option, path.string(), error.what());
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "command_line/parse.hpp"
 #include "core/errors.hpp"
+#include "refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -46,10 +47,8 @@ std::vector<double> numbers(std::string_view option, std::string_view text, std:
     values.push_back(parse_number(option, text.substr(first, end - first), Range::finite, example));
     first = end + 1;
   }
-  if (values.size() != count) {
-    throw InvalidInput(fmt::format("{} {}: needs {} numbers with commas between, for example {}",
-                                   option, text, count, example));
-  }
+  refuse_if(values.size() != count, "{} {}: needs {} numbers with commas between, for example {}",
+            option, text, count, example);
   return values;
 }
 
@@ -65,9 +64,7 @@ View view_of(std::string_view option, const std::string& text) {
   }
   const std::vector<double> d = numbers(option, text, 3, "1,1,0.5");
   const Vec3d toward_viewer{d[0], d[1], d[2]};
-  if (!(norm(toward_viewer) > 0)) {
-    throw InvalidInput(fmt::format("{} {}: is no direction", option, text));
-  }
+  refuse_if(!(norm(toward_viewer) > 0), "{} {}: is no direction", option, text);
   const bool along_z = d[0] == 0 && d[1] == 0;
   return along(toward_viewer, along_z ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1});
 }
@@ -94,10 +91,8 @@ void read_view(std::string_view option, const std::string& text, PictureOptions&
 
 void read_size(std::string_view option, const std::string& text, PictureOptions& options) {
   const std::size_t cross = std::min(text.find('x'), text.size());
-  if (cross == text.size()) {
-    throw InvalidInput(
-        fmt::format("{} {}: needs width x height in pixels, for example 1200x900", option, text));
-  }
+  refuse_if(cross == text.size(), "{} {}: needs width x height in pixels, for example 1200x900",
+            option, text);
   const auto side = [&](std::string_view digits) {
     return static_cast<int>(parse_integer(option, digits, 1, kMaxPictureSide));
   };
@@ -108,8 +103,7 @@ void read_size(std::string_view option, const std::string& text, PictureOptions&
 void read_background(std::string_view option, const std::string& text, PictureOptions& options) {
   options.render.background = color_of(text);
   if (options.render.background || text == "transparent") return;
-  throw InvalidInput(
-      fmt::format("{} {}: needs transparent, white, black, grey or #rrggbb", option, text));
+  refuse("{} {}: needs transparent, white, black, grey or #rrggbb", option, text);
 }
 
 void read_color(std::string_view option, const std::string& text, PictureOptions& options) {
@@ -125,12 +119,9 @@ void read_color(std::string_view option, const std::string& text, PictureOptions
 
 void read_color_range(std::string_view option, const std::string& text, PictureOptions& options) {
   const std::vector<double> bounds = numbers(option, text, 2, "-0.2,0.2");
-  if (!std::isfinite(bounds[1] - bounds[0])) {
-    throw InvalidInput(fmt::format("{} {}: is too wide to be divided", option, text));
-  }
-  if (!(bounds[0] < bounds[1])) {
-    throw InvalidInput(fmt::format("{} {}: needs the lower bound first", option, text));
-  }
+  refuse_if(!std::isfinite(bounds[1] - bounds[0]), "{} {}: is too wide to be divided", option,
+            text);
+  refuse_if(!(bounds[0] < bounds[1]), "{} {}: needs the lower bound first", option, text);
   options.range = {bounds[0], bounds[1]};
 }
 

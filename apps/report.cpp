@@ -9,45 +9,32 @@
 namespace vdwmesh::apps {
 namespace {
 
-// The warnings of one mesh, as far as they hold.
-class Warnings {
- public:
-  explicit Warnings(std::vector<std::string>& list) : list_(list) {}
-  template <class... Values>
-  void add_if(bool holds, fmt::format_string<Values...> text, Values&&... values) {
-    if (holds) list_.push_back(fmt::format(text, std::forward<Values>(values)...));
-  }
-
- private:
-  std::vector<std::string>& list_;
-};
-
-void add_shape_warnings(const MeshReport& mesh, Warnings warnings) {
-  warnings.add_if(!mesh.topology.closed,
-                  "the mesh is not closed: it has no volume, and its area misses the holes");
-  warnings.add_if(!mesh.topology.manifold, "the mesh is not a 2-manifold");
-  warnings.add_if(!mesh.topology.oriented,
-                  "the triangles do not face one way: the mesh has no volume");
-  warnings.add_if(mesh.measures.volume.value_or(0) < 0,
-                  "the mesh is inside out: its normals point inwards, its volume is negative");
+void add_shape_warnings(const MeshReport& mesh, Report& report) {
+  report.warn_if(!mesh.topology.closed,
+                 "the mesh is not closed: it has no volume, and its area misses the holes");
+  report.warn_if(!mesh.topology.manifold, "the mesh is not a 2-manifold");
+  report.warn_if(!mesh.topology.oriented,
+                 "the triangles do not face one way: the mesh has no volume");
+  report.warn_if(mesh.measures.volume.value_or(0) < 0,
+                 "the mesh is inside out: its normals point inwards, its volume is negative");
   const std::uint64_t degenerate = mesh.quality.degenerate_triangles;
-  warnings.add_if(degenerate > 0, "{} degenerate triangles", degenerate);
+  report.warn_if(degenerate > 0, "{} degenerate triangles", degenerate);
   const std::uint64_t crossings = mesh.self_intersections.value_or(0);
-  warnings.add_if(crossings > 0, "{} pairs of triangles intersect each other", crossings);
+  report.warn_if(crossings > 0, "{} pairs of triangles intersect each other", crossings);
 }
 
-void add_extraction_warnings(const MeshReport& mesh, Warnings warnings) {
+void add_extraction_warnings(const MeshReport& mesh, Report& report) {
   const std::uint64_t clipped = mesh.grid_clipped.value_or(0);
-  warnings.add_if(clipped > 0,
-                  "the grid cuts the surface in {} cells, where the mesh is closed by a flat lid; "
-                  "a larger --padding holds it all",
-                  clipped);
+  report.warn_if(clipped > 0,
+                 "the grid cuts the surface in {} cells, where the mesh is closed by a flat lid; "
+                 "a larger --padding holds it all",
+                 clipped);
   const NewtonSummary newton = summarize(mesh.projection);
   const std::uint64_t left = newton.unconverged + newton.out_of_reach;
-  warnings.add_if(left > 0,
-                  "{} vertices were left where they were by the projection ({} unconverged, {} out "
-                  "of reach)",
-                  left, newton.unconverged, newton.out_of_reach);
+  report.warn_if(left > 0,
+                 "{} vertices were left where they were by the projection ({} unconverged, {} out "
+                 "of reach)",
+                 left, newton.unconverged, newton.out_of_reach);
 }
 
 }  // namespace
@@ -79,8 +66,8 @@ void extrapolate(TriangleLabels labels, MeshReport& mesh) {
 
 void add_warnings(Report& report) {
   if (report.mesh) {
-    add_shape_warnings(*report.mesh, Warnings(report.warnings));
-    add_extraction_warnings(*report.mesh, Warnings(report.warnings));
+    add_shape_warnings(*report.mesh, report);
+    add_extraction_warnings(*report.mesh, report);
   }
 }
 

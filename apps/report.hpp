@@ -1,9 +1,12 @@
 // Everything a run found out. What was not computed is absent, never 0.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analysis/cgal_measures.hpp"
@@ -94,6 +97,15 @@ struct Report {
   Timing timing;
   std::vector<std::string> notes;     // for people: what was chosen or left out
   std::vector<std::string> warnings;  // for people: what may be wrong with the result
+
+  template <class... Values>
+  void note(fmt::format_string<Values...> text, Values&&... values) {
+    notes.push_back(fmt::format(text, std::forward<Values>(values)...));
+  }
+  template <class... Values>
+  void warn_if(bool holds, fmt::format_string<Values...> text, Values&&... values) {
+    if (holds) warnings.push_back(fmt::format(text, std::forward<Values>(values)...));
+  }
 };
 
 // All levels of a refinement in one line of figures.

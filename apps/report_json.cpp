@@ -1,10 +1,9 @@
 // Describes the report: which keys its blocks have, in which order, and what stands under them. The
 // document is that of docs/report.schema.json, which changes together with this file. Keys keep
 // their names; a block that was not computed is an empty optional, which becomes null.
-#include "report_json.hpp"
-
 #include "build_id.hpp"
-#include "describe_measures.hpp"
+#include "describe_report.hpp"
+#include "json_text.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -15,30 +14,6 @@ auto row_of(const Vector& v) {
 }
 
 }  // namespace
-
-void describe(JsonText& a, const AssumedRadius& assumed) {
-  a("element", assumed.element), a("radius", assumed.radius), a("count", assumed.count);
-}
-
-void describe(JsonText& a, const GuessedElement& guessed) {
-  a("element", guessed.element);
-  a("residue", guessed.residue_name);
-  a("atom", guessed.atom_name);
-  a("count", guessed.count);
-}
-
-void describe(JsonText& a, const InputReport& input) {
-  a("path", input.path), a("format", input.format);
-  a("model", input.model), a("assembly", input.assembly);
-  a("atoms_read", input.atoms_read), a("atoms_used", input.atoms_used);
-  a("spheres", input.spheres);
-  a("skipped", input.skipped);
-  a("radius_set", input.radius_set);
-  a("probe", input.probe);
-  a("radii_assumed", input.radii_assumed);
-  a("elements_guessed", input.elements_guessed);
-  a("unusual_elements_guessed", input.unusual_elements_guessed);
-}
 
 void describe(JsonText& a, const GridSpec& grid) {
   a("origin", row_of(grid.origin));
@@ -60,15 +35,8 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   a("subdivide", surface.subdivisions);
   a("project", surface.projection);
   a("grid", grid);
-  a("memory_limit", limit_or_null(parameters.memory_limit));
+  a("memory_limit", limit_of(parameters.memory_limit));
   a("memory_estimate", parameters.memory_estimate);
-}
-
-void describe(JsonText& a, const BackendReport& backend) {
-  a("requested", backend.requested), a("used", backend.used);
-  a("device", backend.device), a("driver", backend.driver);
-  a("reason", backend.reason);
-  a("devices", backend.devices), a("threads", backend.threads);
 }
 
 void describe(JsonText& a, const Comparison& comparison) {
@@ -103,10 +71,6 @@ void describe(JsonText& a, const Timing& timing) {
   a("build", timing.build), a("refine", timing.refine);
   a("exact", timing.exact), a("compare", timing.compare), a("picture", timing.picture);
   a("total", timing.total);
-}
-
-std::optional<std::uint64_t> limit_or_null(std::uint64_t memory_limit) {
-  return memory_limit == kNoMemoryLimit ? std::nullopt : std::optional(memory_limit);
 }
 
 std::string to_json(const Report& report) {

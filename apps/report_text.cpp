@@ -8,9 +8,9 @@
 #include <map>
 #include <utility>
 
-#include "cells.hpp"
 #include "command_line/names.hpp"
-#include "describe_measures.hpp"
+#include "csv.hpp"
+#include "describe_report.hpp"
 #include "printable.hpp"
 #include "report.hpp"
 

@@ -11,6 +11,7 @@
 
 #include "arrangement/exact_mesher.hpp"
 #include "cuda/backend.hpp"
+#include "refuse.hpp"
 #include "stopwatch.hpp"
 
 namespace vdwmesh::apps {
@@ -105,10 +106,9 @@ int devices_for(const SurfaceOptions& surface, Session& session) {
     return 0;
   }
   const std::size_t present = cuda_devices().devices.size();
-  if (static_cast<std::size_t>(machine.devices) > present) {
-    throw InvalidInput(fmt::format("--devices {}: the CUDA devices here are {}, so at most {}",
-                                   machine.devices, present, present));
-  }
+  refuse_if(static_cast<std::size_t>(machine.devices) > present,
+            "--devices {}: the CUDA devices here are {}, so at most {}", machine.devices, present,
+            present);
   if (machine.devices == 1) return 1;
   if (surface.mesher == Mesher::marching_cubes && surface.subdivisions == 0) return machine.devices;
   report.notes.push_back(
@@ -296,16 +296,15 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session)
   Report& report = session.report;
   if (check == CgalCheck::skip) return;
   if (!checks_with_cgal(check, mesh.triangle_count())) {
-    report.notes.push_back(
-        fmt::format("area and volume were not checked by CGAL: more than {} triangles "
-                    "(--cgal-check on)",
-                    kCgalMeasuresLimit));
+    report.note(
+        "area and volume were not checked by CGAL: more than {} triangles "
+        "(--cgal-check on)",
+        kCgalMeasuresLimit);
     return;
   }
   const MeshTopology& topology = report.mesh->topology;
   if (!topology.manifold || !topology.oriented) {
-    report.notes.push_back(
-        "area and volume were not checked by CGAL: the mesh is no oriented 2-manifold");
+    report.note("area and volume were not checked by CGAL: the mesh is no oriented 2-manifold");
     return;
   }
   report.mesh->cgal = cgal_measures(to_surface_mesh(mesh));
@@ -326,10 +325,10 @@ void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session
     result.self_intersections = self_intersections(mesh);
     advance(session.monitor, 1);
   } else if (wanted == SelfIntersections::small_meshes) {
-    report.notes.push_back(
-        fmt::format("self-intersections were not counted: more than {} triangles "
-                    "(--self-intersections on)",
-                    kSelfIntersectionTriangles));
+    report.note(
+        "self-intersections were not counted: more than {} triangles "
+        "(--self-intersections on)",
+        kSelfIntersectionTriangles);
   }
 }
 

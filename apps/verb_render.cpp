@@ -9,6 +9,7 @@
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
 #include "picture.hpp"
+#include "refuse.hpp"
 #include "steps.hpp"
 #include "verbs.hpp"
 
@@ -25,7 +26,7 @@ void draw_file(const std::filesystem::path& path, const PictureOptions& picture,
   try {
     draw_mesh(file.mesh, painter, picture, session);
   } catch (const InvalidInput& error) {
-    throw InvalidInput(fmt::format("{}: {}", path.string(), error.what()));
+    refuse("{}: {}", path.string(), error.what());
   }
 }
 

@@ -13,9 +13,9 @@
 #include "build_id.hpp"
 #include "command_line/help.hpp"
 #include "command_line/option_list.hpp"
-#include "command_line/suggest.hpp"
 #include "core/errors.hpp"
 #include "output.hpp"
+#include "refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -90,10 +90,11 @@ class Reading {
       app_.parse(words);
     } catch (const CLI::ArgumentMismatch& error) {
       const std::string_view what = error.what();
-      throw InvalidInput(
-          fmt::format("{}: its value is missing{}", what.substr(0, what.find(':')), see_help()));
+      refuse("{}: its value is missing{}", what.substr(0, what.find(':')), see_help());
     }
-    for (const std::string& word : app_.remaining()) refuse(word);
+    for (const std::string& word : app_.remaining()) {
+      if (word != "--") refuse_word(word);
+    }
   }
 
   // Fills the draft that the options read into.
@@ -138,7 +139,7 @@ class Reading {
     const std::string name = option.short_name();
     if (times > 1 && !option.is_flag()) throw InvalidInput(name + ": is given more than once");
     if (option.other.empty() || !is_given(option.other)) return;
-    throw InvalidInput(fmt::format("{} and {}: give only one of them", name, option.other));
+    refuse("{} and {}: give only one of them", name, option.other);
   }
 
   void read_absent(const Option& option) const {
@@ -147,16 +148,16 @@ class Reading {
     if (meaning == Absence::Meaning::value) option.reader.read(name, text);
     if (meaning != Absence::Meaning::error) return;
     if (!option.other.empty() && is_given(option.other)) return;
-    throw InvalidInput(fmt::format("no {}: {}", name, text));
+    refuse("no {}: {}", name, text);
   }
 
-  [[noreturn]] void refuse(const std::string& word) const {
+  [[noreturn]] void refuse_word(const std::string& word) const {
     const std::string name = word.substr(0, word.find('='));
     if (!name.starts_with('-')) throw InvalidInput(word + ": one argument too many" + see_help());
     WordViews known;
     for (const auto& [short_name, option] : added_) known.push_back(short_name);
-    throw InvalidInput(fmt::format("{}: not an option of vdwmesh {}{}{}", name, verb_.name,
-                                   suggestion(name, known), see_help()));
+    refuse("{}: not an option of vdwmesh {}{}{}", name, verb_.name, suggestion(name, known),
+           see_help());
   }
 
   std::string see_help() const {

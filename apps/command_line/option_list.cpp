@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "refuse.hpp"
+
 namespace vdwmesh::apps {
 namespace {
 
@@ -36,8 +38,7 @@ Kind<double> density() {
             constexpr double kMostSamples = 1e6;  // per Å²
             const double samples = parse_number(option, text, Range::positive, "10");
             if (samples <= kMostSamples) return samples;
-            throw InvalidInput(
-                fmt::format("{} {}: needs at most {} per Å²", option, text, kMostSamples));
+            refuse("{} {}: needs at most {} per Å²", option, text, kMostSamples);
           }};
 }
 

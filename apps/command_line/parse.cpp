@@ -4,12 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
+#include <numeric>
+#include <vector>
 
-#include "command_line/suggest.hpp"
 #include "core/errors.hpp"
+#include "refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -40,25 +42,45 @@ std::string_view without_byte_letters(std::string_view text) {
   return text;
 }
 
+using Distances = std::vector<std::size_t>;
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  Distances before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before_last.swap(last);
+    last.swap(row);
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, replaced});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+  }
+  return row.back();
+}
+
+// The dashes of options are no letters that somebody mistypes.
+std::size_t letters(std::string_view name) {
+  return name.size() - static_cast<std::size_t>(std::ranges::count(name, '-'));
+}
+
 }  // namespace
 
 double parse_number(std::string_view option, std::string_view text, Range range,
                     std::string_view example) {
   double value = 0;
-  if (!read_whole(text, value) || !in_range(value, range)) {
-    throw InvalidInput(fmt::format("{} {}: needs {}, for example {} {}", option, text,
-                                   words_for(range), option, example));
-  }
+  refuse_if(!read_whole(text, value) || !in_range(value, range),
+            "{} {}: needs {}, for example {} {}", option, text, words_for(range), option, example);
   return value;
 }
 
 std::int64_t parse_integer(std::string_view option, std::string_view text, std::int64_t lowest,
                            std::int64_t highest) {
   std::int64_t value = 0;
-  if (!read_whole(text, value) || value < lowest || value > highest) {
-    throw InvalidInput(
-        fmt::format("{} {}: needs a whole number from {} to {}", option, text, lowest, highest));
-  }
+  refuse_if(!read_whole(text, value) || value < lowest || value > highest,
+            "{} {}: needs a whole number from {} to {}", option, text, lowest, highest);
   return value;
 }
 
@@ -71,11 +93,9 @@ std::uint64_t parse_bytes(std::string_view option, std::string_view text) {
   double value = 0;
   const bool read = read_whole(number, value) && in_range(value, Range::positive);
   const double bytes = std::ldexp(value, exponent);
-  if (!read || bytes < 1 || bytes >= 0x1p63) {
-    throw InvalidInput(
-        fmt::format("{} {}: needs a number of bytes above 0, for example {} 8G or {} 500M", option,
-                    text, option, option));
-  }
+  refuse_if(!read || bytes < 1 || bytes >= 0x1p63,
+            "{} {}: needs a number of bytes above 0, for example {} 8G or {} 500M", option, text,
+            option, option);
   return static_cast<std::uint64_t>(bytes);
 }
 
@@ -86,6 +106,20 @@ std::string list_names(std::span<const std::string_view> names) {
     list += names[i];
   }
   return list;
+}
+
+std::string suggestion(std::string_view given, std::span<const std::string_view> known) {
+  std::string_view closest;
+  std::size_t least = letters(given) > 5 ? 3 : letters(given) > 1 ? 2 : 0;
+  for (const std::string_view name : known) {
+    // With one letter of three wrong it is another word ("gpu", "cpu") more often than a slip.
+    if (letters(given) < 4 && !name.starts_with(given.substr(0, 1))) continue;
+    const std::size_t distance = edit_distance(given, name);
+    if (distance > least) continue;
+    closest = distance < least ? name : "";  // which of two as close was meant, nobody knows
+    least = distance;
+  }
+  return closest.empty() ? "" : "; did you mean " + std::string(closest) + "?";
 }
 
 void throw_unknown_name(std::string_view option, std::string_view text,

@@ -7,18 +7,13 @@
 #include <functional>
 
 #include "command_line/option_list.hpp"
-#include "core/errors.hpp"
 #include "memory.hpp"
 #include "mesh/mesh_io.hpp"
+#include "refuse.hpp"
 #include "render/renderer.hpp"
 
 namespace vdwmesh::apps {
 namespace {
-
-template <class... Values>
-void refuse_if(bool wrong, fmt::format_string<Values...> message, Values&&... values) {
-  if (wrong) throw InvalidInput(fmt::format(message, std::forward<Values>(values)...));
-}
 
 // The first of the names that was given; empty where none was.
 std::string first_given(const Draft& d, std::initializer_list<const char*> names) {

@@ -16,7 +16,6 @@
 #include "study/make_run.hpp"
 #include "study/plan.hpp"
 #include "study/records.hpp"
-#include "study/store.hpp"
 #include "study/study.hpp"
 #include "study/study_progress.hpp"
 

@@ -1,9 +1,13 @@
-// Writes records and reads them back. Reading goes by the description of what was written: every
-// member must be there, and anything else makes the record none, so that a file cut off or of
-// another version is made anew rather than trusted.
+// Keeps runs and finds them again. A run stands in a file named by the hash of its key; two keys of
+// one hash are told apart by the key in the file. Reading goes by the description of what was
+// written: every member must be there, and whatever is damaged, cut off or of another version makes
+// the file none, so that the run is made anew.
 #include "study/records.hpp"
 
+#include <fmt/format.h>
+
 #include <concepts>
+#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <type_traits>
@@ -11,6 +15,8 @@
 #include "build_id.hpp"
 #include "core/errors.hpp"
 #include "json_text.hpp"
+#include "output.hpp"
+#include "refuse.hpp"
 
 namespace vdwmesh::apps {
 
@@ -48,6 +54,19 @@ class JsonReader {
   const Json& in_;
 };
 
+namespace {
+
+namespace fs = std::filesystem;
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directory(folder, error);
+  refuse_if(error || !fs::is_directory(folder), "-o {}: the folder cannot be made: {}",
+            folder.string(), error ? error.message() : "something else has that name");
+}
+
+}  // namespace
+
 void describe(JsonText& a, const RunKey& key) {
   a("version", kVersion), a("revision", kRevision), a("build", kBuild);
   a("spheres", key.spheres);
@@ -57,19 +76,29 @@ void describe(JsonText& a, const RunKey& key) {
   a("device", key.device), a("threads", key.threads);
 }
 
-std::string key_json(const RunKey& key) { return json_of(key); }
-
-std::string record_json(const RunKey& key, const StudyRun& run) {
-  JsonText json;
-  json("key", key);
-  json("run", run);
-  return std::move(json).take();
+std::string hash_text(std::string_view bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return fmt::format("{:016x}", hash);
 }
 
-std::optional<StudyRun> run_of_record(const std::string& record, const RunKey& key) {
+StudyStore::StudyStore(const fs::path& folder) : folder_(folder / "runs") {
+  make_folder(folder);
+  make_folder(folder_);
+  check_writable("-o", folder / "study.json");
+  check_writable("-o", folder_ / "run.json");
+}
+
+fs::path StudyStore::path_of(const RunKey& key) const {
+  return folder_ / (hash_text(json_of(key)) + ".json");
+}
+
+std::optional<StudyRun> StudyStore::find(const RunKey& key) const {
+  std::ifstream file(path_of(key), std::ios::binary);
+  if (!file) return std::nullopt;
   try {
-    const Json kept = Json::parse(record);
-    if (kept.at("key") != Json::parse(key_json(key))) return std::nullopt;
+    const Json kept = Json::parse(file);
+    if (kept.at("key") != Json::parse(json_of(key))) return std::nullopt;
     StudyRun run;
     JsonReader reader(kept.at("run"));
     describe(reader, run);
@@ -79,6 +108,12 @@ std::optional<StudyRun> run_of_record(const std::string& record, const RunKey& k
   } catch (const InvalidInput&) {
     return std::nullopt;
   }
+}
+
+void StudyStore::keep(const RunKey& key, const StudyRun& run) const {
+  JsonText json;
+  json("key", key), json("run", run);
+  write_file(path_of(key), std::move(json).take());
 }
 
 }  // namespace vdwmesh::apps

@@ -1,8 +1,11 @@
-// Finished runs of a study as they are kept: JSON with everything that a run depends on beside it.
+// Finished runs of a study, each in a file of its own that appears whole or not at all: JSON, with
+// everything that the run depends on beside it.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "study/describe_study.hpp"
 
@@ -19,10 +22,21 @@ struct RunKey {
   int threads;
 };
 
-std::string key_json(const RunKey& key);
-std::string record_json(const RunKey& key, const StudyRun& run);
+// FNV-1a, 64 bits, as sixteen hexadecimal digits.
+std::string hash_text(std::string_view bytes);
 
-// The run of a record; nothing where the text is damaged or of another key.
-std::optional<StudyRun> run_of_record(const std::string& record, const RunKey& key);
+class StudyStore {
+ public:
+  // Makes the folder where it is not there; what it is in must be. Throws InvalidInput.
+  explicit StudyStore(const std::filesystem::path& folder);
+
+  // The run kept under exactly this key. A file that is damaged or of another key counts as none.
+  std::optional<StudyRun> find(const RunKey& key) const;
+  void keep(const RunKey& key, const StudyRun& run) const;
+
+ private:
+  std::filesystem::path path_of(const RunKey& key) const;
+  std::filesystem::path folder_;
+};
 
 }  // namespace vdwmesh::apps

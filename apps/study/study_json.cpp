@@ -3,8 +3,7 @@
 #include <utility>
 
 #include "build_id.hpp"
-#include "describe_measures.hpp"
-#include "report_json.hpp"
+#include "describe_report.hpp"
 #include "study/describe_study.hpp"
 #include "study/study.hpp"
 
@@ -28,7 +27,7 @@ void describe(JsonText& a, const StudyOptions& options) {
   a("projections", axes.projections);
   a("samples", distances ? std::optional(d.samples_per_area) : std::nullopt);
   a("seed", distances ? std::optional(d.seed) : std::nullopt);
-  a("memory_limit", limit_or_null(options.machine.memory_limit));
+  a("memory_limit", limit_of(options.machine.memory_limit));
 }
 
 void describe(JsonText& a, const RefusedRun& refused) {

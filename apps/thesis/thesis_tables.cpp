@@ -7,6 +7,7 @@
 
 #include "assets.hpp"
 #include "core/errors.hpp"
+#include "refuse.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -55,9 +56,7 @@ ThesisTable thesis_table(std::string_view name) {
 }
 
 std::optional<ThesisStructure> find_structure(const fs::path& folder, const std::string& entry) {
-  if (!fs::is_directory(folder)) {
-    throw InvalidInput(fmt::format("--structures {}: there is no such folder", folder.string()));
-  }
+  refuse_if(!fs::is_directory(folder), "--structures {}: there is no such folder", folder.string());
   if (const auto path = find_file(folder, entry)) {
     return ThesisStructure{entry, ThesisStructure::Kind::original, *path};
   }

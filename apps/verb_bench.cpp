@@ -1,12 +1,12 @@
-// `vdwmesh bench pipeline`: times every stage from structure file to mesh file and prints the
-// table.
+// `vdwmesh bench thesis` and `vdwmesh bench pipeline`: time what their rooms measure and print the
+// tables. Progress is by rows of the thesis's tables, or by cases of the pipeline.
 #include <algorithm>
-#include <utility>
 
 #include "command_line/command_line.hpp"
 #include "output.hpp"
 #include "pipeline/pipeline_bench.hpp"
 #include "session.hpp"
+#include "thesis/thesis_bench.hpp"
 #include "verbs.hpp"
 
 namespace vdwmesh::apps {
@@ -37,6 +37,19 @@ void run_pipeline_bench(const Options& options) {
   if (!options.output.csv.empty()) write_output(options.output.csv, pipeline_bench_csv(bench));
   if (!options.output.json.empty()) write_output(options.output.json, pipeline_bench_json(bench));
   session.deliver_text(options.output, [&] { return pipeline_bench_text(bench); });
+}
+
+void run_thesis_bench(const Options& options) {
+  VerbSession session(options.machine);
+  const ThesisBench bench = rerun_thesis(
+      options.thesis, [&](std::size_t row, std::size_t rows, const ThesisBenchRow& next) {
+        if (row == 0) begin_stage(session.monitor, "Table " + next.table, rows);
+        advance(session.monitor, row == 0 ? 0 : 1);
+      });
+  session.end_progress();
+  if (!options.output.csv.empty()) write_output(options.output.csv, thesis_bench_csv(bench));
+  if (!options.output.json.empty()) write_output(options.output.json, thesis_bench_json(bench));
+  session.deliver_text(options.output, [&] { return thesis_bench_text(bench); });
 }
 
 }  // namespace vdwmesh::apps

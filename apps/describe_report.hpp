@@ -1,4 +1,4 @@
-// The figures of a mesh and of an exact union, described for the report's JSON and its tables.
+// The blocks of the report that others show as well: the tables of its text, and the study.
 #pragma once
 
 #include <optional>
@@ -104,6 +104,46 @@ void describe(A& a, const ExactUnion& exact) {
   a("shell_measures", of(topology, &T::shells));
   a("check_area", exact.check_area), a("check_volume", exact.check_volume);
   a("fallback_spheres", exact.fallback_spheres);
+}
+
+template <class A>
+void describe(A& a, const AssumedRadius& assumed) {
+  a("element", assumed.element), a("radius", assumed.radius), a("count", assumed.count);
+}
+
+template <class A>
+void describe(A& a, const GuessedElement& guessed) {
+  a("element", guessed.element);
+  a("residue", guessed.residue_name);
+  a("atom", guessed.atom_name);
+  a("count", guessed.count);
+}
+
+template <class A>
+void describe(A& a, const InputReport& input) {
+  a("path", input.path), a("format", input.format);
+  a("model", input.model), a("assembly", input.assembly);
+  a("atoms_read", input.atoms_read), a("atoms_used", input.atoms_used);
+  a("spheres", input.spheres);
+  a("skipped", input.skipped);
+  a("radius_set", input.radius_set);
+  a("probe", input.probe);
+  a("radii_assumed", input.radii_assumed);
+  a("elements_guessed", input.elements_guessed);
+  a("unusual_elements_guessed", input.unusual_elements_guessed);
+}
+
+template <class A>
+void describe(A& a, const BackendReport& backend) {
+  a("requested", backend.requested), a("used", backend.used);
+  a("device", backend.device), a("driver", backend.driver);
+  a("reason", backend.reason);
+  a("devices", backend.devices), a("threads", backend.threads);
+}
+
+// Nothing where memory is not limited.
+inline std::optional<std::uint64_t> limit_of(std::uint64_t memory_limit) {
+  return memory_limit == kNoMemoryLimit ? std::nullopt : std::optional(memory_limit);
 }
 
 }  // namespace vdwmesh::apps
