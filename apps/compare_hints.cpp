@@ -1,3 +1,6 @@
+// Looks for what is commonly wrong with mesh files before their figures mislead: vertices that
+// several triangles hold apart, units other than Å, and a mesh that was moved. Nothing is put right
+// but what closes the mesh, and that is noted; for the rest a warning says what it looks like.
 #include "compare_hints.hpp"
 
 #include <fmt/format.h>
@@ -17,6 +20,7 @@ constexpr double kSmall = 0.5, kLarge = 2;
 // Of the diagonal of the spheres' box: how far apart the middles of the two boxes may be.
 constexpr double kAside = 0.25;
 
+// Of the vertices that triangles use: what no triangle names is no part of the surface.
 Box box_of(const IndexedMesh& mesh) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
@@ -40,6 +44,7 @@ std::string unit_of(double ratio) {
 
 }  // namespace
 
+// Only open meshes come here: a closed one is as its author meant it, whatever lies in one place.
 bool weld_if_that_closes(MeshFile& file, std::uint64_t memory_limit, Report& report) {
   const IndexedMesh& mesh = file.mesh;
   const std::uint64_t need =
@@ -62,6 +67,7 @@ bool weld_if_that_closes(MeshFile& file, std::uint64_t memory_limit, Report& rep
   return true;
 }
 
+// Sizes are compared first, because a mesh in other units lies elsewhere as well.
 void warn_of_place(const IndexedMesh& mesh, const SphereSet& spheres, Report& report) {
   const Box ours = bounding_box(spheres), theirs = box_of(mesh);
   const double size = norm(ours.upper - ours.lower);

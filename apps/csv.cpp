@@ -1,4 +1,6 @@
-// Fields as RFC 4180 quotes them, numbers as short as they may be, and tables of cells.
+// Fields as RFC 4180 quotes them, numbers as short as they may be, and tables of cells. A header is
+// a list of names of cells, so that the columns of a table and their order are one line of text,
+// and header and rows cannot differ.
 #include "csv.hpp"
 
 #include <fmt/format.h>
@@ -22,6 +24,7 @@ std::string csv_number(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : std::string();
 }
 
+// Cells that a row does not have stay empty, as a figure does that was not computed.
 std::string csv_table(std::string_view columns, const std::vector<Cells>& rows) {
   std::string csv = std::string(columns) + '\n';
   for (const Cells& row : rows) {

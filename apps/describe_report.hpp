@@ -33,7 +33,7 @@ void describe(A& a, const NewtonSummary& sum) {
 template <class A>
 void describe(A& a, const LevelReport& level) {
   a("level", level.level);
-  a("vertices", level.vertices), a("triangles", level.triangles);
+  a("vertices", level.topology.vertices), a("triangles", level.topology.triangles);
   a("area", level.measures.area), a("volume", level.measures.volume);
   a("self_intersections", level.self_intersections);
   a("min_angle_deg", level.quality.min_angle_deg);

@@ -1,3 +1,6 @@
+// Handles SIGINT and SIGTERM. A handler may do next to nothing, so it either ends the process at
+// once or, while somebody holds signals, leaves a note that is asked for later. Lock-free atomics
+// are all that both sides share.
 #include "interrupt.hpp"
 
 #include <unistd.h>

@@ -16,6 +16,7 @@ void JsonText::open(char bracket) {
   first_ = true;
 }
 
+// An empty object or list stands on one line.
 void JsonText::close(char bracket) {
   --depth_;
   if (!first_) break_line();

@@ -1,5 +1,6 @@
 // The program: reads the command line, runs a verb, and turns exceptions into exit codes and one
-// line on standard error. Which cause has which code is part of the contract with scripts.
+// line on standard error. Which cause has which code is part of the contract with scripts, and so
+// is that nothing but the line is printed.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -29,6 +30,7 @@ int fail(ExitCode code, const Error& error) {
   return code;
 }
 
+// The order matters: what derives from another cause is caught before it.
 template <class Work>
 int exit_code_of(Work&& work) {
   try {

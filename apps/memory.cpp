@@ -1,3 +1,6 @@
+// Asks the kernel about memory: what is available, what the limits of the process's control groups
+// leave, and how much the process has used at most. What is not known, on a kernel without the file
+// or in a container that hides it, limits nothing.
 #include "memory.hpp"
 
 #include <algorithm>
@@ -69,6 +72,7 @@ PeakMemory::PeakMemory() {
   reset_ = file.good();
 }
 
+// The kernel keeps the high-water mark per process, so that of a part of a run needs a reset first.
 std::optional<std::uint64_t> PeakMemory::bytes() const {
   if (!reset_) return std::nullopt;
   std::ifstream file("/proc/self/status");

@@ -1,3 +1,7 @@
+// Estimates the memory that each stage of a run takes from what is known before it: atoms, the area
+// of the surface, the spacing. A run that would take more than is allowed is refused before it
+// begins, and the message names options with which it would fit, each tried by the same estimate,
+// which is good to a few per cent for `vdw` and to about ten for the blended fields.
 #include "memory_plan.hpp"
 
 #include <fmt/format.h>
@@ -26,6 +30,8 @@ constexpr double kTrianglesPerCell = 3.0;
 constexpr double kTrianglesPerPatch = 2.4, kTrianglesOfArcs = 3.5, kTrianglesOfBall = 256;
 constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays that grew
 
+// The number of triangles before any of them is made, from the area of the surface and the size of
+// a cell or edge.
 MeshSize first_level(const MemoryDemand& d) {
   const SurfaceOptions& surface = *d.surface;
   const bool exact = surface.mesher == Mesher::exact;
@@ -44,6 +50,8 @@ TriangleLabels labels_of(const MemoryDemand& d) {
                                                          : TriangleLabels::none;
 }
 
+// As the arrays will be laid out: refinement adds half-edges, and the mesher of patches grows its
+// arrays as it goes.
 std::uint64_t mesh_bytes(const MemoryDemand& d, const MeshSize& m) {
   if (d.mesh_bytes) return *d.mesh_bytes;
   const bool refined = d.surface && d.surface->subdivisions > 0;
@@ -56,6 +64,8 @@ std::uint64_t mesh_bytes(const MemoryDemand& d, const MeshSize& m) {
          (grown ? kPatchSlack * m.triangles : 0);
 }
 
+// Goes through the stages in their order and keeps the one that takes the most, with what is held
+// while it runs.
 class Estimate {
  public:
   explicit Estimate(const MemoryDemand& demand) : d_(demand) {}
@@ -99,6 +109,8 @@ class Estimate {
     return mesh;
   }
 
+  // Stages that look at the finished mesh, one after the other, which is why their needs do not add
+  // up.
   void look_at(const MeshSize& mesh, std::uint64_t held) {
     take("measure", held + measures_bytes(mesh));
     if (counts_self_intersections(d_.self_intersections, mesh.triangles)) {
@@ -136,6 +148,7 @@ MemoryDemand scaled(MemoryDemand d, double factor) {
   return d;
 }
 
+// Each level fewer is a quarter of the triangles.
 MemoryDemand with_subdivisions(MemoryDemand d, int levels) {
   for (int l = d.surface->subdivisions; l > levels; --l) {
     d.mesh = {d.mesh.vertices / 4, d.mesh.triangles / 4};
@@ -144,6 +157,8 @@ MemoryDemand with_subdivisions(MemoryDemand d, int levels) {
   return d;
 }
 
+// Tries ever larger steps until one fits, so that what the message names is about the finest that
+// would do.
 std::optional<std::string> fitting_step(const MemoryDemand& demand, std::uint64_t limit) {
   constexpr double kGrain = 1.05, kWidest = 1e12;  // Å
   const bool exact = demand.surface->mesher == Mesher::exact;
@@ -156,6 +171,7 @@ std::optional<std::string> fitting_step(const MemoryDemand& demand, std::uint64_
   return std::nullopt;
 }
 
+// The most levels that fit.
 std::optional<std::string> fitting_subdivisions(const MemoryDemand& demand, std::uint64_t limit) {
   for (int levels = demand.surface->subdivisions - 1; levels >= 0; --levels) {
     if (fits(with_subdivisions(demand, levels), limit)) {
@@ -213,6 +229,7 @@ double area_of_surface(const SphereSet& spheres, const MemoryDemand& demand, dou
   return estimate_area(spheres, make_field_model(demand.surface->field, grid));
 }
 
+// The area is known to a few per cent without a mesh, from points on the spheres.
 void fill_in(const SphereSet& spheres, MemoryDemand& demand) {
   double all = 0;  // Å²
   for (const Sphere& s : spheres.spheres()) all += 4 * std::numbers::pi * s.radius * s.radius;

@@ -1,3 +1,6 @@
+// Keeps account of the files that a command line names. Two names are one file where the system
+// says so, by whatever links, or where they would be the same once they are written; devices and
+// pipes may be named twice, because nothing is lost on them.
 #include "named_files.hpp"
 
 #include <fmt/format.h>
@@ -14,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A file that is not there yet is compared by where its name leads.
 bool same_file(const fs::path& a, const fs::path& b) {
   if (a == "-" || b == "-") return a == b;
   if (is_written_directly(a)) return false;

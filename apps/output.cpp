@@ -1,3 +1,6 @@
+// Writes results. Whether a file can be written is asked before the work begins, which may take
+// hours; what cannot be foreseen, such as a full disk, is an error when it happens. Signals wait
+// while a file is being written, so that no half of one is left.
 #include "output.hpp"
 
 #include <fmt/format.h>
@@ -43,6 +46,7 @@ bool sticky_folder_protects(const fs::path& file, const fs::path& folder) {
          user != of_folder.st_uid;
 }
 
+// Files are written beside their name and renamed, so that it is the folder that must be writable.
 void check_folder(const fs::path& folder) {
   if (!fs::is_directory(status_of(folder))) {
     throw InvalidInput(fmt::format("there is no folder {}; make it first", folder.string()));
@@ -51,6 +55,8 @@ void check_folder(const fs::path& folder) {
             folder.string());
 }
 
+// What can be asked without writing: permissions may change, and a disk may fill up, before the
+// file is written.
 void check_writable(const fs::path& path) {
   const fs::file_status status = status_of(path);
   if (fs::is_directory(status)) throw InvalidInput("is a folder; name a file in it");

@@ -1,3 +1,5 @@
+// Adds up the measures of atoms by atom, residue or chain. Sums are wide, so that they do not
+// depend on the order. Rows stand in the order of the file, whatever the group.
 #include "per_atom.hpp"
 
 #include <fmt/format.h>
@@ -47,6 +49,7 @@ std::vector<Row> make_rows(const Molecule& molecule, AtomGroup group,
   return rows;
 }
 
+// What the atoms of a row do not share has no value for it.
 void print(std::string& csv, const Row& row, double probe, bool with_mesh) {
   const auto& [model, chain, residue_number, residue_name] = row.key;
   csv += fmt::format("{},{},{},{},", model, csv_field(chain), csv_field(residue_number),

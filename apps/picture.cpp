@@ -22,22 +22,13 @@ namespace {
 // Share of the values that a colour map shows in full; the rest have the colours of its ends.
 constexpr double kInside = 0.99;
 
+// What was asked for comes before what suits the values.
 ColorScale scale_for(const std::vector<float>& values, ColorMap map, const ColorRange& range,
                      const std::string& title, const PictureOptions& options) {
   const ColorRange bounds = options.range.value_or(range);
   ColorScale scale{options.color_map.value_or(map), bounds.lower, bounds.upper, title};
   scale.tails = find_tails(scale, values);
   return scale;
-}
-
-// Points alone, which vertex_distances() takes.
-IndexedMesh triangle_centers(const IndexedMesh& mesh) {
-  IndexedMesh centers;
-  centers.positions.resize(mesh.triangle_count());
-  std::ranges::transform(mesh.triangles, centers.positions.begin(), [&](const Triangle& t) {
-    return (1.0 / 3) * (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]);
-  });
-  return centers;
 }
 
 std::uint64_t left_of(std::uint64_t limit, std::uint64_t taken) {
@@ -49,6 +40,7 @@ struct Drawing {
   Backend filled_by = Backend::cpu;
 };
 
+// CUDA fills the buffers where it made the mesh; a driver that does not share them is no error.
 Drawing draw(const Renderer& renderer, const MeshSource& host, const RenderOptions& options,
              Backend backend, std::vector<std::string>& notes) {
   if (backend == Backend::cpu) return {renderer.draw(host, options), Backend::cpu};
@@ -76,6 +68,15 @@ PictureReport report_of(const PictureOptions& options, const MeshSource& source,
 }
 
 }  // namespace
+
+IndexedMesh triangle_centers(const IndexedMesh& mesh) {
+  IndexedMesh centers;
+  centers.positions.resize(mesh.triangle_count());
+  std::ranges::transform(mesh.triangles, centers.positions.begin(), [&](const Triangle& t) {
+    return (1.0 / 3) * (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]);
+  });
+  return centers;
+}
 
 Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
   std::vector<Rgb> atoms;

@@ -15,6 +15,9 @@ namespace vdwmesh::apps {
 // What the surface is painted with is chosen when it is known which mesh is drawn.
 using Painter = std::function<Paint(const IndexedMesh&)>;
 
+// The middles of the triangles as points alone, which vertex_distances() takes.
+IndexedMesh triangle_centers(const IndexedMesh& mesh);
+
 // CPK colours of the vertices' atoms.
 Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule);
 // Signed distance of every triangle's centre to the boundary of the union: where a mesh has its

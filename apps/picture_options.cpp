@@ -52,6 +52,7 @@ std::vector<double> numbers(std::string_view option, std::string_view text, std:
   return values;
 }
 
+// A direction may be of any length. Up is along z, but for those who look along z.
 View view_of(std::string_view option, const std::string& text) {
   for (const NamedView& named : kViews) {
     if (named.name == text) return named.view;
@@ -117,6 +118,7 @@ void read_color(std::string_view option, const std::string& text, PictureOptions
   options.color = plain ? ColorBy::plain : kColorings[named];
 }
 
+// Both bounds are finite, and still their distance may not be.
 void read_color_range(std::string_view option, const std::string& text, PictureOptions& options) {
   const std::vector<double> bounds = numbers(option, text, 2, "-0.2,0.2");
   refuse_if(!std::isfinite(bounds[1] - bounds[0]), "{} {}: is too wide to be divided", option,

@@ -18,6 +18,7 @@ namespace {
 constexpr int kBarWidth = 30;
 constexpr std::chrono::milliseconds kDrawInterval{100};
 
+// An empty line is one that was taken off the terminal.
 void replace_line(const std::string& text) {
   std::fputs(("\r\x1b[K" + text).c_str(), stderr);
   std::fflush(stderr);

@@ -1,5 +1,6 @@
 // What follows from the figures of a report alone: the sums over the levels of a refinement, the
-// limits that they tend to, and the warnings that they call for.
+// limits that they tend to, and the warnings that they call for. Nothing is computed from the mesh
+// here, so reports of meshes that were read get the same warnings as those of our own.
 #include "report.hpp"
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 namespace vdwmesh::apps {
 namespace {
 
+// A mesh that is not closed or oriented has no volume, which the text alone would leave as a dash.
 void add_shape_warnings(const MeshReport& mesh, Report& report) {
   report.warn_if(!mesh.topology.closed,
                  "the mesh is not closed: it has no volume, and its area misses the holes");
@@ -23,6 +25,7 @@ void add_shape_warnings(const MeshReport& mesh, Report& report) {
   report.warn_if(crossings > 0, "{} pairs of triangles intersect each other", crossings);
 }
 
+// Of our own meshes: what the extraction or the projection could not do.
 void add_extraction_warnings(const MeshReport& mesh, Report& report) {
   const std::uint64_t clipped = mesh.grid_clipped.value_or(0);
   report.warn_if(clipped > 0,

@@ -20,15 +20,10 @@
 
 namespace vdwmesh::apps {
 
-struct InputReport {
-  std::string path, format, model, assembly, radius_set;
-  std::uint64_t atoms_read = 0, atoms_used = 0;
+// What is known of the molecule; its atoms are not here.
+struct InputReport : Molecule {
   std::uint64_t spheres = 0;  // an assembly has several of one atom
-  SkippedAtoms skipped;
-  std::vector<AssumedRadius> radii_assumed;
-  std::uint64_t elements_guessed = 0;
-  std::vector<GuessedElement> unusual_elements_guessed;
-  double probe = 0;  // Å
+  double probe = 0;           // Å
 };
 
 struct ParametersReport {
@@ -49,18 +44,12 @@ struct BackendReport {
 };
 
 // The mesh between two levels of refinement; level 0 is the extracted one.
-struct LevelReport {
+struct LevelReport : MeshExamination {
   int level = 0;
-  std::uint64_t vertices = 0, triangles = 0;
-  MeshMeasures measures;
-  MeshQuality quality;
   std::optional<std::uint64_t> self_intersections;
 };
 
-struct MeshReport {
-  MeshTopology topology;
-  MeshMeasures measures;
-  MeshQuality quality;
+struct MeshReport : MeshExamination {
   std::optional<std::uint64_t> grid_clipped, clamped_vertices;  // of our own extraction only
   std::optional<ExactMeshStats> arrangement;                    // of the crease-exact mesher
   std::optional<std::uint64_t> self_intersections;

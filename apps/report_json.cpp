@@ -21,6 +21,7 @@ void describe(JsonText& a, const GridSpec& grid) {
   a("cell_count", grid.cell_count());
 }
 
+// Parameters that the mesher or the field does not have are null, whatever their defaults are.
 void describe(JsonText& a, const ParametersReport& parameters) {
   const SurfaceOptions& surface = parameters.surface;
   const auto& grid = parameters.grid;
@@ -39,6 +40,7 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   a("memory_estimate", parameters.memory_estimate);
 }
 
+// Distances may be left out while the rest is there, so each of their members is null by itself.
 void describe(JsonText& a, const Comparison& comparison) {
   const auto& distances = comparison.distances;
   using D = MeshDistances;

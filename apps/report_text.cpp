@@ -41,6 +41,7 @@ void line(Text out, std::string_view label, std::string text) {
   fmt::format_to(out, "{:<12} {}\n", label, printable(std::move(text)));
 }
 
+// Reasons for which nothing was left out are not mentioned.
 std::string atoms_text(const InputReport& input) {
   std::vector<std::string> skipped;
   for (const auto& [reason, count] : input.skipped) {
@@ -72,6 +73,7 @@ void input_text(Text out, const InputReport& input) {
   line(out, "Radii", radii_text(input));
 }
 
+// In words, because "vdw" and "field" say little to those who do not know the options.
 std::string refinement_text(const SurfaceOptions& surface) {
   const std::string levels =
       counted(static_cast<std::uint64_t>(surface.subdivisions), "subdivision");
@@ -103,6 +105,7 @@ void parameters_text(Text out, const ParametersReport& parameters) {
                    grid.cells.z, grid.cell_count()));
 }
 
+// Who made the mesh, and why that is not a device where one might expect it.
 void backend_text(Text out, const BackendReport& backend) {
   std::string text = fmt::format("{}", name_of(backend.used));
   if (backend.device) text += fmt::format(", {}", *backend.device);
@@ -216,6 +219,7 @@ std::string self_intersections_text(const MeshReport& mesh) {
                                  : "self-intersections not computed";
 }
 
+// Relative differences: the figures themselves are those of the table above.
 std::string cgal_text(const MeshReport& mesh) {
   const CgalMeasures& cgal = *mesh.cgal;
   std::string text = fmt::format("CGAL's measures differ by {:.1e} (area)",
@@ -234,7 +238,7 @@ void levels_text(Text out, const std::vector<LevelReport>& levels) {
     const std::string crossings =
         level.self_intersections ? std::to_string(*level.self_intersections) : "-";
     fmt::format_to(out, "{:<22}{:>14}{:>12.4g}{:>12.4g}{:>12.4g}{:>12}\n", level.level,
-                   level.triangles, level.quality.min_angle_deg.p01,
+                   level.topology.triangles, level.quality.min_angle_deg.p01,
                    level.quality.min_angle_deg.median, level.quality.edge_length.median, crossings);
   }
 }
@@ -247,6 +251,7 @@ std::string extrapolated_text(const MeshReport& mesh) {
   return text + ", from the last two levels";
 }
 
+// What the mesh is, how it was made, and how good its triangles are.
 void mesh_text(Text out, const MeshReport& mesh) {
   const MeshTopology& topology = mesh.topology;
   fmt::format_to(out, "\n");
@@ -291,6 +296,7 @@ void distance_row(Text out, std::string_view label, const DistanceStatistics& d)
                  d.rms_error, "Å");
 }
 
+// Both directions: a mesh may lie close to the surface and still lack a part of it.
 void distances_text(Text out, const MeshDistances& distances) {
   fmt::format_to(out, "\n{:<22}{:>14}{:>10}{:>10}{:>10}{:>10}\n", "Distance", "mean", "rms", "95 %",
                  "99 %", "max");
@@ -300,6 +306,7 @@ void distances_text(Text out, const MeshDistances& distances) {
                  distances.hausdorff_lower_bound, distances.samples, distances.seed);
 }
 
+// Stages that did not run are left out; the rest of the total is what lies between stages.
 void timing_text(Text out, const Timing& timing) {
   const std::pair<const char*, std::optional<double>> stages[] = {
       {"read", timing.read},       {"field", timing.field},    {"extract", timing.extract},
@@ -344,6 +351,7 @@ std::string picture_text(const PictureReport& picture) {
   return text;
 }
 
+// In the order in which a reader asks: of what, how, with which result, and whether to trust it.
 std::string to_text(const Report& report) {
   std::string text;
   const Text out(text);

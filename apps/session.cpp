@@ -1,5 +1,6 @@
 // Sets a verb up and delivers what it found: the report as text for people, as JSON for programs,
-// and warnings on standard error where nobody would see them in the text.
+// and warnings on standard error where nobody would see them in the text. The number of threads
+// holds for the whole process, so there is one such session at a time.
 #include "session.hpp"
 
 #include <fmt/format.h>
@@ -25,6 +26,7 @@ void VerbSession::end_progress() {
   progress_.reset();
 }
 
+// The time is taken before anything is printed, so that it is the same in text and JSON.
 void VerbSession::deliver_report(const OutputOptions& output) {
   end_progress();
   add_warnings(report);

@@ -17,21 +17,11 @@
 namespace vdwmesh::apps {
 namespace {
 
-InputReport input_of(const Molecule& molecule, double probe) {
-  InputReport input;
-  input.path = molecule.path;
-  input.format = molecule.format;
-  input.model = molecule.model;
-  input.assembly = molecule.assembly;
-  input.radius_set = molecule.radius_set;
-  input.atoms_read = molecule.atoms_read;
-  input.atoms_used = molecule.atoms_used;
-  input.spheres = molecule.atoms.size();
-  input.skipped = molecule.skipped;
-  input.radii_assumed = molecule.radii_assumed;
-  input.elements_guessed = molecule.elements_guessed;
-  input.unusual_elements_guessed = molecule.unusual_elements_guessed;
-  input.probe = probe;
+// All but the atoms, which are put aside for the while and not copied.
+InputReport input_of(Molecule& molecule, double probe) {
+  std::vector<Atom> atoms = std::exchange(molecule.atoms, {});
+  InputReport input{molecule, atoms.size(), probe};
+  molecule.atoms = std::move(atoms);
   return input;
 }
 
@@ -45,6 +35,7 @@ int cpu_threads() {
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
+// With the values that hold, not those that were typed: a preset brings its own.
 ParametersReport describe_parameters(const SurfaceOptions& surface,
                                      const std::optional<GridSpec>& grid,
                                      std::uint64_t memory_limit) {
@@ -117,6 +108,8 @@ int devices_for(const SurfaceOptions& surface, Session& session) {
   return 1;
 }
 
+// Marching cubes and its refinement run as one pipeline, which keeps the mesh on the device between
+// the two.
 IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
                        const MeshRequest& request, RefineOptions& refine, Report& report) {
   require_sensible_spacing(spheres, surface.grid.spacing);
@@ -158,6 +151,7 @@ void note_other_topology(const ExactMeshStats& s, Report& report) {
                   s.contacts, s.joins));
 }
 
+// The crease-exact mesher runs on the CPU alone; what is refined goes to the backend asked for.
 IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& surface,
                              const RefineOptions& refine, Report& report) {
   report.parameters = describe_parameters(surface, std::nullopt, refine.memory_limit);
@@ -194,6 +188,7 @@ void warn_of_lost_components(std::uint64_t in_union, Report& report) {
 
 }  // namespace
 
+// The reason is of interest only where a device was possible and is not used.
 BackendReport describe_backend(Backend requested, Backend used) {
   BackendReport report;
   report.requested = requested;
@@ -276,11 +271,10 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, S
                                          : mesh_field(spheres, surface, request, refine, report);
 }
 
+// Levels are examined as they come, because the refinement does not keep them.
 LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& levels) {
   return [wanted, &levels](int level, const IndexedMesh& mesh) {
-    const MeshExamination found = examine(mesh);
-    LevelReport record{level,          mesh.vertex_count(), mesh.triangle_count(),
-                       found.measures, found.quality,       {}};
+    LevelReport record{examine(mesh), level, {}};
     if (counts_self_intersections(wanted, mesh.triangle_count()))
       record.self_intersections = self_intersections(mesh);
     levels.push_back(record);
@@ -316,10 +310,7 @@ void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session
   begin_stage(session.monitor, "measure", count ? 2 : 1);
   if (!report.mesh) report.mesh.emplace();
   MeshReport& result = *report.mesh;
-  const MeshExamination found = examine(mesh);
-  result.topology = found.topology;
-  result.measures = found.measures;
-  result.quality = found.quality;
+  static_cast<MeshExamination&>(result) = examine(mesh);
   advance(session.monitor, 1);
   if (count) {
     result.self_intersections = self_intersections(mesh);

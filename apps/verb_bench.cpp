@@ -1,5 +1,6 @@
 // `vdwmesh bench thesis` and `vdwmesh bench pipeline`: time what their rooms measure and print the
-// tables. Progress is by rows of the thesis's tables, or by cases of the pipeline.
+// tables. Progress is by rows of the thesis's tables, or by cases of the pipeline, so that the bar
+// itself takes no time from what is measured.
 #include <algorithm>
 
 #include "command_line/command_line.hpp"
@@ -26,6 +27,7 @@ std::vector<std::string> warnings_of(const PipelineBench& bench) {
 
 }  // namespace
 
+// A warning of the reader would get lost between the rows of the table.
 void run_pipeline_bench(const Options& options) {
   VerbSession session(options.machine);
   const PipelineBench bench = time_pipeline(options, [&](std::size_t done, std::size_t cases) {

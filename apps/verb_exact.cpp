@@ -1,5 +1,6 @@
 // `vdwmesh exact`: the exact measures of the union, without a mesh. The report is that of `report`
-// with the blocks of the mesh empty, so that scripts read both alike.
+// with the blocks of the mesh empty, so that scripts read both alike. Memory is checked for the
+// union alone.
 #include "command_line/command_line.hpp"
 #include "memory_plan.hpp"
 #include "output.hpp"

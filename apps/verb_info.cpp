@@ -1,5 +1,6 @@
 // `vdwmesh info`: which program this is, and what it can compute and draw on here. That something
-// is missing is part of the answer, with the reason, and no error.
+// is missing is part of the answer, with the reason, and no error: this is the verb that one asks
+// when something does not work.
 #include <fmt/format.h>
 #include <tbb/info.h>
 
@@ -25,6 +26,7 @@ struct PictureDevice {
   std::string reason;
 };
 
+// Whether pictures can be drawn is known only by trying.
 PictureDevice picture_device() {
   try {
     return {Renderer().device(), {}};

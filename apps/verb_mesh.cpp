@@ -12,6 +12,7 @@
 namespace vdwmesh::apps {
 namespace {
 
+// A device makes marching cubes while the CPU has nothing to do but to make room.
 MemoryDemand memory_of_mesh(const Options& options) {
   MemoryDemand demand;
   demand.surface = options.surface;
@@ -48,6 +49,7 @@ void build(const Structure& structure, const Options& options, SurfaceMesh& buil
   build_surface_mesh(mesh, structure.molecule, builder, session);
 }
 
+// Formats that cannot hold all that the mesh knows are named in a note.
 void write(const SurfaceMesh& mesh, const std::string& path, Session& session) {
   begin_stage(session.monitor, "write", 1);
   const SignalMonitor signals;

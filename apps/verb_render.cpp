@@ -1,5 +1,6 @@
 // `vdwmesh render`: a picture of the surface of a structure, or of a mesh file, which is told by
-// its name. The exact union is made only where colours show the distance to it.
+// its name. A structure is meshed first, as by `mesh`. The exact union is asked only where colours
+// show the distance to it.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -54,6 +55,7 @@ Paint paint_for(const IndexedMesh& mesh, const Structure& structure, const Pictu
   return picture.plain;
 }
 
+// Where triangles know their spheres, creases are drawn sharp.
 void draw_structure(const Options& options, Session& session) {
   const Structure structure = load(options.inputs.front(), session);
   check_memory(structure.spheres, options);

@@ -1,4 +1,5 @@
-// `vdwmesh report`: makes the mesh and the exact union and sets one beside the other. Nothing is
+// `vdwmesh report`: makes the mesh and the exact union and sets one beside the other. Memory is
+// checked before the mesh is made, from an estimate, and again when its size is known. Nothing is
 // written but what was asked for: JSON, the table by atom, a picture of the distances.
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 namespace vdwmesh::apps {
 namespace {
 
+// Normals are made only where a picture needs them.
 MemoryDemand memory_of_report(const Options& options) {
   MemoryDemand demand;
   demand.surface = options.surface;

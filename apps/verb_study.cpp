@@ -1,5 +1,6 @@
 // `vdwmesh study`: a sweep over ways of making meshes, kept in a folder as a table, a document and
-// a page. Runs that the folder holds already are not made again.
+// a page. Runs that the folder holds already are not made again. The page comes last, because its
+// meshes are made anew and may be left out.
 #include <fmt/format.h>
 
 #include "command_line/command_line.hpp"
@@ -19,6 +20,7 @@ std::uint64_t count_refused(const Study& study) {
   return count;
 }
 
+// With the name of the input, because a study has several.
 std::vector<std::string> warnings_of(const Study& study) {
   std::vector<std::string> all;
   for (const StudyFindings& f : study.findings) {

@@ -1,5 +1,6 @@
 // The table of the verbs. It stands apart from the verbs themselves, so that the list of options
-// can name them without knowing what they do.
+// can name them without knowing what they do. A verb is a function of the checked options; it
+// throws where it fails, and main() knows what that means.
 #include "verbs.hpp"
 
 namespace vdwmesh::apps {

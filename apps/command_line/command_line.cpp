@@ -74,6 +74,8 @@ bool answer_without_verb(const Words& words) {
   return true;
 }
 
+// The words of one verb: split by CLI11, then read in the order of the list, so that of several
+// faults the same one is named whatever the order of the words.
 class Reading {
  public:
   Reading(const Verb& verb, const std::vector<OptionGroup>& groups) : verb_(verb), groups_(groups) {
@@ -84,6 +86,8 @@ class Reading {
     }
   }
 
+  // CLI11 leaves what it does not know; which word that is, and what may have been meant, is said
+  // here.
   void split(Words words) {
     std::ranges::reverse(words);  // as CLI11 takes them
     try {
@@ -113,6 +117,7 @@ class Reading {
   }
 
  private:
+  // Every text that is given is kept: whether an option may be repeated is for its reader to say.
   void add(const Option& option) {
     CLI::Option* added =
         option.is_flag() ? app_.add_flag(option.name) : app_.add_option(option.name);
@@ -123,6 +128,7 @@ class Reading {
 
   bool is_given(const std::string& name) const { return added_.at(name)->count() > 0; }
 
+  // Files are accounted for as they come, so that a clash names the two options.
   void read_given(const Option& option, NamedFiles& files) const {
     const std::string name = option.short_name();
     const std::vector<std::string>& texts = added_.at(name)->results();
@@ -142,6 +148,7 @@ class Reading {
     refuse("{} and {}: give only one of them", name, option.other);
   }
 
+  // A default is read as if it had been typed: what --help says and what happens cannot differ.
   void read_absent(const Option& option) const {
     const std::string name = option.short_name();
     const auto& [meaning, text] = option.absence;
@@ -172,6 +179,7 @@ class Reading {
 
 }  // namespace
 
+// The readers hold references into the draft, which therefore stays where it is until all is read.
 std::optional<Command> read_command_line(int argc, const char* const* argv) {
   Words words(argv + 1, argv + std::max(argc, 1));
   if (answer_without_verb(words)) return std::nullopt;

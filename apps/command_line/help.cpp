@@ -1,5 +1,6 @@
 // Lays the lists of verbs and options out in two columns: what is typed, and what it means. Long
-// meanings are broken between words, with the next line below the second column.
+// meanings are broken between words and go on below the second column. Widths are counted in
+// columns on the screen, because Å takes two bytes.
 #include "command_line/help.hpp"
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::size_t kLeft = 32, kRight = 68;  // columns on the screen
 
+// Where the left column is too long, the meaning begins on the next line.
 std::string entry(const std::string& typed, const std::string& meaning) {
   std::string text = typed + blanks(kLeft, typed);
   if (columns_of(typed) >= kLeft) text += '\n' + std::string(kLeft, ' ');
@@ -40,6 +42,7 @@ std::string mark(const Option& option) {
   return option.other.empty() ? "(required) " : fmt::format("(required, or {}) ", option.other);
 }
 
+// The names that a value can have come from its reader, the default from the list.
 std::string meaning(const Option& option) {
   std::string text = mark(option) + option.help;
   if (!option.reader.accepted.empty()) text += ": " + option.reader.accepted;
@@ -48,6 +51,7 @@ std::string meaning(const Option& option) {
   return is_shown ? fmt::format("{} [{}]", text, option.absence.text) : text;
 }
 
+// What has no name of its own is shown in the order in which it is typed.
 std::string usage(const Verb& verb, const std::vector<OptionGroup>& groups) {
   std::string text = fmt::format("Usage: vdwmesh {} [OPTION...]", verb.name);
   for (const OptionGroup& group : groups) {

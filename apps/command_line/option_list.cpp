@@ -42,6 +42,7 @@ Kind<double> density() {
           }};
 }
 
+// A value of pictures that fills more than one field.
 using ReadPicture = void (*)(std::string_view, const std::string&, PictureOptions&);
 Reader of_picture(PictureOptions& picture, std::string value, ReadPicture read_value) {
   return {std::move(value), "",
@@ -50,6 +51,7 @@ Reader of_picture(PictureOptions& picture, std::string value, ReadPicture read_v
           }};
 }
 
+// Which atoms there are, and how large they are.
 std::vector<Option> input_options(Draft& d) {
   ReadOptions& r = d.read;
   const std::optional<Inclusion> keep = Inclusion::keep, drop = Inclusion::drop;
@@ -85,6 +87,7 @@ std::vector<Option> input_options(Draft& d) {
            "keep HETATM records; only the thesis presets drop them otherwise"}};
 }
 
+// What is meshed, and how. The benchmark of the pipeline takes several spacings at once.
 std::vector<Option> surface_options(Draft& d) {
   SurfaceOptions& s = d.options.surface;
   const auto length = [](const char* example) { return number("Å", Range::positive, example); };
@@ -117,6 +120,7 @@ std::vector<Option> surface_options(Draft& d) {
        by_default("0.5,0.25")}};
 }
 
+// The axes of a study: the options of a single mesh, each with several values.
 std::vector<Option> axis_options(StudyAxes& a) {
   const Kind<double> length = number("Å", Range::positive, "1,0.5,0.25");
   return {
@@ -136,6 +140,8 @@ std::vector<Option> axis_options(StudyAxes& a) {
        by_default("auto")}};
 }
 
+// What is computed of the union and the mesh. The defaults are what a person waits for; costly
+// checks are left to the size of the mesh.
 std::vector<Option> measure_options(Draft& d) {
   Options& o = d.options;
   DistanceChoice& c = o.distances;
@@ -159,6 +165,7 @@ std::vector<Option> measure_options(Draft& d) {
            by_default("auto")}};
 }
 
+// Benchmarks repeat what they time, because whatever disturbs a run makes it longer.
 std::vector<Option> bench_options(Options& o) {
   return {{"--structures", kThesisBench, one(o.thesis.structures, text("FOLDER")),
            "the thesis's structure files",
@@ -171,6 +178,7 @@ std::vector<Option> bench_options(Options& o) {
            "runs of which the fastest counts; long ones run once", by_default("3")}};
 }
 
+// What a run may use of the machine, and what it says meanwhile.
 std::vector<Option> machine_options(Draft& d) {
   MachineOptions& m = d.options.machine;
   const VerbSet choosing = kSurfaces | kPipelineBench;
@@ -189,6 +197,8 @@ std::vector<Option> machine_options(Draft& d) {
        "progress bars even where standard error is no terminal"}};
 }
 
+// How pictures look. `render` draws nothing else, so its file is an output; other verbs draw only
+// where they are asked to.
 std::vector<Option> picture_options(Draft& d) {
   PictureOptions& p = d.options.picture;
   RenderOptions& r = p.render;
@@ -220,6 +230,7 @@ std::vector<Option> picture_options(Draft& d) {
        otherwise("element; of a MESH: grey")}};
 }
 
+// Where results go. Everything here is checked before the work begins, which may take hours.
 std::vector<Option> output_options(Draft& d) {
   Options& o = d.options;
   return {

@@ -24,6 +24,7 @@ bool read_whole(std::string_view text, T& value) {
   return !text.empty() && result.ec == std::errc() && result.ptr == end;
 }
 
+// Comparisons that NaN fails, so that it is in no range.
 bool in_range(double value, Range range) {
   if (!std::isfinite(value)) return false;
   if (range == Range::positive) return value > 0;
@@ -44,6 +45,7 @@ std::string_view without_byte_letters(std::string_view text) {
 
 using Distances = std::vector<std::size_t>;
 
+// Three rows of the usual table are enough: a swap looks two rows back.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   Distances before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -84,6 +86,7 @@ std::int64_t parse_integer(std::string_view option, std::string_view text, std::
   return value;
 }
 
+// Suffixes are binary, as memory is; "8GB" means the same as "8G", because people write it so.
 std::uint64_t parse_bytes(std::string_view option, std::string_view text) {
   constexpr std::string_view kSuffixes = "kKmMgGtT";
   std::string_view number = without_byte_letters(text);

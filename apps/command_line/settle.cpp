@@ -25,6 +25,7 @@ std::string first_given(const Draft& d, std::initializer_list<const char*> names
 
 bool is_given(const Draft& d, const char* name) { return !first_given(d, {name}).empty(); }
 
+// A parameter that a field does not have would be silently without effect.
 void settle_field(const FieldOptions& field) {
   const bool of_union = field.kind == FieldKind::vdw;
   refuse_if(of_union && field.preset != FieldPreset::radius_aware,
@@ -50,6 +51,8 @@ void settle_mesher(const Draft& d) {
             "{}: --mesher exact has no grid; --edge-length sets the size", of_grid);
 }
 
+// Projection follows a subdivision. A default that is without effect is nothing to speak of; where
+// it was asked for, a note says so.
 void settle_projection(Draft& d) {
   SurfaceOptions& s = d.options.surface;
   const bool of_union = s.field.kind == FieldKind::vdw;
@@ -65,6 +68,7 @@ void settle_projection(Draft& d) {
   }
 }
 
+// The meshers are told apart only by verbs that make one mesh; a study sweeps over both.
 void settle_surface(Draft& d) {
   SurfaceOptions& s = d.options.surface;
   settle_field(s.field);
@@ -73,6 +77,7 @@ void settle_surface(Draft& d) {
   settle_projection(d);
 }
 
+// Whether the file has the model is known when it is read; that this is no number is known now.
 void check_model(const std::string& model) {
   const bool is_number = !model.empty() && model.size() < 10 &&
                          model.find_first_not_of("0123456789") == std::string::npos;
@@ -128,6 +133,7 @@ void settle_distances(const Draft& d) {
             "{}: is of the distances; leave out --distances off", of_samples);
 }
 
+// Memory is looked up only where no limit was given: the figure changes from moment to moment.
 void settle_machine(Draft& d) {
   MachineOptions& m = d.options.machine;
   refuse_if(m.backend == Backend::cpu && is_given(d, "--devices"),
@@ -136,6 +142,7 @@ void settle_machine(Draft& d) {
   if (m.verbosity == Verbosity::quiet) m.progress = Progress::never;
 }
 
+// The format of a mesh file follows from its name, before anything is computed for it.
 void settle_output(const Draft& d) {
   if (!d.options.mesh_path.empty()) mesh_format(d.options.mesh_path);
   refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom"),
@@ -155,6 +162,7 @@ void settle_picture(const Draft& d) {
   const Renderer available;
 }
 
+// The axes of a study are in order whatever was typed, and so are its table and its page.
 void settle_study(Draft& d) {
   StudyOptions& study = d.options.study;
   for (const char* name : {kStudyTable, kStudyDocument, kStudyPage}) {
@@ -168,6 +176,7 @@ void settle_study(Draft& d) {
   study.machine = d.options.machine;
 }
 
+// Tables are named as in the thesis; without any, all are run.
 void settle_bench(Options& o) {
   std::ranges::sort(o.spacings, std::greater());
   std::vector<std::string>& tables = o.thesis.tables;
@@ -182,6 +191,7 @@ void settle_bench(Options& o) {
 
 }  // namespace
 
+// The surface comes first, because the preset decides which atoms are taken.
 void settle(Draft& d) {
   settle_surface(d);
   settle_input(d);

@@ -1,3 +1,6 @@
+// Times one pass from structure file to mesh file, stage by stage, with the steps that verbs are
+// made of. Each stage says how many bytes it must read and write at the least; what a copy of them
+// would take is its floor. The least seconds of each stage count over several passes.
 #include "pipeline/pipeline_bench.hpp"
 
 #include <algorithm>
@@ -115,6 +118,7 @@ class Pass {
     return [this](const MeshSize& size) { builder_.prepare(size); };
   }
 
+  // A device works while the host waits, so its parts are those that it timed itself.
   Rows device_parts(double wall_seconds) const {
     StageRow kernels, rest;
     kernels.name = "kernels";
@@ -192,6 +196,7 @@ class Pass {
   PipelineCase result_;
 };
 
+// Of each stage by itself: a pass that was disturbed in one of them counts in the others.
 void keep_least(PipelineCase& least, const PipelineCase& other) {
   for (std::size_t i = 0; i < least.stages.size(); ++i) {
     StageRow& row = least.stages[i];
@@ -200,6 +205,7 @@ void keep_least(PipelineCase& least, const PipelineCase& other) {
   }
 }
 
+// Stages that say nothing of their bytes have no floor.
 void set_floors(PipelineCase& done, const CopyRate& copy) {
   for (StageRow& row : done.stages) {
     if (!row.bytes_read && !row.bytes_written) continue;
@@ -208,6 +214,7 @@ void set_floors(PipelineCase& done, const CopyRate& copy) {
   }
 }
 
+// Long cases run once: what disturbs them is small beside them.
 PipelineCase run_case(const Options& options, const InputOptions& input, double spacing) {
   const Stopwatch watch;
   PipelineCase least = Pass(options, input, spacing).run();

@@ -1,4 +1,6 @@
 // Prints the stages: as tables for people, and, from one description of a stage, as CSV and JSON.
+// Parts of a stage are indented below it; work beside the way from file to file is in brackets, and
+// no part of the total.
 #include <fmt/format.h>
 
 #include <iterator>
@@ -45,6 +47,7 @@ void print_case(Text out, const PipelineCase& done) {
   print_stage(out, total_of(done));
 }
 
+// Figures of a benchmark mean nothing without the machine that they are of.
 void print_machine(Text out, const PipelineBench& bench) {
   fmt::format_to(out, "Backend: {}, {} threads", name_of(bench.backend.used),
                  bench.backend.threads);

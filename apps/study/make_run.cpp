@@ -1,5 +1,6 @@
 // Makes the meshes of one task. On the CPU one refinement gives the meshes of all levels, each of
-// which is measured on its way; what that takes is counted for none of them.
+// which is measured on its way; the time and memory that this takes are counted for none of them.
+// A task of one level is measured when the pipeline is done.
 #include "study/make_run.hpp"
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 namespace vdwmesh::apps {
 namespace {
 
+// All that a record holds, but for the times of the pipeline.
 StudyRun measure_run(const IndexedMesh& mesh, const StudySetting& setting, const StudyInput& input,
                      const StudyOptions& options, const Session& session) {
   begin_stage(session.monitor, "measure", 1);

@@ -24,6 +24,7 @@ namespace {
 
 constexpr double kNoTimeLimit = std::numeric_limits<double>::infinity();
 
+// By the bits of the numbers: runs of other spheres are other runs, however close they are.
 std::string hash_of(const SphereSet& spheres) {
   std::string bytes(spheres.size() * 4 * sizeof(double), '\0');
   char* at = bytes.data();
@@ -54,6 +55,7 @@ StudyInput read_input(const InputOptions& options, const MachineOptions& machine
   return input;
 }
 
+// Rows of the table are told apart by the name of their input.
 void make_names_unique(std::vector<StudyFindings>& findings) {
   std::multiset<std::string> names;
   for (const StudyFindings& f : findings) names.insert(f.input.name);
@@ -64,6 +66,7 @@ void make_names_unique(std::vector<StudyFindings>& findings) {
   }
 }
 
+// Several names may mean one backend, as `auto` does; its runs would be the same.
 std::vector<BackendReport> find_backends(const std::vector<Backend>& requested) {
   std::vector<BackendReport> backends;
   for (const Backend backend : requested) {
@@ -163,6 +166,7 @@ class Sweep {
     }
   }
 
+  // Each run is kept as soon as it is made: a study may be interrupted at any time.
   void keep(std::size_t input, std::vector<StudyRun> runs) {
     for (StudyRun& run : runs) {
       store_.keep(key_of(input, run.setting), run);

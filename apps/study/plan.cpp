@@ -71,6 +71,7 @@ class Planner {
     for (const int level : axes_.subdivisions) add_task(input, setting, {level});
   }
 
+  // Settings that were planned already, on the way to another level, are not planned again.
   void add_task(std::size_t input, const StudySetting& setting, std::vector<int> levels) {
     std::erase_if(levels, [&](int level) {
       return !planned_.insert({input, at_level(setting, level)}).second;

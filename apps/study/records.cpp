@@ -67,6 +67,7 @@ void make_folder(const fs::path& folder) {
 
 }  // namespace
 
+// The build is part of the key: other code may give other figures.
 void describe(JsonText& a, const RunKey& key) {
   a("version", kVersion), a("revision", kRevision), a("build", kBuild);
   a("spheres", key.spheres);

@@ -18,6 +18,7 @@
 #include "json_text.hpp"
 #include "memory_plan.hpp"
 #include "mesh/element_color.hpp"
+#include "picture.hpp"
 #include "study/describe_study.hpp"
 
 namespace vdwmesh::apps {
@@ -51,6 +52,7 @@ Box box_of(const IndexedMesh& mesh) {
   return box;
 }
 
+// Sixteen bits of the box are finer than a pixel of the page.
 void append_positions(const IndexedMesh& mesh, const Box& box, std::string& bytes) {
   for (int axis = 0; axis < 3; ++axis) {
     const double extent = box.upper[axis] - box.lower[axis];
@@ -86,17 +88,6 @@ std::vector<std::string> append_elements(const IndexedMesh& mesh, const Molecule
   return elements;
 }
 
-// Signed distances of the triangles' centroids to the exact surface: vertices lie on it, and what
-// is wrong is what the triangles between them cut off.
-std::vector<float> centroid_distances(const IndexedMesh& mesh, const SphereSet& spheres) {
-  IndexedMesh centroids;
-  for (const Triangle& t : mesh.triangles) {
-    centroids.positions.push_back(
-        (1.0 / 3) * ((mesh.positions[t[0]] + mesh.positions[t[1]]) + mesh.positions[t[2]]));
-  }
-  return vertex_distances(centroids, spheres);
-}
-
 // [lower, upper] -> [0, 255].
 void append_bytes(const std::vector<float>& values, double lower, double upper,
                   std::string& bytes) {
@@ -116,6 +107,7 @@ double distance_range(const std::vector<float>& distances) {
   return *rank > 0 ? *rank : 1e-9;
 }
 
+// Meshes are not kept with their runs: they take far more room than their figures.
 IndexedMesh mesh_anew(const Study& study, const SphereSet& spheres, const StudySetting& setting) {
   Session session{study.options.machine, nullptr, {}};
   session.machine.backend = value_named<Backend>("backend", setting.key.backend);
@@ -131,7 +123,8 @@ Scene make_scene(const Study& study, std::size_t input, const StudySetting& sett
   const auto& [molecule, spheres] = study.findings[input].input.structure;
   const IndexedMesh mesh = mesh_anew(study, spheres, setting);
   const Box box = box_of(mesh);
-  const std::vector<float> distances = centroid_distances(mesh, spheres);
+  // Vertices lie on the surface; what is wrong is what the triangles between them cut off.
+  const std::vector<float> distances = vertex_distances(triangle_centers(mesh), spheres);
   const double range = distance_range(distances);
   Scene scene{input, setting, {}, {}};
   append_positions(mesh, box, scene.bytes);
@@ -173,6 +166,7 @@ std::map<Way, const StudyRun*> choose_runs(const StudyFindings& findings) {
 
 }  // namespace
 
+// First ways first, over all inputs, so that each molecule is shown before any is shown twice.
 std::vector<Scene> make_scenes(const Study& study, std::vector<std::string>& warnings) {
   std::vector<std::pair<Way, std::pair<std::size_t, const StudyRun*>>> wanted;
   for (std::size_t i = 0; i < study.findings.size(); ++i) {

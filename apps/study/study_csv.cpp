@@ -1,5 +1,6 @@
-// One row per run. The cells are those that the descriptions of a run's parts give; the header says
-// which of them are shown, and in which order.
+// One row per run. The cells are those that the descriptions of a run's parts give, so that a
+// column has the name of the member that it shows; the header says which of them are shown, and in
+// which order. A figure that was not computed leaves its cell empty.
 #include "csv.hpp"
 #include "study/describe_study.hpp"
 #include "study/study.hpp"
@@ -20,6 +21,7 @@ constexpr std::string_view kColumns =
     "seconds_field,seconds_extract,seconds_refine,seconds_mesh,seconds_distances,mesh_bytes,"
     "peak_bytes";
 
+// Parts whose members are columns by their own names are described without a name.
 Cells cells_of(const StudyInput& input, const StudyRun& run) {
   Cells cells(csv_number);
   cells("input", input.name), cells("atoms", input.report.atoms_used);

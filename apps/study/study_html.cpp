@@ -47,6 +47,7 @@ void check_script(std::string_view script) {
   }
 }
 
+// Vega comes as packages that require one another, which the loader of modules.js resolves.
 std::string libraries() {
   std::string script(asset("modules.js"));
   for (const char* name : kVegaPackages) {
@@ -97,6 +98,8 @@ std::string title(const Study& study) {
 
 }  // namespace
 
+// Marks are replaced in the order of the template, each once; that one is missing is a mistake of
+// ours.
 std::string study_html(const Study& study, std::vector<std::string>& warnings) {
   const std::pair<std::string_view, std::string> parts[] = {
       {"{{title}}", title(study)},

@@ -1,5 +1,6 @@
 // The document that docs/study.schema.json describes: what was asked for, and per input its runs,
-// what was refused, and the series with the limits that they tend to.
+// what was refused, and the series with the limits that they tend to. The page of the study carries
+// the same document without blanks.
 #include <utility>
 
 #include "build_id.hpp"
@@ -16,6 +17,7 @@ std::optional<double> relative_error(const std::optional<Extrapolation>& found, 
 
 }  // namespace
 
+// The axes as they were planned, and what was sampled, where anything was.
 void describe(JsonText& a, const StudyOptions& options) {
   const StudyAxes& axes = options.axes;
   const DistanceChoice& d = options.distances;
@@ -34,6 +36,7 @@ void describe(JsonText& a, const RefusedRun& refused) {
   a("parameters", refused.setting), a("reason", refused.reason);
 }
 
+// A series is compared with the exact measures of its input, which the series itself does not know.
 void describe(JsonText& a, const StudyFindings& f) {
   const ExactUnion& exact = f.input.exact;
   a("name", f.input.name);

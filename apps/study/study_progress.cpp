@@ -1,5 +1,6 @@
 // Words the progress line of a study. The time left is reckoned from the weights of the runs that
-// are finished, because runs take from milliseconds to minutes.
+// are finished, because runs take from milliseconds to minutes. Names of inputs are shown as every
+// text of a file is, without control characters.
 #include "study/study_progress.hpp"
 
 #include <fmt/format.h>

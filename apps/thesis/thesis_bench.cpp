@@ -1,3 +1,6 @@
+// Reruns the tables of the thesis on its grids. A row is one entry and one column: our pipeline,
+// with all threads and with one, beside the thesis's own program compiled today. The least time of
+// several runs counts, because whatever disturbs a run makes it longer.
 #include "thesis/thesis_bench.hpp"
 
 #include <tbb/global_control.h>
@@ -66,6 +69,7 @@ struct Work {
   int subdivisions = 0;
 };
 
+// The last tables refine the surface of the inverse-squared field; the others compare fields.
 Work work_of(const std::string& table, std::size_t column) {
   if (is_vdw_table(table)) {
     return {{FieldKind::inverse_squared, FieldPreset::thesis_vdw, {}, {}},
@@ -100,6 +104,7 @@ Timed time_ours(const SphereSet& spheres, const Work& work, Backend backend, int
   return timed;
 }
 
+// As the thesis timed it: from atoms to triangles, without reading the file.
 Timed time_program(const std::vector<Vec3d>& atoms, ThesisFunction function, SharedVertices shared,
                    int repeats) {
   const ThesisParameters parameters = thesis_parameters(function);
@@ -126,6 +131,7 @@ class Bench {
     bench_.driver = list.devices.front().driver;
   }
 
+  // Rows without a structure stay in the tables, as missing.
   void plan() {
     for (const std::string& name : options_.tables) {
       for (const ThesisEntry& entry : thesis_table(name).entries) {
@@ -172,6 +178,7 @@ class Bench {
     }
   }
 
+  // The first use of a device takes time of its own, which is nobody's.
   void fill_cuda(ThesisBenchRow& row, const SphereSet& spheres, const Work& work) {
     if (!std::exchange(cuda_is_warm_, true)) time_ours(spheres, work, Backend::cuda, 1);
     const Timed timed = time_ours(spheres, work, Backend::cuda, options_.repeats);

@@ -1,5 +1,6 @@
 // Prints the rerun tables: laid out for people, and, from one description of a row, as CSV and
-// JSON.
+// JSON. Seconds of the thesis are compared with ours only where the molecule is the same; stand-ins
+// compare by the seconds per triangle.
 #include <fmt/format.h>
 
 #include <iterator>
@@ -79,6 +80,7 @@ std::string joined(const std::set<std::string>& names) {
   return text;
 }
 
+// What the reader must know to compare: other machines, stand-ins, and what did not run.
 void print_notes(Text out, const ThesisBench& bench) {
   std::set<std::string> missing, stand_ins;
   bool gpu = false;

@@ -1,3 +1,6 @@
+// Reads the tables as printed in the thesis, which the program carries as CSV, and finds the
+// structure files of their entries. Entries that the archive no longer has are stood in for by the
+// structures that come closest, and are reported as such.
 #include "thesis/thesis_tables.hpp"
 
 #include <fmt/format.h>
@@ -55,6 +58,7 @@ ThesisTable thesis_table(std::string_view name) {
   return table;
 }
 
+// The entry itself comes before whatever stands in for it.
 std::optional<ThesisStructure> find_structure(const fs::path& folder, const std::string& entry) {
   refuse_if(!fs::is_directory(folder), "--structures {}: there is no such folder", folder.string());
   if (const auto path = find_file(folder, entry)) {
