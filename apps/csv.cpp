@@ -3,8 +3,6 @@
 // and header and rows cannot differ.
 #include "csv.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <sstream>
 

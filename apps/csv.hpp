@@ -1,6 +1,8 @@
 // Tables: what is described, as single figures, and comma-separated values (RFC 4180) of them.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <map>
 #include <optional>
 #include <string>
@@ -64,6 +66,12 @@ class Cells {
   std::string prefix_;
   std::map<std::string, std::string> cells_;
 };
+
+// In tables for people, where a dash stands for what there is not.
+template <class T>
+std::string or_dash(const std::optional<T>& value, const char* format) {
+  return value ? fmt::format(fmt::runtime(format), *value) : "-";
+}
 
 // Text with a comma, quote or line break is quoted.
 std::string csv_field(std::string_view text);

@@ -199,18 +199,18 @@ std::string remedies(const MemoryDemand& demand, std::uint64_t need, std::uint64
     add(fitting_step(demand, limit));
     add(fitting_subdivisions(demand, limit));
   }
-  MemoryDemand less = demand;
-  less.distances = Switch::off;
-  if (fits(less, limit)) add("--distances off");
-  less = demand;
-  if (less.exact) less.exact = UnionMethod::arcs;
-  if (fits(less, limit)) add("--topology off");
-  less = demand;
-  less.self_intersections = SelfIntersections::skip;
-  if (fits(less, limit)) add("--self-intersections off");
-  less = demand;
-  less.cgal_check = CgalCheck::skip;
-  if (fits(less, limit)) add("--cgal-check off");
+  const auto add_without = [&](const char* option, auto change) {
+    MemoryDemand less = demand;
+    change(less);
+    if (fits(less, limit)) add(option);
+  };
+  add_without("--distances off", [](MemoryDemand& d) { d.distances = Switch::off; });
+  add_without("--topology off", [](MemoryDemand& d) {
+    if (d.exact) d.exact = UnionMethod::arcs;
+  });
+  add_without("--self-intersections off",
+              [](MemoryDemand& d) { d.self_intersections = SelfIntersections::skip; });
+  add_without("--cgal-check off", [](MemoryDemand& d) { d.cgal_check = CgalCheck::skip; });
   constexpr std::uint64_t kNobodyHas = std::uint64_t{1} << 46;
   if (need < kNobodyHas) {
     list += fmt::format("{}--memory-limit {}M, ", list.empty() ? "" : "or ", (need >> 20) + 1);

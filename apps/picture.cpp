@@ -55,16 +55,15 @@ Drawing draw(const Renderer& renderer, const MeshSource& host, const RenderOptio
 
 PictureReport report_of(const PictureOptions& options, const MeshSource& source,
                         const std::string& device, Backend filled_by) {
-  PictureReport report;
-  report.triangles = source.triangle_count();
-  report.path = options.path;
-  report.width = options.render.width;
-  report.height = options.render.height;
-  report.view = options.view;
-  report.device = device;
-  report.filled_by = filled_by;
-  if (source.scale()) report.scale = *source.scale();
-  return report;
+  const ColorScale* scale = source.scale();
+  return {options.path,
+          options.view,
+          device,
+          options.render.width,
+          options.render.height,
+          source.triangle_count(),
+          scale ? std::optional(*scale) : std::nullopt,
+          filled_by};
 }
 
 }  // namespace

@@ -21,10 +21,8 @@ using Text = std::back_insert_iterator<std::string>;
 
 constexpr const char* kNotComputed = "–";
 
-std::string join(const std::vector<std::string>& parts) {
-  std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
-  return text;
+std::string none_or(const std::vector<std::string>& parts) {
+  return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
 // "1 subdivision", "2 subdivisions".
@@ -50,7 +48,7 @@ std::string atoms_text(const InputReport& input) {
   const std::string copies =
       input.spheres == input.atoms_used ? "" : fmt::format("; copied to {} spheres", input.spheres);
   return fmt::format("{} used of {} read; left out: {}{}", input.atoms_used, input.atoms_read,
-                     skipped.empty() ? "none" : join(skipped), copies);
+                     none_or(skipped), copies);
 }
 
 std::string radii_text(const InputReport& input) {
@@ -61,7 +59,7 @@ std::string radii_text(const InputReport& input) {
         fmt::format("{} {} Å ({})", radius.element, radius.radius, counted(radius.count, "atom")));
   }
   return fmt::format("{}, probe {} Å; assumed: {}", input.radius_set, input.probe,
-                     assumed.empty() ? "none" : join(assumed));
+                     none_or(assumed));
 }
 
 void input_text(Text out, const InputReport& input) {

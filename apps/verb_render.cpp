@@ -42,17 +42,11 @@ void check_memory(const SphereSet& spheres, const Options& options) {
 
 Paint paint_for(const IndexedMesh& mesh, const Structure& structure, const PictureOptions& picture,
                 Monitor* monitor) {
-  switch (picture.color.value_or(ColorBy::element)) {
-    case ColorBy::element:
-      return paint_by_element(mesh, structure.molecule);
-    case ColorBy::distance:
-      return paint_by_distance(mesh, structure.spheres, picture, monitor);
-    case ColorBy::angle:
-      return paint_by_angle(mesh, picture);
-    case ColorBy::plain:
-      break;
-  }
-  return picture.plain;
+  const ColorBy color = picture.color.value_or(ColorBy::element);
+  if (color == ColorBy::element) return paint_by_element(mesh, structure.molecule);
+  if (color == ColorBy::angle) return paint_by_angle(mesh, picture);
+  if (color == ColorBy::plain) return picture.plain;
+  return paint_by_distance(mesh, structure.spheres, picture, monitor);
 }
 
 // Where triangles know their spheres, creases are drawn sharp.

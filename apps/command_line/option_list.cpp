@@ -96,7 +96,7 @@ std::vector<Option> surface_options(Draft& d) {
              *project = "surface that vertices are moved to after a subdivision";
   return {
       {"--mesher", kSurfaces, one(s.mesher, named<Mesher>()),
-       "exact is crease-exact, with one atom per triangle", by_default("marching-cubes")},
+       "exact follows the creases, with one atom per triangle", by_default("marching-cubes")},
       {"--edge-length", kSurfaces, one(s.edge_length, length("0.35")), "of --mesher exact",
        by_default("0.35")},
       {"--field", kSurfaces, one(s.field.kind, named<FieldKind>()), "what is meshed",
@@ -159,9 +159,9 @@ std::vector<Option> measure_options(Draft& d) {
            "of the samples", by_default("1")},
           {"--self-intersections", kReport | kStudy,
            one(o.self_intersections, named<SelfIntersections>()),
-           "count them; auto: in meshes of up to a million triangles", by_default("auto")},
+           "count them, with auto in meshes of up to a million triangles", by_default("auto")},
           {"--cgal-check", kReport, one(o.cgal_check, named<CgalCheck>()),
-           "area and volume of the mesh by CGAL as well; auto: of up to a million triangles",
+           "area and volume by CGAL as well, with auto of up to a million triangles",
            by_default("auto")}};
 }
 

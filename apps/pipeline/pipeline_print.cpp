@@ -18,10 +18,6 @@ using Text = std::back_insert_iterator<std::string>;
 
 constexpr double kMegabyte = 1e6;
 
-std::string or_dash(const std::optional<double>& value, const char* format) {
-  return value ? fmt::format(fmt::runtime(format), *value) : "-";
-}
-
 std::string megabytes(const std::optional<std::uint64_t>& bytes) {
   return bytes ? fmt::format("{:.1f}", static_cast<double>(*bytes) / kMegabyte) : "-";
 }

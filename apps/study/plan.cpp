@@ -14,14 +14,10 @@ namespace vdwmesh::apps {
 namespace {
 
 Projection resolve_projection(StudyProjection projection, FieldKind field) {
-  switch (projection) {
-    case StudyProjection::none:
-      return Projection::none;
-    case StudyProjection::vdw:
-      return Projection::vdw;
-    default:  // the field of vdw is the union itself
-      return field == FieldKind::vdw ? Projection::vdw : Projection::field;
-  }
+  if (projection == StudyProjection::none) return Projection::none;
+  // The field of vdw is the union itself.
+  const bool to_union = projection == StudyProjection::vdw || field == FieldKind::vdw;
+  return to_union ? Projection::vdw : Projection::field;
 }
 
 class Planner {

@@ -31,13 +31,6 @@ bool is_stand_in(const ThesisBenchRow& row) {
   return row.structure && row.structure->kind == ThesisStructure::Kind::stand_in;
 }
 
-std::string or_dash(const std::optional<double>& value, const char* format) {
-  return value ? fmt::format(fmt::runtime(format), *value) : "-";
-}
-std::string or_dash(const std::optional<std::uint64_t>& value) {
-  return value ? fmt::format("{}", *value) : "-";
-}
-
 std::string label_of(const ThesisBenchRow& row) {
   return is_stand_in(row) ? fmt::format("{} for {}", row.structure->id, row.entry.id)
                           : row.entry.id;
@@ -67,17 +60,11 @@ void print_row(Text out, const ThesisBenchRow& row) {
                  "{:<20} {:<15} | {:>8} {:>7} | {:>7} {:>7} {:>6} | {:>9} {:>10} {:>10} {:>10} | "
                  "{:>8} {:>8}\n",
                  label_of(row), row.column, row.entry.voxels, voxels_of(row), row.thesis.triangles,
-                 or_dash(row.triangles), or_dash(triangles_ratio(row), "{:.3f}"),
+                 or_dash(row.triangles, "{}"), or_dash(triangles_ratio(row), "{:.3f}"),
                  row.thesis.seconds, gpu ? "" : or_dash(s.program, "{:.4f}"),
                  gpu ? or_dash(s.kernels, "{:.6f}") : or_dash(s.one_thread, "{:.4f}"),
                  or_dash(s.all, gpu ? "{:.6f}" : "{:.4f}"), or_dash(seconds_ratio(row), "{:.1f}"),
                  or_dash(per_triangle_ratio(row), "{:.1f}"));
-}
-
-std::string joined(const std::set<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 // What the reader must know to compare: other machines, stand-ins, and what did not run.
@@ -101,9 +88,10 @@ void print_notes(Text out, const ThesisBench& bench) {
     fmt::format_to(
         out,
         "Stand-ins, other molecules than the thesis's, so only seconds per triangle compare: {}.\n",
-        joined(stand_ins));
+        fmt::join(stand_ins, ", "));
   }
-  if (!missing.empty()) fmt::format_to(out, "Missing, no structure file: {}.\n", joined(missing));
+  if (!missing.empty())
+    fmt::format_to(out, "Missing, no structure file: {}.\n", fmt::join(missing, ", "));
 }
 
 // What the thesis printed of a row.

@@ -1,0 +1,96 @@
+// The list of options by itself: what parsing, help and suggestions take for granted of it; and
+// which names are taken for a slip of the fingers.
+#include "command_line/option_list.hpp"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+namespace vdwmesh::apps {
+namespace {
+
+using ::testing::Contains;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+std::vector<Option> options_in(const std::vector<OptionGroup>& groups) {
+  std::vector<Option> all;
+  for (const OptionGroup& group : groups) {
+    all.insert(all.end(), group.options.begin(), group.options.end());
+  }
+  return all;
+}
+
+TEST(OptionList, AVerbHasEachOptionOnce) {
+  for (const Verb& verb : all_verbs()) {
+    Draft draft;
+    std::set<std::string> names;
+    for (const Option& option : options_in(options_of(verb.bit, draft))) {
+      EXPECT_TRUE(names.insert(option.short_name()).second) << verb.name << ' ' << option.name;
+    }
+    EXPECT_THAT(names,
+                Contains("--json").Times(verb.name == "render" || verb.name == "study" ? 0 : 1));
+  }
+}
+
+TEST(OptionList, WhatDoesNotGoTogetherBelongsToTheSameVerb) {
+  for (const Verb& verb : all_verbs()) {
+    Draft draft;
+    const std::vector<Option> options = options_in(options_of(verb.bit, draft));
+    std::vector<std::string> names;
+    for (const Option& option : options) names.push_back(option.short_name());
+    for (const Option& option : options) {
+      if (option.other.empty()) continue;
+      EXPECT_THAT(names, Contains(option.other)) << verb.name;
+    }
+  }
+}
+
+TEST(OptionList, EveryOptionSaysWhatItIsFor) {
+  Draft draft;
+  for (const Option& option : options_in(all_options(draft))) {
+    EXPECT_NE(option.verbs, 0u) << option.name;
+    EXPECT_THAT(option.help, Not(IsEmpty())) << option.name;
+    const bool says_nothing = option.absence.meaning == Absence::Meaning::nothing;
+    EXPECT_EQ(option.absence.text.empty(), says_nothing) << option.name;
+  }
+}
+
+TEST(OptionList, DefaultsAreValuesOfTheirOptions) {
+  Draft draft;
+  for (const Option& option : options_in(all_options(draft))) {
+    if (option.absence.meaning != Absence::Meaning::value) continue;
+    EXPECT_NO_THROW(option.reader.read(option.short_name(), option.absence.text)) << option.name;
+  }
+  EXPECT_EQ(draft.options.surface.edge_length, 0.35);
+  EXPECT_EQ(draft.options.repeats, 3);
+}
+
+std::string guess(std::string_view given) {
+  const std::string_view known[] = {"--spacing", "--padding", "vdw", "cpu", "on",
+                                    "off",       "seed",      "4.1", "4.2"};
+  return suggestion(given, known);
+}
+
+TEST(Suggestion, NamesTheSlipOfAFinger) {
+  EXPECT_EQ(guess("--spcing"), "; did you mean --spacing?");
+  EXPECT_EQ(guess("--spaccing"), "; did you mean --spacing?");
+  EXPECT_EQ(guess("--spaicng"), "; did you mean --spacing?");
+  EXPECT_EQ(guess("--pading"), "; did you mean --padding?");
+  EXPECT_EQ(guess("vwd"), "; did you mean vdw?");
+  EXPECT_EQ(guess("sead"), "; did you mean seed?");
+}
+
+TEST(Suggestion, IsSilentWhereNothingIsClose) {
+  for (const char* given : {"", "x", "--x", "--frobnicate", "gpu", "sleep", "--speaking-clock"}) {
+    EXPECT_EQ(guess(given), "") << given;
+  }
+}
+
+TEST(Suggestion, IsSilentWhereTwoAreAsClose) {
+  EXPECT_EQ(guess("of"), "");
+  EXPECT_EQ(guess("4.6"), "");
+}
+
+}  // namespace
+}  // namespace vdwmesh::apps
