@@ -229,7 +229,7 @@ double area_of_surface(const SphereSet& spheres, const MemoryDemand& demand, dou
   return estimate_area(spheres, make_field_model(demand.surface->field, grid));
 }
 
-// The area is known to a few per cent without a mesh, from points on the spheres.
+// The area is known well enough without a mesh, from points on a sample of the spheres.
 void fill_in(const SphereSet& spheres, MemoryDemand& demand) {
   double all = 0;  // Å²
   for (const Sphere& s : spheres.spheres()) all += 4 * std::numbers::pi * s.radius * s.radius;

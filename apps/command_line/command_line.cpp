@@ -95,6 +95,8 @@ class Reading {
     } catch (const CLI::ArgumentMismatch& error) {
       const std::string_view what = error.what();
       refuse("{}: its value is missing{}", what.substr(0, what.find(':')), see_help());
+    } catch (const CLI::ParseError& error) {
+      refuse("{}{}", error.what(), see_help());
     }
     for (const std::string& word : app_.remaining()) {
       if (word != "--") refuse_word(word);
@@ -162,7 +164,9 @@ class Reading {
     const std::string name = word.substr(0, word.find('='));
     if (!name.starts_with('-')) throw InvalidInput(word + ": one argument too many" + see_help());
     WordViews known;
-    for (const auto& [short_name, option] : added_) known.push_back(short_name);
+    for (const OptionGroup& group : groups_) {
+      for (const Option& option : group.options) known.push_back(option.long_name());
+    }
     refuse("{}: not an option of vdwmesh {}{}{}", name, verb_.name, suggestion(name, known),
            see_help());
   }

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,10 @@ struct Option {
 
   // As messages call it: the first of its names.
   std::string short_name() const { return name.substr(0, name.find(',')); }
+  // Which may be a slip of somebody's fingers: the last.
+  std::string_view long_name() const {
+    return std::string_view(name).substr(name.find(',') + 1);  // npos + 1 is 0
+  }
   bool is_positional() const { return name[0] != '-'; }
   bool is_flag() const { return !is_positional() && reader.value.empty(); }
 };

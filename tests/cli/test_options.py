@@ -358,6 +358,7 @@ class DidYouMean(ProgramTest):
     def test_options_of_the_verb_alone(self):
         self.suggests("--field", "mesh", UBIQUITIN, "--feild", "vdw")
         self.suggests_nothing("exact", UBIQUITIN, "--feild", "vdw")
+        self.suggests("--output", "mesh", UBIQUITIN, "--ouput", "a.ply")
 
     def test_verbs(self):
         for typed, meant in (("repport", "report"), ("mehs", "mesh"), ("benhc", "bench"), ("inof", "info")):
