@@ -27,7 +27,7 @@ struct Options {
   OutputOptions output;
   StudyOptions study;
   ThesisBenchOptions thesis;
-  std::vector<double> spacings;  // Å, of `bench pipeline`, longest first
+  std::vector<double> spacings;  // Å, of `vdwmesh bench pipeline`, longest first
   int repeats = 3;               // of benchmarks: at most; the least time counts
 };
 
