@@ -28,15 +28,17 @@ namespace {
 // Buckets up to this size are sorted by insertion, which beats std::sort on short arrays. Closed
 // meshes have about six half-edges per vertex, so nearly every bucket is that short.
 constexpr std::size_t kInsertionSortLimit = 32;
-// A range of 8192 vertices has about 49,000 half-edges in a closed mesh. Listed (4 bytes each) and
-// as entries (8 bytes each) they take 600 kB, which the second-level cache of a core can hold.
+// A range of 8192 vertices has about 49,000 half-edges in a closed mesh: with 3 edges per vertex,
+// two half-edges each. As HalfEdge (4 bytes) and as EdgeEntry (8 bytes) they take 600 kB together,
+// which the second-level cache of a core can hold.
 constexpr std::size_t kVerticesPerRange = 1 << 13;
 // Triangles of a block, unless that makes more than kMostBlocks blocks: then blocks are larger.
-// The limit bounds the table of counters, which has one entry per range and block.
+// The limit bounds the table of counters, which has one counter per range and block.
 constexpr std::size_t kTrianglesPerBlock = 1 << 16;
 constexpr std::size_t kMostBlocks = 256;
 
-// Sorts [first, last), which may be [null, null) if no triangle has an edge.
+// Sorts [first, last) by insertion if it is short. The pointers are null if no triangle has an
+// edge.
 void sort_bucket(EdgeEntry* first, EdgeEntry* last) {
   if (first == last) return;
   if (static_cast<std::size_t>(last - first) > kInsertionSortLimit) {
@@ -55,13 +57,14 @@ void sort_bucket(EdgeEntry* first, EdgeEntry* last) {
 // would also fit, but then reading the triangle back would cost a division.
 class HalfEdge {
  public:
+  // Leaves code_ uninitialised, so that resize_untouched() can enlarge an array without writing it.
   HalfEdge() = default;
   HalfEdge(std::size_t triangle, unsigned side)
       : code_(static_cast<std::uint32_t>(triangle) << 2 | side) {}
 
   std::uint32_t triangle() const { return code_ >> 2; }
   unsigned side() const { return code_ & 3u; }
-  std::uint32_t number() const { return 3 * triangle() + side(); }
+  std::uint32_t number() const { return 3 * triangle() + side(); }  // 3t + k
 
  private:
   std::uint32_t code_;
@@ -79,11 +82,12 @@ void for_each_side(const Triangle& triangle, Visit&& visit) {
   }
 }
 
-// What a first look at the triangles finds. Sums are associative, and the left operand's triangles
-// come first, so a parallel reduction gives the first bad triangle for any number of threads.
+// What a first look at the triangles finds. The first two members are numbers of triangles. The sum
+// of two surveys is associative and keeps the left one's triangle, whose part of the mesh comes
+// first. So a parallel reduction finds the first such triangle for any number of threads.
 struct IndexSurvey {
-  std::optional<std::size_t> invalid_index;   // first triangle with an index of no vertex
-  std::optional<std::size_t> repeated_index;  // first triangle that names a vertex twice
+  std::optional<std::size_t> invalid_index;   // first triangle with an index of no vertex: an error
+  std::optional<std::size_t> repeated_index;  // first that names a vertex twice: callers decide
   std::size_t half_edges = 0;                 // half-edges whose ends differ
 
   IndexSurvey operator+(const IndexSurvey& later) const {
@@ -110,14 +114,14 @@ IndexSurvey survey_indices(std::span<const Triangle> triangles, std::size_t vert
 }
 
 // An array of counters, one per range. The counter of the range used last is kept outside of the
-// array: neighbouring triangles mostly fall into the same range, and a value in a register counts
-// faster than one that goes through memory each time.
+// array, in value_: neighbouring triangles mostly fall into the same range, and a value in a
+// register counts faster than one that goes through memory each time.
 class Counters {
  public:
   explicit Counters(std::vector<std::uint32_t> values)
       : values_(std::move(values)), value_(values_.empty() ? 0 : values_[0]) {}
 
-  // Returns the counter of a range and adds one to it.
+  // Adds one to the counter of a range and returns its value before that.
   std::uint32_t take(std::size_t range) {
     if (range != range_) {
       values_[range_] = value_;
@@ -131,9 +135,9 @@ class Counters {
   }
 
  private:
-  std::vector<std::uint32_t> values_;  // by range; the entry of range_ is out of date
-  std::size_t range_ = 0;
-  std::uint32_t value_;  // counter of range_
+  std::vector<std::uint32_t> values_;  // by range; the value for range_ is out of date
+  std::size_t range_ = 0;              // the range used last
+  std::uint32_t value_;                // counter of range_
 };
 
 // The half-edges grouped by the range of their smaller vertex, and in input order within a range.
@@ -151,6 +155,7 @@ class HalfEdgesByRange {
         next_(ranges_ * blocks_, 0),
         first_of_range_(ranges_ + 1, 0) {
     for_blocks([&](std::size_t b) { count(b); });
+    // The prefix sum. exchange() replaces a count by the sum before it and returns the count.
     std::uint32_t sum = 0;
     for (std::size_t r = 0; r < ranges_; ++r) {
       first_of_range_[r] = sum;
@@ -162,8 +167,8 @@ class HalfEdgesByRange {
   }
 
   std::size_t ranges() const { return ranges_; }
-  // Index of the range's first half-edge in the sorted list. The entries of the range begin at the
-  // same index in EdgeBuckets::entries_.
+  // Index of the range's first half-edge in the sorted list. The EdgeEntry objects of the range
+  // begin at the same index in EdgeBuckets::entries_, because both arrays are sorted by range.
   std::uint32_t first(std::size_t range) const { return first_of_range_[range]; }
   std::span<const HalfEdge> of(std::size_t range) const {
     return {half_edges_.data() + first(range), first(range + 1) - first(range)};
@@ -202,17 +207,20 @@ class HalfEdgesByRange {
 
   std::span<const Triangle> triangles_;
   std::size_t per_block_, blocks_, ranges_;
-  std::vector<std::uint32_t> next_;            // [range][block]: a count, then the first position
+  // [range][block]: the number of half-edges, later the position of the first of them.
+  std::vector<std::uint32_t> next_;
   std::vector<std::uint32_t> first_of_range_;  // one more than there are ranges
   Buffer<HalfEdge> half_edges_;                // the sorted list
 };
 
-// Fills the buckets of the vertices from `first_vertex` on, as many as `end` has entries. This is a
-// counting sort by smaller vertex, then a sort of each bucket. The entries of these vertices begin
-// at entries[place]. for_each_half_edge(visit) calls visit(number, from, to) for each half-edge
-// whose smaller vertex is one of them; it runs twice, to count and to write. Each entry of `end`
-// changes its meaning on the way: it is the size of a bucket, then (after an exclusive prefix sum)
-// the position of its next entry, and at last the end of the bucket.
+// Fills the buckets of end.size() vertices, from `first_vertex` on. This is a counting sort by
+// smaller vertex, then a sort of each bucket. The first of these buckets begins at entries[place].
+// for_each_half_edge(visit) calls visit(number, from, to) for each half-edge 3t + k = `number`
+// whose smaller vertex is one of these vertices. It runs twice, to count and to write.
+//
+// end[i] belongs to vertex first_vertex + i, and its meaning changes on the way. After counting it
+// is the size of the bucket. The exclusive prefix sum makes it the index in `entries` at which the
+// bucket begins. Each write moves it on by one, so that it ends as the end of the bucket.
 template <class ForEach>
 void fill_buckets(ForEach&& for_each_half_edge, std::uint32_t place, std::size_t first_vertex,
                   std::span<std::uint32_t> end, EdgeEntry* entries) {
@@ -223,6 +231,7 @@ void fill_buckets(ForEach&& for_each_half_edge, std::uint32_t place, std::size_t
   std::uint32_t next = place;
   for (std::uint32_t& e : end) next += std::exchange(e, next);
   for_each_half_edge([&](std::uint32_t number, std::uint32_t from, std::uint32_t to) {
+    // The third argument is the direction: whether the half-edge descends to the smaller vertex.
     entries[end[std::min(from, to) - first_vertex]++] =
         EdgeEntry(std::max(from, to), number, from > to);
   });
@@ -230,7 +239,7 @@ void fill_buckets(ForEach&& for_each_half_edge, std::uint32_t place, std::size_t
   for (const std::uint32_t e : end) sort_bucket(entries + std::exchange(begin, e), entries + e);
 }
 
-// One counting sort over all vertices.
+// One counting sort over all vertices: the buckets begin with vertex 0, at entries[0].
 void fill_on_one_core(std::span<const Triangle> triangles, std::span<std::uint32_t> end,
                       EdgeEntry* entries) {
   const auto all = [&](const auto& visit) {
@@ -242,8 +251,8 @@ void fill_on_one_core(std::span<const Triangle> triangles, std::span<std::uint32
   fill_buckets(all, 0, 0, end, entries);
 }
 
-// Sorts half-edges by range of vertices first. Then each range is a task of its own, whose buckets
-// no other task writes.
+// Sorts half-edges by range of vertices first (`listed`). Then each range is a task of its own,
+// whose buckets no other task writes.
 void fill_on_all_cores(std::span<const Triangle> triangles, std::span<std::uint32_t> end,
                        EdgeEntry* entries) {
   const HalfEdgesByRange listed(triangles, end.size());
@@ -269,6 +278,7 @@ EdgeBuckets::EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex
                     "spacing makes fewer",
                     triangles.size(), kMaxSurfaceHalfEdges));
   const IndexSurvey found = survey_indices(triangles, vertex_count);
+  // The vertex that the message names is the largest of the triangle, hence one that is too large.
   if (found.invalid_index)
     throw InvalidInput(
         fmt::format("triangle {} names vertex {}, but there are {} vertices", *found.invalid_index,
@@ -276,7 +286,8 @@ EdgeBuckets::EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex
   repeated_index_ = found.repeated_index;
   resize_untouched(end_, vertex_count);
   resize_untouched(entries_, found.half_edges);
-  // Grouping by range is an extra pass, which does not pay on a single thread.
+  // Both functions give the same buckets. Grouping by range is an extra pass, which does not pay on
+  // a single thread.
   const bool single_threaded =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) == 1;
   (single_threaded ? fill_on_one_core : fill_on_all_cores)(triangles, end_, entries_.data());

@@ -2,7 +2,7 @@
 // a manifold: an edge may have any number of half-edges. The smaller vertex of an edge is its
 // vertex of smaller index. There is one bucket per vertex v, which holds the half-edges of all
 // edges whose smaller vertex is v. The work is done on all cores. Its time is linear in the number
-// of triangles, as long as vertices have few edges.
+// of triangles as long as buckets are short, because each bucket is sorted.
 #pragma once
 
 #include <cstddef>
@@ -24,10 +24,11 @@ constexpr std::uint32_t previous_in_triangle(std::uint32_t h) { return h % 3 == 
 
 // One half-edge in the bucket of its smaller vertex. Entries are ordered by the larger vertex, then
 // by half-edge. Both are packed into 64 bits, from the top: 32 bits of larger vertex, 31 bits of
-// half-edge, 1 bit of direction. One integer comparison therefore compares entries.
+// half-edge, 1 bit of direction (`descending`). One integer comparison therefore compares entries.
 class EdgeEntry {
  public:
-  EdgeEntry() = default;
+  EdgeEntry() = default;  // leaves bits_ uninitialised
+  // `descending` is 0 or 1.
   EdgeEntry(std::uint32_t larger, std::uint32_t half_edge, std::uint32_t descending)
       : bits_(std::uint64_t{larger} << 32 | std::uint64_t{half_edge} << 1 | descending) {}
 
@@ -54,7 +55,8 @@ class EdgeBuckets {
     const std::size_t begin = v == 0 ? 0 : end_[v - 1];
     return {entries_.data() + begin, end_[v] - begin};
   }
-  // The first triangle that names a vertex twice, if there is one.
+  // The number of the first triangle that names a vertex twice, if there is one. This is no error
+  // here: the analysis says that such a mesh is no manifold, and opposite_half_edges() refuses it.
   std::optional<std::size_t> repeated_index() const { return repeated_index_; }
 
  private:

@@ -3,8 +3,8 @@
 // vertices; corner lists and atoms of faces. It drops the rest.
 //
 // PlyReader walks through the elements and does not know about bytes; BinaryBody and AsciiBody
-// deliver numbers. Two fast paths of binary files avoid work per number: vertices without lists are
-// read column by column, and faces that are all triangles are read in one loop.
+// deliver numbers. Two fast paths of binary files avoid work per number: read_columns() for
+// vertices without lists, and read_packed_triangles() for the usual layout of triangles.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -37,8 +37,7 @@ T load(const char* from) {
   return std::bit_cast<T>(bytes);
 }
 
-// Calls use(T{}) with the C++ type T of a PlyScalar. So code that depends on the type is compiled
-// once per type, and the type is chosen outside of its loops.
+// Calls use(T{}) with the C++ type T of a PlyScalar, so that a loop in `use` is compiled for T.
 template <class Use>
 auto with_type(PlyScalar scalar, Use&& use) {
   switch (scalar) {
@@ -56,7 +55,7 @@ auto with_type(PlyScalar scalar, Use&& use) {
       return use(std::uint32_t{});
     case PlyScalar::float32:
       return use(float{});
-    default:
+    default:  // float64
       return use(double{});
   }
 }
@@ -90,7 +89,7 @@ class BinaryBody {
       fail(fmt::format("{} '{}' elements are promised, but {} bytes are left for them",
                        element.count, element.name, bytes_left()));
   }
-  // The most entries of this type that the rest of the file can hold.
+  // An upper bound of the list entries of this type that the rest of the file can hold.
   std::size_t max_list_entries(PlyScalar scalar) const { return bytes_left() / size_of(scalar); }
   std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
   // Steps over so many bytes and returns where they begin; take(0) is the current position. The
@@ -127,8 +126,7 @@ class AsciiBody {
     return in_.number();
   }
   void check_claimed_count(const PlyElement& element) const {
-    // Each property takes at least a digit and a separator; only the last of the file needs no
-    // separator, hence + 1.
+    // A number takes a digit and a separator at least; the last of the file needs none, hence + 1.
     const std::size_t least = 2 * element.properties.size();
     if (least > 0 && element.count > in_.bytes_left() / least + 1)
       fail(fmt::format("{} '{}' elements are promised, but {} bytes are left for them",
@@ -177,15 +175,14 @@ class PlyReader {
     if (!has_vertices_) body_.fail("the file has no element 'vertex'");
     if (!body_.at_end()) body_.fail("more follows than the elements that the header promises");
     check_indices();
-    file_.mesh.vertex_spheres.narrow();
+    file_.mesh.vertex_spheres.narrow();  // frees the second and third ids if no vertex has any
     label_all_triangles();
-    polygons_.finish(file_);
+    polygons_.finish(file_);  // triangulates concave polygons; needs all positions
     return std::move(file_);
   }
 
  private:
-  // Reads the element "vertex": allocates the arrays of the mesh that the properties fill, and
-  // reads the values by column if the layout allows that, else one by one.
+  // Reads the element "vertex", by read_columns() if the layout allows that, else value by value.
   void read_vertices(const PlyElement& element) {
     if (std::exchange(has_vertices_, true)) body_.fail("a second element 'vertex'");
     check_vertex_limit(element.count);
@@ -201,7 +198,8 @@ class PlyReader {
     resize_untouched(file_.mesh.positions, count);
     if (has(Slot::nx) && has(Slot::ny) && has(Slot::nz))
       resize_untouched(file_.mesh.normals, count);
-    // Labels need the atom; the other two spheres may be missing, and are kNoSphere then.
+    // Without atoms there are no labels. If the file has only one of sphere2 and sphere3, the other
+    // is preset to kNoSphere. If it has neither, `others` is empty, and the fill does nothing.
     if (has(Slot::atom)) {
       const bool has_others = has(Slot::sphere2) || has(Slot::sphere3);
       VertexLabels& labels = file_.mesh.vertex_spheres;
@@ -224,14 +222,14 @@ class PlyReader {
   }
 
   // Reads vertices without lists from a binary file. In a block of 2048 vertices, which stays in
-  // the cache, it reads one property of all vertices before the next property. So the type and the
-  // slot are looked up once per property and block, and not for each number.
+  // the cache, it reads one property of all vertices before the next property. So type and slot are
+  // looked up only once for them. check_claimed_count() has made sure that the file holds them all.
   void read_columns(const PlyElement& element, const std::vector<Slot>& slots) {
     constexpr std::size_t kBlock = 2048;
     const std::size_t stride = element.least_size();
     for (std::size_t first = 0; first < element.count; first += kBlock) {
       const std::size_t last = std::min<std::size_t>(first + kBlock, element.count);
-      const char* row = body_.take(0);
+      const char* row = body_.take(0);  // address of property p in the block's first vertex
       for (std::size_t p = 0; p < slots.size(); ++p) {
         const PlyScalar type = element.properties[p].type;
         if (slots[p] != Slot::other) read_column(slots[p], type, row, stride, first, last);
@@ -242,8 +240,8 @@ class PlyReader {
     }
   }
 
-  // Reads the property of the vertices [first, last). `from` is its address in the first of them,
-  // and `stride` is the size of a vertex in bytes.
+  // Reads one property of the vertices [first, last). `from` is its address in vertex `first`, and
+  // `stride` is the size of a vertex in bytes.
   void read_column(Slot slot, PlyScalar type, const char* from, std::size_t stride,
                    std::size_t first, std::size_t last) {
     with_store(slot, [&](const auto& store) {
@@ -255,7 +253,7 @@ class PlyReader {
     });
   }
 
-  // Throws if a coordinate of the vertices [first, last) is not finite.
+  // Throws if a coordinate of the vertices [first, last) is not finite, or if their sum overflows.
   void check_finite(std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const Vec3d& p = file_.mesh.positions[i];
@@ -264,18 +262,18 @@ class PlyReader {
     }
   }
 
-  // A sphere id from a number of the file; negative numbers and numbers too large are no sphere.
+  // A number of the file as a sphere id; kNoSphere if it is negative, not a number or too large.
   static SphereId sphere_id(double value) {
     return value >= 0 && value < kNoSphere ? static_cast<SphereId>(value) : kNoSphere;
   }
 
   // Calls use(store) with a function that stores a value of this slot: store(i, value) stores the
-  // value of vertex i. Does not call `use` if values of the slot are dropped.
+  // value of vertex i. Does not call `use` if the mesh has no array for the slot.
   template <class Use>
   void with_store(Slot slot, const Use& use) {
     IndexedMesh& mesh = file_.mesh;
     VertexLabels& labels = mesh.vertex_spheres;
-    // Distance from another slot in the enumeration, such as 0, 1, 2 for x, y, z from x.
+    // How far the slot is behind `first` in the enumeration: for x, y, z behind x it is 0, 1, 2.
     const auto place = [slot](Slot first) {
       return static_cast<std::size_t>(slot) - static_cast<std::size_t>(first);
     };
@@ -303,10 +301,10 @@ class PlyReader {
     with_store(slot, [&](const auto& store) { store(i, value); });
   }
 
-  // Reads an element "face". The list of indices goes by two names, and both are common. In a
+  // Reads an element "face". The list of vertex indices has one of two names; both are common. In a
   // binary file, the fast path reads as many faces as it can, and the loop reads the others.
   void read_faces(const PlyElement& element) {
-    std::size_t indices = element.properties.size();  // which property: this value means none
+    std::size_t indices = element.properties.size();  // property number; this value: none
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const PlyProperty& property = element.properties[p];
       if (property.list_count &&
@@ -323,9 +321,8 @@ class PlyReader {
     for (std::uint64_t f = start; f < element.count; ++f) read_face(element, indices);
   }
 
-  // Reserves memory for `more` triangles: exactly as many if the file has one element "face", as is
-  // usual. With many such elements the capacity at least doubles each time, so that all triangles
-  // together are copied O(1) times.
+  // Reserves memory for `more` triangles: exactly as many for the first element "face". For more
+  // such elements the capacity at least doubles, so all triangles are copied in linear time.
   static void make_room(Buffer<Triangle>& triangles, std::size_t more) {
     const std::size_t needed = triangles.size() + more;
     if (needed > triangles.capacity())
@@ -336,8 +333,8 @@ class PlyReader {
     return property.name == "atom" && !property.list_count;
   }
 
-  // Reads one face. A polygon becomes several triangles, which all get the atom of the face.
-  // Triangles of earlier faces without an atom are labelled kNoSphere.
+  // Reads one face, whose corners are property number `indices`. All its triangles get its atom.
+  // The first resize() labels triangles of an earlier element "face" that had no atoms.
   void read_face(const PlyElement& element, std::size_t indices) {
     IndexedMesh& mesh = file_.mesh;
     const std::size_t before = mesh.triangle_count();
@@ -356,12 +353,12 @@ class PlyReader {
   }
 
   // The fast path for the usual layout of binary faces: a list with a count of one byte and indices
-  // of 32 bits, perhaps followed by an atom of 32 bits, and no other property. Reads triangles up
-  // to the first face that has another number of corners, and returns how many it read. Returns 0
-  // if the layout is another one. Indices are checked later, by check_indices().
+  // of 32 bits, then perhaps an atom of 32 bits (`named`), and no other property. The caller has
+  // found a list of vertex indices; here it must be property 0. Reads triangles up to the first
+  // face of more or fewer corners, and returns how many: 0 in other layouts. Checks no indices.
   std::uint64_t read_packed_triangles(const PlyElement& element) {
     const PlyProperty& list = element.properties[0];
-    const auto is_whole = [](const PlyProperty& property) {
+    const auto is_whole = [](const PlyProperty& property) {  // an integer of 32 bits
       return property.type == PlyScalar::int32 || property.type == PlyScalar::uint32;
     };
     const bool named = element.properties.size() == 2 && is_atom(element.properties[1]) &&
@@ -369,12 +366,13 @@ class PlyReader {
     if (element.properties.size() != (named ? 2u : 1u)) return 0;
     if (!list.list_count || !is_whole(list) || size_of(*list.list_count) != 1) return 0;
     const std::size_t size = 1 + (named ? 4 : 3) * sizeof(std::uint32_t);
-    // So many triangles fit into the rest of the file; within them, take() stays inside.
+    // So many triangles fit into the file. If the first face is none, no memory is taken for them.
     const std::size_t most = std::min<std::uint64_t>(element.count, body_.bytes_left() / size);
     if (most == 0 || *body_.take(0) != 3) return 0;
     Buffer<Triangle>& triangles = file_.mesh.triangles;
     Buffer<SphereId>& spheres = file_.mesh.triangle_spheres;
     const std::size_t before = triangles.size();
+    // The new elements are uninitialised. expect_writing() is a hint; the loop may write fewer.
     triangles.resize(before + most);
     expect_writing(&triangles[before], most);
     if (named) {
@@ -395,6 +393,7 @@ class PlyReader {
         return body_.template load_as<std::uint32_t>(face + 1 + k * sizeof(std::uint32_t));
       };
       triangles[t] = {number(0), number(1), number(2)};
+      // An unsigned number is an id as it stands, because kNoSphere is 2^32 - 1.
       if (named)
         spheres[t] = is_signed ? sphere_id(static_cast<std::int32_t>(number(3))) : number(3);
     }
@@ -403,7 +402,8 @@ class PlyReader {
     return t - before;
   }
 
-  // Reads one property of an element; skips it unless it is the list of a face's corners.
+  // Reads one property of any element. If it is the index list of a face (`is_indices`), adds the
+  // polygon; Polygons::add() leaves out those of one or two corners. Skips any other property.
   void read_face_property(const PlyProperty& property, bool is_indices) {
     if (!property.list_count) {
       body_.number(property.type);
@@ -439,13 +439,13 @@ class PlyReader {
   }
 
   void skip(const PlyElement& element) {
-    if (element.properties.empty()) return;
+    if (element.properties.empty()) return;  // no bytes, so the file does not bound the count
     for (std::uint64_t i = 0; i < element.count; ++i)
       for (const PlyProperty& property : element.properties) read_face_property(property, false);
   }
 
-  // If a file has several elements "face", some may have atoms and the last none. Its triangles get
-  // kNoSphere, so that triangle_spheres is either empty or complete.
+  // If a file has several elements "face", the last may lack the atoms that an earlier one has. Its
+  // triangles get kNoSphere, so that triangle_spheres is either empty or complete.
   void label_all_triangles() {
     IndexedMesh& mesh = file_.mesh;
     if (!mesh.triangle_spheres.empty())
@@ -468,9 +468,9 @@ class PlyReader {
   std::vector<std::uint32_t> polygon_;  // corners of the face that is being read
 };
 
-// Whether the file is a text file, by a search instead of by its header: line ends of CR alone have
-// to be converted before the header can be read. The "format" line is the second line, unless
-// comments precede it; 200 bytes allow for a few of them.
+// Whether the file is a text file. Searches for the "format" line instead of reading the header,
+// because line ends of CR alone have to be converted first. The line is the second, unless comments
+// precede it; 200 bytes allow for a few of them.
 bool is_text(std::string_view bytes) {
   constexpr std::size_t kFirstLines = 200;
   const std::string_view lines = bytes.substr(0, kFirstLines);

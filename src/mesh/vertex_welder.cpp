@@ -17,8 +17,8 @@ constexpr std::size_t kRecent = std::size_t{1} << 15;      // entries of the cac
 constexpr std::size_t kFirstSlots = std::size_t{1} << 16;  // initial table, 512 KiB
 
 // Multiplicative hash of the bits of all three coordinates, with the constant 2^64 / golden ratio.
-// The multiplication mixes bits upwards only; the shift brings the upper half down to the bits that
-// index the table.
+// The multiplication mixes bits upwards only. The shift brings the upper half down, because the
+// lowest bits of the hash are the index into the table.
 std::uint64_t hash_of(const Vec3d& p) {
   const auto mix = [](std::uint64_t h, double value) {
     h = (h ^ std::bit_cast<std::uint64_t>(value)) * 0x9e3779b97f4a7c15u;
@@ -47,6 +47,8 @@ std::uint32_t VertexWelder::index(const Vec3d& given) {
   return index(p, hash_of(p));
 }
 
+// The first loop hashes and prefetches, the second looks up. If the table grows in the second loop,
+// `mask` and the remaining prefetches are those of the old table, which costs time only.
 void VertexWelder::index(std::span<const Vec3d> points, std::span<std::uint32_t> result) {
   std::array<Vec3d, kMost> p;
   std::array<std::uint64_t, kMost> hash;
@@ -59,14 +61,17 @@ void VertexWelder::index(std::span<const Vec3d> points, std::span<std::uint32_t>
   for (std::size_t i = 0; i < points.size(); ++i) result[i] = index(p[i], hash[i]);
 }
 
-// Asks the cache first; its index is bits 20 to 34 of the hash.
+// Asks the cache first. The index into its 2^15 entries is bits 20 to 34 of the hash, which small
+// tables do not use for their own index. The choice of the bits is a matter of speed only: the
+// vertex found in the cache is compared with p.
 std::uint32_t VertexWelder::index(const Vec3d& p, std::uint64_t hash) {
   std::uint32_t& recent = recent_[(hash >> 20) % kRecent];
   if (recent == kEmpty || !(positions_[recent] == p)) recent = find_or_add(p, hash);
   return recent;
 }
 
-// Linear probing. An empty slot always ends the search, because the table is at most half full.
+// Linear probing. An empty slot always ends the search, because the table is at most half full. The
+// table grows fourfold as soon as it is more than half full.
 std::uint32_t VertexWelder::find_or_add(const Vec3d& p, std::uint64_t hash) {
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = hash & mask;
@@ -81,8 +86,8 @@ std::uint32_t VertexWelder::find_or_add(const Vec3d& p, std::uint64_t hash) {
   return index;
 }
 
-// Makes an empty table of `slots` slots (a power of two) and inserts all positions. They are all
-// different, so nothing has to be compared.
+// Replaces the table by one of `slots` slots, a power of two that is at least twice the number of
+// positions, and inserts all positions. They are all different, so nothing has to be compared.
 void VertexWelder::insert_all(std::size_t slots) {
   slots_.clear();
   slots_.reserve(slots);

@@ -21,25 +21,26 @@ class VertexWelder {
   // Precondition: p is finite. Throws LimitExceeded if the mesh has too many vertices.
   std::uint32_t index(const Vec3d& p);
 
-  // The same for up to kMost points. It prefetches the table's slots of all points before it looks
-  // at the first, so that their cache misses overlap.
-  static constexpr std::size_t kMost = 96;
+  // The same for up to kMost points: result[i] is the index of points[i]. It prefetches the table's
+  // slots of all points before it looks up the first, so that their cache misses overlap.
+  static constexpr std::size_t kMost = 96;  // points; the corners of 32 triangles
   void index(std::span<const Vec3d> points, std::span<std::uint32_t> result);
 
  private:
-  // A slot holds the index of a vertex and the upper 32 bits of its hash. If two tags differ, so do
-  // the points, and no position has to be read.
+  // A slot holds the index of a vertex and the upper 32 bits of its hash, the tag. If two tags
+  // differ, so do the points, and no position has to be read.
   struct Slot {
     std::uint32_t index, tag;
   };
-  // index() for a point without negative zeros, and its hash.
+  // The common part of both functions above. `p` has no negative zeros, and `hash` is its hash. The
+  // first function asks the cache, then the second, which asks the table.
   std::uint32_t index(const Vec3d& p, std::uint64_t hash);
   std::uint32_t find_or_add(const Vec3d& p, std::uint64_t hash);
   void insert_all(std::size_t slots);
 
   Buffer<Vec3d>& positions_;
   // A small direct-mapped cache in front of the table: the last vertex found for each value of some
-  // hash bits. The corners of neighbouring triangles repeat soon, so it answers most questions.
+  // hash bits. Neighbouring triangles repeat their corners soon, so it answers most look-ups.
   Buffer<std::uint32_t> recent_;
   Buffer<Slot> slots_;  // open addressing; its size is a power of two; at most half full
 };

@@ -1,10 +1,10 @@
 // Reads mmCIF files of macromolecules, and CIF files of small molecules as their asymmetric unit.
 //
-// gemmi parses the text and builds the structure. gemmi is silent about much that is wrong or
-// missing, so this file works on both sides of it. Before: it completes the table _atom_site with
-// the columns that gemmi insists on, checks the integers, and replaces the atom ids by row numbers,
-// so that gemmi::Atom::serial is the index of an AtomRecord. After: it checks that all rows became
-// atoms and that positions are finite, and derives missing elements.
+// gemmi parses the text and builds the structure, but it is silent about much that is wrong or
+// missing. Before gemmi builds the structure, this file adds the columns to the table _atom_site
+// that gemmi requires and that are not needed here, checks the integers, and replaces the atom ids
+// by row indices from 0, so that gemmi::Atom::serial is the index of an AtomRecord. Afterwards it
+// checks that all rows became atoms and that positions are finite, and derives missing elements.
 //
 // The two kinds of file differ in their tags: mmCIF writes _atom_site.id with Cartesian
 // coordinates, CIF of small molecules writes _atom_site_label with fractional ones.
@@ -64,15 +64,16 @@ cif::Block& block_with_atoms(cif::Document& document, const std::string& path) {
   return *found;
 }
 
-// A column that the atom table lacks: a copy of another column, or the value "?" (unknown) in every
-// row.
+// A column that the atom table lacks. It becomes a copy of another column, or the value "?"
+// (unknown) in every row.
 struct AddedColumn {
   std::string tag;
-  int source;  // index of the column to copy; -1: none, so unknown
+  int source;  // index of the column to copy; -1: the value is "?"
 };
 
-// The columns to add: gemmi requires them, but files without them can be read. The author's chain
-// ids replace missing label_asym_id; missing elements are derived from names later.
+// The columns to add. gemmi ignores a table without them, but their values can be done without: the
+// author's chain ids replace label_asym_id, elements are derived from names later, and gemmi takes
+// "?" for no alternate location and an occupancy of 1.
 std::vector<AddedColumn> columns_to_add(const cif::Loop& loop) {
   std::vector<AddedColumn> added;
   const auto index_of = [&loop](const char* tag) {
@@ -87,12 +88,13 @@ std::vector<AddedColumn> columns_to_add(const cif::Loop& loop) {
 }
 
 // Adds the missing columns to the atom table. A loop stores its values row by row in one array, so
-// the whole array is rewritten.
+// the whole array is rewritten. A table of one row may be written as single items without a loop;
+// such a table is left as it is, and refused later if a column is missing.
 void complete_columns(cif::Block& block) {
   cif::Loop* loop = block.find_loop("_atom_site.Cartn_x").get_loop();
   if (!loop) return;
-  // gemmi requires auth_seq_id. If it is missing, the column label_seq_id gets that tag instead; -1
-  // means that it exists, or that there is no column to rename.
+  // gemmi requires auth_seq_id. If it is missing, the column label_seq_id gets that tag. `sequence`
+  // is the index of the column to rename: -1 if auth_seq_id exists or if there is no label_seq_id.
   const int sequence =
       loop->has_tag("_atom_site.auth_seq_id") ? -1 : loop->find_tag("_atom_site.label_seq_id");
   if (sequence >= 0) loop->tags[static_cast<std::size_t>(sequence)] = "_atom_site.auth_seq_id";
@@ -113,7 +115,9 @@ void complete_columns(cif::Block& block) {
   for (const AddedColumn& column : added) loop->tags.push_back(column.tag);
 }
 
-// Throws if a column is missing that no other can replace.
+// Throws if the table still lacks one of these columns after complete_columns(). Coordinates have
+// no substitute. label_asym_id and auth_seq_id are missing if the table lacks their substitutes
+// too, and type_symbol if the table is not a loop.
 void check_columns(cif::Block& block, const std::string& path) {
   for (const char* tag :
        {"type_symbol", "label_asym_id", "Cartn_x", "Cartn_y", "Cartn_z", "auth_seq_id"})
@@ -121,8 +125,9 @@ void check_columns(cif::Block& block, const std::string& path) {
       refuse(path, fmt::format("its _atom_site table lacks the column {}", tag));
 }
 
-// gemmi converts integers without a check for overflow, so numbers that do not fit an int are
-// refused. Nine digits always fit: 2^31 - 1 has ten.
+// gemmi converts integers without a check for overflow, so numbers that might not fit an int are
+// refused. Nine digits always fit: 2^31 - 1 has ten. A sign counts as a digit here, so the check is
+// stricter than necessary; values that are no integers pass it.
 void check_whole_numbers(cif::Block& block, const std::string& path) {
   constexpr std::size_t kMostDigits = 9;
   for (const char* tag : {"label_seq_id", "auth_seq_id", "pdbx_formal_charge"}) {
@@ -136,7 +141,9 @@ void check_whole_numbers(cif::Block& block, const std::string& path) {
   }
 }
 
-// Makes the AtomRecord of every row, and overwrites the column `id` with the index of the row.
+// Makes the AtomRecord of every row, and overwrites the column `id`, from which gemmi reads
+// gemmi::Atom::serial, with the index of the row from 0. The id of the file goes into
+// AtomRecord::serial. AtomRecord::line is the row from 1, and replaces an id that is no integer.
 std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) {
   cif::Table table = block.find(kAtoms, {"id", "?group_PDB"});
   std::vector<AtomRecord> atoms;
@@ -145,7 +152,8 @@ std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) 
     AtomRecord atom;
     atom.line = static_cast<std::uint32_t>(atoms.size()) + 1;
     atom.serial = whole_number(row[0]).value_or(atom.line);
-    // HETATM or ATOM; the raw value may have a quote before the first letter.
+    // The value is HETATM or ATOM, and there may be a quote before its first letter. npos is larger
+    // than 1.
     if (row.has2(1)) atom.hetero = row[1].find_first_of("Hh") <= 1;
     row[0] = std::to_string(atoms.size());
     atoms.push_back(atom);
@@ -154,7 +162,8 @@ std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) 
   return atoms;
 }
 
-// Throws for an atom whose position is not finite, and names the coordinate that is at fault.
+// Throws for an atom whose position is not finite, and names the coordinate that is at fault. gemmi
+// converts the fields with the same as_number(), so the last refuse() is a safeguard only.
 [[noreturn]] void refuse_position(cif::Block& block, const ParsedFile& file,
                                   const gemmi::Atom& atom) {
   for (const char axis : {'x', 'y', 'z'}) {
@@ -170,7 +179,8 @@ std::vector<AtomRecord> number_rows(cif::Block& block, const std::string& path) 
 }
 
 // Sets the element of an atom for which gemmi found none. The file may give a symbol with a charge
-// that gemmi does not read ("O2-"). If it gives none, the names decide.
+// that gemmi does not read ("O2-"). If it gives no symbol (as_string() makes "?" and "." empty),
+// the names of atom and residue decide. `symbols` is the column type_symbol.
 void complete_element(const cif::Column& symbols, const gemmi::Residue& residue, gemmi::Atom& atom,
                       ParsedFile& file) {
   AtomRecord& record = file.atoms[static_cast<std::size_t>(atom.serial)];
@@ -181,8 +191,9 @@ void complete_element(const cif::Column& symbols, const gemmi::Residue& residue,
                                                : element_of_symbol(symbol));
 }
 
-// Checks the position of every atom and completes its element. gemmi turns a coordinate that is not
-// a number into NaN, and an element that it does not know into X, without an error.
+// Checks the position of every atom, and completes its element if necessary. gemmi turns a
+// coordinate that is not a number into NaN, and an element that it does not know into X, without an
+// error.
 void complete_atoms(cif::Block& block, ParsedFile& file) {
   const cif::Column symbols = block.find_values("_atom_site.type_symbol");
   for (gemmi::Model& model : file.structure->models)
@@ -197,7 +208,8 @@ void complete_atoms(cif::Block& block, ParsedFile& file) {
 }
 
 // Throws if gemmi read fewer atoms than the table has rows. gemmi ignores the whole table if a
-// required column is missing, and also if the column exists but stands in another loop.
+// required column is not among its columns. check_columns() does not see that if the column stands
+// in another loop of the block.
 void check_all_rows_read(const ParsedFile& file) {
   std::size_t read = 0;
   for (const gemmi::Model& model : file.structure->models) read += gemmi::count_atom_sites(model);
@@ -207,14 +219,16 @@ void check_all_rows_read(const ParsedFile& file) {
                                   read, file.atoms.size()));
 }
 
-// The order matters. complete_columns() must precede check_columns(). The assembly tables must
-// leave the block before gemmi sees it, because gemmi would expand their expressions.
+// The order matters. complete_columns() must precede check_columns(). take_assembly_tables() must
+// remove the tables before gemmi sees the block: gemmi would expand their operator expressions at
+// once, and a few characters can stand for billions of copies.
 void read_macromolecule(cif::Block& block, ParsedFile& file) {
   complete_columns(block);
   check_columns(block, file.path);
   check_whole_numbers(block, file.path);
   file.atoms = number_rows(block, file.path);
-  // Anisotropic displacements are not needed, and gemmi would match them with the atoms by id.
+  // Anisotropic displacements are not needed, and gemmi would match them with the atoms by id,
+  // which number_rows() has overwritten.
   for (cif::Item& item : block.items)
     if (item.has_prefix("_atom_site_anisotrop.")) item.erase();
   file.assemblies = take_assembly_tables(block);
@@ -224,17 +238,21 @@ void read_macromolecule(cif::Block& block, ParsedFile& file) {
   file.format = "mmcif";
 }
 
-// The element in the label of a small molecule's atom, which begins with the symbol. A small second
-// letter belongs to the symbol: "Ca1" is calcium. In capitals, "CA1" may be calcium or a carbon A1,
-// so the rules for bare atom names decide.
+// The element in the label of a small molecule's atom, which begins with the symbol. A second
+// letter in lower case belongs to the symbol: "Ca1" is calcium. In capitals, "CA1" may be calcium
+// or a carbon A1, so the rules for bare atom names decide. They also decide if the symbol is
+// unknown, "X". The test for "X" catches xenon, "Xe", too, which these rules find as well.
 const char* element_of_label(const std::string& label) {
   const bool two = label.size() > 1 && std::islower(static_cast<unsigned char>(label[1])) != 0;
   const char* element = two ? element_of_symbol(label.substr(0, 2)) : "X";
   return element[0] != 'X' ? element : element_of_bare_name(label, "");
 }
 
-// The atom of one row. Fractional coordinates become Cartesian ones (Å) by the unit cell. A
-// disorder group from 1 to 9 becomes the label of an alternate location. A minus sign marks
+// The atom of row `index`. Fractional coordinates become Cartesian ones (Å) by the unit cell. If
+// the row has no symbol, its label gives the element. gemmi takes a symbol such as "OW" for two
+// letters and knows no such element; the rules for bare atom names then find the first letter.
+//
+// A disorder group from 1 to 9 becomes the label of an alternate location. A minus sign marks
 // disorder about a special position and is ignored. Higher numbers give no label.
 gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index, bool has_symbol,
                          const std::string& path) {
@@ -256,7 +274,8 @@ gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index
   return atom;
 }
 
-// All atoms go into one residue UNL ("unknown ligand") of chain A in model 1.
+// All atoms go into one residue UNL ("unknown ligand") of chain A in model 1. Their AtomRecords
+// hold the row from 1 twice, as line and as serial, because these files number no atoms.
 void read_small_molecule(cif::Block& block, ParsedFile& file) {
   const gemmi::SmallStructure crystal = gemmi::make_small_structure_from_block(block);
   if (crystal.sites.empty()) refuse(file.path, "its _atom_site table has no rows");
