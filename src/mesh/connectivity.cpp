@@ -34,8 +34,9 @@ using Range = tbb::blocked_range<std::size_t>;
 constexpr std::uint32_t kNone = 0xffffffffu;  // in outgoing_: the vertex is on no triangle
 
 // Builds the connectivity of one mesh. A half-edge has two numbers. Its input number is 3t + k for
-// corner k of triangle t. Its handle is OpenMesh's number, 2e or 2e + 1 for edge e. The half-edge
-// of smaller input number owns the edge and gets handle 2e.
+// corner k of triangle t, where it starts. Its handle is OpenMesh's number, 2e or 2e + 1 for edge
+// e. The half-edge of smaller input number owns the edge and gets handle 2e. A half-edge on the
+// boundary that belongs to no triangle has a handle only.
 class Connector {
  public:
   Connector(SurfaceMesh& mesh, std::span<const Triangle> triangles,
@@ -46,7 +47,8 @@ class Connector {
         opposite_(opposite),
         vertex_count_(vertex_count) {}
 
-  // choose_outgoing() is serial and needs the triangles alone, so it runs beside make_room().
+  // choose_outgoing() and check_fans() use input numbers alone, so they run beside make_room(),
+  // which allocates the arrays of the mesh.
   void run(Opposites origin) {
     if (origin == Opposites::given) check_opposite();
     number_edges();
@@ -60,19 +62,21 @@ class Connector {
         });
     link_faces();
     link_vertices();
-    handle_of_ = {};
-    // opposite_ has one entry per half-edge of a triangle. In a closed mesh there are two per edge;
-    // on a boundary, the second half-edge belongs to no triangle.
+    handle_of_ = {};  // frees the memory
+    // opposite_ has one element per half-edge of a triangle. In a closed mesh there are two per
+    // edge; on a boundary, the second half-edge belongs to no triangle.
     if (2 * edge_count_ != opposite_.size()) link_boundary();
   }
 
  private:
-  // kNoOpposite is the largest number, so a half-edge on the boundary owns its edge.
+  // Whether half-edge h (an input number) owns its edge. kNoOpposite is the largest number, so a
+  // half-edge without an opposite owns its edge.
   bool owns(std::uint32_t h) const { return h < opposite_[h]; }
 
   // Checks opposites that the caller gave. Afterwards all indices are in range, and opposite_ pairs
-  // half-edges that run along the same edge in opposite directions. The walks below rely on this:
-  // they need no bounds checks, and they end.
+  // half-edges that run along the same edge in opposite directions. The walks of fan_size() rely on
+  // this: they need no bounds checks, and they end. The loop in parallel only finds whether all is
+  // well; a serial loop then finds the first bad triangle, for any number of threads.
   void check_opposite() const {
     std::atomic<bool> all_good = true;
     for_each_index(triangles_.size(), [&](std::size_t t) {
@@ -85,9 +89,10 @@ class Connector {
       if (!is_consistent(h, next_in_triangle(h))) throw_bad_triangle(h / 3);
   }
 
-  // Whether half-edge h has two different, valid ends and a correct opposite. `after` is the next
-  // half-edge of the same triangle, so corners_[after] is the end of h. Checking h and its opposite
-  // in turn checks both ends of the pair.
+  // Whether half-edge h has two different ends, starts at a vertex that exists, and has an opposite
+  // that names h in turn and starts where h ends. `after` is the next half-edge of the same
+  // triangle, so corners_[after] is the end of h. The same test of the opposite finds whether h
+  // starts where the opposite ends.
   bool is_consistent(std::size_t h, std::size_t after) const {
     const std::uint32_t o = opposite_[h], from = corners_[h], to = corners_[after];
     if (from >= vertex_count_ || from == to) return false;
@@ -122,6 +127,7 @@ class Connector {
         owners += owns(static_cast<std::uint32_t>(h));
       first_edge[b] = owners;
     });
+    // The prefix sum: `first` is a count, and becomes the sum of the counts before it.
     std::uint32_t edges = 0;
     for (std::uint32_t& first : first_edge) first = std::exchange(edges, edges + first);
     if (2 * std::uint64_t{edges} > kMaxSurfaceHalfEdges)
@@ -201,7 +207,7 @@ class Connector {
       met += corners;
     });
     if (met == opposite_.size()) return;
-    // Some vertex is wrong. Only now are corners counted per vertex, to find the first such vertex.
+    // Some vertex has two fans. Only now are corners counted per vertex, to find the first of them.
     std::vector<std::uint32_t> corners(vertex_count_);
     for (const Triangle& triangle : triangles_)
       for (const std::uint32_t v : triangle) ++corners[v];
@@ -209,9 +215,10 @@ class Connector {
       if (corners[v] != fan_size(v)) throw_two_fans(v);
   }
 
-  // Number of triangles in the fan of v that holds its outgoing half-edge. The walk turns one way
-  // until it is back. If it meets the boundary instead, a second walk turns the other way. Turning
-  // is injective, because opposites come in pairs, so the walk can only return to where it began.
+  // Number of triangles in the fan of v that holds its outgoing half-edge `first`. The walk turns
+  // one way until it is back. If it meets the boundary instead, a second walk turns the other way
+  // from `first`. Turning is injective, because opposites come in pairs, so the walk can only
+  // return to where it began. In the first walk h ends at v, in the second walk h starts at v.
   std::uint32_t fan_size(std::size_t v) const {
     const std::uint32_t first = outgoing_[v];
     if (first == kNone) return 0;
@@ -231,12 +238,13 @@ class Connector {
 
   SurfaceMesh& mesh_;
   std::span<const Triangle> triangles_;
-  const std::uint32_t* corners_;  // the triangles as a flat array: the start of each half-edge
+  // The triangles as a flat array, as std::array has no padding: the start of each half-edge.
+  const std::uint32_t* corners_;
   std::span<const std::uint32_t> opposite_;
   std::size_t vertex_count_;
   std::size_t edge_count_ = 0;
   Buffer<std::uint32_t> handle_of_;  // input number -> handle
-  Buffer<std::uint32_t> outgoing_;   // vertex -> input number of a half-edge, or kNone
+  Buffer<std::uint32_t> outgoing_;   // vertex -> input number of a half-edge from it, or kNone
 };
 
 }  // namespace

@@ -19,7 +19,9 @@ namespace {
 
 constexpr std::size_t kVerticesPerTask = 1 << 14;
 
-// Names the first bad edge in the bucket of v, in the order of larger vertices.
+// Names the first bad edge in the bucket of v, in the order of larger vertices. Precondition:
+// pair_bucket() is false for the bucket, so one of the edges is bad and the last line is not
+// reached.
 [[noreturn]] void throw_bad_edge(const EdgeBuckets& buckets, std::size_t v) {
   for_each_edge(buckets.at(v), [&](std::span<const EdgeEntry> edge) {
     const std::uint32_t w = edge[0].larger();
@@ -35,8 +37,9 @@ constexpr std::size_t kVerticesPerTask = 1 << 14;
   throw InvalidInput(fmt::format("an edge of vertex {} cannot be in a half-edge mesh", v));
 }
 
-// Makes the half-edges of each edge in a bucket each other's opposites. Returns false if an edge
-// has more than two half-edges, or two of the same direction; `opposite` is then of no use.
+// Makes the half-edges of each edge in a bucket each other's opposites. Returns false if an edge is
+// bad: it has more than two half-edges, or two of the same direction. The caller then throws, so it
+// does not matter what was written to `opposite`.
 bool pair_bucket(std::span<const EdgeEntry> bucket, Buffer<std::uint32_t>& opposite) {
   bool good = true;
   for_each_edge(bucket, [&](std::span<const EdgeEntry> edge) {
@@ -69,7 +72,7 @@ Buffer<std::uint32_t> opposite_half_edges(std::span<const Triangle> triangles,
   Buffer<std::uint32_t> opposite(3 * triangles.size());
   advise_large_pages(opposite.data(), opposite.size());
   // Buckets are disjoint, so threads never write to the same half-edge. An error is reported for
-  // the smallest bad vertex, whichever thread finds one first.
+  // the smallest vertex with a bad edge in its bucket, whichever thread finds one first.
   std::atomic<std::size_t> first_bad{vertex_count};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertex_count, kVerticesPerTask),
                     [&](const tbb::blocked_range<std::size_t>& range) {

@@ -13,7 +13,8 @@ namespace vdwmesh::formats {
 namespace {
 
 // Polygons with more corners are not clipped. To clip n corners takes O(n^2) time, and O(n^3) if
-// most tests for an ear fail: then 500 corners cost about 10^8 steps, and a hostile file no more.
+// most tests for an ear fail: then 500 corners cost about 10^8 steps, about a second. The limit
+// keeps a hostile polygon from taking hours.
 constexpr std::uint32_t kMostCorners = 500;
 // Relative to the polygon's area. A triangle whose signed area is negative by less than this counts
 // as flat: rounding of its coordinates in double can produce such a value.
@@ -30,8 +31,8 @@ double turn(const Point2& a, const Point2& b, const Point2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-// The polygon of which a fan was made. Triangle i of the fan is (corner 0, corner i + 1,
-// corner i + 2).
+// The corners of the polygon of which a fan was made, as vertex indices. The fan begins with
+// triangle `first`. Its triangle i is (corner 0, corner i + 1, corner i + 2).
 std::vector<std::uint32_t> corners_of(const IndexedMesh& mesh, std::size_t first,
                                       std::uint32_t count) {
   std::vector<std::uint32_t> corners{mesh.triangles[first][0], mesh.triangles[first][1]};
@@ -64,15 +65,17 @@ bool folds_over(const IndexedMesh& mesh, std::size_t first, std::uint32_t corner
 }
 
 // Triangulates one polygon. An ear is a convex corner whose triangle with its two neighbours holds
-// no other corner. It is cut off, and so on, until a triangle is left. Every simple polygon of more
-// than three corners has two ears (Meisters 1975).
+// no other corner. Ears are cut off until a triangle is left. Every simple polygon of more than
+// three corners has two ears (Meisters 1975), so the search fails only if the polygon is not
+// simple.
 class EarClipper {
  public:
   // Projects the corners onto the plane normal to `area`, which is twice the polygon's area vector
   // and not zero. In the plane's axes u and v the polygon runs counter-clockwise. `aside` is a
-  // coordinate axis at least 36 degrees away from the normal, so the length of u is 0.6 to 1. v has
-  // the same length. Areas in the plane are scaled by its square, which does not change their
-  // signs.
+  // coordinate axis at least 36 degrees away from the normal: the x axis if |normal.x| < 0.6, and
+  // otherwise the y axis, since then |normal.y| <= 0.8. The length of u is the sine of this angle,
+  // 0.6 to 1. v has the same length. Areas in the plane are scaled by the square of the length,
+  // which does not change their signs.
   EarClipper(const IndexedMesh& mesh, std::vector<std::uint32_t> corners, const Vec3d& area)
       : corners_(std::move(corners)), flat_(kFlat * norm(area)) {
     const Vec3d normal = (1 / norm(area)) * area;
@@ -86,7 +89,8 @@ class EarClipper {
   }
 
   // Appends the triangles. Returns false if the polygon crosses itself: then no ear is found, or
-  // the last triangle is turned over.
+  // the last triangle is turned over (has a negative area). `triangles` is then
+  // of no use.
   bool clip(std::vector<Triangle>& triangles) {
     std::size_t at = 0;  // the corner to try next; after a cut, the one that follows the ear
     while (corners_.size() > 3) {
@@ -98,7 +102,7 @@ class EarClipper {
       }
       if (tried == size) return false;
       cut(at, triangles);
-      at = at % corners_.size();
+      at = at % corners_.size();  // 0 if the ear was the last corner
     }
     triangles.push_back({corners_[0], corners_[1], corners_[2]});
     return turn(points_[0], points_[1], points_[2]) >= -flat_;
@@ -133,7 +137,7 @@ class EarClipper {
 
   std::vector<std::uint32_t> corners_;  // vertices of the corners that are left
   std::vector<Point2> points_;          // where these corners lie in the plane
-  double flat_;                         // kFlat, times twice the polygon's area
+  double flat_;  // the largest turn(), in absolute value, of a triangle that counts as flat
 };
 
 }  // namespace

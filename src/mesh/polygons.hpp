@@ -12,8 +12,9 @@ namespace vdwmesh::formats {
 
 class Polygons {
  public:
-  // Appends a polygon to mesh.triangles as a fan around its first corner: n corners give n - 2
-  // triangles. A face of fewer than three corners is counted and left out.
+  // Appends a polygon, whose corners are vertex indices, to mesh.triangles as a fan around its
+  // first corner: n corners give n - 2 triangles. A face of fewer than three corners is counted and
+  // left out.
   void add(IndexedMesh& mesh, const std::vector<std::uint32_t>& corners);
 
   // Call it when all positions are known and all indices are checked. If a fan folds over, which
@@ -25,7 +26,7 @@ class Polygons {
  private:
   struct Fan {
     std::size_t first;      // index of its first triangle
-    std::uint32_t corners;  // of the polygon
+    std::uint32_t corners;  // number of corners of the polygon
   };
   std::vector<Fan> fans_;      // of polygons with more than three corners
   std::uint64_t too_few_ = 0;  // faces with fewer than three corners

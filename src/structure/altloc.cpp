@@ -1,10 +1,12 @@
 // Chooses among alternate locations; site.hpp states the rules. A "position" below is a sequence
 // position of a chain: one residue, or several residues with the same number (microheterogeneity).
+// A "label" is the character of an alternate location, '\0' for none.
 //
 // The atoms of a position stand together, so positions are handled one after the other:
-// 1. Labels are ranked by the mean occupancy of their atoms at the position.
-// 2. PositionChoice marks every atom that does not belong to the chosen label or residue.
-// 3. For "highest", atoms that the residue would lack are taken back.
+// 1. For "highest", labels are ranked by the mean occupancy of their atoms at the position.
+// 2. PositionChoice marks for removal every atom that has another label than the chosen one, or
+//    that is in a residue that was not chosen.
+// 3. For "highest", an atom loses its mark if the residue would otherwise lack its name.
 // 4. Unlabelled copies of atoms that stay are marked too, and marked atoms are removed and counted.
 #include <fmt/format.h>
 
@@ -21,21 +23,23 @@
 namespace vdwmesh {
 namespace {
 
-// Means that differ by no more than this are equal. Occupancies have two or three decimals, so the
-// means of n and of m atoms are either equal or at least 1e-3 / (n m) apart. That exceeds the
-// tolerance up to about 30 atoms each. Storing occupancies as floats changes the means by 3e-8 at
-// most.
+// Means that differ by no more than this count as equal. Occupancies have two or three decimals, so
+// the means of n and of m atoms are either equal or at least 1e-3 / (n m) apart. For up to 30 atoms
+// each that exceeds the tolerance, so different means count as different. Storing occupancies as
+// floats changes the means by 3e-8 at most, so equal means count as equal.
 constexpr double kSameOccupancy = 1e-6;
 
-// The mean occupancy of the atoms with one label, or of the atoms of one residue with that label.
+// The mean occupancy of a group of atoms: those with one label at a position, or those with one
+// label in one residue of the position.
 struct MeanOccupancy {
   char label;
-  const gemmi::Residue* residue;  // of the first atom
+  const gemmi::Residue* residue;  // of the first atom of the group
   double sum = 0;                 // of occupancies
   int count = 0;
   double value() const { return sum / count; }
 };
 
+// The atoms of one position: the first, and the end.
 using Range = std::pair<Sites::iterator, Sites::iterator>;
 
 // The end of the run of atoms that share the sequence position of `first`.
@@ -46,7 +50,8 @@ Sites::iterator end_of_position(Sites::iterator first, Sites::iterator last) {
   });
 }
 
-// Adds the atom's occupancy to the mean that satisfies `same`; begins a new one if none does.
+// Adds the atom's occupancy to the mean of its group, for which `same` is true; begins a new mean
+// if there is none. The means are in the order of the first atoms of their groups.
 template <class Same>
 void entry(std::vector<MeanOccupancy>& means, const Site& site, Same same) {
   auto found = std::find_if(means.begin(), means.end(), same);
@@ -75,16 +80,16 @@ std::vector<MeanOccupancy> means_by_label(Range place) {
   return means;
 }
 
-// Whether all atoms of the residue have labels. Only such a residue is one of several alternatives;
-// a residue with unlabelled atoms is always there.
+// Whether all atoms of the residue have labels. Only such a residue is an alternative to the other
+// residues of the position; a residue with unlabelled atoms is always there.
 bool wholly_labelled(Range place, const gemmi::Residue* residue) {
   return std::all_of(place.first, place.second, [residue](const Site& site) {
     return site.residue != residue || site.atom->altloc != '\0';
   });
 }
 
-// Among the wholly labelled residues of the position, the one that stays: the residue whose atoms
-// with the chosen label have the highest mean occupancy. Null if none of them has the label.
+// The one of the wholly labelled residues of the position that stays: its atoms with the chosen
+// label have the highest mean occupancy. Null if no such residue has an atom with the label.
 const gemmi::Residue* residue_that_stays(Range place, char label) {
   std::vector<MeanOccupancy> means;
   for (auto site = place.first; site != place.second; ++site)
@@ -93,9 +98,9 @@ const gemmi::Residue* residue_that_stays(Range place, char label) {
   return means.empty() ? nullptr : highest(means).residue;
 }
 
-// The labels of the position in descending order of their means. Selecting the highest repeatedly
-// keeps ties in the order of the file; comparing with a tolerance in std::sort would not be a valid
-// order.
+// The labels of the position in descending order of their means; ties keep the order of the file.
+// The highest is selected repeatedly, because std::sort cannot compare with a tolerance: equality
+// within a tolerance is not transitive.
 std::vector<char> labels_by_mean(Range place) {
   std::vector<MeanOccupancy> means = means_by_label(place);
   std::vector<char> labels;
@@ -107,7 +112,7 @@ std::vector<char> labels_by_mean(Range place) {
 }
 
 // The decision about every atom at one position. decisions_[i] belongs to the i-th atom of the
-// position.
+// position, site(i). An atom is marked if its decision is not `stays`.
 class PositionChoice {
  public:
   explicit PositionChoice(Range place)
@@ -115,7 +120,7 @@ class PositionChoice {
         decisions_(static_cast<std::size_t>(place.second - place.first), Decision::stays) {}
 
   // Marks the atoms of other labels and of the residues that were not chosen. Unlabelled atoms
-  // stay.
+  // stay. `mixed`: the position has several residues.
   void choose(char label) {
     const gemmi::Residue* first = place_.first->residue;
     const bool mixed = std::any_of(place_.first, place_.second,
@@ -144,15 +149,16 @@ class PositionChoice {
     }
   }
 
-  // Takes back atoms whose names the residue would lack, from the first of `labels` that has them.
-  // If one of several residues was chosen, only that residue is completed.
+  // Removes the marks of atoms whose names the residue would lack, with the first of `labels` that
+  // has them. If one of several residues was chosen, only that residue is completed. `held` holds
+  // the residues and names of the atoms that stay.
   void complete(const std::vector<char>& labels) {
     std::set<std::pair<const gemmi::Residue*, std::string>> held;
     for (std::size_t i = 0; i < decisions_.size(); ++i)
       if (decisions_[i] == Decision::stays) held.emplace(site(i).residue, site(i).atom->name);
     for (const char label : labels) {
-      // Names are compared with the state before this label: a name may occur twice under one
-      // label, and both atoms come back.
+      // Names are compared with the state before this label, hence the copy: a name may occur twice
+      // under one label, and both atoms must come back.
       const auto before = held;
       for (std::size_t i = 0; i < decisions_.size(); ++i) {
         if (decisions_[i] != Decision::other_label || site(i).atom->altloc != label) continue;
@@ -181,7 +187,9 @@ class PositionChoice {
 
   Range place_;
   std::vector<Decision> decisions_;
-  const gemmi::Residue* chosen_ = nullptr;  // among several residues; null: only one, or none suits
+  // The residue that stays, if the position has several. Null if it has one, or if none has the
+  // label.
+  const gemmi::Residue* chosen_ = nullptr;
 };
 
 bool has_labels(Range place) {
@@ -189,6 +197,7 @@ bool has_labels(Range place) {
                      [](const Site& site) { return site.atom->altloc != '\0'; });
 }
 
+// Chooses at one position. `label` is "highest" or one character.
 void choose_at(Range place, const std::string& label, SkippedAtoms& skipped) {
   PositionChoice choice(place);
   if (label == "highest") {
@@ -203,6 +212,7 @@ void choose_at(Range place, const std::string& label, SkippedAtoms& skipped) {
 }
 
 // Throws if no atom has the label that the user asked for; the message lists the labels there are.
+// "highest" is not a label, and always fits.
 void check_label(const Sites& sites, const std::string& label, const std::string& path) {
   if (label == "highest") return;
   std::set<char> labels;

@@ -19,7 +19,8 @@ namespace {
 // How far a scalar product of two matrix rows may be from 0 or 1 in a rotation. Files give the
 // entries to four or more decimals, so each is off by at most e = 5e-5, and each row by a vector of
 // length at most sqrt(3) e. Rows have length 1, so their scalar product is off by at most 2 sqrt(3)
-// e = 1.8e-4 up to terms of e^2. The tolerance is five times that.
+// e = 1.8e-4 up to terms of e^2. The tolerance is five times that, for entries of fewer decimals or
+// of less careful rounding.
 constexpr double kRotationTolerance = 1e-3;
 constexpr std::size_t kMostNamed = 3;  // operators that one warning lists
 
@@ -28,7 +29,7 @@ Vec3d column(const AffineMap& map, int axis) {
 }
 
 // Says why the map is not a rotation with a shift; empty if it is one. A rotation keeps lengths and
-// angles (its rows are orthonormal) and chirality (its determinant is positive).
+// angles (its rows are orthonormal) and chirality (the determinant of its rows is positive).
 std::string why_no_rotation(const AffineMap& map) {
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = i; j < 3; ++j) {
@@ -62,7 +63,8 @@ class RecipeMaker {
   }
 
  private:
-  // Adds the part of the recipe that one row of the file describes.
+  // Adds the part of the recipe that one row of the file describes, and notes its operators in
+  // used_.
   void add(const AssemblyRow& row) {
     const std::string where = fmt::format("{}: {}", path_, row.where);
     ChainCopies& part = recipe_.parts.emplace_back();
@@ -103,8 +105,8 @@ class RecipeMaker {
   const std::string& path_;
   OperatorIndices indices_;  // operator id -> index in tables_.operators, the first if repeated
   std::set<std::string> repeated_;  // ids that are listed more than once
-  std::set<std::uint32_t> used_;    // indices into tables_.operators
-  std::vector<std::string> deformations_;
+  std::set<std::uint32_t> used_;    // the assembly's operators: indices into tables_.operators
+  std::vector<std::string> deformations_;  // one text per operator that is not a rotation
   AssemblyRecipe recipe_;
 };
 
@@ -139,6 +141,7 @@ AssemblyRecipe make_recipe(const AssemblyTables& tables, const std::string& name
   return RecipeMaker(tables, name, path).run();
 }
 
+// The last operator is applied first, so the product grows to the left, from the last but one on.
 AffineMap map_of(const AssemblyTables& tables, const OperatorFactor& combination) {
   AffineMap map = tables.operators[combination.back()].map;
   for (std::size_t i = combination.size() - 1; i-- > 0;)

@@ -101,7 +101,8 @@ void BiomoleculeReader::take_chains(std::string_view list, bool first, std::uint
 
 void BiomoleculeReader::take_matrix_row(std::string_view record, std::uint32_t number) {
   const std::array<std::string_view, 6> fields = matrix_fields(record);
-  // 0, 1 or 2 for BIOMT1 to BIOMT3; 3 or more for anything else, which is a fault.
+  // 0, 1 or 2 for BIOMT1 to BIOMT3; 3 or more for anything else (smaller characters than '1' wrap
+  // round to huge numbers), which is a fault. BIOMT1 begins an operator, and so does a bad row.
   const std::size_t row = fields[0].size() == 6 ? static_cast<std::size_t>(fields[0][5] - '1') : 3;
   if (row == 0 || row >= 3) close_operator();
   if (matrix_rows_ == 0) operator_.where = fmt::format("line {}", number);
@@ -109,6 +110,8 @@ void BiomoleculeReader::take_matrix_row(std::string_view record, std::uint32_t n
     operator_.fault =
         fmt::format("{} is out of its order: BIOMT1, BIOMT2, BIOMT3", in_quotes(fields[0]));
   ++matrix_rows_;
+  // Four numbers: three entries of the matrix, then the shift. A bad row has no place to store
+  // them.
   for (std::size_t i = 0; i < kNames.size() && row < 3; ++i) {
     const auto value = finite_number(fields[i + 2]);
     if (!value && operator_.fault.empty())
@@ -120,9 +123,9 @@ void BiomoleculeReader::take_matrix_row(std::string_view record, std::uint32_t n
   }
 }
 
-// Adds the current matrix to the tables and to the current group. Files number their matrices anew
-// in each biomolecule or group, so the numbers are not unique. The id is the index among all
-// matrices of the file instead, from 1.
+// Adds the current matrix, if there is one, to the tables and to the current group. Files number
+// their matrices anew in each biomolecule or group, so the numbers are not unique. The id is the
+// index among all matrices of the file instead, from 1.
 void BiomoleculeReader::close_operator() {
   if (matrix_rows_ == 0) return;
   if (matrix_rows_ != 3 && operator_.fault.empty())
@@ -135,7 +138,8 @@ void BiomoleculeReader::close_operator() {
   matrix_rows_ = 0;
 }
 
-// Adds the current group to the tables, once for each biomolecule that it belongs to.
+// Adds the current group to the tables, once for each biomolecule that it belongs to. A group
+// without a line number has had no record.
 void BiomoleculeReader::close_group() {
   close_operator();
   if (!group_.where.empty())

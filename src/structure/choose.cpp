@@ -1,9 +1,10 @@
-// Choice::run() goes through the options one after the other, on one list of sites. Each step
-// erases sites and counts them under its reason. What is left gets radii and becomes the atoms of
-// the Molecule: once each for the asymmetric unit, or once for each copy in an assembly.
+// Choice::run() goes through the options one after the other, on one list of sites. A site is an
+// atom of the file with its residue, chain and model (site.hpp). Each step erases sites and counts
+// them under its reason. The sites that are left get radii and become the atoms of the Molecule:
+// once each for the asymmetric unit, or once for each copy in an assembly.
 //
-// An assembly is measured before it is made. An operator expression of a few characters can stand
-// for billions of copies, so the number of atoms is computed first and checked against the limits.
+// The atoms of an assembly are counted before they are made. An operator expression of a few
+// characters can stand for billions of copies, so the number is checked against the limits first.
 #include "structure/choose.hpp"
 
 #include <fmt/format.h>
@@ -44,8 +45,9 @@ bool listed(const Names& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// A residue is a water by its name alone, or by the name of a water model and at most one oxygen
-// with nothing but hydrogens and sites without an element (virtual sites, beads).
+// A residue is a water by a name in kAlwaysWater alone. With a name in kSolvent it is a water if it
+// has at most one oxygen, and beside that only hydrogens and atoms without an element (virtual
+// sites, beads).
 bool is_water(const gemmi::Residue& residue) {
   std::string name = residue.name;
   std::transform(name.begin(), name.end(), name.begin(),
@@ -62,7 +64,7 @@ bool is_water(const gemmi::Residue& residue) {
   return oxygens.size() <= 1;
 }
 
-// Describes an atom for a message.
+// Describes an atom for a message. `record` is the AtomRecord of the site.
 std::string name_of(const Site& site, const AtomRecord& record) {
   std::string chain = site.chain->name.empty() ? "" : " of chain " + site.chain->name;
   return fmt::format("atom {} of residue {} {}{} (serial {}, {} {})", site.atom->name,
@@ -72,15 +74,15 @@ std::string name_of(const Site& site, const AtomRecord& record) {
 
 constexpr double kMostAtoms = 4294967294;  // 2^32 - 2, the most spheres that a SphereSet holds
 
-// The number of the model; 0 if the file names it by something else.
+// The model's name as a number; 0 if the name is no integer of 32 bits.
 std::int32_t model_number(const gemmi::Model& model) {
   const std::int64_t number = whole_number(model.name).value_or(0);
   return std::in_range<std::int32_t>(number) ? static_cast<std::int32_t>(number) : 0;
 }
 
 // Names the chains of an assembly: A1, A2, ... are the copies of chain A, numbered in the order in
-// which the combinations of operators come up. The same chain and combination always get the same
-// name, even if several parts of the recipe hold pieces of that chain.
+// which of() is first called for their combinations of operators. The same chain and combination
+// always get the same name, even if several parts of the recipe hold pieces of that chain.
 class CopyChainNames {
  public:
   const std::string& of(const gemmi::Chain& chain, const OperatorFactor& combination) {
@@ -90,8 +92,8 @@ class CopyChainNames {
   }
 
  private:
-  // The next name that is free. Chain ids may end in digits: copy 1 of chain A1 and copy 11 of
-  // chain A would both be A11.
+  // The next name that is free. A name may be taken already, because chain ids may end in digits:
+  // copy 1 of chain A1 and copy 11 of chain A would both be A11.
   std::string unused(const std::string& chain) {
     for (int& count = counts_[chain];;) {
       std::string name = chain + std::to_string(++count);
@@ -100,8 +102,8 @@ class CopyChainNames {
   }
 
   std::map<std::pair<std::string, OperatorFactor>, std::string> names_;
-  std::map<std::string, int> counts_;
-  std::set<std::string> used_;
+  std::map<std::string, int> counts_;  // chain -> the number that was tried last
+  std::set<std::string> used_;         // all names in names_
 };
 
 // One call of choose_atoms(). sites_ holds the atoms that no step has dropped.
@@ -132,7 +134,8 @@ class Choice {
   }
 
  private:
-  // Erases the sites for which the predicate is true, and counts them under `reason`.
+  // Erases the sites for which the predicate is true, and counts them under `reason`. The predicate
+  // is called once for each site, in order.
   template <class Predicate>
   void drop(const char* reason, Predicate predicate) {
     const std::size_t dropped = std::erase_if(sites_, predicate);
@@ -187,7 +190,8 @@ class Choice {
 
   void drop_by_kind() {
     if (options_.waters == Inclusion::drop) {
-      // The atoms of a residue stand together, so one test for each residue is enough.
+      // The atoms of a residue stand together, so one test for each residue is enough. `water` is
+      // the result for `seen`, the residue of the previous site.
       const gemmi::Residue* seen = nullptr;
       bool water = false;
       drop("waters", [&](const Site& site) {
@@ -213,6 +217,7 @@ class Choice {
                       in_quotes(options_.select), one_line(error.what())));
     }
     // Selections by entity type (polymer, ligand, water) need types that gemmi derives on request.
+    // This moves no atom, so the pointers in sites_ stay valid.
     if (!selection.entity_types.all) gemmi::setup_entities(*file_.structure);
     drop("not_selected", [&](const Site& site) {
       return !selection.matches(*site.model) || !selection.matches(*site.chain) ||
@@ -232,8 +237,8 @@ class Choice {
                     file_.path, molecule_.atoms_read, reasons));
   }
 
-  // Sets Site::radius from the file or the table, and counts radii that the chosen set itself
-  // lacks.
+  // Sets Site::radius from the file or the table. Counts for each element the radii that the chosen
+  // set itself lacks, so that the table assumes them from another set.
   void assign_radii(const RadiusTable& table) {
     std::map<std::string, AssumedRadius> assumed;
     for (Site& site : sites_) {
@@ -311,7 +316,7 @@ class Choice {
     return file_.atoms[static_cast<std::size_t>(site.atom->serial)];
   }
 
-  // Appends the site to the molecule.
+  // Appends the atom of the site to the molecule, and returns it for changes.
   Atom& take(const Site& site) {
     const AtomRecord& from = record(site);
     if (site.residue != numbered_) {
@@ -333,8 +338,8 @@ class Choice {
   }
 
   void take_asymmetric() {
-    // gemmi collects the atoms of a residue, while the file may interleave residues. Sorting by
-    // gemmi's serial, the index in the file, restores the order of the file.
+    // gemmi brings the atoms of a residue together, while the file may interleave residues. Sorting
+    // by gemmi::Atom::serial, which is the index in the file, restores the order of the file.
     const auto in_order = [](const Site& a, const Site& b) {
       return a.atom->serial < b.atom->serial;
     };
@@ -351,7 +356,9 @@ class Choice {
     advise_large_pages(molecule_.atoms.data(), atoms);
   }
 
-  // Appends the copies of the assembly: model by model, then part by part, copy by copy.
+  // Appends the copies of the assembly: model by model, in a model part by part of the recipe, in a
+  // part copy by copy. The sites of a model, [first, last), are consecutive: choose_models() put
+  // them in this order, and no step since then has sorted them.
   void take_assembly() {
     const AssemblyRecipe recipe = find_recipe();
     molecule_.warnings.insert(molecule_.warnings.end(), recipe.warnings.begin(),
@@ -386,7 +393,8 @@ class Choice {
                                    options_.assembly, known.empty() ? " only" : " and", known));
   }
 
-  // Whether the part of the recipe copies the chain of this site.
+  // Whether the part of the recipe copies the chain of this site. The recipe names chains by author
+  // id or, from mmCIF, by label_asym_id, which gemmi keeps in Residue::subchain.
   bool holds(const ChainCopies& part, const Site& site) const {
     const bool by_author = file_.assemblies.chain_names == AssemblyTables::ChainNames::author;
     return part.chains.count(by_author ? site.chain->name : site.residue->subchain) != 0;
@@ -425,14 +433,15 @@ class Choice {
     std::vector<const Site*> held;
     for (auto site = first; site != last; ++site)
       if (holds(part, *site)) held.push_back(&*site);
-    // Without atoms, the limit on atoms does not bound the combinations, which may be 2^64 and
-    // more.
+    // A part without atoms has no share in the number of atoms, so refuse_if_too_many() has not
+    // bounded its combinations. There may be more than 2^64 of them.
     if (held.empty()) return;
     for (const OperatorProduct& product : part.products)
       for_each_combination(product, [&](const OperatorFactor& combination) {
         const AffineMap map = map_of(file_.assemblies, combination);
         const gemmi::Chain* chain = nullptr;
         std::string name;
+        // The name is looked up once for each run of atoms of one chain; `chain` is the last one.
         for (const Site* site : held) {
           if (site->chain != chain) name = names.of(*(chain = site->chain), combination);
           Atom& copy = take(*site);
@@ -443,6 +452,7 @@ class Choice {
       });
   }
 
+  // Throws if the combination of operators has moved the copy beyond kFarthest.
   void refuse_if_far(const Atom& copy, const OperatorFactor& combination) const {
     const Vec3d& p = copy.position;
     const auto is_near = [](double x) { return std::abs(x) <= kFarthest; };  // false for NaN

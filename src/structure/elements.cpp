@@ -3,8 +3,8 @@
 // 2. of_aligned_name(): the columns in which a PDB file places the name.
 // 3. of_bare_name(): the letters alone, with a preference for light elements, since nearly all
 //    atoms of molecules are C, N, O, H, P or S.
-// Each rule returns El::X if it cannot decide, and the next one is tried. Names are in capitals
-// here.
+// Each rule returns El::X, gemmi's unknown element, if it cannot decide; then the next one is
+// tried. Names are in capitals here. "The columns" are columns 13 to 16 of a PDB record.
 #include "structure/elements.hpp"
 
 #include <algorithm>
@@ -37,6 +37,7 @@ El single_letter(char c) { return gemmi::impl::find_single_letter_element(upper(
 
 // The element with this symbol of two letters, or of one letter if the other character is a blank.
 // X for elements past lawrencium, which exist for moments: "NH1A" is nitrogen, never nihonium.
+// Deuterium (D) is the exception, because gemmi lists it behind all elements.
 El two_letters(char first, char second) {
   const std::array<char, 3> symbol{first, second, '\0'};
   const El found = gemmi::find_element(symbol.data());
@@ -66,8 +67,9 @@ El in_standard_residue(std::string_view name, std::string_view residue) {
   return is_organic(element) ? element : El::X;
 }
 
-// Rule 1: the element that the name of the residue implies. In ligands with metals, an atom that is
-// not a metal is an organic element by its first letter.
+// Rule 1: the element that the name of the residue implies, in standard residues, ions and known
+// ligands with metals. In such a ligand, an atom that is not a metal is an organic element by its
+// first letter.
 El in_known_residue(std::string_view name, std::string_view residue) {
   if (is_standard_residue(residue)) return in_standard_residue(name, residue);
   if (const El ion = element_of_ion(name, residue); ion != El::X) return ion;
@@ -76,17 +78,18 @@ El in_known_residue(std::string_view name, std::string_view residue) {
   return is_organic(light) ? light : El::X;
 }
 
-// Chlorine or bromine by the first two letters ("CL1", "BR"). Outside the standard residues, no
-// carbon or boron has such a name.
+// Chlorine or bromine by the first two letters ("CL1", "BR"); X for any other name. Outside the
+// standard residues, no carbon or boron has such a name.
 El halogen(std::string_view name) {
   if (name.size() < 2) return El::X;
   const El element = two_letters(name[0], name[1]);
   return element == El::Cl || element == El::Br ? element : El::X;
 }
 
-// A symbol of two letters followed by nothing but digits, such as "FE2", for elements that such a
-// name nearly always means. Names such as "CA", "CO", "HG", "NA" and "PB" are not among them: they
-// more often mean a light element with a letter behind it (alpha carbon, gamma hydrogen).
+// The element of a name that is a symbol of two letters and perhaps digits, such as "FE2". Only for
+// elements that such a name nearly always means; X otherwise. Names such as "CA", "CO", "HG", "NA"
+// and "PB" are not among them: they more often mean a light element with a letter behind it (alpha
+// carbon, gamma hydrogen).
 El unambiguous_symbol(std::string_view name) {
   static constexpr std::array kTelling{El::Fe, El::Ni, El::Cu, El::Si, El::Se, El::Pt, El::Ir};
   if (name.size() < 2 || name.find_first_not_of("0123456789", 2) != std::string_view::npos)
@@ -95,9 +98,9 @@ El unambiguous_symbol(std::string_view name) {
   return std::find(kTelling.begin(), kTelling.end(), element) != kTelling.end() ? element : El::X;
 }
 
-// A name that fills all four columns. Then column 13 says nothing about the length of the symbol,
-// because long names of light elements begin there too ("HG11", "CG2A"). Light elements are
-// preferred.
+// The element of a name that fills all four columns. Then column 13 says nothing about the length
+// of the symbol, because long names of light elements begin there too ("HG11", "CG2A"). Light
+// elements are preferred.
 El of_full_name(std::string_view name) {
   if (halogen(name) != El::X) return halogen(name);
   if (kOrganic.find(name[0]) != std::string_view::npos) return single_letter(name[0]);
@@ -106,7 +109,8 @@ El of_full_name(std::string_view name) {
 }
 
 // Rule 2. The name has exactly four characters and may contain blanks. Old PDB files put the digit
-// of a hydrogen first ("1HB "), so the letter behind a leading digit is the symbol.
+// of a hydrogen first ("1HB "), so the letter behind a leading digit is the symbol. A digit behind
+// the first letter ("H11A") ends the symbol.
 El of_aligned_name(std::string_view name) {
   if (is_digit(name[0])) return single_letter(name[1]);
   if (name[3] != ' ' && is_letter(name[0])) {
@@ -120,7 +124,7 @@ El of_aligned_name(std::string_view name) {
   return element != El::X ? element : first_letter(name);
 }
 
-// Rule 3. Two letters are tried last, for names whose first letter is no element ("ZN").
+// Rule 3. A symbol of two letters is tried last, for names whose first letter is no element ("ZN").
 El of_bare_name(std::string_view name) {
   El element = halogen(name);
   if (element == El::X) element = unambiguous_symbol(name);
@@ -138,7 +142,7 @@ const char* element_of_aligned_name(std::string_view four_columns, std::string_v
   const El known = in_known_residue(trimmed(name), capitals(residue));
   if (known != El::X) return gemmi::element_name(known);
   const El element = of_aligned_name(name);
-  // CHARMM writes "ZN" from column 14 on. No element has the symbol Z, so the columns fail.
+  // CHARMM writes "ZN" from column 14 on. No element has the symbol Z, so rule 2 fails.
   return gemmi::element_name(element != El::X ? element : of_bare_name(trimmed(name)));
 }
 

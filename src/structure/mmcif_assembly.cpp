@@ -1,5 +1,6 @@
-// Copies the two tables into AssemblyTables, row by row. Nothing is refused here. An entry of a
-// matrix that is not a number becomes the fault of its operator, which make_recipe() reports.
+// Copies the two tables of assemblies, kGenerators and kOperators, into AssemblyTables, row by row.
+// Nothing is refused here. If an entry of a matrix is not a number, the operator gets a fault,
+// which make_recipe() reports if the operator is used.
 #include "structure/mmcif_assembly.hpp"
 
 #include <fmt/format.h>
@@ -57,7 +58,7 @@ SymmetryOperator operator_of(cif::Table::Row row, const std::vector<std::string>
     if (!std::isfinite(number) && listed.fault.empty())
       listed.fault = fmt::format("{} of operator {} is {}, not a finite number",
                                  tags[column].substr(1), in_quotes(listed.id), in_quotes(text));
-    // Four columns for each matrix row: entries 0 to 2 and the shift.
+    // Four columns for each matrix row: `place` is 0 to 2 for its entries and 3 for the shift.
     const std::size_t axis = (column - 1) / 4;
     const int place = static_cast<int>((column - 1) % 4);
     (place < 3 ? listed.map.rows[axis][place] : listed.map.shift[static_cast<int>(axis)]) = number;
@@ -70,7 +71,7 @@ SymmetryOperator operator_of(cif::Table::Row row, const std::vector<std::string>
 AssemblyTables take_assembly_tables(cif::Block& block) {
   AssemblyTables tables;
   tables.chain_names = AssemblyTables::ChainNames::label;
-  std::size_t number = 0;
+  std::size_t number = 0;  // of the row in the table, from 1
   for (cif::Table::Row row :
        block.find(kGenerators, {"assembly_id", "?oper_expression", "?asym_id_list"}))
     tables.rows.push_back({row.str(0), fmt::format("row {} of _pdbx_struct_assembly_gen", ++number),

@@ -15,7 +15,7 @@ namespace vdwmesh {
 namespace {
 
 // A text can repeat a range ("(1-60,1-60,...)") and so grow a factor without bound; this limit
-// bounds the memory. No virus has a thousandth of it.
+// bounds the memory. The shells of viruses, the largest assemblies, have 60 operators or few more.
 constexpr std::size_t kMostOperatorsInAFactor = std::size_t{1} << 20;
 
 bool is_number(std::string_view text) {
@@ -37,7 +37,8 @@ class Parser {
   }
 
  private:
-  // An item without brackets is a product with one factor.
+  // A term is a sequence of factors in brackets, or one item without brackets, which becomes a
+  // product with one factor.
   OperatorProduct term() {
     OperatorProduct product;
     while (take('(')) product.push_back(factor());
@@ -111,6 +112,7 @@ class Parser {
 // Counts saturate at this value. It is far beyond any limit on atoms, so saturation is harmless.
 constexpr std::uint64_t kUncountable = std::numeric_limits<std::uint64_t>::max();
 
+// No factor is empty: factor() and term() in Parser put at least one operator into each.
 std::uint64_t combination_count(const OperatorProduct& product) {
   std::uint64_t count = 1;
   for (const OperatorFactor& factor : product) {
@@ -138,7 +140,8 @@ std::uint64_t combination_count(const std::vector<OperatorProduct>& products) {
 }
 
 // Counts like an odometer with one wheel per factor: wheels[f] is the index within factor f. When a
-// wheel passes its end, it returns to 0 and the wheel on its left moves on.
+// wheel passes its end, it returns to 0 and the wheel on its left moves on. The loop ends when the
+// first wheel has passed its end.
 void for_each_combination(const OperatorProduct& product,
                           const std::function<void(const OperatorFactor&)>& visit) {
   std::vector<std::size_t> wheels(product.size(), 0);
@@ -146,6 +149,8 @@ void for_each_combination(const OperatorProduct& product,
   for (;;) {
     for (std::size_t f = 0; f < product.size(); ++f) indices[f] = product[f][wheels[f]];
     visit(indices);
+    // The condition moves wheel - 1 on, beginning with the last one. If that wheel has passed its
+    // end, the body sets it to 0 and goes on to its left.
     std::size_t wheel = product.size();
     while (wheel > 0 && ++wheels[wheel - 1] == product[wheel - 1].size()) wheels[--wheel] = 0;
     if (wheel == 0) return;

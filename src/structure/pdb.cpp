@@ -28,9 +28,9 @@
 namespace vdwmesh {
 namespace {
 
-// The rewritten text must hold every number in the columns that gemmi reads: four columns for
-// models; for atoms five columns of hybrid-36 with capitals, 100,000 + 26 * 36^4 values from 0 to
-// kMaxAtoms.
+// The rewritten text must hold every number in the columns that gemmi reads. Models have four
+// columns. Atoms have five columns of hybrid-36 (see serial_number() below), of which only the
+// capitals are used: the values from 0 to 100,000 + 26 * 36^4 - 1, which is kMaxAtoms.
 constexpr std::size_t kMaxModels = 9999;
 constexpr std::uint64_t kMaxAtoms = 43'770'015;
 // Columns count from 0, while the manual of the format counts them from 1.
@@ -61,7 +61,8 @@ struct Layout {
 // Looks at all atom records of the file. Single records are ambiguous, so the majority decides:
 // names are at the left if more of the names N, C, O and P begin in column 13 than in column 14,
 // where the format puts elements of one letter. Entry tags must show one and the same entry id in
-// more than half of the atoms; a single match could be chance.
+// more than half of the atoms; a single match could be chance. One bead is enough for `beads`,
+// because no real atom has the name of a bead.
 Layout layout_of(std::string_view text) {
   Layout layout;
   std::size_t atoms = 0, aligned = 0, at_left = 0;
@@ -88,7 +89,8 @@ Layout layout_of(std::string_view text) {
 std::optional<std::int64_t> serial_number(std::string_view field) {
   const std::string_view digits = trimmed(field);
   if (digits.size() == 5 && is_letter(digits[0])) {
-    // What to add to the value in base 36, where A0000 and a0000 both are 10 * 36^4.
+    // What to add to the value in base 36. from_chars() reads capitals and small letters alike, so
+    // A0000 and a0000 both are 10 * 36^4 there.
     constexpr std::int64_t kUpper = 100'000 - std::int64_t{10} * 36 * 36 * 36 * 36;
     constexpr std::int64_t kLower = kUpper + std::int64_t{26} * 36 * 36 * 36 * 36;
     std::int64_t value = 0;
@@ -134,7 +136,9 @@ class Normaliser {
 
  private:
   // Handles one line. TER and SEQRES are passed on because gemmi derives entity types (polymer,
-  // ligand) from them, and selections can name these types. All other records are left out.
+  // ligand) from them, and selections can name these types; what stands behind column 72 may be an
+  // entry tag and is cut off. open_model() writes MODEL and ENDMDL records anew. All other records
+  // are left out.
   void take(std::string_view line) {
     if (is_atom_record(line)) {
       take_atom(line);
@@ -149,8 +153,8 @@ class Normaliser {
     }
   }
 
-  // Begins a model in the rewritten text. The models are numbered from 1, because files leave
-  // numbers out or repeat them, and gemmi refuses repeated numbers.
+  // Begins a model in the rewritten text, before its first atom. The models are numbered from 1,
+  // because files leave numbers out or repeat them, and gemmi refuses repeated numbers.
   void open_model() {
     const std::size_t count = models_.names().size();
     if (count > kMaxModels)
@@ -159,7 +163,8 @@ class Normaliser {
     text_ += fmt::format("MODEL     {:4}\n", count);
   }
 
-  // Checks an atom record, rewrites it to exactly kLastColumn columns, and adds its AtomRecord.
+  // Checks an atom record, rewrites it to exactly kLastColumn columns, and adds its AtomRecord. A
+  // serial number that cannot be read is replaced by the number of the atom in the file, from 1.
   void take_atom(std::string_view line) {
     if (models_.begins_model()) open_model();
     if (atoms_.size() >= kMaxAtoms)

@@ -54,8 +54,8 @@ std::string_view base_name(std::string_view name) {
   return name.substr(std::min(name.find_first_not_of("0123456789"), name.size()));
 }
 
-// The element with this symbol. X past einsteinium: no file holds ions of these elements, and their
-// symbols occur as names of other things.
+// The element with this symbol. X past einsteinium, and for deuterium, which gemmi lists behind all
+// elements: no file holds ions of these elements, and their symbols occur as names of other things.
 El element_named(std::string_view symbol) {
   if (symbol.empty() || symbol.size() > 2) return El::X;
   const El found = symbol.size() == 1 ? gemmi::impl::find_single_letter_element(symbol[0])
@@ -106,7 +106,7 @@ bool is_nucleotide(std::string_view residue) {
 // light element with a letter behind it (CO, CA, NI, CU), or the name of a light atom as a metal
 // (NA in a porphyrin).
 struct Ligands {
-  std::array<El, 2> metals;   // X: only one metal
+  std::array<El, 2> metals;   // the second is X if there is only one
   std::string_view residues;  // names, each between blanks, so that searching finds whole names
 };
 // "CLA" is chlorophyll here and chloride in CHARMM; element_of_ion() is asked first and needs an
@@ -138,7 +138,8 @@ El element_of_ion(std::string_view name, std::string_view residue) {
   const std::string_view atom = base_name(name), ion = base_name(residue);
   if (atom.empty() || ion.empty()) return El::X;
   const El odd = find_named(kOddlyNamedIons, ion);
-  // "IOD" is in both tables: with an atom "I" in the PDB, with an atom "IOD" in CHARMM.
+  // `odd` is the element if the PDB has the residue; its atom is named by the symbol. "IOD" is in
+  // both tables of ions: with an atom "I" in the PDB, with an atom "IOD" in CHARMM.
   if (odd != El::X && element_named(atom) == odd) return odd;
   if (atom != ion) return El::X;
   const El charmm = find_named(kCharmmIons, ion);

@@ -22,7 +22,8 @@
 namespace vdwmesh {
 namespace {
 
-// The contents of one line. The views point into the text of the file.
+// The contents of one line. The views point into the text of the file. `number` is the residue's
+// number, and `residue` its name.
 struct Row {
   std::array<double, 3> position{};  // Å
   double radius = 0;                 // Å
@@ -31,7 +32,8 @@ struct Row {
 };
 
 // Builds the ParsedFile atom by atom. A new chain begins when the chain id changes, and a new
-// residue when the residue's number or name changes. Call begin_model() before the first atom.
+// residue when the chain, the residue's number or its name changes. Call begin_model() before the
+// first atom.
 class Builder {
  public:
   explicit Builder(const std::string& path, const char* format) {
@@ -132,7 +134,8 @@ void read_sphere(const std::vector<std::string_view>& fields, std::size_t first,
 bool is_number(std::string_view field) { return finite_number(field).has_value(); }
 
 // Splits a PQR record by the columns of PDB: record name, serial, atom name, residue name, chain,
-// residue number, x, y, z. Charge and radius follow in no fixed columns, so blanks separate them.
+// residue number, x, y, z. These fields may be empty. Charge and radius follow in no fixed columns,
+// so blanks separate them. A full record gives 11 fields, even if its chain is empty.
 std::vector<std::string_view> fields_by_column(std::string_view line) {
   std::vector<std::string_view> fields{
       columns(line, 0, 6),  columns(line, 6, 5),  columns(line, 12, 4),
@@ -148,7 +151,7 @@ std::vector<std::string_view> fields_by_column(std::string_view line) {
 //
 // Splitting at blanks is right if it gives 10 or 11 fields of which the fifth to third from the end
 // are numbers (x, y, z). Otherwise the columns of PDB are tried. If they do not fit either, the
-// first eleven fields are kept and the checks below name the one that is wrong.
+// first eleven fields between blanks are kept, and the checks below name the one that is wrong.
 Row pqr_row(std::string_view line, const std::string& path, std::uint32_t number) {
   std::vector<std::string_view> fields = split_at_blanks(line);
   const std::size_t count = fields.size();
@@ -168,7 +171,8 @@ Row pqr_row(std::string_view line, const std::string& path, std::uint32_t number
     else if (count > 11)
       fields.resize(11);
   }
-  // The chain is optional, so everything behind it is counted from the end.
+  // The chain is optional, so everything behind it is counted from the end: radius, charge, z, y,
+  // x, residue number.
   const std::size_t last = fields.size() - 1;
   Row row;
   row.hetero = fields[0].starts_with("HETATM");
@@ -203,12 +207,12 @@ bool has_pdb_factors(std::string_view line) {
 
 // Throws if the text is a PDB file under the name of a PQR file: its occupancies would be read as
 // charges and its temperature factors as radii. A file counts as PDB if every atom record has both,
-// and if in addition every record has an element in columns 77-78 or some "radius" is too large for
-// an atom.
+// and some factor is positive, and in addition every record has an element in columns 77-78 or some
+// factor is too large for the radius of an atom.
 void refuse_pdb(std::string_view text, const std::string& path) {
   constexpr double kLargestOfAtoms = 5;  // Å; no atom has more: caesium, the largest, has 3.5
-  bool pdb = true, elements = true;
-  double largest = 0;  // temperature factor, which would be a radius in Å
+  bool pdb = true, elements = true;      // all records so far have both factors; have elements
+  double largest = 0;                    // temperature factor, which would be a radius in Å
   std::string_view line;
   while (pdb && next_line(text, line)) {
     if (!is_atom_record(line)) continue;
@@ -230,6 +234,7 @@ ParsedFile parse_pqr(std::string_view text, const std::string& path) {
   ModelRecords models;
   std::string_view line;
   for (std::uint32_t number = 1; next_line(text, line); ++number) {
+    // take() is true for records that separate models; they need nothing else.
     if (models.take(trimmed(line))) continue;
     // Blanks before the record name are harmless here, unlike in PDB files with fixed columns.
     if (is_atom_record(trimmed(line)) && !is_atom_record(line)) line = trimmed(line);

@@ -144,8 +144,9 @@ class Inflater {
   }
 
  private:
-  // Unpacks at most one chunk and returns zlib's status, Z_OK or Z_STREAM_END. zlib counts in
-  // 32 bits; a chunk stays below that and lets unpack() check the limit after every MiB.
+  // Unpacks at most one chunk and returns zlib's status: Z_OK, or Z_STREAM_END at the end of a
+  // member. Moves `read` and `used` on. zlib counts in 32 bits; a chunk stays below that and lets
+  // unpack() check the limit after every MiB.
   int step(const Text& packed, std::size_t& read, Text& text, std::size_t& used) {
     const std::size_t in = std::min(packed.size() - read, kChunk);
     const std::size_t out = std::min(text.size() - used, kChunk);
@@ -156,15 +157,16 @@ class Inflater {
     const int status = inflate(&stream_, Z_NO_FLUSH);
     read += in - stream_.avail_in;
     used += out - stream_.avail_out;
-    // zlib made no progress, or it has no more input and wrote nothing: the stream has no end.
+    // zlib made no progress, or it has no more input and wrote nothing: the data end too early.
     if (status == Z_BUF_ERROR || (status == Z_OK && in == 0 && stream_.avail_out == out))
       fail("ends in the middle of its gzip data; it was cut off, get it again");
     if (status != Z_OK && status != Z_STREAM_END) fail("holds damaged gzip data; get it again");
     return status;
   }
 
-  // Prepares for the next member of the gzip file; false if there is none. Files that were joined
-  // with the program cat hold several members. Zeros after the last member are common padding.
+  // Prepares for the next member of the gzip file. Returns false if there is none. Files that were
+  // joined with the program cat hold several members. Zeros after the last member are common
+  // padding.
   bool next_member(const Text& packed, std::size_t& read) {
     const auto rest = packed.begin() + static_cast<std::ptrdiff_t>(read);
     if (std::all_of(rest, packed.end(), [](char c) { return c == '\0'; })) return false;
