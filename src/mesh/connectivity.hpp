@@ -9,8 +9,8 @@
 
 namespace vdwmesh {
 
-// Where the opposite half-edges come from: from the caller of the library, so that they have to be
-// checked, or from opposite_half_edges(), which has checked the triangles.
+// Where the opposite half-edges come from. `given`: from the caller of the library, so they have to
+// be checked. `computed`: from opposite_half_edges(), which has checked the triangles.
 enum class Opposites { given, computed };
 
 // Gives the mesh its vertices, edges and faces and links them; positions and properties stay unset.

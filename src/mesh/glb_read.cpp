@@ -33,9 +33,10 @@ struct Transform {
   Vec3d apply(const Vec3d& p) const { return apply_linear(p) + shift; }
   Vec3d column(int k) const { return {rows[0][k], rows[1][k], rows[2][k]}; }
   double determinant() const { return dot(rows[0], cross(rows[1], rows[2])); }
-  // The inverse transpose of A times the absolute value of its determinant, which maps normals to
-  // normals up to their length. It is made from the cofactors, which are det(A) times the inverse
-  // transpose, without a division, so it exists for singular A as well.
+  // The inverse transpose of A times the absolute value of A's determinant, which maps normals to
+  // normals up to their length and keeps them on their side of the surface. The cross products are
+  // the cofactors of A, that is, det(A) times the inverse transpose. They need no division, so the
+  // result exists for singular A as well.
   Transform for_normals() const {
     const double sign = determinant() < 0 ? -1 : 1;
     return {{sign * cross(rows[1], rows[2]), sign * cross(rows[2], rows[0]),
@@ -104,9 +105,9 @@ struct AccessorView {
 };
 
 // Resolves an accessor whose elements have `size` bytes. An accessor is a part of a buffer view,
-// which is a part of a buffer; all sizes come from the file. The comparisons are written with
-// differences that cannot be negative, so that no sum or product overflows. The last element needs
-// `size` bytes only, not a whole stride.
+// which is a part of a buffer; all sizes come from the file. Each comparison subtracts only what an
+// earlier one has found to be smaller, and none adds or multiplies, so nothing overflows. The last
+// element needs `size` bytes only, not a whole stride.
 AccessorView elements(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
                       std::size_t size) {
   if (accessor.sparse.isSparse) fail("sparse accessors are not read here");
@@ -134,8 +135,8 @@ AccessorView float_vectors(const tinygltf::Model& model, int accessor_index) {
   return elements(model, accessor, sizeof(Vec3f));
 }
 
-// The indices of a primitive, all below `vertices`. A primitive without indices uses its vertices
-// one after the other.
+// The indices of a primitive into its own vertices, of which there are `vertices`. Throws if an
+// index is larger. A primitive without indices uses its vertices one after the other.
 std::vector<std::uint32_t> read_indices(const tinygltf::Model& model,
                                         const tinygltf::Primitive& primitive,
                                         std::size_t vertices) {
@@ -183,7 +184,7 @@ class GlbReader {
       const int scene = std::max(model_.defaultScene, 0);
       for (const int root : item(scenes, scene, "scene").nodes) visit(root);
     }
-    // Normals of some primitives only are of no use.
+    // If only some primitives have normals, those are dropped: a mesh has one per vertex or none.
     if (file_.mesh.normals.size() != file_.mesh.vertex_count()) file_.mesh.normals.clear();
     if (skipped_ > 0)
       file_.notes.push_back(
@@ -228,7 +229,7 @@ class GlbReader {
     }
   }
 
-  // Adds a primitive of triangles, whose positions are in accessor `position`.
+  // Adds a primitive of triangles, whose positions are in accessor number `position`.
   void add(const tinygltf::Primitive& primitive, int position, const Transform& transform) {
     IndexedMesh& mesh = file_.mesh;
     const AccessorView points = float_vectors(model_, position);
@@ -249,7 +250,8 @@ class GlbReader {
     const AccessorView source = float_vectors(model_, accessor);
     if (source.count != count) fail("normals are not as many as vertices");
     const Transform turn = transform.for_normals();
-    // Without rotation or scale, normals keep their bits.
+    // Without rotation or scale, normals keep their bits. Normals of length 0 stay as they are,
+    // too.
     const bool plain = turn.rows == Transform{}.rows;
     for (std::size_t i = 0; i < count; ++i) {
       const Vec3f given = source.at<Vec3f>(i);
@@ -274,7 +276,7 @@ class GlbReader {
   }
 
   const tinygltf::Model& model_;
-  std::vector<bool> visited_;  // by node
+  std::vector<bool> visited_;  // by index of the node
   MeshFile file_;
   std::uint64_t skipped_ = 0;    // primitives that are no triangles or have no positions
   std::uint64_t left_over_ = 0;  // indices at the ends of primitives that make no triangle
@@ -286,8 +288,9 @@ MeshFile read_glb(std::string_view bytes) {
   if (bytes.size() > std::numeric_limits<std::uint32_t>::max())
     fail("the file is larger than its 32 bits can count");
   tinygltf::TinyGLTF loader;
-  // Images are not decoded. Without file callbacks, tinygltf opens no other file, whatever the file
-  // names.
+  // Images are not decoded: the callback says true, as if it had done so. Without file callbacks,
+  // tinygltf opens no other file, whatever the file names. NO_REQUIRE lets tinygltf accept files
+  // without the parts that glTF demands; GlbReader checks what it uses.
   loader.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int,
                            const unsigned char*, int, void*) { return true; },
                         nullptr);

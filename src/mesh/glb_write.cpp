@@ -78,6 +78,7 @@ Json as_json(const Vec3<T>& v) {
 void describe_arrays(const SurfaceMesh& mesh, const Box3& box, Json& json) {
   const std::uint64_t vertices = mesh.n_vertices(), faces = mesh.n_faces();
   std::uint64_t offset = 0;
+  // `offset` is where the next array begins in the binary chunk; 0 is the default and not written.
   const auto add = [&](std::uint64_t bytes, int target, Json accessor) {
     Json view{{"buffer", 0}, {"byteLength", bytes}, {"target", target}};
     if (offset > 0) view["byteOffset"] = offset;
@@ -86,8 +87,8 @@ void describe_arrays(const SurfaceMesh& mesh, const Box3& box, Json& json) {
     json["accessors"].push_back(std::move(accessor));
     offset += bytes;
   };
-  // glTF demands the exact bounds of the stored positions. Rounding is monotone, so the rounded
-  // corners of the box are the bounds of the rounded vertices.
+  // glTF demands the exact bounds of the stored positions. Subtracting the middle and rounding are
+  // monotone, so the rounded corners of the box are the bounds of the rounded vertices.
   const auto rounded = [&](const Vec3d& p) { return as_json(cast<float>(p - box.middle())); };
   add(kVectorSize * vertices, kArrayBuffer,
       {{"componentType", kFloat},

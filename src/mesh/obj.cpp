@@ -3,8 +3,9 @@
 // The first word of a line says what it holds: "v" a position, "vn" a normal, "f" a face. Other
 // lines (textures, groups, materials, lines, curves) are skipped. The corners of a face name a
 // vertex and may name a texture and a normal: v, v/vt, v//vn or v/vt/vn. So a vertex may have
-// several normals, and may be named before it is defined. IndexedMesh has one normal per vertex:
-// the reader keeps the first that a face names, and keeps none at all unless every vertex has one.
+// several normals, and may be named before it is defined. IndexedMesh has one normal per vertex.
+// The reader keeps the first normal that a face names for the vertex. Unless every vertex has one,
+// the mesh gets no normals at all.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -70,9 +71,10 @@ class ObjReader {
     polygons_.add(mesh(), polygon_);
   }
 
-  // Reads an index and converts it to one from 0. The file counts from 1; negative indices count
-  // backwards, and -1 is the last of the `count` elements read so far. The index 2^32 - 1 is
-  // refused, because kNoNormal has this value.
+  // Reads an index and converts it to an index from 0. The file counts from 1; negative indices
+  // count backwards, and -1 is the last of the `count` elements read so far. The result is not
+  // compared with `count`, because a face may name elements that follow. 2^32 - 1 is refused,
+  // because kNoNormal has this value.
   std::uint32_t index(std::size_t count) {
     const auto value = in_.integer<std::int64_t>();
     const std::int64_t from_zero = value > 0 ? value - 1 : static_cast<std::int64_t>(count) + value;
@@ -81,8 +83,9 @@ class ObjReader {
     return static_cast<std::uint32_t>(from_zero);
   }
 
-  // A face may name a vertex that is not read yet. Notes the largest such index and where it
-  // stands; check_forward() checks it at the end of the file.
+  // A face may name a vertex that is not read yet. Notes the largest such index v and where it
+  // stands in the file; check_forward() compares it with the number of vertices at the end of the
+  // file.
   void note_forward(std::uint32_t v) {
     if (v < mesh().positions.size() || v < largest_forward_index_) return;
     largest_forward_index_ = v;
@@ -95,10 +98,12 @@ class ObjReader {
                               std::uint64_t{largest_forward_index_} + 1, mesh().positions.size()));
   }
 
-  // Gives vertex v a normal (an index into normals_) unless it has one.
+  // Gives vertex v a normal unless it has one. `normal` is an index into normals_, whose element
+  // may follow later; give_normals() checks that.
   void set_normal(std::uint32_t v, std::uint32_t normal) {
     if (normal_of_.size() <= v) {
-      // A vertex that is not read yet gets none: a hostile index must not decide on the size.
+      // A vertex that is not read yet gets no normal here: otherwise a hostile index could demand
+      // an array of any size.
       if (v >= mesh().positions.size()) return;
       normal_of_.resize(mesh().positions.size(), kNoNormal);
     }

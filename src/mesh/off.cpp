@@ -40,8 +40,8 @@ class OffReader {
   }
 
  private:
-  // Reads the first word. BINARY may follow it on the same line; otherwise the position stays after
-  // the first word, because the counts may stand on the same line.
+  // Reads the first word. If the next word is BINARY, throws. Otherwise the position goes back to
+  // the end of the first word, because the next word may be the first of the counts.
   void read_keyword() {
     in_.skip_to_token();
     const std::string_view word = in_.word();
@@ -60,9 +60,10 @@ class OffReader {
     in_.move_to(after);
   }
 
-  // Reads a count from the header. Each element has at least `numbers` numbers, and each number
-  // takes at least two bytes, a digit and a separator (the last number of the file needs none,
-  // hence + 1). A count that cannot fit into the rest of the file is an error.
+  // Reads a count from the header; `what` names the elements in messages. Each element has at least
+  // `numbers` numbers, and each number takes at least two bytes, a digit and a separator. Only the
+  // last number of the file needs no separator, hence + 1. A count that cannot fit into the rest of
+  // the file is an error.
   std::uint64_t count(const char* what, std::size_t numbers) {
     in_.skip_to_token();
     const auto value = in_.integer<std::uint64_t>();

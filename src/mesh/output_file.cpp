@@ -1,6 +1,6 @@
 // Files that appear whole or not at all. The bytes go into a file without a name (Linux's
 // O_TMPFILE) or with a hidden name, in the directory of the target, hence on the same file system.
-// commit() sets its permissions, links the unnamed file under a hidden name, closes it and renames
+// commit() sets its permissions, links it under a hidden name if it has none, closes it and renames
 // it to the target. rename() is atomic: other processes see either the old file or the whole new
 // one.
 #include "mesh/output_file.hpp"
@@ -38,7 +38,7 @@ fs::path hidden_beside(const fs::path& target) {
 // result of the last call, negative for an error, and puts its name into `name`.
 template <class Make>
 int make_hidden(const fs::path& target, fs::path& name, Make make) {
-  constexpr int kAttempts = 1000;
+  constexpr int kAttempts = 1000;  // far more than killed processes can have left in practice
   int result = -1;
   for (int i = 0; i < kAttempts; ++i) {
     name = hidden_beside(target);
@@ -74,8 +74,8 @@ bool is_written_directly(const fs::path& path) {
 
 OutputFile::OutputFile(const fs::path& path, Staging staging)
     : path_(path), target_(written_file(path)) {
-  // This opens path_, not target_: /dev/stdout, for one, leads to a link in /proc whose text, such
-  // as "pipe:[1234]", is the name of no file.
+  // open() gets the path as given, not target_: /dev/stdout, for one, leads to a link in /proc
+  // whose text, such as "pipe:[1234]", is the name of no file.
   if (is_written_directly(path)) {
     kind_ = Kind::direct;
     descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
@@ -112,6 +112,7 @@ void OutputFile::open_hidden() {
   hidden_ = name;
 }
 
+// Without a commit(), an unnamed file vanishes when it is closed, and a hidden one is removed.
 // After commit() there is nothing left to close or remove.
 OutputFile::~OutputFile() {
   if (descriptor_ >= 0) ::close(descriptor_);

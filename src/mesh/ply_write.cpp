@@ -13,8 +13,8 @@
 namespace vdwmesh::formats {
 namespace {
 
-// A format string: comment on faces, number of vertices, number of faces, property of faces. The
-// first and the last are empty unless the mesh has spheres of faces.
+// A format string for four values: comment on faces, number of vertices, number of faces, property
+// of faces. The first and the last value are empty unless the mesh has face_spheres().
 constexpr const char* kHeader =
     "ply\n"
     "format binary_little_endian 1.0\n"

@@ -55,9 +55,9 @@ std::uint32_t promised_triangles(std::string_view bytes) {
   return count;
 }
 
-// Reads the three corners of a triangle of a binary file and skips its normal, which comes first.
-// The sum of three finite doubles that were floats cannot overflow, so one test finds any
-// coordinate that is not finite.
+// Reads the three corners of a triangle of a binary file into corners[0] to corners[2], and skips
+// its normal, which comes first. The sum of three coordinates is not finite if one of them is not,
+// and cannot overflow otherwise, because the doubles were floats. So one test is enough.
 void read_corners(std::string_view bytes, std::size_t triangle, Vec3d* corners) {
   const std::size_t at = kFirstTriangle + kTriangleSize * triangle;
   std::array<Vec3f, 4> numbers;
@@ -71,7 +71,8 @@ void read_corners(std::string_view bytes, std::size_t triangle, Vec3d* corners) 
 }
 
 // Precondition: the file is as long as its number of triangles needs. Triangles are read in blocks
-// of 32, because the welder takes up to kMost = 96 points at a time.
+// of 32, because VertexWelder, which gives equal points the same index, takes up to kMost = 96
+// points at a time.
 MeshFile read_binary(std::string_view bytes) {
   constexpr std::size_t kBlock = VertexWelder::kMost / 3;
   MeshFile file;
@@ -138,7 +139,8 @@ class AsciiReader {
   TextScanner in_;
   MeshFile file_;
   VertexWelder welder_;
-  // Whether the position is between "outer loop" and "endloop", and whether it is after "endsolid".
+  // Whether the scanner is between "outer loop" and "endloop", and whether the last of the lines
+  // "solid" and "endsolid" was "endsolid".
   bool in_loop_ = false, ended_ = false;
   Polygons polygons_;
   std::vector<std::uint32_t> polygon_;  // vertices of the loop that is being read
@@ -188,8 +190,8 @@ void write_stl(const SurfaceMesh& mesh, ByteSink& sink, Warnings& warnings) {
 
 // Decides between the two forms. Some programs write binary files that begin with "solid", so the
 // first word is no proof. A file whose size agrees with the number of triangles at byte 80 is
-// binary. If it does not agree, "solid" means text, and otherwise the file is binary but cut off or
-// followed by other bytes.
+// binary. If it does not agree, "solid" means text. Otherwise the file is binary: an error if it is
+// too short, and a note if other bytes follow.
 MeshFile read_stl(std::string_view bytes) {
   const bool has_count = bytes.size() >= kFirstTriangle;
   const std::size_t wanted =

@@ -52,9 +52,9 @@ IndexedMesh to_indexed_mesh(const SurfaceMesh& mesh) {
     result.normals[v] = {n[0], n[1], n[2]};
     result.vertex_spheres.set(v, mesh.property(spheres, vertex(v)));
   });
-  // OpenMesh numbers half-edges by edge, IndexedMesh by triangle. index_of maps the former to the
-  // latter. A half-edge on a boundary belongs to no triangle. Its entry stays kNoOpposite, which is
-  // the value that `opposite` needs there.
+  // OpenMesh numbers half-edges by edge, IndexedMesh by triangle. index_of maps the number of
+  // OpenMesh to 3t + k. A half-edge on a boundary belongs to no triangle. Its element stays
+  // kNoOpposite, which is the value that `opposite` needs for the half-edge on the other side.
   Buffer<std::uint32_t> index_of(mesh.n_halfedges());
   std::fill(index_of.begin(), index_of.end(), kNoOpposite);
   result.triangles.resize(triangles);

@@ -1,7 +1,7 @@
-// Builds a SurfaceMesh from an IndexedMesh in five steps: check the sizes of all arrays; find the
-// opposite half-edges unless the source has them; wait for the arrays that prepare() started to
-// allocate; link the half-edges (connectivity.cpp); copy positions, normals and labels on all
-// cores. to_surface_mesh() is this builder without prepare().
+// Builds a SurfaceMesh from an IndexedMesh, the source, in five steps: check the sizes of all
+// arrays; find the opposite half-edges unless the source has them; wait for the arrays that
+// prepare() started to allocate; link the half-edges (connectivity.cpp); copy positions, normals
+// and labels on all cores. to_surface_mesh() is this builder without prepare().
 #include "mesh/surface_mesh_builder.hpp"
 
 #include <fmt/format.h>
@@ -37,7 +37,8 @@ void check_limits(std::size_t vertices, std::size_t triangles) {
                     vertices, triangles, kMaxSurfaceHalfEdges));
 }
 
-// Optional arrays of the mesh must be empty or have one entry per vertex, triangle or half-edge.
+// Throws unless each optional array of the mesh is empty or has one element per vertex, triangle or
+// half-edge.
 void check_sizes(const IndexedMesh& mesh) {
   const auto check = [&](std::size_t size, std::size_t wanted, const char* what) {
     if (size != 0 && size != wanted)
@@ -60,8 +61,8 @@ SurfaceMesh::Normal unit(const Vec3d& a) {
 
 // Computes vertex normals for a mesh that has none. A normal is the sum of the area vectors of the
 // triangles around the vertex, normalised, so large triangles weigh more. The sums run on one
-// thread, because two triangles would add to the same vertex; their order, and so the result, is
-// always the same.
+// thread, because threads could add to the same vertex at the same time. Their order, and so the
+// result, is always the same.
 void set_normals_of_triangles(SurfaceMesh& mesh, const IndexedMesh& source) {
   Buffer<Vec3d> sums(source.vertex_count());
   std::fill(sums.begin(), sums.end(), Vec3d{0, 0, 0});

@@ -22,7 +22,8 @@ using handles::face;
 using handles::half_edge;
 using handles::vertex;
 
-// Up to this number of faces the arrays are so small that large pages and threads gain nothing.
+// Up to this number of faces OpenMesh resizes the arrays: they are so small (about 100 kB in all)
+// that large pages and threads gain nothing.
 constexpr std::size_t kFewFaces = 1 << 10;
 constexpr std::size_t kTouchedAtOnce = std::size_t{16} << 20;  // bytes per task
 
@@ -46,7 +47,8 @@ void for_each_array(SurfaceMesh& mesh, const ElementCounts& n, Visit&& visit) {
   visit(&mesh.property(vertex_spheres(mesh), vertex(0)), n.vertices);
 }
 
-// Makes the kernel map the pages of an array, on all cores. The array is not written yet.
+// Makes the kernel map the pages of an array, in pieces of kTouchedAtOnce bytes on all cores. This
+// writes nothing into the array.
 template <class T>
 void touch(const T* begin, std::size_t count) {
   advise_large_pages(begin, count);
@@ -63,6 +65,7 @@ void touch(const T* begin, std::size_t count) {
 // resize() uses one thread, so each property is a task of its own.
 void resize_properties(SurfaceMesh& mesh, const ElementCounts& counts) {
   tbb::task_group properties;
+  // OpenMesh keeps a null pointer where a property was removed.
   const auto resize = [&](auto first, auto last, std::size_t count) {
     for (; first != last; ++first) {
       if (OpenMesh::BaseProperty* const property = *first)

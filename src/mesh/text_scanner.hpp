@@ -82,8 +82,8 @@ class TextScanner {
   [[noreturn]] void fail_at(const char* position, const std::string& what) const;
 
  private:
-  // Whether a backslash and a line break (LF or CR LF) stand here. If so, moves to the LF, which
-  // the caller steps over.
+  // Whether a backslash and a line break (LF or CR LF) stand here. If so, this changes the
+  // position: it moves to the LF, which the loop in skip_blanks() then steps over.
   bool is_continuation() {
     if (*at_ != '\\') return false;
     const char* next = at_ + 1;

@@ -18,6 +18,7 @@ IndexedMesh welded(const IndexedMesh& mesh) {
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     const std::size_t before = result.vertex_count();
     index[v] = welder.index(mesh.positions[v]);
+    // The welder has appended the position to `result` if it is new.
     if (result.vertex_count() == before) continue;  // merged with an earlier vertex
     if (!labels.empty()) result.vertex_spheres.atoms.push_back(labels.atoms[v]);
     if (!labels.others.empty()) result.vertex_spheres.others.push_back(labels.others[v]);
@@ -35,8 +36,8 @@ IndexedMesh welded(const IndexedMesh& mesh) {
   return result;
 }
 
-// Per vertex: position and label, twice, because buffers grow by doubling; 4 bytes of its index;
-// and the welder's hash table. A slot of the table has 8 bytes. The table grows fourfold when it is
+// Per vertex: position and label, twice, because buffers grow by doubling; 4 bytes in `index`; and
+// the welder's hash table. A slot of the table has 8 bytes. The table grows fourfold when it is
 // half full, so it has up to 8 slots per vertex, and while it grows the old one, of 2 slots per
 // vertex, exists beside it. Per triangle: its corners and its sphere. kTable is the part that a
 // mesh of any size needs: one more vertex in the table, and at most 1 MiB for the tables of initial

@@ -19,8 +19,8 @@ namespace {
 // How far a scalar product of two matrix rows may be from 0 or 1 in a rotation. Files give the
 // entries to four or more decimals, so each is off by at most e = 5e-5, and each row by a vector of
 // length at most sqrt(3) e. Rows have length 1, so their scalar product is off by at most 2 sqrt(3)
-// e = 1.8e-4 up to terms of e^2. The tolerance is five times that, for entries of fewer decimals or
-// of less careful rounding.
+// e = 1.8e-4 up to terms of e^2. The tolerance is five times that, so entries that were cut off
+// instead of rounded (e = 1e-4) pass too.
 constexpr double kRotationTolerance = 1e-3;
 constexpr std::size_t kMostNamed = 3;  // operators that one warning lists
 

@@ -15,7 +15,7 @@ namespace vdwmesh {
 namespace {
 
 // A text can repeat a range ("(1-60,1-60,...)") and so grow a factor without bound; this limit
-// bounds the memory. The shells of viruses, the largest assemblies, have 60 operators or few more.
+// bounds the memory. A factor for the shell of a virus has some 60 operators.
 constexpr std::size_t kMostOperatorsInAFactor = std::size_t{1} << 20;
 
 bool is_number(std::string_view text) {
