@@ -72,8 +72,8 @@ void color_by_element(SurfaceMesh& mesh, std::span<const std::string> elements) 
     colors.emplace_back(c[0], c[1], c[2]);
   }
   const VertexSpheresProperty spheres = vertex_spheres(mesh);
-  // The parallel loop only notes that a vertex has no element. The search for the first one is
-  // serial, so the error does not depend on the threads.
+  // The parallel loop only notes that some vertex has an atom without an element. The search for
+  // the first such vertex is serial, so the error does not depend on the threads.
   std::atomic<bool> all_named = true;
   handles::for_each_index(mesh.n_vertices(), [&](std::size_t v) {
     const SphereId atom = mesh.property(spheres, handles::vertex(v))[0];

@@ -106,8 +106,8 @@ struct AccessorView {
 
 // Resolves an accessor whose elements have `size` bytes. An accessor is a part of a buffer view,
 // which is a part of a buffer; all sizes come from the file. Each comparison subtracts only what an
-// earlier one has found to be smaller, and none adds or multiplies, so nothing overflows. The last
-// element needs `size` bytes only, not a whole stride.
+// earlier one has found to be no larger, and none adds or multiplies, so nothing overflows. The
+// last element needs `size` bytes only, not a whole stride.
 AccessorView elements(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
                       std::size_t size) {
   if (accessor.sparse.isSparse) fail("sparse accessors are not read here");

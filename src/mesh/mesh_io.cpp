@@ -23,8 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Throws unless the mesh is as the writers of formats.hpp may assume. OpenMesh only marks deleted
-// elements; its garbage_collection() removes them and renumbers the rest.
+// Throws unless the mesh is as the writers of formats.hpp may assume: nothing is deleted, and all
+// coordinates are finite. OpenMesh only marks deleted elements; its garbage_collection() removes
+// them and renumbers the rest. all_faces() and all_vertices() visit deleted elements too.
 void check_writable(const SurfaceMesh& mesh) {
   for (const auto f : mesh.all_faces())
     if (mesh.status(f).deleted())

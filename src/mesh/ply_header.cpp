@@ -44,7 +44,7 @@ PlyProperty read_property(TextScanner& in) {
   std::string_view type = in.word();
   if (type == "list") {
     property.list_count = scalar_named(in, in.word());
-    // In the order of the enumeration, integers come before floating-point types.
+    // In the order of PlyScalar, integers come before floating-point types.
     if (*property.list_count >= PlyScalar::float32)
       in.fail("the count of a list is a whole number");
     type = in.word();
@@ -91,6 +91,7 @@ PlyHeader read_ply_header(std::string_view bytes) {
       has_format = true;
     } else if (keyword == "element") {
       const std::string name(in.word());
+      // No properties yet: the lines that follow append them.
       header.elements.push_back({name, in.integer<std::uint64_t>(), {}});
     } else if (keyword == "property" && !header.elements.empty()) {
       header.elements.back().properties.push_back(read_property(in));

@@ -13,8 +13,8 @@ namespace vdwmesh::formats {
 
 class VertexWelder {
  public:
-  // Will append to `positions`, which is empty and must outlive the welder. Neither `positions` nor
-  // the hash table has to grow up to `expected` vertices.
+  // Will append to `positions`, which must be empty and outlive the welder. `expected` is a hint:
+  // memory for that many vertices is taken at once, and more is taken when it is needed.
   explicit VertexWelder(Buffer<Vec3d>& positions, std::size_t expected = 0);
 
   // Returns the index of p among the positions, after adding p if it is new. 0 and -0 are equal.

@@ -258,6 +258,7 @@ class Choice {
     molecule_.radius_set = file_.own_radii ? "file" : options_.radii;
   }
 
+  // Throws for an atom without a radius, and says which line of a radius file would give it one.
   [[noreturn]] void refuse_radius(const Site& site) const {
     const std::string name = name_of(site, record(site));
     if (file_.coarse_grained && site.atom->element == gemmi::El::X)

@@ -30,7 +30,8 @@ constexpr std::array kExtensions{
 };
 
 // The first bytes of formats that are often mistaken for structure files, and what to do about
-// them. Gzip stands here because the text is already unpacked once.
+// them. Gzip stands here because the bytes are already unpacked once. The magic number of xz is
+// divided in two, because "\xfd7" would be one escape sequence.
 constexpr std::array kMagic{
     std::pair{"\x1f\x8b"sv, "gzip data inside gzip data; unpack it once"},
     std::pair{"PK\x03\x04"sv, "a zip archive; unpack it first"},
@@ -112,7 +113,8 @@ std::string_view checked_text(std::string_view bytes, StructureFormat format,
   if (first.empty()) refuse(path, "is empty");
   if (first[0] == '<') refuse(path, "is a web page or XML; get the file itself, as PDB or mmCIF");
   if (first[0] == '{') refuse(path, "is JSON; get the file as PDB or mmCIF");
-  // Every mmCIF file begins with a data block; no other format that is read begins like this.
+  // Every mmCIF file begins with a data block, "data_" and its name. No other format that is read
+  // begins like this.
   const bool cif = first.starts_with("data_");
   if (cif && format != StructureFormat::mmcif)
     refuse(path, "holds mmCIF; rename it to .cif or say --format mmcif");

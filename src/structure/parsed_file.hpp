@@ -29,8 +29,8 @@ struct AtomRecord {
   double radius = 0;             // Å; 0 if the format has no radii
 };
 
-// Largest coordinate and radius that is accepted, in Å. Doubles near 1e6 are 1.2e-10 apart; beyond
-// that they would no longer keep the digits that meshes promise.
+// Largest absolute value of a coordinate, and largest radius, that is accepted, in Å. Doubles near
+// 1e6 are 1.2e-10 apart; for larger numbers they would not keep the digits that meshes promise.
 inline constexpr double kFarthest = 1e6;
 
 struct ParsedFile {

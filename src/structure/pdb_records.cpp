@@ -49,9 +49,9 @@ bool ModelRecords::begins_model() {
   return true;
 }
 
-// The number in the MODEL record if it is free. Otherwise the number of models so far plus one, or
-// the next free number above it. next_ never decreases, so naming n models takes O(n) searches in
-// total even if every number is missing.
+// The number in the MODEL record if no earlier model has it. Otherwise the number of models so far
+// plus one, or the next free number above it. next_ never decreases, so naming n models takes O(n)
+// look-ups in total even if every number is missing.
 std::string ModelRecords::unused_name() {
   if (!announced_.empty() && taken_.count(announced_) == 0) return announced_;
   next_ = std::max(next_, names_.size() + 1);

@@ -30,7 +30,8 @@ class ModelRecords {
   // Returns true if the line is a MODEL, ENDMDL or END record; the current model ends then.
   bool take(std::string_view line);
 
-  // Call this for every atom. Returns true if the atom is the first of a model.
+  // Call this once for every atom. Returns true if the atom is the first of a model; the model then
+  // begins, and its name is appended to names().
   bool begins_model();
 
   // The names of the models begun so far, in the order of the file. No two are the same.

@@ -90,7 +90,7 @@ class GivenRadii {
   explicit GivenRadii(const std::filesystem::path& path) : path_(path) {}
 
   // `name` is an element, or residue and atom. Throws if an earlier line gave it a different
-  // radius. The same radius twice does no harm.
+  // radius. The same radius twice does no harm. `first`: no earlier line gave the name a radius.
   void add(const std::string& name, double radius, int line) {
     const auto [entry, first] = given_.try_emplace(name, radius, line);
     const auto [earlier, earlier_line] = entry->second;
@@ -116,7 +116,8 @@ RadiusTable RadiusTable::named(std::string_view name) {
                     in_quotes(name)));
   if (name == "bondi")
     for (const Listed& entry : kBondi) table.by_element_[entry.element] = {entry.radius, false};
-  // try_emplace keeps Bondi's radii where both papers have one.
+  // try_emplace() keeps Bondi's radii where both papers have one. In the set "bondi", the radii of
+  // Alvarez are marked as assumed.
   for (const Listed& entry : kAlvarez)
     table.by_element_.try_emplace(entry.element, Entry{entry.radius, name == "bondi"});
   return table;
@@ -141,8 +142,8 @@ RadiusTable RadiusTable::from_file(const std::filesystem::path& path) {
       table.by_atom_[{std::string(fields[0]), std::string(fields[1])}] = radius;
       continue;
     }
-    // "X" stands for a bad symbol, but also for itself: atoms of unknown element can be given a
-    // radius.
+    // element_of_symbol() returns "X" for a text that is no symbol, and for "X" itself. A file may
+    // name "X" to give atoms of unknown element a radius.
     const std::string_view element = element_of_symbol(fields[0]);
     if (element == "X" && fields[0] != "X")
       refuse(path, number, fmt::format("{} is not an element", in_quotes(fields[0])));

@@ -259,7 +259,7 @@ ParsedFile parse_xyzr(std::string_view text, const std::string& path) {
       refuse(path, number, fmt::format("has {} fields; XYZR needs x y z radius", fields.size()));
     Row row;
     read_sphere(fields, 0, 3, row, path, number);
-    builder.add(row, "X", number);
+    builder.add(row, "X", number);  // XYZR has no elements
   }
   if (builder.atom_count() == 0)
     throw FileFormatError(path + ": has no line with x y z radius, so there is nothing to mesh");
