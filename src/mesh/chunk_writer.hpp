@@ -40,7 +40,7 @@ class ChunkWriter {
   void number(T value) {
     end_ = std::to_chars(end_, end_ + kMostPerNumber, value).ptr;
   }
-  // Writes text of any length. The buffer is empty afterwards.
+  // Writes text of any length, after what is in the buffer. The buffer is empty afterwards.
   void text(std::string_view s) {
     flush();
     sink_.write(s.data(), s.size());

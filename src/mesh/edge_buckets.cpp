@@ -87,7 +87,7 @@ void for_each_side(const Triangle& triangle, Visit&& visit) {
 // first. So a parallel reduction finds the first such triangle for any number of threads.
 struct IndexSurvey {
   std::optional<std::size_t> invalid_index;   // first triangle with an index of no vertex: an error
-  std::optional<std::size_t> repeated_index;  // first that names a vertex twice: callers decide
+  std::optional<std::size_t> repeated_index;  // first that names a vertex twice: no error here
   std::size_t half_edges = 0;                 // half-edges whose ends differ
 
   IndexSurvey operator+(const IndexSurvey& later) const {
@@ -190,14 +190,15 @@ class HalfEdgesByRange {
       });
   }
 
-  // First pass over block b.
+  // First pass over block b: counts its half-edges by range.
   void count(std::size_t b) {
     Counters counts(std::vector<std::uint32_t>(ranges_, 0));
     visit_half_edges(b, [&](HalfEdge, std::size_t range) { counts.take(range); });
     for (std::size_t r = 0; r < ranges_; ++r) next_[r * blocks_ + b] = counts[r];
   }
 
-  // Second pass over block b, after the prefix sum.
+  // Second pass over block b, after the prefix sum: `next` holds, for each range, the position in
+  // the sorted list of the block's next half-edge.
   void list(std::size_t b) {
     std::vector<std::uint32_t> first(ranges_);
     for (std::size_t r = 0; r < ranges_; ++r) first[r] = next_[r * blocks_ + b];
@@ -209,7 +210,7 @@ class HalfEdgesByRange {
   std::size_t per_block_, blocks_, ranges_;
   // [range][block]: the number of half-edges, later the position of the first of them.
   std::vector<std::uint32_t> next_;
-  std::vector<std::uint32_t> first_of_range_;  // one more than there are ranges
+  std::vector<std::uint32_t> first_of_range_;  // index in half_edges_; the last value is the end
   Buffer<HalfEdge> half_edges_;                // the sorted list
 };
 

@@ -333,7 +333,7 @@ class PlyReader {
     return property.name == "atom" && !property.list_count;
   }
 
-  // Reads one face, whose corners are property number `indices`. All its triangles get its atom.
+  // Reads one face, whose corners are property number `indices`. Its atom labels all its triangles.
   // The first resize() labels triangles of an earlier element "face" that had no atoms.
   void read_face(const PlyElement& element, std::size_t indices) {
     IndexedMesh& mesh = file_.mesh;
@@ -366,7 +366,7 @@ class PlyReader {
     if (element.properties.size() != (named ? 2u : 1u)) return 0;
     if (!list.list_count || !is_whole(list) || size_of(*list.list_count) != 1) return 0;
     const std::size_t size = 1 + (named ? 4 : 3) * sizeof(std::uint32_t);
-    // So many triangles fit into the file. If the first face is none, no memory is taken for them.
+    // The most triangles that fit. No memory is taken for them if the first face is no triangle.
     const std::size_t most = std::min<std::uint64_t>(element.count, body_.bytes_left() / size);
     if (most == 0 || *body_.take(0) != 3) return 0;
     Buffer<Triangle>& triangles = file_.mesh.triangles;
@@ -418,7 +418,7 @@ class PlyReader {
     polygons_.add(file_.mesh, polygon_);
   }
 
-  // A vertex index from a number. Whether the vertex exists is checked by check_indices().
+  // A number of the file as a vertex index. check_indices() checks later that it exists.
   std::uint32_t index(double value) {
     if (!(value >= 0 && value < static_cast<double>(kMaxVertices) && value == std::floor(value)))
       body_.fail(fmt::format("{} is no vertex index", value));

@@ -17,7 +17,8 @@ namespace {
 // keeps a hostile polygon from taking hours.
 constexpr std::uint32_t kMostCorners = 500;
 // Relative to the polygon's area. A triangle whose signed area is negative by less than this counts
-// as flat: rounding of its coordinates in double can produce such a value.
+// as flat: rounding of its coordinates in double can produce such a value. Areas are positive if
+// the triangle turns the same way as the polygon.
 constexpr double kFlat = 1e-12;
 
 struct Point2 {
@@ -66,8 +67,8 @@ bool folds_over(const IndexedMesh& mesh, std::size_t first, std::uint32_t corner
 
 // Triangulates one polygon. An ear is a convex corner whose triangle with its two neighbours holds
 // no other corner. Ears are cut off until a triangle is left. Every simple polygon of more than
-// three corners has two ears (Meisters 1975), so the search fails only if the polygon is not
-// simple.
+// three corners has two ears (Meisters 1975). So, rounding aside, the search fails only if the
+// polygon is not simple.
 class EarClipper {
  public:
   // Projects the corners onto the plane normal to `area`, which is twice the polygon's area vector
@@ -89,8 +90,7 @@ class EarClipper {
   }
 
   // Appends the triangles. Returns false if the polygon crosses itself: then no ear is found, or
-  // the last triangle is turned over (has a negative area). `triangles` is then
-  // of no use.
+  // the last triangle is turned over (has a negative area). `triangles` is of no use then.
   bool clip(std::vector<Triangle>& triangles) {
     std::size_t at = 0;  // the corner to try next; after a cut, the one that follows the ear
     while (corners_.size() > 3) {

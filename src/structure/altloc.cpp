@@ -150,8 +150,8 @@ class PositionChoice {
   }
 
   // Removes the marks of atoms whose names the residue would lack, with the first of `labels` that
-  // has them. If one of several residues was chosen, only that residue is completed. `held` holds
-  // the residues and names of the atoms that stay.
+  // has them. If one of several residues was chosen, only that residue is completed. Atoms of other
+  // residues keep their marks. `held` has the residue and name of each atom that stays.
   void complete(const std::vector<char>& labels) {
     std::set<std::pair<const gemmi::Residue*, std::string>> held;
     for (std::size_t i = 0; i < decisions_.size(); ++i)

@@ -76,8 +76,8 @@ struct AssemblyRecipe {
 AssemblyRecipe make_recipe(const AssemblyTables& tables, const std::string& name,
                            const std::string& path);
 
-// The composed map of a combination of operators; the last operator is applied first. The name of
-// the combination is its operator ids joined by "-". A combination has at least one operator.
+// The composed map of a combination, which has at least one operator; the last operator is applied
+// first. The name of a combination is its operator ids joined by "-".
 AffineMap map_of(const AssemblyTables& tables, const OperatorFactor& combination);
 std::string name_of(const AssemblyTables& tables, const OperatorFactor& combination);
 

@@ -32,7 +32,7 @@ class BiomoleculeReader {
   std::vector<std::string> names_;  // the biomolecules that the current records describe
   AssemblyRow group_;               // the current chains, with the operators read so far
   SymmetryOperator operator_;       // the current matrix
-  std::size_t matrix_rows_ = 0;     // rows of operator_ that were read: 0 to 3 in a sound file
+  std::size_t matrix_rows_ = 0;     // rows read into operator_: at most 3 in a sound file
 };
 
 }  // namespace vdwmesh

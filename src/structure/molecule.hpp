@@ -56,7 +56,7 @@ struct Molecule {
   // Atoms of the file that are in `atoms`, each counted once. An assembly may hold several copies
   // of an atom; otherwise this is atoms.size().
   std::uint64_t atoms_used = 0;
-  SkippedAtoms skipped;  // atoms_read = atoms_used + sum of skipped
+  SkippedAtoms skipped;  // atoms_read is atoms_used plus the sum of these numbers
   std::vector<AssumedRadius> radii_assumed;
   std::uint64_t elements_guessed = 0;  // used atoms of the file whose element comes from names
   std::vector<GuessedElement> unusual_elements_guessed;
