@@ -16,6 +16,7 @@
 #include "cuda/extract/extract_stages.cuh"
 #include "cuda/extract/ordered_gather.cuh"
 #include "cuda/memory/cub_calls.cuh"
+#include "cuda/memory/launch.cuh"
 #include "extract/blended/block_bounds.hpp"
 #include "extract/blended/local_atom.hpp"
 
@@ -219,8 +220,7 @@ __global__ void __launch_bounds__(kThreads, 6)
                   std::uint64_t count, int child_level, KeyRange range, std::uint64_t* keys,
                   std::uint8_t* keep) {
   __shared__ Waiting waiting[kThreads / kWarp];
-  const std::uint64_t i =
-      (static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x) / kWarp;
+  const std::uint64_t i = thread_index() / kWarp;
   if (i >= count) return;
   const BrickIndex parent = brick_of_key(parents[i]);
   const GridSpec& grid = f.model.grid;
@@ -240,15 +240,6 @@ __global__ void __launch_bounds__(kThreads, 6)
   keep[kChildren * i + static_cast<unsigned>(c)] = kept ? 1 : 0;
 }
 
-using TestKernel = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, int, KeyRange,
-                            std::uint64_t*, std::uint8_t*);
-
-TestKernel kernel_of(FieldKind kind) {
-  if (kind == FieldKind::vdw) return test_children<UnionTest>;
-  return with_blended(
-      kind, []<class Kind>(Kind) -> TestKernel { return test_children<BlendedTest<Kind>>; });
-}
-
 // The children of `parents` that may hold surface, in the order of the parents. Throws
 // LimitExceeded if they are more than `most`, the number of bricks that fit in the memory allowed;
 // this limits the memory of the descent too.
@@ -259,10 +250,16 @@ KeyList surviving_children(const FieldContext& f, const KeyList& parents, int ch
   if (children == 0) return result;
   const DeviceArray<std::uint64_t> keys(children, stream.get());
   const DeviceArray<std::uint8_t> keep(children, stream.get());
-  const TestKernel kernel = kernel_of(f.model.kind);
-  kernel<<<blocks_for(kWarp * parents.count, kThreads), kThreads, 0, stream.get()>>>(
-      f, parents.keys.data(), parents.count, child_level, range, keys.data(), keep.data());
-  check_launch("test_children");
+  const auto test = [&]<class Test>() {
+    launch("test_children", test_children<Test>, over(kWarp * parents.count, kThreads), stream, f,
+           parents.keys.data(), parents.count, child_level, range, keys.data(), keep.data());
+  };
+  if (f.model.kind == FieldKind::vdw) {
+    test.template operator()<UnionTest>();
+  } else {
+    with_blended(f.model.kind,
+                 [&]<class Kind>(Kind) { test.template operator()<BlendedTest<Kind>>(); });
+  }
   result.keys = DeviceArray<std::uint64_t>(children, stream.get());
   const DeviceArray<std::uint64_t> count(1, stream.get());
   run_cub("select", stream.get(), [&](void* scratch, std::size_t& bytes) {
@@ -291,7 +288,7 @@ constexpr std::int64_t kFirstBlocks = 65536;
 // A thread per block of a box of `width` x `height` x .. blocks, `count` in all; writes its key.
 __global__ void list_blocks(std::int64_t width, std::int64_t height, std::int64_t count,
                             std::uint64_t* keys) {
-  const std::int64_t i = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+  const std::int64_t i = static_cast<std::int64_t>(thread_index());
   if (i >= count) return;
   keys[i] = brick_key({static_cast<std::int32_t>(i % width),
                        static_cast<std::int32_t>(i / width % height),
@@ -310,9 +307,8 @@ FirstBlocks first_blocks(const GridSpec& grid, const Stream& stream) {
   } while (all > kFirstBlocks);
   const auto size = static_cast<std::size_t>(all);
   FirstBlocks first{{DeviceArray<std::uint64_t>(size, stream.get()), size}, level};
-  list_blocks<<<blocks_for(size, kThreads), kThreads, 0, stream.get()>>>(count[0], count[1], all,
-                                                                         first.blocks.keys.data());
-  check_launch("list_blocks");
+  launch("list_blocks", list_blocks, over(size, kThreads), stream, count[0], count[1], all,
+         first.blocks.keys.data());
   return first;
 }
 

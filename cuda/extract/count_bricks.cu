@@ -9,6 +9,7 @@
 #include "cuda/extract/extract_stages.cuh"
 #include "cuda/extract/node_atoms.cuh"
 #include "cuda/extract/union_surface.cuh"
+#include "cuda/memory/launch.cuh"
 
 namespace vdwmesh {
 namespace {
@@ -185,26 +186,21 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
   if (lane == 0) atomicMax(&counts.parts[i % kCountParts].most_atoms, met);
 }
 
-using BlendedCount = void (*)(FieldContext, const std::uint64_t*, std::uint64_t, const CaseTable*,
-                              ActiveBrick*, float*, BrickCounts);
-
 }  // namespace
 
 void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
                             ActiveBrick* bricks, float* values, const BrickCounts& counts,
                             const Stream& stream) {
-  if (size == 0) return;
   const CaseTable* const table = case_table_on_device();
-  const unsigned blocks = blocks_for(size, kBrickWarps);
+  const LaunchShape shape = over(size, kBrickWarps, kBrickThreads);
   if (f.model.kind == FieldKind::vdw) {
-    count_union<<<blocks, kBrickThreads, 0, stream.get()>>>(f, keys, size, table, bricks, counts);
+    launch("count_union", count_union, shape, stream, f, keys, size, table, bricks, counts);
   } else {
-    const BlendedCount kernel = with_blended(
-        f.model.kind, []<class Kind>(Kind) -> BlendedCount { return count_blended<Kind>; });
-    kernel<<<blocks, kBrickThreads, 0, stream.get()>>>(f, keys, size, table, bricks, values,
-                                                       counts);
+    with_blended(f.model.kind, [&]<class Kind>(Kind) {
+      launch("count_blended", count_blended<Kind>, shape, stream, f, keys, size, table, bricks,
+             values, counts);
+    });
   }
-  check_launch("count_bricks");
 }
 
 }  // namespace vdwmesh

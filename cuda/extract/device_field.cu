@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cuda/extract/extract_stages.cuh"
+#include "cuda/memory/launch.cuh"
 #include "extract/blended/field_formulas.hpp"
 
 namespace vdwmesh {
@@ -43,10 +44,8 @@ float rounding_margin(const CellListView& list, const GridSpec& grid) {
 
 DeviceField::DeviceField(const CellListView& list, const FieldModel& model, const Stream& stream)
     : rough_(list.size, stream.get()), context_{list, model, {rough_.data(), model.grid.origin}} {
-  if (list.size == 0) return;
-  round_spheres<<<blocks_for(list.size, kThreads), kThreads, 0, stream.get()>>>(
-      list, model, rounding_margin(list, model.grid), model.grid.origin, rough_.data());
-  check_launch("round_spheres");
+  launch("round_spheres", round_spheres, over(list.size, kThreads), stream, list, model,
+         rounding_margin(list, model.grid), model.grid.origin, rough_.data());
 }
 
 }  // namespace vdwmesh

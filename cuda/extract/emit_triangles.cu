@@ -9,6 +9,7 @@
 // The device counterpart of TriangleEmitter; the numbers are the same.
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/extract_stages.cuh"
+#include "cuda/memory/launch.cuh"
 
 namespace vdwmesh {
 namespace {
@@ -338,11 +339,9 @@ DeviceArray<TriangleNeighbours> find_triangle_neighbours(const KeyList& keys,
                                                          const Stream& stream) {
   if (keys.count >= kNoBrick) throw LimitExceeded("more bricks than 32 bits number");
   DeviceArray<TriangleNeighbours> neighbours(keys.count, stream.get());
-  if (keys.count == 0) return neighbours;
   constexpr unsigned threads = 128;
-  find_neighbours<<<dim3(blocks_for(keys.count, threads), 6), threads, 0, stream.get()>>>(
-      keys.keys.data(), static_cast<std::uint32_t>(keys.count), neighbours.data());
-  check_launch("find_neighbours");
+  launch("find_neighbours", find_neighbours, {dim3(blocks_for(keys.count, threads), 6), threads},
+         stream, keys.keys.data(), static_cast<std::uint32_t>(keys.count), neighbours.data());
   return neighbours;
 }
 
@@ -350,13 +349,11 @@ void emit_triangles_on_device(const BrickList& bricks,
                               const DeviceArray<TriangleNeighbours>& neighbours,
                               const BrickRange& range, const DeviceMeshView& mesh,
                               DeviceEmissionTally* tally, const Stream& stream) {
-  if (range.size() == 0) return;
   const auto kernel = mesh.opposite != nullptr ? emit_triangles<Connectivity::half_edges>
                                                : emit_triangles<Connectivity::triangles>;
-  kernel<<<static_cast<unsigned>(range.size()), kTriangleThreads, 0, stream.get()>>>(
-      bricks, static_cast<std::uint32_t>(range.begin), neighbours.data(), case_table_on_device(),
-      mesh, &tally->missing_neighbours);
-  check_launch("emit_triangles");
+  launch("emit_triangles", kernel, {static_cast<unsigned>(range.size()), kTriangleThreads}, stream,
+         bricks, static_cast<std::uint32_t>(range.begin), neighbours.data(), case_table_on_device(),
+         mesh, &tally->missing_neighbours);
 }
 
 }  // namespace vdwmesh

@@ -11,6 +11,7 @@
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/extract_stages.cuh"
 #include "cuda/extract/union_surface.cuh"
+#include "cuda/memory/launch.cuh"
 #include "extract/blended/local_atom.hpp"
 #include "extract/blended/sampled_formulas.hpp"
 
@@ -220,20 +221,8 @@ __global__ void __launch_bounds__(kBrickThreads)
             });
 }
 
-using BlendedKernel = void (*)(FieldContext, BrickList, const float*, DeviceMeshView,
-                               unsigned long long*, std::uint32_t);
-
 // Atoms of a brick that fit in shared memory: with the list places, 2 warps take 37 KB then.
 constexpr std::uint32_t kMostAtoms = 512;
-
-template <BlendedKind Kind>
-BlendedKernel blended_kernel(std::uint32_t most_atoms) {
-  return most_atoms <= kMostAtoms ? emit_blended_vertices<Kind> : emit_crowded_vertices<Kind>;
-}
-
-BlendedKernel blended_kernel_of(FieldKind kind, std::uint32_t most_atoms) {
-  return with_blended(kind, [&]<class Kind>(Kind) { return blended_kernel<Kind>(most_atoms); });
-}
 
 // ---- sampled fields ----
 
@@ -270,33 +259,30 @@ void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
                              std::uint32_t most_atoms, const float* values,
                              const DeviceMeshView& mesh, unsigned long long* clamped,
                              const Stream& stream) {
-  if (bricks.size == 0) return;
-  const unsigned blocks = blocks_for(bricks.size, kBrickWarps);
+  LaunchShape shape = over(bricks.size, kBrickWarps, kBrickThreads);
   if (f.model.kind == FieldKind::vdw) {
-    emit_union_vertices<<<blocks, kBrickThreads, 0, stream.get()>>>(f, bricks, mesh, clamped);
-    check_launch("emit_union_vertices");
+    launch("emit_union_vertices", emit_union_vertices, shape, stream, f, bricks, mesh, clamped);
     return;
   }
-  const BlendedKernel kernel = blended_kernel_of(f.model.kind, most_atoms);
   const std::uint32_t room = std::min(most_atoms, kMostAtoms);
-  const std::size_t bytes =
-      kBrickWarps * (room * sizeof(VertexAtom) + (room + kWarp) * sizeof(std::uint32_t));
-  check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                  static_cast<int>(bytes)),
-             "shared memory");
-  kernel<<<blocks, kBrickThreads, bytes, stream.get()>>>(f, bricks, values, mesh, clamped, room);
-  check_launch("emit_blended_vertices");
+  shape.shared = kBrickWarps * (room * sizeof(VertexAtom) + (room + kWarp) * sizeof(std::uint32_t));
+  with_blended(f.model.kind, [&]<class Kind>(Kind) {
+    const auto kernel =
+        most_atoms <= kMostAtoms ? emit_blended_vertices<Kind> : emit_crowded_vertices<Kind>;
+    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                    static_cast<int>(shape.shared)),
+               "shared memory");
+    launch("emit_blended_vertices", kernel, shape, stream, f, bricks, values, mesh, clamped, room);
+  });
 }
 
 void emit_sampled_vertices_on_device(const SampledFieldView& field, const BrickList& bricks,
                                      const DeviceMeshView& mesh, unsigned long long* clamped,
                                      const Stream& stream) {
-  if (bricks.size == 0) return;
   const auto kernel = mesh.normals ? emit_sampled_vertices<Normals::gradients>
                                    : emit_sampled_vertices<Normals::none>;
-  kernel<<<blocks_for(bricks.size, kBrickWarps), kBrickThreads, 0, stream.get()>>>(field, bricks,
-                                                                                   mesh, clamped);
-  check_launch("emit_sampled_vertices");
+  launch("emit_sampled_vertices", kernel, over(bricks.size, kBrickWarps, kBrickThreads), stream,
+         field, bricks, mesh, clamped);
 }
 
 }  // namespace vdwmesh

@@ -14,6 +14,7 @@
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/field_source.cuh"
 #include "cuda/memory/cub_calls.cuh"
+#include "cuda/memory/launch.cuh"
 #include "extract/blended/sampled_formulas.hpp"
 
 namespace vdwmesh {
@@ -129,9 +130,9 @@ KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const Key
   const auto bricks = static_cast<std::size_t>(grid.brick_total());
   const DeviceArray<std::uint8_t> mixed(bricks, stream.get());
   const std::int64_t row_words = grid.words * grid.bricks[1] * grid.bricks[2];
-  find_mixed<<<blocks_for(static_cast<std::uint64_t>(row_words), kThreads - 1), kThreads, 0,
-               stream.get()>>>(grid, words, range, mixed.data());
-  check_launch("find_mixed");
+  launch("find_mixed", find_mixed,
+         over(static_cast<std::uint64_t>(row_words), kThreads - 1, kThreads), stream, grid, words,
+         range, mixed.data());
   KeyList result;
   result.keys = DeviceArray<std::uint64_t>(bricks, stream.get());
   const DeviceArray<std::uint64_t> count(1, stream.get());
@@ -199,9 +200,8 @@ FieldSource::FieldSource(const SampledFieldView& field, const ExtractOptions& op
                         "a bit per node", options.device_memory);
   words_ = DeviceArray<std::uint32_t>(static_cast<std::size_t>(signs_.size()), stream.get());
   const auto rows = static_cast<std::uint64_t>(signs_.height * signs_.depth);
-  pack_signs<<<blocks_for(rows * kWarp, kThreads), kThreads, 0, stream.get()>>>(field_, signs_,
-                                                                                words_.data());
-  check_launch("pack_signs");
+  launch("pack_signs", pack_signs, over(rows * kWarp, kThreads), stream, field_, signs_,
+         words_.data());
 }
 
 KeyList FieldSource::candidates(const KeyRange& range, std::uint64_t most) const {
@@ -210,10 +210,8 @@ KeyList FieldSource::candidates(const KeyRange& range, std::uint64_t most) const
 
 void FieldSource::count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, float*,
                         const BrickCounts& counts) const {
-  if (size == 0) return;
-  count_sampled<<<blocks_for(size, kBrickWarps), kBrickThreads, 0, stream().get()>>>(
-      field_.grid, signs_, words_.data(), keys, size, case_table_on_device(), bricks, counts);
-  check_launch("count_sampled");
+  launch("count_sampled", count_sampled, over(size, kBrickWarps, kBrickThreads), stream(),
+         field_.grid, signs_, words_.data(), keys, size, case_table_on_device(), bricks, counts);
 }
 
 void FieldSource::emit_vertices(const BrickList& bricks, std::uint32_t, const float*,

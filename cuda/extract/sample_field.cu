@@ -4,6 +4,7 @@
 // Each lane has two rows of eight nodes in registers.
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/node_atoms.cuh"
+#include "cuda/memory/launch.cuh"
 
 namespace vdwmesh {
 namespace {
@@ -136,17 +137,15 @@ __global__ void __launch_bounds__(kBlockThreads, 8)
   store_rows(f.model.grid, rows, s, values);
 }
 
-using SampleKernel = void (*)(FieldContext, float*);
-
 }  // namespace
 
 void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
                             const Stream& stream) {
-  const SampleKernel kernel = with_blended(
-      model.kind, []<class Kind>(Kind) -> SampleKernel { return sample_bricks<Kind>; });
   const DeviceField field(list, model, stream);
-  kernel<<<blocks_of(model.grid), kBlockThreads, 0, stream.get()>>>(field.context(), values);
-  check_launch("sample_bricks");
+  with_blended(model.kind, [&]<class Kind>(Kind) {
+    launch("sample_bricks", sample_bricks<Kind>, {blocks_of(model.grid), kBlockThreads}, stream,
+           field.context(), values);
+  });
 }
 
 }  // namespace vdwmesh

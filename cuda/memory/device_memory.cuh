@@ -24,6 +24,7 @@ class Stream {
   Stream& operator=(const Stream&) = delete;
 
   cudaStream_t get() const { return stream_; }
+  operator cudaStream_t() const { return stream_; }
   void wait() const { check_cuda(cudaStreamSynchronize(stream_), "waiting for the device"); }
 
  private:
@@ -75,15 +76,29 @@ void clear(const DeviceArray<T>& array, cudaStream_t stream) {
   }
 }
 
+// An array of zeros.
+template <class T>
+DeviceArray<T> zeros(std::size_t size, cudaStream_t stream) {
+  DeviceArray<T> array(size, stream);
+  clear(array, stream);
+  return array;
+}
+
+// Copies the array `from`, which `kind` says lies on the host or on the device.
+template <class T>
+DeviceArray<T> copy_of(const T* from, std::size_t size, cudaStream_t stream,
+                       cudaMemcpyKind kind = cudaMemcpyDeviceToDevice) {
+  DeviceArray<T> copy(size, stream);
+  if (size > 0) {
+    check_cuda(cudaMemcpyAsync(copy.data(), from, copy.bytes(), kind, stream),
+               "copy to the device");
+  }
+  return copy;
+}
+
 template <class T>
 DeviceArray<T> upload(const T* host, std::size_t size, cudaStream_t stream) {
-  DeviceArray<T> device(size, stream);
-  if (size > 0) {
-    check_cuda(
-        cudaMemcpyAsync(device.data(), host, size * sizeof(T), cudaMemcpyHostToDevice, stream),
-        "upload");
-  }
-  return device;
+  return copy_of(host, size, stream, cudaMemcpyHostToDevice);
 }
 
 // Memory of the host into which copies from the device go. Its pages are locked, so that the device

@@ -12,6 +12,7 @@
 #include "core/errors.hpp"
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/device_memory.cuh"
+#include "cuda/memory/launch.cuh"
 #include "cuda/pictures/gl_fill.hpp"
 
 namespace vdwmesh {
@@ -106,9 +107,8 @@ void write_slice(const VertexArrays& host, std::uint64_t first, std::uint64_t co
   const auto values = upload_slice(host.values, first, count, stream);
   const VertexArrays device{positions.data(), normals.data(), colors.data(), values.data(),
                             host.color};
-  make_vertices<<<blocks_for(count, kThreads), kThreads, 0, stream>>>(device, count, origin,
-                                                                      vertices + first);
-  check_launch("make_vertices");
+  launch("make_vertices", make_vertices, over(count, kThreads), stream, device, count, origin,
+         vertices + first);
 }
 
 template <class T>

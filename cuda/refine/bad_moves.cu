@@ -27,11 +27,8 @@ CrossingFinder make_crossing_finder(const Level& level, const Stream& stream) {
   const std::uint64_t patches = level.patches(), triangles = level.mesh.triangles;
   require_device_memory(triangles * sizeof(FloatBox), "looking for crossing triangles");
   DeviceArray<FloatBox> boxes(triangles, stream.get());
-  if (patches > 0) {
-    bound_triangles<<<blocks_for(patches, kThreads), kThreads, 0, stream.get()>>>(level,
-                                                                                  boxes.data());
-    check_launch("bound_triangles");
-  }
+  launch("bound_triangles", bound_triangles<Level>, over(patches, kThreads), stream, level,
+         boxes.data());
   return CrossingFinder(std::move(boxes), stream);
 }
 
@@ -210,23 +207,18 @@ __global__ void settle_listed(MoveState* move_states, const std::uint32_t* edges
 void take_back_listed(const MidpointLevel& level, const LevelPasses& passes, const EdgeList& list,
                       const Stream& stream) {
   const std::uint32_t* const edges = list.edges;
-  const unsigned sides = blocks_for(2 * list.count, kThreads);
-  discount_turned<<<sides, kThreads, 0, stream.get()>>>(passes.surface, level, passes.move_states,
-                                                        edges, list.count, passes.stats);
-  check_launch("discount_turned");
-  restore_listed<<<blocks_for(list.count, kThreads), kThreads, 0, stream.get()>>>(
-      passes.surface, level, passes.move_states.move_states, edges, list.count);
-  check_launch("restore_listed");
-  judge_listed<<<sides, kThreads, 0, stream.get()>>>(passes.surface, level, passes.move_states,
-                                                     edges, list.count, passes.stats);
-  check_launch("judge_listed");
+  const LaunchShape sides = over(2 * list.count, kThreads);
+  launch("discount_turned", discount_turned, sides, stream, passes.surface, level,
+         passes.move_states, edges, list.count, passes.stats);
+  launch("restore_listed", restore_listed, over(list.count, kThreads), stream, passes.surface,
+         level, passes.move_states.move_states, edges, list.count);
+  launch("judge_listed", judge_listed, sides, stream, passes.surface, level, passes.move_states,
+         edges, list.count, passes.stats);
 }
 
 void settle(const EdgeList& list, MoveState* move_states, const Stream& stream) {
-  if (list.count == 0) return;
-  settle_listed<<<blocks_for(list.count, kThreads), kThreads, 0, stream.get()>>>(
-      move_states, list.edges, list.count);
-  check_launch("settle_listed");
+  launch("settle_listed", settle_listed, over(list.count, kThreads), stream, move_states,
+         list.edges, list.count);
 }
 
 // One thread per triangle. Counts the triangles that do not face outward, with one atomic addition
@@ -266,21 +258,16 @@ __global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, std::uint
 std::uint64_t take_back_bad_moves(const GivenLevel& level, const LevelPasses& passes,
                                   const Stream& stream) {
   const std::optional<CrossingFinder> finder = finder_for(level, passes, stream);
-  const DeviceArray<unsigned long long> restored(1, stream.get());
-  clear(restored, stream.get());
+  const auto restored = zeros<unsigned long long>(1, stream);
   for (int pass = 0;; ++pass) {
     advance(passes.monitor, 0);
     clear_marks(passes.move_states, stream);
-    if (level.patches() > 0) {
-      mark_turned<<<blocks_for(level.patches(), kThreads), kThreads, 0, stream.get()>>>(
-          passes.surface, level, passes.move_states, pass);
-      check_launch("mark_turned");
-    }
+    launch("mark_turned", mark_turned, over(level.patches(), kThreads), stream, passes.surface,
+           level, passes.move_states, pass);
     if (finder) finder->mark(level.mesh, passes.move_states, pass);
     if (fetch(passes.move_states.marked, stream) == 0) return fetch(restored.data(), stream);
-    restore_marked<<<blocks_for(level.given.vertices, kThreads), kThreads, 0, stream.get()>>>(
-        passes.surface, level, passes.move_states.move_states, restored.data());
-    check_launch("restore_marked");
+    launch("restore_marked", restore_marked, over(level.given.vertices, kThreads), stream,
+           passes.surface, level, passes.move_states.move_states, restored.data());
   }
 }
 
@@ -316,10 +303,8 @@ std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses&
 
 void count_turned_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
                             std::uint8_t* safe, DeviceStats* stats, const Stream& stream) {
-  if (mesh.triangles == 0) return;
-  count_turned<<<blocks_for(mesh.triangles, kThreads), kThreads, 0, stream.get()>>>(surface, mesh,
-                                                                                    safe, stats);
-  check_launch("count_turned");
+  launch("count_turned", count_turned, over(mesh.triangles, kThreads), stream, surface, mesh, safe,
+         stats);
 }
 
 }  // namespace vdwmesh

@@ -257,9 +257,8 @@ void CrossingFinder::fill() {
   clear(start_, stream_.get());
   grid_.start = start_.data();
   const std::uint64_t triangles = boxes_.size();
-  const unsigned blocks = blocks_for(triangles, kThreads);
-  count_entries<<<blocks, kThreads, 0, stream_.get()>>>(grid_, boxes_.data(), triangles);
-  check_launch("count_entries");
+  launch("count_entries", count_entries, over(triangles, kThreads), stream_, grid_, boxes_.data(),
+         triangles);
   run_cub("scan of the cells", stream_.get(), [&](void* scratch, std::size_t& bytes) {
     return cub::DeviceScan::InclusiveSum(scratch, bytes, start_.data(), start_.data(),
                                          static_cast<std::int64_t>(cells + 1), stream_.get());
@@ -268,16 +267,14 @@ void CrossingFinder::fill() {
   require_device_memory(entries * sizeof(std::uint32_t), purpose);
   triangles_ = DeviceArray<std::uint32_t>(entries, stream_.get());
   grid_.triangles = triangles_.data();
-  fill_cells<<<blocks, kThreads, 0, stream_.get()>>>(grid_, boxes_.data(), triangles);
-  check_launch("fill_cells");
+  launch("fill_cells", fill_cells, over(triangles, kThreads), stream_, grid_, boxes_.data(),
+         triangles);
 }
 
 void CrossingFinder::mark(const DeviceMeshView& mesh, const MoveStatesView& move_states,
                           int pass) const {
-  if (mesh.triangles == 0) return;
-  mark_crossed<<<blocks_for(mesh.triangles, kThreads), kThreads, 0, stream_.get()>>>(
-      grid_, boxes_.data(), mesh, move_states, pass);
-  check_launch("mark_crossed");
+  launch("mark_crossed", mark_crossed, over(mesh.triangles, kThreads), stream_, grid_,
+         boxes_.data(), mesh, move_states, pass);
 }
 
 }  // namespace vdwmesh

@@ -5,6 +5,7 @@
 
 #include "core/host_device.hpp"
 #include "cuda/memory/cub_calls.cuh"
+#include "cuda/memory/launch.cuh"
 #include "cuda/refine/edge_numbers.cuh"
 
 namespace vdwmesh {
@@ -21,7 +22,7 @@ std::uint64_t words_for(std::uint64_t half_edges) {
 // four bits each into a word by shuffles.
 __global__ void mark_first_half_edges(const std::uint32_t* opposite, std::uint64_t half_edges,
                                       EdgeWord* words) {
-  const std::uint64_t h = 4 * (static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x);
+  const std::uint64_t h = 4 * thread_index();
   std::uint32_t bits = 0;
   if (h + 4 <= half_edges) {
     const uint4 o = __ldcs(reinterpret_cast<const uint4*>(opposite + h));
@@ -55,9 +56,8 @@ DeviceEdgeNumbers::DeviceEdgeNumbers(const std::uint32_t* opposite, std::uint64_
                                      const Stream& stream)
     : words_(words_for(half_edges), stream.get()) {
   if (half_edges == 0) return;
-  mark_first_half_edges<<<blocks_for(half_edges, 4 * kThreads), kThreads, 0, stream.get()>>>(
-      opposite, half_edges, words_.data());
-  check_launch("mark_first_half_edges");
+  launch("mark_first_half_edges", mark_first_half_edges, over(half_edges, 4 * kThreads, kThreads),
+         stream, opposite, half_edges, words_.data());
   const auto counts =
       thrust::make_transform_iterator(static_cast<const EdgeWord*>(words_.data()), CountFirst{});
   const auto before = thrust::make_transform_iterator(

@@ -158,16 +158,12 @@ __global__ void __launch_bounds__(kJudgeThreads)
 
 void make_children_on_device(const MidpointLevel& level, const LevelPasses& passes,
                              const Stream& stream) {
-  if (level.patches() == 0) return;
-  make_children<<<blocks_for(level.patches(), kTurns * kThreads), kThreads, 0, stream.get()>>>(
-      level);
-  check_launch("make_children");
+  launch("make_children", make_children, over(level.patches(), kTurns * kThreads, kThreads), stream,
+         level);
   const std::uint64_t count =
       level.marks.regular != nullptr ? fetch(level.marks.listed, stream) : level.patches();
-  if (count == 0) return;
-  judge_children<<<blocks_for(count, kJudgeThreads), kJudgeThreads, 0, stream.get()>>>(
-      passes.surface, level, passes.move_states, count, passes.stats);
-  check_launch("judge_children");
+  launch("judge_children", judge_children, over(count, kJudgeThreads), stream, passes.surface,
+         level, passes.move_states, count, passes.stats);
 }
 
 }  // namespace vdwmesh

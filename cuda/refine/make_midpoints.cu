@@ -402,11 +402,11 @@ void make_union_midpoints_on_device(const SurfaceView& surface, const MidpointLe
       counts(runs, stream.get());
   const MidpointOutputs outputs{move_states, deferred.data(), counts.data()};
   const auto make = level.is_first ? make_union_midpoints<2> : make_union_midpoints<kMostRounds>;
-  make<<<blocks_for(runs, kWarps), kThreads, 0, stream.get()>>>(surface, level, outputs, stats);
-  check_launch("make_union_midpoints");
-  make_deferred_midpoints<<<blocks_for(runs, kWarps * kRunsTogether), kThreads, 0, stream.get()>>>(
-      surface, level, outputs, runs, stats);
-  check_launch("make_deferred_midpoints");
+  launch("make_union_midpoints", make, over(runs, kWarps, kThreads), stream, surface, level,
+         outputs, stats);
+  launch("make_deferred_midpoints", make_deferred_midpoints,
+         over(runs, kWarps * kRunsTogether, kThreads), stream, surface, level, outputs, runs,
+         stats);
 }
 
 }  // namespace
@@ -414,46 +414,37 @@ void make_union_midpoints_on_device(const SurfaceView& surface, const MidpointLe
 void make_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
                               MoveState* move_states, DeviceStats* stats, const Stream& stream) {
   const std::uint64_t half_edges = 3 * level.parent.triangles;
-  if (half_edges == 0) return;
-  const unsigned runs = blocks_for(half_edges, kRun * kWarps);
   switch (surface.projection) {
     case Projection::vdw:
       make_union_midpoints_on_device(surface, level, move_states, stats, stream);
       break;
     case Projection::field:
-      make_field_midpoints<<<runs, kThreads, 0, stream.get()>>>(surface, level, move_states, stats);
+      launch("make_field_midpoints", make_field_midpoints,
+             over(half_edges, kRun * kWarps, kThreads), stream, surface, level, move_states, stats);
       break;
     case Projection::none:
-      make_plain_midpoints<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
-          surface, level, move_states);
+      launch("make_plain_midpoints", make_plain_midpoints, over(half_edges, kThreads), stream,
+             surface, level, move_states);
       break;
   }
-  check_launch("make_midpoints");
 }
 
 void make_constrained_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
                                           DeviceStats* stats, const Stream& stream) {
   const std::uint64_t half_edges = 3 * level.parent.triangles;
-  if (half_edges == 0) return;
-  make_constrained_midpoints<<<blocks_for(half_edges, kThreads), kThreads, 0, stream.get()>>>(
-      surface, level, stats);
-  check_launch("make_constrained_midpoints");
+  launch("make_constrained_midpoints", make_constrained_midpoints, over(half_edges, kThreads),
+         stream, surface, level, stats);
 }
 
 void count_constrained_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
                                  DeviceStats* stats, const Stream& stream) {
-  if (mesh.vertices == 0) return;
-  count_constrained<<<blocks_for(mesh.vertices, kThreads), kThreads, 0, stream.get()>>>(
-      surface, mesh, stats);
-  check_launch("count_constrained");
+  launch("count_constrained", count_constrained, over(mesh.vertices, kThreads), stream, surface,
+         mesh, stats);
 }
 
 void compute_normals_on_device(const SurfaceView& surface, const DeviceMeshView& mesh,
                                const Stream& stream) {
-  if (mesh.vertices == 0) return;
-  compute_normals<<<blocks_for(mesh.vertices, kThreads), kThreads, 0, stream.get()>>>(surface,
-                                                                                      mesh);
-  check_launch("compute_normals");
+  launch("compute_normals", compute_normals, over(mesh.vertices, kThreads), stream, surface, mesh);
 }
 
 }  // namespace vdwmesh

@@ -126,31 +126,17 @@ __global__ void project_astray(SurfaceView surface, DeviceMeshView mesh,
   tally.add_to(stats);
 }
 
-template <class T>
-DeviceArray<T> copy_of(const T* from, std::uint64_t size, const Stream& stream) {
-  DeviceArray<T> copy(size, stream.get());
-  if (size > 0) {
-    check_cuda(
-        cudaMemcpyAsync(copy.data(), from, copy.bytes(), cudaMemcpyDeviceToDevice, stream.get()),
-        "copy on the device");
-  }
-  return copy;
-}
-
 // Gives all astray vertices the state kAstray and finishes the others. Returns how many are astray.
 std::uint64_t mark_astray(const SurfaceView& surface, const DeviceMeshView& mesh,
                           MoveState* move_states, DeviceStats* stats, const Stream& stream) {
-  const unsigned blocks = blocks_for(mesh.vertices, kThreads);
   if (surface.projection == Projection::field) {
-    set_astray<<<blocks, kThreads, 0, stream.get()>>>(move_states, mesh.vertices);
-    check_launch("set_astray");
+    launch("set_astray", set_astray, over(mesh.vertices, kThreads), stream, move_states,
+           mesh.vertices);
     return mesh.vertices;
   }
-  const DeviceArray<unsigned long long> astray(1, stream.get());
-  clear(astray, stream.get());
-  find_astray<<<blocks_for(mesh.vertices, kWarps * kGroup), kThreads, 0, stream.get()>>>(
-      surface, mesh, move_states, astray.data(), stats);
-  check_launch("find_astray");
+  const auto astray = zeros<unsigned long long>(1, stream);
+  launch("find_astray", find_astray, over(mesh.vertices, kWarps * kGroup, kThreads), stream,
+         surface, mesh, move_states, astray.data(), stats);
   return fetch(astray.data(), stream);
 }
 
@@ -171,16 +157,11 @@ std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMe
   given.vertex_spheres = labels.view();
   // In a scope of its own, so that the squares are given back before the search for crossings.
   {
-    const DeviceArray<unsigned long long> squares(mesh.vertices, stream.get());
-    clear(squares, stream.get());
-    if (mesh.triangles > 0) {
-      raise_longest_edges<<<blocks_for(3 * mesh.triangles, kThreads), kThreads, 0, stream.get()>>>(
-          given, move_states.data(), squares.data());
-      check_launch("raise_longest_edges");
-    }
-    project_astray<<<blocks_for(mesh.vertices, kThreads), kThreads, 0, stream.get()>>>(
-        surface, mesh, squares.data(), move_states.data(), stats);
-    check_launch("project_astray");
+    const auto squares = zeros<unsigned long long>(mesh.vertices, stream);
+    launch("raise_longest_edges", raise_longest_edges, over(3 * mesh.triangles, kThreads), stream,
+           given, move_states.data(), squares.data());
+    launch("project_astray", project_astray, over(mesh.vertices, kThreads), stream, surface, mesh,
+           squares.data(), move_states.data(), stats);
   }
   const DeviceArray<unsigned long long> marked(1, stream.get());
   return take_back_bad_moves(

@@ -6,16 +6,12 @@
 #include <cstdint>
 
 #include "cuda/memory/device_structures.cuh"
+#include "cuda/memory/launch.cuh"
 #include "cuda/refine/edge_numbers.cuh"
 #include "refine/level_view.hpp"
 #include "refine/surface_view.hpp"
 
 namespace vdwmesh {
-
-// The index of the thread in a one-dimensional grid.
-__device__ inline std::uint64_t thread_index() {
-  return static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
-}
 
 // The counts of ProjectionStats in device memory; kernels add to them atomically. The largest
 // residual is kept as the bits of a double: the bits of doubles that are not negative have the

@@ -105,8 +105,7 @@ bool is_freely_projected_union(const SurfaceView& surface, const DeviceMeshView&
 // subdivision follows.
 ProjectionStats project_given(const SurfaceView& surface, GrowingMesh& growing,
                               const RefineOptions& options, const Stream& stream) {
-  const DeviceArray<DeviceStats> stats(1, stream.get());
-  clear(stats, stream.get());
+  const auto stats = zeros<DeviceStats>(1, stream);
   const DeviceMeshView mesh = growing.view();
   std::uint64_t undone = 0;
   if (surface.projection != Projection::none) {
@@ -154,8 +153,7 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
   DeviceArray<std::uint8_t> safe(
       marked_safe && level_number < options.subdivisions ? parent.triangles : 0, stream.get());
   const DeviceArray<std::uint32_t> patches(marked_safe ? parent.triangles : 0, stream.get());
-  const DeviceArray<unsigned long long> listed(1, stream.get());
-  clear(listed, stream.get());
+  const auto listed = zeros<unsigned long long>(1, stream);
   // Below, `mesh` shares the vertex arrays of `parent`; only the triangles are other arrays.
   const MidpointLevel level{
       parent,
@@ -168,10 +166,8 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
                                            stream.get());
   const std::uint64_t room = moves ? room_for_marks(midpoints) : 0;
   const DeviceArray<std::uint32_t> marks_list(room, stream.get());
-  const DeviceArray<unsigned long long> marked(1, stream.get());
-  clear(marked, stream.get());
-  const DeviceArray<DeviceStats> stats(1, stream.get());
-  clear(stats, stream.get());
+  const auto marked = zeros<unsigned long long>(1, stream);
+  const auto stats = zeros<DeviceStats>(1, stream);
   marks.mark();
   if (constrained) {
     make_constrained_midpoints_on_device(surface, level, stats.data(), stream);
