@@ -8,14 +8,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <system_error>
 
 #include "core/errors.hpp"
 #include "core/large_pages.hpp"
+#include "core/letters.hpp"
 #include "mesh/formats.hpp"
 
 namespace vdwmesh {
@@ -118,9 +117,7 @@ class FileBytes {
 }  // namespace
 
 std::optional<MeshFormat> find_mesh_format(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case(path.extension().string());
   if (extension == ".ply") return MeshFormat::ply;
   if (extension == ".obj") return MeshFormat::obj;
   if (extension == ".off") return MeshFormat::off;

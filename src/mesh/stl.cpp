@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "core/errors.hpp"
 #include "core/large_pages.hpp"
+#include "core/letters.hpp"
 #include "mesh/chunk_writer.hpp"
 #include "mesh/float_loss.hpp"
 #include "mesh/formats.hpp"
@@ -90,13 +90,6 @@ MeshFile read_binary(std::string_view bytes) {
   }
   note_welding(file, triangles);
   return file;
-}
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
 }
 
 // Reads the text form line by line. A facet has one loop ("outer loop" ... "endloop") of vertices,

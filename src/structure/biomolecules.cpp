@@ -15,10 +15,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <optional>
 #include <utility>
 
+#include "core/letters.hpp"
 #include "structure/lines.hpp"
 
 namespace vdwmesh {
@@ -29,13 +29,6 @@ constexpr std::size_t kMatrix = 13;  // columns before the word BIOMT1
 constexpr std::string_view kBiomolecule = "BIOMOLECULE:";
 // The four numbers of a matrix row, for messages.
 constexpr std::array<std::string_view, 4> kNames{"x", "y", "z", "the shift"};
-
-std::string upper_case(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return result;
-}
 
 // The part of the text behind `word`, which is given in capitals. Nothing if the word is not there.
 std::optional<std::string_view> text_after(std::string_view text, std::string_view word) {

@@ -23,6 +23,7 @@
 
 #include "core/errors.hpp"
 #include "core/large_pages.hpp"
+#include "core/letters.hpp"
 #include "structure/lines.hpp"
 #include "structure/site.hpp"
 
@@ -49,9 +50,7 @@ bool listed(const Names& names, std::string_view name) {
 // has at most one oxygen, and beside that only hydrogens and atoms without an element (virtual
 // sites, beads).
 bool is_water(const gemmi::Residue& residue) {
-  std::string name = residue.name;
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const std::string name = upper_case(residue.name);
   if (listed(kAlwaysWater, name)) return true;
   if (!listed(kSolvent, name)) return false;
   std::set<std::string> oxygens;  // names, because alternate locations repeat an atom

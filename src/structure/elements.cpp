@@ -13,6 +13,7 @@
 #include <gemmi/elem.hpp>
 #include <string>
 
+#include "core/letters.hpp"
 #include "structure/lines.hpp"
 #include "structure/residue_elements.hpp"
 
@@ -23,17 +24,9 @@ using gemmi::El;
 
 constexpr std::string_view kOrganic = "CNOHPS";  // elements of one letter in standard residues
 
-char upper(char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); }
-bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
-bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+std::string capitals(std::string_view text) { return upper_case(trimmed(text)); }
 
-std::string capitals(std::string_view text) {
-  std::string result(trimmed(text));
-  std::transform(result.begin(), result.end(), result.begin(), upper);
-  return result;
-}
-
-El single_letter(char c) { return gemmi::impl::find_single_letter_element(upper(c)); }
+El single_letter(char c) { return gemmi::impl::find_single_letter_element(upper_case(c)); }
 
 // The element with this symbol of two letters, or of one letter if the other character is a blank.
 // X for elements past lawrencium, which exist for moments: "NH1A" is nitrogen, never nihonium.
@@ -138,7 +131,7 @@ El of_bare_name(std::string_view name) {
 const char* element_of_aligned_name(std::string_view four_columns, std::string_view residue) {
   std::string name(four_columns.substr(0, 4));
   name.resize(4, ' ');
-  std::transform(name.begin(), name.end(), name.begin(), upper);
+  name = upper_case(name);
   const El known = in_known_residue(trimmed(name), capitals(residue));
   if (known != El::X) return gemmi::element_name(known);
   const El element = of_aligned_name(name);

@@ -8,11 +8,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
 #include <utility>
 
 #include "core/errors.hpp"
+#include "core/letters.hpp"
 #include "structure/lines.hpp"
 
 namespace vdwmesh {
@@ -45,13 +45,6 @@ constexpr std::array kMagic{
     std::pair{"\0\0\x07\xcb"sv, "an XTC trajectory, which has no elements; give the PDB or mmCIF"},
 };
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return result;
-}
-
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
   throw FileFormatError(fmt::format("{}: {}", path.string(), what));
 }
@@ -73,7 +66,7 @@ std::string first_words(std::string_view text) {
   std::string_view line;
   while (next_line(text, line)) {
     line = trimmed(line);
-    if (!line.empty() && line[0] != '#') return lower(line.substr(0, 16));
+    if (!line.empty() && line[0] != '#') return lower_case(line.substr(0, 16));
   }
   return {};
 }
@@ -94,8 +87,8 @@ StructureFormat format_of_name(const std::filesystem::path& path) {
   if (path == "-")
     throw InvalidInput("standard input has no extension; say --format pdb, mmcif, pqr or xyzr");
   std::filesystem::path name = path;
-  if (lower(name.extension().string()) == ".gz") name = name.stem();
-  const std::string extension = lower(name.extension().string());
+  if (lower_case(name.extension().string()) == ".gz") name = name.stem();
+  const std::string extension = lower_case(name.extension().string());
   for (const auto& [known, format] : kExtensions)
     if (extension == known) return format;
   if (extension == ".xtc" || extension == ".trr" || extension == ".dcd")

@@ -19,6 +19,7 @@
 #include <optional>
 
 #include "core/errors.hpp"
+#include "core/letters.hpp"
 #include "structure/biomolecules.hpp"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
@@ -38,9 +39,6 @@ constexpr std::size_t kTagColumn = 72;      // entry tag or segment id
 constexpr std::size_t kElementColumn = 76;  // two columns, right-aligned
 constexpr std::size_t kLastColumn = 78;     // end of the element; the charge behind it is not used
 constexpr std::string_view kDigits36 = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ";
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
 // Whether the eight characters from column 73 on are the entry tag of files from before 1996: the
 // entry id, possibly a revision letter, and the line number ("4PTI  75", "4INSB 12", "1ABC1234").

@@ -3,22 +3,16 @@
 #include "structure/pdb_records.hpp"
 
 #include <algorithm>
-#include <cctype>
 
+#include "core/letters.hpp"
 #include "structure/lines.hpp"
 
 namespace vdwmesh {
-namespace {
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-}  // namespace
 
 bool starts_with_record(std::string_view line, std::string_view name) {
   return line.size() >= name.size() &&
-         std::equal(name.begin(), name.end(), line.begin(), [](char a, char b) {
-           return a == std::toupper(static_cast<unsigned char>(b));
-         });
+         std::equal(name.begin(), name.end(), line.begin(),
+                    [](char a, char b) { return a == upper_case(b); });
 }
 
 bool is_record(std::string_view line, std::string_view name) {

@@ -12,6 +12,8 @@
 #include <gemmi/resinfo.hpp>
 #include <string>
 
+#include "core/letters.hpp"
+
 namespace vdwmesh {
 namespace {
 
@@ -46,7 +48,6 @@ El find_named(const List& list, std::string_view name) {
 // The name without leading digits ("3CO") and without a charge at the end ("ZN2", "NA+", and
 // CHARMM's "AL3P", where P means plus).
 std::string_view base_name(std::string_view name) {
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   if (name.size() > 2 && name.back() == 'P' && is_digit(name[name.size() - 2]))
     name.remove_suffix(1);
   const std::size_t last = name.find_last_not_of("0123456789+-");
