@@ -9,27 +9,20 @@
 #include <cstdint>
 
 #include "analysis/exposed_surface.hpp"
+#include "core/split_mix.hpp"
 
 namespace vdwmesh {
 
-// Pseudo-random numbers in [0, 1): the generator SplitMix64 (G. L. Steele, D. Lea and C. H. Flood,
-// OOPSLA 2014). The k-th number depends on seed, stream and k only. `kStep` is 2^64 divided by the
-// golden ratio, and mix() is the generator's finaliser.
+// Pseudo-random numbers in [0, 1). The k-th number depends on seed, stream and k only.
 class Random {
  public:
-  Random(std::uint64_t seed, std::uint64_t stream) : state_(mix(mix(seed) + stream)) {}
+  Random(std::uint64_t seed, std::uint64_t stream) : state_(split_mix(split_mix(seed) + stream)) {}
   double next() {
-    state_ += kStep;
-    return std::ldexp(static_cast<double>(mix(state_) >> 11), -53);  // the upper 53 bits
+    state_ += kSplitMixStep;
+    return std::ldexp(static_cast<double>(split_mix(state_) >> 11), -53);  // the upper 53 bits
   }
 
  private:
-  static constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;
-  static std::uint64_t mix(std::uint64_t x) {
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-  }
   std::uint64_t state_;
 };
 
@@ -93,7 +86,7 @@ void sample_border(const Patch& patch, double density, Random& random, Visit&& v
     const arcs::Cap& cap = covers[i].cap;
     // The circle's radius and, below, all points on it are in units of the sphere's radius.
     const double radius = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
-    const Frame frame = frame_of(cap.axis);
+    const arcs::Frame frame = arcs::frame_of(cap.axis);
     const auto count = static_cast<std::uint64_t>(std::ceil(kTwoPi * radius * r * density));
     const double start = random.next();
     for (std::uint64_t k = 0; k < count; ++k) {

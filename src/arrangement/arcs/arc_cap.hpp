@@ -6,8 +6,8 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
-#include "core/host_device.hpp"
 #include "core/vec3.hpp"
 #include "spheres/sphere_set.hpp"
 
@@ -26,8 +26,19 @@ enum class CapKind : std::uint8_t { none, cuts, buries };
 
 // Scalar product in plain products. Without the compiler option -mfma a std::fma is a library call,
 // which would be too slow in the inner loops of this folder.
-VDWMESH_HD inline double inner(const Vec3d& a, const Vec3d& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
+inline double inner(const Vec3d& a, const Vec3d& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+// Two unit vectors that form an orthonormal basis with a given unit vector (T. Duff et al.,
+// "Building an orthonormal basis, revisited", JCGT 6 (2017) 1).
+struct Frame {
+  Vec3d first, second;
+};
+inline Frame frame_of(const Vec3d& axis) {
+  const double sign = axis.z < 0 ? -1.0 : 1.0;
+  const double a = -1 / (sign + axis.z);
+  const double b = axis.x * axis.y * a;
+  return {{1 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x},
+          {b, sign + axis.y * axis.y * a, -axis.y}};
 }
 
 // Below this the squared distance of two centres is not reliable: the squares of the coordinate
@@ -38,8 +49,7 @@ inline constexpr double kLeastSquare = 1e-280;
 // The difference `to` of the centres is scaled up before it is squared. Of two balls with different
 // radii the larger one buries the smaller one, except if both radii are so small (below 1e-120)
 // that they can differ by less than the distance.
-VDWMESH_HD inline CapKind make_near_cap(const Sphere& ball, const Sphere& other, Vec3d to,
-                                        Cap& cap) {
+inline CapKind make_near_cap(const Sphere& ball, const Sphere& other, Vec3d to, Cap& cap) {
   const double r = ball.radius;
   if (to.x == 0 && to.y == 0 && to.z == 0) {
     return other.radius > r ? CapKind::buries : CapKind::none;
@@ -63,7 +73,7 @@ VDWMESH_HD inline CapKind make_near_cap(const Sphere& ball, const Sphere& other,
 // (d² + r² - R²) / (2 d) from the centre of `ball`. If both centres are equal, the larger ball
 // buries the smaller one; balls that are equal cover nothing here, and the caller decides between
 // them.
-VDWMESH_HD inline CapKind make_cap(const Sphere& ball, const Sphere& other, Cap& cap) {
+inline CapKind make_cap(const Sphere& ball, const Sphere& other, Cap& cap) {
   const Vec3d to = other.center - ball.center;
   const double squared = inner(to, to);
   const double r = ball.radius;
@@ -80,7 +90,7 @@ VDWMESH_HD inline CapKind make_cap(const Sphere& ball, const Sphere& other, Cap&
   return CapKind::cuts;
 }
 
-VDWMESH_HD inline bool same_cap(const Cap& a, const Cap& b) {
+inline bool same_cap(const Cap& a, const Cap& b) {
   return a.cosine == b.cosine && a.axis.x == b.axis.x && a.axis.y == b.axis.y &&
          a.axis.z == b.axis.z;
 }
@@ -88,26 +98,11 @@ VDWMESH_HD inline bool same_cap(const Cap& a, const Cap& b) {
 // The order in which caps cut the ball: the largest cap first, so that later caps find most of
 // their circle covered already. Ties go by the axis. No two distinct caps are equal in this order,
 // so the sorted sequence does not depend on the order in which the caps were found.
-VDWMESH_HD inline bool cuts_deeper(const Cap& a, const Cap& b) {
+inline bool cuts_deeper(const Cap& a, const Cap& b) {
   if (a.cosine != b.cosine) return a.cosine < b.cosine;
   if (a.axis.x != b.axis.x) return a.axis.x < b.axis.x;
   if (a.axis.y != b.axis.y) return a.axis.y < b.axis.y;
   return a.axis.z < b.axis.z;
-}
-
-// Sorts with Shell's method (gaps 1, 4, 13, 40, ...): in place, without recursion, on host and
-// device.
-VDWMESH_HD inline void sort_caps(Cap* caps, std::uint32_t count) {
-  std::uint32_t gap = 1;
-  while (gap < count / 3) gap = 3 * gap + 1;
-  for (; gap > 0; gap /= 3) {
-    for (std::uint32_t i = gap; i < count; ++i) {
-      const Cap cap = caps[i];
-      std::uint32_t j = i;
-      for (; j >= gap && cuts_deeper(cap, caps[j - gap]); j -= gap) caps[j] = caps[j - gap];
-      caps[j] = cap;
-    }
-  }
 }
 
 }  // namespace vdwmesh::arcs

@@ -1,5 +1,5 @@
-// Ball ∩ power cell: the unit ball cut by one half-space after another. Runs on host and device, in
-// memory of the caller. arc_cell_cut.hpp describes the algorithm.
+// Ball ∩ power cell: the unit ball cut by one half-space after another, in memory of the
+// caller. arc_cell_cut.hpp describes the algorithm.
 //
 // Only the straight edges of the cut body are stored. Each one is part of a chord, in which the
 // planes of two caps meet inside the ball. A chord end that was never cut off lies on the sphere:
@@ -30,11 +30,11 @@ struct Complex {
   double re, im;
 };
 
-VDWMESH_HD inline Complex operator*(const Complex& a, const Complex& b) {
+inline Complex operator*(const Complex& a, const Complex& b) {
   return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 
-VDWMESH_HD inline Complex conjugate(const Complex& a) { return {a.re, -a.im}; }
+inline Complex conjugate(const Complex& a) { return {a.re, -a.im}; }
 
 struct CellFace {
   Cap cap;
@@ -93,44 +93,41 @@ enum class EdgeEnding : std::uint8_t { direct, shared };
 
 class BallCell {
  public:
-  VDWMESH_HD BallCell(const ArcWorkspace& workspace, EdgeEnding ending)
-      : space_(workspace), ending_(ending) {}
+  BallCell(const ArcWorkspace& workspace, EdgeEnding ending) : space_(workspace), ending_(ending) {}
 
   // Removes the half-space beyond the cap's plane. Caps must come in the order of cuts_deeper().
-  VDWMESH_HD void cut(const Cap& cap);
+  void cut(const Cap& cap);
 
-  VDWMESH_HD bool empty() const { return empty_; }
+  bool empty() const { return empty_; }
   // Whether the body is a polytope inside the ball: nothing of the sphere is exposed.
-  VDWMESH_HD bool closed() const {
-    return active_count_ > 0 && exposed_ends_ == 0 && whole_disks_ == 0;
-  }
+  bool closed() const { return active_count_ > 0 && exposed_ends_ == 0 && whole_disks_ == 0; }
   // Whether the body is closed and no plane at this distance from the centre or farther cuts it.
-  VDWMESH_HD bool out_of_reach(double cosine);
-  VDWMESH_HD std::uint32_t doubts() const { return doubts_; }
-  VDWMESH_HD bool overflowed() const { return (doubts_ & kOverflow) != 0; }
+  bool out_of_reach(double cosine);
+  std::uint32_t doubts() const { return doubts_; }
+  bool overflowed() const { return (doubts_ & kOverflow) != 0; }
 
-  VDWMESH_HD std::uint32_t face_count() const { return active_count_; }
-  VDWMESH_HD CellFace& face(std::uint32_t i) const { return space_.faces[space_.active[i]]; }
-  VDWMESH_HD CellFace& face_at(std::uint32_t index) const { return space_.faces[index]; }
-  VDWMESH_HD std::uint32_t edge_count() const { return edge_count_; }
-  VDWMESH_HD CellEdge& edge(std::uint32_t i) const { return space_.edges[i]; }
-  VDWMESH_HD bool has_corners() const { return exposed_ends_ > 0; }
+  std::uint32_t face_count() const { return active_count_; }
+  CellFace& face(std::uint32_t i) const { return space_.faces[space_.active[i]]; }
+  CellFace& face_at(std::uint32_t index) const { return space_.faces[index]; }
+  std::uint32_t edge_count() const { return edge_count_; }
+  CellEdge& edge(std::uint32_t i) const { return space_.edges[i]; }
+  bool has_corners() const { return exposed_ends_ > 0; }
 
  private:
   enum class Relation : std::uint8_t { apart, crossing, new_hidden, old_hidden, nothing_left };
 
-  VDWMESH_HD bool clip_edges(std::uint32_t fresh);
-  VDWMESH_HD double end_at(const CellEdge& edge, std::uint32_t plane, double direct) const;
-  VDWMESH_HD Relation relate(const CellFace& old, const CellFace& fresh, CellEdge& edge);
-  VDWMESH_HD Relation relate_parallel(const CellFace& old, const CellFace& fresh, double cosine);
-  VDWMESH_HD static Relation relate_uncrossed(double toward_a, double toward_b);
-  VDWMESH_HD bool add_face(std::uint32_t fresh, bool was_closed);
-  VDWMESH_HD bool clip_chord(CellEdge& edge) const;
-  VDWMESH_HD bool keeps_whole_chord(const CellEdge& edge);
-  VDWMESH_HD void push_edge(const CellEdge& edge);
-  VDWMESH_HD void remove_edge(std::uint32_t i);
-  VDWMESH_HD void drop_faces(std::uint32_t fresh);
-  VDWMESH_HD void update_reach();
+  bool clip_edges(std::uint32_t fresh);
+  double end_at(const CellEdge& edge, std::uint32_t plane, double direct) const;
+  Relation relate(const CellFace& old, const CellFace& fresh, CellEdge& edge);
+  Relation relate_parallel(const CellFace& old, const CellFace& fresh, double cosine);
+  static Relation relate_uncrossed(double toward_a, double toward_b);
+  bool add_face(std::uint32_t fresh, bool was_closed);
+  bool clip_chord(CellEdge& edge) const;
+  bool keeps_whole_chord(const CellEdge& edge);
+  void push_edge(const CellEdge& edge);
+  void remove_edge(std::uint32_t i);
+  void drop_faces(std::uint32_t fresh);
+  void update_reach();
 
   ArcWorkspace space_;
   EdgeEnding ending_;

@@ -13,9 +13,8 @@ namespace vdwmesh::arcs {
 // Two planes that are parallel to rounding. If they face the same way, the new one is hidden: caps
 // come sorted by distance and without repeated planes. If they face each other, the body lies in
 // the slab between them or is gone.
-VDWMESH_HD inline BallCell::Relation BallCell::relate_parallel(const CellFace& old,
-                                                               const CellFace& fresh,
-                                                               double cosine) {
+inline BallCell::Relation BallCell::relate_parallel(const CellFace& old, const CellFace& fresh,
+                                                    double cosine) {
   if (cosine > 0) return Relation::new_hidden;
   const double gap = fresh.cap.cosine + old.cap.cosine;
   if (std::abs(gap) < kParallelGap) doubts_ |= kParallelPlanes;
@@ -24,7 +23,7 @@ VDWMESH_HD inline BallCell::Relation BallCell::relate_parallel(const CellFace& o
 
 // Two circles that do not cross. Each disk lies wholly on one side of the other plane, so the side
 // of its centre decides: toward_a <= 0 says that disk b lies beyond plane a.
-VDWMESH_HD inline BallCell::Relation BallCell::relate_uncrossed(double toward_a, double toward_b) {
+inline BallCell::Relation BallCell::relate_uncrossed(double toward_a, double toward_b) {
   if (toward_a <= 0) return toward_b <= 0 ? Relation::nothing_left : Relation::new_hidden;
   return toward_b <= 0 ? Relation::old_hidden : Relation::apart;
 }
@@ -32,8 +31,8 @@ VDWMESH_HD inline BallCell::Relation BallCell::relate_uncrossed(double toward_a,
 // Decides how the circles of an old and a new plane lie. If they cross, fills `edge` with the whole
 // chord, from sphere to sphere. The Gram determinant of both axes and a common point of the
 // circles, 1 + 2 t_a t_b c - t_a² - t_b² - c², is positive exactly if the circles cross.
-VDWMESH_HD inline BallCell::Relation BallCell::relate(const CellFace& old, const CellFace& fresh,
-                                                      CellEdge& edge) {
+inline BallCell::Relation BallCell::relate(const CellFace& old, const CellFace& fresh,
+                                           CellEdge& edge) {
   const Cap& a = old.cap;
   const Cap& b = fresh.cap;
   const double cosine = inner(a.axis, b.axis);
@@ -68,7 +67,7 @@ VDWMESH_HD inline BallCell::Relation BallCell::relate(const CellFace& old, const
 }
 
 // Adds the edges of the new plane. Returns false if the plane leaves nothing of the body.
-VDWMESH_HD inline bool BallCell::add_face(std::uint32_t fresh, bool was_closed) {
+inline bool BallCell::add_face(std::uint32_t fresh, bool was_closed) {
   CellFace& face = space_.faces[fresh];
   CellEdge edge;
   for (std::uint32_t i = 0; i < active_count_; ++i) {
@@ -98,7 +97,7 @@ VDWMESH_HD inline bool BallCell::add_face(std::uint32_t fresh, bool was_closed) 
 }
 
 // Clips a new chord by all planes but its own two. Returns false if nothing is left of it.
-VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge) const {
+inline bool BallCell::clip_chord(CellEdge& edge) const {
   for (std::uint32_t i = 0; i < active_count_; ++i) {
     const std::uint32_t index = space_.active[i];
     if (index == edge.a) continue;
@@ -126,7 +125,7 @@ VDWMESH_HD inline bool BallCell::clip_chord(CellEdge& edge) const {
 // For a face none of whose edges was cut: whether the other planes leave the whole chord. If an end
 // lies more than kTouching beyond one of them, the chord is not on this face at all. If an end is
 // nearer than that, a rounding decides, so the chord is dropped with a doubt.
-VDWMESH_HD inline bool BallCell::keeps_whole_chord(const CellEdge& edge) {
+inline bool BallCell::keeps_whole_chord(const CellEdge& edge) {
   bool near = false;
   for (std::uint32_t i = 0; i < active_count_; ++i) {
     const std::uint32_t index = space_.active[i];

@@ -14,9 +14,9 @@
 namespace vdwmesh::arcs {
 
 // Number of bits in a mask of EdgeEnd.
-VDWMESH_HD inline int end_count(std::uint8_t ends) { return (ends & 1) + (ends >> 1); }
+inline int end_count(std::uint8_t ends) { return (ends & 1) + (ends >> 1); }
 
-VDWMESH_HD inline void BallCell::cut(const Cap& cap) {
+inline void BallCell::cut(const Cap& cap) {
   if (empty_ || overflowed()) return;
   // Caps have cosines in (-1, 1), a nudge may bring one just beyond 1, and 2 is never reached. A
   // NaN in the axis came with one in the cosine, and fails this test as well.
@@ -44,8 +44,7 @@ VDWMESH_HD inline void BallCell::cut(const Cap& cap) {
 // and the plane alone. With EdgeEnding::shared the planes a, b, c are ordered by index, so that all
 // three edges that end in their common point compute it with the same bits:
 //   x = (t_a b×c + t_b c×a + t_c a×b) / det(a, b, c).
-VDWMESH_HD inline double BallCell::end_at(const CellEdge& edge, std::uint32_t plane,
-                                          double direct) const {
+inline double BallCell::end_at(const CellEdge& edge, std::uint32_t plane, double direct) const {
   if (ending_ == EdgeEnding::direct) return direct;
   std::uint32_t i = edge.a, j = edge.b, k = plane;  // edge.a < edge.b
   if (k < i) {
@@ -69,7 +68,7 @@ VDWMESH_HD inline double BallCell::end_at(const CellEdge& edge, std::uint32_t pl
 }
 
 // Shortens or removes the edges that reach beyond the new plane. Returns whether there were any.
-VDWMESH_HD inline bool BallCell::clip_edges(std::uint32_t fresh) {
+inline bool BallCell::clip_edges(std::uint32_t fresh) {
   const Cap& cap = space_.faces[fresh].cap;
   bool touched = false, along = false;
   double depth = 1;  // of the least deep edge end
@@ -119,7 +118,7 @@ VDWMESH_HD inline bool BallCell::clip_edges(std::uint32_t fresh) {
 }
 
 // Replaces edge i by the last edge of the list, so the caller must look at position i again.
-VDWMESH_HD inline void BallCell::remove_edge(std::uint32_t i) {
+inline void BallCell::remove_edge(std::uint32_t i) {
   const CellEdge& e = space_.edges[i];
   --space_.faces[e.a].edge_count;
   --space_.faces[e.b].edge_count;
@@ -127,7 +126,7 @@ VDWMESH_HD inline void BallCell::remove_edge(std::uint32_t i) {
   space_.edges[i] = space_.edges[--edge_count_];
 }
 
-VDWMESH_HD inline void BallCell::push_edge(const CellEdge& edge) {
+inline void BallCell::push_edge(const CellEdge& edge) {
   if (edge_count_ == space_.edge_capacity) {
     doubts_ |= kOverflow;
     return;
@@ -140,7 +139,7 @@ VDWMESH_HD inline void BallCell::push_edge(const CellEdge& edge) {
 
 // Drops the faces of which nothing is left; they cannot come back, because the body only shrinks.
 // The slots of dropped faces are not used again, except that of a new face that is dropped at once.
-VDWMESH_HD inline void BallCell::drop_faces(std::uint32_t fresh) {
+inline void BallCell::drop_faces(std::uint32_t fresh) {
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < active_count_; ++i) {
     CellFace& face = space_.faces[space_.active[i]];
@@ -157,7 +156,7 @@ VDWMESH_HD inline void BallCell::drop_faces(std::uint32_t fresh) {
   empty_ = active_count_ == 0;
 }
 
-VDWMESH_HD inline bool BallCell::out_of_reach(double cosine) {
+inline bool BallCell::out_of_reach(double cosine) {
   // Planes much nearer than the farthest corner will cut and make the bound stale at once. It is
   // computed only when the next plane is at least this fraction of the old bound away.
   constexpr double kWorthLooking = 0.6;
@@ -168,7 +167,7 @@ VDWMESH_HD inline bool BallCell::out_of_reach(double cosine) {
 
 // Sets reach_ to the distance of the farthest end of an edge. `middle` and `half` are orthogonal,
 // so |x(s)|² = |middle|² + s² |half|². The slack covers the rounding.
-VDWMESH_HD inline void BallCell::update_reach() {
+inline void BallCell::update_reach() {
   double squared = 0;
   for (std::uint32_t i = 0; i < edge_count_; ++i) {
     const CellEdge& e = space_.edges[i];

@@ -1,5 +1,4 @@
-// Measures one ball of a union from its caps, on host and device: no allocation, no containers,
-// memory of the caller.
+// Measures one ball of a union from its caps: no allocation, no containers, memory of the caller.
 //
 // The exposed part of a sphere is its intersection with the power cell of the ball. Only caps whose
 // planes bound the cell matter, and the edges of ball ∩ power cell give both the exposed area and
@@ -10,7 +9,10 @@
 //    that no more than three of them meet in a point.
 #pragma once
 
+#include <algorithm>
+
 #include "arrangement/arcs/arc_measure.hpp"
+#include "core/split_mix.hpp"
 
 namespace vdwmesh::arcs {
 
@@ -24,7 +26,7 @@ inline constexpr std::uint64_t kNudges = 8;  // attempts, each with other amount
 
 // Whether a cap before `index` in the sorted list has nearly the same plane, so that this one cuts
 // nothing more. Equal caps are no reason for a doubt, nearly equal ones are.
-VDWMESH_HD inline bool repeats_plane(const Cap* caps, std::uint32_t index, std::uint32_t& doubts) {
+inline bool repeats_plane(const Cap* caps, std::uint32_t index, std::uint32_t& doubts) {
   const Cap& cap = caps[index];
   for (std::uint32_t i = index; i > 0 && cap.cosine - caps[i - 1].cosine < kParallelGap; --i) {
     const Cap& earlier = caps[i - 1];
@@ -39,8 +41,8 @@ VDWMESH_HD inline bool repeats_plane(const Cap* caps, std::uint32_t index, std::
 
 // Cuts the unit ball by the sorted caps and measures what is left. The loop ends early if nothing
 // is left or if all further planes are out of reach; see BallCell::out_of_reach().
-VDWMESH_HD inline BallMeasures measure_sorted(const Cap* caps, std::uint32_t count,
-                                              const ArcWorkspace& workspace, EdgeEnding ending) {
+inline BallMeasures measure_sorted(const Cap* caps, std::uint32_t count,
+                                   const ArcWorkspace& workspace, EdgeEnding ending) {
   BallCell cell(workspace, ending);
   std::uint32_t doubts = 0;
   for (std::uint32_t i = 0; i < count && !cell.empty() && !cell.overflowed(); ++i) {
@@ -54,14 +56,10 @@ VDWMESH_HD inline BallMeasures measure_sorted(const Cap* caps, std::uint32_t cou
 
 // Copies the caps, each plane moved by a pseudo-random amount in [-kNudge, kNudge]. The amount
 // depends on the attempt and on the place in the sorted list alone, so results are reproducible.
-VDWMESH_HD inline void nudge_caps(const Cap* caps, std::uint32_t count, std::uint64_t attempt,
-                                  Cap* nudged) {
+inline void nudge_caps(const Cap* caps, std::uint32_t count, std::uint64_t attempt, Cap* nudged) {
   for (std::uint32_t i = 0; i < count; ++i) {
-    // The SplitMix64 generator; its upper 53 bits become a double in [-1, 1).
-    std::uint64_t bits = (attempt << 32) + i + 0x9e3779b97f4a7c15u;
-    bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-    bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-    bits ^= bits >> 31;
+    // The upper 53 bits become a double in [-1, 1).
+    const std::uint64_t bits = split_mix((attempt << 32) + i + kSplitMixStep);
     nudged[i] = caps[i];
     nudged[i].cosine += kNudge * (std::ldexp(static_cast<double>(bits >> 11), -52) - 1);
   }
@@ -72,15 +70,14 @@ VDWMESH_HD inline void nudge_caps(const Cap* caps, std::uint32_t count, std::uin
 // If a check leaves a doubt, the numbers are those of nudged planes if these pass the checks, but
 // the doubt bits stay. If the workspace is too small, the bit kOverflow is set and the numbers mean
 // nothing.
-VDWMESH_HD inline BallMeasures measure_ball(Cap* caps, std::uint32_t count,
-                                            const ArcWorkspace& workspace) {
-  if (count == 0) return {4 * kPi, 4 * kPi / 3, 0};
-  sort_caps(caps, count);
+inline BallMeasures measure_ball(Cap* caps, std::uint32_t count, const ArcWorkspace& workspace) {
+  if (count == 0) return {4 * std::numbers::pi, 4 * std::numbers::pi / 3, 0};
+  std::sort(caps, caps + count, cuts_deeper);
   const BallMeasures plain = measure_sorted(caps, count, workspace, EdgeEnding::direct);
   if (plain.doubts == 0 || (plain.doubts & kOverflow)) return plain;
   for (std::uint64_t attempt = 0; attempt < kNudges; ++attempt) {
     nudge_caps(caps, count, attempt, workspace.nudged);
-    sort_caps(workspace.nudged, count);
+    std::sort(workspace.nudged, workspace.nudged + count, cuts_deeper);
     const BallMeasures nudged =
         measure_sorted(workspace.nudged, count, workspace, EdgeEnding::shared);
     // Other doubts are about planes that meet within kTouching, as nudged planes may.

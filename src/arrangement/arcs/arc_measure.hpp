@@ -29,22 +29,16 @@ inline constexpr double kMaxError = 1e-9;
 inline constexpr double kMaxOpen = 1e-10;
 
 // Where the corner lies on the circle of `face`: a unit complex number whose argument is the angle
-// about the axis. It is counted from a direction that depends on the axis alone, by Duff et al.
-// 2017, "Building an orthonormal basis, revisited".
-VDWMESH_HD inline Complex on_circle(const CellFace& face, const Vec3d& corner) {
-  const Vec3d& u = face.cap.axis;
-  const double sign = u.z < 0 ? -1.0 : 1.0;
-  const double a = -1 / (sign + u.z);
-  const double b = u.x * u.y * a;
-  const Vec3d first{1 + sign * u.x * u.x * a, sign * b, -sign * u.x};
-  const Vec3d second{b, sign + u.y * u.y * a, -u.y};
+// about the axis. It is counted from a direction that depends on the axis alone.
+inline Complex on_circle(const CellFace& face, const Vec3d& corner) {
+  const auto [first, second] = frame_of(face.cap.axis);
   const double scale = 1 / std::sqrt(face.squared_sine);
   return {scale * inner(first, corner), scale * inner(second, corner)};
 }
 
 // Adds an arc that ends (direction 1) or starts (-1) at the corner, counter-clockwise. The product
 // of all ends and conjugated starts has the exposed angle of the circle as its argument.
-VDWMESH_HD inline void add_arc_end(CellFace& face, const Vec3d& corner, int direction) {
+inline void add_arc_end(CellFace& face, const Vec3d& corner, int direction) {
   const Complex place = on_circle(face, corner);
   multiply(face.arc, direction > 0 ? place : conjugate(place));
   face.balance += direction;
@@ -55,7 +49,7 @@ VDWMESH_HD inline void add_arc_end(CellFace& face, const Vec3d& corner, int dire
 // vector area. At the corner s = 1 an arc of circle a starts and one of circle b ends, counter-
 // clockwise about each axis; at s = -1 it is the other way round. In the vector area the sectors of
 // disks cancel against the patch, which leaves a cross product for each corner.
-VDWMESH_HD inline void add_edge(const BallCell& cell, const CellEdge& e, PatchSums& sums) {
+inline void add_edge(const BallCell& cell, const CellEdge& e, PatchSums& sums) {
   CellFace& a = cell.face_at(e.a);
   CellFace& b = cell.face_at(e.b);
   const double moment = e.scale * (e.upper - e.lower);
@@ -87,33 +81,33 @@ struct FaceSums {
   std::uint32_t doubts = 0;
 };
 
-VDWMESH_HD inline void add_face_to(const CellFace& face, FaceSums& sums) {
+inline void add_face_to(const CellFace& face, FaceSums& sums) {
   double angle = 0;
   if (!face.crossed) {
-    angle = 2 * kPi;
+    angle = 2 * std::numbers::pi;
   } else if (face.ends > 0) {
     angle = argument(face.arc);
-    if (angle < kTinyAngle || angle > 2 * kPi - kTinyAngle) sums.doubts |= kTinyArc;
+    if (angle < kTinyAngle || angle > 2 * std::numbers::pi - kTinyAngle) sums.doubts |= kTinyArc;
     if (face.balance != 0) sums.doubts |= kGaussBonnet;
     sums.angle += angle;
   }
   const double drop = 1 - face.cap.cosine;
   sums.sector += angle * drop;
   sums.pyramid += face.cap.cosine * 0.5 * (face.squared_sine * angle + face.edge_moment);
-  if (2 * kPi * drop > sums.largest_cap) sums.largest_cap = 2 * kPi * drop;
+  if (2 * std::numbers::pi * drop > sums.largest_cap)
+    sums.largest_cap = 2 * std::numbers::pi * drop;
 }
 
 // Reduces an area modulo 4 pi. The largest cap, of area A, is not exposed, so at most 4 pi - A is.
 // A remainder above 4 pi - A / 2 is therefore an area of 0 less a rounding error, and becomes that.
-VDWMESH_HD inline double reduce_area(double area, double largest_cap) {
-  const double full = 4 * kPi;
+inline double reduce_area(double area, double largest_cap) {
+  const double full = 4 * std::numbers::pi;
   area -= full * std::floor(area / full);
   return area > full - 0.5 * largest_cap ? area - full : area;
 }
 
 // Measures the cut ball and checks the result. `caps` are all caps that the cell was offered.
-VDWMESH_HD inline BallMeasures measure_cell(const BallCell& cell, const Cap* caps,
-                                            std::uint32_t count) {
+inline BallMeasures measure_cell(const BallCell& cell, const Cap* caps, std::uint32_t count) {
   if (cell.empty()) return {0, 0, cell.doubts()};
   std::uint32_t doubts = cell.doubts();
   PatchSums patch = sum_patch(cell);
@@ -130,19 +124,19 @@ VDWMESH_HD inline BallMeasures measure_cell(const BallCell& cell, const Cap* cap
   doubts |= faces.doubts;
 
   // Without corners the patch is the sphere less whole disks, or nothing.
-  double area = cell.closed() ? 0 : 4 * kPi - faces.sector;
+  double area = cell.closed() ? 0 : 4 * std::numbers::pi - faces.sector;
   if (cell.has_corners()) {
     const double polygon = 2 * argument(patch.polygon);
     area = reduce_area(polygon - faces.sector, faces.largest_cap);
     // By both formulas for the area this is an integer, the Euler characteristic.
-    const double turns = (polygon - faces.angle + argument(patch.turning)) / (2 * kPi);
-    const double miss = 2 * kPi * std::abs(turns - std::round(turns));
+    const double turns = (polygon - faces.angle + argument(patch.turning)) / (2 * std::numbers::pi);
+    const double miss = 2 * std::numbers::pi * std::abs(turns - std::round(turns));
     if (!(miss <= kRounding * patch.condition)) doubts |= kGaussBonnet;
   }
   if (!(kRounding * patch.worst <= kMaxError)) doubts |= kIllConditioned;
   if (!(inner(patch.open, patch.open) <= kMaxOpen * kMaxOpen)) doubts |= kOpenSurface;
   const double volume = (area + faces.pyramid) / 3;
-  const double reach = 4 * kPi + kMaxError;
+  const double reach = 4 * std::numbers::pi + kMaxError;
   if (!(std::abs(area) <= reach && std::abs(volume) <= reach)) doubts |= kNotFinite;
   return {area, volume, doubts};
 }

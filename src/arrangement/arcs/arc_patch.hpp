@@ -12,16 +12,14 @@
 
 namespace vdwmesh::arcs {
 
-inline constexpr double kPi = 3.14159265358979323846;
-
 // The argument of z in [0, 2 pi).
-VDWMESH_HD inline double argument(const Complex& z) {
+inline double argument(const Complex& z) {
   const double angle = std::atan2(z.im, z.re);
-  return angle < 0 ? angle + 2 * kPi : angle;
+  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
 }
 
 // Multiplies, and brings the size of the product back to 1 before it can over- or underflow.
-VDWMESH_HD inline void multiply(Complex& product, const Complex& factor) {
+inline void multiply(Complex& product, const Complex& factor) {
   product = product * factor;
   const double size = product.re * product.re + product.im * product.im;
   if (size > 1e100 || size < 1e-100) {
@@ -44,7 +42,7 @@ struct PatchSums {
 // there. The directions have no symmetry, so that in a lattice at most one of them is bad.
 inline constexpr int kPoleCount = 4;
 inline constexpr double kPoleDistance = 1e-4;  // least 1 + cosine: 0.8 degrees from the antipode
-VDWMESH_HD inline Vec3d pole(int attempt) {
+inline Vec3d pole(int attempt) {
   if (attempt == 0) return {0.36, 0.48, 0.80};
   if (attempt == 1) return {-0.48, 0.60, 0.64};
   if (attempt == 2) return {0.28, -0.768, -0.576};
@@ -52,8 +50,8 @@ VDWMESH_HD inline Vec3d pole(int attempt) {
 }
 
 // Multiplies in the triangle pole, axis a, axis b, with its sign for the end that is a corner.
-VDWMESH_HD inline void add_pole_triangle(const CellEdge& e, const Vec3d& axis_a,
-                                         const Vec3d& axis_b, const Vec3d& p, PatchSums& sums) {
+inline void add_pole_triangle(const CellEdge& e, const Vec3d& axis_a, const Vec3d& axis_b,
+                              const Vec3d& p, PatchSums& sums) {
   const double pa = inner(p, axis_a), pb = inner(p, axis_b);
   if (1 + pa < kPoleDistance || 1 + pb < kPoleDistance) sums.pole_too_near = true;
   const double volume = inner(p, e.half) / e.scale;
@@ -64,8 +62,7 @@ VDWMESH_HD inline void add_pole_triangle(const CellEdge& e, const Vec3d& axis_a,
 // Adds the corners at the ends of edge e. The Gram determinant gives det(axis_a, axis_b, corner) =
 // ±root; the turning angle is that between the normals axis_a × corner and axis_b × corner, with
 // cosine : sine = c - t_a t_b : root. If both ends are corners, the two pole triangles cancel.
-VDWMESH_HD inline void add_corners(const BallCell& cell, const CellEdge& e, const Vec3d& p,
-                                   PatchSums& sums) {
+inline void add_corners(const BallCell& cell, const CellEdge& e, const Vec3d& p, PatchSums& sums) {
   const Cap& a = cell.face_at(e.a).cap;
   const Cap& b = cell.face_at(e.b).cap;
   const Complex triangle{1 + a.cosine + b.cosine + e.cosine, -e.root};
@@ -84,7 +81,7 @@ VDWMESH_HD inline void add_corners(const BallCell& cell, const CellEdge& e, cons
 
 // Sums over all corners, with the first pole that is far enough from the antipodes of the axes. If
 // no pole is, the result says so in pole_too_near.
-VDWMESH_HD inline PatchSums sum_patch(const BallCell& cell) {
+inline PatchSums sum_patch(const BallCell& cell) {
   PatchSums sums;
   for (int attempt = 0; attempt < kPoleCount; ++attempt) {
     sums = {};
@@ -98,15 +95,15 @@ VDWMESH_HD inline PatchSums sum_patch(const BallCell& cell) {
 
 // Whether an end of the edge that is no corner lies nearly on the sphere, so that a third circle
 // covers it by less than kTouching.
-VDWMESH_HD inline bool ends_near_sphere(const CellEdge& e) {
+inline bool ends_near_sphere(const CellEdge& e) {
   return (!(e.exposed & kUpperEnd) && e.upper > 1 - kTouching) ||
          (!(e.exposed & kLowerEnd) && e.lower < -1 + kTouching);
 }
 
 // Whether a corner of the edge lies on the circle of a third cap, to kTouching. It looks at every
 // cap, because the face of that cap may have been dropped.
-VDWMESH_HD inline bool touches_third(const BallCell& cell, const CellEdge& e, const Cap* caps,
-                                     std::uint32_t count) {
+inline bool touches_third(const BallCell& cell, const CellEdge& e, const Cap* caps,
+                          std::uint32_t count) {
   const Cap& a = cell.face_at(e.a).cap;
   const Cap& b = cell.face_at(e.b).cap;
   for (std::uint32_t i = 0; i < count; ++i) {

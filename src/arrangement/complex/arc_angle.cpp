@@ -16,8 +16,6 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // Which of the triangle's edges e is: k, if e lies opposite to vertex k.
 std::size_t slot(const DualTriangle& f, std::uint32_t e) {
   return f.edges[0] == e ? 0 : (f.edges[1] == e ? 1 : 2);
@@ -36,14 +34,14 @@ double corner_dihedral(const PowerTriangulation& t, const DualTriangle& f, std::
 // oriented tetrahedron; else the tetrahedron fills the rest of the turn.
 double gap_angle(const PowerTriangulation& t, const DualComplex& complex, std::uint32_t e,
                  const DualTriangle& f, const DualTriangle& g) {
-  if (&f == &g) return 2 * kPi;
+  if (&f == &g) return 2 * std::numbers::pi;
   const Sphere &a = t.balls[complex.edges[e].vertices[0]],
                &b = t.balls[complex.edges[e].vertices[1]], &c = t.balls[f.vertices[slot(f, e)]],
                &d = t.balls[g.vertices[slot(g, e)]];
   const bool convex = orientation_sign(a, b, c, d) == Sign::positive;
   const TetrahedronShape shape =
       convex ? tetrahedron_shape({a, b, c, d}) : tetrahedron_shape({a, b, d, c});
-  return convex ? shape.dihedral[0] : 2 * kPi - shape.dihedral[0];
+  return convex ? shape.dihedral[0] : 2 * std::numbers::pi - shape.dihedral[0];
 }
 
 }  // namespace

@@ -22,7 +22,6 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // A circle on a sphere is small if its squared radius is below this fraction of the sphere's. Its
 // corners are so near to its centre that the angles of arcs lose digits. The cosines of turning
 // angles lose twice as many, because they are differences.
@@ -31,7 +30,8 @@ constexpr double kSmallOnSphere = 1e-3;
 // Adds 2 π n. The product is split into its rounded value and the rest, and so is 2 π: one double
 // for 2 π alone would cost as much as n roundings.
 void add_multiple_of_two_pi(int n, WideSum& sum) {
-  constexpr double kTwoPi = 2 * kPi, kTwoPiRest = 2.4492935982947064e-16;  // 2 π - kTwoPi
+  constexpr double kTwoPi = 2 * std::numbers::pi,
+                   kTwoPiRest = 2.4492935982947064e-16;  // 2 π - kTwoPi
   sum.add(kTwoPi * n);
   sum.add(std::fma(kTwoPi, n, -(kTwoPi * n)) + kTwoPiRest * n);
 }
@@ -162,14 +162,14 @@ class GaussBonnetSum {
   double angle_by_excess(const DualTriangle& f, std::size_t k) const {
     const Sphere &a = ball(f.vertices[0]), &b = ball(f.vertices[1]), &c = ball(f.vertices[2]);
     const CornerShape corner = corner_shape(a, b, c, triangle_shape(a, b, c));
-    return kPi + corner.solid_angle[k] - corner.dihedral[(k + 1) % 3] -
+    return std::numbers::pi + corner.solid_angle[k] - corner.dihedral[(k + 1) % 3] -
            corner.dihedral[(k + 2) % 3];
   }
 
   // Adds the arc's sector to the power face, and its curvature φ h / r to both spheres.
   void add_arc(const ExposedArc& arc) {
     const EdgeShape& shape = edges_[arc.edge];
-    const double angle = arc.start == kNoCorner ? 2 * kPi : arc_angle(arc);
+    const double angle = arc.start == kNoCorner ? 2 * std::numbers::pi : arc_angle(arc);
     twice_face_[arc.edge] += shape.squared_circle_radius * angle;
     for (std::size_t k = 0; k < 2; ++k) {
       const std::uint32_t v = k_.edges[arc.edge].vertices[k];
@@ -188,9 +188,10 @@ class GaussBonnetSum {
     const double angle =
         std::atan2(triple_product(between(a, b), p, q) / edges_[arc.edge].length, dot(p, q));
     if (std::abs(angle) < kSmallArc) {
-      return angle_by_dihedrals(t_, k_, arc) > kPi ? 2 * kPi + angle : angle;
+      return angle_by_dihedrals(t_, k_, arc) > std::numbers::pi ? 2 * std::numbers::pi + angle
+                                                                : angle;
     }
-    return angle < 0 ? angle + 2 * kPi : angle;
+    return angle < 0 ? angle + 2 * std::numbers::pi : angle;
   }
 
   Vec3d corner_from_circle(std::uint32_t e, CornerIndex corner) const {

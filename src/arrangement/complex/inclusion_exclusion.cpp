@@ -19,8 +19,6 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // The sums are wide: a ball may have thousands of neighbours and little area of its own left.
 struct Sums {
   WideSum area, volume;
@@ -42,7 +40,8 @@ class ConeSums {
     std::vector<Sums> sums(t_.balls.size());
     for (std::size_t v = 0; v < sums.size(); ++v) {
       const double r = t_.balls[v].radius;
-      if (k_.exposed[v]) sums[v].area.add(r * r * (4 * kPi - taken_solid_angle_[v].value()));
+      if (k_.exposed[v])
+        sums[v].area.add(r * r * (4 * std::numbers::pi - taken_solid_angle_[v].value()));
     }
     for (std::size_t e = 0; e < k_.edges.size(); ++e) add_edge(e, sums);
     std::vector<SphereMeasures> measures(t_.balls.size());
@@ -97,7 +96,7 @@ class ConeSums {
   void add_edge(std::size_t e, std::vector<Sums>& sums) const {
     const DualEdge& edge = k_.edges[e];
     const EdgeShape shape = edge_shape(t_.balls[edge.vertices[0]], t_.balls[edge.vertices[1]]);
-    const double free_angle = edge.exposed ? 2 * kPi - taken_dihedral_[e] : 0.0;
+    const double free_angle = edge.exposed ? 2 * std::numbers::pi - taken_dihedral_[e] : 0.0;
     const double face = face_area_[e] + shape.squared_circle_radius * free_angle / 2;
     for (std::size_t k = 0; k < 2; ++k) {
       const std::uint32_t v = edge.vertices[k];

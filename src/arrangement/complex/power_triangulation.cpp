@@ -27,6 +27,7 @@
 
 #include "arrangement/complex/power_predicates.hpp"
 #include "core/errors.hpp"
+#include "core/split_mix.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -191,10 +192,8 @@ std::vector<std::uint32_t> insertion_order(std::size_t count) {
   constexpr int kBitsPerRound = 3, kRounds = 6;
   std::array<std::vector<std::uint32_t>, kRounds> rounds;
   for (std::size_t i = 0; i < count; ++i) {
-    std::uint64_t hash = (i + 1) * 0x9e3779b97f4a7c15u;  // the SplitMix64 generator
-    hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9u;
-    hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
-    const int round = std::min(std::countr_zero(hash ^ (hash >> 31)) / kBitsPerRound, kRounds - 1);
+    const std::uint64_t hash = split_mix((i + 1) * kSplitMixStep);
+    const int round = std::min(std::countr_zero(hash) / kBitsPerRound, kRounds - 1);
     rounds[static_cast<std::size_t>(round)].push_back(static_cast<std::uint32_t>(i));
   }
   std::vector<std::uint32_t> order;

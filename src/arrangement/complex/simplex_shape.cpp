@@ -238,9 +238,9 @@ TetrahedronShape shape_in(const std::array<Sphere, 4>& v, const TetrahedronTerms
   set_dihedrals(v, terms, shape);
   set_center_heights(v, terms, shape);
   const auto& d = shape.dihedral;
-  constexpr double kPi = std::numbers::pi;
-  shape.solid_angle = {d[0] + d[1] + d[2] - kPi, d[0] + d[3] + d[4] - kPi, d[1] + d[3] + d[5] - kPi,
-                       d[2] + d[4] + d[5] - kPi};
+  shape.solid_angle = {d[0] + d[1] + d[2] - std::numbers::pi, d[0] + d[3] + d[4] - std::numbers::pi,
+                       d[1] + d[3] + d[5] - std::numbers::pi,
+                       d[2] + d[4] + d[5] - std::numbers::pi};
   shape.volume = to_double(terms.determinant) / 6;
   return shape;
 }

@@ -21,7 +21,6 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Corners are joined pair by pair, so two corners of one set can be farther apart than the
 // threshold of a pair. An arc between them still counts as a point up to this multiple of the
 // threshold. The factor is an allowance for such chains and no proven bound: a longer arc stays, as
@@ -83,7 +82,7 @@ class BoundaryBuilder {
         shape.squared_circle_radius < kSmallCircle * std::pow(std::min(a.radius, b.radius), 2);
     Vec3d out = any_orthogonal(axis);
     if (exposed.start == kNoCorner) {
-      arc.sweep = 2 * kPi;
+      arc.sweep = 2 * std::numbers::pi;
       // In lattices, circles touch each other in the directions of the coordinate axes. The first
       // vertex of a whole circle is turned away from there by 1 rad, so that two circles have no
       // vertex in the point where they touch.
@@ -112,8 +111,9 @@ class BoundaryBuilder {
                bool small) const {
     if (small) return angle_by_dihedrals(t_, k_, arc);
     const double angle = std::atan2(triple_product(axis, p, q), dot(p, q));
-    if (std::abs(angle) >= kSmallArc) return angle < 0 ? angle + 2 * kPi : angle;
-    return angle_by_dihedrals(t_, k_, arc) > kPi ? 2 * kPi + angle : std::abs(angle);
+    if (std::abs(angle) >= kSmallArc) return angle < 0 ? angle + 2 * std::numbers::pi : angle;
+    return angle_by_dihedrals(t_, k_, arc) > std::numbers::pi ? 2 * std::numbers::pi + angle
+                                                              : std::abs(angle);
   }
 
   // Keeps an arc, or reduces it if it is too small. An arc of a tiny circle counts as a point

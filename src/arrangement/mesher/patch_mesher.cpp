@@ -46,8 +46,6 @@ using Point = Kernel::Point_2;
 using VertexHandle = Planar::Vertex_handle;
 using FaceHandle = Planar::Face_handle;
 
-constexpr double kPi = std::numbers::pi;
-
 // Points of the icosahedron keep this distance from the arcs, as a fraction of the edge length.
 // Points nearer to an arc would make flat triangles with its pieces.
 constexpr double kLatticeMargin = 0.55;
@@ -247,7 +245,7 @@ class PatchTriangulator {
     for (const CoveredCap& cap : boundary_.caps) {
       const double angle =
           std::acos(std::clamp(cap.cosine, -1.0, 1.0)) + kLatticeMargin * edge_length_;
-      margins.push_back(angle < kPi ? std::cos(angle) : -2);
+      margins.push_back(angle < std::numbers::pi ? std::cos(angle) : -2);
     }
     FaceHandle hint;
     for (const Vec3d& u : clear_points(boundary_.caps, margins, sphere_points(edge_length_))) {

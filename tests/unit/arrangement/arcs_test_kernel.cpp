@@ -1,6 +1,7 @@
 // The per-ball routine by itself: that it doubts what it should, and only that.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -165,7 +166,7 @@ TEST(ArcKernel, SmallWorkspaceIsReportedNotOverrun) {
 class Damage : public ::testing::Test {
  protected:
   Damage() {
-    sort_caps(caps_.data(), 4);
+    std::sort(caps_.begin(), caps_.end(), cuts_deeper);
     for (const Cap& c : caps_) cell_.cut(c);
   }
   std::uint32_t doubts() const { return measure_cell(cell_, caps_.data(), 4).doubts; }

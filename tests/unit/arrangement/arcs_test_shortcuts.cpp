@@ -91,7 +91,7 @@ TEST(ArcShortcuts, StoppingEarlyLeavesOutNothing) {
       std::vector<Cap> caps = caps_of_all(balls, i, buried);
       if (caps.empty()) continue;
       const auto count = static_cast<std::uint32_t>(caps.size());
-      arcs::sort_caps(caps.data(), count);
+      std::sort(caps.begin(), caps.end(), arcs::cuts_deeper);
       arcs::CellSpace space;
       const BallMeasures early = arcs::measure_sorted(
           caps.data(), count, space.reserve(count, count), arcs::EdgeEnding::direct);
@@ -131,7 +131,7 @@ std::vector<Cap> random_caps(Dice& dice) {
   for (Cap& cap : caps) {
     cap = {testing::random_direction(dice), std::cos(smallest * dice.real(1, spread))};
   }
-  arcs::sort_caps(caps.data(), static_cast<std::uint32_t>(caps.size()));
+  std::sort(caps.begin(), caps.end(), arcs::cuts_deeper);
   return caps;
 }
 
