@@ -13,9 +13,7 @@
 #include "analysis/distances.hpp"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -28,32 +26,19 @@
 #include "analysis/mesh_area.hpp"
 #include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kTrianglesPerBlock = 2048, kVerticesPerBlock = 2048, kSamplesPerBlock = 2048;
+constexpr std::size_t kPerBlock = 2048;  // triangles, vertices or samples
 constexpr std::size_t kPatchesPerBlock = 8;
 // The smallest number of samples on the mesh, and on all whole spheres together. Samples on buried
 // parts of spheres are discarded, so fewer may remain on the boundary.
 constexpr double kLeastSamples = 1e4;
 constexpr double kMostSamples = 1e12;  // more would take weeks
-
-// Calls body(block) for all blocks, on all cores, and reports each as one step of progress.
-template <class Body>
-void for_blocks(std::size_t blocks, Monitor* monitor, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1), [&](const auto& range) {
-    for (std::size_t block = range.begin(); block != range.end(); ++block) {
-      body(block);
-      advance(monitor, 1);
-    }
-  });
-}
-
-std::size_t blocks_of(std::size_t count, std::size_t per_block) {
-  return (count + per_block - 1) / per_block;
-}
 
 void check_vertices(const IndexedMesh& mesh) {
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
@@ -128,13 +113,6 @@ double area_of(const SphereSet& spheres) {
   return total.value();
 }
 
-void include(Box& box, const Vec3d& p) {
-  for (int axis = 0; axis < 3; ++axis) {
-    box.lower[axis] = std::min(box.lower[axis], p[axis]);
-    box.upper[axis] = std::max(box.upper[axis], p[axis]);
-  }
-}
-
 // Returns the bounding box of mesh and balls together. All queries and primitives of the search
 // trees are within it.
 Box common_bounding_box(const IndexedMesh& mesh, const SphereSet& spheres) {
@@ -146,11 +124,9 @@ Box common_bounding_box(const IndexedMesh& mesh, const SphereSet& spheres) {
 // Returns 1 for each vertex that is on some triangle, 0 for isolated vertices.
 Buffer<std::uint8_t> used_vertices(const IndexedMesh& mesh) {
   Buffer<std::uint8_t> used(mesh.vertex_count(), 0);
-  for_blocks(blocks_of(mesh.triangle_count(), kTrianglesPerBlock), nullptr, [&](std::size_t block) {
-    const std::size_t end = std::min(mesh.triangle_count(), (block + 1) * kTrianglesPerBlock);
-    for (std::size_t t = block * kTrianglesPerBlock; t < end; ++t)
-      for (const std::uint32_t v : mesh.triangles[t])
-        std::atomic_ref(used[v]).store(1, std::memory_order_relaxed);
+  for_each_index(mesh.triangle_count(), [&](std::size_t t) {
+    for (const std::uint32_t v : mesh.triangles[t])
+      std::atomic_ref(used[v]).store(1, std::memory_order_relaxed);
   });
   return used;
 }
@@ -189,20 +165,24 @@ class MeshSampler {
         seed_(options.seed) {}
 
   DistanceStatistics run(Monitor* monitor) const {
-    const std::size_t sample_blocks = blocks_of(samples_, kSamplesPerBlock);
-    const std::size_t face_blocks = blocks_of(mesh_.triangle_count(), kTrianglesPerBlock);
-    const std::size_t vertex_blocks = blocks_of(mesh_.vertex_count(), kVerticesPerBlock);
+    const std::size_t triangles = mesh_.triangle_count(), vertices = mesh_.vertex_count();
+    const std::size_t sample_blocks = block_count(samples_, kPerBlock);
+    const std::size_t face_blocks = block_count(triangles, kPerBlock);
+    const std::size_t blocks = sample_blocks + face_blocks + block_count(vertices, kPerBlock);
     const Buffer<std::uint8_t> used = used_vertices(mesh_);
-    Statistics statistics(sample_blocks + face_blocks + vertex_blocks);
-    begin_stage(monitor, "distances of the mesh", sample_blocks + face_blocks + vertex_blocks);
-    for_blocks(sample_blocks, monitor, [&](std::size_t block) {
-      sample_area(block, statistics.block(block), statistics.histogram());
+    Statistics statistics(blocks);
+    begin_stage(monitor, "distances of the mesh", blocks);
+    const auto visit = [&](std::size_t count, const auto& body) {
+      for_each_block(count, kPerBlock, body, monitor);
+    };
+    visit(samples_, [&](std::size_t block, std::size_t first, std::size_t end) {
+      sample_area(first, end, statistics.block(block), statistics.histogram());
     });
-    for_blocks(face_blocks, monitor, [&](std::size_t block) {
-      visit_centres(block, statistics.block(sample_blocks + block));
+    visit(triangles, [&](std::size_t block, std::size_t first, std::size_t end) {
+      visit_centres(first, end, statistics.block(sample_blocks + block));
     });
-    for_blocks(vertex_blocks, monitor, [&](std::size_t block) {
-      visit_vertices(block, used, statistics.block(sample_blocks + face_blocks + block));
+    visit(vertices, [&](std::size_t block, std::size_t first, std::size_t end) {
+      visit_vertices(first, end, used, statistics.block(sample_blocks + face_blocks + block));
     });
     return statistics.result();
   }
@@ -216,12 +196,11 @@ class MeshSampler {
     return (static_cast<double>(i) + within) / static_cast<double>(samples_) * area_.total();
   }
 
-  // Measures the samples of one block. Consecutive samples are near each other, so the nearest
+  // Measures the samples [first, end). Consecutive samples are near each other, so the nearest
   // patch of one sample is the hint for the next.
-  void sample_area(std::size_t block, DistanceSums& sums, DistanceHistogram& histogram) const {
+  void sample_area(std::uint64_t first, std::uint64_t end, DistanceSums& sums,
+                   DistanceHistogram& histogram) const {
     std::uint32_t hint = 0;
-    const std::uint64_t first = block * kSamplesPerBlock;
-    const std::uint64_t end = std::min<std::uint64_t>(samples_, first + kSamplesPerBlock);
     MeshArea::Cursor cursor(area_, sample_position(first));
     for (std::uint64_t i = first; i < end; ++i) {
       const double distance = finder_.distance(cursor.point_at(sample_position(i)), hint);
@@ -230,11 +209,10 @@ class MeshSampler {
     }
   }
 
-  // Measures the centres of one block of triangles, for the maximum.
-  void visit_centres(std::size_t block, DistanceSums& sums) const {
+  // Measures the centres of the triangles [first, end), for the maximum.
+  void visit_centres(std::size_t first, std::size_t end, DistanceSums& sums) const {
     std::uint32_t hint = 0;
-    const std::size_t end = std::min(mesh_.triangle_count(), (block + 1) * kTrianglesPerBlock);
-    for (std::size_t t = block * kTrianglesPerBlock; t < end; ++t) {
+    for (std::size_t t = first; t < end; ++t) {
       const Corners corners = corners_of(mesh_, t);
       const Vec3d centre =
           corners.a + (1.0 / 3) * ((corners.b - corners.a) + (corners.c - corners.a));
@@ -242,12 +220,11 @@ class MeshSampler {
     }
   }
 
-  // Measures one block of vertices, without isolated ones, for the maximum.
-  void visit_vertices(std::size_t block, const Buffer<std::uint8_t>& used,
+  // Measures the vertices [first, end), without isolated ones, for the maximum.
+  void visit_vertices(std::size_t first, std::size_t end, const Buffer<std::uint8_t>& used,
                       DistanceSums& sums) const {
     std::uint32_t hint = 0;
-    const std::size_t end = std::min(mesh_.vertex_count(), (block + 1) * kVerticesPerBlock);
-    for (std::size_t v = block * kVerticesPerBlock; v < end; ++v)
+    for (std::size_t v = first; v < end; ++v)
       if (used[v]) sums.add_extreme(finder_.distance(mesh_.positions[v], hint));
   }
 
@@ -301,15 +278,14 @@ class MeshFinder {
 DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFinder& finder,
                                    double density, const DistanceOptions& options) {
   const std::span<const Patch> patches = surface.patches();
-  const std::size_t blocks = blocks_of(patches.size(), kPatchesPerBlock);
+  const std::size_t blocks = block_count(patches.size(), kPatchesPerBlock);
   Statistics statistics(blocks);
   begin_stage(options.monitor, "distances of the surface", blocks);
-  for_blocks(blocks, options.monitor, [&](std::size_t block) {
+  const auto visit = [&](std::size_t block, std::size_t first, std::size_t end) {
     DistanceSums& sums = statistics.block(block);
     DistanceHistogram& histogram = statistics.histogram();
     std::uint32_t hint = 0;
-    const std::size_t end = std::min(patches.size(), (block + 1) * kPatchesPerBlock);
-    for (std::size_t i = block * kPatchesPerBlock; i < end; ++i) {
+    for (std::size_t i = first; i < end; ++i) {
       // The random stream is the rank of the sphere in canonical order, so that the samples do not
       // depend on the order of the spheres in the caller's set.
       Random random(options.seed, surface.list().rank[patches[i].place]);
@@ -321,7 +297,8 @@ DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFind
       sample_border(patches[i], std::sqrt(density), random,
                     [&](const Vec3d& p) { sums.add_extreme(finder.distance(p, hint)); });
     }
-  });
+  };
+  for_each_block(patches.size(), kPatchesPerBlock, visit, options.monitor);
   return statistics.result();
 }
 
@@ -353,17 +330,16 @@ std::vector<float> vertex_distances(const IndexedMesh& mesh, const SphereSet& sp
   const ExposedSurface surface(spheres, monitor);
   const SurfaceFinder finder(surface, common_bounding_box(mesh, spheres));
   std::vector<float> signed_distances(mesh.vertex_count());
-  const std::size_t blocks = blocks_of(mesh.vertex_count(), kVerticesPerBlock);
-  begin_stage(monitor, "distances of the vertices", blocks);
-  for_blocks(blocks, monitor, [&](std::size_t block) {
+  begin_stage(monitor, "distances of the vertices", block_count(mesh.vertex_count(), kPerBlock));
+  const auto visit = [&](std::size_t, std::size_t first, std::size_t end) {
     std::uint32_t hint = 0;
-    const std::size_t end = std::min(mesh.vertex_count(), (block + 1) * kVerticesPerBlock);
-    for (std::size_t v = block * kVerticesPerBlock; v < end; ++v) {
+    for (std::size_t v = first; v < end; ++v) {
       const Vec3d& p = mesh.positions[v];
       const double distance = finder.distance(p, hint);
       signed_distances[v] = static_cast<float>(surface.contains(p) ? -distance : distance);
     }
-  });
+  };
+  for_each_block(mesh.vertex_count(), kPerBlock, visit, monitor);
   return signed_distances;
 }
 

@@ -11,26 +11,17 @@
 // Forum 28 (2009) 375). distances_tree.hpp has the search.
 #include "analysis/distances_tree.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <bit>
 #include <cmath>
 #include <limits>
 
+#include "core/fixed_blocks.hpp"
+#include "surface/box.hpp"
+
 namespace vdwmesh {
 namespace {
-
-constexpr std::size_t kGrain = 4096;  // indices per task
-
-// Calls body(i) for every i in [0, count) on all cores.
-template <class Body>
-void for_all(std::size_t count, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
-  });
-}
 
 // Moves bit i of x to bit 3i, for the lower 21 bits; all other bits of the result are 0.
 std::uint64_t spread(std::uint64_t x) {
@@ -52,18 +43,6 @@ std::uint64_t morton(const Vec3d& p, int bits) {
 }
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-// The empty box: the smallest box around it and any other box is the other box.
-constexpr Box kEmptyBox{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-
-void include(Box& box, const Vec3d& lower, const Vec3d& upper) {
-  for (int axis = 0; axis < 3; ++axis) {
-    box.lower[axis] = std::min(box.lower[axis], lower[axis]);
-    box.upper[axis] = std::max(box.upper[axis], upper[axis]);
-  }
-}
-
-Vec3d middle(const Box& box) { return box.lower + 0.5 * (box.upper - box.lower); }
-
 }  // namespace
 
 BoxTree::BoxTree(std::uint32_t count, const Box& world,
@@ -85,14 +64,15 @@ void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>&
   const int index_bits = std::bit_width(count);
   const int axis_bits = std::min(21, (64 - index_bits) / 3);
   Buffer<std::uint64_t> keys(count);
-  for_all(count, [&](std::size_t i) {
+  for_each_index(count, [&](std::size_t i) {
     const Vec3d p = scaled(middle(box_of(static_cast<std::uint32_t>(i))));
     keys[i] = morton(p, axis_bits) << index_bits | i;
   });
   tbb::parallel_sort(keys.begin(), keys.end());
   order_.resize(count);
   const std::uint64_t mask = (std::uint64_t{1} << index_bits) - 1;
-  for_all(count, [&](std::size_t i) { order_[i] = static_cast<std::uint32_t>(keys[i] & mask); });
+  for_each_index(count,
+                 [&](std::size_t i) { order_[i] = static_cast<std::uint32_t>(keys[i] & mask); });
 }
 
 // Stores the range [lower, upper] of one box along one axis as its middle and half its length, in
@@ -110,14 +90,14 @@ void BoxTree::Node::set(std::size_t lane, int axis, double lower, double upper) 
 void BoxTree::make_leaves(const std::function<Box(std::uint32_t)>& box_of) {
   const std::size_t per_node = std::size_t{kLeaf} * kWidth;
   Buffer<Node> nodes((order_.size() + per_node - 1) / per_node);
-  for_all(nodes.size(), [&](std::size_t n) {
+  for_each_index(nodes.size(), [&](std::size_t n) {
     for (std::size_t lane = 0; lane < kWidth; ++lane) {
       const std::size_t first = n * per_node + lane * kLeaf;
       const std::size_t end = std::min(first + kLeaf, order_.size());
-      Box all = kEmptyBox;
+      Box all = empty_box();
       for (std::size_t i = first; i < end; ++i) {
         const Box box = box_of(order_[i]);
-        include(all, scaled(box.lower), scaled(box.upper));
+        include(all, Box{scaled(box.lower), scaled(box.upper)});
       }
       for (int axis = 0; axis < 3; ++axis)
         nodes[n].set(lane, axis, all.lower[axis], all.upper[axis]);
@@ -132,7 +112,7 @@ void BoxTree::make_levels() {
   while (levels_.back().size() > 1) {
     const Buffer<Node>& below = levels_.back();
     Buffer<Node> nodes((below.size() + kWidth - 1) / kWidth);
-    for_all(nodes.size(), [&](std::size_t n) {
+    for_each_index(nodes.size(), [&](std::size_t n) {
       for (std::size_t lane = 0; lane < kWidth; ++lane) {
         const std::size_t child = n * kWidth + lane;
         for (int axis = 0; axis < 3; ++axis) {

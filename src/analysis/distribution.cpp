@@ -11,7 +11,6 @@
 #include "analysis/distribution.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -23,6 +22,7 @@
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
@@ -70,11 +70,10 @@ std::size_t bin_of(double value) {
 // Calls body(b, values of block b) on all cores.
 template <class Body>
 void for_blocks(std::span<const double> values, Body&& body) {
-  const std::size_t blocks = (values.size() + kValuesPerBlock - 1) / kValuesPerBlock;
-  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-    const std::size_t begin = b * kValuesPerBlock;
-    body(b, values.subspan(begin, std::min(kValuesPerBlock, values.size() - begin)));
-  });
+  for_each_block(values.size(), kValuesPerBlock,
+                 [&](std::size_t b, std::size_t first, std::size_t last) {
+                   body(b, values.subspan(first, last - first));
+                 });
 }
 
 // Finds values by their rank. The constructor makes the first pass over the values, percentiles()
@@ -82,7 +81,7 @@ void for_blocks(std::span<const double> values, Body&& body) {
 class OrderStatistics {
  public:
   explicit OrderStatistics(std::span<const double> values) : values_(values) {
-    std::vector<Summary> blocks((values.size() + kValuesPerBlock - 1) / kValuesPerBlock);
+    std::vector<Summary> blocks(block_count(values.size(), kValuesPerBlock));
     tbb::enumerable_thread_specific<std::vector<std::size_t>> counts;
     for_blocks(values, [&](std::size_t b, std::span<const double> block) {
       std::vector<std::size_t>& mine = counts.local();

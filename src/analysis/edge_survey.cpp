@@ -91,9 +91,8 @@ class Surveyor {
     result_.edges = counts.edges;
     result_.manifold = counts.manifold && !buckets_.repeated_index();
     const Buffer<std::uint32_t> corner = a_corner_of_each_vertex();
-    result_.used_vertices = reduce_all(
-        corner.size(), std::uint64_t{0},
-        [&](std::size_t v, std::uint64_t& used) { used += corner[v] != kNoIndex; }, std::plus<>());
+    result_.used_vertices = sum_all(
+        corner.size(), [&](std::size_t v, std::uint64_t& used) { used += corner[v] != kNoIndex; });
     const bool every_edge_has_two_sides = result_.closed && result_.oriented && result_.manifold;
     return every_edge_has_two_sides && has_one_fan_everywhere(corner, opposite);
   }
@@ -138,7 +137,7 @@ class Surveyor {
         at = opposite[previous_in_triangle(at)];
       } while (at != corner[v]);
     };
-    const std::uint64_t met = reduce_all(corner.size(), std::uint64_t{0}, circulate, std::plus<>());
+    const std::uint64_t met = sum_all(corner.size(), circulate);
     return met == 3 * static_cast<std::uint64_t>(mesh_.triangle_count());
   }
 

@@ -14,18 +14,18 @@
 // examine.
 #include "analysis/exposed_surface.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "arrangement/arcs/ball_caps.hpp"
+#include "core/fixed_blocks.hpp"
+
 namespace vdwmesh {
 namespace {
 
-constexpr std::uint32_t kBlock = 64;  // spheres
+constexpr std::size_t kSpheresPerBlock = 64;
 // Circles count as parallel, without common points, if the squared sine of the angle between their
 // planes is below this. The angle is then below 1e-9, and the line of intersection of the planes
 // has at most seven correct digits. If such circles do cross, all points of one are within 2e-9
@@ -58,10 +58,6 @@ struct BlockPatches {
     }
   }
 };
-
-bool same_ball(const Sphere& a, const Sphere& b) {
-  return a.center == b.center && a.radius == b.radius;
-}
 
 // A strict order of covers: larger caps first, of equal caps the one with the lower list place.
 bool comes_first(const Cover& a, const Cover& b) {
@@ -101,7 +97,11 @@ class PatchBuilder {
 
   // Appends the patch of the sphere at this list place to `out`, unless the sphere is buried.
   void add(std::uint32_t place, BlockPatches& out) {
-    if (!find_covers(place)) return;
+    covers_.clear();
+    const auto take = [&](const arcs::Cap& cap, std::uint32_t other) {
+      covers_.push_back({cap, other});
+    };
+    if (!arcs::visit_caps(list_, place, take)) return;
     std::sort(covers_.begin(), covers_.end(), comes_first);
     drop_nested(covers_);
     find_corners(place);
@@ -123,22 +123,6 @@ class PatchBuilder {
   }
 
  private:
-  // Collects the caps of all neighbours. Returns false if one neighbour buries the whole sphere. Of
-  // equal balls the one with the lowest id buries the others.
-  bool find_covers(std::uint32_t place) {
-    covers_.clear();
-    const Sphere& ball = list_.spheres[place];
-    const Vec3d r{ball.radius, ball.radius, ball.radius};
-    return !visit_near_box(list_, ball.center - r, ball.center + r, [&](std::uint32_t other) {
-      const Sphere& near = list_.spheres[other];
-      if (same_ball(near, ball)) return list_.id[other] < list_.id[place];
-      Cover cover{{}, other};
-      const arcs::CapKind kind = arcs::make_cap(ball, near, cover.cap);
-      if (kind == arcs::CapKind::cuts) covers_.push_back(cover);
-      return kind == arcs::CapKind::buries;
-    });
-  }
-
   // Finds the corners among the intersections of every two circles.
   void find_corners(std::uint32_t place) {
     corners_.clear();
@@ -186,7 +170,7 @@ class PatchBuilder {
       if (exposed_[i]) continue;
       const arcs::Cap& cap = covers_[i].cap;
       const double sine = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
-      const Vec3d point = cap.cosine * cap.axis + sine * frame_of(cap.axis).first;
+      const Vec3d point = cap.cosine * cap.axis + sine * arcs::frame_of(cap.axis).first;
       if (is_exposed(covers_, point, i)) exposed_[i] = 1;
     }
   }
@@ -228,19 +212,15 @@ Box box_of(const Sphere& ball) {
 ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
     : list_(make_ball_list(spheres)) {
   const CellListView& list = list_.view();
-  const std::uint32_t blocks = (list.size + kBlock - 1) / kBlock;
-  begin_stage(monitor, "exposed surface", blocks);
-  std::vector<BlockPatches> found(blocks);
-  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, blocks, 1), [&](const auto& range) {
+  std::vector<BlockPatches> found(block_count(list.size, kSpheresPerBlock));
+  begin_stage(monitor, "exposed surface", found.size());
+  const auto build = [&](std::size_t block, std::size_t first, std::size_t end) {
     PatchBuilder builder(list);
-    for (std::uint32_t block = range.begin(); block != range.end(); ++block) {
-      const std::uint32_t end = std::min(list.size, (block + 1) * kBlock);
-      for (std::uint32_t place = block * kBlock; place < end; ++place)
-        builder.add(place, found[block]);
-      found[block].set_spans();
-      advance(monitor, 1);
-    }
-  });
+    for (std::size_t place = first; place < end; ++place)
+      builder.add(static_cast<std::uint32_t>(place), found[block]);
+    found[block].set_spans();
+  };
+  for_each_block(list.size, kSpheresPerBlock, build, monitor);
   for (BlockPatches& block : found) {
     patches_.insert(patches_.end(), block.patches.begin(), block.patches.end());
     covers_.push_back(std::move(block.covers));

@@ -86,19 +86,6 @@ inline bool is_exposed(std::span<const Cover> covers, const Vec3d& direction,
 // whether it was.
 bool update_nearest(const Patch& patch, const Vec3d& p, double& squared);
 
-// Two unit vectors that form an orthonormal basis with a given unit vector (T. Duff et al.,
-// "Building an orthonormal basis, revisited", JCGT 6 (2017) 1).
-struct Frame {
-  Vec3d first, second;
-};
-inline Frame frame_of(const Vec3d& axis) {
-  const double sign = axis.z < 0 ? -1.0 : 1.0;
-  const double a = -1 / (sign + axis.z);
-  const double b = axis.x * axis.y * a;
-  return {{1 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x},
-          {b, sign + axis.y * axis.y * a, -axis.y}};
-}
-
 // Finds the distance from a point to the exposed surface.
 class SurfaceFinder {
  public:

@@ -5,19 +5,17 @@
 // remaining fraction of the triangle's area selects a point by point_of_triangle().
 #include "analysis/mesh_area.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kBlock = 2048;  // triangles
+constexpr std::size_t kPerBlock = 2048;  // triangles
 // Subdivisions of the triangle. Points are thus resolved to 2^-24 of an edge, the resolution of a
 // float, and 24 digits to the base 4 take 48 of the 53 bits of the fraction.
 constexpr int kDigits = 24;
@@ -54,10 +52,9 @@ Vec3d point_of_triangle(const Corners& triangle, double fraction) {
 
 MeshArea::MeshArea(const IndexedMesh& mesh) : mesh_(mesh) {
   const std::size_t count = mesh.triangle_count();
-  std::vector<double> sums((count + kBlock - 1) / kBlock);
-  tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t block) {
-    const std::size_t end = std::min(count, (block + 1) * kBlock);
-    for (std::size_t t = block * kBlock; t < end; ++t) sums[block] += area_of(corners_of(mesh, t));
+  std::vector<double> sums(block_count(count, kPerBlock));
+  for_each_block(count, kPerBlock, [&](std::size_t block, std::size_t first, std::size_t last) {
+    for (std::size_t t = first; t < last; ++t) sums[block] += area_of(corners_of(mesh, t));
   });
   WideSum total;
   starts_.reserve(sums.size() + 1);
@@ -71,14 +68,14 @@ MeshArea::MeshArea(const IndexedMesh& mesh) : mesh_(mesh) {
 
 MeshArea::Cursor::Cursor(const MeshArea& area, double place) : area_(area) {
   const auto next = std::upper_bound(area.starts_.begin() + 1, area.starts_.end() - 1, place);
-  enter(kBlock * static_cast<std::size_t>(next - area.starts_.begin() - 1));
+  enter(kPerBlock * static_cast<std::size_t>(next - area.starts_.begin() - 1));
 }
 
 // Starts at the stored prefix sum whenever a block begins, and adds up areas within the block. The
 // interval of a triangle is therefore the same wherever the cursor began.
 void MeshArea::Cursor::enter(std::size_t triangle) {
-  const bool first_of_block = triangle % kBlock == 0;
-  begin_ = first_of_block ? area_.starts_[triangle / kBlock] : begin_ + length_;
+  const bool first_of_block = triangle % kPerBlock == 0;
+  begin_ = first_of_block ? area_.starts_[triangle / kPerBlock] : begin_ + length_;
   length_ = area_of(corners_of(area_.mesh_, triangle));
   triangle_ = triangle;
 }

@@ -7,8 +7,6 @@
 // (WideSum) and joined in order, so results do not depend on the number of threads.
 #include "analysis/mesh_measures.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <functional>
 #include <optional>
@@ -18,8 +16,10 @@
 #include "analysis/edge_survey.hpp"
 #include "analysis/quality_parts.hpp"
 #include "core/blocks.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/multiversion.hpp"
 #include "core/sum.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -43,29 +43,16 @@ struct Run {
   Sums sums;
 };
 
-struct Box {
-  Vec3d lower, upper;
-  // The smallest box around both.
-  Box operator+(const Box& other) const {
-    Box sum = *this;
-    for (int axis = 0; axis < 3; ++axis) {
-      sum.lower[axis] = std::min(lower[axis], other.lower[axis]);
-      sum.upper[axis] = std::max(upper[axis], other.upper[axis]);
-    }
-    return sum;
-  }
-};
-
 // Returns the middle of the bounding box. Coordinates relative to it are no larger than the mesh,
 // so volumes of meshes far from the coordinate origin do not lose digits.
 Vec3d local_origin(const IndexedMesh& mesh) {
   if (mesh.positions.empty()) return {0, 0, 0};
-  const auto include = [&](std::size_t v, Box& box) {
-    box = box + Box{mesh.positions[v], mesh.positions[v]};
+  const auto add = [&](std::size_t v, Box& box) { include(box, mesh.positions[v]); };
+  const auto join = [](Box a, const Box& b) {
+    include(a, b);
+    return a;
   };
-  const Box first{mesh.positions[0], mesh.positions[0]};
-  const auto [lower, upper] = reduce_all(mesh.vertex_count(), first, include, std::plus<>());
-  return lower + 0.5 * (upper - lower);
+  return middle(reduce_all(mesh.vertex_count(), empty_box(), add, join));
 }
 
 // Appends the runs of the triangles [begin, end). With the edge vectors u, v at vertex a the area
@@ -88,12 +75,11 @@ VDWMESH_MULTIVERSION void sum_block(const IndexedMesh& mesh, const EdgeSurvey& s
 std::vector<Sums> sum_shells(const IndexedMesh& mesh, const EdgeSurvey& survey) {
   const Vec3d origin = local_origin(mesh);
   const std::size_t triangles = mesh.triangle_count();
-  std::vector<std::vector<Run>> blocks((triangles + kTrianglesPerBlock - 1) / kTrianglesPerBlock);
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-    const std::size_t begin = b * kTrianglesPerBlock;
-    sum_block(mesh, survey, origin, begin, std::min(begin + kTrianglesPerBlock, triangles),
-              blocks[b]);
-  });
+  std::vector<std::vector<Run>> blocks(block_count(triangles, kTrianglesPerBlock));
+  for_each_block(triangles, kTrianglesPerBlock,
+                 [&](std::size_t b, std::size_t first, std::size_t last) {
+                   sum_block(mesh, survey, origin, first, last, blocks[b]);
+                 });
   std::vector<Sums> shells(survey.shells);
   for (const std::vector<Run>& runs : blocks)
     for (const Run& run : runs) shells[run.shell].add(run.sums);

@@ -5,8 +5,6 @@
 // Edges come from EdgeBuckets, so that an edge of two triangles counts once. All values are written
 // into arrays in parallel; distribution_of() or histogram() evaluates the arrays.
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -21,6 +19,7 @@
 #include "analysis/quality_histograms.hpp"
 #include "analysis/quality_parts.hpp"
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/large_pages.hpp"
 #include "core/multiversion.hpp"
 #include "mesh/edge_buckets.hpp"
@@ -75,14 +74,6 @@ void require_vertices(const IndexedMesh& mesh) {
                                        v, mesh.vertex_count()));
 }
 
-// Calls body(first, last) for blocks of [0, count) on all cores.
-template <class Body>
-void for_blocks(std::size_t count, Body&& body) {
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, count, kItemsPerTask),
-      [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
-}
-
 // Returns a shape of area 0 for triangles with a repeated index, even if rounding would give
 // another area.
 Shape shape_or_none(const IndexedMesh& mesh, std::size_t t) {
@@ -126,10 +117,12 @@ TriangleShapes triangle_shapes(const IndexedMesh& mesh) {
   resize_untouched(shapes.min_angles_deg, mesh.triangle_count());
   resize_untouched(shapes.aspect_ratios, mesh.triangle_count());
   std::atomic<bool> all = true;
-  for_blocks(mesh.triangle_count(), [&](std::size_t first, std::size_t last) {
-    if (!fill_shapes(mesh, first, last, shapes.min_angles_deg.data(), shapes.aspect_ratios.data()))
-      all = false;
-  });
+  for_each_block(mesh.triangle_count(), kItemsPerTask,
+                 [&](std::size_t, std::size_t first, std::size_t last) {
+                   if (!fill_shapes(mesh, first, last, shapes.min_angles_deg.data(),
+                                    shapes.aspect_ratios.data()))
+                     all = false;
+                 });
   if (!all) std::erase(shapes.aspect_ratios, -1.0);
   return shapes;
 }
@@ -137,12 +130,9 @@ TriangleShapes triangle_shapes(const IndexedMesh& mesh) {
 // Returns the length of each edge, once, in the order of the edges' smaller vertices. A first pass
 // counts the edges of every task; the prefix sums are the offsets at which a second pass writes.
 Buffer<double> edge_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
-  std::vector<std::size_t> before(mesh.vertex_count() / kItemsPerTask + 2);
+  std::vector<std::size_t> before(block_count(mesh.vertex_count(), kItemsPerTask) + 1);
   const auto each_task = [&](auto&& body) {
-    tbb::parallel_for(std::size_t{0}, before.size() - 1, [&](std::size_t task) {
-      const std::size_t first = task * kItemsPerTask;
-      body(task, first, std::min(first + kItemsPerTask, mesh.vertex_count()));
-    });
+    for_each_block(mesh.vertex_count(), kItemsPerTask, body);
   };
   each_task([&](std::size_t task, std::size_t first, std::size_t last) {
     std::size_t edges = 0;

@@ -10,7 +10,11 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
 
 #include "core/multiversion.hpp"
 
@@ -49,6 +53,24 @@ Total reduce_all(std::size_t count, const Total& none, const Body& body, const J
         return total;
       },
       join);
+}
+
+// Reduces to a sum of integers. body(i, total) adds index i to a partial sum.
+template <class Body>
+std::uint64_t sum_all(std::size_t count, const Body& body) {
+  return reduce_all(count, std::uint64_t{0}, body, std::plus<>());
+}
+
+// Returns the first index in [0, count) for which is_bad(i), if there is one. Looks at all of them.
+template <class IsBad>
+std::optional<std::size_t> first_of_all(std::size_t count, const IsBad& is_bad) {
+  const std::size_t found = reduce_all(
+      count, count,
+      [&](std::size_t i, std::size_t& first) {
+        if (is_bad(i)) first = std::min(first, i);
+      },
+      [](std::size_t a, std::size_t b) { return std::min(a, b); });
+  return found < count ? std::optional(found) : std::nullopt;
 }
 
 }  // namespace vdwmesh

@@ -7,16 +7,14 @@
 #include "mesh/connectivity.hpp"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <atomic>
-#include <utility>
 #include <vector>
 
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/large_pages.hpp"
 #include "mesh/edge_buckets.hpp"
 #include "mesh/surface_handles.hpp"
@@ -26,12 +24,10 @@ namespace vdwmesh {
 namespace {
 
 using handles::face;
-using handles::for_each_index;
 using handles::half_edge;
-using handles::kItemsPerBlock;
 using handles::vertex;
-using Range = tbb::blocked_range<std::size_t>;
 constexpr std::uint32_t kNone = 0xffffffffu;  // in outgoing_: the vertex is on no triangle
+constexpr std::size_t kVerticesPerBlock = std::size_t{1} << 14;
 
 // Builds the connectivity of one mesh. A half-edge has two numbers. Its input number is 3t + k for
 // corner k of triangle t, where it starts. Its handle is OpenMesh's number, 2e or 2e + 1 for edge
@@ -110,40 +106,20 @@ class Connector {
         "a half-edge of triangle {} (vertices {} {} {}) has no consistent opposite", t, a, b, c));
   }
 
-  // Numbers the edges in the order of their owners, in parallel: each block of half-edges counts
-  // its owners, an exclusive prefix sum over the blocks gives each block its first edge, and each
-  // block numbers its own edges. The numbers do not depend on the number of threads. Every handle
-  // is written by one thread alone, the one that visits the owner.
+  // Numbers the edges in the order of their owners. Every handle is written by one thread alone,
+  // the one that visits the owner.
   void number_edges() {
-    const std::size_t half_edges = opposite_.size();
-    const std::size_t blocks = (half_edges + kItemsPerBlock - 1) / kItemsPerBlock;
-    const auto block_end = [&](std::size_t b) {
-      return std::min((b + 1) * kItemsPerBlock, half_edges);
-    };
-    Buffer<std::uint32_t> first_edge(blocks);
-    tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-      std::uint32_t owners = 0;
-      for (std::size_t h = b * kItemsPerBlock; h < block_end(b); ++h)
-        owners += owns(static_cast<std::uint32_t>(h));
-      first_edge[b] = owners;
-    });
-    // The prefix sum: `first` is a count, and becomes the sum of the counts before it.
-    std::uint32_t edges = 0;
-    for (std::uint32_t& first : first_edge) first = std::exchange(edges, edges + first);
-    if (2 * std::uint64_t{edges} > kMaxSurfaceHalfEdges)
-      throw LimitExceeded(fmt::format("{} half-edges, where OpenMesh can hold {}",
-                                      2 * std::uint64_t{edges}, kMaxSurfaceHalfEdges));
+    resize_untouched(handle_of_, opposite_.size());
+    const std::uint64_t edges = number_all(
+        opposite_.size(), [&](std::size_t h) { return owns(static_cast<std::uint32_t>(h)); },
+        [&](std::size_t h, std::uint32_t edge) {
+          handle_of_[h] = 2 * edge;
+          if (opposite_[h] != kNoOpposite) handle_of_[opposite_[h]] = 2 * edge + 1;
+        });
+    if (2 * edges > kMaxSurfaceHalfEdges)
+      throw LimitExceeded(fmt::format("{} half-edges, where OpenMesh can hold {}", 2 * edges,
+                                      kMaxSurfaceHalfEdges));
     edge_count_ = edges;
-    resize_untouched(handle_of_, half_edges);
-    tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-      std::uint32_t edge = first_edge[b];
-      for (std::size_t h = b * kItemsPerBlock; h < block_end(b); ++h) {
-        if (!owns(static_cast<std::uint32_t>(h))) continue;
-        handle_of_[h] = 2 * edge;
-        if (opposite_[h] != kNoOpposite) handle_of_[opposite_[h]] = 2 * edge + 1;
-        ++edge;
-      }
-    });
   }
 
   // Gives each half-edge of a triangle its end, its face and its successor. OpenMesh sets the
@@ -201,11 +177,12 @@ class Connector {
   // vertex. Hence all vertices are right exactly if the lengths sum to the number of all corners.
   void check_fans() const {
     std::atomic<std::uint64_t> met{0};
-    tbb::parallel_for(Range(0, vertex_count_, kItemsPerBlock), [&](const Range& range) {
-      std::uint64_t corners = 0;
-      for (std::size_t v = range.begin(); v < range.end(); ++v) corners += fan_size(v);
-      met += corners;
-    });
+    for_each_block(vertex_count_, kVerticesPerBlock,
+                   [&](std::size_t, std::size_t v, std::size_t end) {
+                     std::uint64_t corners = 0;
+                     for (; v < end; ++v) corners += fan_size(v);
+                     met += corners;
+                   });
     if (met == opposite_.size()) return;
     // Some vertex has two fans. Only now are corners counted per vertex, to find the first of them.
     std::vector<std::uint32_t> corners(vertex_count_);

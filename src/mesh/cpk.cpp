@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cctype>
 #include <string_view>
 #include <vector>
 
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
+#include "core/letters.hpp"
 #include "mesh/element_color.hpp"
 #include "mesh/surface_handles.hpp"
 #include "mesh/surface_mesh.hpp"
@@ -56,9 +57,7 @@ const Color kOther{255, 20, 147};  // all other elements
 }  // namespace
 
 Color element_color(std::string_view element) {
-  std::string upper(element);
-  std::transform(upper.begin(), upper.end(), upper.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const std::string upper = upper_case(element);
   for (const ElementColor& entry : kColors)
     if (entry.element == upper) return entry.color;
   return kOther;
@@ -75,7 +74,7 @@ void color_by_element(SurfaceMesh& mesh, std::span<const std::string> elements) 
   // The parallel loop only notes that some vertex has an atom without an element. The search for
   // the first such vertex is serial, so the error does not depend on the threads.
   std::atomic<bool> all_named = true;
-  handles::for_each_index(mesh.n_vertices(), [&](std::size_t v) {
+  for_each_index(mesh.n_vertices(), [&](std::size_t v) {
     const SphereId atom = mesh.property(spheres, handles::vertex(v))[0];
     if (atom == kNoSphere) return;
     if (atom < colors.size()) {

@@ -10,13 +10,13 @@
 #include <algorithm>
 
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "mesh/surface_handles.hpp"
 #include "mesh/surface_mesh_builder.hpp"
 
 namespace vdwmesh {
 
 using handles::face;
-using handles::for_each_index;
 using handles::vertex;
 
 VertexSpheresProperty vertex_spheres(const SurfaceMesh& mesh) {

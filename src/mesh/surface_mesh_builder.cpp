@@ -13,6 +13,7 @@
 #include <span>
 
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "mesh/connectivity.hpp"
 #include "mesh/edge_buckets.hpp"
 #include "mesh/surface_handles.hpp"
@@ -22,7 +23,6 @@ namespace vdwmesh {
 namespace {
 
 using handles::face;
-using handles::for_each_index;
 using handles::vertex;
 // Grey, until color_by_element() or the user sets another colour.
 const SurfaceMesh::Color kPlainColor{176, 176, 176};

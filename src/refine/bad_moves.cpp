@@ -38,9 +38,8 @@ bool BadMoves<Level>::mark() {
     if (cell % kBlock == 0) advance(monitor_, 0);
     if (dirty_[cell]) bad += mark_crossed(cell);
   };
-  const auto add = [](std::uint64_t a, std::uint64_t b) { return a + b; };
-  const std::uint64_t bad = reduce_all(level_.patches(), std::uint64_t{0}, judge_patch, add) +
-                            reduce_all(dirty_.size(), std::uint64_t{0}, judge_cell, add);
+  const std::uint64_t bad =
+      sum_all(level_.patches(), judge_patch) + sum_all(dirty_.size(), judge_cell);
   ++pass_;
   return bad > 0;
 }

@@ -76,11 +76,10 @@ template <class Level, class Restore>
 std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level,
                                   Buffer<MoveState>& move_states, const RefineOptions& options,
                                   const Restore& restore) {
-  const auto add = [](std::uint64_t a, std::uint64_t b) { return a + b; };
   const auto count_moved = [&](std::size_t i, std::uint64_t& n) {
     n += move_states[i] == MoveState::moved;
   };
-  if (reduce_all(move_states.size(), std::uint64_t{0}, count_moved, add) == 0) return 0;
+  if (sum_all(move_states.size(), count_moved) == 0) return 0;
   BadMoves<Level> bad(spheres, level, move_states, options);
   std::uint64_t total = 0;
   while (bad.mark()) {
@@ -94,7 +93,7 @@ std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level,
       restore(item);
       ++count;
     };
-    total += reduce_all(level.items(), std::uint64_t{0}, settle, add);
+    total += sum_all(level.items(), settle);
   }
   return total;
 }

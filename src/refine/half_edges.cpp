@@ -2,25 +2,24 @@
 //
 // find_opposite() sorts the half-edges by start vertex with a counting sort (count, prefix sum,
 // fill). The opposite of a half-edge from u to v is then the only half-edge in the bucket of v that
-// ends in u. number_edges() is a prefix sum over blocks: count each block's edges, sum up the
-// counts, number the edges of each block. The CUDA counterpart is cuda/refine/edge_numbers.cu.
+// ends in u. The CUDA counterpart of number_edges() is cuda/refine/edge_numbers.cu.
 #include "refine/half_edges.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <atomic>
 #include <limits>
+#include <numeric>
 
 #include "core/blocks.hpp"
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
 
 // No half-edge. Valid half-edges are lower, since at most 2^32 - 1 are allowed (kMaxHalfEdges).
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr std::size_t kAllGood = std::numeric_limits<std::size_t>::max();  // no half-edge is bad
 
 std::uint32_t start_of(const IndexedMesh& mesh, std::size_t h) {
   return mesh.triangles[h / 3][h % 3];
@@ -52,9 +51,8 @@ Buckets fill_buckets(const IndexedMesh& mesh) {
   for_all(count, [&](std::size_t h) {
     std::atomic_ref(b.begin[start_of(mesh, h)]).fetch_add(1, std::memory_order_relaxed);
   });
-  // After this inclusive prefix sum, begin[v] is the end of bucket v.
-  std::uint32_t sum = 0;
-  for (std::uint32_t& n : b.begin) n = sum += n;
+  // After this prefix sum, begin[v] is the end of bucket v.
+  std::partial_sum(b.begin.begin(), b.begin.end(), b.begin.begin());
   // Each bucket is filled from its end, so begin[v] arrives at the bucket's first entry.
   for_all(count, [&](std::size_t h) {
     std::atomic_ref slot(b.begin[start_of(mesh, h)]);
@@ -96,45 +94,19 @@ bool runs_back(const IndexedMesh& mesh, const Buffer<std::uint32_t>& opposite, s
 
 Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh) {
   Buffer<std::uint32_t> opposite = mesh.opposite.empty() ? match(mesh) : mesh.opposite;
-  const std::size_t bad = reduce_all(
-      opposite.size(), kAllGood,
-      [&](std::size_t h, std::size_t& first) {
-        if (!runs_back(mesh, opposite, h)) first = std::min(first, h);
-      },
-      [](std::size_t a, std::size_t b) { return std::min(a, b); });
-  if (bad != kAllGood) throw_not_closed(mesh, bad);
+  const auto bad =
+      first_of_all(opposite.size(), [&](std::size_t h) { return !runs_back(mesh, opposite, h); });
+  if (bad) throw_not_closed(mesh, *bad);
   return opposite;
 }
 
 // The lower half-edge of each edge stands for it: half-edge h is one if h < opposite[h].
 Buffer<std::uint32_t> number_edges(const Buffer<std::uint32_t>& opposite) {
-  const std::size_t blocks = (opposite.size() + kBlock - 1) / kBlock;
-  const auto end_of_block = [&](std::size_t b) {
-    return std::min((b + 1) * kBlock, opposite.size());
-  };
-  Buffer<std::uint32_t> first_of_block(blocks);
-  const auto count_firsts = [&](std::size_t b) {
-    std::uint32_t count = 0;
-    for (std::size_t h = b * kBlock; h < end_of_block(b); ++h) count += h < opposite[h];
-    first_of_block[b] = count;
-  };
-  for_all(blocks, count_firsts, 1);
-  // An exclusive prefix sum: the number of the first edge of each block.
-  std::uint32_t sum = 0;
-  for (std::uint32_t& n : first_of_block) {
-    const std::uint32_t count = n;
-    n = sum;
-    sum += count;
-  }
   Buffer<std::uint32_t> edge(opposite.size());
-  const auto number = [&](std::size_t b) {
-    std::uint32_t next = first_of_block[b];
-    for (std::size_t h = b * kBlock; h < end_of_block(b); ++h) {
+  number_all(
+      opposite.size(), [&](std::size_t h) { return h < opposite[h]; },
       // The lower half-edge writes both entries, so each entry is written once.
-      if (h < opposite[h]) edge[h] = edge[opposite[h]] = next++;
-    }
-  };
-  for_all(blocks, number, 1);
+      [&](std::size_t h, std::uint32_t number) { edge[h] = edge[opposite[h]] = number; });
   return edge;
 }
 

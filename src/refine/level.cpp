@@ -34,8 +34,6 @@ ProjectionStats join(const ProjectionStats& a, const ProjectionStats& b) {
           std::max(a.residual_max, b.residual_max)};
 }
 
-std::uint64_t add(std::uint64_t a, std::uint64_t b) { return a + b; }
-
 // Calls body(i, stats) for all i < count and returns the sum of the stats. Reports to the monitor
 // about once per block, so that a cancelled run ends soon.
 template <class Body>
@@ -81,7 +79,7 @@ std::uint64_t count_turned(const SphereSet& spheres, const IndexedMesh& mesh) {
     }
     n += facing(spheres.spheres().data(), p.data(), atom.data()) != Facing::outward;
   };
-  return reduce_all(mesh.triangle_count(), std::uint64_t{0}, count, add);
+  return sum_all(mesh.triangle_count(), count);
 }
 
 // For each vertex, the square of the length of its longest edge, as the bits of a double. The bits

@@ -20,8 +20,6 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kAllGood = std::numeric_limits<std::size_t>::max();
-
 std::uint64_t mesh_bytes(const MeshSize& s, TriangleLabels labels) {
   return indexed_mesh_bytes(
       s, {.connectivity = Connectivity::half_edges, .labels = labels, .width = LabelWidth::three});
@@ -73,17 +71,6 @@ void check_limits(std::uint64_t spheres, MeshSize size, const RefineOptions& o,
                   : "no subdivision, a coarser mesh"));
 }
 
-// First index below `count` for which bad(i), or kAllGood.
-template <class Bad>
-std::size_t first_bad(std::size_t count, const Bad& bad) {
-  return reduce_all(
-      count, kAllGood,
-      [&](std::size_t i, std::size_t& first) {
-        if (bad(i)) first = std::min(first, i);
-      },
-      [](std::size_t a, std::size_t b) { return std::min(a, b); });
-}
-
 void check_size(const char* what, std::size_t size, std::size_t expected) {
   if (size == 0 || size == expected) return;
   throw InvalidInput(fmt::format("the mesh has {} {}, {} are needed", size, what, expected));
@@ -101,12 +88,12 @@ void check_triangle_spheres(const SphereSet& spheres, const IndexedMesh& mesh,
   if (mesh.vertex_spheres.empty()) {
     throw InvalidInput("the mesh's triangles name their spheres, its vertices do not: label them");
   }
-  const std::size_t triangle = first_bad(mesh.triangle_count(), [&](std::size_t t) {
+  const auto triangle = first_of_all(mesh.triangle_count(), [&](std::size_t t) {
     return is_beyond(spheres, mesh.triangle_spheres[t]);
   });
-  if (triangle != kAllGood) {
+  if (triangle) {
     throw InvalidInput(
-        fmt::format("triangle {} lies on a sphere beyond the set's {}", triangle, spheres.size()));
+        fmt::format("triangle {} lies on a sphere beyond the set's {}", *triangle, spheres.size()));
   }
 }
 
@@ -116,32 +103,32 @@ void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh) {
   check_size("labels of creases", mesh.vertex_spheres.others.size(), mesh.vertex_count());
   check_size("triangle labels", mesh.triangle_spheres.size(), mesh.triangle_count());
   check_size("opposite half-edges", mesh.opposite.size(), 3 * mesh.triangle_count());
-  const std::size_t triangle = first_bad(mesh.triangle_count(), [&](std::size_t t) {
+  const auto triangle = first_of_all(mesh.triangle_count(), [&](std::size_t t) {
     const Triangle& v = mesh.triangles[t];
     return *std::max_element(v.begin(), v.end()) >= mesh.vertex_count();
   });
-  if (triangle != kAllGood) {
-    throw InvalidInput(fmt::format("triangle {} has a vertex beyond the mesh's {}", triangle,
+  if (triangle) {
+    throw InvalidInput(fmt::format("triangle {} has a vertex beyond the mesh's {}", *triangle,
                                    mesh.vertex_count()));
   }
-  const std::size_t vertex = first_bad(mesh.vertex_count(), [&](std::size_t v) {
+  const auto vertex = first_of_all(mesh.vertex_count(), [&](std::size_t v) {
     const Vec3d& p = mesh.positions[v];
     const auto is_near = [](double x) { return std::abs(x) <= kFarthestSphere; };  // false for NaN
     return !(is_near(p.x) && is_near(p.y) && is_near(p.z));
   });
-  if (vertex != kAllGood) {
+  if (vertex) {
     throw InvalidInput(
         fmt::format("vertex {} has a coordinate that is not finite, or farther than {:g} Å from 0",
-                    vertex, kFarthestSphere));
+                    *vertex, kFarthestSphere));
   }
-  const std::size_t label = first_bad(mesh.vertex_spheres.size(), [&](std::size_t v) {
+  const auto label = first_of_all(mesh.vertex_spheres.size(), [&](std::size_t v) {
     const VertexSpheres s = mesh.vertex_spheres[v];
     return std::any_of(s.begin(), s.end(),
                        [&](SphereId id) { return id != kNoSphere && is_beyond(spheres, id); });
   });
-  if (label != kAllGood) {
+  if (label) {
     throw InvalidInput(
-        fmt::format("vertex {} lies on a sphere beyond the set's {}", label, spheres.size()));
+        fmt::format("vertex {} lies on a sphere beyond the set's {}", *label, spheres.size()));
   }
 }
 

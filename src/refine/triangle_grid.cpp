@@ -21,21 +21,18 @@ namespace {
 constexpr double kCellWidth = 1;
 
 struct Extent {
-  Bounds all = no_bounds();  // holds the boxes of all triangles
-  double width_sum = 0;      // the sum of their widths, Å
+  Box all = empty_box();  // holds the boxes of all triangles
+  double width_sum = 0;   // the sum of their widths, Å
 };
 
 Extent join(Extent a, const Extent& b) {
-  for (int axis = 0; axis < 3; ++axis) {
-    a.all.lower[axis] = std::min(a.all.lower[axis], b.all.lower[axis]);
-    a.all.upper[axis] = std::max(a.all.upper[axis], b.all.upper[axis]);
-  }
+  include(a.all, b.all);
   a.width_sum += b.width_sum;
   return a;
 }
 
 // The longest side of the box.
-double width(const Bounds& box) {
+double width(const Box& box) {
   return std::max(
       {box.upper.x - box.lower.x, box.upper.y - box.lower.y, box.upper.z - box.lower.z});
 }
@@ -51,7 +48,7 @@ Extent extent_of(const Level& level) {
         for (std::size_t patch = range.begin(); patch != range.end(); ++patch) {
           const auto v = level.vertices(patch);
           for (int child = 0; child < Level::kTriangles; ++child) {
-            const Bounds box = bounds_of(level, v, child);
+            const Box box = bounds_of(level, v, child);
             total = join(total, {box, width(box)});
           }
         }
@@ -66,20 +63,15 @@ double in_cells(double lower, double upper, double cell) {
   return (0.5 * upper - 0.5 * lower) / (0.5 * cell);
 }
 
-double cells_along(const Bounds& all, double cell, int axis) {
+double cells_along(const Box& all, double cell, int axis) {
   return std::floor(in_cells(all.lower[axis], all.upper[axis], cell)) + 1;
 }
 
-double cells_in(const Bounds& all, double cell) {
+double cells_in(const Box& all, double cell) {
   return cells_along(all, cell, 0) * cells_along(all, cell, 1) * cells_along(all, cell, 2);
 }
 
 }  // namespace
-
-Bounds no_bounds() {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  return {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-}
 
 // The index, along one axis, of the cell that holds the coordinate. Every coordinate lies within
 // the box of all triangles, and the clamping only catches rounding at its ends. Rounding keeps the
@@ -95,7 +87,7 @@ std::uint32_t TriangleGrid::cell_along(int axis, double coordinate) const {
 // ends, since the width grows by 1 % at least in each turn, and a grid with cells wider than the
 // box has one cell.
 template <class Level>
-Bounds TriangleGrid::choose_cells(const Level& level) {
+Box TriangleGrid::choose_cells(const Level& level) {
   const double triangles = static_cast<double>(level.patches() * Level::kTriangles);
   const Extent extent = extent_of(level);
   origin_ = extent.all.lower;
@@ -109,7 +101,7 @@ Bounds TriangleGrid::choose_cells(const Level& level) {
   return extent.all;
 }
 
-void TriangleGrid::set_cells(const Bounds& all) {
+void TriangleGrid::set_cells(const Box& all) {
   for (int axis = 0; axis < 3; ++axis) {
     cells_[static_cast<std::size_t>(axis)] =
         static_cast<std::uint32_t>(cells_along(all, cell_, axis));
@@ -142,7 +134,7 @@ std::uint64_t TriangleGrid::count_entries(const Level& level) {
 
 template <class Level>
 TriangleGrid::TriangleGrid(const Level& level, std::uint64_t most_entries) {
-  const Bounds all = level.patches() > 0 ? choose_cells(level) : Bounds{};
+  const Box all = level.patches() > 0 ? choose_cells(level) : Box{};
   set_cells(all);
   // Cells of twice the width have fewer entries; one cell has one entry per triangle.
   while (count_entries(level) > most_entries && start_.size() > 2) {

@@ -9,34 +9,21 @@
 #include <span>
 
 #include "refine/level_view.hpp"
+#include "surface/box.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
-
-// An axis-parallel box, Å.
-struct Bounds {
-  Vec3d lower, upper;
-};
-// The empty box: every point extends it.
-Bounds no_bounds();
 
 // The bounding box of triangle `child` of a patch with vertices v, before and after the moves of
 // its vertices. A triangle lies in the hull of its vertices, so the box holds it whichever of these
 // moves are taken back.
 template <class Level>
-Bounds bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVertices>& v,
-                 int child) {
-  Bounds box = no_bounds();
-  const auto add = [&box](const Vec3d& p) {
-    for (int axis = 0; axis < 3; ++axis) {
-      box.lower[axis] = std::min(box.lower[axis], p[axis]);
-      box.upper[axis] = std::max(box.upper[axis], p[axis]);
-    }
-  };
+Box bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVertices>& v, int child) {
+  Box box = empty_box();
   for (const int k : Level::triangle(child)) {
     const auto i = static_cast<std::size_t>(k);
-    add(level.before(v, i));
-    add(level.mesh.positions[v[i]]);
+    include(box, level.before(v, i));
+    include(box, level.mesh.positions[v[i]]);
   }
   return box;
 }
@@ -62,7 +49,7 @@ class TriangleGrid {
 
   // Calls visit(cell) for every cell that the box touches.
   template <class Visit>
-  void visit_cells(const Bounds& box, const Visit& visit) const {
+  void visit_cells(const Box& box, const Visit& visit) const {
     std::array<std::uint32_t, 3> low, high;
     for (int axis = 0; axis < 3; ++axis) {
       low[static_cast<std::size_t>(axis)] = cell_along(axis, box.lower[axis]);
@@ -79,8 +66,8 @@ class TriangleGrid {
  private:
   std::uint32_t cell_along(int axis, double coordinate) const;
   template <class Level>
-  Bounds choose_cells(const Level& level);
-  void set_cells(const Bounds& all);
+  Box choose_cells(const Level& level);
+  void set_cells(const Box& all);
   template <class Level, class Visit>
   void visit_all(const Level& level, const Visit& visit) const;
   template <class Level>

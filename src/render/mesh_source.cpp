@@ -5,14 +5,13 @@
 // Partial sums are added in the order of the blocks, so results do not depend on the number of
 // threads.
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
 #include "render/surface_source.hpp"
 
@@ -20,16 +19,6 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kPerBlock = std::size_t{1} << 15;  // triangles or vertices per block
-
-std::size_t blocks_of(std::size_t count) { return (count + kPerBlock - 1) / kPerBlock; }
-
-// Calls body(block, first, last) for all blocks of [0, count), in parallel.
-template <class Body>
-void for_blocks(std::size_t count, const Body& body) {
-  tbb::parallel_for(std::size_t{0}, blocks_of(count), [&](std::size_t block) {
-    body(block, block * kPerBlock, std::min(count, (block + 1) * kPerBlock));
-  });
-}
 
 bool is_finite(const Vec3d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
@@ -101,10 +90,12 @@ struct AreaMoments {
 // The moments of the whole mesh about an origin. Each block has a sum of its own; the sums are
 // added in order, so that any number of threads gives the same bits.
 AreaMoments integrate(const IndexedMesh& mesh, const Vec3d& origin) {
-  std::vector<AreaMoments> parts(blocks_of(mesh.triangle_count()));
-  for_blocks(mesh.triangle_count(), [&](std::size_t block, std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) parts[block].add(corners(mesh, t, origin));
-  });
+  std::vector<AreaMoments> parts(block_count(mesh.triangle_count(), kPerBlock));
+  for_each_block(mesh.triangle_count(), kPerBlock,
+                 [&](std::size_t block, std::size_t first, std::size_t last) {
+                   for (std::size_t t = first; t < last; ++t)
+                     parts[block].add(corners(mesh, t, origin));
+                 });
   AreaMoments total;
   for (const AreaMoments& part : parts) total.add(part);
   return total;
@@ -178,19 +169,21 @@ MeshSource::MeshSource(const IndexedMesh& mesh, Paint paint)
 }
 
 std::vector<double> MeshSource::support(std::span<const Vec3d> directions) const {
-  const std::size_t blocks = blocks_of(mesh_.triangle_count()), n = directions.size();
+  const std::size_t blocks = block_count(mesh_.triangle_count(), kPerBlock), n = directions.size();
   const double lowest = -std::numeric_limits<double>::infinity();
   std::vector<double> parts(blocks * n, lowest);
-  for_blocks(mesh_.triangle_count(), [&](std::size_t block, std::size_t first, std::size_t last) {
-    // The largest values of this block, one per direction.
-    double* reach = parts.data() + block * n;
-    for (std::size_t t = first; t < last; ++t) {
-      for (const std::uint32_t v : mesh_.triangles[t]) {
-        const Vec3d& p = mesh_.positions[v];
-        for (std::size_t i = 0; i < n; ++i) reach[i] = std::max(reach[i], dot(directions[i], p));
-      }
-    }
-  });
+  for_each_block(mesh_.triangle_count(), kPerBlock,
+                 [&](std::size_t block, std::size_t first, std::size_t last) {
+                   // The largest values of this block, one per direction.
+                   double* reach = parts.data() + block * n;
+                   for (std::size_t t = first; t < last; ++t) {
+                     for (const std::uint32_t v : mesh_.triangles[t]) {
+                       const Vec3d& p = mesh_.positions[v];
+                       for (std::size_t i = 0; i < n; ++i)
+                         reach[i] = std::max(reach[i], dot(directions[i], p));
+                     }
+                   }
+                 });
   std::vector<double> reach(n, lowest);
   for (std::size_t i = 0; i < parts.size(); ++i) reach[i % n] = std::max(reach[i % n], parts[i]);
   return reach;
@@ -226,11 +219,8 @@ SurfaceArrays MeshSource::arrays() const {
 void MeshSource::fill(SurfaceTarget& target, const Vec3d& origin) const {
   const SurfaceArrays from = arrays();
   const std::span<SurfaceVertex> vertices = target.vertices();
-  for_blocks(vertices.size(), [&](std::size_t, std::size_t first, std::size_t last) {
-    for (std::size_t v = first; v < last; ++v) {
-      vertices[v] = surface_vertex(from.vertices, v, origin);
-    }
-  });
+  for_each_index(vertices.size(),
+                 [&](std::size_t v) { vertices[v] = surface_vertex(from.vertices, v, origin); });
   std::ranges::copy(from.triangles, target.triangles().begin());
   if (from.triangle_values.empty()) return;
   std::ranges::copy(from.triangle_values, target.triangle_values().begin());

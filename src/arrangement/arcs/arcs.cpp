@@ -1,26 +1,26 @@
 // arc_measures(): every sphere by itself, in parallel.
 //
-// For each sphere, find_caps() collects the caps of overlapping balls from a cell list, and the
+// For each sphere, visit_caps() collects the caps of overlapping balls from a cell list, and the
 // kernel (arc_kernel.hpp) measures the unit ball that they cut. If the cell has more than
 // kMostFaces faces, measure_by_sectors() does it instead. The results are scaled by the radius and
 // stored by sphere id, so they do not depend on the number of threads.
 #include "arrangement/arcs/arcs.hpp"
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 
 #include "arrangement/arcs/arc_sectors.hpp"
+#include "arrangement/arcs/ball_caps.hpp"
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
 #include "spheres/kept_cell_lists.hpp"
 
 namespace vdwmesh {
 namespace {
 
-constexpr std::uint32_t kBlock = 256;  // spheres in a task; consecutive in list order
+constexpr std::size_t kSpheresPerBlock = 256;  // consecutive in list order
 
 // Up to this number of faces the kernel handles a ball in one piece. The cell of an atom has far
 // fewer, and the square of this number is still a short time.
@@ -38,36 +38,12 @@ struct ArcSpace {
   std::vector<std::uint8_t> is_doubtful;  // by sphere id
 };
 
-bool same_ball(const Sphere& a, const Sphere& b) {
-  return a.center == b.center && a.radius == b.radius;
-}
-
-// found: `caps` is complete. bury: another ball covers the whole sphere, or an equal ball with a
-// lower id owns it.
-enum class Neighbours : std::uint8_t { found, bury };
-
-// Collects the caps of all balls that overlap the ball at list place `place`. The search stops at
-// the first ball that buries this one.
-Neighbours find_caps(const CellListView& list, std::uint32_t place, std::vector<arcs::Cap>& caps) {
-  caps.clear();
-  const Sphere& ball = list.spheres[place];
-  const Vec3d r{ball.radius, ball.radius, ball.radius};
-  const bool buried =
-      visit_near_box(list, ball.center - r, ball.center + r, [&](std::uint32_t other) {
-        const Sphere& near = list.spheres[other];
-        if (same_ball(near, ball)) return list.id[other] < list.id[place];
-        arcs::Cap cap;
-        const arcs::CapKind kind = arcs::make_cap(ball, near, cap);
-        if (kind == arcs::CapKind::cuts) caps.push_back(cap);
-        return kind == arcs::CapKind::buries;
-      });
-  return buried ? Neighbours::bury : Neighbours::found;
-}
-
 // Measures of the sphere at list place `place`, in Å² and Å³.
 arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place,
                                   ThreadSpace& work) {
-  if (find_caps(list, place, work.caps) == Neighbours::bury) return {0, 0, 0};
+  work.caps.clear();
+  const auto take = [&](const arcs::Cap& cap, std::uint32_t) { work.caps.push_back(cap); };
+  if (!arcs::visit_caps(list, place, take)) return {0, 0, 0};
   const auto count = static_cast<std::uint32_t>(work.caps.size());
   arcs::BallMeasures unit =
       arcs::measure_ball(work.caps.data(), count, work.space.reserve(work.caps.size(), kMostFaces));
@@ -104,21 +80,17 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, Monitor* monito
   result.per_sphere.resize(spheres.size());
   is_doubtful.resize(spheres.size());
 
-  const std::uint32_t blocks = (list.size + kBlock - 1) / kBlock;
-  begin_stage(monitor, "exact union (arcs)", blocks);
+  begin_stage(monitor, "exact union (arcs)", block_count(list.size, kSpheresPerBlock));
   // Blocks run in list order: spheres that are near in space find the same list cells in the cache.
-  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, blocks, 1), [&](const auto& range) {
+  const auto measure = [&](std::size_t, std::size_t first, std::size_t end) {
     ThreadSpace& work = threads.local();
-    for (std::uint32_t block = range.begin(); block != range.end(); ++block) {
-      const std::uint32_t end = std::min(list.size, (block + 1) * kBlock);
-      for (std::uint32_t place = block * kBlock; place < end; ++place) {
-        const arcs::BallMeasures m = measure_sphere(list, place, work);
-        result.per_sphere[list.id[place]] = {m.area, m.volume};
-        is_doubtful[list.id[place]] = m.doubts != 0;
-      }
-      advance(monitor, 1);
+    for (std::size_t place = first; place < end; ++place) {
+      const arcs::BallMeasures m = measure_sphere(list, static_cast<std::uint32_t>(place), work);
+      result.per_sphere[list.id[place]] = {m.area, m.volume};
+      is_doubtful[list.id[place]] = m.doubts != 0;
     }
-  });
+  };
+  for_each_block(list.size, kSpheresPerBlock, measure, monitor);
 
   result.suspect.clear();
   for (std::size_t i = 0; i < is_doubtful.size(); ++i) {

@@ -55,11 +55,6 @@ VDWMESH_HD inline std::uint32_t crossings_before(int x, int axis) {
   return lower_nodes | lower_axes;
 }
 
-// Number, within its row, of the vertex on node x's edge along `axis`.
-VDWMESH_HD inline int place_in_row(const RowCrossings& c, int x, int axis) {
-  return count_bits(c.packed & crossings_before(x, axis));
-}
-
 // The case of the cell whose lower corner is node (x, y, z), x, y and z from 0 to 7. Bit c is the
 // sign of corner c as case_table.hpp numbers corners, so two neighbouring bits of a row are two
 // corners.
@@ -126,15 +121,6 @@ VDWMESH_HD inline bool is_virtual(const GridSpec& grid, int axis, std::int64_t l
 
 VDWMESH_HD inline double lattice_coordinate(const GridSpec& grid, int axis, std::int64_t lattice) {
   return node_coordinate(grid.origin[axis], grid.spacing, lattice - 1);
-}
-
-// Bit x is set if node x = 0 .. 8 of a row belongs to the grid.
-VDWMESH_HD inline std::uint16_t real_nodes(const GridSpec& grid, std::int32_t brick_x) {
-  std::uint32_t bits = 0;
-  for (int x = 0; x < kBrickReach; ++x) {
-    if (!is_virtual(grid, 0, lattice_index(brick_x, x))) bits |= 1u << x;
-  }
-  return static_cast<std::uint16_t>(bits);
 }
 
 // Number of bricks along an axis. They hold the cells + 1 nodes of the grid and the 2 virtual

@@ -250,7 +250,7 @@ TEST_P(CrossingSearch, BadMovesAreThoseOfAllPairs) {
   EXPECT_GT(longest, GetParam() == Soup::pairs_far_apart ? 0 : 1) << "one pass shows nothing";
 }
 
-bool overlap(const Bounds& a, const Bounds& b) {
+bool overlap(const Box& a, const Box& b) {
   for (int axis = 0; axis < 3; ++axis)
     if (a.lower[axis] > b.upper[axis] || b.lower[axis] > a.upper[axis]) return false;
   return true;
@@ -263,7 +263,7 @@ void expect_together_where_bounds_overlap(const Moved& m, const TriangleGrid& gr
     for (const std::uint32_t a : grid.triangles_in(cell))
       for (const std::uint32_t b : grid.triangles_in(cell)) together.insert({a, b});
   const auto bounds = [&](std::size_t t) {
-    Bounds box = no_bounds();
+    Box box = empty_box();
     for (const std::uint32_t v : m.mesh.triangles[t])
       for (const Vec3d& p : {m.given.positions[v], m.mesh.positions[v]})
         for (int axis = 0; axis < 3; ++axis) {

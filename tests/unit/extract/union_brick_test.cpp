@@ -151,7 +151,7 @@ TEST_P(UnionBrickTest, VerticesAreTheFirstExits) {
   EXPECT_EQ(put == 0, case_.hides_brick);
 }
 
-// By node, then axis, as row_crossings() and place_in_row() number them.
+// By node, then axis, as row_crossings() and crossings_before() number them.
 TEST_P(UnionBrickTest, EdgesStandInTheOrderOfTheirVertices) {
   BrickEdges edges;
   edges.gather(signs_);
@@ -165,7 +165,9 @@ TEST_P(UnionBrickTest, EdgesStandInTheOrderOfTheirVertices) {
           if (!c.has(x, axis)) continue;
           ASSERT_LT(next, edges.all().size());
           const BrickEdge e = edges.all()[next];
-          EXPECT_EQ(first + static_cast<std::size_t>(place_in_row(c, x, axis)), next);
+          EXPECT_EQ(
+              first + static_cast<std::size_t>(count_bits(c.packed & crossings_before(x, axis))),
+              next);
           EXPECT_TRUE(e.x() == x && e.y() == y && e.z() == z && e.axis() == axis);
           EXPECT_EQ(e.lower_inside(), (signs_.row[z][y] >> x & 1) != 0);
           ++next;

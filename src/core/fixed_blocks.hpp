@@ -1,0 +1,69 @@
+// Parallel loops over blocks of fixed size, and loops that need one processor version only.
+//
+// for_each_block() divides a range in the same way whatever the number of threads, unlike for_all()
+// in core/blocks.hpp. The code here is compiled for one processor version, as the file around it.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "core/monitor.hpp"
+
+namespace vdwmesh {
+
+// Calls body(i) for every i in [0, count) on all cores, in no particular order.
+template <class Body>
+void for_each_index(std::size_t count, const Body& body) {
+  constexpr std::size_t kGrain = 4096;  // a block has to be worth far more than its scheduling
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+  });
+}
+
+// The number of blocks of so many indices, of which the last may be shorter.
+constexpr std::size_t block_count(std::size_t count, std::size_t per_block) {
+  return (count + per_block - 1) / per_block;
+}
+
+// Calls body(block, first, last) for the blocks of [0, count) on all cores, and reports each block
+// as a step of progress. This division depends on nothing but the numbers given, so sums of
+// floating-point numbers may be kept block by block and added in the order of the blocks.
+template <class Body>
+void for_each_block(std::size_t count, std::size_t per_block, const Body& body,
+                    Monitor* monitor = nullptr) {
+  tbb::parallel_for(std::size_t{0}, block_count(count, per_block), [&](std::size_t block) {
+    body(block, block * per_block, std::min(count, (block + 1) * per_block));
+    advance(monitor, 1);
+  });
+}
+
+// Numbers the indices in [0, count) for which is_counted(i), from 0 and in their order, on all
+// cores: calls number(i, n), n being the number of i. Returns how many there are. Each block counts
+// its own, an exclusive prefix sum gives the first number of each block, and each block numbers its
+// own.
+template <class IsCounted, class Number>
+std::uint32_t number_all(std::size_t count, const IsCounted& is_counted, const Number& number) {
+  constexpr std::size_t per_block = std::size_t{1} << 14;
+  std::vector<std::uint32_t> first(block_count(count, per_block) + 1);
+  for_each_block(count, per_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    std::uint32_t counted = 0;
+    for (std::size_t i = begin; i < end; ++i) counted += is_counted(i);
+    first[block] = counted;
+  });
+  std::exclusive_scan(first.begin(), first.end(), first.begin(), std::uint32_t{0});
+  for_each_block(count, per_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    std::uint32_t next = first[block];
+    for (std::size_t i = begin; i < end; ++i) {
+      if (is_counted(i)) number(i, next++);
+    }
+  });
+  return first.back();
+}
+
+}  // namespace vdwmesh
