@@ -1,11 +1,14 @@
 // Distances between a triangle mesh and the boundary of a union of balls, in both directions.
 //
+// "Surface" means the boundary of the union in this file, never the mesh. distances() takes these
+// steps:
 //  1. The input and the memory limit are checked before any array is allocated.
-//  2. ExposedSurface builds the exact boundary of the union as patches.
-//  3. Mesh to surface (MeshSampler): points on the mesh, chosen by stratified sampling of its area;
-//     SurfaceFinder finds the nearest point of the boundary.
-//  4. Surface to mesh (surface_to_mesh()): points of spherical Fibonacci lattices on the patches;
-//     MeshFinder finds the nearest triangle.
+//  2. ExposedSurface builds the surface exactly, as one patch for each exposed sphere.
+//  3. Mesh to surface: MeshSampler chooses points on the mesh by stratified sampling of its area,
+//     and SurfaceFinder finds the nearest point of the surface for each of them.
+//  4. Surface to mesh: surface_to_mesh() takes points of spherical Fibonacci lattices on the
+//     patches, and MeshFinder finds the nearest triangle for each of them.
+// vertex_distances() checks the input, takes step 2, and measures every vertex.
 //
 // Work is divided into blocks of fixed size. Each block has its own sums, which are joined in the
 // order of the blocks; histograms count integers. The result is therefore the same bit for bit for
@@ -35,8 +38,9 @@ namespace {
 
 constexpr std::size_t kPerBlock = 2048;  // triangles, vertices or samples
 constexpr std::size_t kPatchesPerBlock = 8;
-// The smallest number of samples on the mesh, and on all whole spheres together. Samples on buried
-// parts of spheres are discarded, so fewer may remain on the boundary.
+// Bounds of the number of samples in each direction. They are applied twice, by two calls of
+// density_for(): once to the mesh, and once to all whole spheres together. Samples on buried parts
+// of spheres are discarded, so fewer than kLeastSamples may remain on the surface.
 constexpr double kLeastSamples = 1e4;
 constexpr double kMostSamples = 1e12;  // more would take weeks
 
@@ -65,9 +69,13 @@ void check_spheres(const SphereSet& spheres) {
 }
 
 // Throws LimitExceeded if the triangles are too many for the 32-bit indices of BoxTree, or if mesh,
-// search tree and exposed surface need more than `limit` bytes. The message proposes coarser
-// meshes: one subdivision less divides the bytes by 4, a spacing s times as wide by s². The factor
-// 1.02 is a margin; it is more than the rounding of the printed spacing to three digits (0.5 %).
+// search tree and exposed surface need more than `limit` bytes. The largest 32-bit number is
+// written as kNoSphere; only its value 2^32 - 1 matters here.
+//
+// The second message proposes coarser meshes. One subdivision less divides the numbers of vertices
+// and triangles by 4, and a spacing s times as wide divides them by s². The proposals treat all
+// bytes so. The bytes of the spheres do not shrink, but they are few beside a large mesh. The
+// factor 1.02 is a margin: it exceeds the rounding of the printed spacing to three digits (0.5 %).
 void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t limit) {
   const std::uint64_t triangles = mesh.triangle_count();
   if (triangles >= kNoSphere) {
@@ -88,9 +96,10 @@ void check_memory(const IndexedMesh& mesh, std::size_t spheres, std::uint64_t li
       1.02 * std::sqrt(ratio)));
 }
 
-// Returns the density of samples, per Å², for a surface of this total area (Å²): samples_per_area,
-// or more if that would give fewer than kLeastSamples. Throws if the area is too small or 0, if
-// samples_per_area is not positive and finite, or if there would be more than kMostSamples.
+// Returns the density of samples, per Å², on a total area (Å²): samples_per_area, or a higher
+// density if that would give fewer than kLeastSamples. Throws InvalidInput if the area is 0 or too
+// small, or if samples_per_area is not positive and finite, and LimitExceeded if there would be
+// more than kMostSamples.
 double density_for(double total_area, double samples_per_area) {
   if (!std::isfinite(kLeastSamples / total_area))
     throw InvalidInput(
@@ -113,15 +122,18 @@ double area_of(const SphereSet& spheres) {
   return total.value();
 }
 
-// Returns the bounding box of mesh and balls together. All queries and primitives of the search
-// trees are within it.
+// Returns the bounding box of mesh and balls together. Both search trees use it, because a BoxTree
+// needs a box around its primitives and all queries, and the queries of each tree are points of the
+// other object: mesh points ask for the nearest patch, and points of spheres for the nearest
+// triangle.
 Box common_bounding_box(const IndexedMesh& mesh, const SphereSet& spheres) {
   Box box = bounding_box(spheres);
   for (const Vec3d& p : mesh.positions) include(box, p);
   return box;
 }
 
-// Returns 1 for each vertex that is on some triangle, 0 for isolated vertices.
+// Returns 1 for each vertex that is on some triangle, 0 for isolated vertices. Several threads may
+// mark the same vertex at the same time, so the marks are stored atomically.
 Buffer<std::uint8_t> used_vertices(const IndexedMesh& mesh) {
   Buffer<std::uint8_t> used(mesh.vertex_count(), 0);
   for_each_index(mesh.triangle_count(), [&](std::size_t t) {
@@ -149,11 +161,18 @@ class Statistics {
   tbb::enumerable_thread_specific<DistanceHistogram> histograms_;
 };
 
-// Distances from the mesh to the surface. The mesh's area is an interval (MeshArea) that is divided
-// into `samples_` strata of equal length, with one random point in each (stratified sampling).
-// Every part of the mesh is thus sampled in proportion to its area, and triangles smaller than a
-// stratum have their share too. Vertices and triangle centres are measured as well, but count only
-// for the maximum, because they are not distributed by area.
+// Distances from the mesh to the surface.
+//
+// MeshArea maps the interval [0, A], with A the area of the mesh, onto the mesh such that equal
+// lengths become equal areas: each triangle has a subinterval as long as its area, and
+// point_of_triangle() turns the position within it into a point. One random number therefore gives
+// a point that is uniformly distributed over the mesh. The interval is divided into `samples_`
+// strata of equal length, with one random position in each (stratified sampling). Every part of the
+// mesh is thus sampled in proportion to its area, and triangles smaller than a stratum have their
+// share too.
+//
+// Vertices and triangle centres are measured as well, but count only for the maximum, because they
+// are not distributed by area.
 class MeshSampler {
  public:
   MeshSampler(const IndexedMesh& mesh, const SurfaceFinder& finder, const DistanceOptions& options)
@@ -188,16 +207,17 @@ class MeshSampler {
   }
 
  private:
-  // Returns the position of sample i in the area interval [0, total], Å². The random stream of
-  // sample i is ~i, which counts downwards from 2^64 - 1; the streams of spheres count upwards from
-  // 0 (surface_to_mesh()), so no stream is used twice.
+  // Returns the position of sample i in the area interval [0, A], Å²: a random position in stratum
+  // i. The random stream of sample i is ~i, which counts downwards from 2^64 - 1. The streams of
+  // spheres count upwards from 0 (surface_to_mesh()), so no stream is used twice.
   double sample_position(std::uint64_t i) const {
     const double within = Random(seed_, ~i).next();
     return (static_cast<double>(i) + within) / static_cast<double>(samples_) * area_.total();
   }
 
-  // Measures the samples [first, end). Consecutive samples are near each other, so the nearest
-  // patch of one sample is the hint for the next.
+  // Measures the samples of one block. Consecutive samples are near each other, so the nearest
+  // patch of one sample is the hint for the next: the patch that the search measures first. The
+  // first hint of a block is patch 0, whichever patch is near.
   void sample_area(std::uint64_t first, std::uint64_t end, DistanceSums& sums,
                    DistanceHistogram& histogram) const {
     std::uint32_t hint = 0;
@@ -209,7 +229,9 @@ class MeshSampler {
     }
   }
 
-  // Measures the centres of the triangles [first, end), for the maximum.
+  // Measures the centres of one block of triangles, for the maximum. The centre is computed from
+  // differences of the corners, whose rounding errors are relative to the size of the triangle. In
+  // (a + b + c) / 3 they would be relative to its distance from the coordinate origin.
   void visit_centres(std::size_t first, std::size_t end, DistanceSums& sums) const {
     std::uint32_t hint = 0;
     for (std::size_t t = first; t < end; ++t) {
@@ -245,13 +267,15 @@ Box box_of(const Corners& t) {
 // Finds the distance from a point to the nearest triangle of the mesh.
 class MeshFinder {
  public:
+  // `world` must contain the mesh and all later query points.
   MeshFinder(const IndexedMesh& mesh, const Box& world)
       : mesh_(mesh),
         tree_(static_cast<std::uint32_t>(mesh.triangle_count()), world,
               [&](std::uint32_t t) { return box_of(corners_of(mesh, t)); }) {}
 
   // Returns the distance, Å. `hint` is the index of the triangle that is measured first; a near one
-  // makes the search short. It is set to the nearest triangle.
+  // makes the search short. It is set to the nearest triangle. BoxTree::nearest() passes `squared`
+  // to the visitor as `best`, so the visitor lowers `squared` when it finds a nearer triangle.
   double distance(const Vec3d& p, std::uint32_t& hint) const {
     double squared = squared_distance(p, hint);
     tree_.nearest(p, squared, [&](std::uint32_t t, double& best) {
@@ -273,8 +297,10 @@ class MeshFinder {
   BoxTree tree_;
 };
 
-// Distances from the surface to the mesh. Samples inside patches enter all statistics. Samples on
-// circles, with the square root of the areal density per Å, and corners enter the maximum only.
+// Distances from the surface to the mesh. Samples inside patches, with `density` points per Å²,
+// enter all statistics. Exposed points on circles, and corners, enter the maximum only. The
+// circles have √density points per Å, so neighbours on a circle are about as far apart as
+// neighbours inside a patch.
 DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFinder& finder,
                                    double density, const DistanceOptions& options) {
   const std::span<const Patch> patches = surface.patches();
@@ -310,10 +336,14 @@ MeshDistances distances(const IndexedMesh& mesh, const SphereSet& spheres,
   check_triangles(mesh);
   check_vertices(mesh);
   check_memory(mesh, spheres.size(), options.memory_limit);
+  // The density on the surface follows from the whole spheres. It is computed first, so that
+  // options which it refuses are reported before the surface is built.
   const double density = density_for(area_of(spheres), options.samples_per_area);
   const Box world = common_bounding_box(mesh, spheres);
   const ExposedSurface surface(spheres, options.monitor);
   MeshDistances result{};
+  // Each finder is a temporary that ends with its statement. The search tree over the patches is
+  // therefore freed before the one over the triangles is built.
   result.mesh_to_surface =
       MeshSampler(mesh, SurfaceFinder(surface, world), options).run(options.monitor);
   result.surface_to_mesh = surface_to_mesh(surface, MeshFinder(mesh, world), density, options);
@@ -323,6 +353,9 @@ MeshDistances distances(const IndexedMesh& mesh, const SphereSet& spheres,
   return result;
 }
 
+// No memory limit is checked. The function allocates the surface, the search tree over its patches
+// and one float per vertex. The sign comes from ExposedSurface::contains(), because SurfaceFinder
+// returns distances without a sign.
 std::vector<float> vertex_distances(const IndexedMesh& mesh, const SphereSet& spheres,
                                     Monitor* monitor) {
   check_spheres(spheres);

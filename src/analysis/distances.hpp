@@ -1,9 +1,11 @@
 // Distances between a triangle mesh and the exact boundary of a union of balls, in both directions.
 //
-// The distance from a point to the boundary is measured to the nearest exposed point, which may be
-// inside a patch, on an arc or at a corner. The distance from a point to the mesh is measured to
-// the nearest point of the nearest triangle. Both are exact up to rounding; sampling only decides
-// at which points they are taken.
+// A point of a sphere is exposed if no other ball covers it; the boundary consists of all exposed
+// points. The exposed part of one sphere is a patch, bounded by arcs of circles that end at
+// corners. The distance from a point to the boundary is measured to the nearest exposed point,
+// which may be inside a patch, on an arc or at a corner. The distance from a point to the mesh is
+// measured to the nearest point of the nearest triangle. Both are exact up to rounding; sampling
+// only decides at which points they are taken. "Surface" means the boundary, never the mesh.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +18,11 @@
 namespace vdwmesh {
 
 struct DistanceOptions {
-  // Samples per Å², > 0. The density is raised if the mesh, or all spheres together, would have
-  // fewer than 10^4 samples.
+  // Samples per Å², > 0. The density on the mesh is raised if the mesh would have fewer than 10^4
+  // samples, and the density on the surface if all whole spheres together would have fewer.
   double samples_per_area = 10;
   std::uint64_t seed = 1;                          // of the random numbers that place the samples
-  std::uint64_t memory_limit = ~std::uint64_t{0};  // bytes, including the mesh
+  std::uint64_t memory_limit = ~std::uint64_t{0};  // bytes, including the mesh; default: no limit
   Monitor* monitor = nullptr;
 };
 
@@ -34,7 +36,7 @@ struct DistanceStatistics {
   // Standard errors of mean and RMS for independent samples. The samples are spread more evenly
   // than independent ones, so the true errors are somewhat smaller.
   double mean_error, rms_error;
-  std::uint64_t samples;  // including samples for the maximum only
+  std::uint64_t samples;  // all measured points, including those for the maximum only
 };
 
 struct MeshDistances {
@@ -62,8 +64,9 @@ MeshDistances distances(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceOptions& options = {});
 
 // Returns the distance of each vertex to the boundary of the union, Å: positive outside the union,
-// negative inside. Triangles are not used, so the mesh may have none. Throws InvalidInput if there
-// are no spheres or if a vertex is not finite, and Cancelled on request of the monitor.
+// negative inside. Triangles are not used, so the mesh may have none, and isolated vertices are
+// measured too. Throws InvalidInput if there are no spheres or if a vertex is not finite, and
+// Cancelled on request of the monitor.
 std::vector<float> vertex_distances(const IndexedMesh& mesh, const SphereSet& spheres,
                                     Monitor* monitor = nullptr);
 

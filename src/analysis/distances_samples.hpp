@@ -1,8 +1,8 @@
 // Sample points on the exact surface: inside exposed patches, on exposed arcs, and at corners.
 //
 // The points inside a patch are the exposed points of a spherical Fibonacci lattice with a random
-// rotation. All random numbers come from streams with explicit numbers, one stream per sphere, so
-// that the points do not depend on the number of threads.
+// rotation. The caller makes one Random per sphere, with a stream number of that sphere, so the
+// points do not depend on the number of threads.
 #pragma once
 
 #include <cmath>
@@ -39,7 +39,8 @@ class RandomRotation {
     vector_ = {p * std::sin(a), p * std::cos(a), q * std::sin(b)};
     scalar_ = q * std::cos(b);
   }
-  // Rotates v by the quaternion q = (vector u, scalar w): v + 2 w (u × v) + 2 u × (u × v).
+  // Rotates v by the unit quaternion with vector part u and scalar part w: the result is
+  // v + 2 w (u × v) + 2 u × (u × v), computed with t = 2 (u × v) as v + w t + u × t.
   Vec3d operator()(const Vec3d& v) const {
     const Vec3d t = 2.0 * cross(vector_, v);
     return v + scalar_ * t + cross(vector_, t);
@@ -50,10 +51,11 @@ class RandomRotation {
   double scalar_;  // its real part
 };
 
-// Calls visit(point) for the exposed points of a spherical Fibonacci lattice (González 2010) with
-// `density` points per Å² on the whole sphere. The number of lattice points is the area times the
-// density, rounded up or down at random so that its expected value is exact. Small spheres thus
-// have their share of the samples.
+// Calls visit(point), with the point in Å, for the exposed points of a spherical Fibonacci lattice
+// (González 2010) with `density` points per Å² on the whole sphere. The number of lattice points is
+// the area times the density, rounded up or down at random: adding a random number of [0, 1) before
+// the cut to an integer makes its expected value exact. Small spheres thus have their share of the
+// samples.
 template <class Visit>
 void sample_patch(const Patch& patch, double density, Random& random, Visit&& visit) {
   const double r = patch.ball.radius;
@@ -63,8 +65,9 @@ void sample_patch(const Patch& patch, double density, Random& random, Visit&& vi
   constexpr double kInverseGoldenRatio = 0.6180339887498948482;  // 1 / golden ratio, in turns
   const std::span<const Cover> covers = patch.covers;
   for (std::uint64_t i = 0; i < count; ++i) {
-    // The zones between `count` + 1 parallels at equal distances in z have equal areas. Point k is
-    // in the middle of zone k, at the longitude k · kInverseGoldenRatio, without its whole turns.
+    // Planes z = constant at equal distances cut the unit sphere into `count` zones of equal area.
+    // Point k is in the middle of zone k, at the longitude of k · kInverseGoldenRatio turns. Whole
+    // turns are subtracted first, so that the angle keeps its digits if k is large.
     const auto k = static_cast<double>(i);
     const double z = 1 - (2 * k + 1) / static_cast<double>(count);
     const double angle = kTwoPi * (k * kInverseGoldenRatio - std::floor(k * kInverseGoldenRatio));
@@ -74,9 +77,10 @@ void sample_patch(const Patch& patch, double density, Random& random, Visit&& vi
   }
 }
 
-// Calls visit(point) for exposed points at even distances on the circles of the patch, `density`
-// points per Å, and for its corners. Two spheres share a circle and three share a corner; only the
-// sphere with the smallest list place visits the shared points.
+// Calls visit(point), with the point in Å, for exposed points at even distances on the circles of
+// the patch, `density` points per Å, and for its corners. Two spheres share a circle and three
+// share a corner; only the sphere with the smallest list place visits the shared points. The first
+// point of each circle is at a random angle.
 template <class Visit>
 void sample_border(const Patch& patch, double density, Random& random, Visit&& visit) {
   const double r = patch.ball.radius;

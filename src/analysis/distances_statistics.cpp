@@ -1,8 +1,9 @@
 // Histogram bins of distances, and the statistics that distances() reports.
 //
-// A bin is a range of the bit patterns of doubles: the exponent and the leading 8 bits of the
-// mantissa are its number, which gives 256 bins of equal width to every octave. summarize() joins
-// the sums of the blocks, and estimates standard errors from the sums of d² and d⁴.
+// The bin of a distance follows from the bits of the double: its exponent and the leading 8 bits of
+// its mantissa form a key, and the bin number is the key less the key of the first bin. Every
+// octave thus has 256 bins of equal width. summarize() joins the sums of the blocks, and estimates
+// standard errors from the sums of d² and d⁴.
 #include "analysis/distances_statistics.hpp"
 
 #include <algorithm>
@@ -22,9 +23,9 @@ constexpr std::uint64_t kFirstKey = static_cast<std::uint64_t>(kExponentBias + k
                                     << kBinBits;
 
 // Returns the standard error of the mean of n independent values, given their mean and the mean of
-// their squares; NaN for n < 2. The variance of the values is estimated as n / (n - 1) ·
-// `variance`, and the variance of their mean as this divided by n. Rounding may make `variance`
-// negative, which counts as 0.
+// their squares; NaN for n < 2. `variance` is the variance of the sample; n / (n - 1) times it
+// estimates the variance of the values, and that divided by n the variance of their mean. Rounding
+// may make `variance` negative, which counts as 0.
 double standard_error(double mean, double mean_square, double n) {
   const double variance = mean_square - mean * mean;
   if (!(n >= 2)) return std::numeric_limits<double>::quiet_NaN();
@@ -34,7 +35,8 @@ double standard_error(double mean, double mean_square, double n) {
 }  // namespace
 
 // The bit patterns of doubles >= 0, as integers, have the same order as the doubles. A shift that
-// keeps the exponent and kBinBits of the mantissa therefore gives keys in order of distance.
+// keeps the exponent and kBinBits of the mantissa therefore gives keys in order of distance. Keys
+// below kFirstKey go to bin 0, and keys beyond the last bin go to the last bin.
 std::size_t DistanceHistogram::bin_of(double distance) {
   const std::uint64_t key = std::bit_cast<std::uint64_t>(distance) >> (kMantissaBits - kBinBits);
   return std::min<std::size_t>(key > kFirstKey ? key - kFirstKey : 0, kBins - 1);
@@ -53,6 +55,8 @@ void DistanceHistogram::add(const DistanceHistogram& other) {
   for (std::size_t i = 0; i < kBins; ++i) bins_[i] += other.bins_[i];
 }
 
+// The rank that belongs to `fraction` is ceil(fraction · total), counted from 1 and at least 1. The
+// first bin up to whose end so many values lie contains the value of that rank.
 double DistanceHistogram::percentile(double fraction) const {
   std::uint64_t total = 0;
   for (const std::uint64_t count : bins_) total += count;
@@ -88,6 +92,7 @@ DistanceStatistics summarize(const std::vector<DistanceSums>& blocks,
   const double square_error = standard_error(square, fourth.value() / n, n);
   const double rms_error = square_error > 0 ? square_error / (2 * rms) : square_error;
   // The middle of the bin of the largest distance may exceed that distance; max is then reported.
+  // The comparison keeps a percentile that is NaN, which std::min(max, value) would drop.
   const auto percentile = [&](double fraction) {
     const double value = histogram.percentile(fraction);
     return value > max ? max : value;

@@ -35,16 +35,16 @@ struct DistanceSums {
   }
 };
 
-// The number of samples in each bin of distances, with 256 bins per octave. From it percentiles are
-// found without keeping or sorting the samples.
+// The number of samples in each bin of distances, with 256 bins per octave (a range from x to 2 x).
+// It gives percentiles without keeping or sorting the samples.
 class DistanceHistogram {
  public:
   DistanceHistogram() : bins_(kBins) {}
 
   void add(double distance) { ++bins_[bin_of(distance)]; }
   void add(const DistanceHistogram& other);
-  // Returns the middle of the first bin up to whose end at least this fraction of the samples lies
-  // (nearest-rank percentile); NaN without samples.
+  // Returns the nearest-rank percentile, rounded to the middle of its bin, Å. `fraction` is in
+  // [0, 1]: at least this fraction of the samples lies in the bin or below. NaN without samples.
   double percentile(double fraction) const;
 
  private:

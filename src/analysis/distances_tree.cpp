@@ -1,14 +1,21 @@
-// Construction of BoxTree, a bounding volume hierarchy in Morton order.
+// Construction of BoxTree, a bounding volume hierarchy in Morton order. The search is in
+// distances_tree.hpp.
 //
+// A node stores eight boxes, one around each of its eight children; the n-th box is called lane n,
+// because vector instructions measure all eight at once. The children of a node of level 0 are
+// leaves, the children of all other nodes are nodes of the level below. The steps are:
 //  1. sort(): sort the primitives by the Morton code (Z-order) of the centres of their boxes.
-//  2. make_leaves(): every four consecutive primitives form a leaf, and the boxes of every eight
-//     leaves form a node of level 0.
-//  3. make_levels(): the boxes of every eight consecutive nodes form a node of the next level,
+//  2. make_leaves(): every four consecutive primitives form a leaf, which is not stored. The boxes
+//     around every eight leaves form a node of level 0.
+//  3. make_levels(): the boxes around every eight consecutive nodes form a node of the next level,
 //     until there is only one node, the root.
+//
+// All coordinates are scaled by scaled(), which maps the box `world` of the constructor into
+// [-1, 1]³ with its middle at 0. `world` contains all primitives, so no coordinate is outside.
 //
 // Every step is parallel over its output, and the sort keys are unique, so the tree is the same for
 // any number of threads. The principle is the linear BVH of C. Lauterbach et al. (Computer Graphics
-// Forum 28 (2009) 375). distances_tree.hpp has the search.
+// Forum 28 (2009) 375).
 #include "analysis/distances_tree.hpp"
 
 #include <tbb/parallel_sort.h>
@@ -23,7 +30,10 @@
 namespace vdwmesh {
 namespace {
 
-// Moves bit i of x to bit 3i, for the lower 21 bits; all other bits of the result are 0.
+// Moves bit i of x to bit 3i, for the lower 21 bits; all other bits of the result are 0. Each line
+// splits every group of bits into two halves and moves the upper half away from the lower one, by
+// 32, 16, 8, 4 and 2 bits; the mask removes the copies that | leaves behind. The operator << binds
+// tighter than |.
 std::uint64_t spread(std::uint64_t x) {
   x = (x | x << 32) & 0x001f00000000ffffu;
   x = (x | x << 16) & 0x001f0000ff0000ffu;
@@ -33,7 +43,8 @@ std::uint64_t spread(std::uint64_t x) {
 }
 
 // Returns the Morton code of a point of [-1, 1]³: its position along the Z-order curve through
-// 2^bits cells per axis.
+// 2^bits cells per axis. The bits of the three cell numbers alternate in it. Points with near codes
+// are mostly near each other, so consecutive primitives have a small common box.
 std::uint64_t morton(const Vec3d& p, int bits) {
   const double cells = std::ldexp(1.0, bits);
   const auto cell = [&](double x) {
@@ -49,7 +60,8 @@ BoxTree::BoxTree(std::uint32_t count, const Box& world,
                  const std::function<Box(std::uint32_t)>& box_of)
     : center_(middle(world)) {
   const Vec3d extent = world.upper - world.lower;
-  // One scale for all axes, so that scaled distances are proportional to distances in Å.
+  // One scale for all axes, so that scaled distances are proportional to distances in Å. If `world`
+  // is a single point, any scale will do.
   const double half = 0.5 * std::max({extent.x, extent.y, extent.z});
   scale_ = half > 0 ? 1 / half : 1;
   sort(count, box_of);
@@ -75,9 +87,12 @@ void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>&
                  [&](std::size_t i) { order_[i] = static_cast<std::uint32_t>(keys[i] & mask); });
 }
 
-// Stores the range [lower, upper] of one box along one axis as its middle and half its length, in
-// float. The half is extended by kInflate, which covers the rounding (see there). An empty range
-// has lower = infinity > upper = -infinity; its half becomes -infinity.
+// Stores the range [lower, upper] of one lane along one axis as its middle and half its length, in
+// float. The half is extended by kInflate, whose definition in distances_tree.hpp shows that it
+// covers all rounding. The range of an unused lane is empty: lower = infinity > upper = -infinity.
+// Its half becomes -infinity. By squared_distances() such a lane is infinitely far from every
+// query, so the search never enters it; and Node::lower() and Node::upper() return infinity and
+// -infinity for it, so it does not extend the box around its node in the level above.
 void BoxTree::Node::set(std::size_t lane, int axis, double lower, double upper) {
   const bool there = lower <= upper;
   center[axis][lane] = there ? static_cast<float>(0.5 * (lower + upper)) : 0;
@@ -85,8 +100,9 @@ void BoxTree::Node::set(std::size_t lane, int axis, double lower, double upper) 
       there ? static_cast<float>(0.5 * (upper - lower)) + kInflate : -static_cast<float>(kFar);
 }
 
-// Lane l of node n is the box of the leaf 8 n + l, which has the primitives order_[4 (8 n + l)] and
-// the next three. Lanes beyond the last leaf remain empty.
+// Makes level 0. Lane l of node n is the box of the leaf 8 n + l, which has the primitives
+// order_[4 (8 n + l)] and the next three, or fewer if it is the last leaf. Lanes beyond the last
+// leaf are unused: for them `first` is not below `end`, and `all` stays empty.
 void BoxTree::make_leaves(const std::function<Box(std::uint32_t)>& box_of) {
   const std::size_t per_node = std::size_t{kLeaf} * kWidth;
   Buffer<Node> nodes((order_.size() + per_node - 1) / per_node);
@@ -106,8 +122,10 @@ void BoxTree::make_leaves(const std::function<Box(std::uint32_t)>& box_of) {
   levels_.push_back(std::move(nodes));
 }
 
-// Lane l of node n is the box around all lanes of node 8 n + l of the level below. set() extends it
-// by kInflate once more, so the boxes of a level contain the boxes of the level below in float.
+// Makes all other levels. Lane l of node n is the box around all lanes of node 8 n + l of the level
+// below, its child. set() extends it by kInflate once more, so the boxes of a level contain the
+// boxes of the level below in float. The last node may have fewer than eight children; the test
+// child < below.size() leaves its other lanes unused.
 void BoxTree::make_levels() {
   while (levels_.back().size() > 1) {
     const Buffer<Node>& below = levels_.back();

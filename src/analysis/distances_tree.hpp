@@ -1,8 +1,8 @@
 // BoxTree: a bounding volume hierarchy over boxes, for nearest-primitive queries.
 //
-// A node has eight children, whose boxes are in float and are measured with vector instructions. A
-// leaf has four primitives. Children are found by index arithmetic, without pointers. The tree
-// takes 11 bytes per primitive, and 12 while it is built. The caller measures primitives itself.
+// A node has the boxes of eight children, in float, one per lane of a vector instruction. A leaf
+// has four primitives. Children are found by index arithmetic, without pointers. The tree takes 11
+// bytes per primitive, and 12 while it is built. The caller measures the primitives themselves.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class BoxTree {
   BoxTree(std::uint32_t count, const Box& world, const std::function<Box(std::uint32_t)>& box_of);
 
   // Calls visit(i, squared) for at least all primitives i whose box is nearer to p than √squared
-  // (Å), boxes of near nodes first. visit lowers `squared` when it finds a nearer primitive.
+  // (Å), near boxes first. visit lowers `squared` if primitive i is nearer. Needs count > 0.
   template <class Visit>
   void nearest(const Vec3d& p, double& squared, Visit&& visit) const;
 
@@ -35,18 +35,17 @@ class BoxTree {
  private:
   static constexpr int kWidth = 8;           // children of a node
   static constexpr std::uint32_t kLeaf = 4;  // primitives of a leaf
-  static constexpr int kMaxLevels = 11;      // 4 * 8^11 > 2^32
-  // No box may seem farther from a query than it is. Coordinates are scaled to [-1, 1], so rounding
-  // to float changes each by at most 2^-25 and a difference of two by at most 2^-24. Every box is
-  // extended by four times 2^-24. kSlack, which is relative, covers the roundings of squares.
+  static constexpr int kMaxLevels = 11;      // of nodes; 4 * 8^11 > 2^32 primitives
+  // No box may seem farther from a query than it is. Scaled coordinates are in [-1, 1], so rounding
+  // to float changes each by at most 2^-25 and a difference of two by at most 2^-24. kInflate, four
+  // times 2^-24, extends every box. kSlack, a relative margin, covers the roundings of squares.
   static constexpr float kInflate = 0x1p-22F;
   static constexpr float kSlack = 1e-5F;
 
-  // The boxes of eight children, axis by axis. An unused lane has the half -infinity, so that its
-  // distance from every point is infinite.
+  // The scaled boxes of eight children: middle and half length by axis and lane. An unused lane has
+  // the half -infinity, so that its distance from every point is infinite.
   struct alignas(32) Node {
     float center[3][kWidth], half[3][kWidth];
-
     void set(std::size_t lane, int axis, double lower, double upper);
     double lower(std::size_t lane, int axis) const {
       return double{center[axis][lane]} - half[axis][lane];
@@ -55,8 +54,8 @@ class BoxTree {
       return double{center[axis][lane]} + half[axis][lane];
     }
   };
-  struct Entry {
-    float distance;       // squared and scaled, from the query to the box
+  struct Entry {          // of the search stack: a node or a leaf that is still to be examined
+    float distance;       // squared and scaled, from the query to its box
     std::int32_t level;   // into levels_; -1 for a leaf
     std::uint32_t index;  // of the node in its level, or of the leaf
   };
@@ -72,8 +71,8 @@ class BoxTree {
     const Vec3f f = cast<float>(scaled(p));
     return {f.x, f.y, f.z};
   }
-  // The squared scaled distance that a box must be below. FLT_MIN keeps it above 0 if the square
-  // underflows, so that boxes at distance 0 are still visited.
+  // The bound that the squared scaled distance of a box must be below. FLT_MIN keeps the bound
+  // above 0, even if the square underflows, so that boxes at distance 0 are still visited.
   float bound_of(double squared) const {
     return static_cast<float>(squared * scale_ * scale_) * (1 + kSlack) + FLT_MIN;
   }
@@ -84,12 +83,12 @@ class BoxTree {
   Vec3d center_;                      // of the world box, Å
   double scale_;                      // 1/Å: half the longest side of that box becomes 1
   Buffer<std::uint32_t> order_;       // primitives in Morton order
-  std::vector<Buffer<Node>> levels_;  // the parents of the leaves first, the root last
+  std::vector<Buffer<Node>> levels_;  // level 0, the parents of the leaves, first; the root last
 };
 
 // Computes the squared scaled distances to the eight boxes. Along an axis the distance is max(d, 0)
-// with d = |p - center| - half. Written as (d + |d|) / 2 it needs no branches and can be
-// vectorised.
+// with d = |p - center| - half. twice_outside() returns twice that, d + |d|, which needs no branch
+// and can be vectorised; 0.25F takes the factor out of the sum of the squares.
 inline void BoxTree::squared_distances(const Node& node, const FloatPoint& p,
                                        float (&distance)[kWidth]) {
   const auto twice_outside = [](float place, float center, float half) {
@@ -111,7 +110,7 @@ inline std::uint32_t BoxTree::nearer_than(float bound, const float (&distance)[k
   return near;
 }
 
-// Inserts an entry into stack[from … size], which is in decreasing order of distance.
+// Inserts an entry into stack[from … size - 1], whose distances decrease; returns the new size.
 inline int BoxTree::push(const Entry& entry, Entry* stack, int from, int size) {
   int place = size;
   for (; place > from && stack[place - 1].distance < entry.distance; --place)
@@ -120,7 +119,8 @@ inline int BoxTree::push(const Entry& entry, Entry* stack, int from, int size) {
   return size + 1;
 }
 
-// Depth-first branch and bound. Each level removes one stack entry before it adds at most kWidth.
+// Depth-first branch and bound, nearest child first. The stack has room for the root and kWidth
+// entries of each level. `near` is a bit mask of lanes; near &= near - 1 clears its lowest bit.
 template <class Visit>
 void BoxTree::nearest(const Vec3d& p, double& squared, Visit&& visit) const {
   const FloatPoint query = to_float(p);

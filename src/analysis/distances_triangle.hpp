@@ -9,8 +9,8 @@
 
 namespace vdwmesh {
 
-// A dot product without fma, unlike dot(). This code is compiled for every x86-64 processor, and
-// there std::fma is a library call.
+// A dot product without fma, unlike dot() of vec3.hpp. This code is compiled for every x86-64
+// processor, and there std::fma is a library call.
 inline double plain_dot(const Vec3d& a, const Vec3d& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
@@ -25,15 +25,18 @@ inline double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const 
   return squared(ap - t * ab);
 }
 
-// If the squared sine of the angle at corner a is below this, the triangle is measured as its three
-// edges. Its width is then below 1e-7 of an edge, and its normal, a difference of nearly equal
-// products, has few correct digits.
+// If the squared sine of the angle at corner a is at most this, the triangle is measured as its
+// three edges. Its width is then at most 1e-7 of an edge, and its normal, a difference of nearly
+// equal products, has few correct digits. A triangle with an edge of no length counts as flat too.
 inline constexpr double kFlatTriangle = 1e-14;
 
-// Finds the Voronoi region of p among the regions of the three corners, the three edges and the
-// face (C. Ericson, Real-Time Collision Detection (2005), section 5.1.5). d1 … d6 are the
-// projections of p on the edges ab and ac, relative to each corner; va, vb, vc are the unnormalised
-// barycentric coordinates of p. Degenerate triangles, segments or points, are allowed.
+// Returns the squared distance from p to the triangle abc, which may be degenerate to a segment or
+// a point. The code finds the feature (corner, edge or face) whose Voronoi region contains p (C.
+// Ericson, Real-Time Collision Detection (2005), section 5.1.5). d1, d3 and d5 are the dot products
+// of ab with ap, bp and cp; d2, d4 and d6 are those of ac. va, vb and vc are barycentric
+// coordinates of p without normalisation: each is at most 0 if p is beyond the edge opposite to its
+// corner. `area` is the squared length of the normal, thus four times the squared area (Å⁴). The
+// tests of the three corners come first; they are valid for flat triangles too.
 inline double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b,
                                            const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a, ap = p - a;

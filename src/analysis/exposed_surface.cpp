@@ -3,11 +3,15 @@
 //
 // Construction treats every sphere by itself, on all cores (PatchBuilder):
 //  1. Find the covers of the sphere, the caps that neighbours from the cell list cut from it. If a
-//     neighbour buries the sphere, it has no patch.
+//     neighbour buries the sphere, the sphere has no patch.
 //  2. Sort the covers by decreasing size and drop caps that lie within others.
 //  3. Intersect the circles of every two covers. An intersection that no third cap covers is a
 //     corner, and both circles have exposed arcs there.
 //  4. A circle without corners is exposed as a whole or not at all; one of its points decides.
+//
+// A cap is given by its axis, the unit vector to the other centre, and the cosine of its angle,
+// which is also the distance of its plane from the centre of the sphere in units of the radius
+// (arc_cap.hpp). The smaller the cosine, the larger the cap.
 //
 // Search: the nearest point of a patch is the radial projection of the query, or a point of an
 // exposed arc, or a corner (update_nearest()). A BoxTree over the balls selects the patches to
@@ -27,12 +31,12 @@ namespace {
 
 constexpr std::size_t kSpheresPerBlock = 64;
 // Circles count as parallel, without common points, if the squared sine of the angle between their
-// planes is below this. The angle is then below 1e-9, and the line of intersection of the planes
-// has at most seven correct digits. If such circles do cross, all points of one are within 2e-9
-// radii of the plane of the other.
+// planes is at most this. The angle is then at most 1e-9, and the line of intersection of the
+// planes has at most seven correct digits. If such circles do cross, all points of one are within
+// 2e-9 radii of the plane of the other.
 constexpr double kParallel = 1e-18;
 // A cap is dropped only if it lies within a larger one by this margin in the cosine, about 90
-// roundings. To keep a nested cap is always correct; dropping it only saves time.
+// roundings. Keeping a nested cap is always correct; dropping it only saves time.
 constexpr double kNested = 1e-14;
 
 // The patches of one block of spheres, and the covers and corners to which they refer. Growing
@@ -64,21 +68,22 @@ bool comes_first(const Cover& a, const Cover& b) {
   return arcs::same_cap(a.cap, b.cap) ? a.place < b.place : arcs::cuts_deeper(a.cap, b.cap);
 }
 
-// Returns cos(α - β) for caps with the angles α and β: cos α cos β + sin α sin β.
+// Returns cos(φ - ψ), where φ and ψ are the angles of the two caps: cos φ cos ψ + sin φ sin ψ.
 double cosine_between(const arcs::Cap& a, const arcs::Cap& b) {
   const double sines = (1 - a.cosine) * (1 + a.cosine) * ((1 - b.cosine) * (1 + b.cosine));
   return a.cosine * b.cosine + std::sqrt(sines);
 }
 
-// Returns whether the larger cap contains the smaller one: the angle between their axes plus the
-// angle of the small cap is at most the angle of the large cap. The cosines are compared.
+// Returns whether the larger cap contains the smaller one: the angle between their axes is at most
+// the angle of the large cap less the angle of the small one. The cosines of both are compared.
+// The margin makes the test one-sided: it may miss a nested cap, and it never finds one wrongly.
 bool contains_cap(const arcs::Cap& large, const arcs::Cap& small) {
   return arcs::same_cap(large, small) ||
          arcs::inner(large.axis, small.axis) > cosine_between(large, small) + kNested;
 }
 
-// Removes caps that lie within others. Precondition: the covers are sorted by comes_first(), so a
-// cap can only lie within an earlier one.
+// Removes caps that lie within others and moves the kept ones to the front. Precondition: the
+// covers are sorted by comes_first(), largest first, so a cap can only lie within an earlier one.
 void drop_nested(std::vector<Cover>& covers) {
   std::size_t kept = 0;
   for (const Cover& cover : covers) {
@@ -108,10 +113,10 @@ class PatchBuilder {
     find_whole_circles();
     const auto circles =
         static_cast<std::uint32_t>(std::count(exposed_.begin(), exposed_.end(), 1));
-    // An exposed part of a sphere with covers is bounded by exposed arcs. Without such arcs the
-    // whole sphere is covered.
+    // An exposed part of a sphere with covers is bounded by exposed arcs. If there are covers but
+    // no such arcs, the whole sphere is covered. Without covers the whole sphere is exposed.
     if (circles == 0 && !covers_.empty()) return;
-    // Covers with exposed arcs come first, as Patch::circles requires.
+    // Covers with exposed arcs come first, as Patch::circles requires: one pass for each group.
     for (const bool wanted : {true, false}) {
       for (std::size_t i = 0; i < covers_.size(); ++i)
         if ((exposed_[i] != 0) == wanted) out.covers.push_back(covers_[i]);
@@ -131,10 +136,12 @@ class PatchBuilder {
       for (std::size_t j = i + 1; j < covers_.size(); ++j) cross_circles(place, i, j);
   }
 
-  // Adds the exposed points where circles i and j cross. With unit normals a, b and distances α, β
-  // of the two planes and c = a · b, s² = 1 - c², the point of their common line nearest to the
-  // centre is m = α a + (β - c α) / s² (b - c a). The crossings are m ± (√g / s²) a × b with the
-  // Gram determinant g = s² (1 - |m|²); the circles do not cross if g <= 0.
+  // Adds the exposed points where circles i and j cross. Let a and b be the unit normals of their
+  // planes, α and β the distances of the planes from the centre, c = a · b and s² = 1 - c². The
+  // point of the planes' common line that is nearest to the centre is
+  //   m = α a + ((β - c α) / s²) (b - c a).
+  // The crossings are m ± (√g / s²) (a × b) with g = s² (1 - |m|²) = s² (1 - α²) - (β - c α)². This
+  // is the Gram determinant of a, b and a crossing; the circles do not cross if it is not above 0.
   void cross_circles(std::uint32_t place, std::size_t i, std::size_t j) {
     const arcs::Cap& a = covers_[i].cap;
     const arcs::Cap& b = covers_[j].cap;
@@ -164,7 +171,8 @@ class PatchBuilder {
     return true;
   }
 
-  // A circle without corners is exposed everywhere or nowhere: exposure changes at corners only.
+  // Marks circles without corners that are exposed. Such a circle is exposed everywhere or nowhere,
+  // because exposure changes at corners only, so any one of its points decides.
   void find_whole_circles() {
     for (std::size_t i = 0; i < covers_.size(); ++i) {
       if (exposed_[i]) continue;
@@ -181,10 +189,10 @@ class PatchBuilder {
   std::vector<std::uint8_t> exposed_;  // for each cover: 1 if its circle has exposed arcs
 };
 
-// Lowers `squared` to the squared distance from y to circle i, if that is smaller and the nearest
-// point of the circle is exposed. If it is covered, the nearest exposed point of the circle is an
-// end of an arc, a corner, which update_nearest() examines itself. y is relative to the centre of
-// the sphere, and all lengths are in units of its radius.
+// Lowers `squared` to the squared distance from y to circle i, if that distance is smaller and the
+// nearest point of the circle is exposed. If the nearest point is covered, the nearest exposed
+// point of the circle is a corner at the end of an arc, and update_nearest() examines all corners
+// itself. y is relative to the centre of the sphere, and all lengths are in units of its radius.
 void update_nearest_on_circle(std::span<const Cover> covers, std::size_t i, const Vec3d& y,
                               double& squared) {
   const arcs::Cap& cap = covers[i].cap;
@@ -195,7 +203,8 @@ void update_nearest_on_circle(std::span<const Cover> covers, std::size_t i, cons
   const double up = height - cap.cosine, out = length - radius;
   const double found = up * up + out * out;
   if (!(found < squared)) return;
-  // If y is on the axis of the circle, all its points are equally near, and some are exposed.
+  // If y is on the axis of the circle, all points of the circle are equally near, and some of them
+  // are exposed, because only circles with exposed arcs are examined.
   if (length > 0 && !is_exposed(covers, cap.cosine * cap.axis + (radius / length) * radial, i))
     return;
   squared = found;
@@ -221,12 +230,13 @@ ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
     found[block].set_spans();
   };
   for_each_block(list.size, kSpheresPerBlock, build, monitor);
+  // A vector that is moved keeps its elements where they are, so the spans stay valid.
   for (BlockPatches& block : found) {
     patches_.insert(patches_.end(), block.patches.begin(), block.patches.end());
     covers_.push_back(std::move(block.covers));
     corners_.push_back(std::move(block.corners));
   }
-  assert(!patches_.empty());
+  assert(!patches_.empty());  // a union of balls has a boundary
 }
 
 // The distance from p to a point of the sphere grows with the angle between that point and the
@@ -259,6 +269,7 @@ bool update_nearest(const Patch& patch, const Vec3d& p, double& squared) {
   return true;
 }
 
+// The visitor returns true at the first ball that contains p, which ends the visit.
 bool ExposedSurface::contains(const Vec3d& p) const {
   const CellListView& cells = list();
   return visit_near_box(cells, p, p, [&](std::uint32_t place) {
@@ -277,8 +288,10 @@ double SurfaceFinder::distance(const Vec3d& p, std::uint32_t& hint) const {
   const std::span<const Patch> patches = surface_.patches();
   double squared = std::numeric_limits<double>::infinity();
   update_nearest(patches[hint], p, squared);
-  // A sphere is within the current distance only if |p - center| is between radius - distance and
-  // radius + distance. The squares are compared, so most balls are rejected without a square root.
+  // `reach` is the distance to the nearest point found so far. A sphere has a point nearer than
+  // this only if |p - center| is between radius - reach and radius + reach. The squares are
+  // compared, so most balls are rejected without a square root. nearest() passes `squared` to the
+  // visitor as `best`.
   double reach = std::sqrt(squared);
   tree_.nearest(p, squared, [&](std::uint32_t i, double& best) {
     const Sphere& ball = patches[i].ball;

@@ -1,8 +1,9 @@
 // The area of a mesh as an interval (MeshArea), and the map from the interval to points.
 //
-// A position in the interval selects a triangle by a prefix sum of the areas, of which only one
-// value for each block of 2048 triangles is stored; within a block a cursor adds up the areas. The
-// remaining fraction of the triangle's area selects a point by point_of_triangle().
+// The subinterval of a triangle begins at the prefix sum of the areas before it. Only one prefix
+// sum for each block of 2048 triangles is stored; within a block a cursor adds up the areas. The
+// position within the subinterval, as a fraction of its length, selects a point of the triangle by
+// point_of_triangle().
 #include "analysis/mesh_area.hpp"
 
 #include <algorithm>
@@ -25,11 +26,13 @@ double area_of(const Corners& t) { return 0.5 * norm(cross(t.b - t.a, t.c - t.a)
 
 }  // namespace
 
-// Invariant of the loop: the current triangle is the whole triangle, scaled by `scale` about its
-// centre and moved by the sum of weight[k] · (corner k - centre). A subdivision at the midpoints of
-// the edges gives four children with half the edges. Child 0, in the middle, has the same centre
-// and is rotated by half a turn, so `scale` changes its sign. The centre of child k + 1 is half the
-// way from the centre to corner k of the current triangle.
+// Each pass of the loop replaces the current triangle by one of its four children, which a
+// subdivision at the midpoints of the edges gives. Invariant: the current triangle is the whole
+// triangle, scaled by `scale` about its centre and moved by the sum of weight[k] · (corner k -
+// centre). All children have half the edges. Child 0, in the middle, has the same centre and is
+// rotated by half a turn, so `scale` changes its sign. The centre of child k + 1 is half the way
+// from the centre to corner k of the current triangle. A fraction of 1, which rounding can cause,
+// would give the digit 4 first; std::min() makes all its digits 3.
 Vec3d point_of_triangle(const Corners& triangle, double fraction) {
   std::array<double, 3> weight{};
   double scale = 1;
@@ -66,13 +69,17 @@ MeshArea::MeshArea(const IndexedMesh& mesh) : mesh_(mesh) {
   if (!(total.value() > 0)) throw InvalidInput("the mesh has no area");
 }
 
+// Enters the first triangle of the block that contains the position: the last block that begins at
+// or before it. The end of the last block, starts_.back(), is left out of the search, so that a
+// position at the end of the interval is in the last block.
 MeshArea::Cursor::Cursor(const MeshArea& area, double place) : area_(area) {
   const auto next = std::upper_bound(area.starts_.begin() + 1, area.starts_.end() - 1, place);
   enter(kPerBlock * static_cast<std::size_t>(next - area.starts_.begin() - 1));
 }
 
-// Starts at the stored prefix sum whenever a block begins, and adds up areas within the block. The
-// interval of a triangle is therefore the same wherever the cursor began.
+// Makes a triangle the current one. Precondition: it is the first of a block, or the next one after
+// the current triangle. Its subinterval begins at the stored prefix sum if a block begins there,
+// and otherwise at the end of the previous subinterval; it is the same wherever the cursor started.
 void MeshArea::Cursor::enter(std::size_t triangle) {
   const bool first_of_block = triangle % kPerBlock == 0;
   begin_ = first_of_block ? area_.starts_[triangle / kPerBlock] : begin_ + length_;
@@ -80,8 +87,8 @@ void MeshArea::Cursor::enter(std::size_t triangle) {
   triangle_ = triangle;
 }
 
-// Triangles without area are skipped. A position beyond the end of the last triangle, which
-// rounding can cause, belongs to that triangle.
+// Goes on to the first triangle that has an area and ends beyond the position. A position beyond
+// the end of the last triangle, which rounding can cause, belongs to the last triangle.
 Vec3d MeshArea::Cursor::point_at(double place) {
   while (!(place < begin_ + length_ && length_ > 0) &&
          triangle_ + 1 < area_.mesh_.triangle_count()) {

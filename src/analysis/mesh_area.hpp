@@ -1,6 +1,6 @@
-// Maps an interval as long as the area of a mesh onto the mesh, so that equal lengths of the
-// interval become equal areas of the mesh. Samples that are spread evenly over the interval are
-// then spread evenly over the mesh.
+// MeshArea maps the interval [0, A], with A the area of a mesh in Å², onto the mesh, so that equal
+// lengths of the interval become equal areas of the mesh. Samples that are spread evenly over the
+// interval are then spread evenly over the mesh. A position is a number of this interval.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace vdwmesh {
 
-// References to the positions of a triangle's vertices, which must outlive them.
+// References to the coordinates of a triangle's vertices, Å. The mesh must outlive them.
 struct Corners {
   const Vec3d &a, &b, &c;
 };
@@ -27,8 +27,9 @@ inline Corners corners_of(const IndexedMesh& mesh, std::size_t triangle) {
 // midpoints of the edges divide the current one. The result is the centre of the last triangle.
 Vec3d point_of_triangle(const Corners& triangle, double fraction);
 
-// The area of a mesh as the interval [0, total()], in Å². In the order of the triangles each one
-// has a subinterval as long as its area. Memory is one number for 2048 triangles.
+// The area of a mesh as the interval [0, total()], in Å². The triangles have consecutive
+// subintervals, in their order, each as long as the area of its triangle. Memory is one number for
+// every 2048 triangles.
 class MeshArea {
  public:
   // The mesh must outlive this. Throws InvalidInput for a mesh without area.

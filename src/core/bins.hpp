@@ -1,8 +1,8 @@
 // Divides a box into cubic bins of equal width, for searches by position.
 //
-// The cell list of the spheres (spheres/cell_list.cpp) stores each sphere in the bin of its centre
-// and visits only the bins near a query. cubic_bins() chooses the width of the bins such that
-// their number, and with it the memory of the list, stays within a limit.
+// An example is the cell list of the spheres (spheres/cell_list.cpp), which stores each sphere in
+// the bin of its centre and visits only the bins near a query. cubic_bins() chooses the width of
+// the bins such that their number, and with it the memory of such a list, stays within a limit.
 #pragma once
 
 #include <algorithm>
@@ -36,9 +36,9 @@ inline Bins cubic_bins(const Vec3d& extent, double width, double most) {
       const auto count = [&](int axis) { return static_cast<std::int32_t>(along(axis)); };
       return {width, {count(0), count(1), count(2)}};
     }
-    // The total falls about as 1 / width³, so the cube root of the excess is the factor needed. The
-    // counts are rounded up, so this factor may be too small; the factor 1.01 makes the loop end,
-    // because one bin is left at the latest when the bin is wider than the box.
+    // The total falls about as 1 / width³, so the width has to grow by about the cube root of
+    // total / most. This factor may be too small, because every count is rounded up. A factor of at
+    // least 1.01 makes the loop end: a bin wider than the box is the only one, and most >= 1.
     width *= std::max(1.01, std::cbrt(total / most));
   }
 }

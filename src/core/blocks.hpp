@@ -20,7 +20,8 @@
 
 namespace vdwmesh {
 
-inline constexpr std::size_t kBlock = 1024;  // indices: the size below which no block is divided
+// Indices: oneTBB divides no block of at most this size further.
+inline constexpr std::size_t kBlock = 1024;
 
 // The sequential loop over one block. It is compiled for two processor versions (multiversion.hpp),
 // and the body is inlined into both.
@@ -34,16 +35,18 @@ VDWMESH_MULTIVERSION void run_block(std::size_t begin, std::size_t end, const Bo
   for (std::size_t i = begin; i != end; ++i) body(i, total);
 }
 
-// Calls body(i) for every i in [0, count) on all cores, in no particular order.
+// Calls body(i) for every i in [0, count) on all cores, in no particular order. Blocks of at most
+// `grain` indices are not divided further; a grain of 1 suits bodies that take long by themselves.
 template <class Body>
 void for_all(std::size_t count, const Body& body, std::size_t grain = kBlock) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
                     [&](const auto& range) { run_block(range.begin(), range.end(), body); });
 }
 
-// Reduces the indices [0, count) to one total on all cores. body(i, total) adds index i to a
-// partial total, which starts as `none`. join(a, b) combines two partial totals; it must be exact,
-// commutative and associative.
+// Reduces the indices [0, count) to one total on all cores. body(i, total) adds what belongs to
+// index i to a partial total. Every partial total starts as a copy of `none`, so joining with
+// `none` must change nothing. join(a, b) returns the combination of two partial totals; it must be
+// exact, commutative and associative.
 template <class Total, class Body, class Join>
 Total reduce_all(std::size_t count, const Total& none, const Body& body, const Join& join) {
   return tbb::parallel_reduce(

@@ -1,11 +1,11 @@
 // Lock-free union-find: any number of threads may call join() and find() at the same time.
 //
 // The algorithm follows the wait-free union-find of R. J. Anderson and H. Woll (STOC 1991), with
-// path halving. parent_[i] is an element of the set of i that is at most i; a root is its own
-// parent. join() links the larger of two roots to the smaller one by compare-and-swap, so the root
-// of a finished set is its smallest member. The sets and their representatives therefore do not
-// depend on the order in which threads join. Relaxed atomics suffice because the parents are the
-// only data that threads exchange.
+// path halving. Every set is a tree: parent_[i], the parent of element i, is at most i, and a root
+// is its own parent. join() links the larger of two roots to the smaller one by compare-and-swap,
+// so the root of a set is its smallest member as soon as all joins have ended. The sets and their
+// representatives therefore do not depend on the order in which threads join. Relaxed atomics
+// suffice because the parents are the only data that threads exchange.
 #pragma once
 
 #include <atomic>
@@ -34,9 +34,9 @@ class DisjointSets {
     for (;;) {
       const std::uint32_t above = parent(i), next = parent(above);
       if (next == above) return above;
-      // Path halving: i now points to its grandparent. Another thread may have stored a more
-      // distant ancestor in the meantime; overwriting it is harmless, because `next` is an ancestor
-      // of i too.
+      // Path halving: the grandparent `next` becomes the parent of i. Another thread may have
+      // stored a more distant ancestor in the meantime; overwriting it is harmless, because `next`
+      // is an ancestor of i too.
       place(i).store(next, std::memory_order_relaxed);
       i = next;
     }
@@ -46,8 +46,8 @@ class DisjointSets {
   void join(std::uint32_t a, std::uint32_t b) {
     for (a = find(a), b = find(b); a != b; a = find(a), b = find(b)) {
       if (a < b) std::swap(a, b);
-      // The exchange fails if another thread has linked a since find(); both roots are then looked
-      // up again.
+      // Here a is the larger root. The exchange fails if another thread has linked a to another
+      // root since find(); both roots are then looked up again.
       std::uint32_t root = a;
       if (place(a).compare_exchange_strong(root, b, std::memory_order_relaxed)) return;
     }
@@ -66,8 +66,8 @@ class DisjointSets {
   // the array of numbers, so this object is empty afterwards.
   std::uint32_t number_sets(Buffer<std::uint32_t>& number) && {
     std::uint32_t sets = 0;
-    // parent_[i] < i unless i is a root, so when the loop comes to i, the element of its parent has
-    // already been replaced by the number of their set.
+    // parent_[i] < i unless i is a root. When the loop comes to i, the element parent_[p] of its
+    // parent p has therefore been overwritten by the number of the set of p, which is the set of i.
     for (std::uint32_t i = 0; i < parent_.size(); ++i)
       parent_[i] = parent_[i] == i ? sets++ : parent_[parent_[i]];
     number = std::move(parent_);

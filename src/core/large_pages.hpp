@@ -26,7 +26,8 @@ struct PageRange {
   const char *first, *last;
 };
 
-// Returns the whole pages of `page` bytes within [begin, begin + bytes). If there is none, the
+// Returns the range of all whole pages of `page` bytes within [begin, begin + bytes). `before` and
+// `after` are the bytes at both ends that no whole page contains. If there is no whole page, the
 // result is an empty range whose position is between begin and begin + bytes.
 inline PageRange whole_pages(const void* begin, std::size_t bytes, std::size_t page) {
   const auto address = reinterpret_cast<std::uintptr_t>(begin);
@@ -56,7 +57,8 @@ void advise_large_pages(const T* begin, std::size_t count) {
   advise_large_pages(static_cast<const void*>(begin), count * sizeof(T));
 }
 
-// Maps the pages of [first, last) with one system call, which is cheaper than one fault for each.
+// Maps the pages of [first, last) with one system call, which is cheaper than one page fault for
+// each of them. The contents do not change. Does nothing if the range is empty.
 inline void touch_pages([[maybe_unused]] const char* first, [[maybe_unused]] const char* last) {
 #ifdef MADV_POPULATE_WRITE
   if (last > first)
@@ -80,7 +82,8 @@ void expect_writing(const T* begin, std::size_t count) {
   touch_pages(large.last, all.last);
 }
 
-// Resizes an array that is about to be written in full, and prepares its pages for that.
+// Resizes an array that is about to be written in full, without a write to new elements, and
+// prepares its pages by expect_writing().
 template <class T>
 void resize_untouched(Buffer<T>& array, std::size_t count) {
   array.resize(count);

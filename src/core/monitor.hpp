@@ -19,7 +19,7 @@ class Monitor {
   virtual void begin_stage(std::string_view name, std::uint64_t steps) = 0;
   // `steps` more pieces of the current stage are done.
   virtual void advance(std::uint64_t steps) = 0;
-  // Whether the computation should stop. Stages ask at every advance().
+  // Returns whether the computation should stop. The function advance() below asks at every call.
   virtual bool cancelled() const = 0;
 };
 
@@ -28,7 +28,8 @@ inline void begin_stage(Monitor* monitor, std::string_view name, std::uint64_t s
   if (monitor) monitor->begin_stage(name, steps);
 }
 
-// Reports progress, if there is a monitor. Throws Cancelled if the caller asked to stop.
+// Reports progress, if there is a monitor. Throws Cancelled if the caller asked to stop. With 0
+// steps the call only gives the caller a chance to stop.
 inline void advance(Monitor* monitor, std::uint64_t steps) {
   if (!monitor) return;
   if (monitor->cancelled()) throw Cancelled("stopped on request");

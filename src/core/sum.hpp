@@ -14,7 +14,8 @@ class WideSum {
   void add(double term) {
     const double sum = high_ + term;
     const double part = sum - high_;
-    // The two brackets are the errors of high_ and of term; their sum is exact (TwoSum).
+    // `part` is the share of the term that the rounded sum contains, and sum - part the share of
+    // high_. The two brackets are what both lost; together they are the exact rounding error.
     low_ += (high_ - (sum - part)) + (term - part);
     high_ = sum;
   }

@@ -1,4 +1,4 @@
-// Memory and results that calls keep for the calls after them.
+// A store in which calls of the library keep memory and results for later calls.
 #pragma once
 
 #include <memory>
@@ -8,13 +8,15 @@
 
 namespace vdwmesh {
 
-// Whoever calls the library many times, as for the frames of a trajectory, hands the same Workspace
-// to every call: search structures and arrays then stay in memory, and what was computed for the
-// same spheres is not computed again. Results are the same, bit for bit, with and without one.
+// A caller that calls the library many times, for example for the frames of a trajectory, passes
+// the same Workspace to every call. Search structures and arrays then stay in memory, and results
+// for the same spheres are not computed again. Results are the same, bit for bit, with and without
+// a workspace.
 //
-// A workspace serves one call at a time; calls that run at once need one each. It may be handed to
-// different functions of the library in turn. Device memory in it belongs to the device on which it
-// was used first: a thread that changes devices takes another workspace.
+// A workspace serves one call at a time; calls that run at the same time need one each. It may be
+// passed to different functions of the library in turn. Its device memory belongs to the CUDA
+// device that was current when the workspace was first used; a thread that changes to another
+// device needs another workspace.
 class Workspace {
  public:
   Workspace() = default;
@@ -24,7 +26,8 @@ class Workspace {
   // Frees all that is kept.
   void clear() { kept_.clear(); }
 
-  // For the library: the one T that this workspace keeps, made by T() when it is first asked for.
+  // For the library: returns the one object of type T that this workspace keeps. The first call for
+  // a type makes the object by T().
   template <class T>
   T& get() {
     std::shared_ptr<void>& kept = kept_[typeid(T)];
@@ -36,7 +39,8 @@ class Workspace {
   std::unordered_map<std::type_index, std::shared_ptr<void>> kept_;
 };
 
-// The workspace that options name, or one for this call alone.
+// The workspace that a call uses: the caller's, or its own, which ends with the call, if the caller
+// passed none (null).
 class WorkspaceOfCall {
  public:
   explicit WorkspaceOfCall(Workspace* given) : used_(given != nullptr ? given : &own_) {}

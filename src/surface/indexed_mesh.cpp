@@ -1,8 +1,9 @@
 // The arrays of an IndexedMesh as a whole: their bytes, their allocation and their hashes.
 //
-// indexed_mesh_bytes() must count exactly the arrays that make_room() allocates, because memory
-// limits are checked with the former before the latter is called. A new array of IndexedMesh has to
-// be added to both functions and to hash().
+// The first overload of indexed_mesh_bytes() must count exactly the arrays that make_room()
+// allocates, because it serves to check memory limits before make_room() is called. A new array of
+// IndexedMesh has to be added to four functions: both overloads of indexed_mesh_bytes(),
+// make_room() and hash().
 #include "surface/indexed_mesh.hpp"
 
 #include <tbb/parallel_invoke.h>
@@ -36,8 +37,9 @@ std::uint64_t hash_bytes(const Buffer<T>& values) {
   return hash.value();
 }
 
-// Hashes all three sphere ids of every vertex, whatever the width of the arrays. Labels that are
-// equal thus have equal hashes, even if one of them stores its unused ids and the other does not.
+// Hashes the label of every vertex as three sphere ids. VertexLabels may store one or three ids per
+// vertex (its LabelWidth), and labels[v] returns kNoSphere for ids that are not stored. Meshes with
+// equal labels thus have equal hashes, even if only one of them stores its unused ids.
 std::uint64_t hash_bytes(const VertexLabels& labels) {
   Hash hash;
   for (std::size_t v = 0; v < labels.size(); ++v) {
@@ -70,10 +72,11 @@ std::uint64_t indexed_mesh_bytes(const IndexedMesh& m) {
          bytes_of(m.opposite);
 }
 
-// The arrays are allocated in parallel, because nearly all the time is the kernel's time for
-// mapping their pages.
+// resize_untouched() writes no element, but it has the kernel map the small pages at both ends of
+// an array (expect_writing()). Nearly all the time goes to such calls of the kernel, so the arrays
+// are allocated in parallel.
 void make_room(IndexedMesh& mesh, const MeshSize& size, const MeshArrays& arrays) {
-  // The number of elements of an array that the mesh may not have.
+  // Returns `count` if the mesh shall have the optional array, and otherwise 0, which empties it.
   const auto where = [](bool there, std::uint64_t count) { return there ? count : 0; };
   const bool has_half_edges = arrays.connectivity == Connectivity::half_edges;
   tbb::parallel_invoke(

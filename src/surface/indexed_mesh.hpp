@@ -24,11 +24,11 @@ struct MeshSize {
   std::uint64_t vertices = 0, triangles = 0;
 };
 
-// A callback that a mesher calls with the size of the mesh as soon as it is known, before it
-// allocates the mesh.
+// A mesher calls this callback with the size of the mesh as soon as it knows the size, before it
+// allocates the arrays.
 using MeshSizeObserver = std::function<void(const MeshSize&)>;
 
-// Whether `triangle_spheres` is filled.
+// Whether IndexedMesh::triangle_spheres is filled.
 enum class TriangleLabels : std::uint8_t { none, spheres };
 
 // The vertices of a triangle are in counter-clockwise order for a viewer outside the surface.
@@ -60,16 +60,18 @@ inline constexpr std::uint64_t kMaxVertices = std::uint64_t{1} << 32;
 // that the value 2^32 - 1 can mean "no opposite half-edge".
 inline constexpr std::uint64_t kMaxHalfEdges = (std::uint64_t{1} << 32) - 1;
 
-// Whether `opposite` is filled.
+// Whether IndexedMesh::opposite is filled: `triangles` means that it is empty.
 enum class Connectivity : std::uint8_t { triangles, half_edges };
 
-// Whether `normals` is filled. Each is the unit normal of a level set of the field.
+// Whether IndexedMesh::normals is filled. Each normal is the unit normal of a level set of the
+// field, computed from the field's gradient.
 enum class Normals : std::uint8_t { none, gradients };
 
 // A memory limit, in bytes, that no mesh can exceed.
 inline constexpr std::uint64_t kNoMemoryLimit = std::numeric_limits<std::uint64_t>::max();
 
-// Which optional arrays a mesh has beside positions and triangles.
+// Which optional arrays a mesh has beside positions and triangles. `width` is the width of
+// IndexedMesh::vertex_spheres, in ids per vertex.
 struct MeshArrays {
   Connectivity connectivity = Connectivity::triangles;
   TriangleLabels labels = TriangleLabels::none;
@@ -77,16 +79,17 @@ struct MeshArrays {
   LabelWidth width = LabelWidth::one;
 };
 
-// Bytes of the arrays of a mesh of this size, and of an existing mesh.
+// The bytes of all arrays: of a mesh of this size with these optional arrays, and of an existing
+// mesh.
 std::uint64_t indexed_mesh_bytes(const MeshSize& size, const MeshArrays& arrays = {});
 std::uint64_t indexed_mesh_bytes(const IndexedMesh& mesh);
 
-// Allocates the arrays of a mesh, and empties the others. The elements are uninitialised; the
-// caller must write all of them.
+// Resizes positions, triangles and the optional arrays that `arrays` names, and empties all other
+// arrays. New elements are uninitialised; the caller must write all elements.
 void make_room(IndexedMesh& mesh, const MeshSize& size, const MeshArrays& arrays);
 
-// One 64-bit hash (FNV-1a) for each array, over all its bits. Meshes that are equal bit for bit
-// have equal hashes.
+// One 64-bit hash (FNV-1a) for each array, over all its bits; for the labels, over all three ids of
+// every vertex, stored or not. Meshes that are equal bit for bit have equal hashes.
 struct IndexedMeshHash {
   std::uint64_t positions, normals, vertex_spheres, triangles, triangle_spheres, opposite;
   friend bool operator==(const IndexedMeshHash&, const IndexedMeshHash&) = default;

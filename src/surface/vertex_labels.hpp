@@ -13,8 +13,8 @@ namespace vdwmesh {
 
 // One label: the ids of the spheres that a vertex lies on, then kNoSphere for unused elements. A
 // vertex inside a patch lies on one sphere, a vertex on the circle of two spheres on two, and a
-// vertex at a corner on three. The first id is the atom of the vertex. Crease-exact meshes name
-// two or three spheres in ascending order of their ids.
+// vertex at a corner on three. The first id is called the atom of the vertex. In crease-exact
+// meshes the ids of two or three spheres are in ascending order.
 using VertexSpheres = std::array<SphereId, 3>;
 
 inline constexpr VertexSpheres on_sphere(SphereId id) { return {id, kNoSphere, kNoSphere}; }
@@ -24,7 +24,7 @@ using OtherSpheres = std::array<SphereId, 2>;
 inline constexpr OtherSpheres kNoOthers = {kNoSphere, kNoSphere};
 
 // How many sphere ids the arrays can store for each vertex. Marching cubes stores one id, the atom;
-// meshes of a sampled field, which has no spheres, store none.
+// meshes of a field that is given as samples on a grid, without spheres, store none.
 enum class LabelWidth : std::uint8_t { none, one, three };
 
 // Bytes of one label in arrays of this width.
@@ -63,7 +63,7 @@ struct VertexLabels {
   void assign(std::size_t size, const VertexSpheres& label);
   // Appends a label; widens the arrays if the label names more than the atom.
   void push_back(const VertexSpheres& label);
-  // Makes the arrays wide enough for three spheres per vertex.
+  // Makes the arrays wide enough for three spheres per vertex. An empty container stays as it is.
   void widen();
   // Frees the array `others` if no label names more than the atom.
   void narrow();
