@@ -15,8 +15,9 @@ double area_of(const IndexedMesh& mesh, const Triangle& t) {
   return 0.5 * norm(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a));
 }
 
-// Calls add(sphere, area in Å²) for all triangles, once or three times for each. Returns false, and
-// stops, at the first label that names a sphere id of `count` or above.
+// Calls add(sphere, area in Å²) for all triangles: once for a triangle with a label, and otherwise
+// three times, for the atoms of its vertices. Returns false, and stops, at the first label that
+// names a sphere id of `count` or above; true if there is none.
 template <class Add>
 bool visit_areas(const IndexedMesh& mesh, std::size_t count, const Add& add) {
   const bool labelled = mesh.triangle_labels() == TriangleLabels::spheres;

@@ -14,8 +14,10 @@ Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
   if (measures.volume) {
     result.volume_relative_error = (*measures.volume - exact.volume) / exact.volume;
   }
-  // The exact χ is twice the χ of the union. At a point contact a 2-manifold needs two separate
-  // points. To separate the balls there raises the χ of the union by 1, and the exact χ by 2.
+  // The exact χ is the Euler characteristic of the boundary, which is twice the χ of the union; two
+  // balls that touch in a point count there as one connected body. A mesh that is a 2-manifold
+  // separates them, because it needs two vertices at the point. Each separation raises the χ of the
+  // union by 1, and the χ of the boundary by 2.
   if (exact.topology && topology.closed && topology.manifold) {
     const auto doubled = 2 * static_cast<std::int64_t>(exact.topology->point_contacts);
     result.euler_characteristic_difference =
@@ -25,8 +27,8 @@ Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
 }
 
 // Union-find over the spheres, by their list places. The cell list gives, for each ball, all balls
-// near its bounding box; the ball is joined with those that it overlaps or touches. Threads join
-// concurrently.
+// near its bounding box; the ball is joined with every ball that it overlaps or touches. All
+// threads join at the same time, which DisjointSets (lock-free union-find) allows.
 std::uint64_t count_components(const SphereSet& spheres) {
   const CellList list = make_ball_list(spheres);
   const CellListView& view = list.view();

@@ -62,9 +62,10 @@ using Three = std::array<Point, 3>;
 // Returns (y3 - y2) / (y2 - y1). In this ratio limit and constant of the model cancel.
 double ratio_of_differences(const Three& p) { return (p[2].y - p[1].y) / (p[1].y - p[0].y); }
 
-// Returns the same ratio for the model y = x^order: (x3^p - x2^p) / (x2^p - x1^p) with p = order.
-// Division by x2^p gives ((x3/x2)^p - 1) / (1 - (x1/x2)^p). expm1 computes both differences without
-// cancellation when p is small.
+// Returns the ratio (y3 - y2) / (y2 - y1) for the model y = x^p with p = order:
+// (x3^p - x2^p) / (x2^p - x1^p). Numerator and denominator are divided by x2^p, which gives
+// ((x3/x2)^p - 1) / (1 - (x1/x2)^p). expm1 computes both differences without cancellation when p is
+// small.
 double ratio_of_powers(const Three& p, double order) {
   return std::expm1(order * std::log(p[2].x / p[1].x)) /
          -std::expm1(order * std::log(p[0].x / p[1].x));
@@ -109,8 +110,9 @@ std::optional<Extrapolation> extrapolate(std::span<const double> sizes,
   const std::optional<Three> points = three_smallest(sizes, values);
   if (!points) return std::nullopt;
   const Three& p = *points;
-  // The ratio of powers increases with the order, so at most one order fits. If the ratio of the
-  // values is not finite, or the root is outside the bounds, the next test fails.
+  // The ratio of powers increases with the order, so at most one order gives the ratio `wanted`. If
+  // `wanted` is not finite, or that order is outside the bounds, the test of `low` and `high` below
+  // fails, and the result is empty.
   const double wanted = ratio_of_differences(p);
   const auto excess = [&](double order) { return ratio_of_powers(p, order) - wanted; };
   const double low = excess(kMinExtrapolationOrder), high = excess(kMaxExtrapolationOrder);
@@ -121,7 +123,8 @@ std::optional<Extrapolation> extrapolate(std::span<const double> sizes,
       boost::math::tools::toms748_solve(excess, kMinExtrapolationOrder, kMaxExtrapolationOrder, low,
                                         high, boost::math::tools::eps_tolerance<double>(50), steps);
   const double order = (bracket.first + bracket.second) / 2;
-  // limit = y1 - C x1^p, and C x1^p = (y2 - y1) / ((x2/x1)^p - 1).
+  // The model at the first two points gives the limit: limit = y1 - C x1^p with the constant C of
+  // the model, and C x1^p = (y2 - y1) / ((x2/x1)^p - 1).
   const double growth = std::expm1(order * std::log(p[1].x / p[0].x));
   return Extrapolation{p[0].y - (p[1].y - p[0].y) / growth, order};
 }

@@ -1,10 +1,11 @@
 // distribution_of(): exact percentiles of many values by a histogram and a selection.
 //
-//  1. One parallel pass counts the values in bins of 1/32 octave, and computes the sum, the minimum
-//     and the maximum of each block of values.
+//  1. One parallel pass counts the values in bins, 32 for each octave (a range from x to 2 x), and
+//     computes the sum, the minimum and the maximum of each block of values.
 //  2. The bin that contains each wanted rank follows from a running sum over the bins.
 //  3. A second parallel pass copies the values in these bins, at most three, and std::nth_element
 //     selects the wanted ranks among them.
+// The rank of a value is its index in the sorted sequence of all values.
 //
 // The blocks have a fixed size and their sums are joined in order, so the mean does not depend on
 // the number of threads. A selection by rank does not depend on the order of its input.
@@ -44,8 +45,8 @@ struct Summary {
   }
 };
 
-// Summarises one block with four independent accumulators. The additions of a single one would have
-// to wait for each other.
+// Summarises one block with four independent accumulators (lanes). In a single accumulator every
+// addition would have to wait for the one before it.
 Summary summarize_block(std::span<const double> values) {
   std::array<Summary, 4> lanes;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -58,9 +59,11 @@ Summary summarize_block(std::span<const double> values) {
   return lanes[0];
 }
 
-// The bit patterns of non-negative doubles, as integers, are in the order of the doubles. The upper
-// 17 bits are a bin number: sign 0, 11 bits of exponent and 5 bits of mantissa, thus 32 bins in
-// an octave. Bin kBins counts values with the sign bit set, which the contract excludes.
+// Returns the bin of a value: the upper 17 bits of the double, which are the sign bit (0), 11 bits
+// of exponent and 5 bits of mantissa, thus 32 bins in an octave. The bit patterns of non-negative
+// doubles, as integers, are in the order of the doubles, and so are the bins. The contract of
+// distribution_of() excludes values with the sign bit set; they go to the additional bin kBins, so
+// that no index is out of range.
 constexpr int kLowerBits = 47;
 constexpr std::size_t kBins = std::size_t{1} << (63 - kLowerBits);
 std::size_t bin_of(double value) {
@@ -90,7 +93,8 @@ class OrderStatistics {
       blocks[b] = summarize_block(block);
     });
     for (const Summary& block : blocks) summary_.add(block);
-    // Each thread has counted into a histogram of its own; they are added here.
+    // Each thread has counted into a histogram of its own. The first one found becomes counts_, and
+    // the others are added to it.
     for (std::vector<std::size_t>& theirs : counts) {
       if (counts_.empty()) {
         counts_ = std::move(theirs);
@@ -102,10 +106,13 @@ class OrderStatistics {
 
   const Summary& summary() const { return summary_; }
 
-  // Returns the values of rank ceil(hundredths n / 100), where ranks count from 1 and n is the
-  // number of values. Precondition: `hundredths` increase, so percentiles in the same bin are
-  // neighbours. The values of such a bin are gathered once, at the first percentile in it; the
-  // others have kNoBin in `bins` and use the same values.
+  // Returns three percentiles: the values of rank ceil(hundredths n / 100), where ranks count from
+  // 1 and n is the number of values. Precondition: `hundredths` increase, so percentiles in the
+  // same bin are neighbours. The values of each bin are gathered once, for the first percentile i
+  // in it: bins[i] is the bin, and inside[i] has its values. A later percentile in the same bin has
+  // kNoBin instead of a bin, and uses inside[from], where `from` is the percentile that has the
+  // bin. std::nth_element() reorders inside[from], which does not matter for later selections in
+  // it.
   std::array<double, 3> percentiles(const std::array<std::size_t, 3>& hundredths) const {
     std::array<Place, 3> places;
     Bins bins;
@@ -127,12 +134,14 @@ class OrderStatistics {
 
  private:
   using Bins = std::array<std::size_t, 3>;
-  static constexpr std::size_t kNoBin = kBins + 1;
+  static constexpr std::size_t kNoBin = kBins + 1;  // bin_of() never returns it
 
-  // A bin, and the rank, counted from 0, of a value among the values in that bin.
+  // Where a value stands: its bin, and its rank among the values in that bin, counted from 0.
   struct Place {
     std::size_t bin = 0, rank = 0;
   };
+  // Finds the place of a percentile. Its rank among all values is ceil(hundredths n / 100) - 1,
+  // counted from 0. The loop subtracts from it the counts of all bins before the percentile's bin.
   Place find(std::size_t hundredths) const {
     Place place;
     place.rank = (values_.size() * hundredths + 99) / 100 - 1;
@@ -140,8 +149,9 @@ class OrderStatistics {
     return place;
   }
 
-  // Returns the values in each of the bins, in any order. Every thread collects the values of a
-  // block, then reserves a part of the result by an atomic addition and copies them there.
+  // Returns the values in each of the bins, in any order; no values for kNoBin. Every thread
+  // collects the values of one block in `mine`, then reserves a part of the result by an atomic
+  // addition and copies them there.
   std::array<Buffer<double>, 3> gather(const Bins& bins) const {
     std::array<Buffer<double>, 3> inside;
     std::array<std::atomic<std::size_t>, 3> next{};

@@ -1,9 +1,11 @@
-// Topology of a triangle soup from its edges: closed, manifold, oriented, and its shells.
+// Topology of a triangle soup from its edges: closed, manifold, oriented, and its shells (pieces
+// whose triangles are connected across edges). EdgeBuckets group the half-edges of each edge; a
+// half-edge is descending if it runs from the larger vertex index to the smaller one.
 //
 //  1. Every edge is examined by itself: the number of its half-edges and their directions. If it
 //     has two half-edges, they are recorded as opposite to each other.
 //  2. If every edge has two half-edges in opposite directions, the triangles around each vertex
-//     form one or more closed fans. A walk around the vertex shows whether it is one.
+//     form one or more closed fans. Walks around the vertices show whether each has only one fan.
 //  3. If every vertex has one fan, the mesh is a closed 2-manifold. Triangles that share a vertex
 //     are then connected across edges, so the connected sets of vertices are the shells. Parallel
 //     union-find over the vertices finds them.
@@ -25,7 +27,7 @@
 namespace vdwmesh {
 namespace {
 
-// The two corners of a half-edge's triangle at the ends of its edge: the corner at the end with the
+// Two corners of the triangle of a half-edge: the corner at that end of the edge which has the
 // smaller vertex index, and the corner at the other end.
 std::uint32_t corner_at_smaller(EdgeEntry e) {
   return e.descending() ? next_in_triangle(e.half_edge()) : e.half_edge();
@@ -34,7 +36,8 @@ std::uint32_t corner_at_larger(EdgeEntry e) {
   return e.descending() ? e.half_edge() : next_in_triangle(e.half_edge());
 }
 
-// Properties of a set of edges that follow from each edge by itself.
+// Properties of a set of edges that follow from each edge by itself. `manifold` says only that no
+// edge has more than two half-edges.
 struct EdgeCounts {
   bool closed = true, manifold = true, oriented = true;
   std::uint64_t edges = 0;
@@ -49,6 +52,7 @@ struct EdgeCounts {
     manifold &= edge.size() <= 2;
     oriented &= edge.size() == 1 || 2 * static_cast<std::size_t>(down) == edge.size();
   }
+  // Combines the properties of two sets of edges, for reduce_all() with std::plus.
   EdgeCounts operator+(const EdgeCounts& other) const {
     return {closed && other.closed, manifold && other.manifold, oriented && other.oriented,
             edges + other.edges};
@@ -65,7 +69,8 @@ Buffer<std::uint32_t> filled(std::size_t count, std::uint32_t value) {
   return array;
 }
 
-// Carries out the steps at the head of this file.
+// Carries out the steps at the head of this file. `result_` is filled step by step; until the end
+// of join_across_edges(), result_.manifold says only what the edges and repeated indices allow.
 class Surveyor {
  public:
   Surveyor(const IndexedMesh& mesh, const EdgeBuckets& buckets) : mesh_(mesh), buckets_(buckets) {}
@@ -80,8 +85,9 @@ class Surveyor {
   }
 
  private:
-  // Examines every edge and every vertex by itself. Returns true if every edge has two half-edges
-  // in opposite directions and the triangles around every vertex form one fan.
+  // Steps 1 and 2. Examines every edge and every vertex by itself. Returns true if every edge has
+  // two half-edges in opposite directions and the triangles around every vertex form one fan. The
+  // mesh is then a closed manifold, and result_ lacks only its shells.
   bool survey_locally() {
     Buffer<std::uint32_t> opposite;
     resize_untouched(opposite, 3 * mesh_.triangle_count());
@@ -111,8 +117,8 @@ class Surveyor {
     return reduce_all(buckets_.vertex_count(), EdgeCounts{}, count, std::plus<>());
   }
 
-  // Returns one corner of each vertex, kNoIndex for a vertex of no triangle. The threads race for
-  // the choice of the corner, and no result depends on it.
+  // Returns one corner of each vertex, kNoIndex for a vertex of no triangle. The last thread that
+  // stores a corner decides which one it is; no result depends on the choice.
   Buffer<std::uint32_t> a_corner_of_each_vertex() const {
     Buffer<std::uint32_t> corner = filled(mesh_.vertex_count(), kNoIndex);
     for_all(mesh_.triangle_count(), [&](std::size_t t) {
@@ -124,9 +130,11 @@ class Surveyor {
   }
 
   // Returns whether the triangles around every vertex form one fan. Precondition: every edge has
-  // two half-edges in opposite directions. The step corner -> opposite[previous] then permutes the
-  // corners of a vertex, so every walk returns to its first corner. The walks from one corner per
-  // vertex pass each corner at most once; they pass all if their lengths add up to all corners.
+  // two half-edges in opposite directions. A walk goes from corner h, where half-edge h begins, to
+  // corner opposite[previous half-edge of h], at the same vertex in the next triangle. This step
+  // permutes the corners of a vertex, so every walk returns to its first corner. The walks from one
+  // corner per vertex pass each corner at most once. If their lengths add up to the number of all
+  // corners, they pass every corner, and each vertex has one fan.
   bool has_one_fan_everywhere(const Buffer<std::uint32_t>& corner,
                               const Buffer<std::uint32_t>& opposite) const {
     const auto circulate = [&](std::size_t v, std::uint64_t& corners) {
@@ -141,10 +149,12 @@ class Surveyor {
     return met == 3 * static_cast<std::uint64_t>(mesh_.triangle_count());
   }
 
-  // Finds the shells by union-find over vertices. Precondition: each vertex has one fan, so all its
-  // triangles are in one shell. There are half as many vertices as triangles, and each edge joins
-  // its ends once, by its ascending half-edge. shell_of[t] becomes the smallest vertex of the
-  // shell.
+  // Step 3. Finds the shells by union-find over vertices. Precondition: each vertex has one fan, so
+  // all its triangles are in one shell. A closed manifold has about half as many vertices as
+  // triangles, so this is less work than union-find over triangles. Each edge joins its ends once,
+  // by its half-edge that is not descending. DisjointSets keeps the smallest element of a set as
+  // its representative, so shell_of[t] first becomes the smallest vertex of the shell;
+  // number_shells() replaces it.
   void number_shells_by_vertices() {
     DisjointSets vertices(mesh_.vertex_count());
     for_all(buckets_.vertex_count(), [&](std::size_t v) {
@@ -158,7 +168,7 @@ class Surveyor {
   }
 
   // Replaces the vertices in shell_of by numbers from 0, in the order of the shells' first
-  // triangles.
+  // triangles. `last` skips the table for triangles of the same shell as the triangle before them.
   void number_shells() {
     Buffer<std::uint32_t> number = filled(mesh_.vertex_count(), kNoIndex);
     result_.shells = 0;
@@ -172,10 +182,11 @@ class Surveyor {
             [&](std::size_t t) { result_.shell_of[t] = number[result_.shell_of[t]]; });
   }
 
-  // Finds shells and the manifold property of any soup. Triangles are joined across all edges. The
-  // corners at each end of an edge are joined if the edge has two triangles. A manifold vertex is
-  // one whose corners are then in a single set, so the mesh is manifold if there are as many sets
-  // of corners as used vertices (and no edge has more than two triangles).
+  // Step 4. Finds shells and the manifold property of any soup. Triangles are joined across all
+  // edges. If an edge has two triangles, their two corners at each end of the edge are joined. The
+  // triangles around a vertex then form one fan if all corners of the vertex are in one set. So the
+  // mesh is manifold if there are as many sets of corners as used vertices, no edge has more than
+  // two triangles and no triangle has a repeated index; result_.manifold has the last two already.
   void join_across_edges() {
     DisjointSets triangles(mesh_.triangle_count()), corners(3 * mesh_.triangle_count());
     const auto join = [&](std::span<const EdgeEntry> edge) {

@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::size_t kTrianglesPerBlock = 1 << 13;
 
-// Area and volume of a set of triangles.
+// Area and signed volume of a set of triangles; positive if they face outwards.
 struct Sums {
   WideSum area;    // Å²
   WideSum volume;  // Å³, of the tetrahedra with their apex at the local origin
@@ -36,8 +36,8 @@ struct Sums {
   }
 };
 
-// The sums of consecutive triangles of one shell. Triangles of a shell are mostly consecutive, so a
-// block has few runs.
+// The sums of a run: consecutive triangles of one block that belong to the same shell. Triangles of
+// a shell are mostly consecutive, so a block has few runs.
 struct Run {
   std::uint32_t shell;
   Sums sums;
@@ -86,8 +86,9 @@ std::vector<Sums> sum_shells(const IndexedMesh& mesh, const EdgeSurvey& survey) 
   return shells;
 }
 
-// Adds up the shells. Volume, and with it the distinction of outer shells and voids, is defined for
-// closed, oriented meshes only.
+// Adds up the shells. Volume is defined for closed, oriented meshes only, and so is the distinction
+// of outer shells (positive volume) and voids (negative volume). All sums are computed for every
+// mesh, and the undefined ones are left out of the result.
 MeshMeasures totals(const std::vector<Sums>& shells, const EdgeSurvey& survey) {
   WideSum area, volume, outer, voids;
   for (const Sums& shell : shells) {
@@ -105,8 +106,8 @@ MeshMeasures totals(const std::vector<Sums>& shells, const EdgeSurvey& survey) {
   return result;
 }
 
-// Collects the topology. Isolated vertices do not count in χ = V - E + F. The genus of a shell is
-// 1 - χ/2, so the sum over all shells is (number of shells) - χ/2.
+// Collects the topology. Isolated vertices do not count in χ = V - E + F. A shell of Euler
+// characteristic χᵢ has the genus 1 - χᵢ/2, so the sum over all shells is (number of shells) - χ/2.
 MeshTopology describe(const IndexedMesh& mesh, const EdgeSurvey& survey,
                       const std::vector<Sums>& shells) {
   MeshTopology result{};

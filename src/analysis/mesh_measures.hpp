@@ -33,18 +33,19 @@ struct MeshTopology {
   std::uint64_t isolated_vertices;  // on no triangle; included in `vertices`, but not in χ
   std::uint64_t shells;
   std::int64_t euler_characteristic;  // χ = V - E + F
-  // These two have values for closed, oriented meshes only. A shell of volume 0 counts in neither.
+  // These two have values for closed, oriented meshes only. The volume of a shell is positive if
+  // its triangles face outwards. A shell of volume 0 counts in neither.
   std::optional<std::uint64_t> components;  // shells of positive volume
   std::optional<std::uint64_t> voids;       // shells of negative volume
-  // This one has a value for closed, oriented, manifold meshes only: the sum of the genera of all
+  // The genus has a value for closed, oriented, manifold meshes only: the sum of the genera of all
   // shells, which is shells - χ/2.
   std::optional<std::int64_t> genus;
 };
 
 struct MeshMeasures {
   double area;  // Å²
-  // The others have values for closed, oriented meshes only. The volume is signed, and positive if
-  // the triangles face outwards.
+  // The members below have values for closed, oriented meshes only. The volume is signed: positive
+  // if the triangles face outwards.
   std::optional<double> volume;                 // Å³
   std::optional<double> outer_area, void_area;  // Å², of shells of positive and negative volume
 };
@@ -57,7 +58,7 @@ struct MeshQuality {
   std::uint64_t degenerate_triangles;  // with a repeated index, or area exactly 0 in double
 };
 
-// These three throw InvalidInput if a triangle names a vertex that does not exist, and
+// These three functions throw InvalidInput if a triangle names a vertex that does not exist, and
 // LimitExceeded for more than 2^31 - 1 half-edges.
 MeshTopology topology(const IndexedMesh& mesh);
 MeshMeasures measures(const IndexedMesh& mesh);

@@ -1,9 +1,13 @@
 // Quality of triangles: smallest angles, aspect ratios and edge lengths, as distributions and as
 // histograms.
 //
-// Every triangle has a Shape, its three lengths and its area, from which angle and ratio follow.
-// Edges come from EdgeBuckets, so that an edge of two triangles counts once. All values are written
-// into arrays in parallel; distribution_of() or histogram() evaluates the arrays.
+// The Shape of a triangle has its three edge lengths and its area, from which its smallest angle
+// and its aspect ratio follow. EdgeBuckets (mesh/edge_buckets.hpp) group the half-edges of each
+// edge, so that an edge of two triangles counts once. All values are written into arrays in
+// parallel; distribution_of() or histogram() evaluates the arrays.
+//
+// A triangle is degenerate if it has a repeated index or area exactly 0. It has the angle 0 and no
+// aspect ratio.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,15 +44,17 @@ Shape shape_of(const IndexedMesh& mesh, std::size_t t) {
   const Vec3d ij = mesh.positions[j] - mesh.positions[i];
   const Vec3d ik = mesh.positions[k] - mesh.positions[i];
   double a = norm(ij), b = norm(ik), c = norm(mesh.positions[k] - mesh.positions[j]);
+  // Three exchanges sort the lengths.
   if (a < b) std::swap(a, b);
   if (b < c) std::swap(b, c);
   if (a < b) std::swap(a, b);
   return {a, b, c, norm(cross(ij, ik)) / 2};
 }
 
-// Returns the smallest angle, which lies between the two longer sides: sin = 2 A / (a b), and by
-// the law of cosines cos = (a² + b² - c²) / (2 a b). The code computes 2 a b times both. It writes
-// a² - c² as (a - c)(a + c), which does not cancel when a and c are nearly equal.
+// Returns the smallest angle, which lies between the two longer sides a and b. Its sine is
+// 2 A / (a b) with the area A, and by the law of cosines its cosine is (a² + b² - c²) / (2 a b).
+// The code passes both, multiplied by 2 a b, to atan2(), which needs only their ratio. It writes
+// a² - c² as (a - c)(a + c), which keeps its digits if a and c are nearly equal.
 double min_angle_deg(const Shape& s) {
   if (s.area == 0) return 0;
   const double twice_ab_cos = s.b * s.b + (s.a - s.c) * (s.a + s.c);
@@ -74,18 +80,20 @@ void require_vertices(const IndexedMesh& mesh) {
                                        v, mesh.vertex_count()));
 }
 
-// Returns a shape of area 0 for triangles with a repeated index, even if rounding would give
-// another area.
+// Returns the shape of triangle t; if it has a repeated index, a shape of area 0, even if rounding
+// would give another area.
 Shape shape_or_none(const IndexedMesh& mesh, std::size_t t) {
   return has_repeated_index(mesh.triangles[t]) ? Shape{} : shape_of(mesh, t);
 }
 
-// Returns -1 if the triangle has no area.
+// Returns the aspect ratio, or -1 if the triangle has no area. No aspect ratio is negative, so
+// triangle_shapes() can remove exactly these entries.
 double aspect_ratio_or_none(const Shape& s) { return s.area > 0 ? aspect_ratio(s) : -1; }
 
 // ---- Loops that are compiled for both processor versions (core/multiversion.hpp) ----
 
-// Writes angle and ratio of the triangles [first, last). Returns whether all have an aspect ratio.
+// Writes angle and ratio of the triangles [first, last) into the elements of the same index.
+// Returns whether all these triangles have an aspect ratio.
 VDWMESH_MULTIVERSION bool fill_shapes(const IndexedMesh& mesh, std::size_t first, std::size_t last,
                                       double* angles, double* ratios) {
   bool all = true;
@@ -98,7 +106,8 @@ VDWMESH_MULTIVERSION bool fill_shapes(const IndexedMesh& mesh, std::size_t first
   return all;
 }
 
-// Writes the lengths of all edges whose smaller vertex is in [first, last), one after another.
+// Writes the lengths of all edges whose smaller vertex index is in [first, last), one after
+// another, beginning at `lengths`.
 VDWMESH_MULTIVERSION void fill_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets,
                                        std::size_t first, std::size_t last, double* lengths) {
   for (std::size_t v = first; v < last; ++v)
@@ -127,8 +136,10 @@ TriangleShapes triangle_shapes(const IndexedMesh& mesh) {
   return shapes;
 }
 
-// Returns the length of each edge, once, in the order of the edges' smaller vertices. A first pass
-// counts the edges of every task; the prefix sums are the offsets at which a second pass writes.
+// Returns the length of each edge, once, in the order of the edges' smaller vertices. A task is a
+// range of kItemsPerTask vertices. A first pass counts the edges of every task into
+// before[task + 1]; the prefix sums make before[task] the number of edges of all earlier tasks,
+// which is where a second pass writes. The last task may be empty.
 Buffer<double> edge_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
   std::vector<std::size_t> before(block_count(mesh.vertex_count(), kItemsPerTask) + 1);
   const auto each_task = [&](auto&& body) {
@@ -149,8 +160,8 @@ Buffer<double> edge_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets)
   return lengths;
 }
 
-// Returns the relative position of a value between the bounds of a histogram: 0 at `lower`, 1 at
-// `upper`.
+// Returns the relative position of a value between the bounds of a histogram, on the chosen scale:
+// 0 at `lower`, 1 at `upper`.
 double place(double value, BinScale scale, double lower, double upper) {
   if (scale == BinScale::linear) return (value - lower) / (upper - lower);
   return std::log(value / lower) / std::log(upper / lower);
@@ -172,6 +183,8 @@ MeshQuality quality_of_triangles(const IndexedMesh& mesh) {
 }
 
 MeshQuality quality(const IndexedMesh& mesh) {
+  // The edge lengths come first: the buckets end with this statement, before the second step
+  // allocates its arrays.
   const Distribution edge_length =
       edge_length_distribution(mesh, EdgeBuckets(mesh.triangles, mesh.vertex_count()));
   MeshQuality result = quality_of_triangles(mesh);
@@ -188,11 +201,13 @@ Histogram histogram(std::span<const double> values, BinScale scale, double lower
   }
   Histogram result{scale, lower, upper, 0, 0, std::vector<std::uint64_t>(bins)};
   for (const double value : values) {
+    // Written with ! so that NaN counts as below.
     if (!(value >= lower)) {
       ++result.below;
     } else if (value > upper) {
       ++result.above;
     } else {
+      // The value `upper` itself would get the number `bins`; it belongs to the last bin.
       const double bin = place(value, scale, lower, upper) * static_cast<double>(bins);
       ++result.counts[std::min(static_cast<std::size_t>(bin), bins - 1)];
     }
@@ -206,7 +221,7 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
       histogram(edge_lengths(mesh, EdgeBuckets(mesh.triangles, mesh.vertex_count())),
                 BinScale::logarithmic, 0x1p-10, 4, 48);
   // The smallest angle of a triangle is at most 60 degrees and its aspect ratio at least 1. Values
-  // that rounding put beyond these limits are moved to them, so that they count in a bin.
+  // that rounding put beyond these bounds are moved to the bound, so that they count in a bin.
   TriangleShapes shapes = triangle_shapes(mesh);
   for (double& angle : shapes.min_angles_deg) angle = std::min(angle, 60.0);
   result.min_angle_deg = histogram(shapes.min_angles_deg, BinScale::linear, 0, 60, 30);

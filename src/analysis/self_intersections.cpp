@@ -4,7 +4,7 @@
 // parallel with TBB. Each pair is tested with exact predicates (Intersector). What counts as an
 // intersection depends on how many vertices the two triangles share by index: intersections in a
 // shared vertex or along a shared edge are part of every mesh and are not counted.
-#define CGAL_LINKED_WITH_TBB
+#define CGAL_LINKED_WITH_TBB  // makes CGAL::Parallel_tag run in parallel
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
@@ -36,9 +36,9 @@ class Intersector {
     return CGAL::collinear(point(t[0]), point(t[1]), point(t[2]));
   }
 
-  // Returns whether two triangles intersect other than in their shared vertices and edge. With one
-  // shared vertex, an intersection elsewhere means that the edge opposite to that vertex in one
-  // triangle meets the other triangle. Two triangles with three shared vertices coincide, which
+  // Returns whether two triangles intersect other than in the vertices and the edge that they share
+  // by index. If they share one vertex and intersect elsewhere, the edge opposite to that vertex in
+  // one of them meets the other triangle. Two triangles with three shared vertices coincide, which
   // counts as an intersection.
   bool operator()(std::uint32_t first, std::uint32_t second) const {
     Triangle a = mesh_.triangles[first], b = mesh_.triangles[second];
@@ -70,8 +70,8 @@ class Intersector {
   }
   Kernel::Segment_3 segment(std::uint32_t u, std::uint32_t v) const { return {point(u), point(v)}; }
 
-  // Reorders both triangles so that shared vertices come first, in the same order. Returns how many
-  // there are.
+  // Reorders both triangles so that shared vertices come first, in the same order. Returns the
+  // number of shared vertices.
   static unsigned bring_shared_to_front(Triangle& a, Triangle& b) {
     unsigned shared = 0;
     for (unsigned i = 0; i < 3; ++i)
@@ -85,8 +85,9 @@ class Intersector {
     return shared;
   }
 
-  // Two triangles with a common edge pq overlap only if they lie in one plane and their third
-  // vertices r and s are on the same side of pq.
+  // Returns whether two triangles with a common edge pq overlap: they do only if they lie in one
+  // plane and their third vertices r and s are on the same side of pq. Precondition: the vertices p
+  // and q come first in both triangles.
   bool folds_over(const Triangle& a, const Triangle& b) const {
     const Point p = point(a[0]), q = point(a[1]), r = point(a[2]), s = point(b[2]);
     return CGAL::coplanar(p, q, r, s) && CGAL::coplanar_orientation(p, q, r, s) == CGAL::POSITIVE;
@@ -103,6 +104,7 @@ std::uint64_t self_intersections(const IndexedMesh& mesh) {
   boxes.reserve(mesh.triangle_count());
   for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t)
     if (!intersect.is_flat(mesh.triangles[t])) boxes.push_back(intersect.box(t));
+  // CGAL reorders the sequence that it is given. Pointers are smaller to move than boxes.
   std::vector<const TriangleBox*> pointers(boxes.size());
   std::transform(boxes.begin(), boxes.end(), pointers.begin(),
                  [](const TriangleBox& b) { return &b; });

@@ -1,8 +1,9 @@
 // Estimates of the peak memory of the stages behind a mesh.
 //
 // Arrays of this project are counted: their element sizes times their lengths, at the moment when
-// most of them exist together. Memory of CGAL is not visible in types and was measured. A closed
-// mesh is assumed: it has three half-edges per triangle and half as many edges.
+// the arrays that exist together take the most bytes. Memory that cannot be counted so, in CGAL and
+// in arrays whose lengths depend on the molecule, was measured. A closed mesh is assumed: it has
+// three half-edges per triangle and half as many edges.
 #include "analysis/stage_bytes.hpp"
 
 #include <algorithm>
@@ -17,7 +18,8 @@ namespace {
 
 constexpr std::uint64_t kIndex = sizeof(std::uint32_t);
 
-// The arrays of EdgeBuckets: an offset per vertex and an entry per half-edge.
+// The arrays of EdgeBuckets, the half-edges grouped by edge: an offset per vertex and an entry per
+// half-edge.
 std::uint64_t edge_buckets_bytes(const MeshSize& m) {
   return m.vertices * kIndex + 3 * m.triangles * sizeof(EdgeEntry);
 }
@@ -32,21 +34,24 @@ std::uint64_t surface_mesh_bytes(const MeshSize& m, Connectivity given) {
   const std::uint64_t vertex = sizeof(Kernel::Vertex) + sizeof(Kernel::Point) +
                                sizeof(Kernel::Normal) + sizeof(Kernel::Color) +
                                sizeof(OpenMesh::Attributes::StatusInfo) + sizeof(VertexSpheres);
-  const std::uint64_t edge =
-      sizeof(Kernel::Edge) + 3 * sizeof(OpenMesh::Attributes::StatusInfo);  // two half-edges
+  // Three times StatusInfo: of the edge and of its two half-edges.
+  const std::uint64_t edge = sizeof(Kernel::Edge) + 3 * sizeof(OpenMesh::Attributes::StatusInfo);
   const std::uint64_t face =
       sizeof(Kernel::Face) + sizeof(OpenMesh::Attributes::StatusInfo) + sizeof(SphereId);
   const std::uint64_t mesh = m.vertices * vertex + edges * edge + m.triangles * face;
+  // If the input has no array of opposite half-edges, the stage computes one.
   const std::uint64_t opposite = given == Connectivity::half_edges ? 0 : 3 * m.triangles * kIndex;
-  // Two arrays exist while OpenMesh's half-edges are made: the new number of each half-edge, and
-  // one outgoing half-edge of each vertex.
+  // Two more arrays exist while OpenMesh's half-edges are made: the new number of each half-edge,
+  // and one outgoing half-edge of each vertex.
   const std::uint64_t handles = 3 * m.triangles * kIndex + m.vertices * kIndex;
   return std::max(edge_buckets_bytes(m) + edge_buckets_scratch(m), mesh + handles) + opposite;
 }
 
 std::uint64_t measures_bytes(const MeshSize& m) {
-  // The survey of a soup has union-find arrays of triangles and of corners and the shell of each
-  // triangle: 1 + 3 + 1 indices per triangle. Closed manifolds take less.
+  // survey_edges() of an arbitrary soup has union-find arrays of triangles and of corners, and the
+  // shell of each triangle: 1 + 3 + 1 indices per triangle. Closed manifolds take less. The three
+  // terms of the maximum belong to steps that follow each other while the buckets exist: filling
+  // the buckets, the survey, and the array of edge lengths.
   const std::uint64_t survey = (1 + 3 + 1) * m.triangles * kIndex;
   const std::uint64_t lengths = 3 * m.triangles / 2 * sizeof(double);
   return edge_buckets_bytes(m) + std::max({edge_buckets_scratch(m), survey, lengths});
@@ -59,9 +64,10 @@ std::uint64_t self_intersections_bytes(const MeshSize& m) {
 }
 
 std::uint64_t union_bytes(std::uint64_t spheres, UnionMethod method, double exposed) {
-  // Bytes per sphere of the triangulation, by a straight line in the exposed share of the area.
-  // Measured on 6ZU5: 1220 if a third is exposed, and 2490 with a probe of 1.4 Å, if 6 % is. The
-  // line is above both: 1430 and 2720.
+  // Bytes per sphere of the triangulation, as a straight line in the exposed share of the area:
+  // kBuried - kLessExposed · exposed, but at least kLeast. Measured on the structure 6ZU5: 1220
+  // without a probe, where a third is exposed, and 2490 with a probe of 1.4 Å, where 6 % is. The
+  // line is above both: 1430 and 2720. kArcs is bytes per sphere of the method `arcs`.
   constexpr double kLeast = 900, kBuried = 3000, kLessExposed = 4700;
   constexpr std::uint64_t kArcs = 400;
   if (method == UnionMethod::arcs) return spheres * kArcs;
@@ -69,9 +75,9 @@ std::uint64_t union_bytes(std::uint64_t spheres, UnionMethod method, double expo
 }
 
 std::uint64_t distances_bytes(const MeshSize& m, std::uint64_t spheres) {
-  // The patches and the cell list of ExposedSurface. Measured on molecules: a patch has 6 covers
-  // and 8 corners without a probe. With a probe of 1.4 Å it has 20 covers and 7 corners, and two
-  // thirds of the spheres have a patch.
+  // The patches and the cell list of ExposedSurface. Measured on molecules, as means: a patch has 6
+  // covers and 8 corners without a probe. With a probe of 1.4 Å it has 20 covers and 7 corners, and
+  // two thirds of the spheres have a patch.
   constexpr std::uint64_t kBytesPerSphere = 800;
   // Beside the search tree of the triangles there is one byte for each vertex, which says whether a
   // triangle uses it.

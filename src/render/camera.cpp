@@ -1,9 +1,13 @@
 // Frames a surface exactly, by its support function.
 //
-// The support function gives, for any direction, how far the surface reaches. Framing needs nothing
-// else, so it never looks at vertices. An orthographic camera follows from the box along the view's
-// axes. A perspective camera follows from four support values, one for each side plane of the view
-// frustum. The principal axes are the eigenvectors of the covariance of the surface's area (Eigen).
+// The support function gives, for any direction d, how far the surface reaches: the largest d·p of
+// its points p. Framing needs nothing else, so it never looks at vertices. An orthographic camera
+// follows from the box along the view's axes. A perspective camera follows from four support
+// values, one for each side plane of the view frustum. The principal axes are the eigenvectors of
+// the covariance of the surface's area, computed with Eigen.
+//
+// View coordinates x, y, z are measured along Camera::axes from Camera::origin, which is the middle
+// of that box: x to the right, y up, z toward the viewer.
 #include "render/camera.hpp"
 
 #include <fmt/format.h>
@@ -18,14 +22,15 @@
 namespace vdwmesh {
 namespace {
 
-// Spreads (eigenvalues, Å²) count as equal if they differ by less than this share of the largest
-// one. The reaches of the surface to both sides of its middle count as equal by the same share of
-// their sum.
+// Two spreads (eigenvalues of the covariance, Å²) count as equal if they differ by at most this
+// share of the largest spread. The distances by which the surface extends to both sides of its
+// middle count as equal if they differ by at most this share of their sum.
 constexpr double kSameSpread = 1e-6;
 
-// Two bounds for a needle that points at the viewer, as shares of its half length. In an
-// orthographic picture it counts as at least this wide, and in a perspective picture the eye keeps
-// at least this distance from its tip. Otherwise the magnification would have no limit.
+// Bounds the magnification of a needle, a thin surface that points at the viewer. It is a share of
+// half the surface's extent along z. In an orthographic picture the half height of the picture is
+// at least this share, and in a perspective picture the eye is at least this far from the surface.
+// Without a bound, the magnification would have no limit.
 constexpr double kNeedleShare = 0.05;
 
 Vec3d unit(const Vec3d& v) { return (1 / norm(v)) * v; }
@@ -44,9 +49,9 @@ double largest_component(const Vec3d& v) {
   return largest;
 }
 
-// The axis or its opposite, whichever points to the side on which the surface reaches farther from
-// its middle. If both reach equally far, the sign of the largest component decides, so that
-// rounding does not.
+// Returns the axis or its opposite, whichever points to the side on which the surface extends
+// farther from its middle, the centroid. If both sides are equal, the largest component of the
+// result is positive, so that rounding does not decide.
 Vec3d oriented(const SurfaceExtent& surface, const Vec3d& middle, const Vec3d& axis) {
   const Vec3d both[] = {axis, -1.0 * axis};
   const std::vector<double> reach = surface.support(both);
@@ -71,17 +76,20 @@ std::array<Range, 3> ranges(const SurfaceExtent& surface, const Axes& axes) {
   return {Range{-reach[3], reach[0]}, Range{-reach[4], reach[1]}, Range{-reach[5], reach[2]}};
 }
 
-// Sets the near and far plane. They lie a little in front of and behind the surface, so that
-// rounding clips nothing. The near plane stays in front of the eye: it keeps at least half the
-// distance from the eye to the surface.
+// Sets the near and far plane, given the distance from the eye to the front of the surface and the
+// extent of the surface along z, Å. The planes lie a little in front of and behind the surface, so
+// that rounding clips nothing. The distance of the near plane from the eye is at least half of
+// eye_to_front, so it stays above 0.
 void set_depth(Camera& camera, double eye_to_front, double depth) {
   const double slack = 1e-3 * (depth + eye_to_front);
   camera.nearest = std::max(eye_to_front - slack, 0.5 * eye_to_front);
   camera.farthest = eye_to_front + depth + slack;
 }
 
-// Fits the box into the picture's width and height; `fill` is the share of the picture inside the
-// margins. The distance of the eye changes nothing in the picture, so it is as large as the box.
+// Fits the box into the picture's width and height; `aspect` is width over height, and `fill` the
+// share of the picture inside the margins. The distance of the eye changes nothing in an
+// orthographic picture. The eye is in front of the surface by half the surface's depth or half the
+// picture's height, whichever is larger.
 void frame_orthographic(Camera& camera, const std::array<Range, 3>& box, double aspect,
                         double fill) {
   const double seen = std::max(box[1].half(), box[0].half() / aspect);
@@ -92,12 +100,13 @@ void frame_orthographic(Camera& camera, const std::array<Range, 3>& box, double 
   set_depth(camera, size, 2 * box[2].half());
 }
 
-// Finds the nearest eye that sees the whole surface. Let w be half the picture's width at distance
-// 1 from the eye. A point lies inside the right edge if x - eye.x <= w (eye.z - z), that is, if x +
-// w z <= w eye.z + eye.x. The largest value of the left side is the support of direction (1, 0, w).
-// The left edge gives a bound with (-1, 0, w), and the sum of both is a lower bound of 2 w eye.z.
-// Top and bottom give another bound. The tighter pair decides the distance, and the differences of
-// the bounds centre the surface in both directions.
+// Finds the nearest eye that sees the whole surface within the margins. Let w and h be half the
+// width and height inside the margins at distance 1 from the eye. A point lies inside the right
+// edge if x - eye.x <= w (eye.z - z), that is, if x + w z <= w eye.z + eye.x. The largest value of
+// the left side is the support of direction (1, 0, w). The left edge of the picture gives a bound
+// with (-1, 0, w), and the sum of the two bounds is a lower bound of 2 w eye.z. Top and bottom give
+// a lower bound of 2 h eye.z. The larger distance decides, and half the differences of opposite
+// bounds centre the surface in both directions.
 void frame_perspective(Camera& camera, const SurfaceExtent& surface,
                        const std::array<Range, 3>& box, double aspect, double fill) {
   camera.half_height = std::tan(kVerticalFieldOfView * std::numbers::pi / 360);
@@ -106,7 +115,7 @@ void frame_perspective(Camera& camera, const SurfaceExtent& surface,
   const Axes& a = camera.axes;
   const Vec3d directions[] = {w * a[2] + a[0], w * a[2] - a[0], h * a[2] + a[1], h * a[2] - a[1]};
   std::vector<double> bound = surface.support(directions);
-  // From absolute coordinates to coordinates about the camera's origin.
+  // support() measures from the coordinate origin; this changes to view coordinates.
   for (std::size_t i = 0; i < bound.size(); ++i) bound[i] -= dot(directions[i], camera.origin);
   const double distance =
       std::max({(bound[0] + bound[1]) / (2 * w), (bound[2] + bound[3]) / (2 * h),
@@ -123,7 +132,7 @@ Axes principal_axes(const SurfaceExtent& surface) {
   Eigen::Matrix3d matrix;
   matrix << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
-  const Eigen::Vector3d& spread = solver.eigenvalues();  // ascending
+  const Eigen::Vector3d& spread = solver.eigenvalues();  // Å², ascending
   if (spread[2] - spread[0] <= kSameSpread * spread[2]) {
     return {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
   }
@@ -171,8 +180,10 @@ Camera frame_surface(const SurfaceExtent& surface, const View& view, CameraProje
 std::array<double, 16> clip_matrix(const Camera& camera) {
   const double n = camera.nearest, f = camera.farthest;
   const bool perspective = camera.projection == CameraProjection::perspective;
-  // The depth d = eye.z - z in [n, f] becomes clip z, and w is d for a perspective picture, else 1.
-  // The two numbers below make z / w = -1 for d = n and 1 for d = f.
+  // Clip coordinates are linear in the depth d = eye.z - z: clip z = slope · d + offset, and w is d
+  // for a perspective picture, else 1. `slope` and `offset` make z / w = -1 for d = n and 1 for
+  // d = f. The array lists the matrix column by column: the factors of x, y and z of a point
+  // relative to camera.origin, then the constants.
   const double slope = perspective ? (f + n) / (f - n) : 2 / (f - n);
   const double offset = perspective ? -2 * f * n / (f - n) : -(f + n) / (f - n);
   const Vec3d x = (1 / camera.half_width) * camera.axes[0];

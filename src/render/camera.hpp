@@ -27,26 +27,27 @@ class SurfaceExtent {
 // Three unit vectors at right angles, right-handed.
 using Axes = std::array<Vec3d, 3>;
 
-// The principal axes of the surface's area, by descending spread. The first two point to the side
-// on which the surface reaches farther from its middle; if both sides are equal, the component of
-// largest magnitude is positive. The third completes the right-handed set. If the spread is the
-// same in all directions, the axes are the coordinate axes.
+// Returns the principal axes of the surface's area, by descending spread (variance of the area's
+// points along the axis). The first two point to the side on which the surface extends farther from
+// its middle; if both sides are equal, the component of largest magnitude is positive. The third
+// completes the right-handed set. If the spread is the same in all directions, the axes are the
+// coordinate axes.
 Axes principal_axes(const SurfaceExtent& surface);
 
 // Which axes a view's directions refer to: the surface's principal axes or the coordinate axes.
 enum class ViewFrame { principal, coordinates };
 
-// From which side a surface is seen. Both vectors are components along the axes of the frame. They
-// need not have unit length, but must not be parallel. The default shows the broad side of the
-// surface, with its longest extent across the picture.
+// From which side a surface is seen. Both vectors are given by their components along the axes that
+// `frame` selects. They may have any length above 0, but must not be parallel. The default shows
+// the broad side of the surface, with its longest extent across the picture.
 struct View {
   ViewFrame frame = ViewFrame::principal;
   Vec3d toward_viewer{0, 0, 1};
   Vec3d up{0, 1, 0};
 };
 
-// The directions in space of the picture's right side, its top and the viewer. Throws InvalidInput
-// if a vector of the view is zero or not finite, or if they are parallel.
+// Returns three directions in space: to the picture's right side, to its top, and to the viewer.
+// Throws InvalidInput if a vector of the view is zero or not finite, or if the two are parallel.
 Axes view_axes(const View& view, const SurfaceExtent& surface);
 
 enum class CameraProjection { orthographic, perspective };
@@ -57,8 +58,8 @@ struct Camera {
   CameraProjection projection = CameraProjection::orthographic;
   Axes axes{};     // right, up, toward the viewer
   Vec3d origin{};  // Å; vertices are stored relative to it, to keep the digits of floats
-  // In view coordinates, Å. For an orthographic picture, x and y are its middle, and the distances
-  // of the two planes are counted from z.
+  // In view coordinates, Å. An orthographic picture has no eye: x and y are then the middle of the
+  // picture, and z is where `nearest` and `farthest` are counted from.
   Vec3d eye{};
   double half_width = 1;   // orthographic: Å; perspective: at distance 1 from the eye
   double half_height = 1;  // like half_width
@@ -68,11 +69,12 @@ struct Camera {
 
 inline constexpr double kVerticalFieldOfView = 30;  // degrees, of a perspective picture
 
-// The camera whose picture the surface fills. `aspect` is width over height of the picture, and
-// `margin` is the empty border on each side, as a share of the picture. The surface touches the
-// border on two opposite sides, whichever pair is tighter, and is centred between the other two.
-// This is exact for both projections, except for a needle seen end on, which is drawn smaller.
-// Throws InvalidInput for a surface that is a single point.
+// Returns the camera whose picture the surface fills. `aspect` is width over height of the picture,
+// and `margin` is the empty border on each side, as a share of the picture. The surface touches the
+// border either at left and right or at top and bottom, whichever pair it reaches first, and is
+// centred between the other two sides. This is exact for both projections, except for a needle
+// whose end points at the viewer, which is drawn smaller. Throws InvalidInput for a surface that is
+// a single point.
 Camera frame_surface(const SurfaceExtent& surface, const View& view, CameraProjection projection,
                      double aspect, double margin);
 

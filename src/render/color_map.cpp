@@ -15,7 +15,8 @@ namespace {
 // Every fifth colour of the 256 of viridis (S. Smith and N. van der Walt, "A Better Default
 // Colormap for Matplotlib", SciPy 2015; CC0) and of cividis (J. R. Nuñez, C. R. Anderton and R. S.
 // Renslow, "Optimizing colormaps with consideration for color vision deficiency", PLoS ONE 13,
-// 2018). Linear in between is within 1/255 of the whole table for viridis and 4/255 for cividis.
+// 2018), as 0xrrggbb. Colours between them are interpolated linearly. The result differs from the
+// whole table by at most 1/255 for viridis and 4/255 for cividis.
 constexpr int kKnots = 52;
 constexpr std::uint32_t kViridis[kKnots] = {
     0x440154, 0x46085c, 0x471063, 0x481769, 0x481d6f, 0x482475, 0x472a7a, 0x46307e, 0x453781,
@@ -32,7 +33,7 @@ constexpr std::uint32_t kCividis[kKnots] = {
     0xafa471, 0xb5a86f, 0xbaac6d, 0xbfb06b, 0xc4b468, 0xc9b965, 0xcfbd62, 0xd4c15f, 0xdac65b,
     0xdfca57, 0xe5cf52, 0xead34c, 0xf0d846, 0xf6dd3f, 0xfce236, 0xfee838};
 
-// From a number 0xrrggbb.
+// Returns the colour of a number 0xrrggbb.
 Rgb from_hex(std::uint32_t hex) {
   const auto channel = [&](int shift) { return static_cast<float>((hex >> shift) & 255u) / 255; };
   return {channel(16), channel(8), channel(0)};
@@ -42,7 +43,8 @@ Rgb mix(const Rgb& a, const Rgb& b, float t) {
   return {std::lerp(a.r, b.r, t), std::lerp(a.g, b.g, t), std::lerp(a.b, b.b, t)};
 }
 
-// Linear interpolation in a table; t is in [0, 1]. The last interval includes its upper end.
+// Returns the colour at t in [0, 1] by linear interpolation in a table. The last interval includes
+// its upper end, t = 1.
 Rgb between_knots(std::span<const std::uint32_t, kKnots> knots, double t) {
   const double x = t * (kKnots - 1);
   const auto lower = std::min(static_cast<std::size_t>(x), std::size_t{kKnots - 2});
@@ -57,9 +59,10 @@ struct Msh {
   double m, s, h;
 };
 
-// The two ends of the paper's map, and white as each side approaches it. White has no hue of its
-// own; the hue given here is spun away from the end's hue, which makes the change of lightness look
-// even.
+// The two ends of the paper's map, and its middle as each half of the map approaches it. The middle
+// is a light grey (saturation 0), "white" in the names. It has no hue of its own, so each half may
+// approach it with any hue. The paper turns this hue away from the hue of the end, which makes the
+// change of lightness look even.
 constexpr Msh kCool{80, 1.08, -1.1}, kCoolWhite{88, 0, -1.661};
 constexpr Msh kWarm{80, 1.08, 0.5}, kWarmWhite{88, 0, 1.061};
 
@@ -88,7 +91,8 @@ Rgb to_rgb(const Msh& c) {
           gamma_encoded(0.0556434 * x - 0.2040259 * y + 1.0572252 * z)};
 }
 
-// Each half of the map runs from white, in the middle, to its end; u is the share of that way.
+// Returns the colour of the map at t in [0, 1]. Each half of the map runs from white, at t = 1/2,
+// to its end; u is the share of this way, from 0 to 1.
 Rgb cool_warm(double t) {
   const bool warm = t > 0.5;
   const Msh& end = warm ? kWarm : kCool;

@@ -1,5 +1,6 @@
-// Chooses round bounds and round labels for colour scales. Rounding must not spoil round numbers: a
-// value that exceeds a round number only in its last bits still counts as that number (kSlack).
+// Chooses round bounds and round labels for colour scales. A round number is a small factor times a
+// power of ten. Rounding errors must not change the choice: a value that exceeds a round number
+// only in its last bits still counts as that number (kSlack).
 #include "render/color_scale.hpp"
 
 #include <fmt/format.h>
@@ -12,10 +13,11 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kLeastBound = 5e-4;  // the bound for values that are all zero
+constexpr double kLeastBound = 5e-4;  // the smallest bound, for example of values that are all zero
 constexpr double kSlack = 1e-9;       // relative
 
-// The least round number that is at least v, for v > 0; see symmetric_bound() in the header.
+// Returns the least round number that is at least v, for v > 0. symmetric_bound() in the header
+// lists the factors; 10 times the power of ten is the first round number of the next one.
 double round_up(double v) {
   constexpr double kRound[] = {1, 1.5, 2, 3, 4, 5, 6, 8};
   const double unit = std::pow(10, std::floor(std::log10(v)));
@@ -25,8 +27,9 @@ double round_up(double v) {
   return 10 * unit;
 }
 
-// The smallest value such that the share `share` of all values is not above it: the one of rank
-// ceil(share n), counted from 1. Changes the order of the values. Precondition: there is one.
+// Returns the smallest of the n values such that at least the share `share` of them is not above
+// it: the value of rank ceil(share n), counted from 1. Changes the order of the values.
+// Precondition: n > 0.
 double quantile(std::vector<double>& values, double share) {
   const double rank = std::ceil(share * static_cast<double>(values.size()));
   const auto at =
@@ -35,8 +38,8 @@ double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(at)];
 }
 
-// "≤ " or "≥ " if the label stands at an end of the scale beyond which there are values; else
-// nothing.
+// Returns the sign before the label of a value: "≤ " or "≥ " if the label stands at an end of the
+// scale beyond which there are values, else the empty string.
 const char* tail_sign(const ColorScale& scale, double value) {
   const double near = kSlack * (scale.upper - scale.lower);
   const bool at_lower = std::abs(value - scale.lower) <= near;
@@ -66,8 +69,8 @@ double symmetric_bound(std::span<const float> values, double inside) {
 }
 
 Tails find_tails(const ColorScale& scale, std::span<const float> values) {
-  // Bounds may stem from one of these floats and may have been rounded a little; the slack makes
-  // sure that such a bound still holds its own float.
+  // A bound may have been computed from the largest or smallest of these floats, with rounding. The
+  // slack makes sure that this float does not count as outside.
   const double slack = kSlack * (scale.upper - scale.lower);
   const auto below = [&](float v) { return v < scale.lower - slack; };
   const auto above = [&](float v) { return v > scale.upper + slack; };
@@ -78,9 +81,10 @@ Tails find_tails(const ColorScale& scale, std::span<const float> values) {
 
 std::vector<Tick> ticks(const ColorScale& scale, int most) {
   check(scale);
-  // The step that would give `most` ticks exactly is rounded up to 1, 2, 5 or 10 times a power of
-  // ten. The power of ten gives the number of decimals; 1e-12 keeps the logarithm of a power of ten
-  // from falling below it.
+  // `raw`, the step that would give `most` ticks exactly, is rounded up to 1, 2, 5 or 10 times a
+  // power of ten. The exponent `power` gives the number of decimals; a factor of 10 needs one
+  // decimal less. If `raw` is a power of ten, rounding may give a logarithm a little below its
+  // whole exponent; 1e-12 prevents that std::floor() then takes the next lower exponent.
   const double raw = (scale.upper - scale.lower) / std::max(most - 1, 1);
   const double power = std::floor(std::log10(raw) + 1e-12);
   const double unit = std::pow(10, power), mantissa = raw / unit;
@@ -91,7 +95,7 @@ std::vector<Tick> ticks(const ColorScale& scale, int most) {
   const double step = factor * unit;
   const int decimals = std::max(0, static_cast<int>(-power) - (factor == 10 ? 1 : 0));
   std::vector<Tick> result;
-  // The ticks are first * step .. last * step.
+  // The ticks are i * step for i from `first` to `last`. U+2212 is the minus sign.
   const auto first = std::llround(std::ceil(scale.lower / step - kSlack));
   const auto last = std::llround(std::floor(scale.upper / step + kSlack));
   for (auto i = first; i <= last; ++i) {

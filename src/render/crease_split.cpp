@@ -1,6 +1,7 @@
-// Splits vertices at creases. A hash map from (vertex, sphere) to the new vertex makes each copy
-// once. Copies are numbered in the order in which the triangles first use them, so the result
-// depends on the input alone.
+// Splits vertices at creases. A copy of a vertex belongs to one sphere; a hash map from the pair
+// (vertex, sphere) to the index of the copy makes sure that each copy is made once. Copies are
+// numbered in the order in which the triangles first use them, so the result depends on the input
+// alone.
 #include "render/crease_split.hpp"
 
 #include <fmt/format.h>

@@ -3,8 +3,8 @@
 // Steps: (1) list the displays that need no window: one per EGL device (EGL_EXT_platform_device),
 // then Mesa's surfaceless platform. (2) Take the first display on which an OpenGL 3.3 core context
 // without a surface can be made current. Drivers differ in what they advertise, so extension
-// functions are looked up by name and every failure only moves on to the next display. If all fail,
-// the error lists every reason.
+// functions are looked up by name, and after a failure the next display is tried. If all displays
+// fail, the error lists the reason of each.
 #include "render/egl_context.hpp"
 
 #include <epoxy/gl.h>
@@ -18,7 +18,8 @@
 namespace vdwmesh {
 namespace {
 
-// Whether a list of extensions, separated by spaces, holds a name. `extensions` may be null.
+// Returns whether a list of extensions, separated by spaces, contains a name. `extensions` may be
+// null, which is an empty list. The spaces around both make sure that only whole names match.
 bool lists(const char* extensions, std::string_view name) {
   const std::string padded = fmt::format(" {} ", extensions ? extensions : "");
   return padded.find(fmt::format(" {} ", name)) != std::string::npos;
@@ -47,8 +48,9 @@ std::optional<int> cuda_number(EGLDeviceEXT device) {
   return static_cast<int>(number);
 }
 
-// One display per EGL device. Mesa lists hardware before its software rasterizer. Some drivers
-// advertise only EGL_EXT_device_base, which includes EGL_EXT_device_enumeration.
+// Returns one display per EGL device, in the order of EGL; none if the extensions are missing. Mesa
+// lists hardware before its software rasterizer. Some drivers advertise only EGL_EXT_device_base,
+// which includes EGL_EXT_device_enumeration.
 std::vector<NamedDisplay> device_displays(const char* extensions) {
   const bool devices =
       lists(extensions, "EGL_EXT_device_base") || lists(extensions, "EGL_EXT_device_enumeration");
@@ -85,8 +87,8 @@ std::vector<NamedDisplay> displays_without_window() {
       fmt::format("{} failed (EGL error {:#x})", what, static_cast<unsigned>(eglGetError())));
 }
 
-// Any configuration with desktop OpenGL. EGL_SURFACE_TYPE is 0, because no EGL surface is needed;
-// by default EGL would require one for windows.
+// Returns the first configuration with desktop OpenGL. EGL_SURFACE_TYPE is 0, because no EGL
+// surface is needed; by default EGL chooses only configurations that support windows.
 EGLConfig choose_config(EGLDisplay display) {
   const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
   EGLConfig config{};
@@ -152,14 +154,13 @@ void EglContext::open(EGLDisplay display) {
 void EglContext::close() {
   if (display_ == EGL_NO_DISPLAY) return;
   if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
-  // A display belongs to the whole process, and others may use it. So it is not terminated.
+  // A display belongs to the whole process, and other code may use it. So it is not terminated.
   context_ = EGL_NO_CONTEXT;
   display_ = EGL_NO_DISPLAY;
 }
 
 EglContext::Use::Use(const EglContext& context) : display_(context.display_) {
-  // The bound API is a setting of each thread, and this may be another thread than the
-  // constructor's.
+  // Each thread has its own bound API, and this thread may not be the one that opened the context.
   eglBindAPI(EGL_OPENGL_API);
   if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context.context_)) {
     fail("eglMakeCurrent");

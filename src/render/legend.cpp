@@ -1,8 +1,8 @@
-// Draws the colour bar into the pixels of a picture, after OpenGL has drawn the surface above it.
+// Draws the legend (title, colour bar, tick marks and labels, from top to bottom) into the lowest
+// rows of a picture, after OpenGL has drawn the surface into the rows above it.
 //
-// All measures are multiples of one text size, which grows with the picture. From top to bottom
-// there are the title, the bar, the tick marks and the labels. The number of labels is the largest
-// one at which neighbours keep clear of each other.
+// All heights are multiples of the text size, in pixels per em, which grows with the picture. There
+// are as many labels as possible without neighbours that come too close (fitting_ticks()).
 #include "render/legend.hpp"
 
 #include <fmt/format.h>
@@ -32,12 +32,12 @@ int text_size(int width, int height) {
 constexpr double kTitleBaseline = 0.9, kBarTop = 1.4, kBarBottom = 2.3, kTickBottom = 2.55,
                  kLabelBaseline = 3.55, kHeight = 4.2;
 
-// From text sizes to rows of pixels.
+// Converts a height in text sizes to rows of pixels; `size` is the text size in pixels.
 int rows(double text_sizes, int size) { return static_cast<int>(std::lround(text_sizes * size)); }
 
-// The colour of text: black on a light background, white on a dark one. A background is light if
-// its relative luminance (CIE Y of sRGB) exceeds 0.18, the luminance of middle grey. Text on a
-// transparent background is black.
+// Returns the colour of text: black on a light background, white on a dark one. A background is
+// light if its relative luminance (CIE Y of sRGB, computed in linear light) exceeds 0.18, the
+// luminance of middle grey. Text on a transparent background (no value) is black.
 Rgb ink_on(const std::optional<Rgb>& background) {
   if (!background) return {0, 0, 0};
   const double luminance = 0.2126 * to_linear(background->r) + 0.7152 * to_linear(background->g) +
@@ -45,8 +45,9 @@ Rgb ink_on(const std::optional<Rgb>& background) {
   return luminance > 0.18 ? Rgb{0, 0, 0} : Rgb{1, 1, 1};
 }
 
+// Pixels of a picture: columns [left, right) and rows [top, bottom).
 struct Rectangle {
-  int left, right, top, bottom;  // right and bottom excluded
+  int left, right, top, bottom;
 };
 
 void fill(const Rectangle& r, const Rgb& color, Picture& picture) {
@@ -65,15 +66,17 @@ void draw_bar(const ColorScale& scale, const Rectangle& bar, const Rgb& ink, Pic
   }
 }
 
-// The column of pixels at which a value stands on the bar.
+// Returns the column of pixels at which a value stands on the bar: `lower` of the scale is at the
+// first column of the bar, `upper` at the last.
 int place(const ColorScale& scale, const Rectangle& bar, double value) {
   const double share = (value - scale.lower) / (scale.upper - scale.lower);
   return bar.left + static_cast<int>(std::lround(share * (bar.right - 1 - bar.left)));
 }
 
-// The ticks to be labelled: as many as possible, 11 at most, such that neighbouring labels keep
-// half a label's width between them. Ticks have equal distances, so the first two decide. If even
-// three are too many, they are returned all the same.
+// Returns the ticks to be labelled: as many as possible, 11 at most, such that half the width of
+// the widest label is free between neighbours. Labels are centred at their ticks, so neighbouring
+// ticks must be 1.5 widths apart; ticks have equal distances, so the first two decide. The limit
+// falls from 11 to 3 until the ticks fit; the ticks for 3 are returned even if they do not fit.
 std::vector<Tick> fitting_ticks(const ColorScale& scale, const Rectangle& bar, const Font& font) {
   std::vector<Tick> chosen;
   for (int most = 11; most >= 3; most -= 2) {
@@ -83,7 +86,7 @@ std::vector<Tick> fitting_ticks(const ColorScale& scale, const Rectangle& bar, c
     const bool alone = chosen.size() < 2;
     const int apart =
         alone ? 0 : place(scale, bar, chosen[1].value) - place(scale, bar, chosen[0].value);
-    if (alone || 2 * apart >= 3 * widest) break;  // 1.5 widths apart
+    if (alone || 2 * apart >= 3 * widest) break;
   }
   return chosen;
 }

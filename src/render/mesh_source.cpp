@@ -24,7 +24,8 @@ bool is_finite(const Vec3d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-// Throws InvalidInput for the first triangle that has an index or a coordinate out of order.
+// Throws InvalidInput for the first triangle that names a vertex that does not exist or that has a
+// vertex which is not finite.
 void check_triangles(const IndexedMesh& mesh) {
   if (mesh.triangles.empty()) throw InvalidInput("the mesh has no triangles; nothing to draw");
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -64,12 +65,13 @@ std::array<Vec3d, 3> corners(const IndexedMesh& mesh, std::size_t t, const Vec3d
   return {corner(0), corner(1), corner(2)};
 }
 
-// The area of a set of triangles, its first moments (x y z) and its second moments (xx xy xz yy yz
-// zz) about an origin, in this order.
+// Ten integrals over the area of a set of triangles, in this order: the area itself, the first
+// moments x y z and the second moments xx xy xz yy yz zz, of positions relative to an origin.
 struct AreaMoments {
   std::array<WideSum, 10> sums;
 
-  // ∫ p pᵀ over a triangle of area A is A/12 (Σ vᵢ vᵢᵀ + s sᵀ) with s = Σ vᵢ.
+  // Adds a triangle with the corners vᵢ. With its area A and s = Σ vᵢ, the integral of p over it is
+  // A/3 s, and the integral of p pᵀ is A/12 (Σ vᵢ vᵢᵀ + s sᵀ).
   void add(const std::array<Vec3d, 3>& v) {
     const double area = norm(cross(v[1] - v[0], v[2] - v[0])) / 2;
     const Vec3d s = v[0] + v[1] + v[2];
@@ -123,8 +125,8 @@ bool is_usable(const Vec3f& normal) {
   return std::isfinite(length) && length > 0;
 }
 
-// The mesh's normals, with unusable ones replaced by vertex_normals(). Empty if all of them are
-// usable, so that the mesh's own array serves without a copy.
+// Returns the mesh's normals, with unusable ones replaced by those of vertex_normals(). The result
+// is empty if all normals of the mesh are usable; the mesh's own array then serves without a copy.
 Buffer<Vec3f> completed_normals(const IndexedMesh& mesh) {
   const bool own = mesh.normals.size() == mesh.vertex_count();
   if (own && std::ranges::all_of(mesh.normals, is_usable)) return {};
@@ -146,7 +148,8 @@ Buffer<Vec3f> vertex_normals(const IndexedMesh& mesh) {
     if (!(twice_area > 0)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3d to_next = v[(k + 1) % 3] - v[k], to_last = v[(k + 2) % 3] - v[k];
-      // The angle of the triangle at its vertex k: |a × b| is twice the area at every corner.
+      // The angle between the edges from vertex k: the cross product of the two edge vectors has
+      // the length twice_area at every corner. `normal` has this length too and is divided by it.
       const double angle = std::atan2(twice_area, dot(to_next, to_last));
       Vec3d& sum = sums[mesh.triangles[t][k]];
       sum = sum + (angle / twice_area) * normal;

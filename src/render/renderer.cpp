@@ -27,7 +27,8 @@ namespace {
 // Colours in the texture of a colour map; OpenGL interpolates between them.
 constexpr int kPaletteSize = 256;
 constexpr int kMostSamplesPerAxis = 8;
-// The most triangles in one draw call, which counts its indices in a GLsizei of 31 bits.
+// The most triangles in one draw call: their 3 · 2^28 indices are counted in a GLsizei, whose
+// largest value is 2^31 - 1.
 constexpr std::uint64_t kTrianglesPerCall = std::uint64_t{1} << 28;
 // Colour and depth in the framebuffer, and the colour after it has been read back.
 constexpr std::uint64_t kBytesPerSample = 4 + 4 + 4;
@@ -49,7 +50,7 @@ void check_options(const RenderOptions& o) {
   }
 }
 
-// In samples or pixels, as the context says.
+// The size of a picture, in samples: samples_per_axis for every pixel along each axis.
 struct Size {
   int width, height;
 };
@@ -124,9 +125,9 @@ void bind_palette(const GlTexture& texture, ColorMap map) {
   check_gl("the palette");
 }
 
-// Draws all triangles of the bound buffers, in several calls if there are too many for one. The
-// program needs the first triangle of each call, because OpenGL counts primitives from 0 in every
-// call.
+// Draws all triangles of the bound buffers, in several calls if there are too many for one call.
+// The program needs the index of the first triangle of each call to fetch the values of triangles,
+// because OpenGL counts primitives from 0 in every call.
 void draw_triangles(const SurfaceProgram& program, std::uint64_t count) {
   for (std::uint64_t first = 0; first < count; first += kTrianglesPerCall) {
     const std::uint64_t here = std::min(count - first, kTrianglesPerCall);

@@ -1,5 +1,5 @@
-// Averages samples (a box filter) in linear light. Averaging encoded sRGB values would make edges
-// too dark. The rows of the picture are computed in parallel.
+// Averages the samples of each pixel with equal weights (a box filter) in linear light. Averages of
+// encoded sRGB values would make edges too dark. The rows of the picture are computed in parallel.
 #include "render/samples.hpp"
 
 #include <tbb/parallel_for.h>
@@ -31,7 +31,8 @@ struct Covered {
   int count = 0;
 };
 
-// Adds up the samples of pixel x in row y, counted from the bottom.
+// Adds up the covered samples of one pixel, in column x and in the given row. Rows count from the
+// bottom, as in Samples.
 Covered gather(const Samples& s, int x, int y_from_bottom) {
   const std::array<double, 256>& linear = linear_of_byte();
   Covered covered;
@@ -51,7 +52,8 @@ Covered gather(const Samples& s, int x, int y_from_bottom) {
   return covered;
 }
 
-// A pixel without a background. Alpha is straight: the colour is not multiplied by it.
+// Returns a pixel of a picture without a background. Alpha is straight: the colour is not
+// multiplied by it. `samples` is the number of samples of a pixel.
 Rgba8 over_nothing(const Covered& c, int samples) {
   if (c.count == 0) return {0, 0, 0, 0};
   const double n = c.count;
@@ -59,7 +61,7 @@ Rgba8 over_nothing(const Covered& c, int samples) {
           static_cast<std::uint8_t>(std::lround(255.0 * n / samples))};
 }
 
-// A pixel over a background. Samples that are not covered show the background.
+// Returns a pixel over a background. Samples that are not covered show the background.
 Rgba8 over(const Light& background, const Covered& c, int samples) {
   const double free = samples - c.count;
   const auto channel = [&](double light, double behind) {
@@ -82,7 +84,8 @@ std::uint8_t to_srgb_byte(double light) {
 
 void resolve(const Samples& samples, const std::optional<Rgb>& background, Picture& picture) {
   const int rows = samples.height / samples.per_axis, of = samples.per_axis * samples.per_axis;
-  // The background is rounded to bytes first, as if it had been drawn.
+  // The samples are bytes, so the background is rounded to bytes too: a pixel without covered
+  // samples then has exactly the bytes of the background.
   const auto bytes = to_bytes(background.value_or(Rgb{0, 0, 0}));
   const std::array<double, 256>& linear = linear_of_byte();
   const Light behind{linear[bytes[0]], linear[bytes[1]], linear[bytes[2]]};

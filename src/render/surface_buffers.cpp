@@ -28,8 +28,8 @@ void allocate_buffer(GLenum target, GLuint name, std::uint64_t bytes, std::strin
   }
 }
 
-// Maps a buffer to host memory for writing. Its former content is lost, so all of it must be
-// written.
+// Maps a buffer of `count` elements to host memory for writing. The former content of the buffer is
+// lost, so every element must be written.
 template <class T>
 T* map(GLenum target, GLuint name, std::uint64_t count) {
   glBindBuffer(target, name);
@@ -40,8 +40,8 @@ T* map(GLenum target, GLuint name, std::uint64_t count) {
   return static_cast<T*>(memory);
 }
 
-// Unmaps a buffer if it was mapped. OpenGL reports here if the device has lost the content
-// meanwhile.
+// Unmaps a buffer if it is mapped (not null), and sets `mapped` to null. glUnmapBuffer() returns
+// false if the device has lost the content of the buffer while it was mapped.
 template <class T>
 void unmap_buffer(GLenum target, GLuint name, T*& mapped) {
   if (!mapped) return;
@@ -73,8 +73,8 @@ SurfaceBuffers::SurfaceBuffers(const SurfaceSource& source, const Vec3d& origin)
     : vertex_count_(source.vertex_count()),
       triangle_count_(source.triangle_count()),
       paint_(source.paint()) {
-  // A vertex array remembers the index buffer that is bound while it is bound itself. So it comes
-  // first.
+  // A vertex array object records the index buffer that is bound while the object itself is bound.
+  // So it is bound before allocate() binds the index buffer.
   glBindVertexArray(array_.name());
   allocate();
   source.fill(*this, origin);

@@ -1,10 +1,10 @@
 // The GLSL shaders of a surface and their uniform variables.
 //
-// Light is computed by Blinn's model with a light at infinity, in linear light; colours are decoded
-// from sRGB before and encoded after it. kCommon holds the light model and goes into both shaders.
-// The vertex shader computes light for Gouraud shading, the fragment shader for shading per pixel;
-// the macro GOURAUD selects one of them at compile time. Either side of a triangle is lit as seen
-// from the viewer, with the normal reversed for the back side.
+// Reflection is computed by Blinn's model with one light source at infinity. The computation is in
+// linear light: colours are decoded from sRGB before it and encoded after it. kCommon holds the
+// model and goes into both shaders. For Gouraud shading the vertex shader evaluates the model, for
+// shading per pixel the fragment shader; the macro GOURAUD selects one of them when the shaders are
+// compiled. Both sides of a triangle are lit; for the back side the normal is reversed.
 #include "render/surface_program.hpp"
 
 #include <fmt/format.h>
@@ -17,10 +17,10 @@
 namespace vdwmesh {
 namespace {
 
-// Both shaders' common part: the light model in eye coordinates (x right, y up, z toward the
-// viewer). illuminate() returns two shares of light: of the surface's own colour, and of white for
-// the highlight. The ambient share is larger where the surface faces the viewer, so that shape
-// stays visible in places without light.
+// The common part of both shaders: the reflection model in eye coordinates (origin at the eye, x
+// right, y up, z toward the viewer). illuminate() returns two factors: of the surface's own colour,
+// and of white for the highlight. The ambient factor is larger at points that face the viewer, so
+// that shape stays visible at points that the light does not reach.
 constexpr const char* kCommon = R"(#version 330 core
 uniform vec3 light;          // unit, toward it
 uniform vec4 material;       // ambient, diffuse, specular, shininess
@@ -47,8 +47,9 @@ vec3 to_srgb(vec3 c) {
 }
 )";
 
-// The vertex shader. If GOURAUD is defined, it computes light for both sides of the surface,
-// because only the fragment shader knows which side is seen: xy for the front, zw for the back.
+// The vertex shader. If GOURAUD is defined, it calls illuminate() for both sides of the surface,
+// because only the fragment shader knows which side is seen. The result both_lights has the two
+// factors of the front in xy and those of the back in zw.
 constexpr const char* kVertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -78,8 +79,9 @@ void main() {
 }
 )";
 
-// The fragment shader. The colour comes from the vertices or, for values, from the palette. Value
-// and light are interpolated; the palette is looked up per pixel. NaN is shown grey.
+// The fragment shader. The surface's own colour comes from the vertices or, if values are painted,
+// from the palette: the value is interpolated first, and then looked up in the palette for each
+// pixel. The values `bounds` are at the centres of the first and the last texel. NaN is shown grey.
 constexpr const char* kFragment = R"(
 in vec3 eye_position;
 in vec3 eye_normal;
@@ -118,7 +120,8 @@ void main() {
 }
 )";
 
-// The first line of a shader's or a program's log.
+// Returns the first line of a shader's or a program's log; `get` is the OpenGL function that reads
+// the log.
 std::string log_of(GLuint name, decltype(glGetShaderInfoLog) get) {
   char text[512] = "";
   get(name, sizeof text, nullptr, text);

@@ -1,6 +1,6 @@
 // What the renderer draws: a surface that can be framed and can fill the renderer's buffers. A
-// source writes them from the host, or fills the OpenGL buffers itself on the device that draws
-// (CUDA-OpenGL interoperation).
+// source writes the buffers in host memory, or fills the OpenGL buffers itself on the device that
+// draws (CUDA-OpenGL interoperation).
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace vdwmesh {
 
-// From what the surface's colour comes: a colour or a value per vertex, or a value per triangle.
+// What the surface's colour comes from: a colour or a value per vertex, or a value per triangle.
 enum class PaintKind : std::uint8_t { vertex_color, vertex_value, triangle_value };
 
 // The renderer's buffers while a source fills them. The renderer's OpenGL context is then current
@@ -30,8 +30,8 @@ class SurfaceTarget {
   virtual std::span<SurfaceVertex> vertices() = 0;
   virtual std::span<Triangle> triangles() = 0;
   virtual std::span<float> triangle_values() = 0;  // empty unless values of triangles are painted
-  // OpenGL names of the same buffers. They are allocated, and not mapped unless their host memory
-  // was asked for.
+  // OpenGL names of the same buffers. The buffers are allocated. A buffer is mapped only after the
+  // function above that returns its host memory was called.
   virtual unsigned vertex_buffer() const = 0;
   virtual unsigned index_buffer() const = 0;
   virtual unsigned triangle_value_buffer() const = 0;  // 0 unless values of triangles are painted
@@ -76,8 +76,9 @@ struct SurfaceArrays {
 // vertex, these are shown; normals that are missing, zero or not finite are taken from
 // vertex_normals().
 //
-// Throws InvalidInput for a mesh without triangles or without area, and for an index out of range,
-// a vertex that is not finite or paint of another size, naming the first one.
+// Throws InvalidInput for a mesh without triangles or without area, for an index out of range, for
+// a vertex of a triangle that is not finite, and for a number of colours or values that differs
+// from the number of vertices or triangles. The message names the first faulty triangle.
 class MeshSource : public SurfaceSource {
  public:
   MeshSource(const IndexedMesh& mesh, Paint paint);

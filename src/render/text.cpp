@@ -16,16 +16,19 @@
 namespace vdwmesh {
 namespace {
 
-// Stands for bytes that are no UTF-8.
+// The code point U+FFFD, which stands for bytes that are not valid UTF-8.
 constexpr char32_t kReplacement = 0xfffd;
 
-// The code points of a UTF-8 text. A stray continuation byte or a sequence that ends too early
-// becomes U+FFFD. Overlong sequences are not detected.
+// Returns the code points of a UTF-8 text. A lead byte, from 0 to 0x7f or from 0xc0, begins a code
+// point and says how many continuation bytes (0x80 to 0xbf), with six bits each, follow it. A
+// continuation byte without a lead byte, or a sequence that ends too early, becomes U+FFFD.
+// Overlong sequences and lead bytes that UTF-8 does not use are not detected.
 std::vector<char32_t> decode(std::string_view text) {
   std::vector<char32_t> points;
   for (std::size_t i = 0; i < text.size();) {
     const auto lead = static_cast<unsigned char>(text[i++]);
-    // The number of continuation bytes that the lead byte announces; -1 if it is one itself.
+    // The number of continuation bytes that the lead byte announces; -1 if the byte is itself a
+    // continuation byte.
     const int more = lead < 0x80 ? 0 : lead < 0xc0 ? -1 : lead < 0xe0 ? 1 : lead < 0xf0 ? 2 : 3;
     char32_t point = more == 0 ? lead : lead & (0x3fu >> more);
     for (int k = 0; k < more; ++k) {
@@ -101,8 +104,9 @@ void Font::draw(std::string_view text, int x, int y, const Rgb& ink, Picture& pi
 
 void blend(const Rgb& ink, double coverage, Rgba8& pixel) {
   if (coverage <= 0) return;
-  // Porter and Duff's "over" for straight alpha: the result's alpha is coverage + behind, and its
-  // colour is the mean of both colours weighted by their parts of it.
+  // Porter and Duff's operator "over" for straight alpha (the colour is not multiplied by alpha).
+  // `coverage` and `behind` are the shares of the pixel that show the ink and the old colour. Their
+  // sum is the new alpha, and the new colour is the mean of both colours, weighted by the shares.
   const double behind = pixel[3] / 255.0 * (1 - coverage), alpha = coverage + behind;
   const auto bytes = to_bytes(ink);
   for (std::size_t c = 0; c < 3; ++c) {

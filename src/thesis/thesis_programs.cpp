@@ -5,9 +5,12 @@
 //  3. thesis_marching_cubes(): marching cubes over all voxels, with linear interpolation along the
 //     edges and normals from the analytic gradient, summed over all atoms.
 //
-// The programs are a baseline for timings and are deliberately simple. They share only the case
-// table with the extractor. docs/thesis.md says how the parameters were recovered. In the comments
-// below d2 is a squared distance in Å², h the spacing in Å, and b the parameter `blob`.
+// The programs are a baseline for timings and are deliberately simple. From the extractor they use
+// only the case table: case_table() has the triangles of each of the 256 sign patterns of a voxel's
+// corners, as triples of edge numbers, and cell_edge() the lower end and the axis of each edge.
+// docs/thesis.md says how the parameters were recovered. In the comments below d2 is a squared
+// distance in Å², h the spacing in Å, and b the parameter `blob`. A voxel is a cell of the grid,
+// and is named by the node at its lower corner.
 #include "thesis/thesis_programs.hpp"
 
 #include <algorithm>
@@ -41,8 +44,9 @@ float contribution(const ThesisParameters& p, float d2) {
   return 1.0f + q * (-22.0f / 9.0f + q * (17.0f / 9.0f - q * (4.0f / 9.0f)));
 }
 
-// Returns the derivative of f by d2. The gradient of f at p is twice this times (p - c) for an atom
-// at c.
+// Returns the derivative of f by d2. The gradient of f at a point x is twice this times (x - c) for
+// an atom at c. The inverse square has no lower bound of d2 here, unlike contribution(): the slope
+// is evaluated at vertices of the surface only, not at atom centres.
 float slope(const ThesisParameters& p, float d2) {
   const float b = static_cast<float>(p.blob);
   if (p.function == ThesisFunction::blinn) return -b * std::exp(-b * d2);
@@ -58,7 +62,8 @@ PointF relative(const Vec3d& atom, const ThesisGrid& grid) {
   return cast<float>(atom - grid.origin);
 }
 
-// The number of nodes along each axis, and the index of a node in the field's array.
+// The number of nodes along each axis, one more than voxels, and the index of a node in the field's
+// array (x fastest).
 struct Nodes {
   std::int64_t nx, ny, nz;
   explicit Nodes(const ThesisGrid& g)
@@ -68,8 +73,8 @@ struct Nodes {
   }
 };
 
-// Adds the function of an atom at c to the nodes of its sub-grid (see SubGrid), clipped to the
-// grid.
+// Adds the function of an atom at c to the nodes of its sub-grid (the enumeration SubGrid in the
+// header says which nodes), clipped to the grid. c is relative to the origin of the grid.
 void add_atom(const PointF& c, const ThesisGrid& grid, const ThesisParameters& p,
               std::vector<float>& field) {
   const Nodes nodes(grid);
@@ -93,8 +98,9 @@ void add_atom(const PointF& c, const ThesisGrid& grid, const ThesisParameters& p
   }
 }
 
-// Returns the case of voxel v: bit c is set if the value at corner c is at least the threshold t.
-// The bits of c are the offsets of the corner along x, y and z.
+// Returns the case of voxel v: bit c is set if the value at corner c is at least the threshold t,
+// that is, if the corner is inside. The lowest bit of the number c is the offset of the corner
+// along x, the next one along y, and the highest one along z.
 unsigned voxel_flag(const std::vector<float>& field, const Nodes& nodes, const Voxel& v, float t) {
   unsigned flag = 0;
   for (int c = 0; c < 8; ++c) {
@@ -130,8 +136,9 @@ class MarchingCubes {
   }
 
  private:
-  // Appends the triangles of one voxel. `ids` are the vertices on its twelve edges, made when a
-  // triangle first needs them.
+  // Appends the triangles of one voxel. `ids` are the vertices on its twelve edges; the largest
+  // number means that no triangle has needed the vertex yet. In the cases 0 and 255 all corners are
+  // on one side.
   void march(const Voxel& v, unsigned flag) {
     if (flag == 0 || flag == 255) return;
     std::array<std::uint32_t, 12> ids;
@@ -182,8 +189,10 @@ class MarchingCubes {
     return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
   }
 
-  // Returns the unit normal at a point: the negative gradient, summed over all atoms, not only over
-  // the atoms whose sub-grid contains the point, as the thesis's timings show.
+  // Returns the unit normal at a point: the direction of the negative gradient. The sum runs over
+  // all atoms, not only over the atoms whose sub-grid contains the point; the timings in the thesis
+  // show that its programs do the same. The factor 2 of the gradient is left out, because the
+  // normal is divided by its length.
   PointF normal(const PointF& at) const {
     PointF sum{0, 0, 0};
     for (const PointF& c : atoms_) {
@@ -203,7 +212,7 @@ class MarchingCubes {
   ThesisParameters p_;
   SharedVertices shared_;
   std::vector<PointF> atoms_;
-  std::unordered_map<std::size_t, std::uint32_t> table_;  // grid edge -> vertex
+  std::unordered_map<std::size_t, std::uint32_t> table_;  // grid edge (3 · node + axis) -> vertex
   ThesisMesh mesh_;
 };
 

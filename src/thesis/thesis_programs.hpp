@@ -19,7 +19,7 @@ namespace vdwmesh {
 enum class ThesisFunction { blinn, soft_object, inverse_squared };
 
 // The sub-grid of an atom at c: the nodes to which the atom contributes. Along each axis the atom
-// is in voxel v = floor((c - origin) / h), and n is the half width.
+// is in voxel v = floor((c - origin) / h), between the nodes v and v + 1, and n is the half width.
 //   voxels: nodes v - n … v + n + 1, all corners of the voxels v - n … v + n
 //   nodes:  nodes v - n … v + n
 enum class SubGrid { voxels, nodes };
@@ -34,8 +34,8 @@ struct ThesisParameters {
   SubGrid sub_grid = SubGrid::nodes;
 };
 
-// The parameters fitted in docs/thesis.md: of each function for Tables 4.1-4.3, and of the van der
-// Waals surface (inverse squared) for Tables 4.4-4.5.
+// The parameters that docs/thesis.md fits: for each function to Tables 4.1-4.3, and for the van der
+// Waals surface (inverse squared) to Tables 4.4-4.5.
 ThesisParameters thesis_parameters(ThesisFunction function);
 ThesisParameters thesis_vdw_parameters();
 
