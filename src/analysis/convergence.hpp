@@ -1,4 +1,4 @@
-// Order of convergence of a sequence of approximations, and extrapolation of their limit.
+// Order of convergence of a sequence of approximations, and extrapolation to its limit.
 //
 // A sequence consists of sizes (grid spacing, edge length or number of triangles, any unit) and one
 // error or value for each size. A study applies both functions to its runs (study.hpp).
@@ -29,16 +29,16 @@ struct Extrapolation {
   double limit, order;
 };
 
-// The range of orders that extrapolate() accepts.
+// The range of orders in which extrapolate() searches.
 inline constexpr double kMinExtrapolationOrder = 0.05;
 inline constexpr double kMaxExtrapolationOrder = 16;
 
 // Richardson extrapolation with an observed order (L. F. Richardson and J. A. Gaunt, Phil. Trans.
 // R. Soc. A 226 (1927) 299; for sizes of any ratio I. B. Celik et al., J. Fluids Eng. 130 (2008)
-// 078001). The three parameters of the model are chosen so that it passes through the values at the
-// three smallest sizes. The sizes may be in any order. The result is empty if there are fewer than
-// three different sizes with finite values, or if no order in the range above fits the values.
-// Throws as fit_power_law() does.
+// 078001). The three parameters of the model (limit, constant, order) are chosen so that it passes
+// through the finite values at the three smallest sizes that have one. The sizes may be in any
+// order. The result is empty if there are fewer than three different sizes with finite values, or
+// if no order in the range above fits the values. Throws InvalidInput as fit_power_law() does.
 std::optional<Extrapolation> extrapolate(std::span<const double> sizes,
                                          std::span<const double> values);
 

@@ -145,6 +145,7 @@ Buffer<std::uint8_t> used_vertices(const IndexedMesh& mesh) {
 
 // Collects the distances of all blocks: sums for each block, which are joined in the order of the
 // blocks, and a histogram for each thread, whose integer counts can be added in any order.
+// histogram() returns the one of the calling thread.
 class Statistics {
  public:
   explicit Statistics(std::size_t blocks) : blocks_(blocks) {}
@@ -242,7 +243,8 @@ class MeshSampler {
     }
   }
 
-  // Measures the vertices [first, end), without isolated ones, for the maximum.
+  // Measures one block of vertices for the maximum, except isolated vertices, whose element of
+  // `used` is 0.
   void visit_vertices(std::size_t first, std::size_t end, const Buffer<std::uint8_t>& used,
                       DistanceSums& sums) const {
     std::uint32_t hint = 0;

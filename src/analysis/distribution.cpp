@@ -5,6 +5,7 @@
 //  2. The bin that contains each wanted rank follows from a running sum over the bins.
 //  3. A second parallel pass copies the values in these bins, at most three, and std::nth_element
 //     selects the wanted ranks among them.
+//
 // The rank of a value is its index in the sorted sequence of all values.
 //
 // The blocks have a fixed size and their sums are joined in order, so the mean does not depend on
@@ -106,13 +107,14 @@ class OrderStatistics {
 
   const Summary& summary() const { return summary_; }
 
-  // Returns three percentiles: the values of rank ceil(hundredths n / 100), where ranks count from
-  // 1 and n is the number of values. Precondition: `hundredths` increase, so percentiles in the
-  // same bin are neighbours. The values of each bin are gathered once, for the first percentile i
-  // in it: bins[i] is the bin, and inside[i] has its values. A later percentile in the same bin has
-  // kNoBin instead of a bin, and uses inside[from], where `from` is the percentile that has the
-  // bin. std::nth_element() reorders inside[from], which does not matter for later selections in
-  // it.
+  // Returns three percentiles: hundredths[i] = 50, for example, asks for the median. Percentile i
+  // is the value of rank ceil(hundredths[i] n / 100), where ranks count from 1 and n is the number
+  // of values. Precondition: `hundredths` increase, so percentiles in the same bin are neighbours.
+  //
+  // The values of each bin are gathered once, for the first percentile i in it: bins[i] is the bin,
+  // and inside[i] has its values. A later percentile in the same bin has kNoBin, and uses
+  // inside[from], where `from` is the index of that first percentile. std::nth_element() changes
+  // the order of inside[from], which later selections allow.
   std::array<double, 3> percentiles(const std::array<std::size_t, 3>& hundredths) const {
     std::array<Place, 3> places;
     Bins bins;

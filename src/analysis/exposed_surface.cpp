@@ -39,10 +39,10 @@ constexpr double kParallel = 1e-18;
 // roundings. Keeping a nested cap is always correct; dropping it only saves time.
 constexpr double kNested = 1e-14;
 
-// The patches of one block of spheres, and the covers and corners to which they refer. Growing
-// vectors move their elements, so set_spans() sets the spans of the patches at the end. Until then
-// the covers of patch i are the elements covers_end[i - 1] … covers_end[i] - 1 of `covers`, and its
-// corners are given by corners_end in the same way.
+// The patches of one block of spheres, and the covers and corners to which they refer. A vector may
+// move its elements when it grows, so set_spans() sets the spans of the patches after all elements
+// have been added. Until then the covers of patch i are the elements covers_end[i - 1] (0 for
+// i = 0) to covers_end[i] - 1 of `covers`; corners_end gives its corners in the same way.
 struct BlockPatches {
   std::vector<Patch> patches;
   std::vector<std::size_t> covers_end, corners_end;
@@ -161,7 +161,8 @@ class PatchBuilder {
     }
   }
 
-  // Returns whether no cover other than i and j covers the direction.
+  // Returns whether no cover other than i and j covers the direction. A crossing of the circles i
+  // and j is on the border of both caps, where rounding alone would decide.
   bool exposed_beside(const Vec3d& direction, std::size_t i, std::size_t j) const {
     for (std::size_t k = 0; k < covers_.size(); ++k) {
       const arcs::Cap& cap = covers_[k].cap;
@@ -186,7 +187,9 @@ class PatchBuilder {
   const CellListView& list_;
   std::vector<Cover> covers_;
   std::vector<Corner> corners_;
-  std::vector<std::uint8_t> exposed_;  // for each cover: 1 if its circle has exposed arcs
+  // For each element of covers_: 1 if its circle has exposed arcs. Complete after
+  // find_whole_circles().
+  std::vector<std::uint8_t> exposed_;
 };
 
 // Lowers `squared` to the squared distance from y to circle i, if that distance is smaller and the

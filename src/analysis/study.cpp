@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// Returns one figure of every picked run; `picked` are indices into `runs`. `read` returns NaN if a
-// run does not have the figure.
+// Returns one figure (a number that `read` takes from a run) of every picked run; `picked` are
+// indices into `runs`. `read` returns NaN if a run does not have the figure.
 template <class Read>
 std::vector<double> column(std::span<const StudyRun> runs, const std::vector<std::size_t>& picked,
                            Read&& read) {

@@ -41,7 +41,8 @@ struct StudySetting {
   auto operator<=>(const StudySetting&) const = default;
 };
 
-// Wall-clock seconds of the stages that made the mesh, including all refinement levels below it.
+// Wall-clock seconds of the stages that made the mesh, including all coarser refinement levels that
+// it was made from.
 struct StudySeconds {
   std::optional<double> field, extract, refine;  // refine has a value for subdivided meshes only
   double mesh = 0;                               // all stages together
@@ -50,7 +51,7 @@ struct StudySeconds {
 
 struct StudyMemory {
   std::uint64_t mesh = 0;             // bytes of the mesh's arrays
-  std::optional<std::uint64_t> peak;  // largest resident size of the process while it was made
+  std::optional<std::uint64_t> peak;  // bytes: largest resident size while the mesh was made
 };
 
 struct StudyRun {

@@ -23,8 +23,9 @@ VDWMESH_HD inline int count_bits(std::uint32_t bits) {
 #endif
 }
 
-// Returns max(x, 0), and 0 for NaN. Precondition: x <= 1. With it the device can use its saturation
-// to [0, 1], which is a modifier of the instruction that computes x and costs nothing.
+// Returns max(x, 0), and 0 for NaN. Precondition: x <= 1. Because of this precondition the device
+// can use its saturation to [0, 1], which is a modifier of the instruction that computes x and
+// costs nothing.
 VDWMESH_HD inline float positive_part(float x) {
 #ifdef __CUDA_ARCH__
   return __saturatef(x);

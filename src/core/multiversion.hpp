@@ -1,9 +1,9 @@
 // VDWMESH_MULTIVERSION: compiles a function for two processor generations (GCC on x86-64).
 //
-// The "default" version runs on every x86-64 processor; there std::fma is a library call. The
-// x86-64-v3 version (AVX2 and FMA) computes it in one instruction. The loader chooses a version for
-// the processor at run time (target_clones). Both versions give the same bits, because every fma in
-// the sources is written out and the compiler may not contract other expressions.
+// The "default" version runs on every x86-64 processor; in it std::fma is a library call. The
+// x86-64-v3 version (AVX2 and FMA) computes std::fma in one instruction. When the program starts,
+// the loader chooses the version for the processor (target_clones). Both versions give the same
+// bits, because every fma in the sources is written out and the compiler may not form others.
 //
 // The attribute `flatten` inlines everything that the function calls. Each version thus contains
 // its whole loop, and no code for the newer processor is emitted as a function that others share.

@@ -1,8 +1,8 @@
 // Vec3: three coordinates with the usual operations, for host and device.
 //
-// CPU and CUDA results must agree bit for bit. The order of every rounding is therefore written
-// out: fused multiply-adds are explicit, and all targets forbid the compiler to form others
-// (-ffp-contract=off).
+// CPU and CUDA results must agree bit for bit. The sources therefore say for every operation how it
+// is rounded: fused multiply-adds are explicit, and all targets forbid the compiler to form others
+// (-ffp-contract=off, and --fmad=false for nvcc).
 #pragma once
 
 #include <cmath>

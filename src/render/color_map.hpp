@@ -16,7 +16,8 @@ struct Rgb {
   friend bool operator==(const Rgb&, const Rgb&) = default;
 };
 
-// The nearest bytes, 0 to 255; channels out of range are clamped.
+// Returns the nearest byte to 255 times a channel, or three of them; channels are first clamped to
+// [0, 1].
 VDWMESH_HD inline std::uint8_t to_byte(float channel) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
 }
@@ -30,8 +31,8 @@ enum class ColorMap {
   cool_warm,  // diverging, blue over grey to red; neutral at 1/2 (Moreland 2009)
 };
 
-// The colour of the map at t in [0, 1]; t outside gives the colour of the nearer end. In the
-// sequential maps lightness rises with t. cool_warm is lightest, and neutral grey, at t = 1/2, and
+// Returns the colour of the map at t in [0, 1]; t outside gives the colour of the nearer end. In
+// the sequential maps lightness rises with t. cool_warm is a light neutral grey at t = 1/2 and
 // darkens equally to both sides. Throws InvalidInput for NaN.
 Rgb color_at(ColorMap map, double t);
 

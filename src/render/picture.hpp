@@ -26,8 +26,8 @@ struct Picture {
   }
 };
 
-// The bytes of a PNG file with 8 bits per channel: RGB if every pixel is opaque, else RGBA. The
-// same picture gives the same bytes. Throws InvalidInput for a picture without pixels,
+// Returns the bytes of a PNG file with 8 bits per channel: RGB if every pixel is opaque, else RGBA.
+// The same picture gives the same bytes. Throws InvalidInput for a picture without pixels, and
 // BackendUnavailable in a build without libpng.
 std::string encode_png(const Picture& picture);
 

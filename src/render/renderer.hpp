@@ -31,9 +31,10 @@ struct RenderOptions {
   double margin = 0.04;  // empty border on each side, as a share of the picture
   Shading shading = Shading::per_pixel;
   Material material;
-  // Direction toward the light, along the picture's right, up and viewer. Any length but 0.
+  // Direction toward the light: its components to the picture's right, up and toward the viewer.
+  // The length does not matter, but must not be 0.
   Vec3f light{-0.45f, 0.6f, 1.0f};
-  // Empty: transparent.
+  // If there is no value, the background is transparent.
   std::optional<Rgb> background{{1, 1, 1}};
   // Antialiasing: a pixel is the mean of samples_per_axis² samples. From 1 to 8.
   int samples_per_axis = 3;

@@ -25,8 +25,9 @@ struct Samples {
 // be samples.width / per_axis pixels wide.
 void resolve(const Samples& samples, const std::optional<Rgb>& background, Picture& picture);
 
-// Linear light of an sRGB channel, both from 0 to 1; and the nearest sRGB byte of linear light.
+// Converts an sRGB channel to linear light, both from 0 to 1.
 double to_linear(double channel);
+// Converts linear light, clamped to [0, 1], to the nearest sRGB byte.
 std::uint8_t to_srgb_byte(double light);
 
 }  // namespace vdwmesh

@@ -9,8 +9,9 @@ namespace vdwmesh {
 // The number of bytes that a source needs in buffers.
 std::uint64_t buffer_bytes(const SurfaceSource& source);
 
-// Owns the buffers of one surface. They are mapped to host memory only if the source asks for this;
-// otherwise the source fills them by their OpenGL names, from CUDA for example.
+// Owns the buffers of one surface. A buffer is mapped to host memory when the source first calls
+// vertices(), triangles() or triangle_values() for it; otherwise the source fills it by its OpenGL
+// name, from CUDA for example.
 class SurfaceBuffers : public SurfaceTarget {
  public:
   // Allocates the buffers and calls source.fill(). Throws LimitExceeded if the device cannot hold

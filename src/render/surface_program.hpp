@@ -19,12 +19,13 @@ class SurfaceProgram {
   SurfaceProgram(const SurfaceProgram&) = delete;
   SurfaceProgram& operator=(const SurfaceProgram&) = delete;
 
-  // Makes the program current and sets everything that stays the same for one picture. The palette
-  // is read from texture unit 0 and the values of triangles from unit 1. `scale` may be null if
-  // colours are painted.
+  // Makes the program current and sets the uniform variables that stay the same for one picture.
+  // The palette is read from texture unit 0 and the values of triangles from unit 1. `scale` is
+  // null if colours are painted, not values.
   void use(const Camera& camera, const RenderOptions& options, PaintKind paint,
            const ColorScale* scale) const;
-  // Sets the number of the first triangle of the next draw call.
+  // Sets the index of the first triangle of the next draw call, which the fragment shader adds to
+  // the number of a triangle within the call.
   void set_first_triangle(std::uint64_t triangle) const;
 
  private:
