@@ -1,13 +1,18 @@
-// Finds the bricks that the surface may cross, by descending an octree of blocks from coarse to
-// fine. Each level tests the eight children of every block that survived the level above, with
-// bounds on the field over the child's box (the tests of extract/blended/block_bounds.hpp in
-// float32). Survivors are compacted, and the bricks of the last level are sorted by key.
+// Finds the bricks that the surface may cross, by descending an octree from coarse to fine. A node
+// of the octree is a lattice block: 2^level bricks along each axis. ("Thread block" below is CUDA's
+// word.) Each level of the descent tests the eight children of every lattice block that the level
+// above has kept, with bounds on the field over the child's box: the tests of
+// extract/blended/block_bounds.hpp in float32. The children that pass are compacted into a list,
+// and the bricks, which are the blocks of level 0, are sorted by key in the end.
 //
 // One warp tests one parent. The warp gathers the spheres near the parent, and all eight children
 // are tested against them at once: four lanes per child, each of which takes every fourth sphere.
 // At the end the four lanes combine their results.
 //
-// A test may keep a brick without surface, but it never drops a brick that has some.
+// A test may keep a block without surface, but it drops none that has some: all bounds are widened
+// by more than the rounding errors of float32. For blended fields FieldBounds does this (its
+// margins grow with the number of atoms, so they cover the rounding of sums), for the union of
+// balls UnionTest::add().
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_select.cuh>
 #include <string>
@@ -26,20 +31,24 @@ namespace {
 constexpr unsigned kThreads = 128;
 
 constexpr int kChildren = 8;
-// Lane c + 8 p of a warp works for child c on part p = 0 .. 3 of the spheres.
+// Lane c + 8 p of a warp tests child c = 0 .. 7 against part p = 0 .. 3 of the spheres: those whose
+// number in the gathered batch is p modulo 4.
 constexpr unsigned kLanesPerChild = kWarp / kChildren;
 
 __device__ int own_child() { return static_cast<int>(threadIdx.x % kChildren); }
 __device__ unsigned own_part() { return threadIdx.x % kWarp / kChildren; }
 
-// A sphere near a parent block, relative to the parent, so that float32 suffices.
+// A sphere near a parent block. Vectors lead to the middle of the parent: they are short, so
+// float32 suffices.
 struct NearSphere {
   float from[3];  // from the sphere's centre to the middle of the parent, Å
   float number;   // Test::number(): the radius (Å) for the union, the scale (1/Å²) for a field
   Vec3d center;   // Å; sub-grids need it in double
 };
 
-// A warp's shared memory: list places of gathered spheres, and the 32 spheres being tested.
+// A warp's shared memory: the list places of gathered spheres, and the batch of up to 32 spheres
+// that is being tested. gather_by_warp() hands over places as soon as there are 32. It may have
+// added 32 to up to 31 by then, so `place` is twice as long.
 struct Waiting {
   std::uint32_t place[2 * kWarp];
   NearSphere sphere[kWarp];
@@ -58,6 +67,8 @@ __device__ ChildBlock child_block(const GridSpec& grid, const BrickIndex& child,
   ChildBlock c{};
   c.nodes = lattice_block(child, level);
   c.box = block_box(grid, c.nodes);
+  // `middle` is in double and `half` in float. The difference of two middles is taken in double, so
+  // that only the short result is rounded.
   const BoxFrame<float> frame = box_frame<float>(c.box.lower, c.box.upper);
   for (int axis = 0; axis < 3; ++axis) {
     c.from_parent[axis] = static_cast<float>(frame.middle[axis] - parent_middle[axis]);
@@ -66,23 +77,26 @@ __device__ ChildBlock child_block(const GridSpec& grid, const BrickIndex& child,
   return c;
 }
 
-// Vote of the warp: bit c is set if `says` is true on some of the four lanes of child c. The ballot
-// has a bit per lane; its four bytes, one per part, are combined by or.
+// Vote of the warp: bit c of the result is set if `says` is true on at least one of the four lanes
+// of child c. The ballot has a bit per lane, 8 p + c, so its four bytes are the parts p. The loop
+// ors the upper half onto the lower half, then again: all four bytes meet in the lowest.
 __device__ unsigned vote_by_child(bool says) {
   unsigned votes = __ballot_sync(kAllLanes, says);
   for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) votes |= votes >> step;
   return votes & ((1u << kChildren) - 1);
 }
+// What vote_by_child() returns if it is true for every child.
 constexpr unsigned kAllChildren = (1u << kChildren) - 1;
 
-// The test of a child for a blended field. Each lane bounds the sum over its part of the atoms;
-// join() adds the four lanes' bounds.
+// The test of a child for a blended field. Each lane bounds the sum over its part of the atoms:
+// FieldBounds::add() adds an atom to several sums at once. join() adds the sums of the child's four
+// lanes, after which lower() and upper() of `bounds` are bounds on the field.
 template <BlendedKind Kind>
 struct BlendedTest {
   ShapeParameters<float> shape;
   float isovalue;
   FieldBounds<float> bounds;
-  bool stopped_early = false;  // gathering ended early: all children of the parent may hold surface
+  bool stopped_early = false;  // see can_stop()
 
   __device__ explicit BlendedTest(const FieldContext& f)
       : shape(shape_parameters<float>(f.model)), isovalue(static_cast<float>(f.model.isovalue)) {}
@@ -94,14 +108,21 @@ struct BlendedTest {
     bounds.add<Kind>(shape, s.number, to_middle, child.half,
                      subgrid_overlap(m, child.nodes, s.center));
   }
-  // The early exit of field_may_cross(), for the whole warp: true if the sums so far admit surface
-  // in every child, and the children are so large that testing their own children is cheaper than
-  // visiting more atoms.
+  // The early exit of field_may_cross() in block_bounds.hpp, for the whole warp. True if every
+  // child is likely to hold surface, so that visiting more atoms is not worth its cost; all
+  // children are kept then, and their own children are tested on the next level. The conditions
+  // are:
+  // - The children are of level 3 or above. Smaller blocks are always tested with all atoms.
+  // - bounds.most >= isovalue on a lane of each child: the atoms so far admit inside nodes. More
+  //   atoms only raise this sum.
+  // - bounds.least <= 0 on all lanes: the atoms so far contribute nothing that is certain over a
+  //   whole child, so nothing hints that a child lies inside.
   __device__ bool can_stop(const ChildBlock& child) {
     stopped_early = child.nodes.level > 2 && __all_sync(kAllLanes, bounds.least <= 0) &&
                     vote_by_child(bounds.most >= isovalue) == kAllChildren;
     return stopped_early;
   }
+  // Replaces the sums of each lane by those of its child.
   __device__ void join() {
     join(bounds.least);
     join(bounds.most);
@@ -113,7 +134,9 @@ struct BlendedTest {
       join(bounds.chord_slope[axis]);
     }
   }
-  // A test that has stopped early has not visited all atoms, so its sums give no bounds.
+  // Whether all nodes of the child are proved to be outside, or inside. After an early exit atoms
+  // are missing from the sums, which are no bounds then: both answers are false, and the child is
+  // kept.
   __device__ bool is_outside(const ChildBlock& child) const {
     return !stopped_early && bounds.upper(child.half) < isovalue;
   }
@@ -147,8 +170,10 @@ struct UnionTest {
   }
   __device__ void add(const FieldModel&, const NearSphere& s, const float (&to_middle)[3],
                       const ChildBlock& child) {
-    // near, far: squared distances to the nearest and the farthest point of the box. extent: the
-    // sum of the coordinates of the farthest point, which bounds every length in here.
+    // The nearest and the farthest point of the box are seen from the centre of the ball. near,
+    // far: the squares of their distances, Å². extent, Å: the sum of the three coordinates of the
+    // farthest point. It is at least as long as every distance from the centre to a point of the
+    // box.
     float near = 0, far = 0, extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const float away = fabsf(to_middle[axis]), end = away + child.half[axis];
@@ -157,18 +182,25 @@ struct UnionTest {
       far = fmaf(end, end, far);
       extent += end;
     }
-    // 2e-6 is 33 units of 2^-24. A difference of coordinates is rounded three times, the squares
-    // and sums a few times more, each by at most one unit of `extent`.
+    // A bound on the errors in Å. The unit of the error is 2^-24, float32's relative rounding
+    // error, times `extent`; 2e-6 makes 33 units. A coordinate of to_middle is rounded three times:
+    // when NearSphere::from is made, when from_parent is made, and when they are added. `half`,
+    // `end`, `gap`, squares and sums add a few roundings more. Each of them costs at most one unit,
+    // as long as from_parent is no longer than `extent`: along an axis it is `half`, unless the
+    // border of the grid cuts the child.
     const float error_bound = 2e-6f * extent, outer = s.number + error_bound;
     const float inner = fmaxf(s.number - error_bound, 0.0f);
     touched |= near <= outer * outer;
     covered |= far <= inner * inner;
   }
-  // True if more balls change no child's result: a covered child is inside for good. A child wider
-  // than the largest ball is never covered, so being touched settles it.
+  // Whether the answers for all children are settled, so that more balls would not change them. A
+  // covered child is inside for good. A touched child is not outside, and if its half width exceeds
+  // the largest radius, no ball covers it either.
   __device__ bool can_stop(const ChildBlock& child) const {
     return vote_by_child(covered || (touched && child.half[0] > largest)) == kAllChildren;
   }
+  // Replaces the two answers of each lane by those of its child: true if they are true on one of
+  // its four lanes.
   __device__ void join() {
     const unsigned child = 1u << own_child();
     const unsigned touched_children = vote_by_child(touched),
@@ -176,13 +208,15 @@ struct UnionTest {
     touched = (touched_children & child) != 0;
     covered = (covered_children & child) != 0;
   }
+  // Whether no ball touches the child's box; whether one ball holds all of it. Valid after join().
   __device__ bool is_outside(const ChildBlock&) const { return !touched; }
   __device__ bool is_inside(const ChildBlock&) const { return covered; }
 };
 
-// Tests the eight children of a parent by one warp, 32 gathered spheres at a time: each lane
-// prepares one sphere in shared memory, then each lane tests its child against every fourth of
-// them.
+// Tests all eight children of a parent by one warp, each lane for its own `child`, with 32 gathered
+// spheres at a time: each lane prepares one sphere in shared memory, then it tests its child
+// against every fourth of them. Afterwards `test` has the answer for the child of the lane.
+// `parent` is the parent's box.
 template <class Test>
 __device__ void test_child(const FieldContext& f, const BlockBox& parent,
                            const Vec3d& parent_middle, const ChildBlock& child, Waiting& waiting,
@@ -197,6 +231,7 @@ __device__ void test_child(const FieldContext& f, const BlockBox& parent,
           Test::number(f.model, s),
           s.center};
     }
+    // The batch must be complete before any lane reads it, and be read before it is overwritten.
     __syncwarp();
     for (std::uint32_t k = own_part(); k < count; k += kLanesPerChild) {
       const NearSphere& s = waiting.sphere[k];
@@ -206,14 +241,17 @@ __device__ void test_child(const FieldContext& f, const BlockBox& parent,
       test.add(f.model, s, to_middle, child);
     }
     __syncwarp();
+    // Visitor of gather_by_warp(): true ends the gathering.
     return test.can_stop(child);
   });
   test.join();
 }
 
-// A warp per parent block, 4 warps a block; 6 KB of shared memory. Reads the keys of `count`
-// parents. Writes the keys of their children at 8 * parent + child, and to `keep` whether the child
-// may hold surface. The first lane of each child (part 0) writes.
+// A warp per parent, 4 warps per thread block, with 6 KB of shared memory. Reads the keys of
+// `count` parents of level child_level + 1. Writes for child c of parent i, at index 8 i + c, its
+// key to `keys` and to `keep` whether it is kept: whether it may hold surface and may have bricks
+// in `range`. The first lane of each child (part 0) writes. The bound of 6 makes the compiler use
+// so few registers that 6 thread blocks fit on a multiprocessor at a time.
 template <class Test>
 __global__ void __launch_bounds__(kThreads, 6)
     test_children(const __grid_constant__ FieldContext f, const std::uint64_t* parents,
@@ -233,6 +271,8 @@ __global__ void __launch_bounds__(kThreads, 6)
   Test test(f);
   test_child(f, box, middle, child, waiting[threadIdx.x / kWarp], test);
   if (own_part() != 0) return;
+  // A child that lies inside holds surface all the same if it has virtual nodes: these are outside
+  // by definition, so the mesh is closed there.
   const bool crosses =
       !test.is_outside(child) && (!test.is_inside(child) || child.box.touches_border);
   keys[kChildren * i + static_cast<unsigned>(c)] = brick_key(index);
@@ -240,9 +280,9 @@ __global__ void __launch_bounds__(kThreads, 6)
   keep[kChildren * i + static_cast<unsigned>(c)] = kept ? 1 : 0;
 }
 
-// The children of `parents` that may hold surface, in the order of the parents. Throws
-// LimitExceeded if they are more than `most`, the number of bricks that fit in the memory allowed;
-// this limits the memory of the descent too.
+// The children of `parents` that test_children() keeps, in the order of the parents. Throws
+// LimitExceeded if they are more than `most`, the number of bricks that fit in the memory allowed.
+// On levels above 0 this limits the memory of the descent.
 KeyList surviving_children(const FieldContext& f, const KeyList& parents, int child_level,
                            const KeyRange& range, std::uint64_t most, const Stream& stream) {
   const std::uint64_t children = kChildren * parents.count;
@@ -269,6 +309,8 @@ KeyList surviving_children(const FieldContext& f, const KeyList& parents, int ch
   });
   result.count = fetch(count.data(), stream);
   if (result.count > most) {
+    // The message gives the number of kept blocks of this level, as an estimate: there are more
+    // bricks where blocks have several of them.
     throw LimitExceeded("the surface crosses more than " + std::to_string(result.count) +
                         " bricks of 8 x 8 x 8 nodes; at most " + std::to_string(most) +
                         " fit in the memory allowed: choose a larger spacing");
@@ -276,8 +318,9 @@ KeyList surviving_children(const FieldContext& f, const KeyList& parents, int ch
   return result;
 }
 
-// The blocks with which the descent begins: all blocks of the finest level, 1 or above, that has at
-// most kFirstBlocks of them. The levels above would have too few blocks to keep the device busy.
+// The lattice blocks with which the descent begins: all blocks of one level, untested. It is the
+// finest level, 1 or above (the descent tests children, so it ends at 0), with at most kFirstBlocks
+// blocks. Coarser levels would have too few blocks to keep the device busy.
 struct FirstBlocks {
   KeyList blocks;
   int level;
@@ -285,7 +328,8 @@ struct FirstBlocks {
 
 constexpr std::int64_t kFirstBlocks = 65536;
 
-// A thread per block of a box of `width` x `height` x .. blocks, `count` in all; writes its key.
+// Writes the keys of all lattice blocks of a box, `width` along x, `height` along y and `count` in
+// all, x fastest. A thread per lattice block.
 __global__ void list_blocks(std::int64_t width, std::int64_t height, std::int64_t count,
                             std::uint64_t* keys) {
   const std::int64_t i = static_cast<std::int64_t>(thread_index());
@@ -302,6 +346,7 @@ FirstBlocks first_blocks(const GridSpec& grid, const Stream& stream) {
     ++level;
     const std::int32_t side = 1 << level;
     for (int axis = 0; axis < 3; ++axis)
+      // A block at the end may reach beyond the grid.
       count[axis] = (brick_count(grid.cells[axis]) + side - 1) / side;
     all = count[0] * count[1] * count[2];
   } while (all > kFirstBlocks);

@@ -1,8 +1,10 @@
 // A warp gathers the spheres near a box in list order, the order in which visit_near_box() visits
-// them on the CPU, so that sums over them have the same bits. The work is spread over the lanes in
-// two ways: a lane per row of the cell list finds the row's range of places, and then a prefix sum
-// over the lengths of 32 rows assigns 32 consecutive spheres to the lanes, however they are spread
-// over the rows.
+// them on the CPU, so that sums over them have the same bits. "Row" means a row of cells along x of
+// one level of the cell list: the spheres of consecutive cells have consecutive list places, so the
+// part of a row near the box is one range of list places. 32 rows are handled at a time, in two
+// steps. First each lane finds the range of one row. Then a prefix sum over the 32 lengths joins
+// the ranges into one sequence, and the lanes take 32 consecutive spheres of the sequence at a
+// time. So all lanes have work, however the spheres are spread over the rows.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +20,11 @@ struct PlaceRange {  // of list places
   std::uint32_t begin, end;
 };
 
-// Each lane has a row of some length; `sum` is the inclusive prefix sum of the lengths. Returns the
-// row that holds element `wanted` of the concatenated rows, or 32 beyond the last: a binary search
-// across the lanes.
+// Finds the row that holds element `wanted` of the concatenated ranges, counted from 0. Each lane
+// passes its own `wanted`, and as `sum` the inclusive prefix sum of the lengths at its own row.
+// Returns the number of the lane that has the row; beyond the last element the result means
+// nothing, but is a lane. A binary search across the lanes: `owner` counts rows that end at or
+// before `wanted`.
 __device__ inline unsigned row_holding(std::uint32_t sum, std::uint32_t wanted) {
   unsigned owner = 0;
   for (unsigned step = kWarp / 2; step > 0; step /= 2) {
@@ -30,6 +34,7 @@ __device__ inline unsigned row_holding(std::uint32_t sum, std::uint32_t wanted) 
   return owner;
 }
 
+// The sum of this lane's argument and those of all lower lanes. All lanes must call it together.
 __device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {
   const unsigned lane = threadIdx.x % kWarp;
   for (unsigned step = 1; step < kWarp; step *= 2) {
@@ -40,8 +45,9 @@ __device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {
 }
 
 // Visits the spheres of one level of the cell list near a box, in list order, 32 at a time. All
-// lanes call visit(place, valid) together; `valid` is false on lanes without a sphere. Stops if
-// visit() returns true, which it must do on all lanes alike.
+// lanes call visit(place, valid) together; `valid` is false on lanes without a sphere, whose
+// `place` means nothing. If visit() returns true, the visit of the level ends. It must return the
+// same on all lanes.
 template <class Visit>
 __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3d& lower,
                                     const Vec3d& upper, Visit&& visit) {
@@ -49,11 +55,13 @@ __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3
   // Lanes 0, 1 and 2 compute the range of cells along x, y and z; then all lanes read all three.
   const int axis = static_cast<int>(lane % 3);
   const CellRange own = cell_range(level, axis, lower[axis], upper[axis]);
+  // Reads the range of an axis from the lane that has computed it.
   const auto of_axis = [&](unsigned a) {
     return CellRange{__shfl_sync(kAllLanes, own.first, a), __shfl_sync(kAllLanes, own.last, a)};
   };
   const CellRange x = of_axis(0), y = of_axis(1), z = of_axis(2);
   if (x.first > x.last || y.first > y.last || z.first > z.last) return;
+  // Row i of the box is row y.first + i % height of the cells with z = z.first + i / height.
   const std::int32_t height = y.last - y.first + 1, rows = height * (z.last - z.first + 1);
   for (std::int32_t first = 0; first < rows; first += static_cast<std::int32_t>(kWarp)) {
     const std::int32_t row = first + static_cast<std::int32_t>(lane);
@@ -68,6 +76,8 @@ __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3
     const std::uint32_t sum = warp_inclusive_sum(range.end - range.begin);
     const std::uint32_t total = __shfl_sync(kAllLanes, sum, kWarp - 1);
     for (std::uint32_t t = 0; t < total; t += kWarp) {
+      // The lane's sphere is element t + lane. In the list it stands as far before the end of its
+      // row's range as it does in the sequence.
       const unsigned owner = row_holding(sum, t + lane);
       const std::uint32_t end_place = __shfl_sync(kAllLanes, range.end, owner & (kWarp - 1));
       const std::uint32_t end_sum = __shfl_sync(kAllLanes, sum, owner & (kWarp - 1));
@@ -90,8 +100,9 @@ __device__ inline RoughBox rough_box(const Vec3d& origin, const Vec3d& lower, co
   return box;
 }
 
-// Whether a rough sphere (centre in xyz, widened reach in w) may touch the box: true for every
-// sphere whose reach touches it.
+// Whether a rough sphere (centre in x, y and z, widened reach in w, see RoughSpheres) may touch the
+// box. One-sided: true for every sphere whose reach touches the box, and for some that just miss
+// it.
 __device__ inline bool may_reach(const RoughBox& box, const float4& sphere) {
   const float x = fmaxf(fmaxf(box.lower[0] - sphere.x, sphere.x - box.upper[0]), 0.0f);
   const float y = fmaxf(fmaxf(box.lower[1] - sphere.y, sphere.y - box.upper[1]), 0.0f);
@@ -99,12 +110,13 @@ __device__ inline bool may_reach(const RoughBox& box, const float4& sphere) {
   return fmaf(x, x, fmaf(y, y, z * z)) <= sphere.w * sphere.w;
 }
 
-// Collects, by one warp, the list places of the spheres that may reach a box, in list order.
-// Spheres that do not reach the box may be among them; callers get 0 from those. Whenever `size`
-// places stand in `waiting`, and once more for the rest, batch(count) is called on all lanes to
-// take the first `count` of them; the warp is synchronised before and after. Stops if batch()
-// returns true. `waiting` has room for size + kWarp places. Returns how many places batch() has
-// taken.
+// Collects, by one warp, the list places of the spheres that may reach a box, in list order, and
+// hands them over in batches of `size`; the last batch has the rest. For each batch, batch(count)
+// is called on all lanes; waiting[0 .. count) has the list places. The warp is synchronised before
+// and after the call. If batch() returns true, which it must do on all lanes alike, the gathering
+// ends. Some spheres of a batch do not reach the box; their contributions there are 0. One vote may
+// add 32 places to up to size - 1 waiting ones, so `waiting` has size + kWarp entries. Returns how
+// many places batch() has taken.
 template <class Batch>
 __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lower,
                                         const Vec3d& upper, std::uint32_t* waiting,
@@ -114,6 +126,8 @@ __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lowe
   const unsigned lane = threadIdx.x % kWarp;
   std::uint32_t count = 0, met = 0;
   bool done = false;
+  // Calls batch() for the first places and moves the places behind them, fewer than 32, to the
+  // front.
   const auto hand_over = [&](std::uint32_t first) {
     __syncwarp();
     done = batch(first);
@@ -129,9 +143,12 @@ __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lowe
     visit_level_by_warp(list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
       const bool kept = valid && may_reach(box, f.rough.spheres[place]);
       const unsigned votes = __ballot_sync(kAllLanes, kept);
-      // Compaction: each kept place goes behind those of the lower lanes.
+      // Compaction: each kept place goes behind those of the lower lanes, whose number is the
+      // population count of the votes below this lane's.
       if (kept) waiting[count + __popc(votes & ((1u << lane) - 1))] = place;
       count += static_cast<std::uint32_t>(__popc(votes));
+      // Once batch() has returned true, the result `done` ends the visit of this level, and the
+      // loop over the levels ends too.
       while (count >= size && !done) hand_over(size);
       return done;
     });

@@ -1,10 +1,11 @@
-// Takes bad moves back in simultaneous passes: a pass judges all triangles before any vertex goes
-// back (refine/bad_moves.hpp says why this ends).
+// Takes bad moves back in passes. A pass first tests triangles and marks the vertices whose moves
+// are bad, then puts all marked vertices back at once, so the order of the triangles does not
+// matter. refine/bad_moves.hpp says which moves are bad and why the passes end.
 //
 // Level 0 has the smallest mesh, so each of its passes simply launches a thread per triangle. On
 // later levels most midpoints move, and one or two in a hundred go back. There the marked midpoints
-// are kept in a list, and a pass visits the patches on both sides of the listed edges only.
-// Crossing triangles are found by CrossingFinder in both cases.
+// are kept in a list, and a pass visits only the patches on both sides of the listed midpoints'
+// edges. Crossing triangles are found by CrossingFinder in both cases.
 #include <thrust/iterator/counting_iterator.h>
 
 #include <cub/device/device_select.cuh>
@@ -32,8 +33,8 @@ CrossingFinder make_crossing_finder(const Level& level, const Stream& stream) {
   return CrossingFinder(std::move(boxes), stream);
 }
 
-// The finder of a level; empty if crossings are allowed, or if no vertex has moved: a move takes
-// one step of the projection at least.
+// The finder of crossing triangles of a level. It is empty if crossings are allowed, or if no
+// vertex has moved: no projection has made a step then.
 template <class Level>
 std::optional<CrossingFinder> finder_for(const Level& level, const LevelPasses& passes,
                                          const Stream& stream) {
@@ -49,9 +50,9 @@ void clear_marks(const MoveStatesView& move_states, const Stream& stream) {
 
 // ---- level 0 ----
 
-// Marks the moved vertices of triangles that their moves turned against their one atom. One thread
-// per triangle. After the first pass only triangles with a vertex that was just put back are
-// tested; the others have not changed.
+// Marks the moved vertices of bad triangles: those that face against their one atom and faced
+// outward before the moves. One thread per triangle. Pass 0 tests all triangles. Later passes test
+// only triangles with a vertex that the pass before has put back; the others have not changed.
 __global__ void mark_turned(SurfaceView surface, GivenLevel level, MoveStatesView move_states,
                             int pass) {
   const std::uint64_t t = thread_index();
@@ -64,7 +65,7 @@ __global__ void mark_turned(SurfaceView surface, GivenLevel level, MoveStatesVie
     moved |= state == MoveState::moved || state == MoveState::to_undo;
     just_undone |= state == MoveState::just_undone;
   }
-  // Only a move can have turned a triangle.
+  // A triangle whose vertices are all in place cannot have been turned by a move.
   if (!moved || (pass > 0 && !just_undone)) return;
   Vec3d now[3], before[3];
   SphereId atom[3];
@@ -78,7 +79,8 @@ __global__ void mark_turned(SurfaceView surface, GivenLevel level, MoveStatesVie
   for (int k = 0; k < 3; ++k) move_states.mark(vertex[k]);
 }
 
-// Puts the marked vertices back and adds their number to `count`. One thread per vertex.
+// Puts the marked vertices back and adds their number to `count`. Vertices that the pass before has
+// put back are done: every triangle around them has been tested again. One thread per vertex.
 __global__ void restore_marked(SurfaceView surface, GivenLevel level, MoveState* move_states,
                                unsigned long long* count) {
   const std::uint64_t v = thread_index();
@@ -93,6 +95,7 @@ __global__ void restore_marked(SurfaceView surface, GivenLevel level, MoveState*
 
 // ---- midpoints ----
 
+// Whether the midpoint of an edge is marked; a predicate for cub::DeviceSelect.
 struct IsToUndo {
   const MoveState* move_states;
   __host__ __device__ bool operator()(std::uint32_t edge) const {
@@ -107,8 +110,8 @@ struct EdgeList {
   std::uint64_t count = 0;
 };
 
-// The edges of all marked midpoints, found by a search over all states. This is the fallback if the
-// list of MoveStatesView had no room for all of them.
+// The edges of all `marked` marked midpoints, found by a search over all states. This is the
+// fallback if the list of MoveStatesView was too short for all of them.
 DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const MoveState* move_states,
                                          std::uint64_t marked, const Stream& stream) {
   DeviceArray<std::uint32_t> list(marked, stream.get());
@@ -123,13 +126,13 @@ DeviceArray<std::uint32_t> search_marked(const MidpointLevel& level, const MoveS
   return list;
 }
 
-// The patch of one thread in a launch of two threads per listed edge, one for each of the two
-// parent triangles at the edge. A patch may have up to three listed edges. Only the thread of the
-// first one has the patch, so that each patch is handled once. Listed edges are those whose
-// midpoints are in the given state.
+// The patch that a thread handles in a launch of two threads per listed edge, one for each of the
+// two parent triangles at the edge. A patch may have up to three listed edges; the thread of the
+// first one handles it, so that each patch is handled once. `state` tells listed edges from others:
+// it is the state that the midpoints of exactly the listed edges have during the launch.
 struct ListedPatch {
   std::uint64_t t;  // parent triangle
-  bool has;
+  bool has;         // whether the thread handles the patch
 };
 __device__ ListedPatch listed_patch(const MidpointLevel& level, const MoveStatesView& move_states,
                                     const std::uint32_t* edges, std::uint64_t count,
@@ -145,8 +148,9 @@ __device__ ListedPatch listed_patch(const MidpointLevel& level, const MoveStates
   return {t, true};
 }
 
-// Subtracts the turned children of the patches at listed edges from the count, before their
-// vertices go back. Two threads per edge. judge_listed() counts the same patches again afterwards.
+// Subtracts the turned children of the patches at listed edges from the count of turned triangles,
+// before their vertices go back; judge_listed() adds the children of the same patches that are
+// turned afterwards. Two threads per edge.
 __global__ void discount_turned(SurfaceView surface, MidpointLevel level,
                                 MoveStatesView move_states, const std::uint32_t* edges,
                                 std::uint64_t count, DeviceStats* stats) {
@@ -156,7 +160,8 @@ __global__ void discount_turned(SurfaceView surface, MidpointLevel level,
   load_vertices(level, listed.t, patch);
   load_places(level, listed.t, patch);
   const int turned = __popc(facing_of_children(surface.spheres, patch).turned);
-  // The two's complement: atomicAdd() on unsigned integers has no subtraction.
+  // Adds the two's complement, which subtracts: atomicAdd() on unsigned integers takes no negative
+  // numbers.
   if (turned > 0) atomicAdd(&stats->turned, ~static_cast<unsigned long long>(turned) + 1);
 }
 
@@ -175,8 +180,9 @@ __global__ void restore_listed(SurfaceView surface, MidpointLevel level, MoveSta
   move_states[edges[i]] = MoveState::just_undone;
 }
 
-// Tests the patches at listed edges once more: counts their turned children, renews their safe
-// marks and marks further bad moves for the next pass. Two threads per edge.
+// Tests the patches at listed edges again after their midpoints have gone back: adds their turned
+// children to the count, renews their safe marks and marks further bad moves for the next pass. Two
+// threads per edge.
 __global__ void judge_listed(SurfaceView surface, MidpointLevel level, MoveStatesView move_states,
                              const std::uint32_t* edges, std::uint64_t count, DeviceStats* stats) {
   const ListedPatch listed = listed_patch(level, move_states, edges, count, MoveState::just_undone);
@@ -216,13 +222,15 @@ void take_back_listed(const MidpointLevel& level, const LevelPasses& passes, con
          edges, list.count, passes.stats);
 }
 
+// Gives the midpoints of the listed edges their final state; see settle_listed().
 void settle(const EdgeList& list, MoveState* move_states, const Stream& stream) {
   launch("settle_listed", settle_listed, over(list.count, kThreads), stream, move_states,
          list.edges, list.count);
 }
 
-// One thread per triangle. Counts the triangles that do not face outward, with one atomic addition
-// per warp. If `safe` is given, each group of four lanes writes one byte of it from a warp vote.
+// Counts the triangles that do not face outward, with one atomic addition per warp. If `safe` is
+// not null, writes the safe marks as PatchMarks::parent_safe has them: a byte for four triangles,
+// which the first of their four lanes takes from a vote of the warp. One thread per triangle.
 __global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, std::uint8_t* safe,
                              DeviceStats* stats) {
   const std::uint64_t t = thread_index();
@@ -254,12 +262,13 @@ __global__ void count_turned(SurfaceView surface, DeviceMeshView mesh, std::uint
 
 }  // namespace
 
-// Every pass judges all triangles, then puts the marked vertices back.
+// Level 0: every pass tests triangles by one thread each, then puts the marked vertices back.
 std::uint64_t take_back_bad_moves(const GivenLevel& level, const LevelPasses& passes,
                                   const Stream& stream) {
   const std::optional<CrossingFinder> finder = finder_for(level, passes, stream);
   const auto restored = zeros<unsigned long long>(1, stream);
   for (int pass = 0;; ++pass) {
+    // No step of progress is done: the call throws if the run has been cancelled.
     advance(passes.monitor, 0);
     clear_marks(passes.move_states, stream);
     launch("mark_turned", mark_turned, over(level.patches(), kThreads), stream, passes.surface,
@@ -275,8 +284,9 @@ std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses&
                                   const Stream& stream) {
   const std::optional<CrossingFinder> finder = finder_for(level, passes, stream);
   LevelPasses now = passes;
-  // Two lists take turns: one holds the edges whose midpoints go back, while the other collects the
-  // marks of the next pass.
+  // Two arrays for lists take turns: one holds the edges whose midpoints go back, while the other
+  // collects the marks of the next pass. The marks of pass 0 are there already:
+  // make_children_on_device() has made those of turned triangles.
   const DeviceArray<std::uint32_t> spare(passes.move_states.room, stream.get());
   std::uint32_t* other = spare.data();
   DeviceArray<std::uint32_t> searched;
@@ -286,7 +296,8 @@ std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses&
     advance(passes.monitor, 0);
     if (finder) finder->mark(level.mesh, now.move_states, pass);
     const std::uint64_t marked = fetch(now.move_states.marked, stream);
-    // The finder has looked at the vertices put back by the previous pass: they are done.
+    // Only now do the midpoints that the previous pass put back get the state `stayed`: by
+    // just_undone the finder has recognised the triangles to test again.
     settle(last, now.move_states.move_states, stream);
     if (marked == 0) return undone;
     last = {now.move_states.list, marked};

@@ -1,8 +1,9 @@
-// The children of a level: their corners and half-edges, and the test of their orientation.
+// The children of a level: their corners and half-edges, and the test of their orientation. A
+// parent triangle with its three midpoints and four children is a patch.
 //
-// make_children writes four children per parent triangle through shared memory, so that a warp
-// stores whole consecutive 16-byte words. It also collects the patches that PatchMarks cannot vouch
-// for; judge_children tests only these.
+// make_children writes the children. It also lists the patches whose orientation the marks of the
+// level do not prove (PatchMarks in refine_levels.cuh); judge_children tests only these. The
+// numbers go through shared memory, so that a warp stores whole consecutive 16-byte words.
 #include "cuda/refine/bad_moves.cuh"
 #include "cuda/refine/patch_facing.cuh"
 
@@ -13,10 +14,11 @@ constexpr unsigned kThreads = 256;
 constexpr unsigned kJudgeThreads = 128;
 constexpr unsigned kWarp = 32;
 constexpr unsigned kAllLanes = 0xffffffffu;
-constexpr unsigned kPerParent = 12;  // corners of four children; and as many half-edges
+constexpr unsigned kPerParent = 12;  // 3 corners for each of 4 children; and as many half-edges
 
-// Copies the numbers that a warp has staged in shared memory, kPerParent per parent, to `to` in
-// device memory. The lanes write consecutive 16-byte words. All lanes must call it.
+// Copies the numbers that a warp has staged in shared memory, kPerParent for each of `parents`
+// parents, to `to` in device memory. The lanes write consecutive 16-byte words, with a hint that
+// they will not be read soon (__stcs). All lanes must call it.
 __device__ void write_staged(const std::uint32_t* staged, std::uint32_t* to, unsigned parents) {
   __syncwarp();
   const unsigned lane = threadIdx.x % kWarp, quads = parents * kPerParent / 4;
@@ -26,9 +28,9 @@ __device__ void write_staged(const std::uint32_t* staged, std::uint32_t* to, uns
   __syncwarp();
 }
 
-// Whether the marks prove that all children of parent triangle t face outward, so that no position
-// has to be read: the parent is safe and its three midpoints are regular. `vertex` has the patch's
-// six vertices.
+// Whether the marks prove that all children of parent triangle t face outward: the parent is safe
+// and its three midpoints are regular. No position is read. `vertex` has the patch's six vertices;
+// the midpoints are the last three.
 __device__ bool is_plain(const MidpointLevel& level, std::uint64_t t, const std::uint32_t* vertex) {
   const PatchMarks& marks = level.marks;
   if (marks.regular == nullptr || !marks.is_safe(t)) return false;
@@ -42,12 +44,13 @@ constexpr unsigned kTurns = 4;  // a block takes kThreads parents in each of its
 // The patches of one block that must be tested, in shared memory: 4 KiB.
 struct BlockList {
   std::uint32_t patch[kTurns * kThreads];  // parent triangles
-  unsigned count;
-  unsigned long long first;  // where they begin in the list of the whole level
+  unsigned count;                          // entries in use
+  unsigned long long first;                // index in PatchMarks::list at which they go
 };
 
-// Adds patch t to the block's list if `asks`. All lanes of a warp must call it together. They vote,
-// and one lane reserves the entries of all with a single atomic addition.
+// Adds patch t to the block's list if `asks`, that is, if it must be tested. All lanes of a warp
+// must call it together. They vote, and one lane reserves the entries of all with a single atomic
+// addition.
 __device__ void note(BlockList& list, std::uint64_t t, bool asks) {
   const unsigned votes = __ballot_sync(kAllLanes, asks), lane = threadIdx.x % kWarp;
   unsigned first = 0;
@@ -71,8 +74,9 @@ __device__ void append(BlockList& list, const PatchMarks& marks) {
   }
 }
 
-// Writes the children of the 32 parents from `first` on, one parent per lane. `staged` is the
-// warp's shared memory. Returns whether the patch of the lane's parent must be tested.
+// Writes the children of the 32 parents from `first` on, one parent per lane; fewer at the end of
+// the mesh. `staged` is the warp's shared memory. Returns whether the patch of the lane's parent
+// exists and must be tested.
 __device__ bool make_children_of_warp(const MidpointLevel& level, std::uint64_t first,
                                       std::uint32_t* staged) {
   const std::uint64_t parents = level.parent.triangles, t = first + threadIdx.x % kWarp;
@@ -87,7 +91,8 @@ __device__ bool make_children_of_warp(const MidpointLevel& level, std::uint64_t 
       for (int k = 0; k < 3; ++k) own[3 * child + k] = vertex[child_corner(child, k)];
     }
     plain = is_plain(level, t, vertex);
-    // All four children are safe. Those of other patches get their marks when they are tested.
+    // All four children are safe: bits 0 to 3. The children of the other patches get their marks in
+    // judge_children.
     if (plain && level.marks.child_safe != nullptr) level.marks.child_safe[t] = 0xf;
   }
   write_staged(staged, level.mesh.corners + kPerParent * first, here);
@@ -107,8 +112,9 @@ __device__ bool make_children_of_warp(const MidpointLevel& level, std::uint64_t 
   return !plain;
 }
 
-// One thread per parent and turn; a block takes kTurns * kThreads = 1024 parents. Shared memory: 12
-// KiB of staged numbers and the list of 4 KiB.
+// One thread per parent and turn; a block takes kTurns * kThreads = 1024 parents, in turns of 256.
+// Shared memory: 12 KiB of staged numbers and the list of 4 KiB. If no marks are kept, nothing is
+// listed, and judge_children tests all patches.
 __global__ void __launch_bounds__(kThreads) make_children(MidpointLevel level) {
   __shared__ __align__(16) std::uint32_t staged[kThreads * kPerParent];
   __shared__ BlockList list;
@@ -127,8 +133,8 @@ __global__ void __launch_bounds__(kThreads) make_children(MidpointLevel level) {
 }
 
 // Tests the children of `count` patches: of the listed ones, or of all patches if no marks are
-// kept. One thread per patch. Counts the turned children, writes safe marks, and marks the moves of
-// the vertices of turned children.
+// kept. One thread per patch. Counts the turned children (which do not face outward), writes safe
+// marks, and marks the bad moves: the moved vertices of children that their moves turned.
 __global__ void __launch_bounds__(kJudgeThreads)
     judge_children(SurfaceView surface, MidpointLevel level, MoveStatesView move_states,
                    std::uint64_t count, DeviceStats* stats) {

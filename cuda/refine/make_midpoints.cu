@@ -1,11 +1,14 @@
-// Midpoints of a level: positions, labels, normals and states, one kernel per kind of surface.
+// Midpoints of a level: positions, labels, normals and states, with one kernel or two per kind of
+// surface. A level subdivides the parent mesh; each edge of the parent gets one midpoint.
+// Half-edges are half-edges of the parent, and the midpoint of an edge belongs to its first
+// half-edge (edge_numbers.cuh), whose number is the lower one.
 //
 // For the union of the balls, nearly all midpoints take a short cut: both ends of the edge lie on
 // one ball, and a radial step to its sphere is proved to be the answer by a test in single
-// precision. make_union_midpoints takes it, and lists the midpoints for which it fails;
+// precision. make_union_midpoints takes the short cut, and lists the midpoints for which it fails;
 // make_deferred_midpoints then gives those the full projection. In both kernels a warp takes
 // midpoints that are close together, so that it can gather the few balls near all of them
-// (warp_balls.cuh). The results equal the host's, bit for bit.
+// (warp_balls.cuh). The results equal those of the CPU, bit for bit.
 #include "cuda/refine/make_vertices.cuh"
 #include "cuda/refine/warp_balls.cuh"
 #include "refine/constraint_formulas.hpp"
@@ -16,12 +19,14 @@ namespace {
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
 // A warp takes a run of 512 consecutive half-edges, and makes the midpoints of those that are the
-// first of their edge. They are close together, because neighbouring triangles have close numbers.
+// first of their edge: about every second one. They are close together, because neighbouring
+// triangles have close numbers.
 constexpr unsigned kRunWords = 16;  // words of 32 half-edges
 constexpr unsigned kRun = kRunWords * kHalfEdgesPerWord;
 
-// Writes the first half-edges of a warp's run to `list`, as offsets into the run, in rising order.
-// Returns their number. All lanes must call it.
+// Writes to `list` those half-edges of a warp's run that are the first of their edge, as offsets
+// into the run, in rising order. The run has the words first_word .. end_word - 1 of `edges`; a
+// lane looks at one bit of each word. Returns the length of the list. All lanes must call it.
 __device__ unsigned list_first_half_edges(const EdgeNumbersView& edges, std::uint64_t first_word,
                                           std::uint64_t end_word, std::uint16_t* list) {
   const unsigned lane = threadIdx.x % kWarp;
@@ -44,8 +49,9 @@ __device__ void interpolate_normal(const MidpointLevel& level, std::uint64_t h, 
                                       cast<double>(level.parent.normals[level.end_of(h)]));
 }
 
-// Writes position and label of midpoint v of half-edge h, given the outcome p of its projection,
-// and returns its state. A midpoint whose projection failed goes into the middle of its edge.
+// Writes position and label of midpoint v of half-edge h, given the result p of its projection, and
+// returns its state. A midpoint whose projection failed goes into the middle of its edge, which is
+// the place from which it started.
 __device__ MoveState store_midpoint(const SurfaceView& surface, const MidpointLevel& level,
                                     std::uint64_t h, std::uint32_t v, const ProjectedPoint& p) {
   if (p.outcome != ProjectionOutcome::converged) {
@@ -57,7 +63,8 @@ __device__ MoveState store_midpoint(const SurfaceView& surface, const MidpointLe
   return p.steps > 0 ? MoveState::moved : MoveState::stayed;
 }
 
-constexpr unsigned kMostRounds = 4;  // balls are gathered for at most so many times 32 midpoints
+// The balls are gathered once for at most this many rounds of 32 midpoints, one per lane.
+constexpr unsigned kMostRounds = 4;
 
 // The middles of the edges whose midpoints a warp is about to project, in shared memory.
 struct EdgeMiddles {
@@ -66,10 +73,11 @@ struct EdgeMiddles {
   SphereId atom[kMostRounds * kWarp];  // of both ends; kNoSphere if they have different atoms
 };
 
-// Writes the middles of the edges with the first half-edges half_edge(i), i < count, and returns
-// their box. Precondition: 0 < count <= kRounds * 32. A projection moves a point by `reach` at most
-// and then asks for balls within reach + kProjectionTolerance: that sum is the width around the
-// box.
+// Writes the middles of `count` edges to `middles` and returns a box around them. half_edge(i) is
+// the first half-edge of edge i. Precondition: 0 < count <= kRounds * 32. The box is for
+// WarpBalls::nearest(), so each middle is added with the distance at which balls matter: a
+// projection moves the point by `reach` at most, and at every place on its way it asks for balls
+// within reach + kProjectionTolerance.
 template <unsigned kRounds, class HalfEdge>
 __device__ WarpBox load_middles(const MidpointLevel& level, unsigned count, EdgeMiddles& middles,
                                 const HalfEdge& half_edge) {
@@ -96,23 +104,29 @@ __device__ WarpBox load_middles(const MidpointLevel& level, unsigned count, Edge
   return box;
 }
 
-// Whether a projected midpoint is regular, see PatchMarks.
+// Whether a projected midpoint is regular (see PatchMarks): it went radially, by one step or none,
+// to the sphere of the atom that both ends of its edge have, and lies on no second sphere.
+// atom_of_ends is kNoSphere if the ends have different atoms; no converged midpoint has that label.
 __device__ bool is_regular(const ProjectedPoint& p, SphereId atom_of_ends) {
   return p.outcome == ProjectionOutcome::converged && p.steps <= 1 && p.spheres[1] == kNoSphere &&
          p.spheres[0] == atom_of_ends;
 }
 
-// Output arrays of the two kernels for the union, beside the mesh.
+// Output arrays of the two kernels for the union, besides the arrays of the mesh.
 struct MidpointOutputs {
   MoveState* move_states;  // by edge
-  // The edges whose midpoints need the full projection, as offsets of their first half-edges into
-  // their run. The list of a run begins at deferred[number of the first edge of the run], which
-  // leaves room for all edges of the run, and has deferred_count[run] entries.
+  // The lists of deferred midpoints, one per run, which need the full projection. An entry is the
+  // first half-edge of the midpoint's edge, as an offset into the run. Edges are numbered in the
+  // order of their first half-edges, so the edges of a run are consecutive. The list of a run
+  // begins at deferred[number of the run's first edge], which leaves space for all edges of the
+  // run, and has deferred_count[run] entries.
   std::uint32_t* deferred;
   std::uint32_t* deferred_count;
 };
 
-// Writes everything about the midpoint of an edge, given the outcome p of its projection.
+// Writes state, label, position, normal and regular mark of the midpoint of an edge, given the
+// result p of its projection from `start`. A midpoint that has not converged gets the normal at
+// `start`, where it stays.
 __device__ void finish_midpoint(const SurfaceView& surface, const MidpointLevel& level,
                                 std::uint64_t h, std::uint32_t edge, const Vec3d& start,
                                 SphereId atom_of_ends, const ProjectedPoint& p,
@@ -130,19 +144,22 @@ __device__ void finish_midpoint(const SurfaceView& surface, const MidpointLevel&
 
 // Shared memory of make_union_midpoints, 32 KiB.
 struct MidpointShared {
-  std::uint16_t first[kWarps][kRun];  // from list_first_half_edges()
+  std::uint16_t first[kWarps][kRun];  // first half-edges, from list_first_half_edges()
   EdgeMiddles middles[kWarps];
   WarpBallsStorage balls[kWarps];
 };
 
-// The short cut for an edge with both ends on ball a: a radial step from `start` to the sphere of
-// a. Returns whether p is what project_to_union() finds; p is meaningless otherwise.
+// The short cut for an edge with both ends on ball a: a radial step from `start`, the middle of the
+// edge, to the sphere of a. Returns whether p is what project_to_union() would find; if not, p is
+// meaningless.
 //
-// The step must end at a point that lies in or on no ball but a. Then a was the nearest ball of the
-// start: let its gap there be -s, with s the length of the step. A ball b with a gap of at most -s
-// there would have a gap of at most -s + s = 0 at the end point, since a gap changes by no more
-// than the point moves. But then b would cover that point. So project_to_union() makes the same
-// step, and stops after it.
+// The gap of a ball is d - r, negative inside. The middle of a chord lies inside, so gap_before is
+// -s, with s > 0 the length of the step. The step must end at a point that lies in or on no ball
+// but a. This proves that a was the nearest ball (the one of least gap) of the start: a ball b with
+// a gap of at most -s there would have a gap of at most -s + s = 0 at the end point, since a gap
+// changes by no more than the point moves. But then the end point would lie in or on b. So
+// project_to_union() makes the same step, and stops after it because the end point is on the
+// surface.
 __device__ bool step_to_own_sphere(const Sphere& a, const Vec3d& start, double reach,
                                    const WarpBalls& balls, ProjectedPoint& p) {
   const double gap_before = gap(a, start);
@@ -154,9 +171,10 @@ __device__ bool step_to_own_sphere(const Sphere& a, const Vec3d& start, double r
   return p.residual <= kProjectionTolerance && balls.is_on_at_most_one_ball(to.position);
 }
 
-// Makes the midpoints for which the short cut works, and lists the others. One warp per run. Balls
-// are gathered for kRounds * 32 midpoints at a time. Level 1 has the longest edges, and takes fewer
-// midpoints at a time, so that their box does not hold too many balls.
+// Makes the midpoints for which the short cut works, and lists the others. One warp per run, 4
+// warps per block. Balls are gathered for a group of kRounds * 32 midpoints at a time. Level 1 has
+// the longest edges; its groups have fewer midpoints, so that their box does not hold too many
+// balls. The second launch bound keeps the registers so few that 6 blocks fit on a multiprocessor.
 template <unsigned kRounds>
 __global__ void __launch_bounds__(kThreads, 6)
     make_union_midpoints(SurfaceView surface, MidpointLevel level, MidpointOutputs outputs,
@@ -184,9 +202,12 @@ __global__ void __launch_bounds__(kThreads, 6)
     balls.prepare_covers();
     for (unsigned begin = 0; begin < here; begin += kWarp) {
       const unsigned i = begin + lane;
+      // False if this lane has a midpoint for which the short cut fails.
       bool settled = true;
       if (i < here) {
         const SphereId atom = middles.atom[i];
+        // What project_to_union() gives after one radial step to the sphere of the atom; the step
+        // fills in position and residual.
         ProjectedPoint p{
             {0, 0, 0}, 0, {atom, kNoSphere, kNoSphere}, 1, ProjectionOutcome::converged};
         settled = atom != kNoSphere && step_to_own_sphere(surface.spheres[atom], middles.start[i],
@@ -202,6 +223,7 @@ __global__ void __launch_bounds__(kThreads, 6)
           outputs.move_states[edge] = MoveState::moved;
         }
       }
+      // Compaction: the lanes with deferred midpoints take consecutive entries of the list.
       const unsigned votes = __ballot_sync(kAllLanes, !settled);
       if (!settled) {
         const auto slot = deferred + static_cast<unsigned>(__popc(votes & ((1u << lane) - 1)));
@@ -209,13 +231,14 @@ __global__ void __launch_bounds__(kThreads, 6)
       }
       deferred += static_cast<unsigned>(__popc(votes));
     }
+    // All lanes have read the middles before the next group overwrites them.
     __syncwarp();
   }
   if (lane == 0) outputs.deferred_count[run] = deferred;
   tally.add_to(stats);
 }
 
-constexpr unsigned kRunsTogether = 4;  // runs whose lists one warp of make_deferred_midpoints takes
+constexpr unsigned kRunsTogether = 4;  // runs per warp of make_deferred_midpoints
 
 // Shared memory of make_deferred_midpoints, 28 KiB.
 struct DeferredShared {
@@ -223,8 +246,9 @@ struct DeferredShared {
   WarpBallsStorage balls[kWarps];
 };
 
-// Makes the listed midpoints by the full projection. One warp per kRunsTogether neighbouring runs,
-// because the list of one run rarely fills a warp.
+// Makes the deferred midpoints by the full projection. One warp per kRunsTogether neighbouring
+// runs, whose lists it treats as one joined list, because the list of one run rarely fills a warp.
+// The second launch bound: 4 blocks per multiprocessor.
 __global__ void __launch_bounds__(kThreads, 4)
     make_deferred_midpoints(SurfaceView surface, MidpointLevel level, MidpointOutputs outputs,
                             std::uint64_t runs, DeviceStats* stats) {
@@ -233,8 +257,8 @@ __global__ void __launch_bounds__(kThreads, 4)
   const std::uint64_t first_run =
       (static_cast<std::uint64_t>(blockIdx.x) * kWarps + warp) * kRunsTogether;
   if (first_run >= runs) return;
-  // If the lists of the warp's runs are joined into one, the list of run r ends at end[r]. In
-  // memory it begins at deferred[first_edge[r]].
+  // In the joined list of the warp, the list of run r ends at end[r]. In memory it begins at
+  // deferred[first_edge[r]]. Runs beyond the last have empty lists.
   unsigned end[kRunsTogether], count = 0;
   std::uint32_t first_edge[kRunsTogether];
   for (unsigned r = 0; r < kRunsTogether; ++r) {
@@ -245,7 +269,8 @@ __global__ void __launch_bounds__(kThreads, 4)
     }
     end[r] = count;
   }
-  // The first half-edge of entry i of the joined list.
+  // The first half-edge of entry i of the joined list. The last run whose list begins at or before
+  // i has the entry: it is entry i - end[r - 1] of that list.
   const auto half_edge = [&](unsigned i) {
     unsigned r = 0;
     std::uint32_t at = first_edge[0] + i;
@@ -279,13 +304,14 @@ __global__ void __launch_bounds__(kThreads, 4)
     }
     __syncwarp();
   }
+  // add_to() needs all lanes, but the loop ends earlier for some.
   __syncwarp();
   tally.add_to(stats);
 }
 
-// Makes the midpoints by projection onto the blended field. One warp per run; listing the first
-// half-edges keeps all lanes busy, although only every second half-edge has a midpoint to make.
-// Shared memory: 4 KiB.
+// Makes the midpoints by projection onto the blended field. One warp per run. The warp lists the
+// first half-edges before it projects, so that all lanes have a midpoint to make, although only
+// every second half-edge is a first one. Shared memory: 4 KiB.
 __global__ void __launch_bounds__(kThreads)
     make_field_midpoints(SurfaceView surface, MidpointLevel level, MoveState* move_states,
                          DeviceStats* stats) {
@@ -309,6 +335,7 @@ __global__ void __launch_bounds__(kThreads)
     const auto v = static_cast<std::uint32_t>(level.parent.vertices + edge);
     move_states[edge] = store_midpoint(surface, level, h, v, p);
   }
+  // add_to() needs all lanes, but the loop ends earlier for some.
   __syncwarp();
   tally.add_to(stats);
 }
@@ -326,7 +353,9 @@ __global__ void make_plain_midpoints(SurfaceView surface, MidpointLevel level,
   if (level.mesh.normals != nullptr) interpolate_normal(level, h, v);
 }
 
-// The outcome for a vertex p that must lie on the spheres of its label: converged if it does.
+// Judges a vertex p that must lie on the spheres of its label: converged, without a step, if its
+// distance to each of them (the residual, Å, is the largest) is within kProjectionTolerance. A
+// vertex without a label is unconverged.
 __device__ ProjectedPoint judge_constrained(const SurfaceView& surface, const Vec3d& p,
                                             const SphereId* label) {
   const double residual = label_residual(surface.spheres, label, p);
@@ -360,6 +389,8 @@ __global__ void make_constrained_midpoints(SurfaceView surface, MidpointLevel le
     const auto v = static_cast<std::uint32_t>(parent.vertices + level.edges.number(h));
     const VertexSpheres label =
         edge_label(parent.triangle_spheres[h / 3], parent.triangle_spheres[parent.opposite[h] / 3]);
+    // The label names the spheres of the two triangles at the edge: one sphere, or two on whose
+    // circle the midpoint belongs.
     const bool projects = surface.projection != Projection::none;
     const Vec3d p = projects ? constrained_midpoint(surface.spheres, ids(label),
                                                     parent.positions[level.start_of(h)],
@@ -391,8 +422,8 @@ __global__ void compute_normals(SurfaceView surface, DeviceMeshView mesh) {
 
 namespace {
 
-// Launches the two kernels for the union. `deferred` has one entry per edge, half as many as
-// half-edges.
+// Launches the two kernels for the union. A closed mesh has half as many edges as half-edges, so
+// `deferred` has one entry per edge.
 void make_union_midpoints_on_device(const SurfaceView& surface, const MidpointLevel& level,
                                     MoveState* move_states, DeviceStats* stats,
                                     const Stream& stream) {
@@ -401,6 +432,7 @@ void make_union_midpoints_on_device(const SurfaceView& surface, const MidpointLe
   const DeviceArray<std::uint32_t> deferred(half_edges / 2, stream.get()),
       counts(runs, stream.get());
   const MidpointOutputs outputs{move_states, deferred.data(), counts.data()};
+  // On level 1 groups of 64 midpoints, later of 128: see make_union_midpoints.
   const auto make = level.is_first ? make_union_midpoints<2> : make_union_midpoints<kMostRounds>;
   launch("make_union_midpoints", make, over(runs, kWarps, kThreads), stream, surface, level,
          outputs, stats);

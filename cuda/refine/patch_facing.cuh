@@ -1,5 +1,6 @@
-// Orientation of the four children of a parent triangle: which of them face inward, which of them
-// faced outward before the moves, and which face outward so clearly that later levels need not ask.
+// Orientation of the four children of a parent triangle: which of them face inward; which of these
+// faced outward before the moves, so that the moves are bad; and which face outward so clearly that
+// later levels need not test their descendants (safe, see PatchMarks).
 #pragma once
 
 #include "cuda/refine/refine_levels.cuh"
@@ -10,7 +11,8 @@ namespace vdwmesh {
 struct ParentPatch {
   std::uint32_t vertex[6];
   Vec3d position[6];  // after the moves
-  SphereId atom[6];   // of the parent triangle if triangles are labelled, else of the vertex
+  SphereId
+      atom[6];  // the label of the parent triangle if triangles are labelled, else of the vertex
 };
 
 __device__ inline void load_vertices(const MidpointLevel& level, std::uint64_t t,
@@ -29,16 +31,19 @@ __device__ inline void load_places(const MidpointLevel& level, std::uint64_t t,
   }
 }
 
-// Whether a triangle of one atom faces outward so clearly that its descendants with regular
-// midpoints do so too, in spite of rounding, down to the last level.
+// Whether a triangle is safe: its corners p have one atom, and it faces outward so clearly that its
+// descendants with regular midpoints do so too, in spite of rounding, down to the last level. It
+// may be false for a triangle that deserved true.
 //
-// The determinant dot(cross(a, b), out) is 18 times the volume of the tetrahedron from the sphere's
-// centre to the triangle. It is at least 1e-3 r e^2, with r the radius and e the longest edge. From
-// a triangle to its children at least a quarter of it remains, while e falls to about a half.
+// The test is about the determinant of a = p1 - p0, b = p2 - p0 and `out`, three times the vector
+// from the sphere's centre to the centroid. dot(cross(a, b), out) is 18 times the signed volume of
+// the tetrahedron from the sphere's centre to the triangle, positive if it faces outward. A safe
+// triangle has at least 1e-3 r e^2, with r the radius and e the longest edge. From a triangle to
+// its children at least a quarter of the determinant remains, while e falls to about a half.
 // Rounding the coordinates, of size C, changes the determinant by at most about 20 * 2^-53 C e r.
 // After n levels the determinant is therefore at least 2^-n * 1e-3 e / (20 * 2^-53 C) times this
-// error. With e >= 1e-6 C and n = 16, the largest number of subdivisions, the ratio is still above
-// 6.
+// error. With e >= 1e-6 C (the second condition) and n = 16, the largest number of subdivisions,
+// the ratio is still above 6.
 __device__ inline bool is_safe(const Sphere* spheres, const Vec3d* p, const SphereId* atom) {
   if (atom[0] == kNoSphere || atom[0] != atom[1] || atom[0] != atom[2]) return false;
   constexpr double least_volume = 1e-3, least_edge = 1e-6;
@@ -60,7 +65,8 @@ struct ChildrenFacing {
 
 __device__ inline ChildrenFacing facing_of_children(const Sphere* spheres,
                                                     const ParentPatch& patch) {
-  // Unit normals, each shared by up to three children, are needed only if atoms differ.
+  // The unit normals at the six vertices are needed only if atoms differ. They are computed once
+  // here, because up to three children share a vertex.
   bool mixed = false;
   for (int i = 1; i < 6; ++i) mixed |= patch.atom[i] != patch.atom[0];
   Vec3d out[6];
@@ -85,8 +91,8 @@ __device__ inline ChildrenFacing facing_of_children(const Sphere* spheres,
   return result;
 }
 
-// Marks the moved vertices of those children of parent triangle t that face against their one atom
-// and faced outward before the moves. `against` is the set ChildrenFacing::against_one_atom.
+// Marks the moved vertices of the bad children of parent triangle t: of those in the set `against`,
+// ChildrenFacing::against_one_atom, that faced outward before the moves.
 __device__ inline void mark_turned_children(const SurfaceView& surface, const MidpointLevel& level,
                                             std::uint64_t t, const ParentPatch& patch,
                                             unsigned against, const MoveStatesView& move_states) {

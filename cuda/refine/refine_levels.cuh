@@ -1,6 +1,8 @@
 // What the kernels of one refinement level share: views of the level's meshes, the states of its
-// vertices, marks that let triangles be skipped, and the counts. The CPU counterpart is
-// refine/level_view.hpp, which explains patches and handled vertices.
+// vertices, marks that let most triangles skip a test, and the counts. The CPU counterpart is
+// refine/level_view.hpp. Two words from there: a level "handles" the vertices that it creates or
+// projects, and a "patch" is a group of triangles with common vertices (see GivenLevel and
+// MidpointLevel).
 #pragma once
 
 #include <cstdint>
@@ -13,16 +15,16 @@
 
 namespace vdwmesh {
 
-// The counts of ProjectionStats in device memory; kernels add to them atomically. The largest
-// residual is kept as the bits of a double: the bits of doubles that are not negative have the
-// order of the numbers, so atomicMax() on integers finds the largest.
+// The counts of ProjectionStats in device memory; kernels add to them atomically. residual_bits is
+// the largest residual (Å) as the bits of a double. Residuals are not negative, and the bits of
+// such doubles have the order of the numbers, so atomicMax() on integers finds the largest.
 struct DeviceStats {
   unsigned long long projected, unconverged, out_of_reach, turned, residual_bits;
   int iterations_max;
 };
 
-// The outcomes that one thread has counted. A warp sums them up once at its end, so that few atomic
-// operations reach the shared counts.
+// Counts of the outcomes of one thread's projections. At its end a warp adds up the counts of its
+// lanes, so that few atomic operations reach the shared DeviceStats.
 class OutcomeTally {
  public:
   __device__ void add(const ProjectedPoint& p) {
@@ -49,6 +51,8 @@ class OutcomeTally {
     if (converged > 0) atomicAdd(&stats->projected, converged);
     if (unconverged > 0) atomicAdd(&stats->unconverged, unconverged);
     if (out_of_reach > 0) atomicAdd(&stats->out_of_reach, out_of_reach);
+    // These reads may be out of date, but the values only grow. So the test skips atomic operations
+    // that would change nothing, and no others.
     if (steps > stats->iterations_max) atomicMax(&stats->iterations_max, steps);
     const auto bits = static_cast<unsigned long long>(__double_as_longlong(residual));
     if (bits > stats->residual_bits) atomicMax(&stats->residual_bits, bits);
@@ -60,14 +64,15 @@ class OutcomeTally {
   double residual_ = 0;
 };
 
-// The states of the vertices that a level handles, and a list of the vertices whose moves the
-// current pass has marked as bad. Handled vertices are numbered from first_handled.
+// The states of the vertices that a level handles (see MoveState), and a list of the vertices whose
+// moves the current pass has marked as bad. The handled vertices are the last ones of the mesh;
+// their numbers count from first_handled.
 struct MoveStatesView {
   MoveState* move_states;  // one byte per handled vertex, in an array of move_state_bytes() bytes
-  std::uint64_t first_handled;  // vertex index; all later vertices of the mesh are handled too
+  std::uint64_t first_handled;  // vertex index of the first handled vertex
   unsigned long long* marked;   // how many vertices the pass has marked
-  std::uint32_t* list;          // the numbers of the first `room` marked vertices, in any order
-  std::uint64_t room;           // 0 if no list is kept
+  std::uint32_t* list;          // the first `room` of the marked vertices, as numbers, in any order
+  std::uint64_t room;           // length of the array `list`; 0 if no list is kept
 
   // The state of vertex v, handled or not. The load is volatile because other threads may be
   // marking the vertex.
@@ -75,9 +80,10 @@ struct MoveStatesView {
     if (v < first_handled) return MoveState::stayed;
     return *const_cast<const volatile MoveState*>(&move_states[v - first_handled]);
   }
-  // Changes the state of v from `moved` to `to_undo`, and lists v. Does nothing in other
-  // states. Of several threads that mark v at once, only the one whose compare-and-swap succeeds
-  // lists it. The swap works on the aligned 32-bit word that holds the state and three others.
+  // Changes the state of v from `moved` to `to_undo`, and lists v. Does nothing in other states. If
+  // several threads mark v at once, only the one whose compare-and-swap succeeds counts and lists
+  // it. CUDA swaps 32-bit words at least: here the aligned word that holds the states of v and of
+  // three others. If one of these changes meanwhile, the loop tries again.
   __device__ void mark(std::uint32_t v) const {
     if (of(v) != MoveState::moved) return;
     const std::uint64_t i = v - first_handled;
@@ -98,23 +104,25 @@ struct MoveStatesView {
   }
 };
 
-// Bytes of an array of states: whole words of four, since MoveStatesView::mark() swaps words.
+// Bytes of an array of states: whole words of four bytes, since MoveStatesView::mark() swaps words.
 inline std::uint64_t move_state_bytes(std::uint64_t handled) { return (handled + 3) / 4 * 4; }
 
 __device__ inline VertexSpheres make_label(const SphereId* s) { return {s[0], s[1], s[2]}; }
 
-// Level 0: every vertex is handled, and a patch is one triangle.
+// Level 0: every vertex is handled, and a patch is one triangle. The members with counterparts in
+// MidpointLevel have the same names, for code that is a template over the level.
 struct GivenLevel {
   static constexpr int kVertices = 3, kTriangles = 1;  // per patch
-  DeviceMeshView given, mesh;                          // before and after the projection
+  DeviceMeshView given, mesh;  // before and after the projection; only positions and labels differ
 
   __host__ __device__ std::uint64_t patches() const { return given.triangles; }
-  // Corner k of a triangle of a patch, as an index into the patch's vertices.
+  // Corner k of a triangle of a patch, as an index into the patch's vertices. The first argument is
+  // the number of the triangle in the patch, here always 0.
   __device__ int corner(int, int k) const { return k; }
-  // Vertex i of patch t in the mesh, and its position before its move.
+  // Vertex i of patch t as a vertex of the mesh, and its position before its move.
   __device__ std::uint32_t vertex(std::uint64_t t, int i) const { return given.corners[3 * t + i]; }
   __device__ Vec3d before(std::uint64_t t, int i) const { return given.positions[vertex(t, i)]; }
-  // Puts vertex v back where it was given, with its label.
+  // Puts vertex v back where it was given, with its given label, and renews its normal.
   __device__ void take_back(const SurfaceView& surface, std::uint64_t v) const {
     mesh.positions[v] = given.positions[v];
     const VertexSpheres label = given.vertex_spheres[v];
@@ -129,25 +137,29 @@ struct GivenLevel {
 //
 // A midpoint is regular if both ends of its edge have one atom and the midpoint went radially to
 // the sphere of that atom. A triangle is safe if its corners have one atom and it faces outward by
-// a wide margin, see is_safe(). The children of a safe triangle with regular midpoints face outward
-// too, and count as safe in turn. The proof is about the volumes that triangles span with the
-// sphere's centre. Before the moves, each child has a quarter of its parent's volume. A radial move
-// of a corner multiplies the volume by a positive factor, which is at least 1 if the move leads
-// outward.
+// a wide margin, see is_safe() in patch_facing.cuh. The children of a safe triangle whose three
+// midpoints are regular face outward too, and count as safe in turn.
+//
+// The proof is about the signed volume of the tetrahedron from the sphere's centre to a triangle,
+// which is positive if the triangle faces outward. Before the moves, each child has a quarter of
+// its parent's volume. A radial move of a corner multiplies the volume by a positive factor, which
+// is at least 1 if the move leads outward.
 struct PatchMarks {
-  std::uint8_t* regular;            // by edge of the parent: 0 or 1; null if no marks are kept
+  std::uint8_t* regular;  // by edge number of the parent: 0 or 1; null if no marks are kept
   const std::uint8_t* parent_safe;  // bit t % 4 of byte t / 4: whether parent triangle t is safe
-  std::uint8_t* child_safe;         // the same for the children: a byte per parent; null: not kept
-  std::uint32_t* list;              // the patches that must be tested, in any order
-  unsigned long long* listed;       // their number
+  std::uint8_t* child_safe;  // bit k of byte t: whether child k of parent t is safe; null: not kept
+  std::uint32_t* list;       // the parents whose patches must be tested, in any order
+  unsigned long long* listed;  // their number
 
   __device__ bool is_safe(std::uint64_t t) const {
     return (parent_safe[t / 4] >> (t % 4) & 1) != 0;
   }
 };
 
-// Level 1 and above: the midpoints are handled, and a patch is a parent triangle with its midpoints
-// and its four children. `mesh` has the parent's vertices in front, in the same arrays.
+// Level 1 and above: the midpoints are handled, and a patch is a parent triangle with its three
+// midpoints and its four children. `parent` is the mesh before the subdivision, `mesh` the one
+// after it. They share the vertex arrays: the parent's vertices stand in front, then the midpoints
+// by edge number.
 struct MidpointLevel {
   static constexpr int kVertices = 6, kTriangles = 4;  // per patch
   DeviceMeshView parent, mesh;
@@ -156,8 +168,10 @@ struct MidpointLevel {
   bool is_first;  // whether this is level 1, whose edges are the longest
 
   __host__ __device__ std::uint64_t patches() const { return parent.triangles; }
+  // Corner k of a child, as an index i into the patch's vertices (see vertex()).
   __device__ int corner(int child, int k) const { return child_corner(child, k); }
-  // The vertex of `mesh` that halves the parent's half-edge h.
+  // The midpoint on the parent's half-edge h, as a vertex of `mesh`. The lower half-edge of an edge
+  // has the edge's number.
   __device__ std::uint32_t midpoint_of(std::uint64_t h) const {
     const std::uint64_t opposite = parent.opposite[h];
     return static_cast<std::uint32_t>(parent.vertices + edges.number(opposite < h ? opposite : h));
@@ -167,6 +181,7 @@ struct MidpointLevel {
   __device__ std::uint32_t vertex(std::uint64_t t, int i) const {
     return i < 3 ? parent.corners[3 * t + i] : midpoint_of(3 * t + i - 3);
   }
+  // The vertices at the two ends of half-edge h.
   __device__ std::uint32_t start_of(std::uint64_t h) const { return parent.corners[h]; }
   __device__ std::uint32_t end_of(std::uint64_t h) const {
     return parent.corners[h % 3 == 2 ? h - 2 : h + 1];
@@ -175,10 +190,12 @@ struct MidpointLevel {
   __device__ Vec3d start(std::uint64_t h) const {
     return midpoint(parent.positions[start_of(h)], parent.positions[end_of(h)]);
   }
+  // The position of vertex i of patch t before its move.
   __device__ Vec3d before(std::uint64_t t, int i) const {
     return i < 3 ? parent.positions[parent.corners[3 * t + i]] : start(3 * t + i - 3);
   }
-  // The label of a midpoint that stays on its edge: of the atoms of the two ends, the nearer one.
+  // The label of a midpoint that stays on its edge: the atom of one of the edge's two ends, namely
+  // the one whose sphere is nearer to the middle.
   __device__ VertexSpheres unprojected_label(const SurfaceView& surface, std::uint64_t h) const {
     const SphereId a = parent.vertex_spheres.atoms[start_of(h)];
     const SphereId b = parent.vertex_spheres.atoms[end_of(h)];

@@ -1,8 +1,9 @@
-// The ball nearest to a point, for the points of a warp that lie close together. The warp gathers
-// the balls near all its points into shared memory once. Each lane then searches these few balls
-// instead of the cell list.
+// Searches for nearest balls, for the points of a warp that lie close together. The nearest ball of
+// a point is the one of least gap d - r, with d the distance to its centre and r its radius; the
+// gap is negative inside. The warp gathers the balls near all its points into shared memory once.
+// Each lane then searches these few balls instead of the cell list.
 //
-// nearest() gives the same answers as nearest_ball(), bit for bit. Distances are computed in single
+// nearest() gives the same answers as nearest_ball(), bit for bit. Gaps are computed in single
 // precision first, with a bound on their error. Only the balls that this bound cannot tell apart
 // are compared in double.
 #pragma once
@@ -15,7 +16,9 @@
 namespace vdwmesh {
 
 inline constexpr std::uint32_t kNearBalls = 128;  // the most balls that a warp gathers
-inline constexpr std::uint32_t kAtATime = 4;      // balls per turn of a loop, to overlap their work
+// The loops below take this many balls per turn; their computations overlap, as none waits for
+// another.
+inline constexpr std::uint32_t kAtATime = 4;
 
 // Shared memory of one warp, 2.6 KiB. Ball k of those gathered is in slot k.
 struct WarpBallsStorage {
@@ -24,7 +27,9 @@ struct WarpBallsStorage {
 };
 
 // Maps floats to integers of the same order, and back, because __reduce_max_sync() takes integers
-// only. A negative float gets the bits below its sign inverted.
+// only. As integers, the bits of positive floats rise with the float, but those of negative floats
+// fall: their bits below the sign are inverted. bits >> 31 is all ones for a negative float, else
+// 0.
 __device__ inline int ordered(float f) {
   const int bits = __float_as_int(f);
   return bits ^ ((bits >> 31) & 0x7fffffff);
@@ -34,12 +39,14 @@ __device__ inline float from_ordered(int bits) {
 }
 
 // The bounding box of a warp's points, relative to an origin near them and rounded outward to
-// single precision, with the largest distance at which a point asks for balls.
+// single precision. Beside it stands the width: the largest distance at which any of the points
+// asks for balls.
 class WarpBox {
  public:
   // All lanes must give the same origin, which is one of the points or near them.
   __device__ explicit WarpBox(const Vec3d& origin) : origin_(origin) {}
-  // Adds a point of the calling lane, from which balls within `wide` (Å) are wanted.
+  // Adds a point of the calling lane, which asks for balls within `wide` (Å). Until join() each
+  // lane has a box of its own.
   __device__ void add(const Vec3d& p, double wide) {
     for (int axis = 0; axis < 3; ++axis) {
       const double at = p[axis] - origin_[axis];
@@ -63,38 +70,43 @@ class WarpBox {
 
  private:
   Vec3d origin_;
-  // The box holds the origin, so low <= 0 <= high. The factors of join() therefore widen it.
+  // The box holds the origin, so low <= 0 <= high, and the factors of join(), a little above 1,
+  // widen it. Å.
   float low_[3] = {0, 0, 0}, high_[3] = {0, 0, 0}, wide_ = 0;
 };
 
-// The balls near a WarpBox. A lane calls begin() and nearest() for each of its points; or all lanes
-// call prepare_covers() once, and then is_on_at_most_one_ball().
+// The balls near a WarpBox, for one of two uses. Either each lane calls begin() for each of its
+// points, then nearest() for it. Or all lanes call prepare_covers() once, and then
+// is_on_at_most_one_ball() for their points.
 class WarpBalls {
  public:
   // Gathers the balls near the box. All lanes must call it together. If the box spans too many
-  // cells or the balls are more than kNearBalls, the set is incomplete: nearest() then searches the
-  // cell list, and is_on_at_most_one_ball() is always false.
+  // cells or there are more than kNearBalls balls, the set is incomplete: nearest() then searches
+  // the cell list, and is_on_at_most_one_ball() is always false.
   __device__ WarpBalls(const CellListView& list, WarpBallsStorage& storage, const WarpBox& box);
 
-  // Announces a new point of the lane, which moves by at most `moves` (Å) between the calls of
-  // nearest(). A move of that length changes the gap d - r of every ball by `moves` at most, so a
-  // ball that becomes the nearest has a gap within 2 * moves of the least one at the start. The
-  // window adds the errors of two computed gaps.
+  // Announces a new point of the lane. Between the calls of nearest() the point may move, but never
+  // further than `moves` (Å) from where it is announced. Such a move changes the gap of every ball
+  // by `moves` at most. So a ball that becomes the nearest has at the start a gap that exceeds the
+  // least one by 2 * moves at most: this is the window. It is widened by the errors of two computed
+  // gaps.
   __device__ void begin(double moves) {
     likely_ = 0;
     window_ = 2 * (1.00001f * __double2float_ru(moves) + error_bound_);
   }
-  // The ball of least d - r among those with d - r of at most `reach` at q, ties by rank. The first
-  // call after begin() is for the announced point. Later calls are for points that it has moved to,
-  // and test only the balls within the window. Precondition: the announced point was added to the
-  // box with a `wide` of at least moves + reach.
+  // The ball of least gap at q among those with a gap of at most `reach` (Å); ties go to the lower
+  // rank. The first call after begin() must be for the announced point; it also notes the balls
+  // within the window. Later calls are for places to which the point has moved, and test only the
+  // noted balls. Precondition: the announced point was added to the box with a `wide` of at least
+  // moves + reach.
   __device__ NearestBall nearest(const Vec3d& q, double reach);
 
-  // Prepares is_on_at_most_one_ball(), after which nearest() must not be called. All lanes must
-  // call it together.
+  // Prepares is_on_at_most_one_ball(): overwrites the radii that nearest() needs, so nearest() must
+  // not be called afterwards. All lanes must call it together.
   __device__ void prepare_covers();
-  // Whether q is proved to lie in or on one ball at most, in spite of rounding and with a margin of
-  // kProjectionTolerance. False if that is not known.
+  // Whether it is proved, in spite of rounding, that q lies in or on at most one ball, and that q
+  // is further than kProjectionTolerance from every other ball. False may also mean that the proof
+  // failed.
   __device__ bool is_on_at_most_one_ball(const Vec3d& q) const;
 
  private:
@@ -106,7 +118,8 @@ class WarpBalls {
     return {static_cast<float>(q.x - origin_.x), static_cast<float>(q.y - origin_.y),
             static_cast<float>(q.z - origin_.z)};
   }
-  // d - r in single precision, with an error below error_bound_.
+  // The gap in single precision, with an error below error_bound_. The approximate square root of
+  // the hardware is faster than the exact one.
   __device__ static float gap_of(const Rough& q, const float4& ball) {
     const float dx = q.x - ball.x, dy = q.y - ball.y, dz = q.z - ball.z;
     float distance;
@@ -117,7 +130,8 @@ class WarpBalls {
   __device__ std::uint32_t padded_count() const {
     return (count_ + kAtATime - 1) / kAtATime * kAtATime;
   }
-  // The least gap of the balls seen so far, the second least, and the slot of the least.
+  // The least gap of the balls seen so far, the second least, and the slot of the ball with the
+  // least. In take(), the larger of the old least gap and the new gap competes for second place.
   struct Least {
     float gap, second;
     std::uint32_t slot;
@@ -145,6 +159,8 @@ class WarpBalls {
 __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorage& storage,
                                        const WarpBox& box)
     : list_(list), storage_(storage), origin_(box.origin()) {
+  // extent: no coordinate of the box, widened by `reach`, is further from the origin along its
+  // axis.
   const float reach = box.wide();
   float extent = 0;
   Vec3d lower, upper;
@@ -166,6 +182,7 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
   const unsigned below = (1u << (threadIdx.x % kWarp)) - 1;
   float largest = 0;
   bool full = false;
+  // No lane may still read the balls of an earlier set in the same storage.
   __syncwarp();
   for (int l = 0; l < list.level_count && !full; ++l) {
     visit_level_by_warp(list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
@@ -189,6 +206,7 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
       const unsigned votes = __ballot_sync(kAllLanes, near);
       const auto found = static_cast<std::uint32_t>(__popc(votes));
       full = count_ + found > kNearBalls;
+      // Visitor of visit_level_by_warp(): true ends the visit.
       if (full) return true;
       const std::uint32_t slot = count_ + static_cast<std::uint32_t>(__popc(votes & below));
       if (near) {
@@ -199,21 +217,24 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
       return false;
     });
   }
-  // The last group of kAtATime slots is filled up with points too far away to be nearest.
+  // The loops take kAtATime slots at a time. The last group is filled up with points that are too
+  // far away to be nearest to, or to cover, any point.
   const unsigned lane = threadIdx.x % kWarp;
   if (lane < kAtATime) storage.rough[count_ + lane] = {1e18f, 0, 0, 0};
   __syncwarp();
   largest = from_ordered(__reduce_max_sync(kAllLanes, ordered(largest)));
-  // The error of gap_of(): all lengths in it are at most largest + 3 * extent, and it makes about
-  // eight roundings of relative size 2^-24 = 6e-8, 5e-7 together. 4e-6 is eight times as much. The
-  // constant 1e-15 covers squares that underflow: lengths below 1e-19. If error_bound_ < 1e10, all
-  // lengths are below 3e15, and no square overflows.
+  // The error of gap_of(): all lengths in it are at most largest + 3 * extent (Å), and it makes
+  // about eight roundings of relative size 2^-24 = 6e-8, 5e-7 together. 4e-6 is eight times as
+  // much. The constant 1e-15 covers squares that underflow: then d is below 1e-19. If error_bound_
+  // < 1e10, all lengths are below 3e15, and no square overflows; otherwise the set counts as
+  // incomplete.
   error_bound_ = 4e-6f * (largest + 3 * extent) + 1e-15f;
   complete_ = !full && error_bound_ < 1e10f;
 }
 
-// Replaces `best` by the ball at a list place if the ball is nearer to q, or as near and of lower
-// rank. In double, as in nearest_ball_within().
+// Replaces `best` by the ball at a list place if the ball's gap at q is at most `reach`, and less
+// than that of `best`, or equal and the ball of lower rank. Computed in double, with the operations
+// of nearest_ball_within().
 __device__ inline void WarpBalls::consider(std::uint32_t place, const Vec3d& q, double reach,
                                            NearestBall& best) const {
   const double g = gap(list_.spheres[place], q);
@@ -223,9 +244,10 @@ __device__ inline void WarpBalls::consider(std::uint32_t place, const Vec3d& q, 
   if (first) best = {g, place, true};
 }
 
-// The least gaps over all slots. Notes in likely_ the balls within the window, unless there are too
-// many balls for its 32 bits. The window is measured from the least gap so far, which is not below
-// the final one, so no ball within the window is left out.
+// The two least gaps over all slots. Notes in likely_ the balls within the window, one bit per
+// slot. If there are more balls than its 32 bits, it notes none, and later calls test all slots.
+// The window is measured from the least gap so far, which is not below the final one, so no ball
+// within the window is left out.
 __device__ inline WarpBalls::Least WarpBalls::least_of_all(const Rough& at) {
   Least least{INFINITY, INFINITY, 0};
   std::uint32_t likely = 0;
@@ -244,7 +266,7 @@ __device__ inline WarpBalls::Least WarpBalls::least_of_all(const Rough& at) {
   return least;
 }
 
-// The least gaps over the slots noted in likely_.
+// The two least gaps over the slots noted in likely_. left &= left - 1 removes the lowest bit.
 __device__ inline WarpBalls::Least WarpBalls::least_of_likely(const Rough& at) const {
   Least least{INFINITY, INFINITY, 0};
   for (std::uint32_t left = likely_; left != 0; left &= left - 1) {
@@ -258,11 +280,12 @@ __device__ inline NearestBall WarpBalls::nearest(const Vec3d& q, double reach) {
   if (!complete_) return nearest_ball(list_, q, kProjectionTolerance, reach);
   const Rough at = rough(q);
   const Least least = likely_ != 0 ? least_of_likely(at) : least_of_all(at);
+  // No ball found so far.
   NearestBall best{reach, 0, false};
   if (!(least.gap <= __double2float_ru(reach) + error_bound_)) return best;
-  // The ball that is nearest in double has a computed gap of at most this, since the computed gaps
-  // of two balls are off by error_bound_ at most each. If the second least is above it, only one
-  // ball is left.
+  // Computed gaps err by at most error_bound_. So the ball that is nearest in double has a computed
+  // gap of at most the least computed one plus twice that. If the second least gap is above this,
+  // only one ball is left; otherwise all balls up to it are compared in double.
   const float most = least.gap + 2 * error_bound_;
   if (least.second > most) {
     consider(storage_.place[least.slot], q, reach, best);
@@ -275,9 +298,9 @@ __device__ inline NearestBall WarpBalls::nearest(const Vec3d& q, double reach) {
   return best;
 }
 
-// Replaces each radius by the square of a slightly larger one, for the comparisons of
-// is_on_at_most_one_ball(). The margin is twice the error of a computed distance plus twice
-// kProjectionTolerance.
+// Replaces each radius by the square of a slightly larger one, so that is_on_at_most_one_ball() can
+// compare squares. The margin is twice the error of a computed gap plus twice kProjectionTolerance,
+// Å. The factors of 2 also cover the rounding of the sum and the square.
 __device__ inline void WarpBalls::prepare_covers() {
   const float more = 2 * error_bound_ + 2 * static_cast<float>(kProjectionTolerance);
   for (std::uint32_t k = threadIdx.x % kWarp; k < count_; k += kWarp) {
