@@ -1,4 +1,6 @@
-// The stages of an extraction on the device, each in its own file.
+// The stages of an extraction on the device, each in a file of its own: device_field.cu,
+// brick_search.cu, count_bricks.cu, emit_vertices.cu and emit_triangles.cu. DeviceBrickMesher
+// (brick_mesher.cuh) runs them. All pointers lead to device memory.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +12,21 @@
 
 namespace vdwmesh {
 
-// Of each sphere of a list its centre from `origin` and its reach, Å, in single precision; the
-// reach so much wider that it covers the rounding.
+// float4 copies of the spheres of a cell list, in list order: x, y and z are the centre relative to
+// `origin`, w is the reach (Å), widened by more than the rounding errors of float32.
 struct RoughSpheres {
   const float4* spheres;
   Vec3d origin;
 };
 
-// What every kernel about the field needs; passed by value.
+// What the kernels about a field of spheres need; passed by value. It owns nothing.
 struct FieldContext {
   CellListView list;
   FieldModel model;
   RoughSpheres rough;
 };
 
-// The list and the model, whose rough spheres it owns.
+// Makes a FieldContext, and owns its rough spheres.
 class DeviceField {
  public:
   DeviceField(const CellListView& list, const FieldModel& model, const Stream& stream);
@@ -35,74 +37,85 @@ class DeviceField {
   FieldContext context_;
 };
 
-// The case table in the memory of the current device, where it stays.
+// The marching cubes cases (CaseTable) in the memory of the current device. They are uploaded on
+// the first call and stay there.
 const CaseTable* case_table_on_device();
 
+// The keys of bricks or lattice blocks: the first `count` entries of the array, which may be
+// longer.
 struct KeyList {
   DeviceArray<std::uint64_t> keys;
   std::uint64_t count = 0;
 };
 
-// Keys of the bricks of a range whose bounds admit surface, rising. Throws LimitExceeded beyond
-// `most`.
+// Keys, rising, of the candidate bricks: those of a range whose bounds admit surface. Throws
+// LimitExceeded if they are more than `most`.
 KeyList candidate_bricks_on_device(const FieldContext& f, const KeyRange& range, std::uint64_t most,
                                    const Stream& stream);
 
-// Of the bricks b with b % kCountParts alike, so that not all of them add to one address.
+// Counts over a part of the bricks: brick i belongs to part i % kCountParts. The counts are split
+// so that not all bricks add to one address.
 struct CountPart {
   unsigned long long clipped_cells, surface_bricks;
-  std::uint32_t most_atoms;  // of a blended field, that reach one brick
+  std::uint32_t most_atoms;  // the most atoms that reach one brick; for blended fields only
 };
 inline constexpr unsigned kCountParts = 64;
 
-// Nodes that the cells of a brick touch.
+// The number of nodes that the cells of a brick touch, 9 x 9 x 9: its own and its halo.
 inline constexpr int kBrickValues = kBrickReach * kBrickReach * kBrickReach;
 
-// Node signs and counts of the candidate bricks; of blended fields also the values at the nodes of
-// bricks that hold surface, kBrickValues of each, x fastest.
+// Where counting writes, beside the bricks themselves.
 struct BrickCounts {
-  BrickSums* sums;   // per brick
-  CountPart* parts;  // kCountParts of them, to begin with 0
+  BrickSums* sums;   // of each brick
+  CountPart* parts;  // kCountParts of them; zeros before the counting
 };
+// Computes the node signs and counts of the `size` bricks with these keys, and writes them to
+// `bricks` and `counts`. For blended fields also writes the values at the nodes of the bricks that
+// hold surface: those of brick i from values[i * kBrickValues] on, x fastest. For the union
+// `values` is not used.
 void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
                             ActiveBrick* bricks, float* values, const BrickCounts& counts,
                             const Stream& stream);
 
-// In all.
+// The sums over all bricks: the parts of BrickCounts added up, and for most_atoms their maximum.
 struct BrickTotals {
   BrickSums sums;
   unsigned long long clipped_cells, surface_bricks;
   std::uint32_t most_atoms;
 };
 
-// What is noticed while vertices and triangles are made; begins as zeros.
+// Counts made while vertices and triangles are written; they begin as zeros.
 struct DeviceEmissionTally {
-  unsigned long long clamped;  // vertices
-  // Neighbours that the surface reaches and the list of bricks lacks: the mesh is wrong then.
+  unsigned long long clamped;  // clamped vertices
+  // How often the surface goes on in a brick that the list lacks: the mesh is wrong unless it is 0.
   unsigned long long missing_neighbours;
 };
 
-// What counting leaves behind.
+// The result of counting: all candidate bricks, and their numbering.
 struct DeviceCountedBricks {
   DeviceArray<ActiveBrick> bricks;
-  DeviceArray<BrickSums> before;  // each brick, and in all
+  DeviceArray<BrickSums>
+      before;  // exclusive prefix sums, as in BrickList; the last entry is the total
   BrickTotals totals{};
 
   BrickList list() const { return {bricks.data(), before.data(), bricks.size()}; }
 };
 
-// A run of bricks in the list of all.
+// A run of bricks, as indices begin .. end - 1 into the list of all bricks.
 struct BrickRange {
   std::uint64_t begin, end;
   std::uint64_t size() const { return end - begin; }
 };
 
+// The bricks of a run as a list of their own. They keep their numbers in the whole mesh.
 inline BrickList part_of(const BrickList& list, const BrickRange& range) {
   return {list.bricks + range.begin, list.before + range.begin, range.size()};
 }
 
-// Positions, normals and labels of the vertices of the bricks, at their numbers; adds the clamped
-// ones to `clamped`. `values` as counted, of these bricks.
+// Writes the vertices of `bricks` to the arrays of `mesh`, each at the index of its number, and
+// adds the number of clamped ones to `clamped`. `values` is what counting has written for these
+// bricks, and most_atoms is at least the number of atoms near any of them. The second function does
+// the same for a field that is given by its values at the nodes.
 void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
                              std::uint32_t most_atoms, const float* values,
                              const DeviceMeshView& mesh, unsigned long long* clamped,
@@ -111,28 +124,29 @@ void emit_sampled_vertices_on_device(const SampledFieldView& field, const BrickL
                                      const DeviceMeshView& mesh, unsigned long long* clamped,
                                      const Stream& stream);
 
-// Places in the list of the neighbours that the triangles of a brick touch: the seven at an upper
-// side, at dx + 2 dy + 4 dz - 1, and the three across a lower face, at 7 + axis. kNoBrick where a
-// neighbour is not in the list.
+// The neighbours that the triangles of a brick touch, as indices into the list of bricks; kNoBrick
+// if a neighbour is not in the list. Entry dx + 2 dy + 4 dz - 1 is the upper neighbour at offset
+// (dx, dy, dz), each 0 or 1 and not all 0: seven of them. Entry 7 + axis is the neighbour across
+// the lower face of an axis.
 inline constexpr int kTriangleNeighbours = 10;
 inline constexpr std::uint32_t kNoBrick = ~std::uint32_t{0};
 struct TriangleNeighbours {
   std::uint32_t place[kTriangleNeighbours];
 };
 
-// The neighbours of every brick. Throws LimitExceeded for more bricks than 32 bits number.
+// Throws LimitExceeded if 32 bits do not suffice to number the bricks.
 DeviceArray<TriangleNeighbours> find_triangle_neighbours(const KeyList& keys, const Stream& stream);
 
-// Corners of the triangles of the bricks of a range, at their numbers, and where `mesh` has room
-// for them the opposite half-edges; `bricks` and `neighbours` are those of the whole list. Adds the
-// neighbours that are missing to the tally.
+// Writes the corners of the triangles of the bricks in `range` to the arrays of `mesh`, at the
+// indices of their numbers, and the opposite half-edges too if `mesh` has an array for them.
+// `bricks` and `neighbours` are of the whole list, not only of the range. Adds missing neighbours
+// to the tally.
 void emit_triangles_on_device(const BrickList& bricks,
                               const DeviceArray<TriangleNeighbours>& neighbours,
                               const BrickRange& range, const DeviceMeshView& mesh,
                               DeviceEmissionTally* tally, const Stream& stream);
 
-// What an extraction keeps of every candidate brick beside the mesh and the field: its key, signs
-// and counts, two sums, neighbours.
+// Bytes that an extraction keeps of every candidate brick, beside the mesh and the field.
 inline constexpr std::uint64_t kBrickBytes = sizeof(std::uint64_t) + sizeof(ActiveBrick) +
                                              2 * sizeof(BrickSums) + sizeof(TriangleNeighbours);
 

@@ -1,10 +1,9 @@
-// A warp gathers the spheres near a box in list order, the order in which visit_near_box() visits
-// them on the CPU, so that sums over them have the same bits. "Row" means a row of cells along x of
-// one level of the cell list: the spheres of consecutive cells have consecutive list places, so the
-// part of a row near the box is one range of list places. 32 rows are handled at a time, in two
-// steps. First each lane finds the range of one row. Then a prefix sum over the 32 lengths joins
-// the ranges into one sequence, and the lanes take 32 consecutive spheres of the sequence at a
-// time. So all lanes have work, however the spheres are spread over the rows.
+// A warp gathers the spheres near a box in list order, as visit_near_box() visits them on the CPU,
+// so that sums over them have the same bits. "Row" means a row of cells along x of one level of the
+// cell list. Spheres of consecutive cells have consecutive list places, so the part of a row near
+// the box is one range of list places. Each lane finds the range of one row. Then a prefix sum over
+// the 32 lengths joins the ranges into one sequence, and the lanes take 32 consecutive spheres of
+// it at a time. So all lanes have work, however the spheres are spread over the rows.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +19,9 @@ struct PlaceRange {  // of list places
   std::uint32_t begin, end;
 };
 
-// Finds the row that holds element `wanted` of the concatenated ranges, counted from 0. Each lane
-// passes its own `wanted`, and as `sum` the inclusive prefix sum of the lengths at its own row.
-// Returns the number of the lane that has the row; beyond the last element the result means
-// nothing, but is a lane. A binary search across the lanes: `owner` counts rows that end at or
-// before `wanted`.
+// Finds, by a binary search across the lanes, the row that holds element `wanted` of the sequence.
+// Each lane passes its own `wanted`, and as `sum` the inclusive prefix sum at its own row. Returns
+// the lane that has the row; beyond the last element the result is some lane.
 __device__ inline unsigned row_holding(std::uint32_t sum, std::uint32_t wanted) {
   unsigned owner = 0;
   for (unsigned step = kWarp / 2; step > 0; step /= 2) {
@@ -34,7 +31,7 @@ __device__ inline unsigned row_holding(std::uint32_t sum, std::uint32_t wanted) 
   return owner;
 }
 
-// The sum of this lane's argument and those of all lower lanes. All lanes must call it together.
+// The sum of the arguments of this lane and all lower lanes. All lanes must call it together.
 __device__ inline std::uint32_t warp_inclusive_sum(std::uint32_t sum) {
   const unsigned lane = threadIdx.x % kWarp;
   for (unsigned step = 1; step < kWarp; step *= 2) {
@@ -55,7 +52,6 @@ __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3
   // Lanes 0, 1 and 2 compute the range of cells along x, y and z; then all lanes read all three.
   const int axis = static_cast<int>(lane % 3);
   const CellRange own = cell_range(level, axis, lower[axis], upper[axis]);
-  // Reads the range of an axis from the lane that has computed it.
   const auto of_axis = [&](unsigned a) {
     return CellRange{__shfl_sync(kAllLanes, own.first, a), __shfl_sync(kAllLanes, own.last, a)};
   };
@@ -76,8 +72,7 @@ __device__ void visit_level_by_warp(const CellListView::Level& level, const Vec3
     const std::uint32_t sum = warp_inclusive_sum(range.end - range.begin);
     const std::uint32_t total = __shfl_sync(kAllLanes, sum, kWarp - 1);
     for (std::uint32_t t = 0; t < total; t += kWarp) {
-      // The lane's sphere is element t + lane. In the list it stands as far before the end of its
-      // row's range as it does in the sequence.
+      // Element t + lane is as far before the end of its range in the list as in the sequence.
       const unsigned owner = row_holding(sum, t + lane);
       const std::uint32_t end_place = __shfl_sync(kAllLanes, range.end, owner & (kWarp - 1));
       const std::uint32_t end_sum = __shfl_sync(kAllLanes, sum, owner & (kWarp - 1));
@@ -112,11 +107,11 @@ __device__ inline bool may_reach(const RoughBox& box, const float4& sphere) {
 
 // Collects, by one warp, the list places of the spheres that may reach a box, in list order, and
 // hands them over in batches of `size`; the last batch has the rest. For each batch, batch(count)
-// is called on all lanes; waiting[0 .. count) has the list places. The warp is synchronised before
-// and after the call. If batch() returns true, which it must do on all lanes alike, the gathering
-// ends. Some spheres of a batch do not reach the box; their contributions there are 0. One vote may
-// add 32 places to up to size - 1 waiting ones, so `waiting` has size + kWarp entries. Returns how
-// many places batch() has taken.
+// is called on all lanes, with the list places in waiting[0 .. count); the warp is synchronised
+// before and after. If batch() returns true, on all lanes alike, the gathering ends. Some spheres
+// of a batch do not reach the box; they contribute 0 there. One vote may add 32 places to up to
+// size - 1 waiting ones, so `waiting` has size + kWarp entries. Returns how many places batch() has
+// taken.
 template <class Batch>
 __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lower,
                                         const Vec3d& upper, std::uint32_t* waiting,
@@ -126,8 +121,7 @@ __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lowe
   const unsigned lane = threadIdx.x % kWarp;
   std::uint32_t count = 0, met = 0;
   bool done = false;
-  // Calls batch() for the first places and moves the places behind them, fewer than 32, to the
-  // front.
+  // Calls batch() for the first places, and moves the others (fewer than 32) to the front.
   const auto hand_over = [&](std::uint32_t first) {
     __syncwarp();
     done = batch(first);
@@ -143,12 +137,10 @@ __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lowe
     visit_level_by_warp(list.levels[l], lower, upper, [&](std::uint32_t place, bool valid) {
       const bool kept = valid && may_reach(box, f.rough.spheres[place]);
       const unsigned votes = __ballot_sync(kAllLanes, kept);
-      // Compaction: each kept place goes behind those of the lower lanes, whose number is the
-      // population count of the votes below this lane's.
+      // Compaction: each kept place goes behind those of the lower lanes.
       if (kept) waiting[count + __popc(votes & ((1u << lane) - 1))] = place;
       count += static_cast<std::uint32_t>(__popc(votes));
-      // Once batch() has returned true, the result `done` ends the visit of this level, and the
-      // loop over the levels ends too.
+      // If batch() has returned true, `done` ends this visit and the loop over the levels.
       while (count >= size && !done) hand_over(size);
       return done;
     });

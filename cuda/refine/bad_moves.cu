@@ -296,7 +296,7 @@ std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses&
     advance(passes.monitor, 0);
     if (finder) finder->mark(level.mesh, now.move_states, pass);
     const std::uint64_t marked = fetch(now.move_states.marked, stream);
-    // Only now do the midpoints that the previous pass put back get the state `stayed`: by
+    // Only now are the midpoints done that the previous pass has put back: by their state
     // just_undone the finder has recognised the triangles to test again.
     settle(last, now.move_states.move_states, stream);
     if (marked == 0) return undone;
