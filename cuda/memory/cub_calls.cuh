@@ -1,4 +1,4 @@
-// CUB's device-wide algorithms with their scratch memory taken care of.
+// Calls CUB's device-wide algorithms and takes their scratch memory.
 #pragma once
 
 #include <cub/device/device_scan.cuh>
@@ -7,7 +7,10 @@
 
 namespace vdwmesh {
 
-// Runs a CUB algorithm: the first call asks for its scratch memory, the second does the work.
+// Runs algorithm(scratch, bytes), a call of a CUB algorithm, twice, as CUB wants it: with a null
+// pointer it only writes to `bytes` how much scratch memory it needs, with memory it does the work.
+// The memory is never empty, because a null pointer would ask again. `what` begins the message of
+// an error.
 template <class Algorithm>
 void run_cub(const char* what, cudaStream_t stream, Algorithm algorithm) {
   std::size_t bytes = 0;

@@ -1,7 +1,12 @@
 // Looks for devices that this build can use, makes one of them current, and handles their memory
-// pools. A device is usable if its compute capability is new enough, it has memory pools, and the
-// build has machine code for it or PTX that its driver accepts. The pool of a device in use keeps
-// what is given back to it until release_cuda_memory() trims it.
+// pools. A device is usable if its compute capability is new enough, if it supports memory pools,
+// and if the build has machine code for it or PTX (code for a virtual architecture) that its driver
+// can compile. The memory pool of a device in use keeps what is given back to it until
+// release_cuda_memory() trims it.
+//
+// Compute capabilities are written as 10 x the version: 80 is 8.0. After a CUDA call that may fail,
+// cudaGetLastError() clears the error that the runtime has noted, so that check_launch() does not
+// find it later.
 #include <algorithm>
 #include <mutex>
 #include <set>
@@ -14,8 +19,8 @@
 namespace vdwmesh {
 namespace {
 
-// The virtual architectures that this file is compiled for, as 100 x compute capability, rising:
-// 900 is 9.0.
+// The architectures that this file is compiled for, rising. nvcc gives them as 100 x compute
+// capability: 900 is 9.0.
 constexpr int kArchitectures[] = {__CUDA_ARCH_LIST__};
 constexpr int kLeastCapability = kArchitectures[0] / 10;  // 80 is 8.0
 
@@ -39,7 +44,7 @@ int current_device() {
   return device;
 }
 
-// Makes the device that was current before it current again.
+// Its destructor makes the device current again that was current when it was made.
 class RestoredDevice {
  public:
   RestoredDevice() : before_(current_device()) {}
@@ -53,9 +58,11 @@ class RestoredDevice {
 
 __global__ void any_kernel() {}
 
-// Machine code runs on its own architecture and on later ones of the same major version; others
-// need PTX, which a build may lack. The list above does not say, so the driver is asked there; not
-// everywhere, since the question starts a context on the device.
+// Whether this build has code that runs on the device. Machine code runs on its own architecture
+// and on later ones of the same major version; any other device needs PTX. kArchitectures does not
+// say whether the build has PTX, so the driver is asked: it can describe any_kernel only if it has
+// code for it. The driver is asked only if the list gives no answer, since the question starts a
+// context on the device.
 bool has_code(int device, int capability) {
   for (const int architecture : kArchitectures) {
     const int compiled = architecture / 10;
@@ -72,7 +79,7 @@ bool has_code(int device, int capability) {
   return false;
 }
 
-// Why this build cannot use the device; empty where it can.
+// Why this build cannot use the device; empty if it can.
 std::string obstacle(int device) {
   const int capability = 10 * attribute(cudaDevAttrComputeCapabilityMajor, device) +
                          attribute(cudaDevAttrComputeCapabilityMinor, device);
@@ -88,7 +95,8 @@ std::string obstacle(int device) {
   return {};
 }
 
-// All that the driver shows, usable or not.
+// The number of devices that the driver shows, usable or not. If the driver is missing or fails,
+// returns 0 and writes why to `reason`.
 int present_devices(std::string& reason) {
   int driver = 0, count = 0;
   if (cudaDriverGetVersion(&driver) != cudaSuccess || driver == 0) {
@@ -111,8 +119,8 @@ DeviceInfo describe(int device) {
   return {properties.name, version_name(driver), properties.totalGlobalMem};
 }
 
-// The devices whose pools were told to keep their memory. Never destroyed, like all that may be
-// asked for while the process ends.
+// The devices whose memory pools have been told to keep what is given back. Never destroyed:
+// release_cuda_memory() may be called while the process ends, after static objects are destroyed.
 struct KeptPools {
   std::mutex mutex;
   std::set<int> devices;
@@ -122,6 +130,7 @@ KeptPools& kept_pools() {
   return *kept;
 }
 
+// Tells the pool of the current device, which is `device`, to keep all its memory; once per device.
 void keep_memory(int device) {
   KeptPools& kept = kept_pools();
   const std::lock_guard lock(kept.mutex);
@@ -151,6 +160,7 @@ DeviceList find_cuda_devices() {
   const int count = present_devices(reason);
   for (int device = 0; device < count; ++device) {
     const std::string why_not = obstacle(device);
+    // The reason names the first device that cannot be used.
     if (why_not.empty()) {
       list.devices.push_back(describe(device));
     } else if (reason.empty()) {
@@ -171,6 +181,7 @@ void use_device(int device) {
 DeviceScope::DeviceScope() : before_(current_device()), used_(before_) {
   const std::vector<int> usable = usable_devices();
   if (usable.empty()) throw BackendUnavailable(find_cuda_devices().reason);
+  // The device that is current is used if it can be, else the first usable one.
   if (std::ranges::find(usable, before_) == usable.end()) used_ = usable.front();
   use_device(used_);
 }

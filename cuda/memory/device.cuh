@@ -7,15 +7,18 @@
 
 namespace vdwmesh {
 
-// CUDA's numbers of the devices for which this build has code and which have memory pools, rising.
+// CUDA's numbers, rising, of the devices that this build can use: it has code for them, and they
+// have memory pools.
 std::vector<int> usable_devices();
 
-// Makes the device current on this thread. The first time its memory pool is told to keep what is
-// given back, so that the next allocation does not wait for the driver: release_device_memory().
+// Makes the device current on this thread. On its first use, its memory pool is told to keep what
+// is given back, so that later allocations do not wait for the driver. release_device_memory()
+// (backend.hpp) frees what it keeps.
 void use_device(int device);
 
-// While it lives a usable device is current on this thread: the one that was so before, or else the
-// first. Throws BackendUnavailable where there is none.
+// While the object lives, a usable device is current on this thread: the device that was current
+// before if it is usable, else the first usable one. Afterwards the former device is current again.
+// Throws BackendUnavailable if no device is usable.
 class DeviceScope {
  public:
   DeviceScope();
@@ -27,7 +30,7 @@ class DeviceScope {
   int before_, used_;
 };
 
-// The pool from which device arrays are taken.
+// The memory pool of the current device, from which device arrays are taken.
 cudaMemPool_t current_memory_pool();
 
 }  // namespace vdwmesh

@@ -1,6 +1,7 @@
-// Allocation on the device, from its default pool; where that fails, the pool gives back what it
-// keeps unused, and the allocation is tried once more. Staging buffers are page-locked where the
-// system has such memory to give. Those of FetchPlace go back to a list for the next call.
+// Allocates device memory from the default pool of the current device; if that fails, the pool
+// gives its unused memory back to the driver, and the allocation is tried once more. Staging
+// buffers are page-locked if the system has such memory to give. A FetchPlace takes its buffer from
+// a list of free ones and puts it back there.
 #include <mutex>
 
 #include "cuda/memory/device.cuh"
@@ -9,7 +10,8 @@
 namespace vdwmesh {
 namespace {
 
-// Never destroyed: at the end of the process the driver may be gone before it.
+// The free staging buffers of FetchPlace. Never destroyed: at the end of the process the driver may
+// be gone already.
 struct FreePlaces {
   std::mutex mutex;
   std::vector<std::unique_ptr<StagingBuffer>> places;
@@ -26,6 +28,7 @@ void* allocate_on_device(std::size_t bytes, cudaStream_t stream) {
   cudaError_t status = cudaMallocAsync(&memory, bytes, stream);
   if (status == cudaErrorMemoryAllocation) {
     cudaGetLastError();
+    // Arrays that the stream has yet to give back count as unused only after the wait.
     check_cuda(cudaStreamSynchronize(stream), "waiting for the device");
     check_cuda(cudaMemPoolTrimTo(current_memory_pool(), 0), "memory pool");
     status = cudaMallocAsync(&memory, bytes, stream);

@@ -1,4 +1,7 @@
-// Owners of device memory, streams and events.
+// Owners of device memory, streams, events and page-locked host memory. Destructors give everything
+// back and ignore errors. check_cuda() (check.hpp) throws if a CUDA call has failed. "In stream
+// order" means: memory is taken and given back between the other work of a stream, without waiting
+// for it.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -16,6 +19,7 @@
 
 namespace vdwmesh {
 
+// A CUDA stream of its own, which does not wait for the default stream.
 class Stream {
  public:
   Stream() { check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "stream"); }
@@ -31,12 +35,14 @@ class Stream {
   cudaStream_t stream_ = nullptr;
 };
 
-// Bytes from the pool of the current device, in stream order. When they cannot be had at once, what
-// the pool keeps for later is given back to the driver and they are asked for again: the pool may
-// hold enough, in pieces that are too small. Throws DeviceMemoryExceeded.
+// Takes bytes from the memory pool of the current device, in stream order. If that fails, the pool
+// gives the memory that it keeps unused back to the driver, and the allocation is tried once more:
+// the pool may hold enough, in pieces that are too small. Throws DeviceMemoryExceeded if the second
+// attempt fails too.
 void* allocate_on_device(std::size_t bytes, cudaStream_t stream);
 
-// An array in device memory, taken from the device's pool in stream order.
+// An uninitialised array in device memory, taken by allocate_on_device() and given back in stream
+// order to the same stream. An empty array has a null pointer.
 template <class T>
 class DeviceArray {
  public:
@@ -69,6 +75,7 @@ class DeviceArray {
   cudaStream_t stream_ = nullptr;
 };
 
+// Fills an array with zero bytes, in stream order.
 template <class T>
 void clear(const DeviceArray<T>& array, cudaStream_t stream) {
   if (array.size() > 0) {
@@ -76,7 +83,7 @@ void clear(const DeviceArray<T>& array, cudaStream_t stream) {
   }
 }
 
-// An array of zeros.
+// Copies `size` values from the host to a new array, in stream order.
 template <class T>
 DeviceArray<T> zeros(std::size_t size, cudaStream_t stream) {
   DeviceArray<T> array(size, stream);
@@ -101,9 +108,9 @@ DeviceArray<T> upload(const T* host, std::size_t size, cudaStream_t stream) {
   return copy_of(host, size, stream, cudaMemcpyHostToDevice);
 }
 
-// Memory of the host into which copies from the device go. Its pages are locked, so that the device
-// writes them without a copy by the driver. Where the system grants no more locked pages it is
-// ordinary memory: slower, and the same bytes arrive. Throws std::bad_alloc.
+// Host memory into which copies from the device go. Its pages are locked, so that the device writes
+// them directly, without a copy by the driver. If the system grants no more locked pages, it is
+// ordinary memory: the copies are slower, but right. Throws std::bad_alloc.
 class StagingBuffer {
  public:
   explicit StagingBuffer(std::size_t bytes);
@@ -118,8 +125,8 @@ class StagingBuffer {
   std::unique_ptr<std::byte[]> ordinary_;
 };
 
-// A staging buffer for one fetch. Given back, it waits for the next one: locking takes far longer
-// than fetching.
+// A staging buffer for one fetch(). The destructor puts the buffer back into a list from which the
+// next FetchPlace takes it: locking pages takes far longer than fetching.
 inline constexpr std::size_t kFetchBytes = 4096;
 class FetchPlace {
  public:
@@ -137,7 +144,7 @@ class FetchPlace {
   Place place_;
 };
 
-// One value from the device; waits for it.
+// Downloads one value, after all work on the stream so far, and waits for it.
 template <class T>
 T fetch(const T* device, const Stream& stream) {
   static_assert(sizeof(T) <= kFetchBytes && std::is_trivially_copyable_v<T>);
@@ -175,13 +182,14 @@ inline float milliseconds_between(const Event& start, const Event& stop) {
   return milliseconds;
 }
 
-// Milliseconds between marks on a stream.
+// Measures laps on a stream in milliseconds of device time. Each lap() waits for the device.
 class StageClock {
  public:
   explicit StageClock(cudaStream_t stream) : stream_(stream) { restart(); }
 
   void restart() { start_.record(stream_); }
-  // Waits for the work so far and starts anew.
+  // Returns the time since construction, restart() or the last lap(), after waiting for the work so
+  // far. The next lap begins.
   float lap() {
     stop_.record(stream_);
     stop_.wait();
@@ -195,13 +203,14 @@ class StageClock {
   Event start_, stop_;
 };
 
-// Marks on a stream whose times are asked for later, so that marking waits for nothing.
+// Marks on a stream: mark() only records an event and waits for nothing. The times between marks
+// can be asked later.
 class StageMarks {
  public:
   explicit StageMarks(cudaStream_t stream) : stream_(stream) { mark(); }
 
   void mark() { events_.emplace_back().record(stream_); }
-  // ms between marks i and i + 1, the first being the construction; waits for them.
+  // Milliseconds between marks i and i + 1, after waiting for both. The constructor makes mark 0.
   float stage(std::size_t i) const {
     events_.at(i + 1).wait();
     return milliseconds_between(events_.at(i), events_.at(i + 1));
@@ -212,6 +221,7 @@ class StageMarks {
   std::vector<Event> events_;
 };
 
+// Blocks of `threads` threads that are needed for `items` items, one thread per item.
 inline unsigned blocks_for(std::uint64_t items, unsigned threads) {
   return static_cast<unsigned>((items + threads - 1) / threads);
 }

@@ -1,6 +1,6 @@
 // Copies cell lists to a device, allocates the arrays of meshes there, and copies meshes back to
-// the host. Also says how much memory of the device is still to be had, and keeps the case table of
-// marching cubes on each device.
+// the host. Also says how much memory of the device is left, and keeps the case table of marching
+// cubes on each device.
 #include <algorithm>
 #include <map>
 #include <mutex>
@@ -80,7 +80,8 @@ std::uint64_t available_device_memory() {
 }
 
 void require_device_memory(std::uint64_t bytes, const char* what, std::uint64_t allowed) {
-  // The pool answers at once; the driver takes as long as a small extraction.
+  // The pool answers at once, the driver takes as long as a small extraction. So the driver is
+  // asked only if the memory that the pool keeps does not suffice.
   if (bytes <= std::min(allowed, spare_device_memory())) return;
   const std::uint64_t available = std::min(allowed, available_device_memory());
   if (bytes <= available) return;
@@ -90,7 +91,8 @@ void require_device_memory(std::uint64_t bytes, const char* what, std::uint64_t 
 }
 
 const CaseTable* case_table_on_device() {
-  // Never given back: at the end of the process the driver may be gone before the map.
+  // The map and the tables are never given back: at the end of the process the driver may be gone
+  // already.
   static std::mutex* const mutex = new std::mutex;
   static auto* const tables = new std::map<int, const CaseTable*>;
   int device = 0;

@@ -1,4 +1,6 @@
-// The library's arrays as they stand in device memory.
+// The library's arrays (cell lists, labels, meshes) in device memory, and the functions that
+// extract meshes into it. An owner has arrays (DeviceMesh); its view (DeviceMeshView) has pointers
+// and is passed to kernels by value.
 #pragma once
 
 #include <array>
@@ -13,7 +15,7 @@
 
 namespace vdwmesh {
 
-// A CellList copied to the device, same order, same numbers.
+// A CellList copied to the device: same order, same list places.
 class DeviceCellList {
  public:
   DeviceCellList(const CellListView& host, cudaStream_t stream);
@@ -27,14 +29,15 @@ class DeviceCellList {
   CellListView view_{};
 };
 
+// The three ids of a label as an array.
 __device__ inline const SphereId* ids(const VertexSpheres& label) {
   return reinterpret_cast<const SphereId*>(&label);
 }
 
 // VertexLabels as kernels see them.
 struct DeviceLabelsView {
-  SphereId* atoms;       // null without labels
-  OtherSpheres* others;  // null where there is room for the atom alone
+  SphereId* atoms;       // the first sphere of each label; null if the mesh has no labels
+  OtherSpheres* others;  // the second and third; null if labels have one sphere only
 
   LabelWidth width() const {
     if (atoms == nullptr) return LabelWidth::none;
@@ -47,7 +50,8 @@ struct DeviceLabelsView {
     const auto* const two = reinterpret_cast<const SphereId*>(&more);
     return {atoms[v], two[0], two[1]};
   }
-  // Precondition: there is room for the label.
+  // Precondition: the mesh has labels. If they have one sphere only, the others of `label` are
+  // dropped.
   __device__ void set(std::uint64_t v, const VertexSpheres& label) const {
     const SphereId* const id = ids(label);
     atoms[v] = id[0];
@@ -55,9 +59,9 @@ struct DeviceLabelsView {
   }
 };
 
-// The arrays of a DeviceMesh as kernels see them. Where it is a part of a mesh, corners and
-// opposite half-edges are numbered in the whole mesh, and the arrays begin with the vertex
-// first_vertex and the triangle first_triangle.
+// The arrays of a DeviceMesh as kernels see them. If the arrays hold only a part of a mesh, they
+// begin with the vertex first_vertex and the triangle first_triangle of the whole mesh; but the
+// entries of `corners` and `opposite` are numbers in the whole mesh.
 struct DeviceMeshView {
   Vec3d* positions;
   Vec3f* normals;  // null without normals
@@ -95,46 +99,49 @@ struct DeviceMesh {
   DeviceMeshView view() const;
 };
 
-// What the kernels of an extraction took, ms.
+// Milliseconds of device time that the stages of an extraction took.
 struct ExtractTimings {
-  float search = 0;  // bricks that may hold surface
-  float count = 0;   // field, signs, configurations, counts
-  float scan = 0;
+  float search = 0;     // finding the bricks that may hold surface
+  float count = 0;      // field values, signs, marching cubes cases, counts
+  float scan = 0;       // prefix sums over the counts
   float vertices = 0;   // positions, normals, labels
   float triangles = 0;  // corners and half-edges
 };
 
 struct DeviceExtraction {
   DeviceMesh mesh;
-  std::uint64_t candidates = 0;  // bricks that were looked into
+  std::uint64_t candidates = 0;  // bricks whose nodes were looked at
   ExtractStats stats;
   ExtractTimings timings;
 };
 
-// Extraction on the device from a list that is there already. Throws LimitExceeded, and
-// DeviceMemoryExceeded where it takes more than options.device_memory or than there is.
+// Extracts a mesh into device memory, from a cell list in device memory. Throws LimitExceeded, and
+// DeviceMemoryExceeded if it would take more than options.device_memory or than is free.
 DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
                                    const ExtractOptions& options, const Stream& stream);
 
-// Marching cubes over a field in device memory; see FieldMesher::mesh_into().
+// The same for a field given by its values in device memory; see FieldMesher::mesh_into().
 DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
                                       const Stream& stream);
 
-// The blended field at every node of model.grid, written to values; see FieldMesher::sample.
+// Writes the blended field at every node of model.grid to `values`; see FieldMesher::sample().
 void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
                             const Stream& stream);
 
-// Copies the mesh to the host; `opposite` too where asked, which the mesh must have then.
+// Copies the mesh to the host. Half-edges are copied if `connectivity` asks for them; the mesh must
+// have them then.
 IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream);
 
-// Bytes that the pool of the current device keeps and nobody uses: known at once, while the driver
-// takes as long as a small extraction to say what is free.
+// Bytes that the memory pool of the current device keeps and that no array uses. The pool knows
+// this at once, whereas the driver takes as long as a small extraction to say what is free.
 std::uint64_t spare_device_memory();
 
-// Bytes that can still be taken: free ones and those that the pool keeps.
+// Bytes of the current device that can still be taken: those that are free, and those that the pool
+// keeps. Asks the driver.
 std::uint64_t available_device_memory();
 
-// Throws DeviceMemoryExceeded when fewer than `bytes` are available or allowed.
+// Throws DeviceMemoryExceeded if fewer than `bytes` are available, or if `allowed` is less. `what`
+// begins the message.
 void require_device_memory(std::uint64_t bytes, const char* what,
                            std::uint64_t allowed = kNoMemoryLimit);
 

@@ -1,6 +1,7 @@
-// download_parts() cuts the parts into chunks of 2 MiB. Threads take the next chunk in turn, each
-// with a stream and two page-locked buffers: the device fills one while the thread copies the other
-// to the caller's memory. The buffers are kept for later downloads.
+// download_parts() cuts the parts into chunks of up to 2 MiB. Several threads take one chunk after
+// another from a common counter. Each thread has a "lane": a stream and two page-locked buffers.
+// The device fills one buffer while the thread copies the other to the caller's memory. The lanes
+// are kept for later downloads, because locking their pages takes as long as a small download.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -17,17 +18,18 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{2} << 20;
-constexpr std::size_t kChunksPerThread = 3;  // at least, or fewer threads are as fast
+constexpr std::size_t kChunksPerThread = 3;  // a thread with fewer chunks does not pay
 constexpr unsigned kMostThreads = 16;
 
+// A piece of a part: from device memory to memory of the caller.
 struct Chunk {
   std::byte* host;
   const std::byte* device;
   std::size_t bytes;
 };
 
-// Cut where the caller's memory crosses a multiple of a chunk, so that no large page is touched
-// first by two threads at once.
+// Cuts the parts into chunks where the address of the caller's memory is a multiple of kChunk, the
+// size of a large page. So no large page is written for the first time by two threads at once.
 std::vector<Chunk> cut(const std::vector<DownloadPart>& parts) {
   std::vector<Chunk> chunks;
   for (const DownloadPart& part : parts) {
@@ -42,10 +44,12 @@ std::vector<Chunk> cut(const std::vector<DownloadPart>& parts) {
   return chunks;
 }
 
-// Two staging buffers and a stream: one buffer is filled while the other is emptied.
+// A stream and two page-locked buffers, for one thread.
 class StagingLane {
  public:
-  // Copies chunks until there are none left.
+  // Copies chunks until none is left. `next` is the index of the next chunk that no thread has
+  // taken; all threads share it. The stream first waits for `ready`, after which the device memory
+  // has its values. `filling` is the chunk on its way from the device to buffers_[side].
   void work(const std::vector<Chunk>& chunks, std::atomic<std::size_t>& next, cudaEvent_t ready) {
     check_cuda(cudaStreamWaitEvent(stream_.get(), ready), "download");
     std::size_t filling = next++;
@@ -72,12 +76,12 @@ class StagingLane {
   StagingBuffer buffers_[2] = {StagingBuffer(kChunk), StagingBuffer(kChunk)};
 };
 
-// The lanes of a device. They are kept: locking their pages takes as long as a small download. One
-// download at a time uses them.
+// The lanes of a device. One download at a time uses them; others wait for the mutex.
 class Staging {
  public:
   void copy(int device, const std::vector<Chunk>& chunks, cudaEvent_t ready) {
     const std::lock_guard lock(mutex_);
+    // More threads than cores would not copy faster.
     const std::size_t cores = std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads);
     const std::size_t threads = std::clamp<std::size_t>(chunks.size() / kChunksPerThread, 1, cores);
     while (lanes_.size() < threads) lanes_.push_back(std::make_unique<StagingLane>());
@@ -93,7 +97,8 @@ class Staging {
   std::vector<std::unique_ptr<StagingLane>> lanes_;
 };
 
-// Never destroyed: at the end of the process the driver may be gone before it.
+// The staging of a device, made by the first call. Never destroyed: at the end of the process the
+// driver may be gone already.
 Staging& staging_of(int device) {
   static std::mutex* const mutex = new std::mutex;
   static auto* const all = new std::map<int, Staging>;
@@ -105,6 +110,7 @@ Staging& staging_of(int device) {
 
 void download_parts(const std::vector<DownloadPart>& parts, const Stream& stream) {
   const std::vector<Chunk> chunks = cut(parts);
+  // All parts are empty. The caller expects the stream to be done all the same.
   if (chunks.empty()) return stream.wait();
   int device = 0;
   check_cuda(cudaGetDevice(&device), "device");

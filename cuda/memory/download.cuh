@@ -1,4 +1,4 @@
-// From device memory to memory of the caller that nobody has touched yet.
+// Downloads large arrays from device memory to memory of the caller that has not been touched yet.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ struct DownloadPart {
   std::size_t bytes;
 };
 
-// Copies the parts, after the work on the stream so far, and returns when they are there. Several
-// threads take chunks in turn through page-locked memory: while one chunk is on the bus, others are
-// written to the caller's pages, whose first touch costs more than the bus.
+// Copies the parts after all work on the stream so far, and returns when they have arrived. Several
+// threads take chunks in turn through page-locked memory. While one chunk is on the bus, others are
+// written to the caller's pages: the first write to a page costs more than the transfer.
 void download_parts(const std::vector<DownloadPart>& parts, const Stream& stream);
 
 }  // namespace vdwmesh

@@ -1,4 +1,4 @@
-// Work shared among threads of the host.
+// Runs work on several threads of the host.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,9 @@
 
 namespace vdwmesh {
 
-// Calls work(k) for each k below count, all at once, the first on the caller's thread. When all are
-// done, throws what the first of them threw.
+// Calls work(k) for k = 0 .. count - 1, all at the same time: work(0) on the caller's thread, each
+// other one on a thread of its own. Returns when all are done. If some have thrown, throws the
+// exception of the lowest k.
 template <class Work>
 void run_on_threads(std::size_t count, const Work& work) {
   std::vector<std::exception_ptr> failures(count);
@@ -21,6 +22,7 @@ void run_on_threads(std::size_t count, const Work& work) {
     }
   };
   {
+    // The destructor of this vector waits for its threads.
     std::vector<std::jthread> others;
     for (std::size_t k = 1; k < count; ++k) others.emplace_back(guarded, k);
     if (count > 0) guarded(0);
