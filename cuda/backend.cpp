@@ -1,7 +1,10 @@
 // The one place that chooses between the backends. Extractor, Refiner, FieldMesher and pipeline
-// come from the CPU, from CUDA, or, for Backend::automatic on a machine with a device, from classes
-// that try CUDA first and compute on the CPU what does not fit the device's memory. A pipeline
-// whose two stages do not fit on the device together runs them one after the other over the host.
+// come from the CPU, from CUDA, or, for Backend::automatic on a machine with a device, from the
+// classes Automatic*: these try CUDA first and compute on the CPU what does not fit the device's
+// memory (DeviceMemoryExceeded).
+//
+// A pipeline extracts, then refines. If both stages do not fit on the device together, it runs them
+// one after the other, with the mesh on the host in between.
 #include "cuda/backend.hpp"
 
 #include <utility>
@@ -12,12 +15,14 @@
 namespace vdwmesh {
 namespace {
 
+// Calls the observer, if there is one, with the size of the mesh.
 void tell_size(const MeshSizeObserver& observer, const IndexedMesh& mesh) {
   if (observer) observer({mesh.vertex_count(), mesh.triangle_count()});
 }
 
-// The options of both stages with one workspace, so that the second stage finds the cell list of
-// the first. It is the caller's, or the run's own.
+// The options of both stages of a pipeline with one common workspace, so that the second stage
+// finds the cell list of the first. It is the caller's workspace if the options name one, else one
+// that lives as long as this object (WorkspaceOfCall).
 class RunOptions {
  public:
   RunOptions(const ExtractOptions& extraction, const RefineOptions& refinement)
@@ -25,7 +30,8 @@ class RunOptions {
     extract.workspace = &static_cast<Workspace&>(workspace_);
     refine.workspace = extract.workspace;
   }
-  // For an extraction that is refined: it makes half-edges, and its size is not the run's.
+  // The options of an extraction that is followed by a refinement. It makes half-edges, which the
+  // refinement needs, and does not call on_size, because its mesh is not the result.
   ExtractOptions extraction_to_refine() const {
     ExtractOptions options = extract;
     options.connectivity = Connectivity::half_edges;
@@ -41,11 +47,12 @@ class RunOptions {
   RefineOptions refine;
 };
 
-// Extraction to the host, then refinement of what came out.
+// Extracts to the host, then refines the mesh from there. Without subdivisions it only extracts.
 PipelineResult run_over_host(const SphereSet& spheres, const RunOptions& run,
                              const Extractor& extractor, const Refiner& refiner) {
   if (run.refine.subdivisions == 0) {
     ExtractResult extracted = extractor.extract(spheres, run.extract);
+    // Not refined: no levels, 0 seconds, no fallback.
     return {std::move(extracted.mesh), extracted.grid, extracted.stats, {}, 0, {}};
   }
   ExtractResult extracted = extractor.extract(spheres, run.extraction_to_refine());
@@ -65,7 +72,9 @@ class CpuPipeline final : public SurfacePipeline {
   }
 };
 
-// Passes each level on once, also where a second attempt sees it again: its bits are the same.
+// An observer that passes each level on to `observer` once. If a first attempt fails and a second
+// one starts from level 0 again, levels that have been passed on are skipped: they have the same
+// bits. `next` is the lowest level that has not been passed on; it must live as long as the result.
 LevelObserver once_per_level(const LevelObserver& observer, int& next) {
   if (!observer) return {};
   return [&observer, &next](int level, const IndexedMesh& mesh) {
@@ -75,8 +84,8 @@ LevelObserver once_per_level(const LevelObserver& observer, int& next) {
   };
 }
 
-// Calls on_device() and, if that does not fit the device's memory, on_cpu(). Returns why the CPU
-// had to, "`done` on the CPU: ...", or nothing.
+// Calls on_device() and, if that throws DeviceMemoryExceeded, on_cpu(). Returns an empty string, or
+// why the CPU had to do the work: "`done` on the CPU: " and what the device lacked.
 template <class OnDevice, class OnCpu>
 std::string with_fallback(const char* done, const OnDevice& on_device, const OnCpu& on_cpu) {
   std::string lack;
@@ -86,11 +95,12 @@ std::string with_fallback(const char* done, const OnDevice& on_device, const OnC
   } catch (const DeviceMemoryExceeded& error) {
     lack = error.what();
   }
+  // Outside the handler: the exception and what it holds are gone before the CPU starts.
   on_cpu();
   return std::string(done) + " on the CPU: " + lack;
 }
 
-// The automatic classes are for where a device is present: the CPU does what does not fit it.
+// The classes Automatic* are used only on a machine with a usable device, see make_extractor().
 class AutomaticExtractor final : public Extractor {
  public:
   void extract_into(ExtractResult& result, const SphereSet& spheres,
@@ -135,7 +145,7 @@ class AutomaticRefiner final : public Refiner {
     RefineOptions observed = options;
     observed.on_level = once_per_level(options.on_level, next_level);
     RefineResult result;
-    const IndexedMesh& kept = mesh;  // for the CPU, if the device cannot
+    const IndexedMesh& kept = mesh;  // CUDA refines a copy, because the CPU may still need the mesh
     const std::string fallback = with_fallback(
         "refined", [&] { result = make_cuda_refiner()->refine(spheres, kept, observed); },
         [&] { result = make_cpu_refiner()->refine(spheres, std::move(mesh), observed); });
@@ -144,14 +154,17 @@ class AutomaticRefiner final : public Refiner {
   }
 };
 
-// On CUDA; `refiner` refines what had to go over the host.
+// Runs a pipeline with the mesh on one device throughout, if it is to be refined and one device is
+// asked for. Otherwise, or if that does not fit the device's memory, extracts with CUDA to the host
+// and refines by `refiner` from there.
 PipelineResult run_on_device(const SphereSet& spheres, const RunOptions& run,
                              const Refiner& refiner) {
   if (run.refine.subdivisions > 0 && run.extract.devices == 1) {
     try {
       return make_cuda_pipeline()->run(spheres, run.extract, run.refine);
     } catch (const DeviceMemoryExceeded&) {
-      // Apart it may fit: the extraction in slabs, and the refinement without it in the way.
+      // The stages may fit one after the other: the extraction can be cut into slabs, and the
+      // refinement then has the device to itself.
     }
   }
   return run_over_host(spheres, run, *make_cuda_extractor(), refiner);
@@ -182,6 +195,7 @@ class AutomaticPipeline final : public SurfacePipeline {
           result = run_on_device(spheres, {extract, observed}, AutomaticRefiner());
         },
         [&] { result = CpuPipeline().run(spheres, extract, observed); });
+    // Otherwise the result may name a fallback of its own: of the refinement alone.
     if (!fallback.empty()) result.fallback = fallback;
     return result;
   }

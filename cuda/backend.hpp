@@ -1,4 +1,4 @@
-// The one place where a backend is chosen.
+// The one place where a backend (CPU or CUDA) is chosen.
 #pragma once
 
 #include <memory>
@@ -11,6 +11,7 @@
 
 namespace vdwmesh {
 
+// automatic: CUDA on a machine with a usable device, else the CPU.
 enum class Backend { automatic, cpu, cuda };
 
 struct DeviceInfo {
@@ -19,27 +20,28 @@ struct DeviceInfo {
   std::uint64_t memory = 0;  // bytes
 };
 
-// CUDA devices that this build can use: it has code for them, and they have memory pools. Empty
-// where there is none, or no CUDA in the build; `reason` says why.
+// The CUDA devices that this build can use: it has code for them, and they have memory pools. If
+// there is none, or if the build is without CUDA, the list is empty and `reason` says why.
 struct DeviceList {
   std::vector<DeviceInfo> devices;
   std::string reason;
 };
 DeviceList cuda_devices();
 
-// automatic -> cuda where a device is present, else cpu; the others stand. Throws
-// BackendUnavailable for cuda where there is none, saying what is missing.
+// Replaces `automatic` by cuda if a device is present, else by cpu; returns the others as they are.
+// Throws BackendUnavailable for cuda if no device is present; the message says what is missing.
 Backend resolve(Backend requested);
 
-// Gives back the device memory that the CUDA backend keeps between calls for the next one, after
-// what runs on those devices has ended; for who wants to use a device for something else in the
-// same process, such as drawing. The memory is that of each device's default pool
-// (cudaMallocAsync), which the backend tells to keep all it has. Throws CudaError.
+// The CUDA backend keeps device memory between calls for the next call. This gives it back, after
+// all work on the devices has ended, so that the process can use a device for something else, such
+// as drawing. The memory is in each device's default pool (cudaMallocAsync), which the backend
+// tells to keep what it has. Throws CudaError.
 void release_device_memory();
 
-// Each of these computes on the current device of the calling thread, or on the first usable one
-// where that is none. The automatic ones leave to the CPU what does not fit the device's memory,
-// and say so in `fallback` of what they return, where the CUDA ones throw DeviceMemoryExceeded.
+// Each of these computes on the current device of the calling thread, or on the first usable device
+// if that one is not usable. If the work does not fit the device's memory, the objects for cuda
+// throw DeviceMemoryExceeded. The objects for automatic leave it to the CPU, and say so in the
+// `fallback` of their results.
 std::unique_ptr<Extractor> make_extractor(Backend backend);
 std::unique_ptr<Refiner> make_refiner(Backend backend);
 std::unique_ptr<FieldMesher> make_field_mesher(Backend backend);
@@ -50,16 +52,20 @@ struct PipelineResult {
   ExtractStats extract;
   std::vector<ProjectionStats> levels;
   double refine_seconds = 0;
-  std::string fallback;  // why the CPU did a part that a device was to do; empty: it did none
+  std::string fallback;  // why the CPU did work that was meant for a device; empty if it did none
 };
 
-// Extraction, then refinement; with 0 subdivisions the extracted mesh as it is. The grid of
-// `refine` is that of the extraction, whatever it says. The CUDA pipeline keeps everything on one
-// device in between, where that fits; else, and where `extract.devices` asks for several, it
-// extracts in slabs to the host and refines on one device what came out. The automatic one leaves
-// to the CPU the refinement or all of it where that does not fit either. `extract.on_size` hears of
-// the mesh that comes out: before it is brought from a device, or after it was refined. Where a
-// second way is taken it may hear so twice.
+// Extraction, then refinement; with 0 subdivisions the result is the extracted mesh. The grid of
+// the extraction replaces the grid of the options `refine`.
+//
+// The CUDA pipeline keeps everything on one device in between, if that fits. Otherwise, and if
+// `extract.devices` asks for several devices, it extracts in slabs to the host and refines the mesh
+// on one device. The automatic pipeline leaves the refinement, or all of it, to the CPU if that
+// does not fit either.
+//
+// `extract.on_size` is called with the size of the resulting mesh: before it is downloaded from a
+// device, or after it was refined. If a first attempt fails after that, the second attempt calls it
+// again.
 class SurfacePipeline {
  public:
   virtual ~SurfacePipeline() = default;

@@ -1,4 +1,5 @@
-// What the CUDA room offers to backend.cpp; unavailable.cpp stands in where it is not built.
+// What the CUDA sources offer to backend.cpp. In builds without a CUDA compiler, unavailable.cpp
+// defines these functions instead.
 #pragma once
 
 #include <memory>
@@ -7,15 +8,16 @@
 
 namespace vdwmesh {
 
+// See cuda_devices() and release_device_memory() in backend.hpp.
 DeviceList find_cuda_devices();
 void release_cuda_memory();
 
-// Precondition: a device is present.
+// Precondition: a usable device is present.
 std::unique_ptr<Extractor> make_cuda_extractor();
 std::unique_ptr<Refiner> make_cuda_refiner();
 std::unique_ptr<FieldMesher> make_cuda_field_mesher();
-// For subdivisions, with everything on one device: throws DeviceMemoryExceeded if that does not
-// fit.
+// A pipeline for one subdivision or more, with everything on one device. It throws
+// DeviceMemoryExceeded if that does not fit.
 std::unique_ptr<SurfacePipeline> make_cuda_pipeline();
 
 }  // namespace vdwmesh

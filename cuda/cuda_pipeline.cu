@@ -1,5 +1,6 @@
 // Extraction and refinement on one CUDA device. The mesh stays there in between, so that only the
-// refined one is brought to the host.
+// refined mesh is downloaded. backend.cpp uses this pipeline if both stages fit on the device
+// together.
 #include <utility>
 
 #include "cuda/cuda_backend.hpp"
@@ -22,11 +23,14 @@ class OneDevicePipeline final : public SurfacePipeline {
     const Stream stream;
     ExtractOptions with_half_edges = extract;
     with_half_edges.connectivity = Connectivity::half_edges;
+    // In a function of its own, so that the cell list of the extraction leaves the device before
+    // the refinement.
     DeviceExtraction extraction = [&] {
       const CellListView list = field_list(spheres, model, extract.frame, workspace);
       const DeviceCellList device_list(list, stream.get());
       return extract_on_device(device_list.view(), model, with_half_edges, stream);
     }();
+    // The mesh, levels, seconds are filled in below; there is no fallback.
     PipelineResult result{{}, grid, extraction.stats, {}, 0, {}};
     RefineOptions options = refine;
     options.grid = grid;

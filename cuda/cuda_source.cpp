@@ -1,4 +1,5 @@
-// CudaSource asks fill_with_cuda() for the buffers and, where that has an obstacle, its MeshSource.
+// CudaSource lets fill_with_cuda() fill the buffers. If that returns an obstacle, the MeshSource
+// fills them.
 #include "cuda/cuda_source.hpp"
 
 #include "cuda/pictures/gl_fill.hpp"

@@ -1,4 +1,5 @@
-// The CUDA room of a build without a CUDA compiler.
+// The functions of cuda_backend.hpp in a build without a CUDA compiler: there are no devices, and
+// nothing can be made.
 #include "core/errors.hpp"
 #include "cuda/cuda_backend.hpp"
 

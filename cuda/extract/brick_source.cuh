@@ -1,12 +1,13 @@
-// What marching cubes on the device asks of a surface, brick by brick.
+// The interface through which marching cubes on the device asks for a surface, brick by brick, and
+// its implementation for fields over spheres. FieldSource (field_source.cuh) is the other one.
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"
 
 namespace vdwmesh {
 
-// A surface on one device, and the stream that all work about it runs on. Marching cubes over it is
-// the same for all sources: see DeviceBrickMesher in brick_mesher.cuh.
+// A surface on one device, and the stream on which all its work runs. The rest of marching cubes is
+// the same for all sources: DeviceBrickMesher in brick_mesher.cuh.
 class BrickSource {
  public:
   explicit BrickSource(const Stream& stream) : stream_(stream) {}
@@ -14,21 +15,25 @@ class BrickSource {
 
   const Stream& stream() const { return stream_; }
   virtual const GridSpec& grid() const = 0;
+  // How many spheres the labels of its vertices name.
   virtual LabelWidth label_width() const = 0;
 
-  // How many floats counting leaves behind for each brick, which emitting its vertices needs.
+  // How many floats counting writes for each brick, which emit_vertices() reads later: the field's
+  // values at its nodes. 0: none.
   virtual std::uint64_t values_per_brick() const { return 0; }
 
-  // Keys of the bricks of a range that may hold surface, rising. Throws LimitExceeded beyond
-  // `most`.
+  // Keys, rising, of the bricks of a range that may hold surface. Throws LimitExceeded if they are
+  // more than `most`.
   virtual KeyList candidates(const KeyRange& range, std::uint64_t most) const = 0;
 
-  // Signs and counts of the bricks with these keys; `values` has values_per_brick() for each.
+  // Writes the signs and counts of the `size` bricks with these keys to `bricks` and `counts`, and
+  // values_per_brick() floats of each to `values`.
   virtual void count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks,
                      float* values, const BrickCounts& counts) const = 0;
 
-  // Positions, normals and labels of the vertices of the bricks, at their numbers; adds the clamped
-  // ones to `clamped`. `values` as counted, of these bricks.
+  // Writes positions, normals and labels of the vertices of the bricks to `mesh`, at the indices of
+  // their numbers. Adds the number of clamped vertices to `clamped`. most_atoms is
+  // BrickTotals::most_atoms, and `values` is what count() has written for these bricks.
   virtual void emit_vertices(const BrickList& bricks, std::uint32_t most_atoms, const float* values,
                              const DeviceMeshView& mesh, unsigned long long* clamped) const = 0;
 
@@ -36,7 +41,8 @@ class BrickSource {
   const Stream& stream_;
 };
 
-// The surface of a field over spheres that stand on the device.
+// The surface of a field over spheres (the union or a blended field), with the cell list on the
+// device.
 class SphereSource final : public BrickSource {
  public:
   SphereSource(const CellListView& list, const FieldModel& model, const Stream& stream)

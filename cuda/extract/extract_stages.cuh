@@ -37,8 +37,7 @@ class DeviceField {
   FieldContext context_;
 };
 
-// The marching cubes cases (CaseTable) in the memory of the current device. They are uploaded on
-// the first call and stay there.
+// The marching cubes cases in the memory of the current device, where they stay.
 const CaseTable* case_table_on_device();
 
 // The keys of bricks or lattice blocks: the first `count` entries of the array, which may be
@@ -53,8 +52,7 @@ struct KeyList {
 KeyList candidate_bricks_on_device(const FieldContext& f, const KeyRange& range, std::uint64_t most,
                                    const Stream& stream);
 
-// Counts over a part of the bricks: brick i belongs to part i % kCountParts. The counts are split
-// so that not all bricks add to one address.
+// Counts over the bricks i with one value of i % kCountParts, so that not all add to one address.
 struct CountPart {
   unsigned long long clipped_cells, surface_bricks;
   std::uint32_t most_atoms;  // the most atoms that reach one brick; for blended fields only
@@ -77,7 +75,7 @@ void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, st
                             ActiveBrick* bricks, float* values, const BrickCounts& counts,
                             const Stream& stream);
 
-// The sums over all bricks: the parts of BrickCounts added up, and for most_atoms their maximum.
+// The sums over all bricks; of most_atoms the maximum.
 struct BrickTotals {
   BrickSums sums;
   unsigned long long clipped_cells, surface_bricks;
@@ -107,7 +105,7 @@ struct BrickRange {
   std::uint64_t size() const { return end - begin; }
 };
 
-// The bricks of a run as a list of their own. They keep their numbers in the whole mesh.
+// The bricks of a run as a list; they keep their numbers in the mesh.
 inline BrickList part_of(const BrickList& list, const BrickRange& range) {
   return {list.bricks + range.begin, list.before + range.begin, range.size()};
 }

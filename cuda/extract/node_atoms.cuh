@@ -1,6 +1,7 @@
-// The axis terms of a chunk of atoms at a brick's planes of nodes, made by a warp in shared memory.
-// Every node of the brick then combines three terms per atom. The kernels that sum blended fields
-// at nodes (count_bricks.cu, sample_field.cu) use them.
+// The axis terms of a chunk of atoms, made by a warp in shared memory. An axis term is what an atom
+// and a plane of nodes across one axis contribute to the value at a node. Each node of the brick
+// then combines three terms per atom, instead of computing a distance. The kernels that sum blended
+// fields at nodes (count_bricks.cu, sample_field.cu) use them.
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"
@@ -11,7 +12,7 @@ namespace vdwmesh {
 
 inline constexpr std::uint32_t kAtomChunk = 16;  // atoms in shared memory at a time
 
-// Atoms of a warp on their way to its chunk, in shared memory.
+// The atoms of a warp between gathering and their terms, in shared memory.
 struct AtomStage {
   std::uint32_t waiting[kAtomChunk + kWarp];  // list places, as gather_by_warp() fills them
   Sphere spheres[kAtomChunk];                 // the atoms of the chunk
@@ -24,8 +25,9 @@ struct alignas(16) NodeAtom {
   AxisTerm term[3][kNodes];
 };
 
-// Makes the terms of the first `count` waiting atoms: by one warp, whose lanes share the count * 3
-// * kNodes terms. `coordinate` has the positions of the planes, Å. Ends with __syncwarp().
+// Makes the terms of the first `count` <= kAtomChunk waiting atoms and writes them to `atoms`: by
+// one warp, whose lanes share the count * 3 * kNodes terms. `coordinate` has the positions of the
+// planes of nodes along each axis, Å. All lanes call it. Ends with __syncwarp().
 template <BlendedKind Kind, int kNodes>
 __device__ void share_terms(const FieldContext& f, const NodeShape& nodes, std::uint32_t count,
                             const BrickIndex& brick, const double (&coordinate)[3][kNodes],

@@ -95,9 +95,8 @@ __device__ inline RoughBox rough_box(const Vec3d& origin, const Vec3d& lower, co
   return box;
 }
 
-// Whether a rough sphere (centre in x, y and z, widened reach in w, see RoughSpheres) may touch the
-// box. One-sided: true for every sphere whose reach touches the box, and for some that just miss
-// it.
+// Whether a sphere of RoughSpheres may touch the box. One-sided: true for every sphere whose reach
+// touches the box, and for some that just miss it.
 __device__ inline bool may_reach(const RoughBox& box, const float4& sphere) {
   const float x = fmaxf(fmaxf(box.lower[0] - sphere.x, sphere.x - box.upper[0]), 0.0f);
   const float y = fmaxf(fmaxf(box.lower[1] - sphere.y, sphere.y - box.upper[1]), 0.0f);
@@ -140,7 +139,7 @@ __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lowe
       // Compaction: each kept place goes behind those of the lower lanes.
       if (kept) waiting[count + __popc(votes & ((1u << lane) - 1))] = place;
       count += static_cast<std::uint32_t>(__popc(votes));
-      // If batch() has returned true, `done` ends this visit and the loop over the levels.
+      // If batch() has returned true, `done` ends all loops.
       while (count >= size && !done) hand_over(size);
       return done;
     });
