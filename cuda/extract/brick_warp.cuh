@@ -1,6 +1,7 @@
 // Device functions for kernels in which one warp works on one brick: the geometry of the brick in
 // shared memory, counting from the node signs, and writing its vertices. "share" in a name means
-// that a warp fills a structure in shared memory for all of its lanes.
+// that a warp fills a structure in shared memory for all of its lanes. The rows of a brick run
+// along x; row (y, z) has number 8 z + y.
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"
@@ -12,28 +13,30 @@
 
 namespace vdwmesh {
 
-// Warps of a block. A block keeps its resources until its slowest warp ends, so few are better.
+// Warps of a thread block. A block keeps its registers and shared memory until its slowest warp
+// ends, so few warps are better.
 inline constexpr unsigned kBrickWarps = 2;
 inline constexpr unsigned kBrickThreads = kBrickWarps * kWarp;
-inline constexpr int kRows = kBrickReach * kBrickReach;   // rows of nodes that the cells touch
-inline constexpr int kOwnRows = kBrickSide * kBrickSide;  // rows of the brick's own nodes or cells
+inline constexpr int kRows = kBrickReach * kBrickReach;  // 9 x 9 rows of nodes that the cells touch
+inline constexpr int kOwnRows = kBrickSide * kBrickSide;  // 8 x 8 rows of own nodes, or of cells
 
-// Stores row (y, z) of the brick's signs; bit x of `inside` is the sign of node x. Virtual nodes
-// are outside whatever their bit is.
+// Stores row (y, z) of the brick's signs. Bit x of `inside` says whether node x is inside; if the
+// node is virtual, its bit is ignored, and it is outside.
 __device__ inline void share_signs(const BrickGeometry& g, std::uint32_t inside, int y, int z,
                                    BrickSigns& signs) {
   const bool real = (g.real[1] >> y & g.real[2] >> z & 1) != 0;
   signs.row[z][y] = real ? static_cast<std::uint16_t>(inside & g.real[0]) : std::uint16_t{0};
 }
 
-// brick_geometry() by one warp: lane 9 * axis + i makes node i along the axis. Ends with
-// __syncwarp().
+// Computes brick_geometry() by one warp: lane 9 * axis + i makes node i along the axis; five lanes
+// are idle. Ends with __syncwarp().
 __device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, BrickGeometry& g) {
   const BrickIndex brick = brick_of_key(key);
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   const int axis = lane / kBrickReach, i = lane % kBrickReach;
   const std::int32_t index = axis == 0 ? brick.x : (axis == 1 ? brick.y : brick.z);
   const std::int64_t lattice = lattice_index(index, i);
+  // The vote has the nine bits of BrickGeometry::real for each axis, one axis behind the other.
   const unsigned real = __ballot_sync(kAllLanes, axis < 3 && !is_virtual(grid, axis, lattice));
   if (lane == 0) g.brick = brick;
   if (axis < 3) {
@@ -44,8 +47,9 @@ __device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, B
   __syncwarp();
 }
 
-// Copies a brick between global and shared memory, 8 bytes a thread and step. Called by `threads`
-// threads, of which this is number `thread`; the caller synchronises.
+// Copies a brick between global and shared memory, 8 bytes a thread and step. It is called by
+// `threads` threads, each with its own number `thread` from 0 on. The caller must synchronise
+// afterwards.
 __device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsigned thread,
                                   unsigned threads) {
   static_assert(sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
@@ -56,15 +60,16 @@ __device__ inline void copy_brick(const ActiveBrick* from, ActiveBrick* to, unsi
   }
 }
 
-// Counts the vertices and triangles that the brick's signs imply, and their prefix sums over the
-// rows: by one warp, two rows a lane. Both counts are packed into one word, so one prefix sum
-// serves both; 16 bits suffice for at most 1536 vertices and 2560 triangles. The caller
-// synchronises before and after.
+// Counts the vertices and triangles that follow from the brick's signs, and their prefix sums over
+// the rows. By one warp, two rows a lane. The counts of vertices and triangles are packed into one
+// word of 2 x 16 bits, so one prefix sum serves both; 16 bits suffice for at most 1536 vertices and
+// 2560 triangles. The caller synchronises before and after.
 __device__ inline void count_brick(const BrickGeometry& geometry, const CaseTable& table,
                                    ActiveBrick& brick) {
   static_assert(kOwnRows == 2 * kWarp);
   const unsigned lane = threadIdx.x % kWarp;
-  std::uint32_t clipped = 0, before = 0;  // before: triangles << 16 | vertices of earlier rows
+  std::uint32_t clipped = 0,
+                before = 0;  // before: triangles << 16 | vertices of the rows before this turn
   for (unsigned row = lane; row < kOwnRows; row += kWarp) {
     const int y = static_cast<int>(row) % kBrickSide, z = static_cast<int>(row) / kBrickSide;
     const auto vertices =
@@ -87,7 +92,7 @@ __device__ inline void count_brick(const BrickGeometry& geometry, const CaseTabl
   brick.clipped_cells = clipped;
 }
 
-// Writes a counted brick as bricks[i], and its counts, by one warp.
+// Writes a counted brick to bricks[i], and adds its counts to `counts`. By one warp.
 __device__ inline void store_count(const ActiveBrick& brick, std::uint64_t i, ActiveBrick* bricks,
                                    const BrickCounts& counts) {
   const unsigned lane = threadIdx.x % kWarp;
@@ -99,15 +104,16 @@ __device__ inline void store_count(const ActiveBrick& brick, std::uint64_t i, Ac
   if (brick.vertices + brick.triangles != 0) atomicAdd(&part.surface_bricks, 1ull);
 }
 
-// Spreads the 8 low bits to every third bit: bit i moves to bit 3 i.
+// Spreads the 8 low bits: bit i moves to bit 3 i. Each line doubles the groups that are apart.
 __device__ inline std::uint32_t spread_by_three(std::uint32_t bits) {
   bits = (bits | bits << 8) & 0x00f00fu;
   bits = (bits | bits << 4) & 0x0c30c3u;
   return (bits | bits << 2) & 0x249249u;
 }
 
-// Position of the n-th set bit, counting from 0, by a binary search over population counts.
-// Precondition: more than n bits are set.
+// Position of the n-th set bit, n counted from 0, by a binary search over population counts. If the
+// lower half of what is left has n bits or fewer, the bit is in the upper half. Precondition: more
+// than n bits are set.
 __device__ inline int nth_bit(std::uint32_t bits, int n) {
   int place = 0;
   for (int width = 16; width > 0; width /= 2) {
@@ -119,8 +125,9 @@ __device__ inline int nth_bit(std::uint32_t bits, int n) {
   return place;
 }
 
-// The edge that carries vertex n of a brick: a binary search for its row, then for its bit in the
-// row. So any lane can compute any vertex without a list of edges.
+// The crossed edge that carries vertex n of a brick (n counted from 0 within the brick): a binary
+// search for its row, then for its bit in the row. So any lane can compute any vertex without a
+// list of edges.
 __device__ inline CrossedEdge edge_of_vertex(const ActiveBrick& brick, std::uint32_t n) {
   int row = 0;  // the last row whose first vertex is at most n
   for (int step = kOwnRows / 2; step > 0; step /= 2) {
@@ -136,8 +143,9 @@ __device__ inline CrossedEdge edge_of_vertex(const ActiveBrick& brick, std::uint
   return crossed_edge((brick.signs.row[z][y] >> x & 1) != 0, x, y, z, place % 3);
 }
 
-// Shared memory in which a warp transposes the vertices of its lanes, so that consecutive lanes
-// write consecutive words of global memory (coalesced writes).
+// Shared memory in which a warp rearranges the vertices of its lanes: each lane has three
+// coordinates, but consecutive lanes shall write consecutive words of global memory (coalesced
+// writes).
 struct VertexStage {
   double position[3 * kWarp];
   float normal[3 * kWarp];
@@ -149,6 +157,7 @@ __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& 
                                       std::uint64_t first, unsigned count,
                                       const EdgeVertex& vertex) {
   const unsigned lane = threadIdx.x % kWarp;
+  // The lanes may still be reading the vertices of the call before.
   __syncwarp();
   for (int axis = 0; axis < 3; ++axis) {
     stage.position[3 * lane + static_cast<unsigned>(axis)] = vertex.position[axis];
@@ -168,8 +177,7 @@ __device__ inline void store_vertices(VertexStage& stage, const DeviceMeshView& 
 
 // Computes vertex(edge) for all vertices of a brick, 32 at a time, and writes them by one warp.
 // `base` is the number of the brick's first vertex in the whole mesh. Adds the number of clamped
-// vertices to `clamped`. All lanes of the warp call it, and vertex() too is called by all lanes
-// together.
+// vertices to `clamped`. All lanes of the warp call it, and all call vertex() together.
 template <class Vertex>
 __device__ void store_all(const ActiveBrick& brick, std::uint64_t base, VertexStage& stage,
                           const DeviceMeshView& mesh, unsigned long long* clamped, Vertex vertex) {

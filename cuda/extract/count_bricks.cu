@@ -1,10 +1,11 @@
 // Node signs of the candidate bricks, and the counts that follow from them, with one warp per
-// brick. The warp gathers the spheres near the brick in list order, adds them in chunks to the
+// brick. The warp gathers the spheres near the brick in list order, applies them in batches to the
 // nodes of its rows, packs the signs, and counts vertices and triangles (count_brick()). For
 // blended fields the values at the nodes of bricks with surface are kept for the vertices.
 //
-// Each of 27 lanes has three rows of nine nodes in registers. The order of the sums is the list's,
-// as on the CPU, so the values agree with the CPU bit by bit.
+// Each of 27 lanes has three rows of nine nodes in registers; five lanes are idle while nodes are
+// computed. The order of the sums is the list's, as on the CPU, so the values agree with the CPU's
+// bit by bit.
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/extract_stages.cuh"
 #include "cuda/extract/node_atoms.cuh"
@@ -14,16 +15,16 @@
 namespace vdwmesh {
 namespace {
 
-// Lane i < 27 has the rows i, i + 27 and i + 54 of the 81 rows 9 z + y: one y, and three z that are
-// kPlanesApart = 3 apart.
+// Lane i < 27 has the rows i, i + 27 and i + 54 of the 81 rows 9 z + y: all with one y, and with
+// three z that are kPlanesApart = 3 apart.
 constexpr int kLaneRows = 3;
 constexpr int kRowLanes = kRows / kLaneRows;
 constexpr int kPlanesApart = kRowLanes / kBrickReach;
 
 // ---- the union of balls ----
 
-// Shared memory of a warp, about 3 KB. `places` has room for one more warp's worth, as
-// gather_by_warp() asks.
+// Shared memory of a warp, about 3 KB. `places` is longer than a batch by a warp, as
+// gather_by_warp() needs it.
 struct UnionShared {
   BrickGeometry geometry;
   ActiveBrick brick;
@@ -48,8 +49,8 @@ __device__ void add_to_row(const BrickGeometry& g, const Sphere* balls, std::uin
   }
 }
 
-// A warp per candidate brick, 2 warps a block; about 6 KB of shared memory. Reads the keys of
-// `size` bricks; writes bricks[i] and the counts of brick i.
+// Counts candidate bricks of the union: writes bricks[i] and the counts of brick i, which has the
+// key keys[i]. A warp per brick, 2 warps per thread block; about 6 KB of shared memory.
 __global__ void __launch_bounds__(kBrickThreads)
     count_union(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
                 std::uint64_t size, const CaseTable* table, ActiveBrick* bricks,
@@ -74,6 +75,7 @@ __global__ void __launch_bounds__(kBrickThreads)
     for (int r = 0; r < kLaneRows && lane < kRowLanes; ++r) {
       add_to_row(s.geometry, s.balls, count, y, z + r * kPlanesApart, inside[r]);
     }
+    // Never ends the gathering.
     return false;
   });
 #pragma unroll
@@ -91,7 +93,8 @@ __global__ void __launch_bounds__(kBrickThreads)
 
 // ---- blended fields ----
 
-// Shared memory of a warp, about 5 KB. The values replace the atoms once all atoms are added.
+// Shared memory of a warp, about 5 KB. Once all atoms are added they are no longer needed, and the
+// values take their memory.
 struct BlendedShared {
   BrickGeometry geometry;
   ActiveBrick brick;
@@ -102,10 +105,11 @@ struct BlendedShared {
   };
 };
 
-// The values at the nodes of a lane's rows, kept in registers: loops over them are unrolled.
+// The values at the nodes of a lane's rows. They stay in registers because all loops over them are
+// unrolled: registers have no computed index.
 using LaneRows = float[kLaneRows][kBrickReach];
 
-// Adds the first `count` atoms of the chunk in shared memory to the lane's rows.
+// Adds the `count` atoms in shared memory to the values of the rows of the lane.
 template <BlendedKind Kind>
 __device__ void add_atoms(const NodeShape& nodes, const BlendedShared& s, std::uint32_t count,
                           LaneRows& rows) {
@@ -127,7 +131,7 @@ __device__ void add_atoms(const NodeShape& nodes, const BlendedShared& s, std::u
   }
 }
 
-// Sums over all atoms near the brick, in list order, at the nodes of the lane's rows. Returns the
+// Sums all atoms near the brick, in list order, at the nodes of the rows of the lane. Returns the
 // number of atoms.
 template <BlendedKind Kind>
 __device__ std::uint32_t sum_field(const FieldContext& f, BlendedShared& s, LaneRows& rows) {
@@ -137,11 +141,13 @@ __device__ std::uint32_t sum_field(const FieldContext& f, BlendedShared& s, Lane
   return gather_by_warp(f, lower, upper, s.stage.waiting, kAtomChunk, [&](std::uint32_t count) {
     share_terms<Kind>(f, nodes, count, s.geometry.brick, s.geometry.coordinate, s.stage, s.atoms);
     add_atoms<Kind>(nodes, s, count, rows);
+    // Never ends the gathering.
     return false;
   });
 }
 
-// Stores the signs and the values of the lane's rows in shared memory.
+// Stores the signs and the values of the rows of the lane in shared memory. The first __syncwarp()
+// waits until no lane reads the atoms, whose memory the values take.
 __device__ void share_rows(float isovalue, const LaneRows& rows, BlendedShared& s) {
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   __syncwarp();
@@ -157,9 +163,10 @@ __device__ void share_rows(float isovalue, const LaneRows& rows, BlendedShared& 
   __syncwarp();
 }
 
-// A warp per candidate brick, 2 warps a block; about 10 KB of shared memory. Reads the keys of
-// `size` bricks; writes bricks[i] and the counts of brick i and, if it has a vertex, the values at
-// its 9 x 9 x 9 nodes from values[i * kBrickValues] on.
+// Counts candidate bricks of a blended field: writes bricks[i] and the counts of brick i, which has
+// the key keys[i], and, if the brick has a vertex, the values at its 9 x 9 x 9 nodes from values[i
+// * kBrickValues] on. A warp per brick, 2 warps per thread block; about 10 KB of shared memory. The
+// second launch bound makes 12 blocks fit on a multiprocessor.
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads, 12)
     count_blended(const __grid_constant__ FieldContext f, const std::uint64_t* keys,

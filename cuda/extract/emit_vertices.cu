@@ -1,11 +1,12 @@
 // Positions, normals and labels of the vertices, with one warp per brick and one vertex per lane at
-// a time. A lane finds the edge of its vertex from the brick's signs (edge_of_vertex()), computes
-// the vertex with the formulas that the CPU uses, and the warp writes 32 vertices together
-// (store_all()).
+// a time. A lane finds the edge of its vertex from the brick's signs (edge_of_vertex()) and
+// computes the vertex with the formulas that the CPU uses; then the warp writes 32 vertices
+// together (store_all()).
 //
-// There are three kinds of surface: the union of balls, blended fields and sampled fields. For the
-// first two, the warp first gathers the spheres near the brick into shared memory. If they do not
-// fit there, every vertex searches the cell list itself, which gives the same bits more slowly.
+// There are three kinds of surface: the union of balls, blended fields and sampled fields (given by
+// their values at the nodes). For the first two, the warp first gathers the spheres near the brick
+// into shared memory. If they do not fit there, every vertex searches the cell list itself, which
+// gives the same bits more slowly.
 #include <algorithm>
 
 #include "cuda/extract/brick_warp.cuh"
@@ -30,8 +31,8 @@ struct WarpBrick {
   VertexStage stage;
 };
 
-// Copies the warp's brick to shared memory. Returns false if there is nothing to do: the list has
-// ended, or the brick has no vertex.
+// Copies the warp's brick to shared memory. Returns false if the warp has nothing to do: it is
+// beyond the end of the list, or its brick has no vertex.
 __device__ bool load_brick(const BrickList& list, ActiveBrick& brick) {
   if (own_brick() >= list.size) return false;
   copy_brick(&list.bricks[own_brick()], &brick, threadIdx.x % kWarp, kWarp);
@@ -41,15 +42,16 @@ __device__ bool load_brick(const BrickList& list, ActiveBrick& brick) {
 
 // ---- the union of balls ----
 
-// Shared memory of a warp, about 6 KB.
+// Shared memory of a warp, about 6 KB. `places` is longer than a batch by a warp, as
+// gather_by_warp() needs it.
 struct UnionShared {
   WarpBrick own;
   std::uint32_t places[kMostSharedBalls + kWarp];
   SharedBalls items;
 };
 
-// A warp per brick, 2 warps a block; about 12 KB of shared memory. Reads the spheres; writes the
-// vertices of brick i at their numbers, and adds clamped ones to `clamped`.
+// Writes the vertices of each brick at the indices of their numbers, and adds clamped ones to
+// `clamped`. A warp per brick, 2 warps per thread block; about 12 KB of shared memory.
 __global__ void __launch_bounds__(kBrickThreads)
     emit_union_vertices(const __grid_constant__ FieldContext f, BrickList list, DeviceMeshView mesh,
                         unsigned long long* clamped) {
@@ -65,8 +67,8 @@ __global__ void __launch_bounds__(kBrickThreads)
                        s.items.load(f, g, s.places, count);
                        return false;
                      });
-  // More balls than kMostSharedBalls have overwritten each other in s.items: null makes every
-  // vertex search the cell list.
+  // If there were more than kMostSharedBalls balls, they came in several batches, and each has
+  // overwritten the one before. The null pointer then makes every vertex search the cell list.
   const SharedBalls* const all = near <= kMostSharedBalls ? &s.items : nullptr;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
             [&](const CrossedEdge& edge) { return union_vertex(f, g, all, near, edge); });
@@ -74,7 +76,7 @@ __global__ void __launch_bounds__(kBrickThreads)
 
 // ---- blended fields ----
 
-// An atom near the brick, as far as the gradient and the label of a vertex need it.
+// What the gradient and the label of a vertex need of an atom near the brick.
 struct alignas(16) VertexAtom {
   float center[3];       // from the brick's node 0, Å
   float scale;           // q = d^2 * scale
@@ -101,14 +103,16 @@ __device__ bool reaches_node(const FieldModel& m, const VertexAtom& a, const Lat
   if (m.truncation != Truncation::subgrid) return true;
   bool reaches = true;
   for (int axis = 0; axis < 3; ++axis) {
+    // Lattice indices are one above grid indices.
     const std::int64_t away = node.index[axis] - 1 - a.cell[axis];
     reaches &= away >= -m.subgrid_cells && away <= m.subgrid_cells;
   }
   return reaches;
 }
 
-// The contribution of the atom at list place `place` to a node of the brick. It is called only if
-// no atom contributes at a vertex, which is rare, so it is not inlined.
+// The contribution of the atom at list place `place` to the field's value at a node of the brick.
+// It is called only if no atom contributes at a vertex, which is rare. So it is not inlined, and
+// takes no registers from the common path.
 template <BlendedKind Kind>
 __device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGeometry& g,
                                             std::uint32_t place, float scale, const int node[3]) {
@@ -121,9 +125,11 @@ __device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGe
   return Kind::add_atom(nodes, Kind::row_term(nodes, term[1], term[2]), term[0], scale, 0.0f);
 }
 
-// The vertex on a crossed edge; the device counterpart of BlendedBrick::vertex(). `values` are the
-// field's values at the brick's nodes. for_each(visit) calls visit(atom, place) for the atoms that
-// reach the brick, in list order, on all lanes of the warp together.
+// The vertex on a crossed edge: where linear interpolation between the values at its ends reaches
+// the isovalue. The device counterpart of BlendedBrick::vertex(). `values` are the field's values
+// at the brick's nodes, x fastest. for_each(visit) calls visit(atom, place) for the atoms that
+// reach the brick, in list order, on all lanes of the warp together. The label is the atom that
+// contributes most at the vertex, and the normal points against the sum of the atoms' gradients.
 template <BlendedKind Kind, class ForEach>
 __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry& g,
                                      const float* values, const CrossedEdge& edge,
@@ -135,6 +141,7 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
       vertex_between(value(edge.inside), value(edge.outside), static_cast<float>(f.model.isovalue),
                      f.model.grid, edge, g.node(edge.inside[0], edge.inside[1], edge.inside[2]));
   const Vec3f local = cast<float>(v.position - g.node(0, 0, 0));
+  // An atom with a sub-grid counts at the vertex if the sub-grid has the inside end of its edge.
   const LatticeNode inside = lattice_node(g.brick, edge.inside);
   const ShapeParameters<float> shape = shape_parameters<float>(f.model);
   LocalGradient gradient;
@@ -145,7 +152,8 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
     if (!__any_sync(kAllLanes, reaches && is_in_window<Kind>(shape, from, a.scale))) return;
     if (reaches) add_gradient<Kind>(shape, from, a.scale, a.rank, place, gradient);
   });
-  // If no atom contributes at the vertex, take the atom that contributes most at the inside end.
+  // If no atom contributes at the vertex, the label is the atom that contributes most at the inside
+  // end.
   if (!(gradient.strongest.value > 0)) {
     for_each([&](const VertexAtom& a, std::uint32_t place) {
       const float alone = value_at_node<Kind>(f, g, place, a.scale, edge.inside);
@@ -157,11 +165,12 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
   return v;
 }
 
-// A warp per brick, 2 warps a block. Reads the spheres and `values`, the values of the list's
-// bricks, kBrickValues each; writes the vertices of brick i at their numbers, and adds clamped ones
-// to `clamped`. Static shared memory: 3.6 KB. Dynamic shared memory: for each warp `room` atoms,
-// then for each warp room + kWarp list places. Precondition: no brick has more than `room` atoms,
-// so one batch gathers all atoms of a brick, and `atoms` and `places` stay valid afterwards.
+// Writes the vertices of each brick at the indices of their numbers, and adds clamped ones to
+// `clamped`. `values` has kBrickValues values for each brick of the list. A warp per brick, 2 warps
+// per thread block; the second launch bound makes 16 blocks fit on a multiprocessor. Static shared
+// memory: 3.6 KB. Dynamic shared memory: for each warp `room` atoms, then for each warp room +
+// kWarp list places. Precondition: no brick has more than `room` atoms. So one batch gathers all
+// atoms of a brick, and `atoms` and `places` stay valid afterwards.
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads, 16)
     emit_blended_vertices(const __grid_constant__ FieldContext f, BrickList list,
@@ -195,8 +204,9 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
             });
 }
 
-// The same for any number of atoms near a brick: all vertices of a warp visit the cell list. No
-// dynamic shared memory; the last parameter is unused and gives both kernels one type.
+// The same for any number of atoms near a brick, more slowly: for every vertex the warp visits the
+// cell list. No dynamic shared memory. The last parameter is unused; with it, both kernels have one
+// type.
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads)
     emit_crowded_vertices(const __grid_constant__ FieldContext f, BrickList list,
@@ -213,6 +223,7 @@ __global__ void __launch_bounds__(kBrickThreads)
             [&](const CrossedEdge& edge) {
               return blended_vertex<Kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
                 visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
+                  // Visitor of visit_near_box(): false goes on to the next sphere.
                   if (!reaches_brick(f.model, g, f.list.spheres[place])) return false;
                   visit(vertex_atom(f, g, place), place);
                   return false;
@@ -221,14 +232,16 @@ __global__ void __launch_bounds__(kBrickThreads)
             });
 }
 
-// Atoms of a brick that fit in shared memory: with the list places, 2 warps take 37 KB then.
+// The most atoms of a brick that are kept in shared memory. With the list places, 2 warps take 37
+// KB then.
 constexpr std::uint32_t kMostAtoms = 512;
 
 // ---- sampled fields ----
 
-// A warp per brick, 2 warps a block; about 3 KB of shared memory. Reads the field's values at the
-// ends of crossed edges and, for normals, around them; writes the vertices of brick i at their
-// numbers.
+// Writes the vertices of each brick at the indices of their numbers, and adds clamped ones to
+// `clamped`. Reads the field's values at the ends of crossed edges and, for normals, around them. A
+// warp per brick, 2 warps per thread block; about 3 KB of shared memory. The second launch bound is
+// the number of blocks that must fit on a multiprocessor; normals need more registers.
 template <Normals normals>
 __global__ void __launch_bounds__(kBrickThreads, normals == Normals::none ? 24 : 16)
     emit_sampled_vertices(SampledFieldView field, BrickList list, DeviceMeshView mesh,

@@ -26,8 +26,7 @@ struct FieldContext {
   RoughSpheres rough;
 };
 
-// Makes a FieldContext, and owns its rough spheres.
-class DeviceField {
+class DeviceField {  // makes a FieldContext, and owns its rough spheres
  public:
   DeviceField(const CellListView& list, const FieldModel& model, const Stream& stream);
   const FieldContext& context() const { return context_; }

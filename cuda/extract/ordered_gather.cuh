@@ -139,9 +139,8 @@ __device__ std::uint32_t gather_by_warp(const FieldContext& f, const Vec3d& lowe
       // Compaction: each kept place goes behind those of the lower lanes.
       if (kept) waiting[count + __popc(votes & ((1u << lane) - 1))] = place;
       count += static_cast<std::uint32_t>(__popc(votes));
-      // If batch() has returned true, `done` ends all loops.
       while (count >= size && !done) hand_over(size);
-      return done;
+      return done;  // true ends the visit and, above, the loop
     });
   }
   if (count > 0 && !done) hand_over(count);

@@ -1,7 +1,7 @@
 // Samples a blended field at every node of a grid, for FieldMesher::sample(): one warp per brick,
 // with the same sums in the same order as in count_bricks.cu. All bricks are visited, because every
-// node needs its value. A brick writes its own 8 x 8 x 8 nodes only, so no node is written twice.
-// Each lane has two rows of eight nodes in registers.
+// node needs its value. A warp writes only the brick's own 8 x 8 x 8 nodes, without the halo, so no
+// node is written twice. Each lane has two rows of eight nodes in registers.
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/node_atoms.cuh"
 #include "cuda/memory/launch.cuh"
@@ -9,15 +9,16 @@
 namespace vdwmesh {
 namespace {
 
-// Bricks of a block, side by side along x. Their rows join into 32 values, 128 bytes, which is a
-// whole line of memory.
+// Bricks of a thread block, side by side along x. Their rows join into 32 consecutive values, 128
+// bytes: a whole cache line of the device.
 constexpr unsigned kBlockBricks = 4;
 constexpr unsigned kBlockThreads = kBlockBricks * kWarp;
 constexpr int kRowsApart = kBrickSide / 2;  // in z, between the two rows of a lane
 
 using SampleAtom = NodeAtom<kBrickSide>;
 
-// Shared memory of a warp, about 4 KB. The values replace the atoms once all atoms are added.
+// Shared memory of a warp, about 4 KB. Once all atoms are added they are no longer needed, and the
+// values take their memory.
 struct SampleShared {
   BrickIndex brick;
   double coordinate[3][kBrickSide];  // of the brick's own nodes, Å
@@ -28,8 +29,8 @@ struct SampleShared {
   };
 };
 
-// The launch grid: a block has kBlockBricks bricks along x and one along y and z. CUDA allows 65535
-// blocks along y and z.
+// The launch grid: a thread block has kBlockBricks bricks along x and one along y and z. CUDA
+// allows at most 65535 blocks along y and z.
 dim3 blocks_of(const GridSpec& grid) {
   constexpr std::int32_t side = kBlockBricks, most = 65535;
   const std::int32_t height = brick_count(grid.cells.y), depth = brick_count(grid.cells.z);
@@ -41,7 +42,8 @@ dim3 blocks_of(const GridSpec& grid) {
 }
 
 // Fills `brick` and `coordinate`, by one warp: lane 8 * axis + node makes one coordinate. Ends with
-// __syncwarp(). Bricks beyond the last along x are computed too, but have no node to write.
+// __syncwarp(). The last thread block may have bricks beyond the last brick along x; they are
+// computed too, but store_rows() writes none of their nodes.
 __device__ void share_nodes(const GridSpec& grid, SampleShared& s) {
   const BrickIndex brick{static_cast<std::int32_t>(blockIdx.x * kBlockBricks + threadIdx.x / kWarp),
                          static_cast<std::int32_t>(blockIdx.y),
@@ -61,8 +63,8 @@ struct RowPair {
   float low[kBrickSide] = {}, high[kBrickSide] = {};
 };
 
-// Adds an atom to one row of each lane. Skipped if the rows of all lanes are out of its reach. Two
-// nodes' terms along x are read as one float4.
+// Adds an atom to one row of each lane, unless the rows of all lanes are out of its reach. The
+// terms of two neighbouring nodes along x are read as one float4.
 template <BlendedKind Kind>
 __device__ void add_to_row(const NodeShape& nodes, const SampleAtom& atom, float scale,
                            const RowTerm& term, float (&row)[kBrickSide]) {
@@ -76,7 +78,7 @@ __device__ void add_to_row(const NodeShape& nodes, const SampleAtom& atom, float
   }
 }
 
-// Adds the first `count` atoms of the chunk in shared memory to the lane's rows.
+// Adds the `count` atoms in shared memory to the values of the rows of the lane.
 template <BlendedKind Kind>
 __device__ void add_atoms(const NodeShape& nodes, const SampleShared& s, std::uint32_t count,
                           RowPair& rows) {
@@ -90,8 +92,9 @@ __device__ void add_atoms(const NodeShape& nodes, const SampleShared& s, std::ui
   }
 }
 
-// Writes the brick's own nodes that belong to the grid. The values go through shared memory, so
-// that eight lanes write the eight nodes of a row, and a warp four rows at a time.
+// Writes the values at the brick's own nodes that belong to the grid. They go through shared
+// memory, so that eight lanes write the eight nodes of a row, and the warp four rows at a time. The
+// first __syncwarp() waits until no lane reads the atoms, whose memory the values take.
 __device__ void store_rows(const GridSpec& grid, const RowPair& rows, SampleShared& s,
                            float* values) {
   __syncwarp();
@@ -104,6 +107,7 @@ __device__ void store_rows(const GridSpec& grid, const RowPair& rows, SampleShar
   __syncwarp();
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   const std::int64_t width = grid.cells.x + 1, height = grid.cells.y + 1;
+  // Grid indices are one below lattice indices; -1 and `width` are virtual nodes.
   const std::int64_t nx = lattice_index(s.brick.x, lane % kBrickSide) - 1;
   if (nx < 0 || nx >= width) return;
 #pragma unroll 4
@@ -115,8 +119,9 @@ __device__ void store_rows(const GridSpec& grid, const RowPair& rows, SampleShar
   }
 }
 
-// A warp per brick, 4 bricks a block; about 16 KB of shared memory. Writes values[] at every node,
-// in the order of SampledFieldView.
+// Writes values[] at every node, in the order of SampledFieldView. A warp per brick, 4 bricks per
+// thread block; about 16 KB of shared memory. The second launch bound makes 8 blocks fit on a
+// multiprocessor.
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBlockThreads, 8)
     sample_bricks(const __grid_constant__ FieldContext f, float* values) {
@@ -132,6 +137,7 @@ __global__ void __launch_bounds__(kBlockThreads, 8)
   gather_by_warp(f, lower, upper, s.stage.waiting, kAtomChunk, [&](std::uint32_t count) {
     share_terms<Kind>(f, nodes, count, s.brick, s.coordinate, s.stage, s.atoms);
     add_atoms<Kind>(nodes, s, count, rows);
+    // Never ends the gathering.
     return false;
   });
   store_rows(f.model.grid, rows, s, values);

@@ -1,7 +1,8 @@
 // The vertices of the union of balls on the crossed edges of one brick, for a warp: the device
-// counterpart of UnionBrick. The balls near the brick are in shared memory with float32 copies. A
-// lane first filters them for the balls that may touch its edge, then applies the exit rule in
-// double to these few.
+// counterpart of UnionBrick. The balls near the brick are in shared memory, with float32 copies. A
+// lane first uses these copies to find the balls that may touch its edge. To these few it then
+// applies the rule for the vertex in double: it is the point at which the edge, followed from its
+// inside end, first leaves the union (first_exit()).
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"
@@ -12,15 +13,17 @@
 
 namespace vdwmesh {
 
-// Balls of a brick that fit in shared memory; a set of them is the bits of one 64-bit word.
+// The most balls of a brick that are kept in shared memory: a set of them is the bits of one 64-bit
+// word.
 inline constexpr std::uint32_t kMostSharedBalls = 64;
 
 // The balls near a brick, in shared memory: rank[k] and list place[k] of ball[k].
 struct SharedBalls {
   Sphere ball[kMostSharedBalls];
   std::uint32_t rank[kMostSharedBalls], place[kMostSharedBalls];
-  // xyz: the centre from the brick's node 0, Å. w: squared radius plus rounding error, Å²; an edge
-  // at a larger squared distance from the centre does not touch the ball.
+  // x, y, z: the centre relative to the brick's node 0, Å. w: the squared radius plus a bound on
+  // rounding errors, Å². If the squared distance from an edge to the centre is larger, the edge
+  // does not touch the ball.
   float4 rough[kMostSharedBalls];
 
   // Loads the balls at these list places, by one warp. The caller synchronises afterwards.
@@ -35,8 +38,9 @@ struct SharedBalls {
       const Vec3d from = own.center - g.node(0, 0, 0);
       const auto radius = static_cast<float>(own.radius);
       // All lengths below are at most `extent`: a node is at most 9 spacings from node 0 along an
-      // axis, and the ball is near the brick. The error of d^2 - r^2 is then some 30 units of 2^-24
-      // times extent^2, see NearBalls; 1e-5 is five times as much.
+      // axis, and the ball is near the brick. The error of d^2 - r^2, with d the distance and r the
+      // radius, is then some 30 units of 2^-24 times extent^2 (derived at NearBalls in
+      // union_lanes.hpp); 1e-5 is five times as much.
       const float extent = radius + 2 * kBrickReach * static_cast<float>(f.model.grid.spacing);
       rough[k] = {static_cast<float>(from.x), static_cast<float>(from.y),
                   static_cast<float>(from.z), fmaf(1e-5f * extent, extent, radius * radius)};
@@ -44,9 +48,9 @@ struct SharedBalls {
   }
 };
 
-// Bit k is set if ball k may touch the edge: if the edge, a box without width, is at most its
-// radius away in float32. Some balls that just miss the edge are included, no ball that touches it
-// is missed.
+// The set of balls that may touch the edge: bit k is set if the edge, taken as a box without width,
+// is in float32 not further from the centre of ball k than its widened radius. Some balls that just
+// miss the edge are included; no ball that touches it is missed.
 __device__ inline std::uint64_t balls_near_edge(const SharedBalls& items, std::uint32_t count,
                                                 const BrickGeometry& g, const CrossedEdge& edge,
                                                 float spacing) {
@@ -66,8 +70,8 @@ __device__ inline std::uint64_t balls_near_edge(const SharedBalls& items, std::u
   return near;
 }
 
-// The vertex on a crossed edge. `items` has all `count` balls near the brick. It is null if they do
-// not fit in shared memory; then the cell list is searched for the balls near the edge.
+// The vertex on a crossed edge. `items` has all `count` balls near the brick. If they do not fit in
+// shared memory, `items` is null, and the cell list is searched for the balls near the edge.
 __device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeometry& g,
                                           const SharedBalls* items, std::uint32_t count,
                                           const CrossedEdge& edge) {
@@ -87,6 +91,7 @@ __device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeom
     } else {
       visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
         visit(f.list.spheres[place], f.list.rank[place], place);
+        // Visitor of visit_near_box(): false goes on to the next sphere.
         return false;
       });
     }
