@@ -104,7 +104,8 @@ __device__ inline void store_count(const ActiveBrick& brick, std::uint64_t i, Ac
   if (brick.vertices + brick.triangles != 0) atomicAdd(&part.surface_bricks, 1ull);
 }
 
-// Spreads the 8 low bits: bit i moves to bit 3 i. Each line doubles the groups that are apart.
+// Spreads the 8 low bits: bit i moves to bit 3 i. Each step splits every group of bits and moves
+// its upper half away, until all groups are single bits.
 __device__ inline std::uint32_t spread_by_three(std::uint32_t bits) {
   bits = (bits | bits << 8) & 0x00f00fu;
   bits = (bits | bits << 4) & 0x0c30c3u;

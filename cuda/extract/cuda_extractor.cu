@@ -1,6 +1,7 @@
-// The Extractor and the FieldMesher on CUDA: what happens on the host around the driver of
-// brick_mesher.cuh. It chooses devices, brings spheres or fields there, and gives the mesh its
-// arrays.
+// The Extractor and the FieldMesher on CUDA: what happens on the host around DeviceBrickMesher
+// (brick_mesher.cuh), which counts and emits bricks on one device. This file chooses devices,
+// uploads spheres or fields, and allocates the mesh's arrays on the host. begin_stage() and
+// advance() report progress to the caller's monitor, and advance() throws if the run is cancelled.
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -22,7 +23,8 @@ MeshArrays arrays_of(const ExtractOptions& options, LabelWidth width) {
   return {.connectivity = options.connectivity, .normals = options.normals, .width = width};
 }
 
-// Checks the size, tells it, and gives the mesh its arrays.
+// Checks the size against the limits, calls the observer `on_size`, and gives the mesh its arrays
+// on the host. Throws LimitExceeded.
 void make_checked_room(const MeshSize& size, LabelWidth width, double spacing,
                        const ExtractOptions& options, IndexedMesh& mesh) {
   const MeshArrays arrays = arrays_of(options, width);
@@ -31,15 +33,18 @@ void make_checked_room(const MeshSize& size, LabelWidth width, double spacing,
   make_room(mesh, size, arrays);
 }
 
-// One device with the spheres on it and the bricks counted. All of its functions make the device
-// current first, so different threads may call them one after the other.
+// Extracts a surface on one device: uploads the spheres, counts the bricks of a range, and emits a
+// share of them. Each function makes the device current first, because current is a property of
+// threads and different threads may call the functions, one after the other.
 class SphereWorker {
  public:
-  // `sharers` workers share the device's memory.
+  // `sharers` is the number of workers on this device; they share its memory. The other arguments
+  // must outlive the worker.
   SphereWorker(int device, std::size_t sharers, const CellListView& list, const FieldModel& model,
                const ExtractOptions& options)
       : device_(device), sharers_(sharers), list_(list), model_(model), options_(options) {}
 
+  // Counts the bricks of a range; by default of the whole surface.
   void count(const KeyRange& own) {
     use_device(device_);
     stream_.emplace();
@@ -51,6 +56,8 @@ class SphereWorker {
 
   MeshSize size() const { return mesher_->size(); }
 
+  // Emits share k of `shares` of the range to its place in `mesh`. `first`: see
+  // SurfacePart::emit().
   void emit(const MeshSize& first, IndexedMesh& mesh, std::uint64_t k, std::uint64_t shares) {
     use_device(device_);
     mesher_->emit_to_host(first, mesh, k, shares);
@@ -79,7 +86,9 @@ std::vector<int> devices_from_current() {
   return devices;
 }
 
-// What the workers did side by side: all counted the same bricks, and each emitted a share.
+// The statistics of workers that ran side by side. All have counted the same bricks, so counts of
+// bricks are taken from the first. Each has emitted a share, so counts of emission are added. Of
+// the times the longest counts.
 ExtractStats joined_stats(const std::vector<std::unique_ptr<SphereWorker>>& workers) {
   ExtractStats joined = workers[0]->stats();
   for (std::size_t k = 1; k < workers.size(); ++k) {
@@ -93,7 +102,7 @@ ExtractStats joined_stats(const std::vector<std::unique_ptr<SphereWorker>>& work
   return joined;
 }
 
-// The range of one process, on its current device.
+// The range of bricks that one process extracts, on its current device if that is usable.
 class CudaSurfacePart final : public SurfacePart {
  public:
   CudaSurfacePart(const SphereSet& spheres, const KeyRange& range, const ExtractOptions& options)
@@ -102,6 +111,7 @@ class CudaSurfacePart final : public SurfacePart {
         model_(make_field_model(options.field, make_grid(spheres, options.grid))),
         list_(field_list(spheres, model_, options.frame, workspace_)) {
     const DeviceScope scope;
+    // The only worker on the device.
     worker_.emplace(devices_from_current()[0], 1, list_, model_, options_);
     begin_stage(options_.monitor, "field", 1);
     worker_->count(range);
@@ -129,8 +139,9 @@ class CudaSurfacePart final : public SurfacePart {
 
 class CudaExtractor final : public Extractor {
  public:
-  // Every device searches and counts all bricks, so that it knows every number; it emits the bricks
-  // of its share, slab by slab, straight to their places in the host's arrays.
+  // Every device searches and counts all bricks, so that it knows the numbers of all vertices and
+  // triangles. Each emits only the bricks of its share, slab by slab (runs of bricks that fit the
+  // device), directly to their places in the host's arrays.
   void extract_into(ExtractResult& result, const SphereSet& spheres,
                     const ExtractOptions& options) const override {
     if (options.devices < 1) throw InvalidInput("the number of devices must be at least 1");
@@ -140,6 +151,7 @@ class CudaExtractor final : public Extractor {
     const CellListView list = field_list(spheres, model, options.frame, workspace);
     const DeviceScope scope;
     const std::vector<int> present = devices_from_current();
+    // One worker per share. If fewer devices are present than asked for, some have several workers.
     const auto shares = static_cast<std::size_t>(options.devices);
     const std::size_t sharers = (shares + present.size() - 1) / present.size();
     std::vector<std::unique_ptr<SphereWorker>> workers;
@@ -194,6 +206,7 @@ class CudaFieldMesher final : public FieldMesher {
     const Stream stream;
     const DeviceArray<float> values =
         upload(field.values.data(), field.values.size(), stream.get());
+    // The mesher may take what the field leaves of the memory allowed.
     ExtractOptions beside_field = options;
     beside_field.device_memory -= values.bytes();
     begin_stage(options.monitor, "field", 1);
@@ -210,7 +223,7 @@ class CudaFieldMesher final : public FieldMesher {
   }
 };
 
-// Counts and emits all bricks of a source, on the device.
+// Counts and emits all bricks of a source, into a mesh in device memory.
 DeviceExtraction mesh_on_device(const BrickSource& source, const ExtractOptions& options) {
   DeviceBrickMesher mesher(source, options);
   begin_stage(options.monitor, "field", 1);

@@ -1,7 +1,7 @@
-// Prepares the spheres of a field for searches on the device: float4 copies of centre and reach,
-// relative to the grid's origin. gather_by_warp() rules spheres out with them. They take half the
-// memory of the spheres in double. The reach is widened by more than all rounding errors, so no
-// sphere that reaches a box is ruled out.
+// Prepares the spheres of a field for searches on the device: float4 copies of centre and reach
+// (RoughSpheres), relative to the grid's origin. With them gather_by_warp() rules out spheres that
+// do not reach a box. The copies take half the memory of the spheres in double. The reach is
+// widened by more than all rounding errors, so no sphere that reaches a box is ruled out.
 #include <algorithm>
 
 #include "cuda/extract/extract_stages.cuh"
@@ -13,15 +13,15 @@ namespace {
 
 constexpr unsigned kThreads = 256;
 
-// A thread per sphere of the list. Reads the sphere; writes its float4.
+// Writes the float4 copy of each sphere. A thread per sphere of the list.
 __global__ void round_spheres(CellListView list, FieldModel model, float margin, Vec3d origin,
                               float4* rough) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   if (i >= list.size) return;
   const Sphere& s = list.spheres[i];
   const Vec3d c = s.center - origin;
-  // With sub-grids no atom is ruled out by its distance, as in reaches_box(): its reach is made
-  // endless. 1e18 still has a finite square in float32.
+  // With sub-grids the distance of an atom does not decide, as in reaches_box(): its reach is made
+  // endless, so that it is never ruled out. 1e18 still has a finite square in float32.
   const bool endless = model.kind != FieldKind::vdw && model.truncation == Truncation::subgrid;
   const auto reach = static_cast<float>(field_reach(model, s.radius));
   rough[i] = {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z),
@@ -29,8 +29,9 @@ __global__ void round_spheres(CellListView list, FieldModel model, float margin,
 }
 
 // A bound, Å, on the rounding error of float32 distances between points of the grid and the spheres
-// near it. All coordinates involved are at most about `extent`, the longest side of the grid plus
-// the reaches; 1e-6 is 17 units of 2^-24.
+// near it. All coordinates involved are at most about `extent`: the longest side of the grid plus
+// the largest reach of every level. 1e-6 is 17 units of 2^-24, the relative rounding error; a
+// distance takes fewer roundings.
 float rounding_margin(const CellListView& list, const GridSpec& grid) {
   double extent = 0;
   for (int axis = 0; axis < 3; ++axis) {

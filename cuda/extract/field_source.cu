@@ -1,11 +1,13 @@
-// Marching cubes over a field that is given by its values in device memory, for
-// FieldMesher::mesh_into().
-// 1. pack_signs streams the field once and writes a sign bit per node.
-// 2. find_mixed looks at the bits and marks the bricks of the range whose nodes are of both signs.
-// 3. A stream compaction makes the list of candidate bricks; unlike for fields of spheres, each of
-//    them holds surface.
+// Marching cubes over a field that is given by its values at the nodes, in device memory: for
+// FieldMesher::mesh_into(). A node is inside if its value is at least the isovalue, and its sign is
+// one bit.
+// 1. pack_signs reads the whole field once and writes a sign bit per node.
+// 2. find_mixed looks at the bits and marks the bricks of the range that have nodes of both signs.
+// 3. A stream compaction makes the list of candidate bricks from the marks. Unlike the candidates
+//    of fields over spheres, each of them holds surface.
 // 4. count_sampled counts them; DeviceBrickMesher numbers and emits them as for any field.
-// Only the vertices read values again, at the ends of crossed edges and, for normals, around them.
+// Values are read again only for the vertices: at the ends of crossed edges and, for normals,
+// around them.
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
@@ -32,10 +34,12 @@ SignGrid sign_grid(const GridSpec& grid) {
   return g;
 }
 
-// A warp per row of nodes, 8 rows a block. Reads the row's values, 32 per word; writes its sign
-// words. Eight words at a time keep enough reads in flight. Node i of the grid has lattice index i
-// + 1, so the words are shifted up by one bit. The shift comes after the ballot, so that reads
-// begin at the first value of the row.
+// Writes the sign words of the rows of nodes (SignGrid says how nodes and bits are numbered). A
+// warp per row, 8 rows per thread block. One ballot makes a word from 32 values. A warp reads eight
+// words' values before the first ballot, to keep enough reads in flight. Node i of the grid has
+// lattice index i + 1, so the words are shifted up by one bit; the top bit of a word becomes the
+// lowest bit of the next. The shift comes after the ballot, so that reads begin at the first value
+// of the row.
 __global__ void __launch_bounds__(kThreads)
     pack_signs(SampledFieldView field, SignGrid grid, std::uint32_t* words) {
   constexpr int at_once = 8;
@@ -44,21 +48,24 @@ __global__ void __launch_bounds__(kThreads)
   if (row >= grid.height * grid.depth) return;
   const std::int64_t width = field.grid.cells.x + 1;
   const float* const values = field.values + row * width;
-  std::uint32_t before = 0;  // the last unshifted word of the round before
+  std::uint32_t before = 0;  // the last unshifted word of the turn before
   for (std::int64_t first = 0; first < grid.words; first += at_once) {
     float value[at_once];
 #pragma unroll
     for (int w = 0; w < at_once; ++w) {
       const std::int64_t node = kWarp * (first + w) + lane;
-      // Beyond the row: not a number, which compares as outside.
+      // Beyond the row: NaN. Comparisons with it are false, so the node is outside.
       value[w] = node < width ? __ldcs(values + node) : __int_as_float(0x7fc00000);
     }
     std::uint32_t own = 0;
 #pragma unroll
     for (int w = 0; w < at_once; ++w) {
       const std::uint32_t word = __ballot_sync(kAllLanes, value[w] >= field.isovalue);
+      // Lane w keeps word w; all lanes have it.
       if (lane == static_cast<unsigned>(w)) own = word;
     }
+    // The funnel shift moves the word up and takes the top bit of the word before it as the lowest
+    // bit.
     const std::uint32_t lower = __shfl_up_sync(kAllLanes, own, 1);
     const std::uint32_t moved = __funnelshift_l(lane == 0 ? before : lower, own, 1);
     before = __shfl_sync(kAllLanes, own, at_once - 1);
@@ -66,11 +73,13 @@ __global__ void __launch_bounds__(kThreads)
   }
 }
 
-// A thread per word along x and per brick along y and z, that is, per four bricks; 2 KB of shared
-// memory. Reads the words of the 9 x 9 rows that the bricks' cells touch; writes to `mixed` whether
-// the nodes are of both signs. The ninth node along x of the last brick is in the next thread's
-// word, so words are exchanged in shared memory. The last thread of a block only provides its word,
-// and blocks overlap by one thread.
+// Writes to `mixed`, for every brick, whether it is in the range and its 9 x 9 x 9 nodes are of
+// both signs. A thread handles the four bricks of one word along x and of one brick index along y
+// and z; 2 KB of shared memory. It reads the words of the 9 x 9 rows that the bricks' cells touch.
+// Bit i of `any` says whether node i is inside in some row, bit i of `all` whether in every row.
+// The ninth node along x of the fourth brick is in the next thread's word, so both words are
+// exchanged in shared memory. The last thread of a block only provides its words; blocks overlap by
+// this thread.
 __global__ void __launch_bounds__(kThreads)
     find_mixed(SignGrid grid, const std::uint32_t* words, KeyRange range, std::uint8_t* mixed) {
   __shared__ std::uint32_t any_next[kThreads], all_next[kThreads];
@@ -99,6 +108,7 @@ __global__ void __launch_bounds__(kThreads)
       any | static_cast<std::uint64_t>(last ? 0 : any_next[threadIdx.x + 1]) << 32;
   const std::uint64_t all_bits =
       all | static_cast<std::uint64_t>(last ? 0 : all_next[threadIdx.x + 1]) << 32;
+  // Nine bits, nodes 0 .. 8 of a brick, at bit 8 b for brick b. Bit 32 is from the next word.
   constexpr std::uint64_t nodes = (1u << kBrickReach) - 1;
   for (int b = 0; b < kBricksPerWord; ++b) {
     const std::int64_t bx = w * kBricksPerWord + b;
@@ -113,7 +123,7 @@ __global__ void __launch_bounds__(kThreads)
   }
 }
 
-// Key of brick i in z-y-x order.
+// The key of brick i, if bricks are numbered with x fastest and z slowest; rising with i.
 struct KeyOfBrick {
   std::int32_t width, height;
 
@@ -124,7 +134,8 @@ struct KeyOfBrick {
   }
 };
 
-// Keys of the bricks whose nodes are of both signs, rising. Throws LimitExceeded beyond `most`.
+// Keys, rising, of the bricks of the range whose nodes are of both signs. Throws LimitExceeded if
+// they are more than `most`.
 KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const KeyRange& range,
                      std::uint64_t most, const Stream& stream) {
   const auto bricks = static_cast<std::size_t>(grid.brick_total());
@@ -152,7 +163,8 @@ KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const Key
   return result;
 }
 
-// The signs of nodes 0 .. 8 of row (y, z) of a brick; node 8 may be in the next word.
+// The signs of nodes 0 .. 8 of row (y, z) of a brick; 0 for a row of virtual nodes. If the brick is
+// the last of its word, node 8 is in the next word.
 __device__ std::uint32_t row_signs(const SignGrid& grid, const std::uint32_t* words,
                                    const BrickIndex& brick, int y, int z) {
   const std::int64_t node_y = lattice_index(brick.y, y) - 1;
@@ -166,8 +178,8 @@ __device__ std::uint32_t row_signs(const SignGrid& grid, const std::uint32_t* wo
   return bits & ((1u << kBrickReach) - 1);
 }
 
-// A warp per candidate brick, 2 warps a block; about 1.4 KB of shared memory. Reads the sign words;
-// writes bricks[i] and the counts of brick i.
+// Counts candidate bricks: writes bricks[i] and the counts of brick i, which has the key keys[i]. A
+// warp per brick, 2 warps per thread block; about 1.4 KB of shared memory.
 __global__ void __launch_bounds__(kBrickThreads)
     count_sampled(GridSpec spec, SignGrid grid, const std::uint32_t* words,
                   const std::uint64_t* keys, std::uint64_t size, const CaseTable* table,
@@ -195,6 +207,7 @@ __global__ void __launch_bounds__(kBrickThreads)
 FieldSource::FieldSource(const SampledFieldView& field, const ExtractOptions& options,
                          const Stream& stream)
     : BrickSource(stream), field_(field), signs_(sign_grid(field.grid)) {
+  // The sign words, and for candidates() 9 bytes per brick: its mark and its key.
   require_device_memory(static_cast<std::uint64_t>(signs_.size()) * sizeof(std::uint32_t) +
                             static_cast<std::uint64_t>(signs_.brick_total()) * 9,
                         "a bit per node", options.device_memory);

@@ -1,30 +1,33 @@
-// The surface of a field in device memory, for marching cubes on the device.
+// The surface of a field that is given by its values at the nodes, for marching cubes on the
+// device.
 #pragma once
 
 #include "cuda/extract/brick_source.cuh"
 
 namespace vdwmesh {
 
-// One bit per node of a grid, in rows of 32-bit words along x. Bit i of word w of a row is set if
-// lattice node 32 w + i is inside. Virtual nodes within a row are 0; rows of virtual nodes are not
-// stored.
+// The signs of a grid's nodes, one bit each, in rows of 32-bit words along x: what follows only
+// describes the layout. Bit i of word w of a row is set if the node with lattice index 32 w + i
+// along x is inside. The virtual nodes at the ends of a row have the bit 0; rows of virtual nodes
+// are not stored. Rows are numbered with y faster than z, by grid index.
 struct SignGrid {
   std::int64_t words;          // per row
-  std::int64_t height, depth;  // rows along y and z
-  std::int32_t bricks[3];
+  std::int64_t height, depth;  // number of rows along y and z
+  std::int32_t bricks[3];      // number of bricks along x, y, z
 
+  // Words in all.
   __host__ __device__ std::int64_t size() const { return words * height * depth; }
   __host__ __device__ std::int64_t brick_total() const {
     return static_cast<std::int64_t>(bricks[0]) * bricks[1] * bricks[2];
   }
 };
 
-// The field is streamed once into a bit per node. All that follows sees bits, except for the values
-// at the ends of crossed edges.
+// The constructor reads the field once and makes a bit per node. Everything later uses the bits,
+// except for the vertices, which need the values at the ends of crossed edges.
 class FieldSource final : public BrickSource {
  public:
-  // Packs the signs. Throws DeviceMemoryExceeded if they take more than options.device_memory or
-  // than there is. The field's values must outlive it.
+  // Packs the signs. Throws DeviceMemoryExceeded if they need more memory than
+  // options.device_memory or than is available. The field's values must outlive the object.
   FieldSource(const SampledFieldView& field, const ExtractOptions& options, const Stream& stream);
 
   const GridSpec& grid() const override { return field_.grid; }

@@ -1,7 +1,7 @@
 // The axis terms of a chunk of atoms, made by a warp in shared memory. An axis term is what an atom
 // and a plane of nodes across one axis contribute to the value at a node. Each node of the brick
-// then combines three terms per atom, instead of computing a distance. The kernels that sum blended
-// fields at nodes (count_bricks.cu, sample_field.cu) use them.
+// then combines only three terms per atom. The kernels that sum blended fields at nodes
+// (count_bricks.cu, sample_field.cu) use them.
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"

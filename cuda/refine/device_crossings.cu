@@ -1,7 +1,10 @@
-// Builds the grid (extent of the boxes, width of the cells, counts, prefix sum, entries) and tests
-// the pairs of triangles that share a cell. A pair that shares several cells is tested in one of
-// them only: the cell that holds the lower corner of the boxes' intersection. This is the reference
-// point method of spatial joins (Dittrich and Seeger, ICDE 2000).
+// Finds crossing triangles with a uniform grid of cells. The grid is built in these steps: extent
+// of all boxes, width of the cells, number of entries per cell, prefix sum, entries. An entry is a
+// triangle in the list of a cell.
+//
+// Then the pairs of triangles that share a cell are tested. A pair that shares several cells is
+// tested in one of them only: the cell that holds the lower corner of the intersection of the two
+// boxes. This is the reference point method of spatial joins (Dittrich and Seeger, ICDE 2000).
 #include <thrust/iterator/transform_iterator.h>
 
 #include <algorithm>
@@ -23,9 +26,10 @@ constexpr unsigned kThreads = 256;
 
 struct Extent {
   FloatBox all;      // holds all boxes
-  double width_sum;  // the sum of the boxes' longest sides, Å
+  double width_sum;  // the sum, over the boxes, of the longest side of each, Å
 };
 
+// The extent of no box: joined with any extent, it gives that extent.
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr Extent kNoExtent{{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}}, 0};
 
@@ -41,6 +45,7 @@ struct ExtentOf {
   }
 };
 
+// The extent of two groups of boxes together.
 struct JoinExtents {
   __host__ __device__ Extent operator()(Extent a, const Extent& b) const {
     for (int axis = 0; axis < 3; ++axis) {
@@ -58,8 +63,9 @@ double cells_along(const FloatBox& all, double cell, int axis) {
 }
 
 // The index, along one axis, of the cell that holds the coordinate, clamped to the grid. Rounding
-// keeps the order of coordinates, so a point of a box never falls in a cell outside the box's range
-// of cells. Two boxes with a point in common are both listed in that point's cell.
+// keeps the order of coordinates: a larger one never gets a lower index. So if two boxes have a
+// point in common, the cell of that point is in the range of cells of both, and both are listed in
+// it.
 __device__ std::uint32_t cell_along(const CrossingGrid& grid, int axis, float coordinate) {
   const double place = (coordinate - grid.origin[axis]) * grid.per_length;
   return static_cast<std::uint32_t>(fmin(fmax(place, 0.0), grid.cells[axis] - 1.0));
@@ -91,7 +97,7 @@ __device__ void visit_cells(const CrossingGrid& grid, const FloatBox& box, const
   }
 }
 
-// Adds each triangle to the counts of its cells in grid.start. One thread per triangle.
+// Counts the entries of every cell in grid.start, which begins as zeros. One thread per triangle.
 __global__ void count_entries(CrossingGrid grid, const FloatBox* boxes, std::uint64_t triangles) {
   const std::uint64_t t = thread_index();
   if (t >= triangles) return;
@@ -99,14 +105,16 @@ __global__ void count_entries(CrossingGrid grid, const FloatBox* boxes, std::uin
               [&](std::uint64_t cell, Place) { atomicAdd(&grid.start[cell], 1ull); });
 }
 
-// Writes the entries. One thread per triangle. Before, start[c] is the end of cell c; each cell is
-// filled from its end, so start[c] arrives at the cell's first entry. The order within a cell
-// depends on the scheduling of threads; the marks do not.
+// Writes the entries. One thread per triangle. When the kernel begins, start[c] is the end of cell
+// c's list (an inclusive prefix sum of the counts). Each list is filled from its end and start[c]
+// decreased, so that in the end it is the list's first entry. The order within a list depends on
+// the scheduling of threads; the marks of vertices do not.
 __global__ void fill_cells(CrossingGrid grid, const FloatBox* boxes, std::uint64_t triangles) {
   const std::uint64_t t = thread_index();
   if (t >= triangles) return;
   visit_cells(grid, boxes[t], [&](std::uint64_t cell, Place) {
-    const unsigned long long behind = atomicAdd(&grid.start[cell], ~0ull);  // minus one
+    const unsigned long long behind =
+        atomicAdd(&grid.start[cell], ~0ull);  // adding ~0 subtracts one
     grid.triangles[behind - 1] = static_cast<std::uint32_t>(t);
   });
 }
@@ -131,8 +139,8 @@ __device__ void load_places(const DeviceMeshView& mesh, Corners& c) {
   }
 }
 
-// Whether a vertex of a triangle is where the projection moved it, and whether one was just put
-// back.
+// away: whether a vertex of the triangle is where its move led. just_undone: whether one was put
+// back by the previous pass.
 struct TriangleState {
   bool away, just_undone;
 };
@@ -147,6 +155,7 @@ __device__ TriangleState state_of(const MoveStatesView& move_states, const std::
   return triangle;
 }
 
+// Whether two boxes have a point in common.
 __device__ bool overlap(const FloatBox& a, const FloatBox& b) {
   bool apart = false;
   for (int axis = 0; axis < 3; ++axis) {
@@ -155,9 +164,9 @@ __device__ bool overlap(const FloatBox& a, const FloatBox& b) {
   return !apart;
 }
 
-// Whether the cell at `place` is the one, among the cells that boxes a and b share, in which the
-// pair is tested: the cell that holds the lower corner of their intersection. Precondition: they
-// overlap.
+// Whether the pair of triangles with boxes a and b is to be tested in the cell at `place`, one of
+// the cells that both touch: whether this cell holds the lower corner of the boxes' intersection.
+// Precondition: the boxes overlap.
 __device__ bool is_first_shared(const CrossingGrid& grid, const Place& place, const FloatBox& a,
                                 const FloatBox& b) {
   bool first = true;
@@ -173,11 +182,12 @@ __device__ bool is_crossing(const Corners& a, const Corners& b) {
          triangles_cross(a.position, a.vertex, a.atom, b.position, b.vertex, b.atom);
 }
 
-// Marks the vertices of crossing triangles. One thread per triangle, which tests its own triangle
-// against the others in its cells. In pass 0 it tests the triangles with a higher number, so each
-// pair is tested once. In later passes it tests all others, but only if a vertex of its own
-// triangle was just put back. Other threads may mark vertices meanwhile: a marked vertex still
-// counts as away, so the outcome does not depend on their order.
+// Marks the moved vertices of crossing triangles. One thread per triangle, which tests its own
+// triangle against the others in its cells. In pass 0 it tests only triangles with a higher number
+// than its own, so each pair is tested once. In later passes it tests all others, but only if a
+// vertex of its own triangle was put back by the previous pass. Pairs without a moved vertex are
+// not tested. Other threads may mark vertices meanwhile: a marked vertex still counts as away, so
+// the result does not depend on their order.
 __global__ void mark_crossed(CrossingGrid grid, const FloatBox* boxes, DeviceMeshView mesh,
                              MoveStatesView move_states, int pass) {
   const std::uint64_t t = thread_index();
@@ -216,9 +226,10 @@ CrossingFinder::CrossingFinder(DeviceArray<FloatBox> boxes, const Stream& stream
   fill();
 }
 
-// Chooses origin, width and number of the cells. Cells are as wide as the mean box, so that a
-// triangle is listed in a few of them. If this makes more cells than triangles, the width grows by
-// the cube root of the excess, and by 1 % at least, until the cells are few enough.
+// Chooses origin, width and number of the cells. A cell is as wide as the longest side of a box is
+// on average, so that a triangle is listed in a few cells. If this gives more cells than triangles
+// (or than 64, or than 32 bits number), the width grows by the cube root of the excess, and by 1 %
+// at least, until the cells are few enough.
 void CrossingFinder::shape() {
   const DeviceArray<Extent> total(1, stream_.get());
   const auto extents =
@@ -232,7 +243,7 @@ void CrossingFinder::shape() {
   const auto triangles = static_cast<double>(boxes_.size());
   const double most =
       std::clamp(triangles, 64.0, double{std::numeric_limits<std::uint32_t>::max()});
-  // The lower bound avoids a division by zero if all triangles are points.
+  // The bound of 1e-100 Å avoids a division by zero if all triangles are points.
   double cell = std::max(extent.width_sum / triangles, 1e-100);
   for (;;) {
     double cells = 1;
@@ -248,7 +259,9 @@ void CrossingFinder::shape() {
   grid_.per_length = 1 / cell;
 }
 
-// Takes the memory of the grid, checked first, and writes its entries.
+// Takes the memory of the grid, after checking that it is there, and writes the entries. The array
+// `start` has one element per cell and one more, which stays 0 while counting and is the number of
+// all entries after the prefix sum.
 void CrossingFinder::fill() {
   const std::uint64_t cells = std::uint64_t{grid_.cells[0]} * grid_.cells[1] * grid_.cells[2];
   const char* const purpose = "looking for crossing triangles";

@@ -1,7 +1,8 @@
 // Search for crossing triangles of a level in device memory, with a uniform grid over the
-// triangles' boxes. The grid differs from refine/triangle_grid.hpp on the host in the size of its
-// cells and in its single precision boxes. The triangles found are the same, because a grid only
-// has to bring the pairs together that refine/crossing_formulas.hpp then tests in double.
+// triangles' boxes. The grid differs from the one on the host (refine/triangle_grid.hpp): its cells
+// have another size and its boxes are in single precision. The triangles found are the same all the
+// same, because the grids only have to bring all overlapping pairs together;
+// refine/crossing_formulas.hpp decides about each in double.
 #pragma once
 
 #include <array>
@@ -12,8 +13,8 @@
 
 namespace vdwmesh {
 
-// The bounding box of a triangle before and after the moves of its vertices, rounded outward to
-// single precision. It holds the triangle whichever of these moves are taken back.
+// A bounding box, Å, rounded outward to single precision. It holds a triangle with its vertices
+// before and after their moves, so it holds it too if some of these moves are taken back.
 struct FloatBox {
   float lower[3], upper[3];
 };
@@ -41,9 +42,9 @@ __global__ void bound_triangles(Level level, FloatBox* boxes) {
   }
 }
 
-// A uniform grid with at most as many cells as triangles (or 64), as kernels see it. Each triangle
-// is listed in every cell that its box touches. Compressed sparse rows: cell c lists the
-// `triangles` from start[c] to start[c + 1].
+// A uniform grid, as kernels see it, with at most as many cells as triangles, or 64 if that is
+// more. Each triangle is listed in every cell that its box touches. The lists are in compressed
+// sparse row form: cell c lists triangles[start[c]] .. triangles[start[c + 1] - 1].
 struct CrossingGrid {
   std::array<double, 3> origin;        // lower corner of cell 0, Å
   double per_length;                   // 1 / width of a cell, 1/Å
@@ -58,9 +59,10 @@ class CrossingFinder {
   // does not fit into device memory.
   CrossingFinder(DeviceArray<FloatBox> boxes, const Stream& stream);
 
-  // Marks the moved vertices of all pairs of triangles that cross. Pairs without a moved vertex are
-  // not tested: a crossing of theirs is the given mesh's own. After pass 0 only pairs with a vertex
-  // that was just put back are tested; no other pair has changed.
+  // Marks the moved vertices of all pairs of triangles that cross. `pass` counts from 0. Pairs
+  // without a moved vertex are not tested: if they cross, they did so before the moves. After pass
+  // 0 only pairs with a vertex that the pass before has put back are tested; no other pair has
+  // changed.
   void mark(const DeviceMeshView& mesh, const MoveStatesView& move_states, int pass) const;
 
  private:

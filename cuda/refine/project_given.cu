@@ -1,9 +1,10 @@
 // Level 0 on the device: projects the vertices of the given mesh onto the surface.
 //
-// Most vertices of a marching cubes mesh of the union lie on it already. A first kernel finds the
-// others, called astray here: a warp gathers the balls near 128 vertices and compares each vertex
-// with them. Only astray vertices need the length of their longest edge, which limits their move,
-// and the full projection. For a blended field every vertex counts as astray.
+// Most vertices of a marching cubes mesh of the union lie on it already. The others are called
+// astray here. A first kernel finds them: a warp gathers the balls near 128 vertices and compares
+// each vertex with these. Only astray vertices need the full projection, and with it the length of
+// the longest edge at the vertex, which limits its move. For a blended field every vertex counts as
+// astray.
 #include <cmath>
 #include <cub/device/device_reduce.cuh>
 
@@ -17,8 +18,9 @@ namespace {
 constexpr unsigned kThreads = 128;
 constexpr unsigned kWarps = kThreads / kWarp;
 
-// The state of a vertex that is not on the surface, until it is projected. No move is marked in
-// these kernels, so the value is free to be used for this.
+// The state of an astray vertex until it is projected. MoveState has no value for this. to_undo can
+// be used, because these kernels mark no moves, and all astray vertices have another state when
+// take_back_bad_moves() begins.
 constexpr MoveState kAstray = MoveState::to_undo;
 
 // Gives a projected vertex its new label, unless it has not moved and its old label is still right.
@@ -29,6 +31,7 @@ __device__ void relabel(const SurfaceView& surface, const DeviceMeshView& mesh, 
   if (!keeps_label) mesh.vertex_spheres.set(v, make_label(p.spheres));
 }
 
+// Gives vertex v the normal of the surface at its position, if the mesh has normals.
 __device__ void renew_normal(const SurfaceView& surface, const DeviceMeshView& mesh,
                              std::uint64_t v) {
   if (mesh.normals == nullptr) return;
@@ -36,12 +39,13 @@ __device__ void renew_normal(const SurfaceView& surface, const DeviceMeshView& m
   mesh.normals[v] = surface.normal(mesh.positions[v], ids(label));
 }
 
-constexpr unsigned kRounds = 4;  // a warp gathers balls for so many times 32 vertices
+constexpr unsigned kRounds =
+    4;  // rounds of 32 vertices, one per lane, that share one set of gathered balls
 constexpr unsigned kGroup = kRounds * kWarp;
 
-// Finishes the vertices that lie on the union, and gives the others the state kAstray. One warp per
-// kGroup consecutive vertices. Adds the number of astray vertices to `astray`. Shared memory: one
-// WarpBallsStorage per warp.
+// Finishes the vertices that lie on the union (within kProjectionTolerance), and gives the others
+// the state kAstray. One warp per kGroup = 128 consecutive vertices. Adds the number of astray
+// vertices to `astray`. Shared memory: one WarpBallsStorage per warp.
 __global__ void __launch_bounds__(kThreads)
     find_astray(SurfaceView surface, DeviceMeshView mesh, MoveState* move_states,
                 unsigned long long* astray, DeviceStats* stats) {
@@ -62,12 +66,14 @@ __global__ void __launch_bounds__(kThreads)
   unsigned strays = 0;
   for (std::uint64_t v = first + lane; v < end; v += kWarp) {
     const Vec3d p = mesh.positions[v];
+    // The vertex does not move here: one search per vertex.
     balls.begin(0);
     const NearestBall near = balls.nearest(p, kProjectionTolerance);
     const bool stays = near.found && std::abs(near.gap) <= kProjectionTolerance;
     move_states[v] = stays ? MoveState::stayed : kAstray;
     strays += stays ? 0 : 1;
     if (!stays) continue;
+    // The result that a projection gives if no step is needed.
     const ProjectedPoint where{p,
                                std::abs(near.gap),
                                {surface.list.id[near.place], kNoSphere, kNoSphere},
@@ -78,6 +84,7 @@ __global__ void __launch_bounds__(kThreads)
     renew_normal(surface, mesh, v);
   }
   __syncwarp();
+  // All lanes take part, but the loop ends earlier for some: hence the synchronisation above.
   strays = __reduce_add_sync(kAllLanes, strays);
   if (strays > 0 && lane == 0) atomicAdd(astray, strays);
   tally.add_to(stats);
@@ -89,9 +96,9 @@ __global__ void set_astray(MoveState* move_states, std::uint64_t vertices) {
   if (v < vertices) move_states[v] = kAstray;
 }
 
-// Raises square_bits[v] to the square of the longest edge at each astray vertex v, as the bits of a
-// double; bits of doubles that are not negative have the order of the numbers. One thread per
-// half-edge.
+// Raises square_bits[v] to the squared length (Å²) of the longest edge at each astray vertex v, as
+// the bits of a double. The bits of doubles that are not negative have the order of the numbers, so
+// atomicMax() works on them. One thread per half-edge.
 __global__ void raise_longest_edges(DeviceMeshView mesh, const MoveState* move_states,
                                     unsigned long long* square_bits) {
   const std::uint64_t h = thread_index();
@@ -105,7 +112,8 @@ __global__ void raise_longest_edges(DeviceMeshView mesh, const MoveState* move_s
   if (b_strays) atomicMax(&square_bits[b], bits);
 }
 
-// Projects the astray vertices by at most their longest edge. One thread per vertex.
+// Projects the astray vertices. Each may move by the length of its longest edge at most; if the
+// projection fails, it stays. One thread per vertex.
 __global__ void project_astray(SurfaceView surface, DeviceMeshView mesh,
                                const unsigned long long* square_bits, MoveState* move_states,
                                DeviceStats* stats) {
@@ -151,11 +159,12 @@ std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMe
   const DeviceArray<Vec3d> positions = copy_of(mesh.positions, mesh.vertices, stream);
   const DeviceVertexLabels labels{copy_of(mesh.vertex_spheres.atoms, mesh.vertices, stream),
                                   copy_of(mesh.vertex_spheres.others, mesh.vertices, stream)};
-  // The mesh as it was given: its positions and labels are copies, all other arrays are shared.
+  // The mesh before the projection. Its positions and labels are copies; all other arrays are those
+  // of `mesh`, which the projection does not change or which are computed again.
   DeviceMeshView given = mesh;
   given.positions = positions.data();
   given.vertex_spheres = labels.view();
-  // In a scope of its own, so that the squares are given back before the search for crossings.
+  // A scope of its own: the squares are given back before the search for crossings takes memory.
   {
     const auto squares = zeros<unsigned long long>(mesh.vertices, stream);
     launch("raise_longest_edges", raise_longest_edges, over(3 * mesh.triangles, kThreads), stream,
@@ -165,6 +174,7 @@ std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMe
   }
   const DeviceArray<unsigned long long> marked(1, stream.get());
   return take_back_bad_moves(
+      // All vertices are handled (from 0 on), and no list of marked vertices is kept.
       GivenLevel{given, mesh},
       {surface, {move_states.data(), 0, marked.data(), nullptr, 0}, stats, crossings, monitor},
       stream);
