@@ -34,8 +34,8 @@ void make_checked_room(const MeshSize& size, LabelWidth width, double spacing,
 }
 
 // Extracts a surface on one device: uploads the spheres, counts the bricks of a range, and emits a
-// share of them. Each function makes the device current first, because current is a property of
-// threads and different threads may call the functions, one after the other.
+// share of them. Different threads may call its functions, one after the other. CUDA keeps a
+// current device for each thread, so each function first makes the worker's device current.
 class SphereWorker {
  public:
   // `sharers` is the number of workers on this device; they share its memory. The other arguments

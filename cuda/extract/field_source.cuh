@@ -6,10 +6,10 @@
 
 namespace vdwmesh {
 
-// The signs of a grid's nodes, one bit each, in rows of 32-bit words along x: what follows only
-// describes the layout. Bit i of word w of a row is set if the node with lattice index 32 w + i
-// along x is inside. The virtual nodes at the ends of a row have the bit 0; rows of virtual nodes
-// are not stored. Rows are numbered with y faster than z, by grid index.
+// The layout of the signs of a grid's nodes: one bit each, in rows of 32-bit words along x. Bit i
+// of word w of a row is set if the node with lattice index 32 w + i along x is inside. The virtual
+// nodes at the ends of a row have the bit 0; rows of virtual nodes are not stored. So rows are
+// numbered by grid indices, y faster than z.
 struct SignGrid {
   std::int64_t words;          // per row
   std::int64_t height, depth;  // number of rows along y and z

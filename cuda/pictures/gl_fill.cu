@@ -1,7 +1,7 @@
 // Fills OpenGL's vertex and index buffers from CUDA. The driver maps the buffers into the address
-// space of CUDA. Vertices are uploaded in slices and converted by a kernel with the formula of the
-// host (render/surface_vertex.hpp), so the bytes are the same. Indices and triangle values are
-// copied.
+// space of CUDA. Vertices are uploaded in slices, and a kernel converts them with the formula that
+// the host uses (render/surface_vertex.hpp), so the bytes are the same. Triangle indices and the
+// values of triangles are copied as they are.
 #include <cuda_gl_interop.h>
 
 #include <algorithm>
@@ -30,8 +30,8 @@ __global__ void make_vertices(VertexArrays arrays, std::uint64_t count, Vec3d or
   if (v < count) vertices[v] = surface_vertex(arrays, v, origin);
 }
 
-// Maps buffers of the thread's current OpenGL context into device memory, for as long as the object
-// lives. OpenGL must not use the buffers during that time.
+// Maps OpenGL buffers of the thread's current context into device memory, until give_back() or the
+// end of the object. OpenGL must not use the buffers during that time.
 class SharedBuffers {
  public:
   // `names` are OpenGL names of at most three buffers; the name 0 is skipped. Throws CudaError if
@@ -61,7 +61,8 @@ class SharedBuffers {
     return static_cast<T*>(pointer);
   }
 
-  // Gives the buffers back to OpenGL, which sees everything written in the stream so far.
+  // Gives the buffers back to OpenGL, which then sees everything written in the stream so far.
+  // mapped_ is cleared first, so that the destructor does not try again after a failure.
   void give_back() {
     mapped_ = false;
     check_cuda(cudaGraphicsUnmapResources(count_, resources_.data(), stream_),
@@ -77,6 +78,7 @@ class SharedBuffers {
                "sharing an OpenGL buffer");
     ++count_;
   }
+  // Undoes what the constructor has done so far; ignores errors.
   void release() {
     if (mapped_) cudaGraphicsUnmapResources(count_, resources_.data(), stream_);
     mapped_ = false;
@@ -97,8 +99,8 @@ DeviceArray<T> upload_slice(const T* array, std::uint64_t first, std::uint64_t c
   return array ? upload(array + first, count, stream) : DeviceArray<T>();
 }
 
-// Uploads one slice of the vertices and launches the kernel that converts it. The uploads are given
-// back in stream order, after the kernel.
+// Uploads one slice of the vertices and launches the kernel that converts it. The device arrays are
+// given back in stream order, that is, after the kernel, although their owners end before it runs.
 void write_slice(const VertexArrays& host, std::uint64_t first, std::uint64_t count,
                  const Vec3d& origin, SurfaceVertex* vertices, cudaStream_t stream) {
   const auto positions = upload_slice(host.positions, first, count, stream);
@@ -149,8 +151,8 @@ std::string fill_with_cuda(const SurfaceArrays& arrays, const SurfaceTarget& tar
   std::optional<DeviceScope> scope;
   std::optional<Stream> stream;
   std::optional<SharedBuffers> buffers;
-  // A failure in this block only means that the buffers cannot be shared: it is returned as a
-  // reason.
+  // A failure in this block only means that the buffers cannot be shared. Its message is returned
+  // as the reason.
   try {
     scope.emplace();
     if (const std::string reason = other_device(gl_device); !reason.empty()) return reason;

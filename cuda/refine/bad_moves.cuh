@@ -1,5 +1,5 @@
-// Moves that turn a triangle over or make triangles cross, found and taken back on the device.
-// refine/bad_moves.hpp says which moves are bad; the results are the same, bit for bit.
+// Finds and takes back bad moves on the device: those that turn a triangle over or make triangles
+// cross (refine/bad_moves.hpp defines them). The results are those of the CPU, bit for bit.
 #pragma once
 
 #include "cuda/refine/refine_levels.cuh"
@@ -13,21 +13,22 @@ struct LevelPasses {
   MoveStatesView move_states;
   DeviceStats* stats;   // in device memory
   Crossings crossings;  // whether crossing triangles are left alone
-  Monitor* monitor;     // asked before each pass whether the run is cancelled; may be null
+  Monitor* monitor;     // before each pass it is asked whether to stop; may be null
 };
 
 // Takes back all bad moves of level 0 and returns their number.
 std::uint64_t take_back_bad_moves(const GivenLevel& level, const LevelPasses& passes,
                                   const Stream& stream);
 
-// The same for midpoints. Precondition: make_children_on_device() has marked the moves that turn a
-// triangle and has counted the turned triangles. The count is kept up to date.
+// The same for the midpoints of a later level. Precondition: make_children_on_device() has marked
+// the moves that turn a triangle, and has counted the turned triangles in `stats`. Taking moves
+// back changes that count, so it is corrected.
 std::uint64_t take_back_bad_moves(const MidpointLevel& level, const LevelPasses& passes,
                                   const Stream& stream);
 
 // Writes the corners, labels and half-edges of all child triangles. Then counts the children that
-// do not face outward, and marks the moves that turned them. passes.move_states.move_states is null
-// if no vertex can have moved; nothing is marked then.
+// do not face outward, and marks the moves that have turned them. If no vertex can have moved,
+// passes.move_states.move_states is null, and nothing is marked.
 void make_children_on_device(const MidpointLevel& level, const LevelPasses& passes,
                              const Stream& stream);
 

@@ -17,8 +17,9 @@ DeviceSurface::DeviceSurface(const SphereSet& spheres, const RefineOptions& opti
 
 namespace {
 
-// Copies the prepared mesh to the device. Normals are uploaded only if nothing is projected,
-// because they are interpolated then; otherwise they are computed, and only get room here.
+// Copies the mesh to the device. Given normals are needed only if nothing is projected, because
+// they are interpolated then. Otherwise normals are computed, and their array stays uninitialised
+// here.
 DeviceMesh upload_mesh(const IndexedMesh& host, Projection projection, const Stream& stream) {
   DeviceMesh mesh;
   mesh.positions = upload(host.positions.data(), host.positions.size(), stream.get());

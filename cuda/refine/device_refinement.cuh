@@ -1,5 +1,5 @@
-// Refinement of a mesh that lies in device memory. The CUDA Refiner calls it between an upload and
-// a download; the CUDA pipeline calls it on the mesh that the extraction left on the device.
+// Refinement of a mesh that is in device memory. The CUDA Refiner calls it between an upload and a
+// download; the CUDA pipeline calls it on the mesh that the extraction left on the device.
 #pragma once
 
 #include <vector>
@@ -11,35 +11,36 @@ namespace vdwmesh {
 
 // Milliseconds of device time in the stages of one subdivision.
 struct RefineTimings {
-  float edges = 0;      // numbering edges, taking memory
-  float midpoints = 0;  // their positions, labels and normals, with the projection
-  float children = 0;   // corners and half-edges of the children, test of their orientation
+  float edges = 0;      // numbering the edges, taking memory
+  float midpoints = 0;  // positions, labels and normals of midpoints, with the projection
+  float children = 0;   // corners and half-edges of children, test of their orientation
   float moves = 0;      // search for crossings, taking bad moves back
 };
 
 struct DeviceRefinement {
   DeviceMesh mesh;
-  std::vector<ProjectionStats> levels;    // as RefineResult::levels
+  std::vector<ProjectionStats> levels;    // of level 0 and of each subdivision
   std::vector<float> level_milliseconds;  // level 0, each subdivision, the final normals
   std::vector<RefineTimings> timings;     // of each subdivision
 };
 
-// An estimate of the bytes of device memory that a refinement takes beside the mesh that it is
-// given.
+// An estimate of the bytes of device memory that a refinement takes, beside the given mesh of so
+// many vertices and triangles.
 std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangles,
                                   const RefineOptions& options, TriangleLabels labels);
 
-// Refines `mesh` and consumes it. It takes the steps of the CPU refiner with the same formulas in
-// the same order, so the result has the same bits. Precondition: `mesh` has half-edges if
-// options.subdivisions > 0. Throws LimitExceeded before it takes memory.
+// Refines `mesh`, whose arrays it takes over. It takes the steps of the CPU refiner with the same
+// formulas in the same order, so the result has the same bits. Precondition: `mesh` has half-edges
+// if options.subdivisions > 0. Throws DeviceMemoryExceeded, before it takes memory if the estimate
+// of device_refine_bytes() is not available or allowed.
 DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
                                   const RefineOptions& options, const Stream& stream);
 
-// The surface that kernels project to, in device memory: the spheres, and the cell list that the
-// projection searches. Must outlive the kernels that use its view.
+// Owns the surface that kernels project to, in device memory: the spheres, and the cell list that
+// the projection searches. It must outlive the kernels that use its view.
 class DeviceSurface {
  public:
-  // Throws InvalidInput for options without sense.
+  // Throws InvalidInput for invalid options.
   DeviceSurface(const SphereSet& spheres, const RefineOptions& options, TriangleLabels labels,
                 Workspace& workspace, const Stream& stream);
   const SurfaceView& view() const { return view_; }

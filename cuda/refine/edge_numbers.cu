@@ -1,5 +1,5 @@
-// Builds the edge numbers: one kernel finds the lower half-edge of every edge and packs 32 answers
-// into a word, then a prefix sum over the words counts the edges before each word.
+// Builds the edge numbers: one kernel finds the first (lower) half-edge of every edge and packs 32
+// answers into a word, then a prefix sum over the words counts the edges before each word.
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
@@ -17,9 +17,10 @@ std::uint64_t words_for(std::uint64_t half_edges) {
   return (half_edges + kHalfEdgesPerWord - 1) / kHalfEdgesPerWord;
 }
 
-// Sets bit k of a word's `first` if half-edge k of the word is the lower one of its edge. One
-// thread per four half-edges, loaded as one 16-byte word; eight neighbouring lanes combine their
-// four bits each into a word by shuffles.
+// Sets bit k of a word's `first` if half-edge k of the word is the lower one of its edge: if its
+// opposite has a number that is not lower. One thread per four half-edges, whose opposites it loads
+// as one 16-byte word; eight neighbouring lanes combine their four bits each into a word of 32 by
+// shuffles.
 __global__ void mark_first_half_edges(const std::uint32_t* opposite, std::uint64_t half_edges,
                                       EdgeWord* words) {
   const std::uint64_t h = 4 * thread_index();
@@ -44,7 +45,7 @@ struct CountFirst {
   }
 };
 
-// An output iterator's access to the `before` of word i, into which the prefix sum writes.
+// Access to the `before` of word i. It makes a transform iterator into which the prefix sum writes.
 struct BeforeOf {
   EdgeWord* words;
   __host__ __device__ std::uint32_t& operator()(std::int64_t i) const { return words[i].before; }

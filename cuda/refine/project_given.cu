@@ -159,8 +159,8 @@ std::uint64_t project_given_on_device(const SurfaceView& surface, const DeviceMe
   const DeviceArray<Vec3d> positions = copy_of(mesh.positions, mesh.vertices, stream);
   const DeviceVertexLabels labels{copy_of(mesh.vertex_spheres.atoms, mesh.vertices, stream),
                                   copy_of(mesh.vertex_spheres.others, mesh.vertices, stream)};
-  // The mesh before the projection. Its positions and labels are copies; all other arrays are those
-  // of `mesh`, which the projection does not change or which are computed again.
+  // The mesh before the projection. Its positions and labels are copies. All other arrays are those
+  // of `mesh`: triangles do not change, and normals are computed again.
   DeviceMeshView given = mesh;
   given.positions = positions.data();
   given.vertex_spheres = labels.view();

@@ -1,9 +1,10 @@
 // Refinement in device memory, level by level: memory, order of the kernels, and timing. The
-// kernels are in make_vertices.cuh and bad_moves.cuh.
+// kernels are declared in make_vertices.cuh and bad_moves.cuh. Level 0 projects the given vertices;
+// every further level subdivides the mesh of the level before, its parent.
 //
 // Vertices keep their numbers from level to level. Their arrays therefore get their final size at
 // the start, and each level writes its midpoints behind the vertices that are there. Triangles are
-// replaced on each level, so their arrays are taken anew. All memory is taken in stream order.
+// replaced on each level, so their arrays are allocated anew. All memory is taken in stream order.
 #include <bit>
 #include <utility>
 
@@ -13,10 +14,12 @@
 namespace vdwmesh {
 namespace {
 
-// Whether the half-edges of a mesh fit the 32-bit numbers of `DeviceMeshView::opposite`.
+// Whether a mesh with so many triangles gets half-edges: if their numbers fit the 32 bits of
+// `DeviceMeshView::opposite`.
 bool has_half_edges(std::uint64_t triangles) { return 3 * triangles <= kMaxHalfEdges; }
 
-// An array of `size` entries with the entries of `from` in front; the others are uninitialised.
+// An array of `size` >= from.size() elements that begins with those of `from`; the others are
+// uninitialised.
 template <class T>
 DeviceArray<T> grown(DeviceArray<T> from, std::uint64_t size, const Stream& stream) {
   if (from.size() == size) return from;
@@ -29,11 +32,12 @@ DeviceArray<T> grown(DeviceArray<T> from, std::uint64_t size, const Stream& stre
   return to;
 }
 
-// The mesh of the current level, whose vertex arrays have room for the vertices of later levels.
+// The mesh of the current level. Its vertex arrays are long enough for the vertices of all later
+// levels.
 struct GrowingMesh {
   DeviceMesh mesh;
-  std::uint64_t vertices;          // vertices that exist so far
-  DeviceArray<std::uint8_t> safe;  // a bit per triangle, see PatchMarks; empty: no marks are kept
+  std::uint64_t vertices;  // vertices that exist so far
+  DeviceArray<std::uint8_t> safe;  // PatchMarks::parent_safe of the next level; empty: not kept
 
   DeviceMeshView view() const {
     DeviceMeshView v = mesh.view();
@@ -42,8 +46,8 @@ struct GrowingMesh {
   }
 };
 
-// Labels with room for `vertices` vertices and three spheres each. The given labels may name one
-// sphere only; filling the others with 0xff bytes makes them kNoSphere.
+// Labels for `vertices` vertices, of three spheres each, that begin with the given labels. The
+// given ones may name one sphere only: filling the others with 0xff bytes makes them kNoSphere.
 DeviceVertexLabels with_room(DeviceVertexLabels labels, std::uint64_t vertices,
                              const Stream& stream) {
   if (labels.others.size() == 0 && vertices > 0) {
@@ -57,11 +61,11 @@ DeviceVertexLabels with_room(DeviceVertexLabels labels, std::uint64_t vertices,
   return labels;
 }
 
-// Gives the mesh its room for `vertices` vertices. What becomes of the normals depends on the
-// surface:
-//   none: given normals are kept, and interpolated on each level.
-//   vdw, triangles without labels: the kernels that make the vertices compute the normals too.
-//   otherwise: normals are dropped here, and computed after the last level.
+// Makes the vertex arrays of the mesh long enough for `vertices` vertices. What becomes of the
+// normals depends on the surface:
+// - none: given normals are kept, and interpolated on each level.
+// - vdw, triangles without labels: the kernels that make the vertices compute the normals too.
+// - otherwise: normals are dropped here, and computed after the last level by finish_normals().
 GrowingMesh with_room(DeviceMesh mesh, Projection projection, std::uint64_t vertices,
                       const Stream& stream) {
   GrowingMesh growing{std::move(mesh), 0, {}};
@@ -80,8 +84,8 @@ GrowingMesh with_room(DeviceMesh mesh, Projection projection, std::uint64_t vert
   return growing;
 }
 
-// Downloads the counts of a level. Its kernels counted as projected every vertex that converged,
-// including the `undone` vertices whose moves were taken back.
+// Downloads the counts of a level. The kernels have counted as projected all vertices that
+// converged; the `undone` vertices whose moves were taken back are subtracted here.
 ProjectionStats to_host(const DeviceArray<DeviceStats>& stats, std::uint64_t undone,
                         const Stream& stream) {
   const DeviceStats s = fetch(stats.data(), stream);
@@ -94,15 +98,15 @@ ProjectionStats to_host(const DeviceArray<DeviceStats>& stats, std::uint64_t und
           std::bit_cast<double>(s.residual_bits)};
 }
 
-// Whether vertices are projected onto the union and not bound to the labels of triangles. Safe
-// marks are kept in this case only, because here most midpoints move radially to the sphere of
-// their ends.
+// Whether vertices are projected onto the union without being bound to the labels of triangles.
+// Marks of safe triangles (PatchMarks) are kept in this case only, because only here do most
+// midpoints move radially to the sphere of their ends, which the proof of the marks needs.
 bool is_freely_projected_union(const SurfaceView& surface, const DeviceMeshView& mesh) {
   return surface.projection == Projection::vdw && mesh.triangle_spheres == nullptr;
 }
 
-// Level 0: projects the vertices, counts the turned triangles, and starts the safe marks if a
-// subdivision follows.
+// Level 0: projects the vertices and counts the turned triangles. If a subdivision follows, it also
+// marks the safe triangles for it. Vertices of labelled triangles are not moved, only counted.
 ProjectionStats project_given(const SurfaceView& surface, GrowingMesh& growing,
                               const RefineOptions& options, const Stream& stream) {
   const auto stats = zeros<DeviceStats>(1, stream);
@@ -123,12 +127,15 @@ ProjectionStats project_given(const SurfaceView& surface, GrowingMesh& growing,
   return to_host(stats, undone, stream);
 }
 
-// Entries of the list of bad moves. Fewer than 2 % of the midpoints went back in all measured cases
-// (docs/refinement.md); 1/32 is 3 %, and the constant serves small meshes. If a list is too small,
-// the marked midpoints are found by a search instead.
+// Length of the list of bad moves. Fewer than 2 % of the midpoints went back in all measured cases
+// (docs/refinement.md); 1/32 is 3 %, and the constant serves small meshes. If a list is too short,
+// the marked midpoints are found by a search over all midpoints instead.
 std::uint64_t room_for_marks(std::uint64_t midpoints) { return midpoints / 32 + 4096; }
 
 // One subdivision: adds the midpoints to `growing` and replaces its triangles by their children.
+// level_number counts from 1. "marked" and "marks" below: marks.mark() marks a time, marked_safe
+// says whether PatchMarks are kept, and marks_list and `marked` are the list of bad moves
+// (MoveStatesView).
 ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int level_number,
                           const RefineOptions& options, RefineTimings& timings,
                           const Stream& stream) {
@@ -150,6 +157,7 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
   const std::uint64_t midpoints = size.vertices - parent.vertices;
   const bool marked_safe = growing.safe.size() > 0;
   const DeviceArray<std::uint8_t> regular(marked_safe ? midpoints : 0, stream.get());
+  // The last level keeps no marks of its children: no level follows that would read them.
   DeviceArray<std::uint8_t> safe(
       marked_safe && level_number < options.subdivisions ? parent.triangles : 0, stream.get());
   const DeviceArray<std::uint32_t> patches(marked_safe ? parent.triangles : 0, stream.get());
@@ -195,7 +203,7 @@ ProjectionStats subdivide(const SurfaceView& surface, GrowingMesh& growing, int 
   return result;
 }
 
-// Computes the normals that the levels have left out, see with_room().
+// Computes the normals after the last level, if the levels have not made them: see with_room().
 void finish_normals(const SurfaceView& surface, DeviceMesh& mesh, const Stream& stream) {
   if (surface.projection == Projection::none) return;
   if (surface.projection == Projection::vdw && mesh.triangle_labels() == TriangleLabels::none) {
@@ -223,17 +231,17 @@ std::uint64_t device_refine_bytes(std::uint64_t vertices, std::uint64_t triangle
       triangle_bytes(size) + triangle_bytes(parent) +
       DeviceEdgeNumbers::bytes(3 * parent.triangles);
   if (labels == TriangleLabels::spheres) return mesh;
-  // Per midpoint 6 bytes: state, regular mark, entry of the list of deferred midpoints. Per parent
-  // triangle 4 bytes in the list of patches. Per four triangles one byte of safe marks. A quarter
-  // byte per midpoint in the two lists of bad moves: 4 bytes for every 32nd midpoint, twice.
+  // Per midpoint 6 bytes: state, regular mark, element of the list of deferred midpoints. Per
+  // parent triangle 4 bytes in the list of patches. Per four triangles one byte of safe marks. Per
+  // midpoint a quarter byte in the two lists of bad moves: 4 bytes for every 32nd midpoint, twice.
   const std::uint64_t midpoints = size.vertices - parent.vertices;
   const std::uint64_t move_states =
       6 * midpoints + 4 * parent.triangles + size.triangles / 4 + midpoints / 4;
   if (options.crossings == Crossings::allow || options.projection == Projection::none) {
     return mesh + move_states;
   }
-  // The search for crossings: a box per triangle, at most one cell per triangle with an offset of
-  // 64 bits, and about four entries per triangle.
+  // The search for crossings: a box of six floats per triangle, at most one cell per triangle with
+  // an offset of 64 bits, and about four entries per triangle of 32 bits.
   return mesh + move_states +
          size.triangles * (6 * sizeof(float) + sizeof(std::uint64_t) + 4 * sizeof(std::uint32_t));
 }
@@ -254,6 +262,7 @@ DeviceRefinement refine_on_device(const SurfaceView& surface, DeviceMesh mesh,
     seen.normals = nullptr;
     options.on_level(level, download(seen, Connectivity::triangles, stream));
   };
+  // The observer of a level downloads the mesh: its time is left out of the measured times.
   float ms = clock.lap();
   observe(0);
   clock.restart();
