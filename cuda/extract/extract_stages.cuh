@@ -26,7 +26,8 @@ struct FieldContext {
   RoughSpheres rough;
 };
 
-class DeviceField {  // makes a FieldContext, and owns its rough spheres
+// Makes a FieldContext, and owns its rough spheres.
+class DeviceField {
  public:
   DeviceField(const CellListView& list, const FieldModel& model, const Stream& stream);
   const FieldContext& context() const { return context_; }
@@ -91,8 +92,7 @@ struct DeviceEmissionTally {
 // The result of counting: all candidate bricks, and their numbering.
 struct DeviceCountedBricks {
   DeviceArray<ActiveBrick> bricks;
-  DeviceArray<BrickSums>
-      before;  // exclusive prefix sums, as in BrickList; the last entry is the total
+  DeviceArray<BrickSums> before;  // as in BrickList
   BrickTotals totals{};
 
   BrickList list() const { return {bricks.data(), before.data(), bricks.size()}; }

@@ -113,8 +113,8 @@ __global__ void fill_cells(CrossingGrid grid, const FloatBox* boxes, std::uint64
   const std::uint64_t t = thread_index();
   if (t >= triangles) return;
   visit_cells(grid, boxes[t], [&](std::uint64_t cell, Place) {
-    const unsigned long long behind =
-        atomicAdd(&grid.start[cell], ~0ull);  // adding ~0 subtracts one
+    // Adding ~0 subtracts one; the result is the value before.
+    const unsigned long long behind = atomicAdd(&grid.start[cell], ~0ull);
     grid.triangles[behind - 1] = static_cast<std::uint32_t>(t);
   });
 }

@@ -39,8 +39,8 @@ __device__ void renew_normal(const SurfaceView& surface, const DeviceMeshView& m
   mesh.normals[v] = surface.normal(mesh.positions[v], ids(label));
 }
 
-constexpr unsigned kRounds =
-    4;  // rounds of 32 vertices, one per lane, that share one set of gathered balls
+// A warp handles this many rounds of 32 vertices, one per lane, with one set of gathered balls.
+constexpr unsigned kRounds = 4;
 constexpr unsigned kGroup = kRounds * kWarp;
 
 // Finishes the vertices that lie on the union (within kProjectionTolerance), and gives the others

@@ -36,7 +36,7 @@ DeviceArray<T> grown(DeviceArray<T> from, std::uint64_t size, const Stream& stre
 // levels.
 struct GrowingMesh {
   DeviceMesh mesh;
-  std::uint64_t vertices;  // vertices that exist so far
+  std::uint64_t vertices;          // vertices that exist so far
   DeviceArray<std::uint8_t> safe;  // PatchMarks::parent_safe of the next level; empty: not kept
 
   DeviceMeshView view() const {
