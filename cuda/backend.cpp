@@ -40,6 +40,7 @@ class RunOptions {
   }
 
  private:
+  // Before the options, because their initialisation uses it.
   WorkspaceOfCall workspace_;
 
  public:

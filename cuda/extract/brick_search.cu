@@ -88,9 +88,11 @@ __device__ unsigned vote_by_child(bool says) {
 // What vote_by_child() returns if it is true for every child.
 constexpr unsigned kAllChildren = (1u << kChildren) - 1;
 
-// The test of a child for a blended field. Each lane bounds the sum over its part of the atoms:
-// FieldBounds::add() adds an atom to several sums at once. join() adds the sums of the child's four
-// lanes, after which lower() and upper() of `bounds` are bounds on the field.
+// The test of a child for a blended field. Each lane adds its part of the atoms to the sums of
+// `bounds`: sums of bounds on one atom each (least, most), of tangents and chords with their
+// slopes, and the number of atoms, all explained at FieldBounds in block_bounds.hpp. join() adds
+// the sums of the child's four lanes. After that, bounds.lower() and bounds.upper() bound the field
+// in the child's box.
 template <BlendedKind Kind>
 struct BlendedTest {
   ShapeParameters<float> shape;

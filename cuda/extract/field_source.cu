@@ -61,11 +61,11 @@ __global__ void __launch_bounds__(kThreads)
 #pragma unroll
     for (int w = 0; w < at_once; ++w) {
       const std::uint32_t word = __ballot_sync(kAllLanes, value[w] >= field.isovalue);
-      // Lane w keeps word w; all lanes have it.
+      // The ballot gives word w to all lanes; lane w keeps it.
       if (lane == static_cast<unsigned>(w)) own = word;
     }
-    // The funnel shift moves the word up and takes the top bit of the word before it as the lowest
-    // bit.
+    // The funnel shift moves the word of the lane up by one, and the top bit of the word before it
+    // in.
     const std::uint32_t lower = __shfl_up_sync(kAllLanes, own, 1);
     const std::uint32_t moved = __funnelshift_l(lane == 0 ? before : lower, own, 1);
     before = __shfl_sync(kAllLanes, own, at_once - 1);

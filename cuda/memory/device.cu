@@ -28,6 +28,7 @@ std::string capability_name(int capability) {
   return std::to_string(capability / 10) + "." + std::to_string(capability % 10);
 }
 
+// CUDA gives versions as 1000 * major + 10 * minor: 12040 is 12.4.
 std::string version_name(int version) {
   return std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 10);
 }
@@ -56,6 +57,7 @@ class RestoredDevice {
   int before_;
 };
 
+// Only for the question to the driver in has_code().
 __global__ void any_kernel() {}
 
 // Whether this build has code that runs on the device. Machine code runs on its own architecture

@@ -153,13 +153,13 @@ struct MidpointShared {
 // edge, to the sphere of a. Returns whether p is what project_to_union() would find; if not, p is
 // meaningless.
 //
-// The gap of a ball is d - r, negative inside. The middle of a chord lies inside, so gap_before is
-// -s, with s > 0 the length of the step. The step must end at a point that lies in or on no ball
-// but a. This proves that a was the nearest ball (the one of least gap) of the start: a ball b with
-// a gap of at most -s there would have a gap of at most -s + s = 0 at the end point, since a gap
-// changes by no more than the point moves. But then the end point would lie in or on b. So
-// project_to_union() makes the same step, and stops after it because the end point is on the
-// surface.
+// The gap of a ball is d - r, negative inside. The step is taken if `start` lies inside a: the gap
+// of a is -s, with s > 0 the length of the step. The step must end at a point that lies in or on no
+// ball but a; is_on_at_most_one_ball() counts a itself. This proves that a was the nearest ball
+// (the one of least gap) of the start: a ball b with a gap of at most -s there would have a gap of
+// at most -s + s = 0 at the end point, since a gap changes by no more than the point moves. But
+// then the end point would lie in or on b. So project_to_union() makes the same step, and stops
+// after it because the end point is on the surface.
 __device__ bool step_to_own_sphere(const Sphere& a, const Vec3d& start, double reach,
                                    const WarpBalls& balls, ProjectedPoint& p) {
   const double gap_before = gap(a, start);

@@ -159,8 +159,8 @@ class WarpBalls {
 __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorage& storage,
                                        const WarpBox& box)
     : list_(list), storage_(storage), origin_(box.origin()) {
-  // extent: no coordinate of the box, widened by `reach`, is further from the origin along its
-  // axis.
+  // `extent` becomes the largest distance from the origin, along any axis, of the box widened by
+  // `reach`.
   const float reach = box.wide();
   float extent = 0;
   Vec3d lower, upper;
@@ -181,7 +181,7 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
   }
   const unsigned below = (1u << (threadIdx.x % kWarp)) - 1;
   float largest = 0;
-  bool full = false;
+  bool full = false;  // whether there are more balls than the storage holds
   // No lane may still read the balls of an earlier set in the same storage.
   __syncwarp();
   for (int l = 0; l < list.level_count && !full; ++l) {
@@ -206,7 +206,7 @@ __device__ inline WarpBalls::WarpBalls(const CellListView& list, WarpBallsStorag
       const unsigned votes = __ballot_sync(kAllLanes, near);
       const auto found = static_cast<std::uint32_t>(__popc(votes));
       full = count_ + found > kNearBalls;
-      // Visitor of visit_level_by_warp(): true ends the visit.
+      // True ends the visit.
       if (full) return true;
       const std::uint32_t slot = count_ + static_cast<std::uint32_t>(__popc(votes & below));
       if (near) {
