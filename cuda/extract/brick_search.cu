@@ -156,10 +156,11 @@ struct BlendedTest {
 };
 
 // The test of a child for the union of balls: whether a ball touches its box, and whether one ball
-// holds all of it. Both are computed in float32. A ball within the rounding error of touching
-// counts as touching; a ball within it of holding does not count as holding.
+// holds all of it. Both are computed in float32. If rounding errors leave open whether a ball
+// touches the box, it counts as touching; if they leave open whether it holds the box, it does not
+// count as holding.
 struct UnionTest {
-  float largest = 0;  // radius, Å
+  float largest = 0;  // the largest radius of all balls, Å
   bool touched = false, covered = false;
 
   __device__ explicit UnionTest(const FieldContext& f) {

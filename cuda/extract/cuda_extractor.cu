@@ -44,7 +44,7 @@ class SphereWorker {
                const ExtractOptions& options)
       : device_(device), sharers_(sharers), list_(list), model_(model), options_(options) {}
 
-  // Counts the bricks of a range; by default of the whole surface.
+  // Counts the bricks of a range; KeyRange{} is the whole surface.
   void count(const KeyRange& own) {
     use_device(device_);
     stream_.emplace();
