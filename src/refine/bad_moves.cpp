@@ -1,10 +1,17 @@
-// One pass of the search for bad moves; the loop over the passes is in the header.
+// One pass of the search for bad moves. The projection moves a vertex from its start to the
+// surface. The move is bad if it turns a triangle inside out or pushes it through another one. A
+// pass only marks such vertices (MoveState::to_undo). take_back_bad_moves() in the header then puts
+// them back (MoveState::just_undone) and starts the next pass, until a pass marks nothing.
 //
-// Turned triangles are found patch by patch, by the sign of a triple product (facing()). Crossing
-// triangles are found in a uniform grid: two triangles that cross share a cell, so every pair in a
-// cell is tested, boxes first. A pair that shares several cells is tested in each of them; marking
-// a vertex twice does no harm. After the first pass only patches and cells around the vertices that
-// were put back are checked.
+// Turned triangles are found patch by patch with facing(), which compares a triangle's normal with
+// the direction away from the atom. Crossing triangles are found in a uniform grid. Two triangles
+// that cross share a cell, so every pair in a cell is tested, the bounding boxes first. A pair that
+// shares several cells is tested in each of them, and marking a vertex twice does no harm. Passes
+// after the first check only the patches and cells around the vertices that were just put back.
+//
+// Threads mark vertices while other threads read states, yet the result is always the same. Marking
+// turns `moved` into `to_undo` and nothing else, and a pass asks two questions about a state: is it
+// `just_undone`, and is it one of `moved` and `to_undo`? Neither answer changes by marking.
 #include "refine/bad_moves.hpp"
 
 #include <algorithm>
@@ -17,24 +24,30 @@
 
 namespace vdwmesh {
 
-// A triangle of a cell, copied once for all the pairs that it takes part in.
+// What the test of a pair needs to know about one triangle. It is gathered once per triangle and
+// cell, for all pairs of the cell that the triangle belongs to.
 template <class Level>
 struct BadMoves<Level>::Corners {
   std::array<std::uint32_t, 3> vertex;
   std::array<Vec3d, 3> position;
   std::array<SphereId, 3> atom;
-  std::array<double, 6> box;  // lower corner, then the upper corner negated: all six are minima
-  bool has_moved;             // whether a vertex is away from where it started
+  // The lower corner of the bounding box, then the upper corner negated. All six are minima that
+  // way, of coordinates or of negated coordinates, and start from infinity.
+  std::array<double, 6> box;
+  bool has_moved;  // whether the projection moved a vertex that has not been put back
 };
 
 template <class Level>
 bool BadMoves<Level>::mark() {
+  // In the first pass all cells are dirty; the constructor has set them. Without a grid there are
+  // none.
   if (pass_ > 0 && grid_) find_dirty_cells();
   const auto judge_patch = [&](std::size_t patch, std::uint64_t& bad) {
     const Vertices v = level_.vertices(patch);
     if (pass_ == 0 || has_taken_back(v)) bad += mark_turned(v);
   };
   const auto judge_cell = [&](std::size_t cell, std::uint64_t& bad) {
+    // No progress is reported: the call only throws Cancelled if the caller asked to stop.
     if (cell % kBlock == 0) advance(monitor_, 0);
     if (dirty_[cell]) bad += mark_crossed(cell);
   };
@@ -44,8 +57,10 @@ bool BadMoves<Level>::mark() {
   return bad > 0;
 }
 
-// Marks the cells that the triangles with a vertex just put back stand in. bounds_of() covers such
-// a triangle before and after any of its moves, so every new crossing is in a marked cell.
+// Makes exactly those cells dirty that hold a triangle with a vertex just put back. Only such a
+// triangle has changed since the previous pass, so each new crossing is between one of them and any
+// other triangle. bounds_of() covers it before and after all moves of its vertices, so a cell in
+// which it crosses the other one is dirty.
 template <class Level>
 void BadMoves<Level>::find_dirty_cells() {
   for_all(dirty_.size(), [&](std::size_t cell) { dirty_[cell] = 0; });
@@ -60,6 +75,7 @@ void BadMoves<Level>::find_dirty_cells() {
   });
 }
 
+// Whether a vertex of the patch was put back after the previous pass.
 template <class Level>
 bool BadMoves<Level>::has_taken_back(const Vertices& v) {
   return std::any_of(v.begin(), v.end(), [&](std::uint32_t i) {
@@ -72,8 +88,11 @@ void BadMoves<Level>::mark_vertices(const std::array<std::uint32_t, 3>& vertices
   for (const std::uint32_t v : vertices) vdwmesh::mark(level_, move_states_, v);
 }
 
-// Marks the vertices of the patch's triangles that face against their one atom and faced outward
-// before. Returns whether there is such a triangle. Triangles of several atoms are left alone.
+// Looks in a patch for turned triangles and marks their vertices. Returns whether there is one. A
+// triangle is turned if its corners have one atom, it faces against that atom's outward normal, and
+// it faced outward before the moves. A triangle of several atoms has no outward normal of its own:
+// facing() measures it against the mean of the atoms' normals, which near a crease is no proof of a
+// bad move. Such triangles are only counted, in ProjectionStats::turned.
 template <class Level>
 bool BadMoves<Level>::mark_turned(const Vertices& v) {
   bool any = false;
@@ -96,6 +115,7 @@ bool BadMoves<Level>::mark_turned(const Vertices& v) {
   return any;
 }
 
+// Gathers a triangle. `triangle` is its index in the mesh after the moves.
 template <class Level>
 typename BadMoves<Level>::Corners BadMoves<Level>::corners(std::uint32_t triangle) {
   Corners c;
@@ -115,19 +135,23 @@ typename BadMoves<Level>::Corners BadMoves<Level>::corners(std::uint32_t triangl
   return c;
 }
 
-// The opposite of boxes_overlap(), for boxes that are already computed. It has no branches, because
-// their outcome would be close to random and badly predicted.
+// Whether two boxes have no point in common; boxes_overlap() says the opposite of two triangles. On
+// axis i, box a ends at -a[i + 3]. There are no branches, because their outcome would be close to
+// random and badly predicted.
 inline bool are_apart(const std::array<double, 6>& a, const std::array<double, 6>& b) {
   int apart = 0;
   for (std::size_t i = 0; i < 3; ++i) apart |= (a[i] > -b[i + 3]) | (b[i] > -a[i + 3]);
   return apart != 0;
 }
 
-// Marks the vertices of all pairs of triangles in the cell that cross, if a vertex of the pair has
-// moved: a crossing between unmoved triangles is the given mesh's own. Returns whether any cross.
+// Tests all pairs of triangles in a cell and marks the vertices of those that cross. Returns
+// whether there is such a pair. A pair without a moved vertex is not tested: if its triangles
+// cross, they did so before the moves, and there is nothing to take back. triangles_cross() asks
+// for the atoms because it leaves triangles of one atom around a common vertex to mark_turned().
 template <class Level>
 bool BadMoves<Level>::mark_crossed(std::size_t cell) {
-  // Kept from cell to cell, so that each thread allocates only a few times.
+  // The triangles of this cell. Each thread keeps the vector from cell to cell, so that it
+  // allocates only a few times.
   static thread_local std::vector<Corners> here;
   here.clear();
   for (const std::uint32_t t : grid_->triangles_in(cell)) here.push_back(corners(t));

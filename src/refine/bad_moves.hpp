@@ -1,5 +1,6 @@
-// Projection may fold a triangle over or push it through another one. This header finds the moves
-// that did so, and puts their vertices back in passes until no bad move is left.
+// Projection moves vertices to the surface. A move may fold a triangle over or push it through
+// another one. This header finds such bad moves and takes them back, that is, it puts the vertices
+// back to where they started. It does so in passes, until no bad move is left.
 #pragma once
 
 #include <array>
@@ -15,16 +16,19 @@
 
 namespace vdwmesh {
 
-// Finds the bad moves of one level. A move of a vertex is bad in two cases:
-//   1. The vertex belongs to a triangle whose corners all have the same atom. The triangle faces
-//      against the outward normal of that atom, and did not do so before the moves.
-//   2. The vertex belongs to a triangle that crosses another one (refine/crossing_formulas.hpp).
-//      The second case is left out if the options allow crossings.
-// `Level` is Given or Midpoints (refine/level_view.hpp).
+// Finds the bad moves of one refinement level. The move of a vertex is bad in two cases:
+//   1. The vertex belongs to a turned triangle: its corners all have the same atom, and it faces
+//      against the outward normal of that atom, but faced outward before the moves.
+//   2. The vertex belongs to a pair of triangles that cross (refine/crossing_formulas.hpp), and at
+//      least one vertex of the pair has moved. This case is left out if the options allow
+//      crossings.
+// `Level` is one of the two views Given and Midpoints, which also define a patch, a handled vertex
+// and the states of moves (refine/level_view.hpp).
 template <class Level>
 class BadMoves {
  public:
-  // All arguments must outlive the object. `move_states` has the state of each handled vertex.
+  // All arguments must outlive the object. `move_states` has the state of each handled vertex,
+  // counted from level.first_handled().
   BadMoves(const SphereSet& spheres, const Level& level, Buffer<MoveState>& move_states,
            const RefineOptions& options)
       : spheres_(spheres.spheres().data()),
@@ -37,14 +41,14 @@ class BadMoves {
   }
 
   // One pass: changes the state of every vertex with a bad move from MoveState::moved to
-  // MoveState::to_undo, and returns whether there is any. The first pass checks all triangles. A
-  // later pass checks only the triangles with a vertex that was put back after the previous pass,
-  // and the triangles near them: nothing else has changed.
+  // MoveState::to_undo, and returns whether there is such a vertex. The first call checks all
+  // triangles. A later call checks only the triangles with a vertex in MoveState::just_undone, and
+  // those that share a cell with them, because all others are as the previous pass left them.
   bool mark();
 
  private:
-  using Vertices = std::array<std::uint32_t, Level::kVertices>;  // of a patch
-  struct Corners;                                                // of a triangle
+  using Vertices = std::array<std::uint32_t, Level::kVertices>;  // the mesh vertices of a patch
+  struct Corners;                                                // the corners of a triangle
   void find_dirty_cells();
   bool has_taken_back(const Vertices& v);
   bool mark_turned(const Vertices& v);
@@ -57,21 +61,21 @@ class BadMoves {
   Buffer<MoveState>& move_states_;
   Monitor* monitor_;
   std::optional<TriangleGrid> grid_;  // empty if crossings are allowed
-  Buffer<std::uint8_t> dirty_;        // by cell of grid_: 1 if the next pass checks its triangles
+  Buffer<std::uint8_t> dirty_;        // by cell of grid_: 1 if this pass tests its pairs, else 0
   int pass_ = 0;                      // passes done
 };
 
 extern template class BadMoves<Given>;
 extern template class BadMoves<Midpoints>;
 
-// Takes back all bad moves of a level and returns how many vertices it put back. Calls
-// restore(item) for the item of each such vertex (see handled_by_item()), from many threads at
-// once.
+// Takes back all bad moves of a level and returns how many vertices it put back. For each of them
+// it calls restore(item), which must put the vertex back. `item` is its index in the level's loop
+// over the handled vertices (level.handled_by_item()). The calls come from many threads at once.
 //
-// Each pass checks all triangles before any vertex is put back, so neither the order of the
-// triangles nor the number of threads matters. The loop ends: a bad triangle, and one triangle at
-// least of a bad pair, has a moved vertex. A pass that finds one therefore puts a vertex back, and
-// no vertex moves a second time.
+// Each pass finishes its search before any vertex is put back, so neither the order of the
+// triangles nor the number of threads matters. The loop ends: a turned triangle has a moved vertex,
+// and so has a pair that is tested for crossing. A pass that finds something therefore puts at
+// least one vertex back, and a vertex that was put back never moves again.
 template <class Level, class Restore>
 std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level,
                                   Buffer<MoveState>& move_states, const RefineOptions& options,
@@ -86,7 +90,8 @@ std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level,
     const auto settle = [&](std::size_t item, std::uint64_t& count) {
       const std::optional<std::size_t> i = level.handled_by_item(item);
       if (!i) return;
-      // Vertices that were put back before this pass: it has checked the triangles around them.
+      // The vertex was put back before the pass that has just ended. That pass has checked the
+      // triangles around it, so nothing is left to check.
       if (move_states[*i] == MoveState::just_undone) move_states[*i] = MoveState::stayed;
       if (move_states[*i] != MoveState::to_undo) return;
       move_states[*i] = MoveState::just_undone;

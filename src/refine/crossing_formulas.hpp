@@ -1,9 +1,10 @@
 // Whether two triangles of a mesh pass through each other, for host and device.
 //
-// Two triangles intersect properly if an edge of one pierces the other. Each of the six edges is
-// tested by the signs of tetrahedron volumes, the classical orientation test. The signs are
-// computed in double without an exact fallback: host and device take the same roundings, so they
-// agree.
+// Two triangles cross if an edge of one pierces the other. Each of the six edges is tested by the
+// signs of tetrahedron volumes, the classical orientation test. The signs are computed in double
+// without an exact fallback, so they can be wrong if a volume is near zero. Host and device still
+// get the same signs: both round every single operation in the same way, because the build forbids
+// fused multiply-adds (-ffp-contract=off, --fmad=false). The tests answer 0 or 1.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +22,10 @@ VDWMESH_HD inline double orientation(const Vec3d& a, const Vec3d& b, const Vec3d
   return dot(cross(b - a, c - a), d - a);
 }
 
-// Whether the segment p q meets triangle t, the edges of t included. Precondition: p and q lie on
-// different sides of the plane of t. The line p q then meets t if and only if it passes all three
-// edges of t on the same side, or touches some of them.
+// Whether the straight line through p and q meets triangle t, the edges of t included.
+// Precondition: p and q lie on different sides of the plane of t. The line then crosses the plane
+// between p and q, so the answer is the same for the segment p q. The line meets t if and only if
+// it passes all three edges of t on the same side, or touches some of them (volume 0).
 VDWMESH_HD inline int line_meets(const Vec3d& p, const Vec3d& q, const Vec3d* t) {
   const double a = orientation(p, q, t[0], t[1]);
   const double b = orientation(p, q, t[1], t[2]);
@@ -31,10 +33,10 @@ VDWMESH_HD inline int line_meets(const Vec3d& p, const Vec3d& q, const Vec3d* t)
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
-// Whether an edge of s pierces t. Bit k of `shared` says that corner k of s is a vertex of t too;
-// an edge that ends in such a corner touches t there and is left out. An edge that does not have
-// its ends strictly on different sides of the plane of t does not count either, so that triangles
-// which touch, or lie in one plane, do not cross.
+// Whether an edge of s pierces t. Bit k of `shared` says that corner k of s is a vertex of t too.
+// An edge that ends in such a corner touches t there and is left out. Of the others, an edge counts
+// only if its ends lie strictly on different sides of the plane of t. So triangles which only
+// touch, or lie in one plane, do not cross.
 VDWMESH_HD inline int edge_pierces(const Vec3d* s, int shared, const Vec3d* t) {
   const Vec3d normal = cross(t[1] - t[0], t[2] - t[0]);
   double side[3];
@@ -63,15 +65,18 @@ VDWMESH_HD inline int boxes_overlap(const Vec3d* s, const Vec3d* t) {
   return 1;
 }
 
-// Whether triangles s and t cross: whether an edge of one pierces the other. vs and vt are the
-// triangles' vertex indices, as and at the atoms of these vertices.
+// Whether triangles s and t cross: whether an edge of one pierces the other. `vs` and `vt` are the
+// vertex indices of the triangles' corners, and `as` and `at` the atoms of these vertices.
 //
 // Two kinds of neighbours never count as crossing. Triangles that share an edge meet nowhere else,
-// unless one is folded into the plane of the other. Triangles that share a vertex are left to
-// facing() if all their corners have the same atom.
+// unless one is folded into the plane of the other. Triangles that share one vertex are left out if
+// all their corners have the same atom. BadMoves judges these by facing()
+// (subdivision_formulas.hpp): a triangle of one atom that faces against the atom's outward normal
+// is bad by itself.
 //
-// Precondition: boxes_overlap(s, t). It is part of the definition: whatever signs rounding gives a
-// pair far apart, the answer does not depend on whether a search happens to test that pair.
+// Precondition: boxes_overlap(s, t). For a pair with boxes apart, rounding could give any signs. A
+// search that happens to test such a pair would report a crossing, and another search would not.
+// The precondition keeps the answer independent of the search.
 VDWMESH_HD inline int triangles_cross(const Vec3d* s, const std::uint32_t* vs, const SphereId* as,
                                       const Vec3d* t, const std::uint32_t* vt, const SphereId* at) {
   int shared_s = 0, shared_t = 0;  // bit k: corner k is a vertex of the other triangle
@@ -82,7 +87,8 @@ VDWMESH_HD inline int triangles_cross(const Vec3d* s, const std::uint32_t* vs, c
       shared_t |= 1 << j;
     }
   }
-  if ((shared_s & (shared_s - 1)) != 0) return 0;  // two bits or more: a shared edge
+  // x & (x - 1) clears the lowest bit of x. If bits are left there were two, so an edge is shared.
+  if ((shared_s & (shared_s - 1)) != 0) return 0;
   const bool one_atom = as[0] == as[1] && as[0] == as[2] && as[0] == at[0] && as[0] == at[1] &&
                         as[0] == at[2] && as[0] != kNoSphere;
   if (shared_s != 0 && one_atom) return 0;

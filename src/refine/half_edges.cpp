@@ -1,8 +1,14 @@
-// Matching of half-edges and numbering of edges, both in linear time and on all cores.
+// Matching of half-edges with their opposites, and numbering of edges. The loops over half-edges
+// run on all cores; the short sums between them run on one.
 //
-// find_opposite() sorts the half-edges by start vertex with a counting sort (count, prefix sum,
-// fill). The opposite of a half-edge from u to v is then the only half-edge in the bucket of v that
-// ends in u. The CUDA counterpart of number_edges() is cuda/refine/edge_numbers.cu.
+// find_opposite() checks the opposites of a mesh that has them. Otherwise it finds them: it sorts
+// the half-edges into buckets by start vertex with a counting sort (count, prefix sum, fill). The
+// opposite of a half-edge from u to v is then the only half-edge in the bucket of v that ends in u.
+// The time is linear in the number of half-edges if every vertex has a bounded number of them,
+// since a search goes through one bucket.
+//
+// number_edges() goes over blocks of kBlock half-edges: count each block's edges, sum up the
+// counts, number the edges of each block. The CUDA counterpart is cuda/refine/edge_numbers.cu.
 #include "refine/half_edges.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +24,8 @@
 namespace vdwmesh {
 namespace {
 
-// No half-edge. Valid half-edges are lower, since at most 2^32 - 1 are allowed (kMaxHalfEdges).
+// In place of a half-edge: there is none. Every half-edge has a lower index, since a mesh has at
+// most kMaxHalfEdges = 2^32 - 1 of them.
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 std::uint32_t start_of(const IndexedMesh& mesh, std::size_t h) {
@@ -35,11 +42,12 @@ std::uint32_t end_of(const IndexedMesh& mesh, std::size_t h) {
                   start_of(mesh, h), end_of(mesh, h), h / 3));
 }
 
-// Half-edges in buckets by start vertex, in compressed sparse rows. The order within a bucket
-// depends on the threads. This does not matter, because a bucket is only asked for the one
-// half-edge with a given end.
+// Half-edges in buckets by start vertex, as compressed sparse rows: the bucket of vertex v is
+// half_edges[begin[v]] to half_edges[begin[v + 1] - 1]. The order within a bucket depends on the
+// threads. This does not matter, because a bucket is only asked for the one half-edge with a given
+// end.
 struct Buckets {
-  Buffer<std::uint32_t> begin;       // by vertex: offset of its bucket; and the total
+  Buffer<std::uint32_t> begin;       // by vertex, and at the end the number of all half-edges
   Buffer<std::uint32_t> half_edges;  // bucket by bucket
 };
 
@@ -51,7 +59,8 @@ Buckets fill_buckets(const IndexedMesh& mesh) {
   for_all(count, [&](std::size_t h) {
     std::atomic_ref(b.begin[start_of(mesh, h)]).fetch_add(1, std::memory_order_relaxed);
   });
-  // After this prefix sum, begin[v] is the end of bucket v.
+  // An inclusive prefix sum: begin[v] becomes the end of bucket v. The loop is sequential; it is
+  // one addition per vertex.
   std::partial_sum(b.begin.begin(), b.begin.end(), b.begin.begin());
   // Each bucket is filled from its end, so begin[v] arrives at the bucket's first entry.
   for_all(count, [&](std::size_t h) {
@@ -73,6 +82,7 @@ std::uint32_t only_half_edge(const IndexedMesh& mesh, const Buckets& b, std::uin
   return found;
 }
 
+// The opposite of each half-edge; kNone if there is none, or if several run back.
 Buffer<std::uint32_t> match(const IndexedMesh& mesh) {
   const Buckets buckets = fill_buckets(mesh);
   Buffer<std::uint32_t> opposite(buckets.half_edges.size());
@@ -92,6 +102,8 @@ bool runs_back(const IndexedMesh& mesh, const Buffer<std::uint32_t>& opposite, s
 
 }  // namespace
 
+// Opposites from both sources, the mesh and match(), pass the same test. It fails for kNone, which
+// is no valid index. The lowest bad half-edge is named, whichever thread finds it.
 Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh) {
   Buffer<std::uint32_t> opposite = mesh.opposite.empty() ? match(mesh) : mesh.opposite;
   const auto bad =
@@ -100,7 +112,8 @@ Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh) {
   return opposite;
 }
 
-// The lower half-edge of each edge stands for it: half-edge h is one if h < opposite[h].
+// Each edge is counted and numbered at the lower of its two half-edges, so at half-edge h if
+// h < opposite[h].
 Buffer<std::uint32_t> number_edges(const Buffer<std::uint32_t>& opposite) {
   Buffer<std::uint32_t> edge(opposite.size());
   number_all(

@@ -8,10 +8,11 @@
 
 namespace vdwmesh {
 
-// For each half-edge, the half-edge of the neighbouring triangle that runs back along it. Uses
-// `mesh.opposite` if it is filled, after checking it. Only vertex indices are compared, never
-// coordinates. Throws InvalidInput, naming the first half-edge that does not have exactly one
-// opposite: the mesh is then not closed, not oriented, or not a manifold.
+// For each half-edge its opposite: the half-edge of the neighbouring triangle that runs along the
+// same edge the other way. If `mesh.opposite` is filled, it is checked and returned. Only vertex
+// indices are compared, never coordinates. Throws InvalidInput if some half-edge does not have
+// exactly one opposite, and names the first of them: the mesh is then not closed, not oriented, or
+// not a manifold.
 Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh);
 
 // For each half-edge, the number of its edge, from 0. Edges are numbered in the order of their

@@ -1,11 +1,15 @@
 // Midpoint subdivision (every triangle becomes four) with one projection per new vertex.
 //
-// subdivide() numbers the parent's edges, copies the parent's vertices to the front of the new
-// arrays, writes the four children of each triangle, makes one midpoint per edge, and takes bad
-// moves back. project_given() does the projection and the taking back for the vertices of the given
-// mesh. All loops are parallel. Each item writes entries of its own, and the counts are exact sums,
-// so the result does not depend on the number of threads. cuda/refine/refine_on_device.cu takes the
-// same steps on a device.
+// subdivide() makes a finer mesh from a mesh, its parent. It numbers the parent's edges, copies the
+// parent's vertices to the front of the new arrays, writes the four children of each triangle,
+// makes one midpoint per edge, and takes bad moves back. A move of a vertex is bad if it turns a
+// triangle against its atom's outward normal or makes two triangles cross (refine/bad_moves.hpp).
+// project_given() does the projection and the taking back for the vertices of the given mesh.
+//
+// The code that takes moves back sees both cases through views, Midpoints and Given, which refer to
+// the meshes and own nothing (refine/level_view.hpp). All loops are parallel. Each turn of a loop
+// writes array entries of its own, and the counts are exact sums, so the result does not depend on
+// the number of threads. cuda/refine/refine_on_device.cu takes the same steps on a device.
 #include "refine/level.hpp"
 
 #include <algorithm>
@@ -34,8 +38,9 @@ ProjectionStats join(const ProjectionStats& a, const ProjectionStats& b) {
           std::max(a.residual_max, b.residual_max)};
 }
 
-// Calls body(i, stats) for all i < count and returns the sum of the stats. Reports to the monitor
-// about once per block, so that a cancelled run ends soon.
+// Calls body(i, stats), which adds to `stats`, for all i < count and returns the sum. Asks the
+// monitor once in kBlock indices whether the caller has cancelled, and throws Cancelled if so. The
+// advance of 0 steps reports no progress.
 template <class Body>
 ProjectionStats tally(std::size_t count, Monitor* monitor, const Body& body) {
   const auto watched = [&](std::size_t i, ProjectionStats& stats) {
@@ -65,8 +70,9 @@ VertexSpheres label_of(const ProjectedPoint& p) {
   return {p.spheres[0], p.spheres[1], p.spheres[2]};
 }
 
-// The number of triangles that face inward: against their own sphere if triangles are labelled, and
-// against the atoms of their corners otherwise.
+// The number of triangles that do not face outward, as facing() judges them: against the normal of
+// their own sphere if triangles are labelled, and otherwise against the normals of the atoms of
+// their corners. ProjectionStats::turned reports it.
 std::uint64_t count_turned(const SphereSet& spheres, const IndexedMesh& mesh) {
   const bool labelled = mesh.triangle_labels() == TriangleLabels::spheres;
   const auto count = [&](std::size_t t, std::uint64_t& n) {
@@ -82,15 +88,16 @@ std::uint64_t count_turned(const SphereSet& spheres, const IndexedMesh& mesh) {
   return sum_all(mesh.triangle_count(), count);
 }
 
-// For each vertex, the square of the length of its longest edge, as the bits of a double. The bits
-// of doubles that are not negative have the same order as the numbers, so an atomic maximum of
-// integers finds the largest square, and finds it in any order of the threads.
+// For each vertex, the square of the length (Å) of its longest edge, as the bits of a double. Bits
+// of doubles >= 0, read as integers, have the same order as the doubles. So an atomic maximum of
+// integers finds the largest square, and it does not depend on the order of the threads.
 Buffer<std::uint64_t> longest_edge_squares(const IndexedMesh& mesh) {
   Buffer<std::uint64_t> square(mesh.vertex_count());
   for_all(square.size(), [&](std::size_t v) { square[v] = 0; });
   const auto raise = [&](std::uint32_t v, std::uint64_t bits) {
     std::atomic_ref slot(square[v]);
     std::uint64_t old = slot.load(std::memory_order_relaxed);
+    // A failed exchange reloads `old`, so the loop body is empty.
     while (old < bits && !slot.compare_exchange_weak(old, bits, std::memory_order_relaxed)) {
     }
   };
@@ -112,7 +119,9 @@ void write_children(const Midpoints& level, IndexedMesh& mesh) {
   const IndexedMesh& parent = level.parent;
   mesh.triangles.resize(4 * parent.triangle_count());
   mesh.triangle_spheres.resize(4 * parent.triangle_spheres.size());
-  // Four children of three half-edges each. Only the last level may have too many for `opposite`.
+  // Four children with three half-edges each. A level with more than kMaxHalfEdges has no
+  // `opposite`. It can only be the last one: check_limits() in preparation.cpp refuses further
+  // subdivisions of such a mesh.
   if (12 * parent.triangle_count() <= kMaxHalfEdges) {
     mesh.opposite.resize(12 * parent.triangle_count());
   }
@@ -143,8 +152,8 @@ void copy_front(const Buffer<T>& from, std::size_t size, Buffer<T>& to) {
   for_all(from.size(), [&](std::size_t i) { to[i] = from[i]; });
 }
 
-// Counts vertex v of a mesh with labelled triangles: as projected if it lies within the tolerance
-// of all the spheres of its label, and as unconverged otherwise.
+// Counts vertex v of a mesh with labelled triangles: as projected if its label names spheres and it
+// lies within kProjectionTolerance of all of them, and as unconverged otherwise.
 void count_constrained(const SphereSet& spheres, const IndexedMesh& mesh, std::size_t v,
                        ProjectionStats& stats) {
   const VertexSpheres label = mesh.vertex_spheres[v];
@@ -157,8 +166,9 @@ void count_constrained(const SphereSet& spheres, const IndexedMesh& mesh, std::s
   stats.residual_max = std::max(stats.residual_max, residual);
 }
 
-// Makes the midpoint of half-edge h for a mesh with labelled triangles: on the spheres of the two
-// triangles at the edge, or in the middle of the edge if nothing is projected.
+// Makes the midpoint of the parent's half-edge h for a mesh with labelled triangles. Its label has
+// the spheres of the two triangles at the edge, and it is put on these spheres, or in the middle of
+// the edge if nothing is projected.
 void make_constrained_midpoint(const SphereSet& spheres, Projection projection,
                                const Midpoints& level, std::size_t h, IndexedMesh& mesh,
                                ProjectionStats& stats) {
@@ -168,7 +178,7 @@ void make_constrained_midpoint(const SphereSet& spheres, Projection projection,
       edge_label(parent.triangle_spheres[h / 3], parent.triangle_spheres[parent.opposite[h] / 3]);
   mesh.vertex_spheres.set(v, label);
   if (projection == Projection::none) {
-    mesh.positions[v] = level.start(h);
+    mesh.positions[v] = level.start(h);  // a position; start_of(h) below is a vertex
     return;
   }
   mesh.positions[v] =
@@ -177,9 +187,10 @@ void make_constrained_midpoint(const SphereSet& spheres, Projection projection,
   count_constrained(spheres, mesh, v, stats);
 }
 
-// Projects vertex v of the given mesh by at most `reach` (Å) and counts the outcome. A vertex that
-// is on the surface already keeps its position. It keeps its label too, if it lies on all the
-// spheres that the label names.
+// Projects vertex v of the given mesh, which may move it by at most `reach` (Å), and counts the
+// outcome. Returns `moved` if the position has changed. A vertex that is on the surface already
+// (`steps` is 0) keeps its position, and also its label, if it lies on all the spheres that the
+// label names. A vertex whose projection fails keeps both.
 MoveState project_vertex(const TargetSurface& surface, std::size_t v, double reach,
                          IndexedMesh& mesh, ProjectionStats& stats) {
   const ProjectedPoint p = surface.project(mesh.positions[v], reach);
@@ -191,8 +202,9 @@ MoveState project_vertex(const TargetSurface& surface, std::size_t v, double rea
   return p.steps > 0 ? MoveState::moved : MoveState::stayed;
 }
 
-// Gives the midpoint of half-edge h the mean normal of the edge's ends. Only meshes that are not
-// projected have normals here; all others get theirs after the last level.
+// Gives the midpoint of half-edge h the mean normal of the edge's ends. Does nothing if the mesh is
+// projected: prepare_mesh() has removed its normals, and new ones are computed after the last
+// level.
 void interpolate_normal(const Midpoints& level, std::size_t h, IndexedMesh& mesh) {
   if (mesh.normals.empty()) return;
   mesh.normals[level.midpoint_of(h)] =
@@ -200,8 +212,9 @@ void interpolate_normal(const Midpoints& level, std::size_t h, IndexedMesh& mesh
                   cast<double>(level.parent.normals[level.end_of(h)]));
 }
 
-// Makes the midpoint of half-edge h and counts the outcome. If the projection fails, or there is
-// none, the midpoint stays in the middle of its edge and takes the label of the nearer end.
+// Makes the midpoint of half-edge h, for a mesh without triangle labels, and counts the outcome. If
+// the projection fails, or there is none, the midpoint stays in the middle of its edge. It is then
+// labelled with one of the atoms of the edge's ends, the atom whose sphere is nearer to it.
 MoveState make_midpoint(const SphereSet& spheres, const TargetSurface& surface,
                         const Midpoints& level, std::size_t h, IndexedMesh& mesh,
                         ProjectionStats& stats) {
@@ -223,13 +236,15 @@ MoveState make_midpoint(const SphereSet& spheres, const TargetSurface& surface,
   return MoveState::stayed;
 }
 
-// Makes all midpoints of a mesh with labelled triangles. Each goes to the spheres of its own
-// triangles, so no move is taken back.
+// Makes all midpoints of a mesh with labelled triangles. Bad moves are not looked for: no midpoint
+// can be drawn to a wrong sphere, since each goes to the spheres of the two triangles at its edge.
+// Where such a move turns a triangle nevertheless, because the mesh is too coarse there, the
+// triangle is only counted.
 ProjectionStats constrain_midpoints(const SphereSet& spheres, const TargetSurface& surface,
                                     const Midpoints& level, IndexedMesh& mesh,
                                     const RefineOptions& options) {
   return tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
-    if (!level.handled_by_item(h)) return;
+    if (!level.handled_by_item(h)) return;  // the opposite half-edge, the lower one, stands for it
     interpolate_normal(level, h, mesh);
     make_constrained_midpoint(spheres, surface.projection(), level, h, mesh, total);
   });
@@ -243,7 +258,7 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
   ProjectionStats stats =
       tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
         const std::optional<std::size_t> i = level.handled_by_item(h);
-        if (!i) return;
+        if (!i) return;  // the opposite half-edge stands for the midpoint
         interpolate_normal(level, h, mesh);
         move_states[*i] = make_midpoint(spheres, surface, level, h, mesh, total);
       });
@@ -253,7 +268,7 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
     mesh.positions[v] = level.start(h);
     mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), h));
   });
-  // Every vertex taken back had converged, so it was counted as projected.
+  // A vertex that was put back had moved, so it had converged and was counted as projected.
   stats.projected -= stats.undone;
   return stats;
 }
@@ -265,10 +280,12 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
   ProjectionStats stats;
   const bool constrained = mesh.triangle_labels() == TriangleLabels::spheres;
   if (constrained && surface.projection() != Projection::none) {
+    // The given vertices of a mesh with labelled triangles stay where they are.
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
       count_constrained(spheres, mesh, v, total);
     });
   } else if (surface.projection() != Projection::none) {
+    // Copies, from which vertices are put back.
     const Buffer<Vec3d> positions = mesh.positions;
     const VertexLabels labels = mesh.vertex_spheres;
     Buffer<MoveState> move_states(mesh.vertex_count());
@@ -291,7 +308,7 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
 SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
                          const IndexedMesh& parent, const RefineOptions& options) {
   const Buffer<std::uint32_t> edge = number_edges(parent.opposite);
-  SubdividedMesh child;
+  SubdividedMesh child;  // the finer mesh
   IndexedMesh& mesh = child.mesh;
   const Midpoints level{parent, edge, mesh};
   // A closed mesh has one edge per two half-edges.

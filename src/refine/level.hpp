@@ -1,6 +1,7 @@
-// One refinement level on the CPU: subdivision, projection, and taking bad moves back. The CPU
-// refiner calls project_given() once and subdivide() once per subdivision. Both throw Cancelled
-// soon after the options' monitor asks for it.
+// One refinement level on the CPU: subdivision, projection, and taking bad moves back (which moves
+// are bad: refine/bad_moves.hpp). The CPU refiner calls project_given() once, for level 0, and then
+// subdivide() once per subdivision. Both throw Cancelled soon after the options' monitor asks for
+// it.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +12,16 @@
 
 namespace vdwmesh {
 
-// Projects the vertices of a mesh that prepare_mesh() made, and takes back the bad moves.
+// Projects the vertices of a mesh that prepare_mesh() made, and takes back the bad moves. If the
+// triangles of the mesh are labelled, no vertex is moved; it is only counted how many lie on the
+// spheres of their labels.
 ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& surface,
                               IndexedMesh& mesh, const RefineOptions& options);
 
-// A higher level: subdivides `parent` once, projects the midpoints and takes bad moves back.
-// Precondition: `parent` has `opposite`. The result has it too, unless its half-edges do not fit 32
-// bits. It has normals only if `parent` has them.
+// A higher level: subdivides `parent` once, projects the midpoints and takes bad moves back; with
+// labelled triangles there are none to take back. Precondition: `parent` has `opposite`. The result
+// has `opposite` too if its half-edges can be numbered in 32 bits (kMaxHalfEdges). It has normals
+// only if `parent` has them.
 struct SubdividedMesh {
   IndexedMesh mesh;
   ProjectionStats stats;

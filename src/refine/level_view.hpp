@@ -1,23 +1,26 @@
 // Two views of a refinement level with one interface, so that the code which takes bad moves back
-// is written once (refine/bad_moves.hpp, refine/triangle_grid.hpp).
+// is written once (refine/bad_moves.hpp, refine/triangle_grid.hpp). A view owns nothing; it refers
+// to the meshes and arrays of the level.
 //
-// A level handles some vertices of its mesh: it creates or projects them, and may take their moves
-// back. The handled vertices stand at the end of the mesh's vertex arrays. The triangles come in
-// patches that share vertices:
+// A level handles some vertices of its mesh: it creates or projects them, and may put them back to
+// where they started. The handled vertices stand at the end of the mesh's vertex arrays. The
+// triangles are visited in groups that are called patches:
 //   Given (level 0): every vertex is handled, and a patch is one triangle.
 //   Midpoints (level 1 and above): the midpoints of the parent's edges are handled. A patch is a
-//   parent triangle with its three midpoints, and holds the four child triangles.
-// Both have these members:
-//   kVertices, kTriangles  vertices and triangles of a patch
+//   parent triangle. It has six vertices, the parent's corners and midpoints, and consists of the
+//   four child triangles.
+// Both views have these members:
+//   kVertices, kTriangles  how many vertices and triangles a patch has
 //   patches()              the number of patches
-//   vertices(t)            the mesh's vertex indices of patch t
-//   triangle(child)        the corners of a triangle of a patch, as indices into vertices(t)
+//   vertices(t)            the vertices of patch t, as indices into the arrays of `mesh`
+//   triangle(child)        the corners of triangle `child` of a patch (0 <= child < kTriangles), as
+//                          indices into vertices(t)
 //   before(v, i)           the position of vertex v[i] before its move, with v = vertices(t)
-//   mesh                   the mesh after the moves
-//   first_handled()        index of the first handled vertex
-//   items()                length of a loop over the handled vertices
-//   handled_by_item(item)  the handled vertex that an item of this loop stands for, counted from
-//                          first_handled(); empty if the item stands for none
+//   mesh                   the mesh of the level; its positions are those after the moves
+//   first_handled()        index of the first handled vertex in `mesh`
+//   items()                length of a loop in which each handled vertex turns up once
+//   handled_by_item(item)  the vertex that turns up at index `item` of this loop, counted from
+//                          first_handled(); empty if none does
 #pragma once
 
 #include <array>
@@ -30,12 +33,12 @@
 
 namespace vdwmesh {
 
-// What has happened to a handled vertex.
-//   stayed       It is where it started, and nothing is left to check.
+// What has happened to a handled vertex. A pass is one search for bad moves (BadMoves::mark()).
+//   stayed       The vertex is where it started, and the triangles around it need no check.
 //   moved        The projection moved it.
-//   to_undo      It was moved, and the current pass has found the move bad.
-//   just_undone  It was put back after the last pass. The next pass checks the triangles around it
-//                once more; the vertex counts as `stayed` afterwards.
+//   to_undo      The projection moved it, and the current pass has found the move bad.
+//   just_undone  It was put back after the previous pass. The next pass checks the triangles around
+//                it once more; afterwards the vertex counts as `stayed`.
 enum class MoveState : std::uint8_t { stayed, moved, to_undo, just_undone };
 
 struct Given {
@@ -47,7 +50,7 @@ struct Given {
   static constexpr std::array<int, 3> triangle(int) { return {0, 1, 2}; }
   std::array<std::uint32_t, 3> vertices(std::size_t t) const { return mesh.triangles[t]; }
   Vec3d before(const std::array<std::uint32_t, 3>& v, std::size_t i) const { return given[v[i]]; }
-  // First of the handled vertices, which are the last of the mesh; and the loop over them.
+  // All vertices are handled, so the loop over them has one item per vertex.
   std::size_t first_handled() const { return 0; }
   std::size_t items() const { return mesh.vertex_count(); }
   std::optional<std::size_t> handled_by_item(std::size_t item) const { return item; }
@@ -57,7 +60,7 @@ struct Midpoints {
   static constexpr int kVertices = 6, kTriangles = 4;
   const IndexedMesh& parent;          // with `opposite`
   const Buffer<std::uint32_t>& edge;  // by half-edge of the parent: the number of its edge
-  const IndexedMesh& mesh;            // the parent's vertices, then one midpoint per edge
+  const IndexedMesh& mesh;            // its vertices: the parent's, then one midpoint per edge
 
   std::size_t patches() const { return parent.triangle_count(); }
   static constexpr std::array<int, 3> triangle(int child) {
@@ -86,30 +89,31 @@ struct Midpoints {
     return edge[h];
   }
 
-  // The vertices from which and to which half-edge h runs.
+  // The vertices of the parent from which and to which half-edge h runs.
   std::uint32_t start_of(std::size_t h) const { return parent.triangles[h / 3][h % 3]; }
   std::uint32_t end_of(std::size_t h) const { return parent.triangles[h / 3][(h + 1) % 3]; }
-  // The middle of half-edge h, from which its midpoint is projected.
+  // The position in the middle of half-edge h, from which the projection of its midpoint starts.
   Vec3d start(std::size_t h) const {
     return midpoint(parent.positions[start_of(h)], parent.positions[end_of(h)]);
   }
-  // The label of a midpoint that stays on its edge: of the atoms of the two ends, the nearer one.
+  // The label of a midpoint that stays in the middle of its edge. The two ends each have an atom;
+  // the label is the atom whose sphere is nearer to the middle, by distance - radius.
   VertexSpheres unprojected_label(const Sphere* spheres, std::size_t h) const {
     return on_sphere(nearer_sphere(spheres, parent.vertex_spheres.atoms[start_of(h)],
                                    parent.vertex_spheres.atoms[end_of(h)], start(h)));
   }
 };
 
-// The state of vertex v, handled or not. The load is atomic because other threads may be marking
-// the same vertex.
+// The state of mesh vertex v; `stayed` if the level does not handle v. The load is atomic because
+// other threads may be marking the same vertex.
 template <class Level>
 MoveState state_of(const Level& level, Buffer<MoveState>& move_states, std::uint32_t v) {
   if (v < level.first_handled()) return MoveState::stayed;
   return std::atomic_ref(move_states[v - level.first_handled()]).load(std::memory_order_relaxed);
 }
 
-// Marks the move of vertex v as bad. Does nothing if v has not moved, or is marked already. Threads
-// may mark one vertex at the same time: they all store the same value.
+// Marks the move of mesh vertex v as bad. Does nothing if v has not moved, or is marked already.
+// Threads may mark one vertex at the same time: they all store the same value.
 template <class Level>
 void mark(const Level& level, Buffer<MoveState>& move_states, std::uint32_t v) {
   if (state_of(level, move_states, v) != MoveState::moved) return;
@@ -117,8 +121,8 @@ void mark(const Level& level, Buffer<MoveState>& move_states, std::uint32_t v) {
       .store(MoveState::to_undo, std::memory_order_relaxed);
 }
 
-// Whether a vertex in this state is away from where it started, so that its move can be taken back.
-// The answer is the same before and after the current pass marks the vertex.
+// Whether a vertex in this state is away from where it started. The answer is the same before and
+// after the current pass marks the vertex, so it does not matter which thread comes first.
 inline bool is_away(MoveState state) {
   return state == MoveState::moved || state == MoveState::to_undo;
 }

@@ -1,11 +1,13 @@
 // Places the exposed arcs of the dual complex in space and reduces those that are too small.
 //
-// Steps: (1) each arc of exposed_arcs() gets the frame of its circle and its sweep angle; each
-// corner is computed once, from its three spheres, and shared by its arcs. (2) Circles of one ball
-// that touch get a common corner (touching_arcs.cpp). (3) Corners of one ball that coincide within
-// FeatureSizes::arc are found. (4) All corners that are one point are merged by union-find, and
-// arcs between them that have become points are removed. (5) Patches without width are closed until
-// there is none left.
+// Steps: (1) Each arc of exposed_arcs() gets the frame of its circle and its sweep, the angle that
+// it turns. Each corner is computed once, from its three spheres, and shared by its arcs. Arcs that
+// are short or lie on a tiny circle are left out here; the ends of such an arc are noted as one
+// point. (2) Circles of one ball that touch get a common corner (touching_arcs.cpp). (3) Pairs of
+// corners of one ball that coincide within FeatureSizes::arc are noted as one point. (4) Union-find
+// merges all corners that were noted as one point. Arcs that only this makes points, because their
+// ends lay a little farther apart, are removed. (5) Patches without width are closed until there is
+// none left.
 #include "arrangement/mesher/boundary_arcs.hpp"
 
 #include <algorithm>
@@ -21,10 +23,11 @@
 namespace vdwmesh {
 namespace {
 
-// Corners are joined pair by pair, so two corners of one set can be farther apart than the
-// threshold of a pair. An arc between them still counts as a point up to this multiple of the
-// threshold. The factor is an allowance for such chains and no proven bound: a longer arc stays, as
-// a loop.
+// Corners are joined if two of them are closer than FeatureSizes::arc, relative to a radius. Pairs
+// form chains, so two corners of one set can be farther apart than that. An arc between corners of
+// one set counts as a point up to this multiple of FeatureSizes::arc. The factor is an allowance
+// for chains, not a proven bound. A longer arc stays: it is a loop from the merged corner to
+// itself.
 constexpr double kJoinAllowance = 4;
 
 // Builds the result step by step; run() lists the steps.
@@ -37,11 +40,12 @@ class BoundaryBuilder {
   }
 
   BoundaryArcs run() && {
-    for (const ExposedArc& arc : exposed_arcs(t_, k_)) place(arc);
+    for (const ExposedArc& arc : exposed_arcs(t_, k_)) place(arc);  // step (1)
     find_touching_arcs();
     find_coincident_corners();
     join_corners();
-    // A closed slit can make another one. Each successful pass removes an arc, so the loop ends.
+    // Closing a slit, a patch without width, can leave another one. close_slits() returns whether
+    // it closed any; it then has removed an arc, so the loop ends.
     while (close_slits()) {
     }
     return std::move(out_);
@@ -50,12 +54,13 @@ class BoundaryBuilder {
  private:
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
 
-  // The number of a corner of the dual complex in the result; its position is computed at first
-  // use.
+  // Returns the index in out_.corners of a corner of the dual complex. The first call for a corner
+  // computes its position and appends it.
   std::uint32_t corner(CornerIndex index) {
     std::uint32_t& place = corner_of_[index];
     if (place != kNoIndex) return place;
-    // A CornerIndex is 2 × triangle + side; side 0 lies above the triangle.
+    // A CornerIndex is 2 × triangle + side. Side 0 lies above the triangle: its vertices a, b, c
+    // are counter-clockwise seen from there. Side 1 lies below.
     const DualTriangle& f = k_.triangles[index / 2];
     const Sphere& a = ball(f.vertices[0]);
     const CommonPoints points = common_points(a, ball(f.vertices[1]), ball(f.vertices[2]));
@@ -64,13 +69,16 @@ class BoundaryBuilder {
     return place;
   }
 
-  // Computes the frame and the sweep of one arc. Its zero direction `out` points to its first
-  // corner.
+  // Computes the frame and the sweep of one arc and passes it to add(). The frame is the centre of
+  // the circle and two vectors, `cosine` in the direction `out` of angle 0 and `sine` a quarter
+  // turn further. Angle 0 is at the arc's first corner.
   void place(const ExposedArc& exposed) {
     const DualEdge& e = k_.edges[exposed.edge];
     const Sphere &a = ball(e.vertices[0]), &b = ball(e.vertices[1]);
     const EdgeShape shape = edge_shape(a, b);
     const Vec3d axis = (1 / shape.length) * (b.center - a.center);
+    // Members: balls, ends, center, cosine, sine, sweep, radius. Those that are empty or 0 here are
+    // set below.
     BoundaryArc arc{e.vertices,
                     {kNoIndex, kNoIndex},
                     a.center + shape.height[0] * axis,
@@ -78,6 +86,8 @@ class BoundaryBuilder {
                     {},
                     0,
                     std::sqrt(shape.squared_circle_radius)};
+    // On a circle as small as this, the positions of two corners may not give the angle between
+    // them. The limit is wider than that of is_contact(), by which add() leaves arcs out.
     const bool small =
         shape.squared_circle_radius < kSmallCircle * std::pow(std::min(a.radius, b.radius), 2);
     Vec3d out = any_orthogonal(axis);
@@ -92,7 +102,8 @@ class BoundaryBuilder {
       const Vec3d p = out_.corners[arc.ends[0]].position - arc.center,
                   q = out_.corners[arc.ends[1]].position - arc.center;
       const Vec3d radial = p - dot(p, axis) * axis;
-      // The corner is projected into the circle's plane, which it leaves by rounding errors only.
+      // Rounding puts the corner slightly off the circle's plane; `radial` is its part in the
+      // plane. If that is zero, the circle is tiny, and any direction in its plane will do.
       if (norm(radial) > 0) out = (1 / norm(radial)) * radial;
       arc.sweep = sweep(exposed, axis, p, q, small);
     }
@@ -101,12 +112,14 @@ class BoundaryBuilder {
     add(arc, std::min(a.radius, b.radius));
   }
 
-  // The angle from corner p to corner q about the axis, between 0 and a whole turn. Both corners
-  // are given relative to the circle's centre.
+  // The angle from corner p to corner q, counter-clockwise about the axis. Both corners are given
+  // relative to the circle's centre. `small` says whether the circle is below kSmallCircle.
   //
-  // Their positions decide the angle, with two exceptions: on a tiny circle, and if they are so
-  // close together that rounding could take a tiny angle for a whole turn. In these cases the
-  // dihedral angles of the triangulation decide (arc_angle.hpp).
+  // The positions of the corners give the angle, in two cases with help from the dihedral angles of
+  // the triangulation (arc_angle.hpp). On a small circle these give the angle alone. If the corners
+  // are closer together than kSmallArc, they only say whether the arc is short or nearly a whole
+  // turn. The atan2 angle then is tiny and of either sign, so a whole turn plus this angle may
+  // exceed 2 pi by rounding.
   double sweep(const ExposedArc& arc, const Vec3d& axis, const Vec3d& p, const Vec3d& q,
                bool small) const {
     if (small) return angle_by_dihedrals(t_, k_, arc);
@@ -116,8 +129,10 @@ class BoundaryBuilder {
                                                               : std::abs(angle);
   }
 
-  // Keeps an arc, or reduces it if it is too small. An arc of a tiny circle counts as a point
-  // however far it turns, because its circle is no larger than a contact.
+  // Keeps an arc, or counts it and leaves it out if it is too small. `smaller_radius` is the lesser
+  // radius of its two balls, to which both feature sizes refer. A whole circle that is a contact
+  // vanishes. An arc becomes a point if it is short, or if its circle is a contact, however far the
+  // arc turns. The ends of such an arc are kept, for join_corners().
   void add(const BoundaryArc& arc, double smaller_radius) {
     const bool no_circle = out_.is_contact(arc.radius, smaller_radius);
     if (arc.is_circle() && no_circle) {
@@ -132,9 +147,10 @@ class BoundaryBuilder {
   }
 
   // Finds pairs of corners of one ball that coincide: there, boundary curves of one patch meet in a
-  // point. A ball has few corners as a rule, so all its pairs are compared.
+  // point. The distance counts in fractions of the ball's radius, as on the unit sphere on which
+  // the patch is meshed. A ball has few corners as a rule, so all its pairs are compared.
   void find_coincident_corners() {
-    std::vector<std::array<std::uint32_t, 2>> places;  // ball, corner
+    std::vector<std::array<std::uint32_t, 2>> places;  // entries (ball, corner on its sphere)
     for (std::uint32_t c = 0; c < out_.corners.size(); ++c) {
       for (const std::uint32_t b : out_.corners[c].balls) places.push_back({b, c});
     }
@@ -148,8 +164,10 @@ class BoundaryBuilder {
     }
   }
 
-  // Whether both ends of an arc have become one corner and the arc is so short that it is that
-  // point. An arc with one end that turns around most of its circle is a loop and stays.
+  // Whether an arc has become a point by merging: both its ends are one corner, and the arc is
+  // short. An arc whose ends are one corner may also run around most of its circle; it is a loop
+  // and stays. The larger radius counts here, because find_coincident_corners() may have joined the
+  // ends by the radius of either ball.
   bool is_point(const BoundaryArc& arc, DisjointSets& sets) const {
     if (arc.is_circle() || sets.find(arc.ends[0]) != sets.find(arc.ends[1])) return false;
     const double reach =
@@ -157,16 +175,19 @@ class BoundaryBuilder {
     return arc.sweep * arc.radius <= kJoinAllowance * reach;
   }
 
-  // Gives touching circles a common corner. This may cut arcs and append corners.
+  // Gives touching circles a common corner. This may cut arcs and append corners. Either way, more
+  // than three spheres may then pass through a corner.
   void find_touching_arcs() {
-    const std::size_t corners = out_.corners.size();
+    const std::size_t corners = out_.corners.size();  // before
     const auto joined = join_touching_arcs(t_, out_);
     joined_.insert(joined_.end(), joined.begin(), joined.end());
     out_.has_joined_corners = corners < out_.corners.size() || !joined.empty();
   }
 
-  // Replaces each set of joined corners by its member of lowest number. Corners in which no arc
-  // ends any more are dropped.
+  // Replaces each set of joined corners by its member of lowest index, which is what
+  // DisjointSets::find() returns. Removes the arcs that have become points. Numbers the corners
+  // anew in the order of the arcs; corners in which no arc ends any more are dropped. Only pairs of
+  // joined_ count in `joins`, since arcs that became points are counted already.
   void join_corners() {
     out_.has_joined_corners =
         out_.has_joined_corners || !short_arc_ends_.empty() || !joined_.empty();
@@ -177,6 +198,7 @@ class BoundaryBuilder {
       sets.join(a, b);
     }
     std::erase_if(out_.arcs, [&](const BoundaryArc& arc) { return is_point(arc, sets); });
+    // By old index of a corner: its new index, or kNoIndex if no arc has asked for it yet.
     std::vector<std::uint32_t> number(out_.corners.size(), kNoIndex);
     std::vector<BoundaryCorner> kept;
     for (BoundaryArc& arc : out_.arcs) {
@@ -195,11 +217,12 @@ class BoundaryBuilder {
 
   // Closes slits. A slit is a patch without width: two other balls meet the ball in the same circle
   // from opposite sides, so that nothing of its sphere shows between them. The two arcs beside the
-  // slit have the same ends and the same place. They become one arc between the two other balls.
-  // Returns whether there was a slit.
+  // slit have the same ends and coincide in space. They become one arc between the two other balls.
+  // Returns whether a slit was closed.
   bool close_slits() {
-    // Entries (ball, lower end, higher end, arc). After sorting, arcs of one ball with the same
-    // ends follow each other. So do all whole circles of a ball, whose ends are kNoIndex.
+    // Entries (ball, end of lower index, end of higher index, arc). After sorting, arcs of one ball
+    // with the same ends follow each other. So do all whole circles of a ball, whose ends are
+    // kNoIndex.
     std::vector<std::array<std::uint32_t, 4>> places;
     for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
       const BoundaryArc& arc = out_.arcs[a];
@@ -207,7 +230,8 @@ class BoundaryBuilder {
       for (const std::uint32_t b : arc.balls) places.push_back({b, low, high, a});
     }
     std::sort(places.begin(), places.end());
-    // An arc takes part in one closure per pass, because its balls change.
+    // An arc takes part in one closure per call, because `places` has its former balls afterwards.
+    // `gone` marks arcs to be removed.
     std::vector<char> changed(out_.arcs.size(), 0), gone(out_.arcs.size(), 0);
     for (std::size_t i = 0; i < places.size(); ++i) {
       const auto [ball, low, high, a] = places[i];
@@ -215,9 +239,9 @@ class BoundaryBuilder {
         const std::uint32_t b = places[j][3];
         if (places[j][0] != ball || places[j][1] != low || places[j][2] != high) break;
         if (changed[a] || changed[b] || !is_slit(ball, out_.arcs[a], out_.arcs[b])) continue;
-        // Arc a takes the ball beyond arc b in place of the closed one. It keeps its direction:
-        // is_slit() makes sure that the two outer balls lie on opposite sides of the ball between
-        // them.
+        // Arc a takes the ball on the far side of arc b in place of `ball`. Its frame can stay: its
+        // axis runs from its first ball to its second, and as the three centres are in line with
+        // `ball` in the middle (is_slit()), the axis towards the outer ball has the same direction.
         (out_.arcs[a].balls[0] == ball ? out_.arcs[a].balls[0] : out_.arcs[a].balls[1]) =
             other_ball(out_.arcs[b], ball);
         changed[a] = changed[b] = gone[b] = 1;
@@ -234,16 +258,17 @@ class BoundaryBuilder {
     return any;
   }
 
+  // The ball on the other side of an arc. Precondition: `ball` is one of its two balls.
   static std::uint32_t other_ball(const BoundaryArc& arc, std::uint32_t ball) {
     return arc.balls[arc.balls[0] == ball ? 1 : 0];
   }
 
-  // Whether two arcs of the ball that have the same ends bound a slit. The two other balls must lie
-  // on opposite sides of this ball, and the arcs must coincide within the length that counts as a
-  // point. For arcs with ends it is enough to compare their midpoints, since the circles then agree
-  // in three points. For whole circles, the sum below bounds the distance of any point of one
-  // circle from the other: the shift of the centre, the difference of the radii, and the tilt of
-  // the planes at the rim.
+  // Whether two arcs of the ball that have the same ends bound a slit. The two other balls must be
+  // different and lie on opposite sides of this ball, and the arcs must be no farther apart than
+  // FeatureSizes::arc of the ball's radius. For arcs with ends it is enough to compare their
+  // midpoints, since the arcs then agree in three points. For whole circles, the sum below bounds
+  // the distance of any point of one circle from the other: the distance of the centres, the
+  // difference of the radii, and the radius times the sine of the angle between the planes.
   bool is_slit(std::uint32_t ball_index, const BoundaryArc& a, const BoundaryArc& b) const {
     const Sphere& s = ball(ball_index);
     const Vec3d to_a = ball(other_ball(a, ball_index)).center - s.center,
@@ -259,11 +284,11 @@ class BoundaryBuilder {
   const PowerTriangulation& t_;
   const DualComplex& k_;
   BoundaryArcs out_;
-  // By CornerIndex of the dual complex: the corner of the result, or kNoIndex while it is not
-  // placed.
+  // By CornerIndex of the dual complex: the index in out_.corners, or kNoIndex while the corner has
+  // no position.
   std::vector<std::uint32_t> corner_of_;
-  // Pairs of corners that are one point: the ends of an arc of no length, and those found by
-  // position.
+  // Pairs of corners that are one point, as indices into out_.corners. short_arc_ends_ has the ends
+  // of arcs that add() has left out, joined_ the pairs found by touching or by position.
   std::vector<std::array<std::uint32_t, 2>> short_arc_ends_, joined_;
 };
 
