@@ -14,6 +14,9 @@
 namespace vdwmesh {
 namespace {
 
+// Computes the normals of all vertices from the target surface or, if triangles are labelled, from
+// the spheres of the vertex labels. Without projection the mesh keeps the normals that the levels
+// have interpolated, if any.
 void compute_normals(const SphereSet& spheres, const TargetSurface& surface, IndexedMesh& mesh) {
   if (surface.projection() == Projection::none) return;
   const bool constrained = mesh.triangle_labels() == TriangleLabels::spheres;

@@ -7,8 +7,8 @@
 // triangles are visited in groups that are called patches:
 //   Given (level 0): every vertex is handled, and a patch is one triangle.
 //   Midpoints (level 1 and above): the midpoints of the parent's edges are handled. A patch is a
-//   parent triangle. It has six vertices, the parent's corners and midpoints, and consists of the
-//   four child triangles.
+//   parent triangle. It has six vertices, the corners of the parent triangle and the midpoints of
+//   its edges, and consists of the four child triangles.
 // Both views have these members:
 //   kVertices, kTriangles  how many vertices and triangles a patch has
 //   patches()              the number of patches

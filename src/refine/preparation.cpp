@@ -1,7 +1,8 @@
-// What every backend does before it refines: checks of options, sizes, bytes and mesh, the estimate
-// refine_bytes() on which the memory limit rests, the mesh with the arrays that level 0 needs, and
-// field and cell list of the projection. Arrays are searched for their first bad element in
-// parallel, so the error names the same element whatever the number of threads.
+// What every backend does before it refines. It checks options, sizes, bytes and mesh;
+// refine_bytes() estimates the bytes for the memory limit. It completes the arrays that level 0
+// needs, and makes the field and the cell list of the projection. Arrays are searched in parallel
+// for the bad element of lowest index, so the error names the same element whatever the number of
+// threads.
 #include "refine/preparation.hpp"
 
 #include <fmt/format.h>
@@ -32,8 +33,10 @@ void check_options(const RefineOptions& o) {
   }
 }
 
-// Half-edges of every level but the last must fit 32 bits, and the vertices of the last; its
-// triangles too where crossings are looked for.
+// Indices have 32 bits. The half-edges of each level that is subdivided further must fit them, and
+// the vertices of each level. If crossings are looked for, so must the triangles of the last level,
+// because they are entries of the search grid. Finally the memory limit is checked; the error names
+// the number of subdivisions that would fit.
 void check_limits(std::uint64_t spheres, MeshSize size, const RefineOptions& o,
                   TriangleLabels labels) {
   const MeshSize given = size;
@@ -163,13 +166,16 @@ std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std:
   const MeshSize given{vertices, triangles};
   const MeshSize parent = subdivisions > 0 ? subdivided(given, subdivisions - 1) : MeshSize{};
   const MeshSize size = subdivided(given, subdivisions);
-  // Beside the meshes: edge numbers of the parent.
+  // Besides the two meshes, the numbers of the parent's edges, one per half-edge.
   const std::uint64_t edges = parent.triangles * 3 * sizeof(std::uint32_t);
   const std::uint64_t meshes = mesh_bytes(parent, labels) + mesh_bytes(size, labels) + edges;
   if (labels == TriangleLabels::spheres) return meshes;
-  // The fate and, of given vertices, the reach of each vertex; the grid that crossings are looked
-  // for in, with two cells and about four entries per triangle; spheres, ranks, ids and cells of
-  // the list, of which there are at most 4096 or 8 per sphere on a level.
+  // `marks`: one byte per vertex for its MoveState, and 8 per given vertex for its longest edge.
+  // `grid`: the grid in which crossings are looked for, with two cells per triangle (4 bytes for
+  // the start of the list and 1 for the dirty flag) and about four entries of 4 bytes. `list`: the
+  // cell list. It has the sphere and four integers per sphere, among them rank and id, and the
+  // starts of its cells: each of its levels has at most 4096 cells, or 8 per sphere of the level if
+  // that is more.
   const std::uint64_t marks = size.vertices + vertices * sizeof(std::uint64_t);
   const std::uint64_t grid = size.triangles * (2 * (4 + 1) + 4 * 4);
   const std::uint64_t list = spheres * (sizeof(Sphere) + (4 + 8) * sizeof(std::uint32_t)) +

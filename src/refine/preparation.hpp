@@ -11,24 +11,30 @@
 
 namespace vdwmesh {
 
-// Throws InvalidInput for options without sense or a mesh that does not fit the spheres,
-// LimitExceeded for sizes and bytes.
+// Checks everything that can be checked before memory is taken, except that the mesh is closed.
+// Throws InvalidInput for options out of range and for a mesh whose arrays do not fit each other or
+// the spheres, LimitExceeded if a level would have too many elements or the memory limit is too
+// low.
 void check_refinement(const SphereSet& spheres, const IndexedMesh& mesh,
                       const RefineOptions& options);
 
-// The part of it that needs only the sizes.
+// The part of check_refinement() that needs only sizes: of the sphere set, the mesh and its labels.
 void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::uint64_t triangles,
                            const RefineOptions& options,
                            TriangleLabels labels = TriangleLabels::none);
 
-// The given mesh as level 0 begins with it: labels there, half-edges where a subdivision follows.
-// Normals are computed at the end, unless there is no surface to take them from.
+// Completes the given mesh for level 0. Afterwards it has vertex labels with three entries, empty
+// if none were given, and opposite half-edges if a subdivision follows. Its normals are removed if
+// the mesh is projected, because they are then computed anew at the end. Throws InvalidInput if the
+// mesh is not closed and a subdivision follows.
 IndexedMesh prepare_mesh(IndexedMesh given, const RefineOptions& options);
 
-// The field and the list that the projection searches, which is empty where triangles name their
-// spheres. The list is the workspace's: see field_list(). Throw InvalidInput for options without
-// sense.
+// The blended field to project to, used for Projection::field only. Throws InvalidInput if this
+// projection is chosen and the field is no blended one, or the grid has no spacing.
 FieldModel projection_model(const RefineOptions& options);
+// The cell list in which the projection searches for balls. It is empty if nothing is searched: if
+// triangles name their spheres, or without projection. Its memory belongs to `workspace`. Throws
+// like projection_model().
 CellListView projection_list(const SphereSet& spheres, const RefineOptions& options,
                              TriangleLabels labels, Workspace& workspace);
 

@@ -17,8 +17,8 @@ namespace vdwmesh {
 // Trivially copyable, so that it can be passed to kernels by value. It owns nothing.
 struct SurfaceView {
   Projection projection;
-  CellListView list;      // its reach is the radius for vdw, field_reach() for field
-  FieldModel model;       // used for field only
+  CellListView list;      // a ball's reach in it is its radius for vdw, its field_reach() for field
+  FieldModel model;       // used for Projection::field only
   const Sphere* spheres;  // by sphere id, as vertex labels name them
 
   // Projects `start` onto the surface, moving it by at most `reach` (Å). Precondition: `projection`
@@ -28,8 +28,9 @@ struct SurfaceView {
                                            : project_to_union(list, start, reach);
   }
 
-  // Whether a vertex p that lies on the surface may keep its label. For vdw, p must be within
-  // kProjectionTolerance of every sphere that the label names. For a field any atom will do.
+  // Whether a vertex at point p of the surface may keep its label. The label must name a sphere.
+  // For vdw, p must also be within kProjectionTolerance of every sphere that it names. The
+  // isosurface of a field belongs to no single atom, so any label will do.
   VDWMESH_HD bool on_label(const Vec3d& p, const SphereId* label) const {
     if (label[0] == kNoSphere) return false;
     if (projection == Projection::field) return true;
@@ -42,7 +43,8 @@ struct SurfaceView {
   }
 
   // The unit outward normal at vertex p of the surface. A field grows towards the atoms, so its
-  // outward direction is against the gradient; if the gradient is zero, the label decides.
+  // outward direction is against the gradient. If the gradient is zero, the normals of the spheres
+  // in the label are used instead.
   VDWMESH_HD Vec3f normal(const Vec3d& p, const SphereId* label) const {
     if (projection == Projection::field) {
       const FieldSample sample = sample_field(list, model, p);

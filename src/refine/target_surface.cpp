@@ -1,4 +1,5 @@
-// The view of the surface is all that projection needs; the list in it belongs to the workspace.
+// Makes the view of the target surface: projection, cell list, field and spheres, in this order.
+// preparation.cpp makes the list, whose memory belongs to the workspace, and the field.
 #include "refine/target_surface.hpp"
 
 #include "refine/preparation.hpp"

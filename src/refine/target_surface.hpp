@@ -1,4 +1,5 @@
-// The surface that a run projects to, with the search structure it needs.
+// The surface that a CPU refinement projects to, with the cell list in which the projection
+// searches for balls. It puts the host's arrays behind a SurfaceView.
 #pragma once
 
 #include "refine/refiner.hpp"
@@ -10,13 +11,15 @@ namespace vdwmesh {
 
 class TargetSurface {
  public:
-  // Throws InvalidInput for options without sense. `spheres` and `workspace`, in which the cell
-  // list stands, must outlive it. If triangles name their spheres, nothing is ever searched, and
-  // project() must not be called.
+  // `spheres` and `workspace` must outlive the object; the memory of the cell list belongs to
+  // `workspace`. If the triangles of the mesh name their spheres, or options.projection is none,
+  // the list is empty, and project() must not be called. Throws InvalidInput as projection_model()
+  // does.
   TargetSurface(const SphereSet& spheres, const RefineOptions& options, TriangleLabels labels,
                 Workspace& workspace);
 
   Projection projection() const { return view_.projection; }
+  // The members of SurfaceView, with its preconditions.
   ProjectedPoint project(const Vec3d& start, double reach) const {
     return view_.project(start, reach);
   }

@@ -1,6 +1,8 @@
-// Builds the grid in passes over all triangles: the extent and the mean width of their boxes, then
-// the number of entries per cell, a prefix sum, and the entries. Each pass computes the boxes anew,
-// which saves the memory that they would take.
+// Builds the grid in passes over all triangles. An entry is one triangle in the list of one cell.
+// The first pass finds the extent and the mean width of the triangles' boxes, which give the cells.
+// The second counts the entries per cell; it is repeated with wider cells if there are too many.
+// After a prefix sum, the last pass writes the entries. Each pass computes the boxes anew, which
+// saves the memory that they would take.
 #include "refine/triangle_grid.hpp"
 
 #include <tbb/blocked_range.h>
@@ -16,8 +18,8 @@
 namespace vdwmesh {
 namespace {
 
-// The width of a cell, in units of the mean width of a triangle's box. With 1 a triangle has about
-// three entries, and a cell that the surface crosses has about ten.
+// The width of a cell at first, in units of the mean width of a triangle's box. With 1 a triangle
+// has about three entries, and a cell that the surface crosses has about ten.
 constexpr double kCellWidth = 1;
 
 struct Extent {
@@ -40,8 +42,8 @@ double width(const Box& box) {
 template <class Level>
 Extent extent_of(const Level& level) {
   const tbb::blocked_range<std::size_t> patches(0, level.patches(), kBlock);
-  // The sum of widths is rounded, and depends on how the range is cut. The deterministic reduction
-  // cuts it alike on every run, for any number of threads.
+  // The sum of widths is rounded, so it depends on the order of the additions. The deterministic
+  // reduction cuts the range alike on every run, for any number of threads, and keeps that order.
   return tbb::parallel_deterministic_reduce(
       patches, Extent{},
       [&](const auto& range, Extent total) {
@@ -74,18 +76,18 @@ double cells_in(const Box& all, double cell) {
 }  // namespace
 
 // The index, along one axis, of the cell that holds the coordinate. Every coordinate lies within
-// the box of all triangles, and the clamping only catches rounding at its ends. Rounding keeps the
-// order of coordinates, so a point of a box never falls in a cell before or behind the cells of the
-// box.
+// the box of all triangles, so max and min only catch rounding at the ends of that box. Rounding
+// keeps the order of coordinates: a coordinate between the ends of a triangle's box gets an index
+// between the indices of these ends.
 std::uint32_t TriangleGrid::cell_along(int axis, double coordinate) const {
   const double place = std::max(in_cells(origin_[axis], coordinate, cell_), 0.0);
   return std::min(static_cast<std::uint32_t>(place), cells_[static_cast<std::size_t>(axis)] - 1);
 }
 
 // Sets the origin and the width of the cells, and returns the box of all triangles. The width
-// starts at the mean width of a triangle and grows until the grid has few enough cells. The loop
-// ends, since the width grows by 1 % at least in each turn, and a grid with cells wider than the
-// box has one cell.
+// starts at the mean width of a triangle's box and grows until the grid has at most two cells per
+// triangle, or 64. The loop ends, since the width grows by 1 % at least in each turn, and a grid
+// with cells wider than the box of all triangles has one cell.
 template <class Level>
 Box TriangleGrid::choose_cells(const Level& level) {
   const double triangles = static_cast<double>(level.patches() * Level::kTriangles);
@@ -95,6 +97,8 @@ Box TriangleGrid::choose_cells(const Level& level) {
   cell_ = std::max(kCellWidth * extent.width_sum / triangles, 1e-100);
   const double most = std::max(64.0, 2 * triangles);
   constexpr double kWiden = 1e30;  // growth while the number of cells overflows a double
+  // The condition computes `total`; written with !, it goes on if that is infinite or NaN. To bring
+  // the number of cells down to `most`, the width grows by the cube root of the excess.
   for (double total; !((total = cells_in(extent.all, cell_)) <= most);) {
     cell_ *= std::isfinite(total) ? std::max(1.01, std::cbrt(total / most)) : kWiden;
   }
@@ -121,8 +125,9 @@ void TriangleGrid::visit_all(const Level& level, const Visit& visit) const {
   });
 }
 
-// Writes the number of entries of each cell to start_, and returns their sum. The sum has 64 bits,
-// because it may exceed what offsets of 32 bits can hold.
+// Writes the number of entries of each cell to start_ and returns the sum. The sum has 64 bits,
+// because it may exceed what offsets of 32 bits can hold. A single count cannot: it is at most the
+// number of triangles.
 template <class Level>
 std::uint64_t TriangleGrid::count_entries(const Level& level) {
   start_.assign(std::size_t{cells_[0]} * cells_[1] * cells_[2] + 1, 0);
@@ -136,15 +141,16 @@ template <class Level>
 TriangleGrid::TriangleGrid(const Level& level, std::uint64_t most_entries) {
   const Box all = level.patches() > 0 ? choose_cells(level) : Box{};
   set_cells(all);
-  // Cells of twice the width have fewer entries; one cell has one entry per triangle.
+  // With cells twice as wide there are fewer entries. A size of 2 means a single cell, in which
+  // each triangle has one entry.
   while (count_entries(level) > most_entries && start_.size() > 2) {
     cell_ *= 2;
     set_cells(all);
   }
   std::inclusive_scan(start_.begin(), start_.end(), start_.begin());
   triangles_.resize(start_.back());
-  // After the prefix sum start_[c] is the end of cell c. Each cell is filled from its end, so
-  // start_[c] arrives at the cell's first entry.
+  // After the prefix sum start_[c] is the end of the list of cell c. Each list is filled from its
+  // end backwards, which moves start_[c] to its first entry.
   visit_all(level, [&](std::uint32_t t, std::size_t cell) {
     triangles_[std::atomic_ref(start_[cell]).fetch_sub(1, std::memory_order_relaxed) - 1] = t;
   });

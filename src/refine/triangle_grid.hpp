@@ -1,5 +1,6 @@
-// A uniform grid over the triangles of a level, to find pairs that may cross without testing all
-// pairs. BadMoves builds one per level.
+// A uniform grid over the triangles of a level. It finds the pairs that may cross, so that only
+// these are tested and not all pairs. BadMoves builds one per level; patches are explained in
+// level_view.hpp.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +15,9 @@
 
 namespace vdwmesh {
 
-// The bounding box of triangle `child` of a patch with vertices v, before and after the moves of
-// its vertices. A triangle lies in the hull of its vertices, so the box holds it whichever of these
-// moves are taken back.
+// The bounding box of triangle `child` of the patch with vertices v. It holds the triangle with any
+// choice of its vertices before and after their moves: the box has all six positions, and a
+// triangle lies in the hull of its corners. So the box is right whichever moves are taken back.
 template <class Level>
 Box bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVertices>& v, int child) {
   Box box = empty_box();
@@ -28,17 +29,18 @@ Box bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVertic
   return box;
 }
 
-// A uniform grid with at most two cells per triangle (or 64 cells). Each triangle is listed in
-// every cell that its bounds touch. Two triangles that cross have overlapping bounds, whichever
-// moves are taken back, and so both are listed in the cell of any point common to the bounds. The
-// order of the triangles within a cell depends on the threads.
+// A uniform grid with at most two cells per triangle, or 64 cells if that is more. Each triangle is
+// listed in every cell that its box (bounds_of()) touches. The boxes of two triangles that cross
+// overlap, whichever moves are taken back, and both are listed in the cell of any common point of
+// the boxes. The order of the triangles within a cell depends on the threads.
 class TriangleGrid {
  public:
-  // An entry is one listing of a triangle in a cell. Offsets of entries must fit 32 bits.
+  // An entry is one triangle in the list of one cell. Offsets of entries have 32 bits.
   static constexpr std::uint64_t kMostEntries = std::numeric_limits<std::uint32_t>::max();
 
   // Enlarges the cells until there are at most `most_entries` entries. Precondition: the level has
-  // no more triangles than that; in a grid of one cell each triangle has one entry.
+  // at most `most_entries` triangles. The last resort, a grid of one cell, then succeeds, because
+  // each triangle has one entry in it.
   template <class Level>
   explicit TriangleGrid(const Level& level, std::uint64_t most_entries = kMostEntries);
 
@@ -47,7 +49,7 @@ class TriangleGrid {
     return {triangles_.data() + start_[cell], triangles_.data() + start_[cell + 1]};
   }
 
-  // Calls visit(cell) for every cell that the box touches.
+  // Calls visit(cell) for every cell that the box touches, with the index of the cell.
   template <class Visit>
   void visit_cells(const Box& box, const Visit& visit) const {
     std::array<std::uint32_t, 3> low, high;
@@ -75,8 +77,8 @@ class TriangleGrid {
 
   Vec3d origin_{0, 0, 0};                        // lower corner of cell 0, Å
   double cell_ = 1;                              // width of a cell, Å
-  std::array<std::uint32_t, 3> cells_{1, 1, 1};  // along x, y, z
-  // Compressed sparse rows: cell c lists the triangles_ from start_[c] to start_[c + 1].
+  std::array<std::uint32_t, 3> cells_{1, 1, 1};  // number of cells along x, y, z
+  // Compressed sparse rows: cell c lists triangles_[start_[c]] to triangles_[start_[c + 1] - 1].
   Buffer<std::uint32_t> start_;
   Buffer<std::uint32_t> triangles_;
 };
