@@ -1,5 +1,6 @@
-// Midpoints of a mesh whose triangles are labelled with their spheres, for host and device. Such a
-// mesh has edges along every crease, and midpoints must keep them there.
+// Midpoints of a mesh whose triangles are labelled with their spheres, for host and device. A
+// crease is a circle in which two spheres meet. Such a mesh has edges along every crease, and the
+// midpoints must lie on the creases too.
 //
 // The midpoint of an edge between two triangles of one sphere goes to that sphere. The midpoint of
 // an edge between triangles of two spheres goes to the circle in which the spheres meet. All
@@ -17,7 +18,7 @@
 namespace vdwmesh {
 
 // The spheres that the midpoint of an edge between triangles of spheres a and b must lie on: one
-// sphere, or two with the lower id first.
+// sphere, or two with the lower id first. Unused entries are kNoSphere.
 VDWMESH_HD inline VertexSpheres edge_label(SphereId a, SphereId b) {
   if (a == b) return {a, kNoSphere, kNoSphere};
   if (a < b) return {a, b, kNoSphere};
@@ -25,8 +26,8 @@ VDWMESH_HD inline VertexSpheres edge_label(SphereId a, SphereId b) {
 }
 
 // Two points of a circle count as opposite if the mean of their radial vectors is shorter than this
-// fraction of the radius. It is then hardly more than rounding (2^-53 = 1e-16 of the coordinates),
-// so its direction does not say which half of the circle is the shorter one.
+// fraction of the radius. The mean is then hardly more than rounding (2^-53 = 1e-16 of the
+// coordinates), so its direction does not say which arc between the points is the shorter one.
 inline constexpr double kOppositeEnds = 1e-12;
 
 // The middle of the shorter arc from u to v on the circle of spheres a and b. This is also the
@@ -71,7 +72,7 @@ VDWMESH_HD inline Vec3d constrained_midpoint(const Sphere* spheres, const Sphere
   return found.found ? found.position : midpoint(u, v);
 }
 
-// The largest distance (Å) from p to a sphere of its label; 0 if the label is empty.
+// The largest distance (Å) of p from the spheres of its label; 0 if the label is empty.
 VDWMESH_HD inline double label_residual(const Sphere* spheres, const SphereId* label,
                                         const Vec3d& p) {
   using std::abs;

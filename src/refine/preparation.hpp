@@ -30,7 +30,8 @@ void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::u
 IndexedMesh prepare_mesh(IndexedMesh given, const RefineOptions& options);
 
 // The blended field to project to, used for Projection::field only. Throws InvalidInput if this
-// projection is chosen and the field is no blended one, or the grid has no spacing.
+// projection is chosen and the field is no blended one, the grid has no spacing, or field options
+// are out of range.
 FieldModel projection_model(const RefineOptions& options);
 // The cell list in which the projection searches for balls. It is empty if nothing is searched: if
 // triangles name their spheres, or without projection. Its memory belongs to `workspace`. Throws

@@ -50,8 +50,8 @@ struct RefineOptions {
 };
 
 inline constexpr int kMaxSubdivisions = 16;  // 4^16 = 2^32 triangles from one
-inline constexpr double kProjectionTolerance =
-    1e-9;  // Å: vertices this near count as on the surface
+// A vertex as near to the surface as this (Å) counts as on it.
+inline constexpr double kProjectionTolerance = 1e-9;
 inline constexpr int kMaxProjectionSteps = 32;
 
 // The counts of one level. A level handles the given vertices (level 0) or the midpoints that it

@@ -12,6 +12,7 @@
 
 namespace vdwmesh {
 
+// The answer of a search for a point that may not exist.
 struct FoundPoint {
   Vec3d position;  // meaningless unless found
   bool found;
@@ -60,13 +61,15 @@ VDWMESH_HD inline FoundPoint nearest_on_circle(const Sphere& a, const Sphere& b,
   return {along(middle, std::sqrt(circle_square) / length, radial), true};
 }
 
-// The nearest corner of three spheres: of the two points that they have in common, the one on p's
-// side of the plane of their centres. Not found if they have none, or if the centres are collinear.
+// The nearest corner of three spheres. They have two points in common, one on each side of the
+// plane of their centres; the point on p's side is returned. Not found if the spheres have no
+// common point, or if the centres are collinear.
 //
 // Let x be measured from a's centre, and let u and v be the vectors to the other two centres.
-// Points of equal power satisfy the two equations dot(x, u) = bu and dot(x, v) = bv. Cramer's rule
-// gives `foot`, their solution in the plane of the centres. The corners lie above and below it, at
-// the height sqrt(ra^2 - |foot|^2).
+// Points of equal power d^2 - r^2 for all three spheres satisfy the two equations dot(x, u) = bu
+// and dot(x, v) = bv. Cramer's rule gives `foot`, their solution in the plane of the centres. The
+// corners lie on both sides of it, at the height sqrt(ra^2 - |foot|^2) above the plane. `across` is
+// normal to the plane and has the length sqrt(det).
 VDWMESH_HD inline FoundPoint nearest_corner(const Sphere& a, const Sphere& b, const Sphere& c,
                                             const Vec3d& p) {
   using std::fma;
@@ -86,14 +89,16 @@ VDWMESH_HD inline FoundPoint nearest_corner(const Sphere& a, const Sphere& b, co
   return {along(a.center + foot, side * std::sqrt(height_square / det), across), true};
 }
 
+// The answer of a search for the ball nearest to a point; meaningless unless found.
 struct NearestBall {
-  double gap;           // its d - r, Å
-  std::uint32_t place;  // its list place
+  double gap;           // d - r of the ball, Å
+  std::uint32_t place;  // list place of the ball
   bool found;
 };
 
-// The ball of least d - r among those with d - r of at most `margin` (Å). Ties go to the lowest
-// rank.
+// The ball of least d - r among those with d - r of at most `margin` (Å), a margin around their
+// surfaces. Ties go to the ball of lowest rank in canonical order. The visitor returns false so
+// that visit_near_box() goes on to the next ball.
 VDWMESH_HD inline NearestBall nearest_ball_within(const CellListView& list, const Vec3d& p,
                                                   double margin) {
   const Vec3d lower{p.x - margin, p.y - margin, p.z - margin};
@@ -102,9 +107,10 @@ VDWMESH_HD inline NearestBall nearest_ball_within(const CellListView& list, cons
   visit_near_box(list, lower, upper, [&](std::uint32_t place) {
     const Sphere& ball = list.spheres[place];
     const double square = squared_distance(p, ball.center);
-    // Rejects most balls without a square root: d - r exceeds the least so far if d > gap + r. The
-    // relative slack of 1e-12 is thousands of times the rounding of the squares (2^-53 = 1e-16), so
-    // no better ball is lost.
+    // Rejects most balls without a square root. best.gap is the least d - r so far, or `margin`
+    // before the first ball; this ball is no better if d > best.gap + r. The relative slack of
+    // 1e-12 is thousands of times the rounding of the squares (2^-53 = 1e-16), so no better ball is
+    // lost.
     const double most = best.gap + ball.radius;
     if (most < 0 || square > most * most * (1 + 1e-12)) return false;
     const double g = std::sqrt(square) - ball.radius;
@@ -115,9 +121,10 @@ VDWMESH_HD inline NearestBall nearest_ball_within(const CellListView& list, cons
   return best;
 }
 
-// The same for all balls with d - r of at most `reach`, in two searches. Most queries come from
-// inside the union or from its boundary. Then there is a ball within the smaller margin `near`, and
-// the narrow search finds the answer. The wide search runs only if it finds none.
+// The ball of least d - r among those with d - r of at most `reach` (Å), found in one search or
+// two. Most points lie inside the union or on its boundary. Then d - r of some ball is at most
+// `near`, a smaller margin, and the narrow search finds the answer quickly. The wide search runs
+// only if the narrow one finds no ball.
 VDWMESH_HD inline NearestBall nearest_ball(const CellListView& list, const Vec3d& p, double near,
                                            double reach) {
   const NearestBall best = nearest_ball_within(list, p, near);

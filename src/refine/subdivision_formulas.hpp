@@ -1,8 +1,10 @@
 // Midpoint subdivision of one triangle: indices, labels, normals, orientation. For host and device.
 //
-// Triangle t has the corners v0, v1, v2, and midpoint m_k halves its half-edge 3t + k. Its children
-// are the triangles 4t + k = (v_k, m_k, m_(k+2)) for k = 0, 1, 2, one at each corner, and the
-// middle triangle 4t + 3 = (m0, m1, m2). Indices of corners and midpoints are modulo 3.
+// Triangle t has the corners v0, v1, v2. Its half-edge 3t + k runs from v_k to v_(k+1), and
+// midpoint m_k halves it. The children of t are the triangles 4t + k = (v_k, m_k, m_(k+2)) for k =
+// 0, 1, 2, one at each corner, and the middle triangle 4t + 3 = (m0, m1, m2). Indices of corners
+// and midpoints are modulo 3. The half-edge opposite to h is the one that runs back along the same
+// edge.
 #pragma once
 
 #include <cmath>
@@ -35,17 +37,19 @@ VDWMESH_HD constexpr std::uint32_t second_half(std::uint32_t h) {
   return 3 * (4 * t + (k == 2 ? 0 : k + 1)) + 2;
 }
 
-// Writes four of the twelve opposites of the children of one triangle: for the two halves of the
-// triangle's half-edge h = 3t + k, and for the two half-edges between child k and the middle child.
-// Three calls, one for each half-edge of the triangle, write each of the twelve entries once. `own`
-// points to the twelve entries.
+// The four children of a triangle have twelve half-edges. This writes the opposites of four of
+// them: of the two halves of the triangle's half-edge h = 3t + k, and of the two half-edges between
+// child k and the middle child. Three calls, one for each half-edge of the triangle, write each of
+// the twelve entries once. `own` points to the first of them; the values are half-edges of the
+// finer mesh.
 VDWMESH_HD inline void write_child_opposites(std::uint32_t h, std::uint32_t opposite_of_h,
                                              std::uint32_t* own) {
   const std::uint32_t k = h % 3, base = 12 * (h / 3);
   own[first_half(k)] = second_half(opposite_of_h);
   own[second_half(k)] = first_half(opposite_of_h);
-  const std::uint32_t outer = 3 * k + 1;                   // m_k -> m_(k+2)
-  const std::uint32_t inner = 9 + (k == 0 ? 2u : k - 1u);  // m_(k+2) -> m_k
+  // Counted from the first half-edge of the four children, `base`.
+  const std::uint32_t outer = 3 * k + 1;                   // of child k: m_k -> m_(k+2)
+  const std::uint32_t inner = 9 + (k == 0 ? 2u : k - 1u);  // of the middle child: m_(k+2) -> m_k
   own[outer] = base + inner;
   own[inner] = base + outer;
 }
@@ -53,8 +57,9 @@ VDWMESH_HD inline void write_child_opposites(std::uint32_t h, std::uint32_t oppo
 // The middle of the edge from a to b. Addition commutes, so b and a give the same bits.
 VDWMESH_HD inline Vec3d midpoint(const Vec3d& a, const Vec3d& b) { return 0.5 * (a + b); }
 
-// The sphere of a and b whose d - r at p is less. Either may be kNoSphere; the other one wins then.
-// Ties go to the first in canonical order, and between equal spheres to the lower id.
+// Of the spheres a and b, the sphere from which p has the lesser signed distance gap(). If one of
+// them is kNoSphere, the other is returned. Ties go to the first in canonical order, and between
+// equal spheres to the lower id.
 VDWMESH_HD inline SphereId nearer_sphere(const Sphere* spheres, SphereId a, SphereId b,
                                          const Vec3d& p) {
   if (a == b || b == kNoSphere) return a;
@@ -74,7 +79,7 @@ VDWMESH_HD inline Vec3f unit_normal(const Vec3d& v) {
   return cast<float>(scale * v);
 }
 
-// Unit vector from the sphere's centre to p; zero at the centre.
+// The unit vector from the sphere's centre to p; the zero vector if p is the centre.
 VDWMESH_HD inline Vec3d outward(const Sphere& s, const Vec3d& p) {
   const Vec3d out = p - s.center;
   const double length = norm(out);
@@ -99,7 +104,7 @@ VDWMESH_HD inline Vec3f union_normal(const Sphere* spheres, const SphereId* labe
   Vec3d sum{0, 0, 0};
   for (int i = 0; i < 3 && label[i] != kNoSphere; ++i) sum = sum + outward(spheres[label[i]], p);
   // Unit vectors have rounding errors of about 1e-16. A sum longer than sqrt(1e-12) = 1e-6 has a
-  // direction that is right to about 1e-10; a shorter one counts as cancelled.
+  // direction that is right to about 1e-10. A shorter sum counts as zero.
   if (!(squared_norm(sum) > 1e-12) && label[0] != kNoSphere) sum = outward(spheres[label[0]], p);
   return unit_normal(sum);
 }
@@ -108,11 +113,12 @@ VDWMESH_HD inline Vec3f union_normal(const Sphere* spheres, const SphereId* labe
 // values say whether its corners have one atom or several.
 enum class Facing : std::uint8_t { outward, against_one_atom, against_several_atoms };
 
-// Compares the normal of triangle p[0..2], by winding, with the outward direction at it. `atom` has
-// the atoms of the corners. If they are one atom, the outward direction is the vector from its
-// centre to the centroid of the triangle, here times three. If they differ, it is the sum of the
-// unit normals outward_at(k) at the corners. A triangle with a corner without an atom counts as
-// facing outward.
+// Compares the normal of triangle p[0..2], in the sense of its winding, with an outward direction;
+// the triangle faces outward unless their dot product is negative. `atom` has the atoms of the
+// corners. If they are one atom, the outward direction is the vector from its centre to the
+// centroid of the triangle, here times three. If they differ, it is the sum of the unit normals
+// outward_at(k) at the corners k. A triangle with a corner without an atom counts as facing
+// outward.
 template <class OutwardAt>
 VDWMESH_HD inline Facing facing(const Sphere* spheres, const Vec3d* p, const SphereId* atom,
                                 const OutwardAt& outward_at) {
@@ -126,7 +132,7 @@ VDWMESH_HD inline Facing facing(const Sphere* spheres, const Vec3d* p, const Sph
   const Vec3d out = (outward_at(0) + outward_at(1)) + outward_at(2);
   return dot(area, out) < 0 ? Facing::against_several_atoms : Facing::outward;
 }
-// The same, with the unit normals computed from the atoms.
+// The same, with outward_at(k) computed from the atom and position of corner k.
 VDWMESH_HD inline Facing facing(const Sphere* spheres, const Vec3d* p, const SphereId* atom) {
   return facing(spheres, p, atom, [=](int k) { return outward(spheres[atom[k]], p[k]); });
 }
