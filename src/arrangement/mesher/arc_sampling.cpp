@@ -15,15 +15,16 @@
 namespace vdwmesh {
 namespace {
 
+// The largest angle of a piece, rad.
 constexpr double kLargestPiece = 2 * std::numbers::pi / kLeastPiecesOfCircle;
 
-// The least number of equal pieces that keeps each piece within both limits, its length and its
-// angle.
+// The least number of equal pieces that keeps each piece within both limits: `edge_length` for its
+// length along the arc and kLargestPiece for its angle.
 std::uint32_t piece_count(const BoundaryArc& arc, double edge_length) {
   const double wanted = std::max(arc.sweep * arc.radius / edge_length, arc.sweep / kLargestPiece);
-  // A quotient that is a whole number except for rounding must not get one more piece, so 1e-12 of
-  // it is taken off first. That is far above the rounding of two operations, and pieces exceed the
-  // edge length by no more than this.
+  // If the quotient is a whole number except for rounding, it must not be rounded up to one more
+  // piece. So 1e-12 of it is taken off first, which is far above the rounding of two operations. A
+  // piece can exceed the limits by that fraction at most.
   const double count = std::ceil(wanted * (1 - 1e-12));
   if (!(count < 1e9)) throw LimitExceeded("an arc has more than 10^9 pieces; a larger edge length");
   return std::max(1u, static_cast<std::uint32_t>(count));
@@ -64,8 +65,8 @@ void ArcSampling::split(std::span<const PieceSplit> splits) {
   for (std::size_t begin = 0, end = 0; begin < splits.size(); begin = end) {
     const std::uint32_t arc = splits[begin].piece.arc;
     while (end < splits.size() && splits[end].piece.arc == arc) ++end;
-    std::vector<double> parts;
-    std::size_t next = begin;
+    std::vector<double> parts;  // the new entry of unequal_
+    std::size_t next = begin;   // the first request that is not yet met
     for (std::uint32_t k = 0; k < pieces_[arc]; ++k) {
       const double low = part(arc, k), high = part(arc, k + 1);
       if (k > 0) parts.push_back(low);

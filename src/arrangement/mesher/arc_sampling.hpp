@@ -1,8 +1,8 @@
 // The sample points on all arcs of the boundary. The two patches beside an arc use the same points,
 // which makes the mesh watertight.
 //
-// An arc of n pieces has the points 0 .. n. Point 0 is its first corner and point n its last. On a
-// whole circle both are the same point.
+// Sample points divide an arc into pieces. An arc of n pieces has the points 0 .. n. Point 0 is its
+// first corner and point n its last. On a whole circle both are the same point.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,10 @@ namespace vdwmesh {
 // number.
 inline constexpr std::uint32_t kLeastPiecesOfCircle = 8;
 
-// A chord of an arc, between two neighbouring sample points. Pieces are ordered by arc, then along
-// it.
+// A piece of an arc between two neighbouring sample points. In the mesh it is a straight chord.
+// Pieces are ordered by arc, then along the arc.
 struct ArcPiece {
-  std::uint32_t arc, piece;  // index of the arc; the chord runs from point `piece` to `piece` + 1
+  std::uint32_t arc, piece;  // index of the arc; the piece runs from point `piece` to `piece` + 1
   friend auto operator<=>(const ArcPiece&, const ArcPiece&) = default;
 };
 
@@ -34,9 +34,9 @@ struct PieceSplit {
 // How each arc is divided into pieces, and which mesh vertex each sample point is.
 class ArcSampling {
  public:
-  // Divides every arc into equal pieces no longer than `edge_length`, measured along the arc in
-  // scaled units. Keeps a reference to `boundary`. Throws LimitExceeded for an arc of 10^9 pieces
-  // or more.
+  // Divides every arc into equal pieces. They are no longer than `edge_length`, measured along the
+  // arc in scaled units, and turn by no more than kLeastPiecesOfCircle allows. Keeps a reference to
+  // `boundary`. Throws LimitExceeded for an arc of 10^9 pieces or more.
   ArcSampling(const BoundaryArcs& boundary, double edge_length);
 
   // The number of pieces of an arc.
@@ -45,19 +45,20 @@ class ArcSampling {
   Vec3d point(std::uint32_t arc, std::uint32_t index) const;
   // The angle (rad) by which the arc turns along the piece.
   double piece_angle(const ArcPiece& piece) const;
-  // Splits the pieces named. `splits` must be sorted and hold each piece once. All of them use the
-  // numbers that the pieces had before the call; afterwards the pieces of the arcs that were split
-  // are renumbered.
+  // Splits pieces. `splits` must be sorted by piece and name each piece once, all with the numbers
+  // that they have before the call. Afterwards the pieces of an arc that was split have new
+  // numbers.
   void split(std::span<const PieceSplit> splits);
 
   // Numbers the vertices: all corners first, then arc by arc the points between its ends. The
   // numbers are valid until the next split(). Throws LimitExceeded past 2^32 - 2 vertices.
   void number_vertices();
+  // The number of a sample point, and of all of them.
   std::uint32_t vertex(std::uint32_t arc, std::uint32_t index) const;
   std::uint32_t vertex_count() const;
 
  private:
-  // The angle of a point as a fraction of the arc's sweep, 0 to 1.
+  // The angle of sample point `index` as a fraction of the arc's sweep, 0 to 1.
   double part(std::uint32_t arc, std::uint32_t index) const;
 
   const BoundaryArcs& boundary_;
@@ -65,8 +66,8 @@ class ArcSampling {
   // Per arc: the fractions of points 1 .. n - 1, ascending. Empty while all pieces of the arc are
   // equal.
   std::vector<std::vector<double>> unequal_;
-  // Per arc: the vertex number of its first point that is no corner. The last entry is the number
-  // of all vertices.
+  // Per arc: the vertex number of its first sample point that is no corner. One more entry at the
+  // end is the number of all vertices.
   std::vector<std::uint32_t> first_vertex_;
 };
 

@@ -1,8 +1,9 @@
-// Projects the boundary of a patch and finds pieces that overlap or cross.
+// Projects the boundary of a patch and finds pieces that overlap or cross. Pieces are straight
+// segments in the plane.
 //
-// Pieces with common ends are found in a list sorted by their ends. Crossings are found by a sweep
-// along x over the bounding boxes of the pieces (sweep and prune); CGAL's exact predicate decides
-// about each pair of overlapping boxes. patch_mesher.cpp calls this before and during its
+// Pieces with two common ends are found in a list sorted by their ends. Crossings are found by a
+// sweep along x over the bounding boxes of the pieces (sweep and prune); CGAL's exact predicate
+// decides about each pair of overlapping boxes. patch_mesher.cpp calls this before and during its
 // triangulation.
 #include "arrangement/mesher/flat_boundary.hpp"
 
@@ -58,8 +59,8 @@ std::vector<std::uint32_t> FlatBoundary::crossings_of(std::uint32_t piece) const
   return found;
 }
 
-// The boxes are sorted by their left ends. Two pieces can cross only if their boxes overlap, so for
-// each box it is enough to look at those that begin before it ends.
+// The boxes are sorted by their left ends, xmin. Two pieces can cross only if their boxes overlap.
+// So for each box it is enough to look at the following ones up to the first that begins behind it.
 std::vector<std::uint32_t> FlatBoundary::crossings(Monitor* monitor) const {
   std::vector<std::uint32_t> found;
   std::vector<std::pair<CGAL::Bbox_2, std::uint32_t>> boxes;
@@ -85,8 +86,9 @@ FlatBoundary::Kernel::Segment_2 FlatBoundary::segment(std::uint32_t piece) const
 }
 
 // Pieces with a common end do not count as crossing: two segments from one point meet again only if
-// they overlap. Overlapping pieces have a vertex of the boundary inside one of them. They are found
-// later, since such a piece is no single edge of the triangulation.
+// one covers part of the other. Then a point of the boundary lies inside one of the two.
+// mark_inside() in patch_mesher.cpp finds that piece, because it is no single edge of the
+// triangulation.
 bool FlatBoundary::do_cross(std::uint32_t p, std::uint32_t q) const {
   const BoundaryPiece &one = boundary_.pieces[p], &other = boundary_.pieces[q];
   const bool joined =

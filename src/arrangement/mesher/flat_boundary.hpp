@@ -18,20 +18,22 @@ namespace vdwmesh {
 // Thrown if two points of a boundary have the same coordinates in double precision.
 struct CoincidentPoints {};
 
-// All tests are exact for the rounded coordinates of the points. Keeps a reference to the boundary.
+// The projected boundary. All tests are exact for the rounded coordinates of the points. Points and
+// pieces have the indices that they have in the PatchBoundary, to which the object keeps a
+// reference.
 class FlatBoundary {
  public:
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Point = Kernel::Point_2;
 
-  // Projects the points. Throws CoincidentPoints.
+  // Projects the points. Throws CoincidentPoints if two of them coincide in the plane.
   FlatBoundary(const PatchBoundary& boundary, const Stereographic& plane);
 
   const Point& point(std::uint32_t i) const { return points_[i]; }
-  // The piece that joins two points. Precondition: there is one.
+  // The piece that joins points a and b, in either direction. Precondition: there is such a piece.
   std::uint32_t piece_between(std::uint32_t a, std::uint32_t b) const;
-  // Pieces whose straight segments are no edges of their own: pieces from a point to itself, and
-  // all pieces that share both ends with another piece. Some are listed more than once.
+  // The pieces that cannot have an edge of the triangulation each: pieces from a point to itself,
+  // and all pieces that share both ends with another piece. Some are listed more than once.
   std::vector<std::uint32_t> doubled_pieces() const;
   // The piece itself and all pieces that cross it.
   std::vector<std::uint32_t> crossings_of(std::uint32_t piece) const;
@@ -49,8 +51,9 @@ class FlatBoundary {
   std::vector<std::array<std::uint32_t, 3>> by_ends_;
 };
 
-// Throws Cancelled if the caller has asked to stop. The monitor is asked in every 128th step, so
-// that a patch with many points stops as soon as many small patches do.
+// For loops inside one patch; `step` counts their turns. Throws Cancelled if the caller has asked
+// to stop. The monitor is asked in every 128th step, so that a patch with many points stops as soon
+// as many small patches do; advance() by 0 steps reports no progress.
 inline void check_cancelled(Monitor* monitor, std::size_t step) {
   constexpr std::size_t kStride = 128;
   if (step % kStride == 0) advance(monitor, 0);

@@ -30,18 +30,19 @@ void collect_corners(const BoundaryArcs& boundary, std::span<const std::uint32_t
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
 }
 
-// Index of a corner in the sorted list. Precondition: it is in the list.
+// The position of a corner in the sorted list `corners`. Precondition: it is in the list.
 std::uint32_t place_of(const std::vector<std::uint32_t>& corners, std::uint32_t corner) {
   return static_cast<std::uint32_t>(std::lower_bound(corners.begin(), corners.end(), corner) -
                                     corners.begin());
 }
 
-// The cap of sphere `s` that `neighbor` covers.
+// The cap of sphere `s` that ball `neighbor` covers.
 CoveredCap cap_on(const BoundaryArcs& boundary, const Sphere& s, const Sphere& neighbor) {
   const EdgeShape shape = edge_shape(s, neighbor);
   const double cosine = shape.height[0] / s.radius;
-  // A contact has no arcs, so its distance is set to 0 to make it cover nothing. As a pole of the
-  // projection it would leave the mesher without a boundary around it.
+  // boundary_arcs() has made a contact vanish, so there are no arcs around its cap. If the cap is
+  // smaller than a hemisphere, the squared distance 0 makes it cover nothing. It also keeps
+  // buried_pole() from choosing this cap, whose centre lies in the patch.
   const bool contact = boundary.is_contact(std::sqrt(shape.squared_circle_radius),
                                            std::min(s.radius, neighbor.radius));
   const double squared_sine = contact ? 0 : shape.squared_circle_radius / (s.radius * s.radius);
@@ -51,8 +52,10 @@ CoveredCap cap_on(const BoundaryArcs& boundary, const Sphere& s, const Sphere& n
           2 * squared_sine / (1 + std::abs(cosine))};
 }
 
-// Fills compressed sparse rows with `count` rows. `for_each` is called twice with a visitor and
-// must pass the same pairs (row, entry) to it each time: first they are counted, then placed.
+// Fills compressed sparse rows: the entries of row r become entries[first[r]] to entries[first[r +
+// 1] - 1], for `count` rows. for_each(visit) must call visit(row, entry) for every entry. It is
+// called twice and must give the same entries in the same order: in the first run they are counted,
+// in the second they are placed.
 template <class ForEach>
 void fill_lists(std::size_t count, const ForEach& for_each, std::vector<std::uint32_t>& first,
                 std::vector<std::uint32_t>& entries) {
@@ -64,7 +67,7 @@ void fill_lists(std::size_t count, const ForEach& for_each, std::vector<std::uin
   for_each([&](std::uint32_t ball, std::uint32_t entry) { entries[next[ball]++] = entry; });
 }
 
-// One row.
+// The entries of one row.
 std::span<const std::uint32_t> list(const std::vector<std::uint32_t>& first,
                                     const std::vector<std::uint32_t>& entries, std::uint32_t ball) {
   return {entries.data() + first[ball], first[ball + 1] - first[ball]};
@@ -84,7 +87,7 @@ PointCircles::PointCircles(const PatchBoundary& boundary) {
 }
 
 std::span<const std::uint32_t> PointCircles::of(std::uint32_t point) const {
-  // An interior point, which has a number past all points of the boundary.
+  // The number is past all points of the boundary, so this is an interior point.
   if (point + 1 >= first_.size()) return {};
   return list(first_, neighbors_, point);
 }
@@ -167,16 +170,16 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
     for (std::uint32_t k = arc.is_circle() ? 0 : 1; k < n; ++k) {
       out.points.push_back(direction(sampling.point(a, k)));
     }
-    // The number that point k of the arc has in `out`.
+    // The index in out.points of sample point k of the arc.
     const auto local = [&](std::uint32_t k) {
       if (arc.is_circle()) return before + (k == n ? 0 : k);
       if (k == 0 || k == n) return place_of(corners, arc.ends[k == 0 ? 0 : 1]);
       return before + k - 1;
     };
-    // A circle of angular radius a has the geodesic curvature cot a on the unit sphere, so along a
-    // piece of angle x it turns by x cos a against a great circle. Half of this falls to each end.
-    // For a cap smaller than a hemisphere, cos a > 0 and the arc bulges away from the cap, into the
-    // patch.
+    // The bulge of a piece. A circle of angular radius a has the geodesic curvature cot a and the
+    // radius sin a on the unit sphere. So along a piece of angle x it turns by x cos a against a
+    // great circle, and half of this falls to each end. For a cap smaller than a hemisphere, cos a
+    // is positive and the arc bulges away from the cap, into the patch.
     const double half_turn = cap_on(boundary, s, triangulation.balls[neighbor]).cosine / 2;
     for (std::uint32_t k = 0; k < n; ++k) {
       const std::uint32_t from = local(k), to = local(k + 1);
@@ -193,8 +196,8 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
 }
 
 Vec3d buried_pole(const PatchBoundary& boundary) {
-  // Squared distance from the axis to the rim. The squared distances from a point of the sphere to
-  // axis and -axis add up to 4.
+  // Squared straight distance from the cap's centre `axis` to its rim. For cosine < 0 the cap
+  // stores the squared distance to -axis instead; by Pythagoras the two add up to 4.
   const auto squared_reach = [](const CoveredCap& cap) {
     return cap.cosine >= 0 ? cap.squared_distance : 4 - cap.squared_distance;
   };
@@ -219,13 +222,15 @@ VDWMESH_MULTIVERSION std::vector<Vec3d> clear_points(const std::vector<CoveredCa
 }
 
 std::vector<std::uint32_t> insertion_order(const PatchBoundary& boundary) {
-  // Up to this many points, their own order is fast enough.
+  // With fewer points than this, their own order is fast enough.
   constexpr std::uint32_t kMany = 1024;
   const auto count = static_cast<std::uint32_t>(boundary.points.size());
   std::vector<std::uint32_t> order;
   order.reserve(count);
-  // The first round takes every step-th point. Each following round takes the points halfway
-  // between those inserted so far, until the step is 1 and all points have been taken.
+  // The first loop takes every step-th point: all points if there are few, otherwise the first and
+  // usually one more, since the largest power of two up to `count` is more than half of it. Each
+  // round of the second loop takes the
+  // points halfway between those taken so far, until the step is 1 and all points have been taken.
   std::uint32_t step = count < kMany ? 1 : std::bit_floor(count);
   for (std::uint32_t i = 0; i < count; i += step) order.push_back(i);
   for (; step > 1; step /= 2) {

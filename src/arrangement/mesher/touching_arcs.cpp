@@ -1,10 +1,14 @@
 // Finds circles of one ball that all but touch, and cuts their arcs at the point of touching.
 //
-// Steps: (1) all arcs are sorted by ball and by the ball on their other side, so that the arcs of
+// Another ball covers a cap of a ball's sphere, and the rim of the cap is a circle. Two circles
+// touch from outside if their caps touch without overlapping.
+//
+// Steps: (1) All arcs are sorted by ball and by the ball on their other side, so that the arcs of
 // one circle follow each other. (2) For each ball, every pair of its circles is tested on the unit
-// sphere about its centre. If the circles touch from outside and both are exposed at that point,
-// the point becomes a corner. (3) Several balls may find the same point of an arc; such cuts are
-// merged. (4) The arcs are cut. boundary_arcs.cpp calls this file before it merges corners.
+// sphere about its centre. If the circles touch from outside and both have an exposed arc at the
+// point, the point becomes a corner, and a cut of these arcs is noted. (3) An arc belongs to two
+// balls, and both may find the same point of it; such cuts are merged. (4) The arcs are cut.
+// boundary_arcs.cpp calls join_touching_arcs() before it merges corners.
 #include "arrangement/mesher/touching_arcs.hpp"
 
 #include <algorithm>
@@ -20,8 +24,9 @@
 namespace vdwmesh {
 namespace {
 
-// Circles with axes closer to one line than this angle (rad) have no single nearest point: if they
-// are close at all, they are close all around. boundary_arcs.cpp closes such slits.
+// Two circles are taken for parallel if the angle (rad) between their axes, or between one axis and
+// the other reversed, is less than this. If parallel circles are close to each other at all, they
+// are close all around, so there is no single point to cut. boundary_arcs.cpp closes such slits.
 constexpr double kParallel = 1e-6;
 
 // A circle on the unit sphere about the centre of a ball, namely the rim of what another ball
@@ -29,7 +34,8 @@ constexpr double kParallel = 1e-6;
 struct Circle {
   // Unit, towards the other ball.
   Vec3d axis;
-  // Of the circle's angular radius, seen from the centre of the ball.
+  // Cosine and sine of the circle's angular radius, seen from the centre of the ball. The cosine is
+  // negative if the other ball covers more than half the sphere.
   double cosine, sine;
   // The ball that shares the circle.
   std::uint32_t other;
@@ -37,18 +43,19 @@ struct Circle {
   std::size_t first, count;
 };
 
-// One side of an arc. Each arc has two entries, one for each of its balls.
+// An arc as seen from one of its balls; `other` is its other ball. Each arc has two entries.
 struct ArcOfBall {
   std::uint32_t ball, other, arc;
   friend auto operator<=>(const ArcOfBall&, const ArcOfBall&) = default;
 };
 
-// The place at which an arc is to be cut.
+// A point at which an arc is to be cut.
 struct Cut {
+  // Index into BoundaryArcs::arcs.
   std::uint32_t arc;
-  // rad, from the start of the arc.
+  // Angle of the point on the arc, as in BoundaryArc, rad.
   double angle;
-  // Of the result; kNoIndex until the corner is known.
+  // Index into BoundaryArcs::corners; kNoIndex until the corner is known.
   std::uint32_t corner;
 };
 
@@ -71,6 +78,7 @@ class TouchingArcs {
   }
 
  private:
+  // Step (1).
   void list_arcs() {
     for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
       const auto [first, second] = out_.arcs[a].balls;
@@ -80,7 +88,8 @@ class TouchingArcs {
     std::sort(ball_arcs_.begin(), ball_arcs_.end());
   }
 
-  // Gathers the circles of one ball from its entries [begin, end) and tests all pairs.
+  // Step (2) for one ball: gathers its circles from the entries [begin, end) of ball_arcs_ and
+  // tests all pairs. Entries with the same other ball are arcs of one circle.
   void search_ball(std::size_t begin, std::size_t end) {
     circles_.clear();
     for (std::size_t i = begin; i < end; ++i) {
@@ -98,6 +107,7 @@ class TouchingArcs {
     }
   }
 
+  // The circle of entry `place` of ball_arcs_, as yet with this arc alone.
   Circle circle_at(std::size_t place) const {
     const Sphere &s = t_.balls[ball_arcs_[place].ball], &o = t_.balls[ball_arcs_[place].other];
     const EdgeShape shape = edge_shape(s, o);
@@ -114,10 +124,14 @@ class TouchingArcs {
   // Let α and β be the angular radii of the circles and γ the angle between their axes. They touch
   // from outside if γ = α + β. The first test compares the cosines of both sides, with cos(α + β) =
   // cos α cos β - sin α sin β. Circles with a gap of at most FeatureSizes::arc always pass: the gap
-  // changes the cosine by no more than itself, and the slack is four times as large. If sin(α + β)
-  // < 0, the two caps together reach further than half around the sphere. If they touch, they do so
-  // at the back and cover all the rest, so nothing is exposed. The last test decides: it measures
-  // the gap between p and q, the nearest points of the two circles.
+  // changes the cosine by no more than itself, and the slack is four times as large.
+  //
+  // The second test rejects sin(α + β) < 0. Then α + β is more than half a turn, so the two caps
+  // overlap, and where cos γ = cos(α + β) the rims touch in a point at the back. The caps cover all
+  // the rest of the sphere, so nothing is exposed there.
+  //
+  // The last test decides: it measures the distance between p and q, the nearest points of the two
+  // circles. Both lie in the plane of the two axes.
   std::optional<Vec3d> touching_point(const Circle& a, const Circle& b) const {
     const double along = dot(a.axis, b.axis);
     const double slack = 4 * out_.sizes.arc;
@@ -131,13 +145,17 @@ class TouchingArcs {
     return unit(p + q);
   }
 
-  // Records that two circles touch in a direction. Both must have an exposed arc there: otherwise a
-  // third ball covers the point and there is nothing to do.
+  // Records that two circles of a ball touch in a direction from its centre, a unit vector. If one
+  // of them has no exposed arc there, a third ball covers the point, and nothing is recorded. Ends
+  // of arcs near the point are one corner with it; arcs that pass through it are cut there.
+  //
+  // An end of an arc is near the point if it is no farther than `reach`. That is more than the
+  // distance of the point from either circle, which is about half of FeatureSizes::arc.
   void touch(std::uint32_t ball, const Circle& a, const Circle& b, const Vec3d& direction) {
     const Sphere& s = t_.balls[ball];
     const BoundaryCorner corner{s.center + s.radius * direction, {ball, a.other, b.other}};
     const double reach = 2 * out_.sizes.arc * s.radius;
-    std::vector<std::uint32_t> ends;
+    std::vector<std::uint32_t> ends;  // corners within `reach` of the point
     std::vector<Cut> cuts;
     for (const Circle& c : {a, b}) {
       const std::size_t before = ends.size() + cuts.size();
@@ -145,7 +163,9 @@ class TouchingArcs {
         find_on_arc(ball_arcs_[i].arc, corner.position, reach, ends, cuts);
       if (ends.size() + cuts.size() == before) return;  // a third ball covers it
     }
-    if (cuts.empty()) return;  // both circles end there: find_coincident_corners() compares these
+    // Then arcs of both circles end there. find_coincident_corners() in boundary_arcs.cpp compares
+    // these ends.
+    if (cuts.empty()) return;
     ++out_.joins;
     if (ends.empty()) {
       ends.push_back(static_cast<std::uint32_t>(out_.corners.size()));
@@ -178,9 +198,10 @@ class TouchingArcs {
     if (angle < arc.sweep) cuts.push_back({index, angle, kNoIndex});
   }
 
-  // Merges cuts of one arc at the same place, which different balls may have found, and joins their
-  // corners. After sorting by angle, such cuts are neighbours. Around a whole circle the last cut
-  // also neighbours the first, so each cut is compared with both.
+  // Step (3): merges cuts of one arc that coincide, and notes that their corners are one point.
+  // After sorting by angle, such cuts are neighbours. On a whole circle the last cut may also
+  // coincide with the first. So each cut is compared with the one before it and with the first of
+  // its arc. Cuts that stay are moved to the front of cuts_.
   void join_cuts() {
     std::sort(cuts_.begin(), cuts_.end(), [](const Cut& a, const Cut& b) {
       return std::tie(a.arc, a.angle, a.corner) < std::tie(b.arc, b.angle, b.corner);
@@ -201,9 +222,9 @@ class TouchingArcs {
   }
 
   // Whether two cuts of one arc coincide. The corner of a cut lies within 2 × FeatureSizes::arc of
-  // the point that its ball has found, so the corners of two cuts at the same place are at most
-  // twice as far apart. Lengths refer to the larger radius, because either ball of the arc may have
-  // found the point.
+  // the point that its ball has found (touch()), so the corners of two cuts at the same point are
+  // at most twice as far apart. FeatureSizes::arc counts in radii of the ball that found the point.
+  // It may be either ball of the arc, so the larger radius is taken.
   bool is_same_place(const Cut& a, const Cut& b) const {
     const BoundaryArc& arc = out_.arcs[a.arc];
     const double r = std::max(t_.balls[arc.balls[0]].radius, t_.balls[arc.balls[1]].radius);
@@ -211,6 +232,7 @@ class TouchingArcs {
            4 * out_.sizes.arc * r;
   }
 
+  // Step (4).
   void cut_arcs() {
     for (std::size_t begin = 0; begin < cuts_.size();) {
       std::size_t end = begin;
@@ -220,10 +242,10 @@ class TouchingArcs {
     }
   }
 
-  // Cuts one arc at `cuts`, which are sorted by angle. The first part takes the number of the whole
-  // arc, and the others become new arcs at the end of the list. A circle has no start of its own:
-  // it is cut into as many parts as there are cuts, and the last part ends at the first cut after a
-  // full turn.
+  // Cuts one arc at `cuts`, which are sorted by angle and not empty. The first part replaces the
+  // whole arc in the list, and the others are appended. An arc with n cuts has n + 1 parts. A whole
+  // circle has no start of its own, so it has n parts; the last of them ends at the first cut, a
+  // full turn later.
   void cut_arc(std::span<const Cut> cuts) {
     const BoundaryArc whole = out_.arcs[cuts[0].arc];
     const bool circle = whole.is_circle();
@@ -240,7 +262,8 @@ class TouchingArcs {
     }
   }
 
-  // The part of an arc between two cuts. Its frame is turned so that angle 0 is at `from`.
+  // The part of an arc between two cuts; their member `arc` is not used. Its frame, the vectors
+  // `cosine` and `sine`, is turned so that angle 0 is at `from`.
   static BoundaryArc part(const BoundaryArc& whole, const Cut& from, const Cut& to) {
     BoundaryArc arc = whole;
     const double c = std::cos(from.angle), s = std::sin(from.angle);
@@ -255,7 +278,7 @@ class TouchingArcs {
   BoundaryArcs& out_;
   std::vector<ArcOfBall> ball_arcs_;  // sorted by ball, then other ball, then arc
   std::vector<Circle> circles_;       // of the ball that is being searched
-  // Of all arcs; sorted by arc and angle once join_cuts() has run.
+  // The cuts of all arcs. join_cuts() sorts them by arc and angle.
   std::vector<Cut> cuts_;
   // Pairs of corners that are one point.
   std::vector<std::array<std::uint32_t, 2>> joined_;

@@ -1,6 +1,5 @@
-// Gives arcs of one ball that touch a common corner. The arrangement has no corner there: two
-// circles on the ball come close, but they do not cross. Lengths are scaled as in the
-// triangulation.
+// Gives touching arcs of one ball a common corner. The arrangement has no corner there: two circles
+// on the ball come close, but they do not cross. Lengths are scaled as in the triangulation.
 #pragma once
 
 #include <array>
@@ -14,10 +13,10 @@ namespace vdwmesh {
 // Finds pairs of circles on one ball that come closer to each other than FeatureSizes::arc of its
 // radius. Between them the patch has a passage without width in double coordinates, so both circles
 // get one corner there. It is a new corner, or an existing one in which an arc ends. Arcs that pass
-// through the corner are cut there. Adds the corners and arcs to `boundary` and counts them in
-// `joins`.
+// through the corner are cut there. Adds corners and arcs to `boundary`, and the number of touching
+// points to its `joins`.
 //
-// Returns pairs of corners that are one point; the caller merges them.
+// Returns pairs of corners that are one point, as indices into `corners`; the caller merges them.
 std::vector<std::array<std::uint32_t, 2>> join_touching_arcs(
     const PowerTriangulation& triangulation, BoundaryArcs& boundary);
 

@@ -1,14 +1,18 @@
 // Meshes the boundary of a union of balls patch by patch and assembles the patches.
 //
-// Steps: (1) Sample all arcs. (2) Mesh the patches in rounds. A round meshes its patches in
-// parallel, each by itself. A patch may ask for pieces of its boundary to be split. These are split
-// in the common sampling, and the patches on both sides of them are meshed again in the next round,
-// until no patch asks. A first series of rounds tests boundaries alone, which is quick. (3) Number
-// the vertices (corners, points of arcs, interior points ball by ball) and copy the patches into
-// one mesh. (4) At joined corners, part the fans of triangles.
+// A patch is the exposed part of one sphere; its boundary consists of arcs, which are sampled by
+// points and so divided into pieces (arc_sampling.hpp).
 //
-// Splitting might not end if curves nearly coincide. Three tests end it with CurvesTooClose: the
-// number of rounds, the number of pieces, and pieces that are straight in double precision.
+// Steps: (1) Sample all arcs. (2) Mesh the patches in rounds. A round meshes its patches in
+// parallel, each by itself. A patch may return requests to split pieces of its boundary. The pieces
+// are split in the common sampling, and the patches on both sides of them are meshed again in the
+// next round, until there are no requests. There are two series of rounds. The first only tests the
+// boundaries, which is quick; the second makes triangles. (3) Number the vertices (corners, points
+// of arcs, interior points ball by ball) and copy the patches into one mesh. (4) At joined corners,
+// part the fans of triangles.
+//
+// If curves nearly coincide, splitting might never end. Three limits end it with CurvesTooClose: on
+// the number of rounds, on the number of pieces, and on how straight a piece to be split may be.
 #include "arrangement/mesher/union_mesher.hpp"
 
 #include <fmt/format.h>
@@ -28,17 +32,19 @@
 namespace vdwmesh {
 namespace {
 
-// In the first rounds, pieces are split for the quality of triangles as well, afterwards only for
-// their validity. If there are still requests after the last round, the mesher gives up.
+// Both count the rounds of one series. In the first kQualityRounds rounds, pieces are split for the
+// quality of triangles as well, afterwards only for their validity. If there are still requests in
+// round kMostRounds, the mesher gives up.
 constexpr int kQualityRounds = 12;
 constexpr int kMostRounds = 60;
-// How many pieces splitting may add, besides 64 for each piece there was at first. Coarser feature
-// sizes are tried only after curves were found too close for the usual ones; less is spent on
-// these.
+// How many pieces there may be in all, besides 64 for each piece there was at first: kMostGrowth
+// for the usual and finer feature sizes, kCoarserGrowth for coarser ones. Coarser sizes are tried
+// only after curves were found too close for the usual sizes, and several of them in turn, so less
+// is spent on each.
 constexpr std::uint64_t kMostGrowth = std::uint64_t{1} << 16, kCoarserGrowth = kMostGrowth / 4;
-// A piece counts as straight if its sagitta, the distance between chord and arc, is below this
-// fraction of the size of its coordinates. Rounding moves a coordinate of size S by up to 2^-53 S,
-// which is 32 times as far. So the midpoint of such a piece lies on its chord, as far as
+// A piece counts as straight if its sagitta, the largest distance between chord and arc, is below
+// this fraction of the size of its coordinates. Rounding moves a coordinate of size S by up to
+// 2^-53 S, which is 32 times as far. So the midpoint of such a piece lies on its chord, as far as
 // coordinates tell.
 constexpr double kStraight = 0x1p-58;
 
@@ -92,9 +98,10 @@ class UnionMesher {
   }
 
   // Refuses a mesh that will not fit the memory limit, before its memory is taken. The number of
-  // triangles is estimated from the area: equilateral triangles of the edge length, times a factor,
-  // plus some per piece for narrow places. A closed mesh has about half as many vertices as
-  // triangles.
+  // triangles is estimated from the area: the number of equilateral triangles of the edge length,
+  // times kFill, plus four per piece for narrow parts of patches. A closed mesh has about half as
+  // many vertices as triangles. The edge length that the message names follows from the count,
+  // which falls with the square of the edge length, and 5 % are added for safety.
   void check_memory() const {
     constexpr double kFill = 1.4;  // allowance over the ideal number of triangles
     // Bytes per triangle for the patches before they are joined.
@@ -121,15 +128,16 @@ class UnionMesher {
             1.05));
   }
 
-  // Whether the sphere is exposed as a whole. A sphere without arcs is exposed entirely or not at
-  // all, except for single points. So its exposed area is near 4 pi r² or near 0, and half of the
-  // sphere's area tells the two apart despite rounding.
+  // Whether the ball's sphere is exposed as a whole, except for points of contact. A sphere without
+  // arcs is exposed entirely or not at all, except for such points. So its exposed area is near
+  // 4 pi r² or near 0, and comparing with half of the sphere's area tells the two apart despite
+  // rounding.
   bool is_whole(std::uint32_t ball) const {
     const double r = t_.balls[ball].radius;
     return index_.arcs(ball).empty() && measures_[ball].area > 2 * std::numbers::pi * r * r;
   }
 
-  // First meshes the boundaries of all patches that have one, then all patches.
+  // The two series of rounds: first the boundaries of all patches that have one, then all patches.
   void mesh_patches() {
     std::vector<std::uint32_t> bounded, all;
     for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
@@ -141,8 +149,8 @@ class UnionMesher {
     run_rounds(std::move(all), PatchStage::triangles);
   }
 
-  // Meshes the balls of the list in parallel, splits the pieces asked for, and goes on with the
-  // balls beside these pieces, until there are no requests.
+  // One series of rounds: meshes the patches of `balls` in parallel, splits the pieces that they
+  // ask for, and goes on with the balls on both sides of these pieces, until there are no requests.
   void run_rounds(std::vector<std::uint32_t> balls, PatchStage stage) {
     for (int round = 1; !balls.empty(); ++round) {
       begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
@@ -164,8 +172,8 @@ class UnionMesher {
     }
   }
 
-  // Refuses to split a straight piece. The split would not move any point off the chord, so
-  // whatever crosses the piece or folds over it would cross the halves and fold over them as well.
+  // Gives up if a piece to be split is straight (kStraight). The split would not move any point off
+  // the chord, so whatever crosses the piece or folds over it would do so with the halves as well.
   // The sagitta of an arc of radius r and angle a is r a² / 8 for small a.
   void check_straightness(const std::vector<PieceSplit>& splits) const {
     for (const PieceSplit& s : splits) {
@@ -176,9 +184,10 @@ class UnionMesher {
     }
   }
 
-  // Refuses when the number of pieces has grown too large for memory or beyond its limit: curves
-  // that nearly coincide ask for shorter and shorter pieces. The memory is estimated with four
-  // triangles for each piece. The message names the arc of the most pieces.
+  // Gives up if there are too many pieces for the memory, or more than allowed_growth_ plus 64 for
+  // each piece there was at first. Curves that nearly coincide ask for shorter and shorter pieces.
+  // The memory is estimated with four triangles and two vertices for each piece. The message names
+  // the two spheres of that arc, among those just split, which has the most pieces.
   void check_growth(const std::vector<PieceSplit>& splits) const {
     const std::uint64_t pieces = count_pieces();
     const std::uint64_t need = indexed_mesh_bytes({2 * pieces, 4 * pieces}, kArrays);
@@ -205,8 +214,9 @@ class UnionMesher {
         t_.ids[balls[0]], t_.ids[balls[1]]));
   }
 
-  // Meshes one ball into patches_[ball]. Threads run this at the same time for different balls, so
-  // coincident points are noted and reported later.
+  // Meshes the patch of one ball into patches_[ball]. Threads run this at the same time for
+  // different balls. An error about coincident points must not depend on which thread comes first,
+  // so such points are only noted here, and check_coincidence() throws.
   void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
     // As a fraction of the radius, since patches are meshed on the unit sphere.
     const double edge_length = edge_length_ / t_.balls[ball].radius;
@@ -223,8 +233,8 @@ class UnionMesher {
     }
   }
 
-  // Reports coincident points. The message names the first ball of the list, so it does not depend
-  // on which thread came first.
+  // Throws if a ball of the list has coincident points. The message names the first such ball, so
+  // it does not depend on which thread came first.
   void check_coincidence(const std::vector<std::uint32_t>& balls) const {
     for (const std::uint32_t b : balls) {
       if (!has_coincident_points_[b]) continue;
@@ -235,8 +245,9 @@ class UnionMesher {
     }
   }
 
-  // The requests of all balls, each piece once. If the patches on both sides ask for the same
-  // piece, the larger number of halvings counts: it is sorted first.
+  // The requests of all balls, sorted by piece, each piece once. If the patches on both sides ask
+  // for the same piece, the larger number of halvings counts. The comparison takes a.piece with
+  // b.halvings and the other way round, which puts the larger number first; unique() keeps it.
   std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& balls) const {
     std::vector<PieceSplit> splits;
     for (const std::uint32_t b : balls) {
@@ -262,9 +273,10 @@ class UnionMesher {
     return balls;
   }
 
-  // Builds the mesh. Vertices: corners and points of arcs with the numbers of the sampling, then
-  // the interior points of all balls. Every ball writes a range of its own, so balls run in
-  // parallel.
+  // Builds the mesh. Its vertices are the corners and points of arcs, with the numbers that the
+  // sampling has given them, then the interior points ball by ball. Every ball writes to index
+  // ranges of its own, from first_vertex and first_triangle on, so balls run in parallel. A patch
+  // is freed once it is copied.
   void assemble(IndexedMesh& mesh) {
     std::vector<std::uint64_t> first_vertex(t_.balls.size() + 1),
         first_triangle(t_.balls.size() + 1);
@@ -306,9 +318,11 @@ class UnionMesher {
     });
   }
 
-  // Writes a vertex that lies on up to three spheres; unused entries of `balls` are kNoIndex. Its
-  // normal is the mean of the spheres' normals. If these cancel, as at a point of contact, the
-  // normal of the first sphere is taken: a sum shorter than 1e-6 would have no reliable direction.
+  // Writes vertex `vertex` of the mesh at p (scaled), which lies on the spheres of up to three
+  // balls; unused entries of `balls` are kNoIndex. The label has the ids of the spheres in
+  // ascending order. The normal is the mean of the spheres' normals. If these cancel, as at a point
+  // of contact, the normal of the first sphere is taken: a sum shorter than 1e-6 would have no
+  // reliable direction.
   void place(const Vec3d& p, const std::array<std::uint32_t, 3>& balls, std::size_t vertex,
              IndexedMesh& mesh) const {
     Vec3d sum{0, 0, 0}, first{0, 0, 0};
@@ -326,8 +340,9 @@ class UnionMesher {
     mesh.vertex_spheres.set(vertex, label);
   }
 
-  // Writes the interior vertices and the triangles of one patch. `vertices` maps point numbers of
-  // the patch to vertices of the mesh: first its boundary, then its interior points.
+  // Writes the interior vertices of one patch, from vertex first_vertex on, and its triangles, from
+  // first_triangle on. `vertices` maps the point numbers of the patch to vertices of the mesh:
+  // first the points of the boundary, which have been written already, then the interior points.
   void place_patch(std::uint32_t ball, std::uint64_t first_vertex, std::uint64_t first_triangle,
                    IndexedMesh& mesh) const {
     const PatchMesh& patch = patches_[ball];
@@ -364,10 +379,11 @@ class UnionMesher {
   PatchIndex index_;
   double edge_length_;  // scaled
   ArcSampling sampling_;
-  // The number of pieces before any was split, and how many more are allowed besides 64 for each.
+  // The number of pieces before any was split; and the number that is allowed besides 64 for each
+  // of these.
   std::uint64_t pieces_at_first_, allowed_growth_;
   std::vector<PatchMesh> patches_;  // by ball; empty for balls without a patch
-  // By ball. It is no vector<bool>, because several threads set its elements.
+  // By ball. The elements are bytes and not bits, because several threads set them.
   std::vector<std::uint8_t> has_coincident_points_;
   ExactMeshStats stats_;
 };

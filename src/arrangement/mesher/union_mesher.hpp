@@ -1,5 +1,5 @@
-// Makes the crease-exact mesh of an arrangement from its boundary as placed by boundary_arcs().
-// exact_mesher.cpp calls it, possibly with one choice of feature sizes after the other.
+// Makes the crease-exact mesh of an arrangement from the arcs and corners that boundary_arcs() has
+// placed. exact_mesher.cpp calls it, and again with other feature sizes if curves are too close.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@
 
 namespace vdwmesh {
 
-// The arrangement of a set of balls, which is computed once for all attempts to mesh it. Lengths
-// are scaled as in the triangulation.
+// The arrangement of a set of balls. It is computed once and serves all attempts to mesh it.
+// Lengths are scaled as in the triangulation.
 struct Arrangement {
   PowerTriangulation triangulation;
   DualComplex complex;
