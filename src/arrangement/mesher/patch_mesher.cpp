@@ -3,10 +3,12 @@
 // Steps: (1) insert the boundary and mark the faces inside it; (2) if quality counts, look for
 // pieces that are too long for the patch beside them; (3) fill the inside with points of a
 // subdivided icosahedron; (4) insert circumcentres of bad triangles (Chew); (5) divide edges that
-// join points of one circle; (6) smooth, and look for invalid triangles. Each step may ask for
-// splits of pieces instead. Then the run ends after (2), (5) or (6), and union_mesher.cpp splits
-// the pieces on both sides and calls again. Bisecting a piece here alone would break the seam with
-// the other patch.
+// join points of one circle; (6) smooth, and look for invalid triangles.
+//
+// All steps but (4) may ask for pieces of the boundary to be split. The run then ends after step
+// 2, 5 or 6 and returns only these requests. union_mesher.cpp splits the pieces for the patches on
+// both sides and calls again. A split for this patch alone would break the seam with the other
+// patch.
 #include "arrangement/mesher/patch_mesher.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
@@ -30,7 +32,7 @@ namespace vdwmesh {
 namespace {
 
 using Kernel = FlatBoundary::Kernel;
-// `inside` says whether a face is part of the patch; `number` counts the faces inside.
+// `inside` says whether a face is part of the patch; `number` numbers the faces that are.
 struct FaceInfo {
   bool inside = false;
   std::uint32_t number = 0;
@@ -46,17 +48,17 @@ using Point = Kernel::Point_2;
 using VertexHandle = Planar::Vertex_handle;
 using FaceHandle = Planar::Face_handle;
 
-// Points of the icosahedron keep this distance from the arcs, as a fraction of the edge length.
-// Points nearer to an arc would make flat triangles with its pieces.
+// Points of the subdivided icosahedron keep this distance from the arcs, as a fraction of the edge
+// length. Points nearer to an arc would make flat triangles with its pieces.
 constexpr double kLatticeMargin = 0.55;
 // The cosine of the widest angle (110°) under which an inserted point may see a piece. A point that
 // sees it under a wider angle would make a flat triangle with it. (Ruppert's algorithm has 90°
 // here.)
 constexpr double kEncroachCosine = -0.35;
 constexpr int kSmoothingPasses = 1;
-// The largest edge length, as a fraction of the radius. With longer edges a patch larger than half
-// the sphere could have no point inside. Its triangles would then join points of the boundary only
-// and face inwards.
+// The largest edge length, as a fraction of the radius. With longer edges, a patch larger than half
+// the sphere might get no interior point. Its triangles would then have all their vertices on the
+// boundary and face inwards.
 constexpr double kLongestEdge = 1;
 
 // One attempt to mesh one patch; run() lists the steps.
@@ -70,7 +72,7 @@ class PatchTriangulator {
         flat_(boundary, plane_),
         circles_(boundary),
         points_(boundary.points) {
-    planar_.infinite_vertex()->info() = kNoNeighbor;
+    planar_.infinite_vertex()->info() = kNoNeighbor;  // no index into points_
   }
 
   PatchMesh run() && {
@@ -94,8 +96,8 @@ class PatchTriangulator {
     splits_.push_back({boundary_.pieces[piece].source, halvings});
   }
 
-  // Returns the requests. If a piece was asked for several times, the largest number of halvings
-  // counts: it comes first in descending order.
+  // A result with the requests only. If a split of one piece was asked for several times, the
+  // largest number of halvings counts. It comes first in descending order, and unique() keeps it.
   PatchMesh requests() {
     std::sort(splits_.begin(), splits_.end(), std::greater<>());
     const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
@@ -112,17 +114,18 @@ class PatchTriangulator {
     for (const std::uint32_t piece : pieces) want_split(piece);
   }
 
-  // Inserts points and pieces; returns whether all pieces are constraints now. Otherwise it asks
-  // for splits. Once only validity counts, crossings are looked for before anything is
-  // triangulated. This finds all crossings of two curves side by side at once, while insertion ends
-  // at the first one; and it saves the triangulation of nearly co-circular points, which is slow.
+  // Step (1): inserts points and pieces. Returns whether all pieces are constraints afterwards; if
+  // not, it has asked for splits. If only validity counts, crossings are looked for before anything
+  // is triangulated. This finds all crossings of two curves side by side at once, while insertion
+  // ends at the first one. It also saves the triangulation of nearly co-circular points, which is
+  // slow.
   bool insert_boundary() {
     want_splits(flat_.doubled_pieces());
     if (splits_.empty() && options_.demand == Demand::validity) {
       want_splits(flat_.crossings(options_.monitor));
     }
     if (!splits_.empty()) return false;
-    FaceHandle hint;
+    FaceHandle hint;  // where CGAL starts to search for the next point
     handles_.resize(boundary_.points.size());
     for (const std::uint32_t i : insertion_order(boundary_)) {
       check_cancelled(options_.monitor, i);
@@ -145,9 +148,9 @@ class PatchTriangulator {
   }
 
   // Marks the faces inside the patch: those on the left of a piece, and all that can be reached
-  // from there without crossing a piece. Returns false and asks for splits in two cases: a piece is
-  // no edge of the triangulation, because another point lies on it, or the marks have leaked out of
-  // the patch.
+  // from there without crossing a piece. Returns whether the marks are right. They are not, and
+  // splits are asked for, if a piece is no edge of the triangulation, because another point lies on
+  // it, or if the marks have leaked out of the patch.
   bool mark_inside() {
     for (const FaceHandle f : planar_.all_face_handles()) f->info().inside = false;
     std::vector<FaceHandle> stack;
@@ -177,11 +180,11 @@ class PatchTriangulator {
     return splits_.empty();
   }
 
-  // Asks for splits if marks have leaked out of the patch. This happens if a chord is so coarse
-  // that another part of the boundary lies between the chord and its arc: there, the flood starts
-  // outside the chord. It shows at pieces with marked faces on both sides, or with the infinite
-  // face on their left. The chord to blame is one of these pieces, and it is not short. So every
-  // such piece is split that is at least half as long as the longest one.
+  // Asks for splits if marks have leaked out of the patch. This happens if a piece is so coarse
+  // that another part of the boundary lies between the piece and its arc: there, marking starts on
+  // the wrong side of the other part. It shows at pieces with marked faces on both sides, or with
+  // the infinite face on their left. The piece to blame is one of these, and it is not short. So
+  // every such piece is split that is at least half as long as the longest of them.
   void split_leaks() {
     std::vector<std::uint32_t> leaks;
     double longest = 0;
@@ -199,6 +202,7 @@ class PatchTriangulator {
     }
   }
 
+  // The length of a piece on the unit sphere.
   double chord(std::uint32_t p) const {
     return norm(points_[boundary_.pieces[p].to] - points_[boundary_.pieces[p].from]);
   }
@@ -207,7 +211,7 @@ class PatchTriangulator {
 
   const Vec3d& at(VertexHandle v) const { return points_[v->info()]; }
 
-  // Asks for splits of pieces that are long compared with the width of the patch beside them.
+  // Step (2): asks for splits of pieces that are long compared with the width of the patch there.
   void find_long_pieces() {
     if (options_.demand == Demand::validity) return;
     for (const FaceHandle f : planar_.finite_face_handles()) {
@@ -218,9 +222,9 @@ class PatchTriangulator {
     }
   }
 
-  // Judges the piece that is edge k of face f by the opposite vertex. A vertex on the piece's own
-  // circle says nothing about the width. If another edge of the face is a piece too, the two meet
-  // at a corner, and only the ratio of their lengths counts.
+  // Judges the piece that is edge k of face f by the opposite vertex, and asks for a split if it is
+  // too long. A vertex on the piece's own circle says nothing about the width. If another edge of
+  // the face is a piece too, the two meet at a corner, and only the ratio of their lengths counts.
   void judge_piece(FaceHandle f, int k) {
     const VertexHandle va = f->vertex(f->ccw(k)), vb = f->vertex(f->cw(k)), vp = f->vertex(k);
     const std::uint32_t piece = flat_.piece_between(va->info(), vb->info());
@@ -238,8 +242,8 @@ class PatchTriangulator {
     if (const std::uint32_t halvings = halvings_for_width(a, b, p)) want_split(piece, halvings);
   }
 
-  // Inserts the points of the subdivided icosahedron that lie outside all caps by the margin. If a
-  // cap and its margin cover the whole sphere, the bound of -2 admits no point.
+  // Step (3): inserts the points of the subdivided icosahedron that are outside all caps by the
+  // margin. If a cap and its margin cover the whole sphere, the bound of -2 admits no point.
   void insert_lattice() {
     std::vector<double> margins;
     for (const CoveredCap& cap : boundary_.caps) {
@@ -258,7 +262,7 @@ class PatchTriangulator {
                        [&](const CoveredCap& cap) { return cap.covers(u); });
   }
 
-  // Inserts a point whose face is near `hint` and gives it the next number.
+  // Inserts point u of the unit sphere, whose face is near `hint`, and gives it the next number.
   VertexHandle insert_interior(const Vec3d& u, FaceHandle hint) {
     const VertexHandle v = planar_.insert(project(u), hint);
     v->info() = static_cast<std::uint32_t>(points_.size());
@@ -282,9 +286,10 @@ class PatchTriangulator {
                        edge_length_);
   }
 
-  // Inserts the circumcentres of bad triangles until none is left or each remaining one was
-  // refused. New faces join the end of the queue. The limit on the number of points ends the loop
-  // in any case; the mesh is then valid, but some triangles stay bad.
+  // Step (4): inserts the circumcentres of bad triangles (patch_quality.hpp) until no triangle is
+  // bad or try_insert() has refused the circumcentres of the rest. New faces join the end of the
+  // queue. The limit on the number of points ends the loop in any case; some triangles then stay
+  // bad.
   void refine() {
     std::vector<Candidate> queue;
     for (const FaceHandle f : planar_.finite_face_handles()) {
@@ -300,7 +305,8 @@ class PatchTriangulator {
     }
   }
 
-  // Inserts u if it lies inside the patch and not too near to the boundary.
+  // Inserts u if it lies inside the patch and not too near to the boundary. `near` is a face from
+  // which the search for u starts.
   void try_insert(const Vec3d& u, FaceHandle near, std::vector<Candidate>& queue) {
     if (is_buried(u)) return;
     const Point p = project(u);
@@ -313,7 +319,7 @@ class PatchTriangulator {
     insert_marked(u, face, queue);
   }
 
-  // Inserts u into a face of the patch. All faces around it are inside, and they join the queue.
+  // Inserts u into a face of the patch. The new faces around u are inside too, and join the queue.
   void insert_marked(const Vec3d& u, FaceHandle face, std::vector<Candidate>& queue) {
     const VertexHandle v = insert_interior(u, face);
     auto around = planar_.incident_faces(v), end = around;
@@ -323,8 +329,9 @@ class PatchTriangulator {
     } while (++around != end);
   }
 
-  // Whether u would encroach upon a piece: whether it sees a piece of its conflict zone under an
-  // angle wider than 110° (kEncroachCosine).
+  // Whether u is too near to a piece: whether it sees one under an angle wider than 110°
+  // (kEncroachCosine). Only pieces that would be edges of u's new triangles are tested; they bound
+  // the conflict zone, the faces that the insertion of u would replace.
   bool encroaches(const Vec3d& u, const Point& p, FaceHandle face) {
     edges_.clear();
     planar_.get_boundary_of_conflicts(p, std::back_inserter(edges_), face);
@@ -342,9 +349,9 @@ class PatchTriangulator {
     int opposite;  // index of the face's vertex that is no end of the edge
   };
 
-  // The edges inside the patch that join two points of one circle. Each is taken from the face in
-  // which its end of lower number comes first. CGAL's own list of edges would take the face at the
-  // lower address, and the mesh would depend on where the heap has put the faces.
+  // The edges inside the patch that join two points of one circle. Of the two faces of an edge, the
+  // one is taken in which the end of lower number comes first. CGAL's own list of edges would take
+  // the face at the lower address, and the mesh would depend on where the heap has put the faces.
   std::vector<InnerEdge> edges_within_circles() const {
     std::vector<InnerEdge> found;
     for (const FaceHandle f : planar_.finite_face_handles()) {
@@ -359,9 +366,9 @@ class PatchTriangulator {
     return found;
   }
 
-  // Inserts points into the middle of edges that join two points of one circle. New edges may be of
-  // this kind again, so this is repeated. If some are left after the last round, the pieces at
-  // their ends are split: afterwards there is no such edge, or there are requests.
+  // Step (5): inserts points into the middle of edges that join two points of one circle. New edges
+  // may join such points again, so this is repeated. For edges that are left after the last round,
+  // the pieces at their ends are split: afterwards there is no such edge, or there are requests.
   void divide_edges_within_circles() {
     constexpr int kMostRounds = 8;
     std::vector<InnerEdge> found = edges_within_circles();
@@ -377,7 +384,7 @@ class PatchTriangulator {
     }
   }
 
-  // Every piece that ends in one of the two points.
+  // Asks for splits of all pieces that end in one of the two points.
   void split_pieces_at(std::uint32_t a, std::uint32_t b) {
     for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
       const BoundaryPiece& piece = boundary_.pieces[p];
@@ -385,9 +392,9 @@ class PatchTriangulator {
     }
   }
 
-  // Divides an edge in the middle of the great circle through its ends. If the ends lie on a circle
-  // that is a large part of the sphere, this point may lie outside the patch. Then the middle of
-  // the edge in the plane is taken, which lies inside.
+  // Divides edge k of face f at the middle of the shorter great-circle arc between its ends. If the
+  // circle through the ends is large, this point may lie outside the patch. Then the middle of the
+  // edge in the plane is taken, which lies inside.
   void divide_edge(FaceHandle f, int k) {
     const VertexHandle a = f->vertex(f->ccw(k)), b = f->vertex(f->cw(k));
     const Vec3d sum = at(a) + at(b);
@@ -396,8 +403,8 @@ class PatchTriangulator {
     divide_at(plane_.lift({middle.x(), middle.y()}), f);
   }
 
-  // Inserts u into the patch. If u lies on a piece, the piece is split instead. Returns false, and
-  // does nothing, if u lies outside the patch.
+  // Inserts u into the patch, or asks for a split if u lies on a piece. Returns false, and does
+  // nothing, if u lies outside the patch. The pole has no image in the plane and is outside.
   bool divide_at(const Vec3d& u, FaceHandle near) {
     if (u == plane_.pole()) return false;
     Planar::Locate_type type;
@@ -409,12 +416,12 @@ class PatchTriangulator {
       return true;
     }
     if ((type != Planar::FACE && type != Planar::EDGE) || !is_inside(face)) return false;
-    std::vector<Candidate> unused;
+    std::vector<Candidate> unused;  // the queue of refine(), which has ended
     insert_marked(u, face, unused);
     return true;
   }
 
-  // The faces inside the patch as plain arrays.
+  // The faces inside the patch as plain arrays, with the numbers of their neighbours.
   std::vector<PatchTriangle> numbered_triangles() {
     std::vector<FaceHandle> faces;
     for (const FaceHandle f : planar_.finite_face_handles()) {
@@ -463,7 +470,7 @@ class PatchTriangulator {
   static constexpr double kShortest = 1e-3;
 
   const PatchBoundary& boundary_;
-  double edge_length_;  // in radii, at most kLongestEdge
+  double edge_length_;  // as a fraction of the radius, at most kLongestEdge
   PatchOptions options_;
   Stereographic plane_;
   FlatBoundary flat_;
@@ -472,7 +479,7 @@ class PatchTriangulator {
   // The points on the sphere, indexed by the info() of vertices: first the points of the boundary,
   // then the interior ones.
   std::vector<Vec3d> points_;
-  std::vector<VertexHandle> handles_;  // of the boundary's points
+  std::vector<VertexHandle> handles_;  // by point of the boundary
   std::vector<Planar::Edge> edges_;    // scratch memory of encroaches()
   std::vector<PieceSplit> splits_;
 };

@@ -1,9 +1,10 @@
-// Meshes the exposed part of one sphere between given boundary points, or a whole sphere.
+// Meshes a patch, the exposed part of one sphere, between given boundary points, or a whole sphere.
 //
-// The sphere is projected stereographically from a buried point, and the patch is triangulated in
-// the plane with its boundary as constraints (CGAL, exact predicates). Circles stay circles, so the
-// triangulation is Delaunay on the sphere as well. Bad triangles are removed by inserting their
-// circumcentres (Chew 1993, "Guaranteed-quality mesh generation for curved surfaces").
+// The sphere is projected stereographically from a point that another ball covers. The patch is
+// triangulated in the plane with the pieces of its boundary, chords of arcs, as constraints (CGAL,
+// exact predicates). Circles stay circles, so the triangulation is Delaunay on the sphere as well.
+// Bad triangles are removed by inserting their circumcentres (Chew 1993, "Guaranteed-quality mesh
+// generation for curved surfaces").
 #pragma once
 
 #include <array>
@@ -15,11 +16,13 @@
 
 namespace vdwmesh {
 
-// For which reasons pieces of the boundary are split: for the quality of triangles as well, or only
-// to make the triangles valid.
+// Why pieces of the boundary are split: to make the triangles valid and well shaped (`quality`), or
+// only to make them valid (`validity`). A triangle is valid if it faces outwards and would not fold
+// over when arcs replace its chords.
 enum class Demand : std::uint8_t { quality, validity };
 
-// How far a patch is meshed: only its boundary is triangulated and tested, or all of it is meshed.
+// How far a patch is meshed: only its boundary is triangulated and tested for pieces to split, or
+// all of it is meshed.
 enum class PatchStage : std::uint8_t { boundary, triangles };
 
 struct PatchOptions {
@@ -30,26 +33,26 @@ struct PatchOptions {
 };
 
 // The outcome: either triangles, or requests to split pieces, after which the patch must be meshed
-// again. Triangles number the points of the boundary first, then the interior points. A run of
-// stage `boundary` returns requests only, and nothing if the boundary is good.
+// again. Vertices of triangles are numbered: first the points of the boundary, then the interior
+// points. A run of stage `boundary` returns requests only, and nothing if no piece must be split.
 struct PatchMesh {
   std::vector<Vec3d> interior;                          // unit vectors from the sphere's centre
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
-  std::vector<PieceSplit> splits;                       // each piece once
+  std::vector<PieceSplit> splits;                       // requests, each piece once
 };
 
-// Meshes a patch. Every triangle faces outwards. No edge joins two points of one circle unless it
-// is a piece of the boundary, so triangles of different spheres do not meet (docs/exact_mesh.md
-// says why).
+// Meshes a patch. In the triangles that it returns, every triangle faces outwards. No edge joins
+// two points of one circle unless it is a piece of the boundary, so triangles of different spheres
+// meet only along pieces and at corners (docs/exact_mesh.md says why).
 //
 // Precondition: at least one piece, and one cap that is larger than a point. Throws
 // CoincidentPoints (flat_boundary.hpp), Cancelled.
 PatchMesh mesh_patch(const PatchBoundary& boundary, const PatchOptions& options);
 
-// Meshes a whole sphere: a subdivided icosahedron. All points are interior ones. The edge length is
-// a fraction of the radius.
+// Meshes a whole sphere: a subdivided icosahedron. All points are interior points. The edge length
+// is a fraction of the radius.
 PatchMesh mesh_sphere(double edge_length);
-// The points of mesh_sphere() alone, in another order.
+// The points of mesh_sphere() without triangles, in another order, as unit vectors.
 std::vector<Vec3d> sphere_points(double edge_length);
 
 }  // namespace vdwmesh

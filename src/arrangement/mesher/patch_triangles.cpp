@@ -1,9 +1,9 @@
 // Smooths the triangles of a patch, and finds the pieces that make triangles invalid.
 //
-// Smoothing is Laplacian with a quality test ("smart"): a move is accepted only if the least angle
-// around the point grows. Edges are flipped by the local Delaunay criterion on the flat triangles:
-// the angles opposite to an edge must not add up to more than half a turn. patch_mesher.cpp calls
-// both functions at the end of meshing one patch.
+// Smoothing is Laplacian with a quality test ("smart"): a point moves towards the centroid of its
+// triangles only if the least angle around it grows. Edges are flipped by the local Delaunay
+// criterion on the flat triangles: the two angles opposite to an edge must not add up to more than
+// half a turn. patch_mesher.cpp calls smooth() and then defects() at the end of meshing one patch.
 #include "arrangement/mesher/patch_triangles.hpp"
 
 #include <algorithm>
@@ -19,6 +19,7 @@ namespace {
 // The fraction of a flat triangle's angle that must remain when arcs replace the chords beside it.
 constexpr double kLeastAngleShare = 0.3;
 
+// Corners and edges of a triangle, modulo 3.
 constexpr int next(int k) { return k == 2 ? 0 : k + 1; }
 constexpr int previous(int k) { return k == 0 ? 2 : k - 1; }
 
@@ -29,9 +30,9 @@ bool faces_outwards(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return dot(a, cross(b - a, c - a)) > 0;
 }
 
-// Squared sine of the least angle of a triangle. The least angle is at most 60°, so it grows with
-// its sine. It lies between the two longest edges, and its sine is twice the area over their
-// product.
+// Squared sine of the least angle of a triangle. The least angle is at most 60°, so comparing sines
+// compares angles. It lies between the two longest edges, and its sine is twice the area divided by
+// the product of their lengths.
 double least_squared_sine(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a;
   const double x = squared_norm(ab), y = squared_norm(ac), z = squared_norm(c - b);
@@ -40,12 +41,15 @@ double least_squared_sine(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
 }
 
 // Whether the angles at a and d, opposite to the common edge bc, add up to more than half a turn.
-// Then the edge is not Delaunay. For angles α and δ of triangles, this holds if sin(α + δ) < 0.
+// Then the edge is not locally Delaunay. For angles α and δ of two triangles, this holds if and
+// only if sin(α + δ) < 0, because each is less than half a turn.
 bool exceed_half_turn(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  constexpr double kSlack = 1e-12;  // relative: co-circular points must not flip for ever
+  // Relative. Without it, rounding could flip the edge of four co-circular points to and fro for
+  // ever.
+  constexpr double kSlack = 1e-12;
   const Vec3d ab = b - a, ac = c - a, db = b - d, dc = c - d;
   const double cosine_a = dot(ab, ac), cosine_d = dot(db, dc);
-  // Both angles are at most a right angle.
+  // Both angles are at most a right angle, so their sum is at most half a turn.
   if (cosine_a >= 0 && cosine_d >= 0) return false;
   const double sine_a = norm(cross(ab, ac)), sine_d = norm(cross(db, dc));
   // sin(α + δ), times the lengths of the four outer edges.
@@ -53,6 +57,7 @@ bool exceed_half_turn(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3
          -kSlack * (sine_a + std::abs(cosine_a)) * (sine_d + std::abs(cosine_d));
 }
 
+// The angle (rad) at `apex` between the directions to a and b.
 double angle_at(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
   const Vec3d u = a - apex, v = b - apex;
   return std::atan2(norm(cross(u, v)), dot(u, v));
@@ -77,8 +82,8 @@ class Smoother {
   }
 
  private:
-  // Lists the triangles around each vertex as compressed sparse rows. Flips change them, so they
-  // are listed anew in each pass.
+  // Lists the triangles around each vertex, its star, as compressed sparse rows. Flips change the
+  // stars, so they are listed anew in each pass.
   void index_stars() {
     first_.assign(points_.size() + 1, 0);
     for (const PatchTriangle& t : triangles_) {
@@ -92,9 +97,9 @@ class Smoother {
     }
   }
 
-  // Squared sine of the least angle of the triangles around vertex v if v were at p. Returns -1 if
-  // p is of no use: a triangle would face inwards, or the least angle would not be larger than
-  // `enough`.
+  // The squared sine of the least angle of the triangles around vertex v if v were at p. Returns -1
+  // if a triangle would face inwards, or if the squared sine would not be larger than `enough`. A
+  // value of -1 for `enough` demands nothing.
   double least_angle_around(std::uint32_t v, const Vec3d& p, double enough) const {
     double least = 1;
     for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i) {
@@ -108,9 +113,9 @@ class Smoother {
     return least;
   }
 
-  // Moves vertex v to the mean of the centroids around it, weighted by area and put back on the
-  // sphere. If that does not enlarge the least angle, half the way is tried; if that fails too, v
-  // stays.
+  // Moves vertex v to the mean of the centroids of its triangles, weighted by area and scaled to
+  // the sphere. If that does not enlarge the least angle, the middle between the old and the new
+  // position is tried; if that fails too, v stays.
   void move(std::uint32_t v) {
     Vec3d sum{0, 0, 0};
     for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i) {
@@ -128,11 +133,11 @@ class Smoother {
     points_[v] = p;
   }
 
-  // Flips an edge of triangle t if it is not Delaunay, both new triangles face outwards, and the
-  // new edge does not join two points of one circle. Returns whether it did.
+  // Flips an edge of triangle t if it is not locally Delaunay, both new triangles face outwards,
+  // and the new edge does not join two points of one circle. Returns whether the edge was flipped.
   //
-  // Within triangle t, k is the vertex opposite to the edge; k1 and k2 follow it counter-clockwise.
-  // In the neighbouring triangle m, m1 and m2 mean the same.
+  // Vertices of triangle t have the indices k, k1, k2: k is opposite to the edge, and k1 and k2
+  // follow it counter-clockwise. The indices m, m1, m2 in the neighbouring triangle mean the same.
   bool flip_if_better(std::uint32_t t, int edge) {
     const auto k = static_cast<std::size_t>(edge), k1 = static_cast<std::size_t>(next(edge)),
                k2 = static_cast<std::size_t>(previous(edge));
@@ -159,7 +164,8 @@ class Smoother {
     two = {{a, d, c},
            {old2.neighbors[m2], old1.neighbors[k1], t},
            {old2.pieces[m2], old1.pieces[k1], kNoPiece}};
-    // Two outer edges have changed sides, so their neighbours must point to the other triangle.
+    // Two of the four outer edges now belong to the other triangle, so the triangles beyond them
+    // must point to it.
     const auto relink = [&](std::uint32_t of, std::uint32_t from, std::uint32_t to) {
       if (of == kNoNeighbor) return;
       for (std::uint32_t& link : triangles_[of].neighbors) {
@@ -174,10 +180,9 @@ class Smoother {
     return true;
   }
 
-  // Flips edges in sweeps over all triangles until nothing changes. For triangles that do not lie
-  // in one plane, flips are not sure to come to an end, so the number of sweeps is limited. The
-  // triangles are valid after any number of flips, because each flip leaves two triangles that face
-  // outwards.
+  // Flips edges in sweeps over all triangles until nothing changes. In one plane flips are sure to
+  // come to an end; these triangles do not lie in one plane, so the number of sweeps is limited.
+  // The sweeps may stop at any time, because each flip leaves two triangles that face outwards.
   void make_delaunay() {
     constexpr int kMostSweeps = 16;
     bool flipped = true;
@@ -230,9 +235,9 @@ class DefectFinder {
     return t.pieces[edge] == kNoPiece ? 0 : boundary_.pieces[t.pieces[edge]].bulge;
   }
 
-  // Blames pieces for an inward triangle: its own pieces if it has any; else those that end in its
-  // vertices; else all pieces of the patch. So at least one piece is always found, and meshing
-  // either ends or goes on with a finer boundary.
+  // Chooses pieces to split because of an inward triangle: its own pieces if it has any; else the
+  // pieces that end in its vertices; else all pieces of the patch. So at least one piece is always
+  // found, and meshing goes on with a finer boundary.
   void split_around(const PatchTriangle& t) {
     const std::size_t before = found_.size();
     std::copy_if(t.pieces.begin(), t.pieces.end(), std::back_inserter(found_),
@@ -248,15 +253,15 @@ class DefectFinder {
     for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) found_.push_back(p);
   }
 
-  // Finds angles of the triangle that its arcs would use up. At vertex k, the arcs of the two edges
-  // there bulge into the triangle and take their bulge from its angle. If less than
-  // kLeastAngleShare of the angle would remain, the pieces that bulge inwards must be split: halves
-  // bulge half as far.
+  // Tests whether the arcs of the triangle's pieces would use up one of its angles. At vertex k,
+  // the arc of an edge that bulges into the triangle takes its bulge, an angle, from the triangle's
+  // angle. If less than kLeastAngleShare of the angle would remain, the pieces that bulge inwards
+  // must be split: the halves of a piece have half its bulge.
   void find_folds(const PatchTriangle& t) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-      // Two arcs that meet in vertex k enclose the angle of the patch's corner. It is given,
-      // whatever the angle between the chords is.
+      // Two arcs that meet in vertex k enclose the angle that the patch has there. It is given, and
+      // no split can change it.
       if (t.pieces[k1] != kNoPiece && t.pieces[k2] != kNoPiece) continue;
       const double taken = std::max(0.0, bulge(t, k1)) + std::max(0.0, bulge(t, k2));
       if (taken == 0) continue;

@@ -1,5 +1,6 @@
-// The triangles of a patch on the unit sphere as plain arrays; how they are smoothed, and which
-// pieces of the boundary must be split because triangles are not valid.
+// The triangles of a patch on the unit sphere as plain arrays. Declares the smoothing of the
+// triangles, and the search for pieces of the boundary that must be split because triangles are not
+// valid.
 #pragma once
 
 #include <array>
@@ -10,9 +11,10 @@
 
 namespace vdwmesh {
 
-// The edge is a piece of the boundary, so no triangle of the patch lies beyond it.
+// In place of a neighbour: the edge is a piece of the boundary, so no triangle of the patch lies
+// beyond it.
 inline constexpr std::uint32_t kNoNeighbor = 0xffffffffu;
-// The edge lies inside the patch.
+// In place of a piece: the edge lies inside the patch.
 inline constexpr std::uint32_t kNoPiece = 0xffffffffu;
 
 // Edge k of a triangle is opposite to its vertex k. It has either a neighbouring triangle or a
@@ -30,16 +32,18 @@ struct PatchTriangles {
   std::vector<PatchTriangle> triangles;
 };
 
-// Improves the triangles without moving the boundary. Flips edges until they are Delaunay, then
-// repeats `passes` times: each interior point moves towards the centroid of the triangles around it
-// if this enlarges the least angle there, and edges are flipped again. A flip never makes an edge
-// between two points of one circle. Triangles that face outwards keep doing so.
+// Improves the triangles without moving the boundary. Flips edges until they are locally Delaunay,
+// or a limit of flips is reached. Then it does `passes` times: it moves each interior point towards
+// the centroid of the triangles around it if this enlarges the least angle there, and flips edges
+// again. A flip never makes an edge between two points of one circle. Triangles that face outwards
+// keep doing so.
 void smooth(const PatchBoundary& boundary, const PointCircles& circles, int passes,
             PatchTriangles& patch);
 
 // The pieces that must be split because a triangle is not valid, ascending, each once. A triangle
 // is not valid if it faces inwards, or if it would fold over when the arcs beside it replace their
-// chords. Subdivision does replace them step by step.
+// chords. Subdivision of the mesh (refine/) replaces them step by step, so such triangles would
+// turn.
 std::vector<std::uint32_t> defects(const PatchBoundary& boundary, const PatchTriangles& patch);
 
 }  // namespace vdwmesh

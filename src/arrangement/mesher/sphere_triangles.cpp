@@ -2,9 +2,9 @@
 // geodesic subdivision of an icosahedron.
 //
 // Each of the 20 faces is divided into n² triangles by a lattice in barycentric coordinates, and
-// the points are moved to the unit sphere. Points on an edge are shared by the two faces beside it.
-// mesh_sphere() serves spheres without neighbours, sphere_points() fills the inside of patches
-// (patch_mesher.cpp), which needs no triangles.
+// the points are scaled to the unit sphere. Points on an edge are shared by the two faces beside
+// it. mesh_sphere() serves spheres that are exposed as a whole. sphere_points() gives the points
+// alone, with which patch_mesher.cpp fills the inside of patches.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -17,9 +17,9 @@
 namespace vdwmesh {
 namespace {
 
-// Turns a point by 1 rad about the axis (2, 3, 6) / 7 by Rodrigues' formula. The turn takes no
-// coordinate axis or diagonal to another one. Balls of a lattice that touch do so in these
-// directions, so their meshes have no vertices in the points of contact.
+// Turns a point by 1 rad about the axis (2, 3, 6) / 7 by Rodrigues' formula. Balls of a lattice
+// touch in the directions of coordinate axes and diagonals. The icosahedron would have points in
+// such directions; after the turn it does not, so meshes have no vertices in the points of contact.
 Vec3d turned(const Vec3d& p) {
   const Vec3d axis{2.0 / 7, 3.0 / 7, 6.0 / 7};
   const double c = std::cos(1.0), s = std::sin(1.0);
@@ -45,8 +45,9 @@ constexpr std::array<std::array<std::uint32_t, 3>, 20> kFaces{
      {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
      {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
 
-// How many parts each edge is divided into. The edge is seen from the centre under arctan 2 =
-// 63.4°. Divided by the number of parts, this angle is the mean edge of the mesh to within 3 %.
+// How many parts each edge of the icosahedron is divided into, so that parts are no longer than
+// `edge_length` (in radii) on average. The edge is seen from the centre under arctan 2 = 63.4°.
+// Divided by the number of parts, this angle is the mean edge of the mesh to within 3 %.
 std::uint32_t parts_of_edge(double edge_length) {
   return static_cast<std::uint32_t>(std::ceil(std::max(1.0, std::atan(2.0) / edge_length)));
 }
@@ -57,7 +58,8 @@ class FaceDivider {
  public:
   FaceDivider(std::uint32_t n, PatchMesh& out) : n_(n), out_(out) {}
 
-  // Goes through a face row by row, from its corner 0 to the opposite edge. Row i has i + 1 points.
+  // Divides a face, given by three of the first 12 points. Goes through it row by row, from its
+  // corner 0 to the opposite edge. Row i has i + 1 points.
   void divide(const std::array<std::uint32_t, 3>& face) {
     std::vector<std::uint32_t> above, row;
     for (std::uint32_t i = 0; i <= n_; ++i) {
@@ -83,8 +85,9 @@ class FaceDivider {
                static_cast<double>(j) * out_.interior[face[2]]);
   }
 
-  // Point k of n on the edge from corner a to corner b. The edge is stored from the lower number to
-  // the higher one, so that both faces find the same points.
+  // The number of point k, 0 <= k <= n, on the edge from corner a to corner b. The points of the
+  // edge are stored once, from the corner of lower number on, so that both faces find the same
+  // points.
   std::uint32_t on_edge(std::uint32_t a, std::uint32_t b, std::uint32_t k) {
     if (k == n_) return b;
     if (a > b) return on_edge(b, a, n_ - k);
@@ -99,7 +102,7 @@ class FaceDivider {
     return points[k - 1];
   }
 
-  // Appends a point, moved to the sphere.
+  // Appends a point, scaled to the sphere, and returns its number.
   std::uint32_t add(const Vec3d& p) {
     out_.interior.push_back((1 / norm(p)) * p);
     return static_cast<std::uint32_t>(out_.interior.size() - 1);
@@ -126,9 +129,10 @@ VDWMESH_MULTIVERSION std::vector<Vec3d> sphere_points(double edge_length) {
   const std::vector<Vec3d> corners = icosahedron_points();
   std::vector<Vec3d> points = corners;
   points.reserve(10 * std::size_t{n} * n + 2);
-  // Row i runs parallel to the edge bc of the face. An edge is run through by its two faces in
-  // opposite directions; its points belong to the face that runs from the lower corner to the
-  // higher one. Corners are already in the list.
+  // The same rows as in FaceDivider; row i is parallel to the edge bc of the face. Each edge
+  // belongs to two faces, which run along it in opposite directions. Its points are made by the
+  // face that runs from the lower corner to the higher one. The corners, where two of ab, ac, bc
+  // hold, are already in the list.
   for (const auto& [a, b, c] : kFaces) {
     for (std::uint32_t i = 1; i <= n; ++i) {
       for (std::uint32_t j = 0; j <= i; ++j) {

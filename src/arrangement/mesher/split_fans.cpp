@@ -1,7 +1,7 @@
-// Splits non-manifold vertices. The corners of triangles at a vertex are its wedges. Two wedges
-// that share an edge at the vertex belong to one fan, so the fans are the sets of a union-find over
-// the wedges. union_mesher.cpp calls this for joined corners, at which surfaces may meet in a point
-// only.
+// Splits non-manifold vertices. The corners of triangles at a vertex are called its wedges. Two
+// wedges that share an edge at the vertex belong to one fan, so the fans are the sets of a
+// union-find over the wedges. union_mesher.cpp calls this if corners of the boundary were joined:
+// there, surfaces may meet in a point only.
 #include "arrangement/mesher/split_fans.hpp"
 
 #include <algorithm>
@@ -17,13 +17,14 @@ namespace {
 
 // The corner of a triangle at one vertex of the mesh.
 struct Wedge {
-  // `corner` is the place of the vertex in its triangle, 0 to 2. `next` and `previous` are the
-  // other two vertices of the triangle.
+  // The vertex is corner `corner` of the triangle, 0 to 2. `next` and `previous` are the other two
+  // vertices of the triangle.
   std::uint32_t triangle, corner, next, previous;
 };
 
-// Joins the wedges of a vertex that share an edge. After sorting by the other end of the edge, they
-// are neighbours.
+// The fans of a vertex, as sets of indices of its wedges. Wedges that share an edge are joined.
+// They are found by sorting all edges at the vertex by their other ends: equal edges become
+// neighbours.
 DisjointSets fans_of(const std::vector<Wedge>& wedges) {
   // Entries (other end of an edge, wedge).
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
@@ -50,7 +51,7 @@ std::uint32_t copy_of(std::uint32_t vertex, IndexedMesh& mesh) {
 }
 
 // The spheres of a fan's triangles, ascending. Empty if there are more than three, because a label
-// has no room for them.
+// holds three at most. `fan` is the representative of the set in `fans`.
 std::vector<SphereId> spheres_of(const std::vector<Wedge>& wedges, DisjointSets& fans,
                                  std::uint32_t fan, const IndexedMesh& mesh) {
   std::vector<SphereId> spheres;
@@ -63,8 +64,9 @@ std::vector<SphereId> spheres_of(const std::vector<Wedge>& wedges, DisjointSets&
   return spheres;
 }
 
-// The label for the vertex of a fan. Usually it stays as it is. At a joined corner it may lack a
-// sphere of the fan; then the label becomes the spheres of the fan, if they fit.
+// The label for the vertex of a fan, given its present label and the result of spheres_of().
+// Usually the label stays as it is. At a joined corner it may lack a sphere of the fan; then the
+// label becomes the spheres of the fan, if they fit.
 VertexSpheres relabelled(const VertexSpheres& label, const std::vector<SphereId>& spheres) {
   if (spheres.empty() || std::includes(label.begin(), label.end(), spheres.begin(), spheres.end()))
     return label;
@@ -86,8 +88,9 @@ void split_fans(std::size_t count, IndexedMesh& mesh) {
   }
   for (std::uint32_t vertex = 0; vertex < count; ++vertex) {
     DisjointSets fans = fans_of(wedges[vertex]);
-    // The vertex of each fan, by the first wedge of the fan. Union-find represents a set by its
-    // smallest member, so the loop meets the representative of a fan before its other wedges.
+    // name[w] is the mesh vertex of the fan whose first wedge is w. Union-find represents a set by
+    // its smallest member, so the loop meets the representative of a fan before its other wedges.
+    // The first fan keeps the vertex.
     std::vector<std::uint32_t> name(wedges[vertex].size(), vertex);
     for (std::uint32_t w = 0; w < wedges[vertex].size(); ++w) {
       const std::uint32_t fan = fans.find(w);

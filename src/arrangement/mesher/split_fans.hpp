@@ -7,13 +7,15 @@
 
 namespace vdwmesh {
 
-// Splits non-manifold vertices among the first `count` ones: vertices whose triangles form more
-// than one fan. A fan is a set of triangles around the vertex that are connected by common edges.
-// The first fan (in the order of the triangles) keeps the vertex. Each other fan gets a copy of it
-// at the end of the mesh. A vertex is relabelled if its label lacks a sphere of its fan. If all
-// other vertices are manifold, so is the mesh afterwards.
+// Splits the non-manifold vertices among the first `count` vertices of the mesh. A fan is a set of
+// triangles around a vertex that are connected by common edges at the vertex; a vertex with more
+// than one fan is not manifold. The fan of the first triangle keeps the vertex. Each other fan gets
+// a copy of it at the end of the mesh. If the label of the vertex lacks a sphere of a fan, the
+// vertex of this fan gets the spheres of the fan as its label, unless they are more than three. If
+// all other vertices are manifold, so is the mesh afterwards.
 //
-// Precondition: `opposite` is empty. Throws LimitExceeded past 2^32 vertices.
+// Precondition: the mesh has normals and labels, and `opposite` is empty, because it would not
+// follow the change. Throws LimitExceeded past 2^32 vertices.
 void split_fans(std::size_t count, IndexedMesh& mesh);
 
 }  // namespace vdwmesh

@@ -2,8 +2,8 @@
 // conformal and maps circles to circles or lines. So the empty-circle property of a Delaunay
 // triangulation means the same in the plane and on the sphere.
 //
-// The plane's axes are chosen so that orientation is kept: what turns counter-clockwise on the
-// sphere, seen from outside, turns counter-clockwise in the plane.
+// The plane's axes are chosen so that orientation is kept: a triangle that is counter-clockwise on
+// the sphere, seen from outside, is counter-clockwise in the plane.
 #pragma once
 
 #include "arrangement/directions.hpp"
@@ -30,7 +30,7 @@ class Stereographic {
     return {w * dot(u, first_), w * dot(u, second_)};
   }
 
-  // The unit vector that project() takes to p, to rounding.
+  // The inverse of project(): the unit vector whose image is p, up to rounding.
   Vec3d lift(const PlanePoint& p) const {
     return unit(2.0 * (p.x * first_ + p.y * second_) + (p.x * p.x + p.y * p.y - 1) * pole_);
   }
