@@ -58,9 +58,9 @@ bool BadMoves<Level>::mark() {
 }
 
 // Makes exactly those cells dirty that hold a triangle with a vertex just put back. Only such a
-// triangle has changed since the previous pass, so each new crossing is between one of them and any
-// other triangle. bounds_of() covers it before and after all moves of its vertices, so a cell in
-// which it crosses the other one is dirty.
+// triangle has changed since the previous pass, so at least one triangle of each new crossing is of
+// this kind. bounds_of() covers this triangle before and after all moves of its vertices, so the
+// cells in which it may cross another one are dirty.
 template <class Level>
 void BadMoves<Level>::find_dirty_cells() {
   for_all(dirty_.size(), [&](std::size_t cell) { dirty_[cell] = 0; });

@@ -112,7 +112,7 @@ Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh) {
   return opposite;
 }
 
-// Each edge is counted and numbered at the lower of its two half-edges, so at half-edge h if
+// Each edge is counted and numbered at the lower of its two half-edges, the half-edge h with
 // h < opposite[h].
 Buffer<std::uint32_t> number_edges(const Buffer<std::uint32_t>& opposite) {
   Buffer<std::uint32_t> edge(opposite.size());

@@ -57,7 +57,7 @@ class BoundaryBuilder {
   // Returns the index in out_.corners of a corner of the dual complex. The first call for a corner
   // computes its position and appends it.
   std::uint32_t corner(CornerIndex index) {
-    std::uint32_t& place = corner_of_[index];
+    std::uint32_t& place = corner_of_[index];  // a reference: setting it below fills the table
     if (place != kNoIndex) return place;
     // A CornerIndex is 2 × triangle + side. Side 0 lies above the triangle: its vertices a, b, c
     // are counter-clockwise seen from there. Side 1 lies below.
@@ -71,7 +71,7 @@ class BoundaryBuilder {
 
   // Computes the frame and the sweep of one arc and passes it to add(). The frame is the centre of
   // the circle and two vectors, `cosine` in the direction `out` of angle 0 and `sine` a quarter
-  // turn further. Angle 0 is at the arc's first corner.
+  // turn further. Angle 0 is at the arc's first corner. On a whole circle it is anywhere.
   void place(const ExposedArc& exposed) {
     const DualEdge& e = k_.edges[exposed.edge];
     const Sphere &a = ball(e.vertices[0]), &b = ball(e.vertices[1]);
@@ -115,11 +115,11 @@ class BoundaryBuilder {
   // The angle from corner p to corner q, counter-clockwise about the axis. Both corners are given
   // relative to the circle's centre. `small` says whether the circle is below kSmallCircle.
   //
-  // The positions of the corners give the angle, in two cases with help from the dihedral angles of
-  // the triangulation (arc_angle.hpp). On a small circle these give the angle alone. If the corners
-  // are closer together than kSmallArc, they only say whether the arc is short or nearly a whole
-  // turn. The atan2 angle then is tiny and of either sign, so a whole turn plus this angle may
-  // exceed 2 pi by rounding.
+  // As a rule the positions of the corners give the angle. On a small circle, the dihedral angles
+  // of the triangulation give it instead (arc_angle.hpp). If the positions give an angle below
+  // kSmallArc, they cannot tell an arc of almost no length from an arc of almost a whole turn, and
+  // the dihedral angles decide between the two. The sign of the small angle may be due to rounding.
+  // So the result may exceed 2 pi by a rounding error.
   double sweep(const ExposedArc& arc, const Vec3d& axis, const Vec3d& p, const Vec3d& q,
                bool small) const {
     if (small) return angle_by_dihedrals(t_, k_, arc);
@@ -175,8 +175,9 @@ class BoundaryBuilder {
     return arc.sweep * arc.radius <= kJoinAllowance * reach;
   }
 
-  // Gives touching circles a common corner. This may cut arcs and append corners. Either way, more
-  // than three spheres may then pass through a corner.
+  // Gives touching circles a common corner. This may cut arcs, append corners, and return pairs of
+  // corners that are one point. If corners were appended or pairs returned, more than three spheres
+  // may pass through a corner.
   void find_touching_arcs() {
     const std::size_t corners = out_.corners.size();  // before
     const auto joined = join_touching_arcs(t_, out_);

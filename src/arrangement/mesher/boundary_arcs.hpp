@@ -52,7 +52,8 @@ struct BoundaryArc {
 // An exposed point common to three spheres, or several such points that were joined.
 struct BoundaryCorner {
   Vec3d position;
-  // Three balls whose spheres pass through it, as in BoundaryArc. A joined corner may lie on more.
+  // Three balls whose spheres pass through the corner; indices as in BoundaryArc. A joined corner
+  // may lie on more spheres.
   std::array<std::uint32_t, 3> balls;
 };
 

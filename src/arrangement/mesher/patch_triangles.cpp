@@ -19,7 +19,7 @@ namespace {
 // The fraction of a flat triangle's angle that must remain when arcs replace the chords beside it.
 constexpr double kLeastAngleShare = 0.3;
 
-// Corners and edges of a triangle, modulo 3.
+// The index that follows or precedes k counter-clockwise among the corners of a triangle.
 constexpr int next(int k) { return k == 2 ? 0 : k + 1; }
 constexpr int previous(int k) { return k == 0 ? 2 : k - 1; }
 

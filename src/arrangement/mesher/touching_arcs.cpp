@@ -163,8 +163,8 @@ class TouchingArcs {
         find_on_arc(ball_arcs_[i].arc, corner.position, reach, ends, cuts);
       if (ends.size() + cuts.size() == before) return;  // a third ball covers it
     }
-    // Then arcs of both circles end there. find_coincident_corners() in boundary_arcs.cpp compares
-    // these ends.
+    // Without cuts, arcs of both circles end near the point. find_coincident_corners() in
+    // boundary_arcs.cpp compares these ends.
     if (cuts.empty()) return;
     ++out_.joins;
     if (ends.empty()) {
