@@ -49,10 +49,9 @@ struct RefineOptions {
   std::uint64_t device_memory = kNoMemoryLimit;  // bytes, for the CUDA backend
 };
 
-inline constexpr int kMaxSubdivisions = 16;  // 4^16 = 2^32 triangles from one
-// A vertex as near to the surface as this (Å) counts as on it.
-inline constexpr double kProjectionTolerance = 1e-9;
-inline constexpr int kMaxProjectionSteps = 32;
+inline constexpr int kMaxSubdivisions = 16;           // 4^16 = 2^32 triangles from one
+inline constexpr double kProjectionTolerance = 1e-9;  // Å; this near counts as on the surface
+inline constexpr int kMaxProjectionSteps = 32;        // steps for one vertex
 
 // The counts of one level. A level handles the given vertices (level 0) or the midpoints that it
 // makes. If they are projected, each of them is in exactly one of the first four counts.
