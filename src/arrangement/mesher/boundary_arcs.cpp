@@ -188,7 +188,7 @@ class BoundaryBuilder {
   // Replaces each set of joined corners by its member of lowest index, which is what
   // DisjointSets::find() returns. Removes the arcs that have become points. Numbers the corners
   // anew in the order of the arcs; corners in which no arc ends any more are dropped. Only pairs of
-  // joined_ count in `joins`, since arcs that became points are counted already.
+  // joined_ count in `joins`, since add() has counted the short arcs in `points`.
   void join_corners() {
     out_.has_joined_corners =
         out_.has_joined_corners || !short_arc_ends_.empty() || !joined_.empty();
