@@ -1,11 +1,13 @@
-// Runs the method of the exact union that the caller chose, and translates lengths and order.
+// exact_union(): runs the method that the caller chose.
+// - cgal: regular triangulation, dual complex, inclusion-exclusion, and Gauss-Bonnet as the check.
+// - arcs: each sphere by itself, from the circular arcs on it (arcs/arcs.hpp). Spheres that this
+//   marks as suspect, because a check failed, get the measures of a small triangulation instead.
+// - both: the result of cgal, with the arcs as the check.
 //
 // The triangulation works on balls in its own order (power_triangulation.hpp), whose lengths are
-// divided by 2^scale_exponent. unscaled() and scale() bring its results back to Å and to the order
-// of the SphereSet. The power of two makes this exact, short of overflow and underflow.
-//
-// The arcs work on the SphereSet itself. Where they mark a sphere as suspect, the measures of a
-// triangulation replace theirs.
+// divided by 2^scale_exponent. unscaled() brings measures of balls back to Å and to the order of
+// the SphereSet, scale() the measures of the topology back to Å. The power of two makes this exact,
+// short of overflow and underflow. The arcs work on the SphereSet itself.
 #include "arrangement/exact_union.hpp"
 
 #include <tbb/parallel_invoke.h>
@@ -29,6 +31,7 @@ namespace {
 double scaled_area(double area, int exponent) { return std::ldexp(area, 2 * exponent); }
 double scaled_volume(double volume, int exponent) { return std::ldexp(volume, 3 * exponent); }
 
+// Multiplies the lengths behind all areas and volumes by 2^exponent.
 void scale(UnionTopology& topology, int exponent) {
   for (Shell& shell : topology.shells) {
     shell = {scaled_area(shell.area, exponent), scaled_volume(shell.volume, exponent)};
@@ -50,6 +53,8 @@ std::vector<SphereMeasures> unscaled(const SphereSet& spheres, const PowerTriang
   return out;
 }
 
+// Method cgal. Progress has three steps, reported here; triangulate() uses the monitor only to ask
+// for cancellation.
 ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
   constexpr std::uint64_t kSteps = 3;
   begin_stage(monitor, "exact union", kSteps);
@@ -60,7 +65,8 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
   std::vector<SphereMeasures> measures;
   UnionTopology topology;
   SphereMeasures check;
-  // The two computations share nothing but their inputs, so they run side by side.
+  // The measures, and the check by other formulas, share only what they read. So they run in
+  // parallel.
   tbb::parallel_invoke(
       [&] {
         measures = inclusion_exclusion(triangulation, complex);
@@ -95,7 +101,7 @@ std::vector<SphereId> neighborhood(const SphereSet& spheres, const std::vector<S
     const Vec3d reach{s.radius, s.radius, s.radius};
     visit_near_box(view, s.center - reach, s.center + reach, [&](std::uint32_t place) {
       near.push_back(view.id[place]);
-      return false;
+      return false;  // go on with the search
     });
   }
   std::sort(near.begin(), near.end());
@@ -103,9 +109,10 @@ std::vector<SphereId> neighborhood(const SphereSet& spheres, const std::vector<S
   return near;
 }
 
-// Replaces the measures of suspect spheres by those of a triangulation of their neighbourhoods. The
-// exposed area of a sphere and its ball ∩ power cell depend only on the balls that meet its ball,
-// so a triangulation of these neighbourhoods is enough.
+// Replaces the measures of suspect spheres by the reference: those of one triangulation of the
+// suspect spheres and all their neighbours. It is enough, because the exposed area of a sphere and
+// its ball ∩ power cell depend only on the balls that meet its ball. The measures that it gives for
+// the neighbours are wrong, as these may lack neighbours of their own, and are not used.
 void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>& suspect,
                           std::vector<SphereMeasures>& per_sphere) {
   if (suspect.empty()) return;
@@ -113,7 +120,7 @@ void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>&
   std::vector<Sphere> subset;
   subset.reserve(near.size());
   for (const SphereId id : near) subset.push_back(spheres[id]);
-  const SphereSet local(std::move(subset));
+  const SphereSet local(std::move(subset));  // sphere i of it is sphere near[i] of `spheres`
   const PowerTriangulation triangulation = triangulate(local);
   const auto measures = unscaled(local, triangulation,
                                  inclusion_exclusion(triangulation, dual_complex(triangulation)));
@@ -123,20 +130,24 @@ void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>&
   }
 }
 
-// Method arcs: no triangulation, except one of the neighbourhoods of suspect spheres.
+// Method arcs. arc_measures() reports progress as a stage of its own. The memory of
+// result.per_sphere is reused: it is lent to `arcs`, filled there, and handed back after `result`,
+// whose array is then another, has been overwritten.
 void union_by_arcs(ExactUnion& result, const SphereSet& spheres, Monitor* monitor,
                    Workspace& workspace) {
   auto& arcs = workspace.get<ArcMeasures>();
-  std::swap(arcs.per_sphere, result.per_sphere);  // so that the result's own memory is used
+  std::swap(arcs.per_sphere, result.per_sphere);
   arc_measures(arcs, spheres, monitor, workspace);
   replace_by_reference(spheres, arcs.suspect, arcs.per_sphere);
   const SphereMeasures total = total_measures(arcs.per_sphere);
+  // Empty: per_sphere for the moment, topology, check_area and check_volume.
   result = {UnionMethod::arcs, total.area, total.volume, {}, {}, {}, {}, arcs.suspect.size()};
   std::swap(arcs.per_sphere, result.per_sphere);
 }
 
-// Method both: the measures of the triangulation. The check is the sum over the arcs' measures, in
-// which suspect spheres count with their measures from the triangulation.
+// Method both: the result of method cgal, with another check instead of Gauss-Bonnet: the sum of
+// the arcs' measures. A suspect sphere enters this sum with its measures from the triangulation, so
+// it is not checked.
 ExactUnion union_by_both(const SphereSet& spheres, Monitor* monitor, Workspace& workspace) {
   ExactUnion result = union_by_triangulation(spheres, monitor);
   auto& arcs = workspace.get<ArcMeasures>();
@@ -150,6 +161,7 @@ ExactUnion union_by_both(const SphereSet& spheres, Monitor* monitor, Workspace& 
   return result;
 }
 
+// Throws InvalidInput for a number that is no enumerator of UnionMethod.
 void measure_union(ExactUnion& result, const SphereSet& spheres, const UnionOptions& options,
                    Workspace& workspace) {
   switch (options.method) {
@@ -170,8 +182,10 @@ void measure_union(ExactUnion& result, const SphereSet& spheres, const UnionOpti
 
 void exact_union_into(ExactUnion& result, const SphereSet& spheres, const UnionOptions& options) {
   if (spheres.empty()) throw InvalidInput("the union of an empty set of spheres is not defined");
-  WorkspaceOfCall workspace(options.workspace);
+  WorkspaceOfCall workspace(options.workspace);  // the caller's, or one for this call
   measure_union(result, spheres, options, workspace);
+  // The totals and the check are tested like the measures of two spheres. A missing check counts
+  // as 0.
   require_finite({{result.area, result.volume},
                   {result.check_area.value_or(0), result.check_volume.value_or(0)}});
 }

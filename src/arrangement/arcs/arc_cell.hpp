@@ -1,9 +1,10 @@
-// Ball ∩ power cell: the unit ball cut by one half-space after another, in memory of the
-// caller. arc_cell_cut.hpp describes the algorithm.
-//
-// Only the straight edges of the cut body are stored. Each one is part of a chord, in which the
-// planes of two caps meet inside the ball. A chord end that was never cut off lies on the sphere:
-// there two exposed arcs meet in a corner of the patch. A face without edges is a whole disk.
+// Ball ∩ power cell: the unit ball cut by one half-space after another (arc_cell_cut.hpp says how).
+// Runs on host and device, in memory of the caller.
+// The body is stored as flat faces and straight edges, without its arcs on the sphere. An edge is
+// part of a chord: the segment in which the planes of two caps meet inside the ball. A chord end
+// that was never cut off lies on the sphere: two exposed arcs meet there in a corner of the patch.
+// "Disk a" is plane a ∩ ball. A face without edges is a whole disk. A point is "beyond" a plane if
+// it is in the half-space that the plane's cap removes.
 #pragma once
 
 #include "arrangement/arcs/arc_cap.hpp"
@@ -15,17 +16,16 @@ enum Doubt : std::uint32_t {
   kOverflow = 1,        // the workspace is too small
   kParallelPlanes = 2,  // two planes nearly coincide, or a plane runs along an edge
   kIllConditioned = 4,  // circles nearly tangent: angles at a corner have lost their digits
-  kThirdCircle = 8,     // a third circle passes through a corner, to kTouching
+  kThirdCircle = 8,     // a third circle passes within kTouching of a corner
   kTinyArc = 16,        // the exposed angle of a circle is nearly 0 or nearly a whole turn
   kGaussBonnet = 32,    // the patch fails the Gauss-Bonnet theorem
   kOpenSurface = 64,    // the vector areas of patch and faces do not add up to zero
-  kVanishing = 128,     // a plane removed the rest of the body, or nearly: to kTouching
-  kVanished = 256,      // the same to kCertain, that is, within rounding
+  kVanishing = 128,     // the edge end least far beyond a new plane is within kTouching of it
+  kVanished = 256,      // the same within kCertain: rounding decides whether the body is empty
   kNotFinite = 512,     // a cap or a measure is NaN or out of its range
 };
 
 enum EdgeEnd : std::uint8_t { kLowerEnd = 1, kUpperEnd = 2 };
-
 struct Complex {
   double re, im;
 };
@@ -38,15 +38,15 @@ inline Complex conjugate(const Complex& a) { return {a.re, -a.im}; }
 
 struct CellFace {
   Cap cap;
-  double squared_sine;       // 1 - cosine²: squared radius of the disk in which the plane cuts
+  double squared_sine;       // 1 - cosine²: squared radius of the disk
   std::uint32_t edge_count;  // edges of the body on this face
-  bool crossed;              // another plane cuts the disk or takes it away
-  bool touched;              // the plane being added shortens an edge of this face
+  bool crossed;              // false: a whole disk; true: another plane cuts it or removes it
+  bool touched;              // during cut(): the new plane shortens or removes an edge of the face
   // measure_cell() fills the rest.
   Complex arc;           // its argument is the exposed angle of the circle, modulo 2 π
-  double edge_moment;    // sum over edges of (distance from the disk's centre) × length
-  std::int32_t balance;  // arcs ending less arcs starting, counter-clockwise about the axis
-  std::uint32_t ends;    // arc ends of either kind
+  double edge_moment;    // sum over edges of (signed distance from the disk's centre) × length
+  std::int32_t balance;  // number of arc ends minus arc starts, counter-clockwise about the axis
+  std::uint32_t ends;    // number of arc ends plus arc starts
 };
 
 // An edge: the part lower <= s <= upper of the chord x(s) = middle + s * half, -1 <= s <= 1.
@@ -54,41 +54,42 @@ struct CellEdge {
   Vec3d middle, half;  // at right angles; `half` runs along axis_a × axis_b
   double lower, upper;
   double cosine;              // of the angle between the axes
-  double root;                // square root of the Gram determinant, > 0: det(axis_a, axis_b, x(1))
+  double root;                // det(axis_a, axis_b, x(1)) > 0, as root of the Gram determinant
   double scale;               // root / squared sine of the angle between the axes
-  double toward_b, toward_a;  // sine × signed distance of the line from the centre of disk a, b
-  std::uint32_t a, b;         // indices of the faces, a < b
+  double toward_b, toward_a;  // distance from disk a's centre to plane b, b's to a; < 0: beyond
+  std::uint32_t a, b;         // slots of the faces, a < b
   std::uint8_t exposed;       // EdgeEnd bits: which ends lie on the sphere
 };
 
 struct ArcWorkspace {
   CellFace* faces;
-  std::uint32_t* active;  // indices of the faces of the body; as many as faces
+  std::uint32_t* active;  // slots (indices into `faces`) of the body's faces; face_capacity long
   std::uint32_t face_capacity;
   CellEdge* edges;  // a convex body of n faces has fewer than 3 n
   std::uint32_t edge_capacity;
-  Cap* nudged;  // as many as there are caps
+  Cap* nudged;  // measure_ball() puts a copy of all caps here, with planes moved at random
 };
 
-// A point this near to a plane is decided in favour of the older planes; 45 machine epsilons.
+// Ties within 45 machine epsilons go to the older planes: an old edge may exceed a new plane by so
+// much and stays, but a new chord is clipped by an older plane even if it ends this short of it.
 inline constexpr double kSlack = 1e-14;
-// A corner this near to a third plane may lie on that plane as well.
+// A corner this near to a third plane counts as doubtful: it may lie on that plane as well.
 inline constexpr double kTouching = 1e-9;
-// The same for rounding alone: a point farther from a plane than this is certainly on its side.
+// Bound of rounding errors: a point farther from a plane is certainly on the side computed for it.
 inline constexpr double kCertain = 1e-13;
 // Planes count as parallel below this squared sine of the angle between them (sine 1e-9).
 inline constexpr double kParallel = 1e-18;
-// Below this (sine 1e-5) their line is known to kSlack / sine = kTouching at best, and one plane
-// may lie within the slack of the other at one place and far from it at the next.
+// Below this squared sine (sine 1e-5) planes are cut as usual, but with the doubt kParallelPlanes:
+// rounding moves their common line by kSlack / sine = kTouching or more.
 inline constexpr double kNearlyParallel = 1e-10;
-// Opposite planes nearer than this may cross: a sine of 1e-9 moves them by 1e-9 in the unit ball.
+// Planes parallel to 1e-9 cross in the unit ball only if some 1e-9 apart. The factor 10 is margin.
 inline constexpr double kParallelGap = 1e-8;
-// Far above the rounding of a Gram determinant (some 1e-15), far below 1.
+// A quick Gram determinant, with a rounding of some 1e-15, is surely negative below minus this.
 inline constexpr double kCoarseRounding = 1e-12;
 
 // How to compute the end of an edge at a third plane. direct: along the edge; exact to rounding
-// unless plane and edge are nearly parallel. shared: as the point of three planes, with the same
-// bits for all three edges that end there, so that faces stay closed however inaccurate it is.
+// unless plane and edge are nearly parallel. shared: as the common point of three planes, with the
+// same bits for all three edges that end there: faces stay closed even if the point is inaccurate.
 enum class EdgeEnding : std::uint8_t { direct, shared };
 
 class BallCell {
@@ -114,6 +115,7 @@ class BallCell {
   bool has_corners() const { return exposed_ends_ > 0; }
 
  private:
+  // How the new disk lies to an old one (arc_cell_chords.hpp). Numbers named fresh are its slot.
   enum class Relation : std::uint8_t { apart, crossing, new_hidden, old_hidden, nothing_left };
 
   bool clip_edges(std::uint32_t fresh);
@@ -131,7 +133,7 @@ class BallCell {
 
   ArcWorkspace space_;
   EdgeEnding ending_;
-  std::uint32_t face_slots_ = 0, active_count_ = 0, edge_count_ = 0;
+  std::uint32_t face_slots_ = 0, active_count_ = 0, edge_count_ = 0;  // slots: dropped faces too
   std::uint32_t exposed_ends_ = 0, whole_disks_ = 0;
   std::uint32_t doubts_ = 0;
   double reach_ = 1;  // no point of a closed body is farther from the centre

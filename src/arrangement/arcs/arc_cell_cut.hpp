@@ -5,8 +5,9 @@
 //    faces of the body.
 // 3. drop_faces() forgets the faces of which nothing is left, and keeps the new one if it has an
 //    edge or is a whole disk.
-// The "depth" of a point is its signed distance beyond the new plane. The two counters
-// exposed_ends_ and whole_disks_ say at any time whether some of the sphere is exposed.
+// The "depth" of a point is its signed distance beyond the new plane: positive for points that the
+// cut removes. Two counters say at any time whether some of the sphere is exposed: exposed_ends_
+// counts the edge ends on the sphere, whole_disks_ the faces of the body that are not crossed.
 #pragma once
 
 #include "arrangement/arcs/arc_cell.hpp"
@@ -18,8 +19,8 @@ inline int end_count(std::uint8_t ends) { return (ends & 1) + (ends >> 1); }
 
 inline void BallCell::cut(const Cap& cap) {
   if (empty_ || overflowed()) return;
-  // Caps have cosines in (-1, 1), a nudge may bring one just beyond 1, and 2 is never reached. A
-  // NaN in the axis came with one in the cosine, and fails this test as well.
+  // Caps have cosines in (-1, 1), and a nudge moves them by 2e-11 at most, so a cap that fails this
+  // test is NaN. A NaN in the axis always comes with a NaN in the cosine.
   if (!(std::abs(cap.cosine) < 2)) {
     doubts_ |= kNotFinite;
     return;
@@ -30,19 +31,23 @@ inline void BallCell::cut(const Cap& cap) {
   }
   const bool was_closed = closed();
   const std::uint32_t fresh = face_slots_;
-  // A polytope has no room for a whole disk, so its new face counts as crossed from the start.
+  // A polytope has no room for a whole disk, so its new face counts as crossed from the start. The
+  // sums that measure_cell() fills start empty: a product of 1 and sums of 0.
   space_.faces[fresh] = {
       cap, (1 - cap.cosine) * (1 + cap.cosine), 0, was_closed, false, {1, 0}, 0, 0, 0};
   const bool touched = clip_edges(fresh);
+  // If no edge of a polytope reaches beyond the plane, nothing of it does. A body with exposed
+  // parts may reach farther than its edges.
   if (was_closed && !touched) return;
   if (!add_face(fresh, was_closed)) return;
   drop_faces(fresh);
   reach_is_stale_ = true;
 }
 
-// Returns the parameter s at which the edge meets the plane. `direct` is s computed from the edge
-// and the plane alone. With EdgeEnding::shared the planes a, b, c are ordered by index, so that all
-// three edges that end in their common point compute it with the same bits:
+// Returns the parameter s at which the edge meets the plane of the face in slot `plane`. `direct`
+// is s as the caller computed it, from the edge and the plane alone. With EdgeEnding::shared the
+// planes of axes a, b, c and distances t are ordered by slot, so that all three edges that end in
+// their common point x compute it with the same bits:
 //   x = (t_a b×c + t_b c×a + t_c a×b) / det(a, b, c).
 inline double BallCell::end_at(const CellEdge& edge, std::uint32_t plane, double direct) const {
   if (ending_ == EdgeEnding::direct) return direct;
@@ -63,15 +68,17 @@ inline double BallCell::end_at(const CellEdge& edge, std::uint32_t plane, double
       a.cosine * bc + b.cosine * cross(c.axis, a.axis) + c.cosine * cross(a.axis, b.axis);
   const Vec3d point = (1 / inner(a.axis, bc)) * sum;
   const double at = inner(point - edge.middle, edge.half) / inner(edge.half, edge.half);
-  // `at` is not finite if planes are parallel to the last bit, and useless if out of [-1, 1].
+  // `at` is not finite if planes are parallel to the last bit, and outside [-1, 1] it is no point
+  // of the chord. The comparison is false in both cases.
   return std::abs(at) <= 1 ? at : direct;
 }
 
-// Shortens or removes the edges that reach beyond the new plane. Returns whether there were any.
+// Shortens or removes the edges that reach beyond the plane of slot `fresh`, and marks their faces
+// as touched. Returns whether there was such an edge.
 inline bool BallCell::clip_edges(std::uint32_t fresh) {
   const Cap& cap = space_.faces[fresh].cap;
   bool touched = false, along = false;
-  double depth = 1;  // of the least deep edge end
+  double depth = 1;  // the least depth of an edge end, or 1 if that is greater
   for (std::uint32_t i = 0; i < edge_count_;) {
     CellEdge& e = space_.edges[i];
     // The depth of the point x(s) of the edge is slope * s - room.
@@ -102,22 +109,23 @@ inline bool BallCell::clip_edges(std::uint32_t fresh) {
     }
     exposed_ends_ -= static_cast<std::uint32_t>(end_count(before) - end_count(e.exposed));
     if ((upper_out && lower_out) || !(e.lower < e.upper)) {
-      remove_edge(i);
+      remove_edge(i);  // another edge is at i then
     } else {
       ++i;
     }
   }
-  // If the plane runs along an edge, a rounding decides which faces lose it, and a face that still
-  // has a part on this side may be dropped.
+  // `along`: both ends of an edge are on the plane, to kTouching. Then rounding decides which faces
+  // lose the edge, and a face that still has a part before the plane may be dropped.
   if (touched && along) doubts_ |= kParallelPlanes;
-  // If even the least deep corner is on the plane to kTouching, nearly nothing is left, or nothing.
+  // If even the least deep edge end is on the plane to kTouching, the body is nearly or quite gone.
   if (touched && std::abs(depth) < kTouching) {
     doubts_ |= std::abs(depth) < kCertain ? kVanished : kVanishing;
   }
   return touched;
 }
 
-// Replaces edge i by the last edge of the list, so the caller must look at position i again.
+// Moves the last edge of the list to position i, in place of the removed one. A caller that goes
+// through the list must look at position i again.
 inline void BallCell::remove_edge(std::uint32_t i) {
   const CellEdge& e = space_.edges[i];
   --space_.faces[e.a].edge_count;
@@ -137,8 +145,9 @@ inline void BallCell::push_edge(const CellEdge& edge) {
   exposed_ends_ += static_cast<std::uint32_t>(end_count(edge.exposed));
 }
 
-// Drops the faces of which nothing is left; they cannot come back, because the body only shrinks.
-// The slots of dropped faces are not used again, except that of a new face that is dropped at once.
+// Drops the faces of which nothing is left: those that are crossed and have no edge. They cannot
+// come back, because the body only shrinks. Their slots are not used again. The new face gets its
+// slot for good only if it stays.
 inline void BallCell::drop_faces(std::uint32_t fresh) {
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < active_count_; ++i) {
@@ -165,8 +174,9 @@ inline bool BallCell::out_of_reach(double cosine) {
   return cosine >= reach_;
 }
 
-// Sets reach_ to the distance of the farthest end of an edge. `middle` and `half` are orthogonal,
-// so |x(s)|² = |middle|² + s² |half|². The slack covers the rounding.
+// Sets reach_ to the distance from the centre to the farthest edge end, a bound for the whole
+// polytope. `middle` and `half` are orthogonal, so |x(s)|² = |middle|² + s² |half|². kSlack covers
+// the rounding.
 inline void BallCell::update_reach() {
   double squared = 0;
   for (std::uint32_t i = 0; i < edge_count_; ++i) {

@@ -1,12 +1,13 @@
-// Measures one ball of a union from its caps: no allocation, no containers, memory of the caller.
+// Measures one ball of a union from its caps. Runs on host and device, so it allocates nothing and
+// works in memory of the caller.
 //
 // The exposed part of a sphere is its intersection with the power cell of the ball. Only caps whose
 // planes bound the cell matter, and the edges of ball ∩ power cell give both the exposed area and
 // the volume.
 //
 // 1. measure_sorted() cuts the ball by the caps, the largest first, and measures what is left.
-// 2. If a check leaves a doubt, measure_ball() repeats this with planes nudged apart at random, so
-//    that no more than three of them meet in a point.
+// 2. If a check leaves a doubt, measure_ball() repeats this with nudged planes: each is moved along
+//    its axis by a small random amount, so that no more than three of them meet in a point.
 #pragma once
 
 #include <algorithm>
@@ -17,20 +18,21 @@
 namespace vdwmesh::arcs {
 
 // The largest distance by which a plane is nudged, in units of the radius. A plane that moves by δ
-// changes the exposed area by δ times the exposed angle of its circle (the area of a spherical zone
-// is 2 π times its height), so the error of the area is some 1e-10. The nudge is 10^5 machine
-// epsilons and so decides degenerate cases reliably. It is below kTouching, so nudged planes may
-// still raise the doubts that depend on kTouching.
+// changes the exposed area by δ times the exposed angle of its circle, at most 2 π δ (the area of a
+// spherical zone is 2 π times its height). So the area is wrong by some 1e-10. The nudge is 10^5
+// machine epsilons and so decides degenerate cases reliably. It is below kTouching, so nudged
+// planes may still raise the doubts that depend on kTouching.
 inline constexpr double kNudge = 2e-11;
-inline constexpr std::uint64_t kNudges = 8;  // attempts, each with other amounts
+inline constexpr std::uint64_t kNudges = 8;  // attempts at most, each with other random amounts
 
-// Whether a cap before `index` in the sorted list has nearly the same plane, so that this one cuts
-// nothing more. Equal caps are no reason for a doubt, nearly equal ones are.
+// Whether an earlier cap of the sorted list has the same plane as cap `index` to rounding, so that
+// this cap need not be cut off. If the two caps are not equal to the last bit, adds the doubt
+// kParallelPlanes. Earlier caps whose distance is smaller by kParallelGap have other planes.
 inline bool repeats_plane(const Cap* caps, std::uint32_t index, std::uint32_t& doubts) {
   const Cap& cap = caps[index];
   for (std::uint32_t i = index; i > 0 && cap.cosine - caps[i - 1].cosine < kParallelGap; --i) {
     const Cap& earlier = caps[i - 1];
-    if (inner(cap.axis, earlier.axis) < 0) continue;
+    if (inner(cap.axis, earlier.axis) < 0) continue;  // the planes face each other
     const Vec3d normal = cross(cap.axis, earlier.axis);
     if (inner(normal, normal) >= kParallel) continue;
     if (!same_cap(cap, earlier)) doubts |= kParallelPlanes;
@@ -40,7 +42,8 @@ inline bool repeats_plane(const Cap* caps, std::uint32_t index, std::uint32_t& d
 }
 
 // Cuts the unit ball by the sorted caps and measures what is left. The loop ends early if nothing
-// is left or if all further planes are out of reach; see BallCell::out_of_reach().
+// is left, or if the body lies before all further planes, which are no nearer to the centre than
+// this one (BallCell::out_of_reach()).
 inline BallMeasures measure_sorted(const Cap* caps, std::uint32_t count,
                                    const ArcWorkspace& workspace, EdgeEnding ending) {
   BallCell cell(workspace, ending);
@@ -54,8 +57,9 @@ inline BallMeasures measure_sorted(const Cap* caps, std::uint32_t count,
   return measures;
 }
 
-// Copies the caps, each plane moved by a pseudo-random amount in [-kNudge, kNudge]. The amount
-// depends on the attempt and on the place in the sorted list alone, so results are reproducible.
+// Copies the caps, each plane moved by a pseudo-random amount in [-kNudge, kNudge). The amount
+// depends on the number of the attempt and the index in the sorted list alone, so results are
+// reproducible.
 inline void nudge_caps(const Cap* caps, std::uint32_t count, std::uint64_t attempt, Cap* nudged) {
   for (std::uint32_t i = 0; i < count; ++i) {
     // The upper 53 bits become a double in [-1, 1).
@@ -67,9 +71,9 @@ inline void nudge_caps(const Cap* caps, std::uint32_t count, std::uint64_t attem
 
 // Returns the area of the exposed sphere and the volume of ball ∩ power cell, for the unit ball.
 // Sorts the caps in place, so the result does not depend on the order in which they come.
-// If a check leaves a doubt, the numbers are those of nudged planes if these pass the checks, but
-// the doubt bits stay. If the workspace is too small, the bit kOverflow is set and the numbers mean
-// nothing.
+// If a check leaves a doubt, area and volume come from the first nudged planes that pass the
+// checks, or from the given planes if none do; the doubts are always those of the given planes. If
+// the workspace is too small, the bit kOverflow is set and the numbers mean nothing.
 inline BallMeasures measure_ball(Cap* caps, std::uint32_t count, const ArcWorkspace& workspace) {
   if (count == 0) return {4 * std::numbers::pi, 4 * std::numbers::pi / 3, 0};
   std::sort(caps, caps + count, cuts_deeper);
@@ -80,7 +84,7 @@ inline BallMeasures measure_ball(Cap* caps, std::uint32_t count, const ArcWorksp
     std::sort(workspace.nudged, workspace.nudged + count, cuts_deeper);
     const BallMeasures nudged =
         measure_sorted(workspace.nudged, count, workspace, EdgeEnding::shared);
-    // Other doubts are about planes that meet within kTouching, as nudged planes may.
+    // The doubts left out here say that planes meet within kTouching, which nudged planes may do.
     const bool failed =
         nudged.doubts & (kOverflow | kGaussBonnet | kOpenSurface | kVanished | kNotFinite);
     if (!failed) return {nudged.area, nudged.volume, plain.doubts};

@@ -1,7 +1,7 @@
 // Area of the exposed patch and volume of the cut ball, from the edges of a BallCell.
 //
 // Let t be the cosine of a cap, phi the exposed angle of its circle, and P the spherical polygon
-// from axis to axis through the corners of the patch (on each arc: corner, axis, corner).
+// that goes from corner to corner of the patch by way of the cap's axis instead of along the arc.
 //   area   = area(P) - sum phi (1 - t), modulo 4 pi       the patch is P without sectors of caps
 //   area   = 2 pi chi + sum phi t - sum turning angles    Gauss-Bonnet: the check
 //   volume = (area + sum t F) / 3, F = area of a face     divergence theorem about the centre
@@ -14,30 +14,31 @@
 namespace vdwmesh::arcs {
 
 struct BallMeasures {
-  double area, volume;   // of the unit ball
+  double area, volume;   // of the exposed patch; of the cut ball. The radius is 1.
   std::uint32_t doubts;  // Doubt bits; 0: the numbers are good
 };
 
-// Exposed angles this near to 0 or 2 pi may be either, by rounding.
+// An exposed angle this near to 0 or 2 pi may be either, by rounding.
 inline constexpr double kTinyAngle = 1e-9;
-// 64 machine epsilons: rounding error of one term of the checks, divided by its condition number.
+// An angle at a corner is taken to be wrong by its condition number times 64 machine epsilons.
 inline constexpr double kRounding = 64 * 2.220446049250313e-16;
 // Largest estimated rounding error of a corner's angle that is accepted, in radians.
 inline constexpr double kMaxError = 1e-9;
-// Largest accepted length of the body's vector area, which is 0 for a closed surface. A rounding
-// error makes it about as large as the volume's error, a missing edge about as large as the edge.
+// Largest accepted length of PatchSums::open, which is 0 if the surface is closed, up to rounding.
 inline constexpr double kMaxOpen = 1e-10;
 
-// Where the corner lies on the circle of `face`: a unit complex number whose argument is the angle
-// about the axis. It is counted from a direction that depends on the axis alone.
+// The corner on the circle of `face` as a unit complex number. Its argument is the angle about the
+// axis from `first`. The orthonormal basis first, second, axis depends on the axis alone (Duff et
+// al. 2017, "Building an orthonormal basis, revisited").
 inline Complex on_circle(const CellFace& face, const Vec3d& corner) {
   const auto [first, second] = frame_of(face.cap.axis);
   const double scale = 1 / std::sqrt(face.squared_sine);
   return {scale * inner(first, corner), scale * inner(second, corner)};
 }
 
-// Adds an arc that ends (direction 1) or starts (-1) at the corner, counter-clockwise. The product
-// of all ends and conjugated starts has the exposed angle of the circle as its argument.
+// Adds an arc's end (direction 1) or start (-1) at the corner to the sums of the face, empty since
+// cut(). Arcs run counter-clockwise about the axis. The product of all ends and conjugated starts
+// has the exposed angle of the circle as its argument.
 inline void add_arc_end(CellFace& face, const Vec3d& corner, int direction) {
   const Complex place = on_circle(face, corner);
   multiply(face.arc, direction > 0 ? place : conjugate(place));
@@ -45,10 +46,10 @@ inline void add_arc_end(CellFace& face, const Vec3d& corner, int direction) {
   ++face.ends;
 }
 
-// Adds the moments of an edge to both faces, the arc ends at its corners, and its part of the
-// vector area. At the corner s = 1 an arc of circle a starts and one of circle b ends, counter-
-// clockwise about each axis; at s = -1 it is the other way round. In the vector area the sectors of
-// disks cancel against the patch, which leaves a cross product for each corner.
+// Adds the edge to the sums of both faces and to PatchSums::open, twice the vector area. At the
+// corner s = 1 an arc of circle a starts and one of b ends; at s = -1 it is the other way round. To
+// PatchSums::open a face adds 2 F axis = (edge_moment + phi sine²) axis, and the patch the integral
+// of x × dx, for each arc t axis × (start - end) - phi sine² axis. The terms with phi cancel.
 inline void add_edge(const BallCell& cell, const CellEdge& e, PatchSums& sums) {
   CellFace& a = cell.face_at(e.a);
   CellFace& b = cell.face_at(e.b);
@@ -98,15 +99,15 @@ inline void add_face_to(const CellFace& face, FaceSums& sums) {
     sums.largest_cap = 2 * std::numbers::pi * drop;
 }
 
-// Reduces an area modulo 4 pi. The largest cap, of area A, is not exposed, so at most 4 pi - A is.
-// A remainder above 4 pi - A / 2 is therefore an area of 0 less a rounding error, and becomes that.
+// Reduces an area modulo 4 pi. At most 4 pi - A can be exposed, with the area A of the largest cap.
+// A remainder nearer to 4 pi is an area of 0 with a negative rounding error, which is returned.
 inline double reduce_area(double area, double largest_cap) {
   const double full = 4 * std::numbers::pi;
   area -= full * std::floor(area / full);
   return area > full - 0.5 * largest_cap ? area - full : area;
 }
 
-// Measures the cut ball and checks the result. `caps` are all caps that the cell was offered.
+// Measures the cut ball, once for each cell, and checks the result. `caps`: all caps of the ball.
 inline BallMeasures measure_cell(const BallCell& cell, const Cap* caps, std::uint32_t count) {
   if (cell.empty()) return {0, 0, cell.doubts()};
   std::uint32_t doubts = cell.doubts();
@@ -126,9 +127,9 @@ inline BallMeasures measure_cell(const BallCell& cell, const Cap* caps, std::uin
   // Without corners the patch is the sphere less whole disks, or nothing.
   double area = cell.closed() ? 0 : 4 * std::numbers::pi - faces.sector;
   if (cell.has_corners()) {
-    const double polygon = 2 * argument(patch.polygon);
+    const double polygon = 2 * argument(patch.polygon);  // the product holds half the area
     area = reduce_area(polygon - faces.sector, faces.largest_cap);
-    // By both formulas for the area this is an integer, the Euler characteristic.
+    // Both formulas for the area give area(P) - sum phi + sum turning = 2 pi chi, modulo 2 pi.
     const double turns = (polygon - faces.angle + argument(patch.turning)) / (2 * std::numbers::pi);
     const double miss = 2 * std::numbers::pi * std::abs(turns - std::round(turns));
     if (!(miss <= kRounding * patch.condition)) doubts |= kGaussBonnet;

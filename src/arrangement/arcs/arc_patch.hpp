@@ -1,11 +1,13 @@
 // The corners of the exposed patch: area of the spherical polygon through them, turning angles.
 //
-// The polygon P of arc_measure.hpp is divided into triangles. One has the corners axis a, corner,
-// axis b, for each corner. The others have the corners pole, axis a, axis b and close the polygon
-// about an arbitrary pole. By Van Oosterom and Strackee 1983, "The solid angle of a plane
-// triangle", unit vectors u, v, w span the solid angle
+// The vertices of the polygon P of arc_measure.hpp are corners of the patch and, between two of
+// them, the axis of a cap. P is divided into two spherical triangles with signed areas for each
+// corner of circles a and b: one has the vertices axis a, corner, axis b, the other one the
+// vertices pole, axis a, axis b, with a pole that is the same for all corners and otherwise
+// arbitrary. By Van Oosterom and Strackee 1983, "The solid angle of a plane triangle", unit vectors
+// u, v, w span the solid angle
 //   2 arg(1 + u·v + v·w + w·u + i det(u, v, w)),
-// so products of such complex numbers add up areas.
+// so the argument of the product of such complex numbers is half the area of P, modulo 2 pi.
 #pragma once
 
 #include "arrangement/arcs/arc_cell.hpp"
@@ -33,13 +35,14 @@ struct PatchSums {
   Complex polygon{1, 0};       // its argument is half the polygon's area
   Complex turning{1, 0};       // its argument is the sum of the turning angles
   Vec3d open{0, 0, 0};         // twice the vector area of the body's surface; 0 if it is closed
-  double condition = 1;        // sum of the condition numbers of all angles
-  double worst = 1;            // the largest condition number of a corner
-  bool pole_too_near = false;  // to the antipode of an axis
+  double condition = 1;        // sum of the condition numbers of all corners' angles
+  double worst = 1;            // the largest of these condition numbers, at least 1
+  bool pole_too_near = false;  // the pole is too near to the antipode of an axis
 };
 
-// Poles to try in turn. A pole opposite to an axis is bad: the triangle's area is not determined
-// there. The directions have no symmetry, so that in a lattice at most one of them is bad.
+// Poles to try in turn. A pole opposite to an axis is bad, because the great circle between them
+// and so the triangle is not determined. The directions have no symmetry, so that in a lattice at
+// most one of them is bad.
 inline constexpr int kPoleCount = 4;
 inline constexpr double kPoleDistance = 1e-4;  // least 1 + cosine: 0.8 degrees from the antipode
 inline Vec3d pole(int attempt) {
@@ -49,19 +52,22 @@ inline Vec3d pole(int attempt) {
   return {-0.6, -0.48, -0.64};
 }
 
-// Multiplies in the triangle pole, axis a, axis b, with its sign for the end that is a corner.
+// Multiplies the triangle pole, axis a, axis b into the polygon. Precondition: exactly one end of
+// the edge is a corner. The sign of the area is positive at the upper end, negative at the lower.
 inline void add_pole_triangle(const CellEdge& e, const Vec3d& axis_a, const Vec3d& axis_b,
                               const Vec3d& p, PatchSums& sums) {
   const double pa = inner(p, axis_a), pb = inner(p, axis_b);
   if (1 + pa < kPoleDistance || 1 + pb < kPoleDistance) sums.pole_too_near = true;
-  const double volume = inner(p, e.half) / e.scale;
+  const double volume = inner(p, e.half) / e.scale;  // det(p, axis a, axis b)
   const Complex z{1 + pa + pb + e.cosine, volume};
   multiply(sums.polygon, e.exposed == kUpperEnd ? z : conjugate(z));
 }
 
-// Adds the corners at the ends of edge e. The Gram determinant gives det(axis_a, axis_b, corner) =
-// ±root; the turning angle is that between the normals axis_a × corner and axis_b × corner, with
-// cosine : sine = c - t_a t_b : root. If both ends are corners, the two pole triangles cancel.
+// Adds the corners at the ends of edge e. Precondition: there is at least one. Both kinds of corner
+// give the same factors: det(axis_a, axis_b, corner) is root at the upper end and -root at the
+// lower one, where a and b change roles. The turning angle lies between the normals axis_a × corner
+// and axis_b × corner, with cosine : sine = c - t_a t_b : root. If both ends are corners, their two
+// pole triangles have opposite signs and are left out.
 inline void add_corners(const BallCell& cell, const CellEdge& e, const Vec3d& p, PatchSums& sums) {
   const Cap& a = cell.face_at(e.a).cap;
   const Cap& b = cell.face_at(e.b).cap;
@@ -72,7 +78,8 @@ inline void add_corners(const BallCell& cell, const CellEdge& e, const Vec3d& p,
     multiply(sums.polygon, triangle);
     multiply(sums.turning, turn);
   }
-  // The angles lose digits if the circles are nearly tangent or a cap is nearly the whole sphere.
+  // The angles lose digits if the circles are nearly tangent (root is nearly 0) or a cap is nearly
+  // the whole sphere (its cosine is nearly -1).
   const double condition = 1 / e.root + 1 / (1 + a.cosine) + 1 / (1 + b.cosine);
   sums.condition += corners * condition;
   sums.worst = condition > sums.worst ? condition : sums.worst;
@@ -93,15 +100,16 @@ inline PatchSums sum_patch(const BallCell& cell) {
   return sums;
 }
 
-// Whether an end of the edge that is no corner lies nearly on the sphere, so that a third circle
-// covers it by less than kTouching.
+// Whether a third circle hides a would-be corner of the edge only just: an end that some plane has
+// cut off lies nearly on the sphere, to kTouching as the parameter s.
 inline bool ends_near_sphere(const CellEdge& e) {
   return (!(e.exposed & kUpperEnd) && e.upper > 1 - kTouching) ||
          (!(e.exposed & kLowerEnd) && e.lower < -1 + kTouching);
 }
 
-// Whether a corner of the edge lies on the circle of a third cap, to kTouching. It looks at every
-// cap, because the face of that cap may have been dropped.
+// Whether a third circle hides a corner of the edge almost: the corner is exposed and lies on the
+// plane of a third cap, to kTouching. Looks at every cap of the ball, because caps that only touch
+// the corner may have no face.
 inline bool touches_third(const BallCell& cell, const CellEdge& e, const Cap* caps,
                           std::uint32_t count) {
   const Cap& a = cell.face_at(e.a).cap;

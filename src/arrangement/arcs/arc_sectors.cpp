@@ -23,12 +23,13 @@ namespace {
 
 // A spherical triangle and the planes through its sides and the centre.
 struct Sector {
-  std::array<Vec3d, 3> corner;  // counter-clockwise seen from outside
-  std::array<Vec3d, 3> normal;  // outward; entry k is opposite to corner k
+  std::array<Vec3d, 3> corner;  // unit vectors, counter-clockwise seen from outside
+  std::array<Vec3d, 3> normal;  // unit, out of the sector; plane k is opposite to corner k
 };
 
-// An orthonormal frame without symmetry. With the coordinate axes, a lattice would have balls whose
-// planes lie along the planes of the octants.
+// Returns an orthonormal basis without symmetry: x, y and z axes for the octants. The coordinate
+// axes would be a bad choice, because in a lattice radical planes coincide with the planes between
+// octants.
 std::array<Vec3d, 3> frame() {
   const Vec3d x = unit({0.31337, 0.72701, 0.61093});
   const Vec3d y = unit(cross(x, {0.91231, -0.22373, 0.17713}));
@@ -45,6 +46,7 @@ Sector octant(unsigned signs) {
     s.corner[k] = (signs >> k & 1 ? -1.0 : 1.0) * axes[k];
     s.normal[k] = -1.0 * s.corner[k];
   }
+  // An odd number of reversed axes makes the corners clockwise.
   const bool mirrored = (signs & 1) ^ (signs >> 1 & 1) ^ (signs >> 2 & 1);
   if (mirrored) {
     std::swap(s.corner[1], s.corner[2]);
@@ -53,10 +55,12 @@ Sector octant(unsigned signs) {
   return s;
 }
 
-// Halves a sector across its longest side. The halves use the same numbers for their common plane,
-// and the sectors beside it for theirs, so no sliver is counted twice or left out.
+// Halves a sector by a plane through the middle of its longest side, ab, and the corner k opposite
+// to it. The halves have the same numbers for their common plane, up to the sign, and the planes of
+// the sector are handed on unchanged. So no sliver is counted twice or left out.
 std::array<Sector, 2> halves(const Sector& s) {
   std::size_t k = 0;
+  // The cosine of the side opposite to corner i: the least cosine belongs to the longest side.
   const auto side = [&](std::size_t i) {
     return dot(s.corner[(i + 1) % 3], s.corner[(i + 2) % 3]);
   };
@@ -68,9 +72,10 @@ std::array<Sector, 2> halves(const Sector& s) {
            {{s.corner[k], middle, s.corner[b]}, {s.normal[k], s.normal[a], -1.0 * plane}}}};
 }
 
-// Whether a cap reaches a sector, or comes so near that the kernel might have a doubt about it. The
-// test may say yes for a cap that does not reach the sector. It says no if the cap lies wholly
-// beyond one of the sector's planes, or outside the circle through the sector's corners.
+// Whether a cap reaches a sector, or comes so near that the kernel might have a doubt about it.
+// This is a filter: it may say yes for a cap that does not reach the sector, but never no for one
+// that does. It says no only if the cap lies wholly beyond one of the sector's planes, or outside a
+// circle around the sector.
 class MayReachSector {
  public:
   explicit MayReachSector(const Sector& sector)
@@ -80,14 +85,16 @@ class MayReachSector {
   }
 
   bool operator()(const Cap& cap) const {
-    const double cosine = cap.cosine - kParallelGap;
+    const double cosine = cap.cosine - kParallelGap;  // a slightly larger cap
     if (cosine <= 0) return true;  // the half-space holds the centre, a point of every sector
     const double sine = sine_of(cosine), toward = dot(cap.axis, middle_);
+    // The cap lies beyond a plane if the angle from the plane to the axis exceeds the cap's angle.
     for (const Vec3d& normal : sector_.normal) {
       if (dot(cap.axis, normal) > sine + kCoarseRounding) return false;
     }
-    // A cap around middle_ with the cosine cosine_ contains the sector. The nearest point of its
-    // rim to the axis is at the difference of two angles, whose cosine is computed here.
+    // The circle of angle acos(cosine_) around middle_ contains the sector. If the axis is outside,
+    // its angle to the nearest point of that circle is acos(toward) - acos(cosine_). The cosine of
+    // this difference is compared with the cap's.
     return toward >= cosine_ || toward * cosine_ + sine_of(toward) * sine_ >= cosine;
   }
 
@@ -98,7 +105,7 @@ class MayReachSector {
 
   const Sector& sector_;
   Vec3d middle_;
-  double cosine_ = 1, sine_ = 0;  // of the angle between the middle and the farthest corner
+  double cosine_ = 1, sine_ = 0;  // of the angle between middle_ and the farthest corner
 };
 
 // Returns the caps that may reach the sector, in their order.
@@ -112,15 +119,18 @@ BallMeasures operator+(const BallMeasures& a, const BallMeasures& b) {
   return {a.area + b.area, a.volume + b.volume, a.doubts | b.doubts};
 }
 
-// Measures a sector by recursive halving. `most_caps`: up to this number of caps no halving.
+// Measures a sector by recursive halving.
 class SectorSum {
  public:
+  // A sector with up to this number of caps is not halved.
   explicit SectorSum(std::size_t most_caps) : most_caps_(most_caps) {}
 
-  // `caps` are those that may reach the sector, in any order. Their order is lost, and the sector's
-  // planes may be appended.
+  // Returns area and volume of the ball's parts in the sector. `caps` are those that may reach it,
+  // in any order; the call sorts them and may append the sector's planes. `halvings`: how many
+  // halvings led to this sector.
   BallMeasures measure(const Sector& sector, std::vector<Cap>& caps, int halvings = 0) {
-    // After 40 halvings a side is still about 2^-20 long, far above rounding.
+    // Two halvings halve the length of all sides, roughly. So after 40 of them a side is still
+    // about 2^-20 long, far above rounding.
     constexpr int kMostHalvings = 40;
     if (caps.size() <= most_caps_ || halvings == kMostHalvings) return measure_here(sector, caps);
     const std::array<Sector, 2> parts = halves(sector);
@@ -153,8 +163,8 @@ BallMeasures measure_whole(std::span<const Cap> caps) {
 
 }  // namespace
 
-// Grows in steps of at least a factor of two, so that a run over many balls allocates rarely. A
-// convex body of n faces has fewer than 3 n edges.
+// Arrays grow by a factor of two or more, so that a run over many balls allocates rarely. A convex
+// body of n faces has fewer than 3 n edges.
 ArcWorkspace CellSpace::reserve(std::size_t caps, std::size_t faces) {
   if (nudged_.size() < caps) nudged_.resize(2 * caps);
   if (faces_.size() < faces) {
@@ -172,18 +182,20 @@ ArcWorkspace CellSpace::reserve(std::size_t caps, std::size_t faces) {
 
 BallMeasures measure_by_sectors(std::span<const Cap> caps, std::size_t most_caps) {
   std::array<Sector, kOctants> octants;
-  std::array<std::vector<Cap>, kOctants> near;
+  std::array<std::vector<Cap>, kOctants> near;  // per octant: the caps that may reach it
   std::size_t total = 0;
   for (unsigned signs = 0; signs < kOctants; ++signs) {
     octants[signs] = octant(signs);
     near[signs] = caps_in(octants[signs], caps);
     total += near[signs].size();
   }
-  // If a cap reaches more than half of the octants on average, sectors would multiply the work.
+  // If a cap reaches more than half of the octants on average, most caps overlap each other, and
+  // division into sectors would multiply the work instead of dividing it.
   if (2 * total > kOctants * caps.size()) return measure_whole(caps);
   std::array<BallMeasures, kOctants> parts{};
-  // A thread that waits here could otherwise steal a task of the caller's loop, that is, measure
-  // another ball in the memory of this thread and overwrite these caps. Isolation prevents it.
+  // The caller's loop over balls uses memory of its thread, which includes `caps`. A thread that
+  // waits here for the octants could otherwise take up a task of that loop, measure another ball in
+  // the same memory and overwrite these caps. Isolation prevents it.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(0u, kOctants, [&](unsigned i) {
       parts[i] = SectorSum(most_caps).measure(octants[i], near[i]);

@@ -1,9 +1,11 @@
 // arc_measures(): every sphere by itself, in parallel.
 //
-// For each sphere, visit_caps() collects the caps of overlapping balls from a cell list, and the
-// kernel (arc_kernel.hpp) measures the unit ball that they cut. If the cell has more than
-// kMostFaces faces, measure_by_sectors() does it instead. The results are scaled by the radius and
-// stored by sphere id, so they do not depend on the number of threads.
+// For each sphere, find_caps() finds the overlapping balls with a cell list and collects their
+// caps. The kernel (arc_kernel.hpp) measures the unit ball that the caps cut. If the ball's power
+// cell has more than kMostFaces faces, measure_by_sectors() does it instead. The results are scaled
+// by the radius and stored by sphere id, so they do not depend on the number of threads. A "list
+// place" is the index of a sphere in the cell list, where spheres near in space stand near each
+// other.
 #include "arrangement/arcs/arcs.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -22,8 +24,9 @@ namespace {
 
 constexpr std::size_t kSpheresPerBlock = 256;  // consecutive in list order
 
-// Up to this number of faces the kernel handles a ball in one piece. The cell of an atom has far
-// fewer, and the square of this number is still a short time.
+// Up to this number of faces the kernel handles a ball in one piece. The power cell of an atom has
+// far fewer. The kernel's time grows with the square of the number, and is still short for this
+// one.
 constexpr std::size_t kMostFaces = 512;
 
 // Memory of one thread.
@@ -32,13 +35,14 @@ struct ThreadSpace {
   arcs::CellSpace space;
 };
 
-// What a workspace keeps for the next call.
+// What a caller's Workspace keeps from one call to the next, beside the result's own memory.
 struct ArcSpace {
   tbb::enumerable_thread_specific<ThreadSpace> threads;
   std::vector<std::uint8_t> is_doubtful;  // by sphere id
 };
 
-// Measures of the sphere at list place `place`, in Å² and Å³.
+// Returns the measures of the sphere at list place `place`, in Å² and Å³. kOverflow says that the
+// power cell did not fit into kMostFaces faces.
 arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place,
                                   ThreadSpace& work) {
   work.caps.clear();

@@ -1,17 +1,20 @@
 // dual_complex(): decides for every simplex of the triangulation whether it is in the complex.
 //
-// The size of a simplex is the squared radius of the smallest sphere orthogonal to its balls. The
-// simplex is attached if, at the centre of that sphere, a neighbouring ball has less power than the
-// simplex's own balls. By the rule for alpha complexes (Edelsbrunner and Mücke 1994, "Three-
-// dimensional alpha shapes", here weighted and with alpha = 0), a simplex is in the complex if
+// The size of a simplex is the squared radius of the smallest sphere orthogonal to its balls;
+// size_sign() gives its sign. The simplex is attached if, at the centre of that sphere, a
+// neighbouring ball d has less power than the simplex's own balls: side_sign(..., d) is negative.
+// By the rule for alpha complexes (Edelsbrunner and Mücke 1994, "Three-dimensional alpha shapes",
+// here weighted and with alpha = 0), a simplex is in the complex if
 // - it is a face of a larger simplex of the complex, or
-// - it is not attached and its size is <= 0 (it is "free").
+// - it is "free": it is not attached and its size is <= 0.
 // Builder goes from tetrahedra to triangles, edges and vertices. Signs are exact. Most simplices
-// fall out before an exact predicate is needed, because two of their balls are far apart.
+// are rejected before an exact predicate is needed, because two of their balls are far apart.
+// Vertices of the triangulation for which is_ball() is false are the four auxiliary points far
+// outside; they have no sphere, attach nothing and are in no simplex of the complex.
 //
 // A ball is strict if it remains in the complex when all balls shrink a little: it is a vertex of a
-// simplex that is not attached and has a negative size, not 0. A ball that is not strict may be in
-// the complex and still has no exposed area.
+// simplex that is not attached and has a negative size. A ball that is not strict may be in the
+// complex because of a simplex of size 0; it has no exposed area.
 #include "arrangement/complex/dual_complex.hpp"
 
 #include <algorithm>
@@ -33,15 +36,17 @@ constexpr std::array<std::uint8_t, 4> kFacetPairs{{0b111000, 0b100110, 0b010101,
 // Whether all of `bits` are set in the mask.
 bool contains(std::uint8_t mask, std::uint8_t bits) { return (mask & bits) == bits; }
 
-// Position of the value in the cell: 0 to 3.
+// Position of a value, which must be there, among the four entries of a cell: 0 to 3. The value is
+// a vertex if `cell` holds the cell's vertices, and a cell if it holds the cell's neighbours.
 std::size_t slot_of(const std::array<std::uint32_t, 4>& cell, std::uint32_t vertex) {
   return static_cast<std::size_t>(std::find(cell.begin(), cell.end(), vertex) - cell.begin());
 }
 
-// A hash table from two vertices to the number of their edge, with chains in one array. The bucket
-// grows with the vertex numbers. Vertices near in space have near numbers, so their buckets are
-// near in memory. The edges of one vertex have different values 8 a + 5 b, so that even thousands
-// of them spread over many buckets.
+// A hash table from two vertices a < b to the number of their edge, with chains in one array. The
+// bucket is 8 a + 5 b modulo the number of buckets. Vertices near in space have near numbers, so
+// edges near in space have buckets near in memory. No two edges of a vertex v have the same
+// 8 a + 5 b, so that even thousands of them spread over many buckets: 8 a and 5 b are strictly
+// increasing, and 8 a + 5 v < 13 v < 8 v + 5 b for a < v < b.
 class EdgeTable {
  public:
   explicit EdgeTable(std::size_t vertices)
@@ -73,8 +78,8 @@ class EdgeTable {
     return (8 * a + 5 * b) & (first_.size() - 1);
   }
 
-  std::vector<std::uint32_t> first_;  // first edge of each bucket; a power of two of buckets
-  std::vector<Link> links_;
+  std::vector<std::uint32_t> first_;  // per bucket its first edge or kNoIndex; size: a power of two
+  std::vector<Link> links_;           // per edge
 };
 
 class Builder {
@@ -89,6 +94,7 @@ class Builder {
     out_.cell_triangles.resize(t_.cells.size());
   }
 
+  // Each step needs the results of all steps before it, for all cells.
   DualComplex build() && {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) classify_cell(c);
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) classify_facets(c);
@@ -102,7 +108,7 @@ class Builder {
  private:
   // Returns the mask of pairs whose balls may meet. This is a floating-point filter: it may keep a
   // pair whose balls do not meet, but never drops one whose balls do. kSlack exceeds the rounding
-  // of both sides (a few 1e-16); kTiny covers squares that underflow.
+  // of both sides (a few 1e-16); kTiny covers squares that underflow; NaN keeps the pair.
   std::uint8_t overlapping_pairs(const std::array<std::uint32_t, 4>& cell) const {
     constexpr double kSlack = 1 + 0x1p-40, kTiny = 1e-280;
     std::uint8_t mask = 0;
@@ -127,8 +133,9 @@ class Builder {
     }
   }
 
-  // Four balls can only have a point in common if each two of them meet. A tetrahedron is never
-  // attached, because no other ball lies inside its orthogonal sphere.
+  // Decides whether cell c is in the complex. Four balls can only have a point in common if each
+  // two of them meet. A tetrahedron of the regular triangulation is never attached: at its
+  // orthogonal centre no other ball has less power.
   void classify_cell(std::uint32_t c) {
     const auto& v = t_.cells[c];
     overlaps_[c] = overlapping_pairs(v);
@@ -142,8 +149,9 @@ class Builder {
     if (size == Sign::negative) mark_strict(v, 4);
   }
 
-  // Whether the triangle opposite to vertex k of cell c is free: of size <= 0 and not attached. If
-  // so and its size is negative, its vertices are marked strict.
+  // Whether the triangle opposite to vertex k of cell c is free. Not only a query: if the triangle
+  // is free and its size is negative, its vertices are marked strict. Only the two vertices that
+  // form a cell with the triangle can make it attached.
   bool is_free_triangle(std::uint32_t c, std::size_t k) {
     const auto& cell = t_.cells[c];
     const auto& f = kFacetVertices[k];
@@ -163,8 +171,10 @@ class Builder {
     return t_.cells[n][slot_of(t_.neighbors[n], c)];
   }
 
-  // Looks at every facet once, from the cell with the lower number. Beside a tetrahedron of the
-  // complex the triangle is in the complex anyway.
+  // Looks at every facet once, from the cell with the lower number, and adds its triangle if that
+  // is in the complex. A facet of a tetrahedron of the complex is so without a test. exposed0 and
+  // exposed1 say of cells c and n whether they are outside the complex. Facets on the hull (no
+  // neighbour) have auxiliary vertices only.
   void classify_facets(std::uint32_t c) {
     if (overlaps_[c] == 0) return;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -195,12 +205,14 @@ class Builder {
     out_.triangles.push_back(triangle);
   }
 
-  // Returns the number of edge ab; adds the edge if need be.
+  // Returns the number of edge ab of a triangle of the complex. Adds the edge if it is not there
+  // yet, with the contact that edges of triangles have by convention (DualEdge::contact).
   std::uint32_t edge(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t found = table_.find(a, b);
     return found != kNoIndex ? found : add_edge(a, b, Contact::strict);
   }
 
+  // Adds edge ab and its vertices to the complex; the caller sets `exposed` and `singular`.
   std::uint32_t add_edge(std::uint32_t a, std::uint32_t b, Contact contact) {
     const std::uint32_t id = table_.add(a, b);
     out_.edges.push_back({{std::min(a, b), std::max(a, b)}, contact, false, false});
@@ -208,7 +220,8 @@ class Builder {
     return id;
   }
 
-  // Edges that are in no triangle of the complex. Pairs on a triangle of this cell need no look.
+  // Finds the edges of cell c that are in the complex but in none of its triangles. `open`: the
+  // pairs whose balls may meet and that are on no triangle of the complex in this cell.
   void classify_edges(std::uint32_t c) {
     std::uint8_t open = overlaps_[c];
     for (std::size_t k = 0; k < 4; ++k) {
@@ -222,8 +235,8 @@ class Builder {
     }
   }
 
-  // Looks at the edge once, from the lowest-numbered cell around it. It may be in the table
-  // already, from a triangle of another cell around it.
+  // Adds edge ab if it is free. Tests it once, from the lowest-numbered cell around it. If the edge
+  // is in the table already, it belongs to a triangle of another cell around it.
   void classify_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b) {
     if (table_.find(a, b) != kNoIndex || !is_lowest_around(c, a, b)) return;
     const Sign size = size_sign(ball(a), ball(b));
@@ -235,8 +248,10 @@ class Builder {
   }
 
   // Visits the cells around edge ab, from cell c on: visit(cell, x, y), where x and y are the other
-  // two vertices of the cell. Stops and returns false if `visit` does. The auxiliary points
-  // surround every ball, so the cells form a closed ring.
+  // two vertices of the cell. If `visit` returns false, the walk stops and returns false. The
+  // auxiliary points surround every ball, so the cells form a closed ring. `link` has the positions
+  // of x and y in the cell. `from` is the vertex beside a and b that the cell shares with the cell
+  // visited before.
   template <class Visitor>
   bool around_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b, Visitor visit) const {
     std::uint32_t current = c, from = kNoIndex;
@@ -248,7 +263,7 @@ class Builder {
         if (cell[k] != a && cell[k] != b) link[n++] = k;
       }
       if (!visit(current, cell[link[0]], cell[link[1]])) return false;
-      // Leave by the facet opposite to the vertex that was there in the previous cell.
+      // Leave by the facet opposite to `from`, or from the first cell by the one opposite to x.
       const std::size_t exit = cell[link[0]] == from || from == kNoIndex ? link[0] : link[1];
       from = cell[exit == link[0] ? link[1] : link[0]];
       current = t_.neighbors[current][exit];
@@ -261,7 +276,8 @@ class Builder {
                        [&](std::uint32_t d, std::uint32_t, std::uint32_t) { return d >= c; });
   }
 
-  // Whether a ball next to edge ab makes it attached.
+  // Whether edge ab of cell c is attached. Only the vertices x, y of cells around the edge can make
+  // it so; such a vertex is clear if it does not.
   bool is_attached(std::uint32_t c, std::uint32_t a, std::uint32_t b) const {
     return !around_edge(c, a, b, [&](std::uint32_t, std::uint32_t x, std::uint32_t y) {
       const auto clear = [&](std::uint32_t d) {
@@ -272,14 +288,16 @@ class Builder {
   }
 
   // A vertex has the negative size -r². So it is free, and then strict, exactly if no neighbour
-  // makes it attached, that is, if its centre is in its own power cell. This needs a test for
-  // vertices that no simplex has put into the complex, and for vertices that only simplices of size
-  // 0 did. `attached` is 1 from the start for vertices that need none.
+  // makes it attached, that is, if its centre is in its own power cell. The test is needed only for
+  // vertices that are not yet in the complex, and for those that are there because of simplices of
+  // size 0 alone. All others are known to be strict.
   void classify_vertices() {
+    // 1 for vertices found to be attached, and from the start for those that need no test.
     std::vector<std::uint8_t> attached(t_.balls.size(), 1);
     for (std::uint32_t v = 0; v < t_.balls.size(); ++v) {
       if (!out_.in_complex[v] || !strict_[v]) attached[v] = 0;
     }
+    // 1 for vertices of cells. The other balls have no power cell, so they are not in the complex.
     std::vector<std::uint8_t> seen(t_.balls.size(), 0);
     for (const auto& cell : t_.cells) {
       for (const std::uint32_t v : cell) {
@@ -288,7 +306,7 @@ class Builder {
         if (!attached[v]) attached[v] = has_closer_ball(cell, v);
       }
     }
-    bool doubtful = false;
+    bool doubtful = false;  // some ball is in the complex, but not known to be strict
     for (std::uint32_t v = 0; v < t_.balls.size(); ++v) {
       if (seen[v] && !attached[v]) out_.in_complex[v] = strict_[v] = 1;
       doubtful = doubtful || (out_.in_complex[v] && !strict_[v]);
@@ -296,22 +314,23 @@ class Builder {
     if (doubtful) find_strict_faces();
   }
 
-  // Marks the vertices of triangles and edges that are free and of negative size, but lie on a
-  // simplex of the complex, so that nothing tested them before. A vertex needs this if all
-  // simplices tested on it have size 0.
+  // Marks as strict the vertices of triangles and edges that are not attached and have negative
+  // size, but were not tested before because they are faces of a larger simplex of the complex.
+  // This matters for a vertex if all simplices at it that were tested have size 0.
   void find_strict_faces() {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
       const auto& v = t_.cells[c];
       for (std::size_t k = 0; k < 4; ++k) {
         if (out_.cell_triangles[c][k] == kNoIndex) continue;
         const auto& f = kFacetVertices[k];
-        // Called for the mark that it leaves on the vertices.
+        // Called for the marks on the vertices, not for its result.
         if (!strict_[v[f[0]]] || !strict_[v[f[1]]] || !strict_[v[f[2]]]) is_free_triangle(c, k);
       }
       for (const auto& pair : kPairs) find_strict_edge(c, v[pair[0]], v[pair[1]]);
     }
   }
 
+  // The same for edge ab of cell c, if it is in the complex.
   void find_strict_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b) {
     if (!t_.is_ball(a) || !t_.is_ball(b) || (strict_[a] && strict_[b])) return;
     if (table_.find(a, b) == kNoIndex || size_sign(ball(a), ball(b)) != Sign::negative) return;
@@ -325,9 +344,11 @@ class Builder {
     });
   }
 
-  // A ball has exposed area if its sphere stays exposed when all balls shrink a little and when all
-  // grow a little. The first is true if the ball is strict, the second if a cell around it is
-  // outside the complex.
+  // A ball in the complex has an exposed point if a cell around it is outside the complex. It has
+  // exposed area if that remains so when all balls shrink a little and when all grow a little. A
+  // cell outside has a positive size or an auxiliary vertex, so it remains outside in both cases.
+  // The ball remains in the complex when all balls shrink if it is strict, and when all grow in any
+  // case.
   void mark_exposed() {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
       if (out_.cell_in_complex[c]) continue;
@@ -337,8 +358,8 @@ class Builder {
     }
   }
 
-  // A singular edge of size 0 is a point of contact if the balls touch from outside. If the radical
-  // plane is not between the centres, one ball touches the other from inside.
+  // Counts the points of contact: the singular edges of size 0 whose balls touch from outside. If
+  // the radical plane is not between the centres, one ball touches the other from inside.
   void count_contacts() {
     for (const DualEdge& e : out_.edges) {
       const bool touching = e.singular && e.contact == Contact::touching;
