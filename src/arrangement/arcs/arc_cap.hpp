@@ -46,9 +46,9 @@ inline Frame frame_of(const Vec3d& axis) {
 inline constexpr double kLeastSquare = 1e-280;
 
 // make_cap() for centres whose squared distance is below kLeastSquare, that is, closer than 1e-140.
-// The difference `to` of the centres is scaled up before it is squared. Of two balls with different
-// radii the larger one buries the smaller one, except if both radii are so small (below 1e-120)
-// that they can differ by less than the distance.
+// `to` is the vector from the centre of `ball` to the other one. It is scaled up before it is
+// squared. Of two balls with different radii the larger one buries the smaller one, except if both
+// radii are so small (below 1e-120) that they can differ by less than the distance.
 inline CapKind make_near_cap(const Sphere& ball, const Sphere& other, Vec3d to, Cap& cap) {
   const double r = ball.radius;
   if (to.x == 0 && to.y == 0 && to.z == 0) {
@@ -58,7 +58,7 @@ inline CapKind make_near_cap(const Sphere& ball, const Sphere& other, Vec3d to, 
   // and the smallest double 5e-324 becomes 2e-143: no square of either leaves the range of double.
   constexpr double kScale = 0x1p600;
   to = kScale * to;
-  const double distance = std::sqrt(inner(to, to));  // scaled
+  const double distance = std::sqrt(inner(to, to));  // times kScale
   // cosine = (d² + r² - R²) / (2 d r), split into d / (2 r) and (r² - R²) / (2 r) / d.
   const double half_power = (r - other.radius) * (0.5 * (1 + other.radius / r));
   cap.cosine = distance / kScale / (2 * r) + half_power * kScale / distance;

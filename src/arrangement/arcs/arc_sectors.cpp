@@ -129,8 +129,8 @@ class SectorSum {
   // in any order; the call sorts them and may append the sector's planes. `halvings`: how many
   // halvings led to this sector.
   BallMeasures measure(const Sector& sector, std::vector<Cap>& caps, int halvings = 0) {
-    // Two halvings halve the length of all sides, roughly. So after 40 of them a side is still
-    // about 2^-20 long, far above rounding.
+    // A halving about halves the area. So after 40 of them the sides are still about 2^-20 long,
+    // far above rounding.
     constexpr int kMostHalvings = 40;
     if (caps.size() <= most_caps_ || halvings == kMostHalvings) return measure_here(sector, caps);
     const std::array<Sector, 2> parts = halves(sector);

@@ -1,11 +1,12 @@
 // Measures a ball whose power cell has hundreds of faces, sector by sector.
 //
-// For every new cap the kernel looks at all faces of the cell. This is fast for the dozens of
-// neighbours that an atom has, and quadratic for the thousands that a bead, an envelope or a
-// nanoparticle may have. A plane through the centre of the ball divides the work: it adds nothing
-// to the exposed area, and its pyramid has height 0 and adds nothing to the volume. The measures of
-// the ball are therefore sums over sectors. A sector is bounded by three such planes and cut by the
-// few caps that reach it. The kernel applies its checks to every sector.
+// For every new cap the kernel (arc_kernel.hpp) looks at all faces of the cell, so its time is
+// quadratic. It is short for the dozens of neighbours that an atom has, but not for the thousands
+// that a bead, an envelope or a nanoparticle may have. A plane through the centre of the ball
+// divides the work. It changes neither the sum of the exposed areas nor, because the pyramid over
+// it has height 0, the sum of the volumes. The measures of the ball are therefore sums over
+// sectors. A sector is a part of the ball between three such planes, and only the few caps that
+// reach it cut it. The kernel applies its checks to every sector.
 #pragma once
 
 #include <span>
@@ -15,7 +16,7 @@
 
 namespace vdwmesh::arcs {
 
-// Memory for the kernel, reused from ball to ball. It only grows.
+// Host memory for the kernel's ArcWorkspace, reused from ball to ball. It only grows.
 class CellSpace {
  public:
   // Returns a workspace for `caps` caps and for a cell with at most `faces` faces. It is valid
@@ -35,7 +36,7 @@ inline constexpr std::size_t kMostCapsInSector = 64;
 // Returns what measure_ball() returns, to rounding. For n caps of which few overlap at any one
 // place it takes n log n time. If nearly all caps overlap each other, halving does not help and the
 // time is n², as in measure_ball(). Runs in parallel; any number of threads gives the same bits.
-// `most_caps` is for tests.
+// A sector that more than `most_caps` caps reach is halved; tests use small numbers.
 BallMeasures measure_by_sectors(std::span<const Cap> caps,
                                 std::size_t most_caps = kMostCapsInSector);
 

@@ -1,8 +1,8 @@
 // arc_measures(): every sphere by itself, in parallel.
 //
 // For each sphere, find_caps() finds the overlapping balls with a cell list and collects their
-// caps. The kernel (arc_kernel.hpp) measures the unit ball that the caps cut. If the ball's power
-// cell has more than kMostFaces faces, measure_by_sectors() does it instead. The results are scaled
+// caps. The kernel (arc_kernel.hpp) measures the unit ball that the caps cut. If its workspace for
+// kMostFaces faces is too small, measure_by_sectors() does it instead. The results are scaled
 // by the radius and stored by sphere id, so they do not depend on the number of threads. A "list
 // place" is the index of a sphere in the cell list, where spheres near in space stand near each
 // other.
@@ -24,9 +24,9 @@ namespace {
 
 constexpr std::size_t kSpheresPerBlock = 256;  // consecutive in list order
 
-// Up to this number of faces the kernel handles a ball in one piece. The power cell of an atom has
-// far fewer. The kernel's time grows with the square of the number, and is still short for this
-// one.
+// The kernel handles a ball in one piece if cutting it makes at most this many faces, counting
+// those that later caps remove. The power cell of an atom has far fewer. The kernel's time grows
+// with the square of the number, and is still short for this one.
 constexpr std::size_t kMostFaces = 512;
 
 // Memory of one thread.
@@ -41,8 +41,8 @@ struct ArcSpace {
   std::vector<std::uint8_t> is_doubtful;  // by sphere id
 };
 
-// Returns the measures of the sphere at list place `place`, in Å² and Å³. kOverflow says that the
-// power cell did not fit into kMostFaces faces.
+// Returns the measures of the sphere at list place `place`, in Å² and Å³, with the doubts about
+// them.
 arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place,
                                   ThreadSpace& work) {
   work.caps.clear();
@@ -51,6 +51,7 @@ arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place,
   const auto count = static_cast<std::uint32_t>(work.caps.size());
   arcs::BallMeasures unit =
       arcs::measure_ball(work.caps.data(), count, work.space.reserve(work.caps.size(), kMostFaces));
+  // The workspace has room for all caps, so an overflow means too many faces or edges.
   if (unit.doubts & arcs::kOverflow) unit = arcs::measure_by_sectors(work.caps);
   const double r = list.spheres[place].radius;
   unit.area *= r * r;

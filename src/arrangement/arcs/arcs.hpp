@@ -26,25 +26,26 @@ struct ArcMeasures {
   // the exposed patch, closedness of the surface of ball ∩ power cell), or the sphere is nearly
   // degenerate: circles nearly tangent or equal, more than two circles through one point of the
   // sphere, a plane along an edge, an arc or a cell of nearly no size.
-  // For them per_sphere holds the numbers of planes that were nudged apart by some 1e-11 of the
-  // radius. They are right to 1e-9 as a rule, but not by guarantee. The sums include them.
+  // For these spheres per_sphere holds numbers computed after the radical planes were moved by up
+  // to 2e-11 of the radius, at random, to part them. These numbers are right to 1e-9 as a rule, but
+  // not by guarantee. The sums include them.
   std::vector<SphereId> suspect;
 };
 
 // The result is the same, bit for bit, for any number of threads. Of equal balls the lowest index
-// owns area and volume. A buried sphere has area 0.
+// owns area and volume. A sphere that another ball covers wholly has area and volume 0.
 // Memory beside the result: a cell list, and a workspace for each thread, which grows with the
 // largest number of neighbours of one sphere. Time: n log n for a sphere of n neighbours, and n² if
 // most of them overlap each other and the sphere is still exposed between hundreds of them.
 // Throws InvalidInput for an empty set, and Cancelled.
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor = nullptr);
 
-// The same into a result that is there, in the memory of its arrays and of the workspace.
+// The same, written into an existing result. Reuses the memory of its arrays and of the workspace.
 void arc_measures(ArcMeasures& result, const SphereSet& spheres, Monitor* monitor,
                   Workspace& workspace);
 
-// Sums of area and volume over the spheres, in their order, in a wide accumulator. For callers that
-// replace the measures of suspect spheres.
+// Sums of area and volume over the entries in their order, in a wide accumulator. Callers that
+// replace the measures of suspect spheres need the sums again.
 SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere);
 
 }  // namespace vdwmesh

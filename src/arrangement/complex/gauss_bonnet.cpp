@@ -1,13 +1,16 @@
 // gauss_bonnet(): areas by the Gauss–Bonnet theorem, volumes by pyramids over power faces.
 //
-// For a ball of radius r with height h to a radical plane, exposed angle φ of the circle there:
-//   area   = r² (2 π χ + sum φ h / r - sum turning angles)    over the exposed patches
+// For a ball of radius r, with the Euler characteristic χ of its exposed patches, and for each of
+// its radical planes the signed height h over the centre and the exposed angle φ of the circle in
+// it:
+//   area   = r² (2 π χ + sum φ h / r - sum turning angles)    turning angles at the corners
 //   volume = r area / 3 + sum h F / 3,  F = area of (power face ∩ ball)
 // F is a polygon in the radical plane, closed by circular sectors. It is summed as signed triangles
 // from the centre of the circle: one over the chord of each triangle of the complex at the edge,
 // and the sectors of the exposed arcs.
 //
-// Small circles lose digits in these formulas. They take the formulas of simplex_shape.hpp instead.
+// These formulas lose digits if a circle is small (kSmallOnSphere). Its angles are then computed
+// from solid and dihedral angles of simplex_shape.hpp.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,13 +25,14 @@
 namespace vdwmesh {
 namespace {
 
-// A circle on a sphere is small if its squared radius is below this fraction of the sphere's. Its
-// corners are so near to its centre that the angles of arcs lose digits. The cosines of turning
-// angles lose twice as many, because they are differences.
+// A circle on a sphere is small if its squared radius is below this fraction of the squared radius
+// of the sphere. Its corners are so near to its centre that the angles of arcs lose digits. The
+// cosines of turning angles lose twice as many, because they are differences.
 constexpr double kSmallOnSphere = 1e-3;
 
-// Adds 2 π n. The product is split into its rounded value and the rest, and so is 2 π: one double
-// for 2 π alone would cost as much as n roundings.
+// Adds 2 π n to more than double precision. 2 π is split into a double and the rest, because the
+// rounding error of one double would count n times. The product is split into its rounded value and
+// the rest too, which std::fma gives exactly.
 void add_multiple_of_two_pi(int n, WideSum& sum) {
   constexpr double kTwoPi = 2 * std::numbers::pi,
                    kTwoPiRest = 2.4492935982947064e-16;  // 2 π - kTwoPi
@@ -62,7 +66,8 @@ class GaussBonnetSum {
   // centre of the tetrahedron there. Positions are relative to the centre of the first ball.
   struct Chord {
     std::array<Vec3d, 2> end;  // on the side of cells[0], of cells[1]
-    double determinant;        // of two edges and the vector to a corner: half_chord × twice_area
+    double determinant;  // >= 0, of two edge vectors of the triangle and the vector to the corner
+                         // on the side of cells[0]: half_chord × twice_area
   };
 
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
@@ -91,9 +96,9 @@ class GaussBonnetSum {
     return out;
   }
 
-  // The exposed part of a sphere is dual to the complement of the vertex's link. So its Euler
-  // characteristic is 2 minus that of the link, whose vertices, edges and triangles come from the
-  // edges, triangles and tetrahedra at the vertex.
+  // The exposed part of a sphere is homotopy equivalent to the complement of the vertex's link in a
+  // sphere. So its Euler characteristic is 2, where euler_ starts, minus that of the link, whose
+  // vertices, edges and triangles come from the edges, triangles and tetrahedra at the vertex.
   void count_euler() {
     for (const DualEdge& e : k_.edges) {
       for (const std::uint32_t v : e.vertices) --euler_[v];
@@ -106,7 +111,8 @@ class GaussBonnetSum {
     }
   }
 
-  // Whether the circle of edge e is small on a sphere of this radius, or its edge is very short.
+  // Whether the circle of edge e is small on a sphere of this radius, or the edge is so short that
+  // products of lengths may underflow.
   bool is_small(std::uint32_t e, double radius) const {
     return edges_[e].squared_circle_radius < kSmallOnSphere * radius * radius ||
            edges_[e].length < kShortEdge;
@@ -119,7 +125,10 @@ class GaussBonnetSum {
            (edges_[e].height[0] / edges_[e].length) * between(a, b);
   }
 
-  // Adds the triangle's chord to the faces of its three edges, and its corners to the curvature.
+  // Adds triangle i: for each of its edges the signed triangle from the circle's centre over the
+  // chord to the power face, for each of its vertices the turning angles at its corners. A chord
+  // runs counter-clockwise about the edge's axis, towards the triangle's leading side. Both corners
+  // have the same angle by symmetry.
   void add_triangle(std::size_t i) {
     const DualTriangle& f = k_.triangles[i];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -150,15 +159,15 @@ class GaussBonnetSum {
     return std::atan2(radius * determinant, cosine);
   }
 
-  // (other centre - centre of v) · (x - centre of v), the same for every point x on the circle of
-  // edge e.
+  // For vertex v of edge e and the other vertex w: the scalar product of the vectors from the
+  // centre of v to the centre of w and to a point x on the circle of e. It is the same for every x.
   double reach(std::uint32_t e, std::uint32_t v) const {
     return edges_[e].height[k_.edges[e].vertices[0] == v ? 0 : 1] * edges_[e].length;
   }
 
-  // The same turning angle from the spherical triangle that p, q and the corner span at o. Its area
-  // is the solid angle, its angles at p and q are dihedral angles, and their sum exceeds π by the
-  // area.
+  // The turning angle of turning_angle() from the spherical triangle that p, q and the corner span
+  // at o. Its area is the solid angle, its angles at p and q are dihedral angles. The sum of its
+  // three angles exceeds π by the area, so the third one is π + area - the other two.
   double angle_by_excess(const DualTriangle& f, std::size_t k) const {
     const Sphere &a = ball(f.vertices[0]), &b = ball(f.vertices[1]), &c = ball(f.vertices[2]);
     const CornerShape corner = corner_shape(a, b, c, triangle_shape(a, b, c));
@@ -166,7 +175,7 @@ class GaussBonnetSum {
            corner.dihedral[(k + 2) % 3];
   }
 
-  // Adds the arc's sector to the power face, and its curvature φ h / r to both spheres.
+  // Adds the arc's sector to the power face of its edge, and φ h / r to the sums of both spheres.
   void add_arc(const ExposedArc& arc) {
     const EdgeShape& shape = edges_[arc.edge];
     const double angle = arc.start == kNoCorner ? 2 * std::numbers::pi : arc_angle(arc);
@@ -177,8 +186,9 @@ class GaussBonnetSum {
     }
   }
 
-  // The angle between the corners, seen from the circle's centre. On small circles, and for angles
-  // next to 0 or 2 π, angle_by_dihedrals() decides.
+  // The angle φ of an arc with corners, from 0 to 2 π: the angle from its start to its end, seen
+  // from the circle's centre. On small circles angle_by_dihedrals() computes it instead. For angles
+  // next to 0 or 2 π it says only which of the two it is.
   double arc_angle(const ExposedArc& arc) const {
     const auto& [a, b] = k_.edges[arc.edge].vertices;
     if (is_small(arc.edge, std::max(ball(a).radius, ball(b).radius)))
@@ -194,10 +204,12 @@ class GaussBonnetSum {
     return angle < 0 ? angle + 2 * std::numbers::pi : angle;
   }
 
+  // The vector from the centre of edge e's circle to a corner (see CornerIndex).
   Vec3d corner_from_circle(std::uint32_t e, CornerIndex corner) const {
     return from_circle(e, k_.triangles[corner / 2], chords_[corner / 2].end[corner % 2]);
   }
 
+  // Evaluates the formulas of the file's head. Balls that are not in the complex get 0.
   std::vector<SphereMeasures> sum() const {
     std::vector<WideSum> pyramids(t_.balls.size());
     for (std::size_t e = 0; e < k_.edges.size(); ++e) {
@@ -209,7 +221,8 @@ class GaussBonnetSum {
     for (std::size_t v = 0; v < out.size(); ++v) {
       if (!k_.in_complex[v]) continue;
       const double r = ball(static_cast<std::uint32_t>(v)).radius;
-      // With n neighbours both terms are about n times as large as their sum, so both are wide.
+      // With n neighbours both terms are about n times as large as their sum, so both are kept in
+      // more than double precision until they are added.
       WideSum curvature = curvature_[v];
       add_multiple_of_two_pi(euler_[v], curvature);
       out[v].area = r * r * curvature.value();

@@ -6,8 +6,10 @@
 //   volume = r area / 3 + sum over edges of h F / 3
 // Ω: solid angle at the centre that is taken by tetrahedra of the complex and by corner tetrahedra.
 //    A corner tetrahedron spans the centres of a triangle and one of its exposed corners.
-// φ: angle about the edge that these tetrahedra leave free; each such part loses a piece of a cap.
-// h: height of the radical plane over the centre. F: area of power face ∩ ball.
+// φ: angle about the edge that these tetrahedra leave free. Over this angle the sphere loses a
+// piece
+//    of the cap in the other ball.
+// h: signed height of the radical plane over the centre. F: area of power face ∩ ball.
 #include <cmath>
 #include <numbers>
 
@@ -19,7 +21,8 @@
 namespace vdwmesh {
 namespace {
 
-// The sums are wide: a ball may have thousands of neighbours and little area of its own left.
+// The sums are in more than double precision, because terms cancel: a ball may have thousands of
+// neighbours and little exposed area.
 struct Sums {
   WideSum area, volume;
 };
@@ -55,7 +58,8 @@ class ConeSums {
 
  private:
   // Adds the tetrahedron's angles to its vertices and edges, and the heights of its orthogonal
-  // centre to the dual chords of its facets. Edge ij is on both facets without i or j.
+  // centre over its facets to their chords. The number of edge ij of the complex is looked up in a
+  // facet that has both vertices, that is, a facet opposite to another vertex.
   void add_tetrahedron(std::uint32_t c) {
     const auto& v = t_.cells[c];
     const TetrahedronShape shape =
@@ -74,9 +78,10 @@ class ConeSums {
     taken_dihedral_[edge_between(without0, v[2], v[3])] += shape.dihedral[5];
   }
 
-  // `chord` is the part of the triangle's dual line inside tetrahedra of the complex. On each
-  // exposed side the line goes on to the corner. The face area is a sum of triangles from the
-  // circle's centre to the chords.
+  // `chord` is the length of the triangle's dual line (the points of equal power to its balls) from
+  // its plane to the orthogonal centres of tetrahedra of the complex. On each exposed side the line
+  // goes on to the corner instead. The power face of an edge is divided into triangles from the
+  // circle's centre over such chords, and sectors.
   void add_triangle(const DualTriangle& f, double chord) {
     const Sphere &a = t_.balls[f.vertices[0]], &b = t_.balls[f.vertices[1]],
                  &c = t_.balls[f.vertices[2]];
@@ -92,7 +97,8 @@ class ConeSums {
     }
   }
 
-  // Adds what the edge's free angle takes from both areas, and both cones over its power face.
+  // Subtracts the pieces of caps over the edge's free angle from both areas, and adds the cones
+  // from both centres over its power face. An edge that is not exposed has no free angle, exactly.
   void add_edge(std::size_t e, std::vector<Sums>& sums) const {
     const DualEdge& edge = k_.edges[e];
     const EdgeShape shape = edge_shape(t_.balls[edge.vertices[0]], t_.balls[edge.vertices[1]]);
@@ -110,8 +116,8 @@ class ConeSums {
   const DualComplex& k_;
   std::vector<WideSum> taken_solid_angle_;  // per ball: Ω
   std::vector<double> taken_dihedral_;      // per edge: 2 π - φ
-  std::vector<double> face_area_;           // per edge: power face ∩ ball, less circular sectors
-  std::vector<double> chord_;               // per triangle: its dual line inside tetrahedra
+  std::vector<double> face_area_;           // per edge: F without circular sectors
+  std::vector<double> chord_;               // per triangle: see add_triangle()
 };
 
 }  // namespace

@@ -1,10 +1,9 @@
 // triangulate(): incremental insertion into CGAL's regular triangulation, flattened into arrays.
 //
-// 1. Of concentric balls only the largest stays. The balls are put into spatial order, which
-// numbers
-//    them, and are scaled.
-// 2. Four auxiliary points, then all balls, are inserted in a biased randomized order.
-// 3. The finite cells are numbered and copied.
+// 1. Of concentric balls only the largest stays. The balls are numbered in spatial order and
+// scaled.
+// 2. Four auxiliary points, then all balls in a biased randomized order, are inserted.
+// 3. The finite cells (CGAL also keeps infinite ones, beyond the hull) are numbered and copied.
 // The power test is our own predicate (power_predicates.hpp), which squares radii exactly. CGAL's
 // own test takes weights, that is, squared radii that were rounded to double.
 #include "arrangement/complex/power_triangulation.hpp"
@@ -64,7 +63,8 @@ struct PowerTraits : CGAL::Epick {
 }  // namespace
 }  // namespace vdwmesh
 
-// Lets CGAL locate points by a walk with inexact tests first, as it does for its own kernels.
+// Lets CGAL locate points by a walk with inexact tests first, and exact tests from its end on, as
+// it does for its own kernels.
 template <>
 struct CGAL::Triangulation_structural_filtering_traits<vdwmesh::PowerTraits> {
   using Use_structural_filtering_tag = Tag_true;
@@ -105,7 +105,8 @@ using WeightedPoint = PowerTraits::Weighted_point_3;
 using Point = PowerTraits::Point_3;
 
 // Returns the largest ball of each group of concentric balls, sorted by centre. Of equal balls the
-// one with the lowest id stays.
+// one with the lowest id stays. The sort puts this ball first in its group, because the radii are
+// exchanged in the comparison: larger radii come first.
 std::vector<SphereId> distinct_centers(const SphereSet& spheres) {
   std::vector<SphereId> ids(spheres.size());
   std::iota(ids.begin(), ids.end(), SphereId{0});
@@ -159,8 +160,8 @@ Sphere scaled(const Sphere& s, int exponent) {
 
 // Returns the corners of a large tetrahedron around all balls: a corner below the bounding box and
 // three points along the axes from there. With the box's size at most `reach`, every point of the
-// box is within 5 reach of the corner along each axis. The sum of the three is at most 15 reach,
-// and the far facet lies at 32 reach.
+// box has coordinates of 4 to 5 reach from the corner. Their sum is at most 15 reach, and the far
+// facet is where the sum is 32 reach. So every ball is far inside.
 std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
   Vec3d lower = balls[0].center, upper = lower;
   for (const Sphere& b : balls) {
@@ -185,9 +186,10 @@ std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
   return points;
 }
 
-// The order of insertion, as places in the spatial order: a biased randomized insertion order
-// (Amenta, Choi, Rote 2003). A hash of the place chooses the round. The last round has 7/8 of the
-// balls, the one before it 7/8 of the rest, and so on; each round is in spatial order.
+// Returns the order of insertion, as indices of balls: a biased randomized insertion order (Amenta,
+// Choi, Rote 2003). A hash of the index chooses the round: three zero bits at its end move a ball
+// one round ahead. So the last round, rounds[0], has 7/8 of the balls, the one before it 7/8 of the
+// rest, and so on. Each round is in spatial order.
 std::vector<std::uint32_t> insertion_order(std::size_t count) {
   constexpr int kBitsPerRound = 3, kRounds = 6;
   std::array<std::vector<std::uint32_t>, kRounds> rounds;
@@ -204,8 +206,10 @@ std::vector<std::uint32_t> insertion_order(std::size_t count) {
   return order;
 }
 
-// Inserts the auxiliary points, then the balls. Every search begins at the cell found last, which
-// is near because the order is spatial. A ball that others hide is not inserted.
+// Inserts the auxiliary points, then the balls. Every search begins at a cell of the vertex
+// inserted last, which is near because the order is spatial. A ball that others hide is not
+// inserted, which insert() reports with an empty handle; a ball that a later one hides loses its
+// vertex.
 void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, Monitor* monitor) {
   Triangulation::Cell_handle hint;
   const auto insert = [&](const Vec3d& c, double radius, std::size_t index) {
@@ -225,13 +229,15 @@ void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, 
   constexpr std::size_t kBallsPerCancellationCheck = 4096;
   std::size_t inserted = 0;
   for (const std::uint32_t i : insertion_order(balls.size())) {
+    // Throws Cancelled on request; 0 steps are reported as done.
     if (++inserted % kBallsPerCancellationCheck == 0) advance(monitor, 0);
     insert(balls[i].center, balls[i].radius, i);
   }
 }
 
-// Numbers the finite cells by their lowest vertex, with a counting sort, so that cells near in
-// space are near in memory. Infinite cells get kNoIndex. Returns the number of finite cells.
+// Numbers the finite cells in the order of their lowest vertex, with a counting sort, so that cells
+// near in space are near in memory. Infinite cells get kNoIndex. `vertices` counts the auxiliary
+// points too. Returns the number of finite cells.
 std::size_t number_cells(const Triangulation& triangulation, std::size_t vertices) {
   const auto lowest = [](const auto& cell) {
     return std::min(std::min(cell->vertex(0)->info(), cell->vertex(1)->info()),
@@ -240,6 +246,7 @@ std::size_t number_cells(const Triangulation& triangulation, std::size_t vertice
   const std::size_t count = triangulation.number_of_finite_cells();
   if (count >= kNoIndex) throw LimitExceeded("the triangulation has more than 2^32 cells");
   for (const auto cell : triangulation.all_cell_handles()) cell->info() = kNoIndex;
+  // After the prefix sum, next[v] is the next free number for a cell with the lowest vertex v.
   std::vector<std::uint32_t> next(vertices + 1, 0);
   for (const auto cell : triangulation.finite_cell_handles()) ++next[lowest(cell) + 1];
   std::partial_sum(next.begin(), next.end(), next.begin());

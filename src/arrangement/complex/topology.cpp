@@ -1,12 +1,13 @@
 // union_topology(): components, voids and tunnels, and the area and volume of every shell.
 //
 // 1. Components of the union are the connected components of the complex's graph (union-find).
-// 2. Components of the complement are found by flood fill over the cells outside the complex. The
-//    outer one, with the auxiliary vertices, has the number kOuter; all others are voids. They are
-//    called regions.
+// 2. "Regions" are the components of the complement. They are found by flood fill over the cells
+//    outside the complex. The outer region, with the auxiliary vertices, has the number kOuter; all
+//    others are voids.
 // 3. The surfaces of voids are measured cell by cell. The outer surfaces have the remaining area.
-// 4. A region and a component that touch have exactly one shell in common. So the regions and the
-//    components form a tree. The volume inside a shell is the sum over the subtree below it.
+// 4. A region and a component that touch have exactly one shell in common, a connected piece of the
+//    boundary. So regions and components are the nodes of a tree whose edges are the shells. Its
+//    root is the outer region. The volume inside a shell is the sum over the subtree below it.
 #include "arrangement/complex/topology.hpp"
 
 #include <algorithm>
@@ -32,8 +33,9 @@ struct Labels {
   std::uint32_t count = 0;        // numbers go from 0 to count - 1
 };
 
-// Components of the union, for each ball in the complex. Components are numbered by their lowest
-// ball, which is the representative of its set and so is labelled before the others.
+// Components of the union, for each ball in the complex. Components are numbered in the order of
+// their lowest balls. The representative of a set in DisjointSets is its lowest member, so it is
+// labelled before the other members.
 Labels label_components(const DualComplex& complex) {
   const std::size_t n = complex.in_complex.size();
   DisjointSets sets(n);
@@ -47,16 +49,19 @@ Labels label_components(const DualComplex& complex) {
   return labels;
 }
 
-// Components of the complement, for each cell outside the complex. Two such cells are connected if
-// their common facet is not in the complex. The cell of an auxiliary vertex comes first: kOuter.
+// Regions, for each cell outside the complex. Two such cells are connected if their common facet is
+// not in the complex. The flood fill begins at a cell with an auxiliary vertex, so that this region
+// gets the number 0, kOuter.
 Labels label_complement(const PowerTriangulation& t, const DualComplex& complex) {
   Labels labels{std::vector<std::uint32_t>(t.cells.size(), kNoIndex), 0};
   std::vector<std::uint32_t> stack;
+  // Labels a cell, unless it has a label already or is in the complex.
   const auto visit = [&](std::uint32_t c) {
     if (labels.of[c] != kNoIndex || complex.cell_in_complex[c]) return;
     labels.of[c] = labels.count;
     stack.push_back(c);
   };
+  // Labels the region of the seed, if the seed can be labelled.
   const auto flood = [&](std::uint32_t seed) {
     visit(seed);
     if (stack.empty()) return;
@@ -86,7 +91,7 @@ struct ShellMeasures {
   double enclosed = 0;   // volume inside the shell, with everything in there
 };
 using ShellTable =
-    std::map<std::pair<std::uint32_t, std::uint32_t>, ShellMeasures>;  // region, component
+    std::map<std::pair<std::uint32_t, std::uint32_t>, ShellMeasures>;  // key: region, component
 
 class ShellFinder {
  public:
@@ -107,8 +112,9 @@ class ShellFinder {
   }
 
  private:
-  // A void is the union of its cells less the parts of balls in them. The part of a ball in a cell
-  // is a spherical sector; where balls overlap, the sectors are corrected at edges and corners.
+  // A void is the union of its cells without the parts of balls in them. The part of a ball in a
+  // cell is a spherical sector: a cone from its centre over area r² Ω. If balls overlap, the
+  // sectors are corrected at edges and corners.
   void measure_voids() {
     if (regions_.count == 1) return;
     collect_void_edges();
@@ -117,7 +123,8 @@ class ShellFinder {
     }
   }
 
-  // Adds area r² Ω of ball v. The sector under it, of volume r³ Ω / 3, is not void.
+  // Adds area of ball v to its shell with the region. The sector between the area and the centre,
+  // of volume area * r / 3, is not void. A negative area takes back what sectors counted too much.
   void add_area(std::uint32_t region, std::uint32_t v, double area) {
     shells_[{region, components_.of[v]}].area.add(area);
     in_voids_.push_back({v, area});
@@ -143,9 +150,10 @@ class ShellFinder {
     }
   }
 
-  // Corrects for the circle of edge ab, over the angle that is free in this cell. Both spheres lose
-  // a piece of their cap, φ r (r - h), with the sector under it. The double cone from the circle to
-  // both centres, φ ρ² length / 6, is not void.
+  // Corrects for the circle of edge ab, if ab is in the complex, over an angle φ about the edge.
+  // Both spheres lose a piece of the cap in the other ball, of area φ r (r - h), with the sector
+  // under it. Instead the double cone from the disk of the circle to both centres, of volume φ ρ²
+  // length / 6 with the circle's radius ρ, is not void. A negative angle takes this back.
   void add_sector(std::uint32_t region, std::uint32_t a, std::uint32_t b, double angle) {
     if (!is_edge(a, b)) return;
     const EdgeShape shape = edge_shape(t_.balls[a], t_.balls[b]);
@@ -158,7 +166,8 @@ class ShellFinder {
   }
 
   // Corrects for an exposed corner: the tetrahedron of the three centres and the corner lies in the
-  // balls. Its solid angles are taken from the sectors, its dihedral angles from the free angles.
+  // balls, so its volume is not void. Its solid angles are taken from the sectors, and its dihedral
+  // angles from the angles of the circles, because nothing in it is on the boundary.
   void add_corner(std::uint32_t region, std::uint32_t triangle) {
     const DualTriangle& f = k_.triangles[triangle];
     const std::array<Sphere, 3> s{t_.balls[f.vertices[0]], t_.balls[f.vertices[1]],
@@ -197,7 +206,8 @@ class ShellFinder {
     return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
   }
 
-  // The outer surface of a component has the area of its balls less what they show to voids.
+  // The outer surface of a component has the area of its balls at cells of the outer region, less
+  // the area that they show to voids.
   void measure_outside() {
     std::vector<std::uint8_t> outside(t_.balls.size(), 0);
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
@@ -221,8 +231,9 @@ class ShellFinder {
   }
 
   // Builds the tree of regions and components, rooted at the outer region, by breadth-first search.
-  // In reverse order every node then adds its volume, which includes its children's, to its parent.
-  // Node numbers: region r is r, component x is regions + x.
+  // Then, in reverse order, every node adds its volume, which by then includes its children's, to
+  // its parent, and stores it as the volume inside the shell between them. The shell belongs to a
+  // void if the node is a region. Node numbers: region r is r, component x is regions + x.
   void enclose() {
     const std::uint32_t regions = regions_.count, nodes = regions + components_.count;
     std::vector<WideSum> own(nodes);
@@ -305,9 +316,9 @@ class ShellFinder {
   const DualComplex& k_;
   const std::vector<SphereMeasures>& measures_;
   Labels components_, regions_;
-  std::vector<WideSum> void_volume_;  // per region; of the outer region nothing is added
+  std::vector<WideSum> void_volume_;  // per region; stays 0 for the outer region
   ShellTable shells_;
-  std::vector<std::pair<std::uint32_t, double>> in_voids_;  // ball, area that it shows to a void
+  std::vector<std::pair<std::uint32_t, double>> in_voids_;  // ball, a term of its area in voids
   std::vector<std::uint64_t> void_edges_;                   // sorted keys, see key()
 };
 
