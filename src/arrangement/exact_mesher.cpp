@@ -1,4 +1,5 @@
 // The outer loop of the crease-exact mesher: it chooses feature sizes and checks the topology.
+// Feature sizes are thresholds: arcs and circles up to these sizes are reduced to points.
 //
 // 1. arrange() builds the regular triangulation, the dual complex and the areas of the patches.
 // 2. FeatureSizeSearch tries several sets of feature sizes. For each set, boundary_arcs() places
@@ -33,13 +34,13 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// The feature sizes, in the order in which they are tried. FeatureSizes holds the length of an arc
-// and the radius of a circle, as fractions of a ball's radius. Features up to these sizes become
-// points.
-// - kUsual gives the right topology if no feature is smaller than its sizes.
-// - kFiner follows if features became points and the topology changed. It keeps features that
-//   double coordinates can still tell apart.
-// - kCoarser follows if curves were too close to be meshed. It merges curves where they are close.
+// The sets of feature sizes. FeatureSizes holds the length of an arc and the radius of a circle, as
+// fractions of a ball's radius.
+// - kUsual is tried first. It gives the right topology if no feature is smaller than its sizes.
+// - kFiner is tried next if kUsual gave a mesh, but of another topology, because features became
+//   points. It keeps features that double coordinates can still distinguish.
+// - kCoarser are tried next instead, in this order, if kUsual gave no mesh, because curves were too
+//   close. They merge curves where they are close.
 constexpr FeatureSizes kUsual{};
 constexpr FeatureSizes kFiner{1e-11, 1e-9};
 constexpr std::array<FeatureSizes, 3> kCoarser{{{1e-7, 1e-6}, {1e-6, 1e-5}, {1e-5, 1e-4}}};
@@ -69,8 +70,8 @@ SurfaceTopology surface_topology(const IndexedMesh& mesh) {
           static_cast<std::int64_t>(shells.count())};
 }
 
-// The exact shape of the boundary on which each point of contact is doubled, as the mesh doubles
-// it. Two balls that only touch count as separate components here.
+// The exact topology of the boundary, on which each point of contact counts twice, because the mesh
+// has a vertex on either ball there. Two balls that only touch are separate components here.
 SurfaceTopology surface_topology(const Arrangement& a) {
   const UnionTopology topology = union_topology(a.triangulation, a.complex, a.measures);
   DisjointSets components(a.complex.in_complex.size());
@@ -91,8 +92,8 @@ SurfaceTopology surface_topology(const Arrangement& a) {
           shells};
 }
 
-// The part of a boundary that depends on the feature sizes. Two sets of sizes with equal
-// BoundaryFeatures place the same curves.
+// What depends on the feature sizes in a boundary. Two sets of sizes with equal BoundaryFeatures
+// give the same curves.
 struct BoundaryFeatures {
   std::vector<std::array<std::uint32_t, 4>> arcs;  // two balls, two corners (see BoundaryArc)
   std::uint64_t corners, points, contacts, joins;
@@ -109,7 +110,7 @@ BoundaryFeatures features_of(const BoundaryArcs& boundary) {
 }
 
 // Meshes an arrangement with one set of feature sizes after the other, until a mesh has the
-// topology of the union. Until then it keeps the first mesh that it could make.
+// topology of the union. If none has, the first mesh that could be made is the result.
 class FeatureSizeSearch {
  public:
   FeatureSizeSearch(const Arrangement& arrangement, const ExactMeshOptions& options)
@@ -134,7 +135,7 @@ class FeatureSizeSearch {
   bool try_sizes(const FeatureSizes& sizes) {
     BoundaryArcs boundary = boundary_arcs(arrangement_.triangulation, arrangement_.complex, sizes);
     BoundaryFeatures features = features_of(boundary);
-    // The mesher refused these very curves before, and would refuse them again.
+    // The mesher refused the same curves in the last attempt, and would refuse them again.
     if (features == refused_) return false;
     try {
       ExactMesh mesh = mesh_boundary(arrangement_, std::move(boundary), options_with_memory_left());
@@ -148,11 +149,11 @@ class FeatureSizeSearch {
       return false;
     } catch (const LimitExceeded&) {
       if (!best_) throw;
-      return false;  // the caller gets the mesh made before, whose stats say how it differs
+      return false;  // the result is the mesh made before, whose stats say how it differs
     }
   }
 
-  // The options with the memory limit reduced by what the mesh kept so far occupies.
+  // The options, with the memory limit reduced by the bytes of the mesh that is kept so far.
   ExactMeshOptions options_with_memory_left() const {
     ExactMeshOptions options = options_;
     if (best_ && options.memory_limit != kNoMemoryLimit) {
@@ -161,8 +162,9 @@ class FeatureSizeSearch {
     return options;
   }
 
-  // Fills the differences of topology in the stats. The arcs and corners of the complex are exact,
-  // so the topology can only differ if features became points.
+  // Fills the differences of topology in the stats; they are 0 at first and stay 0 if no feature
+  // became a point. Then the topology is right, because the arcs and corners of the complex are
+  // exact.
   void compare(ExactMesh& mesh) {
     if (mesh.stats.points + mesh.stats.contacts + mesh.stats.joins == 0) return;
     if (!exact_) exact_ = surface_topology(arrangement_);

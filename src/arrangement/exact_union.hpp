@@ -1,11 +1,11 @@
 // The union of closed balls: its area, volume and topology, without a mesh.
 //
-// The dual complex is a subcomplex of the balls' regular triangulation (Edelsbrunner 1995, "The
-// union of balls and its dual shape"). The union is homotopy equivalent to it: a ball ∩ power cell
-// is convex, and so is every intersection of several of them, so the nerve theorem applies. The
-// predicates are exact, so the topology is exact for the doubles that are given.
+// The topology comes from the dual complex, a subcomplex of the balls' regular triangulation
+// (Edelsbrunner 1995, "The union of balls and its dual shape"). The union is homotopy equivalent to
+// it: each ball ∩ power cell is convex, and so is every intersection of several of them, so the
+// nerve theorem applies. The predicates are exact, so the topology is exact for the doubles given.
 //
-// Areas and volumes are sums over the complex in double precision. They are right to rounding, some
+// Areas and volumes are sums over the complex in double precision. Their rounding error is some
 // 1e-13 of the total, without a proven bound. AlphaMol measures molecules in this way (Liang et al.
 // 1998). Cazals, Kanhere and Loriot 2011, "Computing the volume of a union of balls: a certified
 // algorithm", compute in intervals, which prove how many digits are right.
@@ -32,7 +32,7 @@ enum class UnionMethod { cgal, arcs, both };
 struct UnionOptions {
   UnionMethod method = UnionMethod::cgal;
   Monitor* monitor = nullptr;
-  Workspace* workspace = nullptr;  // may be null; else keeps memory and cell list for later calls
+  Workspace* workspace = nullptr;  // if not null, keeps memory and cell list for later calls
 };
 
 struct SphereMeasures {
@@ -41,7 +41,8 @@ struct SphereMeasures {
 };
 
 // A connected piece of the boundary: the outer surface of a component, or the surface of a void.
-// `volume` is the volume that the piece encloses, with everything in there; negative for a void.
+// `volume` is the volume inside the piece, with voids and other components in it. It is negative
+// for the surface of a void.
 struct Shell {
   double area, volume;  // Å², Å³
 };
@@ -77,8 +78,8 @@ struct ExactUnion {
 // Throws InvalidInput for an empty set or if a measure is not finite in double, and Cancelled.
 ExactUnion exact_union(const SphereSet& spheres, const UnionOptions& options = {});
 
-// The same into a result that is there, in the memory of its arrays. It means nothing if this
-// throws.
+// The same, written into an existing result, whose arrays are reused. If this throws, the contents
+// of the result mean nothing.
 void exact_union_into(ExactUnion& result, const SphereSet& spheres, const UnionOptions& options);
 
 }  // namespace vdwmesh

@@ -16,22 +16,25 @@
 namespace vdwmesh {
 namespace {
 
-// Which of the triangle's edges e is: k, if e lies opposite to vertex k.
+// Returns k if edge e is opposite to vertex k of the triangle. Precondition: e is one of its edges.
 std::size_t slot(const DualTriangle& f, std::uint32_t e) {
   return f.edges[0] == e ? 0 : (f.edges[1] == e ? 1 : 2);
 }
 
-// Angle about edge e between triangle f and the half-plane through e and a corner of f. Seen along
-// e, half_chord is the corner's distance from the plane of f, and `distance` leads to its foot.
+// Angle about edge e between triangle f and the half-plane through e and a corner of f, the same
+// for both corners. Seen along e, half_chord is the corner's distance from the plane of f, and
+// `distance` is how far the foot of the corner in that plane is from e, positive towards the
+// triangle.
 double corner_dihedral(const PowerTriangulation& t, const DualTriangle& f, std::uint32_t e) {
   const TriangleShape shape =
       triangle_shape(t.balls[f.vertices[0]], t.balls[f.vertices[1]], t.balls[f.vertices[2]]);
   return std::atan2(shape.half_chord, shape.distance[slot(f, e)]);
 }
 
-// Angle about edge e from triangle f to triangle g. It is a whole turn if both are the same
-// triangle. Below 180 degrees the edge and the third vertices c of f and d of g form a positively
-// oriented tetrahedron; else the tetrahedron fills the rest of the turn.
+// Angle about edge e from triangle f counter-clockwise to triangle g, in radians. It is a whole
+// turn if both are the same triangle. If it is below π, the edge and the third vertices c of f and
+// d of g form a positively oriented tetrahedron with this dihedral angle at e. Otherwise the
+// tetrahedron fills the rest of the turn.
 double gap_angle(const PowerTriangulation& t, const DualComplex& complex, std::uint32_t e,
                  const DualTriangle& f, const DualTriangle& g) {
   if (&f == &g) return 2 * std::numbers::pi;

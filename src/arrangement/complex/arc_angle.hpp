@@ -1,9 +1,9 @@
 // The angle of an exposed arc, from the dihedral angles of the triangulation.
 //
-// The usual way is the angle between the two corners, seen from the centre of the circle. It fails
-// if the corners are too near to the centre, or so near to each other that an angle of nearly 0 and
-// one of nearly 2 π cannot be told apart. The way over dihedral angles is slower and right to
-// rounding in these cases too.
+// Usually callers compute the angle of an arc as the angle between its two corners, seen from the
+// centre of the circle. That fails if the corners are too near to the centre, or so near to each
+// other that an angle of nearly 0 and one of nearly 2 π cannot be distinguished. The computation
+// from dihedral angles is slower, but right to rounding in these cases too.
 #pragma once
 
 #include "arrangement/complex/exposed_arcs.hpp"
@@ -11,9 +11,10 @@
 
 namespace vdwmesh {
 
-// Limits for the usual way. On a circle whose squared radius is below kSmallCircle times the
-// squared radius of the smaller sphere, the corners are too near to the centre. An arc whose angle
-// (rad) is nearer to 0 than kSmallArc may be nothing or a whole turn.
+// Limits for the usual computation. On a circle whose squared radius is below kSmallCircle times
+// the squared radius of the smaller sphere, the corners are too near to the centre. If the angle
+// between the corners is below kSmallArc (rad), the arc may be nearly nothing or nearly a whole
+// turn.
 inline constexpr double kSmallCircle = 1e-6;
 inline constexpr double kSmallArc = 1e-6;
 

@@ -1,12 +1,14 @@
 // The dual complex of a union of closed balls: the alpha complex of the weighted centres for alpha
 // = 0 (Edelsbrunner 1995, "The union of balls and its dual shape"). A simplex of the regular
-// triangulation is in it if its balls have a point in common in the power cells of all of them, in
-// other words on their common power face. The complex is combinatorics only, and exact.
+// triangulation is in it if its balls have a point in common on their common power face, that is,
+// in the power cells of all of them. The complex is combinatorics only, and exact.
 //
-// The faces of the union's boundary follow from it:
-// - A ball with a cell outside the complex around it has exposed patches.
-// - An edge with such a cell around it has exposed arcs, on the circle of its two spheres.
-// - A triangle with such a cell on one side has an exposed corner on that side.
+// The faces of the union's boundary follow from the complex. "Outside cells" are the tetrahedra of
+// the triangulation that are not in the complex.
+// - A ball of the complex with an outside cell around it has exposed patches.
+// - An edge of the complex with an outside cell around it has exposed arcs, on the circle in which
+//   its two spheres meet.
+// - A triangle of the complex with an outside cell on one side has an exposed corner on that side.
 #pragma once
 
 #include <array>
@@ -18,13 +20,13 @@
 namespace vdwmesh {
 
 // The size of a simplex is the squared radius of the smallest sphere orthogonal to its balls. A
-// simplex of negative size (strict) stays when all balls shrink a little. A simplex of size 0
-// (touching) is there only because balls are closed.
+// simplex of negative size (strict) stays in the complex when all balls shrink a little. A simplex
+// of size 0 (touching) is in the complex only because balls are closed.
 enum class Contact : std::uint8_t { strict, touching };
 
 struct DualEdge {
   std::array<std::uint32_t, 2> vertices;  // balls of the triangulation, ascending
-  Contact contact;  // decided for singular edges; edges of triangles all say `strict`
+  Contact contact;  // decided for singular edges only; all other edges say `strict` without a test
   bool exposed;     // a cell around the edge is outside the complex
   bool singular;    // in no triangle of the complex: a full circle, or a point of contact
 };
@@ -48,10 +50,10 @@ struct DualComplex {
   std::vector<std::uint8_t> cell_in_complex;
   Buffer<std::array<std::uint32_t, 4>> cell_triangles;
 
-  std::uint64_t point_contacts = 0;  // pairs that touch from outside, outside all other balls
+  std::uint64_t point_contacts = 0;  // pairs of balls that touch in a point outside all other balls
 };
 
-// The index of the triangle's edge between its vertices a and b.
+// The index of the triangle's edge between its vertices a and b: opposite to the third vertex.
 inline std::uint32_t edge_between(const DualTriangle& t, std::uint32_t a, std::uint32_t b) {
   for (std::size_t k = 0; k < 2; ++k) {
     if (t.vertices[k] != a && t.vertices[k] != b) return t.edges[k];

@@ -10,9 +10,10 @@
 namespace vdwmesh {
 namespace {
 
-// Turns about edge k of triangle f, from the cell on its given side, which is outside the complex.
-// Returns the corner of the next triangle of the complex. `from` is the vertex behind: the walk
-// leaves a cell by the facet opposite to it.
+// Turns about edge ab, which is edge k of triangle f, from the cell on the given side of f. This
+// cell is outside the complex. Returns the corner at which the arc ends: on the next triangle of
+// the complex, on the side of the walk's last cell. A cell is entered by the facet with the
+// vertices a, b and `from`, and left by the facet opposite to `from`.
 CornerIndex next_corner(const PowerTriangulation& t, const DualComplex& complex,
                         const DualTriangle& f, std::size_t k, std::size_t side) {
   const std::uint32_t a = f.vertices[(k + 1) % 3], b = f.vertices[(k + 2) % 3];
@@ -24,6 +25,7 @@ CornerIndex next_corner(const PowerTriangulation& t, const DualComplex& complex,
     if (found != kNoIndex) {
       return 2 * CornerIndex{found} + (complex.triangles[found].cells[0] == cell ? 0 : 1);
     }
+    // The cell's fourth vertex, beside a, b and `from`, is on the facet to the next cell.
     from = *std::find_if(v.begin(), v.end(),
                          [&](std::uint32_t w) { return w != a && w != b && w != from; });
     cell = t.neighbors[cell][exit];

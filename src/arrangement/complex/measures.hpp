@@ -1,7 +1,8 @@
 // Area and volume of the union from its dual complex, by two sets of formulas.
 //
-// The two sets share the complex and the circles of two spheres (edge_shape). So they check each
-// other's sums, but not the complex. The arcs (arcs/arcs.hpp) check both.
+// Both sets use the same complex and the same circles in which two spheres meet (edge_shape()). So
+// they check each other's sums, but not the complex. The measures from arcs (arcs/arcs.hpp) share
+// nothing with them and check the complex too.
 //
 // Both functions return one entry for each ball of the triangulation: the exposed area of its
 // sphere and the volume of ball ∩ power cell. Lengths are scaled as in the triangulation.
@@ -15,10 +16,10 @@
 namespace vdwmesh {
 
 // Inclusion–exclusion over the dual complex with outer angles (Edelsbrunner 1995; AlphaMol: Liang
-// et al. 1998). The terms are rearranged into a partition of each ball into cones from its centre,
-// so that no signs alternate. A triple intersection enters through the tetrahedron of its three
-// centres and a corner. The circle of an edge enters through the angle that tetrahedra leave free
-// around the edge.
+// et al. 1998). The terms are rearranged so that they divide each ball into cones from its centre,
+// instead of adding and subtracting intersections in turn. Three spheres that meet in a corner
+// enter through the tetrahedron of their centres and the corner. The circle of an edge enters
+// through the angle that tetrahedra leave free around the edge.
 std::vector<SphereMeasures> inclusion_exclusion(const PowerTriangulation& triangulation,
                                                 const DualComplex& complex);
 

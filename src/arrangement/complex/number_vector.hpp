@@ -1,5 +1,5 @@
-// Vectors over any number type: double, exact numbers, floats of a hundred digits. They use plain
-// products, because exact numbers have no fma.
+// Vectors over any number type: double, exact numbers, floats of a hundred digits. Scalar and cross
+// products use plain multiplication, because exact numbers have no fma.
 #pragma once
 
 #include "spheres/sphere_set.hpp"

@@ -23,9 +23,10 @@ namespace {
 
 using Exact = CGAL::internal::Exact_ring_selector<double>::Type;
 
-// Unit roundoff of double. The first argument of filtered_sign() counts the roundings on the
-// longest path through the polynomial: a difference of coordinates has 1, a scalar product 5, a
-// cofactor 5, a determinant 9, a power offset w 6. It is rounded up.
+// Unit roundoff of double. The first argument of filtered_sign() is at least the number of
+// roundings on the longest path from an input to the value of the polynomial. To a difference of
+// coordinates there is 1, to a scalar product or a cofactor 5, to a determinant 9, to a power
+// offset w 6.
 constexpr double kRoundoff = std::numeric_limits<double>::epsilon() / 2;
 // A smaller error bound may itself have lost digits to underflow, so the filter does not use it.
 constexpr double kTinyBound = 1e-280;
@@ -92,7 +93,8 @@ T vertex_side_value(const Sphere& a, const Sphere& d, double* magnitude) {
   return power_offset(a, d, ad);
 }
 
-// x = w ab / (2 |ab|²), so 4 |ab|² (|x|² - r_a²) = w² - 4 |ab|² r_a².
+// The size of edge ab, |x|² - r_a² with x = w_b ab / (2 |ab|²), times the positive factor 4 |ab|²,
+// which is w_b² - 4 |ab|² r_a².
 template <class T>
 T edge_size_value(const Sphere& a, const Sphere& b, double* magnitude) {
   const Vector<T> ab = from_to<T>(a, b);
@@ -104,8 +106,8 @@ T edge_size_value(const Sphere& a, const Sphere& b, double* magnitude) {
   return w * w - T(4) * dot(ab, ab) * squared_radius<T>(a);
 }
 
-// x lies in the plane of the triangle. The value is 4 G (|x|² - r_a²) with the Gram determinant
-// G = |ab|² |ac|² - (ab·ac)².
+// The size of triangle abc, |x|² - r_a² with x in the plane of the triangle, times 4 G. G > 0 is
+// the Gram determinant |ab|² |ac|² - (ab·ac)² of ab and ac.
 template <class T>
 T triangle_size_value(const Sphere& a, const Sphere& b, const Sphere& c, double* magnitude) {
   const Vector<T> ab = from_to<T>(a, b), ac = from_to<T>(a, c);
@@ -120,8 +122,8 @@ T triangle_size_value(const Sphere& a, const Sphere& b, const Sphere& c, double*
          T(4) * (bb * cc - bc * bc) * squared_radius<T>(a);
 }
 
-// With D = det(ab, ac, ad), x = n / (2 D) by Cramer's rule for n = w_b ac×ad + w_c ad×ab + w_d
-// ab×ac. The value is 4 D² (|x|² - r_a²).
+// The size of tetrahedron abcd, |x|² - r_a², times 4 D² with D = det(ab, ac, ad). By Cramer's rule
+// x = n / (2 D) with n = w_b ac×ad + w_c ad×ab + w_d ab×ac.
 template <class T>
 T tetrahedron_size_value(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d,
                          double* magnitude) {
@@ -167,9 +169,10 @@ T triangle_side_value(const Sphere& a, const Sphere& b, const Sphere& c, const S
   return wd * (bb * cc - bc * bc) - (wb * cc - wc * bc) * bd - (wc * bb - wb * bc) * cd;
 }
 
-// `evaluate(T{}, magnitude)` returns the polynomial in T. Its error in double is at most
-// `roundings` * kRoundoff * magnitude. If the bound is tiny, infinite or NaN, or does not settle
-// the sign, the exact value decides.
+// Returns the sign of a polynomial. `evaluate(T{}, &magnitude)` returns its value in the number
+// type T; the first argument only names T. For double it sets `magnitude`, and the error of the
+// value is at most `roundings` * kRoundoff * magnitude. If this bound is tiny, infinite or NaN, or
+// if the value does not exceed it, the value in exact arithmetic decides.
 template <class Evaluate>
 Sign filtered_sign(double roundings, Evaluate evaluate) {
   double magnitude = 0;

@@ -15,7 +15,8 @@ namespace vdwmesh {
 
 enum class Sign : signed char { negative = -1, zero = 0, positive = 1 };
 
-// Positive if the centre of d is on the side of a, b, c that sees them counter-clockwise.
+// Positive if the centre of d is on the side of the plane abc from which the centres of a, b, c are
+// counter-clockwise, zero if it is on the plane.
 Sign orientation_sign(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d);
 
 // Conflict test of the regular triangulation, for positively oriented p, q, r, s. Positive if ball
@@ -32,9 +33,9 @@ Sign size_sign(const Sphere& a, const Sphere& b);
 Sign size_sign(const Sphere& a, const Sphere& b, const Sphere& c);
 Sign size_sign(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d);
 
-// The sign of pow_d - pow_a at the centre of that smallest sphere, of the simplex without d.
-// Negative means that d makes the simplex attached. Whatever its size, it is then in the dual
-// complex only as a face of a larger simplex.
+// The sign of pow_d - pow_a at the centre of the smallest sphere orthogonal to the balls of a
+// simplex: all arguments but the last, d. Negative means that d makes the simplex attached. The
+// simplex is then in the dual complex only as a face of a larger simplex, whatever its size.
 Sign side_sign(const Sphere& a, const Sphere& d);
 Sign side_sign(const Sphere& a, const Sphere& b, const Sphere& d);
 Sign side_sign(const Sphere& a, const Sphere& b, const Sphere& c, const Sphere& d);

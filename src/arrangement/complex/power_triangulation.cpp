@@ -206,8 +206,8 @@ std::vector<std::uint32_t> insertion_order(std::size_t count) {
   return order;
 }
 
-// Inserts the auxiliary points, then the balls. Every search begins at a cell of the vertex
-// inserted last, which is near because the order is spatial. A ball that others hide is not
+// Inserts the auxiliary points, then the balls. Every search begins where the last
+// one ended, which is near because the order is spatial. A ball that others hide is not
 // inserted, which insert() reports with an empty handle; a ball that a later one hides loses its
 // vertex.
 void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, Monitor* monitor) {

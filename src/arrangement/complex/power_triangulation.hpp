@@ -1,8 +1,8 @@
 // The regular triangulation (weighted Delaunay triangulation) of a set of balls, as plain arrays.
 //
 // Four auxiliary points of radius 0, far outside every ball, are vertices too. They make the
-// triangulation three-dimensional for any input and surround every simplex of balls with cells.
-// Their power is positive on all balls, so they do not influence the dual complex.
+// triangulation three-dimensional for any input, and every simplex of balls has cells all around.
+// Their power is positive on all balls, so they do not change the dual complex.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@
 
 namespace vdwmesh {
 
-inline constexpr std::uint32_t kNoIndex = 0xffffffffu;  // none
+inline constexpr std::uint32_t kNoIndex = 0xffffffffu;  // in place of an index: there is none
 
 struct PowerTriangulation {
-  // Balls with distinct centres: of concentric ones the largest, of equal ones that of the lowest
-  // id. Their order keeps neighbours near. All lengths are multiplied by 2^-scale_exponent, so that
-  // the largest radius is in [1/2, 1).
+  // Balls with distinct centres: of concentric balls only the largest, of equal balls only the one
+  // with the lowest id. Balls near in space are near in this order. All lengths are multiplied by
+  // 2^-scale_exponent, so that the largest radius is in [1/2, 1).
   std::vector<Sphere> balls;
   std::vector<SphereId> ids;  // for each ball its id in the SphereSet
   int scale_exponent = 0;

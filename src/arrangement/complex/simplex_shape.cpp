@@ -22,14 +22,15 @@ namespace {
 using Float100 = boost::multiprecision::cpp_bin_float_100;
 
 // A triangle is thin if the sine of its smallest angle is below kThinSine. A tetrahedron is flat if
-// six times its volume is below kFlatVolume times the lengths of the three edges at ball 0. An
-// angle or a centre loses as many digits as these numbers have zeros. So double keeps 1e-13 Å of a
-// triangle at the limit and 1e-12 Å of an orthogonal centre at the limit.
+// six times its volume is below kFlatVolume times the product of the lengths of the three edges at
+// ball 0. At these limits double loses three digits of an angle and four digits of an orthogonal
+// centre: with some 1e-16 at first, it still gives them to 1e-13 and 1e-12.
 constexpr double kThinSine = 1e-3;
 constexpr double kFlatVolume = 1e-4;
 
-// A chord is short if half of it is below this fraction of the radius. Its square is a difference,
-// which is then too small for double.
+// A chord between the two points common to three spheres is short if half of it is below this
+// fraction of the largest radius. The square of the half is a difference of squares of about that
+// radius, and would lose six digits or more in double.
 constexpr double kShortChord = 1e-3;
 
 // The polynomials below have up to eight lengths in a product. If edges are at least kShortEdge =
@@ -49,8 +50,8 @@ T half_power_offset(const Sphere& a, const Sphere& b, const Vector<T>& ab) {
   return (dot(ab, ab) + (T(a.radius) - T(b.radius)) * (T(a.radius) + T(b.radius))) * T(0.5);
 }
 
-// Sums and products can cancel; roots and quotients of their results cannot. Still, roots and
-// quotients are computed in T, because a double may not hold their arguments: the square of a
+// Only sums and differences lose digits by cancellation. Still, the roots and quotients of their
+// results are computed in T too, because a double may not hold their arguments: the square of a
 // length of 1e-170 underflows to 0. The conversion to double comes last.
 double to_double(double value) { return value; }
 double to_double(const Float100& value) { return static_cast<double>(value); }
@@ -75,8 +76,9 @@ Float100 root(const Float100& square) {
   return ldexp(Float100(mantissa * inverse), exponent / 2);
 }
 
-// The angle of the vector (x, y) from the x axis. For Float100, both coordinates are first divided
-// by the larger one, so that they fit doubles.
+// The angle of the vector (x, y) from the x axis, in [-π, π]. For Float100, both coordinates are
+// first divided by the larger absolute value, so that they fit doubles. The zero vector has the
+// angle 0.
 double angle(double y, double x) { return std::atan2(y, x); }
 double angle(const Float100& y, const Float100& x) {
   const Float100 size = std::max<Float100>(abs(x), abs(y));
@@ -122,7 +124,8 @@ TriangleShape shape_in(const std::array<const Sphere*, 3>& v) {
 
 // Whether the triangle with the edge vectors u and v is too thin, or has an edge too short, for
 // double. Twice the area over the product of the two longest edges is the sine of its smallest
-// angle.
+// angle. The comparisons are written with !(... >= ...) so that NaN also counts as thin; is_short()
+// and is_flat() do the same.
 bool is_thin(const Vector<double>& u, const Vector<double>& v) {
   const double uu = dot(u, u), vv = dot(v, v);
   const Vector<double> w = difference(v, u), normal = cross(u, v);
@@ -134,7 +137,8 @@ bool is_thin(const Vector<double>& u, const Vector<double>& v) {
 
 // The denominator in the formula of Van Oosterom and Strackee 1983 for the solid angle that p, q
 // and a point x common to the three spheres span at o: the tangent of half of it is det(op, oq, ox)
-// over |op| |oq| |ox| + (op·oq) |ox| + (op·ox) |oq| + (oq·ox) |op|. Here |ox| is the radius of o.
+// over |op| |oq| |ox| + (op·oq) |ox| + (op·ox) |oq| + (oq·ox) |op|. Here |ox| is the radius of o,
+// and op·ox, oq·ox are half power offsets.
 template <class T>
 T solid_angle_denominator(const Sphere& o, const Sphere& p, const Sphere& q) {
   const Vector<T> op = from_to<T>(o, p), oq = from_to<T>(o, q);
@@ -177,7 +181,8 @@ constexpr std::array<std::array<std::uint8_t, 2>, 6> kPairs{
 template <class T>
 void set_dihedrals(const std::array<Sphere, 4>& v, const TetrahedronTerms<T>& terms,
                    TetrahedronShape& shape) {
-  // A flat tetrahedron has the angles 0 and π. A negative zero here would turn π into -π.
+  // A tetrahedron of volume 0 has the angles 0 and π. A negative value or a negative zero would
+  // turn π into -π.
   const T determinant = terms.determinant <= 0 ? T(0) : terms.determinant;
   for (std::size_t p = 0; p < 6; ++p) {
     // The facets at an edge are those opposite to the other two vertices.
@@ -208,7 +213,7 @@ void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T
   const T& d = terms.determinant;
   for (std::size_t k = 0; k < 4; ++k) {
     T reach = dot(center, terms.normal[k]);
-    if (k == 0) reach += d * d;  // facet 0 alone is not through ball 0, which is d / |n| above it
+    if (k == 0) reach += d * d;  // ball 0 is not on facet 0, but d / |n| above it
     shape.center_height[k] = ratio(reach, T(d * root(terms.squared_normal[k])));
   }
 }
@@ -275,8 +280,9 @@ T twice_area(const Sphere& a, const Sphere& b, const Sphere& c) {
   return root(T(dot(normal, normal)));
 }
 
-// The solid angles of a corner tetrahedron at its three centres. `determinant` is that of two edges
-// of the triangle and the vector to the common point, from any of the centres.
+// The solid angles of a corner tetrahedron at its three centres. `determinant` is the determinant
+// of two edge vectors of the triangle and the vector to the common point, all from the same centre;
+// it is the same for every centre.
 template <class T>
 std::array<double, 3> solid_angles(const std::array<const Sphere*, 3>& v, const T& determinant) {
   std::array<double, 3> angles;

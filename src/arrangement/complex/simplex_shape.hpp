@@ -16,14 +16,15 @@
 
 namespace vdwmesh {
 
-// Products of the lengths of several edges shorter than this (scaled) may underflow.
+// If edges are shorter than this (scaled), products of several of their lengths may underflow.
 inline constexpr double kShortEdge = 0x1p-100;
 
 // An edge ab. The radical plane of a and b is at right angles to it and cuts both spheres in the
 // same circle.
 struct EdgeShape {
   double length;
-  std::array<double, 2> height;  // signed distance of the plane from each centre, towards the other
+  std::array<double, 2> height;  // signed distance of the plane from a and from b, positive on the
+                                 // side of the other centre
   double squared_circle_radius;  // >= 0; 0 if the spheres do not quite meet
 };
 EdgeShape edge_shape(const Sphere& a, const Sphere& b);
@@ -42,7 +43,7 @@ TriangleShape triangle_shape(const Sphere& a, const Sphere& b, const Sphere& c);
 // spheres do not quite meet, both are the orthogonal centre in the plane.
 struct CommonPoints {
   Vec3d above, below;
-  double half_chord, twice_area;  // half the distance of the points; of the triangle of centres
+  double half_chord, twice_area;  // half the points' distance; 2 × area of the centres' triangle
 };
 CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c);
 

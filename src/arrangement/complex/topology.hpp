@@ -14,8 +14,6 @@ namespace vdwmesh {
 
 // `measures` has one entry for each ball of the triangulation, for example from
 // inclusion_exclusion(). Areas and volumes of the result are scaled as the triangulation is.
-// A pair of a complement component and a component of the union that touch has exactly one shell.
-// These pairs are the edges of a tree, from which the volume inside each shell follows.
 // hidden_spheres counts balls of the triangulation only, not spheres that it left out.
 UnionTopology union_topology(const PowerTriangulation& triangulation, const DualComplex& complex,
                              const std::vector<SphereMeasures>& measures);
