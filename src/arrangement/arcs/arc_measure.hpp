@@ -53,7 +53,7 @@ inline void add_arc_end(CellFace& face, const Vec3d& corner, int direction) {
 inline void add_edge(const BallCell& cell, const CellEdge& e, PatchSums& sums) {
   CellFace& a = cell.face_at(e.a);
   CellFace& b = cell.face_at(e.b);
-  const double moment = e.scale * (e.upper - e.lower);
+  const double moment = e.scale * (e.upper - e.lower);  // length / sine; toward_*: sine × distance
   a.edge_moment += e.toward_b * moment;
   b.edge_moment += e.toward_a * moment;
   sums.open = sums.open + moment * (e.toward_b * a.cap.axis + e.toward_a * b.cap.axis);

@@ -6,8 +6,7 @@
 //   volume = r area / 3 + sum over edges of h F / 3
 // Ω: solid angle at the centre that is taken by tetrahedra of the complex and by corner tetrahedra.
 //    A corner tetrahedron spans the centres of a triangle and one of its exposed corners.
-// φ: angle about the edge that these tetrahedra leave free. Over this angle the sphere loses a
-// piece
+// φ: angle about the edge that these tetrahedra leave free. Over this angle the sphere loses part
 //    of the cap in the other ball.
 // h: signed height of the radical plane over the centre. F: area of power face ∩ ball.
 #include <cmath>

@@ -1,7 +1,6 @@
 // triangulate(): incremental insertion into CGAL's regular triangulation, flattened into arrays.
 //
-// 1. Of concentric balls only the largest stays. The balls are numbered in spatial order and
-// scaled.
+// 1. Of concentric balls only the largest stays. Balls are numbered in spatial order and scaled.
 // 2. Four auxiliary points, then all balls in a biased randomized order, are inserted.
 // 3. The finite cells (CGAL also keeps infinite ones, beyond the hull) are numbered and copied.
 // The power test is our own predicate (power_predicates.hpp), which squares radii exactly. CGAL's
@@ -206,16 +205,16 @@ std::vector<std::uint32_t> insertion_order(std::size_t count) {
   return order;
 }
 
-// Inserts the auxiliary points, then the balls. Every search begins where the last
-// one ended, which is near because the order is spatial. A ball that others hide is not
-// inserted, which insert() reports with an empty handle; a ball that a later one hides loses its
-// vertex.
+// Inserts the auxiliary points, then the balls. Every search begins where the last one ended, which
+// is near because the order is spatial. A ball that others hide is not inserted: insert() returns
+// an empty handle. A ball that a later one hides loses its vertex.
 void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, Monitor* monitor) {
   Triangulation::Cell_handle hint;
   const auto insert = [&](const Vec3d& c, double radius, std::size_t index) {
     Triangulation::Locate_type type;
     int i, j;
     const WeightedPoint point(Point(c.x, c.y, c.z), radius);
+    // Sets `type`, i and j, which say where in `cell` the point lies.
     const auto cell = triangulation.locate(point, type, i, j, hint);
     const auto vertex = triangulation.insert(point, type, cell, i, j);
     hint = cell;

@@ -199,6 +199,7 @@ class ShellFinder {
   bool is_void_cell(std::uint32_t c) const {
     return regions_.of[c] != kNoIndex && regions_.of[c] != kOuter;
   }
+  // Whether ab is an edge of the complex. Answers for vertices of void cells only.
   bool is_edge(std::uint32_t a, std::uint32_t b) const {
     return std::binary_search(void_edges_.begin(), void_edges_.end(), key(a, b));
   }
@@ -207,7 +208,8 @@ class ShellFinder {
   }
 
   // The outer surface of a component has the area of its balls at cells of the outer region, less
-  // the area that they show to voids.
+  // the area that they show to voids. A component that has no such ball is inside a void, so it has
+  // no shell with the outer region.
   void measure_outside() {
     std::vector<std::uint8_t> outside(t_.balls.size(), 0);
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
