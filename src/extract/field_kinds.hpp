@@ -17,13 +17,17 @@
 namespace vdwmesh {
 
 // What a kind of blended field defines, for the contribution f of one atom:
-// - f and its slope by the squared distance, in float or double: reaches(q) is false only if f is
-//   0, value(), value_and_slope().
-// - What bounds on f over a box may assume: is_convex_beyond(d2) and absolute_rounding().
-// - The same f at the nodes of a grid, in float32, as a product of terms of one axis each:
-//   node_shape() makes the parameters, axis_term() the term of a plane, row_term() combines y and
-//   z, row_is_out_of_reach() is true only if the row adds 0, add_atom() adds f at a node to a sum.
-// - The parameters of its presets, and the range of its isovalues: largest_factor().
+// - f and its slope by the squared distance, in float or double: value(), value_and_slope(), and
+//   reaches(q), which is false only if f at q is exactly 0.
+// - What bounds on f over a box may assume: is_convex_beyond(d2) says whether f as a function of
+//   d^2 is convex from d2 on, and absolute_rounding() bounds the part of the float32 error that is
+//   not relative to f.
+// - The same f at the nodes of a grid, in float32, from terms of one axis each: node_shape() makes
+//   the parameters, axis_term() the term of a plane, row_term() combines y and z,
+//   row_is_out_of_reach() is true only if the atom adds exactly 0 to the whole row, and add_atom()
+//   returns a sum plus f at one node of the row.
+// - The parameters of its presets: set_radius_aware() and set_thesis() set members of the
+//   FieldModel. largest_factor() gives the smallest isovalue that float32 can hold (field.cpp).
 template <class Kind>
 concept BlendedKind = requires(const ShapeParameters<double>& shape, const NodeShape& nodes,
                                const AxisTerm& axis, const RowTerm& row, const FieldModel& model,
@@ -63,7 +67,7 @@ VDWMESH_HD decltype(auto) with_blended(FieldKind kind, F&& f) {
   __builtin_unreachable();
 }
 
-// The same for every kind; for vdw it returns f(UnionOfBalls{}).
+// with_blended() for every kind: for vdw it returns f(UnionOfBalls{}).
 template <class F>
 VDWMESH_HD decltype(auto) with_kind(FieldKind kind, F&& f) {
   return kind == FieldKind::vdw ? f(UnionOfBalls{}) : with_blended(kind, f);

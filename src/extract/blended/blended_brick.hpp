@@ -2,11 +2,13 @@
 // the crossed edges. Everything is computed in float32 relative to the brick's node 0, where
 // coordinates are small.
 // - A node's value is the sum over the brick's atoms, in list order, of a product of one term per
-//   axis. The terms depend on atom and node plane alone, so neighbouring bricks compute the same
-//   bits for the nodes that they share.
+//   axis. A term depends on the atom and on the absolute position of the node's plane, not on the
+//   brick. Neighbouring bricks gather different atoms, but an atom that only one of them gathers
+//   adds exactly 0 to each node that they share (field_reach()). So both bricks compute the same
+//   bits for these nodes.
 // - A vertex is found by linear interpolation between the values at the ends of its edge. Its
-//   normal is the gradient of the field at the vertex, and its label the atom that contributes most
-//   there.
+//   normal points against the gradient of the field at the vertex, and its label is the atom that
+//   contributes most there. Only the brick that owns the edge computes them.
 // The device counterparts are count_bricks.cu and emit_vertices.cu.
 #pragma once
 
@@ -31,8 +33,8 @@ struct BrickValues {
   float last[kBrickReach][kBrickReach];
 };
 
-// A Surface as brick_extraction.hpp asks for it. One object works for one thread, brick after
-// brick.
+// A Surface as brick_extraction.hpp asks for it. One object works for one thread: visit() moves it
+// to a brick, and the other functions compute the values, signs or vertices of that brick.
 template <BlendedKind Kind>
 class BlendedBrick {
  public:
@@ -45,7 +47,9 @@ class BlendedBrick {
 
   // Moves to a brick: gathers the atoms that reach the box of its nodes, in list order.
   void visit(const BrickIndex& brick);
+  // Computes the field at all 9 x 9 x 9 nodes, virtual ones included.
   void values(BrickValues& values) const;
+  // Sets the bits of the nodes at which the field is at least the isovalue; virtual nodes have 0.
   void signs(BrickSigns& signs) const;
   // Calls put(i, vertex) for every edge i of `edges`, which are the brick's crossed edges.
   template <class Put>
@@ -61,12 +65,12 @@ class BlendedBrick {
 
   const CellListView& list_;
   const FieldModel& model_;
-  ShapeParameters<float> shape_;
-  NodeShape nodes_;
+  ShapeParameters<float> shape_;  // the field's parameters, for gradients at vertices
+  NodeShape nodes_;               // the same field's parameters, for sums at nodes
   float isovalue_;
   BrickGeometry geometry_{};
   std::vector<LocalAtom> atoms_;       // the atoms that reach the brick
-  std::vector<std::uint32_t> places_;  // their list places
+  std::vector<std::uint32_t> places_;  // list place (index in the cell list) of each of them
 };
 
 template <BlendedKind Kind>
@@ -84,7 +88,8 @@ LocalAtom BlendedBrick<Kind>::local_atom(const Sphere& atom) const {
   return local;
 }
 
-// Bit i is set if node plane i across the axis lies in the atom's sub-grid; LocalAtom::in_subgrid.
+// LocalAtom::in_subgrid along one axis: bit i is set if the plane of the brick's nodes i lies in
+// the atom's sub-grid, the box of grid cells at which a thesis preset cuts off the atom's field.
 template <BlendedKind Kind>
 std::uint16_t BlendedBrick<Kind>::subgrid_planes(int axis, const Sphere& atom) const {
   if (model_.truncation != Truncation::subgrid) return (1u << kBrickReach) - 1;
@@ -97,6 +102,8 @@ std::uint16_t BlendedBrick<Kind>::subgrid_planes(int axis, const Sphere& atom) c
   return static_cast<std::uint16_t>(planes);
 }
 
+// The cell list gives a superset of the atoms needed, and reaches_brick() drops those too far away.
+// The visitor always returns false, because true would end the visit early.
 template <BlendedKind Kind>
 void BlendedBrick<Kind>::visit(const BrickIndex& brick) {
   geometry_ = brick_geometry(model_.grid, brick);
@@ -111,7 +118,9 @@ void BlendedBrick<Kind>::visit(const BrickIndex& brick) {
                  });
 }
 
-// Adds an atom to all nodes, row by row. A row out of the atom's reach would only get zeros.
+// Adds an atom to all nodes, row by row. A row out of the atom's reach is skipped, because the atom
+// would add exactly 0 to each of its nodes. The terms along x are copied into a local array: the
+// compiler then knows that the stores into `values` do not change them, and vectorises the loop.
 template <BlendedKind Kind>
 void BlendedBrick<Kind>::add_rows(const LocalAtom& atom, BrickValues& values) const {
   AxisTerm along[kBrickReach];
@@ -150,17 +159,21 @@ void BlendedBrick<Kind>::signs(BrickSigns& signs) const {
   if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
 }
 
-// Whether the node lies in the atom's sub-grid. An atom contributes to a vertex if the inside end
-// of the vertex's edge lies in its sub-grid. It would be wrong to ask instead whether the atom's
-// value at that node is above 0: a steep Blinn field may underflow to 0 at the node and still be
-// large at the vertex.
+// Whether the node lies in the atom's sub-grid; always true for fields without sub-grids. In a
+// field with sub-grids, an atom contributes to a vertex if the inside end of the vertex's edge lies
+// in its sub-grid. The atom's value at that node, if it is above 0, would be a wrong test: the
+// terms of a steep Blinn field may underflow to 0 at the node while the contribution at the vertex
+// is large.
 inline bool reaches_node(const LocalAtom& a, const int node[3]) {
   return (a.in_subgrid[0] >> node[0] & a.in_subgrid[1] >> node[1] & a.in_subgrid[2] >> node[2] &
           1) != 0;
 }
 
-// The vertex on an edge. The node values are summed again instead of stored; the same operations in
-// the same order give the bits from which the signs were taken.
+// The vertex on an edge. The values at its two ends are summed again instead of stored. The
+// operations and their order are those of values(), so the bits are those from which the signs were
+// taken. A virtual node is outside even if its value is at least the isovalue; vertex_between()
+// then takes the outer end of the edge. If the gradient vanishes, outward_normal() returns the
+// direction of the edge.
 template <BlendedKind Kind>
 EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
   float inside = 0, outside = 0;
@@ -178,8 +191,8 @@ EdgeVertex BlendedBrick<Kind>::vertex(const CrossedEdge& edge) const {
     add_gradient<Kind>(shape_, local - Vec3f{a.center[0], a.center[1], a.center[2]}, a.scale,
                        list_.rank[places_[k]], k, g);
   }
-  // If no atom contributes at the vertex, take the atom that contributes most at the inside end.
-  // There is one, because the field is at least the isovalue there.
+  // If no atom contributes at the vertex, the label is the atom that contributes most at the inside
+  // end. There is such an atom, because the field there is at least the isovalue, which is above 0.
   if (!(g.strongest.value > 0)) {
     for (std::uint32_t k = 0; k < atoms_.size(); ++k) {
       const float value = add_to_node<Kind>(nodes_, atoms_[k], edge.inside, 0.0f);

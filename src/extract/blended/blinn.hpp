@@ -3,17 +3,18 @@
 //
 //   f = exp(B (o - q)) w(q),   q = s d^2,   w(q) = (W (1 - k q))^2 up to its zero, then 0.
 //
-// B is the steepness, o the offset, s the atom's scale, W the window's scale and k its inverse
-// cutoff: the members of FieldModel. The window w ends f smoothly; k = 0 means no window.
+// s is the atom's scale. The members of FieldModel have the others: steepness (B), offset (o),
+// window_scale (W) and inverse_cutoff (k). The window w ends f smoothly; k = 0 means no window.
 //
-// At the nodes of a grid, f is a product of terms that depend on one axis each, so an atom needs
-// one exponential per node plane instead of one per node. With q = qx + qy + qz and g = exp(-B q /
-// 2) for each axis,
+// At the nodes of a grid, f is computed from terms that depend on one axis each, so an atom needs
+// one exponential per node plane instead of one per node. With the squares qx, qy and qz of the
+// axes, q = qx + qy + qz, and gx = exp(-B qx / 2), likewise gy and gz,
 //
 //   f = exp(B o) W^2 (gy gz)^2 (gx (1 - k (qy + qz)) - k qx gx)^2.
 //
-// The last bracket is cut off at 0 and takes one fma. The axis terms are {k q, g} along y and z and
-// {k qx gx, gx} along x; a row's term is {1 - k (qy + qz), exp(B o) W^2 (gy gz)^2}.
+// The last bracket is cut off at 0; it takes one fma. The axis terms {square, factor} are {k qy,
+// gy} and {k qz, gz} across y and z, and {k qx gx, gx} across x. The row's term {rest, factor} is
+// {1 - k (qy + qz), exp(B o) W^2 (gy gz)^2}.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,7 @@
 namespace vdwmesh {
 
 struct Blinn {
-  // Returns false only if f is exactly 0.
+  // Returns false only if f at q is exactly 0.
   template <class T>
   VDWMESH_HD static bool reaches(const ShapeParameters<T>& p, T q) {
     return window_root(p, q) > 0;
@@ -49,8 +50,8 @@ struct Blinn {
     return {e * (u * u), s * (e * std::fma(-p.steepness, u * u, window_slope))};
   }
 
-  // f is convex in d^2 everywhere, as a product of two falling convex functions, and its rounding
-  // error is relative to its value.
+  // f is convex in d^2 everywhere, because it is a product of two falling, convex functions that
+  // are at least 0. Its rounding error is relative to its value, so it has no absolute part.
   template <class T>
   VDWMESH_HD static bool is_convex_beyond(const ShapeParameters<T>&, T) {
     return true;
@@ -82,7 +83,9 @@ struct Blinn {
     return !(row.rest > 0);
   }
 
-  // The bracket is at most 1, because 1 - k (qy + qz) and gx are; positive_part() asks for that.
+  // The bracket is at most 1, because 1 - k (qy + qz) and gx are: the precondition of
+  // positive_part(), which returns its argument if that is above 0, else 0. The unnamed argument is
+  // the atom's scale, which other kinds use.
   VDWMESH_HD static float add_atom(const NodeShape&, const RowTerm& row, const AxisTerm& x, float,
                                    float sum) {
     const float root = positive_part(std::fma(row.rest, x.factor, -x.square));

@@ -1,7 +1,8 @@
 // Decides whether a block of 2^level bricks along each axis can hold surface, from bounds on the
-// field over the block's box. The brick search descends an octree of such blocks and drops a block
-// if the field is proved to be below the isovalue at all of its nodes, or at or above it at all of
-// them. Bounds may be loose, which costs time; they must never be wrong, which would cost surface.
+// field over the block's box. The brick search descends an octree of such blocks. It drops a block
+// if the bounds prove that no surface crosses it: that the field is below the isovalue at all of
+// its nodes, or that it is at or above the isovalue at all of them. The test is one-sided. Loose
+// bounds keep blocks without surface, which only costs time; wrong bounds would lose surface.
 //
 // For the union of balls, a block is outside if no ball touches its box, and inside if one ball
 // holds all of it. For blended fields, FieldBounds bounds the sum over the atoms from below and
@@ -17,8 +18,8 @@
 
 namespace vdwmesh {
 
-// The lattice nodes first .. last along each axis that the cells of a block touch. A block has
-// 2^level bricks along each axis.
+// The lattice indices first .. last, along each axis, of the nodes that the cells of a block touch.
+// The block has 2^level bricks along each axis.
 struct LatticeBlock {
   std::int64_t first[3], last[3];
   int level;
@@ -37,11 +38,11 @@ VDWMESH_HD inline LatticeBlock lattice_block(const BrickIndex& index, int level)
   return block;
 }
 
-// The box around the nodes of a block that belong to the grid.
+// The box around those nodes of a block that belong to the grid.
 struct BlockBox {
   Vec3d lower, upper;   // Å
   bool empty;           // no node of the block belongs to the grid
-  bool touches_border;  // some nodes are virtual, hence outside
+  bool touches_border;  // some nodes of the block are virtual, hence outside
 };
 
 VDWMESH_HD inline BlockBox block_box(const GridSpec& grid, const LatticeBlock& block) {
@@ -63,8 +64,9 @@ struct SquareRange {
 };
 
 // The least and the largest squared distance from c to a point of the box. They are computed with
-// the operations of squared_distance(). Each of these is monotone under rounding, so the bounds
-// also hold for the rounded squared distances of the nodes.
+// the operations of squared_distance(). Rounding keeps the order of numbers, so each of these
+// operations is monotone even when it rounds, and the bounds also hold for the rounded squared
+// distances of the nodes.
 VDWMESH_HD inline SquareRange square_range(const BlockBox& box, const Vec3d& c) {
   double near[3], far[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -78,8 +80,9 @@ VDWMESH_HD inline SquareRange square_range(const BlockBox& box, const Vec3d& c) 
 }
 
 // Union of balls: returns false if no ball touches the box, or if one ball holds all of it and no
-// node of the block is virtual. visit_near(visit) calls visit(place) for any superset of the balls
-// that touch the box, until visit() returns true.
+// node of the block is virtual; then no surface crosses the block. visit_near(visit) calls
+// visit(place) with the list place of each ball of some superset of the balls that touch the box,
+// until visit() returns true.
 template <class VisitNear>
 VDWMESH_HD bool union_may_cross(const CellListView& list, const BlockBox& box,
                                 VisitNear&& visit_near) {
@@ -87,8 +90,9 @@ VDWMESH_HD bool union_may_cross(const CellListView& list, const BlockBox& box,
   for (int l = 0; l < list.level_count; ++l) {
     largest = list.levels[l].reach > largest ? list.levels[l].reach : largest;
   }
-  // A ball that holds the box is at least as wide. If none is that wide, the first ball that
-  // touches the box settles the answer.
+  // `largest` is at least the largest radius. A ball that holds the box is at least as wide as the
+  // box. If no ball is that wide, none can hold it, and the first ball that touches the box decides
+  // that the surface may cross.
   const bool coverable = box.upper.x - box.lower.x <= 2 * largest;
   bool touched = false, covered = false;
   visit_near([&](std::uint32_t place) {
@@ -107,8 +111,8 @@ VDWMESH_HD inline bool union_may_cross(const CellListView& list, const BlockBox&
                          [&](auto&& visit) { visit_near_box(list, box.lower, box.upper, visit); });
 }
 
-// How the sub-grid of an atom lies to a block: whether it has some of the block's nodes (`meets`),
-// and whether it has all of them (`holds`). Without sub-grids both are true.
+// Whether the sub-grid of an atom has some of a block's nodes (`meets`), and whether it has all of
+// them (`holds`). For fields without sub-grids both are true.
 struct SubgridOverlap {
   bool meets, holds;
 };
@@ -127,43 +131,49 @@ VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const Latt
   return o;
 }
 
-// Bounds on a blended field over a box, from the sum over its atoms of bounds on each. There are
-// two pairs of bounds, and the better of each pair is used.
+// Bounds on a blended field over a box: sums, over the atoms near the box, of bounds on what each
+// atom contributes. There are two pairs of a lower and an upper bound. lower() returns the larger
+// of the two lower bounds, and upper() the smaller of the two upper ones.
 //
 // 1. An atom's contribution f falls with d^2. So f at the point of the box nearest to the atom
 //    bounds it from above (`most`), and f at the farthest point from below (`least`).
 //
-// 2. If f is convex in d^2, it lies above its tangent at the middle of the box and below its chord
-//    between the nearest and the farthest distance. Write m for the vector from the atom to the
-//    middle of the box and y for the vector from the middle to a point of the box. Then
+// 2. If f as a function of d^2 is convex, it lies above its tangent at the middle of the box and
+//    below its chord between the nearest and the farthest point. Write m for the vector from the
+//    atom to the middle of the box, y for the vector from the middle to a point of the box, and
+//    half for the vector from the middle to the box's upper corner. Then
 //
 //   d^2 = |m|^2 + 2 m y + |y|^2   with   0 <= |y|^2 <= |half|^2.
 //
-// Tangent and chord are linear in d^2 with a slope of at most 0. The chord is largest with |y|^2 =
-// 0, and the tangent least with |y|^2 = |half|^2. What is left is linear in y, so the sums over the
-// atoms are linear too, and their extremes over the box follow from the sums of the slopes
-// (`chords`, `tangents`). This pair errs in the second order of the box's size, the first pair in
-// the first order.
+// Tangent and chord are linear in d^2 with a slope of at most 0. So the chord does not get smaller
+// if |y|^2 is replaced by 0, nor the tangent larger if |y|^2 is replaced by |half|^2. Both remain
+// bounds and are linear in y. Their sums over the atoms (`chords`, `tangents`, with their
+// gradients) are linear in y too, and have their extremes at corners of the box. The error of this
+// pair falls with the square of the box's size, and the error of the first pair with the size.
 //
 // The bounds must hold for the float32 values at the nodes, not for the exact field alone. An
 // atom's float32 value at a node has three errors:
 // - It errs by some units of its own size, 2^-24 relative. kMargin covers them.
-// - Near the end of the window, the root u = 1 - k q is a difference of two numbers near 1 and errs
-//   by up to 4e-7, however small u is. Therefore the nearest and the farthest distance are widened
-//   by kWiden of d^2. With k q near 1 this moves u by about 1/512 = 2e-3. So f at the widened
-//   distances bounds the float32 value. It also makes kMargin sufficient for the second pair: with
-//   e = 4e-7, 1e-3 (u + 2e-3)^2 > 2 u e + e^2 for every u >= 0.
-// - Some kinds have an absolute error besides, absolute_rounding(). It is added or subtracted.
-// The sum over n atoms errs by up to n units more, at the nodes and, if T is float, here.
+// - Near the end of the window, the root u = 1 - k q is a difference of two numbers near 1. It errs
+//   by up to e = 4e-7, however small u is. Therefore the squares of the nearest and the farthest
+//   distance are made smaller and larger by their share kWiden = 1/512. With k q near 1 this moves
+//   u by about 1/512 = 2e-3, much more than e, so f at the widened distances bounds the float32
+//   value. It also makes kMargin sufficient for the second pair: there f is taken at a u that is
+//   larger by 2e-3, and 1e-3 (u + 2e-3)^2 > 2 u e + e^2, the error of u^2, for every u >= 0.
+// - Some kinds have an absolute error too, absolute_rounding(). It is added to each atom's upper
+//   bounds and subtracted from its lower bounds.
+// The sum over n atoms adds an error of up to n units of 2^-24, both in the values at the nodes
+// and, if T is float, in the sums here; margin() covers it.
 template <class T>
 struct FieldBounds {
   T least = 0, most = 0;                         // sums of f at the farthest and nearest points
   T tangents = 0, chords = 0;                    // sums of tangents and chords at y = 0
-  T tangent_slope[3] = {}, chord_slope[3] = {};  // their sums' gradients with respect to y, 1/Å
-  T atoms = 0;                                   // how many were added
+  T tangent_slope[3] = {}, chord_slope[3] = {};  // the gradients of these sums in y, 1/Å
+  T atoms = 0;                                   // how many atoms were added
 
   // Adds an atom. `m` leads from the atom to the middle of the box and `half` is half the box's
-  // size, both in Å; `overlap` says how the atom's sub-grid lies to the block.
+  // size along each axis, both in Å. `scale` is inverse_square_scale() of the atom, and `overlap`
+  // is subgrid_overlap() of the atom and the block.
   template <BlendedKind Kind>
   VDWMESH_HD void add(const ShapeParameters<T>& shape, T scale, const T (&m)[3], const T (&half)[3],
                       const SubgridOverlap& overlap) {
@@ -172,8 +182,9 @@ struct FieldBounds {
     T near = 0, middle = 0, far = 0, extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const T away = m[axis] < 0 ? -m[axis] : m[axis];
-      // The gap between atom and box is a difference. If it is much smaller than its terms,
-      // cancellation leaves few correct digits, so the box is widened by four units of the terms.
+      // The gap between atom and box is away - half. If it is much smaller than these two numbers,
+      // cancellation leaves few correct digits. So the box is widened by four units of float32 in
+      // the sum of both, more than the difference can err by. `reach` is half the widened box.
       const T error_bound = kUnit * (away + half[axis]), reach = half[axis] + error_bound;
       const T gap = away > reach ? away - reach : T(0);
       near = std::fma(gap, gap, near);
@@ -186,8 +197,9 @@ struct FieldBounds {
     const T at_near = Kind::value(shape, near, scale);
     const T at_far = Kind::value(shape, far, scale);
     const T rounding = at_near > 0 ? Kind::absolute_rounding(shape) : T(0);
-    // Over a short interval, the slope of the chord would consist of rounding errors. Without a
-    // chord, `most` is used: the constant at_near.
+    // Over a short interval, the slope of the chord would consist of rounding errors. If there is
+    // no usable chord, its slope is 0 here: `chords` then gets at_near, the bound of the first
+    // pair.
     const bool convex = Kind::is_convex_beyond(shape, near) && far - near > kShort * far;
     const T chord = convex ? (at_far - at_near) / (far - near) : T(0);
     atoms += 1;
@@ -196,7 +208,8 @@ struct FieldBounds {
     for (int axis = 0; axis < 3; ++axis) {
       chord_slope[axis] = std::fma(2 * chord, m[axis], chord_slope[axis]);
     }
-    // Some nodes may lie outside the sub-grid, and f is 0 there. Only its rounding is below 0.
+    // Some nodes lie outside the sub-grid, and f is 0 there. So the lower bounds of both pairs are
+    // 0, less the rounding error, which may have either sign at the other nodes.
     if (!overlap.holds) {
       least -= rounding;
       tangents -= rounding;
@@ -214,8 +227,9 @@ struct FieldBounds {
     }
   }
 
-  // Bounds on the float32 values of all nodes in the box, once all atoms near it have been added: a
-  // linear function over a box has its extremes at corners, |slope| * half away along each axis.
+  // Bounds on the float32 values of all nodes in the box. Precondition: all atoms near the box have
+  // been added. A linear function over a box has its extremes at corners, where it differs from its
+  // value in the middle by |slope| * half along each axis.
   VDWMESH_HD T lower(const T (&half)[3]) const {
     T bound = tangents;
     for (int axis = 0; axis < 3; ++axis) bound -= half[axis] * std::fabs(tangent_slope[axis]);
@@ -230,13 +244,14 @@ struct FieldBounds {
  private:
   VDWMESH_HD T margin() const { return (kMargin + kUnit * atoms) * most; }
 
-  // The largest relative error is Blinn's: some 1300 units of 2^-24, or 8e-5, for B = 50, the
-  // largest allowed, at the window's end q = 6.25 (tests/unit/extract/node_terms_test.cpp).
+  // Relative margin for the error of an atom's float32 value. The largest such error is Blinn's:
+  // some 1300 units of 2^-24, or 8e-5, for the largest steepness allowed, B = 50, at the end of the
+  // window, q = 6.25 (tests/unit/extract/node_terms_test.cpp).
   static constexpr T kMargin = T(1e-3);
   static constexpr T kUnit = T(4) / (1 << 23);  // four units in the last place of float32
-  static constexpr T kWiden = T(1) / (1 << 9);  // share of d^2
-  // Share of d^2. Widening makes any interval about 2 kWiden = 1/256 of d^2 long, so an interval of
-  // that length can be due to widening alone.
+  static constexpr T kWiden = T(1) / (1 << 9);  // the share by which each d^2 is moved outwards
+  // An interval near .. far is short if it is at most this share of far. Widening alone makes every
+  // interval about 2 kWiden = 1/256 of d^2 long; kShort is twice that.
   static constexpr T kShort = T(1) / (1 << 7);
 };
 
@@ -271,9 +286,11 @@ VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
     const double to_middle[3] = {from.x, from.y, from.z};
     bounds.add<Kind>(shape, inverse_square_scale(m, ball.radius), to_middle, frame.half,
                      subgrid_overlap(m, block, ball.center));
-    // Early exit for large blocks. As soon as the sums over some of the atoms admit surface, the
-    // block most likely holds some, and visiting its many other atoms would be expensive. The block
-    // is kept and its children are tested. Levels 0 to 2 always visit all atoms.
+    // Early exit for large blocks. `most` only grows, and as soon as it is at or above the
+    // isovalue, the block most likely holds surface; visiting its many other atoms would be
+    // expensive. The block is kept and its children are tested. If `least` is above 0, some
+    // atom contributes everywhere in the block: the visit goes on, because the block may prove to
+    // be inside. Blocks of levels 0 to 2 have few atoms and always visit all of them.
     return block.level > 2 && bounds.most >= m.isovalue && bounds.least <= 0;
   });
   // After an early exit the sums lack atoms, so upper() is no bound.
@@ -282,7 +299,8 @@ VDWMESH_HD bool field_may_cross(const CellListView& list, const FieldModel& m,
          (bounds.lower(frame.half) < m.isovalue || box.touches_border);
 }
 
-// Whether a block may hold surface; false only if it holds none.
+// Whether a block may hold surface. The test is one-sided: false only if the block holds none, but
+// true also for some blocks without surface.
 VDWMESH_HD inline bool may_hold_surface(const CellListView& list, const FieldModel& m,
                                         const LatticeBlock& block) {
   const BlockBox box = block_box(m.grid, block);

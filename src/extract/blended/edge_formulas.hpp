@@ -19,11 +19,11 @@ inline constexpr double kEdgeMargin = 1.0 / (1 << 20);
 struct EdgePoint {
   double distance;      // from the inside node along the edge, Å
   std::uint32_t owner;  // union of balls: the caller's index of the ball whose interval ends there
-  bool clamped;
+  bool clamped;         // moved by clamp_to_edge()
 };
 
-// Moves a point into the part of the edge where vertices may lie; a distance that is not a number
-// goes to the inside end.
+// Moves a point at a distance (Å) from the inside node into the part of the edge where vertices may
+// lie. The negated comparisons also move a distance that is not a number, to the inside end.
 VDWMESH_HD inline EdgePoint clamp_to_edge(double distance, double spacing, std::uint32_t owner) {
   const double least = kEdgeMargin * spacing, most = (1 - kEdgeMargin) * spacing;
   if (!(distance >= least)) return {least, owner, true};
@@ -32,8 +32,8 @@ VDWMESH_HD inline EdgePoint clamp_to_edge(double distance, double spacing, std::
 }
 
 // Linear interpolation between the values at the inside and the outside node. A virtual node is
-// outside by definition, but its value may be at or above the isovalue. Then the vertex is placed
-// at the outer end of the edge.
+// outside by definition, but its value may be at or above the isovalue. Then the vertex is clamped
+// to the outer end of the edge. The owner 0 has no meaning for these fields.
 VDWMESH_HD inline EdgePoint interpolate_edge(float inside, float outside, float isovalue,
                                              double spacing) {
   if (!(outside < isovalue)) return clamp_to_edge(spacing, spacing, 0);
@@ -48,8 +48,9 @@ struct Interval {
   bool empty;
 };
 
-// The ball's interval on the line through `node` along the axis. With the distance a of the line
-// from the centre, it is the centre's position plus and minus sqrt(r^2 - a^2).
+// The ball's interval on the line through `node` along the axis. `direction` is +1 if the outside
+// node is above `node` and -1 if it is below. With the distance a of the line from the centre, the
+// interval is the centre's position plus and minus sqrt(r^2 - a^2).
 VDWMESH_HD inline Interval cover(const Sphere& ball, const Vec3d& node, int axis,
                                  double direction) {
   const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
@@ -81,14 +82,16 @@ struct UnionExit {
 // 2. A ball whose interval contains the end of the run, and begins before the edge ends, extends
 //    the run to its own end. This repeats over all balls until none extends the run.
 // If several intervals end exactly at the exit, the ball of lowest rank owns it. for_each(visit)
-// calls visit(ball, rank, index) for any superset of the balls that touch the edge; further balls
-// change nothing. The result is not clamped to the edge.
+// calls visit(ball, rank, index) for all balls that touch the edge and possibly for others, which
+// change nothing; `rank` is the ball's place in the canonical order, and `index` the caller's
+// number for it. The result is not clamped to the edge.
 template <class ForEach>
 VDWMESH_HD UnionExit union_exit(const Vec3d& node, int axis, double direction, double spacing,
                                 ForEach&& for_each) {
-  double reach = -1;  // end of the run so far; below every exit, which are at least 0
+  double reach = -1;  // end of the run so far; -1 is below every exit, because exits are at least 0
   std::uint32_t owner = 0, owner_rank = 0;
-  bool others = false;  // some ball does not hold the node; without any, step 2 changes nothing
+  bool others = false;  // some ball does not hold the node; if all do, step 2 changes nothing
+  // Ends the run at an exit that is at or beyond its end; of equal exits the lower rank wins.
   const auto end_at = [&](double exit, std::uint32_t rank, std::uint32_t index) {
     if (exit == reach && rank >= owner_rank) return;
     reach = exit;

@@ -13,15 +13,16 @@
 
 namespace vdwmesh {
 
-// e^x for x <= 88, and 0 for x < -87, with a relative error below 3e-7. Precondition: x <= 88.
-// Taylor polynomial to r^7.
+// Returns e^x with a relative error below 3e-7 for x from -87 to 88, and 0 for x < -87.
+// Precondition: x <= 88, so that 2^n is finite. The Taylor polynomial goes to r^7.
 VDWMESH_HD inline float exponential(float x) {
-  // 1.5 * 2^23. Floats of this size are integers, so adding it rounds to the nearest integer, and
-  // subtracting it again gives that integer.
+  // 1.5 * 2^23. Floats of this size are integers, so adding this constant rounds x / ln 2 to the
+  // nearest integer, and subtracting it again gives that integer, n.
   constexpr float round_to_integer = 12582912.0f;
   const float t = std::fmaf(x, 1.44269504f, round_to_integer);
   const float n = t - round_to_integer;
-  // ln 2 is subtracted in two parts. The first has so few digits that n times it is exact.
+  // n ln 2 is subtracted in two parts, because ln 2 as one float32 is not precise enough. The first
+  // part of ln 2 has so few digits that n times it is exact.
   float r = std::fmaf(n, -0.693359375f, x);
   r = std::fmaf(n, 2.12194440e-4f, r);
   float p = std::fmaf(r, 1.0f / 5040, 1.0f / 720);
@@ -31,16 +32,16 @@ VDWMESH_HD inline float exponential(float x) {
   p = std::fmaf(r, p, 0.5f);
   p = std::fmaf(r, p, 1.0f);
   p = std::fmaf(r, p, 1.0f);
-  // The exponent field of 2^n is n + 127. For x >= -87 it is at least 1. Smaller x give 0 below,
-  // and clamping only keeps their field in range.
+  // The exponent field of the float 2^n is n + 127. For x >= -87 it is at least 1. For smaller x
+  // the result is 0 whatever the field is; clamping n keeps the integer arithmetic defined.
   const float clamped = n < -126.0f ? -126.0f : n;
   const float scale =
       std::bit_cast<float>((static_cast<std::int32_t>(clamped) + 127) * (std::int32_t{1} << 23));
   return x < -87.0f ? 0.0f : p * scale;
 }
 
-// The same in double: e^x for x <= 709, and 0 for x < -708, with a relative error below 1e-15.
-// Precondition: x <= 709. Taylor polynomial to r^13.
+// The same method in double: returns e^x with a relative error below 1e-15 for x from -708 to 709,
+// and 0 for x < -708. Precondition: x <= 709. The Taylor polynomial goes to r^13.
 VDWMESH_HD inline double exponential(double x) {
   constexpr double round_to_integer = 6755399441055744.0;  // 1.5 * 2^52
   const double t = std::fma(x, 1.4426950408889634074, round_to_integer);

@@ -14,11 +14,12 @@ struct FieldSample {
   double value;
   Vec3d gradient;       // 1/Å
   std::uint32_t place;  // list place of the largest contribution, lowest rank among equals
-  bool in_reach;        // some atom contributes; `place` has no meaning otherwise
+  bool in_reach;        // some atom contributes more than 0; if false, `place` has no meaning
 };
 
-// Sums over the spheres near p in list order. Precondition: `list` was built with field_reach().
-// The gradient of f(d^2) at p is 2 df/d(d^2) (p - centre).
+// Sums over the spheres near p in list order. Precondition: the reaches of `list` are those of
+// field_reach(). The gradient of f(d^2) at p is 2 df/d(d^2) (p - centre). The visitor returns false
+// on all paths, so that the visit goes on to the next sphere.
 template <BlendedKind Kind>
 VDWMESH_HD FieldSample sample_field(const CellListView& list, const FieldModel& model,
                                     const Vec3d& p) {
@@ -54,7 +55,7 @@ VDWMESH_HD FieldSample sample_field(const CellListView& list, const FieldModel& 
   return sample;
 }
 
-// The same for a field known at run time. Precondition: model.kind is not vdw.
+// sample_field<Kind>() for the kind that the model names. Precondition: model.kind is not vdw.
 VDWMESH_HD inline FieldSample sample_field(const CellListView& list, const FieldModel& model,
                                            const Vec3d& p) {
   return with_blended(model.kind,

@@ -3,10 +3,11 @@
 //
 //   f = w(q) / q,   q = s d^2,   w(q) = (W (1 - k q))^2 up to its zero, then 0.
 //
-// s is the atom's scale, W the window's scale and k its inverse cutoff. Smaller d^2 than min_square
-// are replaced by it, so f is finite at the centre. At the nodes of a grid, an axis term is {q of
-// the axis, 1} and a row's term {qy + qz, 1}; both factors are 0 for planes outside the atom's
-// sub-grid.
+// s is the atom's scale, W the window's scale and k its inverse cutoff. If d^2 is smaller than
+// min_square, it is replaced by min_square, so f is finite at the centre. At the nodes of a grid,
+// with the squares qx, qy and qz of the axes and q = qx + qy + qz, an axis term {square, factor} is
+// {qx, 1}, likewise across y and z, and a row's term {rest, factor} is {qy + qz, 1}. Both factors
+// are 0 for planes outside the atom's sub-grid.
 #pragma once
 
 #include <cmath>
@@ -18,7 +19,7 @@
 namespace vdwmesh {
 
 struct InverseSquared {
-  // Returns false only if f is exactly 0.
+  // Returns false only if f at q is exactly 0.
   template <class T>
   VDWMESH_HD static bool reaches(const ShapeParameters<T>& p, T q) {
     return window_root(p, q) > 0;
@@ -42,7 +43,8 @@ struct InverseSquared {
     return {(u * u) / q, d2 > p.min_square ? s * slope : T(0)};
   }
 
-  // f is convex in d^2 from min_square on. Its rounding error is relative to its value.
+  // f is convex in d^2 from min_square on; where the constant part below min_square joins, it is
+  // not. Its rounding error is relative to its value, so it has no absolute part.
   template <class T>
   VDWMESH_HD static bool is_convex_beyond(const ShapeParameters<T>& p, T d2) {
     return d2 >= p.min_square;

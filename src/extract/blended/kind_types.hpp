@@ -10,7 +10,8 @@
 
 namespace vdwmesh {
 
-// The members of FieldModel of these names, as T. Evaluation at any point uses these.
+// The members of FieldModel of the same names, as T. The evaluation at arbitrary points uses these;
+// the evaluation at grid nodes uses NodeShape.
 template <class T>
 struct ShapeParameters {
   T steepness, offset, amplitude, min_square, inverse_cutoff, window_scale;
@@ -26,8 +27,8 @@ VDWMESH_HD inline ShapeParameters<T> shape_parameters(const FieldModel& m) {
 // The window of radius-aware fields ends at this distance from the atom's centre, in radii.
 inline constexpr double kWindowRadii = 2.5;
 
-// The square root of the window w(q): W (1 - k q), or 0 beyond its zero, with W = window_scale and
-// k = inverse_cutoff.
+// The square root of the window w(q), the factor that ends a field smoothly: W (1 - k q) up to its
+// zero, then 0, with W = window_scale and k = inverse_cutoff.
 template <class T>
 VDWMESH_HD inline T window_root(const ShapeParameters<T>& p, T q) {
   const T u = std::fma(-q, p.inverse_cutoff, T(1));
@@ -36,8 +37,8 @@ VDWMESH_HD inline T window_root(const ShapeParameters<T>& p, T q) {
 
 template <class T>
 struct ValueAndSlope {
-  T value;
-  T slope;  // df/d(d^2), 1/Å²
+  T value;  // f, what one atom contributes at the squared distance d^2
+  T slope;  // df/d(d^2), 1/Å²; 0 or negative
 };
 
 // The parameters of a field for sums at nodes, in float32. A kind's node_shape() sets the members
@@ -50,16 +51,17 @@ struct NodeShape {
   float min_square;      // inverse squared, Å²
 };
 
-// Contribution of an atom and one plane of nodes, across one axis, to the product at a node. The
-// header of each kind defines the two numbers. A plane outside the atom's sub-grid has {0, 0}.
+// What one atom and one plane of nodes, across one axis, give to the products at the nodes of the
+// plane. The header of each kind defines the two numbers. They are {0, 0} for a plane outside the
+// atom's sub-grid.
 struct AxisTerm {
   float square, factor;
 };
 
-// Contribution of an atom and one row of nodes along x: the axis terms of y and z combined. The
+// What one atom gives to all nodes of one row along x: the axis terms of y and z combined. The
 // header of each kind defines the two numbers.
 struct RowTerm {
-  float rest;    // additive part, from the squares of y and z
+  float rest;    // what remains of q or of the window's root: from the squares of y and z
   float factor;  // product of all factors that do not depend on x
 };
 

@@ -15,16 +15,19 @@
 
 namespace vdwmesh {
 
+// Gradients at vertices use `center`. Values at nodes use `term` instead, which does not depend on
+// the brick, so that neighbouring bricks agree on the nodes that they share.
 struct alignas(16) LocalAtom {
   float center[3];                // Å, from the brick's node 0
   float scale;                    // q = d^2 * scale
   AxisTerm term[3][kBrickReach];  // [axis][node plane]
-  // Bit i: node plane i across the axis lies in the atom's sub-grid. All bits without sub-grids.
+  // Bit i: node plane i across the axis lies in the atom's sub-grid. All set without sub-grids.
   std::uint16_t in_subgrid[3];
 };
 
-// Whether the atom can add anything but 0 to nodes in the box. With sub-grids the cell list decides
-// alone; planes outside an atom's sub-grid have zero terms anyway.
+// False only if the atom adds exactly 0 to all nodes in the box. For fields with sub-grids it is
+// always true: such an atom is used wherever the cell list gives it, and its terms are 0 at planes
+// outside its sub-grid.
 VDWMESH_HD inline bool reaches_box(const FieldModel& m, const Vec3d& lower, const Vec3d& upper,
                                    const Sphere& atom) {
   if (m.truncation == Truncation::subgrid) return true;
@@ -53,8 +56,8 @@ VDWMESH_HD inline bool plane_in_subgrid(const FieldModel& m, int axis, std::int6
 }
 
 // The atom's term at a plane of nodes across an axis. `lattice` is the plane's lattice index and
-// `coordinate` its position, Å. The difference to the atom is taken in double and then rounded, so
-// the term does not depend on the brick that asks.
+// `coordinate` its position, Å. The difference between plane and atom is taken in double from
+// absolute coordinates and then rounded, so the term is the same in every brick with this plane.
 template <BlendedKind Kind>
 VDWMESH_HD inline AxisTerm lattice_term(const FieldModel& m, const NodeShape& p, const Sphere& atom,
                                         float scale, int axis, std::int64_t lattice,
@@ -63,7 +66,7 @@ VDWMESH_HD inline AxisTerm lattice_term(const FieldModel& m, const NodeShape& p,
   return Kind::axis_term(p, scale, axis, static_cast<float>(coordinate - atom.center[axis]));
 }
 
-// The same for node plane `node` = 0 .. 8 of a brick.
+// lattice_term() for node plane `node` = 0 .. 8 of a brick.
 template <BlendedKind Kind>
 VDWMESH_HD inline AxisTerm brick_term(const FieldModel& m, const NodeShape& p,
                                       const BrickGeometry& g, const Sphere& atom, float scale,
@@ -82,7 +85,7 @@ VDWMESH_HD inline float add_to_node(const NodeShape& p, const LocalAtom& a, cons
 }
 
 // A running maximum: the atom of largest contribution so far. Among equal contributions the lowest
-// rank wins; contributions of 0 do not count.
+// rank wins. Contributions of 0 do not count, so a value of 0 means that no atom has contributed.
 struct Strongest {
   float value = 0;
   std::uint32_t rank = 0;
@@ -97,6 +100,7 @@ struct Strongest {
   }
 };
 
+// Sums at a vertex, over the atoms given to add_gradient().
 struct LocalGradient {
   Vec3f sum{0, 0, 0};  // half the gradient of the field at a vertex, 1/Å
   Strongest strongest;
@@ -106,7 +110,7 @@ VDWMESH_HD inline float local_square(const Vec3f& local) {
   return std::fma(local.x, local.x, std::fma(local.y, local.y, local.z * local.z));
 }
 
-// Returns false only if add_gradient() would add exactly 0.
+// Returns false only if add_gradient() with the same arguments would add exactly 0.
 template <BlendedKind Kind>
 VDWMESH_HD inline bool is_in_window(const ShapeParameters<float>& shape, const Vec3f& local,
                                     float scale) {
@@ -135,7 +139,7 @@ VDWMESH_HD inline EdgeVertex vertex_between(float inside, float outside, float i
           kNoSphere, point.clamped};
 }
 
-// The outward normal: against the gradient, or along the edge if the gradient vanishes.
+// The outward normal: against the gradient, or v.normal if the gradient vanishes.
 VDWMESH_HD inline Vec3f outward_normal(const LocalGradient& g, const EdgeVertex& v) {
   return unit_or({-g.sum.x, -g.sum.y, -g.sum.z}, cast<double>(v.normal));
 }

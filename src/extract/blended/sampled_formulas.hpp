@@ -30,14 +30,16 @@ VDWMESH_HD inline bool is_virtual(const GridSpec& grid, const LatticeNode& n) {
          is_virtual(grid, 2, n.index[2]);
 }
 
-// Where the value of a node stands. Precondition: the node is not virtual.
+// The address of a node's value in f.values. The function only computes an address: for a virtual
+// node it is not the address of a value of that node, and must not be read.
 VDWMESH_HD inline const float* node_address(const SampledFieldView& f, const LatticeNode& n) {
   const std::int64_t row = (n.index[2] - 1) * (f.grid.cells.y + 1) + n.index[1] - 1;
   return f.values + row * (f.grid.cells.x + 1) + n.index[0] - 1;
 }
 
-// The gradient at a node times twice the spacing, by central differences. At the border of the grid
-// it is twice the one-sided difference. Precondition: the node is not virtual.
+// The gradient at a node times twice the spacing, by central differences. At a node on the border
+// of the grid, the component across the border is twice the one-sided difference, and 0 if the
+// grid has only one node along that axis. Precondition: the node is not virtual.
 VDWMESH_HD inline Vec3f node_difference(const SampledFieldView& f, const LatticeNode& n) {
   const float* const value = node_address(f, n);
   const std::int64_t width = f.grid.cells.x + 1;
@@ -57,7 +59,8 @@ VDWMESH_HD inline EdgeVertex sampled_vertex(const SampledFieldView& f, const Bri
                                             const CrossedEdge& edge, const Vec3d& node) {
   const LatticeNode inside = lattice_node(brick, edge.inside);
   const LatticeNode outside = lattice_node(brick, edge.outside);
-  // A virtual node has no value. Infinity makes interpolate_edge() take the outer end of the edge.
+  // A virtual node has no value. interpolate_edge() takes the outer end of the edge if the outside
+  // value is not below the isovalue, as infinity is.
   const float beyond = is_virtual(f.grid, outside) ? std::numeric_limits<float>::infinity()
                                                    : *node_address(f, outside);
   const EdgePoint point =
@@ -77,7 +80,7 @@ VDWMESH_HD inline Vec3f sampled_normal(const SampledFieldView& f, const BrickInd
   const double from = lattice_coordinate(f.grid, edge.axis, inside.index[edge.axis]);
   const double distance = edge.direction * (v.position[edge.axis] - from);
   const auto along = static_cast<float>(distance / f.grid.spacing);
-  Vec3d fall{};
+  Vec3d fall{};  // against the gradient; its length does not matter
   for (int axis = 0; axis < 3; ++axis) {
     fall[axis] = -static_cast<double>(std::fma(along, b[axis] - a[axis], a[axis]));
   }

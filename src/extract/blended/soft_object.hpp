@@ -4,8 +4,9 @@
 //   f = A (1 - 22/9 q + 17/9 q^2 - 4/9 q^3)   for q = s d^2 < 1, else 0,
 //
 // with the amplitude A and the atom's scale s. Value and slope are 0 at q = 1, so f needs no
-// window. At the nodes of a grid, an axis term is {q of the axis, 1} and a row's term {qy + qz, A};
-// both factors are 0 for planes outside the atom's sub-grid.
+// window. At the nodes of a grid, with the squares qx, qy and qz of the axes and q = qx + qy + qz,
+// an axis term {square, factor} is {qx, 1}, likewise across y and z, and a row's term {rest,
+// factor} is {qy + qz, A}. Both factors are 0 for planes outside the atom's sub-grid.
 #pragma once
 
 #include <cmath>
@@ -22,7 +23,7 @@ struct SoftObject {
     return std::fma(q, std::fma(q, std::fma(q, T(-4) / T(9), T(17) / T(9)), T(-22) / T(9)), T(1));
   }
 
-  // Returns false only if f is exactly 0.
+  // Returns false only if f at q is exactly 0.
   template <class T>
   VDWMESH_HD static bool reaches(const ShapeParameters<T>&, T q) {
     return q < T(1);
@@ -39,15 +40,16 @@ struct SoftObject {
   VDWMESH_HD static ValueAndSlope<T> value_and_slope(const ShapeParameters<T>& p, T d2, T s) {
     const T q = d2 * s;
     const T shape = cubic(q);
-    // The derivative of the cubic: -22/9 + 34/9 q - 12/9 q^2.
+    // The derivative of the cubic by q: -22/9 + 34/9 q - 12/9 q^2.
     const T square = std::fma(q, std::fma(q, T(-4) / T(3), T(34) / T(9)), T(-22) / T(9));
     return q < T(1) ? ValueAndSlope<T>{p.amplitude * shape, s * (p.amplitude * square)}
                     : ValueAndSlope<T>{T(0), T(0)};
   }
 
   // f is convex in d^2 everywhere: the second derivative of the cubic, 34/9 - 24/9 q, is positive
-  // up to q = 17/12. Near q = 1 the cubic is a small difference of terms of up to 22/9, so its
-  // rounding error is relative to the amplitude, not to the value, and has either sign.
+  // up to q = 17/12, and f ends at q = 1 with slope 0. Near q = 1 the cubic is a small difference
+  // of terms of up to 22/9, so its rounding error is relative to the amplitude, not to the value,
+  // and has either sign.
   template <class T>
   VDWMESH_HD static bool is_convex_beyond(const ShapeParameters<T>&, T) {
     return true;

@@ -1,10 +1,12 @@
-// The signs of a brick's nodes as bits, and everything that follows from them by bit operations:
-// which grid edges carry a vertex, the number of that vertex within its row, and the marching-cubes
-// case of each cell. For host and device, so that both number the mesh alike.
+// The signs of a brick's nodes as bits, and what follows from them by bit operations: which grid
+// edges carry a vertex, the number of that vertex within its row, the marching-cubes case of each
+// cell, and the faces through which the surface leaves the brick. The last part has the lattice:
+// where the nodes of a brick lie in the grid, and how many bricks a grid has. For host and device,
+// so that both number the mesh alike.
 //
-// Numbering: a brick owns 8 x 8 rows of 8 nodes along x. Vertices are numbered row by row, y faster
-// than z, and within a row by node, then by axis. Their count is a population count of the crossed
-// edges.
+// Numbering: a brick owns 8 x 8 rows of 8 nodes along x. Each crossed edge carries one vertex and
+// belongs to the node at its lower end. Vertices are numbered row by row, y faster than z, and
+// within a row by node, then by axis.
 #pragma once
 
 #include <cstdint>
@@ -14,23 +16,25 @@
 
 namespace vdwmesh {
 
-// Nodes along one axis that the cells of a brick touch: its own 8 nodes and a halo of one, the
-// first node of the next brick.
+// The number of nodes, along one axis, that the cells of a brick touch: its own 8 nodes, 0 .. 7,
+// and the halo node 8, which is the first node of the next brick.
 inline constexpr int kBrickReach = kBrickSide + 1;
 
-// Bit x of row[z][y] is set if node (x, y, z) of the brick is inside. x, y and z run from 0 to 8.
+// Bit x of row[z][y] is set if node (x, y, z) of the brick is inside the surface. x, y and z run
+// from 0 to 8.
 struct BrickSigns {
   std::uint16_t row[kBrickReach][kBrickReach];
 };
 
-// The crossed edges that the nodes x = 0 .. 7 of one row own, a byte per axis.
+// The crossed edges of the nodes x = 0 .. 7 of one row: one byte of bits for each axis, because a
+// row has kBrickSide = 8 nodes.
 struct RowCrossings {
   std::uint32_t packed;  // bit 8 * axis + x: the edge of node x along the axis is crossed
 
   VDWMESH_HD std::uint32_t along(int axis) const { return packed >> (8 * axis) & 255u; }
-  // Whether node x has a vertex on its edge along the axis.
+  // Whether the edge from node x one step up along the axis carries a vertex.
   VDWMESH_HD bool has(int x, int axis) const { return (packed >> (8 * axis + x) & 1u) != 0; }
-  // Nodes with a vertex on any of their edges.
+  // Bit x is set if at least one of node x's three edges carries a vertex.
   VDWMESH_HD std::uint32_t nodes() const { return along(0) | along(1) | along(2); }
 };
 
@@ -55,9 +59,9 @@ VDWMESH_HD inline std::uint32_t crossings_before(int x, int axis) {
   return lower_nodes | lower_axes;
 }
 
-// The case of the cell whose lower corner is node (x, y, z), x, y and z from 0 to 7. Bit c is the
-// sign of corner c as case_table.hpp numbers corners, so two neighbouring bits of a row are two
-// corners.
+// The case of the cell whose lower corner is node (x, y, z), x, y and z from 0 to 7. Bit c of the
+// case is the sign of corner c = dx + 2 dy + 4 dz, the node at the offset (dx, dy, dz). So the
+// signs of nodes x and x + 1 of one row are two neighbouring bits of the case.
 VDWMESH_HD inline std::uint32_t cell_case(const BrickSigns& s, int x, int y, int z) {
   const auto pair = [&](int dy, int dz) {
     return static_cast<std::uint32_t>(s.row[z + dz][y + dy] >> x) & 3u;
@@ -65,8 +69,9 @@ VDWMESH_HD inline std::uint32_t cell_case(const BrickSigns& s, int x, int y, int
   return pair(0, 0) | pair(1, 0) << 2 | pair(0, 1) << 4 | pair(1, 1) << 6;
 }
 
-// Bit x is set if the surface crosses cell x = 0 .. 7 of the row, that is, if the cell's eight
-// corners are neither all outside (`any` has no bit) nor all inside (`all` has every bit).
+// Bit x is set if the surface crosses cell x = 0 .. 7 of the row. Bit x of `any` is set if one of
+// the four nodes at x is inside, and bit x of `all` if all four are. A cell is crossed if `any` has
+// a bit at x or x + 1 (some corner is inside) and `all` lacks one of them (some corner is outside).
 VDWMESH_HD inline std::uint32_t mixed_cells(const BrickSigns& s, int y, int z) {
   const std::uint32_t a = s.row[z][y], b = s.row[z][y + 1], c = s.row[z + 1][y],
                       d = s.row[z + 1][y + 1];
@@ -75,16 +80,16 @@ VDWMESH_HD inline std::uint32_t mixed_cells(const BrickSigns& s, int y, int z) {
   return (any | any >> 1) & ~(all & all >> 1) & own;
 }
 
-// The faces of a brick that the surface crosses: their 9 x 9 nodes are of both signs. The brick
-// beyond such a face shares these nodes, so it holds surface too.
+// The faces of a brick that the surface crosses: some of their 9 x 9 nodes are inside and some
+// outside. The brick beyond such a face touches the same nodes, so it holds surface too.
 struct CrossedFaces {
   std::uint32_t lower, upper;  // bits 0, 1, 2: the face across x, y, z at node 0, or at node 8
 };
 
 inline CrossedFaces crossed_faces(const BrickSigns& s) {
   constexpr std::uint32_t all = (1u << kBrickReach) - 1;
-  // Bit x of `any` is set if node x of some row is inside, bit x of `every` if it is inside in all
-  // rows.
+  // Collects rows. Bit x of `any` is set if node x is inside in some row, bit x of `every` if it is
+  // inside in all rows. mixed() has the bits x at which node x is inside in some rows only.
   struct Nodes {
     std::uint32_t any = 0, every = all;
     void add(std::uint32_t row) {
@@ -103,36 +108,43 @@ inline CrossedFaces crossed_faces(const BrickSigns& s) {
     whole.any |= layer[z].any;
     whole.every &= layer[z].every;
   }
+  // 1 if the nodes of all collected rows together, whatever their x, are of both signs.
   const auto is_mixed = [](const Nodes& n) { return n.any != 0 && n.every != all ? 1u : 0u; };
   const std::uint32_t x = whole.mixed();
   return {(x & 1u) | is_mixed(front) << 1 | is_mixed(layer[0]) << 2,
           (x >> kBrickSide & 1u) | is_mixed(back) << 1 | is_mixed(layer[kBrickSide]) << 2};
 }
 
-// The lattice consists of the grid's nodes and one virtual layer of nodes around them: lattice
-// index = node + 1. This is the lattice index of node `local` = 0 .. 8 of a brick, along one axis.
+// The lattice consists of the grid's nodes and one virtual layer of nodes around them. Along an
+// axis, grid node i has the lattice index i + 1, and bricks divide the lattice, not the grid.
+// Returns the lattice index of node `local` = 0 .. 8 of the brick with index `brick`.
 VDWMESH_HD inline std::int64_t lattice_index(std::int32_t brick, int local) {
   return static_cast<std::int64_t>(brick) * kBrickSide + local;
 }
 
+// Whether the nodes with this lattice index do not belong to the grid. They lie in the virtual
+// layer or, since whole bricks are used, beyond it.
 VDWMESH_HD inline bool is_virtual(const GridSpec& grid, int axis, std::int64_t lattice) {
   return lattice < 1 || lattice > grid.cells[axis] + 1;
 }
 
+// The coordinate along the axis of the nodes with this lattice index, Å.
 VDWMESH_HD inline double lattice_coordinate(const GridSpec& grid, int axis, std::int64_t lattice) {
   return node_coordinate(grid.origin[axis], grid.spacing, lattice - 1);
 }
 
-// Number of bricks along an axis. They hold the cells + 1 nodes of the grid and the 2 virtual
-// nodes.
+// Number of bricks along an axis, rounded up: they hold the cells + 1 nodes of the grid and the 2
+// virtual nodes.
 VDWMESH_HD inline std::int32_t brick_count(std::int64_t cells) {
   return static_cast<std::int32_t>((cells + 3 + kBrickSide - 1) / kBrickSide);
 }
 
-// Whether a block of 2^level bricks along each axis may have bricks in the range. Keys grow with
-// every index, so the first and the last brick of the block have the smallest and the largest of
-// its keys; between them there may be others that are not the block's. For level 0 the answer is
-// exact.
+// Whether a block of 2^level bricks along each axis may have bricks in the range; `block` is its
+// index among the blocks of that level. A key grows with each of the three indices, so the first
+// and the last brick of the block have the smallest and the largest of its keys. The test is
+// one-sided: it is false only if no brick of the block is in the range. It may be true although
+// none is, because other blocks' keys lie between the block's; for level 0 it is exact. `last` is
+// the offset of the block's last brick from its first.
 VDWMESH_HD inline bool block_meets(const KeyRange& range, const BrickIndex& block, int level) {
   const BrickIndex first{block.x << level, block.y << level, block.z << level};
   const std::int32_t last = (1 << level) - 1;

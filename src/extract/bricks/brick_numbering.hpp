@@ -1,8 +1,12 @@
-// The list of the bricks that hold surface (on the device, of all candidates), and how the mesh is
-// numbered over it. Every brick is counted on its own. Exclusive prefix sums over the list then
-// give the first vertex and the first triangle of each brick, so that bricks can write their parts
-// of the mesh in any order and on any number of threads. Neighbours are found by binary search,
-// because the list is sorted by key. Host and device.
+// The list of bricks with what counting found in each, and how the mesh is numbered over this list.
+// On the CPU the list has the bricks that hold surface. On the device it has all candidates of the
+// brick search; those without surface have counts of 0.
+//
+// Each brick is counted independently of the others. Exclusive prefix sums over the list then give
+// the numbers of the first vertex and the first triangle of each brick, so bricks can write their
+// parts of the mesh in any order and on any number of threads. The list is sorted by key, so the
+// CPU finds the neighbours of a brick by binary search. Host and device, except for what is marked
+// as host only.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +18,14 @@
 
 namespace vdwmesh {
 
-// What counting found in a brick. Rows are numbered 8 z + y.
+// What counting found in a brick. Row (y, z) has the number 8 z + y.
 struct ActiveBrick {
-  std::uint64_t key;
-  // clipped_cells: cells that the surface crosses and that have a corner outside the grid.
+  std::uint64_t key;  // brick_key() of the brick
+  // clipped_cells: cells that the surface crosses and that have a virtual node as a corner.
   std::uint32_t vertices, triangles, clipped_cells;
-  std::uint16_t row_vertices[kBrickSide * kBrickSide];   // vertices before each row of nodes
-  std::uint16_t row_triangles[kBrickSide * kBrickSide];  // triangles before each row of cells
+  // Of each row of nodes or cells: how many vertices or triangles the brick has in lower rows.
+  std::uint16_t row_vertices[kBrickSide * kBrickSide];
+  std::uint16_t row_triangles[kBrickSide * kBrickSide];
   BrickSigns signs;
 };
 
@@ -31,7 +36,7 @@ struct BrickSums {
 
 struct BrickList {
   const ActiveBrick* bricks;  // by rising key
-  const BrickSums* before;    // exclusive prefix sums, size + 1 of them; before[size] is the total
+  const BrickSums* before;    // size + 1 sums: before[b] is over bricks 0 .. b - 1
   std::uint64_t size;
 };
 
@@ -56,15 +61,17 @@ VDWMESH_HD constexpr int neighbour_slot(int dx, int dy, int dz) {
   return (dz + 1) * 9 + (dy + 1) * 3 + dx + 1;
 }
 
-// Throws InternalError with a message that the surface leaves the brick for a neighbour that is not
-// in the list. It is defined in brick_extraction.cpp, so that loops into which everything is
-// inlined do not contain the formatting of the message too.
+// Throws InternalError; the message says that the surface leaves the brick for a neighbour that is
+// not in the list. The function is defined in brick_extraction.cpp, so that the loops of
+// multiversion.hpp, into which all inline functions are inlined, do not contain the formatting of
+// the message. Host only.
 [[noreturn]] void throw_missing_neighbour(const BrickIndex& brick);
 
-// Index in the list of a neighbour of the brick with that key. Precondition: the two share nodes of
-// both signs, so that the neighbour holds surface. The brick search keeps every brick with surface,
-// so the neighbour is in the list. Throws InternalError if it is not: using another brick instead
-// would silently produce a wrong mesh. Host only; the device has its own search in
+// Index in the list of the neighbour at `slot` (neighbour_slot()) of the brick with that key.
+// Precondition: some of the nodes that both bricks touch are inside and some are outside. Then the
+// neighbour holds surface as well. The brick search keeps every brick with surface, so the
+// neighbour is in the list. Throws InternalError if it is not: using another brick instead would
+// silently produce a wrong mesh. Host only; the device has a search of its own in
 // emit_triangles.cu.
 inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, int slot) {
   const BrickIndex own = brick_of_key(key);
@@ -76,21 +83,24 @@ inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, in
   return place;
 }
 
-// A node or a cell by the brick that owns it, and its coordinates in that brick.
+// Names a node or a cell by the brick that owns it and by its coordinates in that brick.
 struct OwnerPosition {
   std::uint64_t brick;  // index in the brick list
   int x, y, z;          // 0 .. 7
 };
 
-// Finds the owner of a node or cell given by coordinates -1 .. 8 relative to some brick. x >> 3 is
-// the owner's offset from that brick, -1, 0 or 1. neighbour(slot) gives the index in the list of
-// the brick at that offset.
+// Finds the owner of a node or cell that is given by coordinates -1 .. 8 relative to some brick. x
+// >> 3 is the owner's offset from that brick along x: -1, 0 or 1. neighbour(slot) must return the
+// index in the list of the brick at that neighbour_slot().
 template <class Neighbour>
 VDWMESH_HD OwnerPosition locate(Neighbour&& neighbour, int x, int y, int z) {
   return {neighbour(neighbour_slot(x >> 3, y >> 3, z >> 3)), x & 7, y & 7, z & 7};
 }
 
-// Bit x is set if cell x = 0 .. 7 of the row (y, z) has a corner that does not belong to the grid.
+// Bit x is set if cell x = 0 .. 7 of the row (y, z) has a virtual node as a corner. A cell's
+// corners are nodes i and i + 1 along each axis, and bit i of g.real[axis] is set if node i belongs
+// to the grid. `>>` binds tighter than `&`. If the row lacks nodes across y or z, all its cells
+// qualify.
 VDWMESH_HD inline std::uint32_t border_cells(const BrickGeometry& g, int y, int z) {
   const bool border_row = (g.real[1] >> y & 3) != 3 || (g.real[2] >> z & 3) != 3;
   const std::uint32_t own = (1u << kBrickSide) - 1;
