@@ -158,8 +158,9 @@ VDWMESH_HD inline SubgridOverlap subgrid_overlap(const FieldModel& m, const Latt
 //   by up to e = 4e-7, however small u is. Therefore the squares of the nearest and the farthest
 //   distance are made smaller and larger by their share kWiden = 1/512. With k q near 1 this moves
 //   u by about 1/512 = 2e-3, much more than e, so f at the widened distances bounds the float32
-//   value. It also makes kMargin sufficient for the second pair: there f is taken at a u that is
-//   larger by 2e-3, and 1e-3 (u + 2e-3)^2 > 2 u e + e^2, the error of u^2, for every u >= 0.
+//   value. It also makes kMargin sufficient for the second pair: margin() takes a share of `most`,
+//   in which u is larger by 2e-3, and 1e-3 (u + 2e-3)^2 > 2 u e + e^2, the error of u^2, for every
+//   u >= 0.
 // - Some kinds have an absolute error too, absolute_rounding(). It is added to each atom's upper
 //   bounds and subtracted from its lower bounds.
 // The sum over n atoms adds an error of up to n units of 2^-24, both in the values at the nodes

@@ -1,7 +1,7 @@
-// The marching-cubes cases of all 512 cells of a brick, on the CPU. A row of eight cases is one
-// 64-bit word with a byte per cell: a table turns the nine signs of a row of nodes into eight bytes
-// of two bits, and four such words, one for each row of nodes around the row of cells, are shifted
-// and combined into eight cases at once.
+// The marching-cubes cases of all 512 cells of a brick, on the CPU. The cases of a row of eight
+// cells are computed at once as a 64-bit word with a byte per cell. A table turns the nine signs of
+// a row of nodes into such a word, with the two corners that the row gives to cell x in byte x. The
+// words of the four rows of nodes around a row of cells are shifted and combined into the cases.
 #pragma once
 
 #include <array>
@@ -36,12 +36,13 @@ inline constexpr std::array<std::uint64_t, 1u << kBrickReach> kSignPairs = [] {
   return pairs;
 }();
 
-// The cases of all cells of a brick, and which of them the surface crosses ("mixed" cells). The
-// triangle emitter asks for both, so one pass over the signs prepares them.
+// The cases of all cells of a brick, and which of the cells are mixed, that is, crossed by the
+// surface. One pass over the signs prepares both.
 class BrickCases {
  public:
-  // Computes the cases of a brick. Bits 0-3 of a case come from the nodes at z and bits 4-7 from
-  // the nodes at z + 1, so the pairs above one layer are kept as the pairs below the next.
+  // Computes the cases of a brick with these node signs. Bits 0-3 of a case come from the nodes at
+  // z and bits 4-7 from the nodes at z + 1. So pairs(s, y, z + 1) is used for the cells at z and
+  // again for the cells at z + 1.
   void set(const BrickSigns& s) {
     std::uint64_t below[kBrickSide];
     for (int y = 0; y < kBrickSide; ++y) below[y] = pairs(s, y, 0);
@@ -56,7 +57,7 @@ class BrickCases {
     }
   }
 
-  // The same value as cell_case().
+  // The case of cell (x, y, z), as cell_case() computes it.
   std::uint32_t at(int x, int y, int z) const {
     return cases_[row_begin(y, z) + static_cast<std::size_t>(x)];
   }

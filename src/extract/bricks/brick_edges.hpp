@@ -1,7 +1,7 @@
-// The crossed grid edges of one brick, listed in the order of their vertices, on the CPU. The list
-// is made from the node signs a layer of 64 nodes at a time: exclusive ors of shifted words give a
-// bit per crossed edge, and the set bits are then visited one after the other. The vertices of the
-// brick are computed edge by edge from this list.
+// The crossed grid edges that one brick owns, listed in the order of their vertices, on the CPU.
+// The list is made from the node signs, a layer of 64 nodes of equal z at a time: for each axis,
+// exclusive ors give a word with a bit per crossed edge, and the set bits are then visited one
+// after the other. The vertices of the brick are computed edge by edge from this list.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ class BrickEdges {
 
   // All crossed edges; edge i carries the i-th vertex of the brick.
   std::span<const BrickEdge> all() const { return {edge_.data(), count_.all}; }
-  // Indices into all() of the edges along the axis, rising.
+  // Indices into all() of the edges along the axis, in rising order.
   template <int axis>
   std::span<const std::uint16_t> along() const {
     return {along_[axis].data(), count_.along[axis]};
@@ -54,11 +54,10 @@ class BrickEdges {
     std::size_t all, along[3];
   };
 
-  // Appends the crossed edges of one layer of nodes and returns the new counts. The loop runs over
-  // nodes that have at least one crossed edge. The edges of such a node are written along all three
-  // axes, but the counts advance only for the crossed ones, so that the next edge overwrites an
-  // edge that is not crossed. This compaction needs no branch, which the processor could not
-  // predict.
+  // Appends the crossed edges of the layer of nodes at z and returns the new counts. The loop runs
+  // over nodes that have at least one crossed edge. All three edges of such a node are written, but
+  // the counts advance only for the crossed ones, so that the next edge overwrites one that is not
+  // crossed. This avoids a branch, which the processor could not predict.
   Counts gather_layer(const BrickSigns& signs, int z, Counts counts) {
     const auto row = [&](int y) { return std::uint32_t{signs.row[z][y]}; };
     const std::uint64_t inside = layer_bits(row);
@@ -83,7 +82,8 @@ class BrickEdges {
   }
 
   Counts count_{};
-  // One element more than can be kept, because an element is also written for edges not crossed.
+  // One element more than the largest count, because an edge that is not crossed is also written,
+  // behind the last one that is kept.
   std::array<BrickEdge, kMost + 1> edge_;
   std::array<std::uint16_t, kBrickNodes + 1> along_[3];
 };

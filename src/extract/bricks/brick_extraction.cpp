@@ -1,7 +1,11 @@
-// Counting runs over waves of candidates, each wave in tasks of 32 bricks; every task writes the
-// bricks that hold surface from its own place on, and the gaps between tasks are closed after the
-// wave. One prefix sum numbers everything, and emission again runs in tasks of 32 bricks, which
-// write to places of their own. No order depends on the number of threads.
+// BrickMesher: marching cubes over a list of candidate bricks in three steps.
+// 1. Counting runs over waves of candidates, and each wave is divided into tasks of 32 bricks that
+//    run in parallel. A task writes the bricks that hold surface to the elements reserved for it.
+//    After the wave, the parts of the tasks are moved together.
+// 2. One prefix sum numbers all vertices and triangles.
+// 3. Emission again runs in tasks of 32 bricks. Each brick writes to the parts of the mesh arrays
+//    that its numbers name.
+// The order of bricks, vertices and triangles does not depend on the number of threads.
 #include "extract/bricks/brick_extraction.hpp"
 
 #include <fmt/format.h>
@@ -19,8 +23,9 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kBricksPerTask = 32;
-constexpr std::size_t kBricksPerWave = 256 * kBricksPerTask;  // some MB
-constexpr std::size_t kManyBricks = 4096;                     // some MB
+constexpr std::size_t kBricksPerWave = 256 * kBricksPerTask;  // 8192 bricks, some MB
+// From this many bricks on, some MB, memory is returned to the system before the mesh is allocated.
+constexpr std::size_t kManyBricks = 4096;
 
 using Clock = std::chrono::steady_clock;
 
@@ -28,7 +33,9 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Calls body(task, begin, end) for consecutive pieces of [0, count) on all cores.
+// Divides [0, count) into consecutive pieces of kBricksPerTask and calls body(task, begin, end) for
+// the number and the bounds of each, on all cores. advance() reports progress to the monitor, and
+// throws Cancelled if the caller asked to stop.
 template <class Body>
 void for_tasks(std::size_t count, Monitor* monitor, Body body) {
   const std::size_t tasks = (count + kBricksPerTask - 1) / kBricksPerTask;
@@ -42,8 +49,9 @@ void for_tasks(std::size_t count, Monitor* monitor, Body body) {
 
 std::size_t task_count(std::size_t count) { return (count + kBricksPerTask - 1) / kBricksPerTask; }
 
-// Moves the parts of a wave, which begin at `first` and every kBricksPerTask further on, to the end
-// of the bricks before them; returns the new end.
+// Closes the gaps between the parts of a wave. Part t has sizes[t] bricks from first + t *
+// kBricksPerTask on. The parts are moved one after the other to `end`, where the bricks of earlier
+// waves end; returns the new end. A part that is already in place is not moved.
 ActiveBrick* close_up(ActiveBrick* end, ActiveBrick* first, std::span<const std::size_t> sizes) {
   for (const std::size_t size : sizes) {
     end = end == first ? end + size : std::move(first, first + size, end);
@@ -52,8 +60,10 @@ ActiveBrick* close_up(ActiveBrick* end, ActiveBrick* first, std::span<const std:
   return end;
 }
 
-// Fills `all` with the candidates that hold surface: in place and wave by wave, so that little more
-// memory is touched than what is kept.
+// Fills `all` with the candidates that hold surface. `all` is first resized to the number of
+// candidates; its elements are not initialised, and untouched pages of it take no memory. Each wave
+// writes to the elements of its candidates, and the bricks that it keeps are then moved to the end
+// of the bricks kept so far. So there is no second array.
 void count_all(std::span<const std::uint64_t> candidates, const BrickLoops& loops, Monitor* monitor,
                Buffer<ActiveBrick>& all) {
   resize_untouched(all, candidates.size());
@@ -73,6 +83,7 @@ void count_all(std::span<const std::uint64_t> candidates, const BrickLoops& loop
   all.resize(static_cast<std::size_t>(end - all.data()));
 }
 
+// Sets the prefix sums.
 void sum_up(CountedBricks& counted) {
   const Buffer<ActiveBrick>& bricks = counted.bricks;
   counted.before.resize(bricks.size() + 1);
@@ -90,8 +101,8 @@ std::size_t first_at(const Buffer<ActiveBrick>& bricks, std::uint64_t key) {
   return static_cast<std::size_t>(found - bricks.begin());
 }
 
-// Numbers the first brick of the range with `first`, and all others accordingly: those before it
-// count down from there, modulo 2^64.
+// Shifts all prefix sums so that the numbers of the range's first brick begin with `first`. The
+// sums of the bricks before the range may wrap around below 0, modulo 2^64.
 void renumber(CountedBricks& counted, const MeshSize& first) {
   const BrickSums own = counted.before[counted.begin];
   const BrickSums shift{first.vertices - own.vertices, first.triangles - own.triangles};

@@ -1,6 +1,11 @@
-// Marching cubes over bricks on the CPU, for anything that knows the node signs of a brick and the
-// vertices on its edges: a Surface has visit(BrickIndex), signs(BrickSigns&) and vertices(edges,
-// put). Inlined whole into the loops that core/multiversion.hpp compiles twice.
+// Marching cubes over bricks on the CPU, in two parts: template loops that count and emit bricks
+// one after the other, and BrickMesher, which runs these loops on all cores and numbers the mesh.
+//
+// The loops are templates over a Surface, a class that knows the node signs of a brick and the
+// vertices on its edges. It has visit(BrickIndex), which moves it to a brick, signs(BrickSigns&),
+// and vertices(edges, put), which calls put(i, vertex) for every edge i of a BrickEdges. The
+// callers of the loops are marked VDWMESH_MULTIVERSION: the loops are inlined into them and
+// compiled for two processor versions (core/multiversion.hpp).
 #pragma once
 
 #include <bit>
@@ -19,7 +24,8 @@
 
 namespace vdwmesh {
 
-// Before each row, and in all.
+// Sets row_triangles, the triangles in the rows of cells before each row, and `triangles`, those of
+// all rows.
 inline void count_triangles(const CaseTable& table, const BrickCases& cases, ActiveBrick& brick) {
   std::uint16_t of_row[kBrickSide * kBrickSide] = {};
   cases.for_each_mixed([&](int, int y, int z, std::uint32_t inside) {
@@ -56,7 +62,7 @@ inline void count_vertices(ActiveBrick& brick) {
   brick.vertices = static_cast<std::uint32_t>(vertices);
 }
 
-// Whether all signs are alike, so that the brick holds no surface.
+// Whether all 9 x 9 x 9 signs are alike, so that the brick holds no surface.
 inline bool is_uniform(const BrickSigns& signs) {
   constexpr std::uint32_t all = (1u << kBrickReach) - 1;
   std::uint32_t any = 0, every = all;
@@ -69,8 +75,9 @@ inline bool is_uniform(const BrickSigns& signs) {
   return any == 0 || every == all;
 }
 
-// Writes those of the bricks that hold surface from `out` on, which has room for all; returns how
-// many.
+// Counts the bricks with these keys and writes those that hold surface from `out` on, in the order
+// of the keys; returns their number. `out` must have space for all keys: each brick is written to
+// the next free element, which the next brick overwrites if the brick holds no surface.
 template <class Surface>
 std::size_t count_bricks(Surface& surface, const GridSpec& grid,
                          std::span<const std::uint64_t> keys, ActiveBrick* out) {
@@ -93,11 +100,13 @@ std::size_t count_bricks(Surface& surface, const GridSpec& grid,
   return static_cast<std::size_t>(out - first);
 }
 
-// What is noticed while vertices and triangles are made.
+// Counts that are made while vertices and triangles are emitted.
 struct EmissionTally {
-  std::uint64_t clamped = 0;  // vertices
-  // Lower faces of bricks that the surface crosses, less upper ones. Every upper one has the brick
-  // beyond it looked up, so that 0 in all says that every lower one has its brick as well.
+  std::uint64_t clamped = 0;  // vertices that were clamped
+  // Number of lower faces of bricks that the surface crosses, less the number of upper ones. The
+  // emission looks up the brick beyond every crossed upper face and throws if there is none. So
+  // each crossed upper face is the lower face of another brick, and a total of 0 over the whole
+  // mesh says that each crossed lower face has a brick below it, too.
   std::int64_t unmatched_faces = 0;
 
   void add(const EmissionTally& other) {
@@ -106,6 +115,8 @@ struct EmissionTally {
   }
 };
 
+// Writes the vertices of brick b of the list and returns how many of them were clamped. Leaves the
+// crossed edges of the brick in `edges`.
 template <class Surface>
 std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, BrickEdges& edges) {
   const ActiveBrick& brick = e.bricks.bricks[b];
@@ -122,14 +133,16 @@ std::uint64_t emit_vertices(const Emission& e, std::size_t b, Surface& surface, 
   return clamped;
 }
 
-// The bricks that hold surface, and the number of vertices and triangles before each, and in all.
+// The result of counting: the memory behind a BrickList, which a Workspace keeps.
 struct CountedBricks {
-  Buffer<ActiveBrick> bricks;      // by rising key
-  std::vector<BrickSums> before;   // one more than bricks
-  std::size_t begin = 0, end = 0;  // those of the range that is meshed; the others are its halo
+  Buffer<ActiveBrick> bricks;     // the bricks that hold surface, by rising key
+  std::vector<BrickSums> before;  // BrickList::before
+  // Indices into `bricks`: [begin, end) is the range to be meshed. The bricks around it, its halo,
+  // are only counted, because triangles of the range refer to their vertices and triangles.
+  std::size_t begin = 0, end = 0;
 };
 
-// Vertices and triangles of bricks [begin, end).
+// Writes the vertices and triangles of bricks [begin, end) of the list e.bricks.
 template <class Surface>
 EmissionTally emit_bricks(const Emission& e, std::size_t begin, std::size_t end, Surface& surface) {
   EmissionTally tally;
@@ -144,44 +157,46 @@ EmissionTally emit_bricks(const Emission& e, std::size_t begin, std::size_t end,
   return tally;
 }
 
-// The loops over one kind of surface, called from many threads.
+// The two loops for one kind of surface, compiled by the caller. Many threads call them at once.
 struct BrickLoops {
-  // As count_bricks().
+  // count_bricks() and emit_bricks() with a Surface of the callee's own.
   std::function<std::size_t(std::span<const std::uint64_t> keys, ActiveBrick* out)> count;
   std::function<EmissionTally(const Emission&, std::size_t begin, std::size_t end)> emit;
 };
 
-// Gives the keys of the bricks that may hold surface, rising.
+// Returns the keys of the bricks that may hold surface, in rising order.
 using CandidateSearch = std::function<std::vector<std::uint64_t>()>;
 
 // Marching cubes over a list of bricks in three steps: count what each brick holds, number it by
 // prefix sums, emit it. All cores take part in each step.
 class BrickMesher {
  public:
-  // `width` is that of the labels of vertices. Bricks and sums stand in memory of the workspace.
+  // `width` says how many sphere ids label a vertex. The workspace keeps the CountedBricks.
   BrickMesher(const GridSpec& grid, BrickLoops loops, LabelWidth width,
               const ExtractOptions& options, Workspace& workspace);
 
-  // Counts and numbers the candidates, which are the bricks of `own` that may hold surface and, if
-  // `own` is not everything, those of with_halo(own).
+  // Counts and numbers the candidates. These must be the bricks of halo(own) (brick_search.hpp)
+  // that may hold surface; only the bricks of `own` will be emitted. The default is all bricks.
   void count(const CandidateSearch& candidates, const KeyRange& own = {});
 
-  // What the bricks of the range hold that count() was given.
+  // The vertices and triangles of the bricks in the range that count() was given.
   MeshSize size() const;
 
-  // Throws LimitExceeded if a mesh of that size is beyond the limits of the options, in which what
-  // counting holds beside it is included.
+  // Throws LimitExceeded if a mesh of size() exceeds a limit (check_mesh_limits()). The memory that
+  // the counts take is added to the memory of the mesh.
   void check_limits() const;
 
-  // Emits the bricks of that range into a mesh that has room for them; `first` as for
-  // SurfacePart::emit.
-  // Throws InternalError where the surface runs on into a brick that is no candidate.
+  // Emits the bricks of this range into a mesh whose arrays already have size(). `first` is the
+  // number of vertices and triangles before them, as for SurfacePart::emit(). Throws InternalError
+  // if the surface continues through an upper face or edge of a brick into a brick that is no
+  // candidate.
   void emit(const MeshSize& first, IndexedMesh& mesh);
 
-  // Gives the mesh its arrays, then emits.
+  // Resizes the arrays of the mesh to size(), then emits.
   void make_room_and_emit(const MeshSize& first, IndexedMesh& mesh);
 
-  // Counts since count(), seconds since the constructor.
+  // The counts of bricks and clipped cells are set by count(), the other counts by emit(), and the
+  // seconds by count() and make_room_and_emit().
   const ExtractStats& stats() const { return stats_; }
 
  private:
@@ -195,8 +210,9 @@ class BrickMesher {
   ExtractStats stats_;
 };
 
-// A whole mesh from its candidates: counts, checks the limits before it takes memory, tells
-// options.on_size, and emits.
+// Makes a whole mesh from its candidates: counts, checks the limits before the mesh takes memory,
+// calls options.on_size with the size, and emits. Throws InternalError if the surface leaves a
+// brick for one that is no candidate.
 void mesh_bricks(ExtractResult& result, const GridSpec& grid, const CandidateSearch& candidates,
                  const BrickLoops& loops, LabelWidth width, const ExtractOptions& options,
                  Workspace& workspace);

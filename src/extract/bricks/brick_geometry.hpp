@@ -9,11 +9,11 @@
 
 namespace vdwmesh {
 
-// Nodes are local: 0 .. 8 along each axis, 8 being the first node of the next brick. Node i along
-// an axis has the lattice index 8 * brick + i.
+// Nodes have local numbers 0 .. 8 along each axis; node 8 is the first node of the next brick. Node
+// i along an axis has the lattice index 8 * brick + i (lattice_index()).
 struct BrickGeometry {
   BrickIndex brick;
-  double coordinate[3][kBrickReach];  // Å, of lattice nodes 0 .. 8 along each axis
+  double coordinate[3][kBrickReach];  // Å, of nodes 0 .. 8 along each axis
   std::uint16_t real[3];              // bit i: node i along that axis belongs to the grid
 
   // Position of a node, Å.

@@ -1,7 +1,7 @@
-// A table from the grid edges that the cells of one brick touch to the numbers of the vertices on
-// them, so that the CPU emits a triangle corner with one look-up. An edge belongs to the node at
-// its lower end. The nodes with x, y or z = 8 belong to neighbouring bricks, so the table copies
-// the numbers that these neighbours gave.
+// A table (map) from the grid edges that the cells of one brick touch to the numbers of the
+// vertices on them, so that the CPU emits a triangle corner with one look-up. An edge belongs to
+// the node at its lower end. The nodes with x, y or z = 8 belong to neighbouring bricks, so the
+// numbers of vertices on their edges follow from the counts and signs of these neighbours.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ class NeighbourCache {
     found_[neighbour_slot(0, 0, 0)] = brick;
   }
 
-  // Throws InternalError if there is no such brick: see find_neighbour().
+  // Index in the list of the neighbour at `slot`. Throws InternalError as find_neighbour() does.
   std::uint64_t operator()(int slot) {
     std::uint64_t& found = found_[static_cast<std::size_t>(slot)];
     if (found == kNotSought) found = find_neighbour(list_, key_, slot);
@@ -40,15 +40,15 @@ class NeighbourCache {
   std::array<std::uint64_t, kNeighbours> found_;
 };
 
-// of[case][h]: map index of the vertex at the start of half-edge h, less the cell's map index.
+// of[case][h] is the map index of the edge at which half-edge h starts, less the cell's map index.
 struct CornerTable {
   std::uint16_t of[256][kCaseHalfEdges];
 };
 
 class VertexMap {
  public:
-  // Map index of the edge that node (x, y, z), each 0 .. 8, owns along the axis. With axis 0 it is
-  // also the map index of the cell (x, y, z).
+  // Map index of the edge from node (x, y, z), each 0 .. 8, up along the axis. The map index of
+  // cell (x, y, z) is the one for axis 0.
   static constexpr int place(int x, int y, int z, int axis = 0) {
     return ((z * kBrickReach + y) * kBrickReach + x) * 3 + axis;
   }
@@ -63,16 +63,15 @@ class VertexMap {
     return places;
   }
 
-  // Enters the vertices on the brick's own edges, numbered from `first` on.
+  // Enters the vertices on the brick's own crossed edges, numbered from `first` on, modulo 2^32.
   void set(std::span<const BrickEdge> edges, std::uint64_t first) {
     auto vertex = static_cast<std::uint32_t>(first);
     for (const BrickEdge& e : edges)
       number_[static_cast<std::size_t>(place(e.x(), e.y(), e.z(), e.axis()))] = vertex++;
   }
 
-  // Enters the vertices that neighbours own on nodes with x, y or z = 8, as far as the brick's
-  // cells touch their edges: those that lie in the plane x = 8, y = 8 or z = 8. Only neighbours
-  // with such a vertex are looked up.
+  // Enters the neighbours' vertices that the brick's cells need. They lie on edges within the faces
+  // x = 8, y = 8 and z = 8 of the brick. Only neighbours with such a vertex are looked up.
   void set_neighbours(const BrickList& list, const BrickSigns& signs, NeighbourCache& near) {
     constexpr std::uint32_t own = (1u << kBrickSide) - 1;
     for (int z = 0; z < kBrickSide; ++z) {
@@ -91,12 +90,12 @@ class VertexMap {
     }
   }
 
-  // The entries from a map index on. Entries of edges that are not crossed have no meaning.
+  // Vertex numbers, from a map index on. Those of edges that are not crossed have no meaning.
   const std::uint32_t* from(int place) const { return &number_[static_cast<std::size_t>(place)]; }
 
  private:
-  // Enters the vertices of nodes x = 0 .. 7 of a row (y, z) that a neighbour owns. Numbers rise by
-  // one per crossed edge; every axis is written, so that the loop has no branch.
+  // Enters the vertices of nodes x = 0 .. 7 of a row (y, z) that a neighbour owns. The number rises
+  // by one per crossed edge; edges not crossed are written too, so that the loop has no branch.
   void set_row(const BrickList& list, NeighbourCache& near, int y, int z) {
     const NeighbourRow row = neighbour_row(list, locate(near, 0, y, z));
     std::uint32_t vertex = row.first_vertex;

@@ -1,6 +1,6 @@
-// A table of the cells of one brick and of the cells beyond its six faces, so that the CPU finds
-// the opposite of a half-edge with two look-ups: the cell across the face, and the half-edge of
-// that cell's case. Only cells that the surface crosses are entered; no others are looked up.
+// A table (map) of the cells of one brick and of the cells beyond its six faces, so that the CPU
+// finds the opposite of a half-edge with two look-ups: the cell that has it, and its number within
+// that cell's case. Only cells that the surface crosses are set; no others are read.
 #pragma once
 
 #include <algorithm>
@@ -15,27 +15,28 @@
 
 namespace vdwmesh {
 
-// How to go from a half-edge to its opposite without branches: its code gives the step to the cell
-// that has the opposite; the code and that cell's case give the half-edge there.
+// How to go from a half-edge to its opposite without branches: its code (CaseTable::across) gives
+// the step to the cell that has the opposite; the code and that cell's case give its number there.
 struct OppositeTable {
   static constexpr std::size_t kCodes = kFirstFaceCode + 24;
   std::uint8_t code[256][kCaseHalfEdges];  // CaseTable::across; 0 beyond the case's half-edges
-  std::int16_t step[kCodes];               // from CellMap index to CellMap index; 0: the same cell
-  std::uint8_t half_edge[256][kCodes];     // [case of the cell stepped to][code]
+  std::int16_t step[kCodes];               // difference of map indices; 0: the same cell
+  std::uint8_t half_edge[256][kCodes];     // [case of the cell stepped to][code]: the opposite
 };
 
 class CellMap {
  public:
   struct Cell {
-    std::uint32_t first_half_edge, inside;  // number in the mesh; the case
+    std::uint32_t first_half_edge, inside;  // its number in the mesh; the case of the cell
   };
-  // Map index of a cell; coordinates are -1 .. 8, -1 and 8 being cells of neighbours.
+  // Map index of a cell; its coordinates are -1 .. 8, and -1 and 8 are in neighbouring bricks.
   static constexpr int place(int x, int y, int z) {
     return ((z + 1) * kSide + y + 1) * kSide + x + 1;
   }
   static OppositeTable opposite_places(const CaseTable& table);
 
-  // Enters the cells of brick b and those beyond its faces; near(slot): index of a neighbour.
+  // Sets the cells of brick b and those beyond its faces. near(slot) returns the index in the list
+  // of a neighbour, as NeighbourCache does; it is called only if the surface crosses the face.
   template <class Neighbour>
   void fill(const BrickList& list, std::uint64_t b, const BrickCases& cases, const CaseTable& table,
             Neighbour&& near);
@@ -45,16 +46,16 @@ class CellMap {
   static constexpr int kSide = kBrickSide + 2;
   static constexpr int kLast = kBrickSide - 1;
 
-  // Enters one cell. `triangles_before`: number in the mesh of its first triangle.
+  // Sets one cell. `triangles_before` is the number in the mesh of its first triangle.
   void put(int x, int y, int z, std::uint64_t triangles_before, std::uint32_t inside) {
     cell_[static_cast<std::size_t>(place(x, y, z))] = {
         static_cast<std::uint32_t>(3 * triangles_before), inside};
   }
-  // Enters a row of cells along x beyond the lower (side 0) or upper (side 1) face across y or z
-  // (`axis`). `along` is the row's other coordinate.
+  // Sets a row of cells along x beyond the lower (side 0) or upper (side 1) face across `axis`, 1
+  // or 2. `along` is the row's coordinate along the other of these two axes.
   void put_row(const BrickList& list, std::uint64_t neighbour, const CaseTable& table, int axis,
                int side, int along);
-  // Enters the cell of row (y, z) beyond the lower or upper face across x.
+  // Sets the cell of row (y, z) beyond the lower (side 0) or upper (side 1) face across x.
   void put_end(const BrickList& list, std::uint64_t neighbour, const CaseTable& table, int side,
                int y, int z);
   std::array<Cell, static_cast<std::size_t>(kSide* kSide* kSide)> cell_;
@@ -83,7 +84,7 @@ inline OppositeTable CellMap::opposite_places(const CaseTable& table) {
   return places;
 }
 
-// Bit i: the four nodes i and i + 1 of two adjacent rows, a cell face, are of both signs.
+// Bit i is set if the surface crosses the cell face between nodes i and i + 1 of two adjacent rows.
 inline std::uint32_t mixed_faces(std::uint32_t a, std::uint32_t b) {
   const std::uint32_t any = a | b, all = a & b;
   return (any | any >> 1) & ~(all & all >> 1) & ((1u << kBrickSide) - 1);
@@ -99,8 +100,8 @@ void CellMap::fill(const BrickList& list, std::uint64_t b, const BrickCases& cas
   });
   const BrickSigns& signs = list.bricks[b].signs;
   for (int side = 0; side < 2; ++side) {
-    const int node = side * kBrickSide, to = 2 * side - 1;  // of the face; offset of the brick
-    std::uint32_t column[kBrickReach] = {};  // column[z] bit y: the sign of node (x = node, y, z)
+    const int node = side * kBrickSide, to = 2 * side - 1;  // the face's nodes; brick offset
+    std::uint32_t column[kBrickReach] = {};  // bit y of column[z]: sign of node (x = node, y, z)
     for (int z = 0; z < kBrickReach; ++z) {
       for (int y = 0; y < kBrickReach; ++y) column[z] |= (signs.row[z][y] >> node & 1u) << y;
     }

@@ -12,8 +12,8 @@ namespace vdwmesh {
 struct EdgeVertex {
   Vec3d position;   // Å
   Vec3f normal;     // unit, outward
-  SphereId sphere;  // the vertex's atom; kNoSphere if the field has none
-  bool clamped;     // moved to kEdgeMargin from an end of its edge
+  SphereId sphere;  // the label: id of the vertex's atom; kNoSphere for a sampled field
+  bool clamped;     // moved, to keep a distance of kEdgeMargin edge lengths from an end of its edge
 };
 
 // Unit vector along g, or `fallback` if the length of g is 0 or not finite.
@@ -24,15 +24,16 @@ VDWMESH_HD inline Vec3f unit_or(const Vec3d& g, const Vec3d& fallback) {
           static_cast<float>(g.z / length)};
 }
 
-// A crossed edge by its two ends.
+// A crossed grid edge, given by its inside and its outside end.
 struct CrossedEdge {
   int inside[3], outside[3];  // coordinates of the ends in the brick, 0 .. 8
   int axis;
   double direction;  // +1 if the outside end is the upper one, else -1
 };
 
-// The crossed edge from node (x, y, z) upwards. Here and below no array is indexed by a variable: a
-// GPU would then have to keep the array in local memory instead of registers.
+// The crossed edge from node (x, y, z) one step up along the axis. Here and below, conditional
+// expressions take the place of arrays indexed by `axis`: a GPU would have to keep such an array in
+// local memory instead of registers.
 VDWMESH_HD inline CrossedEdge crossed_edge(bool lower_inside, int x, int y, int z, int axis) {
   const int upper[3] = {x + (axis == 0 ? 1 : 0), y + (axis == 1 ? 1 : 0), z + (axis == 2 ? 1 : 0)};
   if (lower_inside) return {{x, y, z}, {upper[0], upper[1], upper[2]}, axis, 1.0};

@@ -1,8 +1,9 @@
 // Writes the triangles of the bricks, and on request their opposite half-edges, on the CPU. For
-// each brick it fills two tables: VertexMap from grid edges to vertex numbers, and CellMap from
-// cells to first half-edges and cases. Then it walks the mixed cells in order. A triangle corner is
-// one entry of the first table; an opposite half-edge follows from one entry of the second. The
-// words of a brick are collected in a buffer and copied to the mesh at once.
+// each brick it fills two tables: VertexMap from grid edges to vertex numbers, and, for half-edges,
+// CellMap from cells to first half-edges and cases. Then it visits the mixed cells, which the
+// surface crosses, in order. A triangle corner is one element of the first table; an opposite
+// half-edge follows from one element of the second. The numbers of a brick are collected in a
+// buffer and copied to the mesh at once.
 #pragma once
 
 #include <array>
@@ -22,8 +23,9 @@ namespace vdwmesh {
 // Input and output of the emission of vertices and triangles.
 struct Emission {
   const BrickList& bricks;
-  IndexedMesh& mesh;  // vertex_spheres and opposite may be empty: then they are left out
-  // Numbers, in the whole mesh, of the vertex and the triangle that the arrays begin with.
+  IndexedMesh& mesh;  // if normals, vertex_spheres or opposite are empty, they are not written
+  // Numbers, in the whole mesh, of the vertex positions[0] and the triangle triangles[0]; above 0
+  // if `mesh` has a part of a mesh only.
   BrickSums first{0, 0};
 };
 
@@ -33,8 +35,8 @@ class TriangleEmitter {
   explicit TriangleEmitter(const Emission& e)
       : e_(e), table_(case_table()), corners_(corner_places()), opposites_(opposite_places()) {}
 
-  // Writes the triangles of brick b at their final place in the mesh. `edges` are the crossed edges
-  // of the brick, `faces` its crossed faces. Throws InternalError if the surface continues through
+  // Writes the triangles of brick b to their elements of the mesh. `edges` are the crossed edges of
+  // the brick, `faces` its crossed faces. Throws InternalError if the surface continues through
   // an upper face, or along an upper edge of the brick, into a brick that is not in the list.
   void emit(std::size_t b, std::span<const BrickEdge> edges, const CrossedFaces& faces) {
     const ActiveBrick& brick = e_.bricks.bricks[b];
@@ -68,8 +70,8 @@ class TriangleEmitter {
 
   // Writes word(h) for the half-edges h of a cell with case `inside` from `words` on, and returns
   // the end. It writes 9 words, or 15 if the case has more than three triangles, so that the loops
-  // have constant length. Words beyond the case's own are meaningless; the next cell overwrites
-  // them.
+  // have constant length. Words behind the returned end are meaningless; the next cell overwrites
+  // them, and emit() does not copy those of the last cell.
   template <class Word>
   std::uint32_t* write(std::uint32_t inside, std::uint32_t* words, Word&& word) const {
     constexpr std::uint32_t few = 9;  // three triangles; most cells have no more
@@ -80,16 +82,18 @@ class TriangleEmitter {
     return words + std::size_t{3} * table_.count(inside);
   }
 
-  // Looks up the neighbours beyond the crossed upper faces, which throws if one is missing. Usually
-  // set_neighbours() has looked them up already, because they own vertices of this brick's cells.
-  // It has not if the node (8, 8, 8) alone differs from the other nodes of the face: then the
-  // crossed edges at that node belong to bricks further along the diagonal.
+  // Looks up the neighbours beyond the crossed upper faces only to have `near` throw if one is
+  // missing. Usually set_neighbours() has looked them up already, because they own vertices of this
+  // brick's cells. It has not if, of the face's nodes, (8, 8, 8) alone differs in sign: the crossed
+  // edges at this node belong to bricks across an edge or a corner of this brick. The brick beyond
+  // the face holds surface all the same.
   static void find_beyond(const CrossedFaces& faces, NeighbourCache& near) {
     if ((faces.upper & 1u) != 0) near(neighbour_slot(1, 0, 0));
     if ((faces.upper & 2u) != 0) near(neighbour_slot(0, 1, 0));
     if ((faces.upper & 4u) != 0) near(neighbour_slot(0, 0, 1));
   }
 
+  // Collects the vertices of all triangles of the brick in words_.
   void write_corners() {
     std::uint32_t* words = words_.data();
     cases_.for_each_mixed([&](int x, int y, int z, std::uint32_t inside) {
@@ -99,6 +103,7 @@ class TriangleEmitter {
     });
   }
 
+  // Collects the opposites of all half-edges of the brick in words_.
   void write_opposites() {
     std::uint32_t* words = words_.data();
     cases_.for_each_mixed([&](int x, int y, int z, std::uint32_t inside) {

@@ -1,7 +1,8 @@
-// Finds the balls that touch a brick, for bricks that are visited in the order of their keys, on
-// the CPU. Consecutive bricks lie side by side along x, so the cell list is searched once for a
-// group of four bricks, and the result is filtered for each brick of the group. Both the search and
-// the filter compact their lists without branches.
+// Finds the balls that touch a brick, on the CPU. Bricks are usually visited in the order of their
+// keys, so consecutive bricks often lie side by side along x. Therefore the cell list is searched
+// once for a group of four bricks along x, and the result is filtered for each brick of the group.
+// Both the search and the filter keep some elements of a list without branching: they write every
+// element at the end of the kept ones, and move this end by 1 or 0.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +15,8 @@
 
 namespace vdwmesh {
 
-// The balls near the group of bricks that was searched last. Any brick may be asked for; a brick of
-// another group starts a new search.
+// Keeps the balls near the group of bricks that was searched last. Bricks may come in any order; a
+// brick of another group starts a new search.
 class BallSearch {
  public:
   BallSearch(const CellListView& list, const GridSpec& grid) : list_(list), grid_(grid) {}
@@ -32,8 +33,8 @@ class BallSearch {
     touches_.resize(count);
     for (std::size_t k = 0; k < count; ++k)
       touches_[k] = square_to_box({x_[k], y_[k], z_[k]}, lower, upper) <= reach2_[k] ? 1 : 0;
-    // Every place is written, but the end advances only for balls that touch the brick. The last
-    // place may be written beyond those that are kept, which the + 1 makes room for.
+    // Every list place is written at places[found], but `found` advances only for balls that touch
+    // the brick. The + 1 leaves an element for a write behind the kept ones.
     places.resize(count + 1);
     std::size_t found = 0;
     for (std::size_t k = 0; k < count; ++k) {
@@ -45,9 +46,10 @@ class BallSearch {
 
  private:
   static constexpr std::int32_t kBricks = 4;  // bricks of a group
-  // A node inside a ball has a squared distance of at most r² to it as inside_ball() rounds it. The
-  // distance to the box is never larger except for the rounding of its few operations, some units
-  // of 1.1e-16 relative. The margin covers it, so no ball that holds a node is left out.
+  // If a ball holds a node, inside_ball() finds a squared distance of at most r² between node and
+  // centre. The squared distance from the centre to the box is not larger, except for the rounding
+  // of its few operations, some units of 1.1e-16 relative. The factor covers this rounding, so no
+  // ball that holds a node is left out.
   static constexpr double kTouchMargin = 1 + 1e-12;
 
   static double touch_square(const Sphere& ball) {
@@ -63,8 +65,10 @@ class BallSearch {
     return dx * dx + dy * dy + dz * dz;
   }
 
-  // Finds the balls near the group that begins with brick `start`; `brick` is a brick of the group.
-  // The list doubles whenever it is full, so that place_[found] can always be written.
+  // Finds the balls that touch the box of the group that begins with brick `start`. `brick` is any
+  // brick of the group; it has the group's y and z coordinates. place_ doubles whenever it is full,
+  // so that place_[found] can always be written. The visitor returns false to go on to the next
+  // ball.
   void search(const BrickIndex& start, const BrickGeometry& brick) {
     start_ = start;
     Vec3d lower = brick.node(0, 0, 0), upper = brick.node(kBrickSide, kBrickSide, kBrickSide);
@@ -92,12 +96,14 @@ class BallSearch {
 
   const CellListView& list_;
   const GridSpec& grid_;
-  BrickIndex start_{-1, -1, -1};  // first brick of the group; none yet
+  BrickIndex start_{-1, -1, -1};  // first brick of the group; -1: nothing has been searched yet
   // Balls near the group: list place, centre (Å), and squared radius times kTouchMargin (Å²).
   // Separate arrays let the compiler vectorise the filter.
   std::vector<std::uint32_t> place_;
   std::vector<double> x_, y_, z_, reach2_;
-  std::vector<std::int64_t> touches_;  // 1 if the ball touches the brick; as wide as a double
+  // 1 if the ball touches the brick, else 0. The elements are as wide as a double, so that the
+  // vectorised filter stores them without conversion.
+  std::vector<std::int64_t> touches_;
 };
 
 }  // namespace vdwmesh

@@ -1,8 +1,8 @@
-// Node signs of a brick for the union of balls, in float32 and a layer of nodes at a time, on the
-// CPU: a floating-point filter before the exact predicate. A node is inside if the least d² - r²
-// over the balls is at most 0. The loops run over the nodes of a layer as vector lanes. If the
-// magnitude of this value is within its possible rounding error at some node, the filter gives up,
-// and the caller computes the signs of the brick in double.
+// Node signs of a brick for the union of balls, in float32, on the CPU: a floating-point filter
+// before the exact predicate in double. A node is inside if the least value of d² - r² over the
+// balls is at most 0. The loops run over the nodes of a layer (nodes of equal z) as vector lanes.
+// If at some node the magnitude of the least value is within its possible rounding error, the
+// filter gives up, and the caller computes all signs of the brick in double.
 #pragma once
 
 #include <array>
@@ -19,8 +19,9 @@
 namespace vdwmesh {
 
 // Lanes of a layer: nodes x = 0 .. 7 of the rows y = 0 .. 8 at 8 y + x, then the nodes x = 8 of
-// these rows at 72 + y, then 7 unused lanes that fill up whole vectors of 8. The unused lanes have
-// the position of node (0, 0), so they never make a difference.
+// these rows at 72 + y, then 7 unused lanes that fill up whole vectors of 8. The unused lanes keep
+// x = y = 0, the position of node (0, 0) of the layer, so they are never doubtful unless that node
+// is.
 class SignFilter {
  public:
   // Computes the signs of all 9 x 9 x 9 nodes. Returns false if some node is too near a sphere for
@@ -32,7 +33,7 @@ class SignFilter {
  private:
   static constexpr int kRows = kBrickReach * kBrickSide;
   static constexpr int kLanes = kRows + 16;
-  static constexpr float kFar = 1e38f;  // Å²; stands for no ball at all
+  static constexpr float kFar = 1e38f;  // Å²; the least d² - r² where there is no ball
   using Layer = std::array<float, kLanes>;
 
   void set_nodes(const BrickGeometry& geometry);
@@ -41,11 +42,11 @@ class SignFilter {
 
   float along_z_[kBrickReach];   // z of each layer from node 0, Å
   Layer x_{}, y_{};              // x and y of each lane from node 0, Å
-  std::vector<Layer> in_layer_;  // of each ball: (x - cx)^2 + (y - cy)^2, Å²
+  std::vector<Layer> in_layer_;  // [ball]: (x - cx)^2 + (y - cy)^2 at each lane, Å²
   // least_: the least d^2 - r^2 over the balls at each node of the layer. closest_: the least
   // absolute value of least_ over all layers so far. Both in Å².
   Layer least_, closest_;
-  alignas(8) std::array<std::uint8_t, kLanes> inside_;  // of the layer: 1 if inside
+  alignas(8) std::array<std::uint8_t, kLanes> inside_;  // at each lane of the layer: 1 if inside
 };
 
 inline void SignFilter::set_nodes(const BrickGeometry& geometry) {
@@ -62,7 +63,8 @@ inline void SignFilter::set_nodes(const BrickGeometry& geometry) {
   for (int z = 0; z < kBrickReach; ++z) along_z_[z] = offset(2, z);
 }
 
-// The part of a squared distance that all layers share. It is computed once per ball.
+// Sets in_layer_, the part of the squared distances that is the same in all layers. The vector only
+// grows, so its later elements may belong to balls of earlier bricks.
 inline void SignFilter::set_balls(const NearBalls& balls) {
   if (in_layer_.size() < balls.size()) in_layer_.resize(balls.size());
   for (std::size_t k = 0; k < balls.size(); ++k) {
@@ -75,9 +77,10 @@ inline void SignFilter::set_balls(const NearBalls& balls) {
   }
 }
 
-// Packs the bytes of a layer into rows of nine bits. The multiplication gathers the lowest bits of
-// eight bytes: its factor has the bits 56 - 7 x, so it moves bit 8 x, the sign of byte x, to bit 56
-// + x. No two of the partial products meet in one bit, so nothing is carried.
+// Packs the bytes of inside_ into the layer's nine rows of nine bits. The multiplication gathers
+// the lowest bits of eight bytes: its factor has the bits 56 - 7 x for x = 0 .. 7, so it moves bit
+// 8 x, the sign of byte x, to bit 56 + x. No two of the partial products meet in one bit, so
+// nothing is carried. The shift then leaves the highest byte.
 inline void SignFilter::read_layer(std::uint16_t* row) const {
   static_assert(std::endian::native == std::endian::little);
   for (int y = 0; y < kBrickReach; ++y) {
@@ -92,7 +95,8 @@ inline void SignFilter::read_layer(std::uint16_t* row) const {
 
 inline bool SignFilter::signs(const NearBalls& balls, const BrickGeometry& geometry, float spacing,
                               BrickSigns& signs) {
-  // Squares must stay well below kFar and the largest float, else double decides.
+  // The squares must stay well below kFar and the largest float. `rounding` is about 2.5e-6 times
+  // the largest square; if it is 1e30 or more, or not a number, double decides.
   const float rounding = rounding_of_squares(balls.largest, spacing);
   if (!(rounding < 1e30f)) return false;
   set_nodes(geometry);
@@ -103,8 +107,8 @@ inline bool SignFilter::signs(const NearBalls& balls, const BrickGeometry& geome
     for (std::size_t k = 0; k < balls.size(); ++k) {
       const float dz = along_z_[z] - balls.center[2][k];
       const float rest = dz * dz - balls.radius[k] * balls.radius[k];
-      // The ball ends above or below the layer: all its values there are at least `rest`, so it
-      // makes no node inside and none doubtful.
+      // The layer's plane lies outside the ball: d² - r² is at least `rest` at all its nodes, so
+      // the ball makes no node inside and none doubtful.
       if (rest > rounding) continue;
       const Layer& layer = in_layer_[k];
       for (std::size_t i = 0; i < kLanes; ++i) {

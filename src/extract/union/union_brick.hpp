@@ -1,11 +1,12 @@
 // The union of balls on one brick, on the CPU: the signs of its nodes, and the vertices on its
-// crossed edges. Both follow from predicates in double. Float32 filters come first and leave little
-// for double to do:
-// - signs: SignFilter decides whole layers; double computes the signs if some node is near a
-//   sphere.
-// - vertices: EdgeLanes finds the few balls that may touch each edge. The vertex is the first exit
-//   from the union along the edge, seen from its inside end (union_exit()).
-// A filter never changes the result, only the time.
+// crossed edges. Both are defined by predicates in double. Float32 filters come first and leave
+// little for double to do:
+// - Signs: SignFilter computes all signs of the brick in float32. If some node is too near a sphere
+//   for float32, all signs are computed again in double.
+// - Vertices: EdgeLanes finds in float32 the few balls that may touch each edge. From these, the
+//   vertex is computed in double: it is the first exit from the union along the edge, seen from
+//   its inside end (union_exit()).
+// The filters never change the result, only the time.
 #pragma once
 
 #include <algorithm>
@@ -27,8 +28,8 @@
 
 namespace vdwmesh {
 
-// A Surface as brick_extraction.hpp asks for it. One object works for one thread, brick after
-// brick.
+// A Surface as brick_extraction.hpp asks for it. One object works for one thread: visit() moves it
+// to a brick, and the other functions compute the signs or vertices of that brick.
 class UnionBrick {
  public:
   UnionBrick(const CellListView& list, const FieldModel& model)
@@ -44,8 +45,8 @@ class UnionBrick {
  private:
   // The inside end of a crossed edge.
   struct InsideEnd {
-    Vec3d node;        // Å
-    double direction;  // +1 if the edge runs upwards from here, else -1
+    Vec3d node;        // its position, Å
+    double direction;  // +1 if the outside end is above it along the edge's axis, else -1
   };
 
   void signs_in_double(BrickSigns& signs) const;
@@ -64,12 +65,13 @@ class UnionBrick {
   const GridSpec& grid_;
   BallSearch run_;
   BrickGeometry geometry_{};
-  std::vector<std::uint32_t> places_;  // list places of the brick's balls
-  std::vector<Sphere> balls_;          // the same balls; ball k below is balls_[k]
-  NearBalls near_;                     // the same in float32
+  std::vector<std::uint32_t> places_;  // list places of the balls that touch the brick
+  std::vector<Sphere> balls_;          // these balls; "ball k" below is balls_[k]
+  NearBalls near_;                     // these balls in float32
   SignFilter sign_filter_;
   EdgeLanes lanes_;
-  // Bit k % 32 of touching_[k / 32 * EdgeLanes::kMost + e]: ball k may touch edge e.
+  // Bit k % 32 of touching_[(k / 32) * EdgeLanes::kMost + e] is set if ball k may touch edge e. The
+  // bit is clear only if the ball does not touch the edge.
   std::vector<std::uint32_t> touching_;
   std::vector<std::uint16_t> shared_;  // indices of the edges that several balls may touch
 };
@@ -88,7 +90,7 @@ inline void UnionBrick::signs(BrickSigns& signs) {
   if (geometry_.has_virtual_nodes()) clear_virtual_nodes(geometry_, signs);
 }
 
-// The signs by the exact predicate: every ball marks the nodes that it holds.
+// The signs by the predicate inside_ball() in double: every ball marks the nodes that it holds.
 inline void UnionBrick::signs_in_double(BrickSigns& signs) const {
   signs = {};
   for (const Sphere& ball : balls_) {
@@ -99,8 +101,9 @@ inline void UnionBrick::signs_in_double(BrickSigns& signs) const {
       const double dz = geometry_.coordinate[2][z] - ball.center.z;
       for (int y = 0; y < kBrickReach; ++y) {
         const double dy = geometry_.coordinate[1][y] - ball.center.y;
-        // The operations of squared_distance() in its order, so that the bits agree with it. The
-        // sum grows with dx², so a row is skipped if its nearest possible point is outside.
+        // These are the operations of squared_distance() in its order, so the result has the same
+        // bits. dx² only adds to dyz2, so if dyz2 is above r2 already, the row has no node in the
+        // ball.
         const double dyz2 = std::fma(dy, dy, dz * dz);
         if (dyz2 > r2) continue;
         std::uint32_t bits = 0;
@@ -112,8 +115,8 @@ inline void UnionBrick::signs_in_double(BrickSigns& signs) const {
   }
 }
 
-// Sets touching_: which balls may touch which crossed edge. Most edges are touched by one or two of
-// the brick's balls. The other balls cannot change where the edge leaves the union.
+// Sets touching_ for all crossed edges. Most edges are touched by one or two of the brick's balls.
+// The balls that do not touch an edge cannot change where the edge leaves the union.
 inline void UnionBrick::find_touching(const BrickEdges& edges) {
   lanes_.count = edges.all().size();
   const float half = 0.5f * static_cast<float>(grid_.spacing);
@@ -139,14 +142,15 @@ inline void UnionBrick::find_touching(const BrickEdges& edges) {
 
 template <int axis>
 UnionBrick::InsideEnd UnionBrick::inside_end(const BrickEdge& edge) const {
-  // This is arithmetic instead of a branch: which end is inside is unpredictable.
+  // `upper` is 1 if the inside end is the upper one. The end is computed by arithmetic instead of a
+  // branch, because the processor cannot predict which end is inside.
   const int upper = edge.lower_inside() ? 0 : 1;
   int place[3] = {edge.x(), edge.y(), edge.z()};
   place[axis] += upper;
   return {geometry_.node(place[0], place[1], place[2]), static_cast<double>(1 - 2 * upper)};
 }
 
-// Enters the vertex of edge e into the lanes; exit.owner is an index into balls_.
+// Writes the vertex of edge e to lane e. exit.owner is the index in balls_ of the vertex's ball.
 template <int axis>
 void UnionBrick::put_exit(std::size_t e, const InsideEnd& from, const EdgePoint& exit) {
   Vec3d p = from.node;
@@ -160,9 +164,11 @@ void UnionBrick::put_exit(std::size_t e, const InsideEnd& from, const EdgePoint&
 }
 
 // The vertices on the edges along an axis. Most edges are touched by one ball only. That ball holds
-// the inside node, and the union ends where it ends. So a first loop without branches computes the
-// exit from the lowest touching ball for all edges. A second loop repeats the edges that may be
-// touched by several balls with the full rule.
+// the inside node, and the edge leaves the union where it leaves the ball. So a first loop without
+// branches computes, for every edge, the exit from the touching ball of lowest index, and collects
+// the edges that several balls may touch. A second loop computes these again with the full rule.
+// The loop writes shared_[shared] for every edge but advances `shared` only for edges to be kept;
+// hence the one extra element.
 template <int axis>
 void UnionBrick::find_exits(const BrickEdges& edges) {
   const std::span<const std::uint16_t> along = edges.along<axis>();
@@ -172,8 +178,9 @@ void UnionBrick::find_exits(const BrickEdges& edges) {
     const std::uint32_t bits = touching_[e];
     shared_[shared] = e;
     shared += (bits & (bits - 1)) != 0 || balls_.size() > 32 ? 1 : 0;
-    // `bits` covers balls 0 .. 31 only. It can be 0 only if there are more balls than that; then
-    // ball 31 exists and stands in, and the second loop overwrites the vertex.
+    // `bits` covers balls 0 .. 31 only. It can be 0 only if there are more than 32 balls, because
+    // some ball holds the inside node. Then ball 31 exists, the loop uses it for want of a touching
+    // ball, and the second loop overwrites the meaningless vertex.
     const auto k = static_cast<std::uint32_t>(std::countr_zero(bits | 1u << 31));
     const InsideEnd from = inside_end<axis>(edges.all()[e]);
     const double exit = exit_of_holder(balls_[k], from.node, axis, from.direction);
@@ -200,7 +207,8 @@ void UnionBrick::find_shared_exit(std::size_t e, const BrickEdges& edges) {
   put_exit<axis>(e, from, exit);
 }
 
-// Normals for all edges at once. If some vertex coincides with the centre of its ball, all normals
+// Normals for all edges at once. EdgeLanes::find_normals() returns how many vertices coincide with
+// the centre of their ball, so that they have no radial direction. If there are any, all normals
 // are computed again with the edge's direction as the fallback.
 inline void UnionBrick::find_normals(const BrickEdges& edges) {
   if (lanes_.find_normals() == 0) return;

@@ -17,14 +17,15 @@
 
 namespace vdwmesh {
 
-// The balls that touch a brick, in float32 and relative to its node 0. Float32 has twice the lanes
-// of double. Every decision in float32 leaves room for its rounding error; cases within that error
-// are decided in double.
+// The balls that touch a brick, in float32 and relative to its node 0. A vector register holds
+// twice as many float32 numbers as doubles. Every decision in float32 allows for its rounding
+// error; what is nearer to the threshold than this error is decided in double.
 //
-// The error of d^2 - r^2, for a spacing h and u = 2^-24: a ball that touches the brick has
-// coordinates of at most D = 8 h + r, and so are the differences to the coordinates of nodes. A
-// difference of two rounded coordinates errs by up to 3 u D, its square by 7 u D^2, and the sum of
-// three squares and -r^2 by 30 u D^2 = 1.8e-6 D^2. kRounding is this factor with some reserve.
+// The error of d^2 - r^2, for a spacing h and u = 2^-24: the centre of a ball that touches the
+// brick has coordinates of magnitude at most D = 8 h + r, and they differ from the coordinates of
+// any node by at most D. A difference of two rounded coordinates errs by up to 3 u D, its square by
+// 7 u D^2, and the sum of three squares and -r^2 by 30 u D^2 = 1.8e-6 D^2. kRounding is the
+// factor 1.8e-6 with some reserve.
 struct NearBalls {
   static constexpr float kRounding = 2.5e-6f;
   std::vector<float> center[3];  // Å
@@ -47,8 +48,9 @@ inline void NearBalls::gather(const std::vector<Sphere>& balls, const Vec3d& ori
   }
 }
 
-// Bound on the error of d^2 - r^2 in float32, Å², for balls of at most this radius. The smallest
-// normal number is added so that the bound is not 0 if the squares underflow.
+// Bound on the error of d^2 - r^2 in float32, Å², for balls of at most this radius (Å) and a grid
+// of this spacing (Å). The smallest normal number is added so that the bound is not 0 if the
+// squares underflow.
 inline float rounding_of_squares(float radius, float spacing) {
   const float extent = 8 * spacing + radius;
   return NearBalls::kRounding * extent * extent + std::numeric_limits<float>::min();
@@ -64,14 +66,16 @@ struct EdgeLanes {
   using Lanes = std::array<T, kMost>;
 
   std::size_t count = 0;
-  Lanes<float> middle[3];                // the middle of the edge, from the brick's node 0
-  Lanes<double> position[3], radial[3];  // the vertex; the vertex less the centre of its sphere
-  Lanes<float> normal[3];                // unit
-  Lanes<SphereId> sphere;                // the vertex's atom
-  Lanes<std::uint8_t> clamped;           // 1 if the vertex was clamped
+  Lanes<float> middle[3];  // middle of the edge, relative to the brick's node 0
+  // position: the vertex, absolute. radial: from the centre of the vertex's sphere to the vertex.
+  Lanes<double> position[3], radial[3];
+  Lanes<float> normal[3];       // unit
+  Lanes<SphereId> sphere;       // the vertex's atom
+  Lanes<std::uint8_t> clamped;  // 1 if the vertex was clamped
 
-  // Sets bit k - first of bits[e] for the balls k = first .. first + 31 that may touch edge e, for
-  // all edges. No ball that touches the edge is missed.
+  // For every edge e, overwrites bits[e]: bit k - first is set if ball k, first <= k < first + 32,
+  // may touch the edge. Balls that just miss the edge may be among them; no ball that touches it is
+  // missing.
   void find_touching(const NearBalls& balls, float spacing, std::size_t first,
                      std::uint32_t* bits) const;
   // Computes the normals from the radial vectors, with the operations of unit_or(). Returns how
@@ -85,8 +89,8 @@ inline void EdgeLanes::find_touching(const NearBalls& balls, float spacing, std:
   std::fill_n(bits, count, 0u);
   for (std::size_t k = first; k < last; ++k) {
     const float cx = balls.center[0][k], cy = balls.center[1][k], cz = balls.center[2][k];
-    // A point of the edge is at most half the spacing from its middle, so the middle of an edge
-    // that the ball touches is at most `reach` from the centre.
+    // A point of the edge is at most half the spacing from the edge's middle. So if the ball
+    // touches the edge, the middle is at most `reach` from the ball's centre.
     const float reach = balls.radius[k] + 0.5f * spacing;
     const float reach2 = reach * reach + rounding_of_squares(reach, spacing);
     const std::uint32_t bit = 1u << (k - first);
