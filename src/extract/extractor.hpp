@@ -1,4 +1,4 @@
-// SphereSet -> closed welded IndexedMesh.
+// The Extractor: makes a closed triangle mesh from spheres by marching cubes on a regular grid.
 #pragma once
 
 #include <cstdint>
@@ -17,68 +17,76 @@ namespace vdwmesh {
 struct ExtractOptions {
   FieldOptions field;
   GridOptions grid;
-  // May be null: else the cells of the cell list, as make_field_frame() makes them. Throws
-  // InvalidInput if a sphere lies beyond them.
+  // The cells of the cell list, as make_field_frame() makes them; null: cells made for the spheres
+  // given. The extraction throws InvalidInput if a sphere does not fit the frame.
   const CellListFrame* frame = nullptr;
   Connectivity connectivity = Connectivity::triangles;
-  Normals normals = Normals::gradients;  // none: a sixth less memory where nobody looks at them
-  std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
-  Monitor* monitor = nullptr;
-  Workspace* workspace = nullptr;  // may be null; else keeps memory and cell list for later calls
-  MeshSizeObserver on_size;  // may be empty; called once all is counted, before the mesh is made
-  // For the CUDA backend; the mesh does not depend on them. What does not fit in `device_memory`
-  // bytes (or in what is free) is made in slabs, runs of bricks; the slabs are shared among
-  // `devices`, and where there are fewer of them, some work for several.
+  Normals normals = Normals::gradients;         // none: the mesh takes a sixth less memory
+  std::uint64_t memory_limit = kNoMemoryLimit;  // for the mesh and what is held beside it, bytes
+  Monitor* monitor = nullptr;                   // progress and cancellation; may be null
+  Workspace* workspace = nullptr;  // if not null, it keeps memory and the cell list for later calls
+  MeshSizeObserver on_size;  // may be empty; called when the size is known, before the mesh is made
+  // For the CUDA backend; the mesh does not depend on them. If the work does not fit in
+  // `device_memory` bytes, or in the free memory of the device, it is divided into slabs, runs of
+  // consecutive bricks. The slabs are shared among this number of devices; if the machine has
+  // fewer, a device takes the slabs of several.
   std::uint64_t device_memory = kNoMemoryLimit;
   int devices = 1;
 };
 
 struct ExtractStats {
-  std::uint64_t surface_bricks = 0;
-  std::uint64_t clamped_vertices = 0;  // edge parameter clamped to [2^-20, 1 - 2^-20]
-  std::uint64_t grid_clipped = 0;      // cells of the virtual border layer that hold surface
-  // Upper faces of bricks that the surface crosses, less lower ones. It is 0 for a whole mesh, and
-  // adds up to 0 over the parts of one: else the search left out a brick that the surface needs.
+  std::uint64_t surface_bricks = 0;    // bricks that hold surface
+  std::uint64_t clamped_vertices = 0;  // moved, to keep 2^-20 of their edge from its ends
+  std::uint64_t grid_clipped = 0;  // cells that the surface crosses with a corner outside the grid
+  // Lower faces of bricks that the surface crosses, less upper ones. The difference is 0 for a
+  // whole mesh, and its sum over the parts of a mesh is 0. If it is not, the search has left out a
+  // brick that holds surface.
   std::int64_t unmatched_faces = 0;
-  std::uint64_t slabs = 0;      // in which CUDA made the mesh on the host
-  double field_seconds = 0;     // bounds, node signs and counts
+  std::uint64_t slabs = 0;      // in which CUDA made the mesh; 0: it was not divided
+  double field_seconds = 0;     // search for bricks, node signs and counts
   double extract_seconds = 0;   // vertices and triangles
-  double download_seconds = 0;  // from the device, where CUDA made them
+  double download_seconds = 0;  // copies from the device; 0 on the CPU
 };
 
 struct ExtractResult {
   IndexedMesh mesh;
   GridSpec grid;
   ExtractStats stats;
-  std::string fallback{};  // why the CPU did what a device was to do; empty: it did not
+  // If the CPU made the mesh although a device was asked for: the reason. Else empty.
+  std::string fallback{};
 };
 
-// What one range of bricks holds of a surface: counted, but not made. It needs the workspace of its
-// options, if they name one, to itself as long as it lives; the spheres only until it is made.
+// The part of a surface in one range of bricks, after counting and before its mesh is made. If the
+// options name a workspace, no other call may use it during the life of the SurfacePart. The
+// spheres are not needed any more once Extractor::count() has returned.
 class SurfacePart {
  public:
   virtual ~SurfacePart() = default;
 
-  // The vertices and triangles that the bricks of the range own.
+  // The number of vertices and triangles that the bricks of the range own.
   virtual MeshSize size() const = 0;
 
-  // Fills `mesh` with them. `first` says how many vertices and triangles the ranges before this one
-  // own: corners and opposite half-edges are numbered in the whole mesh, modulo 2^32, while
-  // positions[0] is vertex first.vertices and triangles[0] is triangle first.triangles. The parts
-  // of ranges that join without a gap, one behind the other, are the mesh of Extractor::extract,
-  // bit for bit. Numbers at or above first + size belong to the ranges behind this one.
+  // Fills `mesh` with these vertices and triangles. `first` says how many vertices and triangles
+  // the ranges before this one own. Numbers in the mesh are those of the whole mesh, modulo 2^32:
+  // positions[0] is vertex first.vertices, triangles[0] is triangle first.triangles, and the
+  // corners of triangles and the opposite half-edges are given by such numbers. A number outside
+  // first .. first + size() names a vertex or half-edge in another range. If ranges follow each
+  // other without gaps, their parts one behind the other are the mesh of Extractor::extract(), bit
+  // for bit.
   virtual ExtractStats emit(const MeshSize& first, IndexedMesh& mesh) = 0;
 };
 
 // Marching cubes over the bricks that the surface crosses. The mesh is closed, 2-manifold and
-// oriented outwards on every input; vertices are grid edges, so nothing is welded afterwards.
-// Index arrays and labels are the same for every backend and any number of threads.
+// oriented outwards for every input. Each crossed grid edge gives one vertex, so no vertices need
+// to be welded afterwards. Index arrays and labels are the same for every backend and any number of
+// threads.
 class Extractor {
  public:
   virtual ~Extractor() = default;
 
-  // Meshes into `result`, in the memory of the arrays that it has. Throws InvalidInput (options, no
-  // spheres), LimitExceeded (vertices, bytes), Cancelled; `result` means nothing then.
+  // Replaces `result` by the mesh of the spheres and reuses the memory of its arrays. Throws
+  // InvalidInput for wrong options or no spheres, LimitExceeded for too many cells, vertices or
+  // bytes, and Cancelled if the monitor asks to stop; `result` has no meaning then.
   virtual void extract_into(ExtractResult& result, const SphereSet& spheres,
                             const ExtractOptions& options) const = 0;
 
@@ -89,16 +97,18 @@ class Extractor {
     return result;
   }
 
-  // The same in steps, for processes and devices that share a surface: each counts a range of
-  // bricks, all add up what the ranges before theirs own, and each emits its part. A range also
-  // counts the bricks around it, some two layers, and needs their spheres and those around them;
-  // processes that leave out the others must all be given one grid and one frame. Throws as
-  // extract() does, but does not check the size of the mesh.
+  // The first step of an extraction that several processes or devices share. Each of them counts a
+  // range of bricks with this function, adds up the sizes of the ranges before its own, and makes
+  // its part of the mesh with SurfacePart::emit(). The function also counts the bricks around the
+  // range, about two layers, because triangles at its border refer to them. So `spheres` must have
+  // all spheres near these bricks; it may lack the others if all processes use the same
+  // GridOptions::given and the same frame. Throws as extract() does, but does not check the size of
+  // the mesh.
   virtual std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
                                              const ExtractOptions& options) const = 0;
 };
 
-// The CPU backend: all cores, through TBB.
+// The CPU backend. It uses all cores through oneTBB.
 std::unique_ptr<Extractor> make_cpu_extractor();
 
 }  // namespace vdwmesh

@@ -1,4 +1,5 @@
-// A field given by its values at the nodes of a grid: made from spheres, and meshed.
+// Fields that are given by their values at the nodes of a grid. A FieldMesher makes such a field
+// from spheres, and makes a mesh from such a field.
 #pragma once
 
 #include <memory>
@@ -11,8 +12,8 @@
 
 namespace vdwmesh {
 
-// values[(k * (cells.y + 1) + j) * (cells.x + 1) + i] is the value at node (i, j, k); inside is
-// where the value is at or above the isovalue.
+// values[(k * (cells.y + 1) + j) * (cells.x + 1) + i] is the value at node (i, j, k). A node is
+// inside if its value is at or above the isovalue. The view does not own the values.
 struct SampledFieldView {
   GridSpec grid;
   const float* values;
@@ -23,33 +24,38 @@ struct SampledField {
   GridSpec grid{};
   Buffer<float> values;
   float isovalue = 1;
-  std::string fallback{};  // why the CPU sampled what a device was to sample; empty: it did not
+  // If the CPU sampled the field although a device was asked for: the reason. Else empty.
+  std::string fallback{};
 
   SampledFieldView view() const { return {grid, values.data(), isovalue}; }
 };
 
-// Fields that stand in memory whole. Every backend gives the same values and the same meshes, bit
-// by bit.
+// Samples fields and meshes sampled fields. The values of the whole grid are in memory. Every
+// backend gives the same values and the same meshes, bit by bit.
 class FieldMesher {
  public:
   virtual ~FieldMesher() = default;
 
-  // The blended field of `options` at every node of its grid: the float32 values whose signs the
-  // Extractor takes. Throws InvalidInput for FieldKind::vdw and as the Extractor does,
-  // LimitExceeded beyond options.memory_limit.
+  // The blended field of `options` at every node of its grid. The float32 values are those by which
+  // the Extractor decides which nodes are inside. Throws InvalidInput for FieldKind::vdw and where
+  // the Extractor does, and LimitExceeded if the values take more than options.memory_limit bytes.
   virtual SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const = 0;
 
-  // Marching cubes, in the Extractor's order, closed like its meshes; only connectivity, normals,
-  // memory limit, device memory, monitor, workspace and on_size of `options` are used. Vertices
-  // interpolate between two nodes; normals are those of central differences, interpolated likewise;
-  // vertex_spheres is empty. Where the grid's border cuts the surface, the vertex is a whole edge
-  // outside. A value that is not a number counts as outside. Throws InvalidInput for a grid without
-  // sense (spacing, negative cells), values that are not one per node and an isovalue that is not
-  // finite; LimitExceeded.
+  // Marching cubes over a sampled field. Replaces `result`. The mesh is closed, and its vertices
+  // and triangles are in the order of the Extractor. A vertex is found by linear interpolation
+  // between the two nodes of its edge. Its normal is interpolated in the same way between the
+  // central differences at these nodes. vertex_spheres is empty. If the border of the grid cuts the
+  // surface, the vertex lies at the outer end of an edge that leaves the grid. A value that is not
+  // a number counts as outside.
+  //
+  // Of `options`, only connectivity, normals, memory_limit, device_memory, monitor, workspace and
+  // on_size are used. Throws InvalidInput for a grid whose spacing or number of cells is invalid,
+  // for a number of values that is not the number of nodes, and for an isovalue that is not finite.
+  // Throws LimitExceeded as the Extractor does.
   virtual void mesh_into(ExtractResult& result, const SampledField& field,
                          const ExtractOptions& options) const = 0;
 
-  // The same into a new result.
+  // mesh_into() a new result.
   ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const {
     ExtractResult result;
     mesh_into(result, field, options);
@@ -57,7 +63,7 @@ class FieldMesher {
   }
 };
 
-// The CPU backend: all cores, through TBB.
+// The CPU backend. It uses all cores through oneTBB.
 std::unique_ptr<FieldMesher> make_cpu_field_mesher();
 
 }  // namespace vdwmesh

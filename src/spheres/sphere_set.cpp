@@ -1,5 +1,6 @@
-// SphereSet checks its spheres once, when they come in, so that nobody who is given a set has to.
-// Every change gives the set a new revision number, by which caches see that it is another set.
+// SphereSet checks its spheres when they enter the set, so that functions that take a set need no
+// checks of their own. Every change gives the set a new revision number, by which caches see that
+// its contents are new.
 // canonical_order() sorts by (x, y, z, radius, id), in parallel.
 #include "spheres/sphere_set.hpp"
 
@@ -19,6 +20,7 @@
 namespace vdwmesh {
 namespace {
 
+// The smallest box around balls at the spheres' centres with the radii reach(sphere).
 template <class Reach>
 Box bounds(const SphereSet& spheres, Reach reach) {
   const double first = reach(spheres[0]);
@@ -37,7 +39,7 @@ Box bounds(const SphereSet& spheres, Reach reach) {
 void check(const Sphere& s, std::size_t i) {
   const Vec3d& c = s.center;
   const bool near = std::abs(c.x) <= kFarthestSphere && std::abs(c.y) <= kFarthestSphere &&
-                    std::abs(c.z) <= kFarthestSphere;  // false for what is not a number
+                    std::abs(c.z) <= kFarthestSphere;  // false for NaN
   if (near && s.radius > 0 && s.radius <= kFarthestSphere) return;
   throw InvalidInput(fmt::format(
       "sphere {}: centre ({}, {}, {}) and radius {}; coordinates must be at most {:g} Å from "
@@ -52,7 +54,7 @@ void check(std::span<const Sphere> spheres) {
   for (std::size_t i = 0; i < spheres.size(); ++i) check(spheres[i], i);
 }
 
-// Revision 0 is the empty set's.
+// Returns a number above 0 that no set has had. 0 is the revision of a default-constructed set.
 std::uint64_t next_revision() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
@@ -65,12 +67,13 @@ SphereSet::SphereSet(std::vector<Sphere> spheres)
   check(spheres_);
 }
 
+// A copy of a set that looks at the caller's spheres looks at the same spheres.
 SphereSet::SphereSet(const SphereSet& other)
     : owned_(other.owned_),
       spheres_(owned_.empty() ? other.spheres_ : owned_),
       revision_(other.revision_) {}
 
-// A vector keeps its place in memory when it is swapped, so the spans stay right.
+// The elements of a vector keep their addresses when it is swapped, so the spans remain valid.
 void SphereSet::swap(SphereSet& other) noexcept {
   std::swap(owned_, other.owned_);
   std::swap(spheres_, other.spheres_);
@@ -93,7 +96,7 @@ SphereSet SphereSet::view(std::span<const double> rows) {
         "{} numbers are no rows of x, y, z and radius: their count must be a multiple of 4",
         rows.size()));
   }
-  // A row has the layout of a Sphere, which the assertion above makes sure of.
+  // The assertion above makes sure that a Sphere has the layout of a row.
   return view(std::span(reinterpret_cast<const Sphere*>(rows.data()), rows.size() / 4));
 }
 
@@ -128,7 +131,7 @@ std::vector<SphereId> canonical_order(const SphereSet& spheres) {
 }
 
 void canonical_order(const SphereSet& spheres, std::vector<SphereId>& order) {
-  // Most comparisons are of x alone, which stands beside the number: no sphere is looked up.
+  // Most comparisons need x only. It is stored beside the id, so they do not read the spheres.
   struct Key {
     double x;
     SphereId id;

@@ -1,4 +1,4 @@
-// The balls whose union is the molecule. Lengths in Å.
+// SphereSet: the balls whose union is the molecule. All lengths are in Å.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace vdwmesh {
 
-// Index of a sphere in the SphereSet it came from.
+// Index of a sphere in its SphereSet.
 using SphereId = std::uint32_t;
 inline constexpr SphereId kNoSphere = 0xffffffffu;  // stands for no sphere
 
@@ -23,13 +23,14 @@ struct Box {
   Vec3d lower, upper;  // Å
 };
 
-// Largest coordinate, either way, and largest radius that a SphereSet takes, Å: their cubes and the
-// boxes around them are finite. Readers of files take less, what meshes keep their digits to.
+// Largest magnitude of a coordinate, and largest radius, that a SphereSet accepts, Å. Cubes of such
+// numbers, and boxes around such balls, are finite in double.
 inline constexpr double kFarthestSphere = 1e30;
 
-// Spheres in the caller's order, checked once: every coordinate at most kFarthestSphere from 0,
-// every radius above 0 and at most kFarthestSphere, at most 2^32 - 2 of them. A set owns its
-// spheres or looks at spheres that the caller owns.
+// Spheres in the caller's order. They are checked when they enter the set: every coordinate is
+// between -kFarthestSphere and kFarthestSphere, every radius is above 0 and at most
+// kFarthestSphere, and there are at most 2^32 - 2 spheres. A set owns its spheres or looks at
+// spheres that the caller owns.
 class SphereSet {
  public:
   SphereSet() = default;
@@ -40,20 +41,21 @@ class SphereSet {
     return *this;
   }
 
-  // Takes the spheres. Throws InvalidInput naming the first sphere that breaks the rule, as all
-  // functions here do that take coordinates.
+  // Takes the spheres. Throws InvalidInput if there are too many, or with the number of the first
+  // sphere that breaks a rule above. So do all functions of the class that take coordinates.
   explicit SphereSet(std::vector<Sphere> spheres);
 
-  // Looks at the caller's spheres without a copy. They must outlive the set and its copies, and
-  // must not change: after a change, look at them anew.
+  // A set that looks at the caller's spheres without a copy. The spheres must outlive the set and
+  // its copies, and must not change; after a change, the caller makes a new view.
   static SphereSet view(std::span<const Sphere> spheres);
-  // The same for an array of rows x, y, z, radius (shape (n, 4), Å). Throws InvalidInput if it does
-  // not have four numbers for each row.
+  // The same for an array of rows (x, y, z, radius), Å. Throws InvalidInput also if the number of
+  // elements is not a multiple of 4.
   static SphereSet view(std::span<const double> rows);
 
-  // Moves the spheres to new centres (Å), in the same order; the radii stay. The set owns its
-  // spheres afterwards and keeps their memory, so the frames of a trajectory go through one set.
-  // Nothing changes if it throws, which it also does for another number of centres.
+  // Moves the spheres to new centres (Å), one per sphere in the same order; the radii stay. The set
+  // owns its spheres afterwards, and further calls reuse their memory, so one set can serve all
+  // frames of a trajectory. Throws InvalidInput also if the number of centres is not size(). If the
+  // function throws, the set is unchanged.
   void move_to(std::span<const Vec3d> centers);
 
   std::size_t size() const { return spheres_.size(); }
@@ -61,24 +63,27 @@ class SphereSet {
   const Sphere& operator[](std::size_t i) const { return spheres_[i]; }
   std::span<const Sphere> spheres() const { return spheres_; }
 
-  // A number for the contents: a copy has its original's, and every other way to make or change a
-  // set gives a new one. What was computed for a set is good for all sets of the same revision.
+  // A number for the contents. A copy has the number of its original; every other way to make or
+  // change a set gives it a new number, and empty sets have 0. So sets of equal revision have equal
+  // spheres, and what was computed for one is valid for the other.
   std::uint64_t revision() const { return revision_; }
 
  private:
   void swap(SphereSet& other) noexcept;
 
   std::vector<Sphere> owned_;        // empty if the set looks at the caller's spheres
-  std::span<const Sphere> spheres_;  // all of owned_, or the caller's
+  std::span<const Sphere> spheres_;  // all of owned_, or the caller's spheres
   std::uint64_t revision_ = 0;
 };
 
-// Smallest box around the balls, and around their centres alone. Precondition: not empty.
+// The smallest box around the balls, and the smallest box around their centres. Precondition: the
+// set is not empty.
 Box bounding_box(const SphereSet& spheres);
 Box center_bounding_box(const SphereSet& spheres);
 
-// Ids sorted by (x, y, z, r, id): the order that breaks every exact tie, so that a permuted input
-// gives the same mesh with permuted labels. The second form fills an array that is there.
+// The ids sorted by (x, y, z, radius, id). All stages break exact ties in this order, so that
+// permuted spheres give the same mesh with permuted labels. The second form overwrites an existing
+// array.
 std::vector<SphereId> canonical_order(const SphereSet& spheres);
 void canonical_order(const SphereSet& spheres, std::vector<SphereId>& order);
 
