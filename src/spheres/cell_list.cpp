@@ -1,6 +1,7 @@
-// Builds a CellList in three steps: the canonical order of the spheres, a level for each sphere by
-// the octave of its reach, and for each level a counting sort of its spheres by cell. The sort goes
-// through the spheres in canonical order and is stable, so that order holds within every cell.
+// Builds a CellList in three steps: it sorts the spheres into the canonical order, chooses a level
+// for each sphere by the octave of its reach, and sorts the spheres of each level by cell. This
+// last step is a counting sort that takes the spheres in canonical order and keeps their order, so
+// that the spheres of a cell are in canonical order.
 #include "spheres/cell_list.hpp"
 
 #include <fmt/format.h>
@@ -16,11 +17,15 @@
 namespace vdwmesh {
 namespace {
 
-// The octave of a reach above the smallest one; the last level takes all that is larger. A part of
-// a set may have smaller spheres than the frame knows of: they go to level 0.
+// The level of a sphere: the octave of its reach above the smallest reach; the last level takes all
+// larger reaches. With a given frame, a reach may be below the frame's smallest one: then the level
+// is 0.
 int level_of(double reach, double smallest) {
   const double ratio = reach / smallest;
-  if (ratio < 1.9999) return 0;  // as the logarithm says, which costs more than all else here
+  // The formula below gives 0 here too. This test avoids the logarithm, which takes most of the
+  // function's time. The 1e-12 below counts a ratio that rounding has put just below a power of two
+  // as that power.
+  if (ratio < 1.9999) return 0;
   const int octave = static_cast<int>(std::floor(std::log2(ratio) + 1e-12));
   return std::clamp(octave, 0, CellListView::kMaxLevels - 1);
 }
@@ -42,9 +47,10 @@ struct LevelExtent {
   }
 };
 
-// What cell_range() and cell_index() lose by rounding, Å: sixteen units of the largest number in
-// them. Where there are many small spheres far from the origin, this is more than the share of a
-// cell's width by which cell_range() widens every range.
+// A bound on the rounding errors of cell_range() and cell_index(), Å: sixteen units in the last
+// place of the largest number that occurs in them, at most twice the largest coordinate or reach.
+// cell_range() also widens every range by 1e-9 of a cell's width, but for small spheres far from
+// the coordinate origin, rounding may exceed that.
 double rounding_of(const LevelExtent& extent) {
   double largest = extent.reach;
   for (int axis = 0; axis < 3; ++axis) {
@@ -54,7 +60,9 @@ double rounding_of(const LevelExtent& extent) {
   return 16 * std::numeric_limits<double>::epsilon() * 2 * largest;
 }
 
-// Cells as wide as the reach, or wider, so that there are at most a few per sphere.
+// The cells of a level. They are as wide as the largest reach, or wider if there would be more than
+// 8 cells per sphere (but at least 4096 cells are allowed), so that the memory for cells stays in
+// proportion to the memory for spheres. cubic_bins() chooses the width.
 CellLevel shape_of(const LevelExtent& extent) {
   CellLevel level{};
   if (extent.spheres == 0) return level;
@@ -67,7 +75,8 @@ CellLevel shape_of(const LevelExtent& extent) {
   return level;
 }
 
-// The cell of a centre, below kMostBins. Precondition: the centre is within the cells of the level.
+// Number of the cell in which a centre lies, below kMostBins. Precondition: the centre is within
+// the cells of the level.
 std::uint32_t cell_index(const CellLevel& level, const Vec3d& center) {
   std::int32_t cell[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -83,8 +92,8 @@ std::size_t cell_count(const CellLevel& level) {
          static_cast<std::size_t>(level.cells[2]);
 }
 
-// Whether a level has the cell and the reach that a sphere needs. NaN cannot occur: SphereSet
-// takes none.
+// Whether a sphere fits a level: its centre lies in a cell of the level, and its reach is at most
+// the level's. Coordinates are never NaN, because SphereSet rejects NaN.
 bool takes(const CellLevel& level, const Vec3d& center, double reach) {
   for (int axis = 0; axis < 3; ++axis) {
     const double offset = (center[axis] - level.origin[axis]) / level.cell_size;
@@ -156,7 +165,10 @@ void CellList::rebuild(const SphereSet& spheres, std::span<const double> reach,
   }
 }
 
-// Appends the spheres of level `number` to the list by a counting sort.
+// Appends the spheres of level `number` of the frame to the list by a counting sort: the first loop
+// counts the spheres of each cell, the prefix sum turns the counts into list places, and the second
+// loop stores the spheres. Levels without spheres are not in the view, so the level of the view may
+// have a lower number than the level of the frame.
 void CellList::add_level(const SphereSet& spheres, const CellLevel& level, std::size_t number) {
   const auto next_level = static_cast<std::size_t>(view_.level_count);
   if (cell_start_.size() == next_level) cell_start_.emplace_back();

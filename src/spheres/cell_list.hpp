@@ -1,4 +1,5 @@
-// Spheres binned by position, for host and device.
+// Spheres sorted into the cells of regular grids by the positions of their centres, so that the
+// spheres near a box are found fast. Host and device.
 #pragma once
 
 #include <cstdint>
@@ -11,42 +12,46 @@
 
 namespace vdwmesh {
 
-// A cell list as host and device code read it; trivially copyable, owns nothing. Spheres stand in
-// list order: level by level, cell by cell (z-y-x), in canonical order within a cell. That is one
-// global order: any query yields its spheres in it, so sums over the spheres near two overlapping
-// boxes round alike.
+// A cell list as host and device code read it; trivially copyable, owns nothing. Spheres are in
+// list order: level by level, within a level cell by cell (x fastest, z slowest), and within a cell
+// in canonical order. Every query visits its spheres in this one order, so sums over the spheres
+// near two overlapping boxes add the spheres that they share in the same order. A sphere's index in
+// the list is its list place.
 struct CellListView {
   static constexpr int kMaxLevels = 24;
   struct Level : CellLevel {
-    const std::uint32_t* cell_start;  // cells.x * cells.y * cells.z + 1 offsets into the list
+    // List place of the first sphere of each cell, and one more element: the end of the level.
+    const std::uint32_t* cell_start;
   };
   const Sphere* spheres;      // in list order
-  const std::uint32_t* rank;  // list place -> rank in the canonical order, which breaks ties
-  const SphereId* id;         // list place -> id in the SphereSet
-  std::uint32_t size;
+  const std::uint32_t* rank;  // [list place]: rank in canonical_order(), which breaks ties
+  const SphereId* id;         // [list place]: id in the SphereSet
+  std::uint32_t size;         // number of spheres
   int level_count;
   Level levels[kMaxLevels];
 };
 
-// A multi-level cell list: spheres of like reach share a level whose cells are about as wide as
-// that reach, so one giant sphere does not slow the search for the small ones.
+// A cell list of several levels. The reach of a sphere says how far from its centre it matters. The
+// spheres whose reaches are within a factor of two share a level, a grid whose cells are about as
+// wide as these reaches. So one giant sphere does not slow the search for the small ones.
 class CellList {
  public:
   CellList() = default;
-  // `reach[i]` (Å, above 0): how far from its centre sphere i matters.
+  // `reach[i]` is the reach of sphere i (Å, above 0).
   CellList(const SphereSet& spheres, std::span<const double> reach);
-  // The same with cells that are given. Throws InvalidInput, naming the first sphere whose centre
-  // lies beyond the cells of its level or whose reach is larger than the level's.
+  // A list with given cells. Throws InvalidInput if a sphere's centre lies outside the cells of its
+  // level or its reach is larger than the level's.
   CellList(const SphereSet& spheres, std::span<const double> reach, const CellListFrame& frame);
 
   CellList(CellList&&) = default;
   CellList& operator=(CellList&&) = default;
 
-  // As a new list, in the memory of this one. Views of it are not valid any more.
+  // Replaces the list by what the constructor with these arguments makes, and reuses its memory.
+  // Views of the old list become invalid.
   void rebuild(const SphereSet& spheres, std::span<const double> reach);
   void rebuild(const SphereSet& spheres, std::span<const double> reach, const CellListFrame& frame);
 
-  // Valid until the list is rebuilt or ends; moving the list does not invalidate it.
+  // The view is valid until the list is rebuilt or destroyed; moving the list keeps it valid.
   const CellListView& view() const { return view_; }
 
  private:
@@ -57,24 +62,27 @@ class CellList {
   std::vector<SphereId> id_;
   std::vector<std::vector<std::uint32_t>> cell_start_;  // one for each level of the view
   CellListView view_{};
-  // While a list is built: sphere ids by rank, their levels, and the cells of a level's spheres.
+  // Used only while a list is built. order_: sphere id by rank. level_of_rank_: level by rank.
+  // cell_of_: cell of each sphere of one level, by rising rank. next_: for each cell of the level,
+  // the list place of the next sphere to be stored.
   std::vector<SphereId> order_;
   std::vector<std::uint8_t> level_of_rank_;
   std::vector<std::uint32_t> cell_of_, next_;
 };
 
-// A cell list whose reach is the radius, for queries about the balls themselves.
+// A cell list in which the reach of a sphere is its radius, for queries about the balls themselves.
 CellList make_ball_list(const SphereSet& spheres);
 
-// Cells of a level along one axis that can hold a centre within `level.reach` of [lower, upper].
+// A superset of the cells of a level, along one axis, that can hold a centre at a distance of at
+// most `level.reach` from the interval [lower, upper] (Å).
 struct CellRange {
-  std::int32_t first, last;  // empty when first > last
+  std::int32_t first, last;  // empty if first > last
 };
 VDWMESH_HD inline CellRange cell_range(const CellLevel& level, int axis, double lower,
                                        double upper) {
   const double inverse = 1.0 / level.cell_size;
   const double count = static_cast<double>(level.cells[axis]);
-  // One cell-width of slack times 1e-9 covers the rounding of the two quotients.
+  // Slack of 1e-9 cell widths: it covers the rounding of the products.
   const double a = (lower - level.reach - level.origin[axis]) * inverse - 1e-9;
   const double b = (upper + level.reach - level.origin[axis]) * inverse + 1e-9;
   if (!(b >= 0) || !(a < count)) return {0, -1};
@@ -83,8 +91,9 @@ VDWMESH_HD inline CellRange cell_range(const CellLevel& level, int axis, double 
   return {first, last};
 }
 
-// Calls visit(place) in list order for a superset of the spheres whose reach touches the box;
-// stops early when visit returns true, and says so.
+// Calls visit(place) with the list place of each sphere of some superset of the spheres whose reach
+// touches the box, in list order. If visit() returns true, the function stops and returns true; if
+// visit() always returns false, the function visits all and returns false.
 template <class Visit>
 VDWMESH_HD bool visit_near_box(const CellListView& list, const Vec3d& lower, const Vec3d& upper,
                                Visit&& visit) {
@@ -98,7 +107,7 @@ VDWMESH_HD bool visit_near_box(const CellListView& list, const Vec3d& lower, con
       for (std::int32_t y = ry.first; y <= ry.last; ++y) {
         const std::int64_t row =
             (static_cast<std::int64_t>(z) * level.cells[1] + y) * level.cells[0];
-        // Cells of a row are consecutive, and so are their spheres.
+        // The cells of a row along x are consecutive, so their spheres are consecutive in the list.
         const std::uint32_t end = level.cell_start[row + rx.last + 1];
         for (std::uint32_t place = level.cell_start[row + rx.first]; place < end; ++place) {
           if (visit(place)) return true;

@@ -1,4 +1,4 @@
-// The cells that a CellList sorts its spheres into, apart from the spheres themselves.
+// The cells into which a CellList sorts its spheres, without the spheres.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,27 @@
 
 namespace vdwmesh {
 
-// A regular grid of cells for the spheres of like reach. A sphere is in the cell of its centre.
+// One level of a cell list: a regular grid of cells for spheres whose reaches are within a factor
+// of two. The reach of a sphere says how far from its centre it matters. A sphere belongs to the
+// cell in which its centre lies.
 struct CellLevel {
   Vec3d origin;           // lower corner of cell 0, Å
   double cell_size;       // Å
-  double reach;           // largest reach that the level takes, and what rounding adds to it, Å
-  std::int32_t cells[3];  // along each axis; all 0 where no sphere has such a reach
+  double reach;           // largest reach of a sphere of the level, plus a bound on rounding, Å
+  std::int32_t cells[3];  // number of cells along each axis; all 0 if the level has no spheres
 
   friend bool operator==(const CellLevel&, const CellLevel&) = default;
 };
 
-// Cells for the spheres of a set, level by level: level l takes the reaches from 2^l times the
-// smallest up to twice that, and the last level takes all that are larger.
+// The levels for the spheres of a set. Level l takes the spheres whose reach is from 2^l up to
+// 2^(l + 1) times smallest_reach. Level 0 also takes smaller reaches, and level
+// CellListView::kMaxLevels - 1 all larger ones.
 //
 // A cell list visits spheres level by level and cell by cell, so its frame decides the order in
-// which floating-point sums over spheres run. Two lists with one frame, over two parts of a set,
-// visit the spheres that both have in the same order, and their sums agree to the last bit. That is
-// how processes that hold different parts of a molecule get the same field where the parts meet.
+// which floating-point sums over spheres run. If two lists of two parts of a set have the same
+// frame, they visit the spheres that are in both in the same order. If a sum is over such spheres
+// only, its bits are the same with both lists. So processes that hold different parts of a molecule
+// get the same field where the parts meet.
 struct CellListFrame {
   double smallest_reach = 1;  // Å
   std::vector<CellLevel> levels;
@@ -34,8 +38,8 @@ struct CellListFrame {
   friend bool operator==(const CellListFrame&, const CellListFrame&) = default;
 };
 
-// The frame that a CellList over these spheres gives itself. `reach[i]` (Å, above 0): how far from
-// its centre sphere i matters.
+// The frame of a CellList that is made from these spheres without a given frame. `reach[i]` is the
+// reach of sphere i (Å, above 0).
 CellListFrame make_frame(const SphereSet& spheres, std::span<const double> reach);
 
 }  // namespace vdwmesh

@@ -1,6 +1,6 @@
-// A list is found again by what it was built from: the revision of the SphereSet, which changes
-// with every change of its spheres, the reaches, and the frame. Comparing reaches costs a
-// thousandth of building a list.
+// A kept list is found by what it was built from: the frame, the reaches, and the revision of the
+// SphereSet, a number that changes with every change of the spheres. Comparing all reaches costs
+// about a thousandth of building a list.
 #include "spheres/kept_cell_lists.hpp"
 
 #include <algorithm>
@@ -22,9 +22,10 @@ const CellListView& KeptCellLists::get(const SphereSet& spheres, std::span<const
     last_ = e;
     return entries_[e].list.view();
   }
+  // Neither entry has the list: replace the one that was not requested last.
   last_ = 1 - last_;
   Entry& entry = entries_[last_];
-  entry.revision = 0;  // until the list is there: building it may throw
+  entry.revision = 0;  // building may throw, and then the entry must not count as a list
   if (frame != nullptr) {
     entry.list.rebuild(spheres, reach, *frame);
     entry.frame = *frame;

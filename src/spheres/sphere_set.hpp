@@ -63,9 +63,9 @@ class SphereSet {
   const Sphere& operator[](std::size_t i) const { return spheres_[i]; }
   std::span<const Sphere> spheres() const { return spheres_; }
 
-  // A number for the contents. A copy has the number of its original; every other way to make or
-  // change a set gives it a new number, and empty sets have 0. So sets of equal revision have equal
-  // spheres, and what was computed for one is valid for the other.
+  // A number for the contents. A default-constructed set has 0, and a copy has the number of its
+  // original; every other way to make or change a set gives it a new number. So sets of equal
+  // revision have equal spheres, and what was computed for one is valid for the other.
   std::uint64_t revision() const { return revision_; }
 
  private:
