@@ -24,9 +24,10 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::uint64_t kSampledSpheres = 4096;  // at most so many are looked at
-constexpr int kPointsPerSphere = 32;
-// Blended fields: about kRays rays are shared among the spheres, within these numbers per sphere.
+constexpr std::uint64_t kSampledSpheres = 4096;  // largest number of spheres in the sample
+constexpr int kPointsPerSphere = 32;             // union of balls
+// Blended fields: kRays is divided by the number of spheres, and each sphere in the sample gets
+// this number of rays, but at least kFewestRays and at most kMostRays.
 constexpr std::uint64_t kRays = 16384;
 constexpr int kFewestRays = 4, kMostRays = 128;
 constexpr double kRayStep = 0.25;  // relative to the radius
@@ -43,11 +44,11 @@ Vec3d direction(int k, int count) {
 }
 
 // Whether another ball covers the point p of the sphere at list place `own`. If the point lies on
-// several spheres, all but the first in the list count as covered there.
+// several spheres, it counts as covered for all of them but the first in the list.
 bool is_covered(const CellListView& list, std::uint32_t own, const Vec3d& p) {
-  // Relative to the squared radius: points nearer to a sphere count as lying on it. So of several
-  // equal spheres the first keeps its area and the others have none, whichever way the point is
-  // rounded.
+  // A point counts as lying on a sphere if its squared distance from the centre differs from the
+  // squared radius by less than this share of it. So of several equal spheres the first keeps its
+  // area and the others have none, whichever way the point is rounded.
   constexpr double kSlack = 1e-9;
   return visit_near_box(list, p, p, [&](std::uint32_t place) {
     const Sphere& ball = list.spheres[place];

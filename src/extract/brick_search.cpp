@@ -2,7 +2,8 @@
 // that holds all bricks, splits every block into eight, and keeps those that meet the range and may
 // hold surface (blended/block_bounds.hpp), until blocks are single bricks. The blocks of one level
 // are tested in parallel. Their number is checked against the limit before they are stored, so a
-// run that would not fit ends early, and says which spacing would fit.
+// run that would not fit ends early, with a message that names a spacing that would fit. A block is
+// stored as the brick_key() of its index among the blocks of its level.
 #include "extract/brick_search.hpp"
 
 #include <fmt/format.h>
@@ -21,11 +22,14 @@ namespace {
 
 constexpr int kChildren = 8;
 
+// The c-th of the eight half-size blocks of block b, as an index among the blocks one level below.
 BrickIndex child(const BrickIndex& b, int c) {
   return {2 * b.x + (c & 1), 2 * b.y + (c >> 1 & 1), 2 * b.z + (c >> 2)};
 }
 
-// The last step of a union of balls: one search for all eight bricks of a block.
+// surviving_children() for the last level of a union of balls: the cell list is searched once for
+// all eight bricks of the block `parent`. `near` is scratch memory for the list places of the balls
+// that touch the block.
 inline std::uint8_t surviving_bricks(const CellListView& list, const GridSpec& grid,
                                      const BrickIndex& parent, std::vector<std::uint32_t>& near) {
   const BlockBox whole = block_box(grid, lattice_block(parent, 1));
@@ -49,7 +53,8 @@ inline std::uint8_t surviving_bricks(const CellListView& list, const GridSpec& g
   return static_cast<std::uint8_t>(survivors);
 }
 
-// Which of the eight half-size blocks of `parent` may hold surface.
+// Bit c is set if child c of the block `parent` may hold surface. `level` is the level of `parent`,
+// 1 or more.
 VDWMESH_MULTIVERSION std::uint8_t surviving_children(const CellListView& list,
                                                      const FieldModel& model,
                                                      const BrickIndex& parent, int level,
@@ -64,6 +69,8 @@ VDWMESH_MULTIVERSION std::uint8_t surviving_children(const CellListView& list,
   return static_cast<std::uint8_t>(survivors);
 }
 
+// Returns the children of all `parents`, blocks of this level, that may hold surface and may have
+// bricks in the range.
 std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& model,
                                    const std::vector<std::uint64_t>& parents, int level,
                                    const KeyRange& range, std::uint64_t most) {
@@ -82,7 +89,9 @@ std::vector<std::uint64_t> descend(const CellListView& list, const FieldModel& m
   std::uint64_t count = 0;
   for (const std::uint8_t s : survivors) count += static_cast<std::uint64_t>(std::popcount(s));
   if (count > most) {
-    // Each level down quadruples the bricks of a surface, and so does half the spacing.
+    // The children have level - 1 levels below them, and each quadruples the blocks that a surface
+    // crosses, so `bricks` estimates the final number. Halving the spacing quadruples it too, so
+    // the fitting spacing grows with the square root of the excess.
     const double bricks = std::ldexp(static_cast<double>(count), 2 * (level - 1));
     const double fitting =
         model.grid.spacing *
@@ -118,7 +127,8 @@ std::vector<std::uint64_t> candidate_bricks(const CellListView& list, const Fiel
       std::max({brick_count(cells.x), brick_count(cells.y), brick_count(cells.z)}));
   const int levels = static_cast<int>(std::bit_width(widest - 1));
   begin_stage(monitor, "search", static_cast<std::uint64_t>(levels) + 1);
-  // One level above the root of the tree, so that a single brick is tested too.
+  // The descent starts one level above the smallest block that holds all bricks. descend() tests
+  // children only, so this block is tested too; without it a single brick would not be.
   std::vector<std::uint64_t> blocks{0};
   for (int level = levels + 1; level > 0; --level) {
     blocks = descend(list, model, blocks, level, range, most);

@@ -1,5 +1,5 @@
-// Which bricks the surface can cross: octree descent over blocks of bricks, so that the cost
-// follows the surface and not the box.
+// Finds the bricks that the surface may cross by a descent in an octree of blocks of bricks. The
+// cost grows with the area of the surface, not with the volume of the grid.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,17 @@
 
 namespace vdwmesh {
 
-// Keys (brick_key) of the bricks of the range whose bounds admit surface, rising. Throws
-// LimitExceeded when there are more than `most`, Cancelled.
+// Keys (brick_key) of the bricks in the range that may hold surface, in rising order: all that do,
+// and some that the bounds on the field do not rule out. Throws LimitExceeded if a level of the
+// octree has more than `most` such blocks, and Cancelled if the monitor asks to stop.
 std::vector<std::uint64_t> candidate_bricks(const CellListView& list, const FieldModel& model,
                                             const KeyRange& range, std::uint64_t most,
                                             Monitor* monitor);
 
-// The range with the bricks around it to which its triangles and half-edges refer: from the
-// neighbour across its first brick's lower z face to the one beyond the upper corner of its last
-// brick. What lies between must be counted too, since a number is a sum over all bricks before.
+// The range enlarged by the bricks to which its triangles and half-edges refer. It begins with the
+// neighbour across the lower z face of the first brick, whose key is lowest among these, and ends
+// with the neighbour beyond the upper corner of the last brick. All bricks between must be counted,
+// because the number of a vertex is a sum over all bricks before its own.
 KeyRange with_halo(const KeyRange& range);
 
 }  // namespace vdwmesh

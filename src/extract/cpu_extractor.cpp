@@ -15,6 +15,8 @@
 namespace vdwmesh {
 namespace {
 
+// What the loops of one extraction read. Each call of count() or emit() below makes a Surface of
+// its own from it, so they can run on many threads.
 struct Job {
   const CellListView& list;
   const FieldModel& model;
@@ -22,7 +24,7 @@ struct Job {
 
 using Keys = std::span<const std::uint64_t>;
 
-// The surface of a kind, seen from one brick.
+// The Surface (brick_extraction.hpp) of a kind of field.
 template <class Kind>
 struct SurfaceOf {
   using type = BlendedBrick<Kind>;
@@ -32,7 +34,7 @@ struct SurfaceOf<UnionOfBalls> {
   using type = UnionBrick;
 };
 
-// ---- the loops in both processor versions ----
+// ---- the loops of brick_extraction.hpp, compiled for two processor versions ----
 
 template <class Kind>
 VDWMESH_MULTIVERSION std::size_t count(const Job& j, Keys keys, ActiveBrick* out) {
@@ -56,12 +58,14 @@ BrickLoops loops_of(const Job& job) {
   });
 }
 
-// What an extraction rests on: the grid, the field and its cell list in the workspace.
+// What an extraction needs: the field with its grid, and the cell list, which the workspace keeps.
 struct Scene {
   Scene(const SphereSet& spheres, const ExtractOptions& options, Workspace& workspace)
       : model(make_field_model(options.field, make_grid(spheres, options.grid))),
         list(field_list(spheres, model, options.frame, workspace)) {}
 
+  // A function that searches the bricks of the range when it is called. The Scene must outlive it.
+  // The largest number of bricks is that of which the ActiveBricks fit in the memory limit.
   CandidateSearch candidates(const KeyRange& range, const ExtractOptions& options) const {
     return
         [this, range, most = options.memory_limit / sizeof(ActiveBrick),
@@ -73,6 +77,7 @@ struct Scene {
   CellListView list;
 };
 
+// The search covers the range and its halo; only the bricks of the range are emitted.
 class CpuSurfacePart final : public SurfacePart {
  public:
   CpuSurfacePart(const SphereSet& spheres, const KeyRange& range, const ExtractOptions& options)
@@ -101,6 +106,7 @@ class CpuExtractor final : public Extractor {
                     const ExtractOptions& options) const override {
     WorkspaceOfCall workspace(options.workspace);
     const Scene scene(spheres, options, workspace);
+    // The range {} is all bricks.
     mesh_bricks(result, scene.model.grid, scene.candidates({}, options), loops_of(scene.job()),
                 LabelWidth::one, options, workspace);
   }

@@ -42,9 +42,9 @@ struct ExtractStats {
   // whole mesh, and its sum over the parts of a mesh is 0. If it is not, the search has left out a
   // brick that holds surface.
   std::int64_t unmatched_faces = 0;
-  std::uint64_t slabs = 0;      // in which CUDA made the mesh; 0: it was not divided
+  std::uint64_t slabs = 0;      // in which CUDA made the mesh and copied it to the host; CPU: 0
   double field_seconds = 0;     // search for bricks, node signs and counts
-  double extract_seconds = 0;   // vertices and triangles
+  double extract_seconds = 0;   // making vertices and triangles
   double download_seconds = 0;  // copies from the device; 0 on the CPU
 };
 
@@ -69,10 +69,10 @@ class SurfacePart {
   // Fills `mesh` with these vertices and triangles. `first` says how many vertices and triangles
   // the ranges before this one own. Numbers in the mesh are those of the whole mesh, modulo 2^32:
   // positions[0] is vertex first.vertices, triangles[0] is triangle first.triangles, and the
-  // corners of triangles and the opposite half-edges are given by such numbers. A number outside
-  // first .. first + size() names a vertex or half-edge in another range. If ranges follow each
-  // other without gaps, their parts one behind the other are the mesh of Extractor::extract(), bit
-  // for bit.
+  // corners of triangles and the opposite half-edges are given by such numbers. A number below
+  // those of this part, or above them, names a vertex or half-edge in another range. If ranges
+  // follow each other without gaps, their parts one behind the other are the mesh of
+  // Extractor::extract(), bit for bit. The result has the counts of the part and the seconds spent.
   virtual ExtractStats emit(const MeshSize& first, IndexedMesh& mesh) = 0;
 };
 
@@ -90,7 +90,7 @@ class Extractor {
   virtual void extract_into(ExtractResult& result, const SphereSet& spheres,
                             const ExtractOptions& options) const = 0;
 
-  // The same into a new result.
+  // extract_into() a new result.
   ExtractResult extract(const SphereSet& spheres, const ExtractOptions& options) const {
     ExtractResult result;
     extract_into(result, spheres, options);

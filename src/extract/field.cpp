@@ -1,6 +1,6 @@
-// make_field_model() checks the options of a field and turns them into numbers: what the kinds of a
-// preset share is set here, the rest by the kind itself (field_kinds.hpp). preset_grid() knows the
-// spacings and paddings of the presets.
+// make_field_model() checks the options of a field and turns them into numbers. The members that
+// all kinds of a preset have in common are set here; the type of the kind sets the others
+// (field_kinds.hpp). preset_grid() has the spacings and paddings of the presets.
 #include "extract/field.hpp"
 
 #include <fmt/format.h>
@@ -15,8 +15,10 @@
 namespace vdwmesh {
 namespace {
 
+// Largest steepness of a Blinn field that is accepted. The margins of the brick search
+// (block_bounds.hpp) allow for the float32 errors up to this steepness.
 constexpr double kMostBlobbiness = 50;
-// Closest distance of the inverse squared field, in grid spacings.
+// Below this distance from an atom, in grid spacings, the inverse squared field is constant.
 constexpr double kClosest = 0.001;
 
 void check_positive(const char* what, const std::optional<double>& value) {
@@ -43,7 +45,10 @@ void check(const FieldOptions& o) {
   }
 }
 
-// Below 2^-100 of the largest factor, terms become 0 in float32 that the isovalue would need.
+// Throws InvalidInput if float32 does not hold the field near the isovalue. A contribution is a
+// product of float32 factors, of which largest_factor() is the largest. For an isovalue below
+// 2^-100 of it, the other factors would come near 2^-126, below which float32 loses digits and ends
+// at 0.
 void check_isovalue(const FieldModel& m) {
   const double largest =
       with_blended(m.kind, [&]<class Kind>(Kind) { return Kind::largest_factor(m); });
@@ -56,7 +61,7 @@ void check_isovalue(const FieldModel& m) {
                   m.isovalue, least, most));
 }
 
-// What all kinds of a preset have in common; the kind sets the rest.
+// The model of a radius-aware field. window_scale makes the window 1 at the atom's sphere, q = 1.
 FieldModel radius_aware(const FieldOptions& o, const GridSpec& grid) {
   constexpr double kCutoffSquare = kWindowRadii * kWindowRadii;
   FieldModel m{};
@@ -72,6 +77,8 @@ FieldModel radius_aware(const FieldOptions& o, const GridSpec& grid) {
   return m;
 }
 
+// The model of a field of one of the two thesis presets. Their sub-grids reach 20 and 4 cells to
+// either side of the atom's cell.
 FieldModel thesis(const FieldOptions& o, const GridSpec& grid) {
   FieldModel m{};
   m.kind = o.kind;

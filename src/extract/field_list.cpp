@@ -1,4 +1,5 @@
-// How far a sphere reaches is the field's to say; the rest is the cell list's.
+// Cell lists for a field: the reach of each sphere is its field_reach(), and CellList, make_frame()
+// and the workspace's KeptCellLists do the rest.
 #include "extract/field_list.hpp"
 
 #include <vector>

@@ -1,5 +1,5 @@
-// The cell list that the extractors and the field's projection search: it finds every sphere whose
-// part of the field reaches a box.
+// The cell list in which the extractors and the projection onto the field search for spheres: it
+// finds every sphere whose contribution to the field reaches a box (field_reach()).
 #pragma once
 
 #include "core/workspace.hpp"
@@ -8,12 +8,13 @@
 
 namespace vdwmesh {
 
-// A list of the caller's own.
+// A new list, owned by the caller.
 CellList make_field_list(const SphereSet& spheres, const FieldModel& model);
 
-// The list that the workspace keeps, built if it has none for these spheres and this field. Valid
-// until the workspace was asked for two other lists. `frame` may be null. Throws InvalidInput for
-// spheres beyond the frame.
+// The list that the workspace keeps; it is built if the workspace has none for these spheres, this
+// field and this frame. The view is valid until the workspace has been asked for two other lists.
+// If `frame` is null, the list makes its own cells; else the function throws InvalidInput if a
+// sphere does not fit the frame.
 CellListView field_list(const SphereSet& spheres, const FieldModel& model,
                         const CellListFrame* frame, Workspace& workspace);
 

@@ -12,6 +12,7 @@
 namespace vdwmesh {
 namespace {
 
+// The product of the three numbers, each increased by `extra`.
 std::uint64_t product(const Vec3i& n, std::int64_t extra) {
   return static_cast<std::uint64_t>(n.x + extra) * static_cast<std::uint64_t>(n.y + extra) *
          static_cast<std::uint64_t>(n.z + extra);

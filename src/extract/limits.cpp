@@ -11,10 +11,10 @@
 namespace vdwmesh {
 namespace {
 
-// A spacing, Å, at which the need would fall to the limit. Vertices, triangles and bytes grow with
-// the inverse square of the spacing, because a surface of given area crosses that many grid edges.
-// Another 2 % cover the rounding of the spacing to three digits in the message, and deviations from
-// this law.
+// A spacing, Å, at which the need would fall to the limit. Vertices, triangles and bytes are
+// proportional to 1 / spacing², like the number of grid edges that a surface of given area crosses.
+// The factor 1.02 covers the rounding of the spacing to three digits in the message, and deviations
+// from this law.
 double fitting_spacing(double spacing, std::uint64_t need, std::uint64_t limit) {
   return spacing * std::sqrt(static_cast<double>(need) / static_cast<double>(limit)) * 1.02;
 }
@@ -43,7 +43,7 @@ void check_mesh_limits(const MeshDemand& d, std::uint64_t memory_limit) {
   }
 }
 
-// One float32 per node.
+// The values take one float32 per node.
 void check_sampling(const FieldModel& model, std::uint64_t memory_limit) {
   if (model.kind == FieldKind::vdw) {
     throw InvalidInput("the vdw field has no node values: sample blinn, soft or inverse-squared");

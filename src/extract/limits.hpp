@@ -1,4 +1,4 @@
-// Checks of limits that run before memory is taken, on every backend.
+// Checks of limits that run before memory is allocated, on every backend.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace vdwmesh {
 
-// What a counted mesh is about to need.
+// The size of a mesh that has been counted but not yet made, and the memory around it.
 struct MeshDemand {
   MeshSize size;
   MeshArrays arrays;
@@ -17,9 +17,10 @@ struct MeshDemand {
   double spacing;               // of the grid, Å
 };
 
-// Called when vertices and triangles are counted and the mesh has no memory yet. Throws
-// LimitExceeded beyond kMaxVertices, kMaxHalfEdges (if half-edges are asked for) or `memory_limit`
-// bytes. The message has the number needed, the number allowed and a spacing that fits.
+// Called after vertices and triangles have been counted and before the mesh is allocated. Throws
+// LimitExceeded for more than kMaxVertices vertices, for more than kMaxHalfEdges half-edges if
+// these are wanted, or if mesh and scratch take more than `memory_limit` bytes. The message has the
+// number needed, the number allowed and a spacing that fits.
 void check_mesh_limits(const MeshDemand& demand, std::uint64_t memory_limit);
 
 // Called before a field is sampled at every node. Throws InvalidInput for vdw, which has no node

@@ -21,18 +21,19 @@ using Keys = std::span<const std::uint64_t>;
 
 // ---- sampling ----
 
-// Bricks of one row along x.
+// The row of bricks along x with these indices along y and z.
 struct BrickRow {
   std::int32_t y, z;
 };
 
+// Input and output of the sampling; `values` are those of the SampledField.
 struct Sampling {
   const CellListView& list;
   const FieldModel& model;
   float* values;
 };
 
-// Writes the nodes that the brick owns and the grid has.
+// Writes the values of the nodes that the brick owns and that belong to the grid.
 void store(const BrickValues& field, const BrickGeometry& g, const Sampling& s) {
   const GridSpec& grid = s.model.grid;
   for (int z = 0; z < kBrickSide; ++z) {
@@ -49,6 +50,7 @@ void store(const BrickValues& field, const BrickGeometry& g, const Sampling& s) 
   }
 }
 
+// Samples one row of bricks; VDWMESH_MULTIVERSION compiles it for two processor versions.
 template <BlendedKind Kind>
 VDWMESH_MULTIVERSION void sample_row(const Sampling& s, const BrickRow& row) {
   BlendedBrick<Kind> surface(s.list, s.model);
@@ -61,7 +63,7 @@ VDWMESH_MULTIVERSION void sample_row(const Sampling& s, const BrickRow& row) {
   }
 }
 
-// A sampled field seen from one brick.
+// The Surface (brick_extraction.hpp) of a sampled field.
 class SampledBrick {
  public:
   explicit SampledBrick(const SampledFieldView& field) : field_(field) {}
@@ -74,7 +76,8 @@ class SampledBrick {
       for (int y = 0; y < kBrickReach; ++y) {
         if ((geometry_.real[1] >> y & geometry_.real[2] >> z & 1) == 0) continue;
         const int node[3] = {0, y, z};
-        // Of the row's node 0, whether the grid has it or not.
+        // Where the value of the row's node 0 would be. This node may be virtual; only the values
+        // of nodes that belong to the grid are read.
         const float* const row = node_address(field_, lattice_node(geometry_.brick, node));
         std::uint32_t bits = 0;
         for (int x = 0; x < kBrickReach; ++x) {
@@ -85,7 +88,7 @@ class SampledBrick {
     }
   }
 
-  // Calls put(i, vertex) for every edge i.
+  // Calls put(i, vertex) for every edge i of `edges`, which are the brick's crossed edges.
   template <class Put>
   void vertices(const BrickEdges& edges, Put&& put) const {
     for (std::size_t i = 0; i < edges.all().size(); ++i) put(i, vertex(edges.all()[i].crossed()));
@@ -115,6 +118,7 @@ VDWMESH_MULTIVERSION EmissionTally emit_sampled(const SampledFieldView& field, c
   return emit_bricks(e, begin, end, surface);
 }
 
+// The keys of all bricks of the grid, rising. A sampled field has no bounds to search with.
 std::vector<std::uint64_t> all_bricks(const GridSpec& grid) {
   std::vector<std::uint64_t> keys;
   for (std::int32_t z = 0; z < brick_count(grid.cells.z); ++z) {

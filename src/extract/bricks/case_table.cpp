@@ -1,14 +1,14 @@
 // Generates the case table at compile time. For each of the 256 cases:
-// 1. On every face of the cell, each run of neighbouring inside corners is cut off by one segment
-//    between two cell edges.
+// 1. On every face of the cell, each maximal run of inside corners, going around the face, is cut
+//    off from the others by one segment between two cell edges.
 // 2. The segments of the six faces chain into closed loops: the boundary of the surface in the
 //    cell.
 // 3. Each loop is triangulated by a backtracking search that draws no diagonal in a cell face.
 // 4. Each half-edge of the triangles gets its opposite: another half-edge of the cell, or a slot in
 //    the face across which the neighbouring cell has it.
-// Step 1 looks at the corners of one face only, and the neighbouring cell sees the same face. So
-// the two cells always draw the same segments on it, and the mesh closes for every combination of
-// cases.
+// The segments that step 1 draws on a face depend on the signs of this face's corners only, and the
+// cell across the face has the same corners there. So both cells draw the same segments on it, and
+// the mesh is closed for every combination of cases.
 #include "extract/bricks/case_table.hpp"
 
 #include <algorithm>
@@ -70,9 +70,10 @@ using Successors = std::array<int, kCellEdges>;
 //
 // Around a face, a run of inside corners k + 1 .. end begins after the crossed edge (k, k + 1) and
 // ends before the crossed edge (end, end + 1). One segment leads from the second of these edges
-// back to the first. The two faces of a cell edge are walked in opposite directions along it, so a
-// crossed edge ends a run on one of its faces and begins a run on the other. Thus every crossed
-// edge has one successor and one predecessor, and the segments chain into closed loops.
+// back to the first. Every cell edge lies in two faces, and walking around them counter-clockwise
+// passes the edge in opposite directions. So a crossed edge ends a run on one of its faces and
+// begins a run on the other. Thus every crossed edge has one successor and one predecessor, and the
+// segments chain into closed loops.
 //
 // Seen from outside the surface the loops run clockwise.
 constexpr Successors surface_segments(int inside) {
@@ -98,26 +99,25 @@ struct Loop {
   int size = 0;
 };
 
-// Whether a triangle may have a side from loop corner i to j, i < j: sides of the loop always, and
-// diagonals unless they would lie in a face of the cell.
+// Whether a triangle may have a side from loop corner i to loop corner j, i < j. Sides of the loop
+// are always allowed; a diagonal of the loop is allowed if it does not lie in a face of the cell.
 constexpr bool allowed(const Loop& loop, int i, int j) {
   const bool side = j - i == 1 || j - i == loop.size - 1;
   return side || !share_face(loop.edges[static_cast<std::size_t>(i)],
                              loop.edges[static_cast<std::size_t>(j)]);
 }
 
-// The triangles of a case: entries 3 t + k are the cell edges on which the corners of triangle t
-// lie.
+// The triangles of a case: edges[3 t + k] is the cell edge on which corner k of triangle t lies.
 struct Triangles {
   std::array<std::uint8_t, std::size_t{3} * kMaxCaseTriangles> edges{};
   int count = 0;
 };
 
-// Step 3: appends a triangulation of the polygon i, i + 1, .., j to `out`. It tries every corner k
-// as the third corner of the triangle at the side (i, j), and triangulates what is left on both
-// sides of it. Returns false, with `out` unchanged, if every way draws a forbidden diagonal. The
-// corners (i, j, k) reverse the clockwise loop, so triangles wind counter-clockwise seen from
-// outside.
+// Step 3: appends a triangulation of the polygon with the loop corners i, i + 1, .., j to `out`. It
+// tries every corner k between i and j as the third corner of the triangle at the side (i, j), and
+// triangulates the two polygons that remain, i .. k and k .. j. Returns false, with `out`
+// unchanged, if every choice needs a diagonal that is not allowed. The loop is clockwise and i < k
+// < j, so the order (i, j, k) makes triangles that wind counter-clockwise seen from outside.
 constexpr bool triangulate(const Loop& loop, int i, int j, Triangles& out) {
   if (j - i < 2) return true;
   for (int k = i + 1; k < j; ++k) {
@@ -136,8 +136,8 @@ constexpr bool triangulate(const Loop& loop, int i, int j, Triangles& out) {
   return false;
 }
 
-// All triangles of a case. The throw never runs: at compile time it would be an error, so the
-// program compiles only if every case has a triangulation.
+// All triangles of a case. The inner loop takes one loop of edges out of `next`. The throw proves
+// at compile time that every case has a triangulation: a throw that ran would not compile.
 constexpr Triangles triangles_of(int inside) {
   Successors next = surface_segments(inside);
   Triangles out;
@@ -177,9 +177,9 @@ constexpr int half_edge_between(const Triangles& t, int start, int end) {
   return kNone;
 }
 
-// Step 4: fills `across` and `face_half_edge` of a case. A half-edge without a partner in the cell
-// is a segment of step 1 and lies in exactly one face. Its opposite is in the cell across that face
-// and runs backwards, so it starts at the slot where this half-edge ends.
+// Step 4: fills `across` and `face_half_edge` of a case. A half-edge without an opposite in the
+// cell is a segment of step 1 and lies in exactly one face. Its opposite is in the cell across that
+// face and runs backwards, so it starts at the slot where this half-edge ends.
 constexpr void link_half_edges(const Triangles& t, std::size_t inside, CaseTable& table) {
   for (std::uint8_t& h : table.face_half_edge[inside]) h = kNoHalfEdge;
   for (int h = 0; h < 3 * t.count; ++h) {
