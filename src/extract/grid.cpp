@@ -1,6 +1,7 @@
-// make_grid() lays a grid around the box of the spheres: its origin is the lower corner less the
-// padding, and along each axis it gets as many cells as the box with its padding needs. The number
-// of cells is checked as a double, before it is narrowed.
+// make_grid() lays a grid around the box of the spheres: its origin is the lower corner of the box
+// less the padding, and along each axis it gets as many cells as the padded box needs. The number
+// of cells is computed and checked as a double before it is converted to an integer, because it may
+// be too large for one.
 #include "extract/grid.hpp"
 
 #include <fmt/format.h>

@@ -82,8 +82,8 @@ class BrickEdges {
   }
 
   Counts count_{};
-  // One element more than the largest count, because an edge that is not crossed is also written,
-  // behind the last one that is kept.
+  // One element more than the largest count, as a reserve: an edge that is not crossed is also
+  // written, behind the last one that is kept.
   std::array<BrickEdge, kMost + 1> edge_;
   std::array<std::uint16_t, kBrickNodes + 1> along_[3];
 };

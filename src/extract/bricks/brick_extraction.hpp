@@ -157,9 +157,9 @@ EmissionTally emit_bricks(const Emission& e, std::size_t begin, std::size_t end,
   return tally;
 }
 
-// The two loops for one kind of surface, compiled by the caller. Many threads call them at once.
+// The two loops for one kind of surface: functions that call count_bricks() and emit_bricks() with
+// a Surface of that kind. Many threads call them at once, so each call must make its own Surface.
 struct BrickLoops {
-  // count_bricks() and emit_bricks() with a Surface of the callee's own.
   std::function<std::size_t(std::span<const std::uint64_t> keys, ActiveBrick* out)> count;
   std::function<EmissionTally(const Emission&, std::size_t begin, std::size_t end)> emit;
 };
@@ -186,8 +186,9 @@ class BrickMesher {
   // the counts take is added to the memory of the mesh.
   void check_limits() const;
 
-  // Emits the bricks of this range into a mesh whose arrays already have size(). `first` is the
-  // number of vertices and triangles before them, as for SurfacePart::emit(). Throws InternalError
+  // Emits the bricks of the range that count() was given into a mesh whose arrays already have
+  // size(). `first` is the number of vertices and triangles before them, as for
+  // SurfacePart::emit(). Throws InternalError
   // if the surface continues through an upper face or edge of a brick into a brick that is no
   // candidate.
   void emit(const MeshSize& first, IndexedMesh& mesh);

@@ -23,7 +23,7 @@ struct ActiveBrick {
   std::uint64_t key;  // brick_key() of the brick
   // clipped_cells: cells that the surface crosses and that have a virtual node as a corner.
   std::uint32_t vertices, triangles, clipped_cells;
-  // Of each row of nodes or cells: how many vertices or triangles the brick has in lower rows.
+  // [row of nodes], [row of cells]: how many vertices or triangles the brick's earlier rows have.
   std::uint16_t row_vertices[kBrickSide * kBrickSide];
   std::uint16_t row_triangles[kBrickSide * kBrickSide];
   BrickSigns signs;
@@ -36,7 +36,10 @@ struct BrickSums {
 
 struct BrickList {
   const ActiveBrick* bricks;  // by rising key
-  const BrickSums* before;    // size + 1 sums: before[b] is over bricks 0 .. b - 1
+  // size + 1 sums: before[b], over bricks 0 .. b - 1, has the numbers of the first vertex and the
+  // first triangle of brick b. If a part of a mesh is emitted, all sums are shifted by a constant
+  // so that these are numbers in the whole mesh.
+  const BrickSums* before;
   std::uint64_t size;
 };
 

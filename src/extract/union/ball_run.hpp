@@ -34,7 +34,7 @@ class BallSearch {
     for (std::size_t k = 0; k < count; ++k)
       touches_[k] = square_to_box({x_[k], y_[k], z_[k]}, lower, upper) <= reach2_[k] ? 1 : 0;
     // Every list place is written at places[found], but `found` advances only for balls that touch
-    // the brick. The + 1 leaves an element for a write behind the kept ones.
+    // the brick. The one extra element is a reserve.
     places.resize(count + 1);
     std::size_t found = 0;
     for (std::size_t k = 0; k < count; ++k) {

@@ -167,8 +167,8 @@ void UnionBrick::put_exit(std::size_t e, const InsideEnd& from, const EdgePoint&
 // the inside node, and the edge leaves the union where it leaves the ball. So a first loop without
 // branches computes, for every edge, the exit from the touching ball of lowest index, and collects
 // the edges that several balls may touch. A second loop computes these again with the full rule.
-// The loop writes shared_[shared] for every edge but advances `shared` only for edges to be kept;
-// hence the one extra element.
+// The first loop writes every edge to shared_[shared] and advances `shared` only past edges to be
+// kept, so that it has no branch. The one extra element is a reserve.
 template <int axis>
 void UnionBrick::find_exits(const BrickEdges& edges) {
   const std::span<const std::uint16_t> along = edges.along<axis>();
