@@ -1,6 +1,6 @@
 // arc_measures(): every sphere by itself, in parallel.
 //
-// For each sphere, find_caps() finds the overlapping balls with a cell list and collects their
+// For each sphere, visit_caps() finds the overlapping balls with a cell list and collects their
 // caps. The kernel (arc_kernel.hpp) measures the unit ball that the caps cut. If its workspace for
 // kMostFaces faces is too small, measure_by_sectors() does it instead. The results are scaled by
 // the radius and stored by sphere id, so they do not depend on the number of threads. A "list
