@@ -175,8 +175,8 @@ class BrickMesher {
   BrickMesher(const GridSpec& grid, BrickLoops loops, LabelWidth width,
               const ExtractOptions& options, Workspace& workspace);
 
-  // Counts and numbers the candidates. These must be the bricks of halo(own) (brick_search.hpp)
-  // that may hold surface; only the bricks of `own` will be emitted. The default is all bricks.
+  // Counts and numbers the candidates: the bricks of `own` and of its halo (brick_search.hpp) that
+  // may hold surface. Only the bricks of `own` will be emitted. The default is all bricks.
   void count(const CandidateSearch& candidates, const KeyRange& own = {});
 
   // The vertices and triangles of the bricks in the range that count() was given.
