@@ -54,7 +54,8 @@ PipelineResult run_over_host(const SphereSet& spheres, const RunOptions& run,
   if (run.refine.subdivisions == 0) {
     ExtractResult extracted = extractor.extract(spheres, run.extract);
     // Not refined: no levels, 0 seconds, no fallback.
-    return {std::move(extracted.mesh), extracted.grid, extracted.stats, {}, 0, {}};
+    return {std::move(extracted.mesh),    extracted.grid, extracted.stats, {}, 0,
+            std::move(extracted.fallback)};
   }
   ExtractResult extracted = extractor.extract(spheres, run.extraction_to_refine());
   RefineOptions options = run.refine;

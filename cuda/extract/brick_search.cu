@@ -174,23 +174,22 @@ struct UnionTest {
   __device__ void add(const FieldModel&, const NearSphere& s, const float (&to_middle)[3],
                       const ChildBlock& child) {
     // The nearest and the farthest point of the box are seen from the centre of the ball. near,
-    // far: the squares of their distances, Å². extent, Å: the sum of the three coordinates of the
-    // farthest point. It is at least as long as every distance from the centre to a point of the
-    // box.
+    // far: the squares of their distances, Å². extent, Å: the sum of the lengths of all coordinates
+    // that are rounded here, so at least as long as each of them.
     float near = 0, far = 0, extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const float away = fabsf(to_middle[axis]), end = away + child.half[axis];
       const float gap = fmaxf(away - child.half[axis], 0.0f);
       near = fmaf(gap, gap, near);
       far = fmaf(end, end, far);
-      extent += end;
+      extent += end + fabsf(child.from_parent[axis]);
     }
     // A bound on the errors in Å. The unit of the error is 2^-24, float32's relative rounding
     // error, times `extent`; 2e-6 makes 33 units. A coordinate of to_middle is rounded three times:
     // when NearSphere::from is made, when from_parent is made, and when they are added. `half`,
-    // `end`, `gap`, squares and sums add a few roundings more. Each of them costs at most one unit,
-    // as long as from_parent is no longer than `extent`: along an axis it is `half`, unless the
-    // border of the grid cuts the child.
+    // `end`, `gap`, squares and sums add a few roundings more. Each of them costs at most one unit.
+    // from_parent counts in `extent` because the border of the grid may cut the child to a slice
+    // whose middle is much farther from the parent's than the slice is thick.
     const float error_bound = 2e-6f * extent, outer = s.number + error_bound;
     const float inner = fmaxf(s.number - error_bound, 0.0f);
     touched |= near <= outer * outer;

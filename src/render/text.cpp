@@ -30,7 +30,7 @@ std::vector<char32_t> decode(std::string_view text) {
     // The number of continuation bytes that the lead byte announces; -1 if the byte is itself a
     // continuation byte.
     const int more = lead < 0x80 ? 0 : lead < 0xc0 ? -1 : lead < 0xe0 ? 1 : lead < 0xf0 ? 2 : 3;
-    char32_t point = more == 0 ? lead : lead & (0x3fu >> more);
+    char32_t point = more <= 0 ? lead : lead & (0x3fu >> more);
     for (int k = 0; k < more; ++k) {
       if (i == text.size() || (static_cast<unsigned char>(text[i]) & 0xc0u) != 0x80) {
         point = kReplacement;
