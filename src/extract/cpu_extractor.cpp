@@ -1,12 +1,12 @@
 // The Extractor on the CPU: a descent through blocks of bricks finds the candidates
-// (brick_search.hpp), and marching cubes runs over them (bricks/brick_extraction.hpp) with the
+// (brick_search.hpp), and marching cubes runs over them (bricks/brick_mesher.hpp) with the
 // signs and vertices of the field's kind.
 #include <vector>
 
 #include "core/multiversion.hpp"
 #include "extract/blended/blended_brick.hpp"
 #include "extract/brick_search.hpp"
-#include "extract/bricks/brick_extraction.hpp"
+#include "extract/bricks/brick_mesher.hpp"
 #include "extract/extractor.hpp"
 #include "extract/field_kinds.hpp"
 #include "extract/field_list.hpp"

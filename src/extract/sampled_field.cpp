@@ -1,6 +1,6 @@
 // FieldMesher on the CPU. Sampling visits all bricks, rows along x in parallel, and stores the
 // values that the Extractor would compute in them. Meshing is marching cubes over all bricks
-// (bricks/brick_extraction.hpp) with signs and vertices from the stored values instead of the
+// (bricks/brick_mesher.hpp) with signs and vertices from the stored values instead of the
 // spheres.
 #include "extract/sampled_field.hpp"
 
@@ -9,7 +9,7 @@
 #include "core/multiversion.hpp"
 #include "extract/blended/blended_brick.hpp"
 #include "extract/blended/sampled_formulas.hpp"
-#include "extract/bricks/brick_extraction.hpp"
+#include "extract/bricks/brick_mesher.hpp"
 #include "extract/field_kinds.hpp"
 #include "extract/field_list.hpp"
 #include "extract/limits.hpp"

@@ -1,7 +1,7 @@
 // Marching cubes over a list of bricks, as a test wants it.
 #pragma once
 
-#include "extract/bricks/brick_extraction.hpp"
+#include "extract/bricks/brick_mesher.hpp"
 
 namespace vdwmesh::testing {
 

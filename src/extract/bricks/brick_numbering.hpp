@@ -65,7 +65,7 @@ VDWMESH_HD constexpr int neighbour_slot(int dx, int dy, int dz) {
 }
 
 // Throws InternalError; the message says that the surface leaves the brick for a neighbour that is
-// not in the list. The function is defined in brick_extraction.cpp, so that the loops of
+// not in the list. The function is defined in brick_mesher.cpp, so that the loops of
 // multiversion.hpp, into which all inline functions are inlined, do not contain the formatting of
 // the message. Host only.
 [[noreturn]] void throw_missing_neighbour(const BrickIndex& brick);

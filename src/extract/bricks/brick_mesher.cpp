@@ -6,7 +6,7 @@
 // 3. Emission again runs in tasks of 32 bricks. Each brick writes to the parts of the mesh arrays
 //    that its numbers name.
 // The order of bricks, vertices and triangles does not depend on the number of threads.
-#include "extract/bricks/brick_extraction.hpp"
+#include "extract/bricks/brick_mesher.hpp"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>

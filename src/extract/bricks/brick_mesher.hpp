@@ -1,0 +1,78 @@
+// Marching cubes over a list of bricks on all cores of the CPU.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "core/workspace.hpp"
+#include "extract/bricks/brick_extraction.hpp"
+#include "extract/extractor.hpp"
+
+namespace vdwmesh {
+
+// The result of counting: the memory behind a BrickList, which a Workspace keeps.
+struct CountedBricks {
+  Buffer<ActiveBrick> bricks;     // the bricks that hold surface, by rising key
+  std::vector<BrickSums> before;  // BrickList::before
+  // Indices into `bricks`: [begin, end) is the range to be meshed. The bricks around it, its halo,
+  // are only counted, because triangles of the range refer to their vertices and triangles.
+  std::size_t begin = 0, end = 0;
+};
+
+// Returns the keys of the bricks that may hold surface, in rising order.
+using CandidateSearch = std::function<std::vector<std::uint64_t>()>;
+
+// Marching cubes over a list of bricks in three steps: count what each brick holds, number it by
+// prefix sums, emit it. All cores take part in each step.
+class BrickMesher {
+ public:
+  // `width` says how many sphere ids label a vertex. The workspace keeps the CountedBricks.
+  BrickMesher(const GridSpec& grid, BrickLoops loops, LabelWidth width,
+              const ExtractOptions& options, Workspace& workspace);
+
+  // Counts and numbers the candidates: the bricks of `own` and of its halo (brick_search.hpp) that
+  // may hold surface. Only the bricks of `own` will be emitted. The default is all bricks.
+  void count(const CandidateSearch& candidates, const KeyRange& own = {});
+
+  // The vertices and triangles of the bricks in the range that count() was given.
+  MeshSize size() const;
+
+  // Throws LimitExceeded if a mesh of size() exceeds a limit (check_mesh_limits()). The memory that
+  // the counts take is added to the memory of the mesh.
+  void check_limits() const;
+
+  // Emits the bricks of the range that count() was given into a mesh whose arrays already have
+  // size(). `first` is the number of vertices and triangles before them, as for
+  // SurfacePart::emit(). Throws InternalError if the surface continues through an upper face or
+  // edge of a brick into a brick that is no candidate.
+  void emit(const MeshSize& first, IndexedMesh& mesh);
+
+  // Resizes the arrays of the mesh to size(), then emits.
+  void make_room_and_emit(const MeshSize& first, IndexedMesh& mesh);
+
+  // The counts of bricks and clipped cells are set by count(), the other counts by emit(), and the
+  // seconds by count() and make_room_and_emit().
+  const ExtractStats& stats() const { return stats_; }
+
+ private:
+  MeshArrays arrays() const;
+
+  GridSpec grid_;
+  BrickLoops loops_;
+  LabelWidth width_;
+  ExtractOptions options_;
+  CountedBricks& counted_;
+  ExtractStats stats_;
+};
+
+// Makes a whole mesh from its candidates: counts, checks the limits before the mesh takes memory,
+// calls options.on_size with the size, and emits. Throws InternalError if the surface leaves a
+// brick for one that is no candidate.
+void mesh_bricks(ExtractResult& result, const GridSpec& grid, const CandidateSearch& candidates,
+                 const BrickLoops& loops, LabelWidth width, const ExtractOptions& options,
+                 Workspace& workspace);
+
+}  // namespace vdwmesh
