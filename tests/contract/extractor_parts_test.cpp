@@ -146,7 +146,9 @@ TEST_P(ExtractorParts, APartCanBeEmittedAgain) {
       IndexedMesh mesh;
       const ExtractStats stats = part->emit({first, first}, mesh);
       EXPECT_EQ(stats.clamped_vertices, whole.stats.clamped_vertices);
-      if (first == 0) EXPECT_EQ(hash(mesh), hash(whole.mesh));
+      if (first == 0) {
+        EXPECT_EQ(hash(mesh), hash(whole.mesh));
+      }
     }
   }
 }
