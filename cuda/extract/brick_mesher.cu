@@ -14,6 +14,7 @@
 #include "cuda/extract/brick_mesher.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/download.cuh"
+#include "cuda/memory/launch.cuh"
 #include "extract/brick_search.hpp"
 #include "extract/limits.hpp"
 
@@ -53,7 +54,7 @@ __global__ void find_keys(const std::uint64_t* keys, std::uint64_t size, KeyRang
 
 // Adds to every sum, modulo 2^64: one thread for each.
 __global__ void shift_sums(BrickSums* sums, std::uint64_t size, BrickSums shift) {
-  const std::uint64_t i = static_cast<std::uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+  const std::uint64_t i = thread_index();
   if (i >= size) return;
   sums[i] = {sums[i].vertices + shift.vertices, sums[i].triangles + shift.triangles};
 }
@@ -152,9 +153,8 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
                                           static_cast<std::int64_t>(n + 1), stream.get());
   });
   BrickTotals* const totals = &tally.data()->totals;
-  add_up<<<1, kCountParts, 0, stream.get()>>>(tally.data()->parts, counted_.before.data() + n,
-                                              totals);
-  check_launch("add_up");
+  launch("add_up", add_up, {1, kCountParts}, stream.get(), tally.data()->parts,
+         counted_.before.data() + n, totals);
   counted_.totals = fetch(totals, stream);
   own_to_ = counted_.totals.sums;
   if (own_.begin > 0) own_from_ = fetch(counted_.before.data() + own_.begin, stream);
@@ -167,9 +167,8 @@ void DeviceBrickMesher::find_own(const KeyRange& own) {
   if (own.begin == 0 && own.end == kNoBrickKey) return;
   const Stream& stream = source_.stream();
   const DeviceArray<BrickRange> found(1, stream.get());
-  find_keys<<<1, 2, 0, stream.get()>>>(candidates_.keys.data(), candidates_.count, own,
-                                       found.data());
-  check_launch("find_keys");
+  launch("find_keys", find_keys, {1, 2}, stream.get(), candidates_.keys.data(), candidates_.count,
+         own, found.data());
   own_ = fetch(found.data(), stream);
 }
 
@@ -232,6 +231,7 @@ void DeviceBrickMesher::emit_to_host(const MeshSize& first, IndexedMesh& host, s
     DeviceMeshView part = mesh.view();
     part.first_vertex = slab.from.vertices;
     part.first_triangle = slab.from.triangles;
+    mark_end_of(Stage::other);  // what the host did meanwhile is not the kernels' time
     emit(slab, part);
     download_slab(slab, mesh, first, host);
     ++slabs_;
@@ -245,10 +245,8 @@ void DeviceBrickMesher::number_from(const MeshSize& first) {
   if (shift.vertices == 0 && shift.triangles == 0) return;
   constexpr unsigned threads = 256;
   const std::uint64_t n = candidates_.count + 1;
-  const Stream& stream = source_.stream();
-  shift_sums<<<blocks_for(n, threads), threads, 0, stream.get()>>>(counted_.before.data(), n,
-                                                                   shift);
-  check_launch("shift_sums");
+  launch("shift_sums", shift_sums, over(n, threads), source_.stream().get(), counted_.before.data(),
+         n, shift);
   own_from_ = {first.vertices, first.triangles};
   own_to_ = AddSums()(own_to_, shift);
 }
@@ -328,7 +326,6 @@ DeviceMesh DeviceBrickMesher::make_mesh(const Slab& slab) const {
 
 void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   const Stream& stream = source_.stream();
-  mark_end_of(Stage::other);
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
   source_.emit_vertices(part_of(counted_.list(), slab.bricks), counted_.totals.most_atoms,
                         values_.data() + kept_from * source_.values_per_brick(), mesh,

@@ -85,7 +85,7 @@ __device__ unsigned vote_by_child(bool says) {
   for (unsigned step = kWarp / 2; step >= kChildren; step /= 2) votes |= votes >> step;
   return votes & ((1u << kChildren) - 1);
 }
-// What vote_by_child() returns if it is true for every child.
+// What vote_by_child() returns if every child has a lane with a true vote.
 constexpr unsigned kAllChildren = (1u << kChildren) - 1;
 
 // The test of a child for a blended field. Each lane adds its part of the atoms to the sums of
@@ -174,8 +174,9 @@ struct UnionTest {
   __device__ void add(const FieldModel&, const NearSphere& s, const float (&to_middle)[3],
                       const ChildBlock& child) {
     // The nearest and the farthest point of the box are seen from the centre of the ball. near,
-    // far: the squares of their distances, Å². extent, Å: the sum of the lengths of all coordinates
-    // that are rounded here, so at least as long as each of them.
+    // far: the squares of their distances, Å². extent, Å: the sum over the axes of `end` and the
+    // length of from_parent. Every coordinate that is rounded on the way is at most as long, `from`
+    // too, which is the difference of to_middle and from_parent.
     float near = 0, far = 0, extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const float away = fabsf(to_middle[axis]), end = away + child.half[axis];

@@ -217,8 +217,8 @@ class MeshSampler {
   }
 
   // Measures the samples of one block. Consecutive samples are near each other, so the nearest
-  // patch of one sample is the hint for the next: the patch that the search measures first. The
-  // first hint of a block is patch 0, whichever patch is near.
+  // patch of one sample is the hint for the next: the patch that the search measures first. A
+  // block begins with patch 0 as its hint, near or not, so blocks do not depend on each other.
   void sample_area(std::uint64_t first, std::uint64_t end, DistanceSums& sums,
                    DistanceHistogram& histogram) const {
     std::uint32_t hint = 0;

@@ -1,13 +1,14 @@
 // exact_union(): runs the method that the caller chose.
 // - cgal: regular triangulation, dual complex, inclusion-exclusion, and Gauss-Bonnet as the check.
-// - arcs: each sphere by itself, from the circular arcs on it (arcs/arcs.hpp). Spheres that this
-//   marks as suspect, because a check failed, get the measures of a small triangulation instead.
+// - arcs: each sphere by itself, from the circular arcs on it (arcs/arcs.hpp). Spheres that
+//   arc_measures() marks as suspect, because a check failed, get the measures of a small
+//   triangulation instead.
 // - both: the result of cgal, with the arcs as the check.
 //
 // The triangulation works on balls in its own order (power_triangulation.hpp), whose lengths are
 // divided by 2^scale_exponent. unscaled() brings measures of balls back to Å and to the order of
-// the SphereSet, scale() the measures of the topology back to Å. The power of two makes this exact,
-// short of overflow and underflow. The arcs work on the SphereSet itself.
+// the SphereSet, unscale() the measures of the topology back to Å. The power of two makes this
+// exact, short of overflow and underflow. The arcs work on the SphereSet itself.
 #include "arrangement/exact_union.hpp"
 
 #include <tbb/parallel_invoke.h>
@@ -32,7 +33,7 @@ double scaled_area(double area, int exponent) { return std::ldexp(area, 2 * expo
 double scaled_volume(double volume, int exponent) { return std::ldexp(volume, 3 * exponent); }
 
 // Multiplies the lengths behind all areas and volumes by 2^exponent.
-void scale(UnionTopology& topology, int exponent) {
+void unscale(UnionTopology& topology, int exponent) {
   for (Shell& shell : topology.shells) {
     shell = {scaled_area(shell.area, exponent), scaled_volume(shell.volume, exponent)};
   }
@@ -73,7 +74,7 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
         topology = union_topology(triangulation, complex, measures);
       },
       [&] { check = total_measures(gauss_bonnet(triangulation, complex)); });
-  scale(topology, triangulation.scale_exponent);
+  unscale(topology, triangulation.scale_exponent);
   // union_topology() knows the balls of the triangulation only; all other spheres are hidden.
   topology.hidden_spheres += spheres.size() - triangulation.balls.size();
   advance(monitor, 1);
@@ -130,9 +131,9 @@ void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>&
   }
 }
 
-// Method arcs. arc_measures() reports progress as a stage of its own. The memory of
-// result.per_sphere is reused: it is lent to `arcs`, filled there, and handed back after `result`,
-// whose array is then another, has been overwritten.
+// Method arcs. arc_measures() reports progress as a stage of its own. To reuse the
+// caller's array, result.per_sphere is swapped into `arcs` and filled there. Assigning `result`
+// frees the array that it got in exchange, and the second swap puts the filled one back.
 void union_by_arcs(ExactUnion& result, const SphereSet& spheres, Monitor* monitor,
                    Workspace& workspace) {
   auto& arcs = workspace.get<ArcMeasures>();
@@ -140,8 +141,11 @@ void union_by_arcs(ExactUnion& result, const SphereSet& spheres, Monitor* monito
   arc_measures(arcs, spheres, monitor, workspace);
   replace_by_reference(spheres, arcs.suspect, arcs.per_sphere);
   const SphereMeasures total = total_measures(arcs.per_sphere);
-  // Empty: per_sphere for the moment, topology, check_area and check_volume.
-  result = {UnionMethod::arcs, total.area, total.volume, {}, {}, {}, {}, arcs.suspect.size()};
+  result = {};
+  result.method = UnionMethod::arcs;
+  result.area = total.area;
+  result.volume = total.volume;
+  result.fallback_spheres = arcs.suspect.size();
   std::swap(arcs.per_sphere, result.per_sphere);
 }
 

@@ -1,10 +1,10 @@
 // Groups half-edges by edge with counting sorts, so without hashing and without a sort of all
 // edges. Four steps: check the indices and count the half-edges; group the half-edges by range of
 // smaller vertex (a parallel counting sort); within each range, sort by smaller vertex (a counting
-// sort that stays in cache); sort each bucket by larger vertex. The result is in
-// compressed-sparse-row form: all entries in one array, and the end of each vertex's bucket in
-// another. opposite_half_edges() pairs half-edges with it; the analysis counts edges and their
-// faces with it.
+// sort that stays in cache), which makes a bucket of the half-edges of one smaller vertex; sort
+// each bucket by larger vertex. The result is in compressed-sparse-row form: all entries in one
+// array, and the end of each vertex's bucket in another. opposite_half_edges() pairs half-edges
+// with it; the analysis counts edges and their faces with it.
 #include "mesh/edge_buckets.hpp"
 
 #include <fmt/format.h>
@@ -37,8 +37,8 @@ constexpr std::size_t kVerticesPerRange = 1 << 13;
 constexpr std::size_t kTrianglesPerBlock = 1 << 16;
 constexpr std::size_t kMostBlocks = 256;
 
-// Sorts [first, last) by insertion if it is short. The pointers are null if no triangle has an
-// edge.
+// Sorts [first, last) by insertion if it is short. An empty bucket is left at once, since its
+// pointers may be null, and first + 1 would not be defined.
 void sort_bucket(EdgeEntry* first, EdgeEntry* last) {
   if (first == last) return;
   if (static_cast<std::size_t>(last - first) > kInsertionSortLimit) {
@@ -82,9 +82,10 @@ void for_each_side(const Triangle& triangle, Visit&& visit) {
   }
 }
 
-// What a first look at the triangles finds. The first two members are numbers of triangles. The sum
-// of two surveys is associative and keeps the left one's triangle, whose part of the mesh comes
-// first. So a parallel reduction finds the first such triangle for any number of threads.
+// What a first look at the triangles finds. The first two members are indices of triangles. The sum
+// of two surveys keeps the left one's index if it has one, because the left survey is of earlier
+// triangles. The sum is associative, so a parallel reduction finds the first index of all for any
+// number of threads.
 struct IndexSurvey {
   std::optional<std::size_t> invalid_index;   // first triangle with an index of no vertex: an error
   std::optional<std::size_t> repeated_index;  // first that names a vertex twice: no error here
@@ -143,8 +144,9 @@ class Counters {
 // The half-edges grouped by the range of their smaller vertex, and in input order within a range.
 // It is a parallel counting sort in two passes over blocks of triangles. The first pass counts the
 // half-edges of each block and range. An exclusive prefix sum over (range, block) turns the counts
-// into positions in the sorted list. The second pass writes each half-edge to its position. No two
-// blocks write to the same positions, so the result does not depend on the number of threads.
+// into positions in the sorted list. The second pass writes each half-edge to its position. The
+// blocks depend on the number of triangles alone and the positions on the counts alone, so the
+// result does not depend on the number of threads.
 class HalfEdgesByRange {
  public:
   HalfEdgesByRange(std::span<const Triangle> triangles, std::size_t vertex_count)
@@ -152,18 +154,19 @@ class HalfEdgesByRange {
         per_block_(std::max(kTrianglesPerBlock, triangles.size() / kMostBlocks + 1)),
         blocks_((triangles.size() + per_block_ - 1) / per_block_),
         ranges_((vertex_count + kVerticesPerRange - 1) / kVerticesPerRange),
-        next_(ranges_ * blocks_, 0),
+        count_or_position_(ranges_ * blocks_, 0),
         first_of_range_(ranges_ + 1, 0) {
     for_blocks([&](std::size_t b) { count(b); });
     // The prefix sum. exchange() replaces a count by the sum before it and returns the count.
     std::uint32_t sum = 0;
     for (std::size_t r = 0; r < ranges_; ++r) {
       first_of_range_[r] = sum;
-      for (std::size_t b = 0; b < blocks_; ++b) sum += std::exchange(next_[r * blocks_ + b], sum);
+      for (std::size_t b = 0; b < blocks_; ++b)
+        sum += std::exchange(count_or_position_[r * blocks_ + b], sum);
     }
     first_of_range_[ranges_] = sum;
     resize_untouched(half_edges_, sum);
-    for_blocks([&](std::size_t b) { list(b); });
+    for_blocks([&](std::size_t b) { write(b); });
   }
 
   std::size_t ranges() const { return ranges_; }
@@ -194,30 +197,30 @@ class HalfEdgesByRange {
   void count(std::size_t b) {
     Counters counts(std::vector<std::uint32_t>(ranges_, 0));
     visit_half_edges(b, [&](HalfEdge, std::size_t range) { counts.take(range); });
-    for (std::size_t r = 0; r < ranges_; ++r) next_[r * blocks_ + b] = counts[r];
+    for (std::size_t r = 0; r < ranges_; ++r) count_or_position_[r * blocks_ + b] = counts[r];
   }
 
-  // Second pass over block b, after the prefix sum: `next` holds, for each range, the position in
-  // the sorted list of the block's next half-edge.
-  void list(std::size_t b) {
-    std::vector<std::uint32_t> first(ranges_);
-    for (std::size_t r = 0; r < ranges_; ++r) first[r] = next_[r * blocks_ + b];
-    Counters next(std::move(first));
+  // Second pass over block b, after the prefix sum: writes its half-edges to the sorted list.
+  void write(std::size_t b) {
+    // For each range, the position in the sorted list of the block's next half-edge.
+    std::vector<std::uint32_t> positions(ranges_);
+    for (std::size_t r = 0; r < ranges_; ++r) positions[r] = count_or_position_[r * blocks_ + b];
+    Counters next(std::move(positions));
     visit_half_edges(b, [&](HalfEdge h, std::size_t range) { half_edges_[next.take(range)] = h; });
   }
 
   std::span<const Triangle> triangles_;
   std::size_t per_block_, blocks_, ranges_;
   // [range][block]: the number of half-edges, later the position of the first of them.
-  std::vector<std::uint32_t> next_;
+  std::vector<std::uint32_t> count_or_position_;
   std::vector<std::uint32_t> first_of_range_;  // index in half_edges_; the last value is the end
   Buffer<HalfEdge> half_edges_;                // the sorted list
 };
 
 // Fills the buckets of end.size() vertices, from `first_vertex` on. This is a counting sort by
 // smaller vertex, then a sort of each bucket. The first of these buckets begins at entries[place].
-// for_each_half_edge(visit) calls visit(number, from, to) for each half-edge 3t + k = `number`
-// whose smaller vertex is one of these vertices. It runs twice, to count and to write.
+// for_each_half_edge(visit) calls visit(number, from, to) for each half-edge whose smaller vertex
+// is one of these vertices; its number is 3t + k. It runs twice, to count and to write.
 //
 // end[i] belongs to vertex first_vertex + i, and its meaning changes on the way. After counting it
 // is the size of the bucket. The exclusive prefix sum makes it the index in `entries` at which the
@@ -237,7 +240,10 @@ void fill_buckets(ForEach&& for_each_half_edge, std::uint32_t place, std::size_t
         EdgeEntry(std::max(from, to), number, from > to);
   });
   std::uint32_t begin = place;
-  for (const std::uint32_t e : end) sort_bucket(entries + std::exchange(begin, e), entries + e);
+  for (const std::uint32_t e : end) {
+    sort_bucket(entries + begin, entries + e);
+    begin = e;
+  }
 }
 
 // One counting sort over all vertices: the buckets begin with vertex 0, at entries[0].
@@ -287,8 +293,8 @@ EdgeBuckets::EdgeBuckets(std::span<const Triangle> triangles, std::size_t vertex
   repeated_index_ = found.repeated_index;
   resize_untouched(end_, vertex_count);
   resize_untouched(entries_, found.half_edges);
-  // Both functions give the same buckets. Grouping by range is an extra pass, which does not pay on
-  // a single thread.
+  // Both functions give the same buckets, because the order of EdgeEntry has no ties. Grouping by
+  // range is an extra pass, which does not pay on a single thread.
   const bool single_threaded =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) == 1;
   (single_threaded ? fill_on_one_core : fill_on_all_cores)(triangles, end_, entries_.data());

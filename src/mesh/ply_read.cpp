@@ -353,19 +353,19 @@ class PlyReader {
   }
 
   // The fast path for the usual layout of binary faces: a list with a count of one byte and indices
-  // of 32 bits, then perhaps an atom of 32 bits (`named`), and no other property. The caller has
+  // of 32 bits, then perhaps an atom of 32 bits (`has_atom`), and no other property. The caller has
   // found a list of vertex indices; here it must be property 0. Reads triangles up to the first
   // face of more or fewer corners, and returns how many: 0 in other layouts. Checks no indices.
   std::uint64_t read_packed_triangles(const PlyElement& element) {
     const PlyProperty& list = element.properties[0];
-    const auto is_whole = [](const PlyProperty& property) {  // an integer of 32 bits
+    const auto is_int32 = [](const PlyProperty& property) {  // an integer of 32 bits
       return property.type == PlyScalar::int32 || property.type == PlyScalar::uint32;
     };
-    const bool named = element.properties.size() == 2 && is_atom(element.properties[1]) &&
-                       is_whole(element.properties[1]);
-    if (element.properties.size() != (named ? 2u : 1u)) return 0;
-    if (!list.list_count || !is_whole(list) || size_of(*list.list_count) != 1) return 0;
-    const std::size_t size = 1 + (named ? 4 : 3) * sizeof(std::uint32_t);
+    const bool has_atom = element.properties.size() == 2 && is_atom(element.properties[1]) &&
+                          is_int32(element.properties[1]);
+    if (element.properties.size() != (has_atom ? 2u : 1u)) return 0;
+    if (!list.list_count || !is_int32(list) || size_of(*list.list_count) != 1) return 0;
+    const std::size_t size = 1 + (has_atom ? 4 : 3) * sizeof(std::uint32_t);
     // The most triangles that fit. No memory is taken for them if the first face is no triangle.
     const std::size_t most = std::min<std::uint64_t>(element.count, body_.bytes_left() / size);
     if (most == 0 || *body_.take(0) != 3) return 0;
@@ -375,12 +375,12 @@ class PlyReader {
     // The new elements are uninitialised. expect_writing() is a hint; the loop may write fewer.
     triangles.resize(before + most);
     expect_writing(&triangles[before], most);
-    if (named) {
+    if (has_atom) {
       spheres.resize(before, kNoSphere);
       spheres.resize(before + most);
       expect_writing(&spheres[before], most);
     }
-    const bool is_signed = named && element.properties[1].type == PlyScalar::int32;
+    const bool is_signed = has_atom && element.properties[1].type == PlyScalar::int32;
     std::size_t t = before;
     for (; t < before + most; ++t) {
       const char* face = body_.take(size);
@@ -394,11 +394,11 @@ class PlyReader {
       };
       triangles[t] = {number(0), number(1), number(2)};
       // An unsigned number is an id as it stands, because kNoSphere is 2^32 - 1.
-      if (named)
+      if (has_atom)
         spheres[t] = is_signed ? sphere_id(static_cast<std::int32_t>(number(3))) : number(3);
     }
     triangles.resize(t);
-    if (named) spheres.resize(t);
+    if (has_atom) spheres.resize(t);
     return t - before;
   }
 

@@ -39,7 +39,7 @@ VertexWelder::VertexWelder(Buffer<Vec3d>& positions, std::size_t expected) : pos
   recent_.assign(kRecent, kEmpty);
   positions_.reserve(expected);
   advise_large_pages(positions_.data(), expected);
-  insert_all(std::max(kFirstSlots, std::bit_ceil(2 * expected)));
+  rebuild_table(std::max(kFirstSlots, std::bit_ceil(2 * expected)));
 }
 
 std::uint32_t VertexWelder::index(const Vec3d& given) {
@@ -47,8 +47,9 @@ std::uint32_t VertexWelder::index(const Vec3d& given) {
   return index(p, hash_of(p));
 }
 
-// The first loop hashes and prefetches, the second looks up. If the table grows in the second loop,
-// `mask` and the remaining prefetches are those of the old table, which costs time only.
+// For at most kMost points. The first loop hashes them and prefetches their slots, the second looks
+// them up. If the table grows in the second loop, the prefetches that are still pending were for
+// the old table, which costs time only.
 void VertexWelder::index(std::span<const Vec3d> points, std::span<std::uint32_t> result) {
   std::array<Vec3d, kMost> p;
   std::array<std::uint64_t, kMost> hash;
@@ -82,13 +83,13 @@ std::uint32_t VertexWelder::find_or_add(const Vec3d& p, std::uint64_t hash) {
   const auto index = static_cast<std::uint32_t>(positions_.size());
   slots_[slot] = {index, tag_of(hash)};
   positions_.push_back(p);
-  if (2 * positions_.size() > slots_.size()) insert_all(4 * slots_.size());
+  if (2 * positions_.size() > slots_.size()) rebuild_table(4 * slots_.size());
   return index;
 }
 
 // Replaces the table by one of `slots` slots, a power of two that is at least twice the number of
 // positions, and inserts all positions. They are all different, so nothing has to be compared.
-void VertexWelder::insert_all(std::size_t slots) {
+void VertexWelder::rebuild_table(std::size_t slots) {
   slots_.clear();
   slots_.reserve(slots);
   advise_large_pages(slots_.data(), slots);

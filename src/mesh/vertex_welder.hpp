@@ -36,7 +36,7 @@ class VertexWelder {
   // first function asks the cache, then the second, which asks the table.
   std::uint32_t index(const Vec3d& p, std::uint64_t hash);
   std::uint32_t find_or_add(const Vec3d& p, std::uint64_t hash);
-  void insert_all(std::size_t slots);
+  void rebuild_table(std::size_t slots);
 
   Buffer<Vec3d>& positions_;
   // A small direct-mapped cache in front of the table: the last vertex found for each value of some

@@ -44,7 +44,7 @@ bool BadMoves<Level>::mark() {
   if (pass_ > 0 && grid_) find_dirty_cells();
   const auto judge_patch = [&](std::size_t patch, std::uint64_t& bad) {
     const Vertices v = level_.vertices(patch);
-    if (pass_ == 0 || has_taken_back(v)) bad += mark_turned(v);
+    if (pass_ == 0 || has_vertex_just_undone(v)) bad += mark_turned(v);
   };
   const auto judge_cell = [&](std::size_t cell, std::uint64_t& bad) {
     // No progress is reported: the call only throws Cancelled if the caller asked to stop.
@@ -59,14 +59,14 @@ bool BadMoves<Level>::mark() {
 
 // Makes exactly those cells dirty that hold a triangle with a vertex just put back. Only such a
 // triangle has changed since the previous pass, so at least one triangle of each new crossing is of
-// this kind. bounds_of() covers this triangle before and after all moves of its vertices, so the
-// cells in which it may cross another one are dirty.
+// this kind. bounds_of() is the box of the first and the last positions of its three corners,
+// whichever of them went back, so the cells in which it may cross another triangle are dirty.
 template <class Level>
 void BadMoves<Level>::find_dirty_cells() {
   for_all(dirty_.size(), [&](std::size_t cell) { dirty_[cell] = 0; });
   for_all(level_.patches(), [&](std::size_t patch) {
     const Vertices v = level_.vertices(patch);
-    if (!has_taken_back(v)) return;
+    if (!has_vertex_just_undone(v)) return;
     for (int child = 0; child < Level::kTriangles; ++child) {
       grid_->visit_cells(bounds_of(level_, v, child), [&](std::size_t cell) {
         std::atomic_ref(dirty_[cell]).store(1, std::memory_order_relaxed);
@@ -77,7 +77,7 @@ void BadMoves<Level>::find_dirty_cells() {
 
 // Whether a vertex of the patch was put back after the previous pass.
 template <class Level>
-bool BadMoves<Level>::has_taken_back(const Vertices& v) {
+bool BadMoves<Level>::has_vertex_just_undone(const Vertices& v) {
   return std::any_of(v.begin(), v.end(), [&](std::uint32_t i) {
     return state_of(level_, move_states_, i) == MoveState::just_undone;
   });

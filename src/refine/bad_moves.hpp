@@ -50,7 +50,7 @@ class BadMoves {
   using Vertices = std::array<std::uint32_t, Level::kVertices>;  // the mesh vertices of a patch
   struct Corners;                                                // the corners of a triangle
   void find_dirty_cells();
-  bool has_taken_back(const Vertices& v);
+  bool has_vertex_just_undone(const Vertices& v);
   bool mark_turned(const Vertices& v);
   bool mark_crossed(std::size_t cell);
   Corners corners(std::uint32_t triangle);

@@ -1,5 +1,5 @@
 // Ball ∩ power cell: the unit ball cut by one half-space after another (arc_cell_cut.hpp says how).
-// Runs on host and device, in memory of the caller.
+// It works in memory of the caller.
 // The body is stored as flat faces and straight edges, without its arcs on the sphere. An edge is
 // part of a chord: the segment in which the planes of two caps meet inside the ball. A chord end
 // that was never cut off lies on the sphere: two exposed arcs meet there in a corner of the patch.
@@ -20,8 +20,8 @@ enum Doubt : std::uint32_t {
   kTinyArc = 16,        // the exposed angle of a circle is nearly 0 or nearly a whole turn
   kGaussBonnet = 32,    // the patch fails the Gauss-Bonnet theorem
   kOpenSurface = 64,    // the vector areas of patch and faces do not add up to zero
-  kVanishing = 128,     // the edge end least far beyond a new plane is within kTouching of it
-  kVanished = 256,      // the same within kCertain: rounding decides whether the body is empty
+  kVanishing = 128,     // a plane removed the rest of the body, or left it, by less than kTouching
+  kVanished = 256,      // the same by less than kCertain, so that rounding decided it
   kNotFinite = 512,     // a cap or a measure is NaN or out of its range
 };
 
@@ -45,7 +45,7 @@ struct CellFace {
   // measure_cell() fills the rest.
   Complex arc;           // its argument is the exposed angle of the circle, modulo 2 π
   double edge_moment;    // sum over edges of (signed distance from the disk's centre) × length
-  std::int32_t balance;  // number of arc ends minus arc starts, counter-clockwise about the axis
+  std::int32_t balance;  // arc ends minus arc starts, counter-clockwise: 0 unless rounding lost one
   std::uint32_t ends;    // number of arc ends plus arc starts
 };
 
@@ -53,10 +53,10 @@ struct CellFace {
 struct CellEdge {
   Vec3d middle, half;  // at right angles; `half` runs along axis_a × axis_b
   double lower, upper;
-  double cosine;              // of the angle between the axes
-  double root;                // det(axis_a, axis_b, x(1)) > 0, as root of the Gram determinant
-  double scale;               // root / squared sine of the angle between the axes
-  double toward_b, toward_a;  // distance from disk a's centre to plane b, b's to a; < 0: beyond
+  double cosine;  // of the angle between the axes
+  double root;    // det(axis_a, axis_b, x(1)), always > 0: root of their Gram determinant
+  double scale;   // root / squared sine of the angle between the axes
+  double toward_b, toward_a;  // from disk a's centre to plane b, < 0 if beyond it; from b's to a
   std::uint32_t a, b;         // slots of the faces, a < b
   std::uint8_t exposed;       // EdgeEnd bits: which ends lie on the sphere
 };
@@ -70,8 +70,8 @@ struct ArcWorkspace {
   Cap* nudged;  // measure_ball() puts a copy of all caps here, with planes moved at random
 };
 
-// Ties within 45 machine epsilons go to the older planes: an old edge may exceed a new plane by so
-// much and stays, but a new chord is clipped by an older plane even if it ends this short of it.
+// Ties within 45 machine epsilons go to the older planes. A new plane leaves an old edge alone that
+// ends up to kSlack beyond it; an older plane clips a new chord that ends up to kSlack before it.
 inline constexpr double kSlack = 1e-14;
 // A corner this near to a third plane counts as doubtful: it may lie on that plane as well.
 inline constexpr double kTouching = 1e-9;
@@ -82,7 +82,8 @@ inline constexpr double kParallel = 1e-18;
 // Below this squared sine (sine 1e-5) planes are cut as usual, but with the doubt kParallelPlanes:
 // rounding moves their common line by kSlack / sine = kTouching or more.
 inline constexpr double kNearlyParallel = 1e-10;
-// Planes parallel to 1e-9 cross in the unit ball only if some 1e-9 apart. The factor 10 is margin.
+// Planes at an angle of at most 1e-9 can cross in the unit ball only if their distances from the
+// centre differ by at most about 1e-9. The factor 10 is margin.
 inline constexpr double kParallelGap = 1e-8;
 // A quick Gram determinant, with a rounding of some 1e-15, is surely negative below minus this.
 inline constexpr double kCoarseRounding = 1e-12;
@@ -102,14 +103,15 @@ class BallCell {
   bool empty() const { return empty_; }
   // Whether the body is a polytope inside the ball: nothing of the sphere is exposed.
   bool closed() const { return active_count_ > 0 && exposed_ends_ == 0 && whole_disks_ == 0; }
-  // Whether the body is closed and no plane at this distance from the centre or farther cuts it.
+  // Whether the body is closed and no plane cuts it whose cap has at least this cosine.
   bool out_of_reach(double cosine);
   std::uint32_t doubts() const { return doubts_; }
   bool overflowed() const { return (doubts_ & kOverflow) != 0; }
 
+  // face(i) with i < face_count(): the faces of the body. face_at(slot): as CellEdge names them.
   std::uint32_t face_count() const { return active_count_; }
   CellFace& face(std::uint32_t i) const { return space_.faces[space_.active[i]]; }
-  CellFace& face_at(std::uint32_t index) const { return space_.faces[index]; }
+  CellFace& face_at(std::uint32_t slot) const { return space_.faces[slot]; }
   std::uint32_t edge_count() const { return edge_count_; }
   CellEdge& edge(std::uint32_t i) const { return space_.edges[i]; }
   bool has_corners() const { return exposed_ends_ > 0; }

@@ -1,7 +1,7 @@
 // Area of the exposed patch and volume of the cut ball, from the edges of a BallCell.
-//
 // Let t be the cosine of a cap, phi the exposed angle of its circle, and P the spherical polygon
-// that goes from corner to corner of the patch by way of the cap's axis instead of along the arc.
+// that replaces each arc of the patch's boundary by two great-circle segments: from the arc's start
+// to the point where the cap's axis meets the sphere, and from there to the arc's end.
 //   area   = area(P) - sum phi (1 - t), modulo 4 pi       the patch is P without sectors of caps
 //   area   = 2 pi chi + sum phi t - sum turning angles    Gauss-Bonnet: the check
 //   volume = (area + sum t F) / 3, F = area of a face     divergence theorem about the centre
@@ -36,9 +36,9 @@ inline Complex on_circle(const CellFace& face, const Vec3d& corner) {
   return {scale * inner(first, corner), scale * inner(second, corner)};
 }
 
-// Adds an arc's end (direction 1) or start (-1) at the corner to the sums of the face, empty since
-// cut(). Arcs run counter-clockwise about the axis. The product of all ends and conjugated starts
-// has the exposed angle of the circle as its argument.
+// Adds an arc's end (direction 1) or start (-1) at the corner to the sums of the face, which cut()
+// has set to their empty values. Arcs run counter-clockwise about the axis. The product of all ends
+// and conjugated starts has the exposed angle of the circle as its argument.
 inline void add_arc_end(CellFace& face, const Vec3d& corner, int direction) {
   const Complex place = on_circle(face, corner);
   multiply(face.arc, direction > 0 ? place : conjugate(place));
@@ -46,10 +46,12 @@ inline void add_arc_end(CellFace& face, const Vec3d& corner, int direction) {
   ++face.ends;
 }
 
-// Adds the edge to the sums of both faces and to PatchSums::open, twice the vector area. At the
-// corner s = 1 an arc of circle a starts and one of b ends; at s = -1 it is the other way round. To
-// PatchSums::open a face adds 2 F axis = (edge_moment + phi sine²) axis, and the patch the integral
-// of x × dx, for each arc t axis × (start - end) - phi sine² axis. The terms with phi cancel.
+// Adds the edge, middle + s half, to the sums of both faces and to PatchSums::open, which is twice
+// the vector area. At its corner s = 1 an arc of circle a starts and one of b ends; at s = -1 it is
+// the other way round.
+// To PatchSums::open a face adds 2 F axis = (edge_moment + phi sine²) axis. The patch adds the
+// integral of x × dx along its boundary, which runs against the arcs: for each arc
+// t axis × (start - end) - phi sine² axis. The terms with phi cancel.
 inline void add_edge(const BallCell& cell, const CellEdge& e, PatchSums& sums) {
   CellFace& a = cell.face_at(e.a);
   CellFace& b = cell.face_at(e.b);
@@ -73,7 +75,7 @@ inline void add_edge(const BallCell& cell, const CellEdge& e, PatchSums& sums) {
   }
 }
 
-// Sums over the faces of the body.
+// Sums over the faces of the cut ball.
 struct FaceSums {
   double angle = 0;        // sum phi over the circles with corners
   double sector = 0;       // sum phi (1 - t) over all circles
@@ -83,12 +85,13 @@ struct FaceSums {
 };
 
 inline void add_face_to(const CellFace& face, FaceSums& sums) {
-  double angle = 0;
+  double angle = 0;  // exposed: all of a circle that no edge cuts, nothing of one without corners
   if (!face.crossed) {
     angle = 2 * std::numbers::pi;
   } else if (face.ends > 0) {
-    angle = argument(face.arc);
+    angle = argument(face.arc);  // in [0, 2 pi)
     if (angle < kTinyAngle || angle > 2 * std::numbers::pi - kTinyAngle) sums.doubts |= kTinyArc;
+    // Arcs without both a start and an end bound no patch, and the theorem says nothing of them.
     if (face.balance != 0) sums.doubts |= kGaussBonnet;
     sums.angle += angle;
   }
@@ -100,14 +103,15 @@ inline void add_face_to(const CellFace& face, FaceSums& sums) {
 }
 
 // Reduces an area modulo 4 pi. At most 4 pi - A can be exposed, with the area A of the largest cap.
-// A remainder nearer to 4 pi is an area of 0 with a negative rounding error, which is returned.
+// A remainder above 4 pi - A / 2 is an area of 0 with a negative rounding error, which is returned.
 inline double reduce_area(double area, double largest_cap) {
   const double full = 4 * std::numbers::pi;
   area -= full * std::floor(area / full);
   return area > full - 0.5 * largest_cap ? area - full : area;
 }
 
-// Measures the cut ball, once for each cell, and checks the result. `caps`: all caps of the ball.
+// Measures the cut ball and checks the result. `caps`: all caps of the ball. May be called only
+// once for each cell, since it adds to the sums that stand in the faces.
 inline BallMeasures measure_cell(const BallCell& cell, const Cap* caps, std::uint32_t count) {
   if (cell.empty()) return {0, 0, cell.doubts()};
   std::uint32_t doubts = cell.doubts();
@@ -129,7 +133,8 @@ inline BallMeasures measure_cell(const BallCell& cell, const Cap* caps, std::uin
   if (cell.has_corners()) {
     const double polygon = 2 * argument(patch.polygon);  // the product holds half the area
     area = reduce_area(polygon - faces.sector, faces.largest_cap);
-    // Both formulas for the area give area(P) - sum phi + sum turning = 2 pi chi, modulo 2 pi.
+    // Both formulas for the area give area(P) - sum phi + sum turning = 2 pi chi, modulo 2 pi, so
+    // the left side has to be a multiple of 2 pi.
     const double turns = (polygon - faces.angle + argument(patch.turning)) / (2 * std::numbers::pi);
     const double miss = 2 * std::numbers::pi * std::abs(turns - std::round(turns));
     if (!(miss <= kRounding * patch.condition)) doubts |= kGaussBonnet;
@@ -137,8 +142,8 @@ inline BallMeasures measure_cell(const BallCell& cell, const Cap* caps, std::uin
   if (!(kRounding * patch.worst <= kMaxError)) doubts |= kIllConditioned;
   if (!(inner(patch.open, patch.open) <= kMaxOpen * kMaxOpen)) doubts |= kOpenSurface;
   const double volume = (area + faces.pyramid) / 3;
-  const double reach = 4 * std::numbers::pi + kMaxError;
-  if (!(std::abs(area) <= reach && std::abs(volume) <= reach)) doubts |= kNotFinite;
+  const double most = 4 * std::numbers::pi + kMaxError;  // no area or volume of a ball is larger
+  if (!(std::abs(area) <= most && std::abs(volume) <= most)) doubts |= kNotFinite;  // NaN too
   return {area, volume, doubts};
 }
 

@@ -36,17 +36,18 @@ constexpr std::array<std::uint8_t, 4> kFacetPairs{{0b111000, 0b100110, 0b010101,
 // Whether all of `bits` are set in the mask.
 bool contains(std::uint8_t mask, std::uint8_t bits) { return (mask & bits) == bits; }
 
-// Position of a value, which must be there, among the four entries of a cell: 0 to 3. The value is
-// a vertex if `cell` holds the cell's vertices, and a cell if it holds the cell's neighbours.
-std::size_t slot_of(const std::array<std::uint32_t, 4>& cell, std::uint32_t vertex) {
-  return static_cast<std::size_t>(std::find(cell.begin(), cell.end(), vertex) - cell.begin());
+// Position, 0 to 3, of a value that must be there: of a vertex among a cell's four vertices, or of
+// a cell among a cell's four neighbours.
+std::size_t slot_of(const std::array<std::uint32_t, 4>& four, std::uint32_t value) {
+  return static_cast<std::size_t>(std::find(four.begin(), four.end(), value) - four.begin());
 }
 
 // A hash table from two vertices a < b to the number of their edge, with chains in one array. The
 // bucket is 8 a + 5 b modulo the number of buckets. Vertices near in space have near numbers, so
-// edges near in space have buckets near in memory. No two edges of a vertex v have the same
-// 8 a + 5 b, so that even thousands of them spread over many buckets: 8 a and 5 b are strictly
-// increasing, and 8 a + 5 v < 13 v < 8 v + 5 b for a < v < b.
+// edges near in space have buckets near in memory. Even thousands of edges of one vertex v spread
+// over many buckets, because no two of them have the same number: edges to lower vertices a have
+// the numbers 8 a + 5 v, all different and below 13 v; edges to higher vertices b have 8 v + 5 b,
+// all different and above 13 v.
 class EdgeTable {
  public:
   explicit EdgeTable(std::size_t vertices)
@@ -133,9 +134,9 @@ class Builder {
     }
   }
 
-  // Decides whether cell c is in the complex. Four balls can only have a point in common if each
-  // two of them meet. A tetrahedron of the regular triangulation is never attached: at its
-  // orthogonal centre no other ball has less power.
+  // Decides whether cell c is in the complex. If its size is 0 or less, the centre of its smallest
+  // orthogonal sphere lies in all four balls, so each two of them must meet. A tetrahedron of the
+  // regular triangulation is never attached: at its orthogonal centre no other ball has less power.
   void classify_cell(std::uint32_t c) {
     const auto& v = t_.cells[c];
     overlaps_[c] = overlapping_pairs(v);
@@ -172,9 +173,9 @@ class Builder {
   }
 
   // Looks at every facet once, from the cell with the lower number, and adds its triangle if that
-  // is in the complex. A facet of a tetrahedron of the complex is so without a test. exposed0 and
-  // exposed1 say of cells c and n whether they are outside the complex. Facets on the hull (no
-  // neighbour) have auxiliary vertices only.
+  // is in the complex. A facet of a tetrahedron of the complex is in the complex without a test.
+  // exposed0 and exposed1 say of cells c and n whether they are outside the complex. Facets on the
+  // hull (no neighbour) have auxiliary vertices only.
   void classify_facets(std::uint32_t c) {
     if (overlaps_[c] == 0) return;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -206,7 +207,8 @@ class Builder {
   }
 
   // Returns the number of edge ab of a triangle of the complex. Adds the edge if it is not there
-  // yet, with the contact that edges of triangles have by convention (DualEdge::contact).
+  // yet, with Contact::strict whatever its size, which is not computed (DualEdge::contact). The
+  // word says nothing about the edge's balls here.
   std::uint32_t edge(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t found = table_.find(a, b);
     return found != kNoIndex ? found : add_edge(a, b, Contact::strict);
@@ -236,7 +238,8 @@ class Builder {
   }
 
   // Adds edge ab if it is free. Tests it once, from the lowest-numbered cell around it. If the edge
-  // is in the table already, it belongs to a triangle of another cell around it.
+  // is in the table already, it belongs to a triangle of another cell around it, or that cell added
+  // it.
   void classify_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b) {
     if (table_.find(a, b) != kNoIndex || !is_lowest_around(c, a, b)) return;
     const Sign size = size_sign(ball(a), ball(b));
@@ -292,10 +295,11 @@ class Builder {
   // vertices that are not yet in the complex, and for those that are there because of simplices of
   // size 0 alone. All others are known to be strict.
   void classify_vertices() {
-    // 1 for vertices found to be attached, and from the start for those that need no test.
-    std::vector<std::uint8_t> attached(t_.balls.size(), 1);
+    // 1 for vertices about which nothing is left to find out: from the start those that are known
+    // to be strict, and later those that are found to be attached.
+    std::vector<std::uint8_t> settled(t_.balls.size(), 1);
     for (std::uint32_t v = 0; v < t_.balls.size(); ++v) {
-      if (!out_.in_complex[v] || !strict_[v]) attached[v] = 0;
+      if (!out_.in_complex[v] || !strict_[v]) settled[v] = 0;
     }
     // 1 for vertices of cells. The other balls have no power cell, so they are not in the complex.
     std::vector<std::uint8_t> seen(t_.balls.size(), 0);
@@ -303,12 +307,12 @@ class Builder {
       for (const std::uint32_t v : cell) {
         if (!t_.is_ball(v)) continue;
         seen[v] = 1;
-        if (!attached[v]) attached[v] = has_closer_ball(cell, v);
+        if (!settled[v]) settled[v] = has_closer_ball(cell, v);
       }
     }
     bool doubtful = false;  // some ball is in the complex, but not known to be strict
     for (std::uint32_t v = 0; v < t_.balls.size(); ++v) {
-      if (seen[v] && !attached[v]) out_.in_complex[v] = strict_[v] = 1;
+      if (seen[v] && !settled[v]) out_.in_complex[v] = strict_[v] = 1;
       doubtful = doubtful || (out_.in_complex[v] && !strict_[v]);
     }
     if (doubtful) find_strict_faces();
@@ -316,7 +320,8 @@ class Builder {
 
   // Marks as strict the vertices of triangles and edges that are not attached and have negative
   // size, but were not tested before because they are faces of a larger simplex of the complex.
-  // This matters for a vertex if all simplices at it that were tested have size 0.
+  // This matters for a vertex that is in the complex only through tested simplices of size 0 and
+  // their faces.
   void find_strict_faces() {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
       const auto& v = t_.cells[c];
@@ -344,11 +349,11 @@ class Builder {
     });
   }
 
-  // A ball in the complex has an exposed point if a cell around it is outside the complex. It has
-  // exposed area if that remains so when all balls shrink a little and when all grow a little. A
-  // cell outside has a positive size or an auxiliary vertex, so it remains outside in both cases.
-  // The ball remains in the complex when all balls shrink if it is strict, and when all grow in any
-  // case.
+  // A ball has an exposed point if it is in the complex and a cell around it is outside. It has
+  // exposed area if both are still so after all balls have shrunk a little, and after all have
+  // grown a little. The cell stays outside either way, because its size is positive or it has an
+  // auxiliary vertex. The ball stays in the complex when balls grow, and if it is strict, also when
+  // they shrink.
   void mark_exposed() {
     for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
       if (out_.cell_in_complex[c]) continue;

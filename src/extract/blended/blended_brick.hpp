@@ -161,9 +161,9 @@ void BlendedBrick<Kind>::signs(BrickSigns& signs) const {
 
 // Whether the node lies in the atom's sub-grid; always true for fields without sub-grids. In a
 // field with sub-grids, an atom contributes to a vertex if the inside end of the vertex's edge lies
-// in its sub-grid. The atom's value at that node, if it is above 0, would be a wrong test: the
-// terms of a steep Blinn field may underflow to 0 at the node while the contribution at the vertex
-// is large.
+// in its sub-grid. To ask instead whether the atom's value at that node is above 0 would be a wrong
+// test: the terms of a steep Blinn field may underflow to 0 at the node while the contribution at
+// the vertex is large.
 inline bool reaches_node(const LocalAtom& a, const int node[3]) {
   return (a.in_subgrid[0] >> node[0] & a.in_subgrid[1] >> node[1] & a.in_subgrid[2] >> node[2] &
           1) != 0;

@@ -87,16 +87,19 @@ struct CrossedFaces {
 };
 
 inline CrossedFaces crossed_faces(const BrickSigns& s) {
-  constexpr std::uint32_t all = (1u << kBrickReach) - 1;
-  // Collects rows. Bit x of `any` is set if node x is inside in some row, bit x of `every` if it is
-  // inside in all rows. mixed() has the bits x at which node x is inside in some rows only.
+  constexpr std::uint32_t all_nodes = (1u << kBrickReach) - 1;  // of a row
+  // Collects rows. Bit x of `any` is set if node x is inside in some row, bit x of `all` if it is
+  // inside in all rows.
   struct Nodes {
-    std::uint32_t any = 0, every = all;
+    std::uint32_t any = 0, all = all_nodes;
     void add(std::uint32_t row) {
       any |= row;
-      every &= row;
+      all &= row;
     }
-    std::uint32_t mixed() const { return any & ~every; }
+    // Bit x: whether node x is inside in some rows, but not in all.
+    std::uint32_t mixed_by_x() const { return any & ~all; }
+    // 1 if the nodes of all collected rows together, whatever their x, are of both signs.
+    std::uint32_t has_both_signs() const { return any != 0 && all != all_nodes ? 1u : 0u; }
   };
   // layer: the rows of each z. front, back: the rows with y = 0 and y = 8. whole: all rows; its
   // bits 0 and 8 are the two faces across x.
@@ -106,13 +109,12 @@ inline CrossedFaces crossed_faces(const BrickSigns& s) {
     front.add(s.row[z][0]);
     back.add(s.row[z][kBrickSide]);
     whole.any |= layer[z].any;
-    whole.every &= layer[z].every;
+    whole.all &= layer[z].all;
   }
-  // 1 if the nodes of all collected rows together, whatever their x, are of both signs.
-  const auto is_mixed = [](const Nodes& n) { return n.any != 0 && n.every != all ? 1u : 0u; };
-  const std::uint32_t x = whole.mixed();
-  return {(x & 1u) | is_mixed(front) << 1 | is_mixed(layer[0]) << 2,
-          (x >> kBrickSide & 1u) | is_mixed(back) << 1 | is_mixed(layer[kBrickSide]) << 2};
+  const std::uint32_t x = whole.mixed_by_x();
+  return {(x & 1u) | front.has_both_signs() << 1 | layer[0].has_both_signs() << 2,
+          (x >> kBrickSide & 1u) | back.has_both_signs() << 1 |
+              layer[kBrickSide].has_both_signs() << 2};
 }
 
 // The lattice consists of the grid's nodes and one virtual layer of nodes around them. Along an
@@ -142,9 +144,9 @@ VDWMESH_HD inline std::int32_t brick_count(std::int64_t cells) {
 // Whether a block of 2^level bricks along each axis may have bricks in the range; `block` is its
 // index among the blocks of that level. A key grows with each of the three indices, so the first
 // and the last brick of the block have the smallest and the largest of its keys. The test is
-// one-sided: it is false only if no brick of the block is in the range. It may be true although
-// none is, because other blocks' keys lie between the block's; for level 0 it is exact. `last` is
-// the offset of the block's last brick from its first.
+// one-sided: if it is false, no brick of the block is in the range. If it is true, one may be,
+// since between the keys of a large block there are keys of other blocks; for level 0 it is exact.
+// `last` is the offset of the block's last brick from its first.
 VDWMESH_HD inline bool block_meets(const KeyRange& range, const BrickIndex& block, int level) {
   const BrickIndex first{block.x << level, block.y << level, block.z << level};
   const std::int32_t last = (1 << level) - 1;

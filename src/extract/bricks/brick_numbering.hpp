@@ -23,7 +23,8 @@ struct ActiveBrick {
   std::uint64_t key;  // brick_key() of the brick
   // clipped_cells: cells that the surface crosses and that have a virtual node as a corner.
   std::uint32_t vertices, triangles, clipped_cells;
-  // [row of nodes], [row of cells]: how many vertices or triangles the brick's earlier rows have.
+  // How many vertices the brick has in its rows of nodes before this one, and how many triangles in
+  // its rows of cells before this one.
   std::uint16_t row_vertices[kBrickSide * kBrickSide];
   std::uint16_t row_triangles[kBrickSide * kBrickSide];
   BrickSigns signs;
@@ -37,8 +38,8 @@ struct BrickSums {
 struct BrickList {
   const ActiveBrick* bricks;  // by rising key
   // size + 1 sums: before[b], over bricks 0 .. b - 1, has the numbers of the first vertex and the
-  // first triangle of brick b. If a part of a mesh is emitted, all sums are shifted by a constant
-  // so that these are numbers in the whole mesh.
+  // first triangle of brick b. If the list is a part of the mesh's bricks only, the sums begin with
+  // the counts of all bricks before the part instead of 0.
   const BrickSums* before;
   std::uint64_t size;
 };
@@ -71,11 +72,11 @@ VDWMESH_HD constexpr int neighbour_slot(int dx, int dy, int dz) {
 [[noreturn]] void throw_missing_neighbour(const BrickIndex& brick);
 
 // Index in the list of the neighbour at `slot` (neighbour_slot()) of the brick with that key.
-// Precondition: some of the nodes that both bricks touch are inside and some are outside. Then the
-// neighbour holds surface as well. The brick search keeps every brick with surface, so the
-// neighbour is in the list. Throws InternalError if it is not: using another brick instead would
-// silently produce a wrong mesh. Host only; the device has a search of its own in
-// emit_triangles.cu.
+// Precondition: some corners of cells of this brick that are also corners of the neighbour's cells
+// are inside and some are outside. Then the neighbour holds surface as well. The brick search keeps
+// every brick with surface, so the neighbour is in the list. Throws InternalError if it is not:
+// using another brick instead would silently produce a wrong mesh. Host only; the device has a
+// search of its own in emit_triangles.cu.
 inline std::uint64_t find_neighbour(const BrickList& list, std::uint64_t key, int slot) {
   const BrickIndex own = brick_of_key(key);
   const BrickIndex b{own.x + slot % 3 - 1, own.y + slot / 3 % 3 - 1, own.z + slot / 9 - 1};
@@ -92,22 +93,22 @@ struct OwnerPosition {
   int x, y, z;          // 0 .. 7
 };
 
-// Finds the owner of a node or cell that is given by coordinates -1 .. 8 relative to some brick. x
-// >> 3 is the owner's offset from that brick along x: -1, 0 or 1. neighbour(slot) must return the
-// index in the list of the brick at that neighbour_slot().
+// Finds the owner of a node or cell that is given by coordinates -1 .. 8 relative to some brick.
+// The owner's offset from that brick along x is `x >> 3`: -1, 0 or 1. neighbour(slot) must return
+// the index in the list of the brick at that neighbour_slot().
 template <class Neighbour>
 VDWMESH_HD OwnerPosition locate(Neighbour&& neighbour, int x, int y, int z) {
   return {neighbour(neighbour_slot(x >> 3, y >> 3, z >> 3)), x & 7, y & 7, z & 7};
 }
 
-// Bit x is set if cell x = 0 .. 7 of the row (y, z) has a virtual node as a corner. A cell's
-// corners are nodes i and i + 1 along each axis, and bit i of g.real[axis] is set if node i belongs
-// to the grid. `>>` binds tighter than `&`. If the row lacks nodes across y or z, all its cells
-// qualify.
+// Bit x is set if cell x = 0 .. 7 of the row (y, z) has a virtual node as a corner; clipped_cells
+// counts those of them that the surface crosses. A cell's corners are nodes i and i + 1 along each
+// axis, and bit i = 0 .. 8 of g.real[axis] is set if node i belongs to the grid. `>>` binds tighter
+// than `&`. If the row lacks nodes across y or z, all its cells qualify.
 VDWMESH_HD inline std::uint32_t border_cells(const BrickGeometry& g, int y, int z) {
   const bool border_row = (g.real[1] >> y & 3) != 3 || (g.real[2] >> z & 3) != 3;
-  const std::uint32_t own = (1u << kBrickSide) - 1;
-  return border_row ? own : ~(g.real[0] & static_cast<std::uint32_t>(g.real[0]) >> 1) & own;
+  const std::uint32_t all_cells = (1u << kBrickSide) - 1, real_x = g.real[0];
+  return border_row ? all_cells : ~(real_x & real_x >> 1) & all_cells;
 }
 
 }  // namespace vdwmesh
