@@ -180,10 +180,7 @@ class CudaFieldMesher final : public FieldMesher {
  public:
   SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const override {
     SampledField field;
-    field.grid = make_grid(spheres, options.grid);
-    const FieldModel model = make_field_model(options.field, field.grid);
-    check_sampling(model, options.memory_limit);
-    field.isovalue = static_cast<float>(model.isovalue);
+    const FieldModel model = begin_sampling(field, spheres, options);
     const std::uint64_t nodes = field.grid.node_count();
     const DeviceScope scope;
     require_device_memory(nodes * sizeof(float), "the field", options.device_memory);

@@ -90,7 +90,7 @@ class CpuSurfacePart final : public SurfacePart {
   MeshSize size() const override { return mesher_.size(); }
 
   ExtractStats emit(const MeshSize& first, IndexedMesh& mesh) override {
-    mesher_.make_room_and_emit(first, mesh);
+    mesher_.emit(first, mesh);
     return mesher_.stats();
   }
 

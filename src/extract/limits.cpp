@@ -19,6 +19,18 @@ double fitting_spacing(double spacing, std::uint64_t need, std::uint64_t limit) 
   return spacing * std::sqrt(static_cast<double>(need) / static_cast<double>(limit)) * 1.02;
 }
 
+void check_sampling(const FieldModel& model, std::uint64_t memory_limit) {
+  if (model.kind == FieldKind::vdw) {
+    throw InvalidInput("the vdw field has no node values: sample blinn, soft or inverse-squared");
+  }
+  const std::uint64_t most = memory_limit / sizeof(float);
+  if (model.grid.node_count() <= most) return;
+  throw LimitExceeded(
+      fmt::format("the field has {} nodes, {} fit in the memory allowed: choose a "
+                  "larger spacing or a higher memory limit",
+                  model.grid.node_count(), most));
+}
+
 }  // namespace
 
 void check_mesh_limits(const MeshDemand& d, std::uint64_t memory_limit) {
@@ -44,16 +56,13 @@ void check_mesh_limits(const MeshDemand& d, std::uint64_t memory_limit) {
 }
 
 // The values take one float32 per node.
-void check_sampling(const FieldModel& model, std::uint64_t memory_limit) {
-  if (model.kind == FieldKind::vdw) {
-    throw InvalidInput("the vdw field has no node values: sample blinn, soft or inverse-squared");
-  }
-  const std::uint64_t most = memory_limit / sizeof(float);
-  if (model.grid.node_count() <= most) return;
-  throw LimitExceeded(
-      fmt::format("the field has {} nodes, {} fit in the memory allowed: choose a "
-                  "larger spacing or a higher memory limit",
-                  model.grid.node_count(), most));
+FieldModel begin_sampling(SampledField& field, const SphereSet& spheres,
+                          const ExtractOptions& options) {
+  field.grid = make_grid(spheres, options.grid);
+  const FieldModel model = make_field_model(options.field, field.grid);
+  check_sampling(model, options.memory_limit);
+  field.isovalue = static_cast<float>(model.isovalue);
+  return model;
 }
 
 void check_sampled(const SampledField& field) {

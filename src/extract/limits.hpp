@@ -23,9 +23,12 @@ struct MeshDemand {
 // number needed, the number allowed and a spacing that fits.
 void check_mesh_limits(const MeshDemand& demand, std::uint64_t memory_limit);
 
-// Called before a field is sampled at every node. Throws InvalidInput for vdw, which has no node
-// values, and LimitExceeded if the values take more than `memory_limit` bytes.
-void check_sampling(const FieldModel& model, std::uint64_t memory_limit);
+// The field of the options on its grid, checked for sampling, as FieldMesher::sample() begins on
+// every backend: fills the grid and the isovalue of `field` and leaves its values to the caller.
+// Throws InvalidInput for vdw, which has no values, and LimitExceeded if the values take more than
+// options.memory_limit bytes.
+FieldModel begin_sampling(SampledField& field, const SphereSet& spheres,
+                          const ExtractOptions& options);
 
 // Called before a field in memory is meshed. Throws InvalidInput if its grid has a spacing that is
 // not positive, numbers that are not finite or negative cells, if its values are not one per node,

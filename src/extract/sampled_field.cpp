@@ -135,10 +135,7 @@ class CpuFieldMesher final : public FieldMesher {
  public:
   SampledField sample(const SphereSet& spheres, const ExtractOptions& options) const override {
     SampledField field;
-    field.grid = make_grid(spheres, options.grid);
-    const FieldModel model = make_field_model(options.field, field.grid);
-    check_sampling(model, options.memory_limit);
-    field.isovalue = static_cast<float>(model.isovalue);
+    const FieldModel model = begin_sampling(field, spheres, options);
     field.values.resize(field.grid.node_count());
     WorkspaceOfCall workspace(options.workspace);
     const CellListView list = field_list(spheres, model, options.frame, workspace);

@@ -63,6 +63,26 @@ TEST_F(Parity, ExtractionThatDoesNotFit) {
   EXPECT_NE(automatic.fallback.find("extraction needs"), std::string::npos) << automatic.fallback;
 }
 
+// What does not fit beside the field is meshed in slabs: less and less memory, the same mesh.
+TEST_F(Parity, AFieldInMemoryIsMeshedInSlabs) {
+  const SphereSet spheres = crowd(300, 8, 0.8, 2.0, 20);
+  ExtractOptions options = options_of(FieldKind::blinn, 0.4);
+  const SampledField field = make_field_mesher(Backend::cpu)->sample(spheres, options);
+  const ExtractResult cpu = make_field_mesher(Backend::cpu)->mesh(field, options);
+  std::uint64_t most_slabs = 0;
+  for (std::uint64_t memory = std::uint64_t{1} << 28; memory > 1000; memory -= memory / 10) {
+    options.device_memory = memory;
+    try {
+      const ExtractResult cuda = make_field_mesher(Backend::cuda)->mesh(field, options);
+      ASSERT_EQ(hash(cuda.mesh), hash(cpu.mesh)) << memory << " bytes";
+      most_slabs = std::max(most_slabs, cuda.stats.slabs);
+    } catch (const DeviceMemoryExceeded&) {
+      break;
+    }
+  }
+  EXPECT_GT(most_slabs, 2u);
+}
+
 // The automatic classes mesh on the CPU what does not fit, and say so; the CUDA ones refuse it.
 TEST_F(Parity, AutomaticBackendsFallBack) {
   const SphereSet spheres = crowd(300, 8, 0.8, 2.0, 19);

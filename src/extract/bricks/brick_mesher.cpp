@@ -155,15 +155,10 @@ void BrickMesher::check_limits() const {
   check_mesh_limits({size(), arrays(), scratch, grid_.spacing}, options_.memory_limit);
 }
 
-void BrickMesher::make_room_and_emit(const MeshSize& first, IndexedMesh& mesh) {
+void BrickMesher::emit(const MeshSize& first, IndexedMesh& mesh) {
   const Clock::time_point start = Clock::now();
   if (counted_.bricks.size() > kManyBricks) return_freed_pages();
   make_room(mesh, size(), arrays());
-  emit(first, mesh);
-  stats_.extract_seconds = seconds_since(start);
-}
-
-void BrickMesher::emit(const MeshSize& first, IndexedMesh& mesh) {
   renumber(counted_, first);
   const BrickList numbered{counted_.bricks.data(), counted_.before.data(), counted_.bricks.size()};
   const Emission emission{numbered, mesh, {first.vertices, first.triangles}};
@@ -177,6 +172,7 @@ void BrickMesher::emit(const MeshSize& first, IndexedMesh& mesh) {
   for (const EmissionTally& tally : tallies) all.add(tally);
   stats_.clamped_vertices = all.clamped;
   stats_.unmatched_faces = all.unmatched_faces;
+  stats_.extract_seconds = seconds_since(start);
 }
 
 void mesh_bricks(ExtractResult& result, const GridSpec& grid, const CandidateSearch& candidates,
@@ -186,7 +182,7 @@ void mesh_bricks(ExtractResult& result, const GridSpec& grid, const CandidateSea
   mesher.count(candidates);
   mesher.check_limits();
   if (options.on_size) options.on_size(mesher.size());
-  mesher.make_room_and_emit({}, result.mesh);
+  mesher.emit({}, result.mesh);
   if (mesher.stats().unmatched_faces != 0) {
     throw InternalError("the surface leaves a brick for a neighbour that the search left out");
   }

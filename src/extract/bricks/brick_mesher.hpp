@@ -44,17 +44,14 @@ class BrickMesher {
   // the counts take is added to the memory of the mesh.
   void check_limits() const;
 
-  // Emits the bricks of the range that count() was given into a mesh whose arrays already have
-  // size(). `first` is the number of vertices and triangles before them, as for
-  // SurfacePart::emit(). Throws InternalError if the surface continues through an upper face or
-  // edge of a brick into a brick that is no candidate.
+  // Gives the mesh arrays of size() and emits the bricks of the range that count() was given into
+  // them. `first` is the number of vertices and triangles before them, as for SurfacePart::emit().
+  // Throws InternalError if the surface continues through an upper face or edge of a brick into a
+  // brick that is no candidate.
   void emit(const MeshSize& first, IndexedMesh& mesh);
 
-  // Resizes the arrays of the mesh to size(), then emits.
-  void make_room_and_emit(const MeshSize& first, IndexedMesh& mesh);
-
   // The counts of bricks and clipped cells are set by count(), the other counts by emit(), and the
-  // seconds by count() and make_room_and_emit().
+  // seconds by both.
   const ExtractStats& stats() const { return stats_; }
 
  private:
