@@ -55,7 +55,8 @@ template <>
 inline constexpr auto kNames<Backend> =
     names<Backend>({{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}});
 template <>
-inline constexpr auto kNames<UnionMethod> = names<UnionMethod>({{"cgal", UnionMethod::cgal},
+inline constexpr auto kNames<UnionMethod> = names<UnionMethod>({{"auto", UnionMethod::automatic},
+                                                                {"cgal", UnionMethod::cgal},
                                                                 {"arcs", UnionMethod::arcs},
                                                                 {"both", UnionMethod::both}});
 template <>

@@ -146,7 +146,7 @@ std::vector<Option> measure_options(Draft& d) {
   Options& o = d.options;
   DistanceChoice& c = o.distances;
   return {{"--method", kReport | kExact | kCompare, one(d.method, named<UnionMethod>()),
-           "of the exact union", otherwise("cgal; arcs without topology")},
+           "of the exact union", otherwise("auto: cgal; arcs without topology")},
           {"--topology", kReport | kExact | kCompare, one(d.topology, named<Switch>()),
            "exact topology", otherwise("on; off with arcs")},
           {"--distances", kDistances, one(c.distances, named<Switch>()),

@@ -119,7 +119,8 @@ void settle_render(const Draft& d) {
 void settle_exact(Draft& d) {
   ExactOptions& exact = d.options.exact;
   const bool quick = d.topology == Switch::off;
-  exact.method = d.method.value_or(quick ? UnionMethod::arcs : UnionMethod::cgal);
+  exact.method = method_for(d.method.value_or(UnionMethod::automatic),
+                            quick ? TopologyRequest::none : TopologyRequest::full);
   const bool arcs = exact.method == UnionMethod::arcs;
   refuse_if(arcs && d.topology == Switch::on,
             "--topology on: needs the triangulation, which --method arcs does without; choose "

@@ -1,4 +1,5 @@
-// exact_union(): runs the method that the caller chose.
+// exact_union(): runs the method that the caller chose, or for method automatic the faster one that
+// answers what is wanted.
 // - cgal: regular triangulation, dual complex, inclusion-exclusion, and Gauss-Bonnet as the check.
 // - arcs: each sphere by itself, from the circular arcs on it (arcs/arcs.hpp). Spheres that
 //   arc_measures() marks as suspect, because a check failed, get the measures of a small
@@ -15,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "arrangement/arcs/arcs.hpp"
@@ -54,18 +56,26 @@ std::vector<SphereMeasures> unscaled(const SphereSet& spheres, const PowerTriang
   return out;
 }
 
+// Sets the measures of all spheres but the measured ones to NaN.
+void leave_measured(std::vector<SphereMeasures>& per_sphere, const MeasuredSpheres& measured) {
+  constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < per_sphere.size(); ++i) {
+    if (!measured.contains(static_cast<SphereId>(i))) per_sphere[i] = {kNotMeasured, kNotMeasured};
+  }
+}
+
 // Method cgal. Progress has three steps, reported here; triangulate() uses the monitor only to ask
 // for cancellation.
-ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
+ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSpheres& measured,
+                                  Monitor* monitor) {
   constexpr std::uint64_t kSteps = 3;
   begin_stage(monitor, "exact union", kSteps);
   const PowerTriangulation triangulation = triangulate(spheres, monitor);
   advance(monitor, 1);
   const DualComplex complex = dual_complex(triangulation);
   advance(monitor, 1);
-  std::vector<SphereMeasures> measures;
+  std::vector<SphereMeasures> measures, check_measures;
   UnionTopology topology;
-  SphereMeasures check;
   // The measures, and the check by other formulas, share only what they read. So they run in
   // parallel.
   tbb::parallel_invoke(
@@ -73,7 +83,7 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
         measures = inclusion_exclusion(triangulation, complex);
         topology = union_topology(triangulation, complex, measures);
       },
-      [&] { check = total_measures(gauss_bonnet(triangulation, complex)); });
+      [&] { check_measures = gauss_bonnet(triangulation, complex); });
   unscale(topology, triangulation.scale_exponent);
   // union_topology() knows the balls of the triangulation only; all other spheres are hidden.
   topology.hidden_spheres += spheres.size() - triangulation.balls.size();
@@ -82,11 +92,14 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, Monitor* monitor) {
   ExactUnion result{};
   result.method = UnionMethod::cgal;
   result.per_sphere = unscaled(spheres, triangulation, measures);
-  const SphereMeasures total = total_measures(result.per_sphere);
+  leave_measured(result.per_sphere, measured);
+  const SphereMeasures total = total_measures(result.per_sphere, measured);
+  const SphereMeasures check =
+      total_measures(unscaled(spheres, triangulation, check_measures), measured);
   result.area = total.area;
   result.volume = total.volume;
-  result.check_area = scaled_area(check.area, triangulation.scale_exponent);
-  result.check_volume = scaled_volume(check.volume, triangulation.scale_exponent);
+  result.check_area = check.area;
+  result.check_volume = check.volume;
   result.topology = std::move(topology);
   return result;
 }
@@ -134,13 +147,13 @@ void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>&
 // Method arcs. arc_measures() reports progress as a stage of its own. To reuse the
 // caller's array, result.per_sphere is swapped into `arcs` and filled there. Assigning `result`
 // frees the array that it got in exchange, and the second swap puts the filled one back.
-void union_by_arcs(ExactUnion& result, const SphereSet& spheres, Monitor* monitor,
-                   Workspace& workspace) {
+void union_by_arcs(ExactUnion& result, const SphereSet& spheres, const MeasuredSpheres& measured,
+                   Monitor* monitor, Workspace& workspace) {
   auto& arcs = workspace.get<ArcMeasures>();
   std::swap(arcs.per_sphere, result.per_sphere);
-  arc_measures(arcs, spheres, monitor, workspace);
+  arc_measures(arcs, spheres, measured, monitor, workspace);
   replace_by_reference(spheres, arcs.suspect, arcs.per_sphere);
-  const SphereMeasures total = total_measures(arcs.per_sphere);
+  const SphereMeasures total = total_measures(arcs.per_sphere, measured);
   result = {};
   result.method = UnionMethod::arcs;
   result.area = total.area;
@@ -152,12 +165,13 @@ void union_by_arcs(ExactUnion& result, const SphereSet& spheres, Monitor* monito
 // Method both: the result of method cgal, with another check instead of Gauss-Bonnet: the sum of
 // the arcs' measures. A suspect sphere enters this sum with its measures from the triangulation, so
 // it is not checked.
-ExactUnion union_by_both(const SphereSet& spheres, Monitor* monitor, Workspace& workspace) {
-  ExactUnion result = union_by_triangulation(spheres, monitor);
+ExactUnion union_by_both(const SphereSet& spheres, const MeasuredSpheres& measured,
+                         Monitor* monitor, Workspace& workspace) {
+  ExactUnion result = union_by_triangulation(spheres, measured, monitor);
   auto& arcs = workspace.get<ArcMeasures>();
-  arc_measures(arcs, spheres, monitor, workspace);
+  arc_measures(arcs, spheres, measured, monitor, workspace);
   for (const SphereId id : arcs.suspect) arcs.per_sphere[id] = result.per_sphere[id];
-  const SphereMeasures check = total_measures(arcs.per_sphere);
+  const SphereMeasures check = total_measures(arcs.per_sphere, measured);
   result.method = UnionMethod::both;
   result.check_area = check.area;
   result.check_volume = check.volume;
@@ -168,15 +182,18 @@ ExactUnion union_by_both(const SphereSet& spheres, Monitor* monitor, Workspace& 
 // Throws InvalidInput for a number that is no enumerator of UnionMethod.
 void measure_union(ExactUnion& result, const SphereSet& spheres, const UnionOptions& options,
                    Workspace& workspace) {
-  switch (options.method) {
+  const MeasuredSpheres measured(spheres.size(), options.measured);
+  switch (method_for(options.method, options.topology)) {
+    case UnionMethod::automatic:
+      break;
     case UnionMethod::cgal:
-      result = union_by_triangulation(spheres, options.monitor);
+      result = union_by_triangulation(spheres, measured, options.monitor);
       return;
     case UnionMethod::arcs:
-      union_by_arcs(result, spheres, options.monitor, workspace);
+      union_by_arcs(result, spheres, measured, options.monitor, workspace);
       return;
     case UnionMethod::both:
-      result = union_by_both(spheres, options.monitor, workspace);
+      result = union_by_both(spheres, measured, options.monitor, workspace);
       return;
   }
   throw InvalidInput("unknown method of the exact union");

@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/monitor.hpp"
@@ -24,17 +25,34 @@
 
 namespace vdwmesh {
 
+// automatic: cgal if the topology is wanted, else arcs, which are faster.
 // cgal: the regular triangulation and the dual complex; all of ExactUnion.
 // arcs: each sphere by itself, from the arcs on it; area and volume only.
 // both: cgal, with the arcs as an independent check of area and volume.
-enum class UnionMethod { cgal, arcs, both };
+enum class UnionMethod { automatic, cgal, arcs, both };
+
+// What is wanted of the topology. Methods cgal and both compute it in any case.
+enum class TopologyRequest { none, full };
+
+// The method that is used for `method` and this request: never automatic.
+constexpr UnionMethod method_for(UnionMethod method, TopologyRequest topology) {
+  if (method != UnionMethod::automatic) return method;
+  return topology == TopologyRequest::full ? UnionMethod::cgal : UnionMethod::arcs;
+}
 
 struct UnionOptions {
-  UnionMethod method = UnionMethod::cgal;
+  UnionMethod method = UnionMethod::automatic;
   Monitor* monitor = nullptr;
   Workspace* workspace = nullptr;  // if not null, keeps memory and cell list for later calls
+  TopologyRequest topology = TopologyRequest::full;  // looked at by method automatic
+  // If given, only these spheres are measured, while all others still cover them: the measures of
+  // the others are NaN, and area, volume and check are sums over these spheres. With arcs the time
+  // follows their number. The topology is always that of the whole union. The ids must exist;
+  // their order does not matter, and a repeated id counts once.
+  std::optional<std::span<const SphereId>> measured = std::nullopt;
 };
 
+// Both are NaN for a sphere that was not to be measured.
 struct SphereMeasures {
   double area;    // Å²: the part of the sphere that lies on the boundary of the union
   double volume;  // Å³: ball ∩ power cell
@@ -61,8 +79,8 @@ struct UnionTopology {
 };
 
 struct ExactUnion {
-  UnionMethod method;
-  double area, volume;  // Å², Å³
+  UnionMethod method;   // never automatic: the method that was used
+  double area, volume;  // Å², Å³; of the measured spheres
   // One entry per sphere, in the order of the SphereSet. The sums are `area` and `volume`.
   std::vector<SphereMeasures> per_sphere;
   std::optional<UnionTopology> topology;  // methods cgal and both
@@ -75,7 +93,8 @@ struct ExactUnion {
   std::uint64_t fallback_spheres = 0;
 };
 
-// Throws InvalidInput for an empty set or if a measure is not finite in double, and Cancelled.
+// Throws InvalidInput for an empty set, an id in `measured` that is no sphere, or if a measure is
+// not finite in double; and Cancelled.
 ExactUnion exact_union(const SphereSet& spheres, const UnionOptions& options = {});
 
 // The same, written into an existing result, whose arrays are reused. If this throws, the contents

@@ -11,6 +11,8 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 
 #include "arrangement/arcs/arc_sectors.hpp"
 #include "arrangement/arcs/ball_caps.hpp"
@@ -39,6 +41,7 @@ struct ThreadSpace {
 struct ArcSpace {
   tbb::enumerable_thread_specific<ThreadSpace> threads;
   std::vector<std::uint8_t> is_doubtful;  // by sphere id
+  std::vector<std::uint32_t> places;      // list places of the measured spheres, ascending
 };
 
 // Returns the measures of the sphere at list place `place`, in Å² and Å³, with the doubts about
@@ -61,47 +64,59 @@ arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place,
 
 }  // namespace
 
-SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere) {
+SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere,
+                              const MeasuredSpheres& measured) {
   WideSum area, volume;
-  for (const SphereMeasures& m : per_sphere) {
-    area.add(m.area);
-    volume.add(m.volume);
+  for (std::size_t i = 0; i < per_sphere.size(); ++i) {
+    if (!measured.contains(static_cast<SphereId>(i))) continue;
+    area.add(per_sphere[i].area);
+    volume.add(per_sphere[i].volume);
   }
   return {area.value(), volume.value()};
+}
+
+SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere) {
+  return total_measures(per_sphere, MeasuredSpheres(per_sphere.size(), std::nullopt));
 }
 
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor) {
   ArcMeasures result{};
   Workspace workspace;
-  arc_measures(result, spheres, monitor, workspace);
+  arc_measures(result, spheres, MeasuredSpheres(spheres.size(), std::nullopt), monitor, workspace);
   return result;
 }
 
-void arc_measures(ArcMeasures& result, const SphereSet& spheres, Monitor* monitor,
-                  Workspace& workspace) {
+void arc_measures(ArcMeasures& result, const SphereSet& spheres, const MeasuredSpheres& measured,
+                  Monitor* monitor, Workspace& workspace) {
   if (spheres.empty()) throw InvalidInput("no spheres: their union has no area or volume");
   const CellListView list = ball_list(spheres, workspace);
-  auto& [threads, is_doubtful] = workspace.get<ArcSpace>();
-  result.per_sphere.resize(spheres.size());
-  is_doubtful.resize(spheres.size());
+  auto& [threads, is_doubtful, places] = workspace.get<ArcSpace>();
+  constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+  result.per_sphere.assign(spheres.size(), {kNotMeasured, kNotMeasured});
+  is_doubtful.assign(spheres.size(), 0);
+  places.clear();
+  for (std::uint32_t place = 0; place < list.size; ++place) {
+    if (measured.contains(list.id[place])) places.push_back(place);
+  }
 
-  begin_stage(monitor, "exact union (arcs)", block_count(list.size, kSpheresPerBlock));
+  begin_stage(monitor, "exact union (arcs)", block_count(places.size(), kSpheresPerBlock));
   // Blocks run in list order: spheres that are near in space find the same list cells in the cache.
   const auto measure = [&](std::size_t, std::size_t first, std::size_t end) {
     ThreadSpace& work = threads.local();
-    for (std::size_t place = first; place < end; ++place) {
-      const arcs::BallMeasures m = measure_sphere(list, static_cast<std::uint32_t>(place), work);
-      result.per_sphere[list.id[place]] = {m.area, m.volume};
-      is_doubtful[list.id[place]] = m.doubts != 0;
+    for (std::size_t i = first; i < end; ++i) {
+      const SphereId id = list.id[places[i]];
+      const arcs::BallMeasures m = measure_sphere(list, places[i], work);
+      result.per_sphere[id] = {m.area, m.volume};
+      is_doubtful[id] = m.doubts != 0;
     }
   };
-  for_each_block(list.size, kSpheresPerBlock, measure, monitor);
+  for_each_block(places.size(), kSpheresPerBlock, measure, monitor);
 
   result.suspect.clear();
   for (std::size_t i = 0; i < is_doubtful.size(); ++i) {
     if (is_doubtful[i]) result.suspect.push_back(static_cast<SphereId>(i));
   }
-  const SphereMeasures total = total_measures(result.per_sphere);
+  const SphereMeasures total = total_measures(result.per_sphere, measured);
   result.area = total.area;
   result.volume = total.volume;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "arrangement/exact_union.hpp"
+#include "arrangement/measured_spheres.hpp"
 #include "core/monitor.hpp"
 #include "core/workspace.hpp"
 #include "spheres/sphere_set.hpp"
@@ -18,9 +19,10 @@
 namespace vdwmesh {
 
 struct ArcMeasures {
-  double area, volume;  // Å², Å³; sums over per_sphere, carried in a wide accumulator
+  double area, volume;  // Å², Å³; sums over the measured spheres, carried in a wide accumulator
   // One entry per sphere, in the order of the SphereSet: exposed area, and volume of ball ∩ power
   // cell. Both depend on the sphere and its neighbours alone, not on the origin of coordinates.
+  // Both are NaN for a sphere that was not to be measured.
   std::vector<SphereMeasures> per_sphere;
   // Spheres whose numbers are not to be trusted, ascending. Either a check failed (Gauss–Bonnet on
   // the exposed patch, closedness of the surface of ball ∩ power cell), or the sphere is nearly
@@ -40,12 +42,15 @@ struct ArcMeasures {
 // Throws InvalidInput for an empty set, and Cancelled.
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor = nullptr);
 
-// The same, written into an existing result. Reuses the memory of its arrays and of the workspace.
-void arc_measures(ArcMeasures& result, const SphereSet& spheres, Monitor* monitor,
-                  Workspace& workspace);
+// The same for the spheres in `measured` alone, which all others cover, written into an existing
+// result. Reuses the memory of its arrays and of the workspace.
+void arc_measures(ArcMeasures& result, const SphereSet& spheres, const MeasuredSpheres& measured,
+                  Monitor* monitor, Workspace& workspace);
 
-// Sums of area and volume over the entries in their order, in a wide accumulator. Callers that
-// replace the measures of suspect spheres need the sums again.
-SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere);
+// Sums of area and volume over the measured entries in their order, in a wide accumulator. Callers
+// that replace the measures of suspect spheres need the sums again.
+SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere,
+                              const MeasuredSpheres& measured);
+SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere);  // of all
 
 }  // namespace vdwmesh

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/errors.hpp"
 #include "union_cases.hpp"
 
 namespace vdwmesh {
@@ -318,6 +319,51 @@ TEST(UnionProperties, SuspectSpheresComeFromTheReference) {
   EXPECT_GT(arcs.fallback_spheres, 0u);
   EXPECT_RELATIVE(arcs.area, u.area, kFormulas);
   EXPECT_RELATIVE(arcs.volume, u.volume, kFormulas);
+}
+
+TEST(UnionProperties, TheMethodFollowsWhatIsWanted) {
+  const SphereSet balls(cluster(4, 20));
+  UnionOptions options;
+  EXPECT_EQ(exact_union(balls, options).method, UnionMethod::cgal);
+  options.topology = TopologyRequest::none;
+  const ExactUnion quick = exact_union(balls, options);
+  EXPECT_EQ(quick.method, UnionMethod::arcs);
+  EXPECT_FALSE(quick.topology.has_value());
+}
+
+// A part of the spheres in the presence of all has the measures that they have among all.
+TEST(UnionProperties, MeasuredSpheresHaveTheSameMeasuresAmongAll) {
+  const SphereSet balls(cluster(10, 400));
+  const std::vector<SphereId> ids{17, 3, 399, 3, 250};  // in any order, one of them twice
+  for (const auto method : {UnionMethod::cgal, UnionMethod::arcs, UnionMethod::both}) {
+    const ExactUnion all = exact_union(balls, {method, nullptr});
+    UnionOptions options{method, nullptr};
+    options.measured = ids;
+    const ExactUnion some = exact_union(balls, options);
+    double area = 0, volume = 0;
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+      const auto [here_area, here_volume] = some.per_sphere[i];
+      if (std::find(ids.begin(), ids.end(), i) == ids.end()) {
+        EXPECT_TRUE(std::isnan(here_area) && std::isnan(here_volume)) << i;
+        continue;
+      }
+      EXPECT_EQ(here_area, all.per_sphere[i].area) << i;
+      EXPECT_EQ(here_volume, all.per_sphere[i].volume) << i;
+      area += here_area;
+      volume += here_volume;
+    }
+    EXPECT_RELATIVE(some.area, area, 1e-14);
+    EXPECT_RELATIVE(some.volume, volume, 1e-14);
+    EXPECT_RELATIVE(some.check_area.value_or(area), area, kFormulas);
+    EXPECT_RELATIVE(some.check_volume.value_or(volume), volume, kFormulas);
+  }
+}
+
+TEST(UnionProperties, AMeasuredSphereThatDoesNotExistIsRefused) {
+  const std::vector<SphereId> ids{0, 20};
+  UnionOptions options;
+  options.measured = ids;
+  EXPECT_THROW(exact_union(SphereSet(cluster(4, 20)), options), InvalidInput);
 }
 
 }  // namespace
