@@ -125,6 +125,7 @@ void describe(A& a, const InputReport& input) {
   a("model", input.model), a("assembly", input.assembly);
   a("atoms_read", input.atoms_read), a("atoms_used", input.atoms_used);
   a("spheres", input.spheres);
+  a("measure", input.measure), a("spheres_measured", input.measured);
   a("skipped", input.skipped);
   a("radius_set", input.radius_set);
   a("probe", input.probe);

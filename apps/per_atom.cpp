@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kHeader =
     "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,exact_area,"
-    "mesh_area,exact_volume\n";
+    "mesh_area,exact_volume,measured\n";
 
 // What the atoms of a row share; empty where they need not.
 using Key = std::tuple<std::int32_t, std::string, std::string, std::string>;
@@ -25,10 +25,11 @@ Key key_of(const Atom& atom, AtomGroup group) {
   return {atom.model, atom.chain, atom.residue_number, atom.residue_name};
 }
 
+// Sums are over the measured atoms.
 struct Row {
   Key key;
   const Atom* atom = nullptr;  // of AtomGroup::atom
-  std::uint64_t atoms = 0;
+  std::uint64_t atoms = 0, measured = 0;
   WideSum exact_area, mesh_area, exact_volume;
 };
 
@@ -42,11 +43,16 @@ std::vector<Row> make_rows(const Molecule& molecule, AtomGroup group,
     std::size_t row = rows.size();
     if (group != AtomGroup::atom) row = known.try_emplace(key, row).first->second;
     if (row == rows.size()) {
-      rows.push_back({key, group == AtomGroup::atom ? &atom : nullptr, 0, {}, {}, {}});
+      rows.push_back({key, group == AtomGroup::atom ? &atom : nullptr, 0, 0, {}, {}, {}});
     }
     row_of_atom.push_back(row);
   }
   return rows;
+}
+
+// A sum over no atom has no value.
+std::string sum_field(const Row& row, const WideSum& sum) {
+  return row.measured > 0 ? fmt::format("{}", sum.value()) : "";
 }
 
 // What the atoms of a row do not share has no value for it.
@@ -60,9 +66,9 @@ void print(std::string& csv, const Row& row, double probe, bool with_mesh) {
   } else {
     csv += fmt::format(",,,{},", row.atoms);
   }
-  csv += fmt::format(",{},{},{}\n", row.exact_area.value(),
-                     with_mesh ? fmt::format("{}", row.mesh_area.value()) : "",
-                     row.exact_volume.value());
+  csv += fmt::format(",{},{},{},{}\n", sum_field(row, row.exact_area),
+                     with_mesh ? sum_field(row, row.mesh_area) : "",
+                     sum_field(row, row.exact_volume), row.measured);
 }
 
 }  // namespace
@@ -74,6 +80,8 @@ std::string per_atom_csv(const Molecule& molecule, double probe, const ExactUnio
   for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
     Row& row = rows[row_of_atom[i]];
     ++row.atoms;
+    if (!molecule.atoms[i].measured) continue;
+    ++row.measured;
     row.exact_area.add(exact.per_sphere[i].area);
     row.exact_volume.add(exact.per_sphere[i].volume);
     if (!mesh_area.empty()) row.mesh_area.add(mesh_area[i]);

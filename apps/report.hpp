@@ -22,8 +22,10 @@ namespace vdwmesh::apps {
 
 // What is known of the molecule; its atoms are not here.
 struct InputReport : Molecule {
-  std::uint64_t spheres = 0;  // an assembly has several of one atom
-  double probe = 0;           // Å
+  std::uint64_t spheres = 0;           // an assembly has several of one atom
+  double probe = 0;                    // Å
+  std::optional<std::string> measure;  // the selection; nothing if all spheres are measured
+  std::uint64_t measured = 0;          // spheres
 };
 
 struct ParametersReport {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <utility>
@@ -123,7 +124,9 @@ std::string yes_no(bool value, std::string_view noun) {
 std::string length_figure(double value) { return fmt::format("{:.3f}", value); }
 
 std::string percent(std::optional<double> relative_error) {
-  return relative_error ? fmt::format("{:+.3f} %", 100 * *relative_error) : "";
+  return relative_error && std::isfinite(*relative_error)
+             ? fmt::format("{:+.3f} %", 100 * *relative_error)
+             : "";
 }
 
 std::string equal_or(std::optional<std::int64_t> difference) {
@@ -187,6 +190,12 @@ void table_text(Text out, const Report& report) {
   }
 }
 
+// The atoms that --measure chose may be buried: of an area of 0, the difference itself.
+double relative_difference(double check, double value) {
+  const double difference = std::abs(check - value);
+  return value == 0 ? difference : difference / value;
+}
+
 void exact_text(Text out, const ExactUnion& exact) {
   std::string text = fmt::format("method {}", name_of(exact.method));
   if (exact.topology) {
@@ -197,13 +206,22 @@ void exact_text(Text out, const ExactUnion& exact) {
   }
   if (exact.check_area && exact.check_volume) {
     text += fmt::format("; second formula differs by {:.1e} (area), {:.1e} (volume)",
-                        std::abs(*exact.check_area - exact.area) / exact.area,
-                        std::abs(*exact.check_volume - exact.volume) / exact.volume);
+                        relative_difference(*exact.check_area, exact.area),
+                        relative_difference(*exact.check_volume, exact.volume));
   }
   if (exact.fallback_spheres > 0) {
     text += fmt::format("; {} atoms by the reference instead of arcs", exact.fallback_spheres);
   }
   line(out, "Exact union", text);
+}
+
+// Says which figures of the table are of the chosen atoms, where --measure chose some.
+void measured_text(Text out, const InputReport& input) {
+  if (!input.measure) return;
+  line(out, "Measured",
+       fmt::format("exact area and volume of {} of {} spheres, those of {}; the others cover them, "
+                   "and all else is of all spheres",
+                   input.measured, input.spheres, *input.measure));
 }
 
 void distribution_row(Text out, std::string_view label, const Distribution& d,
@@ -357,6 +375,7 @@ std::string to_text(const Report& report) {
   if (report.parameters) parameters_text(out, *report.parameters);
   if (report.backend) backend_text(out, *report.backend);
   if (report.exact) exact_text(out, *report.exact);
+  if (report.exact) measured_text(out, report.input);
   table_text(out, report);
   if (report.mesh) mesh_text(out, *report.mesh);
   if (report.comparison && report.comparison->distances) {

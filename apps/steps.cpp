@@ -18,9 +18,11 @@ namespace vdwmesh::apps {
 namespace {
 
 // All but the atoms, which are put aside for the while and not copied.
-InputReport input_of(Molecule& molecule, double probe) {
+InputReport input_of(Molecule& molecule, const InputOptions& options) {
   std::vector<Atom> atoms = std::exchange(molecule.atoms, {});
-  InputReport input{molecule, atoms.size(), probe};
+  InputReport input{molecule, atoms.size(), options.probe, std::nullopt, 0};
+  if (!options.read.measure.empty()) input.measure = options.read.measure;
+  input.measured = static_cast<std::uint64_t>(std::ranges::count(atoms, true, &Atom::measured));
   molecule.atoms = std::move(atoms);
   return input;
 }
@@ -225,7 +227,7 @@ Molecule load_molecule(const InputOptions& options, Session& session) {
   read.memory_limit = session.machine.memory_limit;
   Molecule molecule = options.sample.empty() ? read_structure(options.path, read)
                                              : read_sample(options.sample, read);
-  report.input = input_of(molecule, options.probe);
+  report.input = input_of(molecule, options);
   report.notes.insert(report.notes.end(), molecule.notes.begin(), molecule.notes.end());
   report.warnings.insert(report.warnings.end(), molecule.warnings.begin(), molecule.warnings.end());
   report.timing.read = watch.seconds();
@@ -323,10 +325,21 @@ void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session
   }
 }
 
-void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session) {
+std::optional<std::vector<SphereId>> measured_spheres(const Molecule& molecule) {
+  std::vector<SphereId> measured;
+  for (std::size_t i = 0; i < molecule.atoms.size(); ++i) {
+    if (molecule.atoms[i].measured) measured.push_back(static_cast<SphereId>(i));
+  }
+  return measured.size() == molecule.atoms.size() ? std::nullopt : std::optional(measured);
+}
+
+void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
+                     const std::optional<std::vector<SphereId>>& measured) {
   const Stopwatch watch;
   Report& report = session.report;
-  report.exact = exact_union(spheres, {options.method, session.monitor});
+  UnionOptions wanted{.method = options.method, .monitor = session.monitor};
+  if (measured) wanted.measured = *measured;
+  report.exact = exact_union(spheres, wanted);
   if (options.topology == Switch::off) report.exact->topology.reset();
   report.timing.exact = watch.seconds();
 }

@@ -1,6 +1,9 @@
 // The steps that verbs are made of. Each fills its part of the report.
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "mesh/surface_mesh.hpp"
 #include "mesh/surface_mesh_builder.hpp"
 #include "options.hpp"
@@ -61,7 +64,12 @@ LevelObserver record_levels(SelfIntersections self_intersections, std::vector<Le
 bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles);
 void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session);
 
-void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session);
+// Which spheres of the molecule --measure chose; nothing if all of them are measured.
+std::optional<std::vector<SphereId>> measured_spheres(const Molecule& molecule);
+
+// The exact union; `measured` as in UnionOptions.
+void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
+                     const std::optional<std::vector<SphereId>>& measured = std::nullopt);
 
 MeshDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
                                 const DistanceChoice& choice, const Session& session);

@@ -17,7 +17,7 @@ void run_exact(const Options& options) {
   MemoryDemand demand;
   demand.exact = options.exact.method;
   check_memory_before(demand, spheres, options.machine.memory_limit);
-  measure_exactly(spheres, options.exact, session);
+  measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
   if (!options.output.per_atom.empty()) {
     session.end_progress();
     write_output(options.output.per_atom, per_atom_csv(molecule, input.probe, *session.report.exact,

@@ -55,7 +55,7 @@ void run_report(const Options& options) {
   const InputOptions& input = options.inputs.front();
   const auto [molecule, spheres] = load(input, session);
   const IndexedMesh mesh = make_measured_mesh(spheres, options, session);
-  measure_exactly(spheres, options.exact, session);
+  measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
   compare_with_exact(mesh, spheres, options.distances, session);
   if (!options.picture.path.empty()) draw_distances(mesh, spheres, options.picture, session);
   if (!options.output.per_atom.empty()) {

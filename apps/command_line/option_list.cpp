@@ -145,7 +145,9 @@ std::vector<Option> axis_options(StudyAxes& a) {
 std::vector<Option> measure_options(Draft& d) {
   Options& o = d.options;
   DistanceChoice& c = o.distances;
-  return {{"--method", kReport | kExact | kCompare, one(d.method, named<UnionMethod>()),
+  return {{"--measure", kReport | kExact, one(d.read.measure, text("SELECTION")),
+           "measure only these atoms; all others cover them (as --select)", otherwise("all atoms")},
+          {"--method", kReport | kExact | kCompare, one(d.method, named<UnionMethod>()),
            "of the exact union", otherwise("auto: cgal; arcs without topology")},
           {"--topology", kReport | kExact | kCompare, one(d.topology, named<Switch>()),
            "exact topology", otherwise("on; off with arcs")},

@@ -1,17 +1,32 @@
 // Compares a mesh with the exact union of the balls, and counts the components of a union.
 #include "analysis/comparison.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "core/blocks.hpp"
 #include "core/disjoint_sets.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
+namespace {
+
+// Spheres that were not measured have NaN for an area.
+bool measures_all(const ExactUnion& exact) {
+  return std::ranges::none_of(exact.per_sphere,
+                              [](const SphereMeasures& m) { return std::isnan(m.area); });
+}
+
+}  // namespace
 
 Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
                    const ExactUnion& exact) {
   Comparison result;
-  result.area_relative_error = (measures.area - exact.area) / exact.area;
-  if (measures.volume) {
+  const bool all = measures_all(exact);
+  constexpr double kNotComparable = std::numeric_limits<double>::quiet_NaN();
+  result.area_relative_error = all ? (measures.area - exact.area) / exact.area : kNotComparable;
+  if (all && measures.volume) {
     result.volume_relative_error = (*measures.volume - exact.volume) / exact.volume;
   }
   // The exact χ is the Euler characteristic of the boundary, which is twice the χ of the union; two

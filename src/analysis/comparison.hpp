@@ -12,7 +12,8 @@
 namespace vdwmesh {
 
 struct Comparison {
-  // Both errors are signed: (mesh - exact) / exact.
+  // Both errors are signed: (mesh - exact) / exact. If the exact union measured only some of the
+  // spheres, there is nothing to compare the mesh of all with: NaN and empty.
   double area_relative_error = 0;
   std::optional<double> volume_relative_error;  // empty if the mesh has no volume
   // χ of the mesh minus (exact χ + 2 × point contacts). At a point contact of two balls a

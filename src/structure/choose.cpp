@@ -12,8 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <gemmi/polyheur.hpp>
-#include <gemmi/select.hpp>
+#include <gemmi/model.hpp>
 #include <map>
 #include <memory>
 #include <set>
@@ -26,6 +25,7 @@
 #include "core/letters.hpp"
 #include "structure/lines.hpp"
 #include "structure/site.hpp"
+#include "structure/site_selection.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -124,10 +124,12 @@ class Choice {
     assign_radii(table);
     drop("zero_radius", [](const Site& site) { return site.radius == 0; });
     refuse_if_empty();
+    mark_measured();
     if (options_.assembly == "asymmetric")
       take_asymmetric();
     else
       take_assembly();
+    refuse_if_none_measured();
     count_guesses();
     return std::move(molecule_);
   }
@@ -206,22 +208,24 @@ class Choice {
 
   void select() {
     if (options_.select.empty()) return;
-    gemmi::Selection selection;
-    try {
-      selection = gemmi::Selection(options_.select);
-    } catch (const std::exception& error) {
-      throw InvalidInput(
-          fmt::format("selection {} is not understood ({}); for example A/10-40/CA "
-                      "or /1/A,B",
-                      in_quotes(options_.select), one_line(error.what())));
-    }
-    // Selections by entity type (polymer, ligand, water) need types that gemmi derives on request.
-    // This moves no atom, so the pointers in sites_ stay valid.
-    if (!selection.entity_types.all) gemmi::setup_entities(*file_.structure);
-    drop("not_selected", [&](const Site& site) {
-      return !selection.matches(*site.model) || !selection.matches(*site.chain) ||
-             !selection.matches(*site.residue) || !selection.matches(*site.atom);
-    });
+    const SiteSelection selection(options_.select, *file_.structure);
+    drop("not_selected", [&](const Site& site) { return !selection.contains(site); });
+  }
+
+  // Marks the sites that are to be measured. All are if nothing else was asked for.
+  void mark_measured() {
+    if (options_.measure.empty()) return;
+    const SiteSelection selection(options_.measure, *file_.structure);
+    for (Site& site : sites_) site.measured = selection.contains(site);
+  }
+
+  // An empty sum would be an area of 0, which is not what a mistyped selection should give.
+  void refuse_if_none_measured() const {
+    const auto is_measured = [](const Atom& atom) { return atom.measured; };
+    if (std::any_of(molecule_.atoms.begin(), molecule_.atoms.end(), is_measured)) return;
+    throw InvalidInput(
+        fmt::format("{}: selection {} of the atoms to measure matches none of the {} atoms in use",
+                    file_.path, in_quotes(options_.measure), molecule_.atoms.size()));
   }
 
   // Throws if no atom is left, and lists how many each step dropped.
@@ -334,6 +338,7 @@ class Choice {
     taken.serial = from.serial;
     taken.model = model_number(*site.model);
     taken.hetero = from.hetero;
+    taken.measured = site.measured;
     return taken;
   }
 

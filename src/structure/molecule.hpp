@@ -22,6 +22,7 @@ struct Atom {
   std::int64_t serial = 0;     // as in the file
   std::int32_t model = 1;      // 0 if the file names the model by something else than a number
   bool hetero = false;         // the record is HETATM
+  bool measured = true;        // false: covers others, and is not measured itself
 };
 
 // Maps a reason why atoms of the file were not used to the number of these atoms. The reasons are

@@ -29,6 +29,10 @@ struct ReadOptions {
   std::string model = "first";          // "first", "all", or a model number
   std::string assembly = "asymmetric";  // or the name of a biological assembly of the file
   std::string select;                   // selection in gemmi's syntax ("A/10-40/CA"); "" = all
+  // Selection of the atoms to be measured, as `select`; "" = all. It drops no atom: the others stay
+  // to cover these, with Atom::measured false. Chains are called as in the file, so that in an
+  // assembly all copies of a selected atom are measured.
+  std::string measure;
   Inclusion waters = Inclusion::drop;
   Inclusion hydrogens = Inclusion::keep;     // deuterium counts as hydrogen
   Inclusion hetero_atoms = Inclusion::keep;  // HETATM records
@@ -52,8 +56,8 @@ struct ReadOptions {
 // after the other; the copies of chain A are named A1, A2, ... Throws FileFormatError if the file
 // cannot be opened or understood (the message names the file, and the line if there is one),
 // LimitExceeded if the text is longer than 2 GiB or than the memory limit allows, and InvalidInput
-// if the options do not suit the file: no atom is left, an atom has no known radius, or the file
-// lacks the model, assembly or label.
+// if the options do not suit the file: no atom is left or none to be measured, an atom has no known
+// radius, or the file lacks the model, assembly or label.
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // Reads a sample that is built into the library: "ubiquitin" (PDB entry 1UBQ) or "bpti".

@@ -23,6 +23,7 @@ struct Site {
   const gemmi::Residue* residue;
   const gemmi::Atom* atom;
   double radius = 0;  // Å; 0 until radii are assigned
+  bool measured = true;
 };
 
 // The atoms of a residue stand together, as in gemmi's hierarchy.

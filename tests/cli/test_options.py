@@ -82,6 +82,8 @@ class Refusals(ProgramTest):
             with self.subTest(options=options):
                 self.refused_with(options, ())
         self.refused_with(("--select", "((("), ("select",))
+        self.refused_with(("--measure", "((("), ("select",))
+        self.refused_with(("--measure", "(HOH)"), ("(HOH)", "measure", "602"))
 
     def test_unknown_names_list_the_known_ones(self):
         for option, known in {

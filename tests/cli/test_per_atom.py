@@ -68,3 +68,72 @@ class PerAtom(ProgramTest):
         self.assertEqual({row["mesh_area"] for row in rows}, {""})
         total = math.fsum(float(row["exact_area"]) for row in rows)
         self.assert_close(total, report["exact"]["area"], SUM)
+
+
+class Measure(ProgramTest):
+    """--measure: the figures of some atoms among all."""
+
+    SELECTION = "A/10-12"
+    MEASURES = ("exact_area", "mesh_area", "exact_volume")
+
+    def rows(self, *arguments, verb="exact", input=UBIQUITIN):
+        table, json_path = self.folder / "a.csv", self.folder / "a.json"
+        self.run_ok(verb, input, "--per-atom", table, "--json", json_path, *arguments)
+        with table.open(newline="") as file:
+            return list(csv.DictReader(file)), parse_json(json_path.read_text())
+
+    def test_two_balls(self):
+        """A carbon and an oxygen that overlap: the cap that the oxygen covers is missing (Bondi 1964)."""
+        atom = "HETATM{0:5} {1:>2}   UNL A{0:4}    {2:8.3f}   0.000   0.000  1.00  0.00          {1:>2}\n"
+        path = self.file("two.pdb", atom.format(1, "C", 0.0) + atom.format(2, "O", 1.2))
+        rows, report = self.rows("--measure", "A/1", input=path)
+        r, s, d = 1.70, 1.52, 1.2
+        height = r - (d * d + r * r - s * s) / (2 * d)  # of the cap
+        area = 4 * math.pi * r * r - 2 * math.pi * r * height
+        volume = 4 / 3 * math.pi * r**3 - math.pi * height**2 * (3 * r - height) / 3
+        self.assert_close(report["exact"]["area"], area, SUM)
+        self.assert_close(report["exact"]["volume"], volume, SUM)
+        self.assert_close(float(rows[0]["exact_area"]), area, SUM)
+        self.assertEqual([rows[1][key] for key in self.MEASURES], ["", "", ""])
+        self.assertEqual([row["measured"] for row in rows], ["1", "0"])
+
+    def test_equals_the_whole_by_every_method(self):
+        whole, _ = self.rows("--method", "cgal", "--probe", "1.4")
+        for method in ("cgal", "arcs", "both"):
+            some, report = self.rows("--method", method, "--probe", "1.4", "--measure", self.SELECTION)
+            chosen = 0
+            for a, b in zip(whole, some, strict=True):
+                if a["residue_number"] in ("10", "11", "12"):
+                    chosen += 1
+                    for key, unit in (("exact_area", 4 * math.pi * 3.2**2), ("exact_volume", 4 / 3 * math.pi * 3.2**3)):
+                        # The methods promise 1e-12 of a ball; 3.2 Å is sulphur's and the probe's.
+                        self.assertLessEqual(abs(float(a[key]) - float(b[key])), 1e-12 * unit)
+                else:
+                    self.assertEqual([b[key] for key in self.MEASURES], ["", "", ""])
+            self.assertEqual(report["input"]["spheres_measured"], chosen)
+            self.assertEqual(report["input"]["measure"], self.SELECTION)
+            total = math.fsum(float(row["exact_area"] or 0) for row in some)
+            self.assert_close(total, report["exact"]["area"], SUM)
+
+    def test_rows_of_groups_sum_what_is_measured(self):
+        atoms, _ = self.rows("--measure", "A/10-12/CA,CB")
+        for group, filled in (("residue", 3), ("chain", 1)):
+            rows, report = self.rows("--measure", "A/10-12/CA,CB", "--group", group)
+            self.assertEqual(sum(int(row["measured"]) for row in rows), report["input"]["spheres_measured"])
+            self.assertEqual(sum(row["exact_area"] != "" for row in rows), filled)
+            for row in rows:
+                self.assertEqual(row["exact_area"] == "", row["measured"] == "0")
+            self.assert_close(math.fsum(float(row["exact_area"] or 0) for row in rows),
+                              math.fsum(float(row["exact_area"] or 0) for row in atoms), SUM)
+
+    def test_report_compares_nothing_of_a_part(self):
+        rows, report = self.rows("--measure", self.SELECTION, "--distances", "off", verb="report")
+        comparison = report["comparison"]
+        self.assertIsNone(comparison["area_relative_error"])
+        self.assertIsNone(comparison["volume_relative_error"])
+        self.assertIsNotNone(comparison["euler_characteristic_difference"])
+        for row in rows:
+            self.assertEqual(row["mesh_area"] == "", row["measured"] == "0")
+        text = self.run_ok("report", UBIQUITIN, "--measure", self.SELECTION, "--distances", "off").stdout
+        self.assertIn(self.SELECTION, text)
+        self.assertNotIn("nan", text)

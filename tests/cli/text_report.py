@@ -26,7 +26,7 @@ def agrees(token, value):
 
 
 def differs_by(a, b):
-    return abs(a - b) / abs(b)
+    return abs(a - b) / abs(b) if b else abs(a - b)
 
 
 def at(block, *keys):
@@ -173,6 +173,13 @@ class TextReport:
         if e["fallback_spheres"]:
             values.append(e["fallback_spheres"])
         self.expect_numbers(line, text, values)
+
+    def check_measured(self, line, text):
+        i = self.document["input"]
+        figures, selection = text.split(", those of ")
+        self.expect_numbers(line, figures, [i["spheres_measured"], i["spheres"]])
+        if not selection.startswith(i["measure"] + ";"):
+            self.problems.append(line)
 
     def check_mesh(self, line, text):
         m = self.document["mesh"]

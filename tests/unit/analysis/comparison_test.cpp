@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 namespace vdwmesh {
 namespace {
 
@@ -29,6 +32,17 @@ TEST(Compare, ErrorsAreRelativeToTheExactFigures) {
   EXPECT_DOUBLE_EQ(c.volume_relative_error.value(), 1.0 / 5);
   EXPECT_EQ(c.euler_characteristic_difference, 0);
   EXPECT_FALSE(c.distances);
+}
+
+// A mesh of all spheres cannot be compared with the measures of some; the topology is of all.
+TEST(Compare, OfSomeSpheresOnlyTheTopology) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  ExactUnion some = exact(2, 0);
+  some.per_sphere = {{8, 5}, {kNaN, kNaN}};
+  const Comparison c = compare(closed_mesh(2), {7, 6, {}, {}}, some);
+  EXPECT_TRUE(std::isnan(c.area_relative_error));
+  EXPECT_FALSE(c.volume_relative_error);
+  EXPECT_EQ(c.euler_characteristic_difference, 0);
 }
 
 // An open mesh has no volume; nor has one whose triangles do not face one way, though its χ counts.

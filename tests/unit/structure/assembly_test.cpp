@@ -39,6 +39,21 @@ TEST(MmCifAssembly, RowsAddUp) {
   EXPECT_EQ(second.skipped, (SkippedAtoms{{"not_in_assembly", 2}}));
 }
 
+// All copies of an atom are measured, and one that the assembly lacks cannot be.
+TEST(MmCifAssembly, CopiesOfAMeasuredAtomAreMeasured) {
+  const std::string text =
+      kThreeAtoms + generators({{"1", "1,2", "A,C"}}) + operator_list(shifts(2));
+  ReadOptions options = assembly("1");
+  options.measure = "//CA";
+  std::vector<std::string> measured;
+  for (const Atom& atom : read_text_as("a.cif", text, options).atoms)
+    if (atom.measured) measured.push_back(atom.chain + " " + atom.name);
+  EXPECT_THAT(measured, ElementsAre("A1 CA", "A2 CA"));
+  options.measure = "//N";  // of chain B
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.cif", text, options),
+              HasSubstr("none of the 4 atoms"));
+}
+
 // Two rows that move parts of one chain by the same operator make one copy of the chain.
 TEST(MmCifAssembly, CopiesOfAChainAreNamedByTheirOperator) {
   const Molecule molecule = read_text_as(

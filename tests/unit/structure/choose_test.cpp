@@ -233,6 +233,36 @@ TEST(Selection, BadSyntaxIsRefused) {
   }
 }
 
+TEST(Measure, MarksAtomsAndDropsNone) {
+  const std::string lines =
+      pdb({{" CA ", "ALA", 1}, {" CA ", "GLY", 2}, {" CB ", "ALA", 3}, {" O  ", "HOH", 4}});
+  ReadOptions options;
+  options.measure = "A/1-2";
+  const auto marks = [&] {
+    std::vector<bool> measured;
+    for (const Atom& atom : read_text_as("a.pdb", lines, options).atoms)
+      measured.push_back(atom.measured);
+    return measured;
+  };
+  EXPECT_EQ(marks(), (std::vector<bool>{true, true, false}));
+  options.measure = "(GLY)";
+  EXPECT_EQ(marks(), (std::vector<bool>{false, true, false}));
+  options.select = "A/2-3";  // of the atoms in use, which are two then
+  EXPECT_EQ(marks(), (std::vector<bool>{true, false}));
+  options.measure.clear();
+  EXPECT_EQ(marks(), (std::vector<bool>{true, true}));
+}
+
+TEST(Measure, OfNoAtomAndBadSyntaxAreRefused) {
+  const std::string lines = pdb({{" CA ", "ALA", 1}, {" O  ", "HOH", 2}});
+  ReadOptions options;
+  options.measure = "(HOH)";  // the waters are dropped before
+  const std::string message = refusal_of_text<InvalidInput>("a.pdb", lines, options);
+  EXPECT_THAT(message, HasSubstr("'(HOH)' of the atoms to measure matches none of the 1 atoms"));
+  options.measure = "A/1/CA[";
+  EXPECT_THAT(refusal_of_text<InvalidInput>("a.pdb", lines, options), HasSubstr("A/10-40/CA"));
+}
+
 TEST(Account, NothingLeftSaysWhatDroppedTheAtoms) {
   ReadOptions options;
   options.select = "B";

@@ -1,0 +1,30 @@
+// A selection of atoms in gemmi's syntax ("A/10-40/CA"), applied to the sites of a file. Internal
+// header of this folder.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "structure/site.hpp"
+
+namespace gemmi {
+struct Selection;
+struct Structure;
+}  // namespace gemmi
+
+namespace vdwmesh {
+
+class SiteSelection {
+ public:
+  // Throws InvalidInput, with examples, for a text that is no selection. Selections by entity type
+  // ("polymer") make gemmi derive these types in `structure`, which moves no atom.
+  SiteSelection(const std::string& text, gemmi::Structure& structure);
+  ~SiteSelection();
+
+  bool contains(const Site& site) const;
+
+ private:
+  std::unique_ptr<gemmi::Selection> selection_;
+};
+
+}  // namespace vdwmesh
