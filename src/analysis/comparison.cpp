@@ -1,4 +1,5 @@
-// Compares a mesh with the exact union of the balls, and counts the components of a union.
+// Compares a mesh with the exact union of the balls, and counts the components of a union. Relative
+// errors need the exact measures of all balls.
 #include "analysis/comparison.hpp"
 
 #include <algorithm>

@@ -16,7 +16,8 @@ namespace vdwmesh {
 
 class SiteSelection {
  public:
-  // Throws InvalidInput, with examples, for a text that is no selection. Selections by entity type
+  // A single number stands for one residue ("A/10"), and "A/10-" for it and all that follow. Throws
+  // InvalidInput, with examples, for a text that is no selection. Selections by entity type
   // ("polymer") make gemmi derive these types in `structure`, which moves no atom.
   SiteSelection(const std::string& text, gemmi::Structure& structure);
   ~SiteSelection();

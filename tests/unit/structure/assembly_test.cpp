@@ -44,12 +44,12 @@ TEST(MmCifAssembly, CopiesOfAMeasuredAtomAreMeasured) {
   const std::string text =
       kThreeAtoms + generators({{"1", "1,2", "A,C"}}) + operator_list(shifts(2));
   ReadOptions options = assembly("1");
-  options.measure = "//CA";
+  options.measure = "A//CA";
   std::vector<std::string> measured;
   for (const Atom& atom : read_text_as("a.cif", text, options).atoms)
     if (atom.measured) measured.push_back(atom.chain + " " + atom.name);
   EXPECT_THAT(measured, ElementsAre("A1 CA", "A2 CA"));
-  options.measure = "//N";  // of chain B
+  options.measure = "B";
   EXPECT_THAT(refusal_of_text<InvalidInput>("a.cif", text, options),
               HasSubstr("none of the 4 atoms"));
 }

@@ -223,6 +223,22 @@ TEST(Selection, ComesAfterTheWaterRule) {
   EXPECT_EQ(molecule.skipped, (SkippedAtoms{{"waters", 1}, {"not_selected", 3}}));
 }
 
+// As in the syntax of MMDB: https://www.ccp4.ac.uk/html/pdbcur.html
+TEST(Selection, ASingleNumberIsOneResidue) {
+  const std::vector<Line> lines{{" CA ", "ALA", 9}, {" CA ", "GLY", 10}, {" CA ", "SER", 11}};
+  ReadOptions options;
+  const auto chosen = [&](const char* text) {
+    options.select = text;
+    return left(lines, options);
+  };
+  EXPECT_EQ(chosen("A/10"), Names{"CA GLY"});
+  EXPECT_EQ(chosen("/1/A/10/CA[C];q>-1"), Names{"CA GLY"});
+  EXPECT_EQ(chosen("A/10-"), (Names{"CA GLY", "CA SER"}));
+  EXPECT_EQ(chosen("A/-10"), (Names{"CA ALA", "CA GLY"}));
+  EXPECT_EQ(chosen("A/9-10"), (Names{"CA ALA", "CA GLY"}));
+  EXPECT_EQ(chosen("A/(SER)"), Names{"CA SER"});
+}
+
 TEST(Selection, BadSyntaxIsRefused) {
   for (const char* bad : {"A/1/CA[", "//////", "A/1/CA[Qq]", "A/(ALA", "A/1/CA;q~3"}) {
     ReadOptions options;
