@@ -14,7 +14,7 @@ packages=(
   libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libjs-vega libjs-three
   libepoxy-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libfreetype-dev fonts-dejavu-core
   libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema python3-meshio freesasa valgrind
-  clang-format-14
+  pybind11-dev python3-dev python3-numpy mypy clang-format-14
 )
 for group in "$@"; do
   case $group in

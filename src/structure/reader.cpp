@@ -82,10 +82,13 @@ void check_ranges(const ParsedFile& file) {
         for (const gemmi::Atom& atom : residue.atoms) check_range(file, atom);
 }
 
-ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
-                      std::uint64_t memory_limit) {
-  if (format == StructureFormat::by_extension) format = format_of_name(path);
-  const Text bytes = read_text(path, std::min(kMaxTextBytes, memory_limit / kReadingFactor));
+// `text_within(limit)` returns the text, which has at most `limit` bytes.
+template <class TextWithin>
+ParsedFile parse_file(const std::filesystem::path& path, const ReadOptions& options,
+                      const TextWithin& text_within) {
+  const StructureFormat format =
+      options.format == StructureFormat::by_extension ? format_of_name(path) : options.format;
+  const Text bytes = text_within(std::min(kMaxTextBytes, options.memory_limit / kReadingFactor));
   const std::string name = path == "-" ? "standard input" : path.string();
   const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
   ParsedFile file = parse(text, format, name);
@@ -98,7 +101,15 @@ ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
 
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options) {
   const RadiusTable table = radius_table(options.radii);
-  return choose_atoms(parse_file(path, options.format, options.memory_limit), options, table);
+  const auto text_within = [&](std::uint64_t limit) { return read_text(path, limit); };
+  return choose_atoms(parse_file(path, options, text_within), options, table);
+}
+
+Molecule read_structure(const std::filesystem::path& name, std::string_view bytes,
+                        const ReadOptions& options) {
+  const RadiusTable table = radius_table(options.radii);
+  const auto text_within = [&](std::uint64_t limit) { return text_of(bytes, name, limit); };
+  return choose_atoms(parse_file(name, options, text_within), options, table);
 }
 
 Molecule read_sample(const std::string& name, const ReadOptions& options) {

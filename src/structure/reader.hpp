@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "structure/molecule.hpp"
 
@@ -59,6 +60,11 @@ struct ReadOptions {
 // if the options do not suit the file: no atom is left or none to be measured, an atom has no known
 // radius, or the file lacks the model, assembly or label.
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options = {});
+
+// The same for the bytes of a file that are in memory, plain or gzipped. `name` stands for the
+// path: in messages, and its extension for the format.
+Molecule read_structure(const std::filesystem::path& name, std::string_view bytes,
+                        const ReadOptions& options);
 
 // Reads a sample that is built into the library: "ubiquitin" (PDB entry 1UBQ) or "bpti".
 Molecule read_sample(const std::string& name, const ReadOptions& options = {});

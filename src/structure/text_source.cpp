@@ -17,6 +17,7 @@
 #include <cerrno>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "core/errors.hpp"
@@ -97,15 +98,13 @@ Text read_bytes(const std::filesystem::path& path, std::uint64_t limit) {
   return bytes;
 }
 
-bool is_gzip(const Text& bytes) {
-  return bytes.size() >= 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b';
-}
+bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
 // A first size for the buffer of the unpacked text. gzip stores the size modulo 2^32 in its last
 // four bytes, lowest byte first. The number may be wrong (damaged data, several members), so it is
 // used only if deflate could have reached it and if it is within the limit. A wrong hint costs time
 // and memory, but never correctness: unpack() enlarges the buffer as needed.
-std::size_t unpacked_size_hint(const Text& packed, std::uint64_t limit) {
+std::size_t unpacked_size_hint(std::string_view packed, std::uint64_t limit) {
   if (packed.size() < 18) return kChunk;  // gzip's header has 10 bytes and its trailer 8
   std::uint64_t size = 0;
   for (std::size_t i = 1; i <= 4; ++i)
@@ -127,7 +126,7 @@ class Inflater {
   ~Inflater() { inflateEnd(&stream_); }
 
   // `used` counts the bytes of text so far, `read` the bytes of `packed` that were consumed.
-  Text unpack(const Text& packed, std::uint64_t limit) {
+  Text unpack(std::string_view packed, std::uint64_t limit) {
     Text text;
     resize_untouched(text, unpacked_size_hint(packed, limit));
     std::size_t used = 0, read = 0;
@@ -147,7 +146,7 @@ class Inflater {
   // Unpacks at most one chunk and returns zlib's status: Z_OK, or Z_STREAM_END at the end of a
   // member. Moves `read` and `used` on. zlib counts in 32 bits; a chunk stays below that and lets
   // unpack() check the limit after every MiB.
-  int step(const Text& packed, std::size_t& read, Text& text, std::size_t& used) {
+  int step(std::string_view packed, std::size_t& read, Text& text, std::size_t& used) {
     const std::size_t in = std::min(packed.size() - read, kChunk);
     const std::size_t out = std::min(text.size() - used, kChunk);
     stream_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(packed.data() + read));
@@ -167,7 +166,7 @@ class Inflater {
   // Prepares for the next member of the gzip file. Returns false if there is none. Files that were
   // joined with the program cat hold several members. Zeros after the last member are common
   // padding.
-  bool next_member(const Text& packed, std::size_t& read) {
+  bool next_member(std::string_view packed, std::size_t& read) {
     const auto rest = packed.begin() + static_cast<std::ptrdiff_t>(read);
     if (std::all_of(rest, packed.end(), [](char c) { return c == '\0'; })) return false;
     if (*rest != '\x1f') fail("holds something else after its gzip data; get it again");
@@ -187,8 +186,15 @@ class Inflater {
 
 Text read_text(const std::filesystem::path& path, std::uint64_t limit) {
   Text bytes = read_bytes(path, limit);
-  if (!is_gzip(bytes)) return bytes;
-  return Inflater(path).unpack(bytes, limit);
+  const std::string_view view(bytes.data(), bytes.size());
+  if (!is_gzip(view)) return bytes;
+  return Inflater(path).unpack(view, limit);
+}
+
+Text text_of(std::string_view bytes, const std::filesystem::path& name, std::uint64_t limit) {
+  if (is_gzip(bytes)) return Inflater(name).unpack(bytes, limit);
+  if (bytes.size() > limit) refuse_size(name, limit);
+  return Text(bytes.begin(), bytes.end());
 }
 
 }  // namespace vdwmesh

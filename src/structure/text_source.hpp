@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <string_view>
 
 #include "core/buffer.hpp"
 
@@ -21,5 +22,9 @@ inline constexpr std::uint64_t kMaxTextBytes = std::uint64_t{2} << 30;
 // Throws FileFormatError if the file is missing, unreadable, a directory or damaged gzip data, and
 // LimitExceeded if the file, or its text once unpacked, has more than `limit` bytes.
 Text read_text(const std::filesystem::path& path, std::uint64_t limit = kMaxTextBytes);
+
+// The same for the bytes of a file that are in memory. `name` stands for the path in messages.
+Text text_of(std::string_view bytes, const std::filesystem::path& name,
+             std::uint64_t limit = kMaxTextBytes);
 
 }  // namespace vdwmesh

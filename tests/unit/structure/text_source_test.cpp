@@ -22,6 +22,16 @@ TEST(TextSource, GzipIsToldByItsBytes) {
   EXPECT_EQ(read_text_as("a.xyzr.gz", gzipped(kXyzr) + std::string(512, '\0')).atoms.size(), 2U);
 }
 
+TEST(TextSource, BytesInMemoryAreReadAsTheirFile) {
+  for (const std::string& content : {kXyzr, gzipped(kXyzr)}) {
+    EXPECT_EQ(read_structure("a.xyzr", content, {}).atoms.size(), 2U);
+    EXPECT_EQ(read_structure("a", content, {.format = StructureFormat::xyzr}).atoms.size(), 2U);
+    EXPECT_THROW(read_structure("a", content, {}), FileFormatError);  // of what format?
+    EXPECT_THROW(read_structure("a.xyzr", content, {.memory_limit = 19 * kReadingFactor}),
+                 LimitExceeded);  // the text has 20 bytes
+  }
+}
+
 TEST(TextSource, LongTextsComeThroughWhole) {
   std::string text;
   for (int i = 0; i < 400'000; ++i) text += std::to_string(i) + " 0 0 1\n";

@@ -1,0 +1,166 @@
+// Reads arrays of Python and exports arrays of C++ (arrays.hpp). Checks name the argument and the
+// first element that is wrong, because callers see nothing of what lies between.
+#include "arrays.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/errors.hpp"
+
+namespace vdwmesh::python {
+namespace {
+
+// What an empty array points to: NumPy takes no null pointer for memory.
+constexpr double kNothing = 0;
+
+bool is_finite(const Vec3d& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+[[noreturn]] void throw_not_finite(const std::string& where, const Vec3d& p) {
+  throw InvalidInput(fmt::format("{}: ({}, {}, {}) is not finite; coordinates are in angstrom",
+                                 where, p.x, p.y, p.z));
+}
+
+double radius_or_refuse(const Numbers& radii, std::size_t i, double probe) {
+  const double radius = radii(i), grown = radius + probe;
+  if (!std::isfinite(radius) || radius < 0) {
+    throw InvalidInput(
+        fmt::format("{}[{}]: {} is no radius; radii are finite, not negative, in "
+                    "angstrom",
+                    radii.name(), i, radius));
+  }
+  if (grown > 0) return grown;
+  throw InvalidInput(
+      fmt::format("{}[{}]: {} with probe {} would be {}; every radius must stay above 0",
+                  radii.name(), i, radius, probe, grown));
+}
+
+// The format without the mark for native byte order, which NumPy puts before elements that are not
+// aligned. The Python layer has brought other orders into the native one.
+std::string without_order(const std::string& format) {
+  const bool has_mark = format.starts_with('=') || format.starts_with('@');
+  return format.substr(has_mark ? 1 : 0);
+}
+
+py::buffer_info exported(const Array& array) {
+  const bool is_empty = std::ranges::count(array.shape, 0) > 0;
+  const void* data = is_empty ? &kNothing : array.data;
+  return {const_cast<void*>(data),
+          array.item_bytes,
+          array.format,
+          static_cast<py::ssize_t>(array.shape.size()),
+          array.shape,
+          array.strides,
+          true};
+}
+
+}  // namespace
+
+Array array_of_text(const std::vector<const std::string*>& texts) {
+  std::size_t width = 1;  // NumPy has no strings of no width
+  for (const std::string* text : texts) width = std::max(width, text->size());
+  auto letters = std::make_shared<std::vector<char32_t>>(width * texts.size());
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    std::ranges::transform(*texts[i], letters->begin() + static_cast<std::ptrdiff_t>(i * width),
+                           [](char c) { return static_cast<unsigned char>(c); });
+  }
+  const auto item = static_cast<py::ssize_t>(width * sizeof(char32_t));
+  const void* data = letters->data();
+  return {std::move(letters),
+          data,
+          item,
+          fmt::format("{}w", width),
+          {static_cast<py::ssize_t>(texts.size())},
+          {item}};
+}
+
+Numbers::Numbers(const py::buffer& array, const char* name, std::size_t dimensions)
+    : name_(name), info_(array.request()) {
+  const std::string type = without_order(info_.format);
+  is_float32_ = type == "f";
+  if (!is_float32_ && type != "d") {
+    throw InvalidInput(fmt::format("{}: needs numbers of type float32 or float64", name));
+  }
+  if (info_.shape.size() != dimensions) {
+    throw InvalidInput(
+        fmt::format("{}: has {} dimensions, not {}", name, info_.shape.size(), dimensions));
+  }
+}
+
+// Arrays need not be aligned.
+double Numbers::at(const std::byte* place) const {
+  if (is_float32_) {
+    float value;
+    std::memcpy(&value, place, sizeof value);
+    return static_cast<double>(value);
+  }
+  double value;
+  std::memcpy(&value, place, sizeof value);
+  return value;
+}
+
+std::vector<Vec3d> points_of(const Numbers& rows) {
+  if (rows.size(1) != 3) {
+    throw InvalidInput(fmt::format("{}: has shape ({}, {}); (N, 3) is needed", rows.name(),
+                                   rows.size(0), rows.size(1)));
+  }
+  if (rows.size(0) == 0) throw InvalidInput(fmt::format("{}: is empty", rows.name()));
+  std::vector<Vec3d> points(rows.size(0));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] = {rows(i, 0), rows(i, 1), rows(i, 2)};
+    if (!is_finite(points[i])) throw_not_finite(fmt::format("{}[{}]", rows.name(), i), points[i]);
+  }
+  return points;
+}
+
+void points_of_frame(const Numbers& frames, std::size_t frame, std::vector<Vec3d>& points) {
+  if (frames.size(2) != 3 || frames.size(1) == 0) {
+    throw InvalidInput(fmt::format("{}: has shape ({}, {}, {}); (T, N, 3) is needed, N above 0",
+                                   frames.name(), frames.size(0), frames.size(1), frames.size(2)));
+  }
+  points.resize(frames.size(1));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] = {frames(frame, i, 0), frames(frame, i, 1), frames(frame, i, 2)};
+    if (!is_finite(points[i])) {
+      throw_not_finite(fmt::format("{}[{}, {}]", frames.name(), frame, i), points[i]);
+    }
+  }
+}
+
+SphereSet spheres_of(const std::vector<Vec3d>& centers, const Numbers& radii, double probe) {
+  if (!std::isfinite(probe)) throw InvalidInput(fmt::format("probe: {} is not finite", probe));
+  if (centers.size() != radii.size(0)) {
+    throw InvalidInput(fmt::format("{}: has {} radii for {} atoms; each atom needs one",
+                                   radii.name(), radii.size(0), centers.size()));
+  }
+  std::vector<Sphere> spheres(centers.size());
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    spheres[i] = {centers[i], radius_or_refuse(radii, i, probe)};
+  }
+  return SphereSet(std::move(spheres));
+}
+
+SphereSet spheres_of(const Numbers& centers, const Numbers& radii, double probe) {
+  return spheres_of(points_of(centers), radii, probe);
+}
+
+std::vector<SphereId> ids_of(const py::buffer& array) {
+  const py::buffer_info info = array.request();
+  if (info.format != "I" || info.ndim != 1) throw InternalError("ids are not uint32 in a row");
+  std::vector<SphereId> ids(static_cast<std::size_t>(info.shape[0]));
+  const auto* bytes = static_cast<const std::byte*>(info.ptr);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    std::memcpy(&ids[i], bytes + static_cast<std::ptrdiff_t>(i) * info.strides[0], sizeof ids[i]);
+  }
+  return ids;
+}
+
+void bind_arrays(py::module_& module) {
+  py::class_<Array>(module, "Array", py::buffer_protocol()).def_buffer(&exported);
+}
+
+}  // namespace vdwmesh::python

@@ -1,0 +1,13 @@
+// The topics of the module, one source each. Functions of Python are thin: they take what the
+// Python layer has brought into form, call the library by call(), and hand its results back.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace vdwmesh::python {
+
+void bind_devices(pybind11::module_& module);     // devices.cpp
+void bind_structures(pybind11::module_& module);  // structures.cpp: files, radii
+void bind_measures(pybind11::module_& module);    // measures.cpp: exact measures
+
+}  // namespace vdwmesh::python

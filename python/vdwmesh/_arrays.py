@@ -1,0 +1,79 @@
+"""Brings arguments into the forms that the C++ side takes, and says which argument is wrong."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vdwmesh.errors import BackendUnavailable, InvalidInput
+
+if TYPE_CHECKING:
+    from vdwmesh._types import Floats, Ids, NDArray
+
+
+_FLOAT_TYPES = (np.dtype(np.float64), np.dtype(np.float32))
+
+
+def floats(name: str, value: Any, shape: str) -> NDArray[Any]:
+    """The argument as an array of float64 or float32, by reference where it is one.
+
+    `shape` is what the number of dimensions is taken from, as "(N, 3)".
+    """
+    if not hasattr(value, "__array__") and hasattr(value, "__cuda_array_interface__"):
+        raise BackendUnavailable(
+            f"{name}: is on a CUDA device, from where it is not read; copy it to the host"
+        )
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise InvalidInput(f"{name}: is no array of shape {shape}: {error}") from None
+    if array.dtype not in _FLOAT_TYPES:
+        if array.size > 0 and array.dtype.kind not in "iuf":
+            raise InvalidInput(f"{name}: has elements of type {array.dtype}; numbers are needed")
+        array = array.astype(np.float64)
+    if array.ndim != shape.count(",") + (not shape.endswith(",)")):
+        raise InvalidInput(f"{name}: has shape {array.shape}; {shape} is needed")
+    return array
+
+
+def view(owner: Any) -> NDArray[Any]:
+    """A read-only array that is a view of an array of the C++ side."""
+    return np.asarray(owner)
+
+
+def chosen(name: str, value: Any, count: int) -> Ids | None:
+    """A mask or indices of `count` atoms as ids; None if the argument is None."""
+    if value is None:
+        return None
+    array = np.asarray(value)
+    if array.ndim != 1:
+        raise InvalidInput(f"{name}: has shape {array.shape}; a mask or indices are needed")
+    if array.dtype == np.bool_:
+        if len(array) != count:
+            raise InvalidInput(f"{name}: is a mask of {len(array)} atoms, but there are {count}")
+        return np.flatnonzero(array).astype(np.uint32)
+    if array.size > 0 and array.dtype.kind not in "iu":
+        raise InvalidInput(f"{name}: has elements of type {array.dtype}; a mask or indices are needed")
+    outside = (array < -count) | (array >= count)
+    if outside.any():
+        first = int(np.flatnonzero(outside)[0])
+        raise InvalidInput(f"{name}[{first}]: {array[first]} is no index of {count} atoms")
+    return np.where(array < 0, array + count, array).astype(np.uint32)
+
+
+def thread_count(threads: int | None) -> int | None:
+    """The argument `threads`, checked."""
+    if threads is None:
+        return None
+    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 1:
+        raise InvalidInput(f"threads: {threads!r} is no number of threads; None means all cores")
+    return int(threads)
+
+
+def number(name: str, value: Any) -> float:
+    """The argument as a float."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"{name}: {value!r} is no number") from None

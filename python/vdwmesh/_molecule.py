@@ -1,0 +1,243 @@
+"""Structure files and radii."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from vdwmesh import _core
+from vdwmesh._arrays import number, view
+from vdwmesh.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from vdwmesh._types import ArrayLike, Floats, Strings
+
+
+@dataclass(frozen=True)
+class Molecule:
+    """Atoms with their radii, and an account of what was not taken from the file.
+
+    Attributes
+    ----------
+    coords : ndarray of float64, shape (N, 3)
+        Positions, Å.
+    radii : ndarray of float64, shape (N,)
+        Van der Waals radii, Å: from the file (PQR, XYZR) or from the radius set.
+    elements, names, resnames, resids, chains : ndarray of str, shape (N,)
+        Chemical symbols, names of atoms and residues, residue numbers with insertion codes
+        ("52A"), chains (in an assembly with the number of the copy: "A1").
+    left_out : dict of str to int
+        How many atoms of the file are not here, by reason ("waters", "alternate_locations", ...).
+    assumed_radii : dict of str to float
+        Elements that the radius set lacks, with the radii that stand in for it, Å.
+    notes, warnings : tuple of str
+        What the reader chose or guessed, and what may be wrong with the file.
+    path, format, model, assembly : str
+        Where the atoms come from.
+    """
+
+    coords: Floats
+    radii: Floats
+    elements: Strings
+    names: Strings
+    resnames: Strings
+    resids: Strings
+    chains: Strings
+    left_out: dict[str, int]
+    assumed_radii: dict[str, float]
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    path: str
+    format: str
+    model: str
+    assembly: str
+
+    def __len__(self) -> int:
+        return len(self.radii)
+
+    def __getitem__(self, chosen: Any) -> Molecule:
+        """The atoms that a mask, indices or a slice choose; the account of the file stays."""
+        if isinstance(chosen, (int, np.integer)):
+            chosen = [chosen]
+        return replace(self, **{name: getattr(self, name)[chosen] for name in _COLUMNS})
+
+    def __repr__(self) -> str:
+        return f"<vdwmesh.Molecule of {len(self)} atoms from {self.path}>"
+
+
+_COLUMNS = ("coords", "radii", "elements", "names", "resnames", "resids", "chains")
+
+
+def _molecule(columns: dict[str, Any]) -> Molecule:
+    for name in _COLUMNS:
+        columns[name] = view(columns[name])
+    for name in ("notes", "warnings"):
+        columns[name] = tuple(columns[name])
+    return Molecule(**{field.name: columns[field.name] for field in fields(Molecule)})
+
+
+def read(
+    source: str | os.PathLike[str] | bytes | BinaryIO,
+    *,
+    format: str | None = None,
+    model: str | int = "first",
+    assembly: str | int | None = None,
+    radii: str | os.PathLike[str] = "bondi",
+    select: str | None = None,
+    altloc: str = "highest",
+    waters: bool = False,
+    hydrogens: bool = True,
+    hetatm: bool = True,
+) -> Molecule:
+    """Read a structure file: PDB, mmCIF, PQR or XYZR, each also gzipped.
+
+    Parameters
+    ----------
+    source : path, bytes or binary file
+        The file, its bytes, or an object with a method ``read`` that returns them.
+    format : {"pdb", "mmcif", "pqr", "xyzr"}, optional
+        Needed for bytes; else the extension of the name decides.
+    model : str or int
+        "first", "all" or the number of a model.
+    assembly : str, optional
+        Name of a biological assembly of the file; by default the asymmetric unit.
+    radii : str or path
+        "bondi", "alvarez" or a file with lines "ELEMENT RADIUS" or "RESIDUE ATOM RADIUS". Files of
+        PQR and XYZR bring their own.
+    select : str, optional
+        A selection in gemmi's syntax, as "A/10-40/CA".
+    altloc : str
+        Which alternate locations are kept: "highest" (by occupancy), "all" or one label.
+    waters, hydrogens, hetatm : bool
+        Whether these atoms are kept.
+
+    Returns
+    -------
+    Molecule
+
+    Raises
+    ------
+    FileFormatError
+        The file cannot be opened or understood.
+    InvalidInput
+        No atom is left, an atom has no known radius, or the file lacks the model or assembly.
+    """
+    options = {
+        "format": format or "",
+        "model": str(model),
+        "assembly": "asymmetric" if assembly is None else str(assembly),
+        "radii": os.fspath(radii),
+        "select": select or "",
+        "altloc": altloc,
+        "waters": waters,
+        "hydrogens": hydrogens,
+        "hetatm": hetatm,
+    }
+    if isinstance(source, (str, os.PathLike)):
+        return _molecule(_core.read_file(os.fspath(source), **options))
+    name = "bytes"
+    if not isinstance(source, (bytes, bytearray, memoryview)):
+        name = str(getattr(source, "name", "file"))
+        source = _content(source)
+    if not format and name in ("bytes", "file"):
+        raise InvalidInput("format: is needed where the source has no name: pdb, mmcif, pqr or xyzr")
+    return _molecule(_core.read_bytes(name, bytes(source), **options))
+
+
+def _content(source: Any) -> bytes:
+    if not hasattr(source, "read"):
+        raise InvalidInput(f"source: {type(source).__name__} is no path, bytes or file")
+    content = source.read()
+    return content.encode() if isinstance(content, str) else bytes(content)
+
+
+def sample(name: str = "ubiquitin", *, radii: str | os.PathLike[str] = "bondi") -> Molecule:
+    """Read a structure that is part of the library: "ubiquitin" (PDB entry 1UBQ) or "bpti".
+
+    Examples
+    --------
+    >>> import vdwmesh
+    >>> molecule = vdwmesh.sample("ubiquitin")
+    >>> len(molecule), molecule.left_out
+    (602, {'waters': 58})
+    """
+    return _molecule(
+        _core.read_sample(
+            name, format="", model="first", assembly="asymmetric", radii=os.fspath(radii), select="",
+            altloc="highest", waters=False, hydrogens=True, hetatm=True,
+        )  # fmt: skip
+    )
+
+
+def radii_of(
+    elements: ArrayLike,
+    *,
+    set: str | os.PathLike[str] = "bondi",
+    resnames: ArrayLike | None = None,
+    names: ArrayLike | None = None,
+    unknown: float | None = None,
+) -> Floats:
+    """Van der Waals radii of atoms by element, Å.
+
+    Parameters
+    ----------
+    elements : sequence of str, length N
+        Chemical symbols in any case ("ZN", "Zn", "Zn2+").
+    set : str or path
+        "bondi" (J. Phys. Chem. 68 (1964) 441, completed from Alvarez), "alvarez" (Dalton Trans. 42
+        (2013) 8617), or a file with lines "ELEMENT RADIUS" or "RESIDUE ATOM RADIUS".
+    resnames, names : sequence of str, length N, optional
+        Names of residues and atoms, for files with lines by residue and atom.
+    unknown : float, optional
+        The radius of atoms that the set does not know, Å. By default they are an error.
+
+    Returns
+    -------
+    ndarray of float64, shape (N,)
+
+    Raises
+    ------
+    InvalidInput
+        An atom has no known radius, or the sequences differ in length.
+
+    Examples
+    --------
+    >>> import vdwmesh
+    >>> vdwmesh.radii_of(["C", "ZN", "o"])
+    array([1.7 , 1.39, 1.52])
+    """
+    table = _core.RadiusTable(os.fspath(set))
+    columns = [_texts("elements", elements)]
+    for name, given in (("resnames", resnames), ("names", names)):
+        columns.append([""] * len(columns[0]) if given is None else _texts(name, given))
+        if len(columns[-1]) != len(columns[0]):
+            raise InvalidInput(f"{name}: has {len(columns[-1])} entries for {len(columns[0])} elements")
+    known: dict[tuple[str, str, str], float] = {}
+    found = np.empty(len(columns[0]))
+    for i, key in enumerate(zip(columns[0], columns[1], columns[2])):
+        if key not in known:
+            known[key] = _radius(table, key, i, unknown)
+        found[i] = known[key]
+    return found
+
+
+def _texts(name: str, values: ArrayLike) -> list[str]:
+    texts = np.asarray(values)
+    if texts.ndim != 1 or (texts.size > 0 and texts.dtype.kind not in "USO"):
+        raise InvalidInput(f"{name}: a sequence of strings is needed")
+    return [text.decode() if isinstance(text, bytes) else str(text) for text in texts.tolist()]
+
+
+def _radius(
+    table: _core.RadiusTable, key: tuple[str, str, str], index: int, unknown: float | None
+) -> float:
+    element, residue, atom = key
+    found = table.find(residue.strip(), atom.strip(), element.strip())
+    if found is not None:
+        return found
+    if unknown is None:
+        raise InvalidInput(f"elements[{index}]: no radius is known for {element!r}; give unknown=")
+    return number("unknown", unknown)

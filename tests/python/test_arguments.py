@@ -1,0 +1,103 @@
+"""Wrong arguments are a ValueError of one line that names the argument and the element."""
+
+import unittest
+
+import numpy as np
+import vdwmesh
+
+NAN = float("nan")
+ONE, SIZE = [[0.0, 0.0, 0.0]], [1.0]
+
+# Arguments, options, what the message begins with.
+WRONG = [
+    ([[0, 0]], SIZE, {}, "coords: has shape (1, 2)"),
+    ([0, 0, 0], SIZE, {}, "coords: has shape (3,)"),
+    (5, SIZE, {}, "coords: has shape ()"),
+    ([], [], {}, "coords: "),
+    (np.zeros((0, 3)), [], {}, "coords: is empty"),
+    (np.zeros((1, 1, 3)), SIZE, {}, "coords: has shape (1, 1, 3)"),
+    ([["a", "b", "c"]], SIZE, {}, "coords: "),
+    ([[0, 0, 0], [1, 1]], SIZE, {}, "coords: "),
+    (np.zeros((1, 3), complex), SIZE, {}, "coords: has elements of type complex128"),
+    ([[0, NAN, 0]], SIZE, {}, "coords[0]: (0, nan, 0)"),
+    ([[0, 0, 0], [0, 0, np.inf]], [1, 1], {}, "coords[1]: (0, 0, inf)"),
+    (ONE, [1, 1], {}, "radii: has 2 radii for 1 atoms"),
+    (ONE, [[1]], {}, "radii: has shape (1, 1)"),
+    (ONE, 1, {}, "radii: has shape ()"),
+    (ONE, None, {}, "radii: are needed"),
+    (ONE, "bondi", {}, "radii: are needed"),
+    (ONE, [-1], {}, "radii[0]: -1"),
+    (ONE, [NAN], {}, "radii[0]: nan"),
+    (ONE, [np.inf], {}, "radii[0]: inf"),
+    (ONE, [0], {}, "radii[0]: 0 with probe 0"),
+    (ONE, SIZE, {"probe": -1}, "radii[0]: 1 with probe -1"),
+    (ONE, SIZE, {"probe": NAN}, "probe: nan"),
+    (ONE, SIZE, {"probe": "big"}, "probe: 'big'"),
+    (ONE, SIZE, {"atoms": [1]}, "atoms[0]: 1"),
+    (ONE, SIZE, {"atoms": [0, -2]}, "atoms[1]: -2"),
+    (ONE, SIZE, {"atoms": [True, False]}, "atoms: is a mask of 2"),
+    (ONE, SIZE, {"atoms": [0.5]}, "atoms: has elements of type float64"),
+    (ONE, SIZE, {"atoms": [[0]]}, "atoms: has shape (1, 1)"),
+    (ONE, SIZE, {"method": "quick"}, "method: quick"),
+    (ONE, SIZE, {"threads": 0}, "threads: 0"),
+    (ONE, SIZE, {"threads": 1.5}, "threads: 1.5"),
+    (ONE, SIZE, {"threads": True}, "threads: True"),
+    (ONE, SIZE, {"device": "tpu"}, "device: tpu"),
+]
+
+
+class OnTheDevice:
+    """An array of another library, in the memory of a GPU."""
+
+    __cuda_array_interface__ = {"shape": (1, 3), "typestr": "<f8", "data": (0, True), "version": 3}
+
+
+class WrongArgumentsTest(unittest.TestCase):
+    def assert_refused(self, begins, call, *arguments, **options):
+        with self.assertRaises(ValueError) as caught:
+            call(*arguments, **options)
+        self.assertIsInstance(caught.exception, vdwmesh.InvalidInput)
+        message = str(caught.exception)
+        self.assertTrue(message.startswith(begins), f"{message!r} does not begin with {begins!r}")
+        self.assertNotIn("\n", message)
+
+    def test_exact(self):
+        for coords, radii, options, begins in WRONG:
+            with self.subTest(begins=begins):
+                self.assert_refused(begins, vdwmesh.exact, coords, radii, **options)
+
+    def test_sasa(self):
+        self.assert_refused("coords[1, 0]: (nan", vdwmesh.sasa, [ONE, [[NAN, 0, 0]]], SIZE)
+        self.assert_refused("coords: ", vdwmesh.sasa, np.zeros((2, 1, 4)), SIZE)
+        self.assert_refused("coords: is empty", vdwmesh.sasa, np.zeros((0, 1, 3)), SIZE)
+        self.assert_refused("mode: 'chain'", vdwmesh.sasa, ONE, SIZE, mode="chain")
+        self.assert_refused("groups: are needed", vdwmesh.sasa, ONE, SIZE, mode="residue")
+        self.assert_refused("groups: has 2", vdwmesh.sasa, ONE, SIZE, mode="residue", groups=[1, 2])
+        self.assert_refused("groups: are of", vdwmesh.sasa, ONE, SIZE, groups=[1])
+
+    def test_a_missing_device_is_said(self):
+        try:
+            vdwmesh.exact(ONE, SIZE, device="cuda")
+        except vdwmesh.BackendUnavailable as error:
+            self.assertIsInstance(error, RuntimeError)
+            self.assertNotIn("\n", str(error))
+        else:
+            self.fail("exact measures have no CUDA code")
+        with self.assertRaisesRegex(RuntimeError, "coords: is on a CUDA device"):
+            vdwmesh.exact(OnTheDevice(), SIZE)
+
+    def test_numbers_of_all_kinds_and_places_are_read(self):
+        expected = vdwmesh.exact([[0, 0, 0], [1, 2, 3]], [1, 2]).area
+        wide = np.zeros((4, 6))
+        wide[1] = [1, 9, 2, 9, 3, 9]
+        packed = np.zeros(2, [("tag", "u1"), ("x", "<f8", 3)])  # not aligned
+        packed["x"][1] = [1, 2, 3]
+        for coords in (np.array([[0, 0, 0], [1, 2, 3]], np.float32), wide[:2, ::2],
+                       np.array([[0, 0, 0], [1, 2, 3]], ">f8"), np.array([[0, 0, 0], [1, 2, 3]]),
+                       np.asfortranarray([[0.0, 0, 0], [1, 2, 3]]), packed["x"],
+                       np.array([[1.0, 2, 3], [0, 0, 0]])[::-1], ((0, 0, 0), (1, 2, 3))):  # fmt: skip
+            self.assertEqual(vdwmesh.exact(coords, np.array([1, 2], np.int32)).area, expected)
+
+
+if __name__ == "__main__":
+    unittest.main()

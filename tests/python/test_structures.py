@@ -1,0 +1,150 @@
+"""vdwmesh.read, sample and radii_of, beside the text of the files and the tables of the papers."""
+
+import gzip
+import io
+import pathlib
+import tempfile
+import unittest
+
+import numpy as np
+import vdwmesh
+from program import UBIQUITIN, ProgramTest, need_shared, run
+
+# A. Bondi, J. Phys. Chem. 68 (1964) 441; S. Alvarez, Dalton Trans. 42 (2013) 8617. Å.
+BONDI = {"C": 1.70, "N": 1.55, "O": 1.52, "S": 1.80}
+
+
+def atom_lines():
+    """The lines of the sample that are atoms and no waters, as the PDB format places their fields."""
+    return [line for line in UBIQUITIN.read_text().splitlines()
+            if line.startswith(("ATOM", "HETATM")) and line[17:20] != "HOH"]  # fmt: skip
+
+
+class ReadTest(unittest.TestCase):
+    def test_columns_are_those_of_the_file(self):
+        lines, molecule = atom_lines(), vdwmesh.read(UBIQUITIN)
+        self.assertEqual(len(molecule), len(lines))
+        expected = [[float(line[begin : begin + 8]) for begin in (30, 38, 46)] for line in lines]
+        np.testing.assert_array_equal(molecule.coords, expected)
+        self.assertEqual(molecule.names.tolist(), [line[12:16].strip() for line in lines])
+        self.assertEqual(molecule.elements.tolist(), [line[76:78].strip() for line in lines])
+        self.assertEqual(molecule.resnames.tolist(), [line[17:20] for line in lines])
+        self.assertEqual(molecule.resids.tolist(), [line[22:27].strip() for line in lines])
+        self.assertEqual(molecule.chains.tolist(), [line[21] for line in lines])
+        self.assertEqual(molecule.radii.tolist(), [BONDI[line[76:78].strip()] for line in lines])
+        self.assertEqual(molecule.left_out, {"waters": 58})
+
+    def test_all_ways_to_name_a_source_are_one(self):
+        expected = vdwmesh.read(UBIQUITIN)
+        content = UBIQUITIN.read_bytes()
+        named = io.BytesIO(content)
+        named.name = "x.pdb"
+        with UBIQUITIN.open("rb") as file:
+            found = [vdwmesh.read(str(UBIQUITIN)), vdwmesh.read(content, format="pdb"),
+                     vdwmesh.read(gzip.compress(content), format="pdb"), vdwmesh.read(named),
+                     vdwmesh.read(file), vdwmesh.read(io.BytesIO(content), format="pdb"),
+                     vdwmesh.sample("ubiquitin")]  # fmt: skip
+        for molecule in found:
+            np.testing.assert_array_equal(molecule.coords, expected.coords)
+            self.assertEqual(molecule.names.tolist(), expected.names.tolist())
+
+    def test_options_reach_the_reader(self):
+        lines = UBIQUITIN.read_text().splitlines()
+        every = sum(line.startswith(("ATOM", "HETATM")) for line in lines)
+        self.assertEqual(len(vdwmesh.read(UBIQUITIN, waters=True)), every)
+        self.assertEqual(set(vdwmesh.read(UBIQUITIN, select="A/10-40/CA").names), {"CA"})
+        self.assertEqual(len(vdwmesh.read(UBIQUITIN, select="A/10-40/CA")), 31)
+        self.assertEqual(vdwmesh.read(UBIQUITIN, radii="alvarez").radii[0], 1.66)  # nitrogen
+        molecule = vdwmesh.read(UBIQUITIN, waters=True, hetatm=False)
+        self.assertEqual(molecule.left_out, {"hetatm": 58})
+
+    def test_models_assemblies_and_altlocs(self):
+        models = need_shared("molecules/special/1D3Z.pdb")
+        first, every = vdwmesh.read(models), vdwmesh.read(models, model="all")
+        self.assertEqual(len(every), 10 * len(first))  # 10 models of one protein
+        np.testing.assert_array_equal(vdwmesh.read(models, model=2).coords,
+                                      every.coords[len(first) : 2 * len(first)])  # fmt: skip
+        self.assertLess(len(vdwmesh.read(models, hydrogens=False)), len(first))
+        crystal = need_shared("molecules/special/1EJG.pdb")
+        self.assertGreater(len(vdwmesh.read(crystal, altloc="all")), len(vdwmesh.read(crystal)))
+        virus = need_shared("molecules/special/1F2N.pdb")
+        copies = vdwmesh.read(virus, assembly=1)
+        self.assertEqual(len(copies), 60 * len(vdwmesh.read(virus)))  # icosahedral: 60 operators
+
+    def test_masks_choose_atoms(self):
+        molecule = vdwmesh.sample("ubiquitin")
+        carbons = molecule[molecule.elements == "C"]
+        self.assertEqual(set(carbons.radii), {1.70})
+        self.assertEqual(len(carbons), sum(line[77] == "C" for line in atom_lines()))
+        self.assertEqual(molecule[5].names.tolist(), [molecule.names[5]])
+        self.assertEqual(len(molecule[10:20]), 10)
+
+    def test_faults_of_files_are_told_in_one_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "empty.pdb"
+            path.write_text("")
+            cases = [(OSError, "cannot be opened", "/not/there.pdb", {}),
+                     (OSError, "empty.pdb", path, {}),
+                     (ValueError, "model", UBIQUITIN, {"model": 7}),
+                     (ValueError, "format", b"ATOM", {}),
+                     (ValueError, "format", UBIQUITIN, {"format": "xtc"}),
+                     (ValueError, "source", 5, {}),
+                     (ValueError, "radii", UBIQUITIN, {"radii": "/not/there.txt"})]  # fmt: skip
+            for cause, word, source, options in cases:
+                with self.subTest(source=source, **options):
+                    with self.assertRaises(cause) as caught:
+                        vdwmesh.read(source, **options)
+                    self.assertIsInstance(caught.exception, vdwmesh.Error)
+                    self.assertIn(word, str(caught.exception))
+                    self.assertNotIn("\n", str(caught.exception))
+
+
+class SameAsProgramTest(ProgramTest):
+    def test_odd_files_are_read_or_refused_alike(self):
+        for path in sorted(need_shared("molecules/odd").iterdir()):
+            if path.suffix not in (".pdb", ".cif"):
+                continue
+            with self.subTest(path=path.name):
+                table = self.folder / "atoms.csv"
+                result = run("exact", path, "--per-atom", table, "--topology", "off")
+                try:
+                    molecule = vdwmesh.read(path)
+                except vdwmesh.Error as error:
+                    self.assertEqual(result.stderr, f"vdwmesh: {error}\n")
+                    continue
+                self.assertEqual(result.returncode, 0, result.stderr)
+                rows = [line.split(",") for line in table.read_text().splitlines()[1:]]
+                self.assertEqual(molecule.radii.tolist(), [float(row[8]) for row in rows])
+                self.assertEqual(molecule.elements.tolist(), [row[5] for row in rows])
+                self.assertEqual(molecule.resids.tolist(), [row[2] for row in rows])
+
+
+class RadiiTest(unittest.TestCase):
+    def test_elements_in_any_spelling(self):
+        found = vdwmesh.radii_of(["C", "n", "ZN", "Zn2+", " O"])
+        self.assertEqual(found.tolist(), [1.70, 1.55, 1.39, 1.39, 1.52])
+        self.assertEqual(vdwmesh.radii_of(np.array(["Ca"]), set="alvarez").tolist(), [2.62])
+
+    def test_unknown_elements(self):
+        with self.assertRaisesRegex(ValueError, r"elements\[1\].*'Q'"):
+            vdwmesh.radii_of(["C", "Q"])
+        self.assertEqual(vdwmesh.radii_of(["C", "Q"], unknown=2.5).tolist(), [1.70, 2.5])
+
+    def test_files_by_residue_and_atom(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "radii.txt"
+            path.write_text("C 1.7\nALA CA 2.25\n")
+            found = vdwmesh.radii_of(["C", "C"], set=path, resnames=["ALA", "GLY"], names=["CA", "CA"])
+        self.assertEqual(found.tolist(), [2.25, 1.7])
+
+    def test_wrong_arguments_are_named(self):
+        with self.assertRaisesRegex(ValueError, "names: has 1 entries for 2"):
+            vdwmesh.radii_of(["C", "C"], names=["CA"])
+        with self.assertRaisesRegex(ValueError, "elements"):
+            vdwmesh.radii_of([6, 7])
+        with self.assertRaisesRegex(ValueError, "set: unheard-of"):
+            vdwmesh.radii_of(["C"], set="unheard-of")
+
+
+if __name__ == "__main__":
+    unittest.main()
