@@ -23,12 +23,14 @@ TEST(TextSource, GzipIsToldByItsBytes) {
 }
 
 TEST(TextSource, BytesInMemoryAreReadAsTheirFile) {
+  ReadOptions xyzr, small;
+  xyzr.format = StructureFormat::xyzr;
+  small.memory_limit = (kXyzr.size() - 1) * kReadingFactor;
   for (const std::string& content : {kXyzr, gzipped(kXyzr)}) {
     EXPECT_EQ(read_structure("a.xyzr", content, {}).atoms.size(), 2U);
-    EXPECT_EQ(read_structure("a", content, {.format = StructureFormat::xyzr}).atoms.size(), 2U);
+    EXPECT_EQ(read_structure("a", content, xyzr).atoms.size(), 2U);
     EXPECT_THROW(read_structure("a", content, {}), FileFormatError);  // of what format?
-    EXPECT_THROW(read_structure("a.xyzr", content, {.memory_limit = 19 * kReadingFactor}),
-                 LimitExceeded);  // the text has 20 bytes
+    EXPECT_THROW(read_structure("a.xyzr", content, small), LimitExceeded);
   }
 }
 
