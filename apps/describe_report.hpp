@@ -107,8 +107,21 @@ void describe(A& a, const ExactUnion& exact) {
 }
 
 template <class A>
+void describe(A& a, const ExactReport& exact) {
+  using P = AreaByPolarity;
+  describe(a, static_cast<const ExactUnion&>(exact));
+  a("polar_area", of(exact.by_polarity, &P::polar));
+  a("apolar_area", of(exact.by_polarity, &P::apolar));
+  a("unclassified_area", of(exact.by_polarity, &P::unclassified));
+}
+
+template <class A>
 void describe(A& a, const AssumedRadius& assumed) {
+  const auto unless_empty = [](const std::string& name) {
+    return name.empty() ? std::nullopt : std::optional(name);
+  };
   a("element", assumed.element), a("radius", assumed.radius), a("count", assumed.count);
+  a("residue", unless_empty(assumed.residue_name)), a("atom", unless_empty(assumed.atom_name));
 }
 
 template <class A>

@@ -7,6 +7,7 @@
 #include <map>
 #include <tuple>
 
+#include "analysis/exposure.hpp"
 #include "core/sum.hpp"
 #include "csv.hpp"
 
@@ -15,7 +16,8 @@ namespace {
 
 constexpr const char* kHeader =
     "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,exact_area,"
-    "mesh_area,exact_volume,measured\n";
+    "mesh_area,exact_volume,measured,polarity,polar_area,apolar_area,unclassified_area,"
+    "relative_area,relative_main_chain,relative_side_chain,relative_polar,relative_apolar\n";
 
 // What the atoms of a row share; empty where they need not.
 using Key = std::tuple<std::int32_t, std::string, std::string, std::string>;
@@ -31,6 +33,7 @@ struct Row {
   const Atom* atom = nullptr;  // of AtomGroup::atom
   std::uint64_t atoms = 0, measured = 0;
   WideSum exact_area, mesh_area, exact_volume;
+  ResidueSum parts;  // of the exact area
 };
 
 // Which row each atom adds to; rows in the order of their first atoms.
@@ -43,7 +46,7 @@ std::vector<Row> make_rows(const Molecule& molecule, AtomGroup group,
     std::size_t row = rows.size();
     if (group != AtomGroup::atom) row = known.try_emplace(key, row).first->second;
     if (row == rows.size()) {
-      rows.push_back({key, group == AtomGroup::atom ? &atom : nullptr, 0, 0, {}, {}, {}});
+      rows.push_back({key, group == AtomGroup::atom ? &atom : nullptr, 0, 0, {}, {}, {}, {}});
     }
     row_of_atom.push_back(row);
   }
@@ -55,39 +58,76 @@ std::string sum_field(const Row& row, const WideSum& sum) {
   return row.measured > 0 ? fmt::format("{}", sum.value()) : "";
 }
 
+const char* polarity_field(Polarity polarity) {
+  switch (polarity) {
+    case Polarity::polar:
+      return "polar";
+    case Polarity::apolar:
+      return "apolar";
+    case Polarity::unknown:
+      return "";
+  }
+  return "";
+}
+
+// The parts of the area by polarity, each after a comma.
+std::string polarity_fields(const Row& row, const PerAtomTable& table) {
+  if (!table.molecule.has_polarity || row.measured == 0) return ",,,";
+  const ResidueAreas areas = row.parts.areas();
+  return fmt::format(",{},{},{}", areas.polar, areas.apolar, row.parts.unclassified_area());
+}
+
+// The areas as shares of the reference, each after a comma. There are none unless the row is a
+// residue that has a reference for this probe, and all of its atoms were measured.
+std::string relative_fields(const Row& row, const PerAtomTable& table) {
+  const bool comparable = table.group == AtomGroup::residue && table.probe == kReferenceProbe &&
+                          row.measured == row.atoms;
+  const auto reference =
+      comparable ? reference_areas(table.molecule.radius_set, std::get<3>(row.key)) : std::nullopt;
+  if (!reference) return ",,,,,";
+  const ResidueAreas relative = relative_areas(row.parts.areas(), *reference);
+  return fmt::format(",{},{},{},{},{}", csv_number(relative.total), csv_number(relative.main_chain),
+                     csv_number(relative.side_chain), csv_number(relative.polar),
+                     csv_number(relative.apolar));
+}
+
 // What the atoms of a row do not share has no value for it.
-void print(std::string& csv, const Row& row, double probe, bool with_mesh) {
+void print(std::string& csv, const Row& row, const PerAtomTable& table) {
   const auto& [model, chain, residue_number, residue_name] = row.key;
   csv += fmt::format("{},{},{},{},", model, csv_field(chain), csv_field(residue_number),
                      csv_field(residue_name));
   if (row.atom) {
     csv += fmt::format("{},{},{},{},{}", csv_field(row.atom->name), row.atom->element,
-                       row.atom->serial, row.atoms, row.atom->radius + probe);
+                       row.atom->serial, row.atoms, row.atom->radius + table.probe);
   } else {
     csv += fmt::format(",,,{},", row.atoms);
   }
-  csv += fmt::format(",{},{},{},{}\n", sum_field(row, row.exact_area),
-                     with_mesh ? sum_field(row, row.mesh_area) : "",
-                     sum_field(row, row.exact_volume), row.measured);
+  csv += fmt::format(",{},{},{},{},{}", sum_field(row, row.exact_area),
+                     table.mesh_area.empty() ? "" : sum_field(row, row.mesh_area),
+                     sum_field(row, row.exact_volume), row.measured,
+                     row.atom ? polarity_field(row.atom->polarity) : "");
+  csv += polarity_fields(row, table) + relative_fields(row, table) + '\n';
 }
 
 }  // namespace
 
-std::string per_atom_csv(const Molecule& molecule, double probe, const ExactUnion& exact,
-                         const std::vector<double>& mesh_area, AtomGroup group) {
+std::string per_atom_csv(const PerAtomTable& table) {
+  const std::vector<Atom>& atoms = table.molecule.atoms;
   std::vector<std::size_t> row_of_atom;
-  std::vector<Row> rows = make_rows(molecule, group, row_of_atom);
+  std::vector<Row> rows = make_rows(table.molecule, table.group, row_of_atom);
   for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
     Row& row = rows[row_of_atom[i]];
     ++row.atoms;
-    if (!molecule.atoms[i].measured) continue;
+    if (!atoms[i].measured) continue;
     ++row.measured;
-    row.exact_area.add(exact.per_sphere[i].area);
-    row.exact_volume.add(exact.per_sphere[i].volume);
-    if (!mesh_area.empty()) row.mesh_area.add(mesh_area[i]);
+    const SphereMeasures& measures = table.exact.per_sphere[i];
+    row.exact_area.add(measures.area);
+    row.exact_volume.add(measures.volume);
+    row.parts.add(atoms[i], measures.area);
+    if (!table.mesh_area.empty()) row.mesh_area.add(table.mesh_area[i]);
   }
   std::string csv = kHeader;
-  for (const Row& row : rows) print(csv, row, probe, !mesh_area.empty());
+  for (const Row& row : rows) print(csv, row, table);
   return csv;
 }
 

@@ -1,4 +1,5 @@
-// Radius, exact area, mesh area and exact volume by atom, residue or chain, as CSV.
+// The measures of atoms, residues or chains, as CSV: radius, exact area, mesh area and exact
+// volume; polar and apolar area; and how exposed a residue is beside one in an extended tripeptide.
 #pragma once
 
 #include <string>
@@ -10,11 +11,18 @@
 
 namespace vdwmesh::apps {
 
+// What the table is made of. `mesh_area` is empty or has one entry per atom, Å².
+struct PerAtomTable {
+  const Molecule& molecule;
+  double probe;  // Å
+  const ExactUnion& exact;
+  const std::vector<double>& mesh_area;
+  AtomGroup group;
+};
+
 // One row per atom, residue or chain, in the order of the file. Columns that have no value for a
 // row, or were not computed, are empty: the measures of a row without an atom that --measure chose.
-// Sums are over the chosen atoms of a row, which its last column counts. `mesh_area` is empty or
-// has one entry per atom.
-std::string per_atom_csv(const Molecule& molecule, double probe, const ExactUnion& exact,
-                         const std::vector<double>& mesh_area, AtomGroup group);
+// Sums are over the chosen atoms of a row, which the column `measured` counts.
+std::string per_atom_csv(const PerAtomTable& table);
 
 }  // namespace vdwmesh::apps

@@ -11,6 +11,7 @@
 
 #include "analysis/cgal_measures.hpp"
 #include "analysis/comparison.hpp"
+#include "analysis/exposure.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/exact_union.hpp"
@@ -77,12 +78,16 @@ struct Timing {
   double total = 0;
 };
 
+struct ExactReport : ExactUnion {
+  std::optional<AreaByPolarity> by_polarity;  // where the radius set has one
+};
+
 struct Report {
   InputReport input;
   std::optional<ParametersReport> parameters;
   std::optional<BackendReport> backend;
   std::optional<MeshReport> mesh;
-  std::optional<ExactUnion> exact;
+  std::optional<ExactReport> exact;
   std::optional<Comparison> comparison;
   std::optional<PictureReport> picture;
   Timing timing;

@@ -52,15 +52,27 @@ std::string atoms_text(const InputReport& input) {
                      none_or(skipped), copies);
 }
 
-std::string radii_text(const InputReport& input) {
-  std::vector<std::string> assumed;
-  assumed.reserve(input.radii_assumed.size());
-  for (const AssumedRadius& radius : input.radii_assumed) {
-    assumed.push_back(
-        fmt::format("{} {} Å ({})", radius.element, radius.radius, counted(radius.count, "atom")));
+// By element, or by residue where the set goes by residue and atom; the JSON has every atom name.
+std::vector<std::string> assumed_text(const std::vector<AssumedRadius>& assumed) {
+  std::vector<std::string> parts;
+  std::map<std::string, std::uint64_t> by_residue;
+  for (const AssumedRadius& radius : assumed) {
+    if (!radius.residue_name.empty() || !radius.atom_name.empty()) {
+      by_residue[radius.residue_name] += radius.count;
+    } else {
+      parts.push_back(fmt::format("{} {} Å ({})", radius.element, radius.radius,
+                                  counted(radius.count, "atom")));
+    }
   }
+  for (const auto& [residue, count] : by_residue) {
+    parts.push_back(fmt::format("{} by element ({})", residue, counted(count, "atom")));
+  }
+  return parts;
+}
+
+std::string radii_text(const InputReport& input) {
   return fmt::format("{}, probe {} Å; assumed: {}", input.radius_set, input.probe,
-                     none_or(assumed));
+                     none_or(assumed_text(input.radii_assumed)));
 }
 
 void input_text(Text out, const InputReport& input) {
@@ -154,12 +166,17 @@ std::string figure(const std::optional<Cells>& figures, const char* key) {
   return text.empty() ? kNotComputed : text;
 }
 
-// A row of the table: what it is called, and the keys of its figures in mesh and exact union.
+// A row of the table: what it is called, and the keys of its figures in mesh and exact union. A
+// mesh has no polarity: rows without a key of it stand there only if the exact union has the
+// figure.
 struct Row {
   const char *label, *mesh, *exact, *unit;
 };
 constexpr Row kRows[] = {
     {"Area", "area", "area", "Å²"},
+    {"  polar area", nullptr, "polar_area", "Å²"},
+    {"  apolar area", nullptr, "apolar_area", "Å²"},
+    {"  unclassified area", nullptr, "unclassified_area", "Å²"},
     {"Volume", "volume", "volume", "Å³"},
     {"  outer area", "outer_area", "outer_area", "Å²"},
     {"  area of voids", "void_area", "void_area", "Å²"},
@@ -181,10 +198,11 @@ void table_text(Text out, const Report& report) {
   fmt::format_to(out, "\n{:<22}{:>14}{:>16}{:>14}\n", "", mesh ? "mesh" : "", exact ? "exact" : "",
                  report.comparison ? "mesh - exact" : "");
   for (const Row& row : kRows) {
-    std::string text =
-        fmt::format("{:<22}{}{}{}  {}", row.label, on_the_right(figure(mesh, row.mesh), 14),
-                    on_the_right(figure(exact, row.exact), 16),
-                    on_the_right(differences[row.mesh], 14), row.unit);
+    if (!row.mesh && (!exact || (*exact)[row.exact].empty())) continue;
+    std::string text = fmt::format(
+        "{:<22}{}{}{}  {}", row.label, on_the_right(row.mesh ? figure(mesh, row.mesh) : "", 14),
+        on_the_right(figure(exact, row.exact), 16),
+        on_the_right(row.mesh ? differences[row.mesh] : "", 14), row.unit);
     text.erase(text.find_last_not_of(' ') + 1);
     fmt::format_to(out, "{}\n", text);
   }

@@ -339,9 +339,15 @@ void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Sess
   Report& report = session.report;
   UnionOptions wanted{.method = options.method, .monitor = session.monitor};
   if (measured) wanted.measured = *measured;
-  report.exact = exact_union(spheres, wanted);
+  report.exact.emplace();
+  exact_union_into(*report.exact, spheres, wanted);
   if (options.topology == Switch::off) report.exact->topology.reset();
   report.timing.exact = watch.seconds();
+}
+
+void measure_polarity(const Molecule& molecule, Session& session) {
+  ExactReport& exact = *session.report.exact;
+  exact.by_polarity = area_by_polarity(molecule, exact);
 }
 
 MeshDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,

@@ -71,6 +71,9 @@ std::optional<std::vector<SphereId>> measured_spheres(const Molecule& molecule);
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
                      const std::optional<std::vector<SphereId>>& measured = std::nullopt);
 
+// The polar and apolar parts of the exact area, which must be in the report.
+void measure_polarity(const Molecule& molecule, Session& session);
+
 MeshDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
                                 const DistanceChoice& choice, const Session& session);
 

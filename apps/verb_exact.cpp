@@ -18,10 +18,12 @@ void run_exact(const Options& options) {
   demand.exact = options.exact.method;
   check_memory_before(demand, spheres, options.machine.memory_limit);
   measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
+  measure_polarity(molecule, session);
   if (!options.output.per_atom.empty()) {
     session.end_progress();
-    write_output(options.output.per_atom, per_atom_csv(molecule, input.probe, *session.report.exact,
-                                                       {}, options.output.group));
+    write_output(
+        options.output.per_atom,
+        per_atom_csv({molecule, input.probe, *session.report.exact, {}, options.output.group}));
   }
   session.deliver_report(options.output);
 }

@@ -56,13 +56,14 @@ void run_report(const Options& options) {
   const auto [molecule, spheres] = load(input, session);
   const IndexedMesh mesh = make_measured_mesh(spheres, options, session);
   measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
+  measure_polarity(molecule, session);
   compare_with_exact(mesh, spheres, options.distances, session);
   if (!options.picture.path.empty()) draw_distances(mesh, spheres, options.picture, session);
   if (!options.output.per_atom.empty()) {
     session.end_progress();
     write_output(options.output.per_atom,
-                 per_atom_csv(molecule, input.probe, *session.report.exact,
-                              mesh_area_by_sphere(mesh, spheres.size()), options.output.group));
+                 per_atom_csv({molecule, input.probe, *session.report.exact,
+                               mesh_area_by_sphere(mesh, spheres.size()), options.output.group}));
   }
   session.deliver_report(options.output);
 }

@@ -4,14 +4,14 @@
 set(vdwmesh_rooms core spheres surface structure extract refine arrangement mesh analysis render thesis
     cuda cuda_gl)
 set(core_headers buffer errors host_device monitor sum vec3 workspace)
-set(structure_headers molecule radii reader)
+set(structure_headers molecule polarity radii reader reference_areas)
 set(spheres_headers cell_list_frame sphere_set)
 set(surface_headers indexed_mesh vertex_labels)
 set(extract_headers extractor field grid sampled_field)
 set(refine_headers refiner)
 set(arrangement_headers exact_mesher exact_union)
 set(mesh_headers element_color mesh_io surface_mesh surface_mesh_builder)
-set(analysis_headers comparison convergence distances mesh_measures quality_histograms study)
+set(analysis_headers comparison convergence distances exposure mesh_measures quality_histograms study)
 set(render_headers camera color_map color_scale crease_split picture renderer surface_source
     surface_vertex)
 set(cuda_headers backend cuda_source)

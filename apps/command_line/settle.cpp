@@ -11,6 +11,7 @@
 #include "mesh/mesh_io.hpp"
 #include "refuse.hpp"
 #include "render/renderer.hpp"
+#include "structure/radii.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -89,7 +90,7 @@ void check_model(const std::string& model) {
 void settle_input(Draft& d) {
   check_model(d.read.model);
   const std::string& radii = d.read.radii;
-  if (radii != "bondi" && radii != "alvarez") d.files.add_input("--radii", radii);
+  if (std::ranges::count(RadiusTable::names(), radii) == 0) d.files.add_input("--radii", radii);
   const bool thesis = d.options.surface.field.preset != FieldPreset::radius_aware;
   d.read.hetero_atoms = d.hetero_atoms.value_or(thesis ? Inclusion::drop : Inclusion::keep);
   refuse_if(std::ranges::count(d.paths, "-") > 0 && d.read.format == StructureFormat::by_extension,

@@ -23,6 +23,7 @@
 #include "core/errors.hpp"
 #include "core/large_pages.hpp"
 #include "core/letters.hpp"
+#include "structure/assign_radii.hpp"
 #include "structure/lines.hpp"
 #include "structure/site.hpp"
 #include "structure/site_selection.hpp"
@@ -61,14 +62,6 @@ bool is_water(const gemmi::Residue& residue) {
       return false;
   }
   return oxygens.size() <= 1;
-}
-
-// Describes an atom for a message. `record` is the AtomRecord of the site.
-std::string name_of(const Site& site, const AtomRecord& record) {
-  std::string chain = site.chain->name.empty() ? "" : " of chain " + site.chain->name;
-  return fmt::format("atom {} of residue {} {}{} (serial {}, {} {})", site.atom->name,
-                     site.residue->name, site.residue->seqid.str(), chain, record.serial,
-                     record.line == 0 ? "number" : "line", record.line);
 }
 
 constexpr double kMostAtoms = 4294967294;  // 2^32 - 2, the most spheres that a SphereSet holds
@@ -117,11 +110,11 @@ class Choice {
 
   Molecule run(const RadiusTable& table) {
     choose_models();
-    drop_by_kind();
+    drop_by_kind(table);
     choose_alternate_locations(sites_, options_.altloc, file_.path, molecule_.skipped);
     select();
     refuse_if_empty();
-    assign_radii(table);
+    take_radii(table);
     drop("zero_radius", [](const Site& site) { return site.radius == 0; });
     refuse_if_empty();
     mark_measured();
@@ -189,7 +182,7 @@ class Choice {
     return fmt::format("{} models, {} to {}", count, model_name(0), model_name(count - 1));
   }
 
-  void drop_by_kind() {
+  void drop_by_kind(const RadiusTable& table) {
     if (options_.waters == Inclusion::drop) {
       // The atoms of a residue stand together, so one test for each residue is enough. `water` is
       // the result for `seen`, the residue of the previous site.
@@ -200,8 +193,7 @@ class Choice {
         return water;
       });
     }
-    if (options_.hydrogens == Inclusion::drop)
-      drop("hydrogens", [](const Site& site) { return site.atom->is_hydrogen(); });
+    drop_hydrogens(table);
     if (options_.hetero_atoms == Inclusion::drop)
       drop("hetatm", [this](const Site& site) { return record(site).hetero; });
   }
@@ -240,46 +232,25 @@ class Choice {
                     file_.path, molecule_.atoms_read, reasons));
   }
 
-  // Sets Site::radius from the file or the table. Counts for each element the radii that the chosen
-  // set itself lacks, so that the table assumes them from another set.
-  void assign_radii(const RadiusTable& table) {
-    std::map<std::string, AssumedRadius> assumed;
-    for (Site& site : sites_) {
-      if (file_.own_radii) {
-        site.radius = record(site).radius;
-        continue;
-      }
-      const char* element = site.atom->element.name();
-      const auto entry = table.find(site.residue->name, site.atom->name, element);
-      if (!entry) refuse_radius(site);
-      site.radius = entry->radius;
-      if (entry->assumed)
-        ++assumed.try_emplace(element, AssumedRadius{element, entry->radius, 0})
-              .first->second.count;
-    }
-    for (auto& [element, radius] : assumed) molecule_.radii_assumed.push_back(radius);
-    molecule_.radius_set = file_.own_radii ? "file" : options_.radii;
+  // The radii of united atoms include the hydrogens, which therefore go without being asked for.
+  void drop_hydrogens(const RadiusTable& table) {
+    const bool united = table.has_united_atoms() && !file_.own_radii;
+    if (options_.hydrogens == Inclusion::keep && !united) return;
+    drop("hydrogens", [](const Site& site) { return site.atom->is_hydrogen(); });
+    const auto dropped = molecule_.skipped.find("hydrogens");
+    if (options_.hydrogens == Inclusion::drop || dropped == molecule_.skipped.end()) return;
+    molecule_.notes.push_back(
+        fmt::format("{} hydrogens were left out: the radii of the set {} include them",
+                    dropped->second, options_.radii));
   }
 
-  // Throws for an atom without a radius, and says which line of a radius file would give it one.
-  [[noreturn]] void refuse_radius(const Site& site) const {
-    const std::string name = name_of(site, record(site));
-    if (file_.coarse_grained && site.atom->element == gemmi::El::X)
-      throw InvalidInput(
-          fmt::format("{}: {} is a bead of a coarse-grained (Martini) model, which stands for "
-                      "several atoms and "
-                      "has no element; give --radii FILE with a line 'X RADIUS' for all beads, or "
-                      "'{} {} RADIUS'",
-                      file_.path, name, site.residue->name, site.atom->name));
-    if (site.atom->element == gemmi::El::X)
-      throw InvalidInput(
-          fmt::format("{}: the element of {} cannot be told; give --radii FILE with "
-                      "a line '{} {} RADIUS'",
-                      file_.path, name, site.residue->name, site.atom->name));
-    throw InvalidInput(fmt::format(
-        "{}: the radius set {} has no radius for element {} of {}; give "
-        "--radii FILE with a line '{} RADIUS'",
-        file_.path, options_.radii, site.atom->element.name(), name, site.atom->element.name()));
+  // Gives the sites the radii of the file, or those of the table.
+  void take_radii(const RadiusTable& table) {
+    molecule_.radius_set = file_.own_radii ? "file" : options_.radii;
+    if (file_.own_radii)
+      for (Site& site : sites_) site.radius = record(site).radius;
+    else
+      assign_radii(sites_, file_, table, molecule_);
   }
 
   // Counts the atoms whose elements were derived from names, and adds a note for the user. Files
@@ -339,6 +310,7 @@ class Choice {
     taken.model = model_number(*site.model);
     taken.hetero = from.hetero;
     taken.measured = site.measured;
+    taken.polarity = site.polarity;
     return taken;
   }
 

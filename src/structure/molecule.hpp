@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/vec3.hpp"
+#include "structure/polarity.hpp"
 
 namespace vdwmesh {
 
@@ -23,6 +24,7 @@ struct Atom {
   std::int32_t model = 1;      // 0 if the file names the model by something else than a number
   bool hetero = false;         // the record is HETATM
   bool measured = true;        // false: covers others, and is not measured itself
+  Polarity polarity = Polarity::unknown;  // by the radius set; sets by element have none
 };
 
 // Maps a reason why atoms of the file were not used to the number of these atoms. The reasons are
@@ -31,11 +33,13 @@ struct Atom {
 using SkippedAtoms = std::map<std::string, std::uint64_t>;
 
 // An element that the chosen radius set lacks and whose radius comes from the set that completes it
-// (Alvarez for Bondi).
+// (Alvarez for Bondi). Of a set of united atoms: an atom that it lacks, with the radius that
+// Bondi's set has for the element.
 struct AssumedRadius {
   std::string element;
-  double radius;        // Å
-  std::uint64_t count;  // atoms with this radius
+  double radius;                        // Å
+  std::uint64_t count;                  // atoms with this radius
+  std::string residue_name, atom_name;  // empty for sets by element
 };
 
 // An element that the file does not give and that was derived from the names of atom and residue.
@@ -52,7 +56,8 @@ struct Molecule {
   std::string path, format;
   std::string model;             // the name of the model ("1"), or "all"
   std::string assembly;          // "asymmetric", or the name of an assembly in the file
-  std::string radius_set;        // "bondi", "alvarez", "file", or the path of a radius file
+  std::string radius_set;        // a built-in set, "file", or the path of a radius file
+  bool has_polarity = false;     // the radius set says which atoms are polar
   std::uint64_t atoms_read = 0;  // all atoms of the file, in all of its models
   // Atoms of the file that are in `atoms`, each counted once. An assembly may hold several copies
   // of an atom; otherwise this is atoms.size().

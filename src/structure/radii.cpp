@@ -1,18 +1,21 @@
-// The two published radius sets as tables, and the parser of radius files. The set "bondi" consists
-// of Bondi's 38 elements; Alvarez's table completes it, and entries from there are marked as
-// assumed.
+// The two published radius sets by element as tables, and the parser of radius files. The set
+// "bondi" consists of Bondi's 38 elements; Alvarez's table completes it, and entries from there are
+// marked as assumed. The sets of united atoms stand in united_sets.cpp; they are completed by
+// "bondi", all of whose entries are marked as assumed then.
 #include "structure/radii.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "core/errors.hpp"
 #include "structure/elements.hpp"
 #include "structure/lines.hpp"
 #include "structure/text_source.hpp"
+#include "structure/united_atoms.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -20,6 +23,8 @@ namespace {
 // Å. Larger radii in radius files are refused as typing errors. The limit leaves room for the beads
 // of coarse models, which are much larger than atoms.
 constexpr double kLargestRadius = 1000;
+
+constexpr const char *kBondiName = "bondi", *kAlvarezName = "alvarez";
 
 struct Listed {
   const char* element;
@@ -107,20 +112,32 @@ class GivenRadii {
 
 }  // namespace
 
+const std::vector<std::string>& RadiusTable::names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all{kBondiName, kAlvarezName};
+    for (const UnitedSet& set : united_sets()) all.emplace_back(set.name);
+    return all;
+  }();
+  return names;
+}
+
 RadiusTable RadiusTable::named(std::string_view name) {
   RadiusTable table;
-  if (name != "bondi" && name != "alvarez")
-    throw InvalidInput(
-        fmt::format("there is no radius set {}; there are bondi and alvarez, or "
-                    "give a file",
-                    in_quotes(name)));
-  if (name == "bondi")
-    for (const Listed& entry : kBondi) table.by_element_[entry.element] = {entry.radius, false};
-  // try_emplace() keeps Bondi's radii where both papers have one. In the set "bondi", the radii of
-  // Alvarez are marked as assumed.
-  for (const Listed& entry : kAlvarez)
-    table.by_element_.try_emplace(entry.element, Entry{entry.radius, name == "bondi"});
-  return table;
+  // Elements that the table has already keep their radii.
+  const auto add = [&table](std::span<const Listed> elements, bool assumed) {
+    for (const Listed& entry : elements)
+      table.by_element_.try_emplace(entry.element, Entry{entry.radius, assumed});
+  };
+  if (name != kAlvarezName) add(kBondi, name != kBondiName);
+  add(kAlvarez, name != kAlvarezName);
+  if (name == kBondiName || name == kAlvarezName) return table;
+  for (const UnitedSet& set : united_sets()) {
+    if (set.name != name) continue;
+    table.united_ = std::make_shared<const UnitedAtoms>(set);
+    return table;
+  }
+  throw InvalidInput(fmt::format("there is no radius set {}; there are {}, or give a file",
+                                 in_quotes(name), fmt::join(names(), ", ")));
 }
 
 RadiusTable RadiusTable::from_file(const std::filesystem::path& path) {
@@ -163,6 +180,11 @@ std::optional<RadiusTable::Entry> RadiusTable::find(std::string_view residue, st
   if (!by_atom_.empty()) {
     const auto own = by_atom_.find({std::string(residue), std::string(atom)});
     if (own != by_atom_.end()) return Entry{own->second, false};
+  }
+  if (united_) {
+    if (element == "H" || element == "D") return std::nullopt;
+    if (const auto match = united_->find(residue, atom, element))
+      return Entry{match->type->radius, false, match->type->polarity, match->renamed};
   }
   auto found = by_element_.find(element);
   if (found == by_element_.end() && element == "D") found = by_element_.find(std::string_view("H"));

@@ -26,12 +26,11 @@ namespace {
 
 // The built-in radius set of that name, or the table in a file of that name.
 RadiusTable radius_table(const std::string& radii) {
-  if (radii == "bondi" || radii == "alvarez") return RadiusTable::named(radii);
+  const std::vector<std::string>& sets = RadiusTable::names();
+  if (std::find(sets.begin(), sets.end(), radii) != sets.end()) return RadiusTable::named(radii);
   if (!std::filesystem::exists(radii))
-    throw InvalidInput(
-        fmt::format("radii {}: neither a set (bondi, alvarez) nor a file that is "
-                    "there",
-                    in_quotes(radii)));
+    throw InvalidInput(fmt::format("radii {}: neither a set ({}) nor a file that is there",
+                                   in_quotes(radii), fmt::join(sets, ", ")));
   return RadiusTable::from_file(radii);
 }
 

@@ -48,7 +48,8 @@ struct ReadOptions {
   // Bytes. Texts above memory_limit / kReadingFactor are refused, and so are assemblies whose atoms
   // take more than the limit.
   std::uint64_t memory_limit = ~std::uint64_t{0};
-  // "bondi", "alvarez", or the path of a radius file. PQR and XYZR files bring their own radii.
+  // A set of RadiusTable::names(), or the path of a radius file. PQR and XYZR files bring their own
+  // radii. Sets of united atoms drop the hydrogens, as part of the atoms that they are bonded to.
   std::string radii = "bondi";
 };
 

@@ -24,6 +24,7 @@ struct Site {
   const gemmi::Atom* atom;
   double radius = 0;  // Å; 0 until radii are assigned
   bool measured = true;
+  Polarity polarity = Polarity::unknown;
 };
 
 // The atoms of a residue stand together, as in gemmi's hierarchy.

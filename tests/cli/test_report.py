@@ -191,6 +191,9 @@ class TextReport(ProgramTest):
         cut = self.cut_file()
         open_mesh = self.file("open.off", "OFF\n4 3 0\n0 0 0\n2 0 0\n0 2 0\n0 0 2\n3 0 2 1\n3 0 1 3\n3 0 3 2\n")
         ball = self.file("ball.xyzr", "0.3 0.3 0.3 1\n")
+        ligands = self.file("ligands.pdb", "".join(
+            f"HETATM{i:5}  {atom:<3} {residue} A{i:4}    {5.0 * i:8.3f}   0.000   0.000  1.00  0.00           C\n"
+            for i, (residue, atom) in enumerate((("HEM", "CHA"), ("HEM", "CHB"), ("017", "C1")), 1)))
         for arguments, kinds in (
             (("report", "--sample", "ubiquitin"), whole | {"Grid", "Backend", "Projection", "Level"}),
             (("report", spheres, "--spacing", "0.4", "--subdivide", "2"), whole | {"Level"}),
@@ -201,6 +204,9 @@ class TextReport(ProgramTest):
             (("report", cut, "--distances", "off", "--self-intersections", "off", "--cgal-check", "off",
               "--project", "none"), mesh | {"WARNING"}),
             (("exact", spheres, "--method", "both"), always | {"Exact union"}),
+            (("report", UBIQUITIN, "--measure", "A/10-12", "--radii", "protor", "--distances", "off"),
+             mesh | {"Measured", "polar area", "apolar area", "unclassified area", "Note"}),
+            (("exact", ligands, "--radii", "naccess"), always | {"unclassified area"}),
             (("mesh", cut, "-o", out, "--devices", "2"), mesh),
             (("compare", open_mesh, ball), whole | {"Mesh file", "WARNING"}),
         ):  # fmt: skip

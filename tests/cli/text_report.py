@@ -4,6 +4,7 @@ Nothing here rounds as the program does: a printed number agrees with the docume
 within half a unit of its last digit. Each line must be of a kind known here, so that a line the
 program adds is noticed."""
 
+import collections
 import re
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
@@ -38,6 +39,9 @@ def at(block, *keys):
 
 TABLE = {
     "Area": ("area", "area"),
+    "polar area": (None, "polar_area"),
+    "apolar area": (None, "apolar_area"),
+    "unclassified area": (None, "unclassified_area"),
     "Volume": ("volume", "volume"),
     "outer area": ("outer_area", "outer_area"),
     "area of voids": ("void_area", "void_area"),
@@ -109,7 +113,7 @@ class TextReport:
             self.distances = d = doc["comparison"][DISTANCES[name]]
             return self.expect(line, tokens[:5], [d[k] for k in ("mean", "rms", "p95", "p99", "max")])
         values = []
-        if doc["mesh"]:
+        if doc["mesh"] and TABLE[name][0]:
             values.append(at(doc, "mesh", TABLE[name][0]))
         if doc["exact"]:
             values.append(at(doc, "exact", TABLE[name][1]))
@@ -142,8 +146,18 @@ class TextReport:
 
     def check_radii(self, line, text):
         i = self.document["input"]
-        assumed = [x for radius in i["radii_assumed"] for x in (radius["radius"], radius["count"])]
-        self.expect_numbers(line, text.split(",", 1)[1], [i["probe"], *assumed])
+        by_element = [r for r in i["radii_assumed"] if r["residue"] is None and r["atom"] is None]
+        assumed = [x for radius in by_element for x in (radius["radius"], radius["count"])]
+        by_residue = collections.Counter()
+        for radius in i["radii_assumed"]:
+            if radius not in by_element:
+                by_residue[radius["residue"]] += radius["count"]
+        names = re.findall(r"(\S+) by element", text)
+        if names != sorted(by_residue):
+            self.problems.append(line)
+        text = re.sub(r"\S+ by element", "by element", text)  # names may be numbers
+        self.expect_numbers(line, text.split(",", 1)[1],
+                            [i["probe"], *assumed, *(by_residue[name] for name in names)])
 
     def check_surface(self, line, text):
         p = self.document["parameters"]

@@ -119,6 +119,51 @@ TEST(RadiusTable, BadLinesAreRefusedWithTheirNumber) {
   EXPECT_THROW(RadiusTable::named("pauling"), InvalidInput);
 }
 
+TEST(RadiusTable, UnitedAtomsGoByResidueAndAtom) {
+  for (const char* name : {"protor", "naccess", "oons"}) {
+    const RadiusTable table = RadiusTable::named(name);
+    EXPECT_TRUE(table.has_united_atoms());
+    EXPECT_FALSE(table.find("ALA", "HA", "H")) << name;  // part of CA
+    EXPECT_FALSE(table.find("ALA", "DA", "D")) << name;
+    const auto listed = table.find("ALA", "O", "O"), renamed = table.find("HIE", "CG", "C"),
+               lacking = table.find("HEM", "CHA", "C"), unknown = table.find("", "", "C");
+    ASSERT_TRUE(listed && renamed && lacking && unknown) << name;
+    EXPECT_EQ(listed->polarity, Polarity::polar);
+    EXPECT_FALSE(listed->assumed || listed->renamed);
+    EXPECT_TRUE(renamed->renamed);
+    EXPECT_EQ(renamed->radius, table.find("HIS", "CG", "C")->radius);
+    for (const auto& entry : {lacking, unknown}) {
+      EXPECT_EQ(entry->radius, 1.70) << name;  // Bondi 1964
+      EXPECT_TRUE(entry->assumed);
+      EXPECT_EQ(entry->polarity, Polarity::unknown);
+    }
+  }
+  for (const char* name : {"bondi", "alvarez"}) {
+    const RadiusTable table = RadiusTable::named(name);
+    EXPECT_FALSE(table.has_united_atoms());
+    EXPECT_EQ(table.find("ALA", "O", "O")->polarity, Polarity::unknown);
+  }
+}
+
+// Table 2 of Tsai et al. 1999.
+TEST(RadiusTable, ProtOrOfThePaper) {
+  const RadiusTable table = RadiusTable::named("protor");
+  EXPECT_EQ(table.find("TYR", "CZ", "C")->radius, 1.61);   // C3H0
+  EXPECT_EQ(table.find("TYR", "CE1", "C")->radius, 1.76);  // C3H1
+  EXPECT_EQ(table.find("LEU", "CD1", "C")->radius, 1.88);  // C4H3
+  EXPECT_EQ(table.find("LYS", "NZ", "N")->radius, 1.64);   // N4H3
+  EXPECT_EQ(table.find("GLY", "O", "O")->radius, 1.42);    // O1H0
+  EXPECT_EQ(table.find("SER", "OG", "O")->radius, 1.46);   // O2H1
+  EXPECT_EQ(table.find("MET", "SD", "S")->radius, 1.77);   // S2H0
+}
+
+TEST(RadiusTable, TheNamesAreThoseOfTheSets) {
+  EXPECT_THAT(RadiusTable::names(),
+              ::testing::ElementsAre("bondi", "alvarez", "protor", "naccess", "oons"));
+  for (const std::string& name : RadiusTable::names())
+    EXPECT_NO_THROW(RadiusTable::named(name)) << name;
+}
+
 TEST(RadiusTable, UnknownSetIsRefused) {
   ReadOptions options;
   options.radii = "bondy";

@@ -1,0 +1,98 @@
+// Looks every atom up in the radius table and counts what the table says about the match: radii
+// assumed from another set, by element or by atom, and residues that stand in it by another name.
+#include "structure/assign_radii.hpp"
+
+#include <fmt/format.h>
+
+#include <gemmi/model.hpp>
+#include <map>
+#include <tuple>
+
+#include "core/errors.hpp"
+#include "structure/lines.hpp"
+
+namespace vdwmesh {
+namespace {
+
+const AtomRecord& record_of(const Site& site, const ParsedFile& file) {
+  return file.atoms[static_cast<std::size_t>(site.atom->serial)];
+}
+
+// Describes an atom for a message.
+std::string name_of(const Site& site, const AtomRecord& record) {
+  std::string chain = site.chain->name.empty() ? "" : " of chain " + site.chain->name;
+  return fmt::format("atom {} of residue {} {}{} (serial {}, {} {})", site.atom->name,
+                     site.residue->name, site.residue->seqid.str(), chain, record.serial,
+                     record.line == 0 ? "number" : "line", record.line);
+}
+
+[[noreturn]] void refuse_radius(const Site& site, const ParsedFile& file,
+                                const std::string& radius_set) {
+  const std::string name = name_of(site, record_of(site, file));
+  if (file.coarse_grained && site.atom->element == gemmi::El::X)
+    throw InvalidInput(
+        fmt::format("{}: {} is a bead of a coarse-grained (Martini) model, which stands for "
+                    "several atoms and "
+                    "has no element; give --radii FILE with a line 'X RADIUS' for all beads, or "
+                    "'{} {} RADIUS'",
+                    file.path, name, site.residue->name, site.atom->name));
+  if (site.atom->element == gemmi::El::X)
+    throw InvalidInput(
+        fmt::format("{}: the element of {} cannot be told; give --radii FILE with "
+                    "a line '{} {} RADIUS'",
+                    file.path, name, site.residue->name, site.atom->name));
+  throw InvalidInput(fmt::format(
+      "{}: the radius set {} has no radius for element {} of {}; give "
+      "--radii FILE with a line '{} RADIUS'",
+      file.path, radius_set, site.atom->element.name(), name, site.atom->element.name()));
+}
+
+// What was assumed, by element; of united atoms also by residue and atom.
+class Account {
+ public:
+  explicit Account(bool by_atom) : by_atom_(by_atom) {}
+
+  void add(const Site& site, const RadiusTable::Entry& entry) {
+    if (entry.renamed) ++renamed_[site.residue->name];
+    if (!entry.assumed) return;
+    const std::string residue = by_atom_ ? site.residue->name : "",
+                      atom = by_atom_ ? site.atom->name : "", element = site.atom->element.name();
+    const AssumedRadius first{element, entry.radius, 0, residue, atom};
+    ++assumed_.try_emplace({residue, atom, element}, first).first->second.count;
+  }
+
+  void write_to(Molecule& molecule) const {
+    for (const auto& [key, radius] : assumed_) molecule.radii_assumed.push_back(radius);
+    if (renamed_.empty()) return;
+    std::string names;
+    for (const auto& [residue, count] : renamed_)
+      names += fmt::format("{}{} ({}x)", names.empty() ? "" : ", ", residue, count);
+    molecule.notes.push_back(
+        fmt::format("the radius set {} has atoms of these residues by other names, those of the "
+                    "standard residue in the PDB: {}",
+                    molecule.radius_set, names));
+  }
+
+ private:
+  bool by_atom_;
+  std::map<std::tuple<std::string, std::string, std::string>, AssumedRadius> assumed_;
+  std::map<std::string, std::uint64_t> renamed_;  // residue name -> atoms
+};
+
+}  // namespace
+
+void assign_radii(Sites& sites, const ParsedFile& file, const RadiusTable& table,
+                  Molecule& molecule) {
+  Account account(table.has_united_atoms());
+  for (Site& site : sites) {
+    const auto entry = table.find(site.residue->name, site.atom->name, site.atom->element.name());
+    if (!entry) refuse_radius(site, file, molecule.radius_set);
+    site.radius = entry->radius;
+    site.polarity = entry->polarity;
+    account.add(site, *entry);
+  }
+  account.write_to(molecule);
+  molecule.has_polarity = table.has_united_atoms();
+}
+
+}  // namespace vdwmesh
