@@ -22,7 +22,7 @@ struct PerAtomTable {
 
 // One row per atom, residue or chain, in the order of the file. Columns that have no value for a
 // row, or were not computed, are empty: the measures of a row without an atom that --measure chose.
-// Sums are over the chosen atoms of a row, which the column `measured` counts.
+// Sums are over the chosen atoms of a row, which the column of the measured ones counts.
 std::string per_atom_csv(const PerAtomTable& table);
 
 }  // namespace vdwmesh::apps

@@ -2,8 +2,7 @@
 // FreeSASA 2.1 (S. Mitternacht, F1000Research 5 (2016) 189), so that its results can be compared:
 // - ProtOr: types and radii of Tsai et al. 1999, extended by FreeSASA to nucleotides, selenium and
 //   end groups. Both oxygens of a carboxylate count as those of the acid: one with a hydrogen.
-// - NACCESS: the radii of the program NACCESS (Hubbard and Thornton 1993). Carbons in the bases of
-//   nucleotides have the radius and the class of its nitrogens.
+// - NACCESS: the radii of the program NACCESS (Hubbard and Thornton 1993).
 // - OONS: Ooi et al. 1987, in which carbonyl carbons count as polar.
 #include "structure/united_sets.hpp"
 
@@ -82,11 +81,10 @@ constexpr std::array kProtOrAtoms{
 
 constexpr std::array kNaccessTypes{
     AtomType{"C_ALI", "C", 1.87, kApolar}, AtomType{"C_CAR", "C", 1.76, kApolar},
-    AtomType{"C_NUC", "C", 1.80, kApolar}, AtomType{"C_BASE", "C", 1.60, kPolar},
-    AtomType{"N_AMN", "N", 1.50, kPolar},  AtomType{"N_AMD", "N", 1.65, kPolar},
-    AtomType{"N_NUC", "N", 1.60, kPolar},  AtomType{"O", "O", 1.40, kPolar},
-    AtomType{"P", "P", 1.90, kApolar},     AtomType{"S", "S", 1.85, kApolar},
-    AtomType{"SE", "Se", 1.80, kApolar},
+    AtomType{"C_NUC", "C", 1.80, kApolar}, AtomType{"N_AMN", "N", 1.50, kPolar},
+    AtomType{"N_AMD", "N", 1.65, kPolar},  AtomType{"N_NUC", "N", 1.60, kPolar},
+    AtomType{"O", "O", 1.40, kPolar},      AtomType{"P", "P", 1.90, kApolar},
+    AtomType{"S", "S", 1.85, kApolar},     AtomType{"SE", "Se", 1.80, kApolar},
 };
 
 constexpr std::array kNaccessAtoms{
@@ -104,7 +102,7 @@ constexpr std::array kNaccessAtoms{
     TypedAtoms{"LEU", "CG CD1 CD2 C_ALI"},
     TypedAtoms{"LYS", "CG CD CE C_ALI, NZ N_AMN"},
     TypedAtoms{"MET", "CG CE C_ALI, SD S"},
-    TypedAtoms{"MSE", "SE SE"},
+    TypedAtoms{"SEC MSE", "SE SE"},
     TypedAtoms{"PHE", "CG CD1 CD2 CE1 CE2 CZ C_CAR"},
     TypedAtoms{"PRO", "CG CD C_ALI"},
     TypedAtoms{"SER", "OG O"},
@@ -112,12 +110,12 @@ constexpr std::array kNaccessAtoms{
     TypedAtoms{"TRP", "CG CD1 CD2 CE2 CE3 CZ2 CZ3 CH2 C_CAR, NE1 N_AMD"},
     TypedAtoms{"TYR", "CG CD1 CD2 CE1 CE2 CZ C_CAR, OH O"},
     TypedAtoms{"VAL", "CG1 CG2 C_ALI"},
-    TypedAtoms{"A DA", "N1 N3 N6 N7 N9 N_NUC, C2 C4 C5 C6 C8 C_BASE"},
-    TypedAtoms{"G DG", "N1 N2 N3 N7 N9 N_NUC, C2 C4 C5 C6 C8 C_BASE, O6 O"},
-    TypedAtoms{"I DI", "N1 N3 N7 N9 N_NUC, C2 C4 C5 C6 C8 C_BASE, O6 O"},
-    TypedAtoms{"C DC", "N1 N3 N4 N_NUC, C2 C4 C5 C6 C_BASE, O2 O"},
-    TypedAtoms{"T DT", "N1 N3 N_NUC, C2 C4 C5 C6 C7 C_BASE, O2 O4 O"},
-    TypedAtoms{"U DU", "N1 N3 N_NUC, C2 C4 C5 C6 C_BASE, O2 O4 O"},
+    TypedAtoms{"A DA", "N1 N3 N6 N7 N9 N_NUC, C2 C4 C5 C6 C8 C_NUC"},
+    TypedAtoms{"G DG", "N1 N2 N3 N7 N9 N_NUC, C2 C4 C5 C6 C8 C_NUC, O6 O"},
+    TypedAtoms{"I DI", "N1 N3 N7 N9 N_NUC, C2 C4 C5 C6 C8 C_NUC, O6 O"},
+    TypedAtoms{"C DC", "N1 N3 N4 N_NUC, C2 C4 C5 C6 C_NUC, O2 O"},
+    TypedAtoms{"T DT", "N1 N3 N_NUC, C2 C4 C5 C6 C7 C_NUC, O2 O4 O"},
+    TypedAtoms{"U DU", "N1 N3 N_NUC, C2 C4 C5 C6 C_NUC, O2 O4 O"},
 };
 
 constexpr std::array kOonsTypes{

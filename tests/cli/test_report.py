@@ -205,7 +205,7 @@ class TextReport(ProgramTest):
               "--project", "none"), mesh | {"WARNING"}),
             (("exact", spheres, "--method", "both"), always | {"Exact union"}),
             (("report", UBIQUITIN, "--measure", "A/10-12", "--radii", "protor", "--distances", "off"),
-             mesh | {"Measured", "polar area", "apolar area", "unclassified area", "Note"}),
+             mesh | {"Measured", "polar area", "apolar area", "unclassified area"}),
             (("exact", ligands, "--radii", "naccess"), always | {"unclassified area"}),
             (("mesh", cut, "-o", out, "--devices", "2"), mesh),
             (("compare", open_mesh, ball), whole | {"Mesh file", "WARNING"}),

@@ -21,6 +21,7 @@ void expect_same(const char* set, const freesasa_classifier& witness, int expect
   int found = 0;
   for (const char* residue : kResidues) {
     const freesasa_nodearea* theirs = freesasa_classifier_residue_reference(&witness, residue);
+    if (theirs && !theirs->name) theirs = nullptr;  // a residue of the set without a reference
     const auto ours = reference_areas(set, residue);
     ASSERT_EQ(ours.has_value(), theirs != nullptr) << set << ' ' << residue;
     if (!ours) continue;
