@@ -88,6 +88,17 @@ void describe(A& a, const Shell& shell) {
 }
 
 template <class A>
+void describe(A& a, const Enclosure& interval) {
+  a("lower", interval.lower), a("upper", interval.upper);
+}
+
+template <class A>
+void describe(A& a, const UnionCertificate& certificate) {
+  a("area", certificate.area), a("volume", certificate.volume);
+  a("wide_spheres", certificate.wide_spheres), a("bits", certificate.bits);
+}
+
+template <class A>
 void describe(A& a, const ExactUnion& exact) {
   const auto& topology = exact.topology;
   using T = UnionTopology;
@@ -104,6 +115,7 @@ void describe(A& a, const ExactUnion& exact) {
   a("shell_measures", of(topology, &T::shells));
   a("check_area", exact.check_area), a("check_volume", exact.check_volume);
   a("fallback_spheres", exact.fallback_spheres);
+  a("certificate", exact.certificate);
 }
 
 template <class A>

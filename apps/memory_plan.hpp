@@ -32,6 +32,12 @@ struct MemoryDemand {
   Switch distances = Switch::off;
 };
 
+// The method whose memory the exact union takes: a certificate has the triangulation as well.
+inline UnionMethod method_for_memory(const ExactOptions& exact) {
+  const bool more = exact.certify == Switch::on && exact.method == UnionMethod::arcs;
+  return more ? UnionMethod::both : exact.method;
+}
+
 // Room of the labels of vertices that make_mesh() gives.
 LabelWidth label_width(const SurfaceOptions& surface);
 

@@ -46,6 +46,7 @@ enum class CgalCheck { small_meshes, run, skip };
 struct ExactOptions {
   UnionMethod method = UnionMethod::cgal;
   Switch topology = Switch::on;
+  Switch certify = Switch::off;
 };
 
 struct DistanceChoice {

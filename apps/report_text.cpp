@@ -233,6 +233,17 @@ void exact_text(Text out, const ExactUnion& exact) {
   line(out, "Exact union", text);
 }
 
+// The ends of the intervals with all their digits: rounded ones might not contain the value.
+void certificate_text(Text out, const UnionCertificate& certificate) {
+  line(out, "Certified",
+       fmt::format("area {} to {} Å²", certificate.area.lower, certificate.area.upper));
+  line(out, "",
+       fmt::format("volume {} to {} Å³", certificate.volume.lower, certificate.volume.upper));
+  line(out, "",
+       fmt::format("{} atoms needed more than double, at most {} bits", certificate.wide_spheres,
+                   certificate.bits));
+}
+
 // Says which figures of the table are of the chosen atoms, where --measure chose some.
 void measured_text(Text out, const InputReport& input) {
   if (!input.measure) return;
@@ -393,6 +404,7 @@ std::string to_text(const Report& report) {
   if (report.parameters) parameters_text(out, *report.parameters);
   if (report.backend) backend_text(out, *report.backend);
   if (report.exact) exact_text(out, *report.exact);
+  if (report.exact && report.exact->certificate) certificate_text(out, *report.exact->certificate);
   if (report.exact) measured_text(out, report.input);
   table_text(out, report);
   if (report.mesh) mesh_text(out, *report.mesh);

@@ -338,6 +338,7 @@ void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Sess
   const Stopwatch watch;
   Report& report = session.report;
   UnionOptions wanted{.method = options.method, .monitor = session.monitor};
+  wanted.certify = options.certify == Switch::on;
   if (measured) wanted.measured = *measured;
   report.exact.emplace();
   exact_union_into(*report.exact, spheres, wanted);

@@ -15,7 +15,7 @@ void run_exact(const Options& options) {
   const InputOptions& input = options.inputs.front();
   const auto [molecule, spheres] = load(input, session);
   MemoryDemand demand;
-  demand.exact = options.exact.method;
+  demand.exact = method_for_memory(options.exact);
   check_memory_before(demand, spheres, options.machine.memory_limit);
   measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
   measure_polarity(molecule, session);

@@ -24,7 +24,7 @@ MemoryDemand memory_of_report(const Options& options) {
   demand.normals = options.picture.path.empty() ? Normals::none : Normals::gradients;
   demand.self_intersections = options.self_intersections;
   demand.cgal_check = options.cgal_check;
-  demand.exact = options.exact.method;
+  demand.exact = method_for_memory(options.exact);
   demand.distances = options.distances.distances;
   return demand;
 }

@@ -153,6 +153,8 @@ std::vector<Option> measure_options(Draft& d) {
            "of the exact union", otherwise("auto: cgal; arcs without topology")},
           {"--topology", kReport | kExact | kCompare, one(d.topology, named<Switch>()),
            "exact topology", otherwise("on; off with arcs")},
+          {"--certify", kReport | kExact, flag(o.exact.certify, Switch::on),
+           "intervals that are proven to contain the exact area and volume"},
           {"--distances", kDistances, one(c.distances, named<Switch>()),
            "between mesh and exact surface", by_default("on")},
           {"--distances", kPipelineBench, one(c.distances, named<Switch>()),

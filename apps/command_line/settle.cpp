@@ -116,12 +116,13 @@ void settle_render(const Draft& d) {
   }
 }
 
-// Arcs are quicker, and know no topology.
+// Arcs are quicker, and know no topology. A certificate needs the triangulation anyway.
 void settle_exact(Draft& d) {
   ExactOptions& exact = d.options.exact;
   const bool quick = d.topology == Switch::off;
+  const bool triangulated = !quick || exact.certify == Switch::on;
   exact.method = method_for(d.method.value_or(UnionMethod::automatic),
-                            quick ? TopologyRequest::none : TopologyRequest::full);
+                            triangulated ? TopologyRequest::full : TopologyRequest::none);
   const bool arcs = exact.method == UnionMethod::arcs;
   refuse_if(arcs && d.topology == Switch::on,
             "--topology on: needs the triangulation, which --method arcs does without; choose "

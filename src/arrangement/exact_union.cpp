@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "arrangement/arcs/arcs.hpp"
+#include "arrangement/certificate/certify.hpp"
 #include "arrangement/complex/dual_complex.hpp"
 #include "arrangement/complex/measures.hpp"
 #include "arrangement/complex/power_triangulation.hpp"
@@ -67,7 +68,8 @@ void leave_measured(std::vector<SphereMeasures>& per_sphere, const MeasuredSpher
 // Method cgal. Progress has three steps, reported here; triangulate() uses the monitor only to ask
 // for cancellation.
 ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSpheres& measured,
-                                  Monitor* monitor) {
+                                  const UnionOptions& options) {
+  Monitor* const monitor = options.monitor;
   constexpr std::uint64_t kSteps = 3;
   begin_stage(monitor, "exact union", kSteps);
   const PowerTriangulation triangulation = triangulate(spheres, monitor);
@@ -101,7 +103,15 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
   result.check_area = check.area;
   result.check_volume = check.volume;
   result.topology = std::move(topology);
+  if (options.certify) result.certificate = certify(spheres, triangulation, complex, measured);
   return result;
+}
+
+// The certificate for methods that have no triangulation.
+UnionCertificate certificate_by_triangulation(const SphereSet& spheres,
+                                              const MeasuredSpheres& measured, Monitor* monitor) {
+  const PowerTriangulation triangulation = triangulate(spheres, monitor);
+  return certify(spheres, triangulation, dual_complex(triangulation), measured);
 }
 
 // Returns the ids of the wanted spheres and of every sphere that may overlap one of them, ascending
@@ -166,10 +176,10 @@ void union_by_arcs(ExactUnion& result, const SphereSet& spheres, const MeasuredS
 // the arcs' measures. A suspect sphere enters this sum with its measures from the triangulation, so
 // it is not checked.
 ExactUnion union_by_both(const SphereSet& spheres, const MeasuredSpheres& measured,
-                         Monitor* monitor, Workspace& workspace) {
-  ExactUnion result = union_by_triangulation(spheres, measured, monitor);
+                         const UnionOptions& options, Workspace& workspace) {
+  ExactUnion result = union_by_triangulation(spheres, measured, options);
   auto& arcs = workspace.get<ArcMeasures>();
-  arc_measures(arcs, spheres, measured, monitor, workspace);
+  arc_measures(arcs, spheres, measured, options.monitor, workspace);
   for (const SphereId id : arcs.suspect) arcs.per_sphere[id] = result.per_sphere[id];
   const SphereMeasures check = total_measures(arcs.per_sphere, measured);
   result.method = UnionMethod::both;
@@ -187,13 +197,16 @@ void measure_union(ExactUnion& result, const SphereSet& spheres, const UnionOpti
     case UnionMethod::automatic:
       break;
     case UnionMethod::cgal:
-      result = union_by_triangulation(spheres, measured, options.monitor);
+      result = union_by_triangulation(spheres, measured, options);
       return;
     case UnionMethod::arcs:
       union_by_arcs(result, spheres, measured, options.monitor, workspace);
+      if (options.certify) {
+        result.certificate = certificate_by_triangulation(spheres, measured, options.monitor);
+      }
       return;
     case UnionMethod::both:
-      result = union_by_both(spheres, measured, options.monitor, workspace);
+      result = union_by_both(spheres, measured, options, workspace);
       return;
   }
   throw InvalidInput("unknown method of the exact union");

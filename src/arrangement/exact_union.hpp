@@ -7,8 +7,8 @@
 //
 // Areas and volumes are sums over the complex in double precision. Their rounding error is some
 // 1e-13 of the total, without a proven bound. AlphaMol measures molecules in this way (Liang et al.
-// 1998). Cazals, Kanhere and Loriot 2011, "Computing the volume of a union of balls: a certified
-// algorithm", compute in intervals, which prove how many digits are right.
+// 1998). A certificate proves how many digits are right: the same sums in intervals, as in Cazals,
+// Kanhere and Loriot 2011, "Computing the volume of a union of balls: a certified algorithm".
 //
 // Degenerate input. Balls are closed, so two balls that touch in one point are one component; area
 // and volume do not change at such a tangency. Of equal balls the lowest index owns the area.
@@ -50,6 +50,7 @@ struct UnionOptions {
   // follows their number. The topology is always that of the whole union. The ids must exist;
   // their order does not matter, and a repeated id counts once.
   std::optional<std::span<const SphereId>> measured = std::nullopt;
+  bool certify = false;  // ExactUnion::certificate is wanted; every method can have it
 };
 
 // Both are NaN for a sphere that was not to be measured.
@@ -78,6 +79,20 @@ struct UnionTopology {
   double void_volume;            // Å³ enclosed by the voids, >= 0
 };
 
+// lower <= true value <= upper.
+struct Enclosure {
+  double lower, upper;
+};
+
+// Intervals that are proven to contain area and volume of the union of the balls given, taken as
+// real numbers. docs/certificates.md has the theorem and its assumptions. The intervals depend on
+// the set of spheres alone: neither on their order nor on the number of threads.
+struct UnionCertificate {
+  Enclosure area, volume;      // Å², Å³; of the measured spheres
+  std::uint64_t wide_spheres;  // spheres for which intervals of doubles were too wide
+  int bits;                    // of the ends of the longest intervals: 53 if doubles did for all
+};
+
 struct ExactUnion {
   UnionMethod method;   // never automatic: the method that was used
   double area, volume;  // Å², Å³; of the measured spheres
@@ -91,6 +106,7 @@ struct ExactUnion {
   // Methods arcs and both: spheres whose result from the arcs failed a check, so that the result
   // from a triangulation stands in for it.
   std::uint64_t fallback_spheres = 0;
+  std::optional<UnionCertificate> certificate;  // if asked for
 };
 
 // Throws InvalidInput for an empty set, an id in `measured` that is no sphere, or if a measure is

@@ -207,6 +207,7 @@ class TextReport(ProgramTest):
             (("report", UBIQUITIN, "--measure", "A/10-12", "--radii", "protor", "--distances", "off"),
              mesh | {"Measured", "polar area", "apolar area", "unclassified area"}),
             (("exact", ligands, "--radii", "naccess"), always | {"unclassified area"}),
+            (("exact", spheres, "--certify"), always | {"Exact union", "Certified"}),
             (("mesh", cut, "-o", out, "--devices", "2"), mesh),
             (("compare", open_mesh, ball), whole | {"Mesh file", "WARNING"}),
         ):  # fmt: skip

@@ -188,6 +188,17 @@ class TextReport:
             values.append(e["fallback_spheres"])
         self.expect_numbers(line, text, values)
 
+    def check_certified(self, line, text):
+        c = self.document["exact"]["certificate"]
+        # A rounded end might not contain the value: every digit must be there.
+        for name in ("area", "volume"):
+            if text.startswith(name):
+                ends = [float(token) for token in NUMBER.findall(text)]
+                if ends != [c[name]["lower"], c[name]["upper"]]:
+                    self.problems.append(line)
+                return
+        self.expect_numbers(line, text, [c["wide_spheres"], c["bits"]])
+
     def check_measured(self, line, text):
         i = self.document["input"]
         figures, selection = text.split(", those of ")

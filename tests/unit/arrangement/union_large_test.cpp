@@ -9,6 +9,7 @@ TEST(UnionLarge, Ribosome) {
   for (const auto& row :
        testing::wanted_rows(2, [](const std::string& set) { return set == "6ZU5"; })) {
     testing::expect_row(row);
+    testing::expect_certified_row(row);
   }
 }
 

@@ -77,6 +77,27 @@ inline constexpr double kPublished = 1e-10;
 // Relative: of the second formula set, and of the sum over the spheres.
 inline constexpr double kSecondFormula = 1e-12;
 
+// The table has twelve digits, so that the true value is within half a unit of the last of them.
+inline bool meets_table(const Enclosure& interval, double published) {
+  const double half_unit = 0.5 * std::pow(10, std::floor(std::log10(published)) - 11);
+  return interval.lower <= published + half_unit && interval.upper >= published - half_unit;
+}
+
+// Relative width of certificates; 1e-9 is promised.
+inline constexpr double kCertifiedWidth = 2e-12;
+
+inline void expect_certified_row(const ReferenceRow& row) {
+  SCOPED_TRACE(row.set + " probe " + std::to_string(row.probe));
+  UnionOptions options;
+  options.certify = true;
+  const ExactUnion u = exact_union(SphereSet(reference_balls(row.set, row.probe)), options);
+  const Enclosure &area = u.certificate->area, &volume = u.certificate->volume;
+  EXPECT_TRUE(meets_table(area, row.area)) << area.lower << " to " << area.upper;
+  EXPECT_TRUE(meets_table(volume, row.volume)) << volume.lower << " to " << volume.upper;
+  EXPECT_LE(area.upper - area.lower, kCertifiedWidth * row.area);
+  EXPECT_LE(volume.upper - volume.lower, kCertifiedWidth * row.volume);
+}
+
 inline void expect_row(const ReferenceRow& row) {
   SCOPED_TRACE(row.set + " probe " + std::to_string(row.probe));
   auto balls = reference_balls(row.set, row.probe);
