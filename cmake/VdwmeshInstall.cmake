@@ -11,7 +11,8 @@ set(extract_headers extractor field grid sampled_field)
 set(refine_headers refiner)
 set(arrangement_headers exact_mesher exact_union)
 set(mesh_headers element_color mesh_io surface_mesh surface_mesh_builder)
-set(analysis_headers comparison convergence distances exposure mesh_measures quality_histograms study)
+set(analysis_headers comparison convergence distances exposure mesh_measures quality_histograms
+    signed_distance study)
 set(render_headers camera color_map color_scale crease_split picture renderer surface_source
     surface_vertex)
 set(cuda_headers backend cuda_source)

@@ -15,4 +15,7 @@ PYBIND11_MODULE(_core, module) {
   bind_devices(module);
   bind_structures(module);
   bind_measures(module);
+  bind_meshes(module);
+  bind_volumes(module);
+  bind_checks(module);
 }

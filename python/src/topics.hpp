@@ -9,5 +9,8 @@ namespace vdwmesh::python {
 void bind_devices(pybind11::module_& module);     // devices.cpp
 void bind_structures(pybind11::module_& module);  // structures.cpp: files, radii
 void bind_measures(pybind11::module_& module);    // measures.cpp: exact measures
+void bind_meshes(pybind11::module_& module);      // meshes.cpp: meshes of spheres, of arrays, files
+void bind_volumes(pybind11::module_& module);     // volumes.cpp: marching cubes over a volume
+void bind_checks(pybind11::module_& module);      // checks.cpp: quality, comparison, distances
 
 }  // namespace vdwmesh::python

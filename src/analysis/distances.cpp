@@ -27,6 +27,7 @@
 #include "analysis/distances_statistics.hpp"
 #include "analysis/distances_triangle.hpp"
 #include "analysis/mesh_area.hpp"
+#include "analysis/signed_distance.hpp"
 #include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
@@ -362,20 +363,10 @@ std::vector<float> vertex_distances(const IndexedMesh& mesh, const SphereSet& sp
                                     Monitor* monitor) {
   check_spheres(spheres);
   check_vertices(mesh);
-  const ExposedSurface surface(spheres, monitor);
-  const SurfaceFinder finder(surface, common_bounding_box(mesh, spheres));
-  std::vector<float> signed_distances(mesh.vertex_count());
-  begin_stage(monitor, "distances of the vertices", block_count(mesh.vertex_count(), kPerBlock));
-  const auto visit = [&](std::size_t, std::size_t first, std::size_t end) {
-    std::uint32_t hint = 0;
-    for (std::size_t v = first; v < end; ++v) {
-      const Vec3d& p = mesh.positions[v];
-      const double distance = finder.distance(p, hint);
-      signed_distances[v] = static_cast<float>(surface.contains(p) ? -distance : distance);
-    }
-  };
-  for_each_block(mesh.vertex_count(), kPerBlock, visit, monitor);
-  return signed_distances;
+  const std::vector<double> exact = signed_distances(mesh.positions, spheres, monitor);
+  std::vector<float> rounded(exact.size());
+  std::ranges::transform(exact, rounded.begin(), [](double d) { return static_cast<float>(d); });
+  return rounded;
 }
 
 }  // namespace vdwmesh

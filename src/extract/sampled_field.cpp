@@ -79,11 +79,8 @@ class SampledBrick {
         // Where the value of the row's node 0 would be. This node may be virtual; only the values
         // of nodes that belong to the grid are read.
         const float* const row = node_address(field_, lattice_node(geometry_.brick, node));
-        std::uint32_t bits = 0;
-        for (int x = 0; x < kBrickReach; ++x) {
-          if ((geometry_.real[0] >> x & 1) != 0 && row[x] >= field_.isovalue) bits |= 1u << x;
-        }
-        signs.row[z][y] = static_cast<std::uint16_t>(bits);
+        signs.row[z][y] = static_cast<std::uint16_t>(
+            geometry_.real[0] == kWholeRow ? whole_row_signs(row) : row_signs(row));
       }
     }
   }
@@ -95,6 +92,25 @@ class SampledBrick {
   }
 
  private:
+  // All nodes of a row belong to the grid, as in all bricks but the last ones.
+  static constexpr std::uint32_t kWholeRow = (1u << kBrickReach) - 1;
+
+  // Bit x: whether node x of the row is inside. Without a branch in it, the compiler makes one
+  // comparison of eight values of the loop, in which this is most of the time of a field in memory.
+  std::uint32_t whole_row_signs(const float* row) const {
+    std::uint32_t bits = 0;
+    for (int x = 0; x < kBrickReach; ++x) bits |= std::uint32_t{row[x] >= field_.isovalue} << x;
+    return bits;
+  }
+  // The same for a row that ends before its last node.
+  std::uint32_t row_signs(const float* row) const {
+    std::uint32_t bits = 0;
+    for (int x = 0; x < kBrickReach; ++x) {
+      if ((geometry_.real[0] >> x & 1) != 0 && row[x] >= field_.isovalue) bits |= 1u << x;
+    }
+    return bits;
+  }
+
   EdgeVertex vertex(const CrossedEdge& edge) const {
     const Vec3d node = geometry_.node(edge.inside[0], edge.inside[1], edge.inside[2]);
     EdgeVertex v = sampled_vertex(field_, geometry_.brick, edge, node);

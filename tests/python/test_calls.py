@@ -137,6 +137,22 @@ class InterruptTest(unittest.TestCase):
                 seconds = self.seconds_to_stop(lambda: vdwmesh.exact(coords, radii, method=method))
                 self.assertLess(seconds, ANSWER)
 
+    def test_meshes_stop(self):
+        coords, radii = crystal(30)
+        volume = np.random.default_rng(1).random((300, 300, 300), np.float32)
+        mesh = vdwmesh.mesh(*crystal(12))
+        for name, work in (
+            ("exact mesher", lambda: vdwmesh.mesh(coords, radii, edge_length=0.1)),
+            ("marching cubes", lambda: vdwmesh.mesh(coords, radii, mesher="marching-cubes", spacing=0.1)),
+            ("subdivision", lambda: vdwmesh.mesh(coords, radii, mesher="marching-cubes", subdivide=2)),
+            ("volume", lambda: vdwmesh.marching_cubes(volume, 0.5)),
+            ("comparison", lambda: vdwmesh.compare(mesh, *crystal(12), samples=500)),
+            ("distances", lambda: vdwmesh.signed_distance(volume[0, :, :3] * 40, coords, radii)),
+        ):
+            with self.subTest(name):
+                seconds = self.seconds_to_stop(work)
+                self.assertLess(seconds, ANSWER)
+
     def test_frames_stop(self):
         coords, radii = crystal(8)
         frames = np.broadcast_to(coords, (2000, *coords.shape))

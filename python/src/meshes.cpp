@@ -1,0 +1,185 @@
+// Meshes for Python: made of spheres by both meshers, taken from arrays or files, and written.
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <map>
+
+#include "../../apps/memory.hpp"
+#include "arrangement/exact_mesher.hpp"
+#include "arrays.hpp"
+#include "call.hpp"
+#include "core/errors.hpp"
+#include "devices.hpp"
+#include "mesh/mesh_io.hpp"
+#include "mesh_handle.hpp"
+#include "topics.hpp"
+
+namespace vdwmesh::python {
+namespace {
+
+// What vdwmesh.mesh is asked for.
+struct Request {
+  bool exact = true;  // the crease-exact mesher, or marching cubes
+  FieldKind field = FieldKind::vdw;
+  double spacing = 0, edge_length = 0;  // Å
+  int subdivisions = 0;
+  bool normals = true;
+  Backend backend = Backend::automatic;
+};
+
+FieldKind field_of(const std::string& name) {
+  static const std::map<std::string, FieldKind, std::less<>> fields{
+      {"vdw", FieldKind::vdw},
+      {"blinn", FieldKind::blinn},
+      {"soft", FieldKind::soft_object},
+      {"inverse-squared", FieldKind::inverse_squared}};
+  const auto found = fields.find(name);
+  if (found != fields.end()) return found->second;
+  throw InvalidInput(
+      fmt::format("field: {}; there are vdw, blinn, soft and inverse-squared", name));
+}
+
+bool is_exact(const std::string& mesher) {
+  if (mesher == "exact" || mesher == "marching-cubes") return mesher == "exact";
+  throw InvalidInput(fmt::format("mesher: {}; there are exact and marching-cubes", mesher));
+}
+
+// The names are those of vdwmesh.mesh.
+Request request_of(const py::kwargs& given) {
+  Request request;
+  request.exact = is_exact(given["mesher"].cast<std::string>());
+  request.field = field_of(given["field"].cast<std::string>());
+  request.spacing = given["spacing"].cast<double>();
+  request.edge_length = given["edge_length"].cast<double>();
+  request.subdivisions = given["subdivide"].cast<int>();
+  request.normals = given["normals"].cast<bool>();
+  request.backend = backend_of(given["device"].cast<std::string>());
+  if (request.exact && request.field != FieldKind::vdw) {
+    throw InvalidInput("field: the exact mesher meshes the union of the balls, field \"vdw\"");
+  }
+  return request;
+}
+
+RefineOptions refinement(const Request& request, Monitor& monitor) {
+  RefineOptions refine;
+  refine.subdivisions = request.subdivisions;
+  refine.projection = request.field == FieldKind::vdw ? Projection::vdw : Projection::field;
+  if (request.subdivisions == 0) refine.projection = Projection::none;
+  refine.field.kind = request.field;
+  refine.memory_limit = apps::default_memory_limit();
+  refine.monitor = &monitor;
+  return refine;
+}
+
+// The crease-exact mesher runs on the CPU; what is subdivided goes to the device asked for.
+IndexedMesh mesh_exactly(const SphereSet& spheres, const Request& request, Monitor& monitor) {
+  const RefineOptions refine = refinement(request, monitor);
+  IndexedMesh mesh =
+      std::move(mesh_union(spheres, {request.edge_length, refine.memory_limit, &monitor}).mesh);
+  if (request.subdivisions == 0) return mesh;
+  return std::move(make_refiner(request.backend)->refine(spheres, std::move(mesh), refine).mesh);
+}
+
+// A ball holds a grid node for certain if the spacing is at most 2/√3 of its radius.
+[[noreturn]] void throw_too_coarse(const SphereSet& spheres, double spacing) {
+  double radius = spheres[0].radius;
+  for (const Sphere& s : spheres.spheres()) radius = std::min(radius, s.radius);
+  throw InvalidInput(
+      fmt::format("spacing: {} is too coarse, no grid node lies inside the surface; try {:.2g}",
+                  spacing, radius));
+}
+
+IndexedMesh march(const SphereSet& spheres, const Request& request, Monitor& monitor) {
+  ExtractOptions extract;
+  extract.field.kind = request.field;
+  extract.grid = preset_grid(FieldPreset::radius_aware, request.spacing, std::nullopt);
+  extract.normals = request.normals ? Normals::gradients : Normals::none;
+  RefineOptions refine = refinement(request, monitor);
+  refine.grid = make_grid(spheres, extract.grid);
+  extract.memory_limit = refine.memory_limit;
+  extract.monitor = &monitor;
+  const auto pipeline = make_pipeline(request.backend);
+  IndexedMesh mesh = std::move(pipeline->run(spheres, extract, refine).mesh);
+  if (mesh.triangles.empty()) throw_too_coarse(spheres, request.spacing);
+  return mesh;
+}
+
+MeshHandle mesh(const py::buffer& coords, const py::buffer& radii, double probe,
+                std::optional<int> threads, const py::kwargs& given) {
+  const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
+  const Request request = request_of(given);
+  return handle_of(call(threads, [&](Monitor& monitor) {
+    const SphereSet spheres = spheres_of(centers, sizes, probe);
+    IndexedMesh mesh =
+        request.exact ? mesh_exactly(spheres, request, monitor) : march(spheres, request, monitor);
+    if (!request.normals) mesh.normals = {};
+    return mesh;
+  }));
+}
+
+void require_faces(const IndexedMesh& mesh) {
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const std::uint32_t largest = std::ranges::max(mesh.triangles[t]);
+    if (largest < mesh.vertex_count()) continue;
+    throw InvalidInput(fmt::format("faces[{}]: names vertex {}, but there are {} vertices", t,
+                                   largest, mesh.vertex_count()));
+  }
+}
+
+// A copy of the arrays: vertices (V, 3) and the 3 F vertex numbers of the faces.
+MeshHandle mesh_of_arrays(const py::buffer& vertices, const py::buffer& corners) {
+  const Numbers rows(vertices, "vertices", 2);
+  IndexedMesh mesh;
+  const std::vector<Vec3d> points = points_of(rows);
+  mesh.positions.assign(points.begin(), points.end());
+  const std::vector<SphereId> numbers = ids_of(corners);
+  mesh.triangles.resize(numbers.size() / 3);
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    mesh.triangles[t] = {numbers[3 * t], numbers[3 * t + 1], numbers[3 * t + 2]};
+  }
+  require_faces(mesh);
+  return handle_of(std::move(mesh));
+}
+
+Array vertices(const MeshHandle& h) {
+  return array_of(h.mesh, &h.mesh->positions.data()->x, h.mesh->vertex_count(), 3);
+}
+
+Array faces(const MeshHandle& h) {
+  const auto* first = reinterpret_cast<const std::uint32_t*>(h.mesh->triangles.data());
+  return array_of(h.mesh, first, h.mesh->triangle_count(), 3);
+}
+
+std::optional<Array> normals(const MeshHandle& h) {
+  if (h.mesh->normals.empty()) return std::nullopt;
+  return array_of(h.mesh, &h.mesh->normals.data()->x, h.mesh->vertex_count(), 3);
+}
+
+std::optional<Array> labels(const MeshHandle& h, const Buffer<SphereId>& ids) {
+  if (ids.empty()) return std::nullopt;
+  return array_of(h.mesh, ids.data(), ids.size());
+}
+
+std::vector<std::string> save(const MeshHandle& h, const std::string& path) {
+  mesh_format(path);  // an unknown extension is told before any work
+  return call(
+      {}, [&](Monitor& monitor) { return write_mesh(to_surface_mesh(*h.mesh), path, &monitor); });
+}
+
+}  // namespace
+
+void bind_meshes(py::module_& module) {
+  module.def("mesh", &mesh);
+  module.def("mesh_of_arrays", &mesh_of_arrays);
+  py::class_<MeshHandle>(module, "MeshHandle")
+      .def("vertices", &vertices)
+      .def("faces", &faces)
+      .def("normals", &normals)
+      .def("vertex_atoms",
+           [](const MeshHandle& h) { return labels(h, h.mesh->vertex_spheres.atoms); })
+      .def("face_atoms", [](const MeshHandle& h) { return labels(h, h.mesh->triangle_spheres); })
+      .def("save", &save);
+}
+
+}  // namespace vdwmesh::python

@@ -1,0 +1,105 @@
+// Marching cubes over a volume of Python, with scikit-image's call.
+//
+// The last axis of the volume is the one whose values lie side by side, as x is in a SampledField.
+// So axes 2, 1, 0 of the volume are x, y, z of the library, and its values need no transposition.
+// The mesh is made in cells of side 1; its vertices then go back to the caller's axes, with the
+// caller's spacing and origin. Exchanging two axes is a reflection, so triangles are turned.
+#include <pybind11/stl.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "../../apps/memory.hpp"
+#include "arrays.hpp"
+#include "call.hpp"
+#include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
+#include "core/large_pages.hpp"
+#include "devices.hpp"
+#include "mesh_handle.hpp"
+#include "topics.hpp"
+
+namespace vdwmesh::python {
+namespace {
+
+using Triple = std::array<double, 3>;
+
+// The place of the volume's nodes: node (i, j, k) lies at origin + spacing * (i, j, k).
+struct Frame {
+  Triple spacing, origin;
+};
+
+// Calls body(i) for every i in [0, count) on all cores, until the monitor asks to stop.
+template <class Body>
+void for_each_element(std::size_t count, Monitor& monitor, const Body& body) {
+  constexpr std::size_t kPerBlock = std::size_t{1} << 18;
+  const auto visit = [&](std::size_t, std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) body(i);
+  };
+  for_each_block(count, kPerBlock, visit, &monitor);
+}
+
+template <class From>
+void convert(const From* from, Buffer<float>& values, Monitor& monitor) {
+  for_each_element(values.size(), monitor,
+                   [&](std::size_t i) { values[i] = static_cast<float>(from[i]); });
+}
+
+// The Python layer hands over volumes without gaps, with at least two nodes along each axis.
+SampledField field_of(const Numbers& volume, double level, Monitor& monitor) {
+  SampledField field;
+  const auto cells = [&](std::size_t axis) {
+    return static_cast<std::int64_t>(volume.size(axis)) - 1;
+  };
+  field.grid = {{0, 0, 0}, 1, {cells(2), cells(1), cells(0)}};
+  field.isovalue = static_cast<float>(level);
+  resize_untouched(field.values, field.grid.node_count());
+  if (volume.is_float32()) {
+    convert(reinterpret_cast<const float*>(volume.bytes()), field.values, monitor);
+  } else {
+    convert(reinterpret_cast<const double*>(volume.bytes()), field.values, monitor);
+  }
+  return field;
+}
+
+// Normals are gradients, which scale with the inverse of lengths.
+Vec3f turned(const Vec3f& n, const Triple& spacing) {
+  const Vec3d g{static_cast<double>(n.z) / spacing[0], static_cast<double>(n.y) / spacing[1],
+                static_cast<double>(n.x) / spacing[2]};
+  const double length = norm(g);
+  return length > 0 ? cast<float>((1 / length) * g) : Vec3f{0, 0, 0};
+}
+
+void place(IndexedMesh& mesh, const Frame& frame, Monitor& monitor) {
+  const auto& [s, o] = frame;
+  for_each_element(mesh.vertex_count(), monitor, [&](std::size_t v) {
+    const Vec3d p = mesh.positions[v];
+    mesh.positions[v] = {o[0] + s[0] * p.z, o[1] + s[1] * p.y, o[2] + s[2] * p.x};
+    mesh.normals[v] = turned(mesh.normals[v], s);
+  });
+  for_each_index(mesh.triangle_count(),
+                 [&](std::size_t t) { std::swap(mesh.triangles[t][1], mesh.triangles[t][2]); });
+}
+
+MeshHandle marching_cubes(const py::buffer& array, double level, const Triple& spacing,
+                          const Triple& origin, std::optional<int> threads,
+                          const std::string& device) {
+  const Numbers volume(array, "volume", 3);
+  const Backend backend = backend_of(device);
+  return handle_of(call(threads, [&](Monitor& monitor) {
+    ExtractOptions options;
+    options.monitor = &monitor;
+    options.memory_limit = apps::default_memory_limit();
+    IndexedMesh mesh =
+        std::move(make_field_mesher(backend)->mesh(field_of(volume, level, monitor), options).mesh);
+    place(mesh, {spacing, origin}, monitor);
+    return mesh;
+  }));
+}
+
+}  // namespace
+
+void bind_volumes(py::module_& module) { module.def("marching_cubes", &marching_cubes); }
+
+}  // namespace vdwmesh::python

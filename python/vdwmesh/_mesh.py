@@ -1,0 +1,252 @@
+"""Meshes of unions of balls, of blended fields and of volumes."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Iterator
+
+import numpy as np
+
+from vdwmesh import _core, _sinks
+from vdwmesh._arrays import floats, number, thread_count, view
+from vdwmesh._sources import arrays_of
+from vdwmesh.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from vdwmesh._types import ArrayLike, Floats, Ids, NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A triangle mesh. ``vertices, faces, normals = mesh`` takes it apart.
+
+    Attributes
+    ----------
+    vertices : ndarray of float64, shape (V, 3)
+        Å.
+    faces : ndarray of uint32, shape (F, 3)
+        Vertices of each triangle, counter-clockwise seen from outside.
+    normals : ndarray of float32, shape (V, 3), or None
+        Unit vectors, outward.
+    vertex_atoms, face_atoms : ndarray of uint32, shape (V,) and (F,), or None
+        The atom that a vertex lies on, and the one whose patch a triangle is part of.
+    """
+
+    vertices: Floats
+    faces: Ids
+    normals: NDArray[np.float32] | None
+    vertex_atoms: Ids | None
+    face_atoms: Ids | None
+    _handle: Any = field(repr=False)
+
+    @classmethod
+    def _of(cls, handle: _core.MeshHandle) -> Mesh:
+        arrays = (handle.normals(), handle.vertex_atoms(), handle.face_atoms())
+        given = [None if array is None else view(array) for array in arrays]
+        return cls(view(handle.vertices()), view(handle.faces()), *given, handle)
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter((self.vertices, self.faces, self.normals))
+
+    def __repr__(self) -> str:
+        return f"<vdwmesh.Mesh of {len(self.vertices)} vertices, {len(self.faces)} faces>"
+
+    @cached_property
+    def _summary(self) -> dict[str, Any]:
+        return _core.summary(self._handle)
+
+    @property
+    def area(self) -> float:
+        """Area, Å²."""
+        return float(self._summary["area"])
+
+    @property
+    def volume(self) -> float:
+        """Volume inside, Å³; NaN if the mesh is not closed and oriented."""
+        found = self._summary["volume"]
+        return float("nan") if found is None else float(found)
+
+    @property
+    def euler_characteristic(self) -> int:
+        """Vertices - edges + faces."""
+        return int(self._summary["euler_characteristic"])
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether every edge is on two faces."""
+        return bool(self._summary["closed"])
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a mesh file: .ply, .obj, .off, .stl or .glb, by the extension.
+
+        Losses of the format, such as float32 coordinates, are warnings.
+        """
+        for loss in self._handle.save(os.fspath(path)):
+            warnings.warn(loss, stacklevel=2)
+
+    def to_trimesh(self) -> Any:
+        """The mesh as a ``trimesh.Trimesh``, whose vertices stay as they are (process=False)."""
+        return _sinks.to_trimesh(self)
+
+    def to_pyvista(self) -> Any:
+        """The mesh as a ``pyvista.PolyData``."""
+        return _sinks.to_pyvista(self)
+
+    def to_meshio(self) -> Any:
+        """The mesh as a ``meshio.Mesh``."""
+        return _sinks.to_meshio(self)
+
+    def to_open3d(self) -> Any:
+        """The mesh as an ``open3d.geometry.TriangleMesh``."""
+        return _sinks.to_open3d(self)
+
+
+def mesh(
+    coords: Any,
+    radii: ArrayLike | str | None = None,
+    *,
+    probe: float = 0.0,
+    mesher: str = "exact",
+    field: str = "vdw",
+    spacing: float = 0.5,
+    edge_length: float = 0.35,
+    subdivide: int = 0,
+    normals: bool = True,
+    threads: int | None = None,
+    device: str = "auto",
+) -> Mesh:
+    """Mesh of the surface of a molecule: closed, 2-manifold, oriented outwards.
+
+    Parameters
+    ----------
+    coords, radii, probe, threads
+        As for `exact`.
+    mesher : {"exact", "marching-cubes"}
+        "exact" follows the creases between the spheres and has the topology of the union;
+        "marching-cubes" walks a grid.
+    field : {"vdw", "blinn", "soft", "inverse-squared"}
+        Of marching cubes: the union of the balls, or a blended field.
+    spacing : float
+        Of the grid of marching cubes, Å.
+    edge_length : float
+        Of the exact mesher, Å; edges are shorter at narrow features.
+    subdivide : int
+        Levels of midpoint subdivision, each with projection to the surface.
+    normals : bool
+        Whether the mesh has normals.
+    device : {"auto", "cpu", "cuda"}
+        Where marching cubes and subdivision run.
+
+    Returns
+    -------
+    Mesh
+
+    Raises
+    ------
+    InvalidInput
+        An argument is wrong; the message names it.
+    LimitExceeded
+        The mesh would not fit the memory of the machine.
+
+    Examples
+    --------
+    >>> import vdwmesh
+    >>> ball = vdwmesh.mesh([[0, 0, 0]], [1.7], edge_length=0.1)
+    >>> ball.is_closed, ball.euler_characteristic
+    (True, 2)
+    """
+    centers, sizes, _ = arrays_of(coords, radii)
+    if isinstance(subdivide, bool) or not isinstance(subdivide, (int, np.integer)) or subdivide < 0:
+        raise InvalidInput(f"subdivide: {subdivide!r} is no number of levels")
+    return Mesh._of(
+        _core.mesh(
+            centers,
+            sizes,
+            number("probe", probe),
+            thread_count(threads),
+            mesher=mesher,
+            field=field,
+            spacing=_positive("spacing", spacing),
+            edge_length=_positive("edge_length", edge_length),
+            subdivide=int(subdivide),
+            normals=bool(normals),
+            device=device,
+        )
+    )
+
+
+def _positive(name: str, value: Any) -> float:
+    found = number(name, value)
+    if not (found > 0 and np.isfinite(found)):
+        raise InvalidInput(f"{name}: {found:g} is not above 0")
+    return found
+
+
+def marching_cubes(
+    volume: ArrayLike,
+    level: float,
+    *,
+    spacing: ArrayLike = (1, 1, 1),
+    origin: ArrayLike = (0, 0, 0),
+    threads: int | None = None,
+    device: str = "auto",
+) -> Mesh:
+    """Isosurface of a volume, with the call of ``skimage.measure.marching_cubes``.
+
+    Values at or above the level are inside. Unlike scikit-image's, the mesh is always closed: what
+    the border of the volume cuts is closed there.
+
+    Parameters
+    ----------
+    volume : array_like, shape (X, Y, Z)
+        Values at nodes; float32 is meshed as it is, everything else is rounded to it.
+    level : float
+        Isovalue.
+    spacing, origin : array_like, shape (3,)
+        Node (i, j, k) lies at origin + spacing * (i, j, k).
+    threads : int, optional
+        At most so many; all cores by default.
+    device : {"auto", "cpu", "cuda"}
+
+    Returns
+    -------
+    Mesh
+        Without atoms. It has no faces if the level is nowhere crossed.
+
+    Examples
+    --------
+    >>> import numpy, vdwmesh
+    >>> x, y, z = numpy.mgrid[-1:1:33j, -1:1:33j, -1:1:33j]
+    >>> ball = vdwmesh.marching_cubes(0.5 - numpy.sqrt(x**2 + y**2 + z**2), 0)
+    >>> ball.euler_characteristic
+    2
+    """
+    values = floats("volume", volume, "(X, Y, Z)")
+    if min(values.shape) < 2:
+        raise InvalidInput(f"volume: has shape {values.shape}; two nodes along each axis are needed")
+    isovalue = number("level", level)
+    if not np.isfinite(isovalue):
+        raise InvalidInput(f"level: {isovalue} is not finite")
+    steps = _triple("spacing", spacing)
+    if not (steps > 0).all():
+        raise InvalidInput(f"spacing: {tuple(steps.tolist())} is not above 0")
+    return Mesh._of(
+        _core.marching_cubes(
+            np.ascontiguousarray(values),
+            isovalue,
+            steps.tolist(),
+            _triple("origin", origin).tolist(),
+            thread_count(threads),
+            device,
+        )
+    )
+
+
+def _triple(name: str, value: ArrayLike) -> NDArray[Any]:
+    array = floats(name, value, "(3,)")
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise InvalidInput(f"{name}: three finite numbers are needed")
+    return array

@@ -1,0 +1,115 @@
+"""vdwmesh.quality, compare and signed_distance: beside formulas and beside the program."""
+
+import math
+import unittest
+from dataclasses import asdict
+
+import numpy as np
+import vdwmesh
+from program import UBIQUITIN, ProgramTest, need_package
+
+TETRAHEDRON = ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+               [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])  # fmt: skip
+
+
+class QualityTest(unittest.TestCase):
+    def test_a_tetrahedron(self):
+        found = vdwmesh.quality(TETRAHEDRON, self_intersections=True)
+        self.assertAlmostEqual(found.area, 1.5 + math.sqrt(3) / 2, delta=1e-14)
+        self.assertAlmostEqual(found.volume, 1 / 6, delta=1e-15)
+        self.assertEqual((found.vertices, found.edges, found.triangles), (4, 6, 4))
+        self.assertEqual((found.closed, found.manifold, found.oriented), (True, True, True))
+        self.assertEqual((found.genus, found.components, found.self_intersections), (0, 1, 0))
+        self.assertAlmostEqual(found.min_angle_deg.min, 45, delta=1e-12)
+        self.assertAlmostEqual(found.edge_length.max, math.sqrt(2), delta=1e-15)
+
+    def test_what_an_open_mesh_lacks_is_none(self):
+        found = vdwmesh.quality((TETRAHEDRON[0], TETRAHEDRON[1][:3]))
+        self.assertEqual((found.closed, found.volume, found.genus, found.self_intersections),
+                         (False, None, None, None))  # fmt: skip
+
+    def test_meshes_of_all_kinds(self):
+        meshio = need_package("python3-meshio", module="meshio")
+        vertices, faces = (np.array(a) for a in TETRAHEDRON)
+        expected = vdwmesh.quality(TETRAHEDRON)
+        for mesh in ((vertices.astype(np.float32), faces.astype(np.uint8)), (vertices, faces[:, ::1]),
+                     meshio.Mesh(vertices.astype(float), [("triangle", faces)])):  # fmt: skip
+            self.assertEqual(vdwmesh.quality(mesh), expected)
+
+    def test_wrong_meshes_are_named(self):
+        vertices, faces = TETRAHEDRON
+        for begins, mesh in (("faces[0]: [0, 9, 1]", (vertices, [[0, 9, 1]])),
+                             ("faces[0]: [0, -1, 1]", (vertices, [[0, -1, 1]])),
+                             ("faces: has shape (1, 4)", (vertices, [[0, 1, 2, 3]])),
+                             ("faces: ", (vertices, [[0.0, 1.0, 2.0]])),
+                             ("vertices: has shape (2, 2)", ([[0, 0], [1, 1]], [[0, 1, 1]])),
+                             ("vertices[1]", ([[0, 0, 0], [0, math.nan, 0]], [[0, 1, 1]])),
+                             ("mesh: int", 5)):  # fmt: skip
+            with self.subTest(begins=begins), self.assertRaises(ValueError) as caught:
+                vdwmesh.quality(mesh)
+            self.assertTrue(str(caught.exception).startswith(begins), caught.exception)
+
+
+class SignedDistanceTest(unittest.TestCase):
+    def test_a_ball(self):
+        points = np.random.default_rng(3).normal(size=(500, 3)) * 2
+        found = vdwmesh.signed_distance(points, [[0, 0, 0]], [1.5])
+        np.testing.assert_allclose(found, np.linalg.norm(points, axis=1) - 1.5, atol=1e-14)
+
+    def test_two_balls_have_a_crease(self):
+        # Balls of radius 1 at x = ±0.6 meet in a circle of radius 0.8. From its centre the circle is
+        # nearest to points inside, because the caps beyond are covered.
+        coords, radii = [[-0.6, 0, 0], [0.6, 0, 0]], [1, 1]
+        found = vdwmesh.signed_distance([[0, 0, 0], [0, 0.5, 0], [1.6, 0, 0], [3, 0, 0]], coords, radii)
+        np.testing.assert_allclose(found, [-0.8, -0.3, 0, 1.4], atol=1e-14)
+
+    def test_wrong_points_are_named(self):
+        for points in ([[0, 0]], [[0, 0, math.nan]], [], "x"):
+            with self.assertRaisesRegex(ValueError, "points"):
+                vdwmesh.signed_distance(points, [[0, 0, 0]], [1])
+
+
+class SameAsProgramTest(ProgramTest):
+    def test_comparison_and_quality_have_the_programs_figures(self):
+        molecule = vdwmesh.read(UBIQUITIN)
+        mesh = vdwmesh.mesh(molecule, mesher="marching-cubes", spacing=1.0)
+        path = self.folder / "m.ply"
+        mesh.save(path)
+        report = self.report("compare", path, UBIQUITIN, "--samples", 2, "--seed", 7)
+        for ours in (mesh, path):
+            found = vdwmesh.compare(ours, molecule, samples=2, seed=7)
+            block = report["comparison"]
+            for key in ("area_relative_error", "volume_relative_error", "euler_characteristic_difference"):
+                self.assertEqual(getattr(found, key), block[key], key)
+            distances = block.get("distances", block)
+            self.assertEqual(asdict(found.mesh_to_surface), distances["mesh_to_surface"])
+            self.assertEqual(asdict(found.surface_to_mesh), distances["surface_to_mesh"])
+            self.assertEqual(found.hausdorff_lower_bound, distances["hausdorff_lower_bound"])
+        quality = vdwmesh.quality(path, self_intersections=True).to_dict()
+        self.assertEqual(quality, {key: report["mesh"][key] for key in quality})
+
+    def test_face_distances_are_those_of_the_centres(self):
+        molecule = vdwmesh.sample("bpti")
+        mesh = vdwmesh.mesh(molecule, mesher="marching-cubes", spacing=1.0)
+        found = vdwmesh.compare(mesh, molecule, samples=1).face_distance
+        centers = mesh.vertices[mesh.faces].mean(axis=1)
+        np.testing.assert_allclose(found, vdwmesh.signed_distance(centers, molecule), atol=1e-12)
+
+    def test_vertices_apart_are_merged_where_that_closes_a_file(self):
+        vertices, faces = (np.array(a) for a in TETRAHEDRON)
+        soup = vertices[faces].reshape(-1, 3)
+        path = self.folder / "soup.obj"
+        path.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in soup)
+                        + "".join(f"f {3 * t + 1} {3 * t + 2} {3 * t + 3}\n" for t in range(4)))  # fmt: skip
+        found = vdwmesh.compare(path, [[0.25, 0.25, 0.25]], [0.3], samples=1)
+        self.assertAlmostEqual(found.volume, 1 / 6, delta=1e-15)
+        self.assertIn("merged", found.notes[0])
+
+    def test_wrong_arguments_are_named(self):
+        for name, value in (("samples", 0), ("samples", math.nan), ("seed", -1), ("seed", 1.5)):
+            with self.subTest(name=name), self.assertRaisesRegex(ValueError, name):
+                vdwmesh.compare(TETRAHEDRON, [[0, 0, 0]], [1], **{name: value})
+
+
+if __name__ == "__main__":
+    unittest.main()

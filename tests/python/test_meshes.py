@@ -1,0 +1,241 @@
+"""vdwmesh.mesh and marching_cubes: beside formulas, the exact union, the program and scikit-image."""
+
+import math
+import unittest
+import warnings
+
+import numpy as np
+import vdwmesh
+from program import UBIQUITIN, ProgramTest, need_package, need_shared, run
+
+
+def edges_are_paired(faces):
+    """Every directed edge once, and once the other way: closed and oriented."""
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
+    forward = edges[:, 0] * (edges.max() + 1) + edges[:, 1]
+    backward = edges[:, 1] * (edges.max() + 1) + edges[:, 0]
+    return len(np.unique(forward)) == len(forward) and np.array_equal(np.sort(forward), np.sort(backward))
+
+
+def volume_inside(vertices, faces):
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+
+
+class MeshTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.molecule = vdwmesh.sample("bpti")
+        cls.exact = vdwmesh.exact(cls.molecule, topology=True)
+
+    def test_both_meshers_give_closed_meshes_that_say_what_they_measure(self):
+        for mesher in ("exact", "marching-cubes"):
+            mesh = vdwmesh.mesh(self.molecule, mesher=mesher)
+            vertices, faces, normals = mesh
+            self.assertTrue(edges_are_paired(faces) and mesh.is_closed)
+            self.assertAlmostEqual(mesh.volume, volume_inside(vertices, faces), delta=1e-9 * mesh.volume)
+            edges = 3 * len(faces) // 2
+            self.assertEqual(mesh.euler_characteristic, len(vertices) - edges + len(faces))
+            np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-6)  # float32
+            self.assertEqual((vertices.dtype, faces.dtype, normals.dtype), ("f8", "u4", "f4"))
+
+    def test_the_exact_mesher_has_the_topology_and_the_atoms(self):
+        mesh = vdwmesh.mesh(self.molecule)
+        self.assertEqual(mesh.euler_characteristic, self.exact.topology.euler_characteristic)
+        centers, radii = self.molecule.coords[mesh.vertex_atoms], self.molecule.radii[mesh.vertex_atoms]
+        np.testing.assert_allclose(np.linalg.norm(mesh.vertices - centers, axis=1), radii, atol=1e-9)
+        self.assertEqual(len(mesh.face_atoms), len(mesh.faces))
+        self.assertEqual(set(mesh.face_atoms), set(np.flatnonzero(self.exact.atom_area)))
+
+    def test_subdivision_is_of_second_order(self):
+        coarse, fine = (vdwmesh.mesh(self.molecule, subdivide=n) for n in (0, 1))
+        self.assertEqual(len(fine.faces), 4 * len(coarse.faces))
+        errors = [abs(mesh.area / self.exact.area - 1) for mesh in (coarse, fine)]
+        self.assertLess(errors[1], errors[0] / 3)
+
+    def test_options(self):
+        grown = vdwmesh.mesh([[0, 0, 0]], [1.0], probe=1.0, mesher="marching-cubes", spacing=0.1)
+        np.testing.assert_allclose(np.linalg.norm(grown.vertices, axis=1), 2, atol=1e-9)
+        self.assertIsNone(grown.face_atoms)
+        for mesher in ("exact", "marching-cubes"):
+            self.assertIsNone(vdwmesh.mesh([[0, 0, 0]], [1.0], mesher=mesher, normals=False).normals)
+        areas = {vdwmesh.mesh(self.molecule, mesher="marching-cubes", field=field).area
+                 for field in ("vdw", "blinn", "soft", "inverse-squared")}  # fmt: skip
+        self.assertEqual(len(areas), 4)
+        self.assertLess(len(vdwmesh.mesh(self.molecule, edge_length=0.8).faces),
+                        len(vdwmesh.mesh(self.molecule, edge_length=0.4).faces))  # fmt: skip
+
+    def test_arrays_are_views_of_one_mesh(self):
+        mesh = vdwmesh.mesh(self.molecule)
+        again = [np.asarray(array()) for array in (mesh._handle.vertices, mesh._handle.faces,
+                                                   mesh._handle.normals, mesh._handle.face_atoms)]  # fmt: skip
+        for ours, other in zip((*mesh, mesh.face_atoms), again):
+            self.assertEqual(ours.ctypes.data, other.ctypes.data)  # the address of the library's array
+            self.assertFalse(ours.flags.writeable)
+        vertices, before = mesh.vertices, mesh.vertices.copy()
+        del mesh, again, ours, other
+        vdwmesh.mesh(self.molecule)
+        np.testing.assert_array_equal(vertices, before)
+
+    def test_wrong_arguments_are_named(self):
+        for options in ({"mesher": "quick"}, {"field": "gauss"}, {"spacing": 0}, {"spacing": math.nan},
+                        {"edge_length": -1}, {"subdivide": -1}, {"subdivide": 1.5}, {"device": "tpu"},
+                        {"threads": 0}, {"probe": -2}):  # fmt: skip
+            with self.subTest(**options):
+                with self.assertRaisesRegex(ValueError, "radii" if "probe" in options else next(iter(options))):
+                    vdwmesh.mesh([[0, 0, 0]], [1.0], **{"mesher": "marching-cubes", **options})
+        with self.assertRaisesRegex(ValueError, "field"):
+            vdwmesh.mesh([[0, 0, 0]], [1.0], field="blinn")
+        with self.assertRaisesRegex(ValueError, "spacing: 50 is too coarse"):
+            vdwmesh.mesh([[0.3, 0.2, 0.1]], [1.0], mesher="marching-cubes", spacing=50)
+
+    def test_limits_come_before_memory(self):
+        with self.assertRaises(MemoryError):
+            vdwmesh.mesh(self.molecule, mesher="marching-cubes", spacing=1e-5)
+
+
+TYPES = {"double": "<f8", "float": "<f4", "int": "<i4", "uint": "<u4", "uchar": "u1"}
+
+
+def read_ply(path):
+    """The rows of vertices and of faces of a binary PLY file of triangles, by its header."""
+    header, _, body = path.read_bytes().partition(b"end_header\n")
+    elements = []
+    for words in map(str.split, header.decode().splitlines()):
+        if words[0] == "element":
+            elements.append((int(words[2]), []))
+        elif words[:2] == ["property", "list"]:
+            elements[-1][1].extend([("corners", TYPES[words[2]]), (words[4], TYPES[words[3]], 3)])
+        elif words[0] == "property":
+            elements[-1][1].append((words[2], TYPES[words[1]]))
+    found = []
+    for count, fields in elements:
+        found.append(np.frombuffer(body, fields, count))
+        body = body[found[-1].nbytes :]
+    assert body == b"" and (found[1]["corners"] == 3).all()
+    return found
+
+
+class SameAsProgramTest(ProgramTest):
+    """A PLY file has doubles, so meshes are equal to the last digit."""
+
+    def compare(self, path, *arguments, **options):
+        file = self.folder / "m.ply"
+        self.run_ok("mesh", path, "-o", file, *arguments)
+        vertices, faces = read_ply(file)
+        ours = vdwmesh.mesh(vdwmesh.read(path), **options)
+        for axis, name in enumerate("xyz"):
+            np.testing.assert_array_equal(vertices[name], ours.vertices[:, axis])
+            np.testing.assert_array_equal(vertices["n" + name], ours.normals[:, axis])
+        np.testing.assert_array_equal(faces["vertex_indices"], ours.faces)
+        np.testing.assert_array_equal(vertices["atom"], ours.vertex_atoms)
+
+    def test_options_both_have(self):
+        path = need_shared("molecules/thesis/4PTI.pdb")
+        self.compare(path, "--mesher", "exact", mesher="exact")
+        self.compare(path, "--mesher", "exact", "--edge-length", 0.6, "--subdivide", 1,
+                     edge_length=0.6, subdivide=1)  # fmt: skip
+        self.compare(path, mesher="marching-cubes")
+        self.compare(path, "--spacing", 0.8, "--subdivide", 1, "--probe", 1.4,
+                     mesher="marching-cubes", spacing=0.8, subdivide=1, probe=1.4)  # fmt: skip
+        for field in ("blinn", "soft", "inverse-squared"):
+            self.compare(path, "--field", field, "--subdivide", 1,
+                         mesher="marching-cubes", field=field, subdivide=1)  # fmt: skip
+
+    def test_sparse_sets(self):
+        for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
+            with self.subTest(path=path.name):
+                try:
+                    vdwmesh.mesh(vdwmesh.read(path))
+                except vdwmesh.LimitExceeded as error:  # what double coordinates cannot tell apart
+                    result = run("mesh", path, "-o", self.folder / "m.ply", "--mesher", "exact")
+                    self.assertEqual(result.stderr, f"vdwmesh: {error}\n")
+                else:
+                    self.compare(path, "--mesher", "exact")
+
+    def test_files_of_the_package_are_meshes_of_the_program(self):
+        mesh = vdwmesh.mesh(vdwmesh.read(UBIQUITIN), mesher="marching-cubes")
+        for extension in ("ply", "obj", "off", "stl", "glb"):
+            path = self.folder / f"m.{extension}"
+            if extension in ("stl", "glb"):
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    mesh.save(path)
+            else:
+                mesh.save(path)
+            block = self.report("compare", path, UBIQUITIN, "--distances", "off")["mesh"]
+            self.assertEqual(block["triangles"], len(mesh.faces))
+            self.assert_close(block["volume"], mesh.volume, 1e-5)  # float32 coordinates
+        with self.assertRaisesRegex(ValueError, "xyz"):
+            mesh.save(self.folder / "m.xyz")
+
+
+def distance_to_sphere(x, y, z, radius):
+    return radius - np.sqrt(x * x + y * y + z * z)
+
+
+class MarchingCubesTest(unittest.TestCase):
+    spacing, origin = (2 / 32, 2 / 40, 2 / 24), (-1, -1, -1)
+
+    def ball(self, dtype=np.float64):
+        x, y, z = np.mgrid[-1:1:33j, -1:1:41j, -1:1:25j]
+        return distance_to_sphere(x, y, z, 0.6).astype(dtype)
+
+    def test_a_ball_lies_where_the_axes_say(self):
+        stretched = (2 / 32, 4 / 40, 6 / 24)
+        mesh = vdwmesh.marching_cubes(self.ball(), 0, spacing=stretched, origin=(9, 18, 27))
+        ellipsoid = (mesh.vertices - (9, 18, 27)) / (1, 2, 3) - 1
+        # Linear interpolation in cells of side h errs by up to h²/(8 r) for a distance field.
+        np.testing.assert_allclose(np.linalg.norm(ellipsoid, axis=1), 0.6, atol=(2 / 24) ** 2 * 3 / 8 / 0.6)
+        self.assertTrue(edges_are_paired(mesh.faces))
+        self.assertGreater(volume_inside(mesh.vertices, mesh.faces), 0)  # outward
+        outward = ellipsoid / (1, 2, 3)
+        outward /= np.linalg.norm(outward, axis=1)[:, None]
+        self.assertGreater(np.einsum("ij,ij->i", outward, mesh.normals).min(), 0.98)
+
+    def test_types_and_layouts_of_volumes(self):
+        expected = vdwmesh.marching_cubes(self.ball(np.float32), 0).vertices
+        volume = self.ball(np.float32)
+        padded = np.zeros((33, 41, 50), np.float32)
+        padded[:, :, ::2] = volume
+        for other in (volume.astype(float), np.asfortranarray(volume), padded[:, :, ::2],
+                      volume.astype(">f4"), volume.tolist()):  # fmt: skip
+            np.testing.assert_array_equal(vdwmesh.marching_cubes(other, 0).vertices, expected)
+        counts = (self.ball() * 100).astype(np.int16)
+        self.assertTrue(vdwmesh.marching_cubes(counts, 10).is_closed)
+
+    def test_the_border_is_closed(self):
+        mesh = vdwmesh.marching_cubes(np.ones((3, 4, 5)), 0.5)
+        self.assertTrue(edges_are_paired(mesh.faces))
+        self.assertEqual(mesh.euler_characteristic, 2)
+
+    def test_nothing_crosses_the_level(self):
+        mesh = vdwmesh.marching_cubes(np.zeros((3, 4, 5)), 1)
+        self.assertEqual((mesh.vertices.shape, mesh.faces.shape), ((0, 3), (0, 3)))
+
+    def test_the_surface_is_that_of_scikit_image(self):
+        measure = need_package("python3-skimage", module="skimage.measure")
+        volume = self.ball(np.float32)
+        theirs, faces, *_ = measure.marching_cubes(volume, 0, spacing=self.spacing)
+        ours = vdwmesh.marching_cubes(volume, 0, spacing=self.spacing)
+        rows = [np.unique(np.round(v, 5), axis=0) for v in (theirs, ours.vertices)]  # theirs: float32
+        self.assertEqual(rows[0].shape, rows[1].shape)
+        np.testing.assert_allclose(rows[0], rows[1], atol=2e-5)
+        area = measure.mesh_surface_area(theirs, faces)
+        self.assertAlmostEqual(ours.area, area, delta=1e-3 * area)  # ambiguous cells may differ
+
+    def test_wrong_arguments_are_named(self):
+        volume = np.zeros((3, 3, 3))
+        for name, arguments, options in (
+            ("volume", (np.zeros((3, 3)), 0), {}), ("volume", (np.zeros((1, 3, 3)), 0), {}),
+            ("volume", (np.zeros((0, 3, 3)), 0), {}), ("volume", (volume.astype(complex), 0), {}),
+            ("level", (volume, math.nan), {}), ("level", (volume, "low"), {}),
+            ("spacing", (volume, 0), {"spacing": (1, 1)}), ("spacing", (volume, 0), {"spacing": (1, 0, 1)}),
+            ("origin", (volume, 0), {"origin": (0, math.inf, 0)}), ("device", (volume, 0), {"device": "x"}),
+        ):  # fmt: skip
+            with self.subTest(name=name), self.assertRaisesRegex(ValueError, name):
+                vdwmesh.marching_cubes(*arguments, **options)
+
+
+if __name__ == "__main__":
+    unittest.main()
