@@ -1,4 +1,5 @@
-// Meshes for Python: made of spheres by both meshers, taken from arrays or files, and written.
+// Meshes for Python: made of spheres by both meshers, taken from arrays, and written. A mesh may
+// take as much memory as the machine leaves; more is refused before it is taken, as by the program.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 

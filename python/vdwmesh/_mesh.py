@@ -44,9 +44,14 @@ class Mesh:
 
     @classmethod
     def _of(cls, handle: _core.MeshHandle) -> Mesh:
-        arrays = (handle.normals(), handle.vertex_atoms(), handle.face_atoms())
-        given = [None if array is None else view(array) for array in arrays]
-        return cls(view(handle.vertices()), view(handle.faces()), *given, handle)
+        return cls(
+            view(handle.vertices()),
+            view(handle.faces()),
+            _view_or_none(handle.normals()),
+            _view_or_none(handle.vertex_atoms()),
+            _view_or_none(handle.face_atoms()),
+            handle,
+        )
 
     def __iter__(self) -> Iterator[Any]:
         return iter((self.vertices, self.faces, self.normals))
@@ -102,6 +107,10 @@ class Mesh:
     def to_open3d(self) -> Any:
         """The mesh as an ``open3d.geometry.TriangleMesh``."""
         return _sinks.to_open3d(self)
+
+
+def _view_or_none(owner: Any) -> NDArray[Any] | None:
+    return None if owner is None else view(owner)
 
 
 def mesh(

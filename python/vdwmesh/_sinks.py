@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
 
 def to_trimesh(mesh: Mesh) -> Any:
     """Vertices are not merged (trimesh#222: process=False), so that they keep their order."""
-    import trimesh
+    trimesh = import_module("trimesh")
 
     return trimesh.Trimesh(
         vertices=np.array(mesh.vertices),
@@ -26,7 +27,7 @@ def to_trimesh(mesh: Mesh) -> Any:
 
 def to_pyvista(mesh: Mesh) -> Any:
     """PyVista's faces are one list: the number of corners of each, then the corners."""
-    import pyvista
+    pyvista = import_module("pyvista")
 
     corners = np.full((len(mesh.faces), 4), 3, np.int64)
     corners[:, 1:] = mesh.faces
@@ -42,7 +43,7 @@ def to_pyvista(mesh: Mesh) -> Any:
 
 def to_meshio(mesh: Mesh) -> Any:
     """Atoms are point data and cell data of the name "atom"."""
-    import meshio
+    meshio = import_module("meshio")
 
     points = {} if mesh.normals is None else {"normals": np.array(mesh.normals)}
     points.update(_given(atom=mesh.vertex_atoms))
@@ -57,7 +58,7 @@ def to_meshio(mesh: Mesh) -> Any:
 
 def to_open3d(mesh: Mesh) -> Any:
     """Open3D has no place for atoms."""
-    import open3d
+    open3d = import_module("open3d")
 
     surface = open3d.geometry.TriangleMesh(
         open3d.utility.Vector3dVector(np.array(mesh.vertices)),
