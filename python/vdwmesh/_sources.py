@@ -7,7 +7,7 @@ are there already.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Callable
+from typing import TYPE_CHECKING, Any, Callable, Iterator
 
 import numpy as np
 
@@ -95,4 +95,84 @@ def _from_vdwmesh(source: Any) -> Atoms:
     )
 
 
-_ADAPTERS: dict[str, Callable[[Any], Atoms]] = {"vdwmesh": _from_vdwmesh}
+def _from_mdanalysis(source: Any) -> Atoms:
+    """An AtomGroup, or what has one: a Universe, a residue, a segment. Lengths are in Å."""
+    group = getattr(source, "atoms", source)
+    return Atoms(
+        coords=group.positions,
+        elements=_mdanalysis_elements(group),
+        resnames=getattr(group, "resnames", None),
+        names=getattr(group, "names", None),
+        residues=group.resindices.tolist(),
+    )
+
+
+def _mdanalysis_elements(group: Any) -> Any:
+    """Topologies without elements have types, which are guesses of the same; both may be empty."""
+    for attribute in ("elements", "types"):
+        found = getattr(group, attribute, None)
+        if found is not None and all(str(element) for element in found):
+            return found
+    return None
+
+
+def _from_mdtraj(source: Any) -> Atoms:
+    """A Trajectory, whose lengths are in nm. One frame is a structure, several are frames."""
+    coords = 10 * np.asarray(source.xyz, np.float64)
+    atoms = list(source.topology.atoms)
+    return Atoms(
+        coords=coords[0] if len(coords) == 1 else coords,
+        elements=[atom.element.symbol if atom.element else "" for atom in atoms],
+        resnames=[atom.residue.name for atom in atoms],
+        names=[atom.name for atom in atoms],
+        residues=[atom.residue.index for atom in atoms],
+    )
+
+
+def _from_biotite(source: Any) -> Atoms:
+    """An AtomArray, or an AtomArrayStack of frames. Lengths are in Å."""
+    return Atoms(
+        coords=source.coord,
+        elements=source.element,
+        resnames=source.res_name,
+        names=source.atom_name,
+        residues=_labels(source.chain_id, source.res_id, source.ins_code),
+    )
+
+
+def _from_gemmi(source: Any) -> Atoms:
+    """A Structure, whose first model is taken, or a Model, Chain or Residue. Lengths are in Å."""
+    model = source[0] if type(source).__name__ == "Structure" else source
+    found = list(_gemmi_atoms(model))
+    return Atoms(
+        coords=[(atom.pos.x, atom.pos.y, atom.pos.z) for atom, _, _ in found],
+        elements=[atom.element.name for atom, _, _ in found],
+        resnames=[residue.name for _, residue, _ in found],
+        names=[atom.name for atom, _, _ in found],
+        residues=[(chain, str(residue.seqid), residue.name) for _, residue, chain in found],
+    )
+
+
+def _gemmi_atoms(part: Any, residue: Any = None, chain: str = "") -> Iterator[tuple[Any, Any, str]]:
+    """The atoms of a part of gemmi's hierarchy with their residue and the name of their chain."""
+    kind = type(part).__name__
+    if kind == "Residue":
+        residue = part
+    elif kind == "Chain":
+        chain = part.name
+    elif kind != "Model":
+        raise InvalidInput(f"coords: gemmi's {kind} has no atoms")
+    for child in part:
+        if kind == "Residue":
+            yield child, residue, chain
+        else:
+            yield from _gemmi_atoms(child, residue, chain)
+
+
+_ADAPTERS: dict[str, Callable[[Any], Atoms]] = {
+    "MDAnalysis": _from_mdanalysis,
+    "biotite": _from_biotite,
+    "gemmi": _from_gemmi,
+    "mdtraj": _from_mdtraj,
+    "vdwmesh": _from_vdwmesh,
+}

@@ -1,0 +1,149 @@
+"""Objects of other packages as sources and sinks. Packages that Debian lacks have stand-ins here,
+with the attributes that their documentation names."""
+
+import sys
+import types
+import unittest
+from unittest import mock
+
+import numpy as np
+import vdwmesh
+from program import UBIQUITIN, need_package, need_shared
+
+# float32 coordinates of other packages move atoms by 4e-6 Å at 60 Å; areas by a little more.
+FLOAT32 = 1e-5
+
+
+def stand_in(package, name, **attributes):
+    """An object of a class of that name that seems to come from the package."""
+    kind = type(name, (), {"__module__": f"{package}.structure"})
+    found = kind()
+    for key, value in attributes.items():
+        setattr(found, key, value)
+    return found
+
+
+class SourcesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.molecule = vdwmesh.read(UBIQUITIN)
+        cls.expected = vdwmesh.exact(cls.molecule)
+        cls.residues = vdwmesh.sasa(cls.molecule, mode="residue")
+
+    def assert_same(self, source, relative=FLOAT32):
+        found = vdwmesh.exact(source)
+        self.assertEqual(len(found.atom_area), len(self.molecule))
+        self.assertAlmostEqual(found.area, self.expected.area, delta=relative * self.expected.area)
+        self.assertAlmostEqual(found.volume, self.expected.volume, delta=relative * self.expected.volume)
+        np.testing.assert_allclose(vdwmesh.sasa(source, mode="residue"), self.residues, atol=1e-3)
+        own = vdwmesh.exact(source, np.full(len(self.molecule), 1.0))
+        self.assertLess(own.area, self.expected.area)  # own radii are obeyed
+        self.assertGreater(vdwmesh.exact(source, "alvarez").volume, self.expected.volume)
+
+    def test_mdanalysis(self):
+        package = need_package("python3-mdanalysis", module="MDAnalysis")
+        group = package.Universe(str(UBIQUITIN)).select_atoms("not resname HOH")
+        self.assert_same(group)
+        self.assertEqual(vdwmesh.exact(group.residues[:2]).atom_area.shape, (group.residues[:2].atoms.n_atoms,))
+
+    def test_mdtraj(self):
+        package = need_package("python3-mdtraj", module="mdtraj")
+        trajectory = package.load(str(UBIQUITIN))
+        protein = trajectory.atom_slice(trajectory.topology.select("not water"))
+        self.assert_same(protein)
+
+    def test_frames_of_mdtraj(self):
+        package = need_package("python3-mdtraj", module="mdtraj")
+        path = need_shared("molecules/special/1D3Z.pdb")
+        models = package.load(str(path))
+        found = vdwmesh.sasa(models)
+        self.assertEqual(found.shape, (10,))
+        second = float(vdwmesh.sasa(vdwmesh.read(path, model=2)))
+        self.assertAlmostEqual(found[1], second, delta=FLOAT32 * second)
+        with self.assertRaisesRegex(ValueError, "coords: has shape"):
+            vdwmesh.exact(models)
+
+    def test_gemmi(self):
+        package = need_package("python3-gemmi", module="gemmi")
+        structure = package.read_structure(str(UBIQUITIN))
+        structure.remove_waters()
+        self.assert_same(structure, relative=1e-12)  # doubles
+        self.assert_same(structure[0]["A"], relative=1e-12)
+        with self.assertRaisesRegex(ValueError, "gemmi's Position"):
+            vdwmesh.exact(package.Position(0, 0, 0))
+
+    def test_biotite(self):
+        m = self.molecule
+        array = stand_in("biotite", "AtomArray", coord=m.coords.astype(np.float32), element=np.char.upper(m.elements),
+                         res_name=m.resnames, atom_name=m.names, chain_id=m.chains,
+                         res_id=m.resids.astype(int), ins_code=np.full(len(m), ""))  # fmt: skip
+        self.assert_same(array)
+        array.coord = np.stack([m.coords, m.coords])
+        self.assertEqual(vdwmesh.sasa(array).shape, (2,))
+
+    def test_sources_without_elements_are_refused(self):
+        group = stand_in("MDAnalysis", "AtomGroup", positions=np.zeros((1, 3)), resindices=np.zeros(1, int),
+                         types=[""])  # fmt: skip
+        with self.assertRaisesRegex(ValueError, "radii: are needed"):
+            vdwmesh.exact(group)
+        self.assertGreater(vdwmesh.exact(group, [1.0]).area, 12)
+
+
+class SinksTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.mesh = vdwmesh.mesh(vdwmesh.sample("bpti"), edge_length=1.0)
+
+    def test_meshio(self):
+        need_package("python3-meshio", module="meshio")
+        found = self.mesh.to_meshio()
+        np.testing.assert_array_equal(found.points, self.mesh.vertices)
+        np.testing.assert_array_equal(found.get_cells_type("triangle"), self.mesh.faces)
+        np.testing.assert_array_equal(found.point_data["normals"], self.mesh.normals)
+        np.testing.assert_array_equal(found.cell_data["atom"][0], self.mesh.face_atoms)
+        self.assertEqual(vdwmesh.quality(found), vdwmesh.quality(self.mesh))
+
+    def test_open3d(self):
+        need_package("python3-open3d", module="open3d")
+        found = self.mesh.to_open3d()
+        np.testing.assert_array_equal(np.asarray(found.vertices), self.mesh.vertices)
+        np.testing.assert_array_equal(np.asarray(found.triangles), self.mesh.faces)
+        self.assertTrue(found.is_watertight())
+        self.assertAlmostEqual(found.get_volume(), self.mesh.volume, delta=1e-9 * self.mesh.volume)
+        self.assertEqual(vdwmesh.quality(found), vdwmesh.quality(self.mesh))
+
+    def test_trimesh(self):
+        given = {}
+        module = types.SimpleNamespace(Trimesh=lambda **arguments: given.update(arguments) or "a mesh")
+        with mock.patch.dict(sys.modules, trimesh=module):
+            self.assertEqual(self.mesh.to_trimesh(), "a mesh")
+        self.assertIs(given["process"], False)  # vertices stay welded and in order
+        np.testing.assert_array_equal(given["vertices"], self.mesh.vertices)
+        np.testing.assert_array_equal(given["faces"], self.mesh.faces)
+        np.testing.assert_array_equal(given["vertex_attributes"]["atom"], self.mesh.vertex_atoms)
+        np.testing.assert_array_equal(given["face_attributes"]["atom"], self.mesh.face_atoms)
+        again = stand_in("trimesh", "Trimesh", vertices=given["vertices"], faces=given["faces"])
+        self.assertEqual(vdwmesh.quality(again), vdwmesh.quality(self.mesh))
+
+    def test_pyvista(self):
+        class PolyData:
+            __module__ = "pyvista.core.pointset"
+
+            def __init__(self, points, faces):
+                self.points, self.faces, self.point_data, self.cell_data = points, faces, {}, {}
+
+        with mock.patch.dict(sys.modules, pyvista=types.SimpleNamespace(PolyData=PolyData)):
+            found = self.mesh.to_pyvista()
+        np.testing.assert_array_equal(found.faces.reshape(-1, 4)[:, 0], 3)
+        np.testing.assert_array_equal(found.point_data["Normals"], self.mesh.normals)
+        np.testing.assert_array_equal(found.cell_data["atom"], self.mesh.face_atoms)
+        self.assertEqual(vdwmesh.quality(found), vdwmesh.quality(self.mesh))
+
+    def test_copies_can_be_written_to(self):
+        need_package("python3-meshio", module="meshio")
+        self.mesh.to_meshio().points[0] = 0
+        self.assertFalse((self.mesh.vertices[0] == 0).all())
+
+
+if __name__ == "__main__":
+    unittest.main()
