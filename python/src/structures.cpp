@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -70,7 +71,9 @@ Array radii(const Molecule& molecule) {
 
 py::dict columns_of(const Molecule& molecule) {
   std::map<std::string, double> assumed;
-  for (const AssumedRadius& a : molecule.radii_assumed) assumed[a.element] = a.radius;
+  for (const AssumedRadius& a : molecule.radii_assumed) {
+    assumed[a.atom_name.empty() ? a.element : a.residue_name + " " + a.atom_name] = a.radius;
+  }
   using namespace py::literals;
   return py::dict(
       "coords"_a = coordinates(molecule), "radii"_a = radii(molecule),
@@ -106,10 +109,11 @@ std::optional<double> radius(const RadiusTable& table, const std::string& residu
 }
 
 RadiusTable table_of(const std::string& set) {
-  if (set == "bondi" || set == "alvarez") return RadiusTable::named(set);
+  const std::vector<std::string>& sets = RadiusTable::names();
+  if (std::ranges::count(sets, set) > 0) return RadiusTable::named(set);
   if (std::filesystem::exists(set)) return RadiusTable::from_file(set);
-  throw InvalidInput(
-      fmt::format("set: {} is neither bondi nor alvarez nor a file that is there", set));
+  throw InvalidInput(fmt::format("set: {} is neither a radius set ({}) nor a file that is there",
+                                 set, fmt::join(sets, ", ")));
 }
 
 }  // namespace

@@ -32,7 +32,8 @@ class Molecule:
     left_out : dict of str to int
         How many atoms of the file are not here, by reason ("waters", "alternate_locations", ...).
     assumed_radii : dict of str to float
-        Elements that the radius set lacks, with the radii that stand in for it, Å.
+        Elements that the radius set lacks (of sets of united atoms, residue and atom, as "HEM FE"),
+        with the radii that stand in, Å.
     notes, warnings : tuple of str
         What the reader chose or guessed, and what may be wrong with the file.
     path, format, model, assembly : str
@@ -105,8 +106,9 @@ def read(
     assembly : str, optional
         Name of a biological assembly of the file; by default the asymmetric unit.
     radii : str or path
-        "bondi", "alvarez" or a file with lines "ELEMENT RADIUS" or "RESIDUE ATOM RADIUS". Files of
-        PQR and XYZR bring their own.
+        "bondi" or "alvarez", by element; "protor", "naccess" or "oons", of united atoms, which drop
+        the hydrogens; or a file with lines "ELEMENT RADIUS" or "RESIDUE ATOM RADIUS". Files of PQR
+        and XYZR bring their own.
     select : str, optional
         A selection in gemmi's syntax, as "A/10-40/CA".
     altloc : str
@@ -188,9 +190,10 @@ def radii_of(
         Chemical symbols in any case ("ZN", "Zn", "Zn2+").
     set : str or path
         "bondi" (J. Phys. Chem. 68 (1964) 441, completed from Alvarez), "alvarez" (Dalton Trans. 42
-        (2013) 8617), or a file with lines "ELEMENT RADIUS" or "RESIDUE ATOM RADIUS".
+        (2013) 8617); "protor", "naccess" or "oons", of united atoms; or a file with lines "ELEMENT
+        RADIUS" or "RESIDUE ATOM RADIUS".
     resnames, names : sequence of str, length N, optional
-        Names of residues and atoms, for files with lines by residue and atom.
+        Names of residues and atoms, for united atoms and for files with lines by residue and atom.
     unknown : float, optional
         The radius of atoms that the set does not know, Å. By default they are an error.
 

@@ -125,6 +125,11 @@ class RadiiTest(unittest.TestCase):
         self.assertEqual(found.tolist(), [1.70, 1.55, 1.39, 1.39, 1.52])
         self.assertEqual(vdwmesh.radii_of(np.array(["Ca"]), set="alvarez").tolist(), [2.62])
 
+    def test_united_atoms(self):
+        # J. Tsai et al., J. Mol. Biol. 290 (1999) 253: aliphatic C4H1 1.88 Å, carbonyl C3H0 1.61 Å.
+        found = vdwmesh.radii_of(["C", "C"], set="protor", resnames=["ALA", "ALA"], names=["CA", "C"])
+        self.assertEqual(found.tolist(), [1.88, 1.61])
+
     def test_unknown_elements(self):
         with self.assertRaisesRegex(ValueError, r"elements\[1\].*'Q'"):
             vdwmesh.radii_of(["C", "Q"])
