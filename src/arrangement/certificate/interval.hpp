@@ -25,8 +25,9 @@ inline Interval within(double lower, double upper, const Interval& x) {
   return {std::min(low, high), std::max(low, high)};
 }
 
+// An upper end that is NaN stays so; it is no bound.
 inline Interval at_least_zero(const Interval& x) {
-  return {x.inf() > 0 ? x.inf() : 0.0, x.sup() > 0 ? x.sup() : 0.0};
+  return {x.inf() > 0 ? x.inf() : 0.0, x.sup() <= 0 ? 0.0 : x.sup()};
 }
 
 // The root of a number that is known to be at least 0. If s is a root rounded upward, the quotient

@@ -13,7 +13,11 @@ thread_local int working_bits = 64;
 }  // namespace
 
 Precision::Precision(int bits) : before_(working_bits) { working_bits = bits; }
-Precision::~Precision() { working_bits = before_; }
+// MPFR keeps constants for each thread. Threads end without notice, so they are given back here.
+Precision::~Precision() {
+  working_bits = before_;
+  mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE);
+}
 
 WideInterval::WideInterval() : WideInterval(0.0) {}
 
@@ -104,6 +108,7 @@ WideInterval square(const WideInterval& a) {
 WideInterval at_least_zero(const WideInterval& a) {
   WideInterval result;
   if (mpfr_sgn(a.low_) > 0) mpfr_set(result.low_, a.low_, MPFR_RNDD);
+  if (mpfr_nan_p(a.high_) != 0) mpfr_set_inf(result.high_, 1);
   if (mpfr_sgn(a.high_) > 0) mpfr_set(result.high_, a.high_, MPFR_RNDU);
   return result;
 }
