@@ -171,14 +171,18 @@ void expect_results(const WideInterval& x, const WideInterval& y, double u, doub
   }
 }
 
-TEST(WideInterval, ContainsResultsOfAllSigns) {
+// With 53 bits, the least that there may be, the conversion to doubles hides no rounding.
+class WideIntervalBits : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Bits, WideIntervalBits, ::testing::Values(53, 200));
+
+TEST_P(WideIntervalBits, ContainsResultsOfAllSigns) {
   std::vector<Interval> intervals;
   for (const double low : {-3.0, -0.1, 0.0, 0.1, 7.0}) {
     for (const double high : {-3.0, -0.1, 0.0, 0.1, 7.0}) {
       if (low <= high) intervals.emplace_back(low, high);
     }
   }
-  const Precision precision(200);
+  const Precision precision(GetParam());
   for (const Interval& x : intervals) {
     for (const Interval& y : intervals) {
       for (const double u : {x.inf(), x.sup()}) {
