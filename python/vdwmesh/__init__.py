@@ -4,28 +4,32 @@ Lengths are in Å, areas in Å², volumes in Å³. Arrays that come out are read
 the C++ library, without a copy; ``numpy.array(a)`` makes a copy to write to.
 """
 
-from vdwmesh._core import version as __version__
-from vdwmesh._checks import (
-    Comparison,
-    DistanceStatistics,
-    Distribution,
-    Quality,
-    compare,
-    quality,
-    signed_distance,
-)
-from vdwmesh._exact import ExactUnion, Topology, exact, sasa
-from vdwmesh._mesh import Mesh, marching_cubes, mesh
-from vdwmesh._molecule import Molecule, radii_of, read, sample
-from vdwmesh.errors import (
-    BackendUnavailable,
-    CudaError,
-    Error,
-    FileFormatError,
-    InternalError,
-    InvalidInput,
-    LimitExceeded,
-)
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from vdwmesh._checks import (
+        Comparison,
+        DistanceStatistics,
+        Distribution,
+        Quality,
+        compare,
+        quality,
+        signed_distance,
+    )
+    from vdwmesh._core import version as __version__
+    from vdwmesh._exact import ExactUnion, Topology, exact, sasa
+    from vdwmesh._mesh import Mesh, marching_cubes, mesh
+    from vdwmesh._molecule import Molecule, radii_of, read, sample
+    from vdwmesh.errors import (
+        BackendUnavailable,
+        CudaError,
+        Error,
+        FileFormatError,
+        InternalError,
+        InvalidInput,
+        LimitExceeded,
+    )
 
 __all__ = [
     "BackendUnavailable",
@@ -55,3 +59,30 @@ __all__ = [
     "sasa",
     "signed_distance",
 ]
+
+# Where each name is. A module is imported when one of its names is first used (PEP 562), because
+# NumPy takes longer to import than all of this package.
+_HOMES = {
+    "_checks": "Comparison DistanceStatistics Distribution Quality "
+    "compare quality signed_distance",
+    "_exact": "ExactUnion Topology exact sasa",
+    "_mesh": "Mesh marching_cubes mesh",
+    "_molecule": "Molecule radii_of read sample",
+    "errors": "BackendUnavailable CudaError Error FileFormatError "
+    "InternalError InvalidInput LimitExceeded",
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return import_module("vdwmesh._core").version
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'vdwmesh' has no attribute {name!r}")
+    value = getattr(import_module(f"vdwmesh.{_HOME_OF[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -208,8 +208,16 @@ class ImportTest(unittest.TestCase):
         code = "import sys, vdwmesh; print(*{m.partition('.')[0] for m in sys.modules})"
         found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         others = {"MDAnalysis", "mdtraj", "biotite", "gemmi", "trimesh", "pyvista", "meshio", "open3d",
-                  "pandas", "scipy"}  # fmt: skip
+                  "pandas", "scipy", "numpy"}  # fmt: skip
         self.assertEqual(others & set(found.stdout.split()), set())
+
+    def test_all_names_are_there_and_no_others(self):
+        self.assertEqual(set(dir(vdwmesh)), set(vdwmesh.__all__))
+        for name in vdwmesh.__all__:
+            self.assertIs(getattr(vdwmesh, name), getattr(vdwmesh, name))
+        self.assertRegex(vdwmesh.__version__, r"^\d+\.\d+\.\d+$")
+        with self.assertRaisesRegex(AttributeError, "no attribute 'surface'"):
+            vdwmesh.surface
 
     def test_results_hold_with_the_checks_of_pythons_allocator(self):
         code = ("import vdwmesh, gc; m = vdwmesh.sample(); "
