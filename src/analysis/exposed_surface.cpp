@@ -103,10 +103,9 @@ class PatchBuilder {
   // Appends the patch of the sphere at this list place to `out`, unless the sphere is buried.
   void add(std::uint32_t place, BlockPatches& out) {
     covers_.clear();
-    const auto take = [&](const arcs::Cap& cap, std::uint32_t other) {
-      covers_.push_back({cap, other});
-    };
-    if (!arcs::visit_caps(list_, place, take)) return;
+    if (!caps_.find(list_, place)) return;
+    for (std::size_t i = 0; i < caps_.caps().size(); ++i)
+      covers_.push_back({caps_.caps()[i], caps_.neighbors()[i]});
     std::sort(covers_.begin(), covers_.end(), comes_first);
     drop_nested(covers_);
     find_corners(place);
@@ -185,6 +184,7 @@ class PatchBuilder {
   }
 
   const CellListView& list_;
+  arcs::BallCaps caps_;
   std::vector<Cover> covers_;
   std::vector<Corner> corners_;
   // For each element of covers_: 1 if its circle has exposed arcs. Complete after

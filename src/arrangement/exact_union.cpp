@@ -102,6 +102,7 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
   result.volume = total.volume;
   result.check_area = check.area;
   result.check_volume = check.volume;
+  result.counts = {topology.components, topology.euler_characteristic, topology.hidden_spheres};
   result.topology = std::move(topology);
   if (options.certify) result.certificate = certify(spheres, triangulation, complex, measured);
   return result;
@@ -156,19 +157,26 @@ void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>&
 
 // Method arcs. arc_measures() reports progress as a stage of its own. To reuse the
 // caller's array, result.per_sphere is swapped into `arcs` and filled there. Assigning `result`
-// frees the array that it got in exchange, and the second swap puts the filled one back.
+// frees the array that it got in exchange, and the second swap puts the filled one back. The counts
+// are those of the whole union, so all spheres are measured for them.
 void union_by_arcs(ExactUnion& result, const SphereSet& spheres, const MeasuredSpheres& measured,
-                   Monitor* monitor, Workspace& workspace) {
+                   TopologyRequest topology, Monitor* monitor, Workspace& workspace) {
+  const bool counts = topology == TopologyRequest::counts;
+  const MeasuredSpheres all(spheres.size(), std::nullopt);
   auto& arcs = workspace.get<ArcMeasures>();
   std::swap(arcs.per_sphere, result.per_sphere);
-  arc_measures(arcs, spheres, measured, monitor, workspace);
+  arc_measures(arcs, spheres, counts ? all : measured,
+               counts ? TopologyRequest::counts : TopologyRequest::none, monitor, workspace);
   replace_by_reference(spheres, arcs.suspect, arcs.per_sphere);
+  leave_measured(arcs.per_sphere, measured);
   const SphereMeasures total = total_measures(arcs.per_sphere, measured);
   result = {};
   result.method = UnionMethod::arcs;
   result.area = total.area;
   result.volume = total.volume;
+  result.counts = arcs.counts;
   result.fallback_spheres = arcs.suspect.size();
+  result.doubtful_spheres = arcs.doubtful;
   std::swap(arcs.per_sphere, result.per_sphere);
 }
 
@@ -179,7 +187,7 @@ ExactUnion union_by_both(const SphereSet& spheres, const MeasuredSpheres& measur
                          const UnionOptions& options, Workspace& workspace) {
   ExactUnion result = union_by_triangulation(spheres, measured, options);
   auto& arcs = workspace.get<ArcMeasures>();
-  arc_measures(arcs, spheres, measured, options.monitor, workspace);
+  arc_measures(arcs, spheres, measured, TopologyRequest::none, options.monitor, workspace);
   for (const SphereId id : arcs.suspect) arcs.per_sphere[id] = result.per_sphere[id];
   const SphereMeasures check = total_measures(arcs.per_sphere, measured);
   result.method = UnionMethod::both;
@@ -200,7 +208,7 @@ void measure_union(ExactUnion& result, const SphereSet& spheres, const UnionOpti
       result = union_by_triangulation(spheres, measured, options);
       return;
     case UnionMethod::arcs:
-      union_by_arcs(result, spheres, measured, options.monitor, workspace);
+      union_by_arcs(result, spheres, measured, options.topology, options.monitor, workspace);
       if (options.certify) {
         result.certificate = certificate_by_triangulation(spheres, measured, options.monitor);
       }

@@ -25,14 +25,15 @@
 
 namespace vdwmesh {
 
-// automatic: cgal if the topology is wanted, else arcs, which are faster.
+// automatic: cgal if the full topology is wanted, else arcs, which are faster.
 // cgal: the regular triangulation and the dual complex; all of ExactUnion.
-// arcs: each sphere by itself, from the arcs on it; area and volume only.
+// arcs: each sphere by itself, from the arcs on it; area and volume, and counts if they are wanted.
 // both: cgal, with the arcs as an independent check of area and volume.
 enum class UnionMethod { automatic, cgal, arcs, both };
 
-// What is wanted of the topology. Methods cgal and both compute it in any case.
-enum class TopologyRequest { none, full };
+// What is wanted of the topology. Methods cgal and both compute all of it in any case.
+// counts: UnionCounts, which the arcs give almost for nothing.
+enum class TopologyRequest { none, counts, full };
 
 // The method that is used for `method` and this request: never automatic.
 constexpr UnionMethod method_for(UnionMethod method, TopologyRequest topology) {
@@ -64,6 +65,16 @@ struct SphereMeasures {
 // for the surface of a void.
 struct Shell {
   double area, volume;  // Å², Å³
+};
+
+// What can be said of the topology without a triangulation. The spheres that are not measured count
+// too.
+struct UnionCounts {
+  std::uint64_t components;  // of the union of closed balls
+  // As in UnionTopology: 2 (components - tunnels + voids). Each exposed patch has an Euler
+  // characteristic, which Gauss–Bonnet ties to its area; together they make that of the boundary.
+  std::int64_t euler_characteristic;
+  std::uint64_t hidden_spheres;  // spheres without exposed area
 };
 
 struct UnionTopology {
@@ -99,6 +110,9 @@ struct ExactUnion {
   // One entry per sphere, in the order of the SphereSet. The sums are `area` and `volume`.
   std::vector<SphereMeasures> per_sphere;
   std::optional<UnionTopology> topology;  // methods cgal and both
+  // If counts or the full topology are wanted. The arcs do not guess: if rounding might decide
+  // about a sphere (doubtful_spheres), there are none.
+  std::optional<UnionCounts> counts;
   // A second computation of area and volume. Method cgal uses other formulas on the same complex
   // (Gauss–Bonnet, pyramids), which checks the sums but not the complex. Method both uses the arcs,
   // which share no code with the complex. Method arcs has no check.
@@ -106,6 +120,9 @@ struct ExactUnion {
   // Methods arcs and both: spheres whose result from the arcs failed a check, so that the result
   // from a triangulation stands in for it.
   std::uint64_t fallback_spheres = 0;
+  // Method arcs, if counts are wanted: spheres for which rounding might decide about the topology.
+  // They include fallback_spheres.
+  std::uint64_t doubtful_spheres = 0;
   std::optional<UnionCertificate> certificate;  // if asked for
 };
 

@@ -91,12 +91,12 @@ VDWMESH_HD inline CellRange cell_range(const CellLevel& level, int axis, double 
   return {first, last};
 }
 
-// Calls visit(place) with the list place of each sphere of some superset of the spheres whose reach
-// touches the box, in list order. If visit() returns true, the function stops and returns true; if
-// visit() always returns false, the function visits all and returns false.
-template <class Visit>
-VDWMESH_HD bool visit_near_box(const CellListView& list, const Vec3d& lower, const Vec3d& upper,
-                               Visit&& visit) {
+// Calls visit_row(first, end) for ranges of list places, in list order, that together hold a
+// superset of the spheres whose reach touches the box. If visit_row() returns true, the function
+// stops and returns true; if it always returns false, the function returns false.
+template <class VisitRow>
+VDWMESH_HD bool visit_rows_near_box(const CellListView& list, const Vec3d& lower,
+                                    const Vec3d& upper, VisitRow&& visit_row) {
   for (int l = 0; l < list.level_count; ++l) {
     const CellListView::Level& level = list.levels[l];
     const CellRange rx = cell_range(level, 0, lower.x, upper.x);
@@ -108,14 +108,26 @@ VDWMESH_HD bool visit_near_box(const CellListView& list, const Vec3d& lower, con
         const std::int64_t row =
             (static_cast<std::int64_t>(z) * level.cells[1] + y) * level.cells[0];
         // The cells of a row along x are consecutive, so their spheres are consecutive in the list.
-        const std::uint32_t end = level.cell_start[row + rx.last + 1];
-        for (std::uint32_t place = level.cell_start[row + rx.first]; place < end; ++place) {
-          if (visit(place)) return true;
-        }
+        const std::uint32_t first = level.cell_start[row + rx.first];
+        if (visit_row(first, level.cell_start[row + rx.last + 1])) return true;
       }
     }
   }
   return false;
+}
+
+// Calls visit(place) with the list place of each sphere of some superset of the spheres whose reach
+// touches the box, in list order. If visit() returns true, the function stops and returns true; if
+// visit() always returns false, the function visits all and returns false.
+template <class Visit>
+VDWMESH_HD bool visit_near_box(const CellListView& list, const Vec3d& lower, const Vec3d& upper,
+                               Visit&& visit) {
+  return visit_rows_near_box(list, lower, upper, [&](std::uint32_t first, std::uint32_t end) {
+    for (std::uint32_t place = first; place < end; ++place) {
+      if (visit(place)) return true;
+    }
+    return false;
+  });
 }
 
 }  // namespace vdwmesh

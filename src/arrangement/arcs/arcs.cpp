@@ -1,11 +1,9 @@
 // arc_measures(): every sphere by itself, in parallel.
 //
-// For each sphere, visit_caps() finds the overlapping balls with a cell list and collects their
-// caps. The kernel (arc_kernel.hpp) measures the unit ball that the caps cut. If its workspace for
-// kMostFaces faces is too small, measure_by_sectors() does it instead. The results are scaled by
-// the radius and stored by sphere id, so they do not depend on the number of threads. A "list
-// place" is the index of a sphere in the cell list, where spheres near in space stand near each
-// other.
+// For each sphere, BallCaps finds the overlapping balls with a cell list and makes their caps, and
+// CutBall measures the unit ball that the caps cut. The results are scaled by the radius and stored
+// by sphere id, so they do not depend on the number of threads. A "list place" is the index of a
+// sphere in the cell list, where spheres near in space stand near each other.
 #include "arrangement/arcs/arcs.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -13,11 +11,14 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <span>
 
-#include "arrangement/arcs/arc_sectors.hpp"
 #include "arrangement/arcs/ball_caps.hpp"
+#include "arrangement/arcs/cut_ball.hpp"
+#include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/multiversion.hpp"
 #include "core/sum.hpp"
 #include "spheres/kept_cell_lists.hpp"
 
@@ -26,15 +27,31 @@ namespace {
 
 constexpr std::size_t kSpheresPerBlock = 256;  // consecutive in list order
 
-// The kernel handles a ball in one piece if cutting it makes at most this many faces, counting
-// those that later caps remove. The power cell of an atom has far fewer. The kernel's time grows
-// with the square of the number, and is still short for this one.
-constexpr std::size_t kMostFaces = 512;
+// Sums over spheres, of integers, so that they do not depend on the order.
+struct CountSums {
+  std::int64_t euler_characteristic = 0;  // of the exposed patches
+  std::uint64_t corners = 0;              // of the exposed patches
+  std::uint64_t hidden = 0, doubtful = 0;
+
+  void add(const arcs::BallMeasures& m) {
+    euler_characteristic += m.euler_characteristic;
+    corners += m.corners;
+    hidden += m.corners == 0 && m.area == 0;
+    doubtful += m.doubts != 0;
+  }
+  void add(const CountSums& other) {
+    euler_characteristic += other.euler_characteristic;
+    corners += other.corners;
+    hidden += other.hidden;
+    doubtful += other.doubtful;
+  }
+};
 
 // Memory of one thread.
 struct ThreadSpace {
-  std::vector<arcs::Cap> caps;
-  arcs::CellSpace space;
+  CountSums sums;
+  arcs::BallCaps caps;
+  arcs::CutBall ball;
 };
 
 // What a caller's Workspace keeps from one call to the next, beside the result's own memory.
@@ -44,22 +61,56 @@ struct ArcSpace {
   std::vector<std::uint32_t> places;      // list places of the measured spheres, ascending
 };
 
+// One run over the spheres of a list.
+struct Run {
+  const CellListView& list;
+  ArcMeasures& result;
+  std::uint8_t* is_doubtful;  // by sphere id
+  DisjointSets* touching;     // by sphere id: joins balls that overlap; null if nobody asks
+};
+
+// Joins the ball with those that overlap it, or with one that buries it: that is enough, as the
+// burying one overlaps all that this one overlaps.
+void join_neighbors(const Run& run, std::uint32_t place, const arcs::BallCaps& caps,
+                    bool is_buried) {
+  const SphereId* const id = run.list.id;
+  if (is_buried) run.touching->join(id[place], id[caps.buried_by()]);
+  for (const std::uint32_t other : caps.neighbors()) run.touching->join(id[place], id[other]);
+}
+
 // Returns the measures of the sphere at list place `place`, in Å² and Å³, with the doubts about
 // them.
-arcs::BallMeasures measure_sphere(const CellListView& list, std::uint32_t place,
-                                  ThreadSpace& work) {
-  work.caps.clear();
-  const auto take = [&](const arcs::Cap& cap, std::uint32_t) { work.caps.push_back(cap); };
-  if (!arcs::visit_caps(list, place, take)) return {0, 0, 0};
-  const auto count = static_cast<std::uint32_t>(work.caps.size());
-  arcs::BallMeasures unit =
-      arcs::measure_ball(work.caps.data(), count, work.space.reserve(work.caps.size(), kMostFaces));
-  // The workspace has room for all caps, so an overflow means too many faces or edges.
-  if (unit.doubts & arcs::kOverflow) unit = arcs::measure_by_sectors(work.caps);
-  const double r = list.spheres[place].radius;
-  unit.area *= r * r;
-  unit.volume *= r * r * r;
-  return unit;
+arcs::BallMeasures measure_sphere(const Run& run, std::uint32_t place, ThreadSpace& work) {
+  const bool is_buried = !work.caps.find(run.list, place);
+  if (run.touching != nullptr) join_neighbors(run, place, work.caps, is_buried);
+  if (is_buried) return {};
+  arcs::BallMeasures m = work.ball.measure(work.caps.caps());
+  if (work.caps.is_nearly_tangent()) m.doubts |= arcs::kNearlyTangent;
+  const double r = run.list.spheres[place].radius;
+  m.area *= r * r;
+  m.volume *= r * r * r;
+  return m;
+}
+
+// Measures the spheres at the given list places.
+VDWMESH_MULTIVERSION void measure_spheres(const Run& run, std::span<const std::uint32_t> places,
+                                          ThreadSpace& work) {
+  for (const std::uint32_t place : places) {
+    const SphereId id = run.list.id[place];
+    const arcs::BallMeasures m = measure_sphere(run, place, work);
+    run.result.per_sphere[id] = {m.area, m.volume};
+    run.is_doubtful[id] = (m.doubts & ~arcs::kOnlyCountsInDoubt) != 0;
+    work.sums.add(m);
+  }
+}
+
+// The boundary has the patches as faces, the arcs as edges, of which a patch has as many as corners
+// and shares each with one other, and corners, which three patches share.
+std::optional<UnionCounts> counts_of(const CountSums& sums, const DisjointSets& touching) {
+  if (sums.doubtful > 0 || sums.corners % 6 != 0) return std::nullopt;
+  const auto corners = static_cast<std::int64_t>(sums.corners);
+  return UnionCounts{touching.count(), sums.euler_characteristic - corners / 2 + corners / 3,
+                     sums.hidden};
 }
 
 }  // namespace
@@ -82,12 +133,13 @@ SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere) {
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor) {
   ArcMeasures result{};
   Workspace workspace;
-  arc_measures(result, spheres, MeasuredSpheres(spheres.size(), std::nullopt), monitor, workspace);
+  arc_measures(result, spheres, MeasuredSpheres(spheres.size(), std::nullopt),
+               TopologyRequest::none, monitor, workspace);
   return result;
 }
 
 void arc_measures(ArcMeasures& result, const SphereSet& spheres, const MeasuredSpheres& measured,
-                  Monitor* monitor, Workspace& workspace) {
+                  TopologyRequest topology, Monitor* monitor, Workspace& workspace) {
   if (spheres.empty()) throw InvalidInput("no spheres: their union has no area or volume");
   const CellListView list = ball_list(spheres, workspace);
   auto& [threads, is_doubtful, places] = workspace.get<ArcSpace>();
@@ -99,19 +151,22 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, const MeasuredS
     if (measured.contains(list.id[place])) places.push_back(place);
   }
 
+  std::optional<DisjointSets> touching;
+  if (topology != TopologyRequest::none) touching.emplace(spheres.size());
+  for (ThreadSpace& space : threads) space.sums = {};
+  const Run run{list, result, is_doubtful.data(), touching ? &*touching : nullptr};
+
   begin_stage(monitor, "exact union (arcs)", block_count(places.size(), kSpheresPerBlock));
   // Blocks run in list order: spheres that are near in space find the same list cells in the cache.
   const auto measure = [&](std::size_t, std::size_t first, std::size_t end) {
-    ThreadSpace& work = threads.local();
-    for (std::size_t i = first; i < end; ++i) {
-      const SphereId id = list.id[places[i]];
-      const arcs::BallMeasures m = measure_sphere(list, places[i], work);
-      result.per_sphere[id] = {m.area, m.volume};
-      is_doubtful[id] = m.doubts != 0;
-    }
+    measure_spheres(run, std::span(places).subspan(first, end - first), threads.local());
   };
   for_each_block(places.size(), kSpheresPerBlock, measure, monitor);
 
+  CountSums sums;
+  for (const ThreadSpace& space : threads) sums.add(space.sums);
+  result.doubtful = touching ? sums.doubtful : 0;
+  result.counts = touching ? counts_of(sums, *touching) : std::nullopt;
   result.suspect.clear();
   for (std::size_t i = 0; i < is_doubtful.size(); ++i) {
     if (is_doubtful[i]) result.suspect.push_back(static_cast<SphereId>(i));

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "arrangement/exact_union.hpp"
@@ -24,28 +25,30 @@ struct ArcMeasures {
   // cell. Both depend on the sphere and its neighbours alone, not on the origin of coordinates.
   // Both are NaN for a sphere that was not to be measured.
   std::vector<SphereMeasures> per_sphere;
-  // Spheres whose numbers are not to be trusted, ascending. Either a check failed (Gauss–Bonnet on
-  // the exposed patch, closedness of the surface of ball ∩ power cell), or the sphere is nearly
-  // degenerate: circles nearly tangent or equal, more than two circles through one point of the
-  // sphere, a plane along an edge, an arc or a cell of nearly no size.
-  // For these spheres per_sphere holds numbers computed after the radical planes were moved by up
-  // to 2e-11 of the radius, at random, to part them. These numbers are right to 1e-9 as a rule, but
-  // not by guarantee. The sums include them.
+  // Spheres whose numbers are not to be trusted, ascending. Either a check failed (closedness of
+  // the surface of ball ∩ power cell, Euler's formula), or the sphere is nearly degenerate: circles
+  // nearly tangent or equal, more than two circles through one point of the sphere, an arc or a
+  // cell of nearly no size (arcs/doubts.hpp). The sums include them.
   std::vector<SphereId> suspect;
+  // If counts were wanted: the spheres for which rounding might decide about the topology, and the
+  // counts, if there are none of these.
+  std::uint64_t doubtful = 0;
+  std::optional<UnionCounts> counts;
 };
 
 // The result is the same, bit for bit, for any number of threads. Of equal balls the lowest index
 // owns area and volume. A sphere that another ball covers wholly has area and volume 0.
 // Memory beside the result: a cell list, and a workspace for each thread, which grows with the
-// largest number of neighbours of one sphere. Time: n log n for a sphere of n neighbours, and n² if
-// most of them overlap each other and the sphere is still exposed between hundreds of them.
+// largest number of neighbours of one sphere. Time: n log n for a sphere of n neighbours, and n m
+// with the m vertices of its power cell.
 // Throws InvalidInput for an empty set, and Cancelled.
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor = nullptr);
 
 // The same for the spheres in `measured` alone, which all others cover, written into an existing
-// result. Reuses the memory of its arrays and of the workspace.
+// result. Reuses the memory of its arrays and of the workspace. `topology` is none or counts;
+// precondition: counts are wanted of all spheres only.
 void arc_measures(ArcMeasures& result, const SphereSet& spheres, const MeasuredSpheres& measured,
-                  Monitor* monitor, Workspace& workspace);
+                  TopologyRequest topology, Monitor* monitor, Workspace& workspace);
 
 // Sums of area and volume over the measured entries in their order, in a wide accumulator. Callers
 // that replace the measures of suspect spheres need the sums again.

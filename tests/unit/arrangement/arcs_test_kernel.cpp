@@ -7,27 +7,12 @@
 #include <numbers>
 #include <vector>
 
-#include "arrangement/arcs/arc_kernel.hpp"
+#include "arrangement/arcs/cut_ball.hpp"
 
 namespace vdwmesh::arcs {
 namespace {
 
-struct Space {
-  std::vector<CellFace> faces = std::vector<CellFace>(32);
-  std::vector<std::uint32_t> active = std::vector<std::uint32_t>(32);
-  std::vector<CellEdge> edges = std::vector<CellEdge>(96);
-  std::vector<Cap> nudged = std::vector<Cap>(32);
-  ArcWorkspace workspace(std::uint32_t face_capacity = 32, std::uint32_t edge_capacity = 96) {
-    return {faces.data(), active.data(), face_capacity, edges.data(), edge_capacity, nudged.data()};
-  }
-};
-
-BallMeasures measure(std::vector<Cap> caps, std::uint32_t face_capacity = 32,
-                     std::uint32_t edge_capacity = 96) {
-  Space space;
-  return measure_ball(caps.data(), static_cast<std::uint32_t>(caps.size()),
-                      space.workspace(face_capacity, edge_capacity));
-}
+BallMeasures measure(std::vector<Cap> caps) { return CutBall().measure(caps); }
 
 Cap cap(double x, double y, double z, double cosine) {
   const double length = std::sqrt(x * x + y * y + z * z);
@@ -130,19 +115,6 @@ TEST(ArcKernel, WhatIsNotANumberIsDoubted) {
   }
 }
 
-// Each attempt moves the planes from where they are, not from where the last one left them.
-TEST(ArcKernel, NudgesStayWithinTheirBound) {
-  constexpr double kRounding = 1e-16;
-  const std::vector<Cap> caps(16, cap(1, 2, 3, 0.5));
-  std::vector<Cap> nudged = caps;
-  for (std::uint64_t attempt = 0; attempt < kNudges; ++attempt) {
-    nudge_caps(caps.data(), 16, attempt, nudged.data());
-    for (const Cap& moved : nudged) {
-      EXPECT_LE(std::abs(moved.cosine - 0.5), kNudge + kRounding) << attempt;
-    }
-  }
-}
-
 // Balls nearer to each other than any square of a double can say.
 TEST(ArcKernel, CapsOfCentresNextToNothingApart) {
   for (const double apart : {1e-100, 1e-139, 1e-141, 1e-160, 1e-170, 1e-300, 5e-324}) {
@@ -155,51 +127,60 @@ TEST(ArcKernel, CapsOfCentresNextToNothingApart) {
   }
 }
 
-TEST(ArcKernel, SmallWorkspaceIsReportedNotOverrun) {
-  const std::vector<Cap> caps{cap(1, 0, 0, 0), cap(0, 1, 0, 0), cap(0, 0, 1, 0)};
-  EXPECT_TRUE(measure(caps, 2, 96).doubts & kOverflow);
-  EXPECT_TRUE(measure(caps, 32, 2).doubts & kOverflow);
-  EXPECT_EQ(measure(caps, 3, 3).doubts, 0u);
+// The corners of the octant: three arcs of a quarter turn, one patch.
+TEST(ArcKernel, CountsOfThePatch) {
+  const BallMeasures octant = measure({cap(1, 0, 0, 0), cap(0, 1, 0, 0), cap(0, 0, 1, 0)});
+  EXPECT_EQ(octant.corners, 3u);
+  EXPECT_EQ(octant.euler_characteristic, 1);
+  const BallMeasures annulus = measure({cap(1, 2, 3, 0.5), cap(-1, -2, -3, 0.5)});
+  EXPECT_EQ(annulus.corners, 0u);
+  EXPECT_EQ(annulus.euler_characteristic, 0);
+  const BallMeasures whole = measure({});
+  EXPECT_EQ(whole.euler_characteristic, 2);
+  EXPECT_DOUBLE_EQ(whole.area, 4 * std::numbers::pi);
 }
 
-// Each kind of damage to the edges of a good cell is seen.
-class Damage : public ::testing::Test {
- protected:
-  Damage() {
-    std::sort(caps_.begin(), caps_.end(), cuts_deeper);
-    for (const Cap& c : caps_) cell_.cut(c);
-  }
-  std::uint32_t doubts() const { return measure_cell(cell_, caps_.data(), 4).doubts; }
-  CellEdge& exposed_edge() {
-    std::uint32_t i = 0;
-    while (cell_.edge(i).exposed != kUpperEnd && cell_.edge(i).exposed != kLowerEnd) ++i;
-    return cell_.edge(i);
-  }
-
-  Space space_;
-  std::vector<Cap> caps_{cap(1, 0.1, 0.2, 0.3), cap(0.1, 1, -0.1, 0.35), cap(0, 0.2, 1, 0.25),
-                         cap(-0.3, -0.2, -1, 0.9)};
-  BallCell cell_{space_.workspace(), EdgeEnding::direct};
-};
-
-TEST_F(Damage, NoneIsFine) { EXPECT_EQ(doubts(), 0u); }
-
-TEST_F(Damage, LostCorner) {
-  exposed_edge().exposed = 0;
-  EXPECT_TRUE(doubts() & kGaussBonnet);
-  EXPECT_TRUE(doubts() & kOpenSurface);
+// Three small caps far from one another: a sphere with three holes.
+TEST(ArcKernel, DisksThatMeetNothingAreHoles) {
+  const double t = 0.9;
+  const BallMeasures m = measure({cap(1, 0, 0, t), cap(0, 1, 0, t), cap(0, 0, 1, t)});
+  EXPECT_EQ(m.doubts, 0u);
+  EXPECT_EQ(m.euler_characteristic, 2 - 3);
+  const double kPi = std::numbers::pi;
+  EXPECT_NEAR(m.area, 4 * kPi - 3 * 2 * kPi * (1 - t), 1e-14);
+  const double hidden = kPi * (1 - t) * (1 - t) * (2 + t) / 3;
+  EXPECT_NEAR(m.volume, 4 * kPi / 3 - 3 * hidden, 1e-14);
 }
 
-TEST_F(Damage, MovedCorner) {
-  CellEdge& edge = exposed_edge();
-  edge.root *= 1 + 1e-9;
-  EXPECT_TRUE(doubts() & kGaussBonnet);
-}
-
-TEST_F(Damage, ShortenedEdge) {
-  CellEdge& edge = exposed_edge();
-  (edge.exposed == kUpperEnd ? edge.lower : edge.upper) *= 0.999;
-  EXPECT_TRUE(doubts() & kOpenSurface);
+// Caps of one size on all sides, cut in any order, leave a polytope or islands of the sphere.
+// Twelve caps about the vertices of an icosahedron: islands about its 20 faces if their circles
+// cross, one island with 12 holes if not.
+TEST(ArcKernel, IslandsOfAnIcosahedron) {
+  const double g = (1 + std::sqrt(5.0)) / 2;
+  const auto caps = [&](double t) {
+    std::vector<Cap> all;
+    for (const double u : {-1.0, 1.0}) {
+      for (const double v : {-g, g}) {
+        all.insert(all.end(), {cap(0, u, v, t), cap(u, v, 0, t), cap(v, 0, u, t)});
+      }
+    }
+    return all;
+  };
+  const double edge = std::sqrt((1 + 1 / std::sqrt(5.0)) / 2);   // cosine of half a side
+  const double face = std::sqrt((5 + 2 * std::sqrt(5.0)) / 15);  // of a face's circumradius
+  const BallMeasures holes = measure(caps(edge + 0.01));
+  EXPECT_EQ(holes.doubts, 0u);
+  EXPECT_EQ(holes.euler_characteristic, 2 - 12);
+  EXPECT_EQ(holes.corners, 0u);
+  const BallMeasures islands = measure(caps((edge + face) / 2));
+  EXPECT_EQ(islands.doubts, 0u);
+  EXPECT_EQ(islands.euler_characteristic, 20);
+  EXPECT_EQ(islands.corners, 60u);
+  const BallMeasures closed = measure(caps(face - 0.01));
+  EXPECT_EQ(closed.area, 0);
+  // A dodecahedron of this inradius: volume = inradius³ · 10 sqrt(130 - 58 sqrt 5).
+  const double t = face - 0.01;
+  EXPECT_NEAR(closed.volume, t * t * t * 10 * std::sqrt(130 - 58 * std::sqrt(5.0)), 1e-13);
 }
 
 }  // namespace

@@ -1,15 +1,14 @@
-// Whatever the arcs leave out does not matter: the neighbours that the search does not find, the
-// caps that come after the cell is closed, the caps that do not reach a sector, the methods of the
-// kernel that look at touched faces alone. Each beside the same computation without the shortcut,
-// or beside the triangulation, which has none of them.
+// Whatever the arcs leave out does not matter: the neighbours that the search does not find and the
+// planes beyond every vertex. Each beside the same computation without the shortcut, or beside the
+// triangulation, which has none of them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "arrangement/arcs/arc_sectors.hpp"
 #include "arrangement/arcs/arcs.hpp"
+#include "arrangement/arcs/cut_ball.hpp"
 #include "ball_families.hpp"
 #include "reference/closed_forms.hpp"
 
@@ -51,11 +50,7 @@ std::vector<Cap> caps_of_all(const std::vector<Sphere>& balls, std::size_t i, bo
   return caps;
 }
 
-BallMeasures measure_whole(std::vector<Cap> caps) {
-  arcs::CellSpace space;
-  return arcs::measure_ball(caps.data(), static_cast<std::uint32_t>(caps.size()),
-                            space.reserve(caps.size(), caps.size()));
-}
+BallMeasures measure_whole(std::vector<Cap> caps) { return arcs::CutBall().measure(caps); }
 
 TEST(ArcShortcuts, TheNeighbourSearchFindsEveryCap) {
   for_each_set([](const std::vector<Sphere>& balls) {
@@ -63,7 +58,7 @@ TEST(ArcShortcuts, TheNeighbourSearchFindsEveryCap) {
     for (std::size_t i = 0; i < balls.size(); ++i) {
       bool buried = false;
       const std::vector<Cap> caps = caps_of_all(balls, i, buried);
-      const BallMeasures all = buried ? BallMeasures{0, 0, 0} : measure_whole(caps);
+      const BallMeasures all = buried ? BallMeasures{} : measure_whole(caps);
       const double r = balls[i].radius;
       ASSERT_EQ(found.per_sphere[i].area, r * r * all.area) << "ball " << i;
       ASSERT_EQ(found.per_sphere[i].volume, r * r * r * all.volume) << "ball " << i;
@@ -71,16 +66,15 @@ TEST(ArcShortcuts, TheNeighbourSearchFindsEveryCap) {
   });
 }
 
-// Cuts with every cap, also after the cell is closed or empty.
-BallMeasures measure_to_the_end(const std::vector<Cap>& caps) {
-  const auto count = static_cast<std::uint32_t>(caps.size());
-  arcs::CellSpace space;
-  arcs::BallCell cell(space.reserve(caps.size(), caps.size()), arcs::EdgeEnding::direct);
-  std::uint32_t doubts = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (!arcs::repeats_plane(caps.data(), i, doubts)) cell.cut(caps[i]);
+// Cuts with every cap, also those beyond all vertices.
+BallMeasures measure_to_the_end(std::vector<Cap> caps) {
+  std::sort(caps.begin(), caps.end(), arcs::cuts_deeper);
+  arcs::PowerCell cell;
+  cell.reset();
+  for (std::size_t i = 0; i < caps.size(); ++i) {
+    if (i == 0 || !arcs::same_cap(caps[i - 1], caps[i])) cell.cut(caps[i]);
   }
-  return arcs::measure_cell(cell, caps.data(), count);
+  return arcs::BallMeasurer().measure(cell);
 }
 
 TEST(ArcShortcuts, StoppingEarlyLeavesOutNothing) {
@@ -88,17 +82,12 @@ TEST(ArcShortcuts, StoppingEarlyLeavesOutNothing) {
   for_each_set([&](const std::vector<Sphere>& balls) {
     for (std::size_t i = 0; i < balls.size(); ++i) {
       bool buried = false;
-      std::vector<Cap> caps = caps_of_all(balls, i, buried);
+      const std::vector<Cap> caps = caps_of_all(balls, i, buried);
       if (caps.empty()) continue;
-      const auto count = static_cast<std::uint32_t>(caps.size());
-      std::sort(caps.begin(), caps.end(), arcs::cuts_deeper);
-      arcs::CellSpace space;
-      const BallMeasures early = arcs::measure_sorted(
-          caps.data(), count, space.reserve(count, count), arcs::EdgeEnding::direct);
-      const BallMeasures late = measure_to_the_end(caps);
+      const BallMeasures early = measure_whole(caps), late = measure_to_the_end(caps);
       ASSERT_EQ(early.area, late.area) << "ball " << i;
       ASSERT_EQ(early.volume, late.volume) << "ball " << i;
-      ASSERT_EQ(late.doubts & ~early.doubts, 0u) << "ball " << i;  // none was missed
+      ASSERT_EQ(late.doubts & ~early.doubts & ~arcs::kOnlyCountsInDoubt, 0u) << "ball " << i;
       closed += early.area == 0 && early.volume > 0;
     }
   });
@@ -125,33 +114,55 @@ TEST(ArcShortcuts, EveryBallAgreesWithTheTriangulation) {
   EXPECT_GT(trusted, all / 2);
 }
 
-std::vector<Cap> random_caps(Dice& dice) {
-  std::vector<Cap> caps(static_cast<std::size_t>(dice.whole(1, 400)));
-  const double smallest = dice.real(0.02, 0.5), spread = dice.real(1, 3);
-  for (Cap& cap : caps) {
-    cap = {testing::random_direction(dice), std::cos(smallest * dice.real(1, spread))};
-  }
-  std::sort(caps.begin(), caps.end(), arcs::cuts_deeper);
-  return caps;
+// The counts without a triangulation: right or refused.
+TEST(ArcShortcuts, CountsAreThoseOfTheTriangulation) {
+  std::size_t decided = 0, all = 0;
+  for_each_set([&](const std::vector<Sphere>& balls) {
+    UnionOptions options;
+    options.topology = TopologyRequest::counts;
+    const ExactUnion quick = exact_union(SphereSet(balls), options);
+    ASSERT_EQ(quick.method, UnionMethod::arcs);
+    ASSERT_FALSE(quick.topology.has_value());
+    ASSERT_EQ(quick.counts.has_value(), quick.doubtful_spheres == 0);
+    ++all;
+    if (!quick.counts) return;
+    ++decided;
+    const ExactUnion exact = exact_union(SphereSet(balls));
+    ASSERT_EQ(quick.counts->components, exact.topology->components);
+    ASSERT_EQ(quick.counts->euler_characteristic, exact.topology->euler_characteristic);
+    ASSERT_EQ(quick.counts->hidden_spheres, exact.topology->hidden_spheres);
+  });
+  EXPECT_GT(decided, all / 2);
 }
 
-// Forced into sectors of a few caps, and as one piece.
-TEST(ArcShortcuts, SectorsAddUpToTheBall) {
-  // Some 400 sectors, each with a few dozen roundings of numbers up to 4 π.
-  constexpr double kRounding = 1e-12;
-  std::size_t compared = 0;
-  for (unsigned seed = 1; seed <= 300; ++seed) {
-    Dice dice(seed);
-    const std::vector<Cap> caps = random_caps(dice);
-    const BallMeasures whole = measure_whole(caps);
-    const BallMeasures parts =
-        arcs::measure_by_sectors(caps, static_cast<std::size_t>(dice.whole(3, 40)));
-    if (whole.doubts || parts.doubts) continue;
-    ++compared;
-    EXPECT_NEAR(parts.area, whole.area, kRounding) << seed;
-    EXPECT_NEAR(parts.volume, whole.volume, kRounding) << seed;
+// Whether two balls touch, or three circles meet, is not guessed.
+TEST(ArcShortcuts, CountsThatRoundingWouldDecideAreRefused) {
+  UnionOptions options;
+  options.topology = TopologyRequest::counts;
+  const auto counts = [&](std::vector<Sphere> balls) {
+    return exact_union(SphereSet(std::move(balls)), options).counts;
+  };
+  for (const double gap : {1e-7, -1e-7}) {
+    const auto found = counts({{{0, 0, 0}, 1}, {{2 + gap, 0, 0}, 1}});
+    ASSERT_TRUE(found.has_value());
+    EXPECT_EQ(found->components, gap > 0 ? 2u : 1u);
+    EXPECT_EQ(found->euler_characteristic, gap > 0 ? 4 : 2);
   }
-  EXPECT_GT(compared, 250u);
+  for (const double gap : {1e-12, 0.0, -1e-12}) {
+    EXPECT_FALSE(counts({{{0, 0, 0}, 1}, {{2 + gap, 0, 0}, 1}}).has_value()) << gap;  // outside
+    EXPECT_FALSE(counts({{{0, 0, 0}, 2}, {{1 + gap, 0, 0}, 1}}).has_value()) << gap;  // inside
+  }
+  // The spheres about the corners of a regular tetrahedron meet in its centre, or nearly so; with
+  // more gap they enclose a void, or fill it.
+  for (const double gap : {1e-12, 0.0, -1e-12, 1e-6, -1e-6}) {
+    const double r = std::sqrt(3.0) + gap;
+    const auto found =
+        counts({{{1, 1, 1}, r}, {{1, -1, -1}, r}, {{-1, 1, -1}, r}, {{-1, -1, 1}, r}});
+    ASSERT_EQ(found.has_value(), std::abs(gap) == 1e-6) << gap;
+    if (found) {
+      EXPECT_EQ(found->euler_characteristic, gap > 0 ? 2 : 4);
+    }
+  }
 }
 
 // Directions spread evenly, along a spiral with golden turns.

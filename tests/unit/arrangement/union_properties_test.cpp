@@ -313,8 +313,8 @@ TEST(UnionProperties, ArcsAndTheReferenceAgree) {
 }
 
 TEST(UnionProperties, SuspectSpheresComeFromTheReference) {
-  // Arcs cannot be trusted where six circles meet in a point of an exposed sphere.
-  const auto balls = testing::cubic_lattice(3, 2, 1.5);
+  // Arcs cannot be trusted where eight spheres meet in a point.
+  const auto balls = testing::cubic_lattice(3, 1, std::sqrt(0.75));
   const ExactUnion u = unite(balls), arcs = unite(balls, UnionMethod::arcs);
   EXPECT_GT(arcs.fallback_spheres, 0u);
   EXPECT_RELATIVE(arcs.area, u.area, kFormulas);
@@ -329,6 +329,22 @@ TEST(UnionProperties, TheMethodFollowsWhatIsWanted) {
   const ExactUnion quick = exact_union(balls, options);
   EXPECT_EQ(quick.method, UnionMethod::arcs);
   EXPECT_FALSE(quick.topology.has_value());
+}
+
+// Counts of the whole union do not depend on which spheres are measured.
+TEST(UnionProperties, CountsAreThoseOfTheWholeUnion) {
+  const SphereSet balls(cluster(4, 20));
+  UnionOptions options;
+  options.topology = TopologyRequest::counts;
+  const ExactUnion all = exact_union(balls, options);
+  const std::vector<SphereId> ids{3};
+  options.measured = ids;
+  const ExactUnion some = exact_union(balls, options);
+  ASSERT_TRUE(all.counts && some.counts);
+  EXPECT_EQ(some.counts->euler_characteristic, all.counts->euler_characteristic);
+  EXPECT_EQ(some.counts->components, all.counts->components);
+  EXPECT_EQ(some.area, all.per_sphere[3].area);
+  EXPECT_TRUE(std::isnan(some.per_sphere[0].area));
 }
 
 // A part of the spheres in the presence of all has the measures that they have among all.

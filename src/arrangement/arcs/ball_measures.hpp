@@ -1,0 +1,112 @@
+// Area of the exposed patch, volume of the cut ball and Euler characteristic, from a power cell.
+//
+// BallMeasurer cuts the unit ball out of the cell. Vertices of the cell lie inside the ball or
+// outside; an edge meets the ball in a segment, which ends at vertices or, on the sphere, in
+// corners of the patch; a face meets it in what segments and arcs bound, in a whole disk, or not.
+//
+// Let t be the cosine of a cap, phi the exposed angle of its circle, F the area of its face.
+//   area   = 2 pi chi + sum phi t - sum turning angles   Gauss–Bonnet on the exposed patch
+//   volume = (area + sum t F) / 3                        divergence theorem about the centre
+// chi is the Euler characteristic of the patch. The surface of ball ∩ cell is a sphere, so its
+// inner vertices, less its segments, plus its faces, plus chi give 2: corners and arcs are as many
+// and cancel.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "arrangement/arcs/power_cell.hpp"
+
+namespace vdwmesh::arcs {
+
+struct BallMeasures {
+  double area = 0, volume = 0;            // of the exposed patch; of the cut ball. The radius is 1.
+  std::uint32_t doubts = 0;               // Doubt bits; 0: the numbers are good
+  std::int32_t euler_characteristic = 0;  // of the exposed patch
+  std::uint32_t corners = 0;              // of the exposed patch
+};
+
+struct Complex {
+  double re, im;
+};
+
+inline Complex operator*(const Complex& a, const Complex& b) {
+  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+
+// Sum of angles between 0 and pi as a product of complex numbers, with the number of whole turns:
+// one arctangent for all.
+class AngleSum {
+ public:
+  // Adds the argument of a number, which is in [0, pi]. Precondition: im >= 0.
+  void add(const Complex& factor);
+  // The sum is 2 pi turns() + remainder(), and the remainder is in [0, 2 pi).
+  double turns() const { return turns_; }
+  double remainder() const;
+
+ private:
+  Complex product_{1, 0};
+  std::uint32_t turns_ = 0;
+};
+
+// Keeps its memory from ball to ball.
+class BallMeasurer {
+ public:
+  // The measures of ball ∩ cell. Doubts are those of the cell and those found here.
+  BallMeasures measure(const PowerCell& cell);
+
+ private:
+  // What a plane of the cell has in common with the ball. The sums about a plane are valid if its
+  // `stamp` is that of the ball at hand.
+  struct Face {
+    std::uint64_t stamp = 0;
+    bool crossed = false;      // a segment bounds it
+    std::uint32_t ends = 0;    // corners on its circle
+    std::int32_t balance = 0;  // ends of arcs less starts, counter-clockwise about the axis
+    Vec3d reference{};         // from the disk's centre to its first corner
+    Complex arc{1, 0};         // its argument is the exposed angle from the reference, modulo 2 pi
+  };
+  // An edge of the cell: its planes in the order in which the edge runs against the cross product
+  // of their axes.
+  struct Edge {
+    std::uint32_t a, b;
+    Vec3d from, to;
+  };
+
+  // An edge of the cell by numbers: its vertices and its planes.
+  struct CellEdge {
+    std::uint32_t from, to, a, b;
+  };
+
+  void find_edges(const PowerCell& cell);
+  std::span<const CellEdge> edges() const { return {edges_.data(), edge_count_}; }
+  bool find_inside(const PowerCell& cell);
+  bool find_faces(const PowerCell& cell);
+  BallMeasures measure_polytope(const PowerCell& cell);
+  BallMeasures measure_patch(const PowerCell& cell);
+  void add_crossed_edges(const PowerCell& cell);
+  void add_edge(const PowerCell& cell, const Edge& edge, int ends_inside, bool from_inside);
+  void add_segment(const Cap& a, const Cap& b, const Vec3d& from, const Vec3d& to);
+  void add_corner(const Edge& edge, const Cap& a, const Cap& b, const Vec3d& corner, int direction);
+  void add_arc_end(Face& face, const Cap& cap, const Vec3d& corner, int direction);
+  bool is_whole_disk(const PowerCell& cell, std::uint32_t plane);
+  BallMeasures sum_up(const PowerCell& cell);
+
+  std::vector<double> height_;         // by vertex: squared distance from the centre, less 1
+  std::vector<Face> faces_;            // by plane
+  std::vector<std::uint32_t> planes_;  // those that have a face
+  std::vector<CellEdge> edges_;
+  std::size_t edge_count_ = 0;
+  std::uint64_t stamp_ = 0;
+  std::uint32_t inside_ = 0, doubts_ = 0, segments_ = 0, corners_ = 0;
+  double worst_ = 1;    // the largest condition number of a corner's angle
+  double pyramid_ = 0;  // sum t 2 F, without the sectors between arcs and centre
+  double deepest_ = 1;  // the least cosine of a plane with a face
+  Vec3d open_{};        // twice the vector area of the surface of the cut ball
+  AngleSum turning_;
+};
+
+}  // namespace vdwmesh::arcs
+
+#include "arrangement/arcs/ball_measures_sum.hpp"

@@ -1,0 +1,317 @@
+// BallMeasurer::measure(). Included by ball_measures.hpp alone.
+#pragma once
+
+#include <numbers>
+
+#include "arrangement/arcs/ball_measures.hpp"
+#include "core/sum.hpp"
+
+namespace vdwmesh::arcs {
+
+inline constexpr double kPi = std::numbers::pi;
+
+// The argument of z in [0, 2 pi).
+inline double argument(const Complex& z) {
+  const double angle = std::atan2(z.im, z.re);
+  return angle < 0 ? angle + 2 * kPi : angle;
+}
+
+// Multiplies, and brings the size of the product back to 1 before it can over- or underflow.
+inline void multiply(Complex& product, const Complex& factor) {
+  product = product * factor;
+  const double size = product.re * product.re + product.im * product.im;
+  if (size > 1e100 || size < 1e-100) {
+    const double scale = 1 / std::sqrt(size);
+    product = {product.re * scale, product.im * scale};
+  }
+}
+
+// The sum so far, modulo 2 pi, is in [pi, 2 pi) if the product's imaginary part is negative. An
+// angle of up to pi takes it from there to [0, pi) exactly if a turn is completed.
+inline void AngleSum::add(const Complex& factor) {
+  const bool was_below = product_.im < 0;
+  multiply(product_, factor);
+  turns_ += was_below && !(product_.im < 0);
+}
+
+inline double AngleSum::remainder() const { return argument(product_); }
+
+inline BallMeasures BallMeasurer::measure(const PowerCell& cell) {
+  doubts_ = cell.doubts();
+  // Without a plane nothing was cut off the ball, and without a vertex nothing is left of it.
+  if (cell.empty()) return {0, 0, doubts_, 0, 0};
+  if (cell.plane_count() == PowerCell::kWalls) return {4 * kPi, 4 * kPi / 3, doubts_, 2, 0};
+  ++stamp_;
+  if (faces_.size() < cell.plane_count()) faces_.resize(2 * cell.plane_count());
+  const bool closed = find_inside(cell);
+  find_edges(cell);
+  // A simple polytope has two more faces than half its vertices.
+  if (!find_faces(cell)) doubts_ |= kDamaged;
+  return closed ? measure_polytope(cell) : measure_patch(cell);
+}
+
+// Says which vertices are inside the ball, and returns whether all are. If a vertex all but lies on
+// the sphere, three circles meet in a point, or nearly so.
+inline bool BallMeasurer::find_inside(const PowerCell& cell) {
+  const std::uint32_t count = cell.vertex_count();
+  if (height_.size() < count + kLanes) height_.resize(2 * (count + kLanes));
+  const Lanes one = all_lanes(1);
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const Lanes x = lanes_at(cell.x() + i), y = lanes_at(cell.y() + i), z = lanes_at(cell.z() + i);
+    store_lanes(&height_[i], x * x + y * y + z * z - one);
+  }
+  std::uint32_t inside = 0, near = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    inside += height_[i] < 0;
+    near += std::abs(height_[i]) < 2 * kTouching;
+  }
+  if (near > 0) doubts_ |= kThirdCircle;
+  inside_ = inside;
+  return inside == count;
+}
+
+// Lists the planes that have a face. Returns whether there are as many as Euler's formula wants.
+inline bool BallMeasurer::find_faces(const PowerCell& cell) {
+  planes_.clear();
+  for (std::uint32_t v = 0; v < cell.vertex_count(); ++v) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t plane = cell.links()[v].plane[k];
+      if (faces_[plane].stamp == stamp_) continue;
+      faces_[plane] = Face{.stamp = stamp_};
+      planes_.push_back(plane);
+    }
+  }
+  return 2 * planes_.size() == cell.vertex_count() + 4;
+}
+
+// Lists the edges, each once; without branches, which the processor could not foresee.
+inline void BallMeasurer::find_edges(const PowerCell& cell) {
+  const std::uint32_t count = cell.vertex_count();
+  if (edges_.size() < 3 * count) edges_.resize(6 * count);
+  const VertexLinks* const links = cell.links();
+  CellEdge* const edges = edges_.data();
+  std::size_t found = 0;
+  for (std::uint32_t v = 0; v < count; ++v) {
+    const auto& [plane, next] = links[v];
+    edges[found] = {v, next[0], plane[1], plane[2]};
+    found += v < next[0];
+    edges[found] = {v, next[1], plane[2], plane[0]};
+    found += v < next[1];
+    edges[found] = {v, next[2], plane[0], plane[1]};
+    found += v < next[2];
+  }
+  edge_count_ = found;
+}
+
+// Six times the volume of the pyramids over the two faces of an edge, between their feet and the
+// edge: t times twice the area of a triangle. Edges run clockwise about a and counter-clockwise
+// about b, seen from outside.
+inline BallMeasures BallMeasurer::measure_polytope(const PowerCell& cell) {
+  double sum = 0;
+  for (const auto& [from, to, a, b] : edges()) {
+    const Cap& p = cell.plane(a);
+    const Cap& q = cell.plane(b);
+    const Vec3d arm = q.cosine * q.axis - p.cosine * p.axis;
+    sum += inner(arm, cross(cell.vertex(from), cell.vertex(to)));
+  }
+  if (!(std::abs(sum) <= 6 * 4 * kPi)) doubts_ |= kNotFinite;
+  return {0, sum / 6, doubts_, 0, 0};
+}
+
+inline BallMeasures BallMeasurer::measure_patch(const PowerCell& cell) {
+  segments_ = corners_ = 0;
+  worst_ = 1;
+  pyramid_ = 0;
+  open_ = {0, 0, 0};
+  turning_ = {};
+  add_crossed_edges(cell);
+  return sum_up(cell);
+}
+
+inline void BallMeasurer::add_crossed_edges(const PowerCell& cell) {
+  for (const auto& [from, to, a, b] : edges()) {
+    const Edge edge{a, b, cell.vertex(from), cell.vertex(to)};
+    const bool from_inside = height_[from] < 0, to_inside = height_[to] < 0;
+    if (!from_inside && !to_inside) {
+      // Whether the edge enters the ball between its ends: its point nearest to the centre is
+      // between them, and nearer than 1. The margin leaves the last word to add_edge(); it is wider
+      // than the error of an edge in planes that are not nearly parallel.
+      constexpr double kMargin = 1e-3;
+      const Vec3d along = edge.to - edge.from;
+      const double start = inner(edge.from, along), end = inner(edge.to, along);
+      if (!(start < 0 && end > 0)) continue;
+      const double squared = inner(along, along);
+      if (height_[from] * squared - start * start > kMargin * squared) continue;
+    }
+    add_edge(cell, edge, from_inside + to_inside, from_inside);
+  }
+}
+
+// How the circles of two caps lie to each other.
+struct Crossing {
+  Vec3d normal;         // axis × axis of the other cap
+  double squared_sine;  // of the angle between the axes
+  double toward;        // distance of the other plane from the disk's centre; < 0 if that is beyond
+  double gram;          // Gram determinant of both axes and a corner: > 0 if the circles cross
+  double turn_cosine;   // cosine of the turning angle at a corner, times both circles' radii
+};
+
+// Precondition: the circle of `cap` is the smaller one. With q = |b - a|² / 2 the cosine of the
+// angle between axes a and b is 1 - q; if they point to opposite sides, -1 + q with q = |b + a|²
+// / 2. So differences of numbers near 1 keep their digits: those of small circles, of circles about
+// one axis, and of circles about opposite ones. Positions on the smaller circle keep them too,
+// because they come from distances to its own centre.
+VDWMESH_INLINE Crossing crossing_of(const Cap& cap, const Cap& other) {
+  const double sign = inner(cap.axis, other.axis) < 0 ? -1 : 1;
+  const Vec3d apart = other.axis - sign * cap.axis;
+  const double q = 0.5 * inner(apart, apart);
+  Crossing c;
+  c.normal = cross(cap.axis, apart);
+  c.squared_sine = inner(c.normal, c.normal);
+  c.toward = (other.cosine - sign * cap.cosine) + sign * q * cap.cosine;
+  c.gram = (1 - cap.cosine) * (1 + cap.cosine) * c.squared_sine - c.toward * c.toward;
+  // cosine - t t' = sign ((1 - u) + u (1 - sign t' sgn(t)) - q) with u = |t|.
+  const double u = std::abs(cap.cosine);
+  const double facing = cap.cosine < 0 ? -sign * other.cosine : sign * other.cosine;
+  c.turn_cosine = sign * (((1 - u) + u * (1 - facing)) - q);
+  return c;
+}
+
+// Adds the segment of an edge inside the ball, and its corners. A point x of both planes and the
+// sphere is middle ± (root / sine²) a × b with the axes a, b and the sine of the angle between
+// them; root² is the Gram determinant of a, b and x. The edge runs against a × b.
+inline void BallMeasurer::add_edge(const PowerCell& cell, const Edge& edge, int ends_inside,
+                                   bool from_inside) {
+  const Cap& a = cell.plane(edge.a);
+  const Cap& b = cell.plane(edge.b);
+  if (ends_inside == 2) {
+    add_segment(a, b, edge.from, edge.to);
+  } else {
+    const bool a_is_smaller = std::abs(a.cosine) >= std::abs(b.cosine);
+    const Cap& small = a_is_smaller ? a : b;
+    const Crossing c = crossing_of(small, a_is_smaller ? b : a);
+    if (ends_inside == 0 && std::abs(c.gram) < kTouching * c.squared_sine) {
+      doubts_ |= kIllConditioned;
+    }
+    if (c.squared_sine < kNearlyParallel) doubts_ |= kParallelPlanes;
+    if (ends_inside == 0 && !(c.gram > 0)) return;
+    const double root = std::sqrt(c.gram > 0 ? c.gram : 0), inverse = 1 / c.squared_sine;
+    const double condition = 1 / root;  // infinite if the circles do not cross
+    worst_ = condition > worst_ ? condition : worst_;
+    const Vec3d middle =
+        small.cosine * small.axis + (c.toward * inverse) * cross(c.normal, small.axis);
+    const Vec3d half = (a_is_smaller ? root * inverse : -root * inverse) * c.normal;
+    const Complex turn{c.turn_cosine, root};
+    Vec3d from = edge.from, to = edge.to;
+    if (!from_inside) {
+      from = middle + half;
+      add_corner(edge, a, b, from, 1);
+      turning_.add(turn);
+    }
+    if (from_inside || ends_inside == 0) {
+      to = middle - half;
+      add_corner(edge, a, b, to, -1);
+      turning_.add(turn);
+    }
+    add_segment(a, b, from, to);
+  }
+  faces_[edge.a].crossed = faces_[edge.b].crossed = true;
+  ++segments_;
+}
+
+// A segment from p to q adds, to twice the area of face b, det(axis, p, q), and takes from that of
+// face a.
+inline void BallMeasurer::add_segment(const Cap& a, const Cap& b, const Vec3d& from,
+                                      const Vec3d& to) {
+  const Vec3d moment = cross(from, to);
+  const double of_a = -inner(a.axis, moment), of_b = inner(b.axis, moment);
+  pyramid_ += a.cosine * of_a + b.cosine * of_b;
+  open_ = open_ + of_a * a.axis + of_b * b.axis;
+}
+
+// Adds a corner. Direction 1: an arc of circle a starts there and one of b ends; -1: the other way
+// round. To open_ a face adds 2 F axis, of which the sectors of its arcs are phi sine² axis; the
+// patch adds the integral of x × dx along its boundary, which runs against the arcs: for each arc
+// t axis × (start - end) - phi sine² axis. The terms with phi cancel.
+inline void BallMeasurer::add_corner(const Edge& edge, const Cap& a, const Cap& b,
+                                     const Vec3d& corner, int direction) {
+  const Vec3d arm = static_cast<double>(direction) * (a.cosine * a.axis - b.cosine * b.axis);
+  open_ = open_ + cross(arm, corner);
+  add_arc_end(faces_[edge.a], a, corner, -direction);
+  add_arc_end(faces_[edge.b], b, corner, direction);
+  ++corners_;
+}
+
+// Adds an arc's end (direction 1) or start (-1). Arcs run counter-clockwise about the axis. The
+// product of all ends and conjugated starts, as complex numbers whose argument is the angle from
+// the face's first corner, has the exposed angle of the circle as its argument. The size of such a
+// number is the squared radius of the circle.
+inline void BallMeasurer::add_arc_end(Face& face, const Cap& cap, const Vec3d& corner,
+                                      int direction) {
+  face.balance += direction;
+  const Vec3d arm = corner - cap.cosine * cap.axis;
+  if (face.ends++ == 0) {
+    face.reference = arm;
+    return;
+  }
+  const Complex place{inner(face.reference, arm),
+                      direction * inner(cap.axis, cross(face.reference, arm))};
+  multiply(face.arc, place);
+}
+
+// A face that no segment bounds has the whole disk of its plane, or nothing of it: the disk's
+// centre decides. Walls have no disk.
+inline bool BallMeasurer::is_whole_disk(const PowerCell& cell, std::uint32_t plane) {
+  if (plane < PowerCell::kWalls) return false;
+  const Cap& cap = cell.plane(plane);
+  const Vec3d center = cap.cosine * cap.axis;
+  for (const std::uint32_t other : planes_) {
+    if (other == plane) continue;
+    const Cap& wall = cell.plane(other);
+    if (inner(wall.axis, center) > wall.cosine) return false;
+  }
+  return true;
+}
+
+inline BallMeasures BallMeasurer::sum_up(const PowerCell& cell) {
+  // The sum of phi t over circles with corners, and of phi (t - 1) over whole circles, whose 2 pi
+  // go into `turns`. With thousands of caps both are far larger than the area that is left.
+  WideSum bend;
+  std::uint32_t disks = 0, whole_circles = 0;
+  double deepest = 1;
+  for (const std::uint32_t plane : planes_) {
+    const Face& face = faces_[plane];
+    const Cap& cap = cell.plane(plane);
+    double angle = 0;
+    if (face.ends > 0) {
+      angle = argument(face.arc);
+      if (angle < kTinyAngle || angle > 2 * kPi - kTinyAngle) doubts_ |= kTinyArc;
+      if (face.balance != 0) doubts_ |= kDamaged;
+    } else if (!face.crossed) {
+      if (!is_whole_disk(cell, plane)) continue;
+      angle = 2 * kPi;
+      ++whole_circles;
+    }
+    ++disks;
+    bend.add(face.ends > 0 ? angle * cap.cosine : angle * (cap.cosine - 1));
+    pyramid_ += angle * cap.cosine * (1 - cap.cosine) * (1 + cap.cosine);
+    deepest = cap.cosine < deepest ? cap.cosine : deepest;
+  }
+  // Every plane cuts the ball. If none has a part of it, the cell lies outside.
+  if (disks == 0) return {0, 0, doubts_, 0, 0};
+  const auto euler = static_cast<std::int32_t>(2 - inside_ + segments_ - disks);
+  bend.add(-turning_.remainder());
+  const double turns = euler + static_cast<double>(whole_circles) - turning_.turns();
+  bend.add(2 * kPi * turns);
+  const double area = bend.value();
+  const double volume = (area + 0.5 * pyramid_) / 3;
+  if (!(kRounding * worst_ <= kMaxError)) doubts_ |= kIllConditioned;
+  if (!(inner(open_, open_) <= kMaxOpen * kMaxOpen)) doubts_ |= kOpenSurface;
+  // The patch is the sphere less its caps, of which the largest has the area 2 pi (1 - deepest).
+  const double most = 2 * kPi * (1 + deepest) + kMaxError;
+  if (!(area >= -kMaxError && area <= most)) doubts_ |= kDamaged;
+  if (!(std::abs(volume) <= 4 * kPi)) doubts_ |= kNotFinite;  // NaN too
+  return {area, volume, doubts_, euler, corners_};
+}
+
+}  // namespace vdwmesh::arcs

@@ -1,0 +1,45 @@
+// Measures one ball of a union from its caps.
+//
+// The exposed part of a sphere is its intersection with the power cell of the ball. CutBall makes
+// this cell by cutting off one cap's half-space after another, the deepest first, and stops at the
+// first plane that is farther from the centre than every vertex: so do all that follow.
+#pragma once
+
+#include <span>
+
+#include "arrangement/arcs/ball_measures.hpp"
+#include "arrangement/arcs/cap_order.hpp"
+
+namespace vdwmesh::arcs {
+
+// Keeps its memory from ball to ball.
+class CutBall {
+ public:
+  // Measures the unit ball that the caps cut. The result does not depend on the order in which they
+  // come. The time is n log n for n caps, and n m with the m vertices of the power cell.
+  BallMeasures measure(std::span<const Cap> caps);
+
+ private:
+  CapOrder order_;
+  PowerCell cell_;
+  BallMeasurer measurer_;
+};
+
+inline BallMeasures CutBall::measure(std::span<const Cap> caps) {
+  cell_.reset();
+  const Cap* last = nullptr;
+  for (const std::uint32_t i : order_.sort(caps)) {
+    const Cap& cap = caps[i];
+    // Vertices outside the ball are farther from the centre than any plane, so looking for the
+    // farthest vertex pays only after the nearer half of the planes.
+    constexpr double kWorthLooking = 0.5;
+    if (cap.cosine > kWorthLooking && cap.cosine < 1 && cell_.reach() <= cap.cosine) break;
+    // Equal balls have the same cap, of which the second would cut through rounding errors.
+    if (last == nullptr || !same_cap(*last, cap)) cell_.cut(cap);
+    if (cell_.empty()) break;
+    last = &cap;
+  }
+  return measurer_.measure(cell_);
+}
+
+}  // namespace vdwmesh::arcs
