@@ -101,20 +101,22 @@ void describe(A& a, const UnionCertificate& certificate) {
 template <class A>
 void describe(A& a, const ExactUnion& exact) {
   const auto& topology = exact.topology;
+  const auto& counts = exact.counts;
   using T = UnionTopology;
+  using C = UnionCounts;
   a("method", exact.method);
   a("area", exact.area);
   a("outer_area", of(topology, &T::outer_area)), a("void_area", of(topology, &T::void_area));
   a("volume", exact.volume), a("void_volume", of(topology, &T::void_volume));
   a("shells", topology ? std::optional(topology->shells.size()) : std::nullopt);
-  a("components", of(topology, &T::components)), a("tunnels", of(topology, &T::tunnels));
+  a("components", of(counts, &C::components)), a("tunnels", of(topology, &T::tunnels));
   a("voids", of(topology, &T::voids));
-  a("euler_characteristic", of(topology, &T::euler_characteristic));
+  a("euler_characteristic", of(counts, &C::euler_characteristic));
   a("point_contacts", of(topology, &T::point_contacts));
-  a("hidden_atoms", of(topology, &T::hidden_spheres));
+  a("hidden_atoms", of(counts, &C::hidden_spheres));
   a("shell_measures", of(topology, &T::shells));
   a("check_area", exact.check_area), a("check_volume", exact.check_volume);
-  a("fallback_spheres", exact.fallback_spheres);
+  a("fallback_spheres", exact.fallback_spheres), a("doubtful_spheres", exact.doubtful_spheres);
   a("certificate", exact.certificate);
 }
 

@@ -45,7 +45,7 @@ enum class CgalCheck { small_meshes, run, skip };
 
 struct ExactOptions {
   UnionMethod method = UnionMethod::cgal;
-  Switch topology = Switch::on;
+  TopologyRequest topology = TopologyRequest::full;
   Switch certify = Switch::off;
 };
 

@@ -219,6 +219,14 @@ void exact_text(Text out, const ExactUnion& exact) {
   if (exact.topology) {
     text += fmt::format("; {} hidden atoms, {} point contacts", exact.topology->hidden_spheres,
                         exact.topology->point_contacts);
+  } else if (exact.counts) {
+    text += fmt::format("; {} hidden atoms; of the topology, counts alone",
+                        exact.counts->hidden_spheres);
+  } else if (exact.doubtful_spheres > 0) {
+    text += fmt::format(
+        "; topology not counted, because rounding might decide about {} atoms; --topology on is "
+        "exact",
+        exact.doubtful_spheres);
   } else {
     text += "; topology not computed";
   }

@@ -338,11 +338,13 @@ void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Sess
   const Stopwatch watch;
   Report& report = session.report;
   UnionOptions wanted{.method = options.method, .monitor = session.monitor};
+  wanted.topology = options.topology;
   wanted.certify = options.certify == Switch::on;
   if (measured) wanted.measured = *measured;
   report.exact.emplace();
   exact_union_into(*report.exact, spheres, wanted);
-  if (options.topology == Switch::off) report.exact->topology.reset();
+  if (options.topology != TopologyRequest::full) report.exact->topology.reset();
+  if (options.topology == TopologyRequest::none) report.exact->counts.reset();
   report.timing.exact = watch.seconds();
 }
 
@@ -366,8 +368,8 @@ void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
   if (choice.distances == Switch::on) {
     report.comparison->distances = measure_distances(mesh, spheres, choice, session);
   }
-  const auto& topology = report.exact->topology;
-  warn_of_lost_components(topology ? topology->components : count_components(spheres), report);
+  const auto& counts = report.exact->counts;
+  warn_of_lost_components(counts ? counts->components : count_components(spheres), report);
   report.timing.compare = watch.seconds();
 }
 

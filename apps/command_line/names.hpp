@@ -60,6 +60,11 @@ inline constexpr auto kNames<UnionMethod> = names<UnionMethod>({{"auto", UnionMe
                                                                 {"arcs", UnionMethod::arcs},
                                                                 {"both", UnionMethod::both}});
 template <>
+inline constexpr auto kNames<TopologyRequest> =
+    names<TopologyRequest>({{"on", TopologyRequest::full},
+                            {"counts", TopologyRequest::counts},
+                            {"off", TopologyRequest::none}});
+template <>
 inline constexpr auto kNames<Switch> = names<Switch>({{"on", Switch::on}, {"off", Switch::off}});
 template <>
 inline constexpr auto kNames<SelfIntersections> =

@@ -62,7 +62,7 @@ struct Draft {
   std::optional<double> spacing, padding;  // Å
   std::optional<Projection> projection;
   std::optional<UnionMethod> method;
-  std::optional<Switch> topology;
+  std::optional<TopologyRequest> topology;
   std::optional<std::uint64_t> memory_limit;  // bytes
   NamedFiles files;
   std::vector<std::pair<std::string, std::string>> given;  // name and group, in the list's order

@@ -116,18 +116,18 @@ void settle_render(const Draft& d) {
   }
 }
 
-// Arcs are quicker, and know no topology. A certificate needs the triangulation anyway.
+// Arcs are quicker, and know no more of the topology than counts. A certificate needs the
+// triangulation anyway.
 void settle_exact(Draft& d) {
   ExactOptions& exact = d.options.exact;
-  const bool quick = d.topology == Switch::off;
-  const bool triangulated = !quick || exact.certify == Switch::on;
+  const TopologyRequest wanted = d.topology.value_or(TopologyRequest::full);
   exact.method = method_for(d.method.value_or(UnionMethod::automatic),
-                            triangulated ? TopologyRequest::full : TopologyRequest::none);
+                            exact.certify == Switch::on ? TopologyRequest::full : wanted);
   const bool arcs = exact.method == UnionMethod::arcs;
-  refuse_if(arcs && d.topology == Switch::on,
+  refuse_if(arcs && d.topology == TopologyRequest::full,
             "--topology on: needs the triangulation, which --method arcs does without; choose "
             "--method cgal or both");
-  exact.topology = arcs || quick ? Switch::off : Switch::on;
+  exact.topology = arcs ? d.topology.value_or(TopologyRequest::none) : wanted;
 }
 
 void settle_distances(const Draft& d) {

@@ -92,7 +92,7 @@ class Refusals(ProgramTest):
             "--project": ("vdw", "field", "none"),
             "--backend": ("auto", "cpu", "cuda"),
             "--method": ("cgal", "arcs", "both"),
-            "--topology": ("on", "off"),
+            "--topology": ("on", "counts", "off"),
             "--distances": ("on", "off"),
             "--mesher": ("marching-cubes", "exact"),
             "--self-intersections": ("auto", "on", "off"),

@@ -125,6 +125,25 @@ class JsonReport(ProgramTest):
         self.assertIsNone(exact["timing"]["extract"])
         self.assert_exact(exact["exact"], EXACT, {})
 
+    def test_topology_counts(self):
+        whole = self.report("exact", UBIQUITIN, "--probe", "1.4")["exact"]
+        quick = self.report("exact", UBIQUITIN, "--probe", "1.4", "--topology", "counts")["exact"]
+        self.assertEqual(quick["method"], "arcs")
+        for key in ("components", "euler_characteristic", "hidden_atoms"):
+            self.assertEqual(quick[key], whole[key], key)
+        for key in ("tunnels", "voids", "point_contacts", "shells"):
+            self.assertIsNone(quick[key], key)
+        self.assertEqual(quick["doubtful_spheres"], 0)
+
+    def test_topology_counts_are_not_guessed(self):
+        touching = self.folder / "touching.xyzr"
+        touching.write_text("0 0 0 1\n2 0 0 1\n")
+        text = self.run_ok("exact", touching, "--topology", "counts").stdout
+        self.assertIn("topology not counted, because rounding might decide about 2 atoms", text)
+        exact = self.report("exact", touching, "--topology", "counts")["exact"]
+        self.assertIsNone(exact["components"])
+        self.assertEqual(exact["doubtful_spheres"], 2)
+
     def test_topology_off(self):
         exact = self.report("report", UBIQUITIN, "--topology", "off")
         self.assertIsNone(exact["comparison"]["euler_characteristic_difference"])
