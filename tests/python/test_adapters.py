@@ -40,6 +40,9 @@ class SourcesTest(unittest.TestCase):
         self.assertLess(own.area, self.expected.area)  # own radii are obeyed
         self.assertGreater(vdwmesh.exact(source, "alvarez").volume, self.expected.volume)
 
+    def test_molecules(self):
+        self.assert_same(self.molecule, relative=0)
+
     def test_mdanalysis(self):
         package = need_package("python3-mdanalysis", module="MDAnalysis")
         group = package.Universe(str(UBIQUITIN)).select_atoms("not resname HOH")
