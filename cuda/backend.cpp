@@ -1,7 +1,7 @@
-// The one place that chooses between the backends. Extractor, Refiner, FieldMesher and pipeline
-// come from the CPU, from CUDA, or, for Backend::automatic on a machine with a device, from the
-// classes Automatic*: these try CUDA first and compute on the CPU what does not fit the device's
-// memory (DeviceMemoryExceeded).
+// The one place that chooses between the backends. Extractor, Refiner, FieldMesher, UnionMeasurer
+// and pipeline come from the CPU, from CUDA, or, for Backend::automatic on a machine with a device,
+// from the classes Automatic*: these try CUDA first and compute on the CPU what does not fit the
+// device's memory (DeviceMemoryExceeded).
 //
 // A pipeline extracts, then refines. If both stages do not fit on the device together, it runs them
 // one after the other, with the mesh on the host in between.
@@ -156,6 +156,22 @@ class AutomaticRefiner final : public Refiner {
   }
 };
 
+class AutomaticUnionMeasurer final : public UnionMeasurer {
+ public:
+  void measure_into(BatchMeasures& result, const SphereBatch& batch,
+                    Monitor* monitor) const override {
+    // The CPU cannot read spheres in device memory, so there is nothing to fall back to.
+    if (batch.memory == MemorySpace::device) {
+      make_cuda_union_measurer()->measure_into(result, batch, monitor);
+      return;
+    }
+    const std::string fallback = with_fallback(
+        "measured", [&] { make_cuda_union_measurer()->measure_into(result, batch, monitor); },
+        [&] { make_cpu_union_measurer()->measure_into(result, batch, monitor); });
+    result.fallback = fallback;
+  }
+};
+
 // Runs a pipeline with the mesh on one device throughout, if it is to be refined and one device is
 // asked for. Otherwise, or if that does not fit the device's memory, extracts with CUDA to the host
 // and refines by `refiner` from there.
@@ -233,6 +249,12 @@ std::unique_ptr<FieldMesher> make_field_mesher(Backend backend) {
   if (resolve(backend) == Backend::cpu) return make_cpu_field_mesher();
   if (backend == Backend::cuda) return make_cuda_field_mesher();
   return std::make_unique<AutomaticFieldMesher>();
+}
+
+std::unique_ptr<UnionMeasurer> make_union_measurer(Backend backend) {
+  if (resolve(backend) == Backend::cpu) return make_cpu_union_measurer();
+  if (backend == Backend::cuda) return make_cuda_union_measurer();
+  return std::make_unique<AutomaticUnionMeasurer>();
 }
 
 std::unique_ptr<SurfacePipeline> make_pipeline(Backend backend) {

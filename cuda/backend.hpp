@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "arrangement/union_measurer.hpp"
 #include "extract/extractor.hpp"
 #include "extract/sampled_field.hpp"
 #include "refine/refiner.hpp"
@@ -45,6 +46,7 @@ void release_device_memory();
 std::unique_ptr<Extractor> make_extractor(Backend backend);
 std::unique_ptr<Refiner> make_refiner(Backend backend);
 std::unique_ptr<FieldMesher> make_field_mesher(Backend backend);
+std::unique_ptr<UnionMeasurer> make_union_measurer(Backend backend);
 
 struct PipelineResult {
   IndexedMesh mesh;

@@ -15,6 +15,7 @@ void release_cuda_memory() {}
 std::unique_ptr<Extractor> make_cuda_extractor() { throw BackendUnavailable(kReason); }
 std::unique_ptr<Refiner> make_cuda_refiner() { throw BackendUnavailable(kReason); }
 std::unique_ptr<FieldMesher> make_cuda_field_mesher() { throw BackendUnavailable(kReason); }
+std::unique_ptr<UnionMeasurer> make_cuda_union_measurer() { throw BackendUnavailable(kReason); }
 std::unique_ptr<SurfacePipeline> make_cuda_pipeline() { throw BackendUnavailable(kReason); }
 
 }  // namespace vdwmesh

@@ -7,7 +7,7 @@
 // - both: the result of cgal, with the arcs as the check.
 //
 // The triangulation works on balls in its own order (power_triangulation.hpp), whose lengths are
-// divided by 2^scale_exponent. unscaled() brings measures of balls back to Å and to the order of
+// divided by 2^scale_exponent. in_order_of() brings measures of balls back to Å and to the order of
 // the SphereSet, unscale() the measures of the topology back to Å. The power of two makes this
 // exact, short of overflow and underflow. The arcs work on the SphereSet itself.
 #include "arrangement/exact_union.hpp"
@@ -25,6 +25,7 @@
 #include "arrangement/complex/measures.hpp"
 #include "arrangement/complex/power_triangulation.hpp"
 #include "arrangement/complex/topology.hpp"
+#include "arrangement/reference_measures.hpp"
 #include "core/errors.hpp"
 #include "spheres/cell_list.hpp"
 
@@ -43,18 +44,6 @@ void unscale(UnionTopology& topology, int exponent) {
   topology.outer_area = scaled_area(topology.outer_area, exponent);
   topology.void_area = scaled_area(topology.void_area, exponent);
   topology.void_volume = scaled_volume(topology.void_volume, exponent);
-}
-
-// Returns the measures of the triangulation's balls in the order and the units of the SphereSet.
-// Spheres that the triangulation leaves out, because a concentric one covers them, get 0.
-std::vector<SphereMeasures> unscaled(const SphereSet& spheres, const PowerTriangulation& t,
-                                     const std::vector<SphereMeasures>& measures) {
-  std::vector<SphereMeasures> out(spheres.size(), SphereMeasures{0, 0});
-  for (std::size_t i = 0; i < measures.size(); ++i) {
-    out[t.ids[i]] = {scaled_area(measures[i].area, t.scale_exponent),
-                     scaled_volume(measures[i].volume, t.scale_exponent)};
-  }
-  return out;
 }
 
 // Sets the measures of all spheres but the measured ones to NaN.
@@ -93,11 +82,11 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
 
   ExactUnion result{};
   result.method = UnionMethod::cgal;
-  result.per_sphere = unscaled(spheres, triangulation, measures);
+  result.per_sphere = in_order_of(spheres, triangulation, measures);
   leave_measured(result.per_sphere, measured);
   const SphereMeasures total = total_measures(result.per_sphere, measured);
   const SphereMeasures check =
-      total_measures(unscaled(spheres, triangulation, check_measures), measured);
+      total_measures(in_order_of(spheres, triangulation, check_measures), measured);
   result.area = total.area;
   result.volume = total.volume;
   result.check_area = check.area;
@@ -146,9 +135,7 @@ void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>&
   subset.reserve(near.size());
   for (const SphereId id : near) subset.push_back(spheres[id]);
   const SphereSet local(std::move(subset));  // sphere i of it is sphere near[i] of `spheres`
-  const PowerTriangulation triangulation = triangulate(local);
-  const auto measures = unscaled(local, triangulation,
-                                 inclusion_exclusion(triangulation, dual_complex(triangulation)));
+  const std::vector<SphereMeasures> measures = reference_measures(local);
   for (const SphereId id : suspect) {
     const auto place = std::lower_bound(near.begin(), near.end(), id) - near.begin();
     per_sphere[id] = measures[static_cast<std::size_t>(place)];

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "spheres/check_sphere.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -36,22 +37,11 @@ Box bounds(const SphereSet& spheres, Reach reach) {
   return box;
 }
 
-void check(const Sphere& s, std::size_t i) {
-  const Vec3d& c = s.center;
-  const bool near = std::abs(c.x) <= kFarthestSphere && std::abs(c.y) <= kFarthestSphere &&
-                    std::abs(c.z) <= kFarthestSphere;  // false for NaN
-  if (near && s.radius > 0 && s.radius <= kFarthestSphere) return;
-  throw InvalidInput(fmt::format(
-      "sphere {}: centre ({}, {}, {}) and radius {}; coordinates must be at most {:g} Å from "
-      "0, and radii above 0 and at most {:g} Å",
-      i, c.x, c.y, c.z, s.radius, kFarthestSphere, kFarthestSphere));
-}
-
 void check(std::span<const Sphere> spheres) {
   if (spheres.size() >= kNoSphere) {
     throw InvalidInput(fmt::format("{} spheres; at most {} fit", spheres.size(), kNoSphere - 1));
   }
-  for (std::size_t i = 0; i < spheres.size(); ++i) check(spheres[i], i);
+  for (std::size_t i = 0; i < spheres.size(); ++i) check_sphere(spheres[i], i);
 }
 
 // Returns a number above 0 that no set has had. 0 is the revision of a default-constructed set.
@@ -61,6 +51,17 @@ std::uint64_t next_revision() {
 }
 
 }  // namespace
+
+void check_sphere(const Sphere& s, std::size_t i) {
+  const Vec3d& c = s.center;
+  const bool near = std::abs(c.x) <= kFarthestSphere && std::abs(c.y) <= kFarthestSphere &&
+                    std::abs(c.z) <= kFarthestSphere;  // false for NaN
+  if (near && s.radius > 0 && s.radius <= kFarthestSphere) return;
+  throw InvalidInput(fmt::format(
+      "sphere {}: centre ({}, {}, {}) and radius {}; coordinates must be at most {:g} Å from "
+      "0, and radii above 0 and at most {:g} Å",
+      i, c.x, c.y, c.z, s.radius, kFarthestSphere, kFarthestSphere));
+}
 
 SphereSet::SphereSet(std::vector<Sphere> spheres)
     : owned_(std::move(spheres)), spheres_(owned_), revision_(next_revision()) {
@@ -106,7 +107,7 @@ void SphereSet::move_to(std::span<const Vec3d> centers) {
         fmt::format("{} centres for a set of {} spheres: each needs one", centers.size(), size()));
   }
   for (std::size_t i = 0; i < centers.size(); ++i) {
-    check({centers[i], (*this)[i].radius}, i);
+    check_sphere({centers[i], (*this)[i].radius}, i);
   }
   if (owned_.empty()) {
     owned_.assign(spheres_.begin(), spheres_.end());

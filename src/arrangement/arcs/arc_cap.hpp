@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "core/host_device.hpp"
 #include "core/vec3.hpp"
 #include "spheres/sphere_set.hpp"
 
@@ -26,14 +27,16 @@ enum class CapKind : std::uint8_t { none, cuts, buries };
 
 // Scalar product in plain products. Without the compiler option -mfma a std::fma is a library call,
 // which would be too slow in the inner loops of this folder.
-inline double inner(const Vec3d& a, const Vec3d& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+VDWMESH_HD inline double inner(const Vec3d& a, const Vec3d& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 // Two unit vectors that form an orthonormal basis with a given unit vector (T. Duff et al.,
 // "Building an orthonormal basis, revisited", JCGT 6 (2017) 1).
 struct Frame {
   Vec3d first, second;
 };
-inline Frame frame_of(const Vec3d& axis) {
+VDWMESH_HD inline Frame frame_of(const Vec3d& axis) {
   const double sign = axis.z < 0 ? -1.0 : 1.0;
   const double a = -1 / (sign + axis.z);
   const double b = axis.x * axis.y * a;
@@ -49,7 +52,8 @@ inline constexpr double kLeastSquare = 1e-280;
 // `to` is the vector from the centre of `ball` to the other one. It is scaled up before it is
 // squared. Of two balls with different radii the larger one buries the smaller one, except if both
 // radii are so small (below 1e-120) that they can differ by less than the distance.
-inline CapKind make_near_cap(const Sphere& ball, const Sphere& other, Vec3d to, Cap& cap) {
+VDWMESH_HD inline CapKind make_near_cap(const Sphere& ball, const Sphere& other, Vec3d to,
+                                        Cap& cap) {
   const double r = ball.radius;
   if (to.x == 0 && to.y == 0 && to.z == 0) {
     return other.radius > r ? CapKind::buries : CapKind::none;
@@ -73,7 +77,7 @@ inline CapKind make_near_cap(const Sphere& ball, const Sphere& other, Vec3d to, 
 // (d² + r² - R²) / (2 d) from the centre of `ball`. If both centres are equal, the larger ball
 // buries the smaller one; balls that are equal cover nothing here, and the caller decides between
 // them.
-inline CapKind make_cap(const Sphere& ball, const Sphere& other, Cap& cap) {
+VDWMESH_HD inline CapKind make_cap(const Sphere& ball, const Sphere& other, Cap& cap) {
   const Vec3d to = other.center - ball.center;
   const double squared = inner(to, to);
   const double r = ball.radius;
@@ -90,7 +94,7 @@ inline CapKind make_cap(const Sphere& ball, const Sphere& other, Cap& cap) {
   return CapKind::cuts;
 }
 
-inline bool same_cap(const Cap& a, const Cap& b) {
+VDWMESH_HD inline bool same_cap(const Cap& a, const Cap& b) {
   return a.cosine == b.cosine && a.axis.x == b.axis.x && a.axis.y == b.axis.y &&
          a.axis.z == b.axis.z;
 }

@@ -1,0 +1,412 @@
+// The measurer of a CUDA device: cell lists of the batch, then a warp for each ball, which finds
+// the ball's neighbours, cuts its power cell by their radical planes, the nearest first, and
+// measures what the unit ball and the cell have in common.
+//
+// A ball for which the memory of the warp is too small is measured again by a kernel with more. A
+// ball for which that is too small as well, and one that leaves a doubt, is measured on the host by
+// a triangulation of it and its neighbours.
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "arrangement/arcs/arc_cap.hpp"
+#include "arrangement/reference_measures.hpp"
+#include "arrangement/union_measurer.hpp"
+#include "cuda/cuda_backend.hpp"
+#include "cuda/measure/batch_cells.cuh"
+#include "cuda/measure/cell_measures.cuh"
+#include "cuda/measure/device_measures.cuh"
+#include "cuda/memory/cub_calls.cuh"
+#include "cuda/memory/device.cuh"
+#include "cuda/memory/download.cuh"
+#include "cuda/memory/launch.cuh"
+
+namespace vdwmesh::measure {
+namespace {
+
+using arcs::Cap;
+using arcs::CapKind;
+
+// Room of a warp: vertices in slots of 32, faces, caps, corners.
+template <int kSlotCount, int kFaceCount, int kCapCount, int kCornerCount>
+struct Room {
+  static constexpr int kSlots = kSlotCount, kFaces = kFaceCount, kCaps = kCapCount,
+                       kCorners = kCornerCount;
+  struct Space {
+    CellSpace<kSlots, kFaces> cell;
+    union {
+      Plane caps[kCaps];  // while the cell is cut
+      MeasureSpace<kSlots, kFaces, kCorners> measure;
+    };
+    std::uint32_t near[kCaps];  // list places of the balls that overlap the ball
+  };
+};
+// A polytope of 64 vertices has 34 faces.
+using SmallRoom = Room<2, 40, 128, 64>;
+using LargeRoom = Room<8, 136, 1024, 512>;
+
+// Balls that are not measured yet, by list place.
+struct Leftovers {
+  std::uint32_t* places;
+  std::uint32_t* count;
+
+  __device__ void add(std::uint32_t place) const { places[atomicAdd(count, 1u)] = place; }
+};
+
+// The measurement of one ball by a warp.
+template <class SomeRoom>
+class WarpBall {
+ public:
+  using Space = typename SomeRoom::Space;
+  static constexpr int kCaps = SomeRoom::kCaps;
+
+  __device__ WarpBall(const BatchCellsView& list, std::uint32_t place, Space& space, unsigned lane)
+      : list_(list), place_(place), ball_(list.spheres[place]), space_(space), lane_(lane) {}
+
+  // For the unit ball.
+  __device__ UnitMeasures measure() {
+    collect();
+    if (buried_) return {0, 0, Outcome::good};
+    if (near_ > kCaps) return {0, 0, Outcome::too_large};
+    if (near_ == 0) return {4 * kPi, 4 * kPi / 3, Outcome::good};
+    make_caps();
+    if (buried_) return {0, 0, Outcome::good};
+    PowerCell<SomeRoom::kSlots, SomeRoom::kFaces> cell(space_.cell, lane_);
+    cut_by_all(cell);
+    if (cell.empty()) return {0, 0, Outcome::good};
+    if (cell.outcome() != Outcome::good) return {0, 0, cell.outcome()};
+    __syncwarp();
+    CellMeasurement<SomeRoom::kSlots, SomeRoom::kFaces, SomeRoom::kCorners> measurement(
+        cell, space_.measure, lane_);
+    return measurement.measure();
+  }
+
+ private:
+  // Lists the balls that overlap this one. Of equal balls the one of the lowest index buries the
+  // others; they share a cell, so it has the lowest list place too.
+  __device__ void collect() {
+    const std::uint32_t set = list_.set != nullptr ? list_.set[place_] : 0;
+    visit_near(list_, ball_, set, lane_, [&](std::uint32_t other, bool here) {
+      bool near = false, equal = false;
+      if (here && other != place_) {
+        const Sphere s = list_.spheres[other];
+        const Vec3d to = s.center - ball_.center;
+        const double sum = ball_.radius + s.radius;
+        near = arcs::inner(to, to) < sum * sum;
+        equal = s.center == ball_.center && s.radius == ball_.radius;
+      }
+      if (__any_sync(kWarp, equal && other < place_)) {
+        buried_ = true;
+        return true;
+      }
+      near = near && !equal;
+      const unsigned found = __ballot_sync(kWarp, near);
+      const int index = near_ + __popc(found & lanes_before());
+      if (near && index < kCaps) space_.near[index] = other;
+      near_ += __popc(found);
+      return near_ > kCaps;
+    });
+    __syncwarp();
+  }
+
+  // Makes the caps, and for each a key: the upper bits of its cosine, rounded down, and its index.
+  // Keys have the order of the cosines, to the bits that they keep.
+  static constexpr unsigned kIndexMask = kCaps - 1;
+  static_assert((kCaps & kIndexMask) == 0);
+  static constexpr unsigned kNoKey = 0xffffffffu;
+  __device__ void make_caps() {
+    bool buried = false;
+#pragma unroll
+    for (int k = 0; k < kCaps / 32; ++k) {
+      key_[k] = kNoKey;
+      const int i = 32 * k + static_cast<int>(lane_);
+      if (i >= near_) continue;
+      Cap cap;
+      const CapKind kind = arcs::make_cap(ball_, list_.spheres[space_.near[i]], cap);
+      buried = buried || kind == CapKind::buries;
+      if (kind != CapKind::cuts) continue;
+      space_.caps[i] = {cap.axis, cap.cosine};
+      const unsigned bits = __float_as_uint(__double2float_rd(cap.cosine));
+      const unsigned rising = bits >> 31 ? ~bits : bits | 0x80000000u;
+      key_[k] = (rising & ~kIndexMask) | static_cast<unsigned>(i);
+    }
+    buried_ = __any_sync(kWarp, buried);
+    __syncwarp();
+  }
+
+  // Not above the cosine of the cap with this key, nor of any cap with a larger one.
+  __device__ static float bound_of(unsigned key) {
+    const unsigned rising = key & ~kIndexMask;
+    return __uint_as_float(rising >> 31 ? rising & 0x7fffffffu : ~rising);
+  }
+
+  // Cuts by the nearest plane that is left, until no plane is near enough to cut.
+  template <class Cell>
+  __device__ void cut_by_all(Cell& cell) {
+    for (;;) {
+      unsigned least = kNoKey;
+#pragma unroll
+      for (int k = 0; k < kCaps / 32; ++k) least = min(least, key_[k]);
+      least = __reduce_min_sync(kWarp, least);
+      if (least == kNoKey || bound_of(least) > cell.reach()) return;
+#pragma unroll
+      for (int k = 0; k < kCaps / 32; ++k) key_[k] = key_[k] == least ? kNoKey : key_[k];
+      cell.cut(space_.caps[least & kIndexMask]);
+      if (cell.empty() || cell.outcome() != Outcome::good) return;
+    }
+  }
+
+  const BatchCellsView& list_;
+  std::uint32_t place_;
+  Sphere ball_;
+  Space& space_;
+  unsigned lane_;
+  int near_ = 0;  // balls that overlap this one, also those for which there is no room
+  bool buried_ = false;
+  unsigned key_[kCaps / 32];
+};
+
+template <class SomeRoom>
+__device__ void measure_place(const BatchCellsView& list, std::uint32_t place,
+                              typename SomeRoom::Space& space, unsigned lane,
+                              SphereMeasures* results, const Leftovers& too_large,
+                              const Leftovers& doubtful) {
+  WarpBall<SomeRoom> ball(list, place, space, lane);
+  const UnitMeasures unit = ball.measure();
+  if (lane != 0) return;
+  const double r = list.spheres[place].radius;
+  results[list.id[place]] = {unit.area * (r * r), unit.volume * (r * r * r)};
+  if (unit.outcome == Outcome::too_large) too_large.add(place);
+  if (unit.outcome == Outcome::doubtful) doubtful.add(place);
+}
+
+constexpr unsigned kWarpsPerBlock = 4;
+
+// A warp for each ball.
+__global__ void __launch_bounds__(32 * kWarpsPerBlock)
+    measure_all(BatchCellsView list, SphereMeasures* results, Leftovers too_large,
+                Leftovers doubtful) {
+  extern __shared__ __align__(16) unsigned char memory[];
+  auto* const spaces = reinterpret_cast<SmallRoom::Space*>(memory);
+  const unsigned warp = threadIdx.x / 32;
+  const std::uint64_t place = static_cast<std::uint64_t>(blockIdx.x) * kWarpsPerBlock + warp;
+  if (place >= list.size) return;
+  measure_place<SmallRoom>(list, static_cast<std::uint32_t>(place), spaces[warp], threadIdx.x % 32,
+                           results, too_large, doubtful);
+}
+
+// Blocks of one warp, each for every so many of the listed balls. A ball that is too large even
+// here is left to the host.
+__global__ void __launch_bounds__(32) measure_large(BatchCellsView list, SphereMeasures* results,
+                                                    Leftovers listed, Leftovers doubtful) {
+  extern __shared__ __align__(16) unsigned char memory[];
+  auto& space = *reinterpret_cast<LargeRoom::Space*>(memory);
+  for (std::uint32_t i = blockIdx.x; i < *listed.count; i += gridDim.x) {
+    measure_place<LargeRoom>(list, listed.places[i], space, threadIdx.x, results, doubtful,
+                             doubtful);
+    __syncwarp();
+  }
+}
+
+// A warp for each of `count` balls: finds the balls that overlap it, itself among them. Writes
+// their number or, if `ids` is given, their indices from first[i] on.
+__global__ void list_neighbors(BatchCellsView list, const std::uint32_t* places,
+                               std::uint32_t count, const std::uint64_t* first,
+                               std::uint64_t* numbers, std::uint32_t* ids, Sphere* spheres) {
+  const std::uint64_t i = thread_index() / 32;
+  if (i >= count) return;
+  const unsigned lane = threadIdx.x % 32;
+  const std::uint32_t place = places[i];
+  const Sphere ball = list.spheres[place];
+  std::uint64_t found = 0;
+  const std::uint32_t set = list.set != nullptr ? list.set[place] : 0;
+  visit_near(list, ball, set, lane, [&](std::uint32_t other, bool here) {
+    bool near = false;
+    if (here) {
+      const Sphere s = list.spheres[other];
+      const Vec3d to = s.center - ball.center;
+      const double sum = ball.radius + s.radius;
+      near = other == place || arcs::inner(to, to) < sum * sum;
+    }
+    const unsigned hits = __ballot_sync(kWarp, near);
+    if (near && ids != nullptr) {
+      const std::uint64_t to = first[i] + found + __popc(hits & lanes_before());
+      ids[to] = list.id[other];
+      spheres[to] = list.spheres[other];
+    }
+    found += __popc(hits);
+    return false;
+  });
+  if (lane == 0 && ids == nullptr) numbers[i] = found;
+}
+
+template <class Kernel>
+void allow_shared(Kernel kernel, std::size_t bytes) {
+  check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                  static_cast<int>(bytes)),
+             "shared memory");
+}
+
+// The balls that the device leaves to the host, with the balls that overlap them.
+struct HostWork {
+  std::vector<std::uint32_t> ids;    // ascending
+  std::vector<std::uint64_t> first;  // of the neighbours of each, and the end
+  std::vector<std::uint32_t> near_ids;
+  std::vector<Sphere> near_spheres;
+};
+
+template <class T>
+std::vector<T> download(const DeviceArray<T>& array, const Stream& stream) {
+  std::vector<T> host(array.size());
+  if (!host.empty()) {
+    check_cuda(cudaMemcpyAsync(host.data(), array.data(), array.bytes(), cudaMemcpyDeviceToHost,
+                               stream.get()),
+               "download");
+    stream.wait();
+  }
+  return host;
+}
+
+// Measures the balls of one set by one triangulation. `order` says which entries of the work are of
+// this set.
+void measure_on_host(const HostWork& work, std::size_t begin, std::size_t end,
+                     std::vector<SphereMeasures>& per_sphere) {
+  std::vector<std::pair<std::uint32_t, Sphere>> near;
+  for (std::uint64_t i = work.first[begin]; i < work.first[end]; ++i) {
+    near.emplace_back(work.near_ids[i], work.near_spheres[i]);
+  }
+  const auto by_id = [](const auto& a, const auto& b) { return a.first < b.first; };
+  std::sort(near.begin(), near.end(), by_id);
+  near.erase(std::unique(near.begin(), near.end(),
+                         [](const auto& a, const auto& b) { return a.first == b.first; }),
+             near.end());
+  std::vector<Sphere> spheres;
+  for (const auto& [id, sphere] : near) spheres.push_back(sphere);
+  const std::vector<SphereMeasures> measures = reference_measures(SphereSet(std::move(spheres)));
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto at =
+        std::lower_bound(near.begin(), near.end(), std::pair(work.ids[i], Sphere{}), by_id);
+    per_sphere[work.ids[i]] = measures[static_cast<std::size_t>(at - near.begin())];
+  }
+}
+
+}  // namespace
+
+DeviceMeasures measure_on_device(const DeviceBatch& batch, const Stream& stream) {
+  DeviceMeasures result{BatchCells(batch, stream), DeviceArray<SphereMeasures>(batch.size, stream),
+                        DeviceArray<std::uint32_t>(batch.size, stream),
+                        zeros<std::uint32_t>(2, stream)};
+  const BatchCellsView& list = result.cells.view();
+  const DeviceArray<std::uint32_t> large(batch.size, stream);
+  const Leftovers doubtful{result.doubtful.data(), result.counts.data()};
+  const Leftovers too_large{large.data(), result.counts.data() + 1};
+  constexpr std::size_t small_bytes = kWarpsPerBlock * sizeof(SmallRoom::Space);
+  allow_shared(measure_all, small_bytes);
+  launch("measure_all", measure_all,
+         {blocks_for(batch.size, kWarpsPerBlock), 32 * kWarpsPerBlock, small_bytes}, stream, list,
+         result.per_sphere.data(), too_large, doubtful);
+  constexpr std::size_t large_bytes = sizeof(LargeRoom::Space);
+  allow_shared(measure_large, large_bytes);
+  launch("measure_large", measure_large, {264, 32, large_bytes}, stream, list,
+         result.per_sphere.data(), too_large, doubtful);
+  return result;
+}
+
+namespace {
+
+// Brings the doubtful balls and their neighbours to the host.
+HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const Stream& stream) {
+  const BatchCellsView& list = measured.cells.view();
+  std::vector<std::uint32_t> places(count);
+  check_cuda(cudaMemcpyAsync(places.data(), measured.doubtful.data(), count * sizeof(places[0]),
+                             cudaMemcpyDeviceToHost, stream.get()),
+             "download");
+  stream.wait();
+  std::sort(places.begin(), places.end());
+  const DeviceArray<std::uint32_t> sorted = upload(places.data(), count, stream.get());
+  DeviceArray<std::uint64_t> first = zeros<std::uint64_t>(count + std::size_t{1}, stream);
+  const LaunchShape shape = over(32 * std::uint64_t{count}, 128);
+  launch("list_neighbors", list_neighbors, shape, stream, list, sorted.data(), count, nullptr,
+         first.data(), nullptr, nullptr);
+  run_cub("neighbours", stream, [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceScan::ExclusiveSum(scratch, bytes, first.data(), count + std::uint64_t{1},
+                                         stream.get());
+  });
+  const std::uint64_t total = fetch(first.data() + count, stream);
+  const DeviceArray<std::uint32_t> near_ids(total, stream);
+  const DeviceArray<Sphere> near_spheres(total, stream);
+  launch("list_neighbors", list_neighbors, shape, stream, list, sorted.data(), count, first.data(),
+         nullptr, near_ids.data(), near_spheres.data());
+  HostWork work{
+      {}, download(first, stream), download(near_ids, stream), download(near_spheres, stream)};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    work.ids.push_back(fetch(list.id + places[i], stream));
+  }
+  return work;
+}
+
+class CudaUnionMeasurer final : public UnionMeasurer {
+ public:
+  void measure_into(BatchMeasures& result, const SphereBatch& batch,
+                    Monitor* monitor) const override {
+    check_sets(batch);
+    const DeviceScope scope;
+    const Stream stream;
+    begin_stage(monitor, "exact union (arcs, CUDA)", 1);
+    DeviceArray<Sphere> uploaded;
+    if (batch.memory == MemorySpace::host) {
+      uploaded = upload(batch.spheres, batch.size, stream.get());
+    }
+    std::vector<std::uint32_t> offsets;
+    for (std::size_t set = 0; set < batch.set_count(); ++set) {
+      offsets.push_back(static_cast<std::uint32_t>(batch.set_begin(set)));
+    }
+    offsets.push_back(static_cast<std::uint32_t>(batch.size));
+    const DeviceArray<std::uint32_t> device_offsets =
+        upload(offsets.data(), offsets.size(), stream.get());
+    const Sphere* const spheres =
+        batch.memory == MemorySpace::host ? uploaded.data() : batch.spheres;
+    const DeviceMeasures measured =
+        measure_on_device({spheres, static_cast<std::uint32_t>(batch.size), device_offsets.data(),
+                           static_cast<std::uint32_t>(batch.set_count())},
+                          stream);
+    result.per_sphere.resize(batch.size);
+    download_parts({{result.per_sphere.data(), measured.per_sphere.data(),
+                     batch.size * sizeof(SphereMeasures)}},
+                   stream);
+    const std::uint32_t doubtful = fetch(measured.counts.data(), stream);
+    if (doubtful > 0) redo(host_work(measured, doubtful, stream), offsets, result.per_sphere);
+    result.fallback_spheres = doubtful;
+    result.fallback.clear();
+    sum_sets(result, batch);
+    advance(monitor, 1);
+  }
+
+ private:
+  // The entries of the work come in the order of list places, so those of a set stand together.
+  static void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets,
+                   std::vector<SphereMeasures>& per_sphere) {
+    const auto set_of = [&](std::uint32_t id) {
+      return std::upper_bound(offsets.begin(), offsets.end(), id);
+    };
+    for (std::size_t begin = 0; begin < work.ids.size();) {
+      std::size_t end = begin + 1;
+      while (end < work.ids.size() && set_of(work.ids[end]) == set_of(work.ids[begin])) ++end;
+      measure_on_host(work, begin, end, per_sphere);
+      begin = end;
+    }
+  }
+};
+
+}  // namespace
+}  // namespace vdwmesh::measure
+
+namespace vdwmesh {
+
+std::unique_ptr<UnionMeasurer> make_cuda_union_measurer() {
+  return std::make_unique<measure::CudaUnionMeasurer>();
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,145 @@
+// The measurer of the CPU: exact_union() by arcs for each set. One set is measured on all cores;
+// many sets are measured side by side, a set for each task, with memory that each thread keeps.
+#include "arrangement/union_measurer.hpp"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
+#include "core/sum.hpp"
+#include "core/workspace.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kSumBlock = std::size_t{1} << 14;  // spheres of a set that are summed at once
+
+struct Totals {
+  WideSum area, volume;
+
+  void add(const Totals& other) {
+    area.add(other.area);
+    volume.add(other.volume);
+  }
+};
+
+Totals sum_of(std::span<const SphereMeasures> measures) {
+  Totals sum;
+  for (const SphereMeasures& m : measures) {
+    sum.area.add(m.area);
+    sum.volume.add(m.volume);
+  }
+  return sum;
+}
+
+// In blocks of a fixed size, so that the result does not depend on the number of threads.
+SphereMeasures total_of(std::span<const SphereMeasures> measures) {
+  std::vector<Totals> parts(block_count(measures.size(), kSumBlock));
+  for_each_block(measures.size(), kSumBlock,
+                 [&](std::size_t block, std::size_t first, std::size_t end) {
+                   parts[block] = sum_of(measures.subspan(first, end - first));
+                 });
+  Totals sum;
+  for (const Totals& part : parts) sum.add(part);
+  return {sum.area.value(), sum.volume.value()};
+}
+
+// What a thread keeps from one set to the next.
+struct ThreadSpace {
+  Workspace workspace;
+  ExactUnion measured;
+};
+
+class CpuUnionMeasurer final : public UnionMeasurer {
+ public:
+  void measure_into(BatchMeasures& result, const SphereBatch& batch,
+                    Monitor* monitor) const override {
+    if (batch.memory == MemorySpace::device) {
+      throw InvalidInput("the spheres are in device memory: the CPU cannot measure them");
+    }
+    check_sets(batch);
+    result.per_sphere.resize(batch.size);
+    result.fallback.clear();
+    if (batch.set_count() == 1) {
+      measure_one(result, batch, monitor);
+    } else {
+      measure_many(result, batch, monitor);
+    }
+    sum_sets(result, batch);
+  }
+
+ private:
+  static void measure_one(BatchMeasures& result, const SphereBatch& batch, Monitor* monitor) {
+    ExactUnion measured;
+    std::swap(measured.per_sphere, result.per_sphere);  // to reuse its memory
+    exact_union_into(measured, SphereSet::view({batch.spheres, batch.size}),
+                     {.method = UnionMethod::arcs, .monitor = monitor});
+    std::swap(measured.per_sphere, result.per_sphere);
+    result.fallback_spheres = measured.fallback_spheres;
+  }
+
+  static void measure_many(BatchMeasures& result, const SphereBatch& batch, Monitor* monitor) {
+    begin_stage(monitor, "exact unions", batch.set_count());
+    tbb::enumerable_thread_specific<ThreadSpace> spaces;
+    std::atomic<std::uint64_t> fallback_spheres{0};
+    tbb::parallel_for(std::size_t{0}, batch.set_count(), [&](std::size_t set) {
+      ThreadSpace& space = spaces.local();
+      const std::size_t first = batch.set_begin(set), size = batch.set_end(set) - first;
+      // A thread that waits for the end of its set must not begin another one in the same memory.
+      tbb::this_task_arena::isolate([&] {
+        exact_union_into(space.measured, SphereSet::view({batch.spheres + first, size}),
+                         {.method = UnionMethod::arcs, .workspace = &space.workspace});
+      });
+      std::ranges::copy(space.measured.per_sphere, result.per_sphere.begin() + first);
+      fallback_spheres += space.measured.fallback_spheres;
+      advance(monitor, 1);
+    });
+    result.fallback_spheres = fallback_spheres;
+  }
+};
+
+}  // namespace
+
+SphereBatch batch_of(const SphereSet& spheres) {
+  return {.spheres = spheres.spheres().data(), .size = spheres.size()};
+}
+
+void check_sets(const SphereBatch& batch) {
+  if (batch.size >= kNoSphere) {
+    throw InvalidInput(fmt::format("{} spheres; at most {} fit", batch.size, kNoSphere - 1));
+  }
+  if (batch.set_count() == 0 || batch.set_begin(0) != 0 ||
+      batch.set_end(batch.set_count() - 1) != batch.size) {
+    throw InvalidInput(fmt::format(
+        "the offsets of a batch must begin with 0 and end with its {} spheres", batch.size));
+  }
+  for (std::size_t set = 0; set < batch.set_count(); ++set) {
+    if (batch.set_begin(set) > batch.set_end(set)) {
+      throw InvalidInput(fmt::format("offset {} of a batch is below the one before", set + 1));
+    }
+    if (batch.set_begin(set) == batch.set_end(set)) {
+      throw InvalidInput(
+          fmt::format("set {} of the batch has no spheres: its union is not defined", set));
+    }
+  }
+}
+
+void sum_sets(BatchMeasures& result, const SphereBatch& batch) {
+  result.totals.resize(batch.set_count());
+  tbb::parallel_for(std::size_t{0}, batch.set_count(), [&](std::size_t set) {
+    const std::size_t first = batch.set_begin(set);
+    result.totals[set] = total_of({result.per_sphere.data() + first, batch.set_end(set) - first});
+  });
+}
+
+std::unique_ptr<UnionMeasurer> make_cpu_union_measurer() {
+  return std::make_unique<CpuUnionMeasurer>();
+}
+
+}  // namespace vdwmesh

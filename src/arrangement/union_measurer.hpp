@@ -1,0 +1,80 @@
+// Exact area and volume of every ball of one union or of many, on the CPU or on a CUDA device.
+//
+// Many small sets, such as the frames of a trajectory or a library of structures, are measured in
+// one call. make_union_measurer() (cuda/backend.hpp) chooses the backend.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "arrangement/exact_union.hpp"
+#include "core/monitor.hpp"
+#include "spheres/sphere_set.hpp"
+
+namespace vdwmesh {
+
+// Where an array lies: in memory of the host, or of the CUDA device that is current when it is
+// used.
+enum class MemorySpace : std::uint8_t { host, device };
+
+// Sets of spheres that stand one after another, in memory of the caller. Balls of different sets do
+// not see each other.
+struct SphereBatch {
+  // Rows of four doubles: centre and radius, Å. A SphereSet must accept them.
+  const Sphere* spheres = nullptr;
+  std::size_t size = 0;  // number of spheres in all sets
+  // Set i has the spheres offsets[i] up to offsets[i + 1]. Begins with 0, rises, ends with `size`.
+  // Always in host memory. Empty: all spheres are one set.
+  std::span<const std::size_t> offsets{};
+  MemorySpace memory = MemorySpace::host;  // of `spheres`
+
+  std::size_t set_count() const { return offsets.empty() ? 1 : offsets.size() - 1; }
+  std::size_t set_begin(std::size_t set) const { return offsets.empty() ? 0 : offsets[set]; }
+  std::size_t set_end(std::size_t set) const { return offsets.empty() ? size : offsets[set + 1]; }
+};
+
+// The spheres as a batch of one set. The batch looks at them.
+SphereBatch batch_of(const SphereSet& spheres);
+
+struct BatchMeasures {
+  std::vector<SphereMeasures> per_sphere;  // in the order of the batch, Å² and Å³
+  std::vector<SphereMeasures> totals;      // one for each set: sums over its spheres
+  // Balls whose measures come from a triangulation, because their arcs left a doubt or because a
+  // CUDA device has no room for them.
+  std::uint64_t fallback_spheres = 0;
+  // Why the CPU measured what was meant for a device; empty if it did not.
+  std::string fallback;
+};
+
+class UnionMeasurer {
+ public:
+  virtual ~UnionMeasurer() = default;
+  // Measures each ball as method arcs of exact_union() does. Backends differ by rounding: 1e-12 of
+  // the whole sphere's area, and of the ball's volume. A backend gives the same bits at every call,
+  // and whatever other sets are in the batch.
+  // Overwrites `result` and reuses its memory. Throws InvalidInput for an empty set, for offsets
+  // that break the rule above, for spheres that no SphereSet accepts, and on the CPU for spheres in
+  // device memory; DeviceMemoryExceeded; Cancelled.
+  virtual void measure_into(BatchMeasures& result, const SphereBatch& batch,
+                            Monitor* monitor = nullptr) const = 0;
+  BatchMeasures measure(const SphereBatch& batch, Monitor* monitor = nullptr) const {
+    BatchMeasures result;
+    measure_into(result, batch, monitor);
+    return result;
+  }
+};
+
+// On all cores.
+std::unique_ptr<UnionMeasurer> make_cpu_union_measurer();
+
+// For implementations. Throws InvalidInput unless the offsets keep the rule above and no set is
+// empty.
+void check_sets(const SphereBatch& batch);
+// Sums up the sets of per_sphere, in wide accumulators and in an order of their own for each set.
+void sum_sets(BatchMeasures& result, const SphereBatch& batch);
+
+}  // namespace vdwmesh
