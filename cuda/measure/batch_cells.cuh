@@ -56,8 +56,8 @@ class BatchCells {
 // looks at those with `here`. These are a superset of the balls of the set that overlap `ball`, in
 // the same order at every call. Ends if take() returns true, which it must in all lanes alike.
 template <class Take>
-__device__ void visit_near(const BatchCellsView& list, const Sphere& ball, std::uint32_t set,
-                           unsigned lane, const Take& take) {
+__device__ __forceinline__ void visit_near(const BatchCellsView& list, const Sphere& ball,
+                                           std::uint32_t set, unsigned lane, const Take& take) {
   constexpr unsigned all = 0xffffffffu;
   const double r = ball.radius;
   for (int l = 0; l < list.levels; ++l) {

@@ -21,7 +21,7 @@ namespace vdwmesh::measure {
 struct Complex {
   double re, im;
 };
-__device__ inline Complex operator*(const Complex& a, const Complex& b) {
+__device__ __forceinline__ Complex operator*(const Complex& a, const Complex& b) {
   return {fma(a.re, b.re, -(a.im * b.im)), fma(a.re, b.im, a.im * b.re)};
 }
 
@@ -41,6 +41,13 @@ struct UnitMeasures {
   Outcome outcome;
 };
 
+// The part of an edge's line that lies in the ball: middle - half to middle + half. Which of its
+// ends are corners of the patch.
+struct Chord {
+  Vec3d middle, half;
+  bool upper, lower;
+};
+
 // A corner lies on the circles of two faces. The arc on the circle of `start` begins there, the arc
 // on the circle of `end` ends.
 struct Corner {
@@ -56,24 +63,54 @@ struct MeasureSpace {
   // The faces a and b of an edge and its upper and lower end, a byte each. The upper end is the
   // one in the direction of axis a × axis b.
   std::uint32_t edge[48 * kSlots];
-  // Bits of faces. touched: an edge of the face meets the ball. beyond: the centre of its disk lies
-  // beyond a neighbouring plane.
-  unsigned used[(kFaces + 31) / 32], touched[(kFaces + 31) / 32], beyond[(kFaces + 31) / 32];
 };
 
-__device__ inline double sum_of_lanes(double x) {
+// A set of faces. Each lane collects members; combine() gives all lanes the union.
+template <int kFaces>
+class FaceSet {
+ public:
+  __device__ __forceinline__ void add(std::uint32_t face, bool condition) {
+    const unsigned bit = condition ? 1u << face % 32 : 0;
+#pragma unroll
+    for (std::uint32_t i = 0; i < kWords; ++i) word_[i] |= face / 32 == i ? bit : 0;
+  }
+  __device__ __forceinline__ void combine() {
+#pragma unroll
+    for (std::uint32_t i = 0; i < kWords; ++i) word_[i] = __reduce_or_sync(kWarp, word_[i]);
+  }
+  __device__ __forceinline__ bool has(std::uint32_t face) const {
+    unsigned word = 0;
+#pragma unroll
+    for (std::uint32_t i = 0; i < kWords; ++i) {
+      word |= word_[i] & -static_cast<unsigned>(face / 32 == i);
+    }
+    return word >> face % 32 & 1;
+  }
+  __device__ __forceinline__ bool empty() const {
+    unsigned any = 0;
+#pragma unroll
+    for (std::uint32_t i = 0; i < kWords; ++i) any |= word_[i];
+    return any == 0;
+  }
+
+ private:
+  static constexpr std::uint32_t kWords = (kFaces + 31) / 32;
+  unsigned word_[kWords] = {};
+};
+
+__device__ __forceinline__ double sum_of_lanes(double x) {
 #pragma unroll
   for (int step = 16; step > 0; step /= 2) x += __shfl_xor_sync(kWarp, x, step);
   return x;
 }
 
 // Brings the size of a factor to 1.
-__device__ inline Complex unit(const Complex& z) {
+__device__ __forceinline__ Complex unit(const Complex& z) {
   const double scale = rsqrt(fma(z.re, z.re, z.im * z.im));
   return {scale * z.re, scale * z.im};
 }
 
-__device__ inline Complex product_of_lanes(Complex z) {
+__device__ __forceinline__ Complex product_of_lanes(Complex z) {
   z = unit(z);
 #pragma unroll
   for (int step = 16; step > 0; step /= 2) {
@@ -83,14 +120,14 @@ __device__ inline Complex product_of_lanes(Complex z) {
 }
 
 // The argument in [0, 2 pi).
-__device__ inline double argument(const Complex& z) {
+__device__ __forceinline__ double argument(const Complex& z) {
   const double angle = atan2(z.im, z.re);
   return angle < 0 ? angle + 2 * kPi : angle;
 }
 
 // Poles to try in turn; see arc_patch.hpp.
 inline constexpr int kPoleCount = 4;
-__device__ inline Vec3d pole(int attempt) {
+__device__ __forceinline__ Vec3d pole(int attempt) {
   if (attempt == 0) return {0.36, 0.48, 0.80};
   if (attempt == 1) return {-0.48, 0.60, 0.64};
   if (attempt == 2) return {0.28, -0.768, -0.576};
@@ -103,25 +140,28 @@ class CellMeasurement {
   using Cell = PowerCell<kSlots, kFaces>;
   using Space = MeasureSpace<kSlots, kFaces, kCorners>;
 
-  __device__ CellMeasurement(const Cell& cell, Space& space, unsigned lane)
+  __device__ __forceinline__ CellMeasurement(const Cell& cell, Space& space, unsigned lane)
       : cell_(cell), space_(space), lane_(lane) {}
 
-  __device__ UnitMeasures measure();
+  __device__ __forceinline__ UnitMeasures measure();
 
  private:
-  __device__ void store_vertices();
-  __device__ void list_edges();
-  __device__ bool choose_pole();
-  __device__ void add_edges();
-  __device__ void add_edge(std::uint32_t packed, int (&ends)[2], Corner (&corner)[2]);
-  __device__ void add_corner_factors(const Plane& a, const Plane& b, double cosine, double root,
-                                     int corners, double side);
-  __device__ void list_corners(const int (&ends)[2], const Corner (&corner)[2]);
-  __device__ void add_faces();
-  __device__ Complex exposed_arcs(std::uint32_t face, const Vec3d& axis, double sine, int& ends,
-                                  int& balance) const;
-  __device__ UnitMeasures result();
-  __device__ bool doubtful() { return __any_sync(kWarp, doubt_); }
+  __device__ __forceinline__ void store_vertices();
+  __device__ __forceinline__ void list_edges();
+  __device__ __forceinline__ bool choose_pole();
+  __device__ __forceinline__ void add_edges();
+  __device__ __forceinline__ void add_edge(std::uint32_t packed, Chord& chord);
+  __device__ __forceinline__ void add_corner_factors(const Plane& a, const Plane& b, double cosine,
+                                                     double root, int corners, double side);
+  __device__ __forceinline__ void list_corner(bool lists, const Vec3d& point, std::uint32_t start,
+                                              std::uint32_t end);
+  __device__ __forceinline__ void add_faces();
+  __device__ __forceinline__ void add_face(const Plane& face, std::uint32_t number, double angle,
+                                           int ends, int balance);
+  __device__ __forceinline__ Complex exposed_arcs(std::uint32_t number, const Plane& face,
+                                                  int& ends, int& balance) const;
+  __device__ __forceinline__ UnitMeasures result();
+  __device__ __forceinline__ bool doubtful() { return __any_sync(kWarp, doubt_); }
 
   const Cell& cell_;
   Space& space_;
@@ -129,17 +169,21 @@ class CellMeasurement {
   bool doubt_ = false;
   int edge_count_ = 0, corner_count_ = 0;
   Vec3d pole_{};
+  // touched: an edge of the face meets the ball. beyond: the centre of its disk lies beyond a
+  // neighbouring plane.
+  FaceSet<kFaces> used_, touched_, beyond_;
   // Sums of this lane, over edges.
   double moment_ = 0;  // sum t × straight part of 2 F
   Vec3d open_{0, 0, 0};
   Complex polygon_{1, 0}, turning_{1, 0};
   float condition_ = 0, worst_ = 1;
   // Sums of this lane, over faces.
+  double polygon_angle_ = 0, turning_angle_ = 0;
   double angle_ = 0, sector_ = 0, pyramid_ = 0, largest_ = 0;
 };
 
 template <int kSlots, int kFaces, int kCorners>
-__device__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners>::measure() {
+__device__ __forceinline__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners>::measure() {
   store_vertices();
   list_edges();
   if (!choose_pole() || doubtful()) return {0, 0, Outcome::doubtful};
@@ -152,7 +196,7 @@ __device__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners>::measure() {
 }
 
 template <int kSlots, int kFaces, int kCorners>
-__device__ void CellMeasurement<kSlots, kFaces, kCorners>::store_vertices() {
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::store_vertices() {
 #pragma unroll
   for (int k = 0; k < kSlots; ++k) {
     if (!cell_.has(k)) continue;
@@ -160,16 +204,13 @@ __device__ void CellMeasurement<kSlots, kFaces, kCorners>::store_vertices() {
     space_.position[32 * k + lane_] = x;
     doubt_ = doubt_ || fabs(squared_norm(x) - 1) < kNearSphere;
   }
-  for (std::uint32_t i = lane_; i < (kFaces + 31) / 32; i += 32) {
-    space_.used[i] = space_.touched[i] = space_.beyond[i] = 0;
-  }
   __syncwarp();
 }
 
 // Each edge is listed by the end with the lower number. If the two ends do not name each other, the
 // list of vertices is no polytope.
 template <int kSlots, int kFaces, int kCorners>
-__device__ void CellMeasurement<kSlots, kFaces, kCorners>::list_edges() {
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::list_edges() {
   const auto& cell = cell_.space();
 #pragma unroll
   for (int k = 0; k < kSlots; ++k) {
@@ -205,7 +246,7 @@ __device__ void CellMeasurement<kSlots, kFaces, kCorners>::list_edges() {
 
 // Takes the first pole that is far enough from the antipodes of all axes.
 template <int kSlots, int kFaces, int kCorners>
-__device__ bool CellMeasurement<kSlots, kFaces, kCorners>::choose_pole() {
+__device__ __forceinline__ bool CellMeasurement<kSlots, kFaces, kCorners>::choose_pole() {
   for (int attempt = 0; attempt < kPoleCount; ++attempt) {
     pole_ = pole(attempt);
     bool bad = false;
@@ -218,23 +259,26 @@ __device__ bool CellMeasurement<kSlots, kFaces, kCorners>::choose_pole() {
 }
 
 template <int kSlots, int kFaces, int kCorners>
-__device__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edges() {
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edges() {
   for (int base = 0; base < edge_count_; base += 32) {
     const int e = base + static_cast<int>(lane_);
-    int ends[2] = {0, 0};
-    Corner corner[2];
-    if (e < edge_count_) add_edge(space_.edge[e], ends, corner);
-    list_corners(ends, corner);
+    Chord chord{};
+    const std::uint32_t packed = e < edge_count_ ? space_.edge[e] : 0;
+    if (e < edge_count_) add_edge(packed, chord);
+    const std::uint32_t ia = packed & 0xff, ib = packed >> 8 & 0xff;
+    list_corner(chord.upper, chord.middle + chord.half, ia, ib);
+    list_corner(chord.lower, chord.middle - chord.half, ib, ia);
   }
+  used_.combine();
+  touched_.combine();
+  beyond_.combine();
   __syncwarp();
 }
 
-// Adds one edge to the sums. ends[0] and ends[1] become 1 if the upper and lower end of the edge's
-// part in the ball are corners.
+// Adds one edge to the sums. Fills the chord if an end of the edge's part in the ball is a corner.
 template <int kSlots, int kFaces, int kCorners>
-__device__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edge(std::uint32_t packed,
-                                                                    int (&ends)[2],
-                                                                    Corner (&corner)[2]) {
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edge(
+    std::uint32_t packed, Chord& chord) {
   const std::uint32_t ia = packed & 0xff, ib = packed >> 8 & 0xff;
   const Plane a = cell_.space().face[ia];
   const Plane b = cell_.space().face[ib];
@@ -248,10 +292,10 @@ __device__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edge(std::uint32_
   const Vec3d normal = fused_cross(a.axis, apart);
   const double squared_sine = squared_norm(normal);
   const double gram = fma((1 - a.cosine) * (1 + a.cosine), squared_sine, -(toward_b * toward_b));
-  atomicOr(&space_.used[ia / 32], 1u << ia % 32);
-  atomicOr(&space_.used[ib / 32], 1u << ib % 32);
-  if (toward_b <= 0) atomicOr(&space_.beyond[ia / 32], 1u << ia % 32);
-  if (toward_a <= 0) atomicOr(&space_.beyond[ib / 32], 1u << ib % 32);
+  used_.add(ia, true);
+  used_.add(ib, true);
+  beyond_.add(ia, toward_b <= 0);
+  beyond_.add(ib, toward_a <= 0);
   const double inverse = 1 / squared_sine;
   double top = dot(upper, normal) * inverse, bottom = dot(lower, normal) * inverse;
   const bool top_out = squared_norm(upper) > 1, bottom_out = squared_norm(lower) > 1;
@@ -261,31 +305,25 @@ __device__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edge(std::uint32_
     if (!spans || gram < 0) return;
   }
   doubt_ = doubt_ || !(squared_sine > kNearlyParallel);
-  atomicOr(&space_.touched[ia / 32], 1u << ia % 32);
-  atomicOr(&space_.touched[ib / 32], 1u << ib % 32);
-  double root = 0;
+  touched_.add(ia, true);
+  touched_.add(ib, true);
   if (top_out || bottom_out) {
     doubt_ = doubt_ || !(gram > 0);
-    root = sqrt(gram);
+    const double root = sqrt(gram);
     const double scale = root * inverse;
     if (top_out) top = scale;
     if (bottom_out) bottom = -scale;
-    const Vec3d middle = a.cosine * a.axis + (toward_b * inverse) * fused_cross(normal, a.axis);
+    chord.middle = a.cosine * a.axis + (toward_b * inverse) * fused_cross(normal, a.axis);
+    chord.half = scale * normal;
+    chord.upper = top_out;
+    chord.lower = bottom_out;
+    // The vector area of the arcs: arm × upper corner - arm × lower corner.
     const Vec3d arm = a.cosine * a.axis - b.cosine * b.axis;
-    const Vec3d half = scale * normal;
-    if (top_out) {
-      ends[0] = 1;
-      corner[0] = {middle + half, ia, ib};
-      open_ = open_ + fused_cross(arm, corner[0].point);
-    }
-    if (bottom_out) {
-      ends[1] = 1;
-      corner[1] = {middle - half, ib, ia};
-      open_ = open_ - fused_cross(arm, corner[1].point);
-    }
+    const double ends = top_out + bottom_out, difference = top_out - bottom_out;
+    open_ = open_ + fused_cross(arm, difference * chord.middle + ends * chord.half);
     // det(pole, axis a, axis b), with the sign of the end
-    const double side = dot(pole_, normal) * (ends[0] - ends[1]);
-    add_corner_factors(a, b, cosine, root, ends[0] + ends[1], side);
+    const double side = dot(pole_, normal) * difference;
+    add_corner_factors(a, b, cosine, root, top_out + bottom_out, side);
   }
   const double moment = top - bottom;
   moment_ = fma(fma(a.cosine, toward_b, b.cosine * toward_a), moment, moment_);
@@ -293,7 +331,7 @@ __device__ void CellMeasurement<kSlots, kFaces, kCorners>::add_edge(std::uint32_
 }
 
 template <int kSlots, int kFaces, int kCorners>
-__device__ void CellMeasurement<kSlots, kFaces, kCorners>::add_corner_factors(
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_corner_factors(
     const Plane& a, const Plane& b, double cosine, double root, int corners, double side) {
   const Complex triangle{1 + a.cosine + b.cosine + cosine, -root};
   const Complex turn{cosine - a.cosine * b.cosine, root};
@@ -306,41 +344,33 @@ __device__ void CellMeasurement<kSlots, kFaces, kCorners>::add_corner_factors(
     const double sum = dot(pole_, a.axis) + dot(pole_, b.axis);
     polygon_ = polygon_ * Complex{1 + sum + cosine, side};
   }
-  const auto condition = static_cast<float>(1 / root + 1 / (1 + a.cosine) + 1 / (1 + b.cosine));
+  const float condition = 1 / static_cast<float>(root) + 1 / static_cast<float>(1 + a.cosine) +
+                          1 / static_cast<float>(1 + b.cosine);
   condition_ += static_cast<float>(corners) * condition;
   worst_ = fmaxf(worst_, condition);
-  // A long chain of factors stays far from the limits of double.
-  polygon_ = unit(polygon_);
-  turning_ = unit(turning_);
 }
 
 template <int kSlots, int kFaces, int kCorners>
-__device__ void CellMeasurement<kSlots, kFaces, kCorners>::list_corners(const int (&ends)[2],
-                                                                        const Corner (&corner)[2]) {
-#pragma unroll
-  for (int i = 0; i < 2; ++i) {
-    const unsigned listing = __ballot_sync(kWarp, ends[i] != 0);
-    const int place = corner_count_ + __popc(listing & lanes_before());
-    if (ends[i] != 0 && place < kCorners) space_.corner[place] = corner[i];
-    corner_count_ += __popc(listing);
-  }
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::list_corner(
+    bool lists, const Vec3d& point, std::uint32_t start, std::uint32_t end) {
+  const unsigned listing = __ballot_sync(kWarp, lists);
+  const int place = corner_count_ + __popc(listing & lanes_before());
+  if (lists && place < kCorners) space_.corner[place] = {point, start, end};
+  corner_count_ += __popc(listing);
 }
 
-// The product of the arcs' ends and conjugated starts on the circle of a face.
+// The product of the arcs' ends and conjugated starts on the circle of a face. Its size is a power
+// of the circle's radius, which does not matter.
 template <int kSlots, int kFaces, int kCorners>
-__device__ Complex CellMeasurement<kSlots, kFaces, kCorners>::exposed_arcs(std::uint32_t face,
-                                                                           const Vec3d& axis,
-                                                                           double sine, int& ends,
-                                                                           int& balance) const {
+__device__ __forceinline__ Complex CellMeasurement<kSlots, kFaces, kCorners>::exposed_arcs(
+    std::uint32_t number, const Plane& face, int& ends, int& balance) const {
   Complex product{1, 0};
-  const vdwmesh::arcs::Frame frame = vdwmesh::arcs::frame_of(axis);
-  const double scale = 1 / sine;
+  const vdwmesh::arcs::Frame frame = vdwmesh::arcs::frame_of(face.axis);
   for (int c = 0; c < corner_count_; ++c) {
     const Corner& corner = space_.corner[c];
-    if (corner.start != face && corner.end != face) continue;
-    const int direction = corner.end == face ? 1 : -1;
-    const double re = scale * dot(frame.first, corner.point);
-    const double im = scale * dot(frame.second, corner.point);
+    if (corner.start != number && corner.end != number) continue;
+    const int direction = corner.end == number ? 1 : -1;
+    const double re = dot(frame.first, corner.point), im = dot(frame.second, corner.point);
     product = product * Complex{re, direction * im};
     balance += direction;
     ++ends;
@@ -348,61 +378,79 @@ __device__ Complex CellMeasurement<kSlots, kFaces, kCorners>::exposed_arcs(std::
   return product;
 }
 
+// A face for each lane. Behind the faces come the two products of the patch, so that their
+// arguments are computed along with the angles of the circles.
 template <int kSlots, int kFaces, int kCorners>
-__device__ void CellMeasurement<kSlots, kFaces, kCorners>::add_faces() {
-  for (std::uint32_t base = 0; base < cell_.face_count(); base += 32) {
-    const std::uint32_t f = base + lane_;
-    const bool used = f < cell_.face_count() && (space_.used[base / 32] >> lane_ & 1);
-    if (!used) continue;
-    const Plane face = cell_.space().face[f];
-    if (!(face.cosine < 1)) continue;  // a side of the first box
-    const double drop = 1 - face.cosine;
-    const double squared_sine = drop * (1 + face.cosine);
-    const bool touched = space_.touched[base / 32] >> lane_ & 1;
-    const bool beyond = space_.beyond[base / 32] >> lane_ & 1;
-    double angle = 0;
-    if (!touched && !beyond) angle = 2 * kPi;  // a whole disk
-    if (touched && corner_count_ > 0) {
-      int ends = 0, balance = 0;
-      const Complex arcs_product = exposed_arcs(f, face.axis, sqrt(squared_sine), ends, balance);
-      if (ends > 0) {
-        angle = argument(arcs_product);
-        doubt_ = doubt_ || balance != 0 || !(angle > kTinyAngle && angle < 2 * kPi - kTinyAngle);
-        angle_ += angle;
-      }
-    }
-    sector_ = fma(angle, drop, sector_);
-    pyramid_ = fma(0.5 * face.cosine * squared_sine, angle, pyramid_);
-    largest_ = fmax(largest_, 2 * kPi * drop);
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_faces() {
+  const std::uint32_t faces = cell_.face_count();
+  const bool corners = corner_count_ > 0;
+  const std::uint32_t tasks = corners ? faces + 2 : faces;
+  if (corners) {
+    polygon_ = product_of_lanes(polygon_);
+    turning_ = product_of_lanes(turning_);
   }
+  double argument_here = 0;
+  for (std::uint32_t base = 0; base < tasks; base += 32) {
+    const std::uint32_t f = base + lane_;
+    const bool used = f < faces && used_.has(f);
+    Complex product = f == faces ? polygon_ : turning_;
+    int ends = 0, balance = 0;
+    Plane face{{0, 0, 1}, 1};
+    if (used) {
+      face = cell_.space().face[f];
+      product = exposed_arcs(f, face, ends, balance);
+    }
+    const double angle = corners ? argument(product) : 0;
+    if (used) {
+      add_face(face, f, angle, ends, balance);
+    } else if (f == faces || f == faces + 1) {
+      argument_here = angle;
+    }
+  }
+  polygon_angle_ = __shfl_sync(kWarp, argument_here, faces % 32);
+  turning_angle_ = __shfl_sync(kWarp, argument_here, (faces + 1) % 32);
+}
+
+// `angle`: of the product of the arcs on the face's circle.
+template <int kSlots, int kFaces, int kCorners>
+__device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_face(
+    const Plane& face, std::uint32_t number, double angle, int ends, int balance) {
+  if (!(face.cosine < 1)) return;  // a side of the first box
+  const double drop = 1 - face.cosine;
+  if (ends > 0) {
+    doubt_ = doubt_ || balance != 0 || !(angle > kTinyAngle && angle < 2 * kPi - kTinyAngle);
+    angle_ += angle;
+  } else {  // a whole disk, or nothing of the circle
+    angle = touched_.has(number) || beyond_.has(number) ? 0 : 2 * kPi;
+  }
+  sector_ = fma(angle, drop, sector_);
+  pyramid_ = fma(0.5 * face.cosine * (drop * (1 + face.cosine)), angle, pyramid_);
+  largest_ = fmax(largest_, 2 * kPi * drop);
 }
 
 // Adds up the lanes and checks the sums.
 template <int kSlots, int kFaces, int kCorners>
-__device__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners>::result() {
+__device__ __forceinline__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners>::result() {
   const double pyramid = sum_of_lanes(fma(0.5, moment_, pyramid_));
   const double sector = sum_of_lanes(sector_);
   const Vec3d open{sum_of_lanes(open_.x), sum_of_lanes(open_.y), sum_of_lanes(open_.z)};
   bool doubt = !(squared_norm(open) <= kMaxOpen * kMaxOpen);
-  bool touched = false;
-  for (int i = 0; i < (kFaces + 31) / 32; ++i) touched = touched || space_.touched[i] != 0;
   // Without corners the patch is the sphere less whole disks, or nothing.
-  double area = touched || sector == 0 ? 0 : 4 * kPi - sector;
+  double area = !touched_.empty() || sector == 0 ? 0 : 4 * kPi - sector;
   if (corner_count_ > 0) {
-    const double polygon = 2 * argument(product_of_lanes(polygon_));
-    const double turning = argument(product_of_lanes(turning_));
+    const double polygon = 2 * polygon_angle_;  // the product holds half the area
     double largest = largest_;
     float worst = worst_;
     for (int step = 16; step > 0; step /= 2) {
       largest = fmax(largest, __shfl_xor_sync(kWarp, largest, step));
       worst = fmaxf(worst, __shfl_xor_sync(kWarp, worst, step));
     }
-    const double condition = 1 + sum_of_lanes(condition_);
+    const double condition = 1 + sum_of_lanes(static_cast<double>(condition_));
     const double full = 4 * kPi;
     area = polygon - sector;
     area -= full * floor(area / full);
     if (area > full - 0.5 * largest) area -= full;
-    const double turns = (polygon - sum_of_lanes(angle_) + turning) / (2 * kPi);
+    const double turns = (polygon - sum_of_lanes(angle_) + turning_angle_) / (2 * kPi);
     const double miss = 2 * kPi * fabs(turns - rint(turns));
     doubt = doubt || !(miss <= kRounding * condition) || !(kRounding * worst <= kMaxError);
   }

@@ -41,11 +41,11 @@ inline constexpr double kLeastDeterminant = 1e-8;
 // Half the side of the first box. Above 1, so that its faces do not meet the ball.
 inline constexpr double kBox = 1.0625;
 
-__device__ inline Vec3d fused_cross(const Vec3d& a, const Vec3d& b) {
+__device__ __forceinline__ Vec3d fused_cross(const Vec3d& a, const Vec3d& b) {
   return {fma(a.y, b.z, -(a.z * b.y)), fma(a.z, b.x, -(a.x * b.z)), fma(a.x, b.y, -(a.y * b.x))};
 }
 
-__device__ inline unsigned lanes_before() {
+__device__ __forceinline__ unsigned lanes_before() {
   unsigned mask;
   asm("mov.u32 %0, %%lanemask_lt;" : "=r"(mask));
   return mask;
@@ -61,7 +61,7 @@ struct CellSpace {
   std::uint8_t vertex[kFaces * kFaces];  // [i * kFaces + j]: the vertex that has the pair (i, j)
 };
 
-__device__ inline std::uint32_t face_of(std::uint32_t faces, int i) {
+__device__ __forceinline__ std::uint32_t face_of(std::uint32_t faces, int i) {
   return faces >> (8 * i) & 0xff;
 }
 
@@ -71,37 +71,44 @@ class PowerCell {
  public:
   using Space = CellSpace<kSlots, kFaces>;
 
-  __device__ PowerCell(Space& space, unsigned lane) : space_(space), lane_(lane) { make_box(); }
+  __device__ __forceinline__ PowerCell(Space& space, unsigned lane) : space_(space), lane_(lane) {
+    make_box();
+  }
 
   // Removes what lies beyond the plane.
-  __device__ void cut(const Plane& plane);
+  __device__ __forceinline__ void cut(const Plane& plane);
 
-  __device__ Outcome outcome() const { return outcome_; }
-  __device__ bool empty() const { return empty_; }
+  __device__ __forceinline__ Outcome outcome() const { return outcome_; }
+  __device__ __forceinline__ bool empty() const { return empty_; }
   // No vertex is farther from the centre.
-  __device__ float reach() const { return reach_; }
-  __device__ bool has(int slot) const { return alive_[slot] >> lane_ & 1; }
-  __device__ bool has_vertex(std::uint32_t vertex) const { return contains(alive_, vertex); }
-  __device__ unsigned alive(int slot) const { return alive_[slot]; }
-  __device__ const Vec3d& position(int slot) const { return position_[slot]; }
-  __device__ std::uint32_t faces(int slot) const { return faces_[slot]; }
-  __device__ std::uint32_t face_count() const { return next_face_; }
-  __device__ const Space& space() const { return space_; }
+  __device__ __forceinline__ float reach() const { return reach_; }
+  __device__ __forceinline__ bool has(int slot) const { return alive_[slot] >> lane_ & 1; }
+  __device__ __forceinline__ bool has_vertex(std::uint32_t vertex) const {
+    return contains(alive_, vertex);
+  }
+  __device__ __forceinline__ unsigned alive(int slot) const { return alive_[slot]; }
+  __device__ __forceinline__ const Vec3d& position(int slot) const { return position_[slot]; }
+  __device__ __forceinline__ std::uint32_t faces(int slot) const { return faces_[slot]; }
+  __device__ __forceinline__ std::uint32_t face_count() const { return next_face_; }
+  __device__ __forceinline__ const Space& space() const { return space_; }
 
  private:
-  __device__ void make_box();
-  __device__ bool repeats_face(const Plane& plane) const;
-  __device__ std::uint32_t new_face();
-  __device__ int find_border(const unsigned (&out)[kSlots]);
-  __device__ void add_vertices(int count, std::uint32_t fresh, const Plane& plane);
-  __device__ bool place_vertex(int slot, std::uint32_t first, std::uint32_t second,
-                               std::uint32_t fresh, const Plane& plane);
-  __device__ void set_vertex(int slot, std::uint32_t i, std::uint32_t j, std::uint32_t k);
-  __device__ void update_reach();
-  __device__ static bool contains(const unsigned (&set)[kSlots], std::uint32_t vertex) {
-    unsigned word = set[0];
+  __device__ __forceinline__ void make_box();
+  __device__ __forceinline__ bool repeats_face(const Plane& plane) const;
+  __device__ __forceinline__ std::uint32_t new_face();
+  __device__ __forceinline__ int find_border(const unsigned (&out)[kSlots]);
+  __device__ __forceinline__ void add_vertices(int count, std::uint32_t fresh, const Plane& plane);
+  __device__ __forceinline__ bool place_vertex(int slot, std::uint32_t first, std::uint32_t second,
+                                               std::uint32_t fresh, const Plane& plane);
+  __device__ __forceinline__ void set_vertex(int slot, std::uint32_t i, std::uint32_t j,
+                                             std::uint32_t k);
+  __device__ __forceinline__ void update_reach();
+  __device__ __forceinline__ static bool contains(const unsigned (&set)[kSlots],
+                                                  std::uint32_t vertex) {
+    // Masks instead of a choice, of which the compiler would make an array in local memory.
+    unsigned word = 0;
 #pragma unroll
-    for (int k = 1; k < kSlots; ++k) word = vertex / 32 == k ? set[k] : word;
+    for (int k = 0; k < kSlots; ++k) word |= set[k] & -static_cast<unsigned>(vertex / 32 == k);
     return word >> vertex % 32 & 1;
   }
 
@@ -119,8 +126,9 @@ class PowerCell {
 };
 
 template <int kSlots, int kFaces>
-__device__ void PowerCell<kSlots, kFaces>::set_vertex(int slot, std::uint32_t i, std::uint32_t j,
-                                                      std::uint32_t k) {
+__device__ __forceinline__ void PowerCell<kSlots, kFaces>::set_vertex(int slot, std::uint32_t i,
+                                                                      std::uint32_t j,
+                                                                      std::uint32_t k) {
   const std::uint32_t v = 32 * slot + lane_;
   faces_[slot] = i | j << 8 | k << 16;
   space_.faces_of[v] = faces_[slot];
@@ -131,7 +139,7 @@ __device__ void PowerCell<kSlots, kFaces>::set_vertex(int slot, std::uint32_t i,
 
 // Faces 2 a and 2 a + 1 are the sides at kBox and -kBox along axis a.
 template <int kSlots, int kFaces>
-__device__ void PowerCell<kSlots, kFaces>::make_box() {
+__device__ __forceinline__ void PowerCell<kSlots, kFaces>::make_box() {
   if (lane_ < 6) {
     Vec3d axis{0, 0, 0};
     const double sign = lane_ % 2 == 0 ? 1 : -1;
@@ -158,7 +166,7 @@ __device__ void PowerCell<kSlots, kFaces>::make_box() {
 
 // Whether a face has this plane, to the last bit; such a plane cuts nothing off.
 template <int kSlots, int kFaces>
-__device__ bool PowerCell<kSlots, kFaces>::repeats_face(const Plane& plane) const {
+__device__ __forceinline__ bool PowerCell<kSlots, kFaces>::repeats_face(const Plane& plane) const {
   bool same = false;
   for (std::uint32_t f = lane_; f < next_face_; f += 32) {
     const Plane& face = space_.face[f];
@@ -168,12 +176,14 @@ __device__ bool PowerCell<kSlots, kFaces>::repeats_face(const Plane& plane) cons
 }
 
 template <int kSlots, int kFaces>
-__device__ void PowerCell<kSlots, kFaces>::cut(const Plane& plane) {
+__device__ __forceinline__ void PowerCell<kSlots, kFaces>::cut(const Plane& plane) {
   unsigned out[kSlots];
   unsigned any = 0;
   bool near = false;
 #pragma unroll
   for (int k = 0; k < kSlots; ++k) {
+    out[k] = 0;
+    if (k > 0 && alive_[k] == 0) continue;
     const double depth = has(k) ? dot(position_[k], plane.axis) - plane.cosine : -1.0;
     near = near || (has(k) && !(fabs(depth) > margin_[k]));
     out[k] = __ballot_sync(kWarp, depth > 0);
@@ -210,7 +220,7 @@ __device__ void PowerCell<kSlots, kFaces>::cut(const Plane& plane) {
 // Returns a number for a new face, or kFaces if there is none left. Numbers of faces that have lost
 // all vertices are used again.
 template <int kSlots, int kFaces>
-__device__ std::uint32_t PowerCell<kSlots, kFaces>::new_face() {
+__device__ __forceinline__ std::uint32_t PowerCell<kSlots, kFaces>::new_face() {
   if (next_face_ < kFaces) return next_face_++;
   for (std::uint32_t base = 0; base < kFaces; base += 32) {
     unsigned used = 0;
@@ -231,7 +241,8 @@ __device__ std::uint32_t PowerCell<kSlots, kFaces>::new_face() {
 
 // Lists the edges between vertices that go, `out`, and vertices that stay. Returns their number.
 template <int kSlots, int kFaces>
-__device__ int PowerCell<kSlots, kFaces>::find_border(const unsigned (&out)[kSlots]) {
+__device__ __forceinline__ int PowerCell<kSlots, kFaces>::find_border(
+    const unsigned (&out)[kSlots]) {
   int count = 0;
 #pragma unroll
   for (int k = 0; k < kSlots; ++k) {
@@ -260,8 +271,9 @@ __device__ int PowerCell<kSlots, kFaces>::find_border(const unsigned (&out)[kSlo
 
 // Gives the new vertices of the face `fresh` to lanes and slots that have none, the lowest first.
 template <int kSlots, int kFaces>
-__device__ void PowerCell<kSlots, kFaces>::add_vertices(int count, std::uint32_t fresh,
-                                                        const Plane& plane) {
+__device__ __forceinline__ void PowerCell<kSlots, kFaces>::add_vertices(int count,
+                                                                        std::uint32_t fresh,
+                                                                        const Plane& plane) {
   if (lane_ == 0) space_.face[fresh] = plane;
   int given = 0;
   bool bad = false;
@@ -285,9 +297,8 @@ __device__ void PowerCell<kSlots, kFaces>::add_vertices(int count, std::uint32_t
 
 // Computes the common point of three planes. Returns false if they are nearly dependent.
 template <int kSlots, int kFaces>
-__device__ bool PowerCell<kSlots, kFaces>::place_vertex(int slot, std::uint32_t first,
-                                                        std::uint32_t second, std::uint32_t fresh,
-                                                        const Plane& plane) {
+__device__ __forceinline__ bool PowerCell<kSlots, kFaces>::place_vertex(
+    int slot, std::uint32_t first, std::uint32_t second, std::uint32_t fresh, const Plane& plane) {
   const Plane a = space_.face[first];
   const Plane b = space_.face[second];
   const Vec3d bc = fused_cross(b.axis, plane.axis);
@@ -306,7 +317,7 @@ __device__ bool PowerCell<kSlots, kFaces>::place_vertex(int slot, std::uint32_t 
 }
 
 template <int kSlots, int kFaces>
-__device__ void PowerCell<kSlots, kFaces>::update_reach() {
+__device__ __forceinline__ void PowerCell<kSlots, kFaces>::update_reach() {
   float farthest = 0;
 #pragma unroll
   for (int k = 0; k < kSlots; ++k) farthest = has(k) ? fmaxf(farthest, squared_[k]) : farthest;

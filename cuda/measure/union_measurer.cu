@@ -35,16 +35,18 @@ struct Room {
   static constexpr int kSlots = kSlotCount, kFaces = kFaceCount, kCaps = kCapCount,
                        kCorners = kCornerCount;
   struct Space {
-    CellSpace<kSlots, kFaces> cell;
+    union {
+      std::uint32_t near[kCaps];  // list places of the balls that overlap the ball
+      CellSpace<kSlots, kFaces> cell;
+    };
     union {
       Plane caps[kCaps];  // while the cell is cut
       MeasureSpace<kSlots, kFaces, kCorners> measure;
     };
-    std::uint32_t near[kCaps];  // list places of the balls that overlap the ball
   };
 };
 // A polytope of 64 vertices has 34 faces.
-using SmallRoom = Room<2, 40, 128, 64>;
+using SmallRoom = Room<2, 36, 128, 64>;
 using LargeRoom = Room<8, 136, 1024, 512>;
 
 // Balls that are not measured yet, by list place.
@@ -62,17 +64,18 @@ class WarpBall {
   using Space = typename SomeRoom::Space;
   static constexpr int kCaps = SomeRoom::kCaps;
 
-  __device__ WarpBall(const BatchCellsView& list, std::uint32_t place, Space& space, unsigned lane)
+  __device__ __forceinline__ WarpBall(const BatchCellsView& list, std::uint32_t place, Space& space,
+                                      unsigned lane)
       : list_(list), place_(place), ball_(list.spheres[place]), space_(space), lane_(lane) {}
 
   // For the unit ball.
-  __device__ UnitMeasures measure() {
+  __device__ __forceinline__ UnitMeasures measure() {
     collect();
     if (buried_) return {0, 0, Outcome::good};
     if (near_ > kCaps) return {0, 0, Outcome::too_large};
-    if (near_ == 0) return {4 * kPi, 4 * kPi / 3, Outcome::good};
     make_caps();
     if (buried_) return {0, 0, Outcome::good};
+    if (!has_caps_) return {4 * kPi, 4 * kPi / 3, Outcome::good};
     PowerCell<SomeRoom::kSlots, SomeRoom::kFaces> cell(space_.cell, lane_);
     cut_by_all(cell);
     if (cell.empty()) return {0, 0, Outcome::good};
@@ -86,7 +89,7 @@ class WarpBall {
  private:
   // Lists the balls that overlap this one. Of equal balls the one of the lowest index buries the
   // others; they share a cell, so it has the lowest list place too.
-  __device__ void collect() {
+  __device__ __forceinline__ void collect() {
     const std::uint32_t set = list_.set != nullptr ? list_.set[place_] : 0;
     visit_near(list_, ball_, set, lane_, [&](std::uint32_t other, bool here) {
       bool near = false, equal = false;
@@ -116,7 +119,7 @@ class WarpBall {
   static constexpr unsigned kIndexMask = kCaps - 1;
   static_assert((kCaps & kIndexMask) == 0);
   static constexpr unsigned kNoKey = 0xffffffffu;
-  __device__ void make_caps() {
+  __device__ __forceinline__ void make_caps() {
     bool buried = false;
 #pragma unroll
     for (int k = 0; k < kCaps / 32; ++k) {
@@ -132,19 +135,23 @@ class WarpBall {
       const unsigned rising = bits >> 31 ? ~bits : bits | 0x80000000u;
       key_[k] = (rising & ~kIndexMask) | static_cast<unsigned>(i);
     }
+    bool cuts = false;
+#pragma unroll
+    for (int k = 0; k < kCaps / 32; ++k) cuts = cuts || key_[k] != kNoKey;
+    has_caps_ = __any_sync(kWarp, cuts);
     buried_ = __any_sync(kWarp, buried);
     __syncwarp();
   }
 
   // Not above the cosine of the cap with this key, nor of any cap with a larger one.
-  __device__ static float bound_of(unsigned key) {
+  __device__ __forceinline__ static float bound_of(unsigned key) {
     const unsigned rising = key & ~kIndexMask;
     return __uint_as_float(rising >> 31 ? rising & 0x7fffffffu : ~rising);
   }
 
   // Cuts by the nearest plane that is left, until no plane is near enough to cut.
   template <class Cell>
-  __device__ void cut_by_all(Cell& cell) {
+  __device__ __forceinline__ void cut_by_all(Cell& cell) {
     for (;;) {
       unsigned least = kNoKey;
 #pragma unroll
@@ -164,15 +171,15 @@ class WarpBall {
   Space& space_;
   unsigned lane_;
   int near_ = 0;  // balls that overlap this one, also those for which there is no room
-  bool buried_ = false;
+  bool buried_ = false, has_caps_ = false;
   unsigned key_[kCaps / 32];
 };
 
 template <class SomeRoom>
-__device__ void measure_place(const BatchCellsView& list, std::uint32_t place,
-                              typename SomeRoom::Space& space, unsigned lane,
-                              SphereMeasures* results, const Leftovers& too_large,
-                              const Leftovers& doubtful) {
+__device__ __forceinline__ void measure_place(const BatchCellsView& list, std::uint32_t place,
+                                              typename SomeRoom::Space& space, unsigned lane,
+                                              SphereMeasures* results, const Leftovers& too_large,
+                                              const Leftovers& doubtful) {
   WarpBall<SomeRoom> ball(list, place, space, lane);
   const UnitMeasures unit = ball.measure();
   if (lane != 0) return;
@@ -183,9 +190,13 @@ __device__ void measure_place(const BatchCellsView& list, std::uint32_t place,
 }
 
 constexpr unsigned kWarpsPerBlock = 4;
+#ifndef KB
+#define KB 6
+#endif
+constexpr unsigned kBlocksPerMultiprocessor = KB;
 
 // A warp for each ball.
-__global__ void __launch_bounds__(32 * kWarpsPerBlock)
+__global__ void __launch_bounds__(32 * kWarpsPerBlock, kBlocksPerMultiprocessor)
     measure_all(BatchCellsView list, SphereMeasures* results, Leftovers too_large,
                 Leftovers doubtful) {
   extern __shared__ __align__(16) unsigned char memory[];
