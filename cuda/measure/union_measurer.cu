@@ -6,6 +6,7 @@
 // ball for which that is too small as well, and one that leaves a doubt, is measured on the host by
 // a triangulation of it and its neighbours.
 #include <cuda_runtime.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <utility>
@@ -190,10 +191,9 @@ __device__ __forceinline__ void measure_place(const BatchCellsView& list, std::u
 }
 
 constexpr unsigned kWarpsPerBlock = 4;
-#ifndef KB
-#define KB 6
-#endif
-constexpr unsigned kBlocksPerMultiprocessor = KB;
+// Limits the registers: 24 warps on a multiprocessor hide more latency than fewer spills would
+// save.
+constexpr unsigned kBlocksPerMultiprocessor = 6;
 
 // A warp for each ball.
 __global__ void __launch_bounds__(32 * kWarpsPerBlock, kBlocksPerMultiprocessor)
@@ -222,10 +222,11 @@ __global__ void __launch_bounds__(32) measure_large(BatchCellsView list, SphereM
 }
 
 // A warp for each of `count` balls: finds the balls that overlap it, itself among them. Writes
-// their number or, if `ids` is given, their indices from first[i] on.
+// their number or, if `ids` is given, their indices from first[i] on, and the ball's own index.
 __global__ void list_neighbors(BatchCellsView list, const std::uint32_t* places,
                                std::uint32_t count, const std::uint64_t* first,
-                               std::uint64_t* numbers, std::uint32_t* ids, Sphere* spheres) {
+                               std::uint64_t* numbers, std::uint32_t* own_ids, std::uint32_t* ids,
+                               Sphere* spheres) {
   const std::uint64_t i = thread_index() / 32;
   if (i >= count) return;
   const unsigned lane = threadIdx.x % 32;
@@ -250,7 +251,12 @@ __global__ void list_neighbors(BatchCellsView list, const std::uint32_t* places,
     found += __popc(hits);
     return false;
   });
-  if (lane == 0 && ids == nullptr) numbers[i] = found;
+  if (lane != 0) return;
+  if (ids == nullptr) {
+    numbers[i] = found;
+  } else {
+    own_ids[i] = list.id[place];
+  }
 }
 
 template <class Kernel>
@@ -262,7 +268,7 @@ void allow_shared(Kernel kernel, std::size_t bytes) {
 
 // The balls that the device leaves to the host, with the balls that overlap them.
 struct HostWork {
-  std::vector<std::uint32_t> ids;    // ascending
+  std::vector<std::uint32_t> ids;    // in the order of list places
   std::vector<std::uint64_t> first;  // of the neighbours of each, and the end
   std::vector<std::uint32_t> near_ids;
   std::vector<Sphere> near_spheres;
@@ -280,8 +286,7 @@ std::vector<T> download(const DeviceArray<T>& array, const Stream& stream) {
   return host;
 }
 
-// Measures the balls of one set by one triangulation. `order` says which entries of the work are of
-// this set.
+// Measures balls begin up to end of the work, which are of one set, by one triangulation.
 void measure_on_host(const HostWork& work, std::size_t begin, std::size_t end,
                      std::vector<SphereMeasures>& per_sphere) {
   std::vector<std::pair<std::uint32_t, Sphere>> near;
@@ -340,22 +345,18 @@ HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const St
   DeviceArray<std::uint64_t> first = zeros<std::uint64_t>(count + std::size_t{1}, stream);
   const LaunchShape shape = over(32 * std::uint64_t{count}, 128);
   launch("list_neighbors", list_neighbors, shape, stream, list, sorted.data(), count, nullptr,
-         first.data(), nullptr, nullptr);
+         first.data(), nullptr, nullptr, nullptr);
   run_cub("neighbours", stream, [&](void* scratch, std::size_t& bytes) {
     return cub::DeviceScan::ExclusiveSum(scratch, bytes, first.data(), count + std::uint64_t{1},
                                          stream.get());
   });
   const std::uint64_t total = fetch(first.data() + count, stream);
-  const DeviceArray<std::uint32_t> near_ids(total, stream);
+  const DeviceArray<std::uint32_t> own_ids(count, stream), near_ids(total, stream);
   const DeviceArray<Sphere> near_spheres(total, stream);
   launch("list_neighbors", list_neighbors, shape, stream, list, sorted.data(), count, first.data(),
-         nullptr, near_ids.data(), near_spheres.data());
-  HostWork work{
-      {}, download(first, stream), download(near_ids, stream), download(near_spheres, stream)};
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    work.ids.push_back(fetch(list.id + places[i], stream));
-  }
-  return work;
+         nullptr, own_ids.data(), near_ids.data(), near_spheres.data());
+  return {download(own_ids, stream), download(first, stream), download(near_ids, stream),
+          download(near_spheres, stream)};
 }
 
 class CudaUnionMeasurer final : public UnionMeasurer {
@@ -396,18 +397,26 @@ class CudaUnionMeasurer final : public UnionMeasurer {
   }
 
  private:
-  // The entries of the work come in the order of list places, so those of a set stand together.
+  // Entries of the work stand in the order of list places: those of a set together, and near each
+  // other those that are near in space. So a few neighbouring ones share a triangulation. The parts
+  // of a set begin at its first entry, so they do not depend on other sets.
   static void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets,
                    std::vector<SphereMeasures>& per_sphere) {
+    constexpr std::size_t kMostTogether = 64;
     const auto set_of = [&](std::uint32_t id) {
       return std::upper_bound(offsets.begin(), offsets.end(), id);
     };
-    for (std::size_t begin = 0; begin < work.ids.size();) {
-      std::size_t end = begin + 1;
-      while (end < work.ids.size() && set_of(work.ids[end]) == set_of(work.ids[begin])) ++end;
-      measure_on_host(work, begin, end, per_sphere);
-      begin = end;
+    std::vector<std::size_t> part_begin{0};
+    for (std::size_t i = 1; i < work.ids.size(); ++i) {
+      const std::size_t begin = part_begin.back();
+      if (i - begin == kMostTogether || set_of(work.ids[i]) != set_of(work.ids[begin])) {
+        part_begin.push_back(i);
+      }
     }
+    part_begin.push_back(work.ids.size());
+    tbb::parallel_for(std::size_t{1}, part_begin.size(), [&](std::size_t part) {
+      measure_on_host(work, part_begin[part - 1], part_begin[part], per_sphere);
+    });
   }
 };
 
