@@ -124,6 +124,7 @@ template <class A>
 void describe(A& a, const ExactReport& exact) {
   using P = AreaByPolarity;
   describe(a, static_cast<const ExactUnion&>(exact));
+  a("backend", exact.backend);
   a("polar_area", of(exact.by_polarity, &P::polar));
   a("apolar_area", of(exact.by_polarity, &P::apolar));
   a("unclassified_area", of(exact.by_polarity, &P::unclassified));

@@ -80,6 +80,7 @@ struct Timing {
 
 struct ExactReport : ExactUnion {
   std::optional<AreaByPolarity> by_polarity;  // where the radius set has one
+  Backend backend = Backend::cpu;             // that measured the spheres
 };
 
 struct Report {

@@ -214,8 +214,9 @@ double relative_difference(double check, double value) {
   return value == 0 ? difference : difference / value;
 }
 
-void exact_text(Text out, const ExactUnion& exact) {
+void exact_text(Text out, const ExactReport& exact) {
   std::string text = fmt::format("method {}", name_of(exact.method));
+  if (exact.backend == Backend::cuda) text += " on cuda";
   if (exact.topology) {
     text += fmt::format("; {} hidden atoms, {} point contacts", exact.topology->hidden_spheres,
                         exact.topology->point_contacts);

@@ -333,10 +333,54 @@ std::optional<std::vector<SphereId>> measured_spheres(const Molecule& molecule) 
   return measured.size() == molecule.atoms.size() ? std::nullopt : std::optional(measured);
 }
 
+namespace {
+
+// Whether a device is to measure the union: by arcs, all spheres and without a certificate, and if
+// the choice is automatic, only where that saves time. Throws BackendUnavailable if a device is
+// asked for and there is none.
+bool wants_device(const SphereSet& spheres, const ExactOptions& options, const Session& session,
+                  bool all_are_measured) {
+  // To begin with a device takes about as long as all cores take for so many atoms.
+  constexpr std::size_t kWorthStarting = 200'000;
+  const Backend requested = session.machine.backend;
+  if (requested == Backend::cuda) resolve(requested);
+  if (options.method != UnionMethod::arcs || options.certify == Switch::on || !all_are_measured) {
+    return false;
+  }
+  const auto& mesher = session.report.backend;
+  const bool is_started = mesher && mesher->used == Backend::cuda;
+  if (requested == Backend::automatic && !is_started && spheres.size() < kWorthStarting) {
+    return false;
+  }
+  return resolve(requested) == Backend::cuda;
+}
+
+// The union by arcs, on the backend of the session.
+void measure_by_arcs(const SphereSet& spheres, Session& session) {
+  BatchMeasures measures =
+      make_union_measurer(session.machine.backend)->measure(batch_of(spheres), session.monitor);
+  ExactReport& exact = *session.report.exact;
+  exact.method = UnionMethod::arcs;
+  exact.area = measures.totals[0].area;
+  exact.volume = measures.totals[0].volume;
+  exact.per_sphere = std::move(measures.per_sphere);
+  exact.fallback_spheres = measures.fallback_spheres;
+  exact.backend = measures.fallback.empty() ? Backend::cuda : Backend::cpu;
+  if (!measures.fallback.empty()) session.report.notes.push_back(measures.fallback);
+}
+
+}  // namespace
+
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
                      const std::optional<std::vector<SphereId>>& measured) {
   const Stopwatch watch;
   Report& report = session.report;
+  if (wants_device(spheres, options, session, !measured)) {
+    report.exact.emplace();
+    measure_by_arcs(spheres, session);
+    report.timing.exact = watch.seconds();
+    return;
+  }
   UnionOptions wanted{.method = options.method, .monitor = session.monitor};
   wanted.topology = options.topology;
   wanted.certify = options.certify == Switch::on;

@@ -190,8 +190,8 @@ std::vector<Option> machine_options(Draft& d) {
   MachineOptions& m = d.options.machine;
   const VerbSet choosing = kSurfaces | kPipelineBench;
   return {
-      {"--backend", choosing, one(m.backend, named<Backend>()), "who makes the mesh",
-       by_default("auto")},
+      {"--backend", choosing | kExact | kCompare, one(m.backend, named<Backend>()),
+       "who makes the mesh, and measures by arcs", by_default("auto")},
       {"--devices", choosing, one(m.devices, whole<int>(1, 64)),
        "CUDA devices that share an extraction", by_default("1")},
       {"--threads", kWorking, one(m.threads, whole<int>(1, 4096)), "CPU threads", otherwise("all")},
