@@ -506,6 +506,20 @@ class Backends(ProgramTest):
         report = self.report("mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--devices", "1")
         self.assertEqual(report["notes"], [])
 
+    def test_who_measures(self):
+        """A device, where there is one, gives the measures of the CPU, to rounding."""
+        info = parse_json(self.run_ok("info", "--json", "-").stdout)
+        options = ("exact", UBIQUITIN, "--probe", "1.4", "--method", "arcs")
+        cpu = self.report(*options, "--backend", "cpu")["exact"]
+        self.assertEqual(cpu["backend"], "cpu")
+        self.assertEqual(self.report(*options)["exact"], cpu)  # too small to be worth a device
+        if not info["cuda"]["devices"]:
+            return
+        cuda = self.report(*options, "--backend", "cuda")["exact"]
+        self.assertEqual(cuda["backend"], "cuda")
+        self.assert_close(cuda["area"], cpu["area"], 1e-12)
+        self.assert_close(cuda["volume"], cpu["volume"], 1e-12)
+
     def test_which_program_it_is(self):
         """The sources, by git or by their hash, are named alike everywhere."""
         info = parse_json(self.run_ok("info", "--json", "-").stdout)
@@ -520,6 +534,7 @@ class Backends(ProgramTest):
             self.skipTest("this machine has a CUDA device")
         self.assertTrue(info["cuda"]["reason"])
         self.assert_refused(NO_BACKEND, "report", UBIQUITIN, "--backend", "cuda")
+        self.assert_refused(NO_BACKEND, "exact", UBIQUITIN, "--backend", "cuda")
         self.assert_refused(
             NO_BACKEND, "mesh", UBIQUITIN, "-o", self.folder / "a.ply", "--backend", "cuda"
         )
