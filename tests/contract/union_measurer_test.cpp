@@ -261,5 +261,12 @@ TEST_P(UnionMeasurerContract, RefusesWhatIsNoSphere) {
   }
 }
 
+TEST(UnionMeasurerOnTheCpu, RefusesSpheresInDeviceMemory) {
+  const Sphere sphere{{0, 0, 0}, 1};
+  EXPECT_THROW(make_cpu_union_measurer()->measure(
+                   {.spheres = &sphere, .size = 1, .memory = MemorySpace::device}),
+               InvalidInput);
+}
+
 }  // namespace
 }  // namespace vdwmesh::testing

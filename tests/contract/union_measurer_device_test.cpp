@@ -1,0 +1,82 @@
+// Spheres that stand in memory of a CUDA device are measured there, with the bits of a copy on the
+// host.
+#include <cuda_runtime.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "arrangement/union_measurer.hpp"
+#include "contract/extractor_contract.hpp"
+#include "core/errors.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+class SpheresOnTheDevice : public BackendTest {
+ protected:
+  void SetUp() override { need(Backend::cuda); }
+  void TearDown() override {
+    cudaFree(spheres_);
+    spheres_ = nullptr;
+  }
+  // One row stands before the spheres, so that they are not aligned to more than a row.
+  SphereBatch to_device(const std::vector<Sphere>& spheres) {
+    void* memory = nullptr;
+    EXPECT_EQ(cudaMalloc(&memory, (spheres.size() + 1) * sizeof(Sphere)), cudaSuccess);
+    spheres_ = static_cast<Sphere*>(memory);
+    EXPECT_EQ(cudaMemcpy(spheres_ + 1, spheres.data(), spheres.size() * sizeof(Sphere),
+                         cudaMemcpyHostToDevice),
+              cudaSuccess);
+    return {.spheres = spheres_ + 1, .size = spheres.size(), .memory = MemorySpace::device};
+  }
+
+ private:
+  Sphere* spheres_ = nullptr;
+};
+
+// A lattice, most of whose balls are left to the host, and balls in general position.
+std::vector<Sphere> two_sets() {
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 64; ++i) {
+    spheres.push_back({{1.0 * (i % 4), 1.0 * (i / 4 % 4), 1.0 * (i / 16)}, 0.75});
+  }
+  for (int i = 0; i < 36; ++i) spheres.push_back({{0.37 * i, 0.011 * i * i, 0.3 * (i % 7)}, 1.5});
+  return spheres;
+}
+
+TEST_F(SpheresOnTheDevice, HaveTheMeasuresOfACopyOnTheHost) {
+  const std::vector<Sphere> spheres = two_sets();
+  const std::vector<std::size_t> offsets{0, 64, 100};
+  for (const Backend backend : {Backend::cuda, Backend::automatic}) {
+    const auto measurer = make_union_measurer(backend);
+    SphereBatch batch{.spheres = spheres.data(), .size = spheres.size(), .offsets = offsets};
+    const BatchMeasures host = measurer->measure(batch);
+    batch = to_device(spheres);
+    batch.offsets = offsets;
+    const BatchMeasures device = measurer->measure(batch);
+    ASSERT_EQ(device.per_sphere.size(), spheres.size());
+    EXPECT_EQ(std::memcmp(host.per_sphere.data(), device.per_sphere.data(),
+                          spheres.size() * sizeof(SphereMeasures)),
+              0);
+    EXPECT_EQ(device.fallback_spheres, host.fallback_spheres);
+    EXPECT_GT(device.fallback_spheres, 0u);
+    TearDown();
+  }
+}
+
+TEST_F(SpheresOnTheDevice, AreCheckedThere) {
+  std::vector<Sphere> spheres = two_sets();
+  spheres[70].center.y = std::numeric_limits<double>::quiet_NaN();
+  try {
+    make_union_measurer(Backend::cuda)->measure(to_device(spheres));
+    FAIL() << "accepted";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("sphere 70"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing
