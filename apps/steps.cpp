@@ -335,16 +335,17 @@ std::optional<std::vector<SphereId>> measured_spheres(const Molecule& molecule) 
 
 namespace {
 
-// Whether a device is to measure the union: by arcs, all spheres and without a certificate, and if
-// the choice is automatic, only where that saves time. Throws BackendUnavailable if a device is
-// asked for and there is none.
+// Whether a device is to measure the union: by arcs, all spheres, without a certificate and without
+// topology, and if the choice is automatic, only where that saves time. Throws BackendUnavailable
+// if a device is asked for and there is none.
 bool wants_device(const SphereSet& spheres, const ExactOptions& options, const Session& session,
                   bool all_are_measured) {
   // To begin with a device takes about as long as all cores take for so many atoms.
   constexpr std::size_t kWorthStarting = 200'000;
   const Backend requested = session.machine.backend;
   if (requested == Backend::cuda) resolve(requested);
-  if (options.method != UnionMethod::arcs || options.certify == Switch::on || !all_are_measured) {
+  if (options.method != UnionMethod::arcs || options.topology != TopologyRequest::none ||
+      options.certify == Switch::on || !all_are_measured) {
     return false;
   }
   const auto& mesher = session.report.backend;
