@@ -9,8 +9,8 @@
 
 #include "arrangement/arcs/arcs.hpp"
 #include "arrangement/arcs/cut_ball.hpp"
-#include "ball_families.hpp"
 #include "reference/closed_forms.hpp"
+#include "support/ball_families.hpp"
 
 namespace vdwmesh {
 namespace {
