@@ -57,10 +57,8 @@ class BallMeasurer {
   BallMeasures measure(const PowerCell& cell);
 
  private:
-  // What a plane of the cell has in common with the ball. The sums about a plane are valid if its
-  // `stamp` is that of the ball at hand.
+  // What a plane of the cell has in common with the ball.
   struct Face {
-    std::uint64_t stamp = 0;
     bool crossed = false;      // a segment bounds it
     std::uint32_t ends = 0;    // corners on its circle
     std::int32_t balance = 0;  // ends of arcs less starts, counter-clockwise about the axis
@@ -83,6 +81,7 @@ class BallMeasurer {
   std::span<const CellEdge> edges() const { return {edges_.data(), edge_count_}; }
   bool find_inside(const PowerCell& cell);
   bool find_faces(const PowerCell& cell);
+  std::span<const std::uint32_t> planes() const { return {planes_.data(), face_count_}; }
   BallMeasures measure_polytope(const PowerCell& cell);
   BallMeasures measure_patch(const PowerCell& cell);
   void add_crossed_edges(const PowerCell& cell);
@@ -94,8 +93,10 @@ class BallMeasurer {
   BallMeasures sum_up(const PowerCell& cell);
 
   std::vector<double> height_;         // by vertex: squared distance from the centre, less 1
-  std::vector<Face> faces_;            // by plane
-  std::vector<std::uint32_t> planes_;  // those that have a face
+  std::vector<Face> faces_;            // by plane; valid for planes_, if something is exposed
+  std::vector<std::uint64_t> stamps_;  // by plane: the last ball in which it had a face
+  std::vector<std::uint32_t> planes_;  // those that have a face, then unused elements
+  std::uint32_t face_count_ = 0;
   std::vector<CellEdge> edges_;
   std::size_t edge_count_ = 0;
   std::uint64_t stamp_ = 0;

@@ -42,7 +42,11 @@ inline BallMeasures BallMeasurer::measure(const PowerCell& cell) {
   if (cell.empty()) return {0, 0, doubts_, 0, 0};
   if (cell.plane_count() == PowerCell::kWalls) return {4 * kPi, 4 * kPi / 3, doubts_, 2, 0};
   ++stamp_;
-  if (faces_.size() < cell.plane_count()) faces_.resize(2 * cell.plane_count());
+  if (faces_.size() < cell.plane_count()) {
+    faces_.resize(2 * cell.plane_count());
+    stamps_.resize(faces_.size());
+    planes_.resize(faces_.size());
+  }
   const bool closed = find_inside(cell);
   find_edges(cell);
   // A simple polytope has two more faces than half its vertices.
@@ -72,16 +76,20 @@ inline bool BallMeasurer::find_inside(const PowerCell& cell) {
 
 // Lists the planes that have a face. Returns whether there are as many as Euler's formula wants.
 inline bool BallMeasurer::find_faces(const PowerCell& cell) {
-  planes_.clear();
-  for (std::uint32_t v = 0; v < cell.vertex_count(); ++v) {
+  const VertexLinks* const links = cell.links();
+  std::uint64_t* const stamps = stamps_.data();
+  std::uint32_t* const planes = planes_.data();
+  std::uint32_t found = 0;
+  for (std::uint32_t v = 0, count = cell.vertex_count(); v < count; ++v) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t plane = cell.links()[v].plane[k];
-      if (faces_[plane].stamp == stamp_) continue;
-      faces_[plane] = Face{.stamp = stamp_};
-      planes_.push_back(plane);
+      const std::uint32_t plane = links[v].plane[k];
+      if (stamps[plane] == stamp_) continue;
+      stamps[plane] = stamp_;
+      planes[found++] = plane;
     }
   }
-  return 2 * planes_.size() == cell.vertex_count() + 4;
+  face_count_ = found;
+  return 2 * found == cell.vertex_count() + 4;
 }
 
 // Lists the edges, each once; without branches, which the processor could not foresee.
@@ -124,6 +132,7 @@ inline BallMeasures BallMeasurer::measure_patch(const PowerCell& cell) {
   pyramid_ = 0;
   open_ = {0, 0, 0};
   turning_ = {};
+  for (const std::uint32_t plane : planes()) faces_[plane] = {};
   add_crossed_edges(cell);
   return sum_up(cell);
 }
@@ -265,7 +274,7 @@ inline bool BallMeasurer::is_whole_disk(const PowerCell& cell, std::uint32_t pla
   if (plane < PowerCell::kWalls) return false;
   const Cap& cap = cell.plane(plane);
   const Vec3d center = cap.cosine * cap.axis;
-  for (const std::uint32_t other : planes_) {
+  for (const std::uint32_t other : planes()) {
     if (other == plane) continue;
     const Cap& wall = cell.plane(other);
     if (inner(wall.axis, center) > wall.cosine) return false;
@@ -279,7 +288,7 @@ inline BallMeasures BallMeasurer::sum_up(const PowerCell& cell) {
   WideSum bend;
   std::uint32_t disks = 0, whole_circles = 0;
   double deepest = 1;
-  for (const std::uint32_t plane : planes_) {
+  for (const std::uint32_t plane : planes()) {
     const Face& face = faces_[plane];
     const Cap& cap = cell.plane(plane);
     double angle = 0;

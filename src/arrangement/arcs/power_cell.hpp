@@ -59,19 +59,20 @@ class PowerCell {
   const Cap& plane(std::uint32_t p) const { return planes_[p]; }
 
  private:
-  // An edge from a removed vertex to one that stays: edge `side` of `from`, edge `back` of `to`.
+  // An edge from a removed vertex to one that stays: edge `side` of `from`.
   struct BorderEdge {
-    std::uint32_t from, to, side, back;
+    std::uint32_t from, to, side;
   };
   // The end of an edge of the new face that waits for the other end: edge `side` of border vertex
   // `border`, which is kNone if no end waits.
   struct OpenEnd {
     std::uint32_t border, side;
   };
+  // The vertex on a border edge, which is edge `back` of the end that stays.
   struct NewVertex {
     VertexLinks links;
     Vec3d position;
-    std::uint32_t number;
+    std::uint32_t number, back;
   };
   static constexpr std::uint32_t kUnused = 3;  // the fourth element of VertexLinks::next
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
@@ -79,7 +80,6 @@ class PowerCell {
   double measure_depths(const Cap& cap);
   bool find_removed(const Cap& cap);
   void doubt_near(const Cap& cap);
-  void find_border();
   bool make_vertices(const Cap& cap);
   void store_vertices();
   void fill_holes();

@@ -2,8 +2,9 @@
 //
 // 1. measure_depths() finds how far every vertex lies beyond the plane, four vertices at a time.
 //    Most planes of a crowded ball cut nothing off, and end here.
-// 2. find_removed() lists the vertices beyond the plane, find_border() the edges that lead from one
-//    of them to one that stays. Each of these edges has one vertex of the new face.
+// 2. find_removed() lists the vertices beyond the plane, and the edges that lead from one of them
+// to
+//    one that stays: the border. Each of these edges has one vertex of the new face.
 // 3. make_vertices() computes the new vertices and links them to a ring: two of them are neighbours
 //    if they share an old plane beside the new one.
 // 4. store_vertices() stores them, in the places of removed ones as long as there are any.
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "arrangement/arcs/power_cell.hpp"
 
@@ -54,6 +56,8 @@ inline void PowerCell::reserve(std::size_t vertices) {
   for (std::vector<double>* v : {&x_, &y_, &z_, &depth_}) v->resize(2 * least);
   links_.resize(2 * least);
   removed_.resize(2 * least);
+  border_.resize(6 * least + 1);  // three edges a vertex, and one that is written in vain
+  fresh_.resize(border_.size());
 }
 
 // Behind the last vertex stand copies of the first, which change no maximum.
@@ -79,14 +83,17 @@ VDWMESH_INLINE double PowerCell::measure_depths(const Cap& cap) {
   return largest_of(most);
 }
 
-// Lists the vertices beyond the plane, and raises the doubts about vertices that all but lie on it.
-// Returns whether there are vertices to remove. A bit for each of 64 vertices says whether it lies
-// beyond; lane k has those of every fourth vertex from k on.
+// Lists the vertices beyond the plane and the edges that lead from them to those that stay, and
+// raises the doubts about vertices that all but lie on it. Returns whether there are vertices to
+// remove. A bit for each of 64 vertices says whether it lies beyond; lane k has those of every
+// fourth vertex from k on.
 VDWMESH_INLINE bool PowerCell::find_removed(const Cap& cap) {
   constexpr std::uint32_t kBits = 64;
   std::uint32_t* const places = removed_.data();
+  BorderEdge* const border = border_.data();
+  const VertexLinks* const links = links_.data();
   const double* const depths = depth_.data();
-  std::uint32_t removed = 0;
+  std::uint32_t removed = 0, found = 0;
   Lanes least = all_lanes(4), nearest = least;
   for (std::uint32_t start = 0, count = count_; start < count; start += kBits) {
     LaneBits beyond{0, 0, 0, 0}, bit{1, 2, 4, 8};
@@ -99,13 +106,19 @@ VDWMESH_INLINE bool PowerCell::find_removed(const Cap& cap) {
       bit <<= kLanes;
     }
     auto bits = static_cast<std::uint64_t>(beyond[0] | beyond[1] | beyond[2] | beyond[3]);
+    bits &= ~std::uint64_t{0} >> (kBits - (end - start));  // without the lanes behind the last
     for (; bits != 0; bits &= bits - 1) {
-      places[removed++] = start + static_cast<std::uint32_t>(std::countr_zero(bits));
+      const std::uint32_t from = start + static_cast<std::uint32_t>(std::countr_zero(bits));
+      places[removed++] = from;
+      for (std::uint32_t side = 0; side < 3; ++side) {
+        const std::uint32_t to = links[from].next[side];
+        border[found] = {from, to, side};
+        found += !(depths[to] > kSlack);
+      }
     }
   }
-  // The lanes behind the last vertex repeat the first, and come last.
-  while (removed > 0 && places[removed - 1] >= count_) --removed;
   removed_count_ = removed;
+  border_count_ = found;
   if (-largest_of(-nearest) < kNearby) doubt_near(cap);
   // If even the vertex that stays deepest inside is on the plane but for rounding, or the one that
   // goes first, then the cell is nearly or quite gone.
@@ -132,34 +145,6 @@ inline void PowerCell::doubt_near(const Cap& cap) {
   }
 }
 
-VDWMESH_INLINE void PowerCell::find_border() {
-  const std::size_t most = 3 * static_cast<std::size_t>(removed_count_) + 1;
-  if (border_.size() < most) {
-    border_.resize(2 * most);
-    fresh_.resize(2 * most);
-  }
-  BorderEdge* const border = border_.data();
-  const VertexLinks* const links = links_.data();
-  const double* const depths = depth_.data();
-  std::uint32_t found = 0;
-  for (std::uint32_t i = 0, count = removed_count_; i < count; ++i) {
-    const std::uint32_t from = removed_[i];
-    for (std::uint32_t side = 0; side < 3; ++side) {
-      const std::uint32_t to = links[from].next[side];
-      border[found] = {from, to, side, 0};
-      found += !(depths[to] > kSlack);
-    }
-  }
-  NewVertex* const fresh = fresh_.data();
-  for (std::uint32_t i = 0; i < found; ++i) {
-    BorderEdge& edge = border[i];
-    fresh[i].number = i < removed_count_ ? removed_[i] : count_ + i - removed_count_;
-    const auto& next = links[edge.to].next;
-    edge.back = (next[1] == edge.from ? 1 : 0) + (next[2] == edge.from ? 2 : 0);
-  }
-  border_count_ = found;
-}
-
 // A new vertex stands where the plane meets the edge: between its ends, so that it is as near to
 // the edge's own planes as they are. It takes the links of the removed end, but for the plane that
 // the edge leaves there: the new plane takes its place.
@@ -181,15 +166,19 @@ VDWMESH_INLINE bool PowerCell::make_vertices(const Cap& cap) {
   const VertexLinks* const old_links = links_.data();
   NewVertex* const fresh = fresh_.data();
   OpenEnd* const open = open_.data();
+  const std::uint32_t removed = removed_count_;
   std::int32_t waiting = 0;
   for (std::uint32_t i = 0, count = border_count_; i < count; ++i) {
     const BorderEdge& edge = border[i];
+    fresh[i].number = i < removed ? removed_[i] : count_ + i - removed;
+    const auto& next = old_links[edge.to].next;
+    fresh[i].back = (next[1] == edge.from ? 1 : 0) + (next[2] == edge.from ? 2 : 0);
     const double inside = depths[edge.to], share = inside / (inside - depths[edge.from]);
     fresh[i].position = {x[edge.to] + share * (x[edge.from] - x[edge.to]),
                          y[edge.to] + share * (y[edge.from] - y[edge.to]),
                          z[edge.to] + share * (z[edge.from] - z[edge.to])};
     const VertexLinks& links = old_links[edge.from];
-    fresh[i].links = links;
+    std::memcpy(&fresh[i].links, &links, sizeof links);  // in one piece
     fresh[i].links.plane[edge.side] = plane;
     fresh[i].links.next[edge.side] = edge.to;
     const std::uint32_t one = kAfter[edge.side], two = kAfter[one];
@@ -219,8 +208,8 @@ VDWMESH_INLINE void PowerCell::store_vertices() {
   for (std::uint32_t i = 0, count = border_count_; i < count; ++i) {
     const NewVertex& vertex = fresh[i];
     const std::uint32_t number = vertex.number;
-    links[border[i].to].next[border[i].back] = number;
-    links[number] = vertex.links;
+    links[border[i].to].next[vertex.back] = number;
+    std::memcpy(&links[number], &vertex.links, sizeof vertex.links);
     x[number] = vertex.position.x;
     y[number] = vertex.position.y;
     z[number] = vertex.position.z;
@@ -267,7 +256,6 @@ inline void PowerCell::cut(const Cap& cap) {
     count_ = 0;
     return;
   }
-  find_border();
   if (!make_vertices(cap)) {
     doubts_ |= kDamaged;  // links lead nowhere: nothing can be done with this cell
     std::fill(open_.begin(), open_.end(), OpenEnd{kNone, 0});
