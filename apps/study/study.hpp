@@ -19,7 +19,7 @@ struct StudyInput {
   std::string hash;  // of the spheres
   InputReport report;
   std::vector<std::string> warnings;  // for people: what may be wrong with the file
-  ExactUnion exact;
+  ExactReport exact;
   double exact_seconds = 0;
 };
 

@@ -38,7 +38,7 @@ void describe(JsonText& a, const RefusedRun& refused) {
 
 // A series is compared with the exact measures of its input, which the series itself does not know.
 void describe(JsonText& a, const StudyFindings& f) {
-  const ExactUnion& exact = f.input.exact;
+  const ExactReport& exact = f.input.exact;
   a("name", f.input.name);
   a("input", f.input.report);
   a("warnings", f.input.warnings);

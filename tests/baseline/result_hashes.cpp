@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/mesh_measures.hpp"
+#include "arrangement/arcs/arcs.hpp"
 #include "arrangement/exact_mesher.hpp"
 #include "core/multiversion.hpp"
 #include "extract/extractor.hpp"
@@ -79,6 +80,18 @@ void print_sampled(const SphereSet& spheres) {
   }
 }
 
+void print_arcs(const std::string& name, const SphereSet& spheres, double probe) {
+  std::vector<Sphere> balls;
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    balls.push_back({spheres[i].center, spheres[i].radius + probe});
+  }
+  std::vector<double> values;
+  for (const SphereMeasures& m : arc_measures(SphereSet(std::move(balls))).per_sphere) {
+    values.insert(values.end(), {m.area, m.volume});
+  }
+  print(name, values);
+}
+
 // Spheres on the nodes of the grid, whose squared distances are whole: every comparison is a tie.
 SphereSet lattice() {
   std::vector<Sphere> spheres;
@@ -110,4 +123,7 @@ int main() {
   const IndexedMesh exact = mesh_union(spheres).mesh;
   print("crease-exact", exact);
   print_measures("crease-exact", exact);
+  for (const double probe : {0.0, 1.4}) {
+    print_arcs(fmt::format("arcs, probe {}", probe), spheres, probe);
+  }
 }

@@ -62,7 +62,7 @@ struct ArcSpace {
 };
 
 // One run over the spheres of a list.
-struct Run {
+struct ArcRun {
   const CellListView& list;
   ArcMeasures& result;
   std::uint8_t* is_doubtful;  // by sphere id
@@ -71,7 +71,7 @@ struct Run {
 
 // Joins the ball with those that overlap it, or with one that buries it: that is enough, as the
 // burying one overlaps all that this one overlaps.
-void join_neighbors(const Run& run, std::uint32_t place, const arcs::BallCaps& caps,
+void join_neighbors(const ArcRun& run, std::uint32_t place, const arcs::BallCaps& caps,
                     bool is_buried) {
   const SphereId* const id = run.list.id;
   if (is_buried) run.touching->join(id[place], id[caps.buried_by()]);
@@ -80,7 +80,7 @@ void join_neighbors(const Run& run, std::uint32_t place, const arcs::BallCaps& c
 
 // Returns the measures of the sphere at list place `place`, in Å² and Å³, with the doubts about
 // them.
-arcs::BallMeasures measure_sphere(const Run& run, std::uint32_t place, ThreadSpace& work) {
+arcs::BallMeasures measure_sphere(const ArcRun& run, std::uint32_t place, ThreadSpace& work) {
   const bool is_buried = !work.caps.find(run.list, place);
   if (run.touching != nullptr) join_neighbors(run, place, work.caps, is_buried);
   if (is_buried) return {};
@@ -93,7 +93,7 @@ arcs::BallMeasures measure_sphere(const Run& run, std::uint32_t place, ThreadSpa
 }
 
 // Measures the spheres at the given list places.
-VDWMESH_MULTIVERSION void measure_spheres(const Run& run, std::span<const std::uint32_t> places,
+VDWMESH_MULTIVERSION void measure_spheres(const ArcRun& run, std::span<const std::uint32_t> places,
                                           ThreadSpace& work) {
   for (const std::uint32_t place : places) {
     const SphereId id = run.list.id[place];
@@ -154,7 +154,7 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, const MeasuredS
   std::optional<DisjointSets> touching;
   if (topology != TopologyRequest::none) touching.emplace(spheres.size());
   for (ThreadSpace& space : threads) space.sums = {};
-  const Run run{list, result, is_doubtful.data(), touching ? &*touching : nullptr};
+  const ArcRun run{list, result, is_doubtful.data(), touching ? &*touching : nullptr};
 
   begin_stage(monitor, "exact union (arcs)", block_count(places.size(), kSpheresPerBlock));
   // Blocks run in list order: spheres that are near in space find the same list cells in the cache.
