@@ -223,11 +223,11 @@ void exact_text(Text out, const ExactReport& exact) {
   } else if (exact.counts) {
     text += fmt::format("; {} hidden atoms; of the topology, counts alone",
                         exact.counts->hidden_spheres);
-  } else if (exact.doubtful_spheres > 0) {
+  } else if (exact.doubtful_spheres.value_or(0) > 0) {
     text += fmt::format(
         "; topology not counted, because rounding might decide about {} atoms; --topology on is "
         "exact",
-        exact.doubtful_spheres);
+        *exact.doubtful_spheres);
   } else {
     text += "; topology not computed";
   }

@@ -68,7 +68,7 @@ std::vector<Option> input_options(Draft& d) {
       {"--format", kInputs, one(r.format, named<StructureFormat>()),
        "of INPUT, where its name does not tell"},
       {"--radii", kInputs, one(r.radii, text("SET|FILE")),
-       "bondi, alvarez; of atoms with their hydrogens: protor, naccess, oons; or a file of lines "
+       "bondi, alvarez; united atoms, without hydrogens: protor, naccess, oons; or a file of lines "
        "ELEMENT RADIUS or RESIDUE ATOM RADIUS",
        by_default("bondi")},
       {"--probe", kInputs, one(d.probe, number("Å", Range::finite, "1.4")), "added to every radius",

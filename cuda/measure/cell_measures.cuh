@@ -1,11 +1,15 @@
 // Area of the exposed part of the unit sphere and volume of unit ball ∩ power cell, by a warp, from
-// the vertices of a PowerCell. The formulas are those of arrangement/arcs/arc_measure.hpp and
-// arc_patch.hpp, which derive them:
-//   area   = area(P) - sum phi (1 - t), modulo 4 pi
-//   volume = (area + sum t F) / 3
-// with the spherical polygon P, and for each face the cosine t of its cap, the exposed angle phi of
-// its circle and its area F. The sum over faces of t times the straight part of F is taken edge by
-// edge, so only the angles phi need sums for each face.
+// the vertices of a PowerCell. Let t be the cosine of a face's cap, phi the exposed angle of its
+// circle, F its area, and P the spherical polygon that replaces each arc of the patch's boundary by
+// two great-circle segments: to the point where the cap's axis meets the sphere, and on from there.
+//   area   = area(P) - sum phi (1 - t), modulo 4 pi       the patch is P without sectors of caps
+//   volume = (area + sum t F) / 3                         divergence theorem about the centre
+// P is divided into spherical triangles, for each corner of circles a and b one of axis a, corner
+// and axis b, and one of a pole and both axes, with a pole common to all. Unit vectors u, v, w span
+// the solid angle 2 arg(1 + u·v + v·w + w·u + i det(u, v, w)) (Van Oosterom and Strackee 1983, "The
+// solid angle of a plane triangle"), so half the area of P is the argument of a product. The sum
+// over faces of t times the straight part of F is taken edge by edge, so only the angles phi need
+// sums for each face.
 //
 // 1. list_edges() gives each edge of the cell to a lane.
 // 2. add_edges() cuts the edges by the sphere. Their ends on the sphere are corners, which are
@@ -125,7 +129,8 @@ __device__ __forceinline__ double argument(const Complex& z) {
   return angle < 0 ? angle + 2 * kPi : angle;
 }
 
-// Poles to try in turn; see arc_patch.hpp.
+// Poles to try in turn: one opposite to an axis is bad, because the great circle between them is
+// not determined. The directions have no symmetry, so that in a lattice at most one of them is bad.
 inline constexpr int kPoleCount = 4;
 __device__ __forceinline__ Vec3d pole(int attempt) {
   if (attempt == 0) return {0.36, 0.48, 0.80};

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from vdwmesh._types import Floats, Ids, NDArray
 
 
+_MOST_THREADS = 4096  # as on the command line
 _FLOAT_TYPES = (np.dtype(np.float64), np.dtype(np.float32))
 
 
@@ -52,22 +53,29 @@ def chosen(name: str, value: Any, count: int) -> Ids | None:
     if array.dtype == np.bool_:
         if len(array) != count:
             raise InvalidInput(f"{name}: is a mask of {len(array)} atoms, but there are {count}")
-        return np.flatnonzero(array).astype(np.uint32)
-    if array.size > 0 and array.dtype.kind not in "iu":
+        array = np.flatnonzero(array)
+    if array.size == 0:
+        raise InvalidInput(f"{name}: chooses no atom; a sum over none would be an area of 0")
+    if array.dtype.kind not in "iu":
         raise InvalidInput(f"{name}: has elements of type {array.dtype}; a mask or indices are needed")
     outside = (array < -count) | (array >= count)
     if outside.any():
         first = int(np.flatnonzero(outside)[0])
         raise InvalidInput(f"{name}[{first}]: {array[first]} is no index of {count} atoms")
-    return np.where(array < 0, array + count, array).astype(np.uint32)
+    indices = array.astype(np.int64)
+    return np.where(indices < 0, indices + count, indices).astype(np.uint32)
 
 
 def thread_count(threads: int | None) -> int | None:
     """The argument `threads`, checked."""
     if threads is None:
         return None
-    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 1:
-        raise InvalidInput(f"threads: {threads!r} is no number of threads; None means all cores")
+    whole = isinstance(threads, (int, np.integer)) and not isinstance(threads, bool)
+    if not whole or not 1 <= threads <= _MOST_THREADS:
+        raise InvalidInput(
+            f"threads: {threads!r} is no number of threads from 1 to {_MOST_THREADS}; "
+            "None means all cores"
+        )
     return int(threads)
 
 

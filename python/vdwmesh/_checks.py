@@ -267,7 +267,10 @@ def _arrays(mesh: Any) -> tuple[Any, Any]:
     if package == "meshio":
         return mesh.points, mesh.get_cells_type("triangle")
     if package == "pyvista":
-        return mesh.points, np.asarray(mesh.faces).reshape(-1, 4)[:, 1:]
+        faces = np.asarray(mesh.faces)
+        if faces.size % 4 != 0 or (faces[::4] != 3).any():
+            raise InvalidInput("mesh: has faces that are no triangles; mesh.triangulate() cuts them")
+        return mesh.points, faces.reshape(-1, 4)[:, 1:]
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         return mesh.vertices, mesh.faces
     if isinstance(mesh, (tuple, list)) and len(mesh) >= 2:

@@ -100,7 +100,7 @@ def exact(
     ----------
     coords : array_like, shape (N, 3), or a molecule
         Centres, Å; or a `Molecule`.
-    radii : array_like, shape (N,), or {"bondi", "alvarez"} or a path, optional
+    radii : array_like, shape (N,), or the name of a set (as of `read`) or a path, optional
         Radii, Å. A molecule brings its own.
     probe : float
         Added to every radius, Å. With 1.4 the area is the solvent-accessible one.
@@ -125,7 +125,7 @@ def exact(
     InvalidInput
         An argument is no such array, or has numbers that are not finite; the message names it.
     BackendUnavailable
-        `device` is "cuda", and there is none.
+        `device` is "cuda": exact measures of this package are made on the CPU.
 
     Examples
     --------

@@ -163,7 +163,7 @@ void union_by_arcs(ExactUnion& result, const SphereSet& spheres, const MeasuredS
   result.volume = total.volume;
   result.counts = arcs.counts;
   result.fallback_spheres = arcs.suspect.size();
-  result.doubtful_spheres = arcs.doubtful;
+  if (counts) result.doubtful_spheres = arcs.doubtful;
   std::swap(arcs.per_sphere, result.per_sphere);
 }
 

@@ -122,7 +122,7 @@ struct ExactUnion {
   std::uint64_t fallback_spheres = 0;
   // Method arcs, if counts are wanted: spheres for which rounding might decide about the topology.
   // They include fallback_spheres.
-  std::uint64_t doubtful_spheres = 0;
+  std::optional<std::uint64_t> doubtful_spheres;
   std::optional<UnionCertificate> certificate;  // if asked for
 };
 

@@ -141,6 +141,10 @@ class SinksTest(unittest.TestCase):
         np.testing.assert_array_equal(found.point_data["Normals"], self.mesh.normals)
         np.testing.assert_array_equal(found.cell_data["atom"], self.mesh.face_atoms)
         self.assertEqual(vdwmesh.quality(found), vdwmesh.quality(self.mesh))
+        # Squares take five numbers each, so that four of them look like five triangles.
+        found.faces = np.tile([4, 0, 1, 2, 3], 4)
+        with self.assertRaisesRegex(vdwmesh.InvalidInput, "no triangles"):
+            vdwmesh.quality(found)
 
     def test_copies_can_be_written_to(self):
         need_package("python3-meshio", module="meshio")

@@ -83,9 +83,13 @@ void join_neighbors(const ArcRun& run, std::uint32_t place, const arcs::BallCaps
 arcs::BallMeasures measure_sphere(const ArcRun& run, std::uint32_t place, ThreadSpace& work) {
   const bool is_buried = !work.caps.find(run.list, place);
   if (run.touching != nullptr) join_neighbors(run, place, work.caps, is_buried);
-  if (is_buried) return {};
+  if (is_buried) {
+    ++work.sums.hidden;
+    return {};
+  }
   arcs::BallMeasures m = work.ball.measure(work.caps.caps());
   if (work.caps.is_nearly_tangent()) m.doubts |= arcs::kNearlyTangent;
+  work.sums.add(m);  // before an area in Å² may underflow
   const double r = run.list.spheres[place].radius;
   m.area *= r * r;
   m.volume *= r * r * r;
@@ -100,7 +104,6 @@ VDWMESH_MULTIVERSION void measure_spheres(const ArcRun& run, std::span<const std
     const arcs::BallMeasures m = measure_sphere(run, place, work);
     run.result.per_sphere[id] = {m.area, m.volume};
     run.is_doubtful[id] = (m.doubts & ~arcs::kOnlyCountsInDoubt) != 0;
-    work.sums.add(m);
   }
 }
 

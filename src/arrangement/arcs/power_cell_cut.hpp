@@ -173,7 +173,9 @@ VDWMESH_INLINE bool PowerCell::make_vertices(const Cap& cap) {
     fresh[i].number = i < removed ? removed_[i] : count_ + i - removed;
     const auto& next = old_links[edge.to].next;
     fresh[i].back = (next[1] == edge.from ? 1 : 0) + (next[2] == edge.from ? 2 : 0);
-    const double inside = depths[edge.to], share = inside / (inside - depths[edge.from]);
+    // A vertex that stays may lie beyond the plane by up to kSlack.
+    const double inside = std::min(depths[edge.to], 0.0),
+                 share = inside / (inside - depths[edge.from]);
     fresh[i].position = {x[edge.to] + share * (x[edge.from] - x[edge.to]),
                          y[edge.to] + share * (y[edge.from] - y[edge.to]),
                          z[edge.to] + share * (z[edge.from] - z[edge.to])};

@@ -148,6 +148,9 @@ TEST(ArcShortcuts, CountsThatRoundingWouldDecideAreRefused) {
     EXPECT_EQ(found->components, gap > 0 ? 2u : 1u);
     EXPECT_EQ(found->euler_characteristic, gap > 0 ? 4 : 2);
   }
+  const auto dust = counts({{{0, 0, 0}, 1e-170}, {{5, 0, 0}, 1}});  // its area in Å² is 0
+  ASSERT_TRUE(dust.has_value());
+  EXPECT_EQ(dust->hidden_spheres, 0u);
   for (const double gap : {1e-12, 0.0, -1e-12}) {
     EXPECT_FALSE(counts({{{0, 0, 0}, 1}, {{2 + gap, 0, 0}, 1}}).has_value()) << gap;  // outside
     EXPECT_FALSE(counts({{{0, 0, 0}, 2}, {{1 + gap, 0, 0}, 1}}).has_value()) << gap;  // inside
