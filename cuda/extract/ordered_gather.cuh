@@ -9,11 +9,9 @@
 #include <cstdint>
 
 #include "cuda/extract/extract_stages.cuh"
+#include "cuda/memory/warp.cuh"
 
 namespace vdwmesh {
-
-inline constexpr unsigned kWarp = 32;
-inline constexpr unsigned kAllLanes = 0xffffffffu;
 
 struct PlaceRange {  // of list places
   std::uint32_t begin, end;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cub/device/device_radix_sort.cuh>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "core/errors.hpp"
@@ -41,17 +42,12 @@ struct FrameExtent {
   std::uint32_t spheres;
 };
 
-__device__ bool is_sphere(const Sphere& s) {
-  return fabs(s.center.x) <= kFarthestSphere && fabs(s.center.y) <= kFarthestSphere &&
-         fabs(s.center.z) <= kFarthestSphere && s.radius > 0 && s.radius <= kFarthestSphere;
-}
-
 __device__ Bits least_of_warp(Bits x) {
-  for (int step = 16; step > 0; step /= 2) x = min(x, __shfl_xor_sync(0xffffffffu, x, step));
+  for (int step = 16; step > 0; step /= 2) x = min(x, __shfl_xor_sync(kAllLanes, x, step));
   return x;
 }
 __device__ Bits largest_of_warp(Bits x) {
-  for (int step = 16; step > 0; step /= 2) x = max(x, __shfl_xor_sync(0xffffffffu, x, step));
+  for (int step = 16; step > 0; step /= 2) x = max(x, __shfl_xor_sync(kAllLanes, x, step));
   return x;
 }
 
@@ -112,8 +108,8 @@ class ExtentSum {
   // All lanes of a warp call it; `frame` is kNoFrame for lanes without a sphere.
   static constexpr std::uint32_t kNoFrame = 0xffffffffu;
   __device__ void add(std::uint32_t frame, const Sphere& s) {
-    const std::uint32_t first = __shfl_sync(0xffffffffu, frame, 0);
-    const bool uniform = __all_sync(0xffffffffu, frame == first);
+    const std::uint32_t first = __shfl_sync(kAllLanes, frame, 0);
+    const bool uniform = __all_sync(kAllLanes, frame == first);
     if (!uniform || first != frame_) flush();
     frame_ = uniform ? first : kNoFrame;
     if (frame == kNoFrame) return;
@@ -130,7 +126,7 @@ class ExtentSum {
       upper[axis] = largest_of_warp(upper_[axis]);
     }
     const Bits reach = largest_of_warp(reach_);
-    const std::uint32_t count = __reduce_add_sync(0xffffffffu, count_);
+    const std::uint32_t count = __reduce_add_sync(kAllLanes, count_);
     if (threadIdx.x % 32 == 0) store(frame_, lower, upper, reach, count);
     frame_ = kNoFrame;
     clear();
@@ -232,11 +228,6 @@ __global__ void number_cells(const std::uint64_t* first, std::uint32_t count, Ce
   if (i < count) frames[i].first_cell = static_cast<std::uint32_t>(first[i]);
 }
 
-__device__ std::int32_t cell_along(const CellLevel& level, int axis, double x) {
-  const double offset = (x - level.origin[axis]) / level.cell_size;
-  return min(max(static_cast<std::int32_t>(offset), 0), level.cells[axis] - 1);
-}
-
 // A thread for each sphere: finds its cell and counts it there.
 __global__ void assign_cells(DeviceBatch batch, double least, int levels, const CellFrame* frames,
                              std::uint32_t* cell_of, std::uint32_t* index, std::uint32_t* counts) {
@@ -286,12 +277,22 @@ std::pair<double, double> checked_radii(const DeviceBatch& batch, const Stream& 
   return {to_double(found.least), to_double(found.largest)};
 }
 
+// Frames are numbered by 32 bits, of which one number means none.
+std::uint32_t checked_frames(std::uint32_t sets, int levels) {
+  const std::uint64_t frames = std::uint64_t{sets} * static_cast<unsigned>(levels);
+  if (frames >= ExtentSum::kNoFrame) {
+    throw InvalidInput(std::to_string(sets) + " sets with radii over " + std::to_string(levels) +
+                       " octaves are too many for one batch: divide it");
+  }
+  return static_cast<std::uint32_t>(frames);
+}
+
 }  // namespace
 
 BatchCells::BatchCells(const DeviceBatch& batch, const Stream& stream) {
   const auto [least, largest] = checked_radii(batch, stream);
   const int levels = std::clamp(std::ilogb(largest / least), 0, kMostLevels - 1) + 1;
-  const std::uint32_t frame_count = batch.sets * levels;
+  const std::uint32_t frame_count = checked_frames(batch.sets, levels);
   const DeviceArray<FrameExtent> extents(frame_count, stream);
   launch("clear_extents", clear_extents, over(frame_count, kThreads), stream, extents.data(),
          frame_count);

@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "cuda/memory/device_memory.cuh"
+#include "cuda/memory/warp.cuh"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh::measure {
@@ -58,7 +59,6 @@ class BatchCells {
 template <class Take>
 __device__ __forceinline__ void visit_near(const BatchCellsView& list, const Sphere& ball,
                                            std::uint32_t set, unsigned lane, const Take& take) {
-  constexpr unsigned all = 0xffffffffu;
   const double r = ball.radius;
   for (int l = 0; l < list.levels; ++l) {
     const CellFrame& frame = list.frames[set * list.levels + l];
@@ -82,19 +82,19 @@ __device__ __forceinline__ void visit_near(const BatchCellsView& list, const Sph
       std::uint32_t end = length;  // of the row, in the rows laid end to end
 #pragma unroll
       for (int step = 1; step < 32; step *= 2) {
-        const std::uint32_t before = __shfl_up_sync(all, end, step);
+        const std::uint32_t before = __shfl_up_sync(kAllLanes, end, step);
         if (lane >= step) end += before;
       }
-      const std::uint32_t total = __shfl_sync(all, end, 31);
+      const std::uint32_t total = __shfl_sync(kAllLanes, end, 31);
       const std::uint32_t shift = begin - (end - length);
       for (std::uint32_t base = 0; base < total; base += 32) {
         const std::uint32_t i = base + lane;
         int from = 0;  // the row of i: the first one that ends after i
 #pragma unroll
         for (int step = 16; step > 0; step /= 2) {
-          if (__shfl_sync(all, end, from + step - 1) <= i) from += step;
+          if (__shfl_sync(kAllLanes, end, from + step - 1) <= i) from += step;
         }
-        const std::uint32_t place = i + __shfl_sync(all, shift, from & 31);
+        const std::uint32_t place = i + __shfl_sync(kAllLanes, shift, from & 31);
         if (take(place, i < total)) return;
       }
     }

@@ -18,6 +18,7 @@
 // Whatever leaves a doubt ends the measurement.
 #pragma once
 
+#include "arrangement/arcs/doubts.hpp"
 #include "cuda/measure/power_cell.cuh"
 
 namespace vdwmesh::measure {
@@ -30,14 +31,12 @@ __device__ __forceinline__ Complex operator*(const Complex& a, const Complex& b)
 }
 
 inline constexpr double kPi = 3.14159265358979323846;
-// Doubts; see the constants of the same meaning in arrangement/arcs/.
-inline constexpr double kNearSphere = 2e-9;       // of a vertex: squared distance from the sphere
-inline constexpr double kNearlyParallel = 1e-10;  // squared sine between two planes
-inline constexpr double kTangent = 2e-10;         // Gram determinant of an edge and its corner
-inline constexpr double kTinyAngle = 1e-9;        // exposed angle of a circle
-inline constexpr double kRounding = 64 * 2.220446049250313e-16;
-inline constexpr double kMaxError = 1e-9;  // of the angle at a corner
-inline constexpr double kMaxOpen = 1e-10;  // twice the vector area of the closed surface
+// What else raises a doubt; the tolerances that both backends have are in arrangement/arcs/doubts.
+using arcs::kMaxError, arcs::kMaxOpen, arcs::kNearlyParallel, arcs::kRounding, arcs::kTinyAngle;
+// Of a vertex whose distance from the sphere is kTouching: squared distance from the centre,
+// less 1.
+inline constexpr double kNearSphere = 2 * arcs::kTouching;
+inline constexpr double kTangent = 2e-10;  // Gram determinant of an edge and its corner
 inline constexpr double kPoleDistance = 1e-4;
 
 struct UnitMeasures {
@@ -80,7 +79,7 @@ class FaceSet {
   }
   __device__ __forceinline__ void combine() {
 #pragma unroll
-    for (std::uint32_t i = 0; i < kWords; ++i) word_[i] = __reduce_or_sync(kWarp, word_[i]);
+    for (std::uint32_t i = 0; i < kWords; ++i) word_[i] = __reduce_or_sync(kAllLanes, word_[i]);
   }
   __device__ __forceinline__ bool has(std::uint32_t face) const {
     unsigned word = 0;
@@ -104,7 +103,7 @@ class FaceSet {
 
 __device__ __forceinline__ double sum_of_lanes(double x) {
 #pragma unroll
-  for (int step = 16; step > 0; step /= 2) x += __shfl_xor_sync(kWarp, x, step);
+  for (int step = 16; step > 0; step /= 2) x += __shfl_xor_sync(kAllLanes, x, step);
   return x;
 }
 
@@ -118,9 +117,10 @@ __device__ __forceinline__ Complex product_of_lanes(Complex z) {
   z = unit(z);
 #pragma unroll
   for (int step = 16; step > 0; step /= 2) {
-    z = z * Complex{__shfl_down_sync(kWarp, z.re, step), __shfl_down_sync(kWarp, z.im, step)};
+    z = z *
+        Complex{__shfl_down_sync(kAllLanes, z.re, step), __shfl_down_sync(kAllLanes, z.im, step)};
   }
-  return {__shfl_sync(kWarp, z.re, 0), __shfl_sync(kWarp, z.im, 0)};
+  return {__shfl_sync(kAllLanes, z.re, 0), __shfl_sync(kAllLanes, z.im, 0)};
 }
 
 // The argument in [0, 2 pi).
@@ -166,7 +166,7 @@ class CellMeasurement {
   __device__ __forceinline__ Complex exposed_arcs(std::uint32_t number, const Plane& face,
                                                   int& ends, int& balance) const;
   __device__ __forceinline__ UnitMeasures result();
-  __device__ __forceinline__ bool doubtful() { return __any_sync(kWarp, doubt_); }
+  __device__ __forceinline__ bool doubtful() { return __any_sync(kAllLanes, doubt_); }
 
   const Cell& cell_;
   Space& space_;
@@ -237,7 +237,7 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::list_
         if (!paired || !cell_.has_vertex(w) || cell.vertex[a * kFaces + b] != v) doubt_ = true;
         lists = v < w;
       }
-      const unsigned listing = __ballot_sync(kWarp, lists);
+      const unsigned listing = __ballot_sync(kAllLanes, lists);
       if (lists) {
         const int place = edge_count_ + __popc(listing & lanes_before());
         if (place < 48 * kSlots) space_.edge[place] = a | b << 8 | v << 16 | w << 24;
@@ -258,7 +258,7 @@ __device__ __forceinline__ bool CellMeasurement<kSlots, kFaces, kCorners>::choos
     for (std::uint32_t f = lane_; f < cell_.face_count(); f += 32) {
       bad = bad || 1 + dot(pole_, cell_.space().face[f].axis) < kPoleDistance;
     }
-    if (!__any_sync(kWarp, bad)) return true;
+    if (!__any_sync(kAllLanes, bad)) return true;
   }
   return false;
 }
@@ -358,7 +358,7 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_c
 template <int kSlots, int kFaces, int kCorners>
 __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::list_corner(
     bool lists, const Vec3d& point, std::uint32_t start, std::uint32_t end) {
-  const unsigned listing = __ballot_sync(kWarp, lists);
+  const unsigned listing = __ballot_sync(kAllLanes, lists);
   const int place = corner_count_ + __popc(listing & lanes_before());
   if (lists && place < kCorners) space_.corner[place] = {point, start, end};
   corner_count_ += __popc(listing);
@@ -412,8 +412,8 @@ __device__ __forceinline__ void CellMeasurement<kSlots, kFaces, kCorners>::add_f
       argument_here = angle;
     }
   }
-  polygon_angle_ = __shfl_sync(kWarp, argument_here, faces % 32);
-  turning_angle_ = __shfl_sync(kWarp, argument_here, (faces + 1) % 32);
+  polygon_angle_ = __shfl_sync(kAllLanes, argument_here, faces % 32);
+  turning_angle_ = __shfl_sync(kAllLanes, argument_here, (faces + 1) % 32);
 }
 
 // `angle`: of the product of the arcs on the face's circle.
@@ -447,8 +447,8 @@ __device__ __forceinline__ UnitMeasures CellMeasurement<kSlots, kFaces, kCorners
     double largest = largest_;
     float worst = worst_;
     for (int step = 16; step > 0; step /= 2) {
-      largest = fmax(largest, __shfl_xor_sync(kWarp, largest, step));
-      worst = fmaxf(worst, __shfl_xor_sync(kWarp, worst, step));
+      largest = fmax(largest, __shfl_xor_sync(kAllLanes, largest, step));
+      worst = fmaxf(worst, __shfl_xor_sync(kAllLanes, worst, step));
     }
     const double condition = 1 + sum_of_lanes(static_cast<double>(condition_));
     const double full = 4 * kPi;

@@ -16,10 +16,9 @@
 
 #include "arrangement/arcs/arc_cap.hpp"
 #include "core/vec3.hpp"
+#include "cuda/memory/warp.cuh"
 
 namespace vdwmesh::measure {
-
-inline constexpr unsigned kWarp = 0xffffffffu;  // all lanes
 
 // What became of a ball: measured; measured with a doubt, so that the numbers mean nothing; or too
 // large for the memory of the warp.
@@ -172,7 +171,7 @@ __device__ __forceinline__ bool PowerCell<kSlots, kFaces>::repeats_face(const Pl
     const Plane& face = space_.face[f];
     same = same || (face.cosine == plane.cosine && face.axis == plane.axis);
   }
-  return __any_sync(kWarp, same);
+  return __any_sync(kAllLanes, same);
 }
 
 template <int kSlots, int kFaces>
@@ -186,10 +185,10 @@ __device__ __forceinline__ void PowerCell<kSlots, kFaces>::cut(const Plane& plan
     if (k > 0 && alive_[k] == 0) continue;
     const double depth = has(k) ? dot(position_[k], plane.axis) - plane.cosine : -1.0;
     near = near || (has(k) && !(fabs(depth) > margin_[k]));
-    out[k] = __ballot_sync(kWarp, depth > 0);
+    out[k] = __ballot_sync(kAllLanes, depth > 0);
     any |= out[k];
   }
-  if (__any_sync(kWarp, near)) {
+  if (__any_sync(kAllLanes, near)) {
     if (!repeats_face(plane)) outcome_ = Outcome::doubtful;
     return;
   }
@@ -231,8 +230,8 @@ __device__ __forceinline__ std::uint32_t PowerCell<kSlots, kFaces>::new_face() {
         if (has(k) && f < 32) used |= 1u << f;
       }
     }
-    used = __reduce_or_sync(kWarp, used);
-    if (used == kWarp) continue;
+    used = __reduce_or_sync(kAllLanes, used);
+    if (used == kAllLanes) continue;
     const std::uint32_t free = base + static_cast<std::uint32_t>(__ffs(~used)) - 1;
     return free < kFaces ? free : kFaces;
   }
@@ -257,7 +256,7 @@ __device__ __forceinline__ int PowerCell<kSlots, kFaces>::find_border(
         b = face_of(faces_[k], (i + 1) % 3);
         crosses = !contains(out, space_.vertex[b * kFaces + a]);
       }
-      const unsigned crossing = __ballot_sync(kWarp, crosses);
+      const unsigned crossing = __ballot_sync(kAllLanes, crosses);
       const int place = count + __popc(crossing & lanes_before());
       if (crosses && place < 32 * kSlots) {
         space_.border[place] = static_cast<std::uint16_t>(a | b << 8);
@@ -287,12 +286,12 @@ __device__ __forceinline__ void PowerCell<kSlots, kFaces>::add_vertices(int coun
       const std::uint32_t pair = space_.border[number];
       bad = !place_vertex(k, pair & 0xff, pair >> 8, fresh, plane) || bad;
     }
-    alive_[k] |= __ballot_sync(kWarp, takes);
+    alive_[k] |= __ballot_sync(kAllLanes, takes);
     given += __popc(free);
   }
   __syncwarp();
   if (given < count) outcome_ = Outcome::too_large;
-  if (__any_sync(kWarp, bad)) outcome_ = Outcome::doubtful;
+  if (__any_sync(kAllLanes, bad)) outcome_ = Outcome::doubtful;
 }
 
 // Computes the common point of three planes. Returns false if they are nearly dependent.
@@ -322,7 +321,7 @@ __device__ __forceinline__ void PowerCell<kSlots, kFaces>::update_reach() {
 #pragma unroll
   for (int k = 0; k < kSlots; ++k) farthest = has(k) ? fmaxf(farthest, squared_[k]) : farthest;
   // Floats that are not negative have the order of their bits.
-  const unsigned bits = __reduce_max_sync(kWarp, __float_as_uint(farthest));
+  const unsigned bits = __reduce_max_sync(kAllLanes, __float_as_uint(farthest));
   reach_ = __fsqrt_ru(__uint_as_float(bits)) * 1.000001f;
 }
 

@@ -101,12 +101,12 @@ class WarpBall {
         near = arcs::inner(to, to) < sum * sum;
         equal = s.center == ball_.center && s.radius == ball_.radius;
       }
-      if (__any_sync(kWarp, equal && other < place_)) {
+      if (__any_sync(kAllLanes, equal && other < place_)) {
         buried_ = true;
         return true;
       }
       near = near && !equal;
-      const unsigned found = __ballot_sync(kWarp, near);
+      const unsigned found = __ballot_sync(kAllLanes, near);
       const int index = near_ + __popc(found & lanes_before());
       if (near && index < kCaps) space_.near[index] = other;
       near_ += __popc(found);
@@ -139,8 +139,8 @@ class WarpBall {
     bool cuts = false;
 #pragma unroll
     for (int k = 0; k < kCaps / 32; ++k) cuts = cuts || key_[k] != kNoKey;
-    has_caps_ = __any_sync(kWarp, cuts);
-    buried_ = __any_sync(kWarp, buried);
+    has_caps_ = __any_sync(kAllLanes, cuts);
+    buried_ = __any_sync(kAllLanes, buried);
     __syncwarp();
   }
 
@@ -157,7 +157,7 @@ class WarpBall {
       unsigned least = kNoKey;
 #pragma unroll
       for (int k = 0; k < kCaps / 32; ++k) least = min(least, key_[k]);
-      least = __reduce_min_sync(kWarp, least);
+      least = __reduce_min_sync(kAllLanes, least);
       if (least == kNoKey || bound_of(least) > cell.reach()) return;
 #pragma unroll
       for (int k = 0; k < kCaps / 32; ++k) key_[k] = key_[k] == least ? kNoKey : key_[k];
@@ -242,7 +242,7 @@ __global__ void list_neighbors(BatchCellsView list, const std::uint32_t* places,
       const double sum = ball.radius + s.radius;
       near = other == place || arcs::inner(to, to) < sum * sum;
     }
-    const unsigned hits = __ballot_sync(kWarp, near);
+    const unsigned hits = __ballot_sync(kAllLanes, near);
     if (near && ids != nullptr) {
       const std::uint64_t to = first[i] + found + __popc(hits & lanes_before());
       ids[to] = list.id[other];
@@ -289,23 +289,12 @@ std::vector<T> download(const DeviceArray<T>& array, const Stream& stream) {
 // Measures balls begin up to end of the work, which are of one set, by one triangulation.
 void measure_on_host(const HostWork& work, std::size_t begin, std::size_t end,
                      std::vector<SphereMeasures>& per_sphere) {
-  std::vector<std::pair<std::uint32_t, Sphere>> near;
+  std::vector<NumberedBall> near;
   for (std::uint64_t i = work.first[begin]; i < work.first[end]; ++i) {
-    near.emplace_back(work.near_ids[i], work.near_spheres[i]);
+    near.push_back({work.near_ids[i], work.near_spheres[i]});
   }
-  const auto by_id = [](const auto& a, const auto& b) { return a.first < b.first; };
-  std::sort(near.begin(), near.end(), by_id);
-  near.erase(std::unique(near.begin(), near.end(),
-                         [](const auto& a, const auto& b) { return a.first == b.first; }),
-             near.end());
-  std::vector<Sphere> spheres;
-  for (const auto& [id, sphere] : near) spheres.push_back(sphere);
-  const std::vector<SphereMeasures> measures = reference_measures(SphereSet(std::move(spheres)));
-  for (std::size_t i = begin; i < end; ++i) {
-    const auto at =
-        std::lower_bound(near.begin(), near.end(), std::pair(work.ids[i], Sphere{}), by_id);
-    per_sphere[work.ids[i]] = measures[static_cast<std::size_t>(at - near.begin())];
-  }
+  set_reference_measures(std::span(work.ids).subspan(begin, end - begin), std::move(near),
+                         per_sphere);
 }
 
 }  // namespace

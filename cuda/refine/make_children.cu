@@ -4,6 +4,7 @@
 // make_children writes the children. It also lists the patches whose orientation the marks of the
 // level do not prove (PatchMarks in refine_levels.cuh); judge_children tests only these. The
 // numbers go through shared memory, so that a warp stores whole consecutive 16-byte words.
+#include "cuda/memory/warp.cuh"
 #include "cuda/refine/bad_moves.cuh"
 #include "cuda/refine/patch_facing.cuh"
 
@@ -12,8 +13,6 @@ namespace {
 
 constexpr unsigned kThreads = 256;
 constexpr unsigned kJudgeThreads = 128;
-constexpr unsigned kWarp = 32;
-constexpr unsigned kAllLanes = 0xffffffffu;
 constexpr unsigned kPerParent = 12;  // 3 corners for each of 4 children; and as many half-edges
 
 // Copies the numbers that a warp has staged in shared memory, kPerParent for each of `parents`

@@ -26,6 +26,7 @@
 #include "arrangement/complex/power_triangulation.hpp"
 #include "arrangement/complex/topology.hpp"
 #include "arrangement/reference_measures.hpp"
+#include "arrangement/total_measures.hpp"
 #include "core/errors.hpp"
 #include "spheres/cell_list.hpp"
 
@@ -104,42 +105,28 @@ UnionCertificate certificate_by_triangulation(const SphereSet& spheres,
   return certify(spheres, triangulation, dual_complex(triangulation), measured);
 }
 
-// Returns the ids of the wanted spheres and of every sphere that may overlap one of them, ascending
-// and without repetition.
-std::vector<SphereId> neighborhood(const SphereSet& spheres, const std::vector<SphereId>& wanted) {
+// The balls that may overlap one of the wanted ones, and these themselves. Some come repeatedly.
+std::vector<NumberedBall> neighborhood(const SphereSet& spheres,
+                                       const std::vector<SphereId>& wanted) {
   const CellList list = make_ball_list(spheres);
   const CellListView& view = list.view();
-  std::vector<SphereId> near(wanted);
+  std::vector<NumberedBall> near;
   for (const SphereId id : wanted) {
     const Sphere& s = spheres[id];
     const Vec3d reach{s.radius, s.radius, s.radius};
     visit_near_box(view, s.center - reach, s.center + reach, [&](std::uint32_t place) {
-      near.push_back(view.id[place]);
+      near.push_back({view.id[place], view.spheres[place]});
       return false;  // go on with the search
     });
   }
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
   return near;
 }
 
-// Replaces the measures of suspect spheres by the reference: those of one triangulation of the
-// suspect spheres and all their neighbours. It is enough, because the exposed area of a sphere and
-// its ball ∩ power cell depend only on the balls that meet its ball. The measures that it gives for
-// the neighbours are wrong, as these may lack neighbours of their own, and are not used.
+// Replaces the measures of suspect spheres by those of a triangulation.
 void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>& suspect,
                           std::vector<SphereMeasures>& per_sphere) {
   if (suspect.empty()) return;
-  const std::vector<SphereId> near = neighborhood(spheres, suspect);
-  std::vector<Sphere> subset;
-  subset.reserve(near.size());
-  for (const SphereId id : near) subset.push_back(spheres[id]);
-  const SphereSet local(std::move(subset));  // sphere i of it is sphere near[i] of `spheres`
-  const std::vector<SphereMeasures> measures = reference_measures(local);
-  for (const SphereId id : suspect) {
-    const auto place = std::lower_bound(near.begin(), near.end(), id) - near.begin();
-    per_sphere[id] = measures[static_cast<std::size_t>(place)];
-  }
+  set_reference_measures(suspect, neighborhood(spheres, suspect), per_sphere);
 }
 
 // Method arcs. arc_measures() reports progress as a stage of its own. To reuse the

@@ -2,6 +2,7 @@
 // cannot measure. For the library's own use.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "arrangement/complex/power_triangulation.hpp"
@@ -13,6 +14,20 @@ namespace vdwmesh {
 // Exposed area and ball ∩ power cell of each ball, in the order of the set. They are right for a
 // ball if the set has all balls that overlap it.
 std::vector<SphereMeasures> reference_measures(const SphereSet& spheres);
+
+// A ball and its id in the set that it is taken from.
+struct NumberedBall {
+  SphereId id;
+  Sphere ball;
+};
+
+// Sets per_sphere[id] for the wanted ids, by one triangulation of the balls in `near`: the wanted
+// ones and all that overlap one of them, in any order; a ball may come repeatedly. That is enough,
+// because the exposed area of a sphere and its ball ∩ power cell depend only on the balls that meet
+// its ball. The measures of the other balls in `near` would be wrong, as these may lack neighbours
+// of their own.
+void set_reference_measures(std::span<const SphereId> wanted, std::vector<NumberedBall> near,
+                            std::span<SphereMeasures> per_sphere);
 
 // Measures of the triangulation's balls in the order and the units of the SphereSet. Spheres that
 // the triangulation leaves out, because a concentric one covers them, get 0.

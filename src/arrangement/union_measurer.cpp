@@ -10,45 +10,12 @@
 #include <algorithm>
 #include <atomic>
 
+#include "arrangement/total_measures.hpp"
 #include "core/errors.hpp"
-#include "core/fixed_blocks.hpp"
-#include "core/sum.hpp"
 #include "core/workspace.hpp"
 
 namespace vdwmesh {
 namespace {
-
-constexpr std::size_t kSumBlock = std::size_t{1} << 14;  // spheres of a set that are summed at once
-
-struct Totals {
-  WideSum area, volume;
-
-  void add(const Totals& other) {
-    area.add(other.area);
-    volume.add(other.volume);
-  }
-};
-
-Totals sum_of(std::span<const SphereMeasures> measures) {
-  Totals sum;
-  for (const SphereMeasures& m : measures) {
-    sum.area.add(m.area);
-    sum.volume.add(m.volume);
-  }
-  return sum;
-}
-
-// In blocks of a fixed size, so that the result does not depend on the number of threads.
-SphereMeasures total_of(std::span<const SphereMeasures> measures) {
-  std::vector<Totals> parts(block_count(measures.size(), kSumBlock));
-  for_each_block(measures.size(), kSumBlock,
-                 [&](std::size_t block, std::size_t first, std::size_t end) {
-                   parts[block] = sum_of(measures.subspan(first, end - first));
-                 });
-  Totals sum;
-  for (const Totals& part : parts) sum.add(part);
-  return {sum.area.value(), sum.volume.value()};
-}
 
 // What a thread keeps from one set to the next.
 struct ThreadSpace {
@@ -84,7 +51,9 @@ class CpuUnionMeasurer final : public UnionMeasurer {
     result.fallback_spheres = measured.fallback_spheres;
   }
 
+  // All spheres are checked first, so that an error names the index in the batch and not in a set.
   static void measure_many(BatchMeasures& result, const SphereBatch& batch, Monitor* monitor) {
+    SphereSet::view({batch.spheres, batch.size});
     begin_stage(monitor, "exact unions", batch.set_count());
     tbb::enumerable_thread_specific<ThreadSpace> spaces;
     std::atomic<std::uint64_t> fallback_spheres{0};
@@ -134,7 +103,8 @@ void sum_sets(BatchMeasures& result, const SphereBatch& batch) {
   result.totals.resize(batch.set_count());
   tbb::parallel_for(std::size_t{0}, batch.set_count(), [&](std::size_t set) {
     const std::size_t first = batch.set_begin(set);
-    result.totals[set] = total_of({result.per_sphere.data() + first, batch.set_end(set) - first});
+    result.totals[set] =
+        total_measures({result.per_sphere.data() + first, batch.set_end(set) - first});
   });
 }
 

@@ -80,8 +80,7 @@ CellLevel shape_of(const LevelExtent& extent) {
 std::uint32_t cell_index(const CellLevel& level, const Vec3d& center) {
   std::int32_t cell[3];
   for (int axis = 0; axis < 3; ++axis) {
-    const double offset = (center[axis] - level.origin[axis]) / level.cell_size;
-    cell[axis] = std::clamp(static_cast<std::int32_t>(offset), 0, level.cells[axis] - 1);
+    cell[axis] = cell_along(level, axis, center[axis]);
   }
   const std::int64_t row = std::int64_t{cell[2]} * level.cells[1] + cell[1];
   return static_cast<std::uint32_t>(row * level.cells[0] + cell[0]);

@@ -73,6 +73,14 @@ class CellList {
 // A cell list in which the reach of a sphere is its radius, for queries about the balls themselves.
 CellList make_ball_list(const SphereSet& spheres);
 
+// The cell of a level, along one axis, that holds the coordinate x (Å). Precondition: it is one of
+// the level's, but for rounding.
+VDWMESH_HD inline std::int32_t cell_along(const CellLevel& level, int axis, double x) {
+  const auto cell = static_cast<std::int32_t>((x - level.origin[axis]) / level.cell_size);
+  const std::int32_t last = level.cells[axis] - 1;
+  return cell < 0 ? 0 : cell < last ? cell : last;
+}
+
 // A superset of the cells of a level, along one axis, that can hold a centre at a distance of at
 // most `level.reach` from the interval [lower, upper] (Å).
 struct CellRange {

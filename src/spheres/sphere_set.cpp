@@ -53,10 +53,8 @@ std::uint64_t next_revision() {
 }  // namespace
 
 void check_sphere(const Sphere& s, std::size_t i) {
+  if (is_sphere(s)) return;
   const Vec3d& c = s.center;
-  const bool near = std::abs(c.x) <= kFarthestSphere && std::abs(c.y) <= kFarthestSphere &&
-                    std::abs(c.z) <= kFarthestSphere;  // false for NaN
-  if (near && s.radius > 0 && s.radius <= kFarthestSphere) return;
   throw InvalidInput(fmt::format(
       "sphere {}: centre ({}, {}, {}) and radius {}; coordinates must be at most {:g} Å from "
       "0, and radii above 0 and at most {:g} Å",

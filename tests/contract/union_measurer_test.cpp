@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <numbers>
+#include <string_view>
 #include <vector>
 
 #include "arrangement/exact_union.hpp"
@@ -258,6 +259,18 @@ TEST_P(UnionMeasurerContract, RefusesWhatIsNoSphere) {
                             Sphere{{0, kNan, 0}, 1}, Sphere{{0, 0, 2e30}, 1}}) {
     const std::vector<Sphere> spheres{{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, bad};
     EXPECT_THROW(measure(spheres), InvalidInput);
+  }
+}
+
+TEST_P(UnionMeasurerContract, NamesABadSphereByItsPlaceInTheBatch) {
+  const std::vector<Sphere> spheres{{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{2, 0, 0}, -1}};
+  const std::vector<std::size_t> offsets{0, 1, 2, 3};
+  try {
+    measure({.spheres = spheres.data(), .size = 3, .offsets = offsets});
+    FAIL() << "a negative radius was accepted";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string_view(error.what()).find("sphere 2:"), std::string_view::npos)
+        << error.what();
   }
 }
 

@@ -19,7 +19,6 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/multiversion.hpp"
-#include "core/sum.hpp"
 #include "spheres/kept_cell_lists.hpp"
 
 namespace vdwmesh {
@@ -118,21 +117,6 @@ std::optional<UnionCounts> counts_of(const CountSums& sums, const DisjointSets& 
 
 }  // namespace
 
-SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere,
-                              const MeasuredSpheres& measured) {
-  WideSum area, volume;
-  for (std::size_t i = 0; i < per_sphere.size(); ++i) {
-    if (!measured.contains(static_cast<SphereId>(i))) continue;
-    area.add(per_sphere[i].area);
-    volume.add(per_sphere[i].volume);
-  }
-  return {area.value(), volume.value()};
-}
-
-SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere) {
-  return total_measures(per_sphere, MeasuredSpheres(per_sphere.size(), std::nullopt));
-}
-
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor) {
   ArcMeasures result{};
   Workspace workspace;
@@ -174,9 +158,6 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, const MeasuredS
   for (std::size_t i = 0; i < is_doubtful.size(); ++i) {
     if (is_doubtful[i]) result.suspect.push_back(static_cast<SphereId>(i));
   }
-  const SphereMeasures total = total_measures(result.per_sphere, measured);
-  result.area = total.area;
-  result.volume = total.volume;
 }
 
 }  // namespace vdwmesh

@@ -20,7 +20,6 @@
 namespace vdwmesh {
 
 struct ArcMeasures {
-  double area, volume;  // Å², Å³; sums over the measured spheres, carried in a wide accumulator
   // One entry per sphere, in the order of the SphereSet: exposed area, and volume of ball ∩ power
   // cell. Both depend on the sphere and its neighbours alone, not on the origin of coordinates.
   // Both are NaN for a sphere that was not to be measured.
@@ -28,7 +27,7 @@ struct ArcMeasures {
   // Spheres whose numbers are not to be trusted, ascending. Either a check failed (closedness of
   // the surface of ball ∩ power cell, Euler's formula), or the sphere is nearly degenerate: circles
   // nearly tangent or equal, more than two circles through one point of the sphere, an arc or a
-  // cell of nearly no size (arcs/doubts.hpp). The sums include them.
+  // cell of nearly no size (arcs/doubts.hpp).
   std::vector<SphereId> suspect;
   // If counts were wanted: the spheres for which rounding might decide about the topology, and the
   // counts, if there are none of these.
@@ -49,11 +48,5 @@ ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor = nullptr);
 // precondition: counts are wanted of all spheres only.
 void arc_measures(ArcMeasures& result, const SphereSet& spheres, const MeasuredSpheres& measured,
                   TopologyRequest topology, Monitor* monitor, Workspace& workspace);
-
-// Sums of area and volume over the measured entries in their order, in a wide accumulator. Callers
-// that replace the measures of suspect spheres need the sums again.
-SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere,
-                              const MeasuredSpheres& measured);
-SphereMeasures total_measures(const std::vector<SphereMeasures>& per_sphere);  // of all
 
 }  // namespace vdwmesh

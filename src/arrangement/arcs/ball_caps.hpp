@@ -20,7 +20,7 @@ class BallCaps {
   // others.
   bool find(const CellListView& list, std::uint32_t place);
 
-  std::span<Cap> caps() { return {caps_.data(), count_}; }
+  std::span<const Cap> caps() const { return {caps_.data(), count_}; }
   // The list places of the balls that cover the caps, in the order that find() left the caps in.
   std::span<const std::uint32_t> neighbors() const { return {neighbors_.data(), count_}; }
   // The list place of a ball that buries this one; valid if find() returned false.

@@ -22,8 +22,8 @@ namespace vdwmesh::arcs {
 // The planes of a vertex and its neighbours. Edge k runs to vertex next[k] in the planes plane[k +
 // 1] and plane[k + 2], indices modulo 3, and leaves plane[k]. The axes of the planes in this order
 // have a positive determinant, so edge k runs against the cross product of the axes of its planes,
-// in this order. The fourth elements mean nothing: they take what is written in vain
-// (make_vertices()), and make all links one vector.
+// in this order. The fourth elements mean nothing: make_vertices() writes there what does
+// not apply, and they make all links one vector.
 struct alignas(32) VertexLinks {
   std::array<std::uint32_t, 4> plane, next;
 };

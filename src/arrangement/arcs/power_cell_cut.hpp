@@ -56,7 +56,7 @@ inline void PowerCell::reserve(std::size_t vertices) {
   for (std::vector<double>* v : {&x_, &y_, &z_, &depth_}) v->resize(2 * least);
   links_.resize(2 * least);
   removed_.resize(2 * least);
-  border_.resize(6 * least + 1);  // three edges a vertex, and one that is written in vain
+  border_.resize(6 * least + 1);  // three edges a vertex, and one that is written but not kept
   fresh_.resize(border_.size());
 }
 
@@ -185,8 +185,8 @@ VDWMESH_INLINE bool PowerCell::make_vertices(const Cap& cap) {
     fresh[i].links.next[edge.side] = edge.to;
     const std::uint32_t one = kAfter[edge.side], two = kAfter[one];
     const auto close = [&](OpenEnd& end, std::uint32_t side) {
-      // Without a branch, which the processor could not foresee: what does not apply is written in
-      // vain.
+      // Without a branch, which the processor could not foresee: what does not apply is written to
+      // the unused element.
       const bool is_first = end.border == kNone;
       NewVertex& other = fresh[is_first ? i : end.border];
       fresh[i].links.next[is_first ? kUnused : side] = other.number;

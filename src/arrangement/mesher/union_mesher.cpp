@@ -24,10 +24,10 @@
 #include <utility>
 #include <vector>
 
-#include "arrangement/arcs/arcs.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 #include "arrangement/mesher/split_fans.hpp"
+#include "arrangement/total_measures.hpp"
 
 namespace vdwmesh {
 namespace {

@@ -10,6 +10,8 @@
 #include <numeric>
 #include <random>
 
+#include "arrangement/exact_sum.hpp"
+#include "arrangement/total_measures.hpp"
 #include "core/errors.hpp"
 
 namespace vdwmesh {
@@ -77,15 +79,21 @@ Vec3d rotated(const Vec3d& c) {
           (-2 * c.x - c.y + 2 * c.z) / 3};
 }
 
+struct Measured {
+  double area, volume;
+  std::vector<SphereMeasures> per_sphere;
+  std::vector<SphereId> suspect;
+};
+
 // What users get: suspect spheres have the measures of the triangulation.
-ArcMeasures measure(std::vector<Sphere> balls) {
+Measured measure(std::vector<Sphere> balls) {
   const SphereSet spheres(std::move(balls));
   const ExactUnion exact = exact_union(spheres, {UnionMethod::arcs, nullptr});
-  return {exact.area, exact.volume, exact.per_sphere, arc_measures(spheres).suspect, 0, {}};
+  return {exact.area, exact.volume, exact.per_sphere, arc_measures(spheres).suspect};
 }
 
 TEST(Arcs, OneBall) {
-  const ArcMeasures m = measure({{{1, 2, 3}, 1.7}});
+  const Measured m = measure({{{1, 2, 3}, 1.7}});
   EXPECT_REL(m.area, 4 * kPi * 1.7 * 1.7, kClosedForm);
   EXPECT_REL(m.volume, 4 * kPi / 3 * 1.7 * 1.7 * 1.7, kClosedForm);
   EXPECT_TRUE(m.suspect.empty());
@@ -97,7 +105,7 @@ TEST(Arcs, LensOfTwoBalls) {
   const double r = 1.7, s = 1.2, d = 1.5;
   const double h = (d * d + r * r - s * s) / (2 * d);
   const SphereMeasures first = cut_ball(r, h), second = cut_ball(s, d - h);
-  const ArcMeasures m = measure({{{0, 0, 0}, r}, {{0, d, 0}, s}});
+  const Measured m = measure({{{0, 0, 0}, r}, {{0, d, 0}, s}});
   EXPECT_REL(m.per_sphere[0].area, first.area, kClosedForm);
   EXPECT_REL(m.per_sphere[0].volume, first.volume, kClosedForm);
   EXPECT_REL(m.per_sphere[1].area, second.area, kClosedForm);
@@ -112,13 +120,13 @@ TEST(Arcs, ChainOfBalls) {
   for (int i = 0; i < 33; ++i)
     chain.push_back({{d * i / std::sqrt(2), 1, d * i / std::sqrt(2)}, r});
   const SphereMeasures end = cut_ball(r, d / 2), ball = cut_ball(r, r);
-  const ArcMeasures m = measure(chain);
+  const Measured m = measure(chain);
   EXPECT_REL(m.area, 32 * 2 * end.area - 31 * ball.area, kClosedForm);
   EXPECT_REL(m.volume, 32 * 2 * end.volume - 31 * ball.volume, kClosedForm);
 }
 
 TEST(Arcs, PerSphereValuesSumToTheTotals) {
-  const ArcMeasures m = measure(random_spheres(2000, 20, 1, 2, 1));
+  const Measured m = measure(random_spheres(2000, 20, 1, 2, 1));
   double area = 0, volume = 0;
   for (const SphereMeasures& s : m.per_sphere) {
     area += s.area;
@@ -130,7 +138,7 @@ TEST(Arcs, PerSphereValuesSumToTheTotals) {
 
 TEST(Arcs, TwoCapsThatDoNotMeet) {
   const double r = 1;
-  const ArcMeasures m = measure({{{0, 0, 0}, r}, {{1.8, 0, 0}, r}, {{0, 1.8, 0}, r}});
+  const Measured m = measure({{{0, 0, 0}, r}, {{1.8, 0, 0}, r}, {{0, 1.8, 0}, r}});
   const SphereMeasures ball = cut_ball(r, r), cut = cut_ball(r, 0.9);
   EXPECT_REL(m.per_sphere[0].area, 2 * cut.area - ball.area, kClosedForm);
   EXPECT_REL(m.per_sphere[0].volume, 2 * cut.volume - ball.volume, kClosedForm);
@@ -140,7 +148,7 @@ TEST(Arcs, DuplicatesBelongToTheLowestIndex) {
   const std::vector<Sphere> pair{{{0, 0, 0}, 1.7}, {{1.1, 0.3, 0.2}, 1.5}, {{0.2, 1.1, 0.4}, 1.6}};
   std::vector<Sphere> doubled;
   for (const Sphere& s : pair) doubled.insert(doubled.end(), {s, s, s});
-  const ArcMeasures single = measure(pair), m = measure(doubled);
+  const Measured single = measure(pair), m = measure(doubled);
   EXPECT_TRUE(m.suspect.empty());
   for (std::size_t i = 0; i < doubled.size(); ++i) {
     EXPECT_EQ(m.per_sphere[i].area, i % 3 == 0 ? single.per_sphere[i / 3].area : 0);
@@ -150,15 +158,14 @@ TEST(Arcs, DuplicatesBelongToTheLowestIndex) {
 
 TEST(Arcs, NestedConcentricAndInsideTangentBallsCountNothing) {
   const double r = 2;
-  const ArcMeasures m =
-      measure({{{0.3, 0, 0}, 1}, {{0, 0, 0}, r}, {{0, 0, 0}, 1.5}, {{0, 1, 0}, 1}});
+  const Measured m = measure({{{0.3, 0, 0}, 1}, {{0, 0, 0}, r}, {{0, 0, 0}, 1.5}, {{0, 1, 0}, 1}});
   for (const int i : {0, 2, 3}) EXPECT_EQ(m.per_sphere[static_cast<std::size_t>(i)].area, 0);
   EXPECT_REL(m.area, 4 * kPi * r * r, kClosedForm);
   EXPECT_REL(m.volume, 4 * kPi / 3 * r * r * r, kClosedForm);
 }
 
 TEST(Arcs, TangentBallsKeepTheirArea) {
-  const ArcMeasures m = measure(lattice(5, 1, 0.5));
+  const Measured m = measure(lattice(5, 1, 0.5));
   EXPECT_REL(m.area, 125 * 4 * kPi * 0.25, kClosedForm);
   EXPECT_REL(m.volume, 125 * 4 * kPi / 3 * 0.125, kClosedForm);
 }
@@ -167,7 +174,7 @@ TEST(Arcs, TangentBallsKeepTheirArea) {
 TEST(Arcs, LatticeOfLenses) {
   const SphereMeasures cut = cut_ball(1, 0.75), ball = cut_ball(1, 1);
   const double edges = 3 * 6 * 6 * 5;
-  const ArcMeasures m = measure(lattice(6, 1.5, 1));
+  const Measured m = measure(lattice(6, 1.5, 1));
   EXPECT_TRUE(m.suspect.empty());
   EXPECT_REL(m.area, 216 * ball.area - 2 * edges * (ball.area - cut.area), 1e-12);
   EXPECT_REL(m.volume, 216 * ball.volume - 2 * edges * (ball.volume - cut.volume), 1e-12);
@@ -178,7 +185,7 @@ TEST(Arcs, LatticeOfLenses) {
 TEST(Arcs, CubesInsideALattice) {
   for (const double radius : {std::sqrt(0.75), 0.9, 1.0, 1.3, 2.0}) {
     for (const double jitter : {0.0, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10}) {
-      const ArcMeasures m = measure(jittered(lattice(5, 1, radius), jitter, 11));
+      const Measured m = measure(jittered(lattice(5, 1, radius), jitter, 11));
       const std::size_t center = 62;  // of 5 x 5 x 5
       EXPECT_NEAR(m.per_sphere[center].area, 0, kDegenerate) << radius << " " << jitter;
       EXPECT_NEAR(m.per_sphere[center].volume, 1, kDegenerate) << radius << " " << jitter;
@@ -195,7 +202,7 @@ TEST(Arcs, RingsSplitIntoEqualWedges) {
       ring.push_back({rotated({1.4 * std::cos(angle), 1.4 * std::sin(angle), 0}), 1.7});
     }
     for (const double jitter : {0.0, 1e-15, 1e-14}) {
-      const ArcMeasures m = measure(jittered(ring, jitter, 14));
+      const Measured m = measure(jittered(ring, jitter, 14));
       for (std::size_t i = 0; i < ring.size(); ++i) {
         EXPECT_REL(m.per_sphere[i].area, m.area / count, kDegenerate) << count << " " << jitter;
         EXPECT_REL(m.per_sphere[i].volume, m.volume / count, kDegenerate) << count << " " << jitter;
@@ -210,7 +217,7 @@ TEST(Arcs, LatticeOfBallsThatTouchTheirCellsEdges) {
   const SphereMeasures cut = cut_ball(r, 0.5), ball = cut_ball(r, r);
   for (const double jitter : {0.0, 1e-15, 1e-14, 1e-13, 1e-12}) {
     for (const unsigned seed : {1u, 2u, 3u, 4u, 5u}) {
-      const ArcMeasures m = measure(jittered(lattice(5, 1, r), jitter, seed));
+      const Measured m = measure(jittered(lattice(5, 1, r), jitter, seed));
       const double caps = 2 * 3 * 5 * 5 * 4;
       EXPECT_REL(m.area, 125 * ball.area - caps * (ball.area - cut.area), kDegenerate) << jitter;
       EXPECT_REL(m.volume, 125 * ball.volume - caps * (ball.volume - cut.volume), kDegenerate)
@@ -229,10 +236,10 @@ TEST(Arcs, BallsThroughOneCoveredPoint) {
     Vec3d u{direction(random), direction(random), direction(random)};
     spheres.push_back({(2 / norm(u)) * u, 2});
   }
-  const ArcMeasures open = measure(jittered(spheres, 1e-8, 17));
+  const Measured open = measure(jittered(spheres, 1e-8, 17));
   for (const double jitter : {0.0, 1e-15, 1e-14, 1e-13, 1e-12}) {
     for (const unsigned seed : {18u, 19u, 20u}) {
-      const ArcMeasures m = measure(jittered(spheres, jitter, seed));
+      const Measured m = measure(jittered(spheres, jitter, seed));
       // The surface of each of 40 balls moves by 3e-8 at most.
       EXPECT_NEAR(m.area, open.area, 3e-8 * 40 * 8 * kPi * 2) << jitter;
       EXPECT_NEAR(m.volume, open.volume, 3e-8 * 40 * 4 * kPi * 4) << jitter;
@@ -247,7 +254,7 @@ TEST(Arcs, FourCirclesThroughOnePointAreSuspect) {
        {Vec3d{0.6, 0, 0.8}, Vec3d{-0.6, 0, 0.8}, Vec3d{0, 0.6, 0.8}, Vec3d{0, -0.6, 0.8}}) {
     spheres.push_back({1.6 * u, 1});
   }
-  const ArcMeasures m = measure(spheres);
+  const Measured m = measure(spheres);
   ASSERT_FALSE(m.suspect.empty());
   EXPECT_EQ(m.suspect.front(), 0u);
 }
@@ -255,11 +262,11 @@ TEST(Arcs, FourCirclesThroughOnePointAreSuspect) {
 // Near duplicates of near duplicates: no jitter may change the sums by more than it could.
 TEST(Arcs, JitterChangesLittle) {
   const std::vector<Sphere> cluster = random_spheres(20, 3.5, 1, 1.8, 12);
-  const ArcMeasures single = measure(cluster);
+  const Measured single = measure(cluster);
   for (const double jitter : {1e-15, 1e-13, 1e-11, 1e-9, 1e-8, 1e-7, 1e-6}) {
     std::vector<Sphere> spheres = cluster;
     for (const Sphere& s : jittered(cluster, jitter, 13)) spheres.push_back(s);
-    const ArcMeasures m = measure(spheres);
+    const Measured m = measure(spheres);
     // A radius and a center that move by e each move the surface by at most (1 + sqrt 3) e, and
     // dA/dr is below 8 pi r.
     const double tolerance = 2.74 * jitter * 20 * 8 * kPi * 1.8 + kDegenerate * single.area;
@@ -275,7 +282,7 @@ TEST(Arcs, BallCoveredByManyIsFoundBuried) {
       for (const double z : {-1.0, 1.0}) spheres.push_back({{0.6 * x, 0.61 * y, 0.62 * z}, 1.2});
     }
   }
-  const ArcMeasures m = measure(spheres);
+  const Measured m = measure(spheres);
   EXPECT_EQ(m.per_sphere[0].area, 0);
   EXPECT_GE(m.per_sphere[0].volume, 0);
   spheres.erase(spheres.begin());
@@ -290,7 +297,7 @@ TEST(Arcs, PermutationPermutesTheResult) {
   std::shuffle(order.begin(), order.end(), std::mt19937_64(3));
   std::vector<Sphere> shuffled;
   for (const std::size_t i : order) shuffled.push_back(spheres[i]);
-  const ArcMeasures m = measure(spheres), p = measure(shuffled);
+  const Measured m = measure(spheres), p = measure(shuffled);
   for (std::size_t i = 0; i < order.size(); ++i) {
     EXPECT_EQ(p.per_sphere[i].area, m.per_sphere[order[i]].area);
     EXPECT_EQ(p.per_sphere[i].volume, m.per_sphere[order[i]].volume);
@@ -301,7 +308,7 @@ TEST(Arcs, PermutationPermutesTheResult) {
 
 TEST(Arcs, TranslationRotationAndScaling) {
   const std::vector<Sphere> spheres = random_spheres(500, 9, 1, 2, 4);
-  const ArcMeasures m = measure(spheres);
+  const Measured m = measure(spheres);
   for (const double shift : {1024.0, 1048576.0}) {
     std::vector<Sphere> moved = spheres;
     for (Sphere& s : moved) s.center = s.center + Vec3d{shift, -shift, shift};
@@ -325,13 +332,31 @@ TEST(Arcs, AnyNumberOfThreadsGivesTheSameBits) {
   const ArcMeasures free = arc_measures(spheres);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const ArcMeasures alone = arc_measures(spheres);
-  EXPECT_EQ(free.area, alone.area);
-  EXPECT_EQ(free.volume, alone.volume);
   EXPECT_EQ(free.suspect, alone.suspect);
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     ASSERT_EQ(free.per_sphere[i].area, alone.per_sphere[i].area);
     ASSERT_EQ(free.per_sphere[i].volume, alone.per_sphere[i].volume);
   }
+}
+
+// More entries than one block of the sum. The exact sum has an independent mechanism.
+TEST(TotalMeasures, AreTheExactSumsForAnyNumberOfThreads) {
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> exponent(-40, 40);
+  std::vector<SphereMeasures> entries(50'000);
+  ExactSum area, volume;
+  for (SphereMeasures& m : entries) {
+    m = {std::exp2(exponent(random)), std::exp2(exponent(random))};
+    area.add(m.area);
+    volume.add(m.volume);
+  }
+  const SphereMeasures free = total_measures(entries);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const SphereMeasures alone = total_measures(entries);
+  EXPECT_EQ(free.area, alone.area);
+  EXPECT_EQ(free.volume, alone.volume);
+  EXPECT_DOUBLE_EQ(free.area, area.nearest());
+  EXPECT_DOUBLE_EQ(free.volume, volume.nearest());
 }
 
 class StopAtOnce : public Monitor {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
+#include <span>
 #include <vector>
 
 #include "arrangement/arcs/cut_ball.hpp"
@@ -31,6 +33,32 @@ TEST(ArcKernel, ConcentricBallsAreBuriedByLargerOnesAlone) {
   EXPECT_EQ(make_cap(ball, {ball.center, 1.6}, unused), CapKind::buries);
   EXPECT_EQ(make_cap(ball, {ball.center, 1.4}, unused), CapKind::none);
   EXPECT_EQ(make_cap(ball, ball, unused), CapKind::none);  // else both would be lost
+}
+
+// CapOrder compares keys of fewer bits first and puts right what they leave in disorder. Near ties
+// differ by less than a step of a key; the sizes stand around a vector of keys and around the limit
+// above which it sorts by comparisons alone.
+TEST(ArcKernel, CapOrderIsThatOfSortingByComparisons) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> wide(-1, 1), narrow(0, 1e-7);
+  CapOrder order;
+  for (const std::size_t size : {0, 1, 2, 7, 8, 9, 15, 16, 17, 127, 128, 129, 300}) {
+    for (const double spread : {1.0, 0.0}) {
+      std::vector<Cap> caps;
+      for (std::size_t i = 0; i < size; ++i) {
+        caps.push_back(
+            cap(wide(random), wide(random), wide(random), spread * wide(random) + narrow(random)));
+        if (i % 5 == 4) caps.back().cosine = caps[i - 2].cosine;  // the axes decide
+      }
+      std::vector<Cap> sorted = caps;
+      std::ranges::sort(sorted, cuts_deeper);
+      const std::span<const std::uint32_t> found = order.sort(caps);
+      ASSERT_EQ(found.size(), size);
+      for (std::size_t i = 0; i < size; ++i) {
+        ASSERT_TRUE(same_cap(caps[found[i]], sorted[i])) << size << " caps, place " << i;
+      }
+    }
+  }
 }
 
 TEST(ArcKernel, OctantOfTheBall) {

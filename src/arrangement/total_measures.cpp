@@ -1,0 +1,51 @@
+// total_measures(): blocks of a fixed number of entries are summed side by side, then the blocks'
+// sums one after another.
+#include "arrangement/total_measures.hpp"
+
+#include <vector>
+
+#include "core/fixed_blocks.hpp"
+#include "core/sum.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kEntriesPerBlock = std::size_t{1} << 14;
+
+struct Totals {
+  WideSum area, volume;
+};
+
+Totals sum_of(std::span<const SphereMeasures> per_sphere, std::size_t first, std::size_t end,
+              const MeasuredSpheres& measured) {
+  Totals sum;
+  for (std::size_t i = first; i < end; ++i) {
+    if (!measured.contains(static_cast<SphereId>(i))) continue;
+    sum.area.add(per_sphere[i].area);
+    sum.volume.add(per_sphere[i].volume);
+  }
+  return sum;
+}
+
+}  // namespace
+
+SphereMeasures total_measures(std::span<const SphereMeasures> per_sphere,
+                              const MeasuredSpheres& measured) {
+  std::vector<Totals> parts(block_count(per_sphere.size(), kEntriesPerBlock));
+  for_each_block(per_sphere.size(), kEntriesPerBlock,
+                 [&](std::size_t block, std::size_t first, std::size_t end) {
+                   parts[block] = sum_of(per_sphere, first, end, measured);
+                 });
+  Totals sum;
+  for (const Totals& part : parts) {
+    sum.area.add(part.area);
+    sum.volume.add(part.volume);
+  }
+  return {sum.area.value(), sum.volume.value()};
+}
+
+SphereMeasures total_measures(std::span<const SphereMeasures> per_sphere) {
+  return total_measures(per_sphere, MeasuredSpheres(per_sphere.size(), std::nullopt));
+}
+
+}  // namespace vdwmesh
