@@ -8,7 +8,7 @@ import unittest
 
 import numpy as np
 import vdwmesh
-from program import UBIQUITIN, ProgramTest, need_shared, run
+from program import UBIQUITIN, ProgramTest, need_package, need_shared, run
 
 # A. Bondi, J. Phys. Chem. 68 (1964) 441; S. Alvarez, Dalton Trans. 42 (2013) 8617. Å.
 BONDI = {"C": 1.70, "N": 1.55, "O": 1.52, "S": 1.80}
@@ -33,6 +33,23 @@ class ReadTest(unittest.TestCase):
         self.assertEqual(molecule.chains.tolist(), [line[21] for line in lines])
         self.assertEqual(molecule.radii.tolist(), [BONDI[line[76:78].strip()] for line in lines])
         self.assertEqual(molecule.left_out, {"waters": 58})
+
+    def test_atoms_of_mmcif_are_those_of_gemmi(self):
+        gemmi = need_package("python3-gemmi", module="gemmi")
+        for name in ("special/1EJG.cif", "thesis/1HH0.cif", "thesis/1QL2.cif",
+                     "odd/biopython_a_structure.cif", "large/6ZU5.cif.gz"):  # fmt: skip
+            with self.subTest(name):
+                path = need_shared(f"molecules/{name}")
+                witness = [
+                    (chain.name, str(residue.seqid), residue.name, atom.name, atom.element.name,
+                     *atom.pos.tolist())
+                    for chain in gemmi.read_structure(str(path))[0]
+                    for residue in chain for atom in residue]  # fmt: skip
+                found = vdwmesh.read(path, waters=True, altloc="all")
+                ours = zip(found.chains.tolist(), found.resids.tolist(), found.resnames.tolist(),
+                           found.names.tolist(), found.elements.tolist(), *found.coords.T.tolist())  # fmt: skip
+                # gemmi brings the atoms of a residue together.
+                self.assertEqual(sorted(ours), sorted(witness))
 
     def test_all_ways_to_name_a_source_are_one(self):
         expected = vdwmesh.read(UBIQUITIN)

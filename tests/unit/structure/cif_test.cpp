@@ -115,6 +115,59 @@ TEST(MmCif, ColumnsInTwoLoopsAreNotLost) {
               HasSubstr("in one loop"));
 }
 
+TEST(MmCif, ColumnsMayStandInAnyOrderAmongOthers) {
+  const Molecule molecule = read_text_as(
+      "a.cif",
+      "data_x\n_entry.id 'a b'\nloop_\n_other.id\n_other.text\n1\n;_atom_site.id\nloop_\n;\n"
+      "save_frame\n_atom_site.id 7\nsave_\n"
+      "loop_\n_ATOM_SITE.cartn_Z\n_atom_site.Cartn_y\n_atom_site.Cartn_x\n_atom_site.unknown\n"
+      "_atom_site.label_asym_id\n_atom_site.label_seq_id\n_atom_site.label_comp_id\n"
+      "_atom_site.label_atom_id\n3 2 1 'a b' A 1 A \"O5'\"\n# the end\n");
+  ASSERT_EQ(molecule.atoms.size(), 1U);
+  EXPECT_EQ(molecule.atoms[0].position, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(molecule.atoms[0].name, "O5'");
+  EXPECT_EQ(molecule.atoms[0].element, "O");
+}
+
+TEST(MmCif, OneAtomMayStandWithoutALoop) {
+  const std::string atom =
+      "data_x\n_atom_site.Cartn_x 1\n_atom_site.Cartn_y 2\n_atom_site.Cartn_z 3\n"
+      "_atom_site.label_asym_id A\n_atom_site.label_seq_id 1\n_atom_site.label_comp_id ZN\n";
+  EXPECT_EQ(read_text_as("a.cif", atom + "_atom_site.label_atom_id ZN\n").atoms.at(0).element,
+            "Zn");
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif", atom),
+              HasSubstr("lacks the column label_atom_id"));
+}
+
+// Residue 1 comes again after residue 3, and 2 in another chain: four residues, of which the label
+// of highest occupancy is chosen one by one.
+TEST(MmCif, ResiduesAreFoundAgain) {
+  const std::string rows =
+      "ATOM 1 N N A GLY A 1 0 0 0 0.4 10 1 A 1\nATOM 2 C CA A GLY A 3 2 0 0 0.9 10 3 A 1\n"
+      "ATOM 3 N N B GLY A 1 4 0 0 0.6 10 1 A 1\nATOM 4 C CA B GLY B 1 6 0 0 0.1 10 1 B 1\n";
+  const Molecule molecule = read_text_as("a.cif", kColumns + rows);
+  EXPECT_EQ(molecule.skipped, (SkippedAtoms{{"alternate_locations", 1}}));
+  ASSERT_EQ(molecule.atoms.size(), 3U);
+  EXPECT_EQ(molecule.atoms[1].position.x, 4);
+}
+
+TEST(MmCif, BadRowsAreNamed) {
+  const std::string row = "ATOM 1 N N . GLY A 1 0 0 0 1 10 1 A 1\n";
+  const auto refusal_of = [&](const std::string& rows) {
+    return refusal_of_text<FileFormatError>("a.cif", kColumns + rows);
+  };
+  EXPECT_THAT(refusal_of(row + "ATOM 2 N N . GLY A 1 0 0 0 1 10 1x2 A 1\n"),
+              HasSubstr("row 2 of _atom_site: auth_seq_id is '1x2'"));
+  EXPECT_THAT(refusal_of(row + "ATOM 2 N N AB GLY A 1 0 0 0 1 10 1 A 1\n"),
+              HasSubstr("row 2 of _atom_site: label_alt_id is 'AB'"));
+  EXPECT_THAT(refusal_of(row + "ATOM 2 N N . GLY A 1 0 0\n"),
+              HasSubstr("not a multiple of its 16"));
+  EXPECT_THAT(refusal_of(row + "data_second\n" + kColumns.substr(10) + row),
+              HasSubstr("two data blocks, TEST and second"));
+  EXPECT_THAT(refusal_of_text<FileFormatError>("a.cif", "data_x\n1\n"),
+              HasSubstr("a.cif:2: the value '1' stands where"));
+}
+
 TEST(MmCif, LineEndsDoNotMatter) {
   const std::string text = kColumns + "ATOM 1 N N . GLY A 1 0 0 0 1 10 1 A 1\n";
   for (const std::string& end : {std::string("\r\n"), std::string("\r")}) {

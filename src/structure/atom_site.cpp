@@ -1,0 +1,222 @@
+// The hierarchy is the one that gemmi makes of mmCIF files: a change of the chain's name begins a
+// chain, and a residue is looked for among those of the chain before it is added, so rows of one
+// residue may stand apart. gemmi::Atom::serial is the index of the row from 0, so that it is also
+// the index of the row's AtomRecord.
+#include "structure/atom_site.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <gemmi/mmcif.hpp>
+#include <limits>
+#include <utility>
+
+#include "core/errors.hpp"
+#include "core/letters.hpp"
+#include "structure/elements.hpp"
+#include "structure/lines.hpp"
+#include "structure/mmcif_assembly.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using Column = AtomSiteColumn;
+
+// In the order of AtomSiteColumn.
+constexpr std::array<std::string_view, kAtomSiteColumns> kNames{
+    "group_PDB",       "id",
+    "type_symbol",     "label_atom_id",
+    "auth_atom_id",    "label_alt_id",
+    "label_comp_id",   "auth_comp_id",
+    "label_asym_id",   "auth_asym_id",
+    "label_entity_id", "label_seq_id",
+    "auth_seq_id",     "pdbx_PDB_ins_code",
+    "Cartn_x",         "Cartn_y",
+    "Cartn_z",         "occupancy",
+    "B_iso_or_equiv",  "pdbx_PDB_model_num"};
+
+// Tables beside _atom_site: assemblies for --assembly, entities for selections by their type.
+constexpr std::array<std::string_view, 5> kNeededTables{"_pdbx_struct_assembly_gen.",
+                                                        "_pdbx_struct_oper_list.", "_entity.",
+                                                        "_entity_poly.", "_struct_asym."};
+
+[[noreturn]] void refuse(const std::string& path, const std::string& what) {
+  throw FileFormatError(fmt::format("{}: {}", path, what));
+}
+
+bool same_letters(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return lower_case(x) == lower_case(y); });
+}
+
+// Throws, and names the coordinate that is at fault.
+[[noreturn]] void refuse_position(const AtomSiteRow& row, const AtomRecord& record,
+                                  const std::string& path) {
+  const std::array<double, 3> values{row.position.x, row.position.y, row.position.z};
+  std::size_t axis = 0;
+  while (axis < 2 && std::isfinite(values[axis])) ++axis;
+  refuse(path,
+         fmt::format("row {} of _atom_site (id {}): Cartn_{} is {}, not a finite number",
+                     record.line, record.serial, "xyz"[axis], in_quotes(row.position_texts[axis])));
+}
+
+// The subchains of each entity. gemmi fills in the table _struct_asym; if the file lacks it, the
+// column label_entity_id tells.
+void list_subchains(gemmi::Structure& structure) {
+  for (const gemmi::Chain& chain : structure.models.front().chains)
+    for (const gemmi::Residue& residue : chain.residues)
+      if (gemmi::Entity* entity = structure.get_entity(residue.entity_id))
+        if (!gemmi::in_vector(residue.subchain, entity->subchains))
+          entity->subchains.push_back(residue.subchain);
+}
+
+}  // namespace
+
+std::optional<AtomSiteColumn> atom_site_column(std::string_view name) {
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    if (same_letters(kNames[i], name)) return static_cast<Column>(i);
+  return std::nullopt;
+}
+
+bool AtomSiteLayout::any() const {
+  return std::any_of(indices.begin(), indices.end(), [](int index) { return index >= 0; });
+}
+
+AtomSiteLayout completed_layout(AtomSiteLayout layout, const std::string& path) {
+  const auto complete = [&](Column lacking, Column substitute) {
+    if (layout[lacking] < 0) layout[lacking] = layout[substitute];
+  };
+  complete(Column::label_asym_id, Column::auth_asym_id);
+  complete(Column::auth_asym_id, Column::label_asym_id);
+  complete(Column::auth_seq_id, Column::label_seq_id);
+  complete(Column::auth_comp_id, Column::label_comp_id);
+  complete(Column::auth_atom_id, Column::label_atom_id);
+  const std::array<std::pair<Column, std::string_view>, 7> needed{{
+      {Column::label_asym_id, "label_asym_id"},
+      {Column::Cartn_x, "Cartn_x"},
+      {Column::Cartn_y, "Cartn_y"},
+      {Column::Cartn_z, "Cartn_z"},
+      {Column::auth_seq_id, "auth_seq_id"},
+      {Column::auth_comp_id, "label_comp_id"},
+      {Column::auth_atom_id, "label_atom_id"},
+  }};
+  for (const auto& [column, name] : needed)
+    if (layout[column] < 0)
+      refuse(path, fmt::format("its _atom_site table lacks the column {}", name));
+  return layout;
+}
+
+void AtomSiteBuilder::open_chain(const AtomSiteRow& row) {
+  chain_ = &model_->chains.emplace_back(std::string(row.chain));
+  residue_ = nullptr;
+  largest_number_ = std::numeric_limits<int>::min();
+}
+
+// A number above all others of the chain is that of a new residue. Chains that count up, as nearly
+// all do, are therefore never searched, which would take time quadratic in their length.
+void AtomSiteBuilder::open_residue(const AtomSiteRow& row) {
+  const int number = row.sequence.num.value;
+  const std::size_t room = residue_ ? residue_->atoms.size() : 0;
+  gemmi::ResidueId id;
+  id.seqid = row.sequence;
+  id.name = row.residue;
+  residue_ = number > largest_number_ ? nullptr : chain_->find_residue(id);
+  largest_number_ = std::max(largest_number_, number);
+  if (residue_) return;
+  residue_ = &chain_->residues.emplace_back(id);
+  residue_->atoms.reserve(room);  // the next residue is often of the same kind as the last
+  residue_->subchain = row.subchain;
+  residue_->entity_id = row.entity;
+  const char kind = row.group.empty() ? '\0' : upper_case(row.group.front());
+  if (kind == 'A' || kind == 'H') residue_->het_flag = kind;
+}
+
+// gemmi knows no element for a symbol with a charge ("O2-"). If the file gives no symbol, the names
+// of atom and residue decide.
+void AtomSiteBuilder::set_element(const AtomSiteRow& row, gemmi::Atom& atom, AtomRecord& record) {
+  atom.element = gemmi::Element(std::string(row.symbol));
+  if (atom.element != gemmi::El::X) return;
+  record.element_guessed = row.symbol.empty();
+  if (row.symbol.empty() && is_martini_bead(row.atom, row.residue)) file_.coarse_grained = true;
+  atom.element = gemmi::Element(row.symbol.empty() ? element_of_bare_name(row.atom, row.residue)
+                                                   : element_of_symbol(row.symbol));
+}
+
+void AtomSiteBuilder::add(const AtomSiteRow& row) {
+  AtomRecord record;
+  record.line = static_cast<std::uint32_t>(file_.atoms.size()) + 1;
+  record.serial = row.id.value_or(record.line);
+  record.hetero = !row.group.empty() && upper_case(row.group.front()) == 'H';
+  const gemmi::Position& p = row.position;
+  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+    refuse_position(row, record, file_.path);
+  if (!model_ || model_->name != row.model) {
+    model_ = &gemmi::impl::find_or_add(models_, std::string(row.model));
+    chain_ = nullptr;
+  }
+  if (!chain_ || chain_->name != row.chain) open_chain(row);
+  if (!residue_ || residue_->seqid != row.sequence || residue_->name != row.residue)
+    open_residue(row);
+  gemmi::Atom& atom = residue_->atoms.emplace_back();
+  atom.name = row.atom;
+  atom.altloc = row.altloc;
+  atom.serial = static_cast<int>(file_.atoms.size());
+  atom.pos = p;
+  atom.occ = row.occupancy;
+  atom.b_iso = row.b_iso;
+  set_element(row, atom, record);
+  file_.atoms.push_back(record);
+}
+
+void AtomSiteBuilder::finish(gemmi::cif::Block& rest) {
+  if (file_.atoms.empty())
+    refuse(file_.path, "its _atom_site table has no rows, so there is nothing to mesh");
+  file_.assemblies = take_assembly_tables(rest);
+  gemmi::Structure& structure = *file_.structure;
+  structure = gemmi::make_structure_from_block(rest);
+  structure.models = std::move(models_);
+  if (!rest.has_tag("_struct_asym.id")) list_subchains(structure);
+  gemmi::impl::fill_residue_entity_type(structure);
+}
+
+bool is_needed_table(std::string_view prefix) {
+  return std::any_of(kNeededTables.begin(), kNeededTables.end(),
+                     [prefix](std::string_view table) { return same_letters(table, prefix); });
+}
+
+gemmi::SeqId sequence_id(std::string_view number, std::string_view code, std::size_t row,
+                         const std::string& path) {
+  constexpr std::size_t kMostDigits = 9;  // always fit an int, because 2^31 - 1 has ten
+  gemmi::SeqId id;
+  if (code.size() > 1)
+    refuse(path, fmt::format("row {} of _atom_site: pdbx_PDB_ins_code is {}, not one character",
+                             row, in_quotes(code)));
+  if (!code.empty()) id.icode = code.front();
+  if (number.empty()) return id;
+  std::string_view digits = number;
+  if (digits.back() >= 'A') {
+    if (code.empty()) id.icode = digits.back();
+    digits.remove_suffix(1);
+    if (id.icode != number.back())
+      refuse(path, fmt::format("row {} of _atom_site: auth_seq_id is {}, but pdbx_PDB_ins_code {}",
+                               row, in_quotes(number), in_quotes(code)));
+  }
+  const std::optional<std::int64_t> value = whole_number(digits);
+  if (digits.size() > kMostDigits || !value)
+    refuse(path,
+           fmt::format("row {} of _atom_site: auth_seq_id is {}, not a whole number of at most "
+                       "{} digits",
+                       row, in_quotes(number), kMostDigits));
+  id.num = static_cast<int>(*value);
+  return id;
+}
+
+char altloc_of(std::string_view label, std::size_t row, const std::string& path) {
+  if (label.size() > 1)
+    refuse(path, fmt::format("row {} of _atom_site: label_alt_id is {}, not one character", row,
+                             in_quotes(label)));
+  return label.empty() ? '\0' : label.front();
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,123 @@
+// Builds the structure of a ParsedFile from the rows of the table _atom_site, which mmCIF and
+// BinaryCIF files share. Each reader turns its rows into AtomSiteRows and hands them over one after
+// the other, so no copy of the table is kept. What the formats have in common is decided here:
+// which columns stand in for missing ones, what is refused, and how rows become chains and
+// residues. Internal header of this folder.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <gemmi/model.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "structure/parsed_file.hpp"
+
+namespace gemmi::cif {
+struct Block;
+struct Item;
+}  // namespace gemmi::cif
+
+namespace vdwmesh {
+
+// The columns that are read. Files may have others, in any order.
+enum class AtomSiteColumn : std::uint8_t {
+  group_PDB,
+  id,
+  type_symbol,
+  label_atom_id,
+  auth_atom_id,
+  label_alt_id,
+  label_comp_id,
+  auth_comp_id,
+  label_asym_id,
+  auth_asym_id,
+  label_entity_id,
+  label_seq_id,
+  auth_seq_id,
+  pdbx_PDB_ins_code,
+  Cartn_x,
+  Cartn_y,
+  Cartn_z,
+  occupancy,
+  B_iso_or_equiv,
+  pdbx_PDB_model_num,
+};
+inline constexpr std::size_t kAtomSiteColumns = 20;
+
+// The column of that name, without "_atom_site.", in any case. Nothing if it is not read.
+std::optional<AtomSiteColumn> atom_site_column(std::string_view name);
+
+// For each column its index in the table of the file; -1 if the table lacks it.
+struct AtomSiteLayout {
+  AtomSiteLayout() { indices.fill(-1); }
+  int& operator[](AtomSiteColumn column) { return indices[static_cast<std::size_t>(column)]; }
+  int operator[](AtomSiteColumn column) const { return indices[static_cast<std::size_t>(column)]; }
+  // Whether the table has any of the columns.
+  bool any() const;
+
+  std::array<int, kAtomSiteColumns> indices;
+};
+
+// Lets columns stand in for others that the table lacks, so that afterwards label_asym_id and the
+// author's columns (auth_...) name chains, residues and atoms. Throws FileFormatError if the table
+// lacks coordinates, chains, residue numbers, or the names of residues or atoms.
+AtomSiteLayout completed_layout(AtomSiteLayout layout, const std::string& path);
+
+// One row. Texts are without quotes, and empty for a value that is not given; they must last until
+// AtomSiteBuilder::add() returns. Chain, residue and atom are named as the author named them.
+struct AtomSiteRow {
+  std::string_view group, symbol, atom, residue, chain, subchain, entity, model;
+  std::optional<std::int64_t> id;  // nothing: not given, or no integer
+  char altloc = '\0';              // '\0': none
+  gemmi::SeqId sequence;           // the residue's number and insertion code
+  gemmi::Position position;        // Å; NaN where the value is no number
+  float occupancy = 1, b_iso = 50;
+  std::array<std::string_view, 3> position_texts;  // as they stand in the file, for messages
+};
+
+// Adds rows to `file`, whose path must be set, and which must outlast the builder.
+class AtomSiteBuilder {
+ public:
+  explicit AtomSiteBuilder(ParsedFile& file) : file_(file) {}
+
+  // Makes room for that many rows.
+  void reserve(std::size_t rows) { file_.atoms.reserve(rows); }
+
+  // Adds one row. Throws FileFormatError if its position is not finite.
+  void add(const AtomSiteRow& row);
+
+  // Call once, after the last row: completes file.structure and file.assemblies by the tables in
+  // `rest`, of which only those that is_needed_table() names are used. Throws FileFormatError if
+  // there were no rows.
+  void finish(gemmi::cif::Block& rest);
+
+ private:
+  void open_chain(const AtomSiteRow& row);
+  void open_residue(const AtomSiteRow& row);
+  void set_element(const AtomSiteRow& row, gemmi::Atom& atom, AtomRecord& record);
+
+  ParsedFile& file_;
+  std::vector<gemmi::Model> models_;
+  gemmi::Model* model_ = nullptr;  // of the last row, as chain_ and residue_
+  gemmi::Chain* chain_ = nullptr;
+  gemmi::Residue* residue_ = nullptr;
+  int largest_number_ = 0;  // of the residues in chain_
+};
+
+// Whether finish() needs the table whose tags begin with `prefix`, as "_entity.".
+bool is_needed_table(std::string_view prefix);
+
+// The residue's number and insertion code as gemmi has them. Old files write both into the column
+// auth_seq_id ("15A"). Throws FileFormatError, with the row from 1, if the number is not an integer
+// of at most nine digits or the code not one character.
+gemmi::SeqId sequence_id(std::string_view number, std::string_view code, std::size_t row,
+                         const std::string& path);
+
+// The label of an alternate location: '\0' for an empty text. Throws FileFormatError, with the row
+// from 1, if it has more than one character.
+char altloc_of(std::string_view label, std::size_t row, const std::string& path);
+
+}  // namespace vdwmesh

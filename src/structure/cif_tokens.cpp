@@ -1,0 +1,136 @@
+// A hand-written scanner: the first character of a token decides what it is, and the loops that
+// look for its end visit each character once.
+#include "structure/cif_tokens.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+
+#include "core/errors.hpp"
+#include "core/letters.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr bool is_blank(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
+
+bool begins_with(std::string_view word, std::string_view start) {  // `start` in lower case
+  return word.size() >= start.size() &&
+         std::equal(start.begin(), start.end(), word.begin(),
+                    [](char a, char b) { return a == lower_case(b); });
+}
+
+// What an unquoted token is. Only the first letters of keywords need a closer look.
+CifKind kind_of(std::string_view word) {
+  switch (word.front()) {
+    case '_':
+      return CifKind::tag;
+    case 'd':
+    case 'D':
+      return begins_with(word, "data_") ? CifKind::data : CifKind::value;
+    case 'l':
+    case 'L':
+      return word.size() == 5 && begins_with(word, "loop_") ? CifKind::loop : CifKind::value;
+    case 's':
+    case 'S':
+      return begins_with(word, "save_") ? CifKind::save : CifKind::value;
+    default:
+      return CifKind::value;
+  }
+}
+
+bool is_reserved(std::string_view word) {
+  return (word.size() == 5 && begins_with(word, "stop_")) ||
+         (word.size() == 7 && begins_with(word, "global_"));
+}
+
+}  // namespace
+
+void CifTokens::skip_blanks() {
+  while (at_ < text_.size()) {
+    if (is_blank(text_[at_])) {
+      ++at_;
+    } else if (text_[at_] == '#') {
+      at_ = std::min(text_.find('\n', at_), text_.size());
+    } else {
+      return;
+    }
+  }
+}
+
+// Moves behind `length` characters from the start of the token, and returns them.
+std::string_view CifTokens::take(std::size_t length) {
+  at_ = start_ + length;
+  return text_.substr(start_, length);
+}
+
+CifToken CifTokens::text_field() {
+  const std::size_t end = text_.find("\n;", start_);
+  if (end == text_.npos) fail("a text field without end (a semicolon that begins a line)");
+  return {CifKind::value, take(end + 2 - start_)};
+}
+
+CifToken CifTokens::quoted() {
+  const char quote = text_[start_];
+  for (std::size_t i = start_ + 1; i < text_.size() && text_[i] != '\n'; ++i)
+    if (text_[i] == quote && (i + 1 == text_.size() || is_blank(text_[i + 1])))
+      return {CifKind::value, take(i + 1 - start_)};
+  fail("a quote without end");
+}
+
+CifToken CifTokens::word() {
+  std::size_t end = start_;
+  while (end < text_.size() && !is_blank(text_[end])) ++end;
+  const std::string_view text = take(end - start_);
+  const CifKind kind = kind_of(text);
+  if (kind == CifKind::value && is_reserved(text)) fail(fmt::format("the reserved word {}", text));
+  return {kind, text};
+}
+
+CifToken CifTokens::next() {
+  skip_blanks();
+  start_ = at_;
+  if (at_ == text_.size()) return {};
+  const char c = text_[at_];
+  if (c == '\'' || c == '"') return quoted();
+  if (c == ';' && (at_ == 0 || text_[at_ - 1] == '\n')) return text_field();
+  return word();
+}
+
+void CifTokens::fail(const std::string& what) const {
+  const auto line =
+      1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(start_), '\n');
+  throw FileFormatError(fmt::format("{}:{}: {}", path_, line, what));
+}
+
+std::string_view cif_text(std::string_view value) {
+  if (value == "?" || value == ".") return {};
+  if (value.size() >= 2 && (value.front() == '\'' || value.front() == '"'))
+    return value.substr(1, value.size() - 2);
+  if (value.size() > 2 && value.front() == ';' && value.ends_with("\n;")) {
+    value = value.substr(1, value.size() - 3);
+    if (value.ends_with('\r')) value.remove_suffix(1);
+  }
+  return value;
+}
+
+double cif_number(std::string_view value) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (value.starts_with('+') && !value.starts_with("+-")) value.remove_prefix(1);
+  // from_chars reads "inf" and "nan", too, which CIF does not know.
+  const std::size_t first = value.starts_with('-') ? 1 : 0;
+  if (first == value.size() || (!is_digit(value[first]) && value[first] != '.')) return kNone;
+  double number = 0;
+  const char* const last = value.data() + value.size();
+  const auto [end, error] = std::from_chars(value.data(), last, number);
+  if (error != std::errc()) return kNone;
+  if (end == last) return number;
+  const bool uncertain =
+      *end == '(' && value.back() == ')' && std::all_of(end + 1, last - 1, is_digit);
+  return uncertain ? number : kNone;
+}
+
+}  // namespace vdwmesh

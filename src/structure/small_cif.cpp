@@ -1,0 +1,108 @@
+// Reads CIF files of small molecules as their asymmetric unit. gemmi parses the text and places the
+// fractional coordinates.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <gemmi/cif.hpp>
+#include <gemmi/model.hpp>
+#include <gemmi/smcif.hpp>
+
+#include "core/errors.hpp"
+#include "structure/elements.hpp"
+#include "structure/mmcif.hpp"
+
+namespace vdwmesh {
+namespace {
+
+namespace cif = gemmi::cif;
+
+[[noreturn]] void refuse(const std::string& path, const std::string& what) {
+  throw FileFormatError(fmt::format("{}: {}", path, what));
+}
+
+// The only data block with fractional coordinates. Throws if there is more than one.
+cif::Block& block_with_atoms(cif::Document& document, const std::string& path) {
+  cif::Block* found = nullptr;
+  for (cif::Block& block : document.blocks) {
+    if (!block.has_tag("_atom_site_fract_x")) continue;
+    if (found) refuse(path, two_blocks_with_atoms(found->name, block.name));
+    found = &block;
+  }
+  if (!found) refuse(path, "has no atom coordinates; are they in a save frame?");
+  return *found;
+}
+
+// The element in the label of a small molecule's atom, which begins with the symbol. A second
+// letter in lower case belongs to the symbol: "Ca1" is calcium. In capitals, "CA1" may be calcium
+// or a carbon A1, so the rules for bare atom names decide. They also decide if the symbol is
+// unknown, "X". The test for "X" catches xenon, "Xe", too, which these rules find as well.
+const char* element_of_label(const std::string& label) {
+  const bool two = label.size() > 1 && std::islower(static_cast<unsigned char>(label[1])) != 0;
+  const char* element = two ? element_of_symbol(label.substr(0, 2)) : "X";
+  return element[0] != 'X' ? element : element_of_bare_name(label, "");
+}
+
+// The atom of row `index`. Fractional coordinates become Cartesian ones (Å) by the unit cell. If
+// the row has no symbol, its label gives the element. gemmi takes a symbol such as "OW" for two
+// letters and knows no such element; the rules for bare atom names then find the first letter.
+//
+// A disorder group from 1 to 9 becomes the label of an alternate location. A minus sign marks
+// disorder about a special position and is ignored. Higher numbers give no label.
+gemmi::Atom crystal_atom(const gemmi::SmallStructure& crystal, std::size_t index, bool has_symbol,
+                         const std::string& path) {
+  const gemmi::SmallStructure::Site& site = crystal.sites[index];
+  gemmi::Atom atom;
+  atom.name = site.label;
+  atom.element = has_symbol ? site.element : gemmi::Element(element_of_label(site.label));
+  if (atom.element == gemmi::El::X)
+    atom.element = gemmi::Element(element_of_bare_name(site.type_symbol, ""));
+  atom.serial = static_cast<int>(index);
+  atom.occ = static_cast<float>(site.occ);
+  const int group = std::abs(site.disorder_group);
+  if (group > 0 && group < 10) atom.altloc = static_cast<char>('0' + group);
+  atom.pos = site.orth(crystal.cell);
+  if (!std::isfinite(atom.pos.x) || !std::isfinite(atom.pos.y) || !std::isfinite(atom.pos.z))
+    refuse(path, fmt::format("row {} of _atom_site ({}): its fractional coordinates are not finite "
+                             "numbers",
+                             index + 1, site.label));
+  return atom;
+}
+
+// All atoms go into one residue UNL ("unknown ligand") of chain A in model 1. Their AtomRecords
+// hold the row from 1 twice, as line and as serial, because these files number no atoms.
+void read_block(cif::Block& block, ParsedFile& file) {
+  const gemmi::SmallStructure crystal = gemmi::make_small_structure_from_block(block);
+  if (crystal.sites.empty()) refuse(file.path, "its _atom_site table has no rows");
+  if (!crystal.cell.is_crystal())
+    refuse(file.path, "gives fractional coordinates but no unit cell to place them in");
+  // Without this column gemmi fills type_symbol with the label, which must not count as a symbol.
+  const bool has_symbols = block.has_tag("_atom_site_type_symbol");
+  gemmi::Residue residue;
+  residue.name = "UNL";
+  residue.seqid.num = 1;
+  for (std::size_t i = 0; i < crystal.sites.size(); ++i) {
+    const bool has_symbol = has_symbols && !crystal.sites[i].type_symbol.empty();
+    residue.atoms.push_back(crystal_atom(crystal, i, has_symbol, file.path));
+    AtomRecord record;
+    record.serial = static_cast<std::int64_t>(i) + 1;
+    record.line = static_cast<std::uint32_t>(i) + 1;
+    record.element_guessed = !has_symbol;
+    file.atoms.push_back(record);
+  }
+  gemmi::Model model("1");
+  model.chains.emplace_back("A");
+  model.chains[0].residues.push_back(std::move(residue));
+  file.structure->models.push_back(std::move(model));
+  file.format = "cif";
+}
+
+}  // namespace
+
+void read_small_molecule(std::string_view text, ParsedFile& file) {
+  cif::Document document = cif::read_memory(text.data(), text.size(), file.path.c_str());
+  read_block(block_with_atoms(document, file.path), file);
+}
+
+}  // namespace vdwmesh
