@@ -9,7 +9,7 @@ set(spheres_headers cell_list_frame sphere_set)
 set(surface_headers indexed_mesh vertex_labels)
 set(extract_headers extractor field grid sampled_field)
 set(refine_headers refiner)
-set(arrangement_headers exact_mesher exact_union union_measurer)
+set(arrangement_headers exact_mesher exact_union frame_measures union_measurer)
 set(mesh_headers element_color mesh_io surface_mesh surface_mesh_builder)
 set(analysis_headers comparison convergence distances exposure mesh_measures quality_histograms
     signed_distance study)

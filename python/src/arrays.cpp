@@ -117,35 +117,23 @@ std::vector<Vec3d> points_of(const Numbers& rows) {
   return points;
 }
 
-void points_of_frame(const Numbers& frames, std::size_t frame, std::vector<Vec3d>& points) {
-  if (frames.size(2) != 3 || frames.size(1) == 0) {
-    throw InvalidInput(fmt::format("{}: has shape ({}, {}, {}); (T, N, 3) is needed, N above 0",
-                                   frames.name(), frames.size(0), frames.size(1), frames.size(2)));
-  }
-  points.resize(frames.size(1));
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i] = {frames(frame, i, 0), frames(frame, i, 1), frames(frame, i, 2)};
-    if (!is_finite(points[i])) {
-      throw_not_finite(fmt::format("{}[{}, {}]", frames.name(), frame, i), points[i]);
-    }
-  }
-}
-
-SphereSet spheres_of(const std::vector<Vec3d>& centers, const Numbers& radii, double probe) {
+std::vector<double> grown_radii(const Numbers& radii, std::size_t atoms, double probe) {
   if (!std::isfinite(probe)) throw InvalidInput(fmt::format("probe: {} is not finite", probe));
-  if (centers.size() != radii.size(0)) {
+  if (atoms != radii.size(0)) {
     throw InvalidInput(fmt::format("{}: has {} radii for {} atoms; each atom needs one",
-                                   radii.name(), radii.size(0), centers.size()));
+                                   radii.name(), radii.size(0), atoms));
   }
-  std::vector<Sphere> spheres(centers.size());
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    spheres[i] = {centers[i], radius_or_refuse(radii, i, probe)};
-  }
-  return SphereSet(std::move(spheres));
+  std::vector<double> grown(atoms);
+  for (std::size_t i = 0; i < atoms; ++i) grown[i] = radius_or_refuse(radii, i, probe);
+  return grown;
 }
 
 SphereSet spheres_of(const Numbers& centers, const Numbers& radii, double probe) {
-  return spheres_of(points_of(centers), radii, probe);
+  const std::vector<Vec3d> points = points_of(centers);
+  const std::vector<double> grown = grown_radii(radii, points.size(), probe);
+  std::vector<Sphere> spheres(points.size());
+  for (std::size_t i = 0; i < spheres.size(); ++i) spheres[i] = {points[i], grown[i]};
+  return SphereSet(std::move(spheres));
 }
 
 std::vector<SphereId> ids_of(const py::buffer& array) {

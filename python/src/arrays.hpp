@@ -99,14 +99,12 @@ class Numbers {
 // Points (Å) from an array of shape (N, 3). Throws InvalidInput that names the argument and the row
 // for a number that is not finite, and for no rows at all.
 std::vector<Vec3d> points_of(const Numbers& rows);
-// The same from frame `frame` of an array of shape (T, N, 3), written over `points`.
-void points_of_frame(const Numbers& frames, std::size_t frame, std::vector<Vec3d>& points);
-
 // The balls of centres (N, 3) and radii (N,), grown by the probe, all in Å. Throws InvalidInput
 // that names the argument and the ball: different lengths, numbers that are not finite, a radius
 // below 0, a radius that is not above 0 with the probe.
 SphereSet spheres_of(const Numbers& centers, const Numbers& radii, double probe);
-SphereSet spheres_of(const std::vector<Vec3d>& centers, const Numbers& radii, double probe);
+// The radii of so many atoms, grown by the probe, with the same checks of them.
+std::vector<double> grown_radii(const Numbers& radii, std::size_t atoms, double probe);
 
 // Ids from an array of unsigned 32-bit integers of one dimension, which the Python layer makes.
 std::vector<SphereId> ids_of(const py::buffer& array);

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "core/errors.hpp"
-#include "topics.hpp"
 
 namespace vdwmesh::python {
 
@@ -14,12 +13,5 @@ Backend backend_of(const std::string& device) {
   if (device == "cuda") return resolve(Backend::cuda);
   throw InvalidInput(fmt::format("device: {}; there are auto, cpu and cuda", device));
 }
-
-void require_cpu(const std::string& device) {
-  if (backend_of(device) != Backend::cuda) return;
-  throw BackendUnavailable("device: this is computed on the CPU alone; leave device to auto");
-}
-
-void bind_devices(pybind11::module_& module) { module.def("require_cpu", &require_cpu); }
 
 }  // namespace vdwmesh::python

@@ -11,7 +11,4 @@ namespace vdwmesh::python {
 // where no device is present.
 Backend backend_of(const std::string& device);
 
-// For computations that have no CUDA code: "auto" and "cpu" pass, "cuda" is BackendUnavailable.
-void require_cpu(const std::string& device);
-
 }  // namespace vdwmesh::python

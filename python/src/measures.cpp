@@ -1,24 +1,24 @@
-// Exact measures of unions of balls for Python. Arrays of a result are views of the ExactUnion,
-// which they keep alive together.
+// Exact measures of unions of balls for Python, of one set or of many frames. Arrays of a result
+// are views of the ExactUnion, which they keep alive together.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <limits>
 #include <map>
 
-#include "arrangement/exact_union.hpp"
+#include "arrangement/frame_measures.hpp"
 #include "arrays.hpp"
 #include "call.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
+#include "devices.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {
 namespace {
 
 using namespace py::literals;
-
-using Ids = std::optional<std::vector<SphereId>>;  // of the atoms that are measured; empty: all
 
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
@@ -40,16 +40,135 @@ const std::string& name_of(UnionMethod method) {
   throw InternalError("a method of the exact union without a name");
 }
 
-Ids ids_or_all(const std::optional<py::buffer>& atoms) {
-  return atoms ? Ids(ids_of(*atoms)) : std::nullopt;
+// The Python layer knows these names alone.
+TopologyRequest topology_of(const std::string& name) {
+  if (name == "none") return TopologyRequest::none;
+  return name == "counts" ? TopologyRequest::counts : TopologyRequest::full;
 }
 
-std::optional<std::span<const SphereId>> span_of(const Ids& ids) {
-  return ids ? std::optional<std::span<const SphereId>>(*ids) : std::nullopt;
+// What the functions of Python ask for, beside coordinates and radii.
+struct Request {
+  explicit Request(const py::kwargs& given)
+      : unit(given["unit"].cast<double>()),
+        probe(given["probe"].cast<double>()),
+        topology(topology_of(given["topology"].cast<std::string>())),
+        method(method_of(given["method"].cast<std::string>())),
+        per_atom(given["per_atom"].cast<bool>()),
+        groups(given["group_count"].cast<std::size_t>()),
+        threads(given["threads"].cast<std::optional<int>>()),
+        backend(backend_of(given["device"].cast<std::string>())),
+        balls(given["balls"].cast<std::size_t>()) {
+    if (!given["atoms"].is_none()) atoms = ids_of(given["atoms"].cast<py::buffer>());
+    if (groups > 0) group = ids_of(given["groups"].cast<py::buffer>());
+  }
+
+  double unit, probe;
+  TopologyRequest topology;
+  UnionMethod method;
+  bool per_atom;
+  std::size_t groups;                          // 0: sums by group are not wanted
+  std::vector<SphereId> group;                 // of each atom
+  std::optional<std::vector<SphereId>> atoms;  // that are measured
+  std::optional<int> threads;
+  Backend backend;
+  std::size_t balls;  // in all frames of this call and of those that belong to it
+};
+
+// The device's measurer, or null where the CPU is to measure. Throws BackendUnavailable if a device
+// is asked for what it cannot do.
+std::unique_ptr<UnionMeasurer> measurer_for(const Request& request) {
+  const bool arcs = method_for(request.method, request.topology) == UnionMethod::arcs;
+  const bool is_able = arcs && request.topology == TopologyRequest::none;
+  if (request.backend == Backend::cuda) {
+    if (is_able) return make_union_measurer(Backend::cuda);
+    throw BackendUnavailable(
+        "device: a device measures areas and volumes by arcs; topology and the other methods are "
+        "computed on the CPU, so leave device to auto");
+  }
+  const bool pays = is_able && request.balls >= kBallsWorthADevice;
+  if (request.backend == Backend::cpu || !pays) return nullptr;
+  if (resolve(Backend::automatic) == Backend::cpu) return nullptr;
+  return make_union_measurer(Backend::automatic);
 }
 
-py::object topology_of(const std::shared_ptr<const ExactUnion>& exact, bool wanted) {
-  if (!wanted || !exact->topology) return py::none();
+FrameOptions options_of(const Request& request, const UnionMeasurer* measurer, Monitor& monitor) {
+  FrameOptions options;
+  options.measures.method = request.method;
+  options.measures.monitor = &monitor;
+  options.measures.topology = request.topology;
+  if (request.atoms) options.measures.measured = *request.atoms;
+  const bool keep = request.per_atom || request.groups > 0;
+  options.per_sphere = keep ? PerSphere::keep : PerSphere::drop;
+  options.measurer = measurer;
+  return options;
+}
+
+FrameCoordinates coordinates_of(const Numbers& frames, double unit) {
+  if (frames.size(2) != 3 || frames.size(1) == 0) {
+    throw InvalidInput(fmt::format("{}: has shape ({}, {}, {}); (T, N, 3) is needed, N above 0",
+                                   frames.name(), frames.size(0), frames.size(1), frames.size(2)));
+  }
+  return {.first = frames.bytes(),
+          .type = frames.is_float32() ? CoordinateType::float32 : CoordinateType::float64,
+          .frames = frames.size(0),
+          .atoms = frames.size(1),
+          .frame_stride = frames.strides()[0],
+          .atom_stride = frames.strides()[1],
+          .axis_stride = frames.strides()[2],
+          .unit = unit};
+}
+
+// Sums of the atoms' areas by group; NaN for a group of which no atom was measured.
+std::vector<double> areas_by_group(const std::vector<SphereMeasures>& atoms,
+                                   const Request& request) {
+  std::vector<WideSum> wide(request.groups);
+  std::vector<bool> is_measured(request.groups);
+  for (std::size_t i = 0; i < atoms.size(); ++i) {
+    if (std::isnan(atoms[i].area)) continue;
+    wide[request.group[i]].add(atoms[i].area);
+    is_measured[request.group[i]] = true;
+  }
+  std::vector<double> sums(request.groups);
+  for (std::size_t g = 0; g < sums.size(); ++g) {
+    sums[g] = is_measured[g] ? wide[g].value() : kNotMeasured;
+  }
+  return sums;
+}
+
+// What the library finds of some frames.
+struct Found {
+  std::vector<ExactUnion> frames;
+  std::vector<std::vector<double>> groups;  // one for each frame, if wanted
+  std::optional<InvalidFrame> invalid;      // of the first frame that is not there
+};
+
+Found measure_all(const Numbers& coords, const Numbers& sizes, const Request& request,
+                  Monitor& monitor) {
+  const std::unique_ptr<UnionMeasurer> measurer = measurer_for(request);
+  const std::vector<double> radii = grown_radii(sizes, coords.size(1), request.probe);
+  Found found;
+  try {
+    measure_frames(found.frames, radii, coordinates_of(coords, request.unit),
+                   options_of(request, measurer.get(), monitor));
+  } catch (const InvalidFrame& error) {
+    found.invalid = error;
+  }
+  for (ExactUnion& frame : found.frames) {
+    if (request.groups > 0) found.groups.push_back(areas_by_group(frame.per_sphere, request));
+    if (!request.per_atom) frame.per_sphere = {};
+  }
+  return found;
+}
+
+py::object counts_of(const ExactUnion& exact, TopologyRequest wanted) {
+  if (wanted == TopologyRequest::none || !exact.counts) return py::none();
+  const UnionCounts& c = *exact.counts;
+  return py::dict("components"_a = c.components, "euler_characteristic"_a = c.euler_characteristic,
+                  "hidden_atoms"_a = c.hidden_spheres);
+}
+
+py::object topology_of(const std::shared_ptr<const ExactUnion>& exact, TopologyRequest wanted) {
+  if (wanted != TopologyRequest::full || !exact->topology) return py::none();
   const UnionTopology& t = *exact->topology;
   static_assert(sizeof(Shell) == 2 * sizeof(double));
   const auto* shells = reinterpret_cast<const double*>(t.shells.data());
@@ -60,97 +179,45 @@ py::object topology_of(const std::shared_ptr<const ExactUnion>& exact, bool want
       "outer_area"_a = t.outer_area, "void_area"_a = t.void_area, "void_volume"_a = t.void_volume);
 }
 
-py::dict dict_of(ExactUnion&& result, bool with_topology) {
+py::dict dict_of(ExactUnion&& result, TopologyRequest topology) {
   const auto exact = std::make_shared<const ExactUnion>(std::move(result));
   const auto& atoms = exact->per_sphere;
-  const std::size_t row = sizeof(SphereMeasures);
-  return py::dict("area"_a = exact->area, "volume"_a = exact->volume,
-                  "atom_area"_a = array_of(exact, &atoms.data()->area, atoms.size(), 0, row),
-                  "atom_volume"_a = array_of(exact, &atoms.data()->volume, atoms.size(), 0, row),
-                  "topology"_a = topology_of(exact, with_topology),
-                  "method"_a = name_of(exact->method), "check_area"_a = exact->check_area,
-                  "check_volume"_a = exact->check_volume,
+  py::object areas = py::none(), volumes = py::none();
+  if (!atoms.empty()) {
+    const std::size_t row = sizeof(SphereMeasures);
+    areas = py::cast(array_of(exact, &atoms.data()->area, atoms.size(), 0, row));
+    volumes = py::cast(array_of(exact, &atoms.data()->volume, atoms.size(), 0, row));
+  }
+  return py::dict("area"_a = exact->area, "volume"_a = exact->volume, "atom_area"_a = areas,
+                  "atom_volume"_a = volumes, "counts"_a = counts_of(*exact, topology),
+                  "topology"_a = topology_of(exact, topology), "method"_a = name_of(exact->method),
+                  "check_area"_a = exact->check_area, "check_volume"_a = exact->check_volume,
                   "fallback_atoms"_a = exact->fallback_spheres);
 }
 
-UnionOptions options_of(UnionMethod method, bool topology, const Ids& atoms, Monitor& monitor) {
-  UnionOptions options;
-  options.method = method;
-  options.monitor = &monitor;
-  options.topology = topology ? TopologyRequest::full : TopologyRequest::none;
-  options.measured = span_of(atoms);
-  return options;
+py::object tuple_of(const std::optional<InvalidFrame>& invalid) {
+  if (!invalid) return py::none();
+  return py::make_tuple(invalid->frame(), invalid->atom(), std::string(invalid->what()));
 }
 
-py::dict exact(const py::buffer& coords, const py::buffer& radii, double probe,
-               const std::optional<py::buffer>& atoms, bool topology, const std::string& method,
-               std::optional<int> threads) {
-  const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
-  const Ids ids = ids_or_all(atoms);
-  const UnionMethod chosen = method_of(method);
-  ExactUnion result = call(threads, [&](Monitor& monitor) {
-    return exact_union(spheres_of(centers, sizes, probe),
-                       options_of(chosen, topology, ids, monitor));
-  });
-  return dict_of(std::move(result), topology);
-}
-
-// Sums of the atoms' areas by group; NaN for a group of which no atom was measured.
-void add_by_group(const std::vector<SphereMeasures>& atoms, const std::vector<SphereId>& group,
-                  double* sums, std::size_t groups) {
-  std::vector<WideSum> wide(groups);
-  std::vector<bool> is_measured(groups);
-  for (std::size_t i = 0; i < atoms.size(); ++i) {
-    if (std::isnan(atoms[i].area)) continue;
-    wide[group[i]].add(atoms[i].area);
-    is_measured[group[i]] = true;
-  }
-  for (std::size_t g = 0; g < groups; ++g) {
-    sums[g] = is_measured[g] ? wide[g].value() : kNotMeasured;
-  }
-}
-
-// The areas of all frames: one number for a frame without groups, else one for each group. Every
-// atom has a group below `groups`.
-std::vector<double> areas(const Numbers& frames, const Numbers& radii, double probe,
-                          const UnionOptions& options, const std::vector<SphereId>& group,
-                          std::size_t groups) {
-  std::vector<double> found(frames.size(0) * (groups > 0 ? groups : 1));
-  std::vector<Vec3d> centers;
-  SphereSet spheres;
-  ExactUnion exact{};
-  for (std::size_t t = 0; t < frames.size(0); ++t) {
-    points_of_frame(frames, t, centers);
-    if (t == 0) spheres = spheres_of(centers, radii, probe);
-    if (t > 0) spheres.move_to(centers);
-    exact_union_into(exact, spheres, options);
-    if (groups == 0) found[t] = exact.area;
-    if (groups > 0) add_by_group(exact.per_sphere, group, &found[t * groups], groups);
-  }
-  return found;
-}
-
-Array sasa(const py::buffer& coords, const py::buffer& radii, double probe,
-           const std::optional<py::buffer>& atoms, const std::optional<py::buffer>& group,
-           std::size_t groups, const std::string& method, std::optional<int> threads) {
+// The measures of the frames of `coords` (T, N, 3), one dict for each, up to the first that cannot
+// be measured; the areas by group; and None, or (frame, atom or None, reason).
+py::tuple measure(const py::buffer& coords, const py::buffer& radii, const py::kwargs& given) {
   const Numbers frames(coords, "coords", 3), sizes(radii, "radii", 1);
-  const Ids ids = ids_or_all(atoms);
-  const UnionMethod chosen = method_of(method);
-  const std::vector<SphereId> group_of = group ? ids_of(*group) : std::vector<SphereId>();
-  std::vector<double> found = call(threads, [&](Monitor& monitor) {
-    Workspace workspace;
-    UnionOptions options = options_of(chosen, false, ids, monitor);
-    options.workspace = &workspace;
-    return areas(frames, sizes, probe, options, group_of, groups);
+  const Request request(given);
+  Found found = call(request.threads, [&](Monitor& monitor) {
+    return measure_all(frames, sizes, request, monitor);
   });
-  return array_of(std::move(found));
+  py::list measured, groups;
+  for (ExactUnion& frame : found.frames) {
+    measured.append(dict_of(std::move(frame), request.topology));
+  }
+  for (std::vector<double>& sums : found.groups) groups.append(array_of(std::move(sums)));
+  return py::make_tuple(measured, groups, tuple_of(found.invalid));
 }
 
 }  // namespace
 
-void bind_measures(py::module_& module) {
-  module.def("exact", &exact);
-  module.def("sasa", &sasa);
-}
+void bind_measures(py::module_& module) { module.def("measure", &measure); }
 
 }  // namespace vdwmesh::python

@@ -12,7 +12,6 @@ PYBIND11_MODULE(_core, module) {
   module.attr("version") = VDWMESH_VERSION;
   translate_errors();
   bind_arrays(module);
-  bind_devices(module);
   bind_structures(module);
   bind_measures(module);
   bind_meshes(module);

@@ -6,7 +6,6 @@
 
 namespace vdwmesh::python {
 
-void bind_devices(pybind11::module_& module);     // devices.cpp
 void bind_structures(pybind11::module_& module);  // structures.cpp: files, radii
 void bind_measures(pybind11::module_& module);    // measures.cpp: exact measures
 void bind_meshes(pybind11::module_& module);      // meshes.cpp: meshes of spheres, of arrays, files

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
         signed_distance,
     )
     from vdwmesh._core import version as __version__
-    from vdwmesh._exact import ExactUnion, Topology, exact, sasa
+    from vdwmesh._exact import ExactUnion, exact, sasa
+    from vdwmesh._frames import FrameResult, TrajectoryResult, frames, trajectory
+    from vdwmesh._measure import Counts, Topology
     from vdwmesh._mesh import Mesh, marching_cubes, mesh
     from vdwmesh._molecule import Molecule, radii_of, read, sample
     from vdwmesh.errors import (
@@ -34,12 +36,14 @@ if TYPE_CHECKING:
 __all__ = [
     "BackendUnavailable",
     "Comparison",
+    "Counts",
     "CudaError",
     "DistanceStatistics",
     "Distribution",
     "Error",
     "ExactUnion",
     "FileFormatError",
+    "FrameResult",
     "InternalError",
     "InvalidInput",
     "LimitExceeded",
@@ -47,9 +51,11 @@ __all__ = [
     "Molecule",
     "Quality",
     "Topology",
+    "TrajectoryResult",
     "__version__",
     "compare",
     "exact",
+    "frames",
     "marching_cubes",
     "mesh",
     "quality",
@@ -58,6 +64,7 @@ __all__ = [
     "sample",
     "sasa",
     "signed_distance",
+    "trajectory",
 ]
 
 # Where each name is. A module is imported when one of its names is first used (PEP 562), because
@@ -65,7 +72,9 @@ __all__ = [
 _HOMES = {
     "_checks": "Comparison DistanceStatistics Distribution Quality "
     "compare quality signed_distance",
-    "_exact": "ExactUnion Topology exact sasa",
+    "_exact": "ExactUnion exact sasa",
+    "_frames": "FrameResult TrajectoryResult frames trajectory",
+    "_measure": "Counts Topology",
     "_mesh": "Mesh marching_cubes mesh",
     "_molecule": "Molecule radii_of read sample",
     "errors": "BackendUnavailable CudaError Error FileFormatError "

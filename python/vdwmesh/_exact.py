@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vdwmesh import _core
-from vdwmesh._arrays import chosen, number, thread_count, view
+from vdwmesh._arrays import chosen
+from vdwmesh._measure import Counts, Options, Topology, measure
 from vdwmesh._sources import Atoms, arrays_of
 from vdwmesh.errors import InvalidInput
 
@@ -16,39 +16,7 @@ if TYPE_CHECKING:
     from vdwmesh._types import ArrayLike, Floats, Ids, NDArray
 
 
-@dataclass(frozen=True)
-class Topology:
-    """Topology of a union of closed balls, exact for the coordinates given.
-
-    Attributes
-    ----------
-    components, tunnels, voids : int
-        Betti numbers of the union. Voids are the pockets without a way out.
-    euler_characteristic : int
-        2 (components - tunnels + voids), of the boundary.
-    point_contacts : int
-        Pairs of balls that touch in one exposed point.
-    hidden_atoms : int
-        Atoms without exposed area.
-    shells : ndarray of float64, shape (S, 2)
-        Area (Å²) and enclosed volume (Å³) of each connected piece of the boundary: outer surfaces,
-        then voids, whose volume is negative.
-    outer_area, void_area : float
-        Å².
-    void_volume : float
-        Å³ enclosed by the voids.
-    """
-
-    components: int
-    tunnels: int
-    voids: int
-    euler_characteristic: int
-    point_contacts: int
-    hidden_atoms: int
-    shells: Floats
-    outer_area: float
-    void_area: float
-    void_volume: float
+_FRAMES_AT_ONCE = 64  # of which the areas of all atoms are kept at a time
 
 
 @dataclass(frozen=True)
@@ -62,8 +30,9 @@ class ExactUnion:
     atom_area, atom_volume : ndarray of float64, shape (N,)
         The exposed part of each sphere, Å², and the part of each ball that is nearer to it than to
         all others (by power), Å³. NaN for atoms that were not to be measured.
+    counts : Counts or None
     topology : Topology or None
-        None where it was not asked for.
+        None where they were not asked for.
     method : {"cgal", "arcs", "both"}
         What computed them.
     check_area, check_volume : float or None
@@ -76,6 +45,7 @@ class ExactUnion:
     volume: float
     atom_area: Floats
     atom_volume: Floats
+    counts: Counts | None
     topology: Topology | None
     method: str
     check_area: float | None
@@ -89,7 +59,7 @@ def exact(
     *,
     probe: float = 0.0,
     atoms: ArrayLike | None = None,
-    topology: bool = False,
+    topology: bool | str = False,
     method: str = "auto",
     threads: int | None = None,
     device: str = "auto",
@@ -106,8 +76,9 @@ def exact(
         Added to every radius, Å. With 1.4 the area is the solvent-accessible one.
     atoms : array_like, mask (N,) or indices, optional
         Only these are measured, while all others still bury them.
-    topology : bool
-        Whether components, tunnels and voids are computed too, which takes longer.
+    topology : bool or "counts"
+        Whether components, tunnels and voids are computed too, which takes longer. "counts" are
+        components and Euler characteristic alone, which cost next to nothing.
     method : {"auto", "cgal", "arcs", "both"}
         "cgal": regular triangulation and dual complex (Edelsbrunner 1995). "arcs": each sphere by
         the arcs on it, area and volume only. "both": the one checks the other. "auto": "cgal" for
@@ -115,6 +86,7 @@ def exact(
     threads : int, optional
         At most so many; all cores by default.
     device : {"auto", "cpu", "cuda"}
+        A CUDA device measures areas and volumes by "arcs"; "auto" uses it from 500,000 atoms on.
 
     Returns
     -------
@@ -125,7 +97,7 @@ def exact(
     InvalidInput
         An argument is no such array, or has numbers that are not finite; the message names it.
     BackendUnavailable
-        `device` is "cuda": exact measures of this package are made on the CPU.
+        `device` is "cuda", and there is none, or it is asked for topology or another method.
 
     Examples
     --------
@@ -137,22 +109,21 @@ def exact(
     (18.849556, 7.068583)
     """
     centers, sizes, _ = arrays_of(coords, radii)
-    _core.require_cpu(device)
-    found = _core.exact(
-        centers,
-        sizes,
-        number("probe", probe),
-        chosen("atoms", atoms, len(centers)),
-        bool(topology),
-        method,
-        thread_count(threads),
+    options = Options.of(
+        probe,
+        topology,
+        threads,
+        device,
+        atoms=chosen("atoms", atoms, len(centers)),
+        method=method,
+        per_atom=True,
+        balls=len(centers),
     )
-    found["atom_area"] = view(found["atom_area"])
-    found["atom_volume"] = view(found["atom_volume"])
-    if found["topology"] is not None:
-        shells = view(found["topology"].pop("shells"))
-        found["topology"] = Topology(shells=shells, **found["topology"])
-    return ExactUnion(**found)
+    found, _, invalid = measure(centers[np.newaxis], sizes, options)
+    if invalid is not None:
+        place = "coords" if invalid.atom is None else f"coords[{invalid.atom}]"
+        raise InvalidInput(f"{place}: {invalid.reason}")
+    return ExactUnion(**found[0])
 
 
 def sasa(
@@ -197,42 +168,64 @@ def sasa(
     36.0
     """
     centers, sizes, source = arrays_of(coords, radii, frames=True)
-    _core.require_cpu(device)
     has_frames = centers.ndim == 3
     frames = centers if has_frames else centers[np.newaxis]
     labels, count = _groups(mode, groups, source, frames.shape[1])
-    found = view(
-        _core.sasa(
-            frames,
-            sizes,
-            number("probe", probe),
-            chosen("atoms", atoms, frames.shape[1]),
-            labels,
-            count,
-            method,
-            thread_count(threads),
-        )
+    options = Options.of(
+        probe,
+        False,
+        threads,
+        device,
+        atoms=chosen("atoms", atoms, frames.shape[1]),
+        method=method,
+        per_atom=mode == "atom",
+        groups=labels,
+        group_count=count,
+        balls=frames.shape[0] * frames.shape[1],
     )
-    shaped: NDArray[Any] = found if mode == "total" else found.reshape(len(frames), count)
-    return shaped if has_frames else shaped[0, ...]
+    width = {"total": (), "atom": (frames.shape[1],), "residue": (count,)}[mode]
+    areas = np.empty((len(frames), *width))
+    for first in range(0, len(frames), _FRAMES_AT_ONCE):
+        found, by_group, invalid = measure(frames[first : first + _FRAMES_AT_ONCE], sizes, options)
+        if invalid is not None:
+            place = f"[{first + invalid.frame}, " if has_frames else "["
+            atom = "..." if invalid.atom is None else invalid.atom
+            raise InvalidInput(f"coords{place}{atom}]: {invalid.reason}")
+        name = "atom_area" if mode == "atom" else "area"
+        areas[first : first + len(found)] = by_group or [one[name] for one in found]
+    areas.flags.writeable = False
+    return areas if has_frames else areas[0, ...]
 
 
 def _groups(mode: str, groups: Any, source: Atoms, count: int) -> tuple[Ids | None, int]:
     """The number of the group of each atom, and how many there are; no groups are 0."""
     if mode != "residue" and groups is not None:
         raise InvalidInput('groups: are of mode="residue"')
-    if mode == "total":
+    if mode in ("total", "atom"):
         return None, 0
-    if mode == "atom":
-        return np.arange(count, dtype=np.uint32), count
     if mode != "residue":
         raise InvalidInput(f"mode: {mode!r}; there are total, atom and residue")
-    labels = source.residues if groups is None else np.asarray(groups).tolist()
+    labels = source.residues if groups is None else _label_list(groups)
     if labels is None:
         raise InvalidInput("groups: are needed, a label for each atom; coordinates alone have none")
+    return numbered(labels, count)
+
+
+def _label_list(groups: Any) -> list[Any]:
+    """Labels of any kind that can be compared: numbers, strings, tuples; rows become tuples."""
+    array = groups if isinstance(groups, (list, tuple)) else np.asarray(groups).tolist()
+    if not isinstance(array, (list, tuple)):
+        raise InvalidInput("groups: a label for each atom is needed")
+    return [tuple(label) if isinstance(label, list) else label for label in array]
+
+
+def numbered(labels: Any, count: int) -> tuple[Ids, int]:
+    """The number of each atom's label, in the order in which labels first appear, and how many."""
     if len(labels) != count:
         raise InvalidInput(f"groups: has {len(labels)} labels for {count} atoms")
     numbers: dict[Any, int] = {}
-    found = [numbers.setdefault(label, len(numbers)) for label in labels]
+    try:
+        found = [numbers.setdefault(label, len(numbers)) for label in labels]
+    except TypeError:
+        raise InvalidInput("groups: labels must be numbers, strings or tuples of these") from None
     return np.array(found, dtype=np.uint32), len(numbers)
-

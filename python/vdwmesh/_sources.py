@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Atoms:
-    """What a source has; `coords` is of shape (N, 3), or (T, N, 3) for frames, in Å."""
+    """What a source has; `coords` is of shape (N, 3), or (T, N, 3) for frames, in units of `unit`."""
 
     coords: Any
+    unit: float = 1.0  # Å
     radii: Any = None
     elements: Any = None
     resnames: Any = None
@@ -42,6 +43,11 @@ def atoms_of(source: Any) -> Atoms:
     return Atoms(coords=source)
 
 
+def comes_from(package: str, thing: Any) -> bool:
+    """Whether the class of the thing, or one that it is made from, is of that package."""
+    return any(kind.__module__.partition(".")[0] == package for kind in type(thing).__mro__)
+
+
 def arrays_of(
     coords: Any, radii: Any, *, frames: bool = False
 ) -> tuple[NDArray[Any], NDArray[Any], Atoms]:
@@ -57,7 +63,9 @@ def arrays_of(
         centers = floats("coords", centers, "(T, N, 3)")
     if centers.size == 0:
         raise InvalidInput(f"coords: is empty, of shape {centers.shape}")
-    return centers, _radii(radii, atoms), atoms
+    if atoms.unit != 1:
+        centers = atoms.unit * centers.astype(np.float64)
+    return centers, radii_for(radii, atoms), atoms
 
 
 def _one_frame(centers: NDArray[Any]) -> NDArray[Any]:
@@ -66,7 +74,8 @@ def _one_frame(centers: NDArray[Any]) -> NDArray[Any]:
     return centers
 
 
-def _radii(radii: Any, atoms: Atoms) -> NDArray[Any]:
+def radii_for(radii: Any, atoms: Atoms) -> NDArray[Any]:
+    """The argument `radii` as an array: a set by its name, or numbers, which are obeyed."""
     if radii is None and atoms.radii is not None:
         radii = atoms.radii
     if radii is None or isinstance(radii, str):
@@ -118,10 +127,10 @@ def _mdanalysis_elements(group: Any) -> Any:
 
 def _from_mdtraj(source: Any) -> Atoms:
     """A Trajectory, whose lengths are in nm. One frame is a structure, several are frames."""
-    coords = 10 * np.asarray(source.xyz, np.float64)
     atoms = list(source.topology.atoms)
     return Atoms(
-        coords=coords[0] if len(coords) == 1 else coords,
+        coords=source.xyz[0] if len(source.xyz) == 1 else source.xyz,
+        unit=10.0,
         elements=[atom.element.symbol if atom.element else "" for atom in atoms],
         resnames=[atom.residue.name for atom in atoms],
         names=[atom.name for atom in atoms],

@@ -3,13 +3,12 @@
 #include "arrangement/union_measurer.hpp"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 
+#include "arrangement/many_unions.hpp"
 #include "arrangement/total_measures.hpp"
 #include "core/errors.hpp"
 #include "core/workspace.hpp"
@@ -54,21 +53,16 @@ class CpuUnionMeasurer final : public UnionMeasurer {
   // All spheres are checked first, so that an error names the index in the batch and not in a set.
   static void measure_many(BatchMeasures& result, const SphereBatch& batch, Monitor* monitor) {
     SphereSet::view({batch.spheres, batch.size});
-    begin_stage(monitor, "exact unions", batch.set_count());
-    tbb::enumerable_thread_specific<ThreadSpace> spaces;
     std::atomic<std::uint64_t> fallback_spheres{0};
-    tbb::parallel_for(std::size_t{0}, batch.set_count(), [&](std::size_t set) {
-      ThreadSpace& space = spaces.local();
-      const std::size_t first = batch.set_begin(set), size = batch.set_end(set) - first;
-      // A thread that waits for the end of its set must not begin another one in the same memory.
-      tbb::this_task_arena::isolate([&] {
-        exact_union_into(space.measured, SphereSet::view({batch.spheres + first, size}),
-                         {.method = UnionMethod::arcs, .workspace = &space.workspace});
-      });
-      std::ranges::copy(space.measured.per_sphere, result.per_sphere.begin() + first);
-      fallback_spheres += space.measured.fallback_spheres;
-      advance(monitor, 1);
-    });
+    for_each_union<ThreadSpace>(
+        batch.set_count(), monitor, [&](std::size_t set, ThreadSpace& space, Monitor* inside) {
+          const std::size_t first = batch.set_begin(set), size = batch.set_end(set) - first;
+          exact_union_into(
+              space.measured, SphereSet::view({batch.spheres + first, size}),
+              {.method = UnionMethod::arcs, .monitor = inside, .workspace = &space.workspace});
+          std::ranges::copy(space.measured.per_sphere, result.per_sphere.begin() + first);
+          fallback_spheres += space.measured.fallback_spheres;
+        });
     result.fallback_spheres = fallback_spheres;
   }
 };

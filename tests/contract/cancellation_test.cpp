@@ -9,6 +9,7 @@
 #include "analysis/distances.hpp"
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/exact_union.hpp"
+#include "arrangement/frame_measures.hpp"
 #include "contract/extractor_contract.hpp"
 
 namespace vdwmesh::testing {
@@ -85,6 +86,26 @@ TEST(CancellationOnTheCpu, OfTheExactUnion) {
   for (const UnionMethod method : {UnionMethod::cgal, UnionMethod::arcs, UnionMethod::both}) {
     expect_stops_at_every_question([&](Monitor* monitor) {
       return exact_union(spheres, {method, monitor}).area;
+    });
+  }
+}
+
+TEST(CancellationOnTheCpu, OfMeasuresOfFrames) {
+  const SphereSet spheres = cluster(30, 1);
+  std::vector<double> radii;
+  for (const Sphere& s : spheres.spheres()) radii.push_back(s.radius);
+  // The same frame six times.
+  const FrameCoordinates frames{
+      .first = reinterpret_cast<const std::byte*>(&spheres.spheres()[0].center),
+      .frames = 6,
+      .atoms = spheres.size(),
+      .atom_stride = sizeof(Sphere),
+      .axis_stride = sizeof(double)};
+  for (const TopologyRequest topology : {TopologyRequest::counts, TopologyRequest::full}) {
+    expect_stops_at_every_question([&](Monitor* monitor) {
+      std::vector<ExactUnion> found;
+      measure_frames(found, radii, frames, {{.monitor = monitor, .topology = topology}});
+      return found[5].area;
     });
   }
 }

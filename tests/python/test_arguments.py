@@ -80,13 +80,14 @@ class WrongArgumentsTest(unittest.TestCase):
         self.assert_refused("groups: are of", vdwmesh.sasa, ONE, SIZE, groups=[1])
 
     def test_a_missing_device_is_said(self):
+        expected = vdwmesh.exact(ONE, SIZE, device="cpu").area
         try:
-            vdwmesh.exact(ONE, SIZE, device="cuda")
-        except vdwmesh.BackendUnavailable as error:
+            self.assertAlmostEqual(vdwmesh.exact(ONE, SIZE, device="cuda").area, expected, places=11)
+        except vdwmesh.BackendUnavailable as error:  # on a machine without one
             self.assertIsInstance(error, RuntimeError)
             self.assertNotIn("\n", str(error))
-        else:
-            self.fail("exact measures have no CUDA code")
+        with self.assertRaises(vdwmesh.BackendUnavailable):  # a device has no topology
+            vdwmesh.exact(ONE, SIZE, device="cuda", topology=True)
         with self.assertRaisesRegex(RuntimeError, "coords: is on a CUDA device"):
             vdwmesh.exact(OnTheDevice(), SIZE)
 

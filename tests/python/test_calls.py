@@ -112,29 +112,29 @@ class ThreadsTest(unittest.TestCase):
         self.assertTrue(caught[0].startswith("radii[0]"))
 
 
+def seconds_to_stop(case, work, after=0.15):
+    """Sends SIGINT after a while, as Ctrl-C does, and returns how long it took to be raised."""
+    sent = []
+
+    def send():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(after, send)
+    timer.start()
+    with case.assertRaises(KeyboardInterrupt):
+        while True:  # work may be done before the signal
+            work()
+    timer.join()
+    return time.monotonic() - sent[0]
+
+
 class InterruptTest(unittest.TestCase):
-    """SIGINT after a while, as Ctrl-C sends it."""
-
-    def seconds_to_stop(self, work, after=0.15):
-        sent = []
-
-        def send():
-            sent.append(time.monotonic())
-            os.kill(os.getpid(), signal.SIGINT)
-
-        timer = threading.Timer(after, send)
-        timer.start()
-        with self.assertRaises(KeyboardInterrupt):
-            while True:  # work may be done before the signal
-                work()
-        timer.join()
-        return time.monotonic() - sent[0]
-
     def test_exact_stops(self):
         coords, radii = crystal(50)
         for method in ("arcs", "cgal"):
             with self.subTest(method=method):
-                seconds = self.seconds_to_stop(lambda: vdwmesh.exact(coords, radii, method=method))
+                seconds = seconds_to_stop(self, lambda: vdwmesh.exact(coords, radii, method=method))
                 self.assertLess(seconds, ANSWER)
 
     def test_meshes_stop(self):
@@ -150,17 +150,17 @@ class InterruptTest(unittest.TestCase):
             ("distances", lambda: vdwmesh.signed_distance(volume[0, :, :3] * 40, coords, radii)),
         ):
             with self.subTest(name):
-                seconds = self.seconds_to_stop(work)
+                seconds = seconds_to_stop(self, work)
                 self.assertLess(seconds, ANSWER)
 
     def test_frames_stop(self):
         coords, radii = crystal(8)
         frames = np.broadcast_to(coords, (2000, *coords.shape))
-        self.assertLess(self.seconds_to_stop(lambda: vdwmesh.sasa(frames, radii)), ANSWER)
+        self.assertLess(seconds_to_stop(self, lambda: vdwmesh.sasa(frames, radii)), ANSWER)
 
     def test_work_goes_on_after_it(self):
         coords, radii = crystal(30)
-        self.seconds_to_stop(lambda: vdwmesh.exact(coords, radii))
+        seconds_to_stop(self, lambda: vdwmesh.exact(coords, radii))
         self.assertGreater(vdwmesh.exact(coords, radii).area, 0)
 
     def test_handlers_that_do_not_raise_do_not_stop(self):

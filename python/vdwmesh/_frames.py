@@ -1,0 +1,267 @@
+"""Exact measures of the frames of trajectories, in constant memory."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Iterator
+
+import numpy as np
+
+from vdwmesh import _tables
+from vdwmesh._arrays import chosen
+from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, measure
+from vdwmesh._sources import radii_for
+from vdwmesh._trajectories import Chunk, Trajectory, Window, trajectory_of
+from vdwmesh.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from vdwmesh._types import ArrayLike, Floats, NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class FrameResult:
+    """Exact measures of one frame.
+
+    Attributes
+    ----------
+    frame : int
+        Its number in the trajectory, from 0.
+    time : float or None
+        As the reader of the trajectory says, ps with MDAnalysis and mdtraj.
+    area, volume : float
+        Å², Å³; of the atoms that were measured.
+    atom_area, atom_volume : ndarray of float64, shape (N,), or None
+        As of `ExactUnion`; None unless asked for.
+    counts : Counts or None
+    topology : Topology or None
+        None unless asked for.
+    """
+
+    frame: int
+    time: float | None
+    area: float
+    volume: float
+    atom_area: Floats | None
+    atom_volume: Floats | None
+    counts: Counts | None
+    topology: Topology | None
+
+
+def frames(
+    traj: Any,
+    *,
+    radii: ArrayLike | str = "bondi",
+    select: Any = None,
+    probe: float = 0.0,
+    atoms: ArrayLike | None = None,
+    topology: bool | str = False,
+    per_atom: bool = False,
+    start: int | None = None,
+    stop: int | None = None,
+    step: int | None = None,
+    chunk: int = 64,
+    threads: int | None = None,
+    device: str = "auto",
+) -> Iterator[FrameResult]:
+    """Exact area, volume and topology of each frame of a trajectory.
+
+    Frames are measured side by side, a chunk at a time, while a thread reads the next chunk. There
+    are two chunks in memory, however long the trajectory is.
+
+    Parameters
+    ----------
+    traj : AtomGroup or Universe, mdtraj.Trajectory, array (T, N, 3), or iterable
+        An iterable yields arrays of shape (N, 3), or trajectories of mdtraj, as ``iterload`` does,
+        and is read in another thread. Lengths are in Å, those of mdtraj in nm. A universe stays at
+        its frame.
+    radii : array_like, shape (N,), or the name of a set (as of `read`) or a path
+        Å; of all atoms of `traj` or of the selected ones. Arrays bring no elements, so they need
+        numbers.
+    select : str, mask (N,) or indices, optional
+        Only these atoms are there. A string is in the language of MDAnalysis or mdtraj.
+    probe, threads
+        As for `exact`.
+    atoms : array_like, mask (N,) or indices, optional
+        Of the selected atoms only these are measured, while all others still bury them.
+    topology : bool or "counts"
+        As for `exact`.
+    per_atom : bool
+        Whether areas and volumes of the atoms are kept.
+    start, stop, step : int, optional
+        As in a slice.
+    chunk : int
+        Number of frames that are measured at once.
+    device : {"auto", "cpu", "cuda"}
+        As for `exact`; "auto" counts the atoms of all frames.
+
+    Yields
+    ------
+    FrameResult
+        With the digits that `exact` gives for the frame alone.
+
+    Raises
+    ------
+    InvalidInput
+        An argument is wrong, or a frame has other atoms than the first or numbers that are not
+        finite. It names the frame; the frames before it were yielded.
+
+    Examples
+    --------
+    Two unit balls that part:
+
+    >>> import numpy, vdwmesh
+    >>> places = numpy.zeros((3, 2, 3))
+    >>> places[:, 1, 0] = 0.5, 1, 3
+    >>> for frame in vdwmesh.frames(places, radii=[1, 1], topology="counts"):
+    ...     print(frame.frame, round(frame.area / numpy.pi, 9), frame.counts.components)
+    0 5.0 1
+    1 6.0 1
+    2 8.0 2
+    """
+    if isinstance(chunk, bool) or not isinstance(chunk, (int, np.integer)) or chunk < 1:
+        raise InvalidInput(f"chunk: {chunk!r} is no number of frames")
+    options = Options.of(probe, topology, threads, device, per_atom=bool(per_atom))
+    given = trajectory_of(traj, select, Window.of(start, stop, step))
+    sizes = _radii(radii, given)
+    options = replace(
+        options,
+        atoms=chosen("atoms", atoms, given.count),
+        unit=given.atoms.unit,
+        balls=given.count * (_MANY_FRAMES if given.length is None else given.length),
+    )
+    return _measured(given, sizes, options, int(chunk))
+
+
+_MANY_FRAMES = 1 << 20  # stands for a number that is not known
+
+
+def _radii(radii: Any, given: Trajectory) -> NDArray[Any]:
+    """The argument `radii` as one number for each atom that is there."""
+    found = radii_for(radii, given.atoms)
+    if given.selected is not None and len(found) == given.total and not isinstance(radii, str):
+        found = found[given.selected]
+    if len(found) != given.count:
+        raise InvalidInput(f"radii: has {len(found)} radii for {given.count} atoms; each atom needs one")
+    return found
+
+
+def _measured(
+    given: Trajectory, radii: NDArray[Any], options: Options, chunk: int
+) -> Iterator[FrameResult]:
+    for part in given.chunks(chunk):
+        found, _, invalid = measure(part.coords, radii, options)
+        for number, time, one in zip(part.numbers, part.times, found):
+            yield FrameResult(
+                number,
+                time,
+                one["area"],
+                one["volume"],
+                one["atom_area"],
+                one["atom_volume"],
+                one["counts"],
+                one["topology"],
+            )
+        refuse(invalid, part)
+
+
+def refuse(invalid: InvalidFrame | None, part: Chunk) -> None:
+    """Raises for the frame of the chunk that could not be measured, if there is one."""
+    if invalid is None:
+        return
+    atom = "" if invalid.atom is None else f", atom {invalid.atom}"
+    raise InvalidInput(f"traj: frame {part.numbers[invalid.frame]}{atom}: {invalid.reason}")
+
+
+@dataclass(frozen=True, eq=False)
+class TrajectoryResult:
+    """Exact measures of all frames of a trajectory. What was not asked for is None.
+
+    Attributes
+    ----------
+    frames : ndarray of int64, shape (T,)
+        Numbers in the trajectory.
+    times : ndarray of float64, shape (T,), or None
+        As of `FrameResult`.
+    area, volume : ndarray of float64, shape (T,)
+        Å², Å³.
+    components, tunnels, voids, euler_characteristic, hidden_atoms : ndarray of int64, (T,), or None
+        As of `Topology`; tunnels and voids belong to the whole topology alone.
+    atom_area, atom_volume : ndarray of float64, shape (T, N), or None
+        Å², Å³; NaN for atoms that were not to be measured.
+    """
+
+    frames: NDArray[np.int64]
+    times: Floats | None
+    area: Floats
+    volume: Floats
+    components: NDArray[np.int64] | None
+    tunnels: NDArray[np.int64] | None
+    voids: NDArray[np.int64] | None
+    euler_characteristic: NDArray[np.int64] | None
+    hidden_atoms: NDArray[np.int64] | None
+    atom_area: Floats | None
+    atom_volume: Floats | None
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def to_pandas(self) -> Any:
+        """The result as a ``pandas.DataFrame``, a row for each frame."""
+        return _tables.to_pandas(self)
+
+    def to_xarray(self) -> Any:
+        """The result as an ``xarray.Dataset`` with the dimensions "frame" and "atom"."""
+        return _tables.to_xarray(self)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a file: .csv; .h5 (h5py or PyTables is needed) or .nc (SciPy), by the extension."""
+        _tables.save(self, path)
+
+
+def trajectory(traj: Any, **options: Any) -> TrajectoryResult:
+    """Exact area, volume and topology of all frames of a trajectory, as arrays.
+
+    Parameters
+    ----------
+    traj, **options
+        As for `frames`. With ``per_atom=True`` the result has 16 bytes for each atom and frame.
+
+    Returns
+    -------
+    TrajectoryResult
+
+    Examples
+    --------
+    >>> import numpy, vdwmesh
+    >>> places = numpy.zeros((3, 2, 3))
+    >>> places[:, 1, 0] = 0.5, 1, 3
+    >>> found = vdwmesh.trajectory(places, radii=[1, 1], topology="counts")
+    >>> found.components
+    array([1, 1, 2])
+    """
+    columns: dict[str, list[Any]] = {}
+    for one in frames(traj, **options):
+        for name, value in _row(one).items():
+            columns.setdefault(name, []).append(value)
+    found: dict[str, Any] = {name: _column(values) for name, values in columns.items()}
+    return TrajectoryResult(**found)
+
+
+def _row(one: FrameResult) -> dict[str, Any]:
+    """What a frame gives to each array."""
+    row: dict[str, Any] = {"frames": one.frame, "times": one.time, "area": one.area, "volume": one.volume}
+    for name in ("components", "euler_characteristic", "hidden_atoms"):
+        row[name] = None if one.counts is None else getattr(one.counts, name)
+    for name in ("tunnels", "voids"):
+        row[name] = None if one.topology is None else getattr(one.topology, name)
+    # A copy of the areas lets go of the volumes that stand between them.
+    row["atom_area"] = None if one.atom_area is None else one.atom_area.copy()
+    row["atom_volume"] = None if one.atom_volume is None else one.atom_volume.copy()
+    return row
+
+
+def _column(values: list[Any]) -> NDArray[Any] | None:
+    if values[0] is None:
+        return None
+    return np.array(values)

@@ -1,0 +1,126 @@
+"""Calls the exact measures of the C++ side, for one structure and for frames alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from vdwmesh import _core
+from vdwmesh._arrays import number, thread_count, view
+from vdwmesh.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from vdwmesh._types import Floats, Ids, NDArray
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What of the topology of a union of closed balls is known without its tunnels and shells.
+
+    Attributes
+    ----------
+    components : int
+        Connected pieces of the union.
+    euler_characteristic : int
+        2 (components - tunnels + voids), of the boundary.
+    hidden_atoms : int
+        Atoms without exposed area.
+    """
+
+    components: int
+    euler_characteristic: int
+    hidden_atoms: int
+
+
+@dataclass(frozen=True)
+class Topology:
+    """Topology of a union of closed balls, exact for the coordinates given.
+
+    Attributes
+    ----------
+    components, tunnels, voids : int
+        Betti numbers of the union. Voids are the pockets without a way out.
+    euler_characteristic : int
+        2 (components - tunnels + voids), of the boundary.
+    point_contacts : int
+        Pairs of balls that touch in one exposed point.
+    hidden_atoms : int
+        Atoms without exposed area.
+    shells : ndarray of float64, shape (S, 2)
+        Area (Å²) and enclosed volume (Å³) of each connected piece of the boundary: outer surfaces,
+        then voids, whose volume is negative.
+    outer_area, void_area : float
+        Å².
+    void_volume : float
+        Å³ enclosed by the voids.
+    """
+
+    components: int
+    tunnels: int
+    voids: int
+    euler_characteristic: int
+    point_contacts: int
+    hidden_atoms: int
+    shells: Floats
+    outer_area: float
+    void_area: float
+    void_volume: float
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the measures, checked; those of a whole trajectory, whatever its parts."""
+
+    probe: float
+    topology: str  # "none", "counts" or "full"
+    threads: int | None
+    device: str
+    atoms: Ids | None = None
+    method: str = "auto"
+    per_atom: bool = False
+    groups: Ids | None = None
+    group_count: int = 0
+    unit: float = 1.0  # Å
+    balls: int = 0  # in all frames
+
+    @staticmethod
+    def of(probe: Any, topology: Any, threads: Any, device: str, **others: Any) -> Options:
+        """From the arguments of the functions that users call."""
+        return Options(
+            number("probe", probe), topology_request(topology), thread_count(threads), device, **others
+        )
+
+
+def topology_request(topology: Any) -> str:
+    """The argument `topology`: False, True or "counts"."""
+    if isinstance(topology, str):
+        if topology != "counts":
+            raise InvalidInput(f'topology: {topology!r}; there are False, True and "counts"')
+        return topology
+    return "full" if topology else "none"
+
+
+@dataclass(frozen=True)
+class InvalidFrame:
+    """The first frame of a call that cannot be measured, from 0, and why."""
+
+    frame: int
+    atom: int | None
+    reason: str
+
+
+def measure(
+    frames: NDArray[Any], radii: NDArray[Any], options: Options
+) -> tuple[list[dict[str, Any]], list[Floats], InvalidFrame | None]:
+    """The measures of each frame (T, N, 3) up to the first that cannot be measured, areas by group."""
+    found, groups, invalid = _core.measure(frames, radii, **vars(options))
+    for one in found:
+        for name in ("atom_area", "atom_volume"):
+            if one[name] is not None:
+                one[name] = view(one[name])
+        if one["counts"] is not None:
+            one["counts"] = Counts(**one["counts"])
+        if one["topology"] is not None:
+            shells = view(one["topology"].pop("shells"))
+            one["topology"] = Topology(shells=shells, **one["topology"])
+    return found, [view(sums) for sums in groups], None if invalid is None else InvalidFrame(*invalid)
