@@ -119,8 +119,7 @@ def frames(
     1 6.0 1
     2 8.0 2
     """
-    if isinstance(chunk, bool) or not isinstance(chunk, (int, np.integer)) or chunk < 1:
-        raise InvalidInput(f"chunk: {chunk!r} is no number of frames")
+    size = chunk_size(chunk)
     options = Options.of(probe, topology, threads, device, per_atom=bool(per_atom))
     given = trajectory_of(traj, select, Window.of(start, stop, step))
     sizes = _radii(radii, given)
@@ -130,7 +129,14 @@ def frames(
         unit=given.atoms.unit,
         balls=given.count * (_MANY_FRAMES if given.length is None else given.length),
     )
-    return _measured(given, sizes, options, int(chunk))
+    return _measured(given, sizes, options, size)
+
+
+def chunk_size(chunk: Any) -> int:
+    """The argument `chunk`, checked."""
+    if isinstance(chunk, bool) or not isinstance(chunk, (int, np.integer)) or chunk < 1:
+        raise InvalidInput(f"chunk: {chunk!r} is no number of frames")
+    return int(chunk)
 
 
 _MANY_FRAMES = 1 << 20  # stands for a number that is not known

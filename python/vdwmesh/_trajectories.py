@@ -301,7 +301,9 @@ class _Reader:
                     break
                 coords = self._checked(frame)
                 if coords.dtype == np.float64 and buffer.dtype != np.float64:
-                    buffer = buffer.astype(np.float64)
+                    wider = np.empty(buffer.shape)
+                    wider[: len(numbers)] = buffer[: len(numbers)]
+                    buffer = wider
                 buffer[len(numbers)] = coords
                 numbers.append(frame.number)
                 times.append(frame.time)

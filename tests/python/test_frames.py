@@ -3,6 +3,7 @@ stays flat; frames that cannot be measured are named, and those before them are 
 
 import csv
 import gc
+import importlib
 import os
 import pathlib
 import sys
@@ -437,6 +438,60 @@ class MdanalysisTest(unittest.TestCase):
             for frame in vdwmesh.frames(universe, chunk=3):
                 found.append(frame.area)
         self.assertEqual(found, whole[:4].tolist())
+
+    def analysis(self, *arguments, **options):
+        return importlib.import_module("vdwmesh.mdanalysis").SurfaceAnalysis(*arguments, **options)
+
+    def test_analysis(self):
+        universe = self.package.Universe(str(UBIQUITIN), self.paths["xtc"])
+        protein = universe.select_atoms("protein")
+        for chunk in (1, 2, 64):
+            done = self.analysis(protein, probe=1.4, topology="counts", chunk=chunk).run(start=1)
+            results = done.results
+            self.assertEqual(done.frames.tolist(), [1, 2, 3, 4])
+            self.assertEqual(results.residue_area.shape, (4, len(protein.residues)))
+            for row, _ in enumerate(universe.trajectory[1:]):
+                alone = vdwmesh.exact(protein, probe=1.4, topology="counts")
+                self.assertEqual((results.area[row], results.volume[row]), (alone.area, alone.volume))
+                self.assertEqual(results.euler_characteristic[row], alone.counts.euler_characteristic)
+                np.testing.assert_array_equal(results.atom_area[row], alone.atom_area)
+                np.testing.assert_array_equal(results.residue_area[row],
+                                              vdwmesh.sasa(protein, mode="residue"))  # fmt: skip
+        results = self.analysis(protein, per_atom=False).run(stop=2).results
+        self.assertIsNone(results.atom_area)
+        self.assertIsNone(results.euler_characteristic)
+        self.assertEqual(len(results.area), 2)
+
+    def test_analysis_in_a_context(self):
+        universe = self.package.Universe(str(UBIQUITIN), self.paths["dcd"])
+        # In an order of their own; residue 10 comes before residue 2 in neither result.
+        part = universe.atoms[universe.select_atoms("resid 2 10 50").ix[::-1]]
+        for context in (universe.atoms, universe.select_atoms("protein and not resid 10")):
+            results = self.analysis(part, 1.4, context=context).run(frames=[0, 3]).results
+            universe.trajectory[3]
+            everything = context | part
+            chosen = np.isin(everything.ix, part.ix)
+            alone = vdwmesh.exact(everything, probe=1.4, atoms=chosen)
+            self.assertEqual(results.area[1], alone.area)
+            np.testing.assert_array_equal(results.atom_area[1], alone.atom_area[chosen][::-1])
+            for column, residue in enumerate(part.residues):
+                of_it = alone.atom_area[np.isin(everything.ix, residue.atoms.ix)].sum()
+                self.assertAlmostEqual(results.residue_area[1, column], of_it, places=9)
+
+    def test_an_analysis_of_a_bad_frame_keeps_those_before(self):
+        places = self.places.copy()
+        places[3, 5, 0] = NAN
+        universe = self.package.Universe(str(UBIQUITIN), places)
+        for chunk in (2, 64):
+            analysis = self.analysis(universe.atoms, chunk=chunk)
+            with self.assertRaisesRegex(ValueError, "^traj: frame 3, atom 5: "):
+                analysis.run()
+            whole = vdwmesh.trajectory(universe, stop=3)
+            np.testing.assert_array_equal(analysis.results.area, whole.area)
+        with self.assertRaisesRegex(ValueError, "radii: has 1 radii"):
+            self.analysis(universe.atoms, radii=[1])
+        with self.assertRaisesRegex(ValueError, "ag: has no atoms"):
+            self.analysis(universe.atoms[:0])
 
     def test_nothing_selected(self):
         with self.assertRaisesRegex(ValueError, "select: 'resname NONE' chooses no atom"):
