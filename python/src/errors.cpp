@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -21,24 +22,37 @@ void raise(const char* name, const char* message) {
   PyErr_SetString(type.ptr(), message);
 }
 
-// Derived classes come before their bases. Exceptions of Python itself pass.
+template <class Kind>
+bool is_a(const Error& error) {
+  return dynamic_cast<const Kind*>(&error) != nullptr;
+}
+
+struct Class {
+  const char* name;
+  bool (*holds)(const Error&);
+};
+
+// Of each cause; what is none of these is an Error.
+constexpr std::array kClasses{Class{"InvalidInput", &is_a<InvalidInput>},
+                              Class{"FileFormatError", &is_a<FileFormatError>},
+                              Class{"BackendUnavailable", &is_a<BackendUnavailable>},
+                              Class{"CudaError", &is_a<CudaError>},
+                              Class{"LimitExceeded", &is_a<LimitExceeded>},
+                              Class{"InternalError", &is_a<InternalError>}};
+
+const char* class_of(const Error& error) {
+  for (const Class& c : kClasses) {
+    if (c.holds(error)) return c.name;
+  }
+  return "Error";
+}
+
+// Exceptions of Python itself pass.
 void translate(std::exception_ptr error) {
   try {
     if (error) std::rethrow_exception(error);
-  } catch (const InvalidInput& e) {
-    raise("InvalidInput", e.what());
-  } catch (const FileFormatError& e) {
-    raise("FileFormatError", e.what());
-  } catch (const BackendUnavailable& e) {
-    raise("BackendUnavailable", e.what());
-  } catch (const CudaError& e) {
-    raise("CudaError", e.what());
-  } catch (const LimitExceeded& e) {
-    raise("LimitExceeded", e.what());
-  } catch (const InternalError& e) {
-    raise("InternalError", e.what());
   } catch (const Error& e) {
-    raise("Error", e.what());
+    raise(class_of(e), e.what());
   } catch (const std::bad_alloc&) {
     raise("LimitExceeded", "out of memory");
   } catch (const std::filesystem::filesystem_error& e) {

@@ -21,13 +21,13 @@ def floats(name: str, value: Any, shape: str) -> NDArray[Any]:
 
     `shape` is what the number of dimensions is taken from, as "(N, 3)".
     """
-    if not hasattr(value, "__array__") and hasattr(value, "__cuda_array_interface__"):
+    if hasattr(value, "__cuda_array_interface__"):  # CuPy's have __array__ too, which refuses
         raise BackendUnavailable(
             f"{name}: is on a CUDA device, from where it is not read; copy it to the host"
         )
     try:
         array = np.asarray(value)
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         raise InvalidInput(f"{name}: is no array of shape {shape}: {error}") from None
     if array.dtype not in _FLOAT_TYPES:
         if array.size > 0 and array.dtype.kind not in "iuf":

@@ -265,7 +265,7 @@ def _arrays(mesh: Any) -> tuple[Any, Any]:
     if package == "open3d":
         return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
     if package == "meshio":
-        return mesh.points, mesh.get_cells_type("triangle")
+        return mesh.points, _triangles_of_meshio(mesh)
     if package == "pyvista":
         faces = np.asarray(mesh.faces)
         if faces.size % 4 != 0 or (faces[::4] != 3).any():
@@ -276,3 +276,16 @@ def _arrays(mesh: Any) -> tuple[Any, Any]:
     if isinstance(mesh, (tuple, list)) and len(mesh) >= 2:
         return mesh[0], mesh[1]
     raise InvalidInput(f"mesh: {type(mesh).__name__} is no mesh, path or (vertices, faces)")
+
+
+def _triangles_of_meshio(mesh: Any) -> Any:
+    """The faces; quadrilaterals and polygons are cut into triangles from their first corner on."""
+    parts = [np.empty((0, 3), np.int64)]
+    for cells in mesh.cells:
+        if cells.dim != 2:
+            continue  # points, lines and solids have no faces of their own
+        if cells.type not in ("triangle", "quad", "polygon"):
+            raise InvalidInput(f"mesh: has faces of type {cells.type}, which are not flat triangles")
+        corners = np.asarray(cells.data)
+        parts.extend(corners[:, [0, k, k + 1]] for k in range(1, corners.shape[1] - 1))
+    return np.concatenate(parts)

@@ -6,7 +6,7 @@ are there already.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Callable, Iterator
 
 import numpy as np
@@ -91,17 +91,22 @@ def _labels(*columns: Any) -> list[tuple[Any, ...]]:
     return list(zip(*(np.asarray(column).tolist() for column in columns)))
 
 
+def _from_columns(source: Any, coords: str, elements: str, resnames: str, names: str, *residue: str) -> Atoms:
+    """Atoms that stand in arrays, by the names of these; those of `residue` tell residues apart."""
+    return Atoms(
+        coords=getattr(source, coords),
+        elements=getattr(source, elements),
+        resnames=getattr(source, resnames),
+        names=getattr(source, names),
+        residues=_labels(*(getattr(source, name) for name in residue)),
+    )
+
+
 def _from_vdwmesh(source: Any) -> Atoms:
     if not isinstance(source, Molecule):
         raise InvalidInput(f"coords: {type(source).__name__} has no atoms")
-    return Atoms(
-        coords=source.coords,
-        radii=source.radii,
-        elements=source.elements,
-        resnames=source.resnames,
-        names=source.names,
-        residues=_labels(source.chains, source.resids, source.resnames),
-    )
+    found = _from_columns(source, "coords", "elements", "resnames", "names", "chains", "resids", "resnames")
+    return replace(found, radii=source.radii)
 
 
 def _from_mdanalysis(source: Any) -> Atoms:
@@ -140,12 +145,8 @@ def _from_mdtraj(source: Any) -> Atoms:
 
 def _from_biotite(source: Any) -> Atoms:
     """An AtomArray, or an AtomArrayStack of frames. Lengths are in Å."""
-    return Atoms(
-        coords=source.coord,
-        elements=source.element,
-        resnames=source.res_name,
-        names=source.atom_name,
-        residues=_labels(source.chain_id, source.res_id, source.ins_code),
+    return _from_columns(
+        source, "coord", "element", "res_name", "atom_name", "chain_id", "res_id", "ins_code"
     )
 
 

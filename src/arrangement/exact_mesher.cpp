@@ -48,7 +48,7 @@ constexpr std::array<FeatureSizes, 3> kCoarser{{{1e-7, 1e-6}, {1e-6, 1e-5}, {1e-
 // Everything that the mesher needs and that does not depend on feature sizes.
 Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
   Arrangement a{triangulate(spheres, monitor), {}, {}};
-  a.complex = dual_complex(a.triangulation);
+  a.complex = dual_complex(a.triangulation, monitor);
   a.measures = gauss_bonnet(a.triangulation, a.complex);
   return a;
 }

@@ -64,7 +64,7 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
   begin_stage(monitor, "exact union", kSteps);
   const PowerTriangulation triangulation = triangulate(spheres, monitor);
   advance(monitor, 1);
-  const DualComplex complex = dual_complex(triangulation);
+  const DualComplex complex = dual_complex(triangulation, monitor);
   advance(monitor, 1);
   std::vector<SphereMeasures> measures, check_measures;
   UnionTopology topology;
@@ -94,7 +94,8 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
   result.check_volume = check.volume;
   result.counts = {topology.components, topology.euler_characteristic, topology.hidden_spheres};
   result.topology = std::move(topology);
-  if (options.certify) result.certificate = certify(spheres, triangulation, complex, measured);
+  if (options.certify)
+    result.certificate = certify(spheres, triangulation, complex, measured, monitor);
   return result;
 }
 
@@ -102,7 +103,7 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
 UnionCertificate certificate_by_triangulation(const SphereSet& spheres,
                                               const MeasuredSpheres& measured, Monitor* monitor) {
   const PowerTriangulation triangulation = triangulate(spheres, monitor);
-  return certify(spheres, triangulation, dual_complex(triangulation), measured);
+  return certify(spheres, triangulation, dual_complex(triangulation, monitor), measured, monitor);
 }
 
 // The balls that may overlap one of the wanted ones, and these themselves. Some come repeatedly.

@@ -90,6 +90,16 @@ TEST(CancellationOnTheCpu, OfTheExactUnion) {
   }
 }
 
+TEST(CancellationOnTheCpu, OfCertificates) {
+  const SphereSet spheres = cluster(40, 1);
+  for (const UnionMethod method : {UnionMethod::cgal, UnionMethod::arcs}) {
+    expect_stops_at_every_question([&](Monitor* monitor) {
+      const UnionOptions options{.method = method, .monitor = monitor, .certify = true};
+      return exact_union(spheres, options).certificate->area.lower;
+    });
+  }
+}
+
 TEST(CancellationOnTheCpu, OfMeasuresOfFrames) {
   const SphereSet spheres = cluster(30, 1);
   std::vector<double> radii;

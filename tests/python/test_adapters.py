@@ -106,6 +106,22 @@ class SinksTest(unittest.TestCase):
         np.testing.assert_array_equal(found.cell_data["atom"][0], self.mesh.face_atoms)
         self.assertEqual(vdwmesh.quality(found), vdwmesh.quality(self.mesh))
 
+    def test_faces_of_meshio_that_are_no_triangles(self):
+        meshio = need_package("python3-meshio", module="meshio")
+        points = [[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+        quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2]]
+        cube = meshio.Mesh(points, [("quad", quads), ("triangle", [[1, 3, 7], [1, 7, 5]]),
+                                    ("vertex", [[0]]), ("hexahedron", [[0, 1, 3, 2, 4, 5, 7, 6]])])  # fmt: skip
+        found = vdwmesh.quality(cube)
+        self.assertEqual((found.triangles, found.closed, found.oriented), (12, True, True))
+        self.assertAlmostEqual(found.volume, 1, places=14)
+        prism = meshio.Mesh([[np.cos(a), np.sin(a), z] for z in (0, 1) for a in np.arange(5) * 2 * np.pi / 5],
+                            [("polygon", [[4, 3, 2, 1, 0], [5, 6, 7, 8, 9]]),
+                             ("quad", [[i, (i + 1) % 5, (i + 1) % 5 + 5, i + 5] for i in range(5)])])  # fmt: skip
+        self.assertAlmostEqual(vdwmesh.quality(prism).volume, 2.5 * np.sin(2 * np.pi / 5), places=13)
+        with self.assertRaisesRegex(ValueError, "mesh: has faces of type triangle6"):
+            vdwmesh.quality(meshio.Mesh(points, [("triangle6", [[0, 1, 2, 3, 4, 5]])]))
+
     def test_open3d(self):
         need_package("python3-open3d", module="open3d")
         found = self.mesh.to_open3d()

@@ -56,6 +56,13 @@ class OnTheDevice:
     __cuda_array_interface__ = {"shape": (1, 3), "typestr": "<f8", "data": (0, True), "version": 3}
 
 
+class WithAnArrayMethod(OnTheDevice):
+    """As of CuPy and PyTorch, which refuse to copy by themselves."""
+
+    def __array__(self, dtype=None):
+        raise TypeError("can't convert cuda:0 device type tensor to numpy")
+
+
 class WrongArgumentsTest(unittest.TestCase):
     def assert_refused(self, begins, call, *arguments, **options):
         with self.assertRaises(ValueError) as caught:
@@ -78,6 +85,12 @@ class WrongArgumentsTest(unittest.TestCase):
         self.assert_refused("groups: are needed", vdwmesh.sasa, ONE, SIZE, mode="residue")
         self.assert_refused("groups: has 2", vdwmesh.sasa, ONE, SIZE, mode="residue", groups=[1, 2])
         self.assert_refused("groups: are of", vdwmesh.sasa, ONE, SIZE, groups=[1])
+        self.assert_refused("groups: a label for each", vdwmesh.sasa, ONE, SIZE, mode="residue", groups=1)
+        self.assert_refused("groups: labels must be", vdwmesh.sasa, ONE, SIZE, mode="residue", groups=[{}])
+        two = [[0, 0, 0], [5, 0, 0]], [1, 2]  # labels of several parts, as chain and number
+        for groups in ([["A", 1], ["A", 2]], np.array([["A", "1"], ["A", "2"]]), [("A", 1), ("A", 2)]):
+            found = vdwmesh.sasa(*two, probe=0, mode="residue", groups=groups)
+            np.testing.assert_allclose(found / np.pi, [4, 16])
 
     def test_a_missing_device_is_said(self):
         expected = vdwmesh.exact(ONE, SIZE, device="cpu").area
@@ -88,8 +101,11 @@ class WrongArgumentsTest(unittest.TestCase):
             self.assertNotIn("\n", str(error))
         with self.assertRaises(vdwmesh.BackendUnavailable):  # a device has no topology
             vdwmesh.exact(ONE, SIZE, device="cuda", topology=True)
-        with self.assertRaisesRegex(RuntimeError, "coords: is on a CUDA device"):
-            vdwmesh.exact(OnTheDevice(), SIZE)
+        for array in (OnTheDevice(), WithAnArrayMethod()):
+            with self.assertRaisesRegex(RuntimeError, "coords: is on a CUDA device"):
+                vdwmesh.exact(array, SIZE)
+            with self.assertRaisesRegex(RuntimeError, "traj: is on a CUDA device"):
+                vdwmesh.frames(array, radii=SIZE)
 
     def test_numbers_of_all_kinds_and_places_are_read(self):
         expected = vdwmesh.exact([[0, 0, 0], [1, 2, 3]], [1, 2]).area

@@ -24,7 +24,7 @@ inline UnionCertificate certificate_of(
     const SphereSet& spheres, certificate::RoundingMode mode = certificate::RoundingMode::upward) {
   const PowerTriangulation triangulation = triangulate(spheres);
   return certify(spheres, triangulation, dual_complex(triangulation),
-                 MeasuredSpheres(spheres.size(), std::nullopt), mode);
+                 MeasuredSpheres(spheres.size(), std::nullopt), nullptr, mode);
 }
 
 inline reference::WideMeasures true_measures(const SphereSet& spheres) {

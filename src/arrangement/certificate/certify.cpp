@@ -53,8 +53,14 @@ struct Sums {
 class Certifier {
  public:
   Certifier(const SphereSet& spheres, const PowerTriangulation& triangulation,
-            const DualComplex& complex, const MeasuredSpheres& measured, RoundingMode mode)
-      : spheres_(spheres), t_(triangulation), k_(complex), measured_(measured), mode_(mode) {}
+            const DualComplex& complex, const MeasuredSpheres& measured, Monitor* monitor,
+            RoundingMode mode)
+      : spheres_(spheres),
+        t_(triangulation),
+        k_(complex),
+        measured_(measured),
+        monitor_(monitor),
+        mode_(mode) {}
 
   UnionCertificate run() && {
     require_exact_scaling();
@@ -92,6 +98,7 @@ class Certifier {
   void for_each(std::size_t count, Visit visit) {
     constexpr std::size_t kGrain = 256;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+      advance(monitor_, 0);
       Sums& sums = sums_.local();
       with_rounding(mode_, [&] {
         if (mode_ == RoundingMode::upward) require_upward_rounding();
@@ -226,6 +233,7 @@ class Certifier {
   const PowerTriangulation& t_;
   const DualComplex& k_;
   const MeasuredSpheres& measured_;
+  Monitor* const monitor_;
   const RoundingMode mode_;
   std::vector<Role> roles_;            // per ball
   std::vector<std::uint8_t> is_wide_;  // per ball: 1 if one of its simplices took more than double
@@ -238,8 +246,8 @@ class Certifier {
 
 UnionCertificate certify(const SphereSet& spheres, const PowerTriangulation& triangulation,
                          const DualComplex& complex, const MeasuredSpheres& measured,
-                         certificate::RoundingMode mode) {
-  return Certifier(spheres, triangulation, complex, measured, mode).run();
+                         Monitor* monitor, certificate::RoundingMode mode) {
+  return Certifier(spheres, triangulation, complex, measured, monitor, mode).run();
 }
 
 }  // namespace vdwmesh

@@ -17,9 +17,10 @@ namespace vdwmesh {
 // Encloses the sums over the measured spheres. Both other arguments must be those of the spheres.
 // Throws InvalidInput if the radii and coordinates differ by so many powers of ten that scaling
 // them, as the triangulation did, was not exact; InternalError if the processor does not round
-// upward. With RoundingMode::to_nearest, which is for tests, the result is wrong.
+// upward; and Cancelled. With RoundingMode::to_nearest, which is for tests, the result is wrong.
 UnionCertificate certify(const SphereSet& spheres, const PowerTriangulation& triangulation,
                          const DualComplex& complex, const MeasuredSpheres& measured,
+                         Monitor* monitor = nullptr,
                          certificate::RoundingMode mode = certificate::RoundingMode::upward);
 
 }  // namespace vdwmesh

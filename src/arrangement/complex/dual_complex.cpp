@@ -96,10 +96,10 @@ class Builder {
   }
 
   // Each step needs the results of all steps before it, for all cells.
-  DualComplex build() && {
-    for (std::uint32_t c = 0; c < t_.cells.size(); ++c) classify_cell(c);
-    for (std::uint32_t c = 0; c < t_.cells.size(); ++c) classify_facets(c);
-    for (std::uint32_t c = 0; c < t_.cells.size(); ++c) classify_edges(c);
+  DualComplex build(Monitor* monitor) && {
+    for_each_cell(monitor, [&](std::uint32_t c) { classify_cell(c); });
+    for_each_cell(monitor, [&](std::uint32_t c) { classify_facets(c); });
+    for_each_cell(monitor, [&](std::uint32_t c) { classify_edges(c); });
     classify_vertices();
     mark_exposed();
     count_contacts();
@@ -107,6 +107,15 @@ class Builder {
   }
 
  private:
+  template <class Classify>
+  void for_each_cell(Monitor* monitor, const Classify& classify) const {
+    constexpr std::uint32_t kCellsPerCancellationCheck = 1u << 14;
+    for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
+      if (c % kCellsPerCancellationCheck == 0) advance(monitor, 0);
+      classify(c);
+    }
+  }
+
   // Returns the mask of pairs whose balls may meet. This is a floating-point filter: it may keep a
   // pair whose balls do not meet, but never drops one whose balls do. kSlack exceeds the rounding
   // of both sides (a few 1e-16); kTiny covers squares that underflow; NaN keeps the pair.
@@ -382,8 +391,8 @@ class Builder {
 
 }  // namespace
 
-DualComplex dual_complex(const PowerTriangulation& triangulation) {
-  return Builder(triangulation).build();
+DualComplex dual_complex(const PowerTriangulation& triangulation, Monitor* monitor) {
+  return Builder(triangulation).build(monitor);
 }
 
 }  // namespace vdwmesh

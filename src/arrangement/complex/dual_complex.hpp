@@ -61,6 +61,7 @@ inline std::uint32_t edge_between(const DualTriangle& t, std::uint32_t a, std::u
   return t.edges[2];
 }
 
-DualComplex dual_complex(const PowerTriangulation& triangulation);
+// Throws Cancelled (the monitor is asked once in some thousand cells).
+DualComplex dual_complex(const PowerTriangulation& triangulation, Monitor* monitor = nullptr);
 
 }  // namespace vdwmesh
