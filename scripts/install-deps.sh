@@ -11,7 +11,7 @@ set -euo pipefail
 packages=(
   g++ cmake ninja-build ccache pkg-config git ca-certificates
   libopenmesh-dev libcgal-dev libeigen3-dev gemmi-dev tao-pegtl-dev libtbb-dev libtinygltf-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libjs-vega libjs-three
+  libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libmsgpack-cxx-dev python3-msgpack libjs-vega libjs-three
   libepoxy-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libfreetype-dev fonts-dejavu-core
   libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema python3-meshio freesasa valgrind
   pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy clang-format-14

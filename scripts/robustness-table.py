@@ -19,7 +19,7 @@ os.environ["VDWMESH_SOURCE_DIR"] = str(SOURCE_DIR)
 sys.path.insert(0, str(SOURCE_DIR / "tests" / "cli"))
 
 import program  # noqa: E402
-from bad import meshes, outcome, structures  # noqa: E402
+from bad import binary, meshes, outcome, structures  # noqa: E402
 
 DOCUMENT = SOURCE_DIR / "docs" / "robustness.md"
 LONGEST = 170  # letters of a message
@@ -78,7 +78,9 @@ def odd_table(folder):
 def main():
     sample = structures.Sample((SOURCE_DIR / "data" / "bpti.pdb").read_text())
     plain = [c for e in structures.FORMATS for c in structures.damages(e, sample)]
+    plain += binary.damages(sample)
     packed = [c for e in structures.FORMATS for c in structures.packed_damages(e, sample)]
+    packed += binary.packed_damages(sample)
     mesh_cases = [c for e in meshes.KINDS for c in meshes.damages(e)]
     report = ("--subdivide", "0", "--spacing", "0.8", "--distances", "off")
     with tempfile.TemporaryDirectory() as name:

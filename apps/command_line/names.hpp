@@ -83,6 +83,7 @@ template <>
 inline constexpr auto kNames<StructureFormat> =
     names<StructureFormat>({{"pdb", StructureFormat::pdb},
                             {"mmcif", StructureFormat::mmcif},
+                            {"bcif", StructureFormat::bcif},
                             {"pqr", StructureFormat::pqr},
                             {"xyzr", StructureFormat::xyzr},
                             {"ent", StructureFormat::pdb},

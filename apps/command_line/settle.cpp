@@ -94,7 +94,7 @@ void settle_input(Draft& d) {
   const bool thesis = d.options.surface.field.preset != FieldPreset::radius_aware;
   d.read.hetero_atoms = d.hetero_atoms.value_or(thesis ? Inclusion::drop : Inclusion::keep);
   refuse_if(std::ranges::count(d.paths, "-") > 0 && d.read.format == StructureFormat::by_extension,
-            "INPUT -: standard input needs --format pdb, mmcif, pqr or xyzr");
+            "INPUT -: standard input needs --format pdb, mmcif, bcif, pqr or xyzr");
   for (const std::string& path : d.paths) d.options.inputs.push_back({path, "", d.read, d.probe});
   for (const std::string& sample : d.samples) {
     d.options.inputs.push_back({"", sample, d.read, d.probe});

@@ -24,10 +24,11 @@ StructureFormat format_of(const std::string& name) {
   static const std::map<std::string, StructureFormat, std::less<>> formats{
       {"", StructureFormat::by_extension}, {"pdb", StructureFormat::pdb},
       {"mmcif", StructureFormat::mmcif},   {"cif", StructureFormat::mmcif},
-      {"pqr", StructureFormat::pqr},       {"xyzr", StructureFormat::xyzr}};
+      {"bcif", StructureFormat::bcif},     {"pqr", StructureFormat::pqr},
+      {"xyzr", StructureFormat::xyzr}};
   const auto found = formats.find(name);
   if (found != formats.end()) return found->second;
-  throw InvalidInput(fmt::format("format: {}; there are pdb, mmcif, pqr and xyzr", name));
+  throw InvalidInput(fmt::format("format: {}; there are pdb, mmcif, bcif, pqr and xyzr", name));
 }
 
 Inclusion inclusion_of(bool kept) { return kept ? Inclusion::keep : Inclusion::drop; }

@@ -93,13 +93,13 @@ def read(
     hydrogens: bool = True,
     hetatm: bool = True,
 ) -> Molecule:
-    """Read a structure file: PDB, mmCIF, PQR or XYZR, each also gzipped.
+    """Read a structure file: PDB, mmCIF, BinaryCIF, PQR or XYZR, each also gzipped.
 
     Parameters
     ----------
     source : path, bytes or binary file
         The file, its bytes, or an object with a method ``read`` that returns them.
-    format : {"pdb", "mmcif", "pqr", "xyzr"}, optional
+    format : {"pdb", "mmcif", "bcif", "pqr", "xyzr"}, optional
         Needed for bytes; else the extension of the name decides.
     model : str or int
         "first", "all" or the number of a model.
@@ -145,7 +145,7 @@ def read(
         name = str(getattr(source, "name", "file"))
         source = _content(source)
     if not format and name in ("bytes", "file"):
-        raise InvalidInput("format: is needed where the source has no name: pdb, mmcif, pqr or xyzr")
+        raise InvalidInput("format: is needed where the source has no name: pdb, mmcif, bcif, pqr or xyzr")
     return _molecule(_core.read_bytes(name, bytes(source), **options))
 
 

@@ -20,13 +20,14 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr const char* kReadable = "read are .pdb .ent .cif .mmcif .pqr .xyzr, each also .gz";
+constexpr const char* kReadable = "read are .pdb .ent .cif .mmcif .bcif .pqr .xyzr, each also .gz";
 
 // Extensions in lower case, each with its format.
 constexpr std::array kExtensions{
     std::pair{".pdb"sv, StructureFormat::pdb},   std::pair{".ent"sv, StructureFormat::pdb},
     std::pair{".cif"sv, StructureFormat::mmcif}, std::pair{".mmcif"sv, StructureFormat::mmcif},
-    std::pair{".pqr"sv, StructureFormat::pqr},   std::pair{".xyzr"sv, StructureFormat::xyzr},
+    std::pair{".bcif"sv, StructureFormat::bcif}, std::pair{".pqr"sv, StructureFormat::pqr},
+    std::pair{".xyzr"sv, StructureFormat::xyzr},
 };
 
 // The first bytes of formats that are often mistaken for structure files, and what to do about
@@ -49,12 +50,29 @@ constexpr std::array kMagic{
   throw FileFormatError(fmt::format("{}: {}", path.string(), what));
 }
 
-// Throws if the bytes are no text. The magic number of tar stands at offset 257.
-void refuse_binary(std::string_view bytes, const std::filesystem::path& path) {
+// Throws if the bytes are packed, or of a format that is no structure file. The magic number of tar
+// stands at offset 257.
+void refuse_other_formats(std::string_view bytes, const std::filesystem::path& path) {
   for (const auto& [magic, name] : kMagic)
     if (bytes.starts_with(magic)) refuse(path, fmt::format("is {}", name));
   if (bytes.substr(std::min<std::size_t>(bytes.size(), 257), 5) == "ustar")
     refuse(path, "is a tar archive; unpack it first");
+}
+
+// BinaryCIF is MessagePack, whose first byte tells what the document is: here a map. The key
+// dataBlocks stands behind the few others of that map.
+bool is_message_pack_map(std::string_view bytes) {
+  const auto first = static_cast<unsigned char>(bytes.empty() ? '\0' : bytes.front());
+  return (first & 0xF0U) == 0x80U || first == 0xDEU || first == 0xDFU;
+}
+bool is_binary_cif(std::string_view bytes) {
+  return is_message_pack_map(bytes) && bytes.substr(0, 1000).find("dataBlocks") != bytes.npos;
+}
+
+// Throws if the bytes are no text.
+void refuse_binary(std::string_view bytes, const std::filesystem::path& path) {
+  if (is_binary_cif(bytes))
+    refuse(path, "holds BinaryCIF; rename it to .bcif or say --format bcif");
   const std::size_t zero = bytes.find('\0');
   if (zero != std::string_view::npos)
     refuse(path, fmt::format("is not text (a zero byte at offset {}); {}", zero, kReadable));
@@ -85,7 +103,8 @@ bool has_pdb_records(std::string_view text) {
 
 StructureFormat format_of_name(const std::filesystem::path& path) {
   if (path == "-")
-    throw InvalidInput("standard input has no extension; say --format pdb, mmcif, pqr or xyzr");
+    throw InvalidInput(
+        "standard input has no extension; say --format pdb, mmcif, bcif, pqr or xyzr");
   std::filesystem::path name = path;
   if (lower_case(name.extension().string()) == ".gz") name = name.stem();
   const std::string extension = lower_case(name.extension().string());
@@ -100,6 +119,13 @@ StructureFormat format_of_name(const std::filesystem::path& path) {
 
 std::string_view checked_text(std::string_view bytes, StructureFormat format,
                               const std::filesystem::path& path) {
+  refuse_other_formats(bytes, path);
+  if (format == StructureFormat::bcif) {
+    if (bytes.empty()) refuse(path, "is empty");
+    if (!is_message_pack_map(bytes))
+      refuse(path, "is not BinaryCIF: it does not begin with a map in MessagePack");
+    return bytes;
+  }
   refuse_binary(bytes, path);
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
   const std::string first = first_words(bytes);

@@ -13,9 +13,9 @@ namespace vdwmesh {
 // unknown extension, and InvalidInput for standard input ("-"), which has no extension.
 StructureFormat format_of_name(const std::filesystem::path& path);
 
-// Returns `bytes` without the byte order mark of UTF-8. Throws FileFormatError if the bytes cannot
-// be a file of that format: an empty or binary file, an archive, a web page or another structure
-// format. The message says what the file is instead.
+// Returns `bytes`, without the byte order mark of UTF-8 if they are text. Throws FileFormatError if
+// the bytes cannot be a file of that format: an empty or binary file, an archive, a web page or
+// another structure format. The message says what the file is instead.
 std::string_view checked_text(std::string_view bytes, StructureFormat format,
                               const std::filesystem::path& path);
 

@@ -36,11 +36,11 @@ inline constexpr double kFarthest = 1e6;
 struct ParsedFile {
   std::shared_ptr<gemmi::Structure> structure;  // models, chains, residues and atoms
   AssemblyTables assemblies;
-  std::vector<AtomRecord> atoms;      // index: gemmi::Atom::serial
-  std::string path;                   // for messages
-  std::string format;                 // "pdb", "mmcif", "cif" (small molecule), "pqr" or "xyzr"
-  bool own_radii = false;             // the file gives the radii (PQR, XYZR)
-  bool coarse_grained = false;        // atoms are Martini beads: several atoms each, no elements
+  std::vector<AtomRecord> atoms;  // index: gemmi::Atom::serial
+  std::string path;               // for messages
+  std::string format;             // "pdb", "mmcif", "bcif", "cif" (small molecule), "pqr" or "xyzr"
+  bool own_radii = false;         // the file gives the radii (PQR, XYZR)
+  bool coarse_grained = false;    // atoms are Martini beads: several atoms each, no elements
   std::vector<std::string> warnings;  // what may be wrong with the file
 };
 
@@ -49,6 +49,9 @@ struct ParsedFile {
 // is one, the line or row.
 ParsedFile parse_pdb(std::string_view text, const std::string& path);
 ParsedFile parse_mmcif(std::string_view text, const std::string& path);
+// `limit` bytes of text is the most that is read: a table with more rows than so much text has room
+// for throws LimitExceeded.
+ParsedFile parse_binary_cif(std::string_view bytes, const std::string& path, std::uint64_t limit);
 ParsedFile parse_pqr(std::string_view text, const std::string& path);
 ParsedFile parse_xyzr(std::string_view text, const std::string& path);
 

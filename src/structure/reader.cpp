@@ -1,6 +1,6 @@
 // The reader's pipeline. Each step has its own file:
 //   format (formats.cpp) -> text (text_source.cpp) -> check of the content (formats.cpp)
-//   -> one parser per format (pdb.cpp, mmcif.cpp, sphere_lists.cpp) -> range check
+//   -> one parser per format (pdb.cpp, mmcif.cpp, binary_cif.cpp, sphere_lists.cpp) -> range check
 //   -> choice of atoms (choose.cpp).
 // This file connects the steps. Radii are looked up first, because a mistyped option should be
 // reported before a large file is read.
@@ -34,12 +34,16 @@ RadiusTable radius_table(const std::string& radii) {
   return RadiusTable::from_file(radii);
 }
 
-ParsedFile parse(std::string_view text, StructureFormat format, const std::string& path) {
+// `limit`: the most bytes of text that are read.
+ParsedFile parse(std::string_view text, StructureFormat format, const std::string& path,
+                 std::uint64_t limit) {
   switch (format) {
     case StructureFormat::pdb:
       return parse_pdb(text, path);
     case StructureFormat::mmcif:
       return parse_mmcif(text, path);
+    case StructureFormat::bcif:
+      return parse_binary_cif(text, path, limit);
     case StructureFormat::pqr:
       return parse_pqr(text, path);
     case StructureFormat::xyzr:
@@ -70,7 +74,7 @@ void check_range(const ParsedFile& file, const gemmi::Atom& atom) {
   if (far <= kFarthest && record.radius <= kFarthest) return;
   throw FileFormatError(fmt::format(
       "{}:{} {}: {} of {:g} Å; coordinates and radii of up to {:g} Å can be meshed", file.path,
-      file.format == "mmcif" || file.format == "cif" ? "row" : "line", record.line,
+      file.format.ends_with("cif") ? "row" : "line", record.line,
       far <= kFarthest ? "a radius" : "a coordinate", std::max(far, record.radius), kFarthest));
 }
 
@@ -87,12 +91,13 @@ ParsedFile parse_file(const std::filesystem::path& path, const ReadOptions& opti
                       const TextWithin& text_within) {
   const StructureFormat format =
       options.format == StructureFormat::by_extension ? format_of_name(path) : options.format;
-  const Text bytes = text_within(std::min(kMaxTextBytes, options.memory_limit / kReadingFactor));
+  const std::uint64_t limit = std::min(kMaxTextBytes, options.memory_limit / kReadingFactor);
+  const Text bytes = text_within(limit);
   const std::string name = path == "-" ? "standard input" : path.string();
   const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
-  ParsedFile file = parse(text, format, name);
+  ParsedFile file = parse(text, format, name, limit);
   check_ranges(file);
-  warn_of_unfinished_line(text, file);
+  if (format != StructureFormat::bcif) warn_of_unfinished_line(text, file);
   return file;
 }
 

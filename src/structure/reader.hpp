@@ -1,6 +1,6 @@
-// Reads structure files into a Molecule. Formats: PDB, mmCIF, PQR and XYZR, each also gzipped, from
-// a file or from standard input. A CIF file of a small molecule is read too, as its asymmetric
-// unit.
+// Reads structure files into a Molecule. Formats: PDB, mmCIF, BinaryCIF, PQR and XYZR, each also
+// gzipped, from a file or from standard input. A CIF file of a small molecule is read too, as its
+// asymmetric unit.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@
 
 namespace vdwmesh {
 
-enum class StructureFormat { by_extension, pdb, mmcif, pqr, xyzr };
+enum class StructureFormat { by_extension, pdb, mmcif, bcif, pqr, xyzr };
 
 // Reading takes up to this many times the bytes of the unpacked text: the text itself, the parsed
 // atoms and the Molecule exist at the same time. read_structure() refuses texts for which
-// ReadOptions::memory_limit is too small.
+// ReadOptions::memory_limit is too small. An atom of a BinaryCIF file counts as 40 bytes of text.
 inline constexpr std::uint64_t kReadingFactor = 12;
 
 enum class Inclusion { keep, drop };

@@ -6,7 +6,7 @@ import os
 import unittest
 
 import program
-from bad import meshes, outcome, structures
+from bad import binary, meshes, outcome, structures
 
 SAMPLE = structures.Sample((program.SOURCE_DIR / "data" / "bpti.pdb").read_text())
 STRUCTURE = ("--subdivide", "0", "--spacing", "0.8", "--distances", "off")
@@ -57,6 +57,12 @@ class Structures(BadFiles):
     def test_packed(self):
         for extension in structures.FORMATS:
             self.check_structures(structures.packed_damages(extension, SAMPLE))
+
+
+    def test_binary_cif(self):
+        program.need_package("python3-msgpack", module="msgpack")
+        self.check_structures(binary.damages(SAMPLE))
+        self.check_structures(binary.packed_damages(SAMPLE))
 
 
 class OddFiles(BadFiles):
