@@ -113,7 +113,7 @@ class Estimate {
   // up.
   void look_at(const MeshSize& mesh, std::uint64_t held) {
     take("measure", held + measures_bytes(mesh));
-    if (counts_self_intersections(d_.self_intersections, mesh.triangles)) {
+    if (d_.self_intersections == SelfIntersections::count) {
       take("self-intersections", held + self_intersections_bytes(mesh));
     }
     if (checks_with_cgal(d_.cgal_check, mesh.triangles)) {
@@ -208,8 +208,6 @@ std::string remedies(const MemoryDemand& demand, std::uint64_t need, std::uint64
   add_without("--topology off", [](MemoryDemand& d) {
     if (d.exact) d.exact = UnionMethod::arcs;
   });
-  add_without("--self-intersections off",
-              [](MemoryDemand& d) { d.self_intersections = SelfIntersections::skip; });
   add_without("--cgal-check off", [](MemoryDemand& d) { d.cgal_check = CgalCheck::skip; });
   constexpr std::uint64_t kNobodyHas = std::uint64_t{1} << 46;
   if (need < kNobodyHas) {

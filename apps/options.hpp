@@ -36,9 +36,8 @@ struct SurfaceOptions {
   std::vector<std::string> notes;  // for people: options that have no effect
 };
 
-// Beyond this many triangles self-intersections are counted only on request.
-inline constexpr std::uint64_t kSelfIntersectionTriangles = 1'000'000;
-enum class SelfIntersections { small_meshes, count, skip };
+// Records of studies hold these numbers.
+enum class SelfIntersections { count = 1, skip = 2 };
 
 // CGAL's measures of the OpenMesh mesh, beside ours.
 enum class CgalCheck { small_meshes, run, skip };

@@ -215,11 +215,6 @@ void account_for_fallback(const std::string& fallback, Report& report) {
   report.backend->reason = fallback;
 }
 
-bool counts_self_intersections(SelfIntersections wanted, std::uint64_t triangles) {
-  const bool small = triangles <= kSelfIntersectionTriangles;
-  return wanted == SelfIntersections::count || (wanted == SelfIntersections::small_meshes && small);
-}
-
 Molecule load_molecule(const InputOptions& options, Session& session) {
   const Stopwatch watch;
   Report& report = session.report;
@@ -274,13 +269,18 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, S
 }
 
 // Levels are examined as they come, because the refinement does not keep them.
-LevelObserver record_levels(SelfIntersections wanted, std::vector<LevelReport>& levels) {
-  return [wanted, &levels](int level, const IndexedMesh& mesh) {
+LevelObserver record_levels(SelfIntersections wanted, int last, std::vector<LevelReport>& levels) {
+  return [=, &levels](int level, const IndexedMesh& mesh) {
+    if (level == last) return;
     LevelReport record{examine(mesh), level, {}};
-    if (counts_self_intersections(wanted, mesh.triangle_count()))
-      record.self_intersections = self_intersections(mesh);
+    if (wanted == SelfIntersections::count) record.self_intersections = self_intersections(mesh);
     levels.push_back(record);
   };
+}
+
+void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mesh) {
+  mesh.levels = std::move(levels);
+  if (!mesh.levels.empty()) mesh.levels.push_back({mesh, last, mesh.self_intersections});
 }
 
 bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles) {
@@ -308,20 +308,13 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session)
 
 void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session) {
   Report& report = session.report;
-  const bool count = counts_self_intersections(wanted, mesh.triangle_count());
-  begin_stage(session.monitor, "measure", count ? 2 : 1);
+  begin_stage(session.monitor, "measure", 1);
   if (!report.mesh) report.mesh.emplace();
   MeshReport& result = *report.mesh;
   static_cast<MeshExamination&>(result) = examine(mesh);
   advance(session.monitor, 1);
-  if (count) {
-    result.self_intersections = self_intersections(mesh);
-    advance(session.monitor, 1);
-  } else if (wanted == SelfIntersections::small_meshes) {
-    report.note(
-        "self-intersections were not counted: more than {} triangles "
-        "(--self-intersections on)",
-        kSelfIntersectionTriangles);
+  if (wanted == SelfIntersections::count) {
+    result.self_intersections = self_intersections(mesh, session.monitor);
   }
 }
 

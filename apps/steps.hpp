@@ -50,14 +50,15 @@ BackendReport describe_backend(Backend requested, Backend used);
 // the pipeline says it; nothing is done where it is empty.
 void account_for_fallback(const std::string& fallback, Report& report);
 
-// Whether they are, in a mesh of so many triangles.
-bool counts_self_intersections(SelfIntersections wanted, std::uint64_t triangles);
-
 // Topology, measures and quality of the mesh.
 void measure(const IndexedMesh& mesh, SelfIntersections self_intersections, Session& session);
 
-// Size, measures and quality of the mesh at each level of a refinement, for make_mesh().
-LevelObserver record_levels(SelfIntersections self_intersections, std::vector<LevelReport>& levels);
+// Size, measures and quality of the mesh at each level of a refinement but the last, for
+// make_mesh(): the last level is the finished mesh. Then, once that is measured, adds it to the
+// levels, if there are any.
+LevelObserver record_levels(SelfIntersections self_intersections, int last,
+                            std::vector<LevelReport>& levels);
+void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mesh);
 
 // CGAL's measures of the OpenMesh mesh. Where the mesh is too large for the choice, or has no
 // half-edge structure, the report says so and they stay empty.

@@ -35,11 +35,11 @@ void measure_file(MeshFile& file, const std::string& path, Session& session) {
   }
   Report& report = session.report;
   const std::size_t notes = report.notes.size();
-  measure(file.mesh, SelfIntersections::small_meshes, session);
+  measure(file.mesh, SelfIntersections::count, session);
   if (!report.mesh->topology.closed &&
       weld_if_that_closes(file, session.machine.memory_limit, report)) {
     report.notes.resize(notes);
-    measure(file.mesh, SelfIntersections::small_meshes, session);
+    measure(file.mesh, SelfIntersections::count, session);
   }
   if (!(report.mesh->measures.area > 0)) {
     throw FileFormatError(path + ": none of its triangles has an area; it holds no surface");
@@ -58,7 +58,7 @@ void run_compare(const Options& options) {
   MeshFile file = read_mesh(options.mesh_path);
   const IndexedMesh& mesh = file.mesh;
   MemoryDemand demand;
-  demand.self_intersections = SelfIntersections::small_meshes;
+  demand.self_intersections = SelfIntersections::count;
   demand.exact = options.exact.method;
   demand.distances = options.distances.distances;
   check_memory_after(demand, spheres, mesh, options.machine.memory_limit);

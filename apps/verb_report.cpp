@@ -35,15 +35,16 @@ IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options,
   const std::uint64_t limit = options.machine.memory_limit;
   const auto estimate = check_memory_before(demand, spheres, limit);
   std::vector<LevelReport> levels;
-  IndexedMesh mesh = make_mesh(
-      spheres, options.surface, session,
-      {.normals = demand.normals, .on_level = record_levels(options.self_intersections, levels)});
+  IndexedMesh mesh = make_mesh(spheres, options.surface, session,
+                               {.normals = demand.normals,
+                                .on_level = record_levels(options.self_intersections,
+                                                          options.surface.subdivisions, levels)});
   session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, spheres, mesh, limit);
   MeshReport& report = *session.report.mesh;
-  report.levels = std::move(levels);
-  extrapolate(mesh.triangle_labels(), report);
   measure(mesh, options.self_intersections, session);
+  add_last_level(options.surface.subdivisions, std::move(levels), report);
+  extrapolate(mesh.triangle_labels(), report);
   check_with_cgal(mesh, options.cgal_check, session);
   return mesh;
 }

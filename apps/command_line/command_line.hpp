@@ -18,7 +18,7 @@ struct Options {
   std::vector<InputOptions> inputs;  // one, but for the verbs that take several
   std::string mesh_path;             // read by `compare`, written by `mesh`
   SurfaceOptions surface;
-  SelfIntersections self_intersections = SelfIntersections::small_meshes;
+  SelfIntersections self_intersections = SelfIntersections::count;
   CgalCheck cgal_check = CgalCheck::small_meshes;
   ExactOptions exact;
   DistanceChoice distances;

@@ -68,8 +68,8 @@ template <>
 inline constexpr auto kNames<Switch> = names<Switch>({{"on", Switch::on}, {"off", Switch::off}});
 template <>
 inline constexpr auto kNames<SelfIntersections> =
-    names<SelfIntersections>({{"auto", SelfIntersections::small_meshes},
-                              {"on", SelfIntersections::count},
+    names<SelfIntersections>({{"on", SelfIntersections::count},
+                              {"auto", SelfIntersections::count},
                               {"off", SelfIntersections::skip}});
 template <>
 inline constexpr auto kNames<CgalCheck> = names<CgalCheck>({{"auto", CgalCheck::small_meshes},

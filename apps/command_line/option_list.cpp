@@ -165,8 +165,8 @@ std::vector<Option> measure_options(Draft& d) {
           {"--seed", kDistances, one(c.seed, whole<std::uint64_t>(0, 4'294'967'295)),
            "of the samples", by_default("1")},
           {"--self-intersections", kReport | kStudy,
-           one(o.self_intersections, named<SelfIntersections>()),
-           "count them, with auto in meshes of up to a million triangles", by_default("auto")},
+           one(o.self_intersections, named<SelfIntersections>()), "count them; auto is on",
+           by_default("auto")},
           {"--cgal-check", kReport, one(o.cgal_check, named<CgalCheck>()),
            "area and volume by CGAL as well, with auto of up to a million triangles",
            by_default("auto")}};

@@ -26,8 +26,8 @@ StudyRun measure_run(const IndexedMesh& mesh, const StudySetting& setting, const
   run.quality = summary.quality;
   run.histograms = quality_histograms(mesh);
   run.comparison = compare(run.topology, run.measures, input.exact);
-  if (counts_self_intersections(options.self_intersections, mesh.triangle_count())) {
-    run.self_intersections = self_intersections(mesh);
+  if (options.self_intersections == SelfIntersections::count) {
+    run.self_intersections = self_intersections(mesh, session.monitor);
   }
   if (options.distances.distances == Switch::on) {
     const Stopwatch watch;

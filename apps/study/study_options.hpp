@@ -31,7 +31,7 @@ struct StudyAxes {
 struct StudyOptions {
   StudyAxes axes;
   DistanceChoice distances;
-  SelfIntersections self_intersections = SelfIntersections::small_meshes;
+  SelfIntersections self_intersections = SelfIntersections::count;
   MachineOptions machine;
   std::filesystem::path folder;
   Switch resume = Switch::on;                // whether finished runs are taken from the folder

@@ -42,8 +42,8 @@ py::dict summary(const MeshHandle& h) {
 
 py::dict quality(const MeshHandle& h, bool with_self_intersections) {
   std::optional<std::uint64_t> crossings;
-  const MeshExamination found = call({}, [&](Monitor&) {
-    if (with_self_intersections) crossings = self_intersections(*h.mesh);
+  const MeshExamination found = call({}, [&](Monitor& monitor) {
+    if (with_self_intersections) crossings = self_intersections(*h.mesh, &monitor);
     return examine(*h.mesh);
   });
   py::dict result = dict_of(found.topology, found.measures);

@@ -25,32 +25,21 @@
 #include <limits>
 
 #include "core/fixed_blocks.hpp"
+#include "core/morton.hpp"
 #include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
 
-// Moves bit i of x to bit 3i, for the lower 21 bits; all other bits of the result are 0. Each line
-// splits every group of bits into two halves and moves the upper half away from the lower one, by
-// 32, 16, 8, 4 and 2 bits; the mask removes the copies that | leaves behind. The operator << binds
-// tighter than |.
-std::uint64_t spread(std::uint64_t x) {
-  x = (x | x << 32) & 0x001f00000000ffffu;
-  x = (x | x << 16) & 0x001f0000ff0000ffu;
-  x = (x | x << 8) & 0x100f00f00f00f00fu;
-  x = (x | x << 4) & 0x10c30c30c30c30c3u;
-  return (x | x << 2) & 0x1249249249249249u;
-}
-
 // Returns the Morton code of a point of [-1, 1]³: its position along the Z-order curve through
-// 2^bits cells per axis. The bits of the three cell numbers alternate in it. Points with near codes
-// are mostly near each other, so consecutive primitives have a small common box.
+// 2^bits cells per axis. Points with near codes are mostly near each other, so consecutive
+// primitives have a small common box.
 std::uint64_t morton(const Vec3d& p, int bits) {
   const double cells = std::ldexp(1.0, bits);
   const auto cell = [&](double x) {
     return static_cast<std::uint64_t>(std::clamp(0.5 * (x + 1) * cells, 0.0, cells - 1));
   };
-  return spread(cell(p.x)) | spread(cell(p.y)) << 1 | spread(cell(p.z)) << 2;
+  return morton_code(cell(p.x), cell(p.y), cell(p.z));
 }
 
 constexpr double kFar = std::numeric_limits<double>::infinity();

@@ -9,8 +9,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "core/monitor.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
@@ -97,9 +99,15 @@ constexpr double extrapolate_second_order(double coarse, double fine) {
   return fine + (fine - coarse) / 3;
 }
 
-// Counts the pairs of triangles that intersect other than in a shared vertex or edge, with CGAL's
-// exact predicates. Triangles of area 0 are left out. The speed is about 800,000 triangles per
-// second and core.
-std::uint64_t self_intersections(const IndexedMesh& mesh);
+// Counts the pairs of triangles that intersect other than in their shared vertices or their shared
+// edge. Vertices are shared by index: triangles that touch in equal positions intersect. Triangles
+// of area 0 are left out. The count is exact for all finite coordinates: the signs of volumes are
+// computed in double where an error bound proves them, else by CGAL's exact predicates. Throws
+// Cancelled if the monitor asks for it.
+std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor = nullptr);
+
+// The pairs that self_intersections() counts, the lower index first, in rising order.
+using TrianglePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+TrianglePairs intersecting_pairs(const IndexedMesh& mesh, Monitor* monitor = nullptr);
 
 }  // namespace vdwmesh

@@ -1,121 +1,208 @@
-// self_intersections(): counts intersecting pairs of triangles with CGAL.
+// self_intersections(): finds the pairs of triangles that intersect.
 //
-// CGAL's box_self_intersection_d finds the pairs of triangles whose bounding boxes overlap, in
-// parallel with TBB. Each pair is tested with exact predicates (Intersector). What counts as an
-// intersection depends on how many vertices the two triangles share by index: intersections in a
-// shared vertex or along a shared edge are part of every mesh and are not counted.
-#define CGAL_LINKED_WITH_TBB  // makes CGAL::Parallel_tag run in parallel
-#include <CGAL/Box_intersection_d/Box_with_info_d.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/box_intersection_d.h>
-#include <CGAL/intersections.h>
-
+// The candidates are the pairs whose bounding boxes overlap, found in a FacetTree. Most are decided
+// by the filter of facet_pair.hpp, the others by exact predicates. The unit of work is one bottom
+// node of the tree, called home: its 32 triangles are gathered, and paired with each other and with
+// those of every bottom node behind it whose box overlaps. So each pair is found once, by one
+// thread, and the result does not depend on the number of threads.
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
+#include <functional>
+#include <mutex>
 #include <vector>
 
+#include "analysis/facet_pair_exact.hpp"
+#include "analysis/facet_tree.hpp"
 #include "analysis/mesh_measures.hpp"
+#include "core/fixed_blocks.hpp"
+#include "core/multiversion.hpp"
 
 namespace vdwmesh {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Point = Kernel::Point_3;
-using TriangleBox = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
+constexpr std::size_t kLeaf = FacetTree::kLeaf;
+constexpr std::size_t kWidth = FacetTree::kWidth;
+static_assert(kLeaf == kLanes);
+constexpr std::size_t kNodesPerBlock = 64;
 
-// Below this number of boxes CGAL sweeps instead of dividing further. The value is the same as in
-// CGAL's own function self_intersections().
-constexpr std::ptrdiff_t kSweepCutoff = 2000;
+Facet facet_of(const IndexedMesh& mesh, std::uint32_t triangle) {
+  const Triangle& v = mesh.triangles[triangle];
+  return make_facet(v, mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]);
+}
 
-class Intersector {
- public:
-  explicit Intersector(const IndexedMesh& mesh) : mesh_(mesh) {}
+bool is_flat(const Facet& f) { return !has_area(f) && is_flat_exactly(f); }
 
-  // Returns whether the triangle has area 0 (exact).
-  bool is_flat(const Triangle& t) const {
-    return CGAL::collinear(point(t[0]), point(t[1]), point(t[2]));
+bool do_intersect(const Facet& a, const Facet& b) {
+  const Matching& m = match(a.vertex, b.vertex);
+  const Meeting found = meeting(a, b, m);
+  return found == Meeting::unsure ? intersect_exactly(a, b, m) : found == Meeting::intersect;
+}
+
+// The triangles of a leaf, gathered from the mesh. Boxes of triangles that are not there are empty.
+struct Leaf {
+  double lower[3][kLeaf], upper[3][kLeaf];  // the boxes of the triangles, by axis
+  Box box;                                  // around all of them
+  std::array<Facet, kLeaf> facet;
+  std::array<std::uint32_t, kLeaf> triangle;
+  std::size_t count = 0;
+
+  Box box_at(std::size_t i) const {
+    return {{lower[0][i], lower[1][i], lower[2][i]}, {upper[0][i], upper[1][i], upper[2][i]}};
   }
+  void gather(const IndexedMesh& mesh, const FacetTree& tree, std::size_t leaf);
+};
 
-  // Returns whether two triangles intersect other than in the vertices and the edge that they share
-  // by index. If they share one vertex and intersect elsewhere, the edge opposite to that vertex in
-  // one of them meets the other triangle. Two triangles with three shared vertices coincide, which
-  // counts as an intersection.
-  bool operator()(std::uint32_t first, std::uint32_t second) const {
-    Triangle a = mesh_.triangles[first], b = mesh_.triangles[second];
-    switch (bring_shared_to_front(a, b)) {
-      case 0:
-        return CGAL::do_intersect(triangle(a), triangle(b));
-      case 1:
-        return CGAL::do_intersect(triangle(a), segment(b[1], b[2])) ||
-               CGAL::do_intersect(triangle(b), segment(a[1], a[2]));
-      case 2:
-        return folds_over(a, b);
-      default:
-        return true;
+void Leaf::gather(const IndexedMesh& mesh, const FacetTree& tree, std::size_t leaf) {
+  box = empty_box();
+  const std::size_t first = std::min(kLeaf * leaf, tree.size());
+  count = std::min(kLeaf, tree.size() - first);
+  for (std::size_t i = 0; i < kLeaf; ++i) {
+    Box own = empty_box();
+    if (i < count) {
+      triangle[i] = tree.triangle_at(first + i);
+      facet[i] = facet_of(mesh, triangle[i]);
+      for (const Vec3d& p : facet[i].corner) include(own, p);
+    }
+    include(box, own);
+    for (int axis = 0; axis < 3; ++axis) {
+      lower[axis][i] = own.lower[axis];
+      upper[axis][i] = own.upper[axis];
+    }
+  }
+}
+
+// Appends the intersecting pairs of a triangle of `a` and one of `b`; if both are the same leaf,
+// each pair once.
+void join_leaves(const Leaf& a, const Leaf& b, TrianglePairs& found) {
+  for (std::size_t i = 0; i < a.count; ++i) {
+    std::uint32_t near = overlapping_lanes(b.lower, b.upper, 0, a.box_at(i));
+    if (&a == &b) near &= ~std::uint32_t{0} << (i + 1);
+    for (; near != 0; near &= near - 1) {
+      const auto j = static_cast<std::size_t>(std::countr_zero(near));
+      if (!do_intersect(a.facet[i], b.facet[j])) continue;
+      found.push_back(std::minmax(a.triangle[i], b.triangle[j]));
+    }
+  }
+}
+
+// The search from the bottom node `home`.
+class HomeSearch {
+ public:
+  HomeSearch(const IndexedMesh& mesh, const FacetTree& tree, std::size_t home)
+      : mesh_(mesh), tree_(tree), home_(home), box_(empty_box()) {
+    for (std::size_t l = 0; l < kWidth; ++l) {
+      leaves_[l].gather(mesh, tree, kWidth * home + l);
+      include(box_, leaves_[l].box);
     }
   }
 
-  TriangleBox box(std::uint32_t t) const {
-    const auto& [i, j, k] = mesh_.triangles[t];
-    return TriangleBox(point(i).bbox() + point(j).bbox() + point(k).bbox(), t);
+  // Appends the pairs of each node in turn to `found`, and calls after_node() after each.
+  template <class AfterNode>
+  void run(TrianglePairs& found, const AfterNode& after_node) const {
+    tree_.visit_nodes_from(home_, box_, [&](std::size_t node) {
+      node == home_ ? join_home(found) : join_node(node, found);
+      after_node();
+    });
   }
 
  private:
-  Point point(std::uint32_t v) const {
-    const Vec3d& p = mesh_.positions[v];
-    return {p.x, p.y, p.z};
-  }
-  Kernel::Triangle_3 triangle(const Triangle& t) const {
-    return {point(t[0]), point(t[1]), point(t[2])};
-  }
-  Kernel::Segment_3 segment(std::uint32_t u, std::uint32_t v) const { return {point(u), point(v)}; }
-
-  // Reorders both triangles so that shared vertices come first, in the same order. Returns the
-  // number of shared vertices.
-  static unsigned bring_shared_to_front(Triangle& a, Triangle& b) {
-    unsigned shared = 0;
-    for (unsigned i = 0; i < 3; ++i)
-      for (unsigned j = shared; j < 3; ++j)
-        if (a[i] == b[j]) {
-          std::swap(a[i], a[shared]);
-          std::swap(b[j], b[shared]);
-          ++shared;
-          break;
-        }
-    return shared;
+  void join_home(TrianglePairs& found) const {
+    for (std::size_t l = 0; l < kWidth; ++l) {
+      std::uint32_t near = tree_.overlapping_leaves(home_, leaves_[l].box);
+      for (near &= ~std::uint32_t{0} << l; near != 0; near &= near - 1) {
+        join_leaves(leaves_[l], leaves_[static_cast<std::size_t>(std::countr_zero(near))], found);
+      }
+    }
   }
 
-  // Returns whether two triangles with a common edge pq overlap: they do only if they lie in one
-  // plane and their third vertices r and s are on the same side of pq. Precondition: the vertices p
-  // and q come first in both triangles.
-  bool folds_over(const Triangle& a, const Triangle& b) const {
-    const Point p = point(a[0]), q = point(a[1]), r = point(a[2]), s = point(b[2]);
-    return CGAL::coplanar(p, q, r, s) && CGAL::coplanar_orientation(p, q, r, s) == CGAL::POSITIVE;
+  // A leaf of the other node is gathered once, for all leaves of this one.
+  void join_node(std::size_t node, TrianglePairs& found) const {
+    std::array<std::uint32_t, kWidth> near;
+    std::uint32_t any = 0;
+    for (std::size_t l = 0; l < kWidth; ++l) {
+      near[l] = tree_.overlapping_leaves(node, leaves_[l].box);
+      any |= near[l];
+    }
+    for (; any != 0; any &= any - 1) {
+      const auto other = static_cast<std::size_t>(std::countr_zero(any));
+      Leaf leaf;
+      leaf.gather(mesh_, tree_, kWidth * node + other);
+      for (std::size_t l = 0; l < kWidth; ++l) {
+        if ((near[l] >> other & 1) != 0) join_leaves(leaves_[l], leaf, found);
+      }
+    }
   }
 
   const IndexedMesh& mesh_;
+  const FacetTree& tree_;
+  std::size_t home_;
+  Box box_;
+  std::array<Leaf, kWidth> leaves_;
 };
+
+// The triangles that have an area.
+Buffer<std::uint32_t> without_flat(const IndexedMesh& mesh) {
+  Buffer<std::uint32_t> chosen(mesh.triangle_count());
+  const std::uint32_t count = number_all(
+      mesh.triangle_count(),
+      [&](std::size_t t) { return !is_flat(facet_of(mesh, static_cast<std::uint32_t>(t))); },
+      [&](std::size_t t, std::uint32_t n) { chosen[n] = static_cast<std::uint32_t>(t); });
+  chosen.resize(count);
+  return chosen;
+}
+
+using TakePairs = std::function<void(const TrianglePairs&)>;
+
+// Calls take(found) for lists of pairs that intersect, one of them a triangle of the bottom nodes
+// from `first` to `end`. The monitor is asked between nodes, so that a search in which very many
+// boxes overlap can be stopped.
+VDWMESH_MULTIVERSION void search_from(const IndexedMesh& mesh, const FacetTree& tree,
+                                      std::size_t first, std::size_t end, Monitor* monitor,
+                                      const TakePairs& take) {
+  TrianglePairs found;
+  for (std::size_t home = first; home < end; ++home) {
+    HomeSearch(mesh, tree, home).run(found, [&] {
+      advance(monitor, 0);
+      if (!found.empty()) take(found);
+      found.clear();
+    });
+  }
+}
+
+// The same for all bottom nodes, from several threads.
+void search(const IndexedMesh& mesh, Monitor* monitor, const TakePairs& take) {
+  advance(monitor, 0);
+  const FacetTree tree(mesh, without_flat(mesh));
+  begin_stage(monitor, "self-intersections", block_count(tree.bottom_nodes(), kNodesPerBlock));
+  for_each_block(
+      tree.bottom_nodes(), kNodesPerBlock,
+      [&](std::size_t, std::size_t first, std::size_t end) {
+        search_from(mesh, tree, first, end, monitor, take);
+      },
+      monitor);
+}
 
 }  // namespace
 
-std::uint64_t self_intersections(const IndexedMesh& mesh) {
-  const Intersector intersect(mesh);
-  std::vector<TriangleBox> boxes;
-  boxes.reserve(mesh.triangle_count());
-  for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t)
-    if (!intersect.is_flat(mesh.triangles[t])) boxes.push_back(intersect.box(t));
-  // CGAL reorders the sequence that it is given. Pointers are smaller to move than boxes.
-  std::vector<const TriangleBox*> pointers(boxes.size());
-  std::transform(boxes.begin(), boxes.end(), pointers.begin(),
-                 [](const TriangleBox& b) { return &b; });
-  std::atomic<std::uint64_t> pairs{0};
-  CGAL::box_self_intersection_d<CGAL::Parallel_tag>(
-      pointers.begin(), pointers.end(),
-      [&](const TriangleBox* a, const TriangleBox* b) {
-        if (intersect(a->info(), b->info())) pairs.fetch_add(1, std::memory_order_relaxed);
-      },
-      kSweepCutoff);
-  return pairs;
+std::uint64_t self_intersections(const IndexedMesh& mesh, Monitor* monitor) {
+  std::atomic<std::uint64_t> count{0};
+  search(mesh, monitor, [&](const TrianglePairs& pairs) {
+    count.fetch_add(pairs.size(), std::memory_order_relaxed);
+  });
+  return count;
+}
+
+TrianglePairs intersecting_pairs(const IndexedMesh& mesh, Monitor* monitor) {
+  TrianglePairs all;
+  std::mutex guard;
+  search(mesh, monitor, [&](const TrianglePairs& pairs) {
+    const std::lock_guard lock(guard);
+    all.insert(all.end(), pairs.begin(), pairs.end());
+  });
+  std::sort(all.begin(), all.end());
+  return all;
 }
 
 }  // namespace vdwmesh

@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "analysis/distances_tree.hpp"
+#include "analysis/facet_tree.hpp"
 #include "core/vec3.hpp"
 #include "mesh/edge_buckets.hpp"
 #include "mesh/surface_mesh.hpp"
@@ -57,11 +58,7 @@ std::uint64_t measures_bytes(const MeshSize& m) {
   return edge_buckets_bytes(m) + std::max({edge_buckets_scratch(m), survey, lengths});
 }
 
-std::uint64_t self_intersections_bytes(const MeshSize& m) {
-  // Bytes per triangle, measured: CGAL's boxes, and the lists into which CGAL divides them.
-  constexpr std::uint64_t kBoxes = 175;
-  return m.triangles * kBoxes;
-}
+std::uint64_t self_intersections_bytes(const MeshSize& m) { return FacetTree::bytes(m.triangles); }
 
 std::uint64_t union_bytes(std::uint64_t spheres, UnionMethod method, double exposed) {
   // Bytes per sphere of the triangulation, as a straight line in the exposed share of the area:

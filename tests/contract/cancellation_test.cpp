@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "analysis/distances.hpp"
+#include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/exact_union.hpp"
 #include "arrangement/frame_measures.hpp"
@@ -132,6 +133,14 @@ TEST(CancellationOnTheCpu, OfDistances) {
     for (const float distance : vertex_distances(mesh, spheres, monitor)) sum += distance;
     return sum;
   });
+}
+
+// Also where every triangle meets every other one, so that nothing but the pairs takes time.
+TEST(CancellationOnTheCpu, OfTheSearchForSelfIntersections) {
+  IndexedMesh pile = make_extractor(Backend::cpu)->extract(cluster(20, 1), {}).mesh;
+  pile.triangles.insert(pile.triangles.end(), 500, pile.triangles.front());
+  expect_stops_at_every_question(
+      [&](Monitor* monitor) { return self_intersections(pile, monitor); });
 }
 
 }  // namespace

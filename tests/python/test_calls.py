@@ -141,12 +141,14 @@ class InterruptTest(unittest.TestCase):
         coords, radii = crystal(30)
         volume = np.random.default_rng(1).random((300, 300, 300), np.float32)
         mesh = vdwmesh.mesh(*crystal(12))
+        pile = (np.random.default_rng(1).random((90000, 3)), np.arange(90000).reshape(-1, 3))
         for name, work in (
             ("exact mesher", lambda: vdwmesh.mesh(coords, radii, edge_length=0.1)),
             ("marching cubes", lambda: vdwmesh.mesh(coords, radii, mesher="marching-cubes", spacing=0.1)),
             ("subdivision", lambda: vdwmesh.mesh(coords, radii, mesher="marching-cubes", subdivide=2)),
             ("volume", lambda: vdwmesh.marching_cubes(volume, 0.5)),
             ("comparison", lambda: vdwmesh.compare(mesh, *crystal(12), samples=500)),
+            ("self-intersections", lambda: vdwmesh.quality(pile, self_intersections=True)),
             ("distances", lambda: vdwmesh.signed_distance(volume[0, :, :3] * 40, coords, radii)),
         ):
             with self.subTest(name):

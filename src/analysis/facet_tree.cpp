@@ -1,0 +1,194 @@
+// Construction of FacetTree, a linear bounding volume hierarchy (C. Lauterbach et al., Computer
+// Graphics Forum 28 (2009) 375). The triangles are sorted along the Z-order curve, every four
+// consecutive ones form a leaf, every eight leaves a node, and so on up to the root.
+//
+// Two things keep the tree good for meshes of very uneven scale. Triangles far wider than the
+// others come last, by classes of width: among small ones, each of them would widen the boxes of
+// all nodes above it. And triangles that the cells of the curve do not tell apart, as near each
+// other beside a vertex far away, are sorted again by cells of their own box.
+#include "analysis/facet_tree.hpp"
+
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "core/blocks.hpp"
+#include "core/fixed_blocks.hpp"
+#include "core/morton.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr int kClassBits = 3;
+// More triangles than this with one key are sorted again: a node of them.
+constexpr std::size_t kUnsorted = FacetTree::kLeaf * FacetTree::kWidth;
+
+// The exponent of the width of a box, its longest side: width is in [2^e, 2^(e+1)). A point gets
+// the least exponent, a width beyond all doubles the largest.
+int width_exponent(const Box& box) {
+  const Vec3d side = box.upper - box.lower;
+  const int exponent = std::ilogb(std::max({side.x, side.y, side.z}));
+  return std::clamp(exponent, -1074, 1024);
+}
+
+// 0 for triangles up to about 16 times as wide as the mean, and another class for each factor of 16
+// beyond. `mean` is the mean exponent of all.
+std::uint64_t width_class(int exponent, int mean) {
+  return static_cast<std::uint64_t>(std::clamp((exponent - mean) / 4, 0, (1 << kClassBits) - 1));
+}
+
+// The number of the cell of a coordinate along an axis that is divided into `cells` from `lower` to
+// `upper`. Halves, because a difference of large doubles may overflow.
+std::uint64_t cell_of(double x, double lower, double upper, double cells) {
+  const double extent = 0.5 * upper - 0.5 * lower;
+  if (!(extent > 0)) return 0;
+  return static_cast<std::uint64_t>(
+      std::clamp((0.5 * x - 0.5 * lower) / extent * cells, 0.0, cells - 1));
+}
+
+Vec3d middle_of(const Box& b) { return 0.5 * b.lower + 0.5 * b.upper; }
+
+// Sorts triangles along the curve. A key has a class of width, a Morton code, and the index of the
+// triangle in its lower bits, so keys are unique and their order does not depend on the algorithm.
+class FacetOrder {
+ public:
+  FacetOrder(const IndexedMesh& mesh, const Buffer<std::uint32_t>& chosen)
+      : mesh_(mesh),
+        keys_(chosen.size()),
+        index_bits_(static_cast<int>(std::bit_width(mesh.triangle_count()))),
+        axis_bits_(std::min(21, (64 - kClassBits - index_bits_) / 3)),
+        mean_exponent_(mean_exponent(mesh, chosen)) {
+    for_each_index(keys_.size(), [&](std::size_t i) { keys_[i] = chosen[i]; });
+    sort(0, keys_.size());
+  }
+
+  std::uint32_t triangle(std::size_t place) const {
+    return static_cast<std::uint32_t>(keys_[place] & ((std::uint64_t{1} << index_bits_) - 1));
+  }
+
+ private:
+  static int mean_exponent(const IndexedMesh& mesh, const Buffer<std::uint32_t>& chosen) {
+    const auto add = [&](std::size_t i, std::int64_t& sum) {
+      sum += width_exponent(box_of(mesh, chosen[i]));
+    };
+    const std::int64_t sum = reduce_all(chosen.size(), std::int64_t{0}, add, std::plus<>());
+    return static_cast<int>(sum / static_cast<std::int64_t>(chosen.size()));
+  }
+
+  std::uint64_t code(std::size_t place) const { return keys_[place] >> index_bits_; }
+
+  // Sorts the keys from `first` to `end` by the cells in which the middles of the boxes lie. The
+  // cells are those of the box of all these middles, 2^axis_bits_ along each axis.
+  void sort(std::size_t first, std::size_t end) {
+    const Box all = box_of_middles(first, end);
+    const double cells = std::ldexp(1.0, axis_bits_);
+    for_each_index(end - first, [&](std::size_t i) {
+      const std::uint32_t t = triangle(first + i);
+      const Box box = box_of(mesh_, t);
+      const Vec3d p = middle_of(box);
+      const auto cell = [&](int axis) {
+        return cell_of(p[axis], all.lower[axis], all.upper[axis], cells);
+      };
+      const std::uint64_t wide = width_class(width_exponent(box), mean_exponent_);
+      const std::uint64_t key = wide << 3 * axis_bits_ | morton_code(cell(0), cell(1), cell(2));
+      keys_[first + i] = key << index_bits_ | t;
+    });
+    tbb::parallel_sort(keys_.begin() + static_cast<std::ptrdiff_t>(first),
+                       keys_.begin() + static_cast<std::ptrdiff_t>(end));
+    sort_runs(first, end);
+  }
+
+  Box box_of_middles(std::size_t first, std::size_t end) const {
+    const auto add = [&](std::size_t i, Box& box) {
+      include(box, middle_of(box_of(mesh_, triangle(first + i))));
+    };
+    const auto join = [](Box a, const Box& b) {
+      include(a, b);
+      return a;
+    };
+    return reduce_all(end - first, empty_box(), add, join);
+  }
+
+  // Sorts again each run of keys with one code. A run is shorter than what it is part of, or
+  // nothing tells its triangles apart, so this ends.
+  void sort_runs(std::size_t first, std::size_t end) {
+    std::vector<std::pair<std::size_t, std::size_t>> runs;
+    for (std::size_t i = first, next = first; i < end; i = next) {
+      while (next < end && code(next) == code(i)) ++next;
+      if (next - i > kUnsorted && next - i < end - first) runs.push_back({i, next});
+    }
+    const auto sort_run = [&](std::size_t r) { sort(runs[r].first, runs[r].second); };
+    for_all(runs.size(), sort_run, 1);
+  }
+
+  const IndexedMesh& mesh_;
+  Buffer<std::uint64_t> keys_;
+  int index_bits_, axis_bits_;
+  int mean_exponent_;
+};
+
+}  // namespace
+
+FacetTree::FacetTree(const IndexedMesh& mesh, Buffer<std::uint32_t> chosen)
+    : order_(std::move(chosen)) {
+  if (order_.empty()) return;
+  {  // the keys are freed before the nodes are made
+    const FacetOrder sorted(mesh, order_);
+    for_each_index(order_.size(), [&](std::size_t i) { order_[i] = sorted.triangle(i); });
+  }
+  make_bottom(mesh);
+  make_levels();
+}
+
+void FacetTree::Node::set(std::size_t child, const Box& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    lower[axis][child] = box.lower[axis];
+    upper[axis][child] = box.upper[axis];
+  }
+}
+
+// The box around the boxes of all children.
+Box FacetTree::Node::all() const {
+  Box box = empty_box();
+  for (std::size_t child = 0; child < kWidth; ++child) {
+    include(box, Box{{lower[0][child], lower[1][child], lower[2][child]},
+                     {upper[0][child], upper[1][child], upper[2][child]}});
+  }
+  return box;
+}
+
+// Makes the nodes above the leaves. The boxes of leaves that are not there stay empty.
+void FacetTree::make_bottom(const IndexedMesh& mesh) {
+  Buffer<Node> nodes(block_count(order_.size(), kLeaf * kWidth));
+  for_each_index(nodes.size(), [&](std::size_t n) {
+    for (std::size_t child = 0; child < kWidth; ++child) {
+      const std::size_t first = kLeaf * (kWidth * n + child);
+      Box box = empty_box();
+      for (std::size_t i = first; i < std::min(first + kLeaf, order_.size()); ++i) {
+        include(box, box_of(mesh, order_[i]));
+      }
+      nodes[n].set(child, box);
+    }
+  });
+  levels_.push_back(std::move(nodes));
+}
+
+// Makes all other levels. The boxes of nodes that are not there stay empty.
+void FacetTree::make_levels() {
+  while (levels_.back().size() > 1) {
+    const Buffer<Node>& below = levels_.back();
+    Buffer<Node> nodes(block_count(below.size(), kWidth));
+    for_each_index(nodes.size(), [&](std::size_t n) {
+      for (std::size_t child = 0; child < kWidth; ++child) {
+        const std::size_t node = kWidth * n + child;
+        nodes[n].set(child, node < below.size() ? below[node].all() : empty_box());
+      }
+    });
+    levels_.push_back(std::move(nodes));
+  }
+}
+
+}  // namespace vdwmesh

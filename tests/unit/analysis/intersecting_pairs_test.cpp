@@ -1,0 +1,250 @@
+// The search for intersecting triangles against a test of all pairs: by CGAL's exact predicates,
+// and for a part of the meshes in rational arithmetic. On meshes that no molecule has: needles,
+// overlaps in one plane, triangles that touch, doubled and flat ones, coordinates beyond what
+// products can hold.
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/intersections.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "analysis/facet_tree.hpp"
+#include "analysis/mesh_measures.hpp"
+#include "reference/crossing_pairs.hpp"
+#include "support/dice.hpp"
+#include "support/test_meshes.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using testing::Dice;
+using CgalKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+
+// The predicates with which CGAL's function self_intersections() decides, for all pairs.
+class CgalPairs {
+ public:
+  explicit CgalPairs(const IndexedMesh& mesh) : mesh_(mesh) {}
+
+  TrianglePairs all() const {
+    TrianglePairs pairs;
+    for (std::uint32_t i = 0; i < mesh_.triangle_count(); ++i) {
+      if (is_flat(mesh_.triangles[i])) continue;
+      const Box box = box_of(mesh_, i);
+      for (std::uint32_t j = i + 1; j < mesh_.triangle_count(); ++j) {
+        if (overlap(box, box_of(mesh_, j)) && !is_flat(mesh_.triangles[j]) &&
+            intersect(mesh_.triangles[i], mesh_.triangles[j])) {
+          pairs.push_back({i, j});
+        }
+      }
+    }
+    return pairs;
+  }
+
+ private:
+  using Points = std::vector<CgalKernel::Point_3>;
+
+  static bool overlap(const Box& a, const Box& b) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (a.lower[axis] > b.upper[axis] || b.lower[axis] > a.upper[axis]) return false;
+    return true;
+  }
+  CgalKernel::Point_3 point(std::uint32_t v) const {
+    const Vec3d& p = mesh_.positions[v];
+    return {p.x, p.y, p.z};
+  }
+  CgalKernel::Triangle_3 triangle(const Triangle& t) const {
+    return {point(t[0]), point(t[1]), point(t[2])};
+  }
+  bool is_flat(const Triangle& t) const { return triangle(t).is_degenerate(); }
+  // The points of t whose vertices are, or are not, vertices of `other`.
+  Points points(const Triangle& t, const Triangle& other, bool shared) const {
+    Points found;
+    for (const std::uint32_t v : t)
+      if ((std::ranges::count(other, v) > 0) == shared) found.push_back(point(v));
+    return found;
+  }
+  bool intersect(const Triangle& a, const Triangle& b) const {
+    const Points shared = points(a, b, true), p = points(a, b, false), q = points(b, a, false);
+    switch (shared.size()) {
+      case 0:
+        return CGAL::do_intersect(triangle(a), triangle(b));
+      case 1:
+        return CGAL::do_intersect(triangle(a), CgalKernel::Segment_3(q[0], q[1])) ||
+               CGAL::do_intersect(triangle(b), CgalKernel::Segment_3(p[0], p[1]));
+      case 2:
+        return CGAL::coplanar(shared[0], shared[1], p[0], q[0]) &&
+               CGAL::coplanar_orientation(shared[0], shared[1], p[0], q[0]) == CGAL::POSITIVE;
+      default:
+        return true;
+    }
+  }
+
+  const IndexedMesh& mesh_;
+};
+
+TrianglePairs pairs_by_rationals(const IndexedMesh& mesh) {
+  std::vector<std::array<double, 3>> positions;
+  for (const Vec3d& p : mesh.positions) positions.push_back({p.x, p.y, p.z});
+  return testing::crossing_pairs(positions, {mesh.triangles.begin(), mesh.triangles.end()});
+}
+
+// Where the vertices of a mesh lie.
+struct Family {
+  std::string name;
+  Vec3d (*vertex)(Dice&);
+};
+std::ostream& operator<<(std::ostream& out, const Family& family) { return out << family.name; }
+
+template <class Coordinate>
+Vec3d by_axis(const Coordinate& coordinate) {
+  const double x = coordinate(), y = coordinate(), z = coordinate();
+  return {x, y, z};
+}
+Vec3d on_lattice(Dice& dice, int side) {
+  return by_axis([&] { return double(dice.whole(0, side)); });
+}
+double ulps_beside(Dice& dice, double x) {
+  for (int k = dice.whole(0, 2); k > 0; --k) x = std::nextafter(x, dice.one_in(2) ? 1e308 : -1e308);
+  return x;
+}
+double of_any_size(Dice& dice, int least, int most) {
+  return std::ldexp(dice.real(-1, 1), dice.whole(least, most));
+}
+
+// Points of a lattice give overlaps in one plane, triangles that touch, and flat ones.
+const Family kFamilies[] = {
+    {"anywhere", [](Dice& d) { return by_axis([&] { return d.real(-1, 1); }); }},
+    {"lattice", [](Dice& d) { return on_lattice(d, 2); }},
+    {"plane",
+     [](Dice& d) {
+       return Vec3d{double(d.whole(0, 5)), double(d.whole(0, 5)), 3};
+     }},
+    {"oblique_plane",
+     [](Dice& d) {
+       const double x = d.real(0, 1), y = d.real(0, 1);
+       return Vec3d{x, y, 0.3 * x - 0.7 * y + 0.1};
+     }},
+    {"needles",
+     [](Dice& d) {
+       return Vec3d{d.real(0, 1), 1e-9 * d.real(0, 1), 1e-12 * d.whole(0, 3)};
+     }},
+    {"one_line_almost",
+     [](Dice& d) {
+       const double x = d.whole(0, 8);
+       return Vec3d{ulps_beside(d, x), ulps_beside(d, x / 3), ulps_beside(d, 2 * x / 3)};
+     }},
+    {"lines_through_the_origin",  // exactly, while differences are rounded
+     [](Dice& d) {
+       const Vec3d p{1.0 / 3, d.one_in(2) ? 1.0 / 7 : 0.3, 0.1};
+       return std::ldexp(d.one_in(2) ? 1.0 : -1.0, d.whole(0, 6)) * p;
+     }},
+    {"ulps",
+     [](Dice& d) {
+       const Vec3d p = on_lattice(d, 2);
+       return Vec3d{ulps_beside(d, p.x + 1), ulps_beside(d, p.y + 1), ulps_beside(d, p.z + 1)};
+     }},
+    {"far_off",
+     [](Dice& d) {
+       return Vec3d{1e15, -1e15, 1e9} + on_lattice(d, 2);
+     }},
+    {"huge",
+     [](Dice& d) {
+       return 8e307 * on_lattice(d, 2) - Vec3d{8e307, 8e307, 8e307};
+     }},
+    {"large", [](Dice& d) { return by_axis([&] { return 1e103 * d.real(-1, 1); }); }},
+    {"small", [](Dice& d) { return by_axis([&] { return 1e-103 * d.real(-1, 1); }); }},
+    {"tiny", [](Dice& d) { return 1e-200 * on_lattice(d, 2); }},
+    {"subnormal", [](Dice& d) { return 5e-324 * on_lattice(d, 3); }},
+    {"of_any_size", [](Dice& d) { return by_axis([&] { return of_any_size(d, -40, 40); }); }},
+    {"of_all_exponents",
+     [](Dice& d) { return by_axis([&] { return of_any_size(d, -1070, 1020); }); }},
+};
+constexpr unsigned kMeshesPerFamily = 20;  // 320 meshes in all
+
+// Triangles of vertices chosen from a pool: so most share some, and some are doubled or have a
+// vertex twice. Some vertices stand at one place.
+IndexedMesh soup_of(const Family& family, Dice& dice) {
+  IndexedMesh mesh;
+  const int vertices = dice.whole(6, 40), triangles = dice.whole(10, 50);
+  for (int v = 0; v < vertices; ++v) {
+    const bool again = v > 0 && dice.one_in(8);
+    mesh.positions.push_back(again ? mesh.positions[std::size_t(v) / 2] : family.vertex(dice));
+  }
+  const auto vertex = [&] { return static_cast<std::uint32_t>(dice.whole(0, vertices - 1)); };
+  for (int t = 0; t < triangles; ++t) mesh.triangles.push_back({vertex(), vertex(), vertex()});
+  mesh.triangles.push_back({mesh.triangles[0][1], mesh.triangles[0][2], mesh.triangles[0][0]});
+  return mesh;
+}
+
+class IntersectingPairs : public ::testing::TestWithParam<Family> {};
+
+TEST_P(IntersectingPairs, AreThoseOfCgalAndOfRationalArithmetic) {
+  std::size_t found = 0;
+  for (unsigned seed = 1; seed <= kMeshesPerFamily; ++seed) {
+    Dice dice(seed);
+    const IndexedMesh mesh = soup_of(GetParam(), dice);
+    const TrianglePairs pairs = intersecting_pairs(mesh);
+    ASSERT_EQ(pairs, CgalPairs(mesh).all()) << "seed " << seed;
+    if (seed % 5 == 0) {
+      ASSERT_EQ(pairs, pairs_by_rationals(mesh)) << "seed " << seed;
+    }
+    EXPECT_EQ(self_intersections(mesh), pairs.size());
+    found += pairs.size();
+  }
+  EXPECT_GT(found, kMeshesPerFamily);
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, IntersectingPairs, ::testing::ValuesIn(kFamilies),
+                         [](const auto& info) { return info.param.name; });
+
+// A crossing planted in a surface without any: a vertex pulled through the other side.
+TEST(IntersectingPairsOfSurfaces, AreThosePlanted) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Dice dice(seed);
+    IndexedMesh mesh = testing::torus(24, 12);
+    EXPECT_TRUE(intersecting_pairs(mesh).empty());
+    for (int k = dice.whole(1, 4); k > 0; --k) {
+      Vec3d& p = mesh.positions[static_cast<std::size_t>(dice.whole(0, 24 * 12 - 1))];
+      p = -1.0 * p;
+    }
+    const TrianglePairs pairs = intersecting_pairs(mesh);
+    EXPECT_FALSE(pairs.empty());
+    EXPECT_EQ(pairs, CgalPairs(mesh).all());
+  }
+}
+
+// Enough triangles for a tree of three levels. Their sizes differ by factors of 10^6, and vertices
+// far away leave all others in one cell of the first order.
+TEST(IntersectingPairsOfUnevenMeshes, AreThoseOfCgal) {
+  for (const double far : {0.0, 1e9, 1e300}) {
+    Dice dice(7);
+    IndexedMesh mesh;
+    for (std::uint32_t t = 0; t < 1500; ++t) {
+      const double size = t % 50 == 0 ? 10 : t % 3 == 0 ? 1e-5 : 0.3;
+      const Vec3d middle = by_axis([&] { return dice.real(-3, 3); });
+      for (int k = 0; k < 3; ++k) {
+        mesh.positions.push_back(middle + by_axis([&] { return dice.real(-size, size); }));
+      }
+      mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    for (Vec3d& p : {std::ref(mesh.positions[0]), std::ref(mesh.positions[1000])}) p.x += far;
+    const TrianglePairs pairs = intersecting_pairs(mesh);
+    EXPECT_EQ(pairs, CgalPairs(mesh).all()) << far;
+    EXPECT_GT(pairs.size(), 100u) << "too few to show anything";
+  }
+}
+
+// Every pair of boxes that overlap is met once, whatever the order of the tree is.
+TEST(FacetTreeOfPiles, VisitsAllNodesThatOverlap) {
+  IndexedMesh mesh = testing::make_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {});
+  mesh.triangles.assign(500, {0, 1, 2});
+  EXPECT_EQ(self_intersections(mesh), 500u * 499u / 2);
+  EXPECT_EQ(self_intersections(testing::empty_mesh()), 0u);
+}
+
+}  // namespace
+}  // namespace vdwmesh
