@@ -114,7 +114,6 @@ void draw_mesh(const IndexedMesh& mesh, const Painter& painter, const PictureOpt
                Session& session) {
   Paint paint = painter(mesh);
   begin_stage(session.monitor, "picture", 1);
-  const Stopwatch watch;
   Report& report = session.report;
   const Backend backend = report.backend ? report.backend->used : resolve(session.machine.backend);
   const Renderer renderer;
@@ -124,7 +123,7 @@ void draw_mesh(const IndexedMesh& mesh, const Painter& painter, const PictureOpt
   const Drawing drawing = draw(renderer, source, render, backend, report.notes);
   write_file(options.path, encode_png(drawing.picture));
   report.picture = report_of(options, source, renderer.device(), drawing.filled_by);
-  report.timing.picture = watch.seconds();
+  session.end_stage(&Timing::picture);
   advance(session.monitor, 1);
 }
 

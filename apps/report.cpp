@@ -40,6 +40,34 @@ void add_extraction_warnings(const MeshReport& mesh, Report& report) {
                  left, newton.unconverged, newton.out_of_reach);
 }
 
+constexpr std::pair<const char*, Timing::Stage Timing::*> kStages[] = {
+    {"read", &Timing::read},
+    {"plan", &Timing::plan},
+    {"mesh", &Timing::mesh},
+    {"levels", &Timing::levels},
+    {"measure", &Timing::measure},
+    {"self_intersections", &Timing::self_intersections},
+    {"cgal_check", &Timing::cgal_check},
+    {"exact", &Timing::exact},
+    {"compare", &Timing::compare},
+    {"picture", &Timing::picture},
+    {"build", &Timing::build},
+    {"write", &Timing::write}};
+
+// The parts of making a mesh say themselves what they took; what is left is `setup`.
+void add_mesh_parts(const Timing& timing, Seconds& seconds) {
+  std::optional<double> setup;
+  if (timing.mesh) {
+    const double parts =
+        timing.field.value_or(0) + timing.extract.value_or(0) + timing.refine.value_or(0);
+    setup = std::max(timing.mesh->wall - parts, 0.0);
+  }
+  seconds.stages.insert(seconds.stages.end(), {{"field", timing.field},
+                                               {"extract", timing.extract},
+                                               {"refine", timing.refine},
+                                               {"setup", setup}});
+}
+
 }  // namespace
 
 NewtonSummary summarize(const std::vector<ProjectionStats>& levels) {
@@ -65,6 +93,35 @@ void extrapolate(TriangleLabels labels, MeshReport& mesh) {
   if (coarse.volume && fine.volume) {
     mesh.extrapolated_volume = extrapolate_second_order(*coarse.volume, *fine.volume);
   }
+}
+
+void add(Timing::Stage& stage, const StageTime& lap) {
+  const StageTime before = stage.value_or(StageTime{});
+  stage = StageTime{before.wall + lap.wall, before.cpu + lap.cpu};
+}
+
+Seconds wall_seconds(const Timing& timing) {
+  Seconds seconds;
+  for (const auto& [name, member] : kStages) {
+    const Timing::Stage& stage = timing.*member;
+    if (member == &Timing::mesh) {
+      add_mesh_parts(timing, seconds);
+    } else {
+      seconds.stages.push_back({name, stage ? std::optional(stage->wall) : std::nullopt});
+    }
+  }
+  seconds.stages.push_back({"total", timing.total.wall});
+  return seconds;
+}
+
+Seconds cpu_seconds(const Timing& timing) {
+  Seconds seconds;
+  for (const auto& [name, member] : kStages) {
+    const Timing::Stage& stage = timing.*member;
+    seconds.stages.push_back({name, stage ? std::optional(stage->cpu) : std::nullopt});
+  }
+  seconds.stages.push_back({"total", timing.total.cpu});
+  return seconds;
 }
 
 void add_warnings(Report& report) {

@@ -17,6 +17,7 @@
 #include "arrangement/exact_union.hpp"
 #include "options.hpp"
 #include "render/color_scale.hpp"
+#include "stopwatch.hpp"
 #include "structure/molecule.hpp"
 
 namespace vdwmesh::apps {
@@ -72,11 +73,30 @@ struct PictureReport {
   Backend filled_by = Backend::cpu;  // who wrote the vertex buffers
 };
 
-// Wall-clock seconds.
+// The stages of a run follow each other without gaps; what did not run is empty.
 struct Timing {
-  std::optional<double> read, field, extract, build, refine, exact, compare, picture;
-  double total = 0;
+  using Stage = std::optional<StageTime>;
+  Stage read;                                    // files
+  Stage plan;                                    // the estimate of memory
+  Stage mesh;                                    // all of making the mesh, but for `levels`
+  std::optional<double> field, extract, refine;  // s of wall time: parts of `mesh`
+  Stage levels;                                  // measuring the levels of a refinement
+  Stage measure, self_intersections, cgal_check;
+  Stage exact, compare, picture, build;
+  Stage write;  // files but for pictures, and but for the JSON that this stands in
+  StageTime total;
 };
+
+// Adds a lap to a stage.
+void add(Timing::Stage& stage, const StageTime& lap);
+
+// Names and seconds of the stages in their order, the total last. By the clock, `mesh` stands as
+// its parts: field, extract, refine, and setup for what is left of it, as starting a device.
+struct Seconds {
+  std::vector<std::pair<const char*, std::optional<double>>> stages;
+};
+Seconds wall_seconds(const Timing& timing);
+Seconds cpu_seconds(const Timing& timing);
 
 struct ExactReport : ExactUnion {
   std::optional<AreaByPolarity> by_polarity;  // where the radius set has one

@@ -67,12 +67,13 @@ void describe(JsonText& a, const PictureReport& picture) {
   a("filled_by", picture.filled_by);
 }
 
+void describe(JsonText& a, const Seconds& seconds) {
+  for (const auto& [name, value] : seconds.stages) a(name, value);
+}
+
 void describe(JsonText& a, const Timing& timing) {
-  a("read", timing.read);
-  a("field", timing.field), a("extract", timing.extract);
-  a("build", timing.build), a("refine", timing.refine);
-  a("exact", timing.exact), a("compare", timing.compare), a("picture", timing.picture);
-  a("total", timing.total);
+  describe(a, wall_seconds(timing));
+  a("cpu", cpu_seconds(timing));
 }
 
 std::string to_json(const Report& report) {

@@ -31,9 +31,9 @@ std::string counted(std::uint64_t count, std::string_view noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-std::string reason_text(std::string reason) {
-  std::replace(reason.begin(), reason.end(), '_', ' ');
-  return reason;
+std::string in_words(std::string key) {
+  std::replace(key.begin(), key.end(), '_', ' ');
+  return key;
 }
 
 void line(Text out, std::string_view label, std::string text) {
@@ -44,7 +44,7 @@ void line(Text out, std::string_view label, std::string text) {
 std::string atoms_text(const InputReport& input) {
   std::vector<std::string> skipped;
   for (const auto& [reason, count] : input.skipped) {
-    if (count > 0) skipped.push_back(fmt::format("{} {}", count, reason_text(reason)));
+    if (count > 0) skipped.push_back(fmt::format("{} {}", count, in_words(reason)));
   }
   const std::string copies =
       input.spheres == input.atoms_used ? "" : fmt::format("; copied to {} spheres", input.spheres);
@@ -360,17 +360,18 @@ void distances_text(Text out, const MeshDistances& distances) {
                  distances.hausdorff_lower_bound, distances.samples, distances.seed);
 }
 
-// Stages that did not run are left out; the rest of the total is what lies between stages.
-void timing_text(Text out, const Timing& timing) {
-  const std::pair<const char*, std::optional<double>> stages[] = {
-      {"read", timing.read},       {"field", timing.field},    {"extract", timing.extract},
-      {"refine", timing.refine},   {"build", timing.build},    {"exact", timing.exact},
-      {"compare", timing.compare}, {"picture", timing.picture}};
-  std::string text;
-  for (const auto& [name, seconds] : stages) {
-    if (seconds) text += fmt::format("{} {:.3f}, ", name, *seconds);
+// Stages that did not run are left out.
+std::string seconds_text(const Seconds& all) {
+  std::vector<std::string> parts;
+  for (const auto& [name, seconds] : all.stages) {
+    if (seconds) parts.push_back(fmt::format("{} {:.3f}", in_words(name), *seconds));
   }
-  line(out, "Time (s)", text + fmt::format("total {:.3f}", timing.total));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+void timing_text(Text out, const Timing& timing) {
+  line(out, "Time (s)", seconds_text(wall_seconds(timing)));
+  line(out, "CPU (s)", seconds_text(cpu_seconds(timing)));
 }
 
 void remarks(Text out, std::string_view label, const std::vector<std::string>& list) {

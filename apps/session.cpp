@@ -14,7 +14,7 @@
 namespace vdwmesh::apps {
 
 VerbSession::VerbSession(const MachineOptions& options)
-    : Session{options, nullptr, {}}, progress_(make_progress(options.progress)) {
+    : Session{options, nullptr, {}, {}}, progress_(make_progress(options.progress)) {
   monitor = progress_.get();
   if (options.threads == 0) return;
   threads_.emplace(tbb::global_control::max_allowed_parallelism,

@@ -22,6 +22,10 @@ struct Session {
   MachineOptions machine;
   Monitor* monitor = nullptr;  // may be null
   Report report;
+  LapClock clock = {};
+
+  // What ran since the last call belongs to this stage.
+  void end_stage(Timing::Stage Timing::*stage) { add(report.timing.*stage, clock.lap()); }
 };
 
 // The session of a verb: it has the threads and the progress bar that the command line allows for
@@ -35,8 +39,8 @@ class VerbSession : public Session {
   // Adds the warnings that the figures call for and the total time, prints the report and writes
   // its JSON where asked for.
   void deliver_report(const OutputOptions& output);
-  // The seconds since the session began, into the report.
-  void stop_watch() { report.timing.total = watch_.seconds(); }
+  // The time since the session began, into the report.
+  void stop_watch() { report.timing.total = whole_.lap(); }
   // Prints the text where it is wanted, which is not where other output takes its place; else the
   // warnings go to standard error.
   void deliver_text(const OutputOptions& output, const std::function<std::string()>& text) const;
@@ -44,7 +48,7 @@ class VerbSession : public Session {
  private:
   std::optional<tbb::global_control> threads_;
   std::unique_ptr<Monitor> progress_;
-  Stopwatch watch_;
+  LapClock whole_;
 };
 
 // One line each on standard error.

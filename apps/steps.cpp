@@ -216,7 +216,6 @@ void account_for_fallback(const std::string& fallback, Report& report) {
 }
 
 Molecule load_molecule(const InputOptions& options, Session& session) {
-  const Stopwatch watch;
   Report& report = session.report;
   ReadOptions read = options.read;
   read.memory_limit = session.machine.memory_limit;
@@ -225,7 +224,7 @@ Molecule load_molecule(const InputOptions& options, Session& session) {
   report.input = input_of(molecule, options);
   report.notes.insert(report.notes.end(), molecule.notes.begin(), molecule.notes.end());
   report.warnings.insert(report.warnings.end(), molecule.warnings.begin(), molecule.warnings.end());
-  report.timing.read = watch.seconds();
+  session.end_stage(&Timing::read);
   return molecule;
 }
 
@@ -247,6 +246,7 @@ SphereSet to_spheres(const Molecule& molecule, double probe) {
 Structure load(const InputOptions& options, Session& session) {
   Molecule molecule = load_molecule(options, session);
   SphereSet spheres = to_spheres(molecule, options.probe);
+  session.end_stage(&Timing::read);
   return {std::move(molecule), std::move(spheres)};
 }
 
@@ -264,17 +264,25 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, S
   refine.memory_limit = session.machine.memory_limit;
   refine.on_level = request.on_level;
   refine.monitor = session.monitor;
-  return surface.mesher == Mesher::exact ? mesh_arrangement(spheres, surface, refine, report)
-                                         : mesh_field(spheres, surface, request, refine, report);
+  IndexedMesh mesh = surface.mesher == Mesher::exact
+                         ? mesh_arrangement(spheres, surface, refine, report)
+                         : mesh_field(spheres, surface, request, refine, report);
+  const StageTime lap = session.clock.lap();
+  const StageTime observed = report.timing.levels.value_or(StageTime{});
+  report.timing.mesh = StageTime{lap.wall - observed.wall, lap.cpu - observed.cpu};
+  return mesh;
 }
 
 // Levels are examined as they come, because the refinement does not keep them.
-LevelObserver record_levels(SelfIntersections wanted, int last, std::vector<LevelReport>& levels) {
-  return [=, &levels](int level, const IndexedMesh& mesh) {
+LevelObserver record_levels(SelfIntersections wanted, int last, std::vector<LevelReport>& levels,
+                            Session& session) {
+  return [=, &levels, &session](int level, const IndexedMesh& mesh) {
     if (level == last) return;
+    LapClock clock;
     LevelReport record{examine(mesh), level, {}};
     if (wanted == SelfIntersections::count) record.self_intersections = self_intersections(mesh);
     levels.push_back(record);
+    add(session.report.timing.levels, clock.lap());
   };
 }
 
@@ -304,6 +312,7 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session)
     return;
   }
   report.mesh->cgal = cgal_measures(to_surface_mesh(mesh));
+  session.end_stage(&Timing::cgal_check);
 }
 
 void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session) {
@@ -313,9 +322,10 @@ void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session
   MeshReport& result = *report.mesh;
   static_cast<MeshExamination&>(result) = examine(mesh);
   advance(session.monitor, 1);
-  if (wanted == SelfIntersections::count) {
-    result.self_intersections = self_intersections(mesh, session.monitor);
-  }
+  session.end_stage(&Timing::measure);
+  if (wanted == SelfIntersections::skip) return;
+  result.self_intersections = self_intersections(mesh, session.monitor);
+  session.end_stage(&Timing::self_intersections);
 }
 
 std::optional<std::vector<SphereId>> measured_spheres(const Molecule& molecule) {
@@ -365,12 +375,11 @@ void measure_by_arcs(const SphereSet& spheres, Session& session) {
 
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
                      const std::optional<std::vector<SphereId>>& measured) {
-  const Stopwatch watch;
   Report& report = session.report;
   if (wants_device(spheres, options, session, !measured)) {
     report.exact.emplace();
     measure_by_arcs(spheres, session);
-    report.timing.exact = watch.seconds();
+    session.end_stage(&Timing::exact);
     return;
   }
   UnionOptions wanted{.method = options.method, .monitor = session.monitor};
@@ -381,12 +390,13 @@ void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Sess
   exact_union_into(*report.exact, spheres, wanted);
   if (options.topology != TopologyRequest::full) report.exact->topology.reset();
   if (options.topology == TopologyRequest::none) report.exact->counts.reset();
-  report.timing.exact = watch.seconds();
+  session.end_stage(&Timing::exact);
 }
 
 void measure_polarity(const Molecule& molecule, Session& session) {
   ExactReport& exact = *session.report.exact;
   exact.by_polarity = area_by_polarity(molecule, exact);
+  session.end_stage(&Timing::exact);
 }
 
 MeshDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
@@ -398,7 +408,6 @@ MeshDistances measure_distances(const IndexedMesh& mesh, const SphereSet& sphere
 
 void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceChoice& choice, Session& session) {
-  const Stopwatch watch;
   Report& report = session.report;
   report.comparison = compare(report.mesh->topology, report.mesh->measures, *report.exact);
   if (choice.distances == Switch::on) {
@@ -406,7 +415,7 @@ void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
   }
   const auto& counts = report.exact->counts;
   warn_of_lost_components(counts ? counts->components : count_components(spheres), report);
-  report.timing.compare = watch.seconds();
+  session.end_stage(&Timing::compare);
 }
 
 void warn_of_lost_balls(const SphereSet& spheres, Session& session) {
@@ -415,13 +424,12 @@ void warn_of_lost_balls(const SphereSet& spheres, Session& session) {
 
 void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,
                         SurfaceMeshBuilder& builder, Session& session) {
-  const Stopwatch watch;
   SurfaceMesh& surface = builder.build(mesh);
   std::vector<std::string> elements;
   elements.reserve(molecule.atoms.size());
   for (const Atom& atom : molecule.atoms) elements.push_back(atom.element);
   color_by_element(surface, elements);
-  session.report.timing.build = watch.seconds();
+  session.end_stage(&Timing::build);
 }
 
 }  // namespace vdwmesh::apps

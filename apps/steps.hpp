@@ -57,7 +57,7 @@ void measure(const IndexedMesh& mesh, SelfIntersections self_intersections, Sess
 // make_mesh(): the last level is the finished mesh. Then, once that is measured, adds it to the
 // levels, if there are any.
 LevelObserver record_levels(SelfIntersections self_intersections, int last,
-                            std::vector<LevelReport>& levels);
+                            std::vector<LevelReport>& levels, Session& session);
 void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mesh);
 
 // CGAL's measures of the OpenMesh mesh. Where the mesh is too large for the choice, or has no

@@ -32,4 +32,27 @@ class CpuWatch {
   double start_ = now();
 };
 
+// What a stage took.
+struct StageTime {
+  double wall = 0;  // s
+  double cpu = 0;   // s, of all threads of this process
+};
+
+// Cuts a run into stages without gaps, so that their times add up to the whole.
+class LapClock {
+ public:
+  // The time since the last lap, or since construction.
+  StageTime lap() {
+    const StageTime now{wall_.seconds(), cpu_.seconds()};
+    const StageTime since{now.wall - last_.wall, now.cpu - last_.cpu};
+    last_ = now;
+    return since;
+  }
+
+ private:
+  Stopwatch wall_;
+  CpuWatch cpu_;
+  StageTime last_;
+};
+
 }  // namespace vdwmesh::apps

@@ -56,6 +56,7 @@ void run_compare(const Options& options) {
   const SphereSet spheres = load(options.inputs.front(), session).spheres;
   check_file_size(options.mesh_path, options.machine.memory_limit);
   MeshFile file = read_mesh(options.mesh_path);
+  session.end_stage(&Timing::read);
   const IndexedMesh& mesh = file.mesh;
   MemoryDemand demand;
   demand.self_intersections = SelfIntersections::count;

@@ -17,6 +17,7 @@ void run_exact(const Options& options) {
   MemoryDemand demand;
   demand.exact = method_for_memory(options.exact);
   check_memory_before(demand, spheres, options.machine.memory_limit);
+  session.end_stage(&Timing::plan);
   measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
   measure_polarity(molecule, session);
   if (!options.output.per_atom.empty()) {
@@ -24,6 +25,7 @@ void run_exact(const Options& options) {
     write_output(
         options.output.per_atom,
         per_atom_csv({molecule, input.probe, *session.report.exact, {}, options.output.group}));
+    session.end_stage(&Timing::write);
   }
   session.deliver_report(options.output);
 }

@@ -31,6 +31,7 @@ void build(const Structure& structure, const Options& options, SurfaceMesh& buil
   const std::uint64_t limit = options.machine.memory_limit;
   MemoryDemand demand = memory_of_mesh(options);
   const auto estimate = check_memory_before(demand, structure.spheres, limit);
+  session.end_stage(&Timing::plan);
   SurfaceMeshBuilder builder(built);
   const auto prepare = [&](const MeshSize& size) {
     if (early_build_fits(demand, size, limit)) {
@@ -64,6 +65,7 @@ void write(const SurfaceMesh& mesh, const std::string& path, Session& session) {
                            ": does not say which sphere each triangle is part of; only PLY does");
   }
   report.mesh->path = path;
+  session.end_stage(&Timing::write);
 }
 
 }  // namespace

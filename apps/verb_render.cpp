@@ -62,7 +62,7 @@ void draw_structure(const Options& options, Session& session) {
 
 std::string summary_of(const Report& report) {
   return picture_text(*report.picture) + remarks_text(report) +
-         fmt::format("{:<12} total {:.3f}\n", "Time (s)", report.timing.total);
+         fmt::format("{:<12} total {:.3f}\n", "Time (s)", report.timing.total.wall);
 }
 
 }  // namespace

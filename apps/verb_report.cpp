@@ -34,11 +34,13 @@ IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options,
   MemoryDemand demand = memory_of_report(options);
   const std::uint64_t limit = options.machine.memory_limit;
   const auto estimate = check_memory_before(demand, spheres, limit);
+  session.end_stage(&Timing::plan);
   std::vector<LevelReport> levels;
-  IndexedMesh mesh = make_mesh(spheres, options.surface, session,
-                               {.normals = demand.normals,
-                                .on_level = record_levels(options.self_intersections,
-                                                          options.surface.subdivisions, levels)});
+  IndexedMesh mesh =
+      make_mesh(spheres, options.surface, session,
+                {.normals = demand.normals,
+                 .on_level = record_levels(options.self_intersections, options.surface.subdivisions,
+                                           levels, session)});
   session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, spheres, mesh, limit);
   MeshReport& report = *session.report.mesh;
@@ -65,6 +67,7 @@ void run_report(const Options& options) {
     write_output(options.output.per_atom,
                  per_atom_csv({molecule, input.probe, *session.report.exact,
                                mesh_area_by_sphere(mesh, spheres.size()), options.output.group}));
+    session.end_stage(&Timing::write);
   }
   session.deliver_report(options.output);
 }

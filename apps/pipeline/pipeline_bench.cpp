@@ -41,7 +41,7 @@ std::uint64_t file_bytes(const InputOptions& input) {
 class Pass {
  public:
   Pass(const Options& options, const InputOptions& input, double spacing)
-      : options_(options), input_(input), session_{options.machine, nullptr, {}} {
+      : options_(options), input_(input), session_{options.machine, nullptr, {}, {}} {
     surface_.grid.spacing = spacing;
   }
 

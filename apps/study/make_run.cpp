@@ -92,7 +92,7 @@ class LevelRecorder {
 
 std::vector<StudyRun> make_runs(const StudyTask& task, const StudyInput& input,
                                 const StudyOptions& options, Monitor* monitor) {
-  Session session{options.machine, monitor, {}};
+  Session session{options.machine, monitor, {}, {}};
   session.machine.backend = value_named<Backend>("backend", task.setting.key.backend);
   const SurfaceOptions surface = surface_options(task.setting);
   LevelRecorder recorder(task, input, options, session);

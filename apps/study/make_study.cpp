@@ -44,14 +44,14 @@ std::string name_of_input(const InputOptions& options) {
 StudyInput read_input(const InputOptions& options, const MachineOptions& machine) {
   StudyInput input;
   input.name = name_of_input(options);
-  Session session{machine, nullptr, {}};
+  Session session{machine, nullptr, {}, {}};
   input.structure = load(options, session);
   input.hash = hash_of(input.structure.spheres);
   measure_exactly(input.structure.spheres, {}, session);
   input.report = session.report.input;
   input.warnings = session.report.warnings;
   input.exact = std::move(*session.report.exact);
-  input.exact_seconds = *session.report.timing.exact;
+  input.exact_seconds = session.report.timing.exact->wall;
   return input;
 }
 

@@ -109,7 +109,7 @@ double distance_range(const std::vector<float>& distances) {
 
 // Meshes are not kept with their runs: they take far more room than their figures.
 IndexedMesh mesh_anew(const Study& study, const SphereSet& spheres, const StudySetting& setting) {
-  Session session{study.options.machine, nullptr, {}};
+  Session session{study.options.machine, nullptr, {}, {}};
   session.machine.backend = value_named<Backend>("backend", setting.key.backend);
   MemoryDemand demand;
   demand.surface = surface_options(setting);

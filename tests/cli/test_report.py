@@ -198,7 +198,7 @@ class TextReport(ProgramTest):
         self.assertLessEqual(set(kinds), report.seen)
 
     def test_every_number_is_the_documents(self):
-        always = {"Input", "Atoms", "Radii", "Area", "Volume", "Voids", "Time (s)"}
+        always = {"Input", "Atoms", "Radii", "Area", "Volume", "Voids", "Time (s)", "CPU (s)"}
         mesh = always | {"Mesh", "Smallest angle", "Aspect ratio", "Edge length"}
         whole = mesh | {"Exact union", "Euler characteristic", "mesh to surface", "surface to mesh", "Hausdorff"}
         out = self.folder / "a.ply"
@@ -232,6 +232,24 @@ class TextReport(ProgramTest):
         ):  # fmt: skip
             with self.subTest(arguments=arguments):
                 self.assert_text_is_json(arguments, kinds)
+
+    def test_stages_add_up_to_the_total(self):
+        """By the clock and in processor time, whichever stages run."""
+        mesh, out = self.folder / "add_up.ply", self.folder / "add_up.csv"
+        for arguments, stages in (
+            (("report", UBIQUITIN, "--per-atom", out), {"refine", "levels", "cgal_check", "compare", "write"}),
+            (("report", UBIQUITIN, "--mesher", "exact", "--edge-length", "0.5"), {"extract", "measure", "compare"}),
+            (("mesh", UBIQUITIN, "-o", mesh, "--spacing", "0.3"), {"plan", "setup", "build", "write"}),
+            (("compare", mesh, UBIQUITIN), {"read", "self_intersections", "compare"}),
+            (("exact", UBIQUITIN), {"read", "plan", "exact"}),
+        ):  # fmt: skip
+            with self.subTest(arguments=arguments):
+                wall = self.report(*arguments)["timing"]
+                self.assertLessEqual(stages, {key for key, seconds in wall.items() if seconds is not None})
+                for times in (wall.pop("cpu"), wall):
+                    total = times.pop("total")
+                    named = sum(seconds for seconds in times.values() if seconds is not None)
+                    self.assertAlmostEqual(named, total, delta=0.03 * total + 0.001)  # s: the clock of a tick
 
     def test_quiet_prints_nothing(self):
         output = self.folder / "a.json"

@@ -260,8 +260,14 @@ class TextReport:
             self.problems.append(line)
 
     def check_time(self, line, text):
-        timing = {key: value for key, value in self.document["timing"].items() if value is not None}
-        printed = dict(part.split(" ") for part in text.split(", "))
+        self.check_seconds(line, text, {k: v for k, v in self.document["timing"].items() if k != "cpu"})
+
+    def check_cpu(self, line, text):
+        self.check_seconds(line, text, self.document["timing"]["cpu"])
+
+    def check_seconds(self, line, text, stages):
+        timing = {key.replace("_", " "): value for key, value in stages.items() if value is not None}
+        printed = dict(part.rsplit(" ", 1) for part in text.split(", "))
         if set(printed) != set(timing):
             self.problems.append(f"{line!r}: the document has {timing}")
         self.expect(line, [printed[k] for k in printed], [timing.get(k) for k in printed])
