@@ -3,8 +3,8 @@
     PYTHONPATH=build/release/python python3 bench/frames_bench.py STRUCTURE.pdb [FRAMES...] [--device cuda]
 
 The atoms of the protein move by about 0.3 Å from frame to frame (seeded). FRAMES are numbers of
-frames; of the first all figures are taken, of the others the time and the peak memory of reading them
-from files. Needs MDAnalysis; freesasa and mdtraj are compared with where they are installed.
+frames; of the first all figures are taken, of the others the time and the peak memory at probe 0, from
+files. Needs MDAnalysis; freesasa and mdtraj are compared with where they are installed.
 """
 
 import argparse
@@ -106,10 +106,10 @@ def bench_file(top, path, options):
     print(json.dumps([frames, wall, cpu, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024]))
 
 
-def bench_files(top, paths, device):
+def bench_files(top, paths, device, names):
     for path in paths:
-        for name, options in (("probe 0", {}), ("probe 1.4", {"probe": 1.4})):
-            options = json.dumps({**options, "device": device})
+        for name in names:
+            options = json.dumps({**OPTIONS[name], "device": device})
             command = [sys.executable, __file__, "--file", top, path, options]
             found = subprocess.run(command, capture_output=True, text=True, check=True).stdout
             frames, wall, cpu, peak = json.loads(found.splitlines()[-1])
@@ -144,7 +144,8 @@ def main():
                     writer.write(group)
             for writer in writers:
                 writer.close()
-            bench_files(top, paths, given.device)
+            names = ("probe 0", "probe 1.4") if frames == given.frames[0] else ("probe 0",)
+            bench_files(top, paths, given.device, names)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 // Times exact areas and volumes on a CUDA device, and compares them with the CPU ball by ball.
 //
 //   measurer_bench SPHERES.xyzr [COPIES]
+//   measurer_bench --frames SPHERES.xyzr    frames of a trajectory, float32, as Python's `frames`
+//   does
 //
 // The spheres stand COPIES times (6) side by side. Rows: spheres and measures in device memory;
 // both in host memory; 10,000 sets of 500 consecutive spheres. Least of ten runs after two to warm
@@ -11,9 +13,11 @@
 #include <cstdio>
 #include <exception>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "arrangement/frame_measures.hpp"
 #include "cuda/backend.hpp"
 #include "cuda/measure/device_measures.cuh"
 #include "cuda/memory/device.cuh"
@@ -108,12 +112,77 @@ void report_difference(const SphereBatch& batch, double probe) {
       volume, differ, cpu.totals[0].area, cuda.totals[0].area);
 }
 
+// Coordinates of frames in which the balls moved by about 0.3 Å.
+std::vector<float> jittered(const std::vector<Sphere>& spheres, std::size_t frames) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<float> move(0, 0.3f);
+  std::vector<float> numbers;
+  for (std::size_t t = 0; t < frames; ++t) {
+    for (const Sphere& s : spheres) {
+      for (int axis = 0; axis < 3; ++axis) {
+        numbers.push_back(static_cast<float>(s.center[axis]) + move(random));
+      }
+    }
+  }
+  return numbers;
+}
+
+// Frames per second, `chunk` of them at once.
+void report_frames(const std::string& path, double probe) {
+  const std::vector<Sphere> spheres = read_xyzr(path.c_str(), probe);
+  constexpr std::size_t kFrames = 1024;
+  const std::vector<float> numbers = jittered(spheres, kFrames);
+  std::vector<double> radii, areas[2];
+  for (const Sphere& s : spheres) radii.push_back(s.radius);
+  const auto cuda = make_union_measurer(Backend::cuda);
+  const auto measure = [&](const UnionMeasurer* measurer, std::size_t chunk, std::size_t frames,
+                           std::vector<double>& found) {
+    found.clear();
+    std::vector<ExactUnion> results;
+    for (std::size_t t = 0; t < frames; t += chunk) {
+      const std::size_t row = 3 * spheres.size() * sizeof(float);
+      FrameOptions options;
+      options.measurer = measurer;
+      measure_frames(results, radii,
+                     {.first = reinterpret_cast<const std::byte*>(numbers.data()) + t * row,
+                      .type = CoordinateType::float32,
+                      .frames = std::min(chunk, frames - t),
+                      .atoms = spheres.size(),
+                      .frame_stride = static_cast<std::ptrdiff_t>(row),
+                      .atom_stride = 3 * sizeof(float),
+                      .axis_stride = sizeof(float)},
+                     options);
+      for (const ExactUnion& result : results) found.push_back(result.area);
+    }
+  };
+  for (const std::size_t chunk : {16u, 64u, 256u, 1024u}) {
+    const double seconds =
+        least_seconds([&] { measure(cuda.get(), chunk, kFrames, areas[1]); }, 1, 3);
+    std::printf("probe %.1f  frames of %zu, %4zu at once: %9.0f frames/s  %6.1f M balls/s\n", probe,
+                spheres.size(), chunk, kFrames / seconds,
+                1e-6 * static_cast<double>(kFrames * spheres.size()) / seconds);
+  }
+  constexpr std::size_t kOnCpu = 256;
+  const double seconds = least_seconds([&] { measure(nullptr, 64, kOnCpu, areas[0]); }, 0, 2);
+  double difference = 0;
+  for (std::size_t t = 0; t < kOnCpu; ++t) {
+    difference = std::max(difference, std::abs(areas[1][t] / areas[0][t] - 1));
+  }
+  std::printf(
+      "probe %.1f  frames of %zu, CPU: %9.0f frames/s; largest difference %.1e of the area\n",
+      probe, spheres.size(), kOnCpu / seconds, difference);
+}
+
 int run(int argc, char** argv) {
   if (argc < 2) {
-    std::fprintf(stderr, "usage: measurer_bench SPHERES.xyzr [COPIES]\n");
+    std::fprintf(stderr, "usage: measurer_bench SPHERES.xyzr [COPIES] | --frames SPHERES.xyzr\n");
     return 1;
   }
   const DeviceScope device;
+  if (std::string(argv[1]) == "--frames" && argc == 3) {
+    for (const double probe : {0.0, 1.4}) report_frames(argv[2], probe);
+    return 0;
+  }
   for (const double probe : {0.0, 1.4}) {
     const std::vector<Sphere> spheres =
         side_by_side(read_xyzr(argv[1], probe), argc > 2 ? std::stoul(argv[2]) : 6);

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "../../apps/memory.hpp"
@@ -26,6 +27,7 @@ struct Request {
   double spacing = 0, edge_length = 0;  // Å
   int subdivisions = 0;
   bool normals = true;
+  bool fixed_grid = false;
   Backend backend = Backend::automatic;
 };
 
@@ -55,9 +57,13 @@ Request request_of(const py::kwargs& given) {
   request.edge_length = given["edge_length"].cast<double>();
   request.subdivisions = given["subdivide"].cast<int>();
   request.normals = given["normals"].cast<bool>();
+  request.fixed_grid = given["fixed_grid"].cast<bool>();
   request.backend = backend_of(given["device"].cast<std::string>());
   if (request.exact && request.field != FieldKind::vdw) {
     throw InvalidInput("field: the exact mesher meshes the union of the balls, field \"vdw\"");
+  }
+  if (request.exact && request.fixed_grid) {
+    throw InvalidInput("fixed_grid: the exact mesher has no grid; marching-cubes has");
   }
   return request;
 }
@@ -91,10 +97,21 @@ IndexedMesh mesh_exactly(const SphereSet& spheres, const Request& request, Monit
                   spacing, radius));
 }
 
+// The grid with its first node moved down to multiples of the spacing, and with one more cell along
+// each axis to reach as far as before. So all such grids have the nodes of one lattice.
+GridSpec at_multiples(GridSpec grid) {
+  for (int axis = 0; axis < 3; ++axis) {
+    grid.origin[axis] = grid.spacing * std::floor(grid.origin[axis] / grid.spacing);
+    ++grid.cells[axis];
+  }
+  return grid;
+}
+
 IndexedMesh march(const SphereSet& spheres, const Request& request, Monitor& monitor) {
   ExtractOptions extract;
   extract.field.kind = request.field;
   extract.grid = preset_grid(FieldPreset::radius_aware, request.spacing, std::nullopt);
+  if (request.fixed_grid) extract.grid.given = at_multiples(make_grid(spheres, extract.grid));
   extract.normals = request.normals ? Normals::gradients : Normals::none;
   RefineOptions refine = refinement(request, monitor);
   refine.grid = make_grid(spheres, extract.grid);

@@ -19,7 +19,14 @@ if TYPE_CHECKING:
     )
     from vdwmesh._core import version as __version__
     from vdwmesh._exact import ExactUnion, exact, sasa
-    from vdwmesh._frames import FrameResult, TrajectoryResult, frames, trajectory
+    from vdwmesh._frames import (
+        FrameMesh,
+        FrameResult,
+        TrajectoryResult,
+        frames,
+        meshes,
+        trajectory,
+    )
     from vdwmesh._measure import Counts, Topology
     from vdwmesh._mesh import Mesh, marching_cubes, mesh
     from vdwmesh._molecule import Molecule, radii_of, read, sample
@@ -43,6 +50,7 @@ __all__ = [
     "Error",
     "ExactUnion",
     "FileFormatError",
+    "FrameMesh",
     "FrameResult",
     "InternalError",
     "InvalidInput",
@@ -58,6 +66,7 @@ __all__ = [
     "frames",
     "marching_cubes",
     "mesh",
+    "meshes",
     "quality",
     "radii_of",
     "read",
@@ -73,7 +82,7 @@ _HOMES = {
     "_checks": "Comparison DistanceStatistics Distribution Quality "
     "compare quality signed_distance",
     "_exact": "ExactUnion exact sasa",
-    "_frames": "FrameResult TrajectoryResult frames trajectory",
+    "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",
     "_measure": "Counts Topology",
     "_mesh": "Mesh marching_cubes mesh",
     "_molecule": "Molecule radii_of read sample",

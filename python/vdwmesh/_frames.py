@@ -11,7 +11,8 @@ import numpy as np
 from vdwmesh import _tables
 from vdwmesh._arrays import chosen
 from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, measure
-from vdwmesh._sources import radii_for
+from vdwmesh._mesh import Mesh, mesh
+from vdwmesh._sources import Atoms, radii_for
 from vdwmesh._trajectories import Chunk, Trajectory, Window, trajectory_of
 from vdwmesh.errors import InvalidInput
 
@@ -271,3 +272,65 @@ def _column(values: list[Any]) -> NDArray[Any] | None:
     if values[0] is None:
         return None
     return np.array(values)
+
+
+@dataclass(frozen=True, eq=False)
+class FrameMesh:
+    """The mesh of one frame. `frame` and `time` are as of `FrameResult`."""
+
+    frame: int
+    time: float | None
+    mesh: Mesh
+
+
+def meshes(
+    traj: Any,
+    *,
+    radii: ArrayLike | str = "bondi",
+    select: Any = None,
+    start: int | None = None,
+    stop: int | None = None,
+    step: int | None = None,
+    **options: Any,
+) -> Iterator[FrameMesh]:
+    """Meshes of the frames of a trajectory, on a grid that stays put.
+
+    Frames are meshed one after another on all cores, while a thread reads the next ones.
+
+    Parameters
+    ----------
+    traj, radii, select, start, stop, step
+        As for `frames`.
+    **options
+        As for `mesh`, but `mesher` is "marching-cubes" and `fixed_grid` is True unless said otherwise.
+
+    Yields
+    ------
+    FrameMesh
+
+    Examples
+    --------
+    >>> import numpy, vdwmesh
+    >>> places = numpy.zeros((2, 1, 3))
+    >>> places[1] = 0.1
+    >>> [len(one.mesh.vertices) > 0 for one in vdwmesh.meshes(places, radii=[1.7])]
+    [True, True]
+    """
+    options.setdefault("mesher", "marching-cubes")
+    options.setdefault("fixed_grid", options["mesher"] == "marching-cubes")
+    given = trajectory_of(traj, select, Window.of(start, stop, step))
+    return _meshed(given, _radii(radii, given), options)
+
+
+def _meshed(given: Trajectory, radii: NDArray[Any], options: dict[str, Any]) -> Iterator[FrameMesh]:
+    for part in given.chunks(_FRAMES_OF_MESHES):
+        for number, time, coords in zip(part.numbers, part.times, part.coords):
+            atoms = Atoms(coords=coords, unit=given.atoms.unit)
+            try:
+                found = mesh(atoms, radii, **options)
+            except InvalidInput as error:
+                raise InvalidInput(f"traj: frame {number}: {error}") from None
+            yield FrameMesh(number, time, found)
+
+
+_FRAMES_OF_MESHES = 4  # that are read at once: a mesh takes far longer than reading its frame

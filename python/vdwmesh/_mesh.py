@@ -124,6 +124,7 @@ def mesh(
     edge_length: float = 0.35,
     subdivide: int = 0,
     normals: bool = True,
+    fixed_grid: bool = False,
     threads: int | None = None,
     device: str = "auto",
 ) -> Mesh:
@@ -146,6 +147,9 @@ def mesh(
         Levels of midpoint subdivision, each with projection to the surface.
     normals : bool
         Whether the mesh has normals.
+    fixed_grid : bool
+        Of marching cubes: nodes lie at multiples of the spacing wherever the atoms are, so meshes of
+        frames change only where atoms move. By default the grid moves with the molecule.
     device : {"auto", "cpu", "cuda"}
         Where marching cubes and subdivision run.
 
@@ -182,6 +186,7 @@ def mesh(
             edge_length=_positive("edge_length", edge_length),
             subdivide=int(subdivide),
             normals=bool(normals),
+            fixed_grid=bool(fixed_grid),
             device=device,
         )
     )

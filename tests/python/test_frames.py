@@ -208,6 +208,56 @@ class BadFramesTest(unittest.TestCase):
         self.assertEqual(found, [0, 1, 2, 3, 4])
 
 
+class MeshesTest(unittest.TestCase):
+    """The first atom stays, and the second one moves, which moves the box of the molecule as well."""
+
+    def setUp(self):
+        self.places = np.zeros((4, 2, 3))
+        self.places[:, 0] = 0.11, 0.07, -0.05  # no node is at its radius
+        self.places[:, 1] = [[6, 0, 0], [6.1, 0.2, 0], [6.3, 0, -0.9], [-5.77, 0, 0]]
+
+    def test_what_stays_does_not_flicker(self):
+        for spacing in (0.5, 0.3):
+            found = list(vdwmesh.meshes(iter(self.places), radii=[1.5, 1.7], spacing=spacing, start=1))
+            self.assertEqual([one.frame for one in found], [1, 2, 3])
+            still = []
+            for one in found:
+                vertices = one.mesh.vertices
+                # Marching cubes puts vertices on edges of the grid: two coordinates are those of nodes.
+                off = np.abs(vertices - spacing * np.round(vertices / spacing))
+                self.assertLess(np.sort(off, axis=1)[:, 1].max(), 1e-13)
+                # The order of the vertices follows the bricks, which move with the grid's corner.
+                digits = 15 if spacing == 0.5 else 11
+                still.append(np.unique(vertices[one.mesh.vertex_atoms == 0].round(digits) + 0.0, axis=0))
+            for other in still[1:]:
+                np.testing.assert_array_equal(other, still[0])
+
+    def test_a_grid_moves_with_the_molecule_otherwise(self):
+        loose, fixed = ([one.mesh.vertices[0, 0] % 0.5 for one in
+                         vdwmesh.meshes(self.places, radii=[1.5, 1.7], fixed_grid=is_fixed)]
+                        for is_fixed in (False, True))  # fmt: skip
+        self.assertGreater(len(set(loose)), 1)
+        self.assertNotEqual(loose, fixed)
+
+    def test_meshes_are_those_of_single_calls(self):
+        for options in ({"mesher": "exact", "probe": 0.5}, {"spacing": 0.4, "subdivide": 1, "normals": False}):
+            alone = {"mesher": "marching-cubes", "fixed_grid": options.get("mesher") != "exact", **options}
+            for place, one in zip(self.places, vdwmesh.meshes(self.places, radii=[1.5, 1.7], **options)):
+                expected = vdwmesh.mesh(place, [1.5, 1.7], **alone)
+                np.testing.assert_array_equal(one.mesh.vertices, expected.vertices)
+                np.testing.assert_array_equal(one.mesh.faces, expected.faces)
+
+    def test_wrong_frames_and_options(self):
+        self.places[2, 0, 0] = NAN
+        found = []
+        with self.assertRaisesRegex(ValueError, r"^traj: frame 2: coords\[0\]: \(nan, 0.07, -0.05\) is not finite"):
+            for one in vdwmesh.meshes(self.places, radii=[1.5, 1.7]):
+                found.append(one.frame)
+        self.assertEqual(found, [0, 1])
+        with self.assertRaisesRegex(ValueError, "fixed_grid: the exact mesher has no grid"):
+            list(vdwmesh.meshes(self.places, radii=[1, 1], mesher="exact", fixed_grid=True))
+
+
 class MannersTest(unittest.TestCase):
     def test_at_most_two_chunks_are_read_ahead(self):
         read = 0
