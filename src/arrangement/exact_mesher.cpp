@@ -38,11 +38,12 @@ double seconds_since(Clock::time_point begin) {
 // fractions of a ball's radius.
 // - kUsual is tried first. It gives the right topology if no feature is smaller than its sizes.
 // - kFiner is tried next if kUsual gave a mesh, but of another topology, because features became
-//   points. It keeps features that double coordinates can still distinguish.
+//   points. It keeps features that double coordinates can still distinguish: beside a circle of
+//   1e-7 of the radius the spheres are 5e-15 of the radius apart at twice its size.
 // - kCoarser are tried next instead, in this order, if kUsual gave no mesh, because curves were too
 //   close. They merge curves where they are close.
 constexpr FeatureSizes kUsual{};
-constexpr FeatureSizes kFiner{1e-11, 1e-9};
+constexpr FeatureSizes kFiner{1e-11, 1e-7};
 constexpr std::array<FeatureSizes, 3> kCoarser{{{1e-7, 1e-6}, {1e-6, 1e-5}, {1e-5, 1e-4}}};
 
 // Everything that the mesher needs and that does not depend on feature sizes.

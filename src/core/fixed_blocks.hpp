@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <type_traits>
 #include <vector>
 
 #include "core/monitor.hpp"
@@ -64,6 +65,40 @@ std::uint32_t number_all(std::size_t count, const IsCounted& is_counted, const N
     }
   });
   return first.back();
+}
+
+// Calls add(i, make(i)) for every i in [0, count), in this order on one thread, for sums that
+// depend on their order. All cores make the items, a batch at a time, so that they are still in the
+// cache when they are added.
+template <class Make, class Add>
+void make_and_add(std::size_t count, const Make& make, const Add& add) {
+  constexpr std::size_t kBatch = std::size_t{1} << 14, kGrain = 256;
+  std::vector<std::invoke_result_t<const Make&, std::size_t>> items(std::min(count, kBatch));
+  for (std::size_t first = 0; first < count; first += kBatch) {
+    const std::size_t end = std::min(count, first + kBatch);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, end, kGrain), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i) items[i - first] = make(i);
+    });
+    for (std::size_t i = first; i < end; ++i) add(i, items[i - first]);
+  }
+}
+
+// Calls add(i, found) for every i in [0, count) on all cores, which may append to `found`. Returns
+// everything found in the order of the indices. The monitor is asked whether to stop, once a block.
+template <class Item, class Add>
+std::vector<Item> collect(std::size_t count, const Add& add, Monitor* monitor = nullptr) {
+  constexpr std::size_t per_block = std::size_t{1} << 14;
+  std::vector<std::vector<Item>> parts(block_count(count, per_block));
+  for_each_block(count, per_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    advance(monitor, 0);
+    for (std::size_t i = begin; i < end; ++i) add(i, parts[block]);
+  });
+  std::vector<Item> all;
+  std::size_t size = 0;
+  for (const std::vector<Item>& part : parts) size += part.size();
+  all.reserve(size);
+  for (const std::vector<Item>& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 }  // namespace vdwmesh

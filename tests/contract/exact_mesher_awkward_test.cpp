@@ -152,15 +152,25 @@ TEST(ExactMesherAwkward, ALargePatchWithLongEdges) {
 }
 
 // Beside a cap of 2e-10 rad one of 2e-8, which counts as a contact and has no arc: a patch goes
-// across it.
+// across it. Turned about, the set has other roundings.
 TEST(ExactMesherAwkward, ATinyCapBesideAContact) {
   const double small = std::ldexp(1.0, -13);
-  for (const double edge_length : {0.35, 1.0}) {
-    SCOPED_TRACE(edge_length);
-    expect_set({{{0, 0, 0}, 1.5},
-                {{std::nextafter(1.5 + small, 0), 0, 0}, small},
-                {{0, std::nextafter(2, 0), 0}, 0.5}},
-               edge_length, collapsed(Topology::parted), 0);
+  for (const std::array<int, 3>& axes : std::vector<std::array<int, 3>>{
+           {0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}) {
+    for (const double sign : {1.0, -1.0}) {
+      const auto on_axis = [&](int axis, double distance) {
+        Vec3d c{0, 0, 0};
+        c[axes[static_cast<std::size_t>(axis)]] = sign * distance;
+        return c;
+      };
+      for (const double edge_length : {0.35, 1.0}) {
+        SCOPED_TRACE(edge_length);
+        expect_set({{{0, 0, 0}, 1.5},
+                    {on_axis(0, std::nextafter(1.5 + small, 0)), small},
+                    {on_axis(1, std::nextafter(2, 0)), 0.5}},
+                   edge_length, collapsed(Topology::parted), 0);
+      }
+    }
   }
 }
 

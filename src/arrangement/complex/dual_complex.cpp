@@ -18,10 +18,12 @@
 #include "arrangement/complex/dual_complex.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <utility>
 
 #include "arrangement/complex/power_predicates.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -95,11 +97,26 @@ class Builder {
     out_.cell_triangles.resize(t_.cells.size());
   }
 
-  // Each step needs the results of all steps before it, for all cells.
+  // Each step needs the results of all steps before it, for all cells. What is found about a cell
+  // does not depend on other cells of the same step, so all cores find it; triangles and edges are
+  // then numbered in the order of the cells.
   DualComplex build(Monitor* monitor) && {
-    for_each_cell(monitor, [&](std::uint32_t c) { classify_cell(c); });
-    for_each_cell(monitor, [&](std::uint32_t c) { classify_facets(c); });
-    for_each_cell(monitor, [&](std::uint32_t c) { classify_edges(c); });
+    for_each_cell([&](std::uint32_t c) { classify_cell(c); });
+    out_.tetrahedra = collect_from_cells<std::uint32_t>(
+        monitor, [&](std::uint32_t c, std::vector<std::uint32_t>& tetrahedra) {
+          if (out_.cell_in_complex[c]) tetrahedra.push_back(c);
+        });
+    const auto facets = collect_from_cells<CellFacet>(
+        monitor,
+        [&](std::uint32_t c, std::vector<CellFacet>& found) { classify_facets(c, found); });
+    for (const CellFacet& facet : facets) add_triangle(facet);
+    const auto edges = collect_from_cells<SingularEdge>(
+        monitor,
+        [&](std::uint32_t c, std::vector<SingularEdge>& found) { classify_edges(c, found); });
+    for (const SingularEdge& found : edges) {
+      DualEdge& e = out_.edges[add_edge(found.a, found.b, found.contact)];
+      e.exposed = e.singular = true;
+    }
     classify_vertices();
     mark_exposed();
     count_contacts();
@@ -107,14 +124,33 @@ class Builder {
   }
 
  private:
-  template <class Classify>
-  void for_each_cell(Monitor* monitor, const Classify& classify) const {
-    constexpr std::uint32_t kCellsPerCancellationCheck = 1u << 14;
-    for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
-      if (c % kCellsPerCancellationCheck == 0) advance(monitor, 0);
-      classify(c);
-    }
+  // A triangle of the complex: opposite to vertex `slot` of `cell`.
+  struct CellFacet {
+    std::uint32_t cell, slot;
+  };
+  // An edge of the complex that is in none of its triangles.
+  struct SingularEdge {
+    std::uint32_t a, b;
+    Contact contact;
+  };
+
+  template <class Body>
+  void for_each_cell(const Body& body) const {
+    for_each_index(t_.cells.size(), [&](std::size_t c) { body(static_cast<std::uint32_t>(c)); });
   }
+
+  // Returns in the order of the cells what add(c, found) appends to `found`. Asks the monitor once
+  // in some thousand cells.
+  template <class Item, class Add>
+  std::vector<Item> collect_from_cells(Monitor* monitor, const Add& add) const {
+    return collect<Item>(
+        t_.cells.size(),
+        [&](std::size_t c, std::vector<Item>& found) { add(static_cast<std::uint32_t>(c), found); },
+        monitor);
+  }
+
+  // Sets a flag that several threads may set at once.
+  static void set(std::uint8_t& flag) { std::atomic_ref(flag).store(1, std::memory_order_relaxed); }
 
   // Returns the mask of pairs whose balls may meet. This is a floating-point filter: it may keep a
   // pair whose balls do not meet, but never drops one whose balls do. kSlack exceeds the rounding
@@ -139,7 +175,7 @@ class Builder {
   // Marks the vertices of the cell as strict, except vertex `skipped` (4: none).
   void mark_strict(const std::array<std::uint32_t, 4>& cell, std::size_t skipped) {
     for (std::size_t k = 0; k < 4; ++k) {
-      if (k != skipped) strict_[cell[k]] = 1;
+      if (k != skipped) set(strict_[cell[k]]);
     }
   }
 
@@ -155,7 +191,6 @@ class Builder {
     const Sign size = size_sign(ball(v[0]), ball(v[1]), ball(v[2]), ball(v[3]));
     if (size == Sign::positive) return;
     out_.cell_in_complex[c] = 1;
-    out_.tetrahedra.push_back(c);
     if (size == Sign::negative) mark_strict(v, 4);
   }
 
@@ -181,24 +216,24 @@ class Builder {
     return t_.cells[n][slot_of(t_.neighbors[n], c)];
   }
 
-  // Looks at every facet once, from the cell with the lower number, and adds its triangle if that
+  // Looks at every facet once, from the cell with the lower number, and lists its triangle if that
   // is in the complex. A facet of a tetrahedron of the complex is in the complex without a test.
-  // exposed0 and exposed1 say of cells c and n whether they are outside the complex. Facets on the
-  // hull (no neighbour) have auxiliary vertices only.
-  void classify_facets(std::uint32_t c) {
+  // Facets on the hull (no neighbour) have auxiliary vertices only.
+  void classify_facets(std::uint32_t c, std::vector<CellFacet>& found) {
     if (overlaps_[c] == 0) return;
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::uint32_t k = 0; k < 4; ++k) {
       const std::uint32_t n = t_.neighbors[c][k];
       if (n == kNoIndex || n < c || !contains(overlaps_[c], kFacetPairs[k])) continue;
-      const bool exposed0 = !out_.cell_in_complex[c], exposed1 = !out_.cell_in_complex[n];
-      if (exposed0 && exposed1 && !is_free_triangle(c, k)) continue;
-      add_triangle(c, k, n, {exposed0, exposed1});
+      const bool inside = out_.cell_in_complex[c] || out_.cell_in_complex[n];
+      if (inside || is_free_triangle(c, k)) found.push_back({c, k});
     }
   }
 
-  // Adds the triangle opposite to vertex k of cell c, towards cell n, with its edges. `exposed`
-  // says for c and for n whether that cell is outside the complex.
-  void add_triangle(std::uint32_t c, std::size_t k, std::uint32_t n, std::array<bool, 2> exposed) {
+  // Adds a triangle with its edges.
+  void add_triangle(const CellFacet& facet) {
+    const auto [c, k] = facet;
+    const std::uint32_t n = t_.neighbors[c][k];
+    const std::array<bool, 2> exposed{!out_.cell_in_complex[c], !out_.cell_in_complex[n]};
     const auto id = static_cast<std::uint32_t>(out_.triangles.size());
     out_.cell_triangles[c][k] = id;
     out_.cell_triangles[n][slot_of(t_.neighbors[n], c)] = id;
@@ -233,7 +268,7 @@ class Builder {
 
   // Finds the edges of cell c that are in the complex but in none of its triangles. `open`: the
   // pairs whose balls may meet and that are on no triangle of the complex in this cell.
-  void classify_edges(std::uint32_t c) {
+  void classify_edges(std::uint32_t c, std::vector<SingularEdge>& found) {
     std::uint8_t open = overlaps_[c];
     for (std::size_t k = 0; k < 4; ++k) {
       if (out_.cell_triangles[c][k] != kNoIndex) {
@@ -242,21 +277,21 @@ class Builder {
     }
     for (std::size_t p = 0; open != 0 && p < 6; ++p) {
       if (!contains(open, static_cast<std::uint8_t>(1u << p))) continue;
-      classify_edge(c, t_.cells[c][kPairs[p][0]], t_.cells[c][kPairs[p][1]]);
+      classify_edge(c, t_.cells[c][kPairs[p][0]], t_.cells[c][kPairs[p][1]], found);
     }
   }
 
-  // Adds edge ab if it is free. Tests it once, from the lowest-numbered cell around it. If the edge
-  // is in the table already, it belongs to a triangle of another cell around it, or that cell added
-  // it.
-  void classify_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b) {
+  // Lists edge ab if it is free. Tests it once, from the lowest-numbered cell around it. If the
+  // edge is in the table, it belongs to a triangle of another cell around it.
+  void classify_edge(std::uint32_t c, std::uint32_t a, std::uint32_t b,
+                     std::vector<SingularEdge>& found) {
     if (table_.find(a, b) != kNoIndex || !is_lowest_around(c, a, b)) return;
     const Sign size = size_sign(ball(a), ball(b));
     if (size == Sign::positive || is_attached(c, a, b)) return;
-    DualEdge& e =
-        out_.edges[add_edge(a, b, size == Sign::negative ? Contact::strict : Contact::touching)];
-    e.exposed = e.singular = true;
-    if (size == Sign::negative) strict_[a] = strict_[b] = 1;
+    found.push_back({a, b, size == Sign::negative ? Contact::strict : Contact::touching});
+    if (size != Sign::negative) return;
+    set(strict_[a]);
+    set(strict_[b]);
   }
 
   // Visits the cells around edge ab, from cell c on: visit(cell, x, y), where x and y are the other
@@ -312,13 +347,16 @@ class Builder {
     }
     // 1 for vertices of cells. The other balls have no power cell, so they are not in the complex.
     std::vector<std::uint8_t> seen(t_.balls.size(), 0);
-    for (const auto& cell : t_.cells) {
+    // Threads that look at cells of one open vertex may all find that it is settled.
+    const std::vector<std::uint8_t> was_settled = settled;
+    for_each_cell([&](std::uint32_t c) {
+      const auto& cell = t_.cells[c];
       for (const std::uint32_t v : cell) {
         if (!t_.is_ball(v)) continue;
-        seen[v] = 1;
-        if (!settled[v]) settled[v] = has_closer_ball(cell, v);
+        set(seen[v]);
+        if (!was_settled[v] && has_closer_ball(cell, v)) set(settled[v]);
       }
-    }
+    });
     bool doubtful = false;  // some ball is in the complex, but not known to be strict
     for (std::uint32_t v = 0; v < t_.balls.size(); ++v) {
       if (seen[v] && !settled[v]) out_.in_complex[v] = strict_[v] = 1;
@@ -364,12 +402,12 @@ class Builder {
   // auxiliary vertex. The ball stays in the complex when balls grow, and if it is strict, also when
   // they shrink.
   void mark_exposed() {
-    for (std::uint32_t c = 0; c < t_.cells.size(); ++c) {
-      if (out_.cell_in_complex[c]) continue;
+    for_each_cell([&](std::uint32_t c) {
+      if (out_.cell_in_complex[c]) return;
       for (const std::uint32_t v : t_.cells[c]) {
-        if (t_.is_ball(v)) out_.exposed[v] = out_.in_complex[v] && strict_[v];
+        if (t_.is_ball(v) && out_.in_complex[v] && strict_[v]) set(out_.exposed[v]);
       }
-    }
+    });
   }
 
   // Counts the points of contact: the singular edges of size 0 whose balls touch from outside. If

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+#include "core/fixed_blocks.hpp"
+
 namespace vdwmesh {
 namespace {
 
@@ -40,15 +42,17 @@ std::vector<ExposedArc> exposed_arcs(const PowerTriangulation& triangulation,
   for (std::uint32_t e = 0; e < complex.edges.size(); ++e) {
     if (complex.edges[e].singular) arcs.push_back({e, kNoCorner, kNoCorner});
   }
-  for (std::size_t i = 0; i < complex.triangles.size(); ++i) {
-    const DualTriangle& f = complex.triangles[i];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t side = leading_side(f, k);
-      if (!f.exposed[side]) continue;
-      arcs.push_back(
-          {f.edges[k], 2 * CornerIndex{i} + side, next_corner(triangulation, complex, f, k, side)});
-    }
-  }
+  const std::vector<ExposedArc> with_corners = collect<ExposedArc>(
+      complex.triangles.size(), [&](std::size_t i, std::vector<ExposedArc>& found) {
+        const DualTriangle& f = complex.triangles[i];
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::size_t side = leading_side(f, k);
+          if (!f.exposed[side]) continue;
+          found.push_back({f.edges[k], 2 * CornerIndex{i} + side,
+                           next_corner(triangulation, complex, f, k, side)});
+        }
+      });
+  arcs.insert(arcs.end(), with_corners.begin(), with_corners.end());
   return arcs;
 }
 

@@ -9,6 +9,8 @@
 // from the centre of the circle: one over the chord of each triangle of the complex at the edge,
 // and the sectors of the exposed arcs.
 //
+// The terms are computed on all cores, and then summed on one, in the order of the complex.
+//
 // These formulas lose digits if a circle is small (kSmallOnSphere). Its angles are then computed
 // from solid and dihedral angles of simplex_shape.hpp.
 #include <algorithm>
@@ -20,6 +22,7 @@
 #include "arrangement/complex/measures.hpp"
 #include "arrangement/complex/simplex_shape.hpp"
 #include "arrangement/directions.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
@@ -52,11 +55,17 @@ class GaussBonnetSum {
   std::vector<SphereMeasures> run() && {
     place_points();
     count_euler();
-    for (const DualEdge& e : k_.edges) {
-      edges_.push_back(edge_shape(ball(e.vertices[0]), ball(e.vertices[1])));
-    }
-    for (std::size_t f = 0; f < k_.triangles.size(); ++f) add_triangle(f);
-    for (const ExposedArc& arc : exposed_arcs(t_, k_)) add_arc(arc);
+    edges_.resize(k_.edges.size());
+    for_each_index(edges_.size(), [&](std::size_t e) {
+      edges_[e] = edge_shape(ball(k_.edges[e].vertices[0]), ball(k_.edges[e].vertices[1]));
+    });
+    make_and_add(
+        k_.triangles.size(), [&](std::size_t i) { return terms_of(i); },
+        [&](std::size_t i, const TriangleTerms& terms) { add_triangle(i, terms); });
+    const std::vector<ExposedArc> arcs = exposed_arcs(t_, k_);
+    make_and_add(
+        arcs.size(), [&](std::size_t i) { return exposed_angle(arcs[i]); },
+        [&](std::size_t i, double angle) { add_arc(arcs[i], angle); });
     return sum();
   }
 
@@ -76,12 +85,13 @@ class GaussBonnetSum {
   // Finds the orthogonal centres of tetrahedra, then the chords of triangles.
   void place_points() {
     centers_.resize(t_.cells.size());
-    for (const std::uint32_t c : k_.tetrahedra) {
+    for_each_index(k_.tetrahedra.size(), [&](std::size_t i) {
+      const std::uint32_t c = k_.tetrahedra[i];
       const auto& v = t_.cells[c];
       centers_[c] = orthogonal_center({ball(v[0]), ball(v[1]), ball(v[2]), ball(v[3])});
-    }
-    chords_.reserve(k_.triangles.size());
-    for (const DualTriangle& f : k_.triangles) chords_.push_back(chord(f));
+    });
+    chords_.resize(k_.triangles.size());
+    for_each_index(chords_.size(), [&](std::size_t f) { chords_[f] = chord(k_.triangles[f]); });
   }
 
   Chord chord(const DualTriangle& f) const {
@@ -125,23 +135,39 @@ class GaussBonnetSum {
            (edges_[e].height[0] / edges_[e].length) * between(a, b);
   }
 
-  // Adds triangle i: for each of its edges the signed triangle from the circle's centre over the
-  // chord to the power face, for each of its vertices the turning angles at its corners. A chord
-  // runs counter-clockwise about the edge's axis, towards the triangle's leading side. Both corners
-  // have the same angle by symmetry.
-  void add_triangle(std::size_t i) {
+  // What a triangle adds to twice the area of the power face of each of its edges, and to the
+  // curvature of each of its vertices.
+  struct TriangleTerms {
+    std::array<double, 3> twice_face, curvature;
+  };
+
+  // The terms of triangle i: for each of its edges the signed triangle from the circle's centre
+  // over the chord to the power face, for each of its vertices the turning angles at its corners. A
+  // chord runs counter-clockwise about the edge's axis, towards the triangle's leading side. Both
+  // corners have the same angle by symmetry.
+  TriangleTerms terms_of(std::size_t i) const {
     const DualTriangle& f = k_.triangles[i];
+    TriangleTerms terms{};
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t e = f.edges[k];
       const std::size_t lead = leading_side(f, k);
       const auto& [a, b] = k_.edges[e].vertices;
       const Vec3d before = from_circle(e, f, chords_[i].end[1 - lead]),
                   after = from_circle(e, f, chords_[i].end[lead]);
-      twice_face_[e] += triple_product(between(a, b), before, after) / edges_[e].length;
+      terms.twice_face[k] = triple_product(between(a, b), before, after) / edges_[e].length;
     }
     const int corners = f.exposed[0] + f.exposed[1];
     for (std::size_t k = 0; corners > 0 && k < 3; ++k) {
-      curvature_[f.vertices[k]].add(-corners * turning_angle(f, k, chords_[i].determinant));
+      terms.curvature[k] = -corners * turning_angle(f, k, chords_[i].determinant);
+    }
+    return terms;
+  }
+
+  void add_triangle(std::size_t i, const TriangleTerms& terms) {
+    const DualTriangle& f = k_.triangles[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      twice_face_[f.edges[k]] += terms.twice_face[k];
+      if (f.exposed[0] || f.exposed[1]) curvature_[f.vertices[k]].add(terms.curvature[k]);
     }
   }
 
@@ -175,10 +201,14 @@ class GaussBonnetSum {
            corner.dihedral[(k + 2) % 3];
   }
 
+  // The angle φ of an arc or of a whole circle.
+  double exposed_angle(const ExposedArc& arc) const {
+    return arc.start == kNoCorner ? 2 * std::numbers::pi : arc_angle(arc);
+  }
+
   // Adds the arc's sector to the power face of its edge, and φ h / r to the sums of both spheres.
-  void add_arc(const ExposedArc& arc) {
+  void add_arc(const ExposedArc& arc, double angle) {
     const EdgeShape& shape = edges_[arc.edge];
-    const double angle = arc.start == kNoCorner ? 2 * std::numbers::pi : arc_angle(arc);
     twice_face_[arc.edge] += shape.squared_circle_radius * angle;
     for (std::size_t k = 0; k < 2; ++k) {
       const std::uint32_t v = k_.edges[arc.edge].vertices[k];

@@ -9,12 +9,16 @@
 // φ: angle about the edge that these tetrahedra leave free. Over this angle the sphere loses part
 //    of the cap in the other ball.
 // h: signed height of the radical plane over the centre. F: area of power face ∩ ball.
+//
+// The shapes of simplices are computed on all cores; then what they add to is summed on one, in
+// the order of the complex.
 #include <cmath>
 #include <numbers>
 
 #include "arrangement/complex/measures.hpp"
 #include "arrangement/complex/simplex_shape.hpp"
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
@@ -37,15 +41,32 @@ class ConeSums {
         chord_(k_.triangles.size(), 0) {}
 
   std::vector<SphereMeasures> run() && {
-    for (const std::uint32_t c : k_.tetrahedra) add_tetrahedron(c);
-    for (std::size_t f = 0; f < k_.triangles.size(); ++f) add_triangle(k_.triangles[f], chord_[f]);
+    make_and_add(
+        k_.tetrahedra.size(),
+        [&](std::size_t i) {
+          const auto& v = t_.cells[k_.tetrahedra[i]];
+          return tetrahedron_shape({ball(v[0]), ball(v[1]), ball(v[2]), ball(v[3])});
+        },
+        [&](std::size_t i, const TetrahedronShape& shape) {
+          add_tetrahedron(k_.tetrahedra[i], shape);
+        });
+    make_and_add(
+        k_.triangles.size(), [&](std::size_t f) { return shape_of(k_.triangles[f]); },
+        [&](std::size_t f, const FacetShape& shape) {
+          add_triangle(k_.triangles[f], chord_[f], shape);
+        });
     std::vector<Sums> sums(t_.balls.size());
     for (std::size_t v = 0; v < sums.size(); ++v) {
       const double r = t_.balls[v].radius;
       if (k_.exposed[v])
         sums[v].area.add(r * r * (4 * std::numbers::pi - taken_solid_angle_[v].value()));
     }
-    for (std::size_t e = 0; e < k_.edges.size(); ++e) add_edge(e, sums);
+    make_and_add(
+        k_.edges.size(),
+        [&](std::size_t e) {
+          return edge_shape(ball(k_.edges[e].vertices[0]), ball(k_.edges[e].vertices[1]));
+        },
+        [&](std::size_t e, const EdgeShape& shape) { add_edge(e, shape, sums); });
     std::vector<SphereMeasures> measures(t_.balls.size());
     for (std::size_t v = 0; v < measures.size(); ++v) {
       const double area = sums[v].area.value();
@@ -56,13 +77,26 @@ class ConeSums {
   }
 
  private:
+  // A triangle of the complex and the tetrahedron over it to an exposed corner, if there is one.
+  struct FacetShape {
+    TriangleShape triangle;
+    CornerShape corner;
+  };
+
+  const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
+
+  FacetShape shape_of(const DualTriangle& f) const {
+    const Sphere &a = ball(f.vertices[0]), &b = ball(f.vertices[1]), &c = ball(f.vertices[2]);
+    FacetShape shape{triangle_shape(a, b, c), {}};
+    if (f.exposed[0] || f.exposed[1]) shape.corner = corner_shape(a, b, c, shape.triangle);
+    return shape;
+  }
+
   // Adds the tetrahedron's angles to its vertices and edges, and the heights of its orthogonal
   // centre over its facets to their chords. The number of edge ij of the complex is looked up in a
   // facet that has both vertices, that is, a facet opposite to another vertex.
-  void add_tetrahedron(std::uint32_t c) {
+  void add_tetrahedron(std::uint32_t c, const TetrahedronShape& shape) {
     const auto& v = t_.cells[c];
-    const TetrahedronShape shape =
-        tetrahedron_shape({t_.balls[v[0]], t_.balls[v[1]], t_.balls[v[2]], t_.balls[v[3]]});
     const auto& facets = k_.cell_triangles[c];
     for (std::size_t k = 0; k < 4; ++k) {
       taken_solid_angle_[v[k]].add(shape.solid_angle[k]);
@@ -81,26 +115,23 @@ class ConeSums {
   // its plane to the orthogonal centres of tetrahedra of the complex. On each exposed side the line
   // goes on to the corner instead. The power face of an edge is divided into triangles from the
   // circle's centre over such chords, and sectors.
-  void add_triangle(const DualTriangle& f, double chord) {
-    const Sphere &a = t_.balls[f.vertices[0]], &b = t_.balls[f.vertices[1]],
-                 &c = t_.balls[f.vertices[2]];
-    const TriangleShape shape = triangle_shape(a, b, c);
+  void add_triangle(const DualTriangle& f, double chord, const FacetShape& shape) {
     const int corners = f.exposed[0] + f.exposed[1];
-    chord += corners * shape.half_chord;
-    for (std::size_t k = 0; k < 3; ++k) face_area_[f.edges[k]] += shape.distance[k] * chord / 2;
-    if (corners == 0) return;
-    const CornerShape corner = corner_shape(a, b, c, shape);
+    chord += corners * shape.triangle.half_chord;
     for (std::size_t k = 0; k < 3; ++k) {
-      taken_solid_angle_[f.vertices[k]].add(corners * corner.solid_angle[k]);
-      taken_dihedral_[f.edges[k]] += corners * corner.dihedral[k];
+      face_area_[f.edges[k]] += shape.triangle.distance[k] * chord / 2;
+    }
+    if (corners == 0) return;
+    for (std::size_t k = 0; k < 3; ++k) {
+      taken_solid_angle_[f.vertices[k]].add(corners * shape.corner.solid_angle[k]);
+      taken_dihedral_[f.edges[k]] += corners * shape.corner.dihedral[k];
     }
   }
 
   // Subtracts the pieces of caps over the edge's free angle from both areas, and adds the cones
   // from both centres over its power face. An edge that is not exposed has no free angle, exactly.
-  void add_edge(std::size_t e, std::vector<Sums>& sums) const {
+  void add_edge(std::size_t e, const EdgeShape& shape, std::vector<Sums>& sums) const {
     const DualEdge& edge = k_.edges[e];
-    const EdgeShape shape = edge_shape(t_.balls[edge.vertices[0]], t_.balls[edge.vertices[1]]);
     const double free_angle = edge.exposed ? 2 * std::numbers::pi - taken_dihedral_[e] : 0.0;
     const double face = face_area_[e] + shape.squared_circle_radius * free_angle / 2;
     for (std::size_t k = 0; k < 2; ++k) {

@@ -1,107 +1,28 @@
-// triangulate(): incremental insertion into CGAL's regular triangulation, flattened into arrays.
+// triangulate(): from spheres to the arrays of a regular triangulation.
 //
 // 1. Of concentric balls only the largest stays. Balls are numbered in spatial order and scaled.
-// 2. Four auxiliary points, then all balls in a biased randomized order, are inserted.
-// 3. The finite cells (CGAL also keeps infinite ones, beyond the hull) are numbered and copied.
-// The power test is our own predicate (power_predicates.hpp), which squares radii exactly. CGAL's
-// own test takes weights, that is, squared radii that were rounded to double.
+// 2. The cells are made in blocks of space, side by side (joined_cells.hpp).
+// 3. Cells are sorted by their vertices, so that their order does not depend on the blocks.
 #include "arrangement/complex/power_triangulation.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Regular_triangulation_3.h>
 #include <CGAL/Spatial_sort_traits_adapter_3.h>
-#include <CGAL/Triangulation_ds_cell_base_3.h>
-#include <CGAL/Triangulation_vertex_base_with_info_3.h>
 #include <CGAL/property_map.h>
 #include <CGAL/spatial_sort.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <bit>
-#include <cassert>
 #include <cmath>
 #include <numeric>
-#include <ranges>
 #include <tuple>
 
-#include "arrangement/complex/power_predicates.hpp"
+#include "arrangement/complex/joined_cells.hpp"
 #include "core/errors.hpp"
-#include "core/split_mix.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
-
-// The geometric traits of the triangulation. A weighted point carries the radius as its weight, and
-// the power test squares it exactly.
-struct PowerTraits : CGAL::Epick {
-  struct Power_side_of_oriented_power_sphere_3 {
-    using result_type = CGAL::Oriented_side;
-    using P = Weighted_point_3;
-
-    static Sphere sphere(const P& p) { return {{p.x(), p.y(), p.z()}, p.weight()}; }
-
-    result_type operator()(const P& p, const P& q, const P& r, const P& s, const P& t) const {
-      return static_cast<result_type>(
-          power_side(sphere(p), sphere(q), sphere(r), sphere(s), sphere(t)));
-    }
-    // Tests among two to four points in a lower dimension. The auxiliary points come first and make
-    // the triangulation three-dimensional, so these tests are never asked for.
-    result_type operator()(const P&, const P&) const { return unreachable(); }
-    result_type operator()(const P&, const P&, const P&) const { return unreachable(); }
-    result_type operator()(const P&, const P&, const P&, const P&) const { return unreachable(); }
-
-    static result_type unreachable() {
-      assert(!"a degenerate power test cannot occur");
-      return CGAL::ON_ORIENTED_BOUNDARY;
-    }
-  };
-  Power_side_of_oriented_power_sphere_3 power_side_of_oriented_power_sphere_3_object() const {
-    return {};
-  }
-};
-
-}  // namespace
-}  // namespace vdwmesh
-
-// Lets CGAL locate points by a walk with inexact tests first, and exact tests from its end on, as
-// it does for its own kernels.
-template <>
-struct CGAL::Triangulation_structural_filtering_traits<vdwmesh::PowerTraits> {
-  using Use_structural_filtering_tag = Tag_true;
-};
-
-namespace vdwmesh {
-namespace {
-
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<
-    std::uint32_t, PowerTraits, CGAL::Regular_triangulation_vertex_base_3<PowerTraits>>;
-// A cell with a number. It is a model of CGAL's concept RegularTriangulationCellBase_3 that does
-// not keep the list of points hidden in the cell, which makes the triangulation smaller.
-template <class Base = CGAL::Triangulation_ds_cell_base_3<>>
-struct NumberedCell : Base {
-  template <class Tds>
-  struct Rebind_TDS {
-    using Other = NumberedCell<typename Base::template Rebind_TDS<Tds>::Other>;
-  };
-  using Base::Base;
-
-  using Point = PowerTraits::Weighted_point_3;
-  using Point_iterator = const Point*;
-  using Point_const_iterator = const Point*;
-  Point_iterator hidden_points_begin() const { return nullptr; }
-  Point_iterator hidden_points_end() const { return nullptr; }
-  void hide_point(const Point&) {}
-
-  std::uint32_t& info() { return number_; }
-  std::uint32_t info() const { return number_; }
-
- private:
-  std::uint32_t number_ = kNoIndex;
-};
-using Triangulation =
-    CGAL::Regular_triangulation_3<PowerTraits,
-                                  CGAL::Triangulation_data_structure_3<VertexBase, NumberedCell<>>>;
-using WeightedPoint = PowerTraits::Weighted_point_3;
-using Point = PowerTraits::Point_3;
 
 // Returns the largest ball of each group of concentric balls, sorted by centre. Of equal balls the
 // one with the lowest id stays. The sort puts this ball first in its group, because the radii are
@@ -109,7 +30,7 @@ using Point = PowerTraits::Point_3;
 std::vector<SphereId> distinct_centers(const SphereSet& spheres) {
   std::vector<SphereId> ids(spheres.size());
   std::iota(ids.begin(), ids.end(), SphereId{0});
-  std::sort(ids.begin(), ids.end(), [&](SphereId i, SphereId j) {
+  tbb::parallel_sort(ids.begin(), ids.end(), [&](SphereId i, SphereId j) {
     const Sphere &a = spheres[i], &b = spheres[j];
     return std::tie(a.center.x, a.center.y, a.center.z, b.radius, i) <
            std::tie(b.center.x, b.center.y, b.center.z, a.radius, j);
@@ -123,10 +44,10 @@ std::vector<SphereId> distinct_centers(const SphereSet& spheres) {
 
 // Orders the balls by CGAL's spatial_sort: several rounds along a Hilbert curve, with most balls in
 // the last round. Within a round, balls that are near in space are near in memory. The order
-// numbers the balls, and with them the vertices of crease-exact meshes. The balls are inserted in
-// another order, that of insertion_order().
+// numbers the balls, and with them the vertices of crease-exact meshes.
 std::vector<SphereId> spatial_order(const SphereSet& spheres) {
   const std::vector<SphereId> ids = distinct_centers(spheres);
+  using Point = CGAL::Epick::Point_3;
   std::vector<Point> points;
   points.reserve(ids.size());
   for (const SphereId id : ids) {
@@ -185,101 +106,62 @@ std::array<Vec3d, 4> auxiliary_points(const std::vector<Sphere>& balls) {
   return points;
 }
 
-// Returns the order of insertion, as indices of balls: a biased randomized insertion order (Amenta,
-// Choi, Rote 2003). A hash of the index chooses the round: three zero bits at its end move a ball
-// one round ahead. So the last round, rounds[0], has 7/8 of the balls, the one before it 7/8 of the
-// rest, and so on. Each round is in spatial order.
-std::vector<std::uint32_t> insertion_order(std::size_t count) {
-  constexpr int kBitsPerRound = 3, kRounds = 6;
-  std::array<std::vector<std::uint32_t>, kRounds> rounds;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint64_t hash = split_mix((i + 1) * kSplitMixStep);
-    const int round = std::min(std::countr_zero(hash) / kBitsPerRound, kRounds - 1);
-    rounds[static_cast<std::size_t>(round)].push_back(static_cast<std::uint32_t>(i));
-  }
-  std::vector<std::uint32_t> order;
-  order.reserve(count);
-  for (const auto& round : std::views::reverse(rounds)) {
-    order.insert(order.end(), round.begin(), round.end());
-  }
-  return order;
-}
-
-// Inserts the auxiliary points, then the balls. Every search begins where the last one ended, which
-// is near because the order is spatial. A ball that others hide is not inserted: insert() returns
-// an empty handle. A ball that a later one hides loses its vertex.
-void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls, Monitor* monitor) {
-  Triangulation::Cell_handle hint;
-  const auto insert = [&](const Vec3d& c, double radius, std::size_t index) {
-    Triangulation::Locate_type type;
-    int i, j;
-    const WeightedPoint point(Point(c.x, c.y, c.z), radius);
-    // Sets `type`, i and j, which say where in `cell` the point lies.
-    const auto cell = triangulation.locate(point, type, i, j, hint);
-    const auto vertex = triangulation.insert(point, type, cell, i, j);
-    hint = cell;
-    if (vertex == Triangulation::Vertex_handle()) return;
-    vertex->info() = static_cast<std::uint32_t>(index);
-    hint = vertex->cell();
+// Puts the cells in the order of their vertices, sorted by the lowest one first, so that cells near
+// in space are near in memory, and the order is that of any other list of the same cells. A
+// counting sort by the lowest vertex, then small sorts. `vertices` counts the auxiliary points too.
+void store_sorted(const RegularCells& cells, std::size_t vertices, PowerTriangulation& out) {
+  const std::size_t count = cells.cells.size();
+  std::vector<std::uint32_t> first(vertices + 1, 0);
+  for (const CellVertices& cell : cells.cells) ++first[cell[0] + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  struct Entry {
+    CellVertices vertices;
+    std::uint32_t place;  // in `cells`
   };
-  const auto points = auxiliary_points(balls);
-  for (std::size_t k = 0; k < points.size(); ++k) insert(points[k], 0, balls.size() + k);
-  // The monitor is asked for cancellation once in so many balls.
-  constexpr std::size_t kBallsPerCancellationCheck = 4096;
-  std::size_t inserted = 0;
-  for (const std::uint32_t i : insertion_order(balls.size())) {
-    // Throws Cancelled on request; 0 steps are reported as done.
-    if (++inserted % kBallsPerCancellationCheck == 0) advance(monitor, 0);
-    insert(balls[i].center, balls[i].radius, i);
+  std::vector<Entry> entries(count);
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  for (std::uint32_t c = 0; c < count; ++c) {
+    entries[next[cells.cells[c][0]]++] = {cells.cells[c], c};
   }
-}
-
-// Numbers the finite cells in the order of their lowest vertex, with a counting sort, so that cells
-// near in space are near in memory. Infinite cells get kNoIndex. `vertices` counts the auxiliary
-// points too. Returns the number of finite cells.
-std::size_t number_cells(const Triangulation& triangulation, std::size_t vertices) {
-  const auto lowest = [](const auto& cell) {
-    return std::min(std::min(cell->vertex(0)->info(), cell->vertex(1)->info()),
-                    std::min(cell->vertex(2)->info(), cell->vertex(3)->info()));
-  };
-  const std::size_t count = triangulation.number_of_finite_cells();
-  if (count >= kNoIndex) throw LimitExceeded("the triangulation has more than 2^32 cells");
-  for (const auto cell : triangulation.all_cell_handles()) cell->info() = kNoIndex;
-  // After the prefix sum, next[v] is the next free number for a cell with the lowest vertex v.
-  std::vector<std::uint32_t> next(vertices + 1, 0);
-  for (const auto cell : triangulation.finite_cell_handles()) ++next[lowest(cell) + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  for (const auto cell : triangulation.finite_cell_handles()) cell->info() = next[lowest(cell)]++;
-  return count;
-}
-
-// Copies the finite cells and their neighbours into the arrays of `out`.
-void flatten(const Triangulation& triangulation, PowerTriangulation& out) {
-  const std::size_t count = number_cells(triangulation, out.balls.size() + 4);
+  std::vector<std::uint32_t> number(count);  // by place
   out.cells.resize(count);
   out.neighbors.resize(count);
-  for (const auto cell : triangulation.finite_cell_handles()) {
-    for (int k = 0; k < 4; ++k) {
-      const auto slot = static_cast<std::size_t>(k);
-      out.cells[cell->info()][slot] = cell->vertex(k)->info();
-      out.neighbors[cell->info()][slot] = cell->neighbor(k)->info();
+  for_each_index(vertices, [&](std::size_t v) {
+    std::sort(entries.begin() + first[v], entries.begin() + first[v + 1],
+              [](const Entry& a, const Entry& b) { return a.vertices < b.vertices; });
+    for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) number[entries[i].place] = i;
+  });
+  for_each_index(count, [&](std::size_t i) {
+    out.cells[i] = entries[i].vertices;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::uint32_t n = cells.neighbors[entries[i].place][k];
+      out.neighbors[i][k] = n == kNoIndex ? n : number[n];
     }
-  }
+  });
+}
+
+// As many blocks as there are cores, but not of fewer balls than are worth the margin around them.
+std::size_t blocks_for_cores(std::size_t balls) {
+  constexpr std::size_t kLeastBalls = 5000;
+  const auto cores =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::max<std::size_t>(1, std::min(cores, balls / kLeastBalls));
 }
 
 }  // namespace
 
-PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor) {
+PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor,
+                               std::optional<std::size_t> blocks) {
   PowerTriangulation out;
   if (spheres.empty()) throw InvalidInput("an empty set of spheres has no triangulation");
   out.ids = spatial_order(spheres);
   out.scale_exponent = scale_exponent(spheres);
   out.balls.reserve(out.ids.size());
   for (const SphereId id : out.ids) out.balls.push_back(scaled(spheres[id], out.scale_exponent));
-
-  Triangulation triangulation;
-  insert_all(triangulation, out.balls, monitor);
-  flatten(triangulation, out);
+  const std::array<Vec3d, 4> auxiliary = auxiliary_points(out.balls);
+  const RegularCells cells = joined_cells(
+      out.balls, auxiliary, blocks.value_or(blocks_for_cores(out.balls.size())), monitor);
+  store_sorted(cells, out.balls.size() + auxiliary.size(), out);
   return out;
 }
 

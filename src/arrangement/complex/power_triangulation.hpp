@@ -6,7 +6,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/buffer.hpp"
@@ -25,9 +27,10 @@ struct PowerTriangulation {
   std::vector<SphereId> ids;  // for each ball its id in the SphereSet
   int scale_exponent = 0;
 
-  // For each cell its vertices, positively oriented, and for each vertex the neighbouring cell
-  // opposite to it (kNoIndex: none). A vertex is an index into `balls`; four further indices from
-  // balls.size() on are the auxiliary points. A ball that the weights hide is a vertex of no cell.
+  // For each cell its vertices, positively oriented and otherwise ascending, and for each vertex
+  // the neighbouring cell opposite to it (kNoIndex: none). A vertex is an index into `balls`; four
+  // further indices from balls.size() on are the auxiliary points. A ball that the weights hide is
+  // a vertex of no cell.
   Buffer<std::array<std::uint32_t, 4>> cells, neighbors;
 
   bool is_ball(std::uint32_t vertex) const { return vertex < balls.size(); }
@@ -38,10 +41,13 @@ inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacetVertices{
     {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
 
 // The triangulation is exact for any finite input. It does not depend on the order of the spheres,
-// except for their ids.
+// except for their ids, nor on the number of threads.
+// `blocks`: into how many blocks the space is divided, which are triangulated side by side; by
+// default, as many as there are cores, or fewer for few balls. The result is the same.
 // Throws InvalidInput for an empty set or if the extent of the spheres overflows a double,
 // LimitExceeded if there are 2^32 - 1 cells or more, and Cancelled (the monitor is asked once in
 // several thousand balls).
-PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor = nullptr);
+PowerTriangulation triangulate(const SphereSet& spheres, Monitor* monitor = nullptr,
+                               std::optional<std::size_t> blocks = std::nullopt);
 
 }  // namespace vdwmesh

@@ -1,0 +1,38 @@
+// The cells of a regular triangulation of some balls, by CGAL. For the library's own use.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/monitor.hpp"
+#include "spheres/sphere_set.hpp"
+
+namespace vdwmesh {
+
+// The vertices of a cell, as indices of balls, in canonical order: ascending, but for the last two,
+// which are exchanged if the cell is positively oriented only then. So the lowest vertex is the
+// first one, and two lists have the same cell exactly if they have equal arrays.
+using CellVertices = std::array<std::uint32_t, 4>;
+
+struct RegularCells {
+  std::vector<CellVertices> cells;
+  // For each vertex of a cell the index of the cell opposite to it; kNoIndex: not in the list.
+  std::vector<std::array<std::uint32_t, 4>> neighbors;
+};
+
+// Whether a cell belongs in the list.
+using TakesCell = std::function<bool(const CellVertices&)>;
+
+// Triangulates the balls of the given indices, in whatever order, with all four auxiliary points,
+// which have the indices from balls.size() on. Writes 1 to has_vertex[i] for each ball i that is
+// not hidden by others. The cells' order depends on the order of the indices, the cells do not:
+// CGAL decides ties as if every centre had been moved by a little, the same way in every subset.
+// Throws LimitExceeded if there are 2^32 - 1 cells or more, and Cancelled.
+RegularCells regular_cells(const std::vector<Sphere>& balls, const std::array<Vec3d, 4>& auxiliary,
+                           std::span<const std::uint32_t> indices, const TakesCell& takes,
+                           std::vector<std::uint8_t>& has_vertex, Monitor* monitor);
+
+}  // namespace vdwmesh
