@@ -145,9 +145,13 @@ def _of_mdanalysis(traj: Any, select: Any, window: Window) -> Trajectory:
         except Exception:  # readers of streams cannot be copied
             own = reader
         read = 0
-        for ts in own[slice(*window)]:
-            yield Frame(ts.positions[ids], ts.frame, float(ts.time))
-            read += 1
+        try:
+            for ts in own[slice(*window)]:
+                yield Frame(ts.positions[ids], ts.frame, float(ts.time))
+                read += 1
+        finally:
+            if own is not reader:
+                own.close()
         if read < length:  # MDAnalysis takes an error for the end
             raise FileFormatError(f"traj: frame {wanted[read]} cannot be read; the file may be cut off")
 
