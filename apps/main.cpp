@@ -11,6 +11,7 @@
 #include "command_line/command_line.hpp"
 #include "core/errors.hpp"
 #include "interrupt.hpp"
+#include "memory.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -67,6 +68,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace vdwmesh::apps;
   install_signal_handlers();
+  keep_freed_memory();
   const int code = exit_code_of([&] { return run(argc, argv); });
   const int signal = pending_signal();
   return signal != 0 ? kSignalBase + signal : code;

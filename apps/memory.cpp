@@ -3,11 +3,16 @@
 // or in a container that hides it, limits nothing.
 #include "memory.hpp"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
+#include "core/large_pages.hpp"
 #include "extract/extractor.hpp"
 
 namespace vdwmesh::apps {
@@ -66,7 +71,15 @@ std::optional<std::uint64_t> cgroup_limit() {
 
 }  // namespace
 
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_MAX, 0);         // large blocks come from the heap as well
+  mallopt(M_TRIM_THRESHOLD, -1);  // whose end is never given back
+#endif
+}
+
 PeakMemory::PeakMemory() {
+  return_freed_pages();
   std::ofstream file("/proc/self/clear_refs");
   file << "5" << std::flush;  // proc(5): resets the peak resident set size
   reset_ = file.good();

@@ -11,6 +11,7 @@
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/boost/graph/graph_traits_TriMesh_ArrayKernelT.h>
 #include <CGAL/boost/graph/helpers.h>
+#include <tbb/parallel_invoke.h>
 
 #include <boost/property_map/function_property_map.hpp>
 #include <iterator>
@@ -45,13 +46,15 @@ std::uint64_t count_self_intersections(const SurfaceMesh& mesh) {
 CgalMeasures cgal_measures(const SurfaceMesh& mesh, SelfIntersectionTest test) {
   CgalMeasures result{};
   result.closed = CGAL::is_closed(mesh);
-  result.valid = CGAL::is_valid_polygon_mesh(mesh);
+  // Before the others, which only read: CGAL may keep the numbers of faces in the mesh.
   result.shells = count_shells(mesh);
-  result.area = pmp::area(mesh);
-  if (result.closed) {
-    result.volume = pmp::volume(mesh);
-    result.outward = mesh.n_faces() == 0 || pmp::is_outward_oriented(mesh);
-  }
+  tbb::parallel_invoke([&] { result.valid = CGAL::is_valid_polygon_mesh(mesh); },
+                       [&] { result.area = pmp::area(mesh); },
+                       [&] {
+                         if (!result.closed) return;
+                         result.volume = pmp::volume(mesh);
+                         result.outward = mesh.n_faces() == 0 || pmp::is_outward_oriented(mesh);
+                       });
   if (test == SelfIntersectionTest::run) result.self_intersections = count_self_intersections(mesh);
   return result;
 }

@@ -144,10 +144,13 @@ class HomeSearch {
 
 // The triangles that have an area.
 Buffer<std::uint32_t> without_flat(const IndexedMesh& mesh) {
+  Buffer<std::uint8_t> has_area(mesh.triangle_count());
+  for_each_index(has_area.size(), [&](std::size_t t) {
+    has_area[t] = !is_flat(facet_of(mesh, static_cast<std::uint32_t>(t)));
+  });
   Buffer<std::uint32_t> chosen(mesh.triangle_count());
   const std::uint32_t count = number_all(
-      mesh.triangle_count(),
-      [&](std::size_t t) { return !is_flat(facet_of(mesh, static_cast<std::uint32_t>(t))); },
+      mesh.triangle_count(), [&](std::size_t t) { return has_area[t] != 0; },
       [&](std::size_t t, std::uint32_t n) { chosen[n] = static_cast<std::uint32_t>(t); });
   chosen.resize(count);
   return chosen;
