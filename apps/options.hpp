@@ -68,6 +68,20 @@ struct MachineOptions {
 
 enum class AtomGroup { atom, residue, chain };
 
+enum class RowFormat { by_extension, jsonl, csv };
+
+// Part `number` (from 1) of `count` parts of a batch.
+struct Shard {
+  std::uint64_t number = 1, count = 1;
+};
+
+struct BatchChoice {
+  std::string output;  // a file; standard output if empty
+  RowFormat rows = RowFormat::by_extension;
+  Shard shard;
+  Switch resume = Switch::on;
+};
+
 // Where results go: a file, standard output ("-") or nowhere (empty).
 struct OutputOptions {
   std::string json, csv, per_atom;

@@ -27,11 +27,6 @@ InputReport input_of(Molecule& molecule, const InputOptions& options) {
   return input;
 }
 
-std::string atom_label(const Atom& atom) {
-  return fmt::format("{} {} {} {} (serial {})", atom.chain, atom.residue_name, atom.residue_number,
-                     atom.name, atom.serial);
-}
-
 int cpu_threads() {
   return static_cast<int>(
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
@@ -228,21 +223,6 @@ Molecule load_molecule(const InputOptions& options, Session& session) {
   return molecule;
 }
 
-SphereSet to_spheres(const Molecule& molecule, double probe) {
-  std::vector<Sphere> spheres;
-  spheres.reserve(molecule.atoms.size());
-  for (const Atom& atom : molecule.atoms) {
-    const double radius = atom.radius + probe;
-    if (!(radius > 0)) {
-      throw InvalidInput(fmt::format(
-          "--probe {}: atom {} of radius {} Å would have {} Å; every radius must stay above 0",
-          probe, atom_label(atom), atom.radius, radius));
-    }
-    spheres.push_back({atom.position, radius});
-  }
-  return SphereSet(std::move(spheres));
-}
-
 Structure load(const InputOptions& options, Session& session) {
   Molecule molecule = load_molecule(options, session);
   SphereSet spheres = to_spheres(molecule, options.probe);
@@ -326,14 +306,6 @@ void measure(const IndexedMesh& mesh, SelfIntersections wanted, Session& session
   if (wanted == SelfIntersections::skip) return;
   result.self_intersections = self_intersections(mesh, session.monitor);
   session.end_stage(&Timing::self_intersections);
-}
-
-std::optional<std::vector<SphereId>> measured_spheres(const Molecule& molecule) {
-  std::vector<SphereId> measured;
-  for (std::size_t i = 0; i < molecule.atoms.size(); ++i) {
-    if (molecule.atoms[i].measured) measured.push_back(static_cast<SphereId>(i));
-  }
-  return measured.size() == molecule.atoms.size() ? std::nullopt : std::optional(measured);
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "batch/molecule_spheres.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "mesh/surface_mesh_builder.hpp"
 #include "options.hpp"
@@ -24,10 +25,8 @@ struct Structure {
 // Reads the structure or sample. A text too large for the session's memory is refused, and so is a
 // probe that leaves an atom no radius.
 Structure load(const InputOptions& options, Session& session);
-// Its two halves. to_spheres() throws InvalidInput naming the first atom whose radius would not be
-// positive.
+// Its first half; to_spheres() of batch/molecule_spheres.hpp is the second.
 Molecule load_molecule(const InputOptions& options, Session& session);
-SphereSet to_spheres(const Molecule& molecule, double probe);
 
 // What of a mesh is made, and who hears of it meanwhile. A refined mesh has normals and half-edges
 // anyway; the observers may be empty.
@@ -64,9 +63,6 @@ void add_last_level(int last, std::vector<LevelReport>&& levels, MeshReport& mes
 // half-edge structure, the report says so and they stay empty.
 bool checks_with_cgal(CgalCheck wanted, std::uint64_t triangles);
 void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session);
-
-// Which spheres of the molecule --measure chose; nothing if all of them are measured.
-std::optional<std::vector<SphereId>> measured_spheres(const Molecule& molecule);
 
 // The exact union; `measured` as in UnionOptions.
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,

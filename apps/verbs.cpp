@@ -15,6 +15,8 @@ constexpr Verb kVerbs[] = {
     {kRender, "render", "a picture of a structure's surface, or of a mesh file", run_render},
     {kStudy, "study", "sweep of spacings x subdivisions x fields: CSV, JSON and a page with plots",
      run_study},
+    {kBatch, "batch", "exact measures of many structures, a row of JSON or CSV for each",
+     run_batch_verb},
     {kThesisBench, "bench thesis", "Tables 4.1 to 4.5 of the thesis, rerun on its grids",
      run_thesis_bench},
     {kPipelineBench, "bench pipeline",

@@ -11,7 +11,8 @@ struct Options;
 // Sets of verbs, as sums: which ones take an option.
 using VerbSet = unsigned;
 inline constexpr VerbSet kMesh = 1, kReport = 2, kExact = 4, kCompare = 8, kRender = 16,
-                         kStudy = 32, kThesisBench = 64, kPipelineBench = 128, kInfo = 256;
+                         kStudy = 32, kThesisBench = 64, kPipelineBench = 128, kInfo = 256,
+                         kBatch = 512;
 
 struct Verb {
   VerbSet bit;
@@ -32,6 +33,7 @@ void run_render(const Options& options);
 void run_study(const Options& options);
 void run_thesis_bench(const Options& options);
 void run_pipeline_bench(const Options& options);
+void run_batch_verb(const Options& options);
 void run_info(const Options& options);
 
 }  // namespace vdwmesh::apps

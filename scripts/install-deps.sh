@@ -11,7 +11,7 @@ set -euo pipefail
 packages=(
   g++ cmake ninja-build ccache pkg-config git ca-certificates
   libopenmesh-dev libcgal-dev libeigen3-dev gemmi-dev tao-pegtl-dev libtbb-dev libtinygltf-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libmsgpack-cxx-dev python3-msgpack libjs-vega libjs-three
+  libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libmsgpack-cxx-dev libarchive-dev python3-msgpack libjs-vega libjs-three
   libepoxy-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libfreetype-dev fonts-dejavu-core
   libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema python3-meshio freesasa valgrind
   pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy clang-format-14
@@ -21,7 +21,8 @@ for group in "$@"; do
     browser) packages+=(chromium chromium-driver python3-selenium python3-pil) ;;
     witnesses)
       packages+=(python3-vtk9 assimp-utils admesh python3-gudhi voronota python3-ase python3-biopython
-      python3-mdanalysis python3-mdtraj python3-gemmi python3-freesasa python3-skimage python3-open3d) ;;
+      python3-mdanalysis python3-mdtraj python3-gemmi python3-freesasa python3-skimage python3-open3d
+      parallel python3-dask python3-mpi4py) ;;
     docs) packages+=(doxygen) ;;
     anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
     fuzz) packages+=(clang-19 libclang-rt-19-dev clang-tidy-19) ;;

@@ -26,6 +26,7 @@ struct Options {
   PictureOptions picture;
   OutputOptions output;
   StudyOptions study;
+  BatchChoice batch;
   ThesisBenchOptions thesis;
   std::vector<double> spacings;  // Å, of `vdwmesh bench pipeline`, longest first
   int repeats = 3;               // of benchmarks: at most; the least time counts

@@ -89,6 +89,9 @@ inline constexpr auto kNames<StructureFormat> =
                             {"ent", StructureFormat::pdb},
                             {"cif", StructureFormat::mmcif}});
 template <>
+inline constexpr auto kNames<RowFormat> = names<RowFormat>({{"jsonl", RowFormat::jsonl},
+                                                            {"csv", RowFormat::csv}});
+template <>
 inline constexpr auto kNames<CameraProjection> =
     names<CameraProjection>({{"orthographic", CameraProjection::orthographic},
                              {"perspective", CameraProjection::perspective}});

@@ -13,11 +13,12 @@ namespace {
 
 constexpr VerbSet kOneInput = kMesh | kReport | kExact | kCompare | kRender;
 constexpr VerbSet kInputs = kOneInput | kSeveralInputs;
+constexpr VerbSet kStructures = kInputs | kBatch;
 constexpr VerbSet kSurfaces = kMesh | kReport | kRender;
 constexpr VerbSet kDistances = kReport | kCompare | kStudy;
 constexpr VerbSet kPictures = kReport | kCompare | kRender;
 constexpr VerbSet kBenches = kThesisBench | kPipelineBench;
-constexpr VerbSet kWorking = kInputs | kThesisBench;
+constexpr VerbSet kWorking = kStructures | kThesisBench;
 constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare;
 
 constexpr const char* kFormats =
@@ -42,6 +43,17 @@ Kind<double> density() {
           }};
 }
 
+Shard parse_shard(std::string_view option, const std::string& text) {
+  constexpr std::int64_t kMost = 1'000'000'000;
+  const std::size_t slash = text.find('/');
+  refuse_if(slash == text.npos, "{} {}: needs I/N, for example 1/8", option, text);
+  Shard shard;
+  shard.count = static_cast<std::uint64_t>(parse_integer(option, text.substr(slash + 1), 1, kMost));
+  shard.number = static_cast<std::uint64_t>(
+      parse_integer(option, text.substr(0, slash), 1, static_cast<std::int64_t>(shard.count)));
+  return shard;
+}
+
 // A value of pictures that fills more than one field.
 using ReadPicture = void (*)(std::string_view, const std::string&, PictureOptions&);
 Reader of_picture(PictureOptions& picture, std::string value, ReadPicture read_value) {
@@ -63,29 +75,34 @@ std::vector<Option> input_options(Draft& d) {
        "--sample"},
       {"INPUT", kSeveralInputs, inputs(d.paths, Times::often), kFormats, required(kNameInput),
        "--sample"},
+      {"INPUT", kBatch, inputs(d.paths, Times::often),
+       "structure files, folders, tar archives, and lists of names, one on each line; - is a list "
+       "or an archive on standard input",
+       required("name structure files, a folder, a tar archive or a list of names, or - for a list "
+                "or an archive on standard input")},
       {"--sample", kInputs, several(d.samples, text("NAME")),
        "built-in structures in place of INPUT: ubiquitin, bpti"},
-      {"--format", kInputs, one(r.format, named<StructureFormat>()),
+      {"--format", kStructures, one(r.format, named<StructureFormat>()),
        "of INPUT, where its name does not tell"},
-      {"--radii", kInputs, one(r.radii, text("SET|FILE")),
+      {"--radii", kStructures, one(r.radii, text("SET|FILE")),
        "bondi, alvarez; united atoms, without hydrogens: protor, naccess, oons; or a file of lines "
        "ELEMENT RADIUS or RESIDUE ATOM RADIUS",
        by_default("bondi")},
-      {"--probe", kInputs, one(d.probe, number("Å", Range::finite, "1.4")), "added to every radius",
-       by_default("0")},
-      {"--model", kInputs, one(r.model, text("N")), "model number, first, or all models as one set",
-       by_default("first")},
-      {"--assembly", kInputs, one(r.assembly, text("NAME")), "biological assembly of the file",
+      {"--probe", kStructures, one(d.probe, number("Å", Range::finite, "1.4")),
+       "added to every radius", by_default("0")},
+      {"--model", kStructures, one(r.model, text("N")),
+       "model number, first, or all models as one set", by_default("first")},
+      {"--assembly", kStructures, one(r.assembly, text("NAME")), "biological assembly of the file",
        by_default("asymmetric")},
-      {"--select", kInputs, one(r.select, text("SELECTION")),
+      {"--select", kStructures, one(r.select, text("SELECTION")),
        "gemmi selection, after the water rule", otherwise("everything")},
-      {"--altloc", kInputs, one(r.altloc, text("LABEL")),
+      {"--altloc", kStructures, one(r.altloc, text("LABEL")),
        "alternate locations: highest, or a label", by_default("highest")},
-      {"--waters", kInputs, flag(r.waters, Inclusion::keep), "keep waters"},
-      {"--no-hydrogens", kInputs, flag(r.hydrogens, Inclusion::drop), "drop hydrogens"},
-      {"--no-hetatm", kInputs, flag(d.hetero_atoms, drop), "drop HETATM records", no_default(),
+      {"--waters", kStructures, flag(r.waters, Inclusion::keep), "keep waters"},
+      {"--no-hydrogens", kStructures, flag(r.hydrogens, Inclusion::drop), "drop hydrogens"},
+      {"--no-hetatm", kStructures, flag(d.hetero_atoms, drop), "drop HETATM records", no_default(),
        "--hetatm"},
-      {"--hetatm", kInputs, flag(d.hetero_atoms, keep),
+      {"--hetatm", kStructures, flag(d.hetero_atoms, keep),
        "keep HETATM records; only the thesis presets drop them otherwise"}};
 }
 
@@ -147,13 +164,16 @@ std::vector<Option> axis_options(StudyAxes& a) {
 std::vector<Option> measure_options(Draft& d) {
   Options& o = d.options;
   DistanceChoice& c = o.distances;
-  return {{"--measure", kReport | kExact, one(d.read.measure, text("SELECTION")),
+  return {{"--measure", kReport | kExact | kBatch, one(d.read.measure, text("SELECTION")),
            "measure only these atoms; all others cover them (as --select)", otherwise("all atoms")},
-          {"--method", kReport | kExact | kCompare, one(d.method, named<UnionMethod>()),
+          {"--method", kReport | kExact | kCompare | kBatch, one(d.method, named<UnionMethod>()),
            "of the exact union", otherwise("auto: cgal; arcs without the whole topology")},
           {"--topology", kReport | kExact | kCompare, one(d.topology, named<TopologyRequest>()),
            "exact topology; counts: components and Euler characteristic alone",
            otherwise("on; off with arcs")},
+          {"--topology", kBatch, one(d.topology, named<TopologyRequest>()),
+           "exact topology; counts: components and Euler characteristic alone",
+           otherwise("off; on with --method cgal or both")},
           {"--certify", kReport | kExact, flag(o.exact.certify, Switch::on),
            "intervals that are proven to contain the exact area and volume"},
           {"--distances", kDistances, one(c.distances, named<Switch>()),
@@ -249,6 +269,14 @@ std::vector<Option> output_options(Draft& d) {
       {"-o,--output", kStudy, one(o.study.folder, text("FOLDER")),
        "gets study.csv, study.json and index.html",
        required("name the folder that the study is written to")},
+      {"-o,--output", kBatch, one(o.batch.output, text("FILE"), Use::writes),
+       "the rows: .jsonl .ndjson .json (JSON lines) or .csv", otherwise("standard output")},
+      {"--rows", kBatch, one(o.batch.rows, named<RowFormat>()), "of which kind they are",
+       otherwise("by extension; jsonl")},
+      {"--shard", kBatch, one(o.batch.shard, Kind<Shard>{"I/N", "", parse_shard}),
+       "the I-th of N parts of the inputs, which follow each other", otherwise("all")},
+      {"--resume", kBatch, one(o.batch.resume, named<Switch>()),
+       "keep the rows that FILE has, and go on behind them", by_default("on")},
       {"--resume", kStudy, one(o.study.resume, named<Switch>()),
        "take finished runs from the folder", by_default("on")},
       {"--time-limit", kStudy, one(o.study.time_limit, number("s", Range::non_negative, "3600")),

@@ -93,13 +93,14 @@ void settle_input(Draft& d) {
   if (std::ranges::count(RadiusTable::names(), radii) == 0) d.files.add_input("--radii", radii);
   const bool thesis = d.options.surface.field.preset != FieldPreset::radius_aware;
   d.read.hetero_atoms = d.hetero_atoms.value_or(thesis ? Inclusion::drop : Inclusion::keep);
-  refuse_if(std::ranges::count(d.paths, "-") > 0 && d.read.format == StructureFormat::by_extension,
+  refuse_if(d.verb != kBatch && std::ranges::count(d.paths, "-") > 0 &&
+                d.read.format == StructureFormat::by_extension,
             "INPUT -: standard input needs --format pdb, mmcif, bcif, pqr or xyzr");
   for (const std::string& path : d.paths) d.options.inputs.push_back({path, "", d.read, d.probe});
   for (const std::string& sample : d.samples) {
     d.options.inputs.push_back({"", sample, d.read, d.probe});
   }
-  refuse_if(d.options.inputs.size() > 1 && !(d.verb & kSeveralInputs),
+  refuse_if(d.options.inputs.size() > 1 && !(d.verb & (kSeveralInputs | kBatch)),
             "--sample: only one structure is taken");
 }
 
@@ -120,7 +121,10 @@ void settle_render(const Draft& d) {
 // triangulation anyway.
 void settle_exact(Draft& d) {
   ExactOptions& exact = d.options.exact;
-  const TopologyRequest wanted = d.topology.value_or(TopologyRequest::full);
+  const bool fast =
+      d.verb == kBatch && d.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
+  const TopologyRequest wanted =
+      d.topology.value_or(fast ? TopologyRequest::none : TopologyRequest::full);
   exact.method = method_for(d.method.value_or(UnionMethod::automatic),
                             exact.certify == Switch::on ? TopologyRequest::full : wanted);
   const bool arcs = exact.method == UnionMethod::arcs;
@@ -165,6 +169,23 @@ void settle_picture(const Draft& d) {
   const Renderer available;
 }
 
+// An archive on standard input can be read only once, and a shard needs to know how many structures
+// there are.
+void settle_batch(Draft& d) {
+  BatchChoice& batch = d.options.batch;
+  const bool has_standard_input = std::ranges::count(d.paths, "-") > 0;
+  refuse_if(
+      has_standard_input && batch.shard.count > 1,
+      "--shard: standard input is not counted beforehand; name the list or archive as a file");
+  refuse_if(std::ranges::count(d.paths, "-") > 1, "INPUT -: standard input can be read only once");
+  if (batch.rows != RowFormat::by_extension) return;
+  const std::string extension = std::filesystem::path(batch.output).extension().string();
+  const bool lines = extension == ".jsonl" || extension == ".ndjson" || extension == ".json";
+  refuse_if(!batch.output.empty() && !lines && extension != ".csv",
+            "-o {}: rows are .jsonl, .ndjson, .json or .csv; or say --rows", batch.output);
+  batch.rows = extension == ".csv" ? RowFormat::csv : RowFormat::jsonl;
+}
+
 // The axes of a study are in order whatever was typed, and so are its table and its page.
 void settle_study(Draft& d) {
   StudyOptions& study = d.options.study;
@@ -205,6 +226,7 @@ void settle(Draft& d) {
   settle_render(d);
   settle_picture(d);
   settle_study(d);
+  if (d.verb == kBatch) settle_batch(d);
   settle_bench(d.options);
 }
 

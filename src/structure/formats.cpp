@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -48,6 +49,18 @@ constexpr std::array kMagic{
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
   throw FileFormatError(fmt::format("{}: {}", path.string(), what));
+}
+
+// The last extension in lower case, or the one before ".gz".
+std::string extension_of(std::filesystem::path name) {
+  if (lower_case(name.extension().string()) == ".gz") name = name.stem();
+  return lower_case(name.extension().string());
+}
+
+std::optional<StructureFormat> known_format(std::string_view extension) {
+  for (const auto& [known, format] : kExtensions)
+    if (extension == known) return format;
+  return std::nullopt;
 }
 
 // Throws if the bytes are packed, or of a format that is no structure file. The magic number of tar
@@ -101,15 +114,16 @@ bool has_pdb_records(std::string_view text) {
 
 }  // namespace
 
+bool has_structure_extension(const std::filesystem::path& name) {
+  return known_format(extension_of(name)).has_value();
+}
+
 StructureFormat format_of_name(const std::filesystem::path& path) {
   if (path == "-")
     throw InvalidInput(
         "standard input has no extension; say --format pdb, mmcif, bcif, pqr or xyzr");
-  std::filesystem::path name = path;
-  if (lower_case(name.extension().string()) == ".gz") name = name.stem();
-  const std::string extension = lower_case(name.extension().string());
-  for (const auto& [known, format] : kExtensions)
-    if (extension == known) return format;
+  const std::string extension = extension_of(path);
+  if (const auto format = known_format(extension)) return *format;
   if (extension == ".xtc" || extension == ".trr" || extension == ".dcd")
     refuse(path, fmt::format("is a trajectory ({}), which has no elements; give the structure file",
                              extension));

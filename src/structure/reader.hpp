@@ -53,6 +53,10 @@ struct ReadOptions {
   std::string radii = "bondi";
 };
 
+// Whether the extension of the name is that of a structure file that is read; ".gz" behind it does
+// not matter.
+bool has_structure_extension(const std::filesystem::path& name);
+
 // Reads the file `path`; "-" is standard input, which needs an explicit format. Gzipped data are
 // recognised by their first bytes. Atoms keep the order of the file. An assembly lists one copy
 // after the other; the copies of chain A are named A1, A2, ... Throws FileFormatError if the file

@@ -1,0 +1,37 @@
+// Rows of `vdwmesh batch` as text, and files of them that are continued.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "batch/batch.hpp"
+#include "options.hpp"
+
+namespace vdwmesh::apps {
+
+// Writes rows of one kind. Each ends with a line break and holds no other.
+class RowWriter {
+ public:
+  // `settings` says which options made the rows; it is part of each.
+  RowWriter(RowFormat format, std::string settings)
+      : format_(format), settings_(std::move(settings)) {}
+
+  // The line before the first row; empty if there is none.
+  std::string header() const;
+  std::string text(const BatchRow& row) const;
+  // What text() begins with for a structure of that name.
+  std::string beginning(const std::string& name) const;
+  // Whether a line of text() says that its structure was refused.
+  bool is_refusal(std::string_view line) const;
+
+ private:
+  RowFormat format_;
+  std::string settings_;
+};
+
+// 16 digits that depend on everything that rows depend on beside the structures: the program, the
+// choice of atoms, radii, probe and method.
+std::string settings_key(const InputOptions& input, const ExactOptions& exact);
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,57 @@
+// Exact measures of many structures: areas, volumes and topology, one row for each structure.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arrangement/exact_union.hpp"
+#include "batch/structure_source.hpp"
+#include "core/monitor.hpp"
+#include "structure/reader.hpp"
+
+namespace vdwmesh {
+
+struct BatchOptions {
+  ReadOptions read;
+  double probe = 0;  // Å, added to every radius
+  UnionMethod method = UnionMethod::automatic;
+  TopologyRequest topology = TopologyRequest::none;
+  int threads = 0;  // structures that are measured at the same time; 0: as many as TBB has threads
+  // Called before a structure is measured, from any thread. What it throws refuses the structure.
+  std::function<void(const SphereSet&)> check;
+  Monitor* monitor = nullptr;  // hears of every row
+};
+
+// What is known of one structure. Members without a value were not computed.
+struct BatchRow {
+  std::string name;
+  std::optional<std::uint64_t> atoms;  // that are measured, or cover those
+  std::optional<std::map<std::string, std::uint64_t>> left_out;  // reason -> atoms of the file
+  std::optional<std::uint64_t> assumed_radii;     // atoms, see Molecule::radii_assumed
+  std::optional<std::uint64_t> guessed_elements;  // atoms
+  std::optional<UnionMethod> method;
+  std::optional<double> area, volume;  // Å², Å³
+  std::optional<std::uint64_t> components, tunnels, voids;
+  std::optional<std::int64_t> euler_characteristic;
+  // Spheres that the arcs doubted, of which the triangulation gave the measures; and those of which
+  // they leave the topology open, so that there are no counts.
+  std::optional<std::uint64_t> fallback_spheres, doubtful_spheres;
+  std::vector<std::string> warnings;  // what may be wrong with the file
+  std::optional<std::string> error;   // why there are no measures; one line
+};
+
+// The row of one structure. A structure that is refused is a row with its error.
+BatchRow measure_structure(const NamedStructure& structure, const BatchOptions& options);
+
+// Measures the next structures of the source, up to `most`, and calls on_row() for each, in the
+// order of the source, one at a time. Structures are measured side by side, each on one thread, and
+// no more than a few for each thread are in memory. Returns the number of rows. Throws what the
+// source and on_row() throw, after the rows before it, and Cancelled.
+std::uint64_t run_batch(StructureSource& source, std::uint64_t most, const BatchOptions& options,
+                        const std::function<void(const BatchRow&)>& on_row);
+
+}  // namespace vdwmesh

@@ -1,0 +1,266 @@
+"""vdwmesh batch: rows of many structures are those of single calls, whatever their source, the number of
+threads, the shards, and whatever ended the call before."""
+
+import csv
+import gzip
+import io
+import json
+import pathlib
+import signal
+import subprocess
+import tarfile
+import time
+
+import program
+from program import BAD_INPUT, DONE, SOURCE_DIR, ProgramTest, need_shared, run, schema_validator
+
+DATA = SOURCE_DIR / "data"
+WRITE = ("-o",)
+
+
+def atoms(count, spacing=2.0, shift=0.0):
+    """A row of carbons as XYZR."""
+    return "".join(f"{spacing * i + shift} 0 {0.3 * (i % 3)} 1.7\n" for i in range(count))
+
+
+class BatchTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.inputs = self.folder / "in"
+        (self.inputs / "b").mkdir(parents=True)
+        for name in ("bpti.pdb", "ubiquitin.pdb"):
+            (self.inputs / name).write_bytes((DATA / name).read_bytes())
+        (self.inputs / "b" / "packed.pdb.gz").write_bytes(gzip.compress((DATA / "bpti.pdb").read_bytes()))
+        for i in range(12):
+            (self.inputs / "b" / f"row{i:02}.xyzr").write_text(atoms(5 + i, shift=i))
+        self.paths = sorted((p for p in self.inputs.rglob("*") if p.is_file()), key=str)
+
+    def rows(self, *arguments, code=DONE, **options):
+        result = run("batch", *arguments, **options)
+        self.assertEqual(result.returncode, code, result.stderr)
+        rows = [program.parse_json(line) for line in result.stdout.splitlines()]
+        for row in rows:
+            schema_validator("batch").validate(row)
+        return rows
+
+    def file_of(self, *arguments, name="rows.jsonl", code=DONE):
+        """The bytes of the file that the call writes or continues."""
+        path = self.folder / name
+        result = run("batch", *arguments, "-o", path)
+        self.assertEqual(result.returncode, code, result.stderr)
+        return path.read_bytes()
+
+
+def nameless(rows):
+    return [{key: value for key, value in row.items() if key != "name"} for row in rows]
+
+
+class Rows(BatchTest):
+    def assert_as_single_calls(self, *options):
+        rows = self.rows(self.inputs, *options)
+        self.assertEqual([row["name"] for row in rows], [str(path) for path in self.paths])
+        for row, path in zip(rows, self.paths, strict=True):
+            if "row" in path.name and path.name != "row07.xyzr":
+                continue
+            report = self.report("exact", path, *(options or ("--topology", "off")))
+            exact, source = report["exact"], report["input"]
+            self.assertEqual((row["area"], row["volume"], row["method"]),
+                             (exact["area"], exact["volume"], exact["method"]))
+            for key in ("components", "tunnels", "voids", "euler_characteristic"):
+                self.assertEqual(row[key], exact[key], key)
+            self.assertEqual(row["atoms"], source["spheres"])
+            self.assertEqual(row["left_out"], source["skipped"])
+            self.assertIsNone(row["error"])
+
+    def test_are_those_of_single_calls(self):
+        self.assert_as_single_calls()
+        self.assert_as_single_calls("--probe", "1.4", "--topology", "counts")
+        self.assert_as_single_calls("--topology", "on", "--no-hydrogens", "--radii", "alvarez")
+
+    def test_of_part_of_the_atoms(self):
+        options = ("--measure", "I/1-9", "--topology", "off", "--method", "arcs")
+        row = self.rows(DATA / "bpti.pdb", *options)[0]
+        exact = self.report("exact", DATA / "bpti.pdb", *options)["exact"]
+        self.assertEqual((row["area"], row["volume"]), (exact["area"], exact["volume"]))
+
+    def test_do_not_depend_on_threads(self):
+        one = run("batch", self.inputs, "--threads", "1").stdout
+        self.assertEqual(len(one.splitlines()), len(self.paths))
+        self.assertEqual(run("batch", self.inputs, "--threads", "4").stdout, one)
+
+    def test_as_a_table_are_those_of_json(self):
+        rows = self.rows(self.inputs, "--topology", "counts")
+        table = run("batch", self.inputs, "--topology", "counts", "--rows", "csv").stdout
+        found = list(csv.DictReader(io.StringIO(table)))
+        self.assertEqual(list(found[0]), list(rows[0]))
+        for cells, row in zip(found, rows, strict=True):
+            expected = {key: "" if value is None else str(value) for key, value in row.items()}
+            expected |= {"left_out": str(sum(row["left_out"].values())), "warnings": "0"}
+            for key in ("area", "volume"):
+                self.assertEqual(float(cells[key]), float(expected.pop(key)))
+                cells.pop(key)
+            self.assertEqual(cells, expected)
+
+
+class Refusals(BatchTest):
+    def test_a_bad_structure_is_a_row(self):
+        (self.inputs / "b" / "bad.pdb").write_text("ATOM      1  N   ALA A   1      abc\n")
+        (self.inputs / "b" / "row03.xyzr").write_text("")
+        rows = self.rows(self.inputs, code=BAD_INPUT)
+        refused = [row for row in rows if row["error"]]
+        self.assertEqual([pathlib.Path(row["name"]).name for row in refused], ["bad.pdb", "row03.xyzr"])
+        for row in refused:
+            self.assertIsNone(row["area"])
+            self.assertIn(row["name"], row["error"])
+            single = run("exact", row["name"])
+            self.assertEqual(single.stderr, f"vdwmesh: {row['error']}\n")
+        result = run("batch", self.inputs)
+        self.assertEqual(result.stderr,
+                         f"vdwmesh: 2 of {len(rows)} structures were refused; their rows say why\n")
+
+    def test_names_that_are_not_there(self):
+        listed = self.file("list.txt", f"{DATA / 'bpti.pdb'}\nnowhere.pdb\n\n{DATA / 'ubiquitin.pdb'}\r\n")
+        rows = self.rows(listed, code=BAD_INPUT)
+        self.assertEqual([row["error"] is None for row in rows], [True, False, True])
+        self.assertIn("nowhere.pdb: cannot be opened", rows[1]["error"])
+        for arguments in (("nowhere",), (self.folder / "empty.tar",)):
+            self.assertRegex(run("batch", *arguments).stderr, r"\Avdwmesh: [^\n]* is not there\n\Z")
+
+    def test_other_files_are_left_out(self):
+        (self.inputs / "README").write_text("no structure")
+        result = run("batch", self.inputs)
+        self.assertEqual(result.returncode, DONE)
+        self.assertIn("1 files have no extension of a structure", result.stderr)
+        nothing = self.folder / "nothing"
+        nothing.mkdir()
+        self.assertRegex(run("batch", nothing).stderr, "holds no structures")
+
+    def test_options(self):
+        for arguments, words in (
+            (("--shard", "0/4"), "--shard"), (("--shard", "5/4"), "--shard"),
+            (("--shard", "4"), "needs I/N"), (("--shard", "1/x"), "--shard"),
+            (("-o", self.folder / "rows.txt"), "rows are .jsonl"), (("--rows", "xml"), "--rows"),
+            (("--sample", "bpti"), "--sample"), (("--method", "arcs", "--topology", "on"), "--topology"),
+        ):
+            with self.subTest(arguments):
+                result = run("batch", self.inputs, *arguments)
+                self.assertEqual(result.returncode, BAD_INPUT)
+                self.assertRegex(result.stderr, rf"\Avdwmesh: [^\n]*{words}[^\n]*\n\Z")
+        self.assertIn("standard input", run("batch", "-", "--shard", "1/2", input="").stderr)
+
+
+class Sources(BatchTest):
+    def archive(self, name, mode):
+        path = self.folder / name
+        with tarfile.open(path, mode) as archive:
+            archive.add(self.inputs / "b", "b")  # in any order, as tar finds them
+            for file in self.paths:
+                if file.parent == self.inputs:
+                    archive.add(file, file.name)
+        return path
+
+    def test_all_hold_the_same(self):
+        expected = self.rows(self.inputs)
+        listed = "".join(f"{path}\n" for path in self.paths)
+        self.assertEqual(self.rows(self.file("list", listed)), expected)
+        self.assertEqual(self.rows("-", input=listed), expected)
+        self.assertEqual(self.rows(*self.paths), expected)
+        by_name = {str(pathlib.Path(row["name"]).relative_to(self.inputs)): row for row in expected}
+        for name, mode in (("a.tar", "w"), ("a.tar.gz", "w:gz"), ("a.tgz", "w:gz"),
+                           ("a.tar.bz2", "w:bz2"), ("a.tar.xz", "w:xz")):
+            with self.subTest(name):
+                path = self.archive(name, mode)
+                rows = self.rows(path)
+                self.assertEqual({row["name"]: row | {"name": ""} for row in rows},
+                                 {key: row | {"name": ""} for key, row in by_name.items()})
+                with path.open("rb") as archive:
+                    piped = subprocess.run([program.PROGRAM, "batch", "-"], stdin=archive,
+                                           capture_output=True, text=True, timeout=300)
+                self.assertEqual([json.loads(line) for line in piped.stdout.splitlines()], rows)
+
+    def test_formats_of_one_entry_agree(self):
+        program.need_package("python3-msgpack", module="msgpack")
+        program.need_package("python3-gemmi", module="gemmi")
+        import binary_cif
+        cif = need_shared("molecules/special/1EJG.cif")
+        packed = self.folder / "a.bcif.gz"
+        packed.write_bytes(gzip.compress(binary_cif.of_cif(cif)))
+        first, second = nameless(self.rows(cif, packed))
+        self.assertEqual(first, second)
+
+    def test_a_cut_archive_ends_the_batch_with_a_line(self):
+        whole = self.archive("a.tar", "w").read_bytes()
+        cut = self.folder / "cut.tar"
+        cut.write_bytes(whole[: len(whole) * 2 // 3])
+        result = run("batch", cut)
+        self.assertEqual(result.returncode, BAD_INPUT)
+        self.assertRegex(result.stderr, r"\Avdwmesh: [^\n]+\n\Z")
+        for name, content in (("no.tar", "no archive"), ("no.tar.gz", b"\x1f\x8b" + bytes(99))):
+            path = self.folder / name
+            path.write_bytes(content if isinstance(content, bytes) else content.encode())
+            self.assertRegex(run("batch", path).stderr, rf"\Avdwmesh: [^\n]*{name}[^\n]*\n\Z")
+
+
+class Shards(BatchTest):
+    def test_follow_each_other(self):
+        for extension in ("jsonl", "csv"):
+            whole = self.file_of(self.inputs, name=f"whole.{extension}")
+            for count in (1, 2, 4, 7, len(self.paths) + 3):
+                parts = [self.file_of(self.inputs, "--shard", f"{i}/{count}",
+                                      name=f"{i}of{count}.{extension}") for i in range(1, count + 1)]
+                self.assertEqual(b"".join(parts), whole)
+                self.assertLessEqual(max(p.count(b"\n") for p in parts[1:] or parts)
+                                     - min(p.count(b"\n") for p in parts[1:] or parts), 1)
+
+    def test_of_archives(self):
+        path = self.folder / "a.tar"
+        with tarfile.open(path, "w") as archive:
+            archive.add(self.inputs, "in")
+        whole = run("batch", path).stdout
+        self.assertEqual("".join(run("batch", path, "--shard", f"{i}/3").stdout for i in (1, 2, 3)), whole)
+
+
+class Continuing(BatchTest):
+    def test_a_file_cut_anywhere_becomes_the_whole(self):
+        (self.inputs / "b" / "row05.xyzr").write_text("")  # the exit status is kept as well
+        for extension in ("jsonl", "csv"):
+            name = f"rows.{extension}"
+            whole = self.file_of(self.inputs, name=name, code=BAD_INPUT)
+            ends = [i + 1 for i, byte in enumerate(whole) if byte == 10]
+            for length in (0, 1, ends[0] - 1, *ends[:3], ends[3] + 5, ends[-2], ends[-1] - 1, ends[-1]):
+                with self.subTest(extension=extension, length=length):
+                    (self.folder / name).write_bytes(whole[:length])
+                    self.assertEqual(self.file_of(self.inputs, name=name, code=BAD_INPUT), whole)
+
+    def test_a_killed_call_is_continued(self):
+        for i in range(300):
+            (self.inputs / f"copy{i:03}.pdb").write_bytes((DATA / "bpti.pdb").read_bytes())
+        whole = self.file_of(self.inputs, name="whole.jsonl")
+        path = self.folder / "rows.jsonl"
+        for how in (signal.SIGKILL, signal.SIGTERM):
+            path.unlink(missing_ok=True)
+            started = subprocess.Popen([program.PROGRAM, "batch", self.inputs, "-o", path],
+                                       stderr=subprocess.DEVNULL)
+            while started.poll() is None and (not path.exists() or path.stat().st_size < 2000):
+                time.sleep(0.001)
+            started.send_signal(how)
+            started.wait()
+            self.assertTrue(whole.startswith(path.read_bytes()))
+            self.assertEqual(self.file_of(self.inputs), whole)
+
+    def test_rows_of_something_else_are_not_continued(self):
+        whole = self.file_of(self.inputs)
+        for arguments in ((self.inputs, "--probe", "1"), (DATA,), (self.inputs, "--shard", "2/2"),
+                          (self.inputs, "--topology", "counts"), (self.paths[0],)):
+            with self.subTest(arguments):
+                result = run("batch", *arguments, "-o", self.folder / "rows.jsonl")
+                self.assertEqual(result.returncode, BAD_INPUT)
+                self.assertRegex(result.stderr, r"\Avdwmesh: -o [^\n]*row \d+ is not of [^\n]+\n\Z")
+                self.assertEqual((self.folder / "rows.jsonl").read_bytes(), whole)
+        again = self.file_of(self.inputs, "--probe", "1", "--resume", "off")
+        self.assertNotEqual(again, whole)
+        self.assertEqual(again.count(b"\n"), whole.count(b"\n"))
+
+
+if __name__ == "__main__":
+    program.unittest.main()

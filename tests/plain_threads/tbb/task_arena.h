@@ -1,0 +1,13 @@
+#pragma once
+
+#include "../plain_threads.hpp"
+
+namespace tbb::this_task_arena {
+
+// Threads here never take up other work while they wait.
+template <class Work>
+auto isolate(const Work& work) {
+  return work();
+}
+
+}  // namespace tbb::this_task_arena
