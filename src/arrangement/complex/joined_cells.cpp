@@ -192,6 +192,11 @@ class Joiner {
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
       parts[i] = triangulate_block(balls_, auxiliary_, blocks[i], has_vertex_, monitor_);
     });
+    std::size_t settled = 0;
+    for (const RegularCells& part : parts) settled += part.cells.size();
+    constexpr std::size_t kRest = 8;  // room for one cell in so many that is not settled
+    out_.cells.reserve(settled + settled / kRest);
+    out_.neighbors.reserve(settled + settled / kRest);
     for (RegularCells& part : parts) append(std::move(part));
     pair_facets();
     add_rest();

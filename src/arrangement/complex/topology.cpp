@@ -1,7 +1,7 @@
 // union_topology(): components, voids and tunnels, and the area and volume of every shell.
 //
 // 1. Components of the union are the connected components of the complex's graph (union-find).
-// 2. "Regions" are the components of the complement. They are found by flood fill over the cells
+// 2. "Regions" are the components of the complement. They are found by union-find over the cells
 //    outside the complex. The outer region, with the auxiliary vertices, has the number kOuter; all
 //    others are voids.
 // 3. The surfaces of voids are measured cell by cell. The outer surfaces have the remaining area.
@@ -18,6 +18,7 @@
 
 #include "arrangement/complex/simplex_shape.hpp"
 #include "core/disjoint_sets.hpp"
+#include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
@@ -50,37 +51,35 @@ Labels label_components(const DualComplex& complex) {
 }
 
 // Regions, for each cell outside the complex. Two such cells are connected if their common facet is
-// not in the complex. The flood fill begins at a cell with an auxiliary vertex, so that this region
-// gets the number 0, kOuter.
+// not in the complex. The region of the first cell with an auxiliary vertex gets the number 0,
+// kOuter, the others follow in the order of their lowest cells.
 Labels label_complement(const PowerTriangulation& t, const DualComplex& complex) {
-  Labels labels{std::vector<std::uint32_t>(t.cells.size(), kNoIndex), 0};
-  std::vector<std::uint32_t> stack;
-  // Labels a cell, unless it has a label already or is in the complex.
-  const auto visit = [&](std::uint32_t c) {
-    if (labels.of[c] != kNoIndex || complex.cell_in_complex[c]) return;
-    labels.of[c] = labels.count;
-    stack.push_back(c);
-  };
-  // Labels the region of the seed, if the seed can be labelled.
-  const auto flood = [&](std::uint32_t seed) {
-    visit(seed);
-    if (stack.empty()) return;
-    while (!stack.empty()) {
-      const std::uint32_t c = stack.back();
-      stack.pop_back();
-      for (std::size_t k = 0; k < 4; ++k) {
-        const std::uint32_t n = t.neighbors[c][k];
-        if (n != kNoIndex && complex.cell_triangles[c][k] == kNoIndex) visit(n);
+  const std::size_t n = t.cells.size();
+  DisjointSets sets(n);
+  for_each_index(n, [&](std::size_t c) {
+    if (complex.cell_in_complex[c]) return;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::uint32_t other = t.neighbors[c][k];
+      if (other != kNoIndex && other > c && complex.cell_triangles[c][k] == kNoIndex) {
+        sets.join(static_cast<std::uint32_t>(c), other);
       }
     }
-    ++labels.count;
-  };
+  });
   const auto is_outer = [&](const std::array<std::uint32_t, 4>& cell) {
     return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return !t.is_ball(v); });
   };
   const auto outer = std::find_if(t.cells.begin(), t.cells.end(), is_outer);
-  flood(static_cast<std::uint32_t>(outer - t.cells.begin()));
-  for (std::uint32_t c = 0; c < t.cells.size(); ++c) flood(c);
+  const std::uint32_t outer_root = sets.find(static_cast<std::uint32_t>(outer - t.cells.begin()));
+  Labels labels{std::vector<std::uint32_t>(n, kNoIndex), 1};
+  for (std::uint32_t c = 0; c < n; ++c) {
+    if (complex.cell_in_complex[c]) continue;
+    const std::uint32_t root = sets.find(c);
+    if (root == outer_root) {
+      labels.of[c] = kOuter;
+    } else {
+      labels.of[c] = root == c ? labels.count++ : labels.of[root];
+    }
+  }
   return labels;
 }
 
