@@ -83,7 +83,7 @@ struct Timing {
   Stage levels;                                  // measuring the levels of a refinement
   Stage measure, self_intersections, cgal_check;
   Stage exact, compare, picture, build;
-  Stage write;  // files but for pictures, and but for the JSON that this stands in
+  Stage write;  // files but for pictures, and but for the report itself
   StageTime total;
 };
 

@@ -26,6 +26,11 @@ void VerbSession::end_progress() {
   progress_.reset();
 }
 
+void VerbSession::stop_watch() {
+  end_stage(&Timing::write);
+  report.timing.total = clock.whole();
+}
+
 // The time is taken before anything is printed, so that it is the same in text and JSON.
 void VerbSession::deliver_report(const OutputOptions& output) {
   end_progress();

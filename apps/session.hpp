@@ -39,8 +39,8 @@ class VerbSession : public Session {
   // Adds the warnings that the figures call for and the total time, prints the report and writes
   // its JSON where asked for.
   void deliver_report(const OutputOptions& output);
-  // The time since the session began, into the report.
-  void stop_watch() { report.timing.total = whole_.lap(); }
+  // Ends the last stage. The time since the session began is the total of the report.
+  void stop_watch();
   // Prints the text where it is wanted, which is not where other output takes its place; else the
   // warnings go to standard error.
   void deliver_text(const OutputOptions& output, const std::function<std::string()>& text) const;
@@ -48,7 +48,6 @@ class VerbSession : public Session {
  private:
   std::optional<tbb::global_control> threads_;
   std::unique_ptr<Monitor> progress_;
-  LapClock whole_;
 };
 
 // One line each on standard error.

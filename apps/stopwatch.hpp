@@ -48,6 +48,8 @@ class LapClock {
     last_ = now;
     return since;
   }
+  // All laps together.
+  StageTime whole() const { return last_; }
 
  private:
   Stopwatch wall_;
