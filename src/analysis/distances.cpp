@@ -5,10 +5,9 @@
 //  1. The input and the memory limit are checked before any array is allocated.
 //  2. ExposedSurface builds the surface exactly, as one patch for each exposed sphere.
 //  3. Mesh to surface: MeshSampler chooses points on the mesh by stratified sampling of its area,
-//     and SurfaceFinder finds the nearest point of the surface for each of them.
+//     and SurfaceFinder finds the distance of each of them to the surface.
 //  4. Surface to mesh: surface_to_mesh() takes points of spherical Fibonacci lattices on the
 //     patches, and MeshFinder finds the nearest triangle for each of them.
-// vertex_distances() checks the input, takes step 2, and measures every vertex.
 //
 // Work is divided into blocks of fixed size. Each block has its own sums, which are joined in the
 // order of the blocks; histograms count integers. The result is therefore the same bit for bit for
@@ -25,8 +24,9 @@
 
 #include "analysis/distances_samples.hpp"
 #include "analysis/distances_statistics.hpp"
-#include "analysis/distances_triangle.hpp"
+#include "analysis/exposed_surface.hpp"
 #include "analysis/mesh_area.hpp"
+#include "analysis/mesh_finder.hpp"
 #include "analysis/signed_distance.hpp"
 #include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
@@ -217,15 +217,15 @@ class MeshSampler {
     return (static_cast<double>(i) + within) / static_cast<double>(samples_) * area_.total();
   }
 
-  // Measures the samples of one block. Consecutive samples are near each other, so the nearest
-  // patch of one sample is the hint for the next: the patch that the search measures first. A
-  // block begins with patch 0 as its hint, near or not, so blocks do not depend on each other.
+  // Measures the samples of one block.
   void sample_area(std::uint64_t first, std::uint64_t end, DistanceSums& sums,
                    DistanceHistogram& histogram) const {
-    std::uint32_t hint = 0;
+    std::vector<Vec3d> points;
+    points.reserve(end - first);
     MeshArea::Cursor cursor(area_, sample_position(first));
-    for (std::uint64_t i = first; i < end; ++i) {
-      const double distance = finder_.distance(cursor.point_at(sample_position(i)), hint);
+    for (std::uint64_t i = first; i < end; ++i)
+      points.push_back(cursor.point_at(sample_position(i)));
+    for (const double distance : unsigned_distances(points)) {
       sums.add(distance);
       histogram.add(distance);
     }
@@ -235,22 +235,31 @@ class MeshSampler {
   // differences of the corners, whose rounding errors are relative to the size of the triangle. In
   // (a + b + c) / 3 they would be relative to its distance from the coordinate origin.
   void visit_centres(std::size_t first, std::size_t end, DistanceSums& sums) const {
-    std::uint32_t hint = 0;
+    std::vector<Vec3d> points;
+    points.reserve(end - first);
     for (std::size_t t = first; t < end; ++t) {
       const Corners corners = corners_of(mesh_, t);
-      const Vec3d centre =
-          corners.a + (1.0 / 3) * ((corners.b - corners.a) + (corners.c - corners.a));
-      sums.add_extreme(finder_.distance(centre, hint));
+      points.push_back(corners.a + (1.0 / 3) * ((corners.b - corners.a) + (corners.c - corners.a)));
     }
+    for (const double distance : unsigned_distances(points)) sums.add_extreme(distance);
   }
 
   // Measures one block of vertices for the maximum, except isolated vertices, whose element of
   // `used` is 0.
   void visit_vertices(std::size_t first, std::size_t end, const Buffer<std::uint8_t>& used,
                       DistanceSums& sums) const {
-    std::uint32_t hint = 0;
+    std::vector<Vec3d> points;
+    points.reserve(end - first);
     for (std::size_t v = first; v < end; ++v)
-      if (used[v]) sums.add_extreme(finder_.distance(mesh_.positions[v], hint));
+      if (used[v]) points.push_back(mesh_.positions[v]);
+    for (const double distance : unsigned_distances(points)) sums.add_extreme(distance);
+  }
+
+  std::vector<double> unsigned_distances(std::span<const Vec3d> points) const {
+    std::vector<double> found(points.size());
+    finder_.find(points, found.data());
+    for (double& distance : found) distance = std::abs(distance);
+    return found;
   }
 
   const IndexedMesh& mesh_;
@@ -258,46 +267,6 @@ class MeshSampler {
   MeshArea area_;
   std::uint64_t samples_;
   std::uint64_t seed_;
-};
-
-Box box_of(const Corners& t) {
-  Box box{t.a, t.a};
-  include(box, t.b);
-  include(box, t.c);
-  return box;
-}
-
-// Finds the distance from a point to the nearest triangle of the mesh.
-class MeshFinder {
- public:
-  // `world` must contain the mesh and all later query points.
-  MeshFinder(const IndexedMesh& mesh, const Box& world)
-      : mesh_(mesh),
-        tree_(static_cast<std::uint32_t>(mesh.triangle_count()), world,
-              [&](std::uint32_t t) { return box_of(corners_of(mesh, t)); }) {}
-
-  // Returns the distance, Å. `hint` is the index of the triangle that is measured first; a near one
-  // makes the search short. It is set to the nearest triangle. BoxTree::nearest() passes `squared`
-  // to the visitor as `best`, so the visitor lowers `squared` when it finds a nearer triangle.
-  double distance(const Vec3d& p, std::uint32_t& hint) const {
-    double squared = squared_distance(p, hint);
-    tree_.nearest(p, squared, [&](std::uint32_t t, double& best) {
-      const double found = squared_distance(p, t);
-      if (!(found < best)) return;
-      best = found;
-      hint = t;
-    });
-    return std::sqrt(squared);
-  }
-
- private:
-  double squared_distance(const Vec3d& p, std::uint32_t t) const {
-    const Corners corners = corners_of(mesh_, t);
-    return squared_distance_to_triangle(p, corners.a, corners.b, corners.c);
-  }
-
-  const IndexedMesh& mesh_;
-  BoxTree tree_;
 };
 
 // Distances from the surface to the mesh. Samples inside patches, with `density` points per Å²,
@@ -313,19 +282,23 @@ DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFind
   const auto visit = [&](std::size_t block, std::size_t first, std::size_t end) {
     DistanceSums& sums = statistics.block(block);
     DistanceHistogram& histogram = statistics.histogram();
-    std::uint32_t hint = 0;
+    std::vector<Vec3d> inside, border;
     for (std::size_t i = first; i < end; ++i) {
       // The random stream is the rank of the sphere in canonical order, so that the samples do not
       // depend on the order of the spheres in the caller's set.
       Random random(options.seed, surface.list().rank[patches[i].place]);
-      sample_patch(patches[i], density, random, [&](const Vec3d& p) {
-        const double distance = finder.distance(p, hint);
-        sums.add(distance);
-        histogram.add(distance);
-      });
+      sample_patch(patches[i], density, random, [&](const Vec3d& p) { inside.push_back(p); });
       sample_border(patches[i], std::sqrt(density), random,
-                    [&](const Vec3d& p) { sums.add_extreme(finder.distance(p, hint)); });
+                    [&](const Vec3d& p) { border.push_back(p); });
     }
+    std::vector<double> found(std::max(inside.size(), border.size()));
+    finder.find(inside, found.data());
+    for (const double distance : std::span(found).first(inside.size())) {
+      sums.add(distance);
+      histogram.add(distance);
+    }
+    finder.find(border, found.data());
+    for (const double distance : std::span(found).first(border.size())) sums.add_extreme(distance);
   };
   for_each_block(patches.size(), kPatchesPerBlock, visit, options.monitor);
   return statistics.result();
@@ -357,8 +330,7 @@ MeshDistances distances(const IndexedMesh& mesh, const SphereSet& spheres,
 }
 
 // No memory limit is checked. The function allocates the surface, the search tree over its patches
-// and one float per vertex. The sign comes from ExposedSurface::contains(), because SurfaceFinder
-// returns distances without a sign.
+// and one double and one float per vertex.
 std::vector<float> vertex_distances(const IndexedMesh& mesh, const SphereSet& spheres,
                                     Monitor* monitor) {
   check_spheres(spheres);

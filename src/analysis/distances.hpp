@@ -54,7 +54,7 @@ struct MeshDistances {
 // random point in each (stratified sampling). Samples on the surface: a spherical Fibonacci lattice
 // (Á. González, Math. Geosci. 42 (2010) 49) on each sphere, rotated at random. The result is the
 // same bit for bit for any number of threads and any order of the spheres. Memory beside the mesh
-// is 13 bytes per triangle and about 800 bytes per sphere.
+// is 14 bytes per triangle and about 800 bytes per sphere.
 //
 // Throws InvalidInput if there are no spheres or no triangles, if a triangle names a vertex that
 // does not exist, if a vertex is not finite, if the mesh has no area, and if samples_per_area is

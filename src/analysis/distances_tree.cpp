@@ -1,12 +1,10 @@
 // Construction of BoxTree, a bounding volume hierarchy in Morton order. The search is in
-// distances_tree.hpp.
+// box_tree_view.hpp.
 //
 // A node stores eight boxes, one around each of its eight children; the n-th box is called lane n,
-// because vector instructions measure all eight at once. The children of a node of level 0 are
-// leaves, the children of all other nodes are nodes of the level below. The steps are:
+// because vector instructions measure all eight at once. The steps are:
 //  1. sort(): sort the primitives by the Morton code (Z-order) of the centres of their boxes.
-//  2. make_leaves(): every four consecutive primitives form a leaf, which is not stored. The boxes
-//     around every eight leaves form a node of level 0.
+//  2. make_level_0(): the boxes of every eight consecutive primitives form a node of level 0.
 //  3. make_levels(): the boxes around every eight consecutive nodes form a node of the next level,
 //     until there is only one node, the root.
 //
@@ -20,9 +18,10 @@
 
 #include <tbb/parallel_sort.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "core/fixed_blocks.hpp"
 #include "core/morton.hpp"
@@ -42,20 +41,22 @@ std::uint64_t morton(const Vec3d& p, int bits) {
   return morton_code(cell(p.x), cell(p.y), cell(p.z));
 }
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
 }  // namespace
 
 BoxTree::BoxTree(std::uint32_t count, const Box& world,
-                 const std::function<Box(std::uint32_t)>& box_of)
-    : center_(middle(world)) {
+                 const std::function<Box(std::uint32_t)>& box_of) {
+  view_.center = middle(world);
   const Vec3d extent = world.upper - world.lower;
   // One scale for all axes, so that scaled distances are proportional to distances in Å. If `world`
   // is a single point, any scale will do.
   const double half = 0.5 * std::max({extent.x, extent.y, extent.z});
-  scale_ = half > 0 ? 1 / half : 1;
+  view_.scale = half > 0 ? 1 / half : 1;
   sort(count, box_of);
-  make_leaves(box_of);
+  make_level_0(box_of);
   make_levels();
+  view_.order = order_.data();
+  view_.level_count = static_cast<int>(levels_.size());
+  for (std::size_t l = 0; l < levels_.size(); ++l) view_.levels[l] = levels_[l].data();
 }
 
 // A key has the index of the primitive in its lower bits and the Morton code in all others, with
@@ -76,61 +77,33 @@ void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>&
                  [&](std::size_t i) { order_[i] = static_cast<std::uint32_t>(keys[i] & mask); });
 }
 
-// Stores the range [lower, upper] of one lane along one axis as its middle and half its length, in
-// float. The half is extended by kInflate, whose definition in distances_tree.hpp shows that it
-// covers all rounding. The range of an unused lane is empty: lower = infinity > upper = -infinity.
-// Its half becomes -infinity. By squared_distances() such a lane is infinitely far from every
-// query, so the search never enters it; and Node::lower() and Node::upper() return infinity and
-// -infinity for it, so it does not extend the box around its node in the level above.
-void BoxTree::Node::set(std::size_t lane, int axis, double lower, double upper) {
-  const bool there = lower <= upper;
-  center[axis][lane] = there ? static_cast<float>(0.5 * (lower + upper)) : 0;
-  half[axis][lane] =
-      there ? static_cast<float>(0.5 * (upper - lower)) + kInflate : -static_cast<float>(kFar);
-}
-
-// Makes level 0. Lane l of node n is the box of the leaf 8 n + l, which has the primitives
-// order_[4 (8 n + l)] and the next three, or fewer if it is the last leaf. Lanes beyond the last
-// leaf are unused: for them `first` is not below `end`, and `all` stays empty.
-void BoxTree::make_leaves(const std::function<Box(std::uint32_t)>& box_of) {
-  const std::size_t per_node = std::size_t{kLeaf} * kWidth;
-  Buffer<Node> nodes((order_.size() + per_node - 1) / per_node);
+// Makes level 0. Lane l of node n is the box of the primitive order_[8 n + l].
+void BoxTree::make_level_0(const std::function<Box(std::uint32_t)>& box_of) {
+  Buffer<BoxNode> nodes((order_.size() + BoxNode::kWidth - 1) / BoxNode::kWidth);
   for_each_index(nodes.size(), [&](std::size_t n) {
-    for (std::size_t lane = 0; lane < kWidth; ++lane) {
-      const std::size_t first = n * per_node + lane * kLeaf;
-      const std::size_t end = std::min(first + kLeaf, order_.size());
-      Box all = empty_box();
-      for (std::size_t i = first; i < end; ++i) {
-        const Box box = box_of(order_[i]);
-        include(all, Box{scaled(box.lower), scaled(box.upper)});
-      }
-      for (int axis = 0; axis < 3; ++axis)
-        nodes[n].set(lane, axis, all.lower[axis], all.upper[axis]);
+    const std::size_t first = n * BoxNode::kWidth;
+    const std::size_t end = std::min(first + BoxNode::kWidth, order_.size());
+    std::array<Box, BoxNode::kWidth> boxes;
+    for (std::size_t i = first; i < end; ++i) {
+      const Box box = box_of(order_[i]);
+      boxes[i - first] = {scaled(box.lower), scaled(box.upper)};
     }
+    nodes[n] = make_box_node(boxes.data(), static_cast<int>(end - first));
   });
   levels_.push_back(std::move(nodes));
 }
 
-// Makes all other levels. Lane l of node n is the box around all lanes of node 8 n + l of the level
-// below, its child. set() extends it by kInflate once more, so the boxes of a level contain the
-// boxes of the level below in float. The last node may have fewer than eight children; the test
-// child < below.size() leaves its other lanes unused.
+// Makes all other levels. Lane l of node n is the box around node 8 n + l of the level below.
 void BoxTree::make_levels() {
   while (levels_.back().size() > 1) {
-    const Buffer<Node>& below = levels_.back();
-    Buffer<Node> nodes((below.size() + kWidth - 1) / kWidth);
+    const Buffer<BoxNode>& below = levels_.back();
+    Buffer<BoxNode> nodes((below.size() + BoxNode::kWidth - 1) / BoxNode::kWidth);
     for_each_index(nodes.size(), [&](std::size_t n) {
-      for (std::size_t lane = 0; lane < kWidth; ++lane) {
-        const std::size_t child = n * kWidth + lane;
-        for (int axis = 0; axis < 3; ++axis) {
-          double lower = kFar, upper = -kFar;
-          for (std::size_t i = 0; child < below.size() && i < kWidth; ++i) {
-            lower = std::min(lower, below[child].lower(i, axis));
-            upper = std::max(upper, below[child].upper(i, axis));
-          }
-          nodes[n].set(lane, axis, lower, upper);
-        }
-      }
+      const std::size_t first = n * BoxNode::kWidth;
+      const std::size_t end = std::min(first + BoxNode::kWidth, below.size());
+      std::array<Box, BoxNode::kWidth> boxes;
+      for (std::size_t i = first; i < end; ++i) boxes[i - first] = vdwmesh::box_of(below[i]);
+      nodes[n] = make_box_node(boxes.data(), static_cast<int>(end - first));
     });
     levels_.push_back(std::move(nodes));
   }

@@ -1,27 +1,28 @@
-// Squared distance from a point to a segment and to a triangle.
+// Squared distance from a point to a segment and to a triangle, for host and device.
 //
 // These functions are the inner loop of the distance search. Coordinates are in Å, results in Å².
 #pragma once
 
-#include <algorithm>
-
+#include "core/host_device.hpp"
 #include "core/vec3.hpp"
 
 namespace vdwmesh {
 
 // A dot product without fma, unlike dot() of vec3.hpp. This code is compiled for every x86-64
 // processor, and there std::fma is a library call.
-inline double plain_dot(const Vec3d& a, const Vec3d& b) {
+VDWMESH_HD inline double plain_dot(const Vec3d& a, const Vec3d& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-inline double squared(const Vec3d& a) { return plain_dot(a, a); }
+VDWMESH_HD inline double squared(const Vec3d& a) { return plain_dot(a, a); }
 
-inline double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+VDWMESH_HD inline double squared_distance_to_segment(const Vec3d& p, const Vec3d& a,
+                                                     const Vec3d& b) {
   const Vec3d ab = b - a, ap = p - a;
   const double length = squared(ab);
   // The parameter of the nearest point of the line, clamped to the segment. A segment of no length
   // is the point a.
-  const double t = length > 0 ? std::clamp(plain_dot(ap, ab) / length, 0.0, 1.0) : 0.0;
+  double t = length > 0 ? plain_dot(ap, ab) / length : 0.0;
+  t = t > 0 ? (t < 1 ? t : 1.0) : 0.0;
   return squared(ap - t * ab);
 }
 
@@ -37,8 +38,8 @@ inline constexpr double kFlatTriangle = 1e-14;
 // coordinates of p without normalisation: each is at most 0 if p is beyond the edge opposite to its
 // corner. `area` is the squared length of the normal, thus four times the squared area (Å⁴). The
 // tests of the three corners come first; they are valid for flat triangles too.
-inline double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b,
-                                           const Vec3d& c) {
+VDWMESH_HD inline double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a,
+                                                      const Vec3d& b, const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a, ap = p - a;
   const double d1 = plain_dot(ab, ap), d2 = plain_dot(ac, ap);
   if (d1 <= 0 && d2 <= 0) return squared(ap);
@@ -52,8 +53,11 @@ inline double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const
   const double area = squared(normal);
   const bool flat = !(area > kFlatTriangle * squared(ab) * squared(ac));
   if (flat) {
-    return std::min({squared_distance_to_segment(p, a, b), squared_distance_to_segment(p, b, c),
-                     squared_distance_to_segment(p, c, a)});
+    double least = squared_distance_to_segment(p, a, b);
+    const double bc = squared_distance_to_segment(p, b, c);
+    const double ca = squared_distance_to_segment(p, c, a);
+    least = bc < least ? bc : least;
+    return ca < least ? ca : least;
   }
   const double vc = d1 * d4 - d3 * d2;
   if (vc <= 0 && d1 >= 0 && d3 <= 0) return squared(ap - (d1 / (d1 - d3)) * ab);

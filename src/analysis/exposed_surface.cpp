@@ -1,5 +1,4 @@
-// The boundary of a union of balls as patches (ExposedSurface), and the distance from points to it
-// (SurfaceFinder).
+// Construction of the boundary of a union of balls as patches. The search is in surface_search.hpp.
 //
 // Construction treats every sphere by itself, on all cores (PatchBuilder):
 //  1. Find the covers of the sphere, the caps that neighbours from the cell list cut from it. If a
@@ -12,10 +11,6 @@
 // A cap is given by its axis, the unit vector to the other centre, and the cosine of its angle,
 // which is also the distance of its plane from the centre of the sphere in units of the radius
 // (arc_cap.hpp). The smaller the cosine, the larger the cap.
-//
-// Search: the nearest point of a patch is the radial projection of the query, or a point of an
-// exposed arc, or a corner (update_nearest()). A BoxTree over the balls selects the patches to
-// examine.
 #include "analysis/exposed_surface.hpp"
 
 #include <algorithm>
@@ -39,29 +34,32 @@ constexpr double kParallel = 1e-18;
 // roundings. Keeping a nested cap is always correct; dropping it only saves time.
 constexpr double kNested = 1e-14;
 
-// The patches of one block of spheres, and the covers and corners to which they refer. A vector may
-// move its elements when it grows, so set_spans() sets the spans of the patches after all elements
-// have been added. Until then the covers of patch i are the elements covers_end[i - 1] (0 for
-// i = 0) to covers_end[i] - 1 of `covers`; corners_end gives its corners in the same way.
+// The patches of one block of spheres, and the covers and corners to which they point. A vector may
+// move its elements when it grows, so set_pointers() sets the pointers of the patches after all
+// elements have been added. The covers and corners of the patches stand one after another.
 struct BlockPatches {
   std::vector<Patch> patches;
-  std::vector<std::size_t> covers_end, corners_end;
   std::vector<Cover> covers;
   std::vector<Corner> corners;
 
-  // Sets the spans of all patches.
-  void set_spans() {
+  void set_pointers() {
     covers.shrink_to_fit();
     corners.shrink_to_fit();
-    std::size_t cover = 0, corner = 0;
-    for (std::size_t i = 0; i < patches.size(); ++i) {
-      patches[i].covers = std::span(covers).subspan(cover, covers_end[i] - cover);
-      patches[i].corners = std::span(corners).subspan(corner, corners_end[i] - corner);
-      cover = covers_end[i];
-      corner = corners_end[i];
+    const Cover* cover = covers.data();
+    const Corner* corner = corners.data();
+    for (Patch& patch : patches) {
+      patch.covers = cover;
+      patch.corners = corner;
+      cover += patch.cover_count;
+      corner += patch.corner_count;
     }
   }
 };
+
+template <class T>
+std::uint32_t count_of(const std::vector<T>& elements) {
+  return static_cast<std::uint32_t>(elements.size());
+}
 
 // A strict order of covers: larger caps first, of equal caps the one with the lower list place.
 bool comes_first(const Cover& a, const Cover& b) {
@@ -121,9 +119,8 @@ class PatchBuilder {
         if ((exposed_[i] != 0) == wanted) out.covers.push_back(covers_[i]);
     }
     out.corners.insert(out.corners.end(), corners_.begin(), corners_.end());
-    out.patches.push_back({list_.spheres[place], place, circles, {}, {}});
-    out.covers_end.push_back(out.covers.size());
-    out.corners_end.push_back(out.corners.size());
+    out.patches.push_back({list_.spheres[place], place, circles, count_of(covers_),
+                           count_of(corners_), nullptr, nullptr});
   }
 
  private:
@@ -179,7 +176,8 @@ class PatchBuilder {
       const arcs::Cap& cap = covers_[i].cap;
       const double sine = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
       const Vec3d point = cap.cosine * cap.axis + sine * arcs::frame_of(cap.axis).first;
-      if (is_exposed(covers_, point, i)) exposed_[i] = 1;
+      if (is_exposed(covers_.data(), count_of(covers_), point, static_cast<std::uint32_t>(i)))
+        exposed_[i] = 1;
     }
   }
 
@@ -192,33 +190,6 @@ class PatchBuilder {
   std::vector<std::uint8_t> exposed_;
 };
 
-// Lowers `squared` to the squared distance from y to circle i, if that distance is smaller and the
-// nearest point of the circle is exposed. If the nearest point is covered, the nearest exposed
-// point of the circle is a corner at the end of an arc, and update_nearest() examines all corners
-// itself. y is relative to the centre of the sphere, and all lengths are in units of its radius.
-void update_nearest_on_circle(std::span<const Cover> covers, std::size_t i, const Vec3d& y,
-                              double& squared) {
-  const arcs::Cap& cap = covers[i].cap;
-  const double height = arcs::inner(cap.axis, y);
-  const Vec3d radial = y - height * cap.axis;
-  const double length = norm(radial);
-  const double radius = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
-  const double up = height - cap.cosine, out = length - radius;
-  const double found = up * up + out * out;
-  if (!(found < squared)) return;
-  // If y is on the axis of the circle, all points of the circle are equally near, and some of them
-  // are exposed, because only circles with exposed arcs are examined.
-  if (length > 0 && !is_exposed(covers, cap.cosine * cap.axis + (radius / length) * radial, i))
-    return;
-  squared = found;
-}
-
-// Returns the bounding box of a ball.
-Box box_of(const Sphere& ball) {
-  const Vec3d r{ball.radius, ball.radius, ball.radius};
-  return {ball.center - r, ball.center + r};
-}
-
 }  // namespace
 
 ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
@@ -230,83 +201,16 @@ ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
     PatchBuilder builder(list);
     for (std::size_t place = first; place < end; ++place)
       builder.add(static_cast<std::uint32_t>(place), found[block]);
-    found[block].set_spans();
+    found[block].set_pointers();
   };
   for_each_block(list.size, kSpheresPerBlock, build, monitor);
-  // A vector that is moved keeps its elements where they are, so the spans stay valid.
+  // A vector that is moved keeps its elements where they are, so the pointers stay valid.
   for (BlockPatches& block : found) {
     patches_.insert(patches_.end(), block.patches.begin(), block.patches.end());
     covers_.push_back(std::move(block.covers));
     corners_.push_back(std::move(block.corners));
   }
   assert(!patches_.empty());  // a union of balls has a boundary
-}
-
-// The distance from p to a point of the sphere grows with the angle between that point and the
-// direction of p. If that direction is exposed, it gives the nearest point; otherwise the nearest
-// point is on the border of the patch, on an arc or at a corner. Along a circle the distance grows
-// in the same way with the angle from the nearest point of the circle.
-bool update_nearest(const Patch& patch, const Vec3d& p, double& squared) {
-  const double r = patch.ball.radius;
-  const Vec3d from_center = p - patch.ball.center;
-  const double length = norm(from_center);
-  // No point of the sphere is nearer than |gap|.
-  const double gap = length - r;
-  if (!(gap * gap < squared)) return false;
-  const std::span<const Cover> all = patch.covers;
-  // From the centre all points of the sphere are equally near, and some are exposed.
-  if (!(length > 0) || is_exposed(all, (1 / length) * from_center)) {
-    squared = gap * gap;
-    return true;
-  }
-  const Vec3d y = (1 / r) * from_center;
-  const double before = squared / (r * r);
-  double best = before;
-  for (std::size_t i = 0; i < patch.circles; ++i) update_nearest_on_circle(all, i, y, best);
-  for (const Corner& corner : patch.corners) {
-    const Vec3d to = y - corner.position;
-    best = std::min(best, arcs::inner(to, to));
-  }
-  if (!(best < before)) return false;
-  squared = best * r * r;
-  return true;
-}
-
-// The visitor returns true at the first ball that contains p, which ends the visit.
-bool ExposedSurface::contains(const Vec3d& p) const {
-  const CellListView& cells = list();
-  return visit_near_box(cells, p, p, [&](std::uint32_t place) {
-    const Sphere& ball = cells.spheres[place];
-    const Vec3d to = p - ball.center;
-    return arcs::inner(to, to) < ball.radius * ball.radius;
-  });
-}
-
-SurfaceFinder::SurfaceFinder(const ExposedSurface& surface, const Box& world)
-    : surface_(surface),
-      tree_(static_cast<std::uint32_t>(surface.patches().size()), world,
-            [&](std::uint32_t i) { return box_of(surface.patches()[i].ball); }) {}
-
-double SurfaceFinder::distance(const Vec3d& p, std::uint32_t& hint) const {
-  const std::span<const Patch> patches = surface_.patches();
-  double squared = std::numeric_limits<double>::infinity();
-  update_nearest(patches[hint], p, squared);
-  // `reach` is the distance to the nearest point found so far. A sphere has a point nearer than
-  // this only if |p - center| is between radius - reach and radius + reach. The squares are
-  // compared, so most balls are rejected without a square root. nearest() passes `squared` to the
-  // visitor as `best`.
-  double reach = std::sqrt(squared);
-  tree_.nearest(p, squared, [&](std::uint32_t i, double& best) {
-    const Sphere& ball = patches[i].ball;
-    const Vec3d to = p - ball.center;
-    const double square = arcs::inner(to, to);
-    const double most = ball.radius + reach, least = ball.radius - reach;
-    if (square > most * most || (least > 0 && square < least * least)) return;
-    if (!update_nearest(patches[i], p, best)) return;
-    hint = i;
-    reach = std::sqrt(best);
-  });
-  return std::sqrt(squared);
 }
 
 }  // namespace vdwmesh

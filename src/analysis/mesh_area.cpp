@@ -17,41 +17,11 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::size_t kPerBlock = 2048;  // triangles
-// Subdivisions of the triangle. Points are thus resolved to 2^-24 of an edge, the resolution of a
-// float, and 24 digits to the base 4 take 48 of the 53 bits of the fraction.
-constexpr int kDigits = 24;
 
 // The area of a triangle, Å².
 double area_of(const Corners& t) { return 0.5 * norm(cross(t.b - t.a, t.c - t.a)); }
 
 }  // namespace
-
-// Each pass of the loop replaces the current triangle by one of its four children, which a
-// subdivision at the midpoints of the edges gives. Invariant: the current triangle is the whole
-// triangle, scaled by `scale` about its centre and moved by the sum of weight[k] · (corner k -
-// centre). All children have half the edges. Child 0, in the middle, has the same centre and is
-// rotated by half a turn, so `scale` changes its sign. The centre of child k + 1 is half the way
-// from the centre to corner k of the current triangle. A fraction of 1, which rounding can cause,
-// would give the digit 4 first; std::min() makes all its digits 3.
-Vec3d point_of_triangle(const Corners& triangle, double fraction) {
-  std::array<double, 3> weight{};
-  double scale = 1;
-  for (int digit = 0; digit < kDigits; ++digit) {
-    scale *= 0.5;
-    fraction *= 4;
-    const int child = std::min(static_cast<int>(fraction), 3);
-    fraction -= child;
-    if (child == 0) {
-      scale = -scale;
-    } else {
-      weight[static_cast<std::size_t>(child - 1)] += scale;
-    }
-  }
-  // The centre of the last triangle, in barycentric coordinates of the whole one.
-  const double rest = (1 - weight[0] - weight[1] - weight[2]) / 3;
-  const Vec3d& a = triangle.a;
-  return a + (weight[1] + rest) * (triangle.b - a) + (weight[2] + rest) * (triangle.c - a);
-}
 
 MeshArea::MeshArea(const IndexedMesh& mesh) : mesh_(mesh) {
   const std::size_t count = mesh.triangle_count();

@@ -6,26 +6,15 @@
 #include <cstddef>
 #include <vector>
 
+#include "analysis/triangle_points.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
-
-// References to the coordinates of a triangle's vertices, Å. The mesh must outlive them.
-struct Corners {
-  const Vec3d &a, &b, &c;
-};
 
 inline Corners corners_of(const IndexedMesh& mesh, std::size_t triangle) {
   const auto& [i, j, k] = mesh.triangles[triangle];
   return {mesh.positions[i], mesh.positions[j], mesh.positions[k]};
 }
-
-// Maps [0, 1) onto the triangle so that equal lengths become equal areas and a short interval
-// becomes a small neighbourhood. This is the map of the triangular van der Corput sequence (K. Basu
-// and A. B. Owen, "Low discrepancy constructions in the triangle", SIAM J. Numer. Anal. 53 (2015)
-// 743). Each digit of `fraction` to the base 4 selects one of the four triangles into which the
-// midpoints of the edges divide the current one. The result is the centre of the last triangle.
-Vec3d point_of_triangle(const Corners& triangle, double fraction);
 
 // The area of a mesh as the interval [0, total()], in Å². The triangles have consecutive
 // subintervals, in their order, each as long as the area of its triangle. Memory is one number for

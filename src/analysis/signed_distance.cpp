@@ -1,5 +1,4 @@
-// Measures points one by one with a SurfaceFinder. Blocks of neighbouring points share a hint, the
-// patch that was nearest to the point before.
+// Measures points with a SurfaceFinder, block by block.
 #include "analysis/signed_distance.hpp"
 
 #include <fmt/format.h>
@@ -38,11 +37,7 @@ std::vector<double> signed_distances(std::span<const Vec3d> points, const Sphere
   std::vector<double> found(points.size());
   begin_stage(monitor, "signed distances", block_count(points.size(), kPerBlock));
   const auto measure = [&](std::size_t, std::size_t first, std::size_t end) {
-    std::uint32_t hint = 0;
-    for (std::size_t i = first; i < end; ++i) {
-      const double distance = finder.distance(points[i], hint);
-      found[i] = surface.contains(points[i]) ? -distance : distance;
-    }
+    finder.find(points.subspan(first, end - first), found.data() + first);
   };
   for_each_block(points.size(), kPerBlock, measure, monitor);
   return found;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "analysis/distances_tree.hpp"
 #include "analysis/distances_triangle.hpp"
 #include "analysis/exposed_surface.hpp"
+#include "analysis/mesh_finder.hpp"
 #include "support/dice.hpp"
 #include "support/test_meshes.hpp"
 
@@ -179,30 +181,74 @@ class Oracle {
 
 class DistanceSearch : public ::testing::TestWithParam<Case> {};
 
-TEST_P(DistanceSearch, FindsTheNearestExposedPoint) {
-  const Case& c = GetParam();
-  const SphereSet spheres(c.balls);
-  Box world = bounding_box(spheres);
+Box world_of(const Case& c) {
+  Box world = bounding_box(SphereSet(c.balls));
   for (const Vec3d& p : c.points)
     for (int axis = 0; axis < 3; ++axis) {
       world.lower[axis] = std::min(world.lower[axis], p[axis]);
       world.upper[axis] = std::max(world.upper[axis], p[axis]);
     }
-  const ExposedSurface surface(spheres);
-  const SurfaceFinder finder(surface, world);
+  return world;
+}
+
+// The formula of surface_search.hpp over all patches, without a tree and without shortcuts.
+double unpruned_distance(const ExposedSurface& surface, const Vec3d& p) {
+  double gap = kFar, squared = kFar;
+  for (const Patch& patch : surface.patches()) {
+    gap = std::min(gap, gap_of(patch.ball, p));
+    double alone = kFar;
+    update_nearest(patch, p, alone);
+    squared = std::min(squared, alone);
+  }
+  return gap >= 0 ? gap : -std::sqrt(std::max(squared, gap * gap));
+}
+
+TEST_P(DistanceSearch, FindsTheNearestExposedPoint) {
+  const Case& c = GetParam();
+  const ExposedSurface surface{SphereSet(c.balls)};
+  const SurfaceFinder finder(surface, world_of(c));
   const Oracle oracle(c.balls);
   // Where spheres meet at a flat angle, points within the exposure tolerance of a border decide: Å,
   // for lengths of an ångström some 10⁴ tolerances. And some roundings of the distance.
   constexpr double kBorder = 1e-6, kRoundings = 1e-14;
-  std::uint32_t hint = 0;
   for (const Vec3d& p : c.points) {
-    const double found = finder.distance(p, hint);
-    double squared = kFar;
-    for (const Patch& patch : surface.patches()) update_nearest(patch, p, squared);
-    const double unpruned = std::sqrt(squared);
-    ASSERT_NEAR(found, unpruned, 1e-12 * (1 + unpruned)) << p.x << ' ' << p.y << ' ' << p.z;
-    ASSERT_NEAR(found, oracle.distance(p), kBorder + kRoundings * found)
+    double found = 0;
+    finder.find(std::span(&p, 1), &found);
+    ASSERT_EQ(found, unpruned_distance(surface, p)) << p.x << ' ' << p.y << ' ' << p.z;
+    const double distance = std::abs(found);
+    ASSERT_NEAR(distance, oracle.distance(p), kBorder + kRoundings * distance)
         << p.x << ' ' << p.y << ' ' << p.z;
+    const bool inside = std::any_of(c.balls.begin(), c.balls.end(), [&](const Sphere& ball) {
+      return length(p - ball.center) < ball.radius;
+    });
+    // On the surface, rounding decides.
+    if (distance > kBorder + kRoundings * length(p)) {
+      ASSERT_EQ(found < 0, inside) << p.x << ' ' << p.y << ' ' << p.z;
+    }
+  }
+}
+
+// Neither the points that are searched together nor the patch that is measured first changes a bit:
+// groups of neighbours, groups of points from everywhere, and single points with every hint.
+TEST_P(DistanceSearch, IsTheSameInGroupsAndWithAnyHint) {
+  const Case& c = GetParam();
+  const ExposedSurface surface{SphereSet(c.balls)};
+  const SurfaceFinder finder(surface, world_of(c));
+  std::vector<Vec3d> points = c.points;
+  Dice dice(13);
+  for (const Vec3d& p : c.points)  // neighbours, in groups that do not begin with them
+    for (int i = 0; i < 5; ++i) points.push_back(p + place(dice, 0.01));
+  const SurfaceFinder wide(surface, {{-1e15, -1e15, -1e15}, {1e15, 1e15, 1e15}});
+  std::vector<double> together(points.size()), in_wide(points.size());
+  finder.find(points, together.data());
+  wide.find(points, in_wide.data());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ASSERT_EQ(together[i], unpruned_distance(surface, points[i]));
+    ASSERT_EQ(in_wide[i], together[i]);
+    for (std::uint32_t hint = 0; hint < surface.patches().size(); hint += 7) {
+      const LeastGap nearest = find_least_gap(finder.view(), points[i], hint);
+      ASSERT_EQ(signed_distance(finder.view(), points[i], nearest), together[i]) << hint;
+    }
   }
 }
 
@@ -249,9 +295,48 @@ TEST_P(DistanceSearch, FindsTheNearestTriangle) {
     double expected = kFar, found = kFar;
     for (std::uint32_t t = 0; t < triangles.size(); ++t)
       expected = std::min(expected, squared_to(p, t));
-    tree.nearest(p, found,
-                 [&](std::uint32_t t, double& best) { best = std::min(best, squared_to(p, t)); });
+    visit_nearest(tree.view(), tree.view().query(p), found,
+                  [&](std::uint32_t t, double& best) { best = std::min(best, squared_to(p, t)); });
     ASSERT_EQ(found, expected) << p.x << ' ' << p.y << ' ' << p.z;
+  }
+}
+
+// Walks through the box in short steps, so that groups list nodes and points examine them, with
+// jumps between the walks. Against all triangles, bit for bit.
+TEST_P(DistanceSearch, FindsTheNearestTriangleAlongWalks) {
+  const Case& c = GetParam();
+  Dice dice(14);
+  IndexedMesh mesh;
+  for (int copy = 0; copy < 4; ++copy)
+    for (const auto& triangle : triangles_about(c.balls, dice)) {
+      const auto first = static_cast<std::uint32_t>(mesh.vertex_count());
+      for (const Vec3d& p : triangle) mesh.positions.push_back(p);
+      mesh.triangles.push_back({first, first + 1, first + 2});
+    }
+  std::vector<Vec3d> points;
+  for (std::size_t i = 0; i < c.points.size(); i += 3) {
+    const double step = c.balls[i % c.balls.size()].radius * std::pow(10, dice.real(-4, -0.5));
+    Vec3d p = c.points[i];
+    for (int k = 0; k < 45; ++k) points.push_back(p = p + place(dice, step));
+  }
+  Box world = world_of(c);
+  const auto add = [&](const Vec3d& p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      world.lower[axis] = std::min(world.lower[axis], p[axis]);
+      world.upper[axis] = std::max(world.upper[axis], p[axis]);
+    }
+  };
+  for (const Vec3d& p : mesh.positions) add(p);
+  for (const Vec3d& p : points) add(p);
+  std::vector<double> found(points.size());
+  MeshFinder(mesh, world).find(points, found.data());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    double expected = kFar;
+    for (const auto& [a, b, d] : mesh.triangles)
+      expected =
+          std::min(expected, squared_distance_to_triangle(points[i], mesh.positions[a],
+                                                          mesh.positions[b], mesh.positions[d]));
+    ASSERT_EQ(found[i], std::sqrt(expected)) << i;
   }
 }
 

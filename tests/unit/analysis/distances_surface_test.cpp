@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <span>
 
 #include "analysis/distances_samples.hpp"
 #include "analysis/exposed_surface.hpp"
@@ -31,7 +32,7 @@ SphereSet cluster(std::size_t count, std::uint64_t seed) {
 std::size_t corners_of(const ExposedSurface& surface) {
   std::size_t count = 0;
   for (const Patch& patch : surface.patches())
-    for (const Corner& corner : patch.corners) count += corner.first;
+    for (const Corner& corner : std::span(patch.corners, patch.corner_count)) count += corner.first;
   return count;
 }
 
@@ -39,7 +40,8 @@ std::size_t corners_of(const ExposedSurface& surface) {
 std::size_t circles_of(const ExposedSurface& surface) {
   std::size_t count = 0;
   for (const Patch& patch : surface.patches())
-    for (const Cover& cover : patch.covers.first(patch.circles)) count += patch.place < cover.place;
+    for (const Cover& cover : std::span(patch.covers, patch.circles))
+      count += patch.place < cover.place;
   return count;
 }
 

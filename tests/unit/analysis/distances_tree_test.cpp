@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -12,6 +13,8 @@
 #include "analysis/distances.hpp"
 #include "analysis/distances_statistics.hpp"
 #include "analysis/distances_triangle.hpp"
+#include "analysis/sphere_lattice.hpp"
+#include "analysis/triangle_points.hpp"
 #include "support/test_meshes.hpp"
 
 namespace vdwmesh {
@@ -44,7 +47,7 @@ TEST(BoxTree, FindsTheNearestOfAnyNumberOfPoints) {
       double expected = std::numeric_limits<double>::infinity();
       for (const Vec3d& q : points) expected = std::min(expected, plain_distance(p, q));
       double squared = std::numeric_limits<double>::infinity();
-      tree.nearest(p, squared, [&](std::uint32_t i, double& best) {
+      visit_nearest(tree.view(), tree.view().query(p), squared, [&](std::uint32_t i, double& best) {
         const double d = plain_distance(p, points[i]);
         best = std::min(best, d * d);
       });
@@ -53,19 +56,69 @@ TEST(BoxTree, FindsTheNearestOfAnyNumberOfPoints) {
   }
 }
 
+// A node never says that a box is farther than it is, from points and from boxes, and says it well:
+// off by at most a step of 1/255 of the extent, doubled because steps are powers of two, on either
+// side of three axes. An empty lane is never visited, so its number does not matter.
+TEST(BoxNode, DistancesAreLowerBoundsAndNearlyRight) {
+  std::mt19937_64 random(5);
+  for (int trial = 0; trial < 3000; ++trial) {
+    const double size = std::pow(10, -std::uniform_real_distribution<double>(0.3, 5)(random));
+    const int count = 1 + trial % 8;
+    const Vec3d middle = random_point(random, 1 - 2 * size);
+    std::array<Box, 8> boxes;
+    for (int i = 0; i < count; ++i) {
+      const Vec3d a = middle + random_point(random, size), b = middle + random_point(random, size);
+      Box& box = boxes[static_cast<std::size_t>(i)];
+      for (int axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = std::min(a[axis], b[axis]);
+        box.upper[axis] = std::max(a[axis], b[axis]);
+      }
+    }
+    const BoxNode node = make_box_node(boxes.data(), count);
+    const Vec3d a = random_point(random, 1);
+    const Vec3d b = trial % 3 == 0 ? a : a + 0.01 * Vec3d{1, 2, 3};
+    BoxQuery query{};
+    for (int axis = 0; axis < 3; ++axis) {
+      query.lower[axis] = static_cast<float>(a[axis]);
+      query.upper[axis] = static_cast<float>(b[axis]);
+    }
+    float found[8];
+    squared_distances(node, query, found);
+    for (int i = 0; i < count; ++i) {
+      const Box& box = boxes[static_cast<std::size_t>(i)];
+      double exact = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double off = std::max({box.lower[axis] - b[axis], a[axis] - box.upper[axis], 0.0});
+        exact += off * off;
+      }
+      const double distance = std::sqrt(static_cast<double>(found[i]));
+      EXPECT_LE(distance, std::sqrt(exact) * (1 + 1e-6));
+      EXPECT_GE(distance, std::sqrt(exact) - std::sqrt(3.0) * (2 * 2 * size / 255 + 1e-6));
+    }
+    const Box all = box_of(node);
+    for (int i = 0; i < count; ++i)
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_LE(all.lower[axis], boxes[static_cast<std::size_t>(i)].lower[axis]);
+        EXPECT_GE(all.upper[axis], boxes[static_cast<std::size_t>(i)].upper[axis]);
+      }
+  }
+}
+
 TEST(BoxTree, BoxesThatAreAllAlikeOrFarAway) {
   const Box here{{5, 5, 5}, {5, 5, 5}};
   const BoxTree same(100, here, [&](std::uint32_t) { return here; });
   int visits = 0;
   double squared = 1;
-  same.nearest({5, 5, 5}, squared, [&](std::uint32_t, double&) { ++visits; });
+  visit_nearest(same.view(), same.view().query({5, 5, 5}), squared,
+                [&](std::uint32_t, double&) { ++visits; });
   EXPECT_EQ(visits, 100);
   const BoxTree far(100, {{0, 0, 0}, {1e6, 1, 1}}, [](std::uint32_t i) {
     return Box{{1e6 - i, 0, 0}, {1e6 - i, 1, 1}};
   });
   squared = std::numeric_limits<double>::infinity();
-  far.nearest({0, 0, 0}, squared,
-              [&](std::uint32_t i, double& best) { best = std::min(best, (1e6 - i) * (1e6 - i)); });
+  visit_nearest(
+      far.view(), far.view().query({0, 0, 0}), squared,
+      [&](std::uint32_t i, double& best) { best = std::min(best, (1e6 - i) * (1e6 - i)); });
   EXPECT_EQ(squared, (1e6 - 99.0) * (1e6 - 99.0));
 }
 
@@ -123,6 +176,66 @@ TEST(TriangleDistance, SegmentsAndPoints) {
   const Vec3d beside = 0.4 * d + Vec3d{-1 / 7.0, 1 / 3.0, 0};  // at right angles to d
   EXPECT_NEAR(std::sqrt(squared_distance_to_triangle(beside, o, 0.3 * d, d)),
               std::hypot(1 / 7.0, 1 / 3.0), 1e-7);
+}
+
+// The digits of the number one by one, each a step into one of four triangles, as in the paper.
+TEST(PointOfTriangle, FollowsTheDigits) {
+  std::mt19937_64 random(6);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double fraction = trial < 4 ? std::array{0.0, 1.0, 0.25, 0.999}[std::size_t(trial)]
+                                      : std::uniform_real_distribution<double>(0, 1)(random);
+    const std::array<Vec3d, 3> whole{random_point(random, 3), random_point(random, 3),
+                                     random_point(random, 3)};
+    std::array<Vec3d, 3> t = whole;
+    double rest = fraction;
+    for (int i = 0; i < 24; ++i) {
+      const int digit = std::min(static_cast<int>(4 * rest), 3);
+      rest = 4 * rest - digit;
+      const Vec3d ab = 0.5 * (t[0] + t[1]), bc = 0.5 * (t[1] + t[2]), ca = 0.5 * (t[2] + t[0]);
+      if (digit == 0) t = {bc, ca, ab};
+      if (digit == 1) t = {t[0], ab, ca};
+      if (digit == 2) t = {ab, t[1], bc};
+      if (digit == 3) t = {ca, bc, t[2]};
+    }
+    const Vec3d expected = (1.0 / 3) * (t[0] + t[1] + t[2]);
+    const Vec3d found = point_of_triangle({whole[0], whole[1], whole[2]}, fraction);
+    EXPECT_LE(plain_distance(found, expected), 1e-14) << fraction;  // Å: some roundings of 3 Å
+  }
+}
+
+// Every point once, for sizes around those where the step of the walk changes; and steps of about
+// the mean distance of neighbours, √(4π / size), but for the ends of columns at the poles.
+TEST(SphereLattice, TheWalkVisitsAllPointsInShortSteps) {
+  for (const std::uint64_t size : {1u, 2u, 3u, 7u, 8u, 50u, 360u, 361u, 1000u, 12345u}) {
+    Random random(1, size);
+    const SphereLattice lattice(size, random);
+    std::vector<int> visits(size);
+    std::vector<double> steps;
+    Vec3d before{};
+    for (std::uint64_t step = 0; step < size; ++step) {
+      const std::uint64_t k = lattice.at(step);
+      ASSERT_LT(k, size);
+      ++visits[k];
+      const Vec3d point = lattice.point(static_cast<double>(k));
+      EXPECT_NEAR(plain_distance(point, {0, 0, 0}), 1, 1e-14);
+      if (step > 0) steps.push_back(plain_distance(before, point));
+      before = point;
+    }
+    EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), static_cast<std::ptrdiff_t>(size));
+    if (size < 100) continue;
+    std::sort(steps.begin(), steps.end());
+    const double apart = std::sqrt(4 * std::numbers::pi / static_cast<double>(size));
+    EXPECT_LT(steps[steps.size() / 2], 1.6 * apart) << size;
+  }
+}
+
+TEST(PointOfCircle, IsThatOfTheLibrary) {
+  for (int i = 0; i < 100000; ++i) {
+    const double turns = i / 1e5;
+    const CirclePoint found = point_of_circle(turns);
+    EXPECT_NEAR(found.cosine, std::cos(2 * std::numbers::pi * turns), 1e-15) << turns;
+    EXPECT_NEAR(found.sine, std::sin(2 * std::numbers::pi * turns), 1e-15) << turns;
+  }
 }
 
 TEST(DistanceHistogram, PercentilesAreGoodToTheirBin) {

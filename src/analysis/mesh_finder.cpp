@@ -1,0 +1,215 @@
+// MeshFinder: the distances from points to the nearest triangle.
+//
+// Points are taken in groups of neighbours. One search of the tree with the box of a group lists
+// the nodes of level 0 within some reach of it; each point then examines the listed nodes alone.
+// If that finds a triangle within the reach, no other is nearer: every triangle so near to a point
+// of the group is in a listed node. Otherwise, and if a group would list too many nodes, the tree
+// is searched for the point itself. The reach follows the distances found before, so few points
+// need that. The result is the least of all triangles' distances, so it does not depend, to the
+// last bit, on groups and reaches.
+#include "analysis/mesh_finder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "analysis/distances_triangle.hpp"
+#include "analysis/mesh_area.hpp"
+#include "core/multiversion.hpp"
+#include "surface/box.hpp"
+
+namespace vdwmesh {
+namespace {
+
+Box box_of(const Corners& t) {
+  Box box{t.a, t.a};
+  include(box, t.b);
+  include(box, t.c);
+  return box;
+}
+
+constexpr std::size_t kGroup = 8;  // points
+constexpr std::size_t kLanes = BoxNode::kWidth;
+constexpr std::size_t kMostListed = 128;  // nodes that a group may list
+
+// Nodes of level 0 near a group of points, with their boxes in scaled coordinates: one array for
+// each side, so that vector instructions measure eight boxes.
+class NodeList {
+ public:
+  // Lists the nodes within `reach` (Å) of the box. Returns false if there are too many.
+  bool gather(const BoxTreeView& tree, const Vec3d& lower, const Vec3d& upper, double reach) {
+    count_ = 0;
+    const BoxQuery query = tree.query(lower, upper);
+    const float bound = tree.bound_of(reach * reach);
+    std::array<BoxEntry, BoxTreeView::kMaxLevels * kLanes + 1> stack;
+    stack[0] = {0, tree.level_count - 1, 0};
+    for (std::size_t size = 1; size > 0;) {
+      const BoxEntry entry = stack[--size];
+      const BoxNode& node = tree.levels[entry.level][entry.index];
+      if (entry.level == 0) {
+        if (!add(node, entry.index)) return false;
+        continue;
+      }
+      float distance[kLanes];
+      squared_distances(node, query, distance);
+      for (std::uint32_t lane = 0; lane < node.count; ++lane) {
+        if (!(distance[lane] < bound)) continue;
+        stack[size++] = {0, entry.level - 1, BoxNode::kWidth * entry.index + lane};
+      }
+    }
+    fill_up();
+    return true;
+  }
+
+  // Calls visit(node, index) for the nodes that are nearer to the point than √squared (Å), one of
+  // the nearest first. visit lowers `squared`.
+  template <class Visit>
+  void visit_near(const BoxTreeView& tree, const Vec3d& p, double& squared, Visit&& visit) {
+    const BoxQuery query = tree.query(p);
+    const std::size_t first = measure(query);
+    float bound = tree.bound_of(squared);
+    const auto examine = [&](std::size_t i) {
+      visit(tree.levels[0][index_[i]], index_[i]);
+      bound = tree.bound_of(squared);
+    };
+    if (distance_[first] < bound) examine(first);
+    for (std::size_t i = 0; i < count_; ++i)
+      if (distance_[i] < bound && i != first) examine(i);
+  }
+
+ private:
+  bool add(const BoxNode& node, std::uint32_t index) {
+    if (count_ == kMostListed) return false;
+    const Box box = vdwmesh::box_of(node);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lower_[axis][count_] = static_cast<float>(box.lower[static_cast<int>(axis)]) - kMargin;
+      upper_[axis][count_] = static_cast<float>(box.upper[static_cast<int>(axis)]) + kMargin;
+    }
+    index_[count_++] = index;
+    return true;
+  }
+  // Fills the last vector of eight with boxes that are far from everything.
+  void fill_up() {
+    for (std::size_t i = count_; i % kLanes != 0; ++i)
+      for (std::size_t axis = 0; axis < 3; ++axis) lower_[axis][i] = upper_[axis][i] = 1e9F;
+  }
+  // Fills distance_ with the squared distances to all boxes. Returns the place of the nearest, or
+  // of one that is about as near.
+  std::size_t measure(const BoxQuery& query) {
+    std::array<float, kLanes> least;
+    std::array<std::int32_t, kLanes> block{};
+    least.fill(std::numeric_limits<float>::infinity());
+    for (std::size_t base = 0; base < count_; base += kLanes) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        float sum = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const float below = lower_[axis][base + lane] - query.lower[axis];
+          const float above = query.lower[axis] - upper_[axis][base + lane];
+          const float larger = below > above ? below : above;
+          const float outside = larger > 0 ? larger : 0;
+          sum += outside * outside;
+        }
+        distance_[base + lane] = sum;
+        const bool nearer = sum < least[lane];
+        least[lane] = nearer ? sum : least[lane];
+        block[lane] = nearer ? static_cast<std::int32_t>(base) : block[lane];
+      }
+    }
+    std::size_t first = 0;
+    for (std::size_t lane = 1; lane < kLanes; ++lane)
+      first = least[lane] < least[first] ? lane : first;
+    return static_cast<std::size_t>(block[first]) + first;
+  }
+
+  // The box of a node has the roundings of its decoding beside those of a query.
+  static constexpr float kMargin = 2 * kBoxMargin;
+  std::size_t count_ = 0;
+  alignas(32) std::array<std::array<float, kMostListed>, 3> lower_, upper_;
+  alignas(32) std::array<float, kMostListed> distance_;
+  std::array<std::uint32_t, kMostListed> index_;
+};
+
+// The search for consecutive points.
+class TriangleSearch {
+ public:
+  TriangleSearch(const IndexedMesh& mesh, const BoxTreeView& tree) : mesh_(mesh), tree_(tree) {}
+
+  void find(std::span<const Vec3d> group, double* found) {
+    Box box{group[0], group[0]};
+    for (const Vec3d& p : group) include(box, p);
+    const bool listed = reach_ > 0 && list_.gather(tree_, box.lower, box.upper, reach_);
+    double total = 0;
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const Vec3d& p = group[i];
+      found[i] = std::sqrt(listed ? in_list(p) : in_tree(p, squared_to(p, nearest_)));
+      total += found[i];
+    }
+    // Three times the mean: few points are farther off, and a single one does not make the next
+    // list long.
+    reach_ = 3 * total / static_cast<double>(group.size());
+  }
+
+ private:
+  double squared_to(const Vec3d& p, std::uint32_t t) const {
+    const Corners corners = corners_of(mesh_, t);
+    return squared_distance_to_triangle(p, corners.a, corners.b, corners.c);
+  }
+  double in_tree(const Vec3d& p, double squared) {
+    visit_nearest(tree_, tree_.query(p), squared, [&](std::uint32_t t, double& best) {
+      const double here = squared_to(p, t);
+      if (!(here < best)) return;
+      best = here;
+      nearest_ = t;
+    });
+    return squared;
+  }
+  double in_list(const Vec3d& p) {
+    double squared = reach_ * reach_;
+    bool any = false;
+    const BoxQuery query = tree_.query(p);
+    list_.visit_near(tree_, p, squared, [&](const BoxNode& node, std::uint32_t index) {
+      float distance[kLanes];
+      squared_distances(node, query, distance);
+      float bound = tree_.bound_of(squared);
+      for (std::uint32_t lane = 0; lane < node.count; ++lane) {
+        if (!(distance[lane] < bound)) continue;
+        const std::uint32_t t = tree_.order[BoxNode::kWidth * index + lane];
+        const double here = squared_to(p, t);
+        if (!(here < squared)) continue;
+        squared = here;
+        bound = tree_.bound_of(squared);
+        nearest_ = t;
+        any = true;
+      }
+    });
+    return any ? squared : in_tree(p, squared_to(p, nearest_));
+  }
+
+  const IndexedMesh& mesh_;
+  const BoxTreeView& tree_;
+  NodeList list_;
+  double reach_ = 0;           // Å
+  std::uint32_t nearest_ = 0;  // the triangle nearest to the last point
+};
+
+VDWMESH_MULTIVERSION void find_all(const IndexedMesh& mesh, const BoxTreeView& tree,
+                                   std::span<const Vec3d> points, double* found) {
+  TriangleSearch search(mesh, tree);
+  for (std::size_t first = 0; first < points.size(); first += kGroup) {
+    search.find(points.subspan(first, std::min(kGroup, points.size() - first)), found + first);
+  }
+}
+
+}  // namespace
+
+MeshFinder::MeshFinder(const IndexedMesh& mesh, const Box& world)
+    : mesh_(mesh),
+      tree_(static_cast<std::uint32_t>(mesh.triangle_count()), world,
+            [&](std::uint32_t t) { return box_of(corners_of(mesh, t)); }) {}
+
+void MeshFinder::find(std::span<const Vec3d> points, double* found) const {
+  find_all(mesh_, tree_.view(), points, found);
+}
+
+}  // namespace vdwmesh
