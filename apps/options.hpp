@@ -33,7 +33,14 @@ struct SurfaceOptions {
   GridOptions grid;
   int subdivisions = 0;
   Projection projection = Projection::none;
+  Crossings crossings = Crossings::undo;
   std::vector<std::string> notes;  // for people: options that have no effect
+
+  // Whether `crossings` has an effect. Nothing can cross if no vertex moves, and meshes of the
+  // exact mesher are refined without a search (refine/refiner.hpp).
+  bool looks_for_crossings() const {
+    return mesher == Mesher::marching_cubes && projection != Projection::none;
+  }
 };
 
 // Records of studies hold these numbers.

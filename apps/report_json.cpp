@@ -35,6 +35,7 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   a("isovalue", parameters.isovalue), a("blobbiness", parameters.blobbiness);
   a("subdivide", surface.subdivisions);
   a("project", surface.projection);
+  a("crossings", surface.looks_for_crossings() ? std::optional(surface.crossings) : std::nullopt);
   a("grid", grid);
   a("memory_limit", limit_of(parameters.memory_limit));
   a("memory_estimate", parameters.memory_estimate);

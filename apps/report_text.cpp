@@ -89,9 +89,11 @@ std::string refinement_text(const SurfaceOptions& surface) {
   const std::string levels =
       counted(static_cast<std::uint64_t>(surface.subdivisions), "subdivision");
   if (surface.projection == Projection::none) return levels + ", no projection";
-  return fmt::format("{}, vertices projected to {}", levels,
+  const bool crosses = surface.looks_for_crossings() && surface.crossings == Crossings::allow;
+  return fmt::format("{}, vertices projected to {}{}", levels,
                      surface.projection == Projection::vdw ? "the union of the spheres"
-                                                           : "the isosurface of the field");
+                                                           : "the isosurface of the field",
+                     crosses ? ", crossings allowed" : "");
 }
 
 std::string surface_text(const ParametersReport& parameters) {

@@ -240,6 +240,7 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, S
   RefineOptions refine;
   refine.subdivisions = surface.subdivisions;
   refine.projection = surface.projection;
+  refine.crossings = surface.crossings;
   refine.field = surface.field;
   refine.memory_limit = session.machine.memory_limit;
   refine.on_level = request.on_level;

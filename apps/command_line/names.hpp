@@ -46,6 +46,9 @@ inline constexpr auto kNames<Projection> = names<Projection>({{"vdw", Projection
                                                               {"field", Projection::field},
                                                               {"none", Projection::none}});
 template <>
+inline constexpr auto kNames<Crossings> = names<Crossings>({{"undo", Crossings::undo},
+                                                            {"allow", Crossings::allow}});
+template <>
 inline constexpr auto kNames<StudyProjection> =
     names<StudyProjection>({{"own", StudyProjection::own},
                             {"vdw", StudyProjection::vdw},

@@ -135,6 +135,8 @@ std::vector<Option> surface_options(Draft& d) {
       {"--subdivide", kReport | kRender, one(s.subdivisions, levels), subdivide, by_default("1")},
       {"--project", kSurfaces, one(d.projection, named<Projection>()), project,
        otherwise("as --field")},
+      {"--crossings", kSurfaces | kPipelineBench, one(s.crossings, named<Crossings>()),
+       "moves of vertices after which triangles cross are taken back, or stay", by_default("undo")},
       {"--spacing", kPipelineBench, several(d.options.spacings, length("0.5")), "grid spacings",
        by_default("0.5,0.25")}};
 }

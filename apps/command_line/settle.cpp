@@ -69,6 +69,18 @@ void settle_projection(Draft& d) {
   }
 }
 
+// Meshes along the creases, and meshes whose vertices do not move, are not searched for crossings.
+void settle_crossings(Draft& d) {
+  SurfaceOptions& s = d.options.surface;
+  if (d.verb == kPipelineBench || !is_given(d, "--crossings") || s.looks_for_crossings()) return;
+  s.notes.push_back(fmt::format(
+      "--crossings {} has no effect {}: crossings are looked for where a projection moves vertices",
+      name_of(s.crossings),
+      s.mesher == Mesher::exact ? "with --mesher exact"
+      : s.subdivisions == 0     ? "with --subdivide 0"
+                                : "with --project none"));
+}
+
 // The meshers are told apart only by verbs that make one mesh; a study sweeps over both.
 void settle_surface(Draft& d) {
   SurfaceOptions& s = d.options.surface;
@@ -76,6 +88,7 @@ void settle_surface(Draft& d) {
   if (d.verb & (kMesh | kReport | kRender)) settle_mesher(d);
   s.grid = preset_grid(s.field.preset, d.spacing, d.padding);
   settle_projection(d);
+  settle_crossings(d);
 }
 
 // Whether the file has the model is known when it is read; that this is no number is known now.

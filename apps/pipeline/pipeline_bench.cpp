@@ -92,6 +92,7 @@ class Pass {
   IndexedMesh extract() {
     surface_.subdivisions = options_.surface.subdivisions;
     surface_.projection = Projection::vdw;
+    surface_.crossings = options_.surface.crossings;
     PartClock parts;
     IndexedMesh mesh;
     StageRow& row = stage("mesh", spheres_->size() * sizeof(Sphere), [&]() -> Bytes {

@@ -26,6 +26,7 @@ struct Request {
   FieldKind field = FieldKind::vdw;
   double spacing = 0, edge_length = 0;  // Å
   int subdivisions = 0;
+  Crossings crossings = Crossings::undo;
   bool normals = true;
   bool fixed_grid = false;
   Backend backend = Backend::automatic;
@@ -48,6 +49,11 @@ bool is_exact(const std::string& mesher) {
   throw InvalidInput(fmt::format("mesher: {}; there are exact and marching-cubes", mesher));
 }
 
+Crossings crossings_of(const std::string& name) {
+  if (name == "undo" || name == "allow") return name == "undo" ? Crossings::undo : Crossings::allow;
+  throw InvalidInput(fmt::format("crossings: {}; there are undo and allow", name));
+}
+
 // The names are those of vdwmesh.mesh.
 Request request_of(const py::kwargs& given) {
   Request request;
@@ -56,6 +62,7 @@ Request request_of(const py::kwargs& given) {
   request.spacing = given["spacing"].cast<double>();
   request.edge_length = given["edge_length"].cast<double>();
   request.subdivisions = given["subdivide"].cast<int>();
+  request.crossings = crossings_of(given["crossings"].cast<std::string>());
   request.normals = given["normals"].cast<bool>();
   request.fixed_grid = given["fixed_grid"].cast<bool>();
   request.backend = backend_of(given["device"].cast<std::string>());
@@ -71,6 +78,7 @@ Request request_of(const py::kwargs& given) {
 RefineOptions refinement(const Request& request, Monitor& monitor) {
   RefineOptions refine;
   refine.subdivisions = request.subdivisions;
+  refine.crossings = request.crossings;
   refine.projection = request.field == FieldKind::vdw ? Projection::vdw : Projection::field;
   if (request.subdivisions == 0) refine.projection = Projection::none;
   refine.field.kind = request.field;

@@ -123,6 +123,7 @@ def mesh(
     spacing: float = 0.5,
     edge_length: float = 0.35,
     subdivide: int = 0,
+    crossings: str = "undo",
     normals: bool = True,
     fixed_grid: bool = False,
     threads: int | None = None,
@@ -145,6 +146,9 @@ def mesh(
         Of the exact mesher, Å; edges are shorter at narrow features.
     subdivide : int
         Levels of midpoint subdivision, each with projection to the surface.
+    crossings : {"undo", "allow"}
+        Whether moves of a projection after which triangles cross are taken back, which costs several
+        times the projection, or stay. Of marching cubes: the exact mesher needs neither.
     normals : bool
         Whether the mesh has normals.
     fixed_grid : bool
@@ -185,6 +189,7 @@ def mesh(
             spacing=_positive("spacing", spacing),
             edge_length=_positive("edge_length", edge_length),
             subdivide=int(subdivide),
+            crossings=crossings,
             normals=bool(normals),
             fixed_grid=bool(fixed_grid),
             device=device,

@@ -90,6 +90,7 @@ class Refusals(ProgramTest):
             "--field": FIELDS,
             "--preset": ("radius-aware", "thesis", "thesis-vdw"),
             "--project": ("vdw", "field", "none"),
+            "--crossings": ("undo", "allow"),
             "--backend": ("auto", "cpu", "cuda"),
             "--method": ("cgal", "arcs", "both"),
             "--topology": ("on", "counts", "off"),
@@ -323,7 +324,7 @@ class Help(ProgramTest):
         told = self.help("report")
         taken = self.report("report", "--sample", "bpti", "--spacing", "1", "--distances", "off")["parameters"]
         for option, key in (("--mesher", "mesher"), ("--field", "field"), ("--preset", "preset"),
-                            ("--subdivide", "subdivide")):  # fmt: skip
+                            ("--subdivide", "subdivide"), ("--crossings", "crossings")):  # fmt: skip
             self.assertTrue(self.entry(told, option).endswith(f"[{taken[key]}]"), option)
 
     def test_verbs(self):

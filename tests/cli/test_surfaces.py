@@ -86,6 +86,26 @@ class Refinement(ProgramTest):
         self.assertTrue(any("--project vdw" in note for note in report["notes"]))
 
 
+    def test_crossings_are_taken_back_or_stay(self):
+        # bpti has some before anything is taken back, as the exact predicates count.
+        found = {}
+        for crossings in ("undo", "allow"):
+            report = self.report("report", "--sample", "bpti", "--crossings", crossings, "--self-intersections",
+                                 "on", "--distances", "off")  # fmt: skip
+            self.assertEqual(report["parameters"]["crossings"], crossings)
+            found[crossings] = report["mesh"]["self_intersections"]
+        self.assertEqual(found["undo"], 0)
+        self.assertGreater(found["allow"], 0)
+
+    def test_crossings_that_nobody_looks_for(self):
+        for options in (("--subdivide", "0"), ("--project", "none"), ("--mesher", "exact")):
+            with self.subTest(options=options):
+                report = self.report("report", "--sample", "bpti", "--crossings", "allow", "--distances", "off",
+                                     "--cgal-check", "off", "--self-intersections", "off", *options)  # fmt: skip
+                self.assertIsNone(report["parameters"]["crossings"])
+                self.assertTrue(any("--crossings allow" in note and options[0] in note for note in report["notes"]))
+
+
 class OddInput(ProgramTest):
     def test_no_atoms_is_an_error(self):
         empty = self.file("empty.pdb", "END\n")

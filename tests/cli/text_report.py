@@ -164,7 +164,8 @@ class TextReport:
         values = [p[k] for k in ("edge_length", "isovalue", "blobbiness") if p[k] is not None]
         self.expect_numbers(line, text, [*values, p["subdivide"]])
         for name in ("exact" if p["mesher"] == "exact" else p["field"],
-                     "no projection" if p["subdivide"] and p["project"] == "none" else ""):
+                     "no projection" if p["subdivide"] and p["project"] == "none" else "",
+                     "crossings allowed" if p["crossings"] == "allow" else ""):
             if name not in text:
                 self.problems.append(f"{line!r}: does not say {name}")
 

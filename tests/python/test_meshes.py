@@ -62,6 +62,10 @@ class MeshTest(unittest.TestCase):
         areas = {vdwmesh.mesh(self.molecule, mesher="marching-cubes", field=field).area
                  for field in ("vdw", "blinn", "soft", "inverse-squared")}  # fmt: skip
         self.assertEqual(len(areas), 4)
+        undone, allowed = (vdwmesh.mesh(self.molecule, mesher="marching-cubes", subdivide=1, crossings=crossings)
+                           for crossings in ("undo", "allow"))  # fmt: skip
+        self.assertFalse(np.array_equal(undone.vertices, allowed.vertices))
+        np.testing.assert_array_equal(undone.faces, allowed.faces)
         self.assertLess(len(vdwmesh.mesh(self.molecule, edge_length=0.8).faces),
                         len(vdwmesh.mesh(self.molecule, edge_length=0.4).faces))  # fmt: skip
 
@@ -79,7 +83,7 @@ class MeshTest(unittest.TestCase):
 
     def test_wrong_arguments_are_named(self):
         for options in ({"mesher": "quick"}, {"field": "gauss"}, {"spacing": 0}, {"spacing": math.nan},
-                        {"edge_length": -1}, {"subdivide": -1}, {"subdivide": 1.5}, {"device": "tpu"},
+                        {"edge_length": -1}, {"crossings": "maybe"}, {"subdivide": -1}, {"subdivide": 1.5}, {"device": "tpu"},
                         {"threads": 0}, {"probe": -2}):  # fmt: skip
             with self.subTest(**options):
                 with self.assertRaisesRegex(ValueError, "radii" if "probe" in options else next(iter(options))):
