@@ -44,8 +44,11 @@ class SameAtoms(program.ProgramTest):
         for options in runs or [()]:
             with self.subTest(name=name, plan=plan, options=options):
                 expected = self.figures(cif, *options)
-                self.assertEqual(self.figures(packed, *options), expected)
-                self.assertEqual(self.figures(gzipped, *options), expected)
+                for file in (packed, gzipped):
+                    *figures, atoms = self.figures(file, *options)
+                    self.assertEqual(figures, list(expected[:-1]))
+                    # Where they differ, unittest would look for minutes for the way from one to the other.
+                    self.assertTrue(atoms == expected[-1], "the atoms differ")
 
     def test_alternate_locations_and_hydrogens(self):
         for plan in binary_cif.PLANS:
