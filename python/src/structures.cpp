@@ -87,19 +87,28 @@ py::dict columns_of(const Molecule& molecule) {
       "assembly"_a = molecule.assembly);
 }
 
+// Reads by read(options), which stops at Ctrl-C.
+template <class Read>
+py::dict read_freely(const py::kwargs& given, const Read& read) {
+  ReadOptions options = options_of(given);
+  return columns_of(call({}, [&](Monitor& monitor) {
+    options.monitor = &monitor;
+    return read(options);
+  }));
+}
+
 py::dict read_file(const std::string& path, const py::kwargs& given) {
-  const ReadOptions options = options_of(given);
-  return columns_of(call({}, [&](Monitor&) { return read_structure(path, options); }));
+  return read_freely(given,
+                     [&](const ReadOptions& options) { return read_structure(path, options); });
 }
 
 py::dict read_bytes(const std::string& name, std::string_view bytes, const py::kwargs& given) {
-  const ReadOptions options = options_of(given);
-  return columns_of(call({}, [&](Monitor&) { return read_structure(name, bytes, options); }));
+  return read_freely(
+      given, [&](const ReadOptions& options) { return read_structure(name, bytes, options); });
 }
 
 py::dict read_builtin(const std::string& name, const py::kwargs& given) {
-  const ReadOptions options = options_of(given);
-  return columns_of(call({}, [&](Monitor&) { return read_sample(name, options); }));
+  return read_freely(given, [&](const ReadOptions& options) { return read_sample(name, options); });
 }
 
 // The radius by element as users write it ("ZN", "zn", "Zn2+"); nothing if it is not known.

@@ -83,8 +83,8 @@ class Row {
 // Reads one file: construct, then call run() once.
 class Reader {
  public:
-  Reader(std::string_view text, ParsedFile& file)
-      : tokens_(text, file.path), file_(file), builder_(file) {}
+  Reader(std::string_view text, ParsedFile& file, Monitor* monitor)
+      : tokens_(text, file.path), file_(file), monitor_(monitor), builder_(file) {}
 
   // Returns false, and leaves the file as it is, if it is of a small molecule.
   bool run() {
@@ -236,6 +236,7 @@ class Reader {
       values[column] = token_.text;
       if (++column < width) continue;
       column = 0;
+      if (file_.atoms.size() % kLinesPerCheck == 0) vdwmesh::advance(monitor_, 0);
       builder_.add(row.read(file_.atoms.size() + 1, file_.path));
     }
     return count;
@@ -253,6 +254,7 @@ class Reader {
   CifTokens tokens_;
   CifToken token_;  // the one to be looked at next
   ParsedFile& file_;
+  Monitor* const monitor_;
   AtomSiteBuilder builder_;
   cif::Block block_;             // the tables that are needed beside _atom_site
   std::string_view name_;        // of the current data block
@@ -289,15 +291,15 @@ ParsedFile parse_with_gemmi(const std::string& path, const std::function<void(Pa
   return file;
 }
 
-ParsedFile parse_mmcif(std::string_view text, const std::string& path) {
-  return parse_with_gemmi(path, [text](ParsedFile& file) {
+ParsedFile parse_mmcif(std::string_view text, const std::string& path, Monitor* monitor) {
+  return parse_with_gemmi(path, [text, monitor](ParsedFile& file) {
     // Files of old Macintoshes have CR alone for line ends, which become LF here.
     const bool lone_cr = text.find('\n') == text.npos && text.find('\r') != text.npos;
     std::string lines(lone_cr ? text : std::string_view());
     std::replace(lines.begin(), lines.end(), '\r', '\n');
     const std::string_view read = lone_cr ? lines : text;
     file.format = "mmcif";
-    if (!Reader(read, file).run()) read_small_molecule(read, file);
+    if (!Reader(read, file, monitor).run()) read_small_molecule(read, file);
   });
 }
 

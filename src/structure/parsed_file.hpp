@@ -46,9 +46,10 @@ struct ParsedFile {
 
 // One parser per format. `text` is the whole file, checked by checked_text(); `path` serves the
 // messages. Each throws FileFormatError; the message is one line that names the file and, if there
-// is one, the line or row.
-ParsedFile parse_pdb(std::string_view text, const std::string& path);
-ParsedFile parse_mmcif(std::string_view text, const std::string& path);
+// is one, the line or row. A monitor is asked once in kLinesPerCheck lines or rows whether to stop.
+inline constexpr std::uint32_t kLinesPerCheck = 1u << 13;
+ParsedFile parse_pdb(std::string_view text, const std::string& path, Monitor* monitor = nullptr);
+ParsedFile parse_mmcif(std::string_view text, const std::string& path, Monitor* monitor = nullptr);
 // `limit` bytes of text is the most that is read: a table with more rows than so much text has room
 // for throws LimitExceeded.
 ParsedFile parse_binary_cif(std::string_view bytes, const std::string& path, std::uint64_t limit);

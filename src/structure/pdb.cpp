@@ -117,11 +117,14 @@ class Normaliser {
   Normaliser(std::string_view text, const std::string& path)
       : path_(path), rest_(text), layout_(layout_of(text)) {}
 
-  void run() {
+  void run(Monitor* monitor) {
     // Short records grow when they are padded; an eighth more avoids most reallocations.
     text_.reserve(rest_.size() + rest_.size() / 8);
     std::string_view line;
-    for (number_ = 1; next_line(rest_, line); ++number_) take(line);
+    for (number_ = 1; next_line(rest_, line); ++number_) {
+      if (number_ % kLinesPerCheck == 0) advance(monitor, 0);
+      take(line);
+    }
     if (atoms_.empty())
       throw FileFormatError(path_ + ": has no ATOM or HETATM record, so there is nothing to mesh");
   }
@@ -226,9 +229,9 @@ class Normaliser {
 
 }  // namespace
 
-ParsedFile parse_pdb(std::string_view text, const std::string& path) {
+ParsedFile parse_pdb(std::string_view text, const std::string& path, Monitor* monitor) {
   Normaliser normaliser(text, path);
-  normaliser.run();
+  normaliser.run(monitor);
   ParsedFile file;
   try {
     file.structure = std::make_shared<gemmi::Structure>(

@@ -36,12 +36,12 @@ RadiusTable radius_table(const std::string& radii) {
 
 // `limit`: the most bytes of text that are read.
 ParsedFile parse(std::string_view text, StructureFormat format, const std::string& path,
-                 std::uint64_t limit) {
+                 std::uint64_t limit, Monitor* monitor) {
   switch (format) {
     case StructureFormat::pdb:
-      return parse_pdb(text, path);
+      return parse_pdb(text, path, monitor);
     case StructureFormat::mmcif:
-      return parse_mmcif(text, path);
+      return parse_mmcif(text, path, monitor);
     case StructureFormat::bcif:
       return parse_binary_cif(text, path, limit);
     case StructureFormat::pqr:
@@ -95,7 +95,9 @@ ParsedFile parse_file(const std::filesystem::path& path, const ReadOptions& opti
   const Text bytes = text_within(limit);
   const std::string name = path == "-" ? "standard input" : path.string();
   const std::string_view text = checked_text({bytes.data(), bytes.size()}, format, name);
-  ParsedFile file = parse(text, format, name, limit);
+  advance(options.monitor, 0);
+  ParsedFile file = parse(text, format, name, limit, options.monitor);
+  advance(options.monitor, 0);
   check_ranges(file);
   if (format != StructureFormat::bcif) warn_of_unfinished_line(text, file);
   return file;
@@ -105,14 +107,18 @@ ParsedFile parse_file(const std::filesystem::path& path, const ReadOptions& opti
 
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options) {
   const RadiusTable table = radius_table(options.radii);
-  const auto text_within = [&](std::uint64_t limit) { return read_text(path, limit); };
+  const auto text_within = [&](std::uint64_t limit) {
+    return read_text(path, limit, options.monitor);
+  };
   return choose_atoms(parse_file(path, options, text_within), options, table);
 }
 
 Molecule read_structure(const std::filesystem::path& name, std::string_view bytes,
                         const ReadOptions& options) {
   const RadiusTable table = radius_table(options.radii);
-  const auto text_within = [&](std::uint64_t limit) { return text_of(bytes, name, limit); };
+  const auto text_within = [&](std::uint64_t limit) {
+    return text_of(bytes, name, limit, options.monitor);
+  };
   return choose_atoms(parse_file(name, options, text_within), options, table);
 }
 

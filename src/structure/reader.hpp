@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/monitor.hpp"
 #include "structure/molecule.hpp"
 
 namespace vdwmesh {
@@ -51,6 +52,8 @@ struct ReadOptions {
   // A set of RadiusTable::names(), or the path of a radius file. PQR and XYZR files bring their own
   // radii. Sets of united atoms drop the hydrogens, as part of the atoms that they are bonded to.
   std::string radii = "bondi";
+  // Asked now and then whether to stop. gemmi's part of the reading of a PDB file is one step.
+  Monitor* monitor = nullptr;
 };
 
 // Whether the extension of the name is that of a structure file that is read; ".gz" behind it does
@@ -63,7 +66,7 @@ bool has_structure_extension(const std::filesystem::path& name);
 // cannot be opened or understood (the message names the file, and the line if there is one),
 // LimitExceeded if the text is longer than 2 GiB or than the memory limit allows, and InvalidInput
 // if the options do not suit the file: no atom is left or none to be measured, an atom has no known
-// radius, or the file lacks the model, assembly or label.
+// radius, or the file lacks the model, assembly or label; and Cancelled.
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // The same for the bytes of a file that are in memory, plain or gzipped. `name` stands for the

@@ -126,11 +126,12 @@ class Inflater {
   ~Inflater() { inflateEnd(&stream_); }
 
   // `used` counts the bytes of text so far, `read` the bytes of `packed` that were consumed.
-  Text unpack(std::string_view packed, std::uint64_t limit) {
+  Text unpack(std::string_view packed, std::uint64_t limit, Monitor* monitor) {
     Text text;
     resize_untouched(text, unpacked_size_hint(packed, limit));
     std::size_t used = 0, read = 0;
     for (;;) {
+      advance(monitor, 0);
       if (used > limit) refuse_size(path_, limit);
       if (used == text.size()) text.resize(2 * text.size());
       const int status = step(packed, read, text, used);
@@ -184,15 +185,16 @@ class Inflater {
 
 }  // namespace
 
-Text read_text(const std::filesystem::path& path, std::uint64_t limit) {
+Text read_text(const std::filesystem::path& path, std::uint64_t limit, Monitor* monitor) {
   Text bytes = read_bytes(path, limit);
   const std::string_view view(bytes.data(), bytes.size());
   if (!is_gzip(view)) return bytes;
-  return Inflater(path).unpack(view, limit);
+  return Inflater(path).unpack(view, limit, monitor);
 }
 
-Text text_of(std::string_view bytes, const std::filesystem::path& name, std::uint64_t limit) {
-  if (is_gzip(bytes)) return Inflater(name).unpack(bytes, limit);
+Text text_of(std::string_view bytes, const std::filesystem::path& name, std::uint64_t limit,
+             Monitor* monitor) {
+  if (is_gzip(bytes)) return Inflater(name).unpack(bytes, limit, monitor);
   if (bytes.size() > limit) refuse_size(name, limit);
   return Text(bytes.begin(), bytes.end());
 }

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/buffer.hpp"
+#include "core/monitor.hpp"
 
 namespace vdwmesh {
 
@@ -21,10 +22,12 @@ inline constexpr std::uint64_t kMaxTextBytes = std::uint64_t{2} << 30;
 // recognised by their first two bytes, not by the name of the file.
 // Throws FileFormatError if the file is missing, unreadable, a directory or damaged gzip data, and
 // LimitExceeded if the file, or its text once unpacked, has more than `limit` bytes.
-Text read_text(const std::filesystem::path& path, std::uint64_t limit = kMaxTextBytes);
+// The monitor is asked whether to stop after each MiB that is unpacked.
+Text read_text(const std::filesystem::path& path, std::uint64_t limit = kMaxTextBytes,
+               Monitor* monitor = nullptr);
 
 // The same for the bytes of a file that are in memory. `name` stands for the path in messages.
 Text text_of(std::string_view bytes, const std::filesystem::path& name,
-             std::uint64_t limit = kMaxTextBytes);
+             std::uint64_t limit = kMaxTextBytes, Monitor* monitor = nullptr);
 
 }  // namespace vdwmesh

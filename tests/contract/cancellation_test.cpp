@@ -1,10 +1,13 @@
 // A stage asks its monitor many times whether to stop. Whichever question is answered with yes, it
 // ends with Cancelled, and nothing of it is left for the next run.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
@@ -12,6 +15,7 @@
 #include "arrangement/exact_union.hpp"
 #include "arrangement/frame_measures.hpp"
 #include "contract/extractor_contract.hpp"
+#include "structure/reader.hpp"
 
 namespace vdwmesh::testing {
 namespace {
@@ -97,6 +101,31 @@ TEST(CancellationOnTheCpu, OfCertificates) {
     expect_stops_at_every_question([&](Monitor* monitor) {
       const UnionOptions options{.method = method, .monitor = monitor, .certify = true};
       return exact_union(spheres, options).certificate->area.lower;
+    });
+  }
+}
+
+// As many atoms as fit several checks, as PDB and as mmCIF.
+TEST(CancellationOnTheCpu, OfReading) {
+  std::string pdb, cif = "data_X\nloop_\n";
+  for (const char* column :
+       {"group_PDB", "id", "type_symbol", "label_atom_id", "label_alt_id", "label_comp_id",
+        "label_asym_id", "label_seq_id", "Cartn_x", "Cartn_y", "Cartn_z"}) {
+    cif += std::string("_atom_site.") + column + "\n";
+  }
+  for (int i = 0; i < 30'000; ++i) {
+    pdb += fmt::format(
+        "ATOM  {:5} CA   GLY A{:4}    {:8.3f}{:8.3f}{:8.3f}  1.00  0.00           C  \n",
+        i % 100'000, i % 10'000, 0.1 * (i % 1000), 4.0 * (i / 1000), 0.0);
+    cif += fmt::format("ATOM {} C CA . GLY A {} {} {} 0\n", i + 1, i, 0.1 * (i % 1000),
+                       4.0 * (i / 1000));
+  }
+  for (const auto& [name, text] : {std::pair("x.pdb", pdb), std::pair("x.cif", cif)}) {
+    expect_stops_at_every_question([&, &name = name, &text = text](Monitor* monitor) {
+      ReadOptions options;
+      options.altloc = "all";
+      options.monitor = monitor;
+      return read_structure(name, text, options).atoms.size();
     });
   }
 }
