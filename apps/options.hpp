@@ -91,7 +91,7 @@ struct BatchChoice {
 
 // Where results go: a file, standard output ("-") or nowhere (empty).
 struct OutputOptions {
-  std::string json, csv, per_atom;
+  std::string json, csv, per_atom, voids;
   AtomGroup group = AtomGroup::atom;
 };
 

@@ -42,7 +42,8 @@ void VerbSession::deliver_report(const OutputOptions& output) {
 
 void VerbSession::deliver_text(const OutputOptions& output,
                                const std::function<std::string()>& text) const {
-  const bool taken = output.json == "-" || output.csv == "-" || output.per_atom == "-";
+  const bool taken =
+      output.json == "-" || output.csv == "-" || output.per_atom == "-" || output.voids == "-";
   if (machine.verbosity == Verbosity::quiet || taken) return print_warnings(report.warnings);
   write_standard_output(text());
 }

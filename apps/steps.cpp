@@ -13,6 +13,7 @@
 #include "cuda/backend.hpp"
 #include "refuse.hpp"
 #include "stopwatch.hpp"
+#include "void_table.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -364,6 +365,14 @@ void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Sess
   if (options.topology != TopologyRequest::full) report.exact->topology.reset();
   if (options.topology == TopologyRequest::none) report.exact->counts.reset();
   session.end_stage(&Timing::exact);
+}
+
+void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session) {
+  if (output.voids.empty()) return;
+  session.end_progress();
+  write_output(output.voids,
+               void_table_csv(molecule, session.report.exact->topology.value().void_table));
+  session.end_stage(&Timing::write);
 }
 
 void measure_polarity(const Molecule& molecule, Session& session) {

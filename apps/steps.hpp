@@ -68,6 +68,9 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session)
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
                      const std::optional<std::vector<SphereId>>& measured = std::nullopt);
 
+// Writes the table of voids where --voids asked for it; the exact union must be in the report.
+void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session);
+
 // The polar and apolar parts of the exact area, which must be in the report.
 void measure_polarity(const Molecule& molecule, Session& session);
 

@@ -27,6 +27,7 @@ void run_exact(const Options& options) {
         per_atom_csv({molecule, input.probe, *session.report.exact, {}, options.output.group}));
     session.end_stage(&Timing::write);
   }
+  write_voids(options.output, molecule, session);
   session.deliver_report(options.output);
 }
 

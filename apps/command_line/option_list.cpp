@@ -293,7 +293,9 @@ std::vector<Option> output_options(Draft& d) {
       {"--per-atom", kReport | kExact, one(o.output.per_atom, text("FILE"), Use::writes),
        "CSV of radius, exact area, mesh area, exact volume; - is standard output"},
       {"--group", kReport | kExact, one(o.output.group, named<AtomGroup>()), "rows of --per-atom",
-       by_default("atom")}};
+       by_default("atom")},
+      {"--voids", kReport | kExact, one(o.output.voids, text("FILE"), Use::writes),
+       "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"}};
 }
 
 }  // namespace

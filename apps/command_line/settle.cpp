@@ -145,6 +145,9 @@ void settle_exact(Draft& d) {
             "--topology on: needs the triangulation, which --method arcs does without; choose "
             "--method cgal or both");
   exact.topology = arcs ? d.topology.value_or(TopologyRequest::none) : wanted;
+  refuse_if(!d.options.output.voids.empty() && exact.topology != TopologyRequest::full,
+            "--voids: needs the whole topology; leave out {}",
+            first_given(d, {"--topology", "--method", "--exact"}));
 }
 
 void settle_distances(const Draft& d) {

@@ -37,14 +37,24 @@ namespace {
 double scaled_area(double area, int exponent) { return std::ldexp(area, 2 * exponent); }
 double scaled_volume(double volume, int exponent) { return std::ldexp(volume, 3 * exponent); }
 
-// Multiplies the lengths behind all areas and volumes by 2^exponent.
-void unscale(UnionTopology& topology, int exponent) {
+// Multiplies the lengths behind all areas and volumes by 2^exponent, and replaces balls of the
+// triangulation by spheres of the set.
+void unscale(UnionTopology& topology, const PowerTriangulation& triangulation) {
+  const int exponent = triangulation.scale_exponent;
   for (Shell& shell : topology.shells) {
     shell = {scaled_area(shell.area, exponent), scaled_volume(shell.volume, exponent)};
   }
   topology.outer_area = scaled_area(topology.outer_area, exponent);
   topology.void_area = scaled_area(topology.void_area, exponent);
   topology.void_volume = scaled_volume(topology.void_volume, exponent);
+  for (Void& v : topology.void_table) {
+    v.area = scaled_area(v.area, exponent);
+    v.volume = scaled_volume(v.volume, exponent);
+    for (int axis = 0; axis < 3; ++axis) v.center[axis] = std::ldexp(v.center[axis], exponent);
+    v.clearance = std::ldexp(v.clearance, exponent);
+    for (SphereId& id : v.lining) id = triangulation.ids[id];
+    std::ranges::sort(v.lining);
+  }
 }
 
 // Sets the measures of all spheres but the measured ones to NaN.
@@ -76,7 +86,7 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
         topology = union_topology(triangulation, complex, measures);
       },
       [&] { check_measures = gauss_bonnet(triangulation, complex); });
-  unscale(topology, triangulation.scale_exponent);
+  unscale(topology, triangulation);
   // union_topology() knows the balls of the triangulation only; all other spheres are hidden.
   topology.hidden_spheres += spheres.size() - triangulation.balls.size();
   advance(monitor, 1);

@@ -67,6 +67,17 @@ struct Shell {
   double area, volume;  // Å², Å³
 };
 
+// A void: a bounded component of the complement of the union.
+struct Void {
+  double area;    // Å²: of its whole boundary, with that of components that lie in it
+  double volume;  // Å³: of the void itself, without what lies in it
+  // The point of the void at which the least power to a ball, squared distance less squared radius,
+  // is largest: for balls of one radius the centre of the largest ball that fits in.
+  Vec3d center;
+  double clearance;              // Å: from there to the nearest sphere
+  std::vector<SphereId> lining;  // spheres with exposed area in the void, ascending
+};
+
 // What can be said of the topology without a triangulation. The spheres that are not measured count
 // too.
 struct UnionCounts {
@@ -88,6 +99,7 @@ struct UnionTopology {
   std::vector<Shell> shells;     // outer surfaces, then voids, each by falling |volume|
   double outer_area, void_area;  // Å²
   double void_volume;            // Å³ enclosed by the voids, >= 0
+  std::vector<Void> void_table;  // one entry for each void, by falling volume
 };
 
 // lower <= true value <= upper.

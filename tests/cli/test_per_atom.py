@@ -3,7 +3,7 @@
 import csv
 import math
 
-from program import UBIQUITIN, ProgramTest, parse_json
+from program import BAD_INPUT, UBIQUITIN, ProgramTest, parse_json
 
 SUM = 1e-12  # relative: the rounding of adding up to 602 numbers printed in full
 
@@ -137,3 +137,59 @@ class Measure(ProgramTest):
         text = self.run_ok("report", UBIQUITIN, "--measure", self.SELECTION, "--distances", "off").stdout
         self.assertIn(self.SELECTION, text)
         self.assertNotIn("nan", text)
+
+
+class Voids(ProgramTest):
+    """--voids: the table of voids."""
+
+    def cage(self, shift=0.0):
+        """26 balls of a cubic lattice around a void at (1 + shift, 1, 1)."""
+        nodes = [(i, j, k) for i in range(3) for j in range(3) for k in range(3) if (i, j, k) != (1, 1, 1)]
+        return "".join(f"{i + shift} {j} {k} 0.9\n" for i, j, k in nodes)
+
+    def table(self, text, *arguments):
+        path, table, report = self.file("a.xyzr", text), self.folder / "v.csv", self.folder / "v.json"
+        self.run_ok("exact", path, "--voids", table, "--json", report, *arguments)
+        with table.open(newline="") as file:
+            return list(csv.DictReader(file)), parse_json(report.read_text())["exact"]
+
+    def test_two_cages(self):
+        rows, exact = self.table(self.cage() + self.cage(10.0))
+        self.assertEqual([row["void"] for row in rows], ["1", "2"])
+        self.assertEqual(sorted(round(float(row["center_x"]), 9) for row in rows), [1, 11])
+        for row in rows:
+            self.assert_close(float(row["volume"]), exact["void_volume"] / 2, 1e-9)
+            self.assert_close(float(row["area"]), exact["void_area"] / 2, 1e-9)
+            self.assert_close(float(row["clearance"]), 0.1, 1e-9)  # six balls at a distance of 1
+            self.assertEqual(int(row["lining_atoms"]), len(row["lining"].split()))
+        # XYZR has no names: atoms are numbered, from 1, in the order of the file.
+        numbers = {int(name) for row in rows for name in row["lining"].split()}
+        self.assertTrue({5, 11, 13} <= numbers <= set(range(1, 53)))
+
+    def test_atoms_have_names(self):
+        """Voids of a protein: what their rows add up to stands in the report."""
+        table, report = self.folder / "v.csv", self.folder / "v.json"
+        self.run_ok("report", UBIQUITIN, "--probe", "1.4", "--voids", table, "--json", report)
+        with table.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        exact = parse_json(report.read_text())["exact"]
+        self.assertEqual(len(rows), exact["voids"])
+        self.assertGreater(len(rows), 0)
+        self.assert_close(math.fsum(float(row["volume"]) for row in rows), exact["void_volume"], 1e-9)
+        volumes = [float(row["volume"]) for row in rows]
+        self.assertEqual(volumes, sorted(volumes, reverse=True))
+        for row in rows:
+            self.assertGreater(float(row["clearance"]), 0)
+            for name in row["lining"].split():
+                self.assertRegex(name, r"^A/\d+/\w+$")
+
+    def test_no_void(self):
+        rows, _ = self.table("0 0 0 1\n")
+        self.assertEqual(rows, [])
+
+    def test_topology_is_needed(self):
+        path = self.file("a.xyzr", self.cage())
+        self.assert_refused(
+            BAD_INPUT, "exact", path, "--voids", self.folder / "v.csv", "--topology", "counts", says=["--voids"]
+        )
+        self.assertFalse((self.folder / "v.csv").exists())

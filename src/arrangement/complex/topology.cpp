@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -101,7 +103,9 @@ class ShellFinder {
         measures_(measures),
         components_(label_components(k)),
         regions_(label_complement(t, k)),
-        void_volume_(regions_.count) {}
+        void_volume_(regions_.count),
+        deepest_(regions_.count),
+        lining_(regions_.count) {}
 
   UnionTopology run() {
     measure_voids();
@@ -111,6 +115,15 @@ class ShellFinder {
   }
 
  private:
+  // The cell of a void with the largest orthogonal sphere, which is not orthogonal to any ball by a
+  // shorter way: its centre is a maximum of the least power to a ball, so it lies in the void
+  // (Edelsbrunner, Facello and Liang 1998, "On the definition and the construction of pockets in
+  // macromolecules").
+  struct DeepestPoint {
+    double squared_radius = -1;
+    Vec3d center{};
+  };
+
   // A void is the union of its cells without the parts of balls in them. The part of a ball in a
   // cell is a spherical sector: a cone from its centre over area r² Ω. If balls overlap, the
   // sectors are corrected at edges and corners.
@@ -136,6 +149,10 @@ class ShellFinder {
     const TetrahedronShape shape =
         tetrahedron_shape({t_.balls[v[0]], t_.balls[v[1]], t_.balls[v[2]], t_.balls[v[3]]});
     void_volume_[region].add(shape.volume);
+    note_depth(region, v);
+    for (const std::uint32_t ball : v) {
+      if (k_.in_complex[ball] && k_.exposed[ball]) lining_[region].push_back(ball);
+    }
     for (std::size_t k = 0; k < 4; ++k) {
       if (!k_.in_complex[v[k]]) continue;
       const double r = t_.balls[v[k]].radius;
@@ -147,6 +164,15 @@ class ShellFinder {
     for (std::size_t k = 0; k < 4; ++k) {
       if (k_.cell_triangles[c][k] != kNoIndex) add_corner(region, k_.cell_triangles[c][k]);
     }
+  }
+
+  // `v` has the vertices of a cell of the region.
+  void note_depth(std::uint32_t region, const std::array<std::uint32_t, 4>& v) {
+    const Sphere& first = t_.balls[v[0]];
+    const Vec3d offset = orthogonal_center({first, t_.balls[v[1]], t_.balls[v[2]], t_.balls[v[3]]});
+    const double squared_radius = squared_norm(offset) - first.radius * first.radius;
+    if (!(squared_radius > deepest_[region].squared_radius)) return;
+    deepest_[region] = {squared_radius, first.center + offset};
   }
 
   // Corrects for the circle of edge ab, if ab is in the complex, over an angle φ about the edge.
@@ -308,16 +334,41 @@ class ShellFinder {
     std::stable_sort(out.shells.begin(), out.shells.end(), larger);
     std::stable_sort(voids.begin(), voids.end(), larger);
     out.shells.insert(out.shells.end(), voids.begin(), voids.end());
+    add_void_table(out);
     out.outer_area = outer.value();
     out.void_area = inner.value();
     out.void_volume = enclosed.value();
+  }
+
+  void add_void_table(UnionTopology& out) const {
+    for (std::uint32_t r = 1; r < regions_.count; ++r) {
+      WideSum area;
+      for (auto shell = shells_.lower_bound({r, 0}); shell != shells_.end(); ++shell) {
+        if (shell->first.first != r) break;
+        area.add(shell->second.area);
+      }
+      Void v{area.value(), void_volume_[r].value(), deepest_[r].center, 0, lining_[r]};
+      std::ranges::sort(v.lining);
+      const auto repeated = std::ranges::unique(v.lining);
+      v.lining.erase(repeated.begin(), repeated.end());
+      v.clearance = std::numeric_limits<double>::infinity();
+      for (const std::uint32_t ball : v.lining) {
+        const Sphere& s = t_.balls[ball];
+        v.clearance = std::min(v.clearance, norm(s.center - v.center) - s.radius);
+      }
+      out.void_table.push_back(std::move(v));
+    }
+    std::ranges::stable_sort(out.void_table, std::ranges::greater{}, &Void::volume);
   }
 
   const PowerTriangulation& t_;
   const DualComplex& k_;
   const std::vector<SphereMeasures>& measures_;
   Labels components_, regions_;
-  std::vector<WideSum> void_volume_;  // per region; stays 0 for the outer region
+  // Per region; the outer region has none of these.
+  std::vector<WideSum> void_volume_;
+  std::vector<DeepestPoint> deepest_;
+  std::vector<std::vector<std::uint32_t>> lining_;  // balls, some repeatedly
   ShellTable shells_;
   std::vector<std::pair<std::uint32_t, double>> in_voids_;  // ball, a term of its area in voids
   std::vector<std::uint64_t> void_edges_;                   // sorted keys, see key()

@@ -200,6 +200,13 @@ TEST(UnionClosedForms, CageOfC60) {
   const double cage = std::sqrt(squared_norm(buckminsterfullerene(1.42, 1.7)[0].center));
   const double r = cage - 1.7;
   EXPECT_GT(-inner.volume, 4 * kPi / 3 * r * r * r);
+  ASSERT_EQ(u.topology->void_table.size(), 1u);
+  const Void& v = u.topology->void_table[0];
+  EXPECT_RELATIVE(v.volume, -inner.volume, kClosedForm);
+  EXPECT_RELATIVE(v.area, inner.area, kClosedForm);
+  EXPECT_LT(norm(v.center), 1e-10);
+  EXPECT_NEAR(v.clearance, r, 1e-10);
+  EXPECT_EQ(v.lining.size(), 60u);
 }
 
 // Outer surfaces come first and voids last, each with the larger before the smaller, wherever they
@@ -243,6 +250,11 @@ TEST(UnionClosedForms, IslandInAVoid) {
   constexpr double kVoid = 1e-11;
   EXPECT_RELATIVE(u.topology->shells[2].volume, hollow.topology->shells[1].volume, kVoid);
   EXPECT_RELATIVE(u.topology->void_volume, hollow.topology->void_volume - island.volume, kVoid);
+  ASSERT_EQ(u.topology->void_table.size(), 1u);
+  const Void& v = u.topology->void_table[0];
+  EXPECT_RELATIVE(v.volume, u.topology->void_volume, kVoid);
+  EXPECT_RELATIVE(v.area, hollow.topology->void_area + island.area, kVoid);
+  EXPECT_EQ(v.lining.back(), 26u);
 }
 
 TEST(UnionClosedForms, MonteCarloVolume) {
