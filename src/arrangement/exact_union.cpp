@@ -25,6 +25,7 @@
 #include "arrangement/complex/measures.hpp"
 #include "arrangement/complex/power_triangulation.hpp"
 #include "arrangement/complex/topology.hpp"
+#include "arrangement/many_unions.hpp"
 #include "arrangement/reference_measures.hpp"
 #include "arrangement/total_measures.hpp"
 #include "core/errors.hpp"
@@ -79,13 +80,25 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
   std::vector<SphereMeasures> measures, check_measures;
   UnionTopology topology;
   // The measures, and the check by other formulas, share only what they read. So they run in
-  // parallel.
+  // parallel. No exception may leave either branch: TBB would stop the loops inside of the other
+  // one, which would go on with what they had left undone.
+  FirstError error;
+  const auto keep_error = [&](const auto& branch) {
+    try {
+      branch();
+    } catch (...) {
+      error.keep(std::current_exception());
+    }
+  };
   tbb::parallel_invoke(
       [&] {
-        measures = inclusion_exclusion(triangulation, complex);
-        topology = union_topology(triangulation, complex, measures);
+        keep_error([&] {
+          measures = inclusion_exclusion(triangulation, complex);
+          topology = union_topology(triangulation, complex, measures);
+        });
       },
-      [&] { check_measures = gauss_bonnet(triangulation, complex); });
+      [&] { keep_error([&] { check_measures = gauss_bonnet(triangulation, complex); }); });
+  error.rethrow();
   unscale(topology, triangulation);
   // union_topology() knows the balls of the triangulation only; all other spheres are hidden.
   topology.hidden_spheres += spheres.size() - triangulation.balls.size();
