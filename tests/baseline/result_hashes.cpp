@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/arcs/arcs.hpp"
 #include "arrangement/exact_mesher.hpp"
@@ -49,6 +50,30 @@ void print_measures(const std::string& name, const IndexedMesh& mesh) {
   print(name + ", angles", of(found.quality.min_angle_deg));
   print(name + ", aspect ratios", of(found.quality.aspect_ratio));
   print(name + ", edges", of(found.quality.edge_length));
+}
+
+// Every triangle of a copy that is shifted a little crosses others of the mesh.
+void print_crossings(const std::string& name, IndexedMesh mesh) {
+  const auto vertices = static_cast<std::uint32_t>(mesh.vertex_count());
+  const std::size_t triangles = mesh.triangle_count();
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    mesh.positions.push_back(mesh.positions[v] + Vec3d{0.1, 0.05, 0});
+  }
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const auto [a, b, c] = mesh.triangles[t];
+    mesh.triangles.push_back({a + vertices, b + vertices, c + vertices});
+  }
+  std::vector<double> numbers;
+  for (const auto& [a, b] : intersecting_pairs(mesh))
+    numbers.insert(numbers.end(), {1.0 * a, 1.0 * b});
+  print(name + ", crossing triangles", numbers);
+}
+
+void print_distances(const std::string& name, const SphereSet& spheres, const IndexedMesh& mesh) {
+  const MeshDistances found = distances(mesh, spheres);
+  for (const DistanceStatistics& d : {found.mesh_to_surface, found.surface_to_mesh}) {
+    print(name + ", distances", std::vector<double>{d.mean, d.rms, d.max});
+  }
 }
 
 void print_surface(const std::string& name, const SphereSet& spheres, FieldKind kind,
@@ -123,6 +148,8 @@ int main() {
   const IndexedMesh exact = mesh_union(spheres).mesh;
   print("crease-exact", exact);
   print_measures("crease-exact", exact);
+  print_crossings("crease-exact", exact);
+  print_distances("crease-exact", spheres, exact);
   for (const double probe : {0.0, 1.4}) {
     print_arcs(fmt::format("arcs, probe {}", probe), spheres, probe);
   }
