@@ -30,19 +30,6 @@ namespace {
 
 constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
 
-// The structures of a call, by their places in the inputs.
-struct Part {
-  std::uint64_t first = 0, count = kAll;
-};
-
-// Parts follow each other and differ in length by one at most.
-Part part_of(const Shard& shard, std::uint64_t structures) {
-  const auto begin = [&](std::uint64_t part) {
-    return structures / shard.count * part + std::min(part, structures % shard.count);
-  };
-  return {begin(shard.number - 1), begin(shard.number) - begin(shard.number - 1)};
-}
-
 // What a file of rows holds already.
 struct Kept {
   std::uint64_t rows = 0, refused = 0;
@@ -167,7 +154,9 @@ void run_batch_verb(const Options& options) {
   const SourceOptions of_source{input.read.format, options.machine.memory_limit / kReadingFactor};
   // Only standard input is not counted.
   const bool counted = std::ranges::count(inputs, "-") == 0;
-  const Part part = counted ? part_of(choice.shard, count_structures(inputs, of_source)) : Part{};
+  const BatchPart part = counted ? part_of(choice.shard.number - 1, choice.shard.count,
+                                           count_structures(inputs, of_source))
+                                 : BatchPart{0, kAll};
   const std::unique_ptr<StructureSource> source = open_structures(inputs, of_source);
   skip(*source, part.first);
 

@@ -13,6 +13,7 @@
 #include "core/errors.hpp"
 #include "core/sum.hpp"
 #include "devices.hpp"
+#include "options.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {
@@ -26,25 +27,6 @@ const std::map<std::string, UnionMethod, std::less<>> kMethods{{"auto", UnionMet
                                                                {"cgal", UnionMethod::cgal},
                                                                {"arcs", UnionMethod::arcs},
                                                                {"both", UnionMethod::both}};
-
-UnionMethod method_of(const std::string& name) {
-  const auto found = kMethods.find(name);
-  if (found != kMethods.end()) return found->second;
-  throw InvalidInput(fmt::format("method: {}; there are auto, cgal, arcs and both", name));
-}
-
-const std::string& name_of(UnionMethod method) {
-  for (const auto& [name, value] : kMethods) {
-    if (value == method) return name;
-  }
-  throw InternalError("a method of the exact union without a name");
-}
-
-// The Python layer knows these names alone.
-TopologyRequest topology_of(const std::string& name) {
-  if (name == "none") return TopologyRequest::none;
-  return name == "counts" ? TopologyRequest::counts : TopologyRequest::full;
-}
 
 // What the functions of Python ask for, beside coordinates and radii.
 struct Request {
@@ -170,13 +152,20 @@ py::object counts_of(const ExactUnion& exact, TopologyRequest wanted) {
 py::object topology_of(const std::shared_ptr<const ExactUnion>& exact, TopologyRequest wanted) {
   if (wanted != TopologyRequest::full || !exact->topology) return py::none();
   const UnionTopology& t = *exact->topology;
+  py::list voids;
+  for (const Void& v : t.void_table) {
+    voids.append(py::dict("area"_a = v.area, "volume"_a = v.volume,
+                          "center"_a = py::make_tuple(v.center.x, v.center.y, v.center.z),
+                          "clearance"_a = v.clearance, "lining"_a = v.lining));
+  }
   static_assert(sizeof(Shell) == 2 * sizeof(double));
   const auto* shells = reinterpret_cast<const double*>(t.shells.data());
-  return py::dict(
-      "components"_a = t.components, "tunnels"_a = t.tunnels, "voids"_a = t.voids,
-      "euler_characteristic"_a = t.euler_characteristic, "point_contacts"_a = t.point_contacts,
-      "hidden_atoms"_a = t.hidden_spheres, "shells"_a = array_of(exact, shells, t.shells.size(), 2),
-      "outer_area"_a = t.outer_area, "void_area"_a = t.void_area, "void_volume"_a = t.void_volume);
+  return py::dict("components"_a = t.components, "tunnels"_a = t.tunnels, "voids"_a = t.voids,
+                  "euler_characteristic"_a = t.euler_characteristic,
+                  "point_contacts"_a = t.point_contacts, "hidden_atoms"_a = t.hidden_spheres,
+                  "shells"_a = array_of(exact, shells, t.shells.size(), 2),
+                  "outer_area"_a = t.outer_area, "void_area"_a = t.void_area,
+                  "void_volume"_a = t.void_volume, "void_table"_a = voids);
 }
 
 py::dict dict_of(ExactUnion&& result, TopologyRequest topology) {
@@ -217,6 +206,24 @@ py::tuple measure(const py::buffer& coords, const py::buffer& radii, const py::k
 }
 
 }  // namespace
+
+UnionMethod method_of(const std::string& name) {
+  const auto found = kMethods.find(name);
+  if (found != kMethods.end()) return found->second;
+  throw InvalidInput(fmt::format("method: {}; there are auto, cgal, arcs and both", name));
+}
+
+const std::string& name_of(UnionMethod method) {
+  for (const auto& [name, value] : kMethods) {
+    if (value == method) return name;
+  }
+  throw InternalError("a method of the exact union without a name");
+}
+
+TopologyRequest topology_of(const std::string& name) {
+  if (name == "none") return TopologyRequest::none;
+  return name == "counts" ? TopologyRequest::counts : TopologyRequest::full;
+}
 
 void bind_measures(py::module_& module) { module.def("measure", &measure); }
 

@@ -17,4 +17,5 @@ PYBIND11_MODULE(_core, module) {
   bind_meshes(module);
   bind_volumes(module);
   bind_checks(module);
+  bind_batches(module);
 }

@@ -12,6 +12,7 @@
 #include "arrays.hpp"
 #include "call.hpp"
 #include "core/errors.hpp"
+#include "options.hpp"
 #include "structure/elements.hpp"
 #include "structure/radii.hpp"
 #include "structure/reader.hpp"
@@ -32,21 +33,6 @@ StructureFormat format_of(const std::string& name) {
 }
 
 Inclusion inclusion_of(bool kept) { return kept ? Inclusion::keep : Inclusion::drop; }
-
-// Keyword arguments of the functions below, as vdwmesh.read has them.
-ReadOptions options_of(const py::kwargs& given) {
-  ReadOptions options;
-  options.format = format_of(given["format"].cast<std::string>());
-  options.model = given["model"].cast<std::string>();
-  options.assembly = given["assembly"].cast<std::string>();
-  options.radii = given["radii"].cast<std::string>();
-  options.select = given["select"].cast<std::string>();
-  options.altloc = given["altloc"].cast<std::string>();
-  options.waters = inclusion_of(given["waters"].cast<bool>());
-  options.hydrogens = inclusion_of(given["hydrogens"].cast<bool>());
-  options.hetero_atoms = inclusion_of(given["hetatm"].cast<bool>());
-  return options;
-}
 
 Array column(const Molecule& molecule, std::string Atom::*member) {
   std::vector<const std::string*> texts;
@@ -90,7 +76,7 @@ py::dict columns_of(const Molecule& molecule) {
 // Reads by read(options), which stops at Ctrl-C.
 template <class Read>
 py::dict read_freely(const py::kwargs& given, const Read& read) {
-  ReadOptions options = options_of(given);
+  ReadOptions options = read_options_of(given);
   return columns_of(call({}, [&](Monitor& monitor) {
     options.monitor = &monitor;
     return read(options);
@@ -127,6 +113,20 @@ RadiusTable table_of(const std::string& set) {
 }
 
 }  // namespace
+
+ReadOptions read_options_of(const py::kwargs& given) {
+  ReadOptions options;
+  options.format = format_of(given["format"].cast<std::string>());
+  options.model = given["model"].cast<std::string>();
+  options.assembly = given["assembly"].cast<std::string>();
+  options.radii = given["radii"].cast<std::string>();
+  options.select = given["select"].cast<std::string>();
+  options.altloc = given["altloc"].cast<std::string>();
+  options.waters = inclusion_of(given["waters"].cast<bool>());
+  options.hydrogens = inclusion_of(given["hydrogens"].cast<bool>());
+  options.hetero_atoms = inclusion_of(given["hetatm"].cast<bool>());
+  return options;
+}
 
 void bind_structures(py::module_& module) {
   module.def("read_file", &read_file);

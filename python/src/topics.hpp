@@ -10,6 +10,7 @@ void bind_structures(pybind11::module_& module);  // structures.cpp: files, radi
 void bind_measures(pybind11::module_& module);    // measures.cpp: exact measures
 void bind_meshes(pybind11::module_& module);      // meshes.cpp: meshes of spheres, of arrays, files
 void bind_volumes(pybind11::module_& module);     // volumes.cpp: marching cubes over a volume
+void bind_batches(pybind11::module_& module);     // batches.cpp: many structures
 void bind_checks(pybind11::module_& module);      // checks.cpp: quality, comparison, distances
 
 }  // namespace vdwmesh::python

@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from vdwmesh._batch import BatchRow, batch
     from vdwmesh._checks import (
         Comparison,
         DistanceStatistics,
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
         meshes,
         trajectory,
     )
-    from vdwmesh._measure import Counts, Topology
+    from vdwmesh._measure import Counts, Topology, Void
     from vdwmesh._mesh import Mesh, marching_cubes, mesh
     from vdwmesh._molecule import Molecule, radii_of, read, sample
     from vdwmesh.errors import (
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BackendUnavailable",
+    "BatchRow",
     "Comparison",
     "Counts",
     "CudaError",
@@ -60,7 +62,9 @@ __all__ = [
     "Quality",
     "Topology",
     "TrajectoryResult",
+    "Void",
     "__version__",
+    "batch",
     "compare",
     "exact",
     "frames",
@@ -79,11 +83,12 @@ __all__ = [
 # Where each name is. A module is imported when one of its names is first used (PEP 562), because
 # NumPy takes longer to import than all of this package.
 _HOMES = {
+    "_batch": "BatchRow batch",
     "_checks": "Comparison DistanceStatistics Distribution Quality "
     "compare quality signed_distance",
     "_exact": "ExactUnion exact sasa",
     "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",
-    "_measure": "Counts Topology",
+    "_measure": "Counts Topology Void",
     "_mesh": "Mesh marching_cubes mesh",
     "_molecule": "Molecule radii_of read sample",
     "errors": "BackendUnavailable CudaError Error FileFormatError "

@@ -33,6 +33,32 @@ class Counts:
 
 
 @dataclass(frozen=True)
+class Void:
+    """A pocket without a way out: a bounded component of the complement of a union of balls.
+
+    Attributes
+    ----------
+    area : float
+        Of its whole boundary, with that of what lies in it, Å².
+    volume : float
+        Å³.
+    center : tuple of float
+        The point of the void at which the least power to an atom, squared distance less squared
+        radius, is largest, Å: for one radius the centre of the largest ball that fits in.
+    clearance : float
+        From there to the nearest sphere, Å.
+    lining : tuple of int
+        Atoms with exposed area in the void, ascending.
+    """
+
+    area: float
+    volume: float
+    center: tuple[float, float, float]
+    clearance: float
+    lining: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Topology:
     """Topology of a union of closed balls, exact for the coordinates given.
 
@@ -53,6 +79,8 @@ class Topology:
         Å².
     void_volume : float
         Å³ enclosed by the voids.
+    void_table : tuple of Void
+        Each void, by falling volume.
     """
 
     components: int
@@ -65,6 +93,7 @@ class Topology:
     outer_area: float
     void_area: float
     void_volume: float
+    void_table: tuple[Void, ...]
 
 
 @dataclass(frozen=True)
@@ -100,6 +129,10 @@ def topology_request(topology: Any) -> str:
     return "full" if topology else "none"
 
 
+def _void(lining: list[int], **others: Any) -> Void:
+    return Void(lining=tuple(lining), **others)
+
+
 @dataclass(frozen=True)
 class InvalidFrame:
     """The first frame of a call that cannot be measured, from 0, and why."""
@@ -122,5 +155,7 @@ def measure(
             one["counts"] = Counts(**one["counts"])
         if one["topology"] is not None:
             shells = view(one["topology"].pop("shells"))
-            one["topology"] = Topology(shells=shells, **one["topology"])
+            voids = one["topology"].pop("void_table")
+            table = tuple(_void(**v) for v in voids)
+            one["topology"] = Topology(shells=shells, void_table=table, **one["topology"])
     return found, [view(sums) for sums in groups], None if invalid is None else InvalidFrame(*invalid)

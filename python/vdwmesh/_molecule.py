@@ -127,7 +127,34 @@ def read(
     InvalidInput
         No atom is left, an atom has no known radius, or the file lacks the model or assembly.
     """
-    options = {
+    options = read_options(
+        format, model, assembly, radii, select, altloc, waters=waters, hydrogens=hydrogens, hetatm=hetatm
+    )
+    if isinstance(source, (str, os.PathLike)):
+        return _molecule(_core.read_file(os.fspath(source), **options))
+    name = "bytes"
+    if not isinstance(source, (bytes, bytearray, memoryview)):
+        name = str(getattr(source, "name", "file"))
+        source = _content(source)
+    if not format and name in ("bytes", "file"):
+        raise InvalidInput("format: is needed where the source has no name: pdb, mmcif, bcif, pqr or xyzr")
+    return _molecule(_core.read_bytes(name, bytes(source), **options))
+
+
+def read_options(
+    format: str | None,
+    model: str | int,
+    assembly: str | int | None,
+    radii: str | os.PathLike[str],
+    select: str | None,
+    altloc: str,
+    *,
+    waters: bool,
+    hydrogens: bool,
+    hetatm: bool,
+) -> dict[str, Any]:
+    """The arguments of `read` as the C++ side takes them."""
+    return {
         "format": format or "",
         "model": str(model),
         "assembly": "asymmetric" if assembly is None else str(assembly),
@@ -138,15 +165,6 @@ def read(
         "hydrogens": hydrogens,
         "hetatm": hetatm,
     }
-    if isinstance(source, (str, os.PathLike)):
-        return _molecule(_core.read_file(os.fspath(source), **options))
-    name = "bytes"
-    if not isinstance(source, (bytes, bytearray, memoryview)):
-        name = str(getattr(source, "name", "file"))
-        source = _content(source)
-    if not format and name in ("bytes", "file"):
-        raise InvalidInput("format: is needed where the source has no name: pdb, mmcif, bcif, pqr or xyzr")
-    return _molecule(_core.read_bytes(name, bytes(source), **options))
 
 
 def _content(source: Any) -> bytes:

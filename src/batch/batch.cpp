@@ -198,6 +198,13 @@ std::size_t workers_for(const BatchOptions& options) {
 
 }  // namespace
 
+BatchPart part_of(std::uint64_t part, std::uint64_t parts, std::uint64_t structures) {
+  const auto begin = [&](std::uint64_t p) {
+    return structures / parts * p + std::min(p, structures % parts);
+  };
+  return {begin(part), begin(part + 1) - begin(part)};
+}
+
 BatchRow measure_structure(const NamedStructure& structure, const BatchOptions& options) {
   Space space;
   return row_of(structure, options, space);

@@ -44,6 +44,15 @@ struct BatchRow {
   std::optional<std::string> error;   // why there are no measures; one line
 };
 
+// A run of structures, by their places in the inputs.
+struct BatchPart {
+  std::uint64_t first, count;
+};
+
+// Part `part`, from 0, of `parts` of so many structures. Parts follow each other and differ in
+// length by one at most.
+BatchPart part_of(std::uint64_t part, std::uint64_t parts, std::uint64_t structures);
+
 // The row of one structure. A structure that is refused is a row with its error.
 BatchRow measure_structure(const NamedStructure& structure, const BatchOptions& options);
 

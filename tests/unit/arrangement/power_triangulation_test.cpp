@@ -3,12 +3,13 @@
 #include "arrangement/complex/power_triangulation.hpp"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <iterator>
 #include <vector>
 
-#include "core/errors.hpp"
+#include "arrangement/exact_union.hpp"
 #include "support/ball_families.hpp"
 
 namespace vdwmesh::testing {
@@ -65,6 +66,25 @@ TEST(PowerTriangulationInBlocks, OfBallsInAPlaneAndOnALine) {
   }
   expect_same_in_blocks(plane);
   expect_same_in_blocks(line);
+}
+
+// All parallel loops of the exact union by triangulation, on a set that is large enough for them.
+TEST(PowerTriangulationInBlocks, AnyNumberOfThreadsGivesTheSameUnion) {
+  Dice dice(6);
+  std::vector<Sphere> balls;
+  for (int i = 0; i < 3000; ++i) balls.push_back({random_point(dice, 12), dice.real(0.8, 1.6)});
+  const SphereSet spheres(balls);
+  triangulate(spheres, nullptr, 3);
+  const ExactUnion free = exact_union(spheres);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ExactUnion alone = exact_union(spheres);
+  EXPECT_EQ(free.area, alone.area);
+  EXPECT_EQ(free.volume, alone.volume);
+  EXPECT_EQ(*free.check_area, *alone.check_area);
+  EXPECT_EQ(*free.check_volume, *alone.check_volume);
+  EXPECT_EQ(free.topology->voids, alone.topology->voids);
+  EXPECT_EQ(free.topology->tunnels, alone.topology->tunnels);
+  EXPECT_EQ(free.topology->void_volume, alone.topology->void_volume);
 }
 
 // More blocks than balls, and balls of one place.
