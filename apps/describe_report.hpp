@@ -131,6 +131,54 @@ void describe(A& a, const ExactReport& exact) {
 }
 
 template <class A>
+void describe(A& a, const ExcludedShell& shell) {
+  a("area", shell.area), a("volume", shell.volume);
+  a("euler_characteristic", shell.euler_characteristic), a("genus", shell.genus);
+}
+
+template <class A>
+void describe(A& a, const AccessibleComponent& component) {
+  a("accessible_area", component.accessible_area);
+  a("accessible_volume", component.accessible_volume);
+  a("is_cavity", component.is_cavity);
+  a("excluded_area", component.excluded_area);
+}
+
+template <class A>
+void describe(A& a, const ExcludedCounts& counts) {
+  a("arcs", counts.arcs), a("whole_rings", counts.whole_rings);
+  a("spindle_saddles", counts.spindle_saddles), a("cusps", counts.cusps);
+  a("probes", counts.probes), a("low_probes", counts.low_probes);
+  a("crowded_probes", counts.crowded_probes), a("gathered_corners", counts.gathered_corners);
+  a("dropped_arcs", counts.dropped_arcs), a("crease_arcs", counts.crease_arcs);
+}
+
+template <class A>
+void describe(A& a, const ExcludedSurface& s) {
+  using T = ExcludedTopology;
+  a("area", s.area), a("volume", s.volume);
+  a("contact_area", s.area_by_kind.contact), a("saddle_area", s.area_by_kind.saddle);
+  a("concave_area", s.area_by_kind.concave);
+  a("contact_layer", s.layer_by_kind.contact), a("saddle_layer", s.layer_by_kind.saddle);
+  a("concave_layer", s.layer_by_kind.concave);
+  a("accessible_area", s.accessible_area), a("accessible_volume", s.accessible_volume);
+  a("euler_characteristic", of(s.topology, &T::euler_characteristic));
+  a("cavities", of(s.topology, &T::cavities));
+  a("shells", of(s.topology, &T::shells)), a("components", of(s.topology, &T::components));
+  a("gauss_bonnet_residual", of(s.topology, &T::gauss_bonnet_residual));
+  a("counts", s.counts);
+  a("closure", s.checks.closure), a("check_volume", s.checks.check_volume);
+  a("extended_decisions", s.checks.extended_decisions), a("ties", s.checks.ties);
+  a("uncertified_patches", s.checks.uncertified_patches);
+}
+
+template <class A>
+void describe(A& a, const ExcludedMeasures& excluded) {
+  a("probe", excluded.probe);
+  a("complete", excluded.complete), a("exterior", excluded.exterior);
+}
+
+template <class A>
 void describe(A& a, const AssumedRadius& assumed) {
   const auto unless_empty = [](const std::string& name) {
     return name.empty() ? std::nullopt : std::optional(name);

@@ -16,7 +16,9 @@ namespace {
 std::atomic<int> holders{0};
 std::atomic<int> pending{0};
 std::atomic<bool> progress_line_open{false};
-static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
+std::atomic<const char*> removed_file{nullptr};
+static_assert(std::atomic<const char*>::is_always_lock_free &&
+                  std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
               "a signal handler may use them");
 
 // Nothing but what POSIX allows in a signal handler.
@@ -27,6 +29,7 @@ extern "C" void on_signal(int signal) {
   }
   if (progress_line_open.load()) [[maybe_unused]]
     const auto n = ::write(STDERR_FILENO, "\n", 1);
+  if (const char* const file = removed_file.load()) ::unlink(file);
   ::_exit(128 + signal);
 }
 
@@ -48,6 +51,12 @@ HoldSignals::HoldSignals() {
 }
 
 HoldSignals::~HoldSignals() { --holders; }
+
+RemoveOnSignal::RemoveOnSignal(const std::filesystem::path& file) : name_(file.string()) {
+  removed_file.store(name_.c_str());
+}
+
+RemoveOnSignal::~RemoveOnSignal() { removed_file.store(nullptr); }
 
 void set_progress_line_open(bool open) { progress_line_open.store(open); }
 

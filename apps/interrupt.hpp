@@ -2,6 +2,9 @@
 // then they wait until what there is of it is removed, or it stands whole under its name.
 #pragma once
 
+#include <filesystem>
+#include <string>
+
 #include "core/monitor.hpp"
 
 namespace vdwmesh::apps {
@@ -18,6 +21,19 @@ class HoldSignals {
   ~HoldSignals();
   HoldSignals(const HoldSignals&) = delete;
   HoldSignals& operator=(const HoldSignals&) = delete;
+};
+
+// While this lives, a signal that ends the program removes the file first: of a file that other
+// processes write as well, nobody can wait for the end. One at a time.
+class RemoveOnSignal {
+ public:
+  explicit RemoveOnSignal(const std::filesystem::path& file);
+  ~RemoveOnSignal();
+  RemoveOnSignal(const RemoveOnSignal&) = delete;
+  RemoveOnSignal& operator=(const RemoveOnSignal&) = delete;
+
+ private:
+  std::string name_;
 };
 
 // Cancelled by a signal that waits. Shows no progress.

@@ -95,10 +95,10 @@ std::optional<std::uint64_t> PeakMemory::bytes() const {
   return std::nullopt;
 }
 
-std::uint64_t default_memory_limit() {
+std::uint64_t default_memory_limit(std::uint64_t processes) {
   const std::uint64_t least = std::min(available_memory().value_or(kNoMemoryLimit),
                                        cgroup_limit().value_or(kNoMemoryLimit));
-  return least == kNoMemoryLimit ? kNoMemoryLimit : least / 5 * 4;
+  return least == kNoMemoryLimit ? kNoMemoryLimit : least / 5 * 4 / processes;
 }
 
 }  // namespace vdwmesh::apps

@@ -6,9 +6,9 @@
 
 namespace vdwmesh::apps {
 
-// 80 % of the least of the available memory and what the cgroups of this process leave, in bytes.
-// Without either figure there is no limit.
-std::uint64_t default_memory_limit();
+// 80 % of the least of the available memory and what the cgroups of this process leave, in bytes,
+// divided among `processes` like this one. Without either figure there is no limit.
+std::uint64_t default_memory_limit(std::uint64_t processes = 1);
 
 // Makes freed memory stay with the process, for the stages that follow. By default glibc returns
 // large blocks to the kernel, which clears every page that it gives out again: that was more than

@@ -32,9 +32,11 @@ struct MemoryDemand {
   Switch distances = Switch::off;
 };
 
-// The method whose memory the exact union takes: a certificate has the triangulation as well.
+// The method whose memory the exact measures take: a certificate, and the excluded surface, have
+// the triangulation as well.
 inline UnionMethod method_for_memory(const ExactOptions& exact) {
-  const bool more = exact.certify == Switch::on && exact.method == UnionMethod::arcs;
+  const bool triangulates = exact.certify == Switch::on || exact.surface == ExactSurface::excluded;
+  const bool more = triangulates && exact.method == UnionMethod::arcs;
   return more ? UnionMethod::both : exact.method;
 }
 

@@ -49,7 +49,12 @@ enum class SelfIntersections { count = 1, skip = 2 };
 // CGAL's measures of the OpenMesh mesh, beside ours.
 enum class CgalCheck { small_meshes, run, skip };
 
+// Which surface the exact measures are of: the boundary of the union of the balls, which a probe
+// makes the accessible surface; or the solvent-excluded surface.
+enum class ExactSurface { vdw, excluded };
+
 struct ExactOptions {
+  ExactSurface surface = ExactSurface::vdw;
   UnionMethod method = UnionMethod::cgal;
   TopologyRequest topology = TopologyRequest::full;
   Switch certify = Switch::off;

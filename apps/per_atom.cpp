@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <map>
 #include <tuple>
 
@@ -91,17 +92,21 @@ std::string relative_fields(const Row& row, const PerAtomTable& table) {
                      csv_number(relative.apolar));
 }
 
-// What the atoms of a row do not share has no value for it.
-void print(std::string& csv, const Row& row, const PerAtomTable& table) {
+// What and where the atoms of a row are. What they do not share has no value for the row.
+void print_place(std::string& csv, const Row& row, double probe) {
   const auto& [model, chain, residue_number, residue_name] = row.key;
   csv += fmt::format("{},{},{},{},", model, csv_field(chain), csv_field(residue_number),
                      csv_field(residue_name));
   if (row.atom) {
     csv += fmt::format("{},{},{},{},{}", csv_field(row.atom->name), row.atom->element,
-                       row.atom->serial, row.atoms, row.atom->radius + table.probe);
+                       row.atom->serial, row.atoms, row.atom->radius + probe);
   } else {
     csv += fmt::format(",,,{},", row.atoms);
   }
+}
+
+void print(std::string& csv, const Row& row, const PerAtomTable& table) {
+  print_place(csv, row, table.probe);
   csv += fmt::format(",{},{},{},{},{}", sum_field(row, row.exact_area),
                      table.mesh_area.empty() ? "" : sum_field(row, row.mesh_area),
                      sum_field(row, row.exact_volume), row.measured,
@@ -128,6 +133,31 @@ std::string per_atom_csv(const PerAtomTable& table) {
   }
   std::string csv = kHeader;
   for (const Row& row : rows) print(csv, row, table);
+  return csv;
+}
+
+std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<ExcludedAtom>& shares,
+                               AtomGroup group) {
+  std::vector<std::size_t> row_of_atom;
+  std::vector<Row> rows = make_rows(molecule, group, row_of_atom);
+  std::vector<std::array<WideSum, 4>> sums(rows.size());  // contact, saddle, concave, volume
+  for (std::size_t i = 0; i < row_of_atom.size(); ++i) {
+    ++rows[row_of_atom[i]].atoms;
+    std::array<WideSum, 4>& sum = sums[row_of_atom[i]];
+    sum[0].add(shares[i].area.contact);
+    sum[1].add(shares[i].area.saddle);
+    sum[2].add(shares[i].area.concave);
+    sum[3].add(shares[i].volume);
+  }
+  std::string csv =
+      "model,chain,residue_number,residue_name,atom_name,element,serial,atoms,radius,contact_area,"
+      "saddle_area,concave_area,excluded_area,excluded_volume\n";
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    print_place(csv, rows[r], 0);
+    const auto& [contact, saddle, concave, volume] = sums[r];
+    csv += fmt::format(",{},{},{},{},{}\n", contact.value(), saddle.value(), concave.value(),
+                       contact.value() + saddle.value() + concave.value(), volume.value());
+  }
   return csv;
 }
 

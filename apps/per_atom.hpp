@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "arrangement/exact_union.hpp"
+#include "excluded/excluded_measures.hpp"
 #include "options.hpp"
 #include "structure/molecule.hpp"
 
@@ -24,5 +25,10 @@ struct PerAtomTable {
 // row, or were not computed, are empty: the measures of a row without an atom that --measure chose.
 // Sums are over the chosen atoms of a row, which the column of the measured ones counts.
 std::string per_atom_csv(const PerAtomTable& table);
+
+// The shares of atoms, residues or chains in the excluded surface: area by kind of patch and whole,
+// and volume.
+std::string excluded_atoms_csv(const Molecule& molecule, const std::vector<ExcludedAtom>& shares,
+                               AtomGroup group);
 
 }  // namespace vdwmesh::apps

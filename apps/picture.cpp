@@ -7,13 +7,13 @@
 
 #include <algorithm>
 
-#include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "cuda/backend.hpp"
 #include "cuda/cuda_source.hpp"
 #include "mesh/element_color.hpp"
 #include "output.hpp"
 #include "render/crease_split.hpp"
+#include "steps.hpp"
 #include "stopwatch.hpp"
 
 namespace vdwmesh::apps {
@@ -68,15 +68,6 @@ PictureReport report_of(const PictureOptions& options, const MeshSource& source,
 
 }  // namespace
 
-IndexedMesh triangle_centers(const IndexedMesh& mesh) {
-  IndexedMesh centers;
-  centers.positions.resize(mesh.triangle_count());
-  std::ranges::transform(mesh.triangles, centers.positions.begin(), [&](const Triangle& t) {
-    return (1.0 / 3) * (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]);
-  });
-  return centers;
-}
-
 Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
   std::vector<Rgb> atoms;
   atoms.reserve(molecule.atoms.size());
@@ -93,8 +84,8 @@ Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
 }
 
 Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,
-                        const PictureOptions& options, Monitor* monitor) {
-  std::vector<float> values = vertex_distances(triangle_centers(mesh), spheres, monitor);
+                        const PictureOptions& options, Session& session) {
+  std::vector<float> values = measure_centers(mesh, spheres, session);
   const double bound = symmetric_bound(values, kInside);
   ColorScale scale =
       scale_for(values, ColorMap::cool_warm, {-bound, bound},
@@ -137,7 +128,7 @@ void draw_surface(const IndexedMesh& mesh, const SphereSet& spheres, const Paint
 void draw_distances(const IndexedMesh& mesh, const SphereSet& spheres,
                     const PictureOptions& options, Session& session) {
   const auto painter = [&](const IndexedMesh& shown) {
-    return paint_by_distance(shown, spheres, options, session.monitor);
+    return paint_by_distance(shown, spheres, options, session);
   };
   draw_surface(mesh, spheres, painter, options, session);
 }

@@ -15,15 +15,12 @@ namespace vdwmesh::apps {
 // What the surface is painted with is chosen when it is known which mesh is drawn.
 using Painter = std::function<Paint(const IndexedMesh&)>;
 
-// The middles of the triangles as points alone, which vertex_distances() takes.
-IndexedMesh triangle_centers(const IndexedMesh& mesh);
-
 // CPK colours of the vertices' atoms.
 Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule);
 // Signed distance of every triangle's centre to the boundary of the union: where a mesh has its
 // vertices on the surface, its error is between them.
 Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,
-                        const PictureOptions& options, Monitor* monitor);
+                        const PictureOptions& options, Session& session);
 // Smallest angle of every triangle.
 Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options);
 

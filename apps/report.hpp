@@ -15,6 +15,7 @@
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/exact_union.hpp"
+#include "excluded/excluded_measures.hpp"
 #include "options.hpp"
 #include "render/color_scale.hpp"
 #include "stopwatch.hpp"
@@ -103,13 +104,19 @@ struct ExactReport : ExactUnion {
   Backend backend = Backend::cpu;             // that measured the spheres
 };
 
+struct ComparisonReport : Comparison {
+  Backend distances_backend = Backend::cpu;     // that measured the distances
+  std::optional<std::string> distances_reason;  // why automatic did not take CUDA for them
+};
+
 struct Report {
   InputReport input;
   std::optional<ParametersReport> parameters;
   std::optional<BackendReport> backend;
   std::optional<MeshReport> mesh;
   std::optional<ExactReport> exact;
-  std::optional<Comparison> comparison;
+  std::optional<ExcludedMeasures> excluded;
+  std::optional<ComparisonReport> comparison;
   std::optional<PictureReport> picture;
   Timing timing;
   std::vector<std::string> notes;     // for people: what was chosen or left out
@@ -145,8 +152,9 @@ void add_warnings(Report& report);
 
 std::string to_json(const Report& report);
 std::string to_text(const Report& report);
-// The lines of to_text() about the picture, and its notes and warnings.
+// The lines of to_text() about the picture, its times, and its notes and warnings.
 std::string picture_text(const PictureReport& picture);
+std::string timing_text(const Timing& timing);
 std::string remarks_text(const Report& report);
 
 }  // namespace vdwmesh::apps

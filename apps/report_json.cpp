@@ -42,7 +42,7 @@ void describe(JsonText& a, const ParametersReport& parameters) {
 }
 
 // Distances may be left out while the rest is there, so each of their members is null by itself.
-void describe(JsonText& a, const Comparison& comparison) {
+void describe(JsonText& a, const ComparisonReport& comparison) {
   const auto& distances = comparison.distances;
   using D = MeshDistances;
   a("area_relative_error", comparison.area_relative_error);
@@ -52,6 +52,8 @@ void describe(JsonText& a, const Comparison& comparison) {
   a("surface_to_mesh", of(distances, &D::surface_to_mesh));
   a("hausdorff_lower_bound", of(distances, &D::hausdorff_lower_bound));
   a("samples", of(distances, &D::samples)), a("seed", of(distances, &D::seed));
+  a("distances_backend", distances ? std::optional(comparison.distances_backend) : std::nullopt);
+  a("distances_reason", comparison.distances_reason);
 }
 
 void describe(JsonText& a, const ColorScale& scale) {
@@ -86,6 +88,7 @@ std::string to_json(const Report& report) {
   json("backend", report.backend);
   json("mesh", report.mesh);
   json("exact", report.exact);
+  json("excluded", report.excluded);
   json("comparison", report.comparison);
   json("picture", report.picture);
   json("timing", report.timing);

@@ -171,10 +171,10 @@ std::string figure(const std::optional<Cells>& figures, const char* key) {
 // A row of the table: what it is called, and the keys of its figures in mesh and exact union. A
 // mesh has no polarity: rows without a key of it stand there only if the exact union has the
 // figure.
-struct Row {
+struct TableRow {
   const char *label, *mesh, *exact, *unit;
 };
-constexpr Row kRows[] = {
+constexpr TableRow kTableRows[] = {
     {"Area", "area", "area", "Å²"},
     {"  polar area", nullptr, "polar_area", "Å²"},
     {"  apolar area", nullptr, "apolar_area", "Å²"},
@@ -199,7 +199,7 @@ void table_text(Text out, const Report& report) {
   }
   fmt::format_to(out, "\n{:<22}{:>14}{:>16}{:>14}\n", "", mesh ? "mesh" : "", exact ? "exact" : "",
                  report.comparison ? "mesh - exact" : "");
-  for (const Row& row : kRows) {
+  for (const TableRow& row : kTableRows) {
     if (!row.mesh && (!exact || (*exact)[row.exact].empty())) continue;
     std::string text = fmt::format(
         "{:<22}{}{}{}  {}", row.label, on_the_right(row.mesh ? figure(mesh, row.mesh) : "", 14),
@@ -242,6 +242,47 @@ void exact_text(Text out, const ExactReport& exact) {
     text += fmt::format("; {} atoms by the reference instead of arcs", exact.fallback_spheres);
   }
   line(out, "Exact union", text);
+}
+
+// The two surfaces side by side.
+void excluded_text(Text out, const ExcludedMeasures& excluded) {
+  const ExcludedSurface& s = excluded.complete;
+  const auto& outside = excluded.exterior;
+  line(out, "Excluded",
+       fmt::format("{} probes, {} low, {} crowded; {} arcs, {} of them spindles, {} rings",
+                   s.counts.probes, s.counts.low_probes, s.counts.crowded_probes, s.counts.arcs,
+                   s.counts.spindle_saddles, s.counts.whole_rings));
+  line(
+      out, "",
+      fmt::format("not closed by {:.1e} of the area; second formula differs by {:.1e} (volume); {} "
+                  "patches decided by wide numbers, {} ties, {} not certified",
+                  s.checks.closure, relative_difference(s.checks.check_volume, s.volume),
+                  s.checks.extended_decisions, s.checks.ties, s.checks.uncertified_patches));
+  fmt::format_to(out, "\n{:<22}{:>16}{:>16}\n", "", "complete", outside ? "exterior" : "");
+  const auto row = [&](const char* label, const auto& value, const char* unit) {
+    fmt::format_to(out, "{:<22}{:>16.3f}{:>16}  {}\n", label, value(s),
+                   outside ? fmt::format("{:.3f}", value(*outside)) : "", unit);
+  };
+  using S = ExcludedSurface;
+  row(
+      "Area", [](const S& x) { return x.area; }, "Å²");
+  row(
+      "  contact", [](const S& x) { return x.area_by_kind.contact; }, "Å²");
+  row(
+      "  saddle", [](const S& x) { return x.area_by_kind.saddle; }, "Å²");
+  row(
+      "  concave", [](const S& x) { return x.area_by_kind.concave; }, "Å²");
+  row(
+      "Volume", [](const S& x) { return x.volume; }, "Å³");
+  if (!s.topology) return;
+  const auto count = [&](const char* label, const auto& value) {
+    fmt::format_to(out, "{:<22}{:>16}{:>16}\n", label, value(*s.topology),
+                   outside ? fmt::to_string(value(*outside->topology)) : "");
+  };
+  using T = ExcludedTopology;
+  count("Shells", [](const T& t) { return t.shells.size(); });
+  count("  walls of cavities", [](const T& t) { return t.cavities; });
+  count("Euler characteristic", [](const T& t) { return t.euler_characteristic; });
 }
 
 // The ends of the intervals with all their digits: rounded ones might not contain the value.
@@ -353,13 +394,15 @@ void distance_row(Text out, std::string_view label, const DistanceStatistics& d)
 }
 
 // Both directions: a mesh may lie close to the surface and still lack a part of it.
-void distances_text(Text out, const MeshDistances& distances) {
+void distances_text(Text out, const ComparisonReport& comparison) {
+  const MeshDistances& distances = *comparison.distances;
   fmt::format_to(out, "\n{:<22}{:>14}{:>10}{:>10}{:>10}{:>10}\n", "Distance", "mean", "rms", "95 %",
                  "99 %", "max");
   distance_row(out, "mesh to surface", distances.mesh_to_surface);
   distance_row(out, "surface to mesh", distances.surface_to_mesh);
-  fmt::format_to(out, "Hausdorff distance: at least {:.5f} Å ({} samples, seed {})\n",
-                 distances.hausdorff_lower_bound, distances.samples, distances.seed);
+  fmt::format_to(out, "Hausdorff distance: at least {:.5f} Å ({} samples, seed {}){}\n",
+                 distances.hausdorff_lower_bound, distances.samples, distances.seed,
+                 comparison.distances_backend == Backend::cuda ? ", measured on cuda" : "");
 }
 
 // Stages that did not run are left out.
@@ -369,11 +412,6 @@ std::string seconds_text(const Seconds& all) {
     if (seconds) parts.push_back(fmt::format("{} {:.3f}", in_words(name), *seconds));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
-}
-
-void timing_text(Text out, const Timing& timing) {
-  line(out, "Time (s)", seconds_text(wall_seconds(timing)));
-  line(out, "CPU (s)", seconds_text(cpu_seconds(timing)));
 }
 
 void remarks(Text out, std::string_view label, const std::vector<std::string>& list) {
@@ -388,6 +426,14 @@ std::string remarks_text(const Report& report) {
   if (report.mesh) remarks(out, "Note", report.mesh->notes);
   remarks(out, "Note", report.notes);
   remarks(out, "WARNING", report.warnings);
+  return text;
+}
+
+std::string timing_text(const Timing& timing) {
+  std::string text;
+  const Text out(text);
+  line(out, "Time (s)", seconds_text(wall_seconds(timing)));
+  line(out, "CPU (s)", seconds_text(cpu_seconds(timing)));
   return text;
 }
 
@@ -418,16 +464,16 @@ std::string to_text(const Report& report) {
   if (report.exact) exact_text(out, *report.exact);
   if (report.exact && report.exact->certificate) certificate_text(out, *report.exact->certificate);
   if (report.exact) measured_text(out, report.input);
-  table_text(out, report);
+  if (report.excluded) excluded_text(out, *report.excluded);
+  if (!report.excluded) table_text(out, report);
   if (report.mesh) mesh_text(out, *report.mesh);
   if (report.comparison && report.comparison->distances) {
-    distances_text(out, *report.comparison->distances);
+    distances_text(out, *report.comparison);
   }
   text += '\n';
   if (report.picture) text += picture_text(*report.picture);
   text += remarks_text(report);
-  timing_text(out, report.timing);
-  return text;
+  return text + timing_text(report.timing);
 }
 
 }  // namespace vdwmesh::apps

@@ -11,6 +11,8 @@
 
 #include "arrangement/exact_mesher.hpp"
 #include "cuda/backend.hpp"
+#include "grid_checks.hpp"
+#include "output.hpp"
 #include "refuse.hpp"
 #include "stopwatch.hpp"
 #include "void_table.hpp"
@@ -48,39 +50,6 @@ ParametersReport describe_parameters(const SurfaceOptions& surface,
     report.blobbiness = surface.field.blobbiness.value_or(2);
   }
   return report;
-}
-
-// A ball holds a grid node for certain when the spacing is at most 2/√3 of its radius.
-double smallest_radius(const SphereSet& spheres) {
-  const auto by_radius = [](const Sphere& a, const Sphere& b) { return a.radius < b.radius; };
-  return std::ranges::min_element(spheres.spheres(), by_radius)->radius;
-}
-
-[[noreturn]] void throw_too_coarse(double spacing, const SphereSet& spheres) {
-  throw InvalidInput(fmt::format(
-      "--spacing {}: too coarse, no grid node lies inside the surface; try --spacing {:.2g}",
-      spacing, smallest_radius(spheres)));
-}
-
-// A node may lie inside by chance where the spacing is larger than the molecule, and what is made
-// of it then is no surface; spacings beyond all digits of the coordinates do not even have nodes.
-void require_sensible_spacing(const SphereSet& spheres, double spacing) {
-  const Box box = bounding_box(spheres);
-  const Vec3d size = box.upper - box.lower;
-  if (spacing > std::max({size.x, size.y, size.z})) throw_too_coarse(spacing, spheres);
-}
-
-// A grid fine enough for the balls is not what lacks where a blended field stays below its
-// isovalue.
-void require_triangles(const IndexedMesh& mesh, const SphereSet& spheres,
-                       const ParametersReport& parameters) {
-  if (mesh.triangle_count() > 0) return;
-  const double spacing = parameters.grid->spacing;
-  if (!parameters.isovalue || spacing > smallest_radius(spheres))
-    throw_too_coarse(spacing, spheres);
-  throw InvalidInput(
-      fmt::format("--isovalue {}: the field reaches it at no grid node; try a lower one",
-                  *parameters.isovalue));
 }
 
 // How many devices make a mesh; only an extraction is shared among several.
@@ -125,7 +94,8 @@ IndexedMesh mesh_field(const SphereSet& spheres, const SurfaceOptions& surface,
   refine.grid = grid;
   PipelineResult result = make_pipeline(report.backend->requested)->run(spheres, extract, refine);
   account_for_fallback(result.fallback, report);
-  require_triangles(result.mesh, spheres, *report.parameters);
+  require_triangles(result.mesh.triangle_count(), spheres, grid.spacing,
+                    report.parameters->isovalue);
   report.timing.field = result.extract.field_seconds;
   report.timing.extract = result.extract.extract_seconds;
   if (!result.levels.empty()) report.timing.refine = result.refine_seconds;
@@ -367,6 +337,22 @@ void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Sess
   session.end_stage(&Timing::exact);
 }
 
+void measure_excluded(const Molecule& molecule, double probe, const ExactOptions& options,
+                      Switch per_atom, Session& session) {
+  ExcludedOptions wanted{.probe = probe, .monitor = session.monitor};
+  wanted.per_atom = per_atom == Switch::on;
+  wanted.shells = options.topology == TopologyRequest::full;
+  wanted.exterior = true;
+  session.report.excluded = excluded_measures(to_spheres(molecule, 0), wanted);
+  const std::uint64_t doubtful = session.report.excluded->complete.checks.uncertified_patches;
+  session.report.warn_if(
+      doubtful > 0,
+      "{} concave patches of the excluded surface are not certified: area, volume "
+      "and topology may be wrong there",
+      doubtful);
+  session.end_stage(&Timing::exact);
+}
+
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session) {
   if (output.voids.empty()) return;
   session.end_progress();
@@ -381,20 +367,64 @@ void measure_polarity(const Molecule& molecule, Session& session) {
   session.end_stage(&Timing::exact);
 }
 
-MeshDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
-                                const DistanceChoice& choice, const Session& session) {
-  return distances(
+// A device is taken without being asked for where the mesh was made on it or where that saves time.
+DistanceBackend choose_for_distances(std::uint64_t triangles, const Session& session) {
+  const Backend requested = session.machine.backend;
+  if (requested != Backend::automatic) return {requested, std::nullopt};
+  const DeviceList list = cuda_devices();
+  if (list.devices.empty()) return {Backend::cpu, list.reason};
+  const auto& mesher = session.report.backend;
+  const bool is_started = mesher && mesher->used == Backend::cuda;
+  if (is_started || triangles >= kTrianglesWorthADevice) return {Backend::automatic, std::nullopt};
+  return {Backend::cpu,
+          fmt::format("for {} triangles the start of a device takes longer", triangles)};
+}
+
+MeasuredDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                                    const DistanceChoice& choice, const Session& session) {
+  const Backend backend = choose_for_distances(mesh.triangle_count(), session).backend;
+  return make_distance_measurer(backend)->measure(
       mesh, spheres,
       {choice.samples_per_area, choice.seed, session.machine.memory_limit, session.monitor});
 }
 
+std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& spheres,
+                                   Session& session) {
+  std::vector<Vec3d> centers(mesh.triangle_count());
+  std::ranges::transform(mesh.triangles, centers.begin(), [&](const Triangle& t) {
+    return (1.0 / 3) * (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]);
+  });
+  const Backend backend = choose_for_distances(mesh.triangle_count(), session).backend;
+  const MeasuredPoints measured =
+      make_distance_measurer(backend)->measure_points(centers, spheres, session.monitor);
+  if (!measured.fallback.empty()) session.report.notes.push_back(measured.fallback);
+  return {measured.result.begin(), measured.result.end()};
+}
+
+namespace {
+
+// Measures the distances and says which backend did, and why.
+void add_distances(const IndexedMesh& mesh, const SphereSet& spheres, const DistanceChoice& choice,
+                   Session& session) {
+  ComparisonReport& comparison = *session.report.comparison;
+  const DistanceBackend chosen = choose_for_distances(mesh.triangle_count(), session);
+  const MeasuredDistances measured = measure_distances(mesh, spheres, choice, session);
+  comparison.distances = measured.result;
+  comparison.distances_reason = chosen.reason;
+  comparison.distances_backend = chosen.backend == Backend::cpu ? Backend::cpu : Backend::cuda;
+  if (measured.fallback.empty()) return;
+  session.report.notes.push_back(measured.fallback);
+  comparison.distances_backend = Backend::cpu;
+  comparison.distances_reason = measured.fallback;
+}
+
+}  // namespace
+
 void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceChoice& choice, Session& session) {
   Report& report = session.report;
-  report.comparison = compare(report.mesh->topology, report.mesh->measures, *report.exact);
-  if (choice.distances == Switch::on) {
-    report.comparison->distances = measure_distances(mesh, spheres, choice, session);
-  }
+  report.comparison.emplace(compare(report.mesh->topology, report.mesh->measures, *report.exact));
+  if (choice.distances == Switch::on) add_distances(mesh, spheres, choice, session);
   const auto& counts = report.exact->counts;
   warn_of_lost_components(counts ? counts->components : count_components(spheres), report);
   session.end_stage(&Timing::compare);

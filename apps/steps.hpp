@@ -68,14 +68,29 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session)
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
                      const std::optional<std::vector<SphereId>>& measured = std::nullopt);
 
+// The excluded surface of the atoms, with the shares of atoms if `per_atom` is set.
+void measure_excluded(const Molecule& molecule, double probe, const ExactOptions& options,
+                      Switch per_atom, Session& session);
+
 // Writes the table of voids where --voids asked for it; the exact union must be in the report.
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session);
 
 // The polar and apolar parts of the exact area, which must be in the report.
 void measure_polarity(const Molecule& molecule, Session& session);
 
-MeshDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
-                                const DistanceChoice& choice, const Session& session);
+// Which backend measures distances of a mesh, and if the choice is automatic and the CPU does, why.
+struct DistanceBackend {
+  Backend backend;
+  std::optional<std::string> reason;
+};
+DistanceBackend choose_for_distances(std::uint64_t triangles, const Session& session);
+
+MeasuredDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                                    const DistanceChoice& choice, const Session& session);
+
+// The signed distance of the centre of each triangle to the boundary of the union, Å.
+std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& spheres,
+                                   Session& session);
 
 // Mesh beside exact union, which both must be in the report, and the distances between them.
 void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,

@@ -9,6 +9,25 @@
 #include "verbs.hpp"
 
 namespace vdwmesh::apps {
+namespace {
+
+// The same for the excluded surface. The balls of which memory is checked are those grown by the
+// probe.
+void run_excluded(const Options& options, const Molecule& molecule, VerbSession& session) {
+  const bool per_atom = !options.output.per_atom.empty();
+  measure_excluded(molecule, options.inputs.front().probe, options.exact,
+                   per_atom ? Switch::on : Switch::off, session);
+  if (per_atom) {
+    session.end_progress();
+    write_output(options.output.per_atom,
+                 excluded_atoms_csv(molecule, session.report.excluded->complete.per_atom,
+                                    options.output.group));
+    session.end_stage(&Timing::write);
+  }
+  session.deliver_report(options.output);
+}
+
+}  // namespace
 
 void run_exact(const Options& options) {
   VerbSession session(options.machine);
@@ -18,6 +37,10 @@ void run_exact(const Options& options) {
   demand.exact = method_for_memory(options.exact);
   check_memory_before(demand, spheres, options.machine.memory_limit);
   session.end_stage(&Timing::plan);
+  if (options.exact.surface == ExactSurface::excluded) {
+    run_excluded(options, molecule, session);
+    return;
+  }
   measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
   measure_polarity(molecule, session);
   if (!options.output.per_atom.empty()) {

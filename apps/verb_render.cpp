@@ -41,12 +41,12 @@ void check_memory(const SphereSet& spheres, const Options& options) {
 }
 
 Paint paint_for(const IndexedMesh& mesh, const Structure& structure, const PictureOptions& picture,
-                Monitor* monitor) {
+                Session& session) {
   const ColorBy color = picture.color.value_or(ColorBy::element);
   if (color == ColorBy::element) return paint_by_element(mesh, structure.molecule);
   if (color == ColorBy::angle) return paint_by_angle(mesh, picture);
   if (color == ColorBy::plain) return picture.plain;
-  return paint_by_distance(mesh, structure.spheres, picture, monitor);
+  return paint_by_distance(mesh, structure.spheres, picture, session);
 }
 
 // Where triangles know their spheres, creases are drawn sharp.
@@ -55,7 +55,7 @@ void draw_structure(const Options& options, Session& session) {
   check_memory(structure.spheres, options);
   const IndexedMesh mesh = make_mesh(structure.spheres, options.surface, session);
   const auto painter = [&](const IndexedMesh& shown) {
-    return paint_for(shown, structure, options.picture, session.monitor);
+    return paint_for(shown, structure, options.picture, session);
   };
   draw_surface(mesh, structure.spheres, painter, options.picture, session);
 }

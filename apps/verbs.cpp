@@ -1,12 +1,12 @@
-// The table of the verbs. It stands apart from the verbs themselves, so that the list of options
-// can name them without knowing what they do. A verb is a function of the checked options; it
-// throws where it fails, and main() knows what that means.
+// The table of the verbs of vdwmesh. It stands apart from the verbs themselves, so that the list of
+// options can name them without knowing what they do. A verb is a function of the checked options;
+// it throws where it fails, and main() knows what that means.
 #include "verbs.hpp"
 
 namespace vdwmesh::apps {
 namespace {
 
-constexpr Verb kVerbs[] = {
+const Verb kVerbs[] = {
     {kMesh, "mesh", "structure -> welded mesh file", run_mesh},
     {kReport, "report", "mesh + exact geometry + comparison", run_report},
     {kExact, "exact", "exact sphere union only, no mesh", run_exact},
@@ -26,6 +26,11 @@ constexpr Verb kVerbs[] = {
 
 }  // namespace
 
-std::span<const Verb> all_verbs() { return kVerbs; }
+const Program& plain_program() {
+  static const Program program{
+      "vdwmesh", "vdwmesh",
+      "Van der Waals surface meshes of molecules, and proof of how good they are", kVerbs};
+  return program;
+}
 
 }  // namespace vdwmesh::apps

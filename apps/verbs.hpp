@@ -1,6 +1,8 @@
-// The verbs of the program: what they are called, and what runs them.
+// The programs and their verbs: what they are called, and what runs them.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 
@@ -13,17 +15,27 @@ using VerbSet = unsigned;
 inline constexpr VerbSet kMesh = 1, kReport = 2, kExact = 4, kCompare = 8, kRender = 16,
                          kStudy = 32, kThesisBench = 64, kPipelineBench = 128, kInfo = 256,
                          kBatch = 512;
+// Of vdwmesh-mpi, which has fewer options for the same.
+inline constexpr VerbSet kRanksMesh = 1024, kRanksExact = 2048;
 
 struct Verb {
   VerbSet bit;
   std::string_view name;  // "mesh"; of two words where a verb of verbs has them, "bench thesis"
   std::string_view summary;
   // Works with options that are checked. Throws the exceptions of core/errors.hpp.
-  void (*run)(const Options& options);
+  std::function<void(const Options& options)> run;
 };
 
-// In the order of the help.
-std::span<const Verb> all_verbs();
+struct Program {
+  std::string_view name;        // as it is called
+  std::string_view usage_name;  // as it is started: "mpirun -n P vdwmesh-mpi"
+  std::string_view summary;
+  std::span<const Verb> verbs;  // in the order of the help
+  std::uint64_t processes = 1;  // of it on this host, which share its memory
+};
+
+// The program `vdwmesh`.
+const Program& plain_program();
 
 void run_mesh(const Options& options);
 void run_report(const Options& options);

@@ -1,7 +1,7 @@
 # Headers, libraries and the package that find_package(vdwmesh) finds. Only the headers listed here
 # are for users. They include none of the others: tests/sources checks that, and tests/consumer
 # compiles every one of them alone from an installed copy.
-set(vdwmesh_rooms core spheres surface structure extract refine arrangement batch mesh analysis render thesis
+set(vdwmesh_rooms core spheres surface structure extract refine arrangement excluded batch mesh analysis render thesis
     cuda cuda_gl)
 set(core_headers buffer errors host_device monitor sum vec3 workspace)
 set(structure_headers molecule polarity radii reader reference_areas)
@@ -10,14 +10,15 @@ set(surface_headers indexed_mesh vertex_labels)
 set(extract_headers extractor field grid sampled_field)
 set(refine_headers refiner)
 set(arrangement_headers exact_mesher exact_union frame_measures union_measurer)
+set(excluded_headers excluded_measures)
 set(batch_headers batch molecule_spheres structure_source)
 set(mesh_headers element_color mesh_io surface_mesh surface_mesh_builder)
-set(analysis_headers comparison convergence distances exposure mesh_measures quality_histograms
+set(analysis_headers comparison convergence distance_measurer distances exposure mesh_measures quality_histograms
     signed_distance study)
 set(render_headers camera color_map color_scale crease_split picture renderer surface_source
     surface_vertex)
-set(cuda_headers backend cuda_source)
-foreach(room core spheres surface structure extract refine arrangement batch mesh analysis render cuda)
+set(cuda_headers backend cuda_source on_device)
+foreach(room core spheres surface structure extract refine arrangement excluded batch mesh analysis render cuda)
   set(folder "${PROJECT_SOURCE_DIR}/src/${room}")
   if(room STREQUAL "cuda")
     set(folder "${PROJECT_SOURCE_DIR}/cuda")

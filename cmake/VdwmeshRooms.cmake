@@ -1,11 +1,13 @@
 # One target per room: vdwmesh_<room>, known outside as vdwmesh::<room>. A static library, or with
 # BUILD_SHARED_LIBS a shared one; the objects are the same.
 #
-#   vdwmesh_add_room(<room> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>] [APART <files>])
+#   vdwmesh_add_room(<room> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>] [APART <files>]
+#                    [OF_PROGRAM])
 #
+# A room OF_PROGRAM is not for users of the library: find_package(vdwmesh) does not know it.
 # APART names the files that vdwmesh_join_sources() cannot join, under a sanitizer, with the others.
 function(vdwmesh_add_room room)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE;APART" ${ARGN})
+  cmake_parse_arguments(ARG "OF_PROGRAM" "" "SOURCES;PUBLIC;PRIVATE;APART" ${ARGN})
   set(target vdwmesh_${room})
   add_library(${target} ${ARG_SOURCES})
   add_library(vdwmesh::${room} ALIAS ${target})
@@ -15,6 +17,11 @@ function(vdwmesh_add_room room)
   vdwmesh_target_warnings(${target})
   if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
     vdwmesh_join_sources(${target} ${ARG_APART})
+  endif()
+  if(ARG_OF_PROGRAM)
+    install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+            ARCHIVE EXCLUDE_FROM_ALL DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    return()
   endif()
   install(TARGETS ${target} EXPORT vdwmeshTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})

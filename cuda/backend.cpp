@@ -1,7 +1,7 @@
-// The one place that chooses between the backends. Extractor, Refiner, FieldMesher, UnionMeasurer
-// and pipeline come from the CPU, from CUDA, or, for Backend::automatic on a machine with a device,
-// from the classes Automatic*: these try CUDA first and compute on the CPU what does not fit the
-// device's memory (DeviceMemoryExceeded).
+// The one place that chooses between the backends. Extractor, Refiner, FieldMesher, UnionMeasurer,
+// DistanceMeasurer and pipeline come from the CPU, from CUDA, or, for Backend::automatic on a
+// machine with a device, from the classes Automatic*: these try CUDA first and compute on the CPU
+// what does not fit the device's memory (DeviceMemoryExceeded).
 //
 // A pipeline extracts, then refines. If both stages do not fit on the device together, it runs them
 // one after the other, with the mesh on the host in between.
@@ -172,6 +172,32 @@ class AutomaticUnionMeasurer final : public UnionMeasurer {
   }
 };
 
+class AutomaticDistanceMeasurer final : public DistanceMeasurer {
+ public:
+  MeasuredDistances measure(const IndexedMesh& mesh, const SphereSet& spheres,
+                            const DistanceOptions& options) const override {
+    return measured_by_either<MeasuredDistances>(
+        [&](const DistanceMeasurer& measurer) { return measurer.measure(mesh, spheres, options); });
+  }
+  MeasuredPoints measure_points(std::span<const Vec3d> points, const SphereSet& spheres,
+                                Monitor* monitor) const override {
+    return measured_by_either<MeasuredPoints>([&](const DistanceMeasurer& measurer) {
+      return measurer.measure_points(points, spheres, monitor);
+    });
+  }
+
+ private:
+  template <class Measured, class Measure>
+  static Measured measured_by_either(const Measure& measure) {
+    Measured measured;
+    measured.fallback = with_fallback(
+        "distances were measured",
+        [&] { measured.result = measure(*make_cuda_distance_measurer()).result; },
+        [&] { measured.result = measure(*make_cpu_distance_measurer()).result; });
+    return measured;
+  }
+};
+
 // Runs a pipeline with the mesh on one device throughout, if it is to be refined and one device is
 // asked for. Otherwise, or if that does not fit the device's memory, extracts with CUDA to the host
 // and refines by `refiner` from there.
@@ -255,6 +281,12 @@ std::unique_ptr<UnionMeasurer> make_union_measurer(Backend backend) {
   if (resolve(backend) == Backend::cpu) return make_cpu_union_measurer();
   if (backend == Backend::cuda) return make_cuda_union_measurer();
   return std::make_unique<AutomaticUnionMeasurer>();
+}
+
+std::unique_ptr<DistanceMeasurer> make_distance_measurer(Backend backend) {
+  if (resolve(backend) == Backend::cpu) return make_cpu_distance_measurer();
+  if (backend == Backend::cuda) return make_cuda_distance_measurer();
+  return std::make_unique<AutomaticDistanceMeasurer>();
 }
 
 std::unique_ptr<SurfacePipeline> make_pipeline(Backend backend) {

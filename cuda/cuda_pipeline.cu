@@ -1,47 +1,117 @@
-// Extraction and refinement on one CUDA device. The mesh stays there in between, so that only the
-// refined mesh is downloaded. backend.cpp uses this pipeline if both stages fit on the device
-// together.
+// Extraction and refinement on one CUDA device. The mesh stays there in between. Two entries share
+// the steps: the pipeline of backend.cpp, whose spheres are on the host and whose mesh is
+// downloaded, and mesh_on_device(), for which both are on the device.
 #include <utility>
 
 #include "cuda/cuda_backend.hpp"
 #include "cuda/memory/device.cuh"
+#include "cuda/memory/device_result.cuh"
+#include "cuda/on_device.hpp"
 #include "cuda/refine/device_refinement.cuh"
+#include "cuda/spheres/device_frames.cuh"
 #include "extract/field_list.hpp"
 #include "refine/preparation.hpp"
 
 namespace vdwmesh {
+
+struct CudaMesh::Data : DeviceResult<DeviceMesh> {
+  Data(int on, DeviceMesh made) : DeviceResult(on, std::move(made)) {
+    const DeviceMesh& mesh = arrays();
+    view = {on,
+            mesh.vertex_count(),
+            mesh.triangle_count(),
+            mesh.positions.data(),
+            mesh.normals.data(),
+            mesh.vertex_spheres.atoms.data(),
+            mesh.corners.data()};
+  }
+  CudaMeshArrays view;
+};
+
 namespace {
+
+// The spheres of a run as its stages need them, on the host or on the device.
+class HostSpheres {
+ public:
+  HostSpheres(const SphereSet& spheres, const CellListFrame* frame, Workspace& workspace,
+              const Stream& stream)
+      : spheres_(spheres), frame_(frame), workspace_(workspace), stream_(stream) {}
+
+  std::size_t size() const { return spheres_.size(); }
+  const Stream& stream() const { return stream_; }
+  DeviceCellList list(const FieldModel& model) const {
+    return {field_list(spheres_, model, frame_, workspace_), stream_.get()};
+  }
+  DeviceSurface surface(const RefineOptions& options) const {
+    return {spheres_, options, TriangleLabels::none, workspace_, stream_};
+  }
+
+ private:
+  const SphereSet& spheres_;
+  const CellListFrame* frame_;
+  Workspace& workspace_;
+  const Stream& stream_;
+};
+
+class SpheresOnDevice {
+ public:
+  explicit SpheresOnDevice(const DeviceFrames::Data& balls) : balls_(balls) {}
+
+  std::size_t size() const { return balls_.atoms; }
+  const Stream& stream() const { return balls_.work(); }
+  DeviceCellList list(const FieldModel& model) const { return build_cell_list(balls_, model); }
+  DeviceSurface surface(const RefineOptions& options) const { return {balls_, options}; }
+
+ private:
+  const DeviceFrames::Data& balls_;
+};
+
+// In a function of its own, so that the cell list of the extraction leaves the device before the
+// refinement.
+template <class Spheres>
+DeviceExtraction extract(const Spheres& spheres, const GridSpec& grid,
+                         const ExtractOptions& options) {
+  const FieldModel model = make_field_model(options.field, grid);
+  const DeviceCellList list = spheres.list(model);
+  return extract_on_device(list.view(), model, options, spheres.stream());
+}
+
+// The surface is on the grid of `options`.
+template <class Spheres>
+DeviceRefinement refine(const Spheres& spheres, DeviceMesh mesh, const RefineOptions& options) {
+  check_refinement_size(spheres.size(), mesh.vertex_count(), mesh.triangle_count(), options);
+  begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
+  const DeviceSurface surface = spheres.surface(options);
+  return refine_on_device(surface.view(), std::move(mesh), options, spheres.stream());
+}
+
+ExtractOptions with_half_edges(const ExtractOptions& options) {
+  ExtractOptions with = options;
+  with.connectivity = Connectivity::half_edges;
+  return with;
+}
+
+RefineOptions on_grid(const RefineOptions& options, const GridSpec& grid) {
+  RefineOptions with = options;
+  with.grid = grid;
+  return with;
+}
 
 class OneDevicePipeline final : public SurfacePipeline {
  public:
-  PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
-                     const RefineOptions& refine) const override {
+  PipelineResult run(const SphereSet& spheres, const ExtractOptions& extraction,
+                     const RefineOptions& refinement) const override {
     const DeviceScope scope;
-    WorkspaceOfCall workspace(extract.workspace);
-    const GridSpec grid = make_grid(spheres, extract.grid);
-    const FieldModel model = make_field_model(extract.field, grid);
+    WorkspaceOfCall workspace(extraction.workspace);
+    const GridSpec grid = make_grid(spheres, extraction.grid);
     const Stream stream;
-    ExtractOptions with_half_edges = extract;
-    with_half_edges.connectivity = Connectivity::half_edges;
-    // In a function of its own, so that the cell list of the extraction leaves the device before
-    // the refinement.
-    DeviceExtraction extraction = [&] {
-      const CellListView list = field_list(spheres, model, extract.frame, workspace);
-      const DeviceCellList device_list(list, stream.get());
-      return extract_on_device(device_list.view(), model, with_half_edges, stream);
-    }();
+    const HostSpheres source(spheres, extraction.frame, workspace, stream);
+    DeviceExtraction extracted = extract(source, grid, with_half_edges(extraction));
     // The mesh, levels, seconds are filled in below; there is no fallback.
-    PipelineResult result{{}, grid, extraction.stats, {}, 0, {}};
-    RefineOptions options = refine;
-    options.grid = grid;
-    check_refinement_size(spheres.size(), extraction.mesh.vertex_count(),
-                          extraction.mesh.triangle_count(), options);
-    begin_stage(options.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
-    const DeviceSurface surface(spheres, options, TriangleLabels::none, workspace, stream);
-    DeviceRefinement refined =
-        refine_on_device(surface.view(), std::move(extraction.mesh), options, stream);
+    PipelineResult result{{}, grid, extracted.stats, {}, 0, {}};
+    DeviceRefinement refined = refine(source, std::move(extracted.mesh), on_grid(refinement, grid));
     const DeviceMeshView mesh = refined.mesh.view();
-    if (extract.on_size) extract.on_size({mesh.vertices, mesh.triangles});
+    if (extraction.on_size) extraction.on_size({mesh.vertices, mesh.triangles});
     const bool has_half_edges = refined.mesh.opposite.size() > 0;
     result.mesh =
         download(mesh, has_half_edges ? Connectivity::half_edges : Connectivity::triangles, stream);
@@ -51,10 +121,38 @@ class OneDevicePipeline final : public SurfacePipeline {
   }
 };
 
+// The extracted mesh, refined if there is a subdivision.
+DeviceMesh run_on_device(const DeviceFrames& spheres, const ExtractOptions& extraction,
+                         const RefineOptions& refinement) {
+  const SpheresOnDevice source(spheres.data());
+  const GridSpec grid = make_grid(spheres.balls(), spheres.centers(), extraction.grid);
+  if (refinement.subdivisions == 0) return extract(source, grid, extraction).mesh;
+  DeviceMesh mesh = extract(source, grid, with_half_edges(extraction)).mesh;
+  return refine(source, std::move(mesh), on_grid(refinement, grid)).mesh;
+}
+
 }  // namespace
 
 std::unique_ptr<SurfacePipeline> make_cuda_pipeline() {
   return std::make_unique<OneDevicePipeline>();
+}
+
+CudaMesh mesh_on_device(const DeviceFrames& spheres, const ExtractOptions& extract,
+                        const RefineOptions& refine) {
+  if (spheres.valid_frames() == 0) throw InvalidFrame(*spheres.invalid());
+  const int device = spheres.data().device;
+  const DeviceScope scope(device);
+  DeviceMesh mesh = run_on_device(spheres, extract, refine);
+  spheres.data().work().wait();
+  return CudaMesh(std::make_shared<const CudaMesh::Data>(device, std::move(mesh)));
+}
+
+const CudaMeshArrays& CudaMesh::arrays() const { return data_->view; }
+
+IndexedMesh CudaMesh::download() const {
+  const DeviceScope scope(data_->device());
+  const Stream stream;
+  return vdwmesh::download(data_->arrays().view(), Connectivity::triangles, stream);
 }
 
 }  // namespace vdwmesh

@@ -1,7 +1,8 @@
-// The functions of cuda_backend.hpp in a build without a CUDA compiler: there are no devices, and
-// nothing can be made.
+// The functions of cuda_backend.hpp and on_device.hpp in a build without a CUDA compiler: there are
+// no devices, and nothing can be made.
 #include "core/errors.hpp"
 #include "cuda/cuda_backend.hpp"
+#include "cuda/on_device.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -16,6 +17,39 @@ std::unique_ptr<Extractor> make_cuda_extractor() { throw BackendUnavailable(kRea
 std::unique_ptr<Refiner> make_cuda_refiner() { throw BackendUnavailable(kReason); }
 std::unique_ptr<FieldMesher> make_cuda_field_mesher() { throw BackendUnavailable(kReason); }
 std::unique_ptr<UnionMeasurer> make_cuda_union_measurer() { throw BackendUnavailable(kReason); }
+std::unique_ptr<DistanceMeasurer> make_cuda_distance_measurer() {
+  throw BackendUnavailable(kReason);
+}
 std::unique_ptr<SurfacePipeline> make_cuda_pipeline() { throw BackendUnavailable(kReason); }
+
+int device_of(const void*, const char* name) {
+  throw BackendUnavailable(std::string(name) + ": is on a CUDA device, but " + kReason);
+}
+void copy_to_host(void*, const void*, std::size_t, int) { throw BackendUnavailable(kReason); }
+void wait_for_stream(int, std::uintptr_t) { throw BackendUnavailable(kReason); }
+DeviceFrames::DeviceFrames(int, const FrameCoordinates&, const DeviceNumbers&, double) {
+  throw BackendUnavailable(kReason);
+}
+DeviceFrames::DeviceFrames(int, const FrameCoordinates&, std::span<const double>, double) {
+  throw BackendUnavailable(kReason);
+}
+std::size_t DeviceFrames::atoms() const { throw BackendUnavailable(kReason); }
+std::size_t DeviceFrames::valid_frames() const { throw BackendUnavailable(kReason); }
+const std::optional<InvalidFrame>& DeviceFrames::invalid() const {
+  throw BackendUnavailable(kReason);
+}
+const Box& DeviceFrames::balls() const { throw BackendUnavailable(kReason); }
+const Box& DeviceFrames::centers() const { throw BackendUnavailable(kReason); }
+double DeviceFrames::least_radius() const { throw BackendUnavailable(kReason); }
+CudaMesh mesh_on_device(const DeviceFrames&, const ExtractOptions&, const RefineOptions&) {
+  throw BackendUnavailable(kReason);
+}
+const CudaMeshArrays& CudaMesh::arrays() const { throw BackendUnavailable(kReason); }
+IndexedMesh CudaMesh::download() const { throw BackendUnavailable(kReason); }
+int CudaMeasures::device() const { throw BackendUnavailable(kReason); }
+const SphereMeasures* CudaMeasures::rows() const { throw BackendUnavailable(kReason); }
+CudaMeasures measure_on_device(std::vector<ExactUnion>&, const DeviceFrames&, const FrameOptions&) {
+  throw BackendUnavailable(kReason);
+}
 
 }  // namespace vdwmesh

@@ -14,6 +14,7 @@ packages=(
   libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libmsgpack-cxx-dev libarchive-dev python3-msgpack libjs-vega libjs-three
   libepoxy-dev libegl1 libegl-mesa0 libgl1-mesa-dri libpng-dev libfreetype-dev fonts-dejavu-core
   libgtest-dev libgmock-dev libbenchmark-dev python3-jsonschema python3-meshio freesasa valgrind
+  libopenmpi-dev openmpi-bin
   pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy clang-format-14
 )
 for group in "$@"; do

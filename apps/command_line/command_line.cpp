@@ -31,9 +31,9 @@ bool asks_for_help(const Words& words) {
 }
 
 // The first word of every verb, and the second ones of `bench`.
-WordViews words_of_verbs(std::string_view before) {
+WordViews words_of_verbs(const Program& program, std::string_view before) {
   WordViews words;
-  for (const Verb& verb : all_verbs()) {
+  for (const Verb& verb : program.verbs) {
     if (!verb.name.starts_with(before)) continue;
     const std::string_view rest = verb.name.substr(before.size());
     const std::string_view word = rest.substr(0, rest.find(' '));
@@ -43,31 +43,32 @@ WordViews words_of_verbs(std::string_view before) {
 }
 
 // The verb that the first words name; they are taken off.
-const Verb& take_verb(Words& words) {
+const Verb& take_verb(const Program& program, Words& words) {
   const std::string before = !words.empty() && words[0] == kBench ? "bench " : "";
   if (!before.empty()) words.erase(words.begin());
   const std::string given = words.empty() ? "" : words[0];
-  const auto verb = std::ranges::find(all_verbs(), before + given, &Verb::name);
-  if (verb == all_verbs().end()) {
-    const WordViews known = words_of_verbs(before);
+  const auto verb = std::ranges::find(program.verbs, before + given, &Verb::name);
+  if (verb == program.verbs.end()) {
+    const WordViews known = words_of_verbs(program, before);
     const std::string what =
         given.empty() ? "VERB: missing" : given + ": not a verb" + suggestion(given, known);
-    throw InvalidInput(fmt::format("{}{}; the verbs are {}; vdwmesh {} --help says more", before,
-                                   what, fmt::join(known, " "), before.empty() ? "VERB" : kBench));
+    throw InvalidInput(fmt::format("{}{}; the verbs are {}; {} {} --help says more", before, what,
+                                   fmt::join(known, " "), program.name,
+                                   before.empty() ? "VERB" : kBench));
   }
   words.erase(words.begin());
   return *verb;
 }
 
 // Help and version without a verb. Whether that was asked for.
-bool answer_without_verb(const Words& words) {
+bool answer_without_verb(const Program& program, const Words& words) {
   const bool of_bench = words.size() == 2 && words[0] == kBench;
   if (!words.empty() && words[0] == "--version") {
-    write_standard_output(fmt::format("vdwmesh {} ({})\n", kVersion, kRevision));
+    write_standard_output(fmt::format("{} {} ({})\n", program.name, kVersion, kRevision));
   } else if (of_bench && asks_for_help(words)) {
-    write_standard_output(verbs_help("bench "));
+    write_standard_output(verbs_help(program, "bench "));
   } else if (!words.empty() && asks_for_help({words[0]})) {
-    write_standard_output(verbs_help(""));
+    write_standard_output(verbs_help(program, ""));
   } else {
     return false;
   }
@@ -78,7 +79,8 @@ bool answer_without_verb(const Words& words) {
 // faults the same one is named whatever the order of the words.
 class Reading {
  public:
-  Reading(const Verb& verb, const std::vector<OptionGroup>& groups) : verb_(verb), groups_(groups) {
+  Reading(const Program& program, const Verb& verb, const std::vector<OptionGroup>& groups)
+      : program_(program), verb_(verb), groups_(groups) {
     app_.set_help_flag();
     app_.allow_extras();
     for (const OptionGroup& group : groups) {
@@ -167,14 +169,15 @@ class Reading {
     for (const OptionGroup& group : groups_) {
       for (const Option& option : group.options) known.push_back(option.long_name());
     }
-    refuse("{}: not an option of vdwmesh {}{}{}", name, verb_.name, suggestion(name, known),
-           see_help());
+    refuse("{}: not an option of {} {}{}{}", name, program_.name, verb_.name,
+           suggestion(name, known), see_help());
   }
 
   std::string see_help() const {
-    return fmt::format("; vdwmesh {} --help lists the options", verb_.name);
+    return fmt::format("; {} {} --help lists the options", program_.name, verb_.name);
   }
 
+  const Program& program_;
   const Verb& verb_;
   const std::vector<OptionGroup>& groups_;
   CLI::App app_;
@@ -184,18 +187,20 @@ class Reading {
 }  // namespace
 
 // The readers hold references into the draft, which therefore stays where it is until all is read.
-std::optional<Command> read_command_line(int argc, const char* const* argv) {
+std::optional<Command> read_command_line(const Program& program, int argc,
+                                         const char* const* argv) {
   Words words(argv + 1, argv + std::max(argc, 1));
-  if (answer_without_verb(words)) return std::nullopt;
-  const Verb& verb = take_verb(words);
+  if (answer_without_verb(program, words)) return std::nullopt;
+  const Verb& verb = take_verb(program, words);
   Draft draft;
   draft.verb = verb.bit;
+  draft.processes = program.processes;
   const std::vector<OptionGroup> groups = options_of(verb.bit, draft);
   if (asks_for_help(words)) {
-    write_standard_output(verb_help(verb, groups));
+    write_standard_output(verb_help(program, verb, groups));
     return std::nullopt;
   }
-  Reading reading(verb, groups);
+  Reading reading(program, verb, groups);
   reading.split(std::move(words));
   reading.read(draft);
   settle(draft);

@@ -39,6 +39,6 @@ struct Command {
 
 // Nothing where --help or --version was asked for: that is printed. Throws InvalidInput for what is
 // no verb, no option, no value of its option, or does not go together.
-std::optional<Command> read_command_line(int argc, const char* const* argv);
+std::optional<Command> read_command_line(const Program& program, int argc, const char* const* argv);
 
 }  // namespace vdwmesh::apps

@@ -52,8 +52,9 @@ std::string meaning(const Option& option) {
 }
 
 // What has no name of its own is shown in the order in which it is typed.
-std::string usage(const Verb& verb, const std::vector<OptionGroup>& groups) {
-  std::string text = fmt::format("Usage: vdwmesh {} [OPTION...]", verb.name);
+std::string usage(const Program& program, const Verb& verb,
+                  const std::vector<OptionGroup>& groups) {
+  std::string text = fmt::format("Usage: {} {} [OPTION...]", program.usage_name, verb.name);
   for (const OptionGroup& group : groups) {
     for (const Option& option : group.options) {
       if (option.is_positional()) text += ' ' + option.name;
@@ -65,21 +66,21 @@ std::string usage(const Verb& verb, const std::vector<OptionGroup>& groups) {
 
 }  // namespace
 
-std::string verbs_help(std::string_view prefix) {
+std::string verbs_help(const Program& program, std::string_view prefix) {
   std::string text = fmt::format(
-      "Van der Waals surface meshes of molecules, and proof of how good they are\n\nUsage: vdwmesh "
-      "{}VERB [OPTION...]\n       vdwmesh VERB --help | --version\n\nVerbs:\n",
-      prefix);
-  for (const Verb& verb : all_verbs()) {
+      "{}\n\nUsage: {} {}VERB [OPTION...]\n       {} VERB --help | --version\n\nVerbs:\n",
+      program.summary, program.usage_name, prefix, program.name);
+  for (const Verb& verb : program.verbs) {
     if (!verb.name.starts_with(prefix)) continue;
     text += entry(fmt::format("  {}", verb.name), std::string(verb.summary));
   }
   return text;
 }
 
-std::string verb_help(const Verb& verb, const std::vector<OptionGroup>& groups) {
-  std::string text =
-      fmt::format("vdwmesh {}: {}\n\n{}", verb.name, verb.summary, usage(verb, groups));
+std::string verb_help(const Program& program, const Verb& verb,
+                      const std::vector<OptionGroup>& groups) {
+  std::string text = fmt::format("{} {}: {}\n\n{}", program.name, verb.name, verb.summary,
+                                 usage(program, verb, groups));
   for (const OptionGroup& group : groups) {
     text += fmt::format("\n{}:\n", group.title);
     for (const Option& option : group.options) text += entry(typed(option), meaning(option));

@@ -10,10 +10,11 @@
 
 namespace vdwmesh::apps {
 
-// The verbs whose names begin with `prefix`: "" or "bench ".
-std::string verbs_help(std::string_view prefix);
+// The verbs of the program whose names begin with `prefix`: "" or "bench ".
+std::string verbs_help(const Program& program, std::string_view prefix);
 
 // The options of a verb by group: names, what stands for the value, meaning, what holds without.
-std::string verb_help(const Verb& verb, const std::vector<OptionGroup>& groups);
+std::string verb_help(const Program& program, const Verb& verb,
+                      const std::vector<OptionGroup>& groups);
 
 }  // namespace vdwmesh::apps

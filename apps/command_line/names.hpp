@@ -63,6 +63,9 @@ inline constexpr auto kNames<UnionMethod> = names<UnionMethod>({{"auto", UnionMe
                                                                 {"arcs", UnionMethod::arcs},
                                                                 {"both", UnionMethod::both}});
 template <>
+inline constexpr auto kNames<ExactSurface> =
+    names<ExactSurface>({{"vdw", ExactSurface::vdw}, {"excluded", ExactSurface::excluded}});
+template <>
 inline constexpr auto kNames<TopologyRequest> =
     names<TopologyRequest>({{"on", TopologyRequest::full},
                             {"counts", TopologyRequest::counts},

@@ -11,10 +11,12 @@
 namespace vdwmesh::apps {
 namespace {
 
-constexpr VerbSet kOneInput = kMesh | kReport | kExact | kCompare | kRender;
+constexpr VerbSet kRanks = kRanksMesh | kRanksExact;
+constexpr VerbSet kOneInput = kMesh | kReport | kExact | kCompare | kRender | kRanks;
 constexpr VerbSet kInputs = kOneInput | kSeveralInputs;
 constexpr VerbSet kStructures = kInputs | kBatch;
 constexpr VerbSet kSurfaces = kMesh | kReport | kRender;
+constexpr VerbSet kGrids = kSurfaces | kRanksMesh;  // marching cubes
 constexpr VerbSet kDistances = kReport | kCompare | kStudy;
 constexpr VerbSet kPictures = kReport | kCompare | kRender;
 constexpr VerbSet kBenches = kThesisBench | kPipelineBench;
@@ -118,17 +120,17 @@ std::vector<Option> surface_options(Draft& d) {
        "exact follows the creases, with one atom per triangle", by_default("marching-cubes")},
       {"--edge-length", kSurfaces, one(s.edge_length, length("0.35")), "of --mesher exact",
        by_default("0.35")},
-      {"--field", kSurfaces, one(s.field.kind, named<FieldKind>()), "what is meshed",
+      {"--field", kGrids, one(s.field.kind, named<FieldKind>()), "what is meshed",
        by_default("vdw")},
-      {"--preset", kSurfaces, one(s.field.preset, named<FieldPreset>()),
+      {"--preset", kGrids, one(s.field.preset, named<FieldPreset>()),
        "parameters of the blended fields", by_default("radius-aware")},
-      {"--spacing", kSurfaces, one(d.spacing, length("0.5")), "grid spacing",
+      {"--spacing", kGrids, one(d.spacing, length("0.5")), "grid spacing",
        otherwise("0.5; thesis presets 0.4")},
-      {"--padding", kSurfaces, one(d.padding, number("Å", Range::non_negative, "1.5")),
+      {"--padding", kGrids, one(d.padding, number("Å", Range::non_negative, "1.5")),
        "grid beyond the box of the spheres", otherwise("3 spacings")},
-      {"--isovalue", kSurfaces, one(s.field.isovalue, number("T", Range::positive, "1")),
+      {"--isovalue", kGrids, one(s.field.isovalue, number("T", Range::positive, "1")),
        "of the blended fields", otherwise("1")},
-      {"--blobbiness", kSurfaces, one(s.field.blobbiness, number("B", Range::positive, "2")),
+      {"--blobbiness", kGrids, one(s.field.blobbiness, number("B", Range::positive, "2")),
        "of --field blinn", otherwise("2")},
       {"--subdivide", kMesh | kPipelineBench, one(s.subdivisions, levels), subdivide,
        by_default("0")},
@@ -168,6 +170,10 @@ std::vector<Option> measure_options(Draft& d) {
   DistanceChoice& c = o.distances;
   return {{"--measure", kReport | kExact | kBatch, one(d.read.measure, text("SELECTION")),
            "measure only these atoms; all others cover them (as --select)", otherwise("all atoms")},
+          {"--surface", kExact, one(o.exact.surface, named<ExactSurface>()),
+           "vdw: boundary of the balls, with --probe the accessible surface; excluded: the "
+           "solvent-excluded surface, with a probe of 1.4 Å unless --probe says otherwise",
+           by_default("vdw")},
           {"--method", kReport | kExact | kCompare | kBatch, one(d.method, named<UnionMethod>()),
            "of the exact union", otherwise("auto: cgal; arcs without the whole topology")},
           {"--topology", kReport | kExact | kCompare, one(d.topology, named<TopologyRequest>()),
@@ -212,8 +218,8 @@ std::vector<Option> machine_options(Draft& d) {
   MachineOptions& m = d.options.machine;
   const VerbSet choosing = kSurfaces | kPipelineBench;
   return {
-      {"--backend", choosing | kExact | kCompare, one(m.backend, named<Backend>()),
-       "who makes the mesh, and measures by arcs", by_default("auto")},
+      {"--backend", choosing | kExact | kCompare | kRanksMesh, one(m.backend, named<Backend>()),
+       "who makes the mesh, and measures by arcs and distances", by_default("auto")},
       {"--devices", choosing, one(m.devices, whole<int>(1, 64)),
        "CUDA devices that share an extraction", by_default("1")},
       {"--threads", kWorking, one(m.threads, whole<int>(1, 4096)), "CPU threads", otherwise("all")},
@@ -266,6 +272,8 @@ std::vector<Option> output_options(Draft& d) {
       {"-o,--output", kMesh, one(o.mesh_path, text("FILE"), Use::writes),
        "mesh file: .ply .obj .off .stl or .glb",
        required("name the mesh file to write (.ply .obj .off .stl .glb)")},
+      {"-o,--output", kRanksMesh, one(o.mesh_path, text("FILE"), Use::writes),
+       "mesh file, which all ranks write: .ply", required("name the mesh file to write (.ply)")},
       {"-o,--output", kRender, one(o.picture.path, text("FILE"), Use::writes), "the picture: .png",
        required("name the picture to write (.png)")},
       {"-o,--output", kStudy, one(o.study.folder, text("FOLDER")),

@@ -54,6 +54,7 @@ struct OptionGroup {
 // The options while they are read, and what is not in its place until all of them are.
 struct Draft {
   VerbSet verb = 0;
+  std::uint64_t processes = 1;  // as in Program
   Options options;
   std::vector<std::string> paths, samples;
   ReadOptions read;

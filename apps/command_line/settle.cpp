@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "command_line/option_list.hpp"
+#include "excluded/excluded_measures.hpp"
 #include "memory.hpp"
 #include "mesh/mesh_io.hpp"
 #include "refuse.hpp"
@@ -85,7 +86,7 @@ void settle_crossings(Draft& d) {
 void settle_surface(Draft& d) {
   SurfaceOptions& s = d.options.surface;
   settle_field(s.field);
-  if (d.verb & (kMesh | kReport | kRender)) settle_mesher(d);
+  if (d.verb & (kMesh | kReport | kRender | kRanksMesh)) settle_mesher(d);
   s.grid = preset_grid(s.field.preset, d.spacing, d.padding);
   settle_projection(d);
   settle_crossings(d);
@@ -150,6 +151,22 @@ void settle_exact(Draft& d) {
             first_given(d, {"--topology", "--method", "--exact"}));
 }
 
+// The excluded surface has one method, and its probe does not make the atoms larger.
+void settle_excluded(Draft& d) {
+  if (d.options.exact.surface != ExactSurface::excluded) return;
+  const std::string other = first_given(d, {"--method", "--certify", "--measure", "--voids"});
+  refuse_if(!other.empty(), "{}: is not of the excluded surface; leave out --surface excluded",
+            other);
+  refuse_if(d.topology == TopologyRequest::counts,
+            "--topology counts: the excluded surface knows on and off");
+  refuse_if(d.options.machine.backend == Backend::cuda,
+            "--backend cuda: the excluded surface is measured on the CPU");
+  if (!is_given(d, "--probe")) d.options.inputs.front().probe = kWaterProbe;
+  refuse_if(!(d.options.inputs.front().probe > 0),
+            "--probe {}: the excluded surface needs a radius above 0",
+            d.options.inputs.front().probe);
+}
+
 void settle_distances(const Draft& d) {
   const std::string of_samples = first_given(d, {"--samples", "--seed"});
   refuse_if(!of_samples.empty() && d.options.distances.distances == Switch::off,
@@ -161,13 +178,16 @@ void settle_machine(Draft& d) {
   MachineOptions& m = d.options.machine;
   refuse_if(m.backend == Backend::cpu && is_given(d, "--devices"),
             "--devices: says how many CUDA devices work; leave out --backend cpu");
-  m.memory_limit = d.memory_limit ? *d.memory_limit : default_memory_limit();
+  m.memory_limit = d.memory_limit ? *d.memory_limit : default_memory_limit(d.processes);
   if (m.verbosity == Verbosity::quiet) m.progress = Progress::never;
 }
 
 // The format of a mesh file follows from its name, before anything is computed for it.
 void settle_output(const Draft& d) {
-  if (!d.options.mesh_path.empty()) mesh_format(d.options.mesh_path);
+  const std::string& path = d.options.mesh_path;
+  refuse_if(d.verb == kRanksMesh && find_mesh_format(path) != MeshFormat::ply,
+            "-o {}: ranks write PLY together; name a .ply file", path);
+  if (!path.empty()) mesh_format(path);
   refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom"),
             "--group: says how --per-atom FILE is grouped, and needs it");
 }
@@ -236,6 +256,7 @@ void settle(Draft& d) {
   settle_surface(d);
   settle_input(d);
   settle_exact(d);
+  settle_excluded(d);
   settle_distances(d);
   settle_machine(d);
   settle_output(d);

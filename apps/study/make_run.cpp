@@ -32,7 +32,7 @@ StudyRun measure_run(const IndexedMesh& mesh, const StudySetting& setting, const
   if (options.distances.distances == Switch::on) {
     const Stopwatch watch;
     run.comparison.distances =
-        measure_distances(mesh, input.structure.spheres, options.distances, session);
+        measure_distances(mesh, input.structure.spheres, options.distances, session).result;
     run.seconds.distances = watch.seconds();
   }
   // As the setting alone has it: not with what the way there left in the mesh.

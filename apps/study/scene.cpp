@@ -108,9 +108,7 @@ double distance_range(const std::vector<float>& distances) {
 }
 
 // Meshes are not kept with their runs: they take far more room than their figures.
-IndexedMesh mesh_anew(const Study& study, const SphereSet& spheres, const StudySetting& setting) {
-  Session session{study.options.machine, nullptr, {}, {}};
-  session.machine.backend = value_named<Backend>("backend", setting.key.backend);
+IndexedMesh mesh_anew(const SphereSet& spheres, const StudySetting& setting, Session& session) {
   MemoryDemand demand;
   demand.surface = surface_options(setting);
   demand.backend = resolve(session.machine.backend);
@@ -121,10 +119,12 @@ IndexedMesh mesh_anew(const Study& study, const SphereSet& spheres, const StudyS
 
 Scene make_scene(const Study& study, std::size_t input, const StudySetting& setting) {
   const auto& [molecule, spheres] = study.findings[input].input.structure;
-  const IndexedMesh mesh = mesh_anew(study, spheres, setting);
+  Session session{study.options.machine, nullptr, {}, {}};
+  session.machine.backend = value_named<Backend>("backend", setting.key.backend);
+  const IndexedMesh mesh = mesh_anew(spheres, setting, session);
   const Box box = box_of(mesh);
   // Vertices lie on the surface; what is wrong is what the triangles between them cut off.
-  const std::vector<float> distances = vertex_distances(triangle_centers(mesh), spheres);
+  const std::vector<float> distances = measure_centers(mesh, spheres, session);
   const double range = distance_range(distances);
   Scene scene{input, setting, {}, {}};
   append_positions(mesh, box, scene.bytes);

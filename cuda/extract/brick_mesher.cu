@@ -13,8 +13,8 @@
 // device and brought to the host is called a slab.
 #include "cuda/extract/brick_mesher.cuh"
 #include "cuda/memory/cub_calls.cuh"
-#include "cuda/memory/download.cuh"
 #include "cuda/memory/launch.cuh"
+#include "cuda/memory/transfer.cuh"
 #include "extract/brick_search.hpp"
 #include "extract/limits.hpp"
 

@@ -11,8 +11,8 @@
 #include "cuda/extract/brick_mesher.cuh"
 #include "cuda/extract/field_source.cuh"
 #include "cuda/memory/device.cuh"
-#include "cuda/memory/download.cuh"
 #include "cuda/memory/run_on_threads.hpp"
+#include "cuda/memory/transfer.cuh"
 #include "extract/field_list.hpp"
 #include "extract/limits.hpp"
 

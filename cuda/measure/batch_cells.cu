@@ -13,6 +13,7 @@
 #include "cuda/measure/batch_cells.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
+#include "cuda/memory/ordered_bits.cuh"
 #include "spheres/check_sphere.hpp"
 
 namespace vdwmesh::measure {
@@ -20,16 +21,7 @@ namespace {
 
 constexpr unsigned kThreads = 256;
 constexpr int kMostLevels = CellListView::kMaxLevels;
-using Bits = unsigned long long;
-
-// Doubles as integers of the same order.
-__device__ Bits ordered(double x) {
-  const Bits bits = static_cast<Bits>(__double_as_longlong(x));
-  return bits >> 63 ? ~bits : bits | Bits{1} << 63;
-}
-__device__ double from_ordered(Bits bits) {
-  return __longlong_as_double(static_cast<long long>(bits >> 63 ? bits & ~(Bits{1} << 63) : ~bits));
-}
+using Bits = OrderedBits;
 
 struct RadiusSurvey {
   Bits least, largest;          // ordered
@@ -41,15 +33,6 @@ struct FrameExtent {
   Bits lower[3], upper[3], reach;
   std::uint32_t spheres;
 };
-
-__device__ Bits least_of_warp(Bits x) {
-  for (int step = 16; step > 0; step /= 2) x = min(x, __shfl_xor_sync(kAllLanes, x, step));
-  return x;
-}
-__device__ Bits largest_of_warp(Bits x) {
-  for (int step = 16; step > 0; step /= 2) x = max(x, __shfl_xor_sync(kAllLanes, x, step));
-  return x;
-}
 
 // A thread for each sphere of a share of the batch; one atomic operation for each warp.
 __global__ void survey_radii(DeviceBatch batch, RadiusSurvey* survey) {
@@ -268,13 +251,7 @@ std::pair<double, double> checked_radii(const DeviceBatch& batch, const Stream& 
                "download");
     check_sphere(bad, found.rejected);  // throws
   }
-  const auto to_double = [](Bits bits) {
-    const Bits plain = bits & ~(Bits{1} << 63);  // radii are above 0
-    double x = 0;
-    std::memcpy(&x, &plain, sizeof(x));
-    return x;
-  };
-  return {to_double(found.least), to_double(found.largest)};
+  return {from_ordered(found.least), from_ordered(found.largest)};
 }
 
 // Frames are numbered by 32 bits, of which one number means none.

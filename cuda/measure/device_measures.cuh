@@ -1,7 +1,10 @@
 // Measures of the balls of a batch, from and to device memory.
 #pragma once
 
+#include <vector>
+
 #include "arrangement/exact_union.hpp"
+#include "arrangement/union_measurer.hpp"
 #include "cuda/measure/batch_cells.cuh"
 
 namespace vdwmesh::measure {
@@ -18,5 +21,16 @@ struct DeviceMeasures {
 
 // Throws as BatchCells does.
 DeviceMeasures measure_on_device(const DeviceBatch& batch, const Stream& stream);
+
+// The measures of a batch whose doubtful balls were measured on the host.
+struct MeasuredBatch {
+  DeviceMeasures on_device;           // rows of the balls `redone` mean nothing
+  std::vector<std::uint32_t> redone;  // indices in the batch
+};
+
+// Measures a batch into `result`. `spheres` are the batch's, in memory of the current device.
+// Returns when the stream has done its work. Throws as UnionMeasurer does.
+MeasuredBatch measure_batch(BatchMeasures& result, const SphereBatch& batch, const Sphere* spheres,
+                            const Stream& stream);
 
 }  // namespace vdwmesh::measure

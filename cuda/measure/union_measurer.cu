@@ -21,8 +21,8 @@
 #include "cuda/measure/device_measures.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/device.cuh"
-#include "cuda/memory/download.cuh"
 #include "cuda/memory/launch.cuh"
+#include "cuda/memory/transfer.cuh"
 
 namespace vdwmesh::measure {
 namespace {
@@ -348,6 +348,37 @@ HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const St
           download(near_spheres, stream)};
 }
 
+// Measures the work on the host. Its entries stand in the order of list places: those of a set
+// together, and near each other those that are near in space. So a few neighbouring ones share a
+// triangulation. The parts of a set begin at its first entry, so they do not depend on other sets.
+void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets,
+          std::vector<SphereMeasures>& per_sphere) {
+  constexpr std::size_t kMostTogether = 64;
+  const auto set_of = [&](std::uint32_t id) {
+    return std::upper_bound(offsets.begin(), offsets.end(), id);
+  };
+  std::vector<std::size_t> part_begin{0};
+  for (std::size_t i = 1; i < work.ids.size(); ++i) {
+    const std::size_t begin = part_begin.back();
+    if (i - begin == kMostTogether || set_of(work.ids[i]) != set_of(work.ids[begin])) {
+      part_begin.push_back(i);
+    }
+  }
+  part_begin.push_back(work.ids.size());
+  tbb::parallel_for(std::size_t{1}, part_begin.size(), [&](std::size_t part) {
+    measure_on_host(work, part_begin[part - 1], part_begin[part], per_sphere);
+  });
+}
+
+std::vector<std::uint32_t> offsets_of(const SphereBatch& batch) {
+  std::vector<std::uint32_t> offsets;
+  for (std::size_t set = 0; set < batch.set_count(); ++set) {
+    offsets.push_back(static_cast<std::uint32_t>(batch.set_begin(set)));
+  }
+  offsets.push_back(static_cast<std::uint32_t>(batch.size));
+  return offsets;
+}
+
 class CudaUnionMeasurer final : public UnionMeasurer {
  public:
   void measure_into(BatchMeasures& result, const SphereBatch& batch,
@@ -360,56 +391,40 @@ class CudaUnionMeasurer final : public UnionMeasurer {
     if (batch.memory == MemorySpace::host) {
       uploaded = upload(batch.spheres, batch.size, stream.get());
     }
-    std::vector<std::uint32_t> offsets;
-    for (std::size_t set = 0; set < batch.set_count(); ++set) {
-      offsets.push_back(static_cast<std::uint32_t>(batch.set_begin(set)));
-    }
-    offsets.push_back(static_cast<std::uint32_t>(batch.size));
-    const DeviceArray<std::uint32_t> device_offsets =
-        upload(offsets.data(), offsets.size(), stream.get());
-    const Sphere* const spheres =
-        batch.memory == MemorySpace::host ? uploaded.data() : batch.spheres;
-    const DeviceMeasures measured =
-        measure_on_device({spheres, static_cast<std::uint32_t>(batch.size), device_offsets.data(),
-                           static_cast<std::uint32_t>(batch.set_count())},
-                          stream);
-    result.per_sphere.resize(batch.size);
-    download_parts({{result.per_sphere.data(), measured.per_sphere.data(),
-                     batch.size * sizeof(SphereMeasures)}},
-                   stream);
-    const std::uint32_t doubtful = fetch(measured.counts.data(), stream);
-    if (doubtful > 0) redo(host_work(measured, doubtful, stream), offsets, result.per_sphere);
-    result.fallback_spheres = doubtful;
-    result.fallback.clear();
-    sum_sets(result, batch);
+    const bool on_host = batch.memory == MemorySpace::host;
+    measure_batch(result, batch, on_host ? uploaded.data() : batch.spheres, stream);
     advance(monitor, 1);
-  }
-
- private:
-  // Entries of the work stand in the order of list places: those of a set together, and near each
-  // other those that are near in space. So a few neighbouring ones share a triangulation. The parts
-  // of a set begin at its first entry, so they do not depend on other sets.
-  static void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets,
-                   std::vector<SphereMeasures>& per_sphere) {
-    constexpr std::size_t kMostTogether = 64;
-    const auto set_of = [&](std::uint32_t id) {
-      return std::upper_bound(offsets.begin(), offsets.end(), id);
-    };
-    std::vector<std::size_t> part_begin{0};
-    for (std::size_t i = 1; i < work.ids.size(); ++i) {
-      const std::size_t begin = part_begin.back();
-      if (i - begin == kMostTogether || set_of(work.ids[i]) != set_of(work.ids[begin])) {
-        part_begin.push_back(i);
-      }
-    }
-    part_begin.push_back(work.ids.size());
-    tbb::parallel_for(std::size_t{1}, part_begin.size(), [&](std::size_t part) {
-      measure_on_host(work, part_begin[part - 1], part_begin[part], per_sphere);
-    });
   }
 };
 
 }  // namespace
+
+MeasuredBatch measure_batch(BatchMeasures& result, const SphereBatch& batch, const Sphere* spheres,
+                            const Stream& stream) {
+  const std::vector<std::uint32_t> offsets = offsets_of(batch);
+  const DeviceArray<std::uint32_t> device_offsets =
+      upload(offsets.data(), offsets.size(), stream.get());
+  MeasuredBatch measured{
+      measure_on_device({spheres, static_cast<std::uint32_t>(batch.size), device_offsets.data(),
+                         static_cast<std::uint32_t>(batch.set_count())},
+                        stream),
+      {}};
+  result.per_sphere.resize(batch.size);
+  download_parts({{result.per_sphere.data(), measured.on_device.per_sphere.data(),
+                   batch.size * sizeof(SphereMeasures)}},
+                 stream);
+  const std::uint32_t doubtful = fetch(measured.on_device.counts.data(), stream);
+  if (doubtful > 0) {
+    HostWork work = host_work(measured.on_device, doubtful, stream);
+    redo(work, offsets, result.per_sphere);
+    measured.redone = std::move(work.ids);
+  }
+  result.fallback_spheres = doubtful;
+  result.fallback.clear();
+  sum_sets(result, batch);
+  return measured;
+}
+
 }  // namespace vdwmesh::measure
 
 namespace vdwmesh {

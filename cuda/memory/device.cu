@@ -188,9 +188,25 @@ DeviceScope::DeviceScope() : before_(current_device()), used_(before_) {
   use_device(used_);
 }
 
+DeviceScope::DeviceScope(int device) : before_(current_device()), used_(device) {
+  if (const std::vector<int> usable = usable_devices();
+      std::ranges::find(usable, device) == usable.end()) {
+    throw BackendUnavailable("CUDA device " + std::to_string(device) +
+                             " cannot be used by this build");
+  }
+  use_device(device);
+}
+
 DeviceScope::~DeviceScope() {
   if (used_ != before_) cudaSetDevice(before_);
 }
+
+QuietDeviceScope::QuietDeviceScope(int device) noexcept {
+  cudaGetDevice(&before_);
+  cudaSetDevice(device);
+}
+
+QuietDeviceScope::~QuietDeviceScope() { cudaSetDevice(before_); }
 
 cudaMemPool_t current_memory_pool() {
   cudaMemPool_t pool = nullptr;

@@ -18,16 +18,31 @@ void use_device(int device);
 
 // While the object lives, a usable device is current on this thread: the device that was current
 // before if it is usable, else the first usable one. Afterwards the former device is current again.
-// Throws BackendUnavailable if no device is usable.
+// Throws BackendUnavailable if no device is usable. With a number, that device is current; the
+// constructor throws BackendUnavailable if it is not usable.
 class DeviceScope {
  public:
   DeviceScope();
+  explicit DeviceScope(int device);
   ~DeviceScope();
   DeviceScope(const DeviceScope&) = delete;
   DeviceScope& operator=(const DeviceScope&) = delete;
 
  private:
   int before_, used_;
+};
+
+// While the object lives, the device is current on this thread, unless CUDA refuses. For
+// destructors: it throws nothing and checks nothing, because the driver may be gone already.
+class QuietDeviceScope {
+ public:
+  explicit QuietDeviceScope(int device) noexcept;
+  ~QuietDeviceScope();
+  QuietDeviceScope(const QuietDeviceScope&) = delete;
+  QuietDeviceScope& operator=(const QuietDeviceScope&) = delete;
+
+ private:
+  int before_ = 0;
 };
 
 // The memory pool of the current device, from which device arrays are taken.

@@ -63,6 +63,9 @@ class DeviceArray {
   T* data() const { return data_; }
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return size_ * sizeof(T); }
+  // From now on the destructor gives the memory back in the order of another stream. So an array
+  // may outlive the stream that it was taken from, once that stream has done its work.
+  void give_back_on(cudaStream_t stream) { stream_ = stream; }
 
  private:
   void swap(DeviceArray& other) noexcept {

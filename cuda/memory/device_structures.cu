@@ -7,7 +7,7 @@
 
 #include "cuda/extract/extract_stages.cuh"
 #include "cuda/memory/device.cuh"
-#include "cuda/memory/download.cuh"
+#include "cuda/memory/transfer.cuh"
 
 namespace vdwmesh {
 
@@ -29,6 +29,13 @@ DeviceCellList::DeviceCellList(const CellListView& host, cudaStream_t stream)
   view_.id = id_.data();
 }
 
+DeviceCellList::DeviceCellList(DeviceArray<Sphere> spheres, DeviceArray<std::uint32_t> rank,
+                               DeviceArray<SphereId> id, DeviceArray<std::uint32_t> cell_start,
+                               const CellListView& view)
+    : spheres_(std::move(spheres)), rank_(std::move(rank)), id_(std::move(id)), view_(view) {
+  cell_start_.push_back(std::move(cell_start));
+}
+
 DeviceMesh::DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStream_t stream,
                        LabelWidth width, Normals with_normals, Connectivity connectivity)
     : positions(vertices, stream),
@@ -41,6 +48,16 @@ DeviceMesh::DeviceMesh(std::uint64_t vertices, std::uint64_t triangles, cudaStre
 DeviceMeshView DeviceMesh::view() const {
   return {positions.data(), normals.data(), vertex_spheres.view(), corners.data(),
           opposite.data(),  vertex_count(), triangle_count(),      triangle_spheres.data()};
+}
+
+void DeviceMesh::give_back_on(cudaStream_t stream) {
+  positions.give_back_on(stream);
+  normals.give_back_on(stream);
+  vertex_spheres.atoms.give_back_on(stream);
+  vertex_spheres.others.give_back_on(stream);
+  corners.give_back_on(stream);
+  opposite.give_back_on(stream);
+  triangle_spheres.give_back_on(stream);
 }
 
 IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream) {

@@ -15,10 +15,15 @@
 
 namespace vdwmesh {
 
-// A CellList copied to the device: same order, same list places.
+// A cell list in device memory. It has the order and the list places of the CellList on the host,
+// whether it was copied from there or built on the device (build_cell_list()).
 class DeviceCellList {
  public:
   DeviceCellList(const CellListView& host, cudaStream_t stream);
+  // Takes arrays that were filled on the device. `view` has their addresses.
+  DeviceCellList(DeviceArray<Sphere> spheres, DeviceArray<std::uint32_t> rank,
+                 DeviceArray<SphereId> id, DeviceArray<std::uint32_t> cell_start,
+                 const CellListView& view);
   const CellListView& view() const { return view_; }
 
  private:
@@ -97,6 +102,8 @@ struct DeviceMesh {
     return triangle_spheres.size() > 0 ? TriangleLabels::spheres : TriangleLabels::none;
   }
   DeviceMeshView view() const;
+  // See DeviceArray; for all arrays.
+  void give_back_on(cudaStream_t stream);
 };
 
 // Milliseconds of device time that the stages of an extraction took.

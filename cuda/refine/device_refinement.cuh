@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cuda/memory/device_structures.cuh"
+#include "cuda/spheres/device_frames.cuh"
 #include "refine/surface_view.hpp"
 
 namespace vdwmesh {
@@ -43,6 +44,9 @@ class DeviceSurface {
   // Throws InvalidInput for invalid options.
   DeviceSurface(const SphereSet& spheres, const RefineOptions& options, TriangleLabels labels,
                 Workspace& workspace, const Stream& stream);
+  // The same for balls that are in device memory, for a mesh without triangle labels that is
+  // projected. The surface looks at the balls.
+  DeviceSurface(const DeviceFrames::Data& balls, const RefineOptions& options);
   const SurfaceView& view() const { return view_; }
 
  private:

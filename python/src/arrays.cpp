@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "core/errors.hpp"
+#include "spheres/check_sphere.hpp"
 
 namespace vdwmesh::python {
 namespace {
@@ -23,20 +24,6 @@ bool is_finite(const Vec3d& p) {
 [[noreturn]] void throw_not_finite(const std::string& where, const Vec3d& p) {
   throw InvalidInput(fmt::format("{}: ({}, {}, {}) is not finite; coordinates are in angstrom",
                                  where, p.x, p.y, p.z));
-}
-
-double radius_or_refuse(const Numbers& radii, std::size_t i, double probe) {
-  const double radius = radii(i), grown = radius + probe;
-  if (!std::isfinite(radius) || radius < 0) {
-    throw InvalidInput(
-        fmt::format("{}[{}]: {} is no radius; radii are finite, not negative, in "
-                    "angstrom",
-                    radii.name(), i, radius));
-  }
-  if (grown > 0) return grown;
-  throw InvalidInput(
-      fmt::format("{}[{}]: {} with probe {} would be {}; every radius must stay above 0",
-                  radii.name(), i, radius, probe, grown));
 }
 
 // The format without the mark for native byte order, which NumPy puts before elements that are not
@@ -124,7 +111,9 @@ std::vector<double> grown_radii(const Numbers& radii, std::size_t atoms, double 
                                    radii.name(), radii.size(0), atoms));
   }
   std::vector<double> grown(atoms);
-  for (std::size_t i = 0; i < atoms; ++i) grown[i] = radius_or_refuse(radii, i, probe);
+  for (std::size_t i = 0; i < atoms; ++i) {
+    grown[i] = grown_radius(radii(i), probe, radii.name(), i);
+  }
   return grown;
 }
 

@@ -12,6 +12,7 @@
 #include "call.hpp"
 #include "core/errors.hpp"
 #include "core/sum.hpp"
+#include "cuda_array.hpp"
 #include "devices.hpp"
 #include "options.hpp"
 #include "topics.hpp"
@@ -56,18 +57,22 @@ struct Request {
   std::size_t balls;  // in all frames of this call and of those that belong to it
 };
 
+// Whether a device can measure what is asked for.
+bool suits_device(const Request& request) {
+  const bool arcs = method_for(request.method, request.topology) == UnionMethod::arcs;
+  return arcs && request.topology == TopologyRequest::none;
+}
+
 // The device's measurer, or null where the CPU is to measure. Throws BackendUnavailable if a device
 // is asked for what it cannot do.
 std::unique_ptr<UnionMeasurer> measurer_for(const Request& request) {
-  const bool arcs = method_for(request.method, request.topology) == UnionMethod::arcs;
-  const bool is_able = arcs && request.topology == TopologyRequest::none;
   if (request.backend == Backend::cuda) {
-    if (is_able) return make_union_measurer(Backend::cuda);
+    if (suits_device(request)) return make_union_measurer(Backend::cuda);
     throw BackendUnavailable(
         "device: a device measures areas and volumes by arcs; topology and the other methods are "
         "computed on the CPU, so leave device to auto");
   }
-  const bool pays = is_able && request.balls >= kBallsWorthADevice;
+  const bool pays = suits_device(request) && request.balls >= kBallsWorthADevice;
   if (request.backend == Backend::cpu || !pays) return nullptr;
   if (resolve(Backend::automatic) == Backend::cpu) return nullptr;
   return make_union_measurer(Backend::automatic);
@@ -120,9 +125,18 @@ std::vector<double> areas_by_group(const std::vector<SphereMeasures>& atoms,
 // What the library finds of some frames.
 struct Found {
   std::vector<ExactUnion> frames;
-  std::vector<std::vector<double>> groups;  // one for each frame, if wanted
-  std::optional<InvalidFrame> invalid;      // of the first frame that is not there
+  std::vector<std::vector<double>> groups;    // one for each frame, if wanted
+  std::optional<InvalidFrame> invalid;        // of the first frame that is not there
+  std::shared_ptr<const CudaMeasures> there;  // of the atoms of all frames, if left on a device
 };
+
+// Sums by group, and drops what is not wanted.
+void finish(Found& found, const Request& request) {
+  for (ExactUnion& frame : found.frames) {
+    if (request.groups > 0) found.groups.push_back(areas_by_group(frame.per_sphere, request));
+    if (!request.per_atom) frame.per_sphere = {};
+  }
+}
 
 Found measure_all(const Numbers& coords, const Numbers& sizes, const Request& request,
                   Monitor& monitor) {
@@ -135,10 +149,17 @@ Found measure_all(const Numbers& coords, const Numbers& sizes, const Request& re
   } catch (const InvalidFrame& error) {
     found.invalid = error;
   }
-  for (ExactUnion& frame : found.frames) {
-    if (request.groups > 0) found.groups.push_back(areas_by_group(frame.per_sphere, request));
-    if (!request.per_atom) frame.per_sphere = {};
-  }
+  finish(found, request);
+  return found;
+}
+
+Found measure_there(const DeviceFrames& balls, const Request& request, Monitor& monitor) {
+  Found found;
+  CudaMeasures there =
+      measure_on_device(found.frames, balls, options_of(request, nullptr, monitor));
+  found.invalid = balls.invalid();
+  finish(found, request);
+  if (request.per_atom) found.there = std::make_shared<const CudaMeasures>(std::move(there));
   return found;
 }
 
@@ -189,6 +210,13 @@ py::object tuple_of(const std::optional<InvalidFrame>& invalid) {
   return py::make_tuple(invalid->frame(), invalid->atom(), std::string(invalid->what()));
 }
 
+py::tuple lists_of(Found&& found, TopologyRequest topology) {
+  py::list measured, groups;
+  for (ExactUnion& frame : found.frames) measured.append(dict_of(std::move(frame), topology));
+  for (std::vector<double>& sums : found.groups) groups.append(array_of(std::move(sums)));
+  return py::make_tuple(measured, groups, tuple_of(found.invalid));
+}
+
 // The measures of the frames of `coords` (T, N, 3), one dict for each, up to the first that cannot
 // be measured; the areas by group; and None, or (frame, atom or None, reason).
 py::tuple measure(const py::buffer& coords, const py::buffer& radii, const py::kwargs& given) {
@@ -197,12 +225,42 @@ py::tuple measure(const py::buffer& coords, const py::buffer& radii, const py::k
   Found found = call(request.threads, [&](Monitor& monitor) {
     return measure_all(frames, sizes, request, monitor);
   });
-  py::list measured, groups;
-  for (ExactUnion& frame : found.frames) {
-    measured.append(dict_of(std::move(frame), request.topology));
+  return lists_of(std::move(found), request.topology);
+}
+
+// The column of the measures (T, N) at `first`.
+CudaArray column_there(const std::shared_ptr<const CudaMeasures>& there, const double* first,
+                       std::size_t frames, std::size_t atoms) {
+  const auto row = static_cast<py::ssize_t>(sizeof(SphereMeasures));
+  Array array = array_of(there, first, frames, atoms);
+  array.strides = {row * static_cast<py::ssize_t>(atoms), row};
+  return {std::move(array), there->device()};
+}
+
+// The areas and the volumes of all frames, where they are wanted.
+py::object columns_there(const Found& found, std::size_t atoms) {
+  if (!found.there) return py::none();
+  const SphereMeasures* const rows = found.there->rows();
+  const std::size_t frames = found.frames.size();
+  return py::make_tuple(
+      column_there(found.there, frames > 0 ? &rows->area : nullptr, frames, atoms),
+      column_there(found.there, frames > 0 ? &rows->volume : nullptr, frames, atoms));
+}
+
+// The same for coordinates in device memory; and the areas and volumes of the atoms there, or None.
+py::tuple measure_frames_there(const py::tuple& coords, const py::object& radii,
+                               const py::kwargs& given) {
+  const Request request(given);
+  if (!suits_device(request)) {
+    throw BackendUnavailable(
+        "coords: are on a CUDA device, which measures areas and volumes by arcs; for topology and "
+        "the other methods copy them to the host");
   }
-  for (std::vector<double>& sums : found.groups) groups.append(array_of(std::move(sums)));
-  return py::make_tuple(measured, groups, tuple_of(found.invalid));
+  const DeviceFrames balls = frames_of(coords, radii, request.unit, request.probe);
+  Found found = call(request.threads,
+                     [&](Monitor& monitor) { return measure_there(balls, request, monitor); });
+  py::object there = columns_there(found, balls.atoms());
+  return py::tuple(lists_of(std::move(found), request.topology) + py::make_tuple(there));
 }
 
 }  // namespace
@@ -225,6 +283,9 @@ TopologyRequest topology_of(const std::string& name) {
   return name == "counts" ? TopologyRequest::counts : TopologyRequest::full;
 }
 
-void bind_measures(py::module_& module) { module.def("measure", &measure); }
+void bind_measures(py::module_& module) {
+  module.def("measure", &measure);
+  module.def("measure_on_device", &measure_frames_there);
+}
 
 }  // namespace vdwmesh::python

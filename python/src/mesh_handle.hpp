@@ -3,12 +3,19 @@
 
 #include <memory>
 
+#include "cuda/on_device.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::python {
 
 struct MeshHandle {
   std::shared_ptr<const IndexedMesh> mesh;
+};
+
+// A mesh that a device made, in the device's memory.
+struct CudaMeshHandle {
+  CudaMesh mesh;
+  bool has_normals = true;  // whether they were asked for; a refined mesh has them in any case
 };
 
 inline MeshHandle handle_of(IndexedMesh&& mesh) {

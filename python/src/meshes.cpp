@@ -12,6 +12,7 @@
 #include "arrays.hpp"
 #include "call.hpp"
 #include "core/errors.hpp"
+#include "cuda_array.hpp"
 #include "devices.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh_handle.hpp"
@@ -97,12 +98,14 @@ IndexedMesh mesh_exactly(const SphereSet& spheres, const Request& request, Monit
 }
 
 // A ball holds a grid node for certain if the spacing is at most 2/√3 of its radius.
-[[noreturn]] void throw_too_coarse(const SphereSet& spheres, double spacing) {
-  double radius = spheres[0].radius;
-  for (const Sphere& s : spheres.spheres()) radius = std::min(radius, s.radius);
+[[noreturn]] void throw_too_coarse(double least_radius, double spacing) {
   throw InvalidInput(
       fmt::format("spacing: {} is too coarse, no grid node lies inside the surface; try {:.2g}",
-                  spacing, radius));
+                  spacing, least_radius));
+}
+
+double least_radius(const SphereSet& spheres) {
+  return std::ranges::min(spheres.spheres(), {}, &Sphere::radius).radius;
 }
 
 // The grid with its first node moved down to multiples of the spacing, and with one more cell along
@@ -115,19 +118,37 @@ GridSpec at_multiples(GridSpec grid) {
   return grid;
 }
 
-IndexedMesh march(const SphereSet& spheres, const Request& request, Monitor& monitor) {
+// Of marching cubes, on a grid around the boxes of the balls and of their centres.
+ExtractOptions extraction(const Request& request, const Box& balls, const Box& centers,
+                          Monitor& monitor) {
   ExtractOptions extract;
   extract.field.kind = request.field;
   extract.grid = preset_grid(FieldPreset::radius_aware, request.spacing, std::nullopt);
-  if (request.fixed_grid) extract.grid.given = at_multiples(make_grid(spheres, extract.grid));
+  const GridSpec grid = make_grid(balls, centers, extract.grid);
+  extract.grid.given = request.fixed_grid ? at_multiples(grid) : grid;
   extract.normals = request.normals ? Normals::gradients : Normals::none;
-  RefineOptions refine = refinement(request, monitor);
-  refine.grid = make_grid(spheres, extract.grid);
-  extract.memory_limit = refine.memory_limit;
   extract.monitor = &monitor;
+  return extract;
+}
+
+IndexedMesh march(const SphereSet& spheres, const Request& request, Monitor& monitor) {
+  ExtractOptions extract =
+      extraction(request, bounding_box(spheres), center_bounding_box(spheres), monitor);
+  const RefineOptions refine = refinement(request, monitor);
+  extract.memory_limit = refine.memory_limit;
   const auto pipeline = make_pipeline(request.backend);
   IndexedMesh mesh = std::move(pipeline->run(spheres, extract, refine).mesh);
-  if (mesh.triangles.empty()) throw_too_coarse(spheres, request.spacing);
+  if (mesh.triangles.empty()) throw_too_coarse(least_radius(spheres), request.spacing);
+  return mesh;
+}
+
+// The mesh takes memory of the device alone, so the host's sets no limit.
+CudaMesh march_on_device(const DeviceFrames& balls, const Request& request, Monitor& monitor) {
+  RefineOptions refine = refinement(request, monitor);
+  refine.memory_limit = kNoMemoryLimit;
+  CudaMesh mesh =
+      mesh_on_device(balls, extraction(request, balls.balls(), balls.centers(), monitor), refine);
+  if (mesh.arrays().triangles == 0) throw_too_coarse(balls.least_radius(), request.spacing);
   return mesh;
 }
 
@@ -142,6 +163,29 @@ MeshHandle mesh(const py::buffer& coords, const py::buffer& radii, double probe,
     if (!request.normals) mesh.normals = {};
     return mesh;
   }));
+}
+
+void require_valid(const DeviceFrames& balls) {
+  if (!balls.invalid()) return;
+  const InvalidFrame& error = *balls.invalid();
+  const std::string place = error.atom() ? fmt::format("coords[{}]", *error.atom()) : "coords";
+  throw InvalidInput(fmt::format("{}: {}", place, error.what()));
+}
+
+// The same for coordinates (1, N, 3) in device memory, where the mesh stays.
+CudaMeshHandle mesh_there(const py::tuple& coords, const py::object& radii, double probe,
+                          std::optional<int> threads, const py::kwargs& given) {
+  const Request request = request_of(given);
+  if (request.exact) {
+    throw BackendUnavailable(
+        "mesher: the exact mesher computes on the CPU; choose marching-cubes, or copy the "
+        "coordinates to the host");
+  }
+  const DeviceFrames balls = frames_of(coords, radii, 1, probe);
+  require_valid(balls);
+  CudaMesh mesh =
+      call(threads, [&](Monitor& monitor) { return march_on_device(balls, request, monitor); });
+  return {std::move(mesh), request.normals};
 }
 
 void require_faces(const IndexedMesh& mesh) {
@@ -187,6 +231,38 @@ std::optional<Array> labels(const MeshHandle& h, const Buffer<SphereId>& ids) {
   return array_of(h.mesh, ids.data(), ids.size());
 }
 
+// An array of a mesh in device memory, as are those of all functions whose name ends so.
+CudaArray there(const CudaMesh& mesh, const auto* values, std::size_t rows, std::size_t columns) {
+  const auto owner = std::make_shared<const CudaMesh>(mesh);
+  return {array_of(owner, values, rows, columns), mesh.arrays().device};
+}
+
+CudaArray vertices_there(const CudaMeshHandle& h) {
+  const CudaMeshArrays& arrays = h.mesh.arrays();
+  return there(h.mesh, reinterpret_cast<const double*>(arrays.positions), arrays.vertices, 3);
+}
+
+CudaArray faces_there(const CudaMeshHandle& h) {
+  return there(h.mesh, h.mesh.arrays().corners, h.mesh.arrays().triangles, 3);
+}
+
+std::optional<CudaArray> normals_there(const CudaMeshHandle& h) {
+  const CudaMeshArrays& arrays = h.mesh.arrays();
+  if (!h.has_normals) return std::nullopt;
+  return there(h.mesh, reinterpret_cast<const float*>(arrays.normals), arrays.vertices, 3);
+}
+
+CudaArray vertex_atoms_there(const CudaMeshHandle& h) {
+  return there(h.mesh, h.mesh.arrays().atoms, h.mesh.arrays().vertices, 0);
+}
+
+MeshHandle downloaded(const CudaMeshHandle& h) {
+  const py::gil_scoped_release free;
+  IndexedMesh mesh = h.mesh.download();
+  if (!h.has_normals) mesh.normals = {};
+  return handle_of(std::move(mesh));
+}
+
 std::vector<std::string> save(const MeshHandle& h, const std::string& path) {
   mesh_format(path);  // an unknown extension is told before any work
   return call(
@@ -197,7 +273,14 @@ std::vector<std::string> save(const MeshHandle& h, const std::string& path) {
 
 void bind_meshes(py::module_& module) {
   module.def("mesh", &mesh);
+  module.def("mesh_on_device", &mesh_there);
   module.def("mesh_of_arrays", &mesh_of_arrays);
+  py::class_<CudaMeshHandle>(module, "CudaMeshHandle")
+      .def("vertices", &vertices_there)
+      .def("faces", &faces_there)
+      .def("normals", &normals_there)
+      .def("vertex_atoms", &vertex_atoms_there)
+      .def("download", &downloaded);
   py::class_<MeshHandle>(module, "MeshHandle")
       .def("vertices", &vertices)
       .def("faces", &faces)

@@ -12,8 +12,10 @@ PYBIND11_MODULE(_core, module) {
   module.attr("version") = VDWMESH_VERSION;
   translate_errors();
   bind_arrays(module);
+  bind_cuda_arrays(module);
   bind_structures(module);
   bind_measures(module);
+  bind_excluded(module);
   bind_meshes(module);
   bind_volumes(module);
   bind_checks(module);

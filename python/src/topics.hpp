@@ -8,9 +8,11 @@ namespace vdwmesh::python {
 
 void bind_structures(pybind11::module_& module);  // structures.cpp: files, radii
 void bind_measures(pybind11::module_& module);    // measures.cpp: exact measures
+void bind_excluded(pybind11::module_& module);    // excluded.cpp: the solvent-excluded surface
 void bind_meshes(pybind11::module_& module);      // meshes.cpp: meshes of spheres, of arrays, files
-void bind_volumes(pybind11::module_& module);     // volumes.cpp: marching cubes over a volume
-void bind_batches(pybind11::module_& module);     // batches.cpp: many structures
-void bind_checks(pybind11::module_& module);      // checks.cpp: quality, comparison, distances
+void bind_cuda_arrays(pybind11::module_& module);  // cuda_array.cpp: arrays in device memory
+void bind_volumes(pybind11::module_& module);      // volumes.cpp: marching cubes over a volume
+void bind_batches(pybind11::module_& module);      // batches.cpp: many structures
+void bind_checks(pybind11::module_& module);       // checks.cpp: quality, comparison, distances
 
 }  // namespace vdwmesh::python

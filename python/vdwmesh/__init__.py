@@ -19,7 +19,15 @@ if TYPE_CHECKING:
         signed_distance,
     )
     from vdwmesh._core import version as __version__
+    from vdwmesh._cuda import CudaArray, CudaAtoms, CudaMesh
     from vdwmesh._exact import ExactUnion, exact, sasa
+    from vdwmesh._excluded import (
+        AccessibleComponent,
+        ExcludedMeasures,
+        ExcludedShell,
+        ExcludedSurface,
+        ExcludedTopology,
+    )
     from vdwmesh._frames import (
         FrameMesh,
         FrameResult,
@@ -42,15 +50,23 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "AccessibleComponent",
     "BackendUnavailable",
     "BatchRow",
     "Comparison",
     "Counts",
+    "CudaArray",
+    "CudaAtoms",
     "CudaError",
+    "CudaMesh",
     "DistanceStatistics",
     "Distribution",
     "Error",
     "ExactUnion",
+    "ExcludedMeasures",
+    "ExcludedShell",
+    "ExcludedSurface",
+    "ExcludedTopology",
     "FileFormatError",
     "FrameMesh",
     "FrameResult",
@@ -86,7 +102,9 @@ _HOMES = {
     "_batch": "BatchRow batch",
     "_checks": "Comparison DistanceStatistics Distribution Quality "
     "compare quality signed_distance",
+    "_cuda": "CudaArray CudaAtoms CudaMesh",
     "_exact": "ExactUnion exact sasa",
+    "_excluded": "AccessibleComponent ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
     "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",
     "_measure": "Counts Topology Void",
     "_mesh": "Mesh marching_cubes mesh",

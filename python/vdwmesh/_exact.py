@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
 from vdwmesh._arrays import chosen
-from vdwmesh._measure import Counts, Options, Topology, measure
-from vdwmesh._sources import Atoms, arrays_of
+from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, HasCudaArray
+from vdwmesh._excluded import ExcludedMeasures, measure_excluded
+from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, measure
+from vdwmesh._sources import Atoms, arrays_anywhere, arrays_of
 from vdwmesh.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -39,6 +41,8 @@ class ExactUnion:
         A second computation by other formulas, where the method has one.
     fallback_atoms : int
         Atoms of which the arcs failed a check, so that a triangulation measured them.
+    cuda : CudaAtoms or None
+        Measures of the atoms in the memory of the device, if the coordinates were there.
     """
 
     area: float
@@ -51,29 +55,62 @@ class ExactUnion:
     check_area: float | None
     check_volume: float | None
     fallback_atoms: int
+    cuda: CudaAtoms | None = None
 
 
+@overload
 def exact(
     coords: Any,
-    radii: ArrayLike | str | None = None,
+    radii: ArrayLike | HasCudaArray | str | None = None,
     *,
-    probe: float = 0.0,
+    surface: Literal["vdw"] = "vdw",
+    probe: float | None = None,
     atoms: ArrayLike | None = None,
     topology: bool | str = False,
     method: str = "auto",
     threads: int | None = None,
     device: str = "auto",
-) -> ExactUnion:
+) -> ExactUnion: ...
+@overload
+def exact(
+    coords: Any,
+    radii: ArrayLike | str | None = None,
+    *,
+    surface: Literal["excluded"],
+    probe: float | None = None,
+    atoms: None = None,
+    topology: bool = False,
+    method: str = "auto",
+    threads: int | None = None,
+    device: str = "auto",
+) -> ExcludedMeasures: ...
+def exact(
+    coords: Any,
+    radii: Any = None,
+    *,
+    surface: str = "vdw",
+    probe: float | None = None,
+    atoms: ArrayLike | None = None,
+    topology: bool | str = False,
+    method: str = "auto",
+    threads: int | None = None,
+    device: str = "auto",
+) -> ExactUnion | ExcludedMeasures:
     """Exact area and volume of the union of the atoms' balls, and its topology.
 
     Parameters
     ----------
     coords : array_like, shape (N, 3), or a molecule
-        Centres, Å; or a `Molecule`.
+        Centres, Å; or a `Molecule`. An array with ``__cuda_array_interface__`` is measured on the
+        device where it lies.
     radii : array_like, shape (N,), or the name of a set (as of `read`) or a path, optional
-        Radii, Å. A molecule brings its own.
-    probe : float
-        Added to every radius, Å. With 1.4 the area is the solvent-accessible one.
+        Radii, Å. A molecule brings its own. Beside coordinates on a device they may be there too.
+    surface : {"vdw", "excluded"}
+        "excluded" measures the solvent-excluded surface of the atoms instead, on the CPU; `atoms`
+        and `method` are not of it.
+    probe : float, optional
+        Added to every radius, Å; 0 by default. With 1.4 the area is the solvent-accessible one. Of
+        the excluded surface the radius of the probe, 1.4 by default.
     atoms : array_like, mask (N,) or indices, optional
         Only these are measured, while all others still bury them.
     topology : bool or "counts"
@@ -90,14 +127,15 @@ def exact(
 
     Returns
     -------
-    ExactUnion
+    ExactUnion, or ExcludedMeasures of the excluded surface
 
     Raises
     ------
     InvalidInput
         An argument is no such array, or has numbers that are not finite; the message names it.
     BackendUnavailable
-        `device` is "cuda", and there is none, or it is asked for topology or another method.
+        `device` is "cuda" or the coordinates are on a device, and there is none that can be used, or
+        it is asked for topology or another method.
 
     Examples
     --------
@@ -108,9 +146,15 @@ def exact(
     >>> round(union.area, 6), round(union.volume, 6)  # 6 pi, 9/4 pi
     (18.849556, 7.068583)
     """
-    centers, sizes, _ = arrays_of(coords, radii)
+    if surface == "excluded":
+        if atoms is not None or method != "auto" or device == "cuda":
+            raise InvalidInput('surface: "excluded" has neither atoms nor a method, and no device')
+        return measure_excluded(*arrays_of(coords, radii)[:2], probe, topology, threads)
+    if surface != "vdw":
+        raise InvalidInput(f"surface: {surface!r}; there are vdw and excluded")
+    centers, sizes, _ = arrays_anywhere(coords, radii, device)
     options = Options.of(
-        probe,
+        0.0 if probe is None else probe,
         topology,
         threads,
         device,
@@ -119,16 +163,21 @@ def exact(
         per_atom=True,
         balls=len(centers),
     )
-    found, _, invalid = measure(centers[np.newaxis], sizes, options)
-    if invalid is not None:
-        place = "coords" if invalid.atom is None else f"coords[{invalid.atom}]"
-        raise InvalidInput(f"{place}: {invalid.reason}")
-    return ExactUnion(**found[0])
+    found = measure(_as_frames(centers), sizes, options)
+    if found.invalid is not None:
+        place = "coords" if found.invalid.atom is None else f"coords[{found.invalid.atom}]"
+        raise InvalidInput(f"{place}: {found.invalid.reason}")
+    return ExactUnion(**found.frames[0])
 
 
-def sasa(
-    coords: Any,
-    radii: ArrayLike | str | None = None,
+def _as_frames(centers: NDArray[Any] | CudaInput) -> NDArray[Any] | CudaInput:
+    return centers.as_frames() if isinstance(centers, CudaInput) else centers[np.newaxis]
+
+
+@overload
+def sasa(  # type: ignore
+    coords: HasCudaArray,
+    radii: ArrayLike | HasCudaArray | str | None = None,
     *,
     probe: float = 1.4,
     mode: str = "total",
@@ -137,7 +186,32 @@ def sasa(
     method: str = "auto",
     threads: int | None = None,
     device: str = "auto",
-) -> Floats:
+) -> Floats | CudaArray: ...
+@overload
+def sasa(
+    coords: Any,
+    radii: ArrayLike | HasCudaArray | str | None = None,
+    *,
+    probe: float = 1.4,
+    mode: str = "total",
+    groups: ArrayLike | None = None,
+    atoms: ArrayLike | None = None,
+    method: str = "auto",
+    threads: int | None = None,
+    device: str = "auto",
+) -> Floats: ...
+def sasa(
+    coords: Any,
+    radii: ArrayLike | HasCudaArray | str | None = None,
+    *,
+    probe: float = 1.4,
+    mode: str = "total",
+    groups: ArrayLike | None = None,
+    atoms: ArrayLike | None = None,
+    method: str = "auto",
+    threads: int | None = None,
+    device: str = "auto",
+) -> Floats | CudaArray:
     """Exact solvent-accessible surface area, Å², of one structure or of frames.
 
     Parameters
@@ -156,9 +230,10 @@ def sasa(
 
     Returns
     -------
-    ndarray of float64
+    ndarray of float64, or CudaArray
         Of shape () for "total", (N,) for "atom", (G,) for "residue"; with T in front for frames.
-        NaN for what was not measured.
+        NaN for what was not measured. From coordinates on a device the areas of atoms stay there, and
+        all frames are measured at once; sums are on the host.
 
     Examples
     --------
@@ -167,9 +242,9 @@ def sasa(
     >>> round(float(area) / numpy.pi, 9)  # 4 pi 3²
     36.0
     """
-    centers, sizes, source = arrays_of(coords, radii, frames=True)
+    centers, sizes, source = arrays_anywhere(coords, radii, device, frames=True)
     has_frames = centers.ndim == 3
-    frames = centers if has_frames else centers[np.newaxis]
+    frames: NDArray[Any] | CudaInput = centers if has_frames else _as_frames(centers)
     labels, count = _groups(mode, groups, source, frames.shape[1])
     options = Options.of(
         probe,
@@ -183,18 +258,41 @@ def sasa(
         group_count=count,
         balls=frames.shape[0] * frames.shape[1],
     )
+    if mode == "atom" and isinstance(frames, CudaInput):
+        return _atom_areas_there(frames, sizes, options, has_frames)
     width = {"total": (), "atom": (frames.shape[1],), "residue": (count,)}[mode]
     areas = np.empty((len(frames), *width))
     for first in range(0, len(frames), _FRAMES_AT_ONCE):
-        found, by_group, invalid = measure(frames[first : first + _FRAMES_AT_ONCE], sizes, options)
-        if invalid is not None:
-            place = f"[{first + invalid.frame}, " if has_frames else "["
-            atom = "..." if invalid.atom is None else invalid.atom
-            raise InvalidInput(f"coords{place}{atom}]: {invalid.reason}")
+        part = slice(first, first + _FRAMES_AT_ONCE)
+        found = measure(_cut(frames, part), sizes, options)
+        _refuse(found.invalid, first, has_frames)
         name = "atom_area" if mode == "atom" else "area"
-        areas[first : first + len(found)] = by_group or [one[name] for one in found]
+        areas[first : first + len(found.frames)] = found.groups or [one[name] for one in found.frames]
     areas.flags.writeable = False
     return areas if has_frames else areas[0, ...]
+
+
+def _cut(frames: NDArray[Any] | CudaInput, part: slice) -> NDArray[Any] | CudaInput:
+    return frames.cut(part) if isinstance(frames, CudaInput) else frames[part]
+
+
+def _atom_areas_there(
+    frames: CudaInput, radii: NDArray[Any] | CudaInput, options: Options, has_frames: bool
+) -> CudaArray:
+    """The areas of the atoms of all frames at once, left on the device."""
+    found = measure(frames, radii, options)
+    _refuse(found.invalid, 0, has_frames)
+    there: CudaAtoms = found.cuda if has_frames else found.frames[0]["cuda"]
+    return there.atom_area
+
+
+def _refuse(invalid: InvalidFrame | None, first: int, has_frames: bool) -> None:
+    """Raises for a frame that could not be measured, of those from `first` on."""
+    if invalid is None:
+        return
+    place = f"[{first + invalid.frame}, " if has_frames else "["
+    atom = "..." if invalid.atom is None else invalid.atom
+    raise InvalidInput(f"coords{place}{atom}]: {invalid.reason}")
 
 
 def _groups(mode: str, groups: Any, source: Atoms, count: int) -> tuple[Ids | None, int]:

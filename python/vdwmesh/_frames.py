@@ -10,9 +10,10 @@ import numpy as np
 
 from vdwmesh import _tables
 from vdwmesh._arrays import chosen
+from vdwmesh._cuda import CudaAtoms, CudaInput, is_on_device
 from vdwmesh._measure import Counts, InvalidFrame, Options, Topology, measure
 from vdwmesh._mesh import Mesh, mesh
-from vdwmesh._sources import Atoms, radii_for
+from vdwmesh._sources import Atoms, radii_anywhere, radii_for
 from vdwmesh._trajectories import Chunk, Trajectory, Window, trajectory_of
 from vdwmesh.errors import InvalidInput
 
@@ -37,6 +38,9 @@ class FrameResult:
     counts : Counts or None
     topology : Topology or None
         None unless asked for.
+    cuda : CudaAtoms or None
+        Measures of the atoms in the memory of the device, if the frames were there; None unless asked
+        for.
     """
 
     frame: int
@@ -47,6 +51,7 @@ class FrameResult:
     atom_volume: Floats | None
     counts: Counts | None
     topology: Topology | None
+    cuda: CudaAtoms | None = None
 
 
 def frames(
@@ -73,7 +78,7 @@ def frames(
     Parameters
     ----------
     traj : AtomGroup or Universe, mdtraj.Trajectory, array (T, N, 3), or iterable
-        An iterable yields arrays of shape (N, 3), or trajectories of mdtraj, as ``iterload`` does,
+        An array may lie in the memory of a CUDA device, where it is then measured. An iterable yields arrays of shape (N, 3), or trajectories of mdtraj, as ``iterload`` does,
         and is read in another thread. Lengths are in Å, those of mdtraj in nm. A universe stays at
         its frame.
     radii : array_like, shape (N,), or the name of a set (as of `read`) or a path
@@ -143,8 +148,10 @@ def chunk_size(chunk: Any) -> int:
 _MANY_FRAMES = 1 << 20  # stands for a number that is not known
 
 
-def _radii(radii: Any, given: Trajectory) -> NDArray[Any]:
+def _radii(radii: Any, given: Trajectory) -> NDArray[Any] | CudaInput:
     """The argument `radii` as one number for each atom that is there."""
+    if is_on_device(given.atoms.coords):
+        return radii_anywhere(radii, given.atoms)
     found = radii_for(radii, given.atoms)
     if given.selected is not None and len(found) == given.total and not isinstance(radii, str):
         found = found[given.selected]
@@ -154,11 +161,11 @@ def _radii(radii: Any, given: Trajectory) -> NDArray[Any]:
 
 
 def _measured(
-    given: Trajectory, radii: NDArray[Any], options: Options, chunk: int
+    given: Trajectory, radii: NDArray[Any] | CudaInput, options: Options, chunk: int
 ) -> Iterator[FrameResult]:
     for part in given.chunks(chunk):
-        found, _, invalid = measure(part.coords, radii, options)
-        for number, time, one in zip(part.numbers, part.times, found):
+        found = measure(part.coords, radii, options)
+        for number, time, one in zip(part.numbers, part.times, found.frames):
             yield FrameResult(
                 number,
                 time,
@@ -168,8 +175,9 @@ def _measured(
                 one["atom_volume"],
                 one["counts"],
                 one["topology"],
+                one["cuda"],
             )
-        refuse(invalid, part)
+        refuse(found.invalid, part)
 
 
 def refuse(invalid: InvalidFrame | None, part: Chunk) -> None:
@@ -322,7 +330,7 @@ def meshes(
     return _meshed(given, _radii(radii, given), options)
 
 
-def _meshed(given: Trajectory, radii: NDArray[Any], options: dict[str, Any]) -> Iterator[FrameMesh]:
+def _meshed(given: Trajectory, radii: Any, options: dict[str, Any]) -> Iterator[FrameMesh]:
     for part in given.chunks(_FRAMES_OF_MESHES):
         for number, time, coords in zip(part.numbers, part.times, part.coords):
             atoms = Atoms(coords=coords, unit=given.atoms.unit)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vdwmesh import _core
 from vdwmesh._arrays import number, thread_count, view
+from vdwmesh._cuda import CudaArray, CudaAtoms, CudaInput, packed
 from vdwmesh.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -142,12 +143,28 @@ class InvalidFrame:
     reason: str
 
 
+class Measured(NamedTuple):
+    """What is known of frames: up to the first that cannot be measured."""
+
+    frames: list[dict[str, Any]]
+    groups: list[Floats]  # areas by group
+    invalid: InvalidFrame | None
+    cuda: CudaAtoms | None  # of all frames, (T, N), where they are on a device and wanted
+
+
 def measure(
-    frames: NDArray[Any], radii: NDArray[Any], options: Options
-) -> tuple[list[dict[str, Any]], list[Floats], InvalidFrame | None]:
-    """The measures of each frame (T, N, 3) up to the first that cannot be measured, areas by group."""
-    found, groups, invalid = _core.measure(frames, radii, **vars(options))
-    for one in found:
+    frames: NDArray[Any] | CudaInput, radii: NDArray[Any] | CudaInput, options: Options
+) -> Measured:
+    """The measures of each frame (T, N, 3)."""
+    columns = None
+    if isinstance(frames, CudaInput):
+        found, groups, invalid, columns = _core.measure_on_device(
+            frames.packed, packed(radii), **vars(options)
+        )
+    else:
+        found, groups, invalid = _core.measure(frames, radii, **vars(options))
+    for k, one in enumerate(found):
+        one["cuda"] = columns and CudaAtoms(*(CudaArray(column.row(k)) for column in columns))
         for name in ("atom_area", "atom_volume"):
             if one[name] is not None:
                 one[name] = view(one[name])
@@ -158,4 +175,9 @@ def measure(
             voids = one["topology"].pop("void_table")
             table = tuple(_void(**v) for v in voids)
             one["topology"] = Topology(shells=shells, void_table=table, **one["topology"])
-    return found, [view(sums) for sums in groups], None if invalid is None else InvalidFrame(*invalid)
+    return Measured(
+        found,
+        [view(sums) for sums in groups],
+        None if invalid is None else InvalidFrame(*invalid),
+        columns and CudaAtoms(*map(CudaArray, columns)),
+    )

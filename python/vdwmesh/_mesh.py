@@ -12,7 +12,8 @@ import numpy as np
 
 from vdwmesh import _core, _sinks
 from vdwmesh._arrays import floats, number, thread_count, view
-from vdwmesh._sources import arrays_of
+from vdwmesh._cuda import CudaInput, CudaMesh, HasCudaArray, packed
+from vdwmesh._sources import arrays_anywhere
 from vdwmesh.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -33,31 +34,51 @@ class Mesh:
         Unit vectors, outward.
     vertex_atoms, face_atoms : ndarray of uint32, shape (V,) and (F,), or None
         The atom that a vertex lies on, and the one whose patch a triangle is part of.
+    cuda : CudaMesh or None
+        The arrays in the memory of the device that made the mesh, if the coordinates were there. The
+        other attributes are then copies on the host, made when the first of them is used.
     """
 
-    vertices: Floats
-    faces: Ids
-    normals: NDArray[np.float32] | None
-    vertex_atoms: Ids | None
-    face_atoms: Ids | None
-    _handle: Any = field(repr=False)
+    _source: _core.MeshHandle | _core.CudaMeshHandle = field(repr=False)
 
     @classmethod
-    def _of(cls, handle: _core.MeshHandle) -> Mesh:
-        return cls(
-            view(handle.vertices()),
-            view(handle.faces()),
-            _view_or_none(handle.normals()),
-            _view_or_none(handle.vertex_atoms()),
-            _view_or_none(handle.face_atoms()),
-            handle,
-        )
+    def _of(cls, source: _core.MeshHandle | _core.CudaMeshHandle) -> Mesh:
+        return cls(source)
+
+    @cached_property
+    def _handle(self) -> _core.MeshHandle:
+        return self._source.download() if isinstance(self._source, _core.CudaMeshHandle) else self._source
+
+    @cached_property
+    def cuda(self) -> CudaMesh | None:
+        return CudaMesh._of(self._source) if isinstance(self._source, _core.CudaMeshHandle) else None
+
+    @cached_property
+    def vertices(self) -> Floats:
+        return view(self._handle.vertices())
+
+    @cached_property
+    def faces(self) -> Ids:
+        return view(self._handle.faces())
+
+    @cached_property
+    def normals(self) -> NDArray[np.float32] | None:
+        return _view_or_none(self._handle.normals())
+
+    @cached_property
+    def vertex_atoms(self) -> Ids | None:
+        return _view_or_none(self._handle.vertex_atoms())
+
+    @cached_property
+    def face_atoms(self) -> Ids | None:
+        return _view_or_none(self._handle.face_atoms())
 
     def __iter__(self) -> Iterator[Any]:
         return iter((self.vertices, self.faces, self.normals))
 
     def __repr__(self) -> str:
-        return f"<vdwmesh.Mesh of {len(self.vertices)} vertices, {len(self.faces)} faces>"
+        arrays = self.cuda or self
+        return f"<vdwmesh.Mesh of {len(arrays.vertices)} vertices, {len(arrays.faces)} faces>"
 
     @cached_property
     def _summary(self) -> dict[str, Any]:
@@ -115,7 +136,7 @@ def _view_or_none(owner: Any) -> NDArray[Any] | None:
 
 def mesh(
     coords: Any,
-    radii: ArrayLike | str | None = None,
+    radii: ArrayLike | HasCudaArray | str | None = None,
     *,
     probe: float = 0.0,
     mesher: str = "exact",
@@ -134,7 +155,8 @@ def mesh(
     Parameters
     ----------
     coords, radii, probe, threads
-        As for `exact`.
+        As for `exact`. From coordinates in the memory of a CUDA device marching cubes makes the mesh
+        there, and leaves it there as `Mesh.cuda`.
     mesher : {"exact", "marching-cubes"}
         "exact" follows the creases between the spheres and has the topology of the union;
         "marching-cubes" walks a grid.
@@ -166,7 +188,9 @@ def mesh(
     InvalidInput
         An argument is wrong; the message names it.
     LimitExceeded
-        The mesh would not fit the memory of the machine.
+        The mesh would not fit the memory of the machine or the device.
+    BackendUnavailable
+        Coordinates are on a CUDA device that cannot be used, or the mesher is "exact" for them.
 
     Examples
     --------
@@ -175,26 +199,25 @@ def mesh(
     >>> ball.is_closed, ball.euler_characteristic
     (True, 2)
     """
-    centers, sizes, _ = arrays_of(coords, radii)
+    centers, sizes, _ = arrays_anywhere(coords, radii, device)
     if isinstance(subdivide, bool) or not isinstance(subdivide, (int, np.integer)) or subdivide < 0:
         raise InvalidInput(f"subdivide: {subdivide!r} is no number of levels")
-    return Mesh._of(
-        _core.mesh(
-            centers,
-            sizes,
-            number("probe", probe),
-            thread_count(threads),
-            mesher=mesher,
-            field=field,
-            spacing=_positive("spacing", spacing),
-            edge_length=_positive("edge_length", edge_length),
-            subdivide=int(subdivide),
-            crossings=crossings,
-            normals=bool(normals),
-            fixed_grid=bool(fixed_grid),
-            device=device,
-        )
-    )
+    options: dict[str, Any] = {
+        "mesher": mesher,
+        "field": field,
+        "spacing": _positive("spacing", spacing),
+        "edge_length": _positive("edge_length", edge_length),
+        "subdivide": int(subdivide),
+        "crossings": crossings,
+        "normals": bool(normals),
+        "fixed_grid": bool(fixed_grid),
+        "device": device,
+    }
+    grown, cores = number("probe", probe), thread_count(threads)
+    if isinstance(centers, CudaInput):
+        there = centers.as_frames().packed
+        return Mesh._of(_core.mesh_on_device(there, packed(sizes), grown, cores, **options))
+    return Mesh._of(_core.mesh(centers, sizes, grown, cores, **options))
 
 
 def _positive(name: str, value: Any) -> float:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator
 import numpy as np
 
 from vdwmesh._arrays import floats
+from vdwmesh._cuda import CudaInput, is_on_device, on_device, require_cuda
 from vdwmesh._molecule import Molecule, radii_of
 from vdwmesh.errors import InvalidInput
 
@@ -66,6 +67,26 @@ def arrays_of(
     if atoms.unit != 1:
         centers = atoms.unit * centers.astype(np.float64)
     return centers, radii_for(radii, atoms), atoms
+
+
+def arrays_anywhere(
+    coords: Any, radii: Any, device: str, *, frames: bool = False
+) -> tuple[NDArray[Any] | CudaInput, NDArray[Any] | CudaInput, Atoms]:
+    """`arrays_of`, or coordinates and radii in the memory of a device, which stay there.
+
+    Where the coordinates are there, the radii may be on either side.
+    """
+    atoms = atoms_of(coords)
+    if not is_on_device(atoms.coords):
+        return arrays_of(atoms, radii, frames=frames)
+    require_cuda(device, "coords")
+    shapes = ("(N, 3)", "(T, N, 3)") if frames else ("(N, 3)",)
+    return on_device("coords", atoms.coords, *shapes), radii_anywhere(radii, atoms), atoms
+
+
+def radii_anywhere(radii: Any, atoms: Atoms) -> NDArray[Any] | CudaInput:
+    """The argument `radii` beside coordinates on a device."""
+    return on_device("radii", radii, "(N,)") if is_on_device(radii) else radii_for(radii, atoms)
 
 
 def _one_frame(centers: NDArray[Any]) -> NDArray[Any]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, NamedTuple,
 import numpy as np
 
 from vdwmesh._arrays import chosen, floats
+from vdwmesh._cuda import CudaInput, is_on_device, on_device
 from vdwmesh._sources import Atoms, atoms_of, comes_from
 from vdwmesh.errors import FileFormatError, InvalidInput
 
@@ -34,7 +35,7 @@ class Frame(NamedTuple):
 class Chunk:
     """Frames that follow one another; coordinates are of shape (k, N, 3)."""
 
-    coords: NDArray[Any]
+    coords: NDArray[Any] | CudaInput
     numbers: Sequence[int]
     times: Sequence[float | None]
     error: BaseException | None = None  # why there are no further frames
@@ -89,7 +90,9 @@ def trajectory_of(traj: Any, select: Any, window: Window) -> Trajectory:
     if comes_from("mdtraj", traj):
         atoms, times = atoms_of(traj), traj.time
         return _of_array(atoms, traj.xyz, _selected_of_mdtraj(traj, select), window, times)
-    if hasattr(traj, "__array_interface__") or hasattr(traj, "__cuda_array_interface__"):
+    if is_on_device(traj):
+        return _of_device(on_device("traj", traj, "(T, N, 3)"), select, window)
+    if hasattr(traj, "__array_interface__"):
         return _of_array(Atoms(traj), floats("traj", traj, "(T, N, 3)"), select, window)
     if not hasattr(traj, "__iter__") or comes_from("vdwmesh", traj) or comes_from("biotite", traj):
         atoms = atoms_of(traj)
@@ -119,6 +122,23 @@ def _of_array(
     return Trajectory(
         _some(atoms, selected), count, coords.shape[1], selected, _not_empty(len(numbers)), chunks
     )
+
+
+def _of_device(coords: CudaInput, select: Any, window: Window) -> Trajectory:
+    """Frames in the memory of a device, which stay there."""
+    if select is not None:
+        raise InvalidInput("select: traj is on a CUDA device; choose the atoms of its array instead")
+    numbers = window.of_length(len(coords))
+    wanted = coords.cut(slice(*window))
+
+    def chunks(size: int) -> Iterator[Chunk]:
+        for first in range(0, len(wanted), size):
+            part = slice(first, first + size)
+            times = [None] * len(numbers[part])
+            yield Chunk(wanted.cut(part), numbers[part], times)
+
+    atoms = coords.shape[1]
+    return Trajectory(Atoms(coords), atoms, atoms, None, _not_empty(len(numbers)), chunks)
 
 
 def _of_mdanalysis(traj: Any, select: Any, window: Window) -> Trajectory:

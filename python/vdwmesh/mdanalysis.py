@@ -116,7 +116,7 @@ class SurfaceAnalysis(AnalysisBase):  # type: ignore[misc]
 
     def _measure(self) -> None:
         part = Chunk(self._coords[: len(self._numbers)], self._numbers, [])
-        found, by_residue, invalid = measure(part.coords, self._radii, self._wanted)
+        found, by_residue, invalid, _ = measure(part.coords, self._radii, self._wanted)
         for one, areas in zip(found, by_residue):
             self._rows["area"].append(one["area"])
             self._rows["volume"].append(one["volume"])

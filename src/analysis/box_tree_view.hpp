@@ -93,17 +93,21 @@ struct BoxQuery {
   float lower[3], upper[3];
 };
 
-// Computes the squared scaled distances from the query to the eight boxes; unused lanes get some
-// number. Along an axis the query is below a box by a, or above it by b, or neither is positive.
-VDWMESH_HD inline void squared_distances(const BoxNode& node, const BoxQuery& query,
-                                         float (&distance)[BoxNode::kWidth]) {
+// What the distances from a query to the boxes of a node have in common, by axis: how far the query
+// is below and above the lower corner of the node, and the length of a step.
+struct BoxSides {
   float below[3], above[3], step[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    below[axis] = node.origin[axis] - query.upper[axis] - kBoxMargin;
-    above[axis] = query.lower[axis] - node.origin[axis] - kBoxMargin;
-    step[axis] = power_of_two(node.exponent[axis]);
+
+  VDWMESH_HD BoxSides(const BoxNode& node, const BoxQuery& query) {
+    for (int axis = 0; axis < 3; ++axis) {
+      below[axis] = node.origin[axis] - query.upper[axis] - kBoxMargin;
+      above[axis] = query.lower[axis] - node.origin[axis] - kBoxMargin;
+      step[axis] = power_of_two(node.exponent[axis]);
+    }
   }
-  for (int i = 0; i < BoxNode::kWidth; ++i) {
+  // Returns the squared scaled distance from the query to box i; some number for an unused lane.
+  // Along an axis the query is below the box by a, or above it by b, or neither is positive.
+  VDWMESH_HD float squared_distance(const BoxNode& node, int i) const {
     float sum = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const float a = below[axis] + step[axis] * static_cast<float>(node.lower[axis][i]);
@@ -112,8 +116,15 @@ VDWMESH_HD inline void squared_distances(const BoxNode& node, const BoxQuery& qu
       const float outside = larger > 0 ? larger : 0;
       sum += outside * outside;
     }
-    distance[i] = sum;
+    return sum;
   }
+};
+
+// Computes the squared scaled distances from the query to the eight boxes.
+VDWMESH_HD inline void squared_distances(const BoxNode& node, const BoxQuery& query,
+                                         float (&distance)[BoxNode::kWidth]) {
+  const BoxSides sides(node, query);
+  for (int i = 0; i < BoxNode::kWidth; ++i) distance[i] = sides.squared_distance(node, i);
 }
 
 // The tree as host and device code read it; trivially copyable, owns nothing.
@@ -147,47 +158,97 @@ struct BoxEntry {
   std::uint32_t index;  // in its level
 };
 
+// Returns the index of the lowest set bit: how many bits are below it. Precondition: some bit is
+// set.
+VDWMESH_HD inline int lowest_bit(std::uint32_t bits) { return count_bits((bits & (0 - bits)) - 1); }
+
+// The children of a node that may be nearer to the query than a bound: a bit for
+// each lane, which near &= near - 1 clears from the lowest one on, and their distances.
+struct NearLanes {
+  std::uint32_t near;
+  float distance[BoxNode::kWidth];  // squared and scaled
+
+  VDWMESH_HD NearLanes(const BoxNode& node, const BoxQuery& query, float bound) : near(0) {
+    squared_distances(node, query, distance);
+    for (int i = 0; i < BoxNode::kWidth; ++i) {
+      near |= static_cast<std::uint32_t>(distance[i] < bound) << i;
+    }
+    near &= (1u << node.count) - 1;
+  }
+};
+
+// Calls visit(i, squared) for at least all primitives i of a node of level 0, given by its index,
+// whose box is nearer to the query than √squared (Å). visit may lower `squared`.
+template <class Visit>
+VDWMESH_HD inline void visit_primitives(const BoxTreeView& tree, std::uint32_t index,
+                                        const BoxQuery& query, double& squared, Visit&& visit) {
+  float bound = tree.bound_of(squared);
+  NearLanes lanes(tree.levels[0][index], query, bound);
+  for (; lanes.near != 0; lanes.near &= lanes.near - 1) {
+    const int lane = lowest_bit(lanes.near);
+    if (!(lanes.distance[lane] < bound)) continue;
+    visit(tree.order[BoxNode::kWidth * index + static_cast<std::uint32_t>(lane)], squared);
+    bound = tree.bound_of(squared);
+  }
+}
+
+// Room of a search stack: for the root and seven of the eight children of each level.
+inline constexpr int kBoxStack = BoxTreeView::kMaxLevels * BoxNode::kWidth + 1;
+
 // Calls visit(i, squared) for at least all primitives i whose box is nearer to the query than
 // √squared (Å), near boxes first. visit lowers `squared` if primitive i is nearer, and makes it
 // negative to end the search. Depth-first branch and bound: the entries of a node are inserted such
-// that the nearest one is on top of the stack, which has room for the root and seven of the eight
-// children of each level. `near` is a bit mask of lanes; near &= near - 1 clears its lowest bit.
+// that the nearest one is on top of the stack.
 template <class Visit>
 VDWMESH_HD inline void visit_nearest(const BoxTreeView& tree, const BoxQuery& query,
                                      double& squared, Visit&& visit) {
-  BoxEntry stack[BoxTreeView::kMaxLevels * BoxNode::kWidth + 1];
+  BoxEntry stack[kBoxStack];
   stack[0] = {0, tree.level_count - 1, 0};
   float bound = tree.bound_of(squared);
   for (int size = 1; size > 0;) {
     const BoxEntry entry = stack[--size];
     if (!(entry.distance < bound)) continue;
-    const BoxNode& node = tree.levels[entry.level][entry.index];
-    float distance[BoxNode::kWidth];
-    squared_distances(node, query, distance);
-    std::uint32_t near = 0;
-    for (int i = 0; i < BoxNode::kWidth; ++i) {
-      near |= static_cast<std::uint32_t>(distance[i] < bound) << i;
+    if (entry.level == 0) {
+      visit_primitives(tree, entry.index, query, squared, visit);
+      bound = tree.bound_of(squared);
+      continue;
     }
-    near &= (1u << node.count) - 1;
-    const std::uint32_t first = BoxNode::kWidth * entry.index;
+    NearLanes lanes(tree.levels[entry.level][entry.index], query, bound);
     const int from = size;
-    for (; near != 0; near &= near - 1) {
-      const int lane = std::countr_zero(near);
-      const float away = distance[lane];
-      const std::uint32_t child = first + static_cast<std::uint32_t>(lane);
-      if (entry.level == 0) {
-        if (!(away < bound)) continue;
-        visit(tree.order[child], squared);
-        bound = tree.bound_of(squared);
-        continue;
-      }
+    for (; lanes.near != 0; lanes.near &= lanes.near - 1) {
+      const int lane = lowest_bit(lanes.near);
+      const float away = lanes.distance[lane];
       int place = size++;
       for (; place > from && stack[place - 1].distance < away; --place) {
         stack[place] = stack[place - 1];
       }
-      stack[place] = {away, entry.level - 1, child};
+      stack[place] = {away, entry.level - 1,
+                      BoxNode::kWidth * entry.index + static_cast<std::uint32_t>(lane)};
     }
   }
+}
+
+// Calls take(index) for the nodes of level 0 whose boxes are nearer to the query than √squared (Å),
+// in no particular order, until one call returns false. Returns whether none did.
+template <class Take>
+VDWMESH_HD inline bool for_each_near_leaf(const BoxTreeView& tree, const BoxQuery& query,
+                                          double squared, Take&& take) {
+  BoxEntry stack[kBoxStack];
+  stack[0] = {0, tree.level_count - 1, 0};
+  const float bound = tree.bound_of(squared);
+  for (int size = 1; size > 0;) {
+    const BoxEntry entry = stack[--size];
+    if (entry.level == 0) {
+      if (!take(entry.index)) return false;
+      continue;
+    }
+    NearLanes lanes(tree.levels[entry.level][entry.index], query, bound);
+    for (; lanes.near != 0; lanes.near &= lanes.near - 1) {
+      const auto lane = static_cast<std::uint32_t>(lowest_bit(lanes.near));
+      stack[size++] = {lanes.distance[lane], entry.level - 1, BoxNode::kWidth * entry.index + lane};
+    }
+  }
+  return true;
 }
 
 }  // namespace vdwmesh

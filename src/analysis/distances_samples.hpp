@@ -1,5 +1,5 @@
-// Sample points on the exact surface: inside exposed patches, on exposed arcs, and at corners. For
-// host and device.
+// Where samples are taken: in strata of the area of a mesh, and on the exact surface inside exposed
+// patches, on exposed arcs, and at corners. For host and device.
 //
 // The points inside a patch are the exposed points of a SphereLattice. The caller makes one Random
 // per sphere, with a stream number of that sphere, so the points do not depend on the number of
@@ -15,6 +15,22 @@
 
 namespace vdwmesh {
 
+// Strata of the area interval [0, area] of a mesh (mesh_area.hpp): `samples` parts of equal length,
+// with one random position in each (stratified sampling).
+struct AreaStrata {
+  double area;            // Å²
+  std::uint64_t samples;  // > 0
+  std::uint64_t seed;
+
+  // Returns the position of sample i < samples, Å². The random stream of sample i is ~i, which
+  // counts downwards from 2^64 - 1. The streams of spheres count upwards from 0, so no stream is
+  // used twice.
+  VDWMESH_HD double position(std::uint64_t i) const {
+    const double within = Random(seed, ~i).next();
+    return (static_cast<double>(i) + within) / static_cast<double>(samples) * area;
+  }
+};
+
 // Makes the lattice on the sphere of a patch, with `density` points per Å² on the whole sphere. The
 // number of points is the area times the density, rounded up or down at random: adding a random
 // number of [0, 1) before the cut to an integer makes its expected value exact. Small spheres thus
@@ -29,23 +45,23 @@ VDWMESH_HD inline SphereLattice lattice_on(const Patch& patch, double density, R
 // Points are taken eight at a time, so that the loops over `lane` become vector instructions.
 template <class Visit>
 inline void sample_patch(const Patch& patch, double density, Random& random, Visit&& visit) {
-  constexpr std::uint64_t kLanes = 8;
+  constexpr std::uint64_t kTogether = 8;
   const SphereLattice lattice = lattice_on(patch, density, random);
-  for (std::uint64_t first = 0; first < lattice.size(); first += kLanes) {
-    const std::uint64_t left = lattice.size() - first, count = left < kLanes ? left : kLanes;
-    double number[kLanes], x[kLanes], y[kLanes], z[kLanes];
-    std::int64_t covered[kLanes]{};
-    for (std::uint64_t lane = 0; lane < kLanes; ++lane) {
+  for (std::uint64_t first = 0; first < lattice.size(); first += kTogether) {
+    const std::uint64_t left = lattice.size() - first, count = left < kTogether ? left : kTogether;
+    double number[kTogether], x[kTogether], y[kTogether], z[kTogether];
+    std::int64_t covered[kTogether]{};
+    for (std::uint64_t lane = 0; lane < kTogether; ++lane) {
       number[lane] = static_cast<double>(lattice.at(first + (lane < count ? lane : count - 1)));
     }
-    for (std::uint64_t lane = 0; lane < kLanes; ++lane) {
+    for (std::uint64_t lane = 0; lane < kTogether; ++lane) {
       const Vec3d direction = lattice.point(number[lane]);
       x[lane] = direction.x, y[lane] = direction.y, z[lane] = direction.z;
     }
     for (std::uint32_t i = 0; i < patch.cover_count; ++i) {
       const arcs::Cap& cap = patch.covers[i].cap;
       const double limit = cap.cosine + kExposureTolerance;
-      for (std::uint64_t lane = 0; lane < kLanes; ++lane) {
+      for (std::uint64_t lane = 0; lane < kTogether; ++lane) {
         const double inner = cap.axis.x * x[lane] + cap.axis.y * y[lane] + cap.axis.z * z[lane];
         covered[lane] |= inner > limit ? 1 : 0;
       }

@@ -1,9 +1,6 @@
-// Histogram bins of distances, and the statistics that distances() reports.
-//
-// The bin of a distance follows from the bits of the double: its exponent and the leading 8 bits of
-// its mantissa form a key, and the bin number is the key less the key of the first bin. Every
-// octave thus has 256 bins of equal width. summarize() joins the sums of the blocks, and estimates
-// standard errors from the sums of d² and d⁴.
+// Percentiles from the histogram of distances, and the statistics that distances() reports.
+// summarize() joins the sums of the blocks, and estimates standard errors from the sums of d² and
+// d⁴.
 #include "analysis/distances_statistics.hpp"
 
 #include <algorithm>
@@ -15,12 +12,6 @@
 
 namespace vdwmesh {
 namespace {
-
-// A key is the exponent of a double with its first kBinBits mantissa bits. kFirstKey is the key of
-// 2^kFirstExponent Å, where the first bin begins.
-constexpr int kMantissaBits = 52, kBinBits = 8, kExponentBias = 1023, kFirstExponent = -48;
-constexpr std::uint64_t kFirstKey = static_cast<std::uint64_t>(kExponentBias + kFirstExponent)
-                                    << kBinBits;
 
 // Returns the standard error of the mean of n independent values, given their mean and the mean of
 // their squares; NaN for n < 2. `variance` is the variance of the sample; n / (n - 1) times it
@@ -34,25 +25,16 @@ double standard_error(double mean, double mean_square, double n) {
 
 }  // namespace
 
-// The bit patterns of doubles >= 0, as integers, have the same order as the doubles. A shift that
-// keeps the exponent and kBinBits of the mantissa therefore gives keys in order of distance. Keys
-// below kFirstKey go to bin 0, and keys beyond the last bin go to the last bin.
-std::size_t DistanceHistogram::bin_of(double distance) {
-  const std::uint64_t key = std::bit_cast<std::uint64_t>(distance) >> (kMantissaBits - kBinBits);
-  return std::min<std::size_t>(key > kFirstKey ? key - kFirstKey : 0, kBins - 1);
-}
-
-// Returns the middle of a bin, Å. The key of the bin, followed by zeros, is the bin's smallest
-// double; with the highest of these zeros set it is the middle. The first bin, which contains all
-// small distances down to 0, has the value 0.
-double DistanceHistogram::middle_of(std::size_t bin) {
+// The key of the bin, followed by zeros, is the bin's smallest double; with the highest of these
+// zeros set it is the middle.
+double DistanceBins::middle_of(std::size_t bin) {
   if (bin == 0) return 0;
   const std::uint64_t half = std::uint64_t{1} << (kMantissaBits - kBinBits - 1);
   return std::bit_cast<double>(((kFirstKey + bin) << (kMantissaBits - kBinBits)) + half);
 }
 
-void DistanceHistogram::add(const DistanceHistogram& other) {
-  for (std::size_t i = 0; i < kBins; ++i) bins_[i] += other.bins_[i];
+void DistanceHistogram::add(std::span<const std::uint64_t> counts) {
+  for (std::size_t i = 0; i < bins_.size(); ++i) bins_[i] += counts[i];
 }
 
 // The rank that belongs to `fraction` is ceil(fraction · total), counted from 1 and at least 1. The
@@ -63,11 +45,11 @@ double DistanceHistogram::percentile(double fraction) const {
   if (total == 0) return std::numeric_limits<double>::quiet_NaN();
   const double wanted = std::max(1.0, std::ceil(fraction * static_cast<double>(total)));
   std::uint64_t below = 0;
-  for (std::size_t i = 0; i < kBins; ++i) {
+  for (std::size_t i = 0; i < bins_.size(); ++i) {
     below += bins_[i];
-    if (static_cast<double>(below) >= wanted) return middle_of(i);
+    if (static_cast<double>(below) >= wanted) return DistanceBins::middle_of(i);
   }
-  return middle_of(kBins - 1);
+  return DistanceBins::middle_of(bins_.size() - 1);
 }
 
 DistanceStatistics summarize(const std::vector<DistanceSums>& blocks,

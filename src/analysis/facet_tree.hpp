@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "analysis/mesh_area.hpp"
 #include "core/buffer.hpp"
 #include "core/lanes.hpp"
 #include "surface/box.hpp"
@@ -62,9 +63,7 @@ class FacetTree {
 
 // The bounding box of a triangle.
 inline Box box_of(const IndexedMesh& mesh, std::uint32_t triangle) {
-  Box box = empty_box();
-  for (const std::uint32_t v : mesh.triangles[triangle]) include(box, mesh.positions[v]);
-  return box;
+  return box_of(corners_of(mesh, triangle));
 }
 
 // Sets bit i of the result if lane i is true.

@@ -16,12 +16,22 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::size_t kPerBlock = 2048;  // triangles
-
-// The area of a triangle, Å².
-double area_of(const Corners& t) { return 0.5 * norm(cross(t.b - t.a, t.c - t.a)); }
+constexpr std::size_t kPerBlock = kTrianglesPerAreaBlock;
 
 }  // namespace
+
+std::vector<double> area_block_starts(std::span<const double> sums) {
+  WideSum total;
+  std::vector<double> starts;
+  starts.reserve(sums.size() + 1);
+  for (const double sum : sums) {
+    starts.push_back(total.value());
+    total.add(sum);
+  }
+  starts.push_back(total.value());
+  if (!(total.value() > 0)) throw InvalidInput("the mesh has no area");
+  return starts;
+}
 
 MeshArea::MeshArea(const IndexedMesh& mesh) : mesh_(mesh) {
   const std::size_t count = mesh.triangle_count();
@@ -29,14 +39,7 @@ MeshArea::MeshArea(const IndexedMesh& mesh) : mesh_(mesh) {
   for_each_block(count, kPerBlock, [&](std::size_t block, std::size_t first, std::size_t last) {
     for (std::size_t t = first; t < last; ++t) sums[block] += area_of(corners_of(mesh, t));
   });
-  WideSum total;
-  starts_.reserve(sums.size() + 1);
-  for (const double sum : sums) {
-    starts_.push_back(total.value());
-    total.add(sum);
-  }
-  starts_.push_back(total.value());
-  if (!(total.value() > 0)) throw InvalidInput("the mesh has no area");
+  starts_ = area_block_starts(sums);
 }
 
 // Enters the first triangle of the block that contains the position: the last block that begins at
@@ -51,21 +54,17 @@ MeshArea::Cursor::Cursor(const MeshArea& area, double place) : area_(area) {
 // the current triangle. Its subinterval begins at the stored prefix sum if a block begins there,
 // and otherwise at the end of the previous subinterval; it is the same wherever the cursor started.
 void MeshArea::Cursor::enter(std::size_t triangle) {
-  const bool first_of_block = triangle % kPerBlock == 0;
-  begin_ = first_of_block ? area_.starts_[triangle / kPerBlock] : begin_ + length_;
-  length_ = area_of(corners_of(area_.mesh_, triangle));
+  const std::size_t block = triangle / kPerBlock;
+  begin_ = triangle % kPerBlock == 0 ? area_.starts_[block] : end_;
+  end_ = end_of_area(begin_, area_of(corners_of(area_.mesh_, triangle)), area_.starts_[block + 1]);
   triangle_ = triangle;
 }
 
-// Goes on to the first triangle that has an area and ends beyond the position. A position beyond
-// the end of the last triangle, which rounding can cause, belongs to the last triangle.
+// Goes on to the first triangle that ends beyond the position. A position beyond the end of the
+// last triangle, which rounding can cause, belongs to the last triangle.
 Vec3d MeshArea::Cursor::point_at(double place) {
-  while (!(place < begin_ + length_ && length_ > 0) &&
-         triangle_ + 1 < area_.mesh_.triangle_count()) {
-    enter(triangle_ + 1);
-  }
-  const double fraction = length_ > 0 ? std::clamp((place - begin_) / length_, 0.0, 1.0) : 0.0;
-  return point_of_triangle(corners_of(area_.mesh_, triangle_), fraction);
+  while (!(place < end_) && triangle_ + 1 < area_.mesh_.triangle_count()) enter(triangle_ + 1);
+  return point_at_area(corners_of(area_.mesh_, triangle_), begin_, place);
 }
 
 }  // namespace vdwmesh

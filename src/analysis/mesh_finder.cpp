@@ -14,63 +14,41 @@
 #include <cmath>
 #include <limits>
 
-#include "analysis/distances_triangle.hpp"
 #include "analysis/mesh_area.hpp"
+#include "analysis/triangle_search.hpp"
 #include "core/multiversion.hpp"
 #include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
 
-Box box_of(const Corners& t) {
-  Box box{t.a, t.a};
-  include(box, t.b);
-  include(box, t.c);
-  return box;
-}
-
-constexpr std::size_t kGroup = 8;  // points
-constexpr std::size_t kLanes = BoxNode::kWidth;
-constexpr std::size_t kMostListed = 128;  // nodes that a group may list
+constexpr std::size_t kGroup = 8;                // points
+constexpr std::size_t kWidth = BoxNode::kWidth;  // boxes that a vector instruction measures
+constexpr std::size_t kMostListed = 128;         // nodes that a group may list
 
 // Nodes of level 0 near a group of points, with their boxes in scaled coordinates: one array for
 // each side, so that vector instructions measure eight boxes.
 class NodeList {
  public:
   // Lists the nodes within `reach` (Å) of the box. Returns false if there are too many.
-  bool gather(const BoxTreeView& tree, const Vec3d& lower, const Vec3d& upper, double reach) {
+  bool gather(const BoxTreeView& tree, const Box& box, double reach) {
     count_ = 0;
-    const BoxQuery query = tree.query(lower, upper);
-    const float bound = tree.bound_of(reach * reach);
-    std::array<BoxEntry, BoxTreeView::kMaxLevels * kLanes + 1> stack;
-    stack[0] = {0, tree.level_count - 1, 0};
-    for (std::size_t size = 1; size > 0;) {
-      const BoxEntry entry = stack[--size];
-      const BoxNode& node = tree.levels[entry.level][entry.index];
-      if (entry.level == 0) {
-        if (!add(node, entry.index)) return false;
-        continue;
-      }
-      float distance[kLanes];
-      squared_distances(node, query, distance);
-      for (std::uint32_t lane = 0; lane < node.count; ++lane) {
-        if (!(distance[lane] < bound)) continue;
-        stack[size++] = {0, entry.level - 1, BoxNode::kWidth * entry.index + lane};
-      }
+    const auto take = [&](std::uint32_t index) { return add(tree.levels[0][index], index); };
+    if (!for_each_near_leaf(tree, tree.query(box.lower, box.upper), reach * reach, take)) {
+      return false;
     }
     fill_up();
     return true;
   }
 
-  // Calls visit(node, index) for the nodes that are nearer to the point than √squared (Å), one of
-  // the nearest first. visit lowers `squared`.
+  // Does what visit_nearest() does, for the primitives of the listed nodes alone.
   template <class Visit>
   void visit_near(const BoxTreeView& tree, const Vec3d& p, double& squared, Visit&& visit) {
     const BoxQuery query = tree.query(p);
     const std::size_t first = measure(query);
     float bound = tree.bound_of(squared);
     const auto examine = [&](std::size_t i) {
-      visit(tree.levels[0][index_[i]], index_[i]);
+      visit_primitives(tree, index_[i], query, squared, visit);
       bound = tree.bound_of(squared);
     };
     if (distance_[first] < bound) examine(first);
@@ -91,17 +69,17 @@ class NodeList {
   }
   // Fills the last vector of eight with boxes that are far from everything.
   void fill_up() {
-    for (std::size_t i = count_; i % kLanes != 0; ++i)
+    for (std::size_t i = count_; i % kWidth != 0; ++i)
       for (std::size_t axis = 0; axis < 3; ++axis) lower_[axis][i] = upper_[axis][i] = 1e9F;
   }
   // Fills distance_ with the squared distances to all boxes. Returns the place of the nearest, or
   // of one that is about as near.
   std::size_t measure(const BoxQuery& query) {
-    std::array<float, kLanes> least;
-    std::array<std::int32_t, kLanes> block{};
+    std::array<float, kWidth> least;
+    std::array<std::int32_t, kWidth> block{};
     least.fill(std::numeric_limits<float>::infinity());
-    for (std::size_t base = 0; base < count_; base += kLanes) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    for (std::size_t base = 0; base < count_; base += kWidth) {
+      for (std::size_t lane = 0; lane < kWidth; ++lane) {
         float sum = 0;
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const float below = lower_[axis][base + lane] - query.lower[axis];
@@ -117,7 +95,7 @@ class NodeList {
       }
     }
     std::size_t first = 0;
-    for (std::size_t lane = 1; lane < kLanes; ++lane)
+    for (std::size_t lane = 1; lane < kWidth; ++lane)
       first = least[lane] < least[first] ? lane : first;
     return static_cast<std::size_t>(block[first]) + first;
   }
@@ -138,11 +116,11 @@ class TriangleSearch {
   void find(std::span<const Vec3d> group, double* found) {
     Box box{group[0], group[0]};
     for (const Vec3d& p : group) include(box, p);
-    const bool listed = reach_ > 0 && list_.gather(tree_, box.lower, box.upper, reach_);
+    const bool listed = reach_ > 0 && list_.gather(tree_, box, reach_);
     double total = 0;
     for (std::size_t i = 0; i < group.size(); ++i) {
       const Vec3d& p = group[i];
-      found[i] = std::sqrt(listed ? in_list(p) : in_tree(p, squared_to(p, nearest_)));
+      found[i] = std::sqrt(listed ? in_list(p) : in_tree(p));
       total += found[i];
     }
     // Three times the mean: few points are farther off, and a single one does not make the next
@@ -151,39 +129,21 @@ class TriangleSearch {
   }
 
  private:
-  double squared_to(const Vec3d& p, std::uint32_t t) const {
-    const Corners corners = corners_of(mesh_, t);
-    return squared_distance_to_triangle(p, corners.a, corners.b, corners.c);
-  }
-  double in_tree(const Vec3d& p, double squared) {
-    visit_nearest(tree_, tree_.query(p), squared, [&](std::uint32_t t, double& best) {
-      const double here = squared_to(p, t);
-      if (!(here < best)) return;
-      best = here;
-      nearest_ = t;
-    });
-    return squared;
+  double in_tree(const Vec3d& p) {
+    const auto corners = [&](std::uint32_t t) { return corners_of(mesh_, t); };
+    return nearest_triangle(tree_, corners, p, nearest_);
   }
   double in_list(const Vec3d& p) {
     double squared = reach_ * reach_;
     bool any = false;
-    const BoxQuery query = tree_.query(p);
-    list_.visit_near(tree_, p, squared, [&](const BoxNode& node, std::uint32_t index) {
-      float distance[kLanes];
-      squared_distances(node, query, distance);
-      float bound = tree_.bound_of(squared);
-      for (std::uint32_t lane = 0; lane < node.count; ++lane) {
-        if (!(distance[lane] < bound)) continue;
-        const std::uint32_t t = tree_.order[BoxNode::kWidth * index + lane];
-        const double here = squared_to(p, t);
-        if (!(here < squared)) continue;
-        squared = here;
-        bound = tree_.bound_of(squared);
-        nearest_ = t;
-        any = true;
-      }
+    list_.visit_near(tree_, p, squared, [&](std::uint32_t t, double& best) {
+      const double here = squared_distance_to(p, corners_of(mesh_, t));
+      if (!(here < best)) return;
+      best = here;
+      nearest_ = t;
+      any = true;
     });
-    return any ? squared : in_tree(p, squared_to(p, nearest_));
+    return any ? squared : in_tree(p);
   }
 
   const IndexedMesh& mesh_;

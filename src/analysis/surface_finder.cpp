@@ -17,32 +17,22 @@
 namespace vdwmesh {
 namespace {
 
-constexpr int kLanes = 8;
+constexpr std::size_t kGroup = 8;  // points
 // Balls that a group may visit. Molecules need about ten; singly, eight points need about forty.
 constexpr int kMostVisits = 48;
-
-// Returns the bounding box of a ball.
-Box box_of(const Sphere& ball) {
-  const Vec3d r{ball.radius, ball.radius, ball.radius};
-  return {ball.center - r, ball.center + r};
-}
 
 // The points of a group, and for each the least gap so far and the patch that has it.
 class Group {
  public:
-  // Fewer points than lanes are filled up with the last one.
+  // A group of fewer points is filled up with the last one.
   explicit Group(std::span<const Vec3d> points) {
-    lower_ = upper_ = points[0];
-    for (std::size_t i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kGroup; ++i) {
       const Vec3d& p = points[std::min(i, points.size() - 1)];
       x_[i] = p.x, y_[i] = p.y, z_[i] = p.z;
-      for (int axis = 0; axis < 3; ++axis) {
-        lower_[axis] = std::min(lower_[axis], p[axis]);
-        upper_[axis] = std::max(upper_[axis], p[axis]);
-      }
+      include(box_, p);
     }
-    center_ = 0.5 * (lower_ + upper_);
-    const Vec3d half = 0.5 * (upper_ - lower_);
+    center_ = 0.5 * (box_.lower + box_.upper);
+    const Vec3d half = 0.5 * (box_.upper - box_.lower);
     radius_ = std::sqrt(arcs::inner(half, half)) * (1 + kSquareMargin);
     gap_.fill(std::numeric_limits<double>::infinity());
   }
@@ -64,7 +54,7 @@ class Group {
       most = largest_gap();
       least = ++visits > kMostVisits ? -1 : bound_of_gap(most);
     };
-    visit_nearest(surface.tree, surface.tree.query(lower_, upper_), bound, visit);
+    visit_nearest(surface.tree, surface.tree.query(box_.lower, box_.upper), bound, visit);
     return visits <= kMostVisits;
   }
 
@@ -75,7 +65,7 @@ class Group {
  private:
   void measure(const Sphere& ball, std::uint32_t patch) {
     const auto owner = static_cast<std::int64_t>(patch);
-    for (std::size_t i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kGroup; ++i) {
       const double x = x_[i] - ball.center.x, y = y_[i] - ball.center.y, z = z_[i] - ball.center.z;
       const double gap = std::sqrt(x * x + y * y + z * z) - ball.radius;
       const bool nearer = gap < gap_[i];
@@ -84,23 +74,24 @@ class Group {
     }
   }
   double largest_gap() const {
-    std::array<double, kLanes> most = gap_;
-    for (std::size_t half = kLanes / 2; half > 0; half /= 2)
+    std::array<double, kGroup> most = gap_;
+    for (std::size_t half = kGroup / 2; half > 0; half /= 2)
       for (std::size_t i = 0; i < half; ++i) most[i] = std::max(most[i], most[i + half]);
     return most[0];
   }
 
-  alignas(32) std::array<double, kLanes> x_, y_, z_, gap_;
-  std::array<std::int64_t, kLanes> patch_{};
-  Vec3d lower_, upper_, center_;
+  alignas(32) std::array<double, kGroup> x_, y_, z_, gap_;
+  std::array<std::int64_t, kGroup> patch_{};
+  Box box_ = empty_box();
+  Vec3d center_;
   double radius_;  // Å, of a ball around center_ that contains all points
 };
 
 VDWMESH_MULTIVERSION void find_all(const PatchTreeView& surface, std::span<const Vec3d> points,
                                    double* found) {
   std::uint32_t hint = 0;
-  for (std::size_t first = 0; first < points.size(); first += kLanes) {
-    const auto some = points.subspan(first, std::min<std::size_t>(kLanes, points.size() - first));
+  for (std::size_t first = 0; first < points.size(); first += kGroup) {
+    const auto some = points.subspan(first, std::min(kGroup, points.size() - first));
     Group group(some);
     const bool together = group.find(surface, hint);
     for (std::size_t i = 0; i < some.size(); ++i) {

@@ -115,7 +115,8 @@ VDWMESH_HD inline bool update_nearest(const Patch& patch, const Vec3d& p, double
   }
   const double r = patch.ball.radius;
   const Vec3d y = (1 / r) * (p - patch.ball.center);
-  // A little more than `squared`, which decides below: here it only saves work.
+  // In units of the radius. The comparison in Å² below decides, so this bound may be a little too
+  // large: it only lets circles be passed over that are farther than what was found before.
   double best = squared / (r * r) * (1 + kSquareMargin);
   for (std::uint32_t i = 0; i < patch.circles; ++i) update_nearest_on_circle(patch, i, y, best);
   for (std::uint32_t i = 0; i < patch.corner_count; ++i) {
@@ -130,9 +131,9 @@ VDWMESH_HD inline bool update_nearest(const Patch& patch, const Vec3d& p, double
   return true;
 }
 
-// Returns the squared distance, Å², of a point inside the union to the nearest exposed point of all
-// patches, or `least` if that is larger: s² of the formula above. `hint` is the patch that is
-// measured first.
+// Returns the squared distance, Å², of a point inside the union: by the formula above the larger of
+// s², which the caller passes as `least`, and the squared distance to the nearest patch. The search
+// may therefore end once a patch is as near as s². `hint` is the patch that is measured first.
 VDWMESH_HD inline double nearest_exposed(const PatchTreeView& surface, const Vec3d& p,
                                          std::uint32_t hint, double least) {
   double squared = std::numeric_limits<double>::infinity();
@@ -156,13 +157,24 @@ VDWMESH_HD inline double nearest_exposed(const PatchTreeView& surface, const Vec
   return squared < least ? least : squared;
 }
 
+// Returns whether the ball of least gap alone decides the distance of a point, which then is its
+// gap.
+VDWMESH_HD inline bool is_settled(const PatchTreeView& surface, const Vec3d& p,
+                                  const LeastGap& nearest) {
+  return nearest.gap >= 0 || has_exposed_foot(surface.patches[nearest.patch], p);
+}
+
+// Returns the signed distance, Å, of a point that is not settled, by a search of all patches.
+VDWMESH_HD inline double unsettled_distance(const PatchTreeView& surface, const Vec3d& p,
+                                            const LeastGap& nearest) {
+  return -std::sqrt(nearest_exposed(surface, p, nearest.patch, nearest.gap * nearest.gap));
+}
+
 // Returns the signed distance, Å, of a point whose ball of least gap is known: positive outside the
 // union, negative inside.
 VDWMESH_HD inline double signed_distance(const PatchTreeView& surface, const Vec3d& p,
                                          const LeastGap& nearest) {
-  if (nearest.gap >= 0) return nearest.gap;
-  if (has_exposed_foot(surface.patches[nearest.patch], p)) return nearest.gap;
-  return -std::sqrt(nearest_exposed(surface, p, nearest.patch, nearest.gap * nearest.gap));
+  return is_settled(surface, p, nearest) ? nearest.gap : unsettled_distance(surface, p, nearest);
 }
 
 }  // namespace vdwmesh

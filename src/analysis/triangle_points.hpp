@@ -1,10 +1,12 @@
-// Points of a triangle by one number, for host and device.
+// A triangle by its corners: its area, its centre, its box, and its points by one number. For host
+// and device.
 #pragma once
 
 #include <cstdint>
 
 #include "core/host_device.hpp"
 #include "core/vec3.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 
@@ -12,6 +14,25 @@ namespace vdwmesh {
 struct Corners {
   const Vec3d &a, &b, &c;
 };
+
+// The area of a triangle, Å².
+VDWMESH_HD inline double area_of(const Corners& t) {
+  return 0.5 * norm(cross(t.b - t.a, t.c - t.a));
+}
+
+// The centre is computed from differences of the corners, whose rounding errors are relative to the
+// size of the triangle. In (a + b + c) / 3 they would be relative to its distance from the
+// coordinate origin.
+VDWMESH_HD inline Vec3d center_of(const Corners& t) {
+  return t.a + (1.0 / 3) * ((t.b - t.a) + (t.c - t.a));
+}
+
+VDWMESH_HD inline Box box_of(const Corners& t) {
+  Box box{t.a, t.a};
+  include(box, t.b);
+  include(box, t.c);
+  return box;
+}
 
 // Returns the bits 0, 2, 4, … 46 of x as bits 0, 1, 2, … 23. Each line joins pairs of groups of
 // bits: each upper group moves down to the lower one, and the mask removes what is left behind.

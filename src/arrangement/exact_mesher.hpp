@@ -46,6 +46,8 @@ struct ExactMeshStats {
   std::int64_t euler_difference = 0, shell_difference = 0;
   std::uint64_t pieces = 0;  // mesh edges along the arcs
   std::uint64_t split = 0;   // pieces that had to be split after the first sampling
+  // Tests of the triangulations that double precision did not decide, so exact arithmetic did.
+  std::uint64_t exact_tests = 0;
   // Wall time. The first is the part before meshing: triangulation, dual complex and areas.
   double arrangement_seconds = 0, seconds = 0;
 };

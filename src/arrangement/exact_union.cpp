@@ -83,21 +83,14 @@ ExactUnion union_by_triangulation(const SphereSet& spheres, const MeasuredSphere
   // parallel. No exception may leave either branch: TBB would stop the loops inside of the other
   // one, which would go on with what they had left undone.
   FirstError error;
-  const auto keep_error = [&](const auto& branch) {
-    try {
-      branch();
-    } catch (...) {
-      error.keep(std::current_exception());
-    }
-  };
   tbb::parallel_invoke(
       [&] {
-        keep_error([&] {
+        error.guard([&] {
           measures = inclusion_exclusion(triangulation, complex);
           topology = union_topology(triangulation, complex, measures);
         });
       },
-      [&] { keep_error([&] { check_measures = gauss_bonnet(triangulation, complex); }); });
+      [&] { error.guard([&] { check_measures = gauss_bonnet(triangulation, complex); }); });
   error.rethrow();
   unscale(topology, triangulation);
   // union_topology() knows the balls of the triangulation only; all other spheres are hidden.

@@ -13,10 +13,12 @@
 #include <limits>
 #include <mutex>
 
+#include "arrangement/batch_frames.hpp"
 #include "arrangement/many_unions.hpp"
 #include "arrangement/measured_spheres.hpp"
 #include "arrangement/total_measures.hpp"
 #include "core/workspace.hpp"
+#include "spheres/check_sphere.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -40,13 +42,16 @@ void read_numbers(const FrameCoordinates& frames, std::size_t frame, std::vector
   }
 }
 
+InvalidFrame not_finite(const Vec3d& c, std::size_t frame, std::size_t atom) {
+  return {frame, atom,
+          fmt::format("({}, {}, {}) is not finite; coordinates are in angstrom", c.x, c.y, c.z)};
+}
+
 void require_finite_centers(const std::vector<Vec3d>& centers, std::size_t frame) {
   for (std::size_t i = 0; i < centers.size(); ++i) {
     const Vec3d& c = centers[i];
     if (std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z)) continue;
-    throw InvalidFrame(
-        frame, i,
-        fmt::format("({}, {}, {}) is not finite; coordinates are in angstrom", c.x, c.y, c.z));
+    throw not_finite(c, frame, i);
   }
 }
 
@@ -159,12 +164,6 @@ std::vector<Sphere> rows_of(std::span<const double> radii, const FrameCoordinate
   return rows;
 }
 
-void require_arcs(const UnionOptions& measures) {
-  const bool arcs = method_for(measures.method, measures.topology) == UnionMethod::arcs;
-  if (arcs && measures.topology == TopologyRequest::none && !measures.certify) return;
-  throw InvalidInput("a batch gives areas and volumes by arcs: no topology, no certificate");
-}
-
 ExactUnion part_of(const BatchMeasures& batch, std::size_t first, const MeasuredSpheres& measured,
                    std::size_t atoms, PerSphere per_sphere) {
   constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
@@ -186,27 +185,56 @@ ExactUnion part_of(const BatchMeasures& batch, std::size_t first, const Measured
 void measure_by_batch(std::vector<ExactUnion>& result, std::span<const double> radii,
                       const FrameCoordinates& frames, const FrameOptions& options) {
   require_arcs(options.measures);
-  const std::size_t atoms = frames.atoms;
-  const MeasuredSpheres measured(atoms, options.measures.measured);
   FirstInvalid invalid;
   const std::vector<Sphere> rows = rows_of(radii, frames, invalid);
   const std::size_t count = invalid.frames_before(frames.frames);
-  result.resize(count);
+  result.clear();
   if (count > 0) {
-    std::vector<std::size_t> offsets;
-    for (std::size_t frame = 0; frame <= count; ++frame) offsets.push_back(frame * atoms);
+    const std::vector<std::size_t> offsets = frame_offsets(count, frames.atoms);
     const BatchMeasures batch = options.measurer->measure(
-        {.spheres = rows.data(), .size = count * atoms, .offsets = offsets},
+        {.spheres = rows.data(), .size = count * frames.atoms, .offsets = offsets},
         options.measures.monitor);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t frame) {
-      result[frame] = part_of(batch, frame * atoms, measured, atoms, options.per_sphere);
-    });
-    result[0].fallback_spheres = batch.fallback_spheres;
+    split_batch(result, batch, frames.atoms, options);
   }
   invalid.rethrow();
 }
 
 }  // namespace
+
+void require_arcs(const UnionOptions& measures) {
+  const bool arcs = method_for(measures.method, measures.topology) == UnionMethod::arcs;
+  if (arcs && measures.topology == TopologyRequest::none && !measures.certify) return;
+  throw InvalidInput("a batch gives areas and volumes by arcs: no topology, no certificate");
+}
+
+InvalidFrame invalid_ball(const Sphere& ball, std::size_t frame, std::size_t atom) {
+  const Vec3d& c = ball.center;
+  if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z)) {
+    return not_finite(c, frame, atom);
+  }
+  try {
+    check_sphere(ball, atom);
+  } catch (const InvalidInput& error) {
+    return {frame, std::nullopt, error.what()};
+  }
+  throw InternalError("a ball that was refused is a sphere");
+}
+
+std::vector<std::size_t> frame_offsets(std::size_t frames, std::size_t atoms) {
+  std::vector<std::size_t> offsets;
+  for (std::size_t frame = 0; frame <= frames; ++frame) offsets.push_back(frame * atoms);
+  return offsets;
+}
+
+void split_batch(std::vector<ExactUnion>& result, const BatchMeasures& batch, std::size_t atoms,
+                 const FrameOptions& options) {
+  const MeasuredSpheres measured(atoms, options.measures.measured);
+  result.resize(batch.per_sphere.size() / atoms);
+  tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t frame) {
+    result[frame] = part_of(batch, frame * atoms, measured, atoms, options.per_sphere);
+  });
+  result[0].fallback_spheres = batch.fallback_spheres;
+}
 
 void measure_frames(std::vector<ExactUnion>& result, std::span<const double> radii,
                     const FrameCoordinates& frames, const FrameOptions& options) {

@@ -20,10 +20,14 @@ namespace vdwmesh {
 // The first exception of a parallel loop, kept until the loop has ended.
 class FirstError {
  public:
-  void keep(std::exception_ptr error) {
-    const std::lock_guard lock(mutex_);
-    if (!error_) error_ = std::move(error);
-    is_there_.store(true, std::memory_order_relaxed);
+  // Calls body(), whose exception is kept instead of leaving this call.
+  template <class Body>
+  void guard(const Body& body) {
+    try {
+      body();
+    } catch (...) {
+      keep(std::current_exception());
+    }
   }
   bool is_there() const { return is_there_.load(std::memory_order_relaxed); }
   void rethrow() const {
@@ -31,6 +35,12 @@ class FirstError {
   }
 
  private:
+  void keep(std::exception_ptr error) {
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = std::move(error);
+    is_there_.store(true, std::memory_order_relaxed);
+  }
+
   std::mutex mutex_;
   std::exception_ptr error_;
   std::atomic<bool> is_there_ = false;
@@ -67,14 +77,12 @@ void for_each_union(std::size_t count, Monitor* monitor, const Measure& measure)
   tbb::enumerable_thread_specific<Space> spaces;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     if (error.is_there()) return;
-    try {
+    error.guard([&] {
       Space& space = spaces.local();
       // A thread that waits for the end of its union must not begin another one in the same memory.
       tbb::this_task_arena::isolate([&] { measure(i, space, &inside); });
       advance(monitor, 1);
-    } catch (...) {
-      error.keep(std::current_exception());
-    }
+    });
   });
   error.rethrow();
 }

@@ -27,6 +27,10 @@ void for_each_index(std::size_t count, const Body& body) {
   });
 }
 
+// The usual number of indices in a block: enough work to be worth its scheduling, little enough for
+// its results to stay in the cache.
+inline constexpr std::size_t kIndicesPerBlock = std::size_t{1} << 14;
+
 // The number of blocks of so many indices, of which the last may be shorter.
 constexpr std::size_t block_count(std::size_t count, std::size_t per_block) {
   return (count + per_block - 1) / per_block;
@@ -50,7 +54,7 @@ void for_each_block(std::size_t count, std::size_t per_block, const Body& body,
 // own.
 template <class IsCounted, class Number>
 std::uint32_t number_all(std::size_t count, const IsCounted& is_counted, const Number& number) {
-  constexpr std::size_t per_block = std::size_t{1} << 14;
+  constexpr std::size_t per_block = kIndicesPerBlock;
   std::vector<std::uint32_t> first(block_count(count, per_block) + 1);
   for_each_block(count, per_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
     std::uint32_t counted = 0;
@@ -72,7 +76,7 @@ std::uint32_t number_all(std::size_t count, const IsCounted& is_counted, const N
 // cache when they are added.
 template <class Make, class Add>
 void make_and_add(std::size_t count, const Make& make, const Add& add) {
-  constexpr std::size_t kBatch = std::size_t{1} << 14, kGrain = 256;
+  constexpr std::size_t kBatch = kIndicesPerBlock, kGrain = 256;
   std::vector<std::invoke_result_t<const Make&, std::size_t>> items(std::min(count, kBatch));
   for (std::size_t first = 0; first < count; first += kBatch) {
     const std::size_t end = std::min(count, first + kBatch);
@@ -87,7 +91,7 @@ void make_and_add(std::size_t count, const Make& make, const Add& add) {
 // everything found in the order of the indices. The monitor is asked whether to stop, once a block.
 template <class Item, class Add>
 std::vector<Item> collect(std::size_t count, const Add& add, Monitor* monitor = nullptr) {
-  constexpr std::size_t per_block = std::size_t{1} << 14;
+  constexpr std::size_t per_block = kIndicesPerBlock;
   std::vector<std::vector<Item>> parts(block_count(count, per_block));
   for_each_block(count, per_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
     advance(monitor, 0);

@@ -6,6 +6,7 @@
 // - Blended field: every point of the isosurface belongs to the atom that contributes most there.
 //   Rays from the atom's centre find its part of the isosurface, and a change of variables from
 //   solid angle to area gives the part's area.
+// sample_surface() returns the points themselves.
 #include "extract/area_estimate.hpp"
 
 #include <tbb/parallel_for.h>
@@ -83,14 +84,21 @@ double sum_over_sample(std::uint64_t spheres, const AreaOf& area_of) {
   return sum * static_cast<double>(spheres) / static_cast<double>(sampled);
 }
 
-// Area per solid angle of the isosurface in direction u from the centre of the sphere at list place
-// `own`, counting only surface that belongs to this sphere; Å². The ray is walked in steps from the
-// centre outwards, as long as the point is inside and `own` contributes most. The first step that
-// leaves the surface brackets a crossing at distance r, which linear interpolation finds. An area
-// dA there fills the solid angle dA cos(a) / r^2, with a the angle between ray and normal, so the
-// result is r^2 / cos(a). It is 0 if another sphere contributes most on the way or at the crossing,
-// or if the field is below the isovalue after the first step.
-double area_along(const CellListView& list, const FieldModel& model, std::uint32_t own,
+// Where a ray from the centre of a sphere meets the part of the isosurface that belongs to the
+// sphere: the distance from the centre, Å, and the area per solid angle there, Å². Both are 0 if it
+// does not.
+struct RayHit {
+  double distance = 0, area = 0;
+};
+
+// Follows the ray in direction u from the centre of the sphere at list place `own`. The ray is
+// walked in steps from the centre outwards, as long as the point is inside and `own` contributes
+// most. The first step that leaves the surface brackets a crossing at distance r, which linear
+// interpolation finds. An area dA there fills the solid angle dA cos(a) / r^2, with a the angle
+// between ray and normal, so the area per solid angle is r^2 / cos(a). There is no hit if another
+// sphere contributes most on the way or at the crossing, or if the field is below the isovalue
+// after the first step.
+RayHit follow_ray(const CellListView& list, const FieldModel& model, std::uint32_t own,
                   const Vec3d& u) {
   const Sphere& ball = list.spheres[own];
   const double step = kRayStep * ball.radius, reach = field_reach(model, ball.radius);
@@ -98,19 +106,19 @@ double area_along(const CellListView& list, const FieldModel& model, std::uint32
   while (r < reach) {
     const FieldSample next = sample_field(list, model, ball.center + (r + step) * u);
     if (next.value >= model.isovalue) {
-      if (next.place != own) return 0;
+      if (next.place != own) return {};
       value = next.value;
       r += step;
       continue;
     }
-    if (!(value > 0)) return 0;
+    if (!(value > 0)) return {};
     const double way = r + step * (value - model.isovalue) / (value - next.value);
     const FieldSample at = sample_field(list, model, ball.center + way * u);
-    if (!at.in_reach || at.place != own) return 0;
+    if (!at.in_reach || at.place != own) return {};
     const double cosine = std::abs(dot(at.gradient, u)) / norm(at.gradient);
-    return way * way / std::clamp(cosine, kLeastCosine, 1.0);
+    return {way, way * way / std::clamp(cosine, kLeastCosine, 1.0)};
   }
-  return 0;
+  return {};
 }
 
 // Area of the isosurface that belongs to the sphere at list place `own`, Å²: the mean over the rays
@@ -118,8 +126,27 @@ double area_along(const CellListView& list, const FieldModel& model, std::uint32
 VDWMESH_MULTIVERSION double area_along_rays(const CellListView& list, const FieldModel& model,
                                             std::uint32_t own, int rays) {
   double sum = 0;
-  for (int k = 0; k < rays; ++k) sum += area_along(list, model, own, direction(k, rays));
+  for (int k = 0; k < rays; ++k) sum += follow_ray(list, model, own, direction(k, rays)).area;
   return 4 * std::numbers::pi / rays * sum;
+}
+
+// Samples of one sphere's part of the surface, in `points` directions from its centre. Each stands
+// for the areas of `weight` spheres.
+void sample_sphere(const CellListView& list, const FieldModel& model, std::uint32_t own, int points,
+                   double weight, std::vector<SurfaceSample>& samples) {
+  const Sphere& ball = list.spheres[own];
+  const double solid_angle = 4 * std::numbers::pi / points * weight;
+  for (int k = 0; k < points; ++k) {
+    const Vec3d u = direction(k, points);
+    RayHit hit{ball.radius, ball.radius * ball.radius};
+    if (model.kind != FieldKind::vdw) {
+      hit = follow_ray(list, model, own, u);
+    } else if (is_covered(list, own, ball.center + ball.radius * u)) {
+      continue;
+    }
+    if (!(hit.area > 0)) continue;
+    samples.push_back({list.id[own], ball.center + hit.distance * u, solid_angle * hit.area});
+  }
 }
 
 }  // namespace
@@ -139,6 +166,24 @@ double estimate_area(const SphereSet& spheres, const FieldModel& model) {
   return sum_over_sample(spheres.size(), [&](std::uint32_t place) {
     return area_along_rays(list.view(), model, place, rays);
   });
+}
+
+std::vector<SurfaceSample> sample_surface(const SphereSet& spheres, const FieldModel& model) {
+  constexpr std::uint64_t kSpheres = 2048, kPoints = 16384;
+  constexpr std::uint64_t kFewestPoints = 8, kMostPoints = 256;  // of one sphere
+  if (spheres.empty()) return {};
+  const CellList list = make_field_list(spheres, model);
+  const std::uint64_t sampled = std::min<std::uint64_t>(spheres.size(), kSpheres);
+  const auto points = static_cast<int>(std::clamp(kPoints / sampled, kFewestPoints, kMostPoints));
+  const double weight = static_cast<double>(spheres.size()) / static_cast<double>(sampled);
+  std::vector<std::vector<SurfaceSample>> of_sphere(sampled);
+  tbb::parallel_for(std::uint64_t{0}, sampled, [&](std::uint64_t i) {
+    const auto own = static_cast<std::uint32_t>(i * spheres.size() / sampled);
+    sample_sphere(list.view(), model, own, points, weight, of_sphere[i]);
+  });
+  std::vector<SurfaceSample> all;
+  for (const auto& samples : of_sphere) all.insert(all.end(), samples.begin(), samples.end());
+  return all;
 }
 
 }  // namespace vdwmesh

@@ -56,13 +56,16 @@ void check(const GridSpec& grid) {
 
 GridSpec make_grid(const SphereSet& spheres, const GridOptions& options) {
   if (spheres.empty()) throw InvalidInput("no spheres: there is nothing to put a grid around");
+  return make_grid(bounding_box(spheres), center_bounding_box(spheres), options);
+}
+
+GridSpec make_grid(const Box& balls, const Box& centers, const GridOptions& options) {
   if (options.given) {
     check(*options.given);
     return *options.given;
   }
   check_options(options);
-  const Box box =
-      options.box == GridBox::balls ? bounding_box(spheres) : center_bounding_box(spheres);
+  const Box& box = options.box == GridBox::balls ? balls : centers;
   const double padding = options.padding.value_or(3 * options.spacing);
   GridSpec grid{};
   grid.spacing = options.spacing;

@@ -55,6 +55,8 @@ struct GridOptions {
 // the spacing is not finite and above 0, or if the padding is not finite and at least 0. Throws
 // LimitExceeded for more than kMaxCellsPerAxis cells along an axis.
 GridSpec make_grid(const SphereSet& spheres, const GridOptions& options);
+// The same for spheres of which only the boxes around the balls and around their centres are known.
+GridSpec make_grid(const Box& balls, const Box& centers, const GridOptions& options);
 
 // Coordinate of node `index` along an axis. It is rounded once, by the fused multiply-add, so every
 // backend gets the same bits.

@@ -12,4 +12,7 @@ namespace vdwmesh {
 // in structures of macromolecules, share a strong pink.
 std::array<std::uint8_t, 3> element_color(std::string_view element);
 
+// Grey: the colour of a vertex that has no atom, or of a mesh until it is coloured.
+inline constexpr std::array<std::uint8_t, 3> kPlainColor{176, 176, 176};
+
 }  // namespace vdwmesh

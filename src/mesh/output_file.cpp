@@ -48,6 +48,11 @@ int make_hidden(const fs::path& target, fs::path& name, Make make) {
   return result;
 }
 
+// Makes a file under a name that is free. Returns the descriptor, negative for an error.
+int create(const char* name) {
+  return ::open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+}
+
 fs::path directory_of(const fs::path& target) {
   return target.has_parent_path() ? target.parent_path() : fs::path(".");
 }
@@ -66,6 +71,16 @@ fs::path written_file(const fs::path& path) {
   return file;
 }
 
+fs::path free_hidden_name(const fs::path& path) {
+  fs::path name;
+  make_hidden(written_file(path), name, [](const char* free) {
+    if (::access(free, F_OK) != 0) return 0;
+    errno = EEXIST;
+    return -1;
+  });
+  return name;
+}
+
 bool is_written_directly(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -82,15 +97,26 @@ OutputFile::OutputFile(const fs::path& path, Staging staging)
     if (descriptor_ < 0) fail("cannot be written");
     return;
   }
+  check_target();
+  if (staging == Staging::unnamed_where_possible) open_unnamed();
+  if (descriptor_ < 0) open_hidden();
+}
+
+OutputFile::OutputFile(const fs::path& path, const fs::path& hidden_name)
+    : path_(path), target_(written_file(path)), kind_(Kind::hidden) {
+  check_target();
+  descriptor_ = create(hidden_name.c_str());
+  if (descriptor_ < 0) fail("cannot be written");
+  hidden_ = hidden_name;
+}
+
+void OutputFile::check_target() const {
   std::error_code error;
   // If target_ is still a link, there were more than kMostLinks, so the links form a loop.
   const bool is_folder = fs::is_directory(target_, error), is_loop = fs::is_symlink(target_, error);
-  if (is_folder || is_loop) {
-    errno = is_folder ? EISDIR : ELOOP;
-    fail("cannot be written");
-  }
-  if (staging == Staging::unnamed_where_possible) open_unnamed();
-  if (descriptor_ < 0) open_hidden();
+  if (!is_folder && !is_loop) return;
+  errno = is_folder ? EISDIR : ELOOP;
+  fail("cannot be written");
 }
 
 // Opens a file without a name, if the kernel and the file system can do that (O_TMPFILE,
@@ -105,9 +131,7 @@ void OutputFile::open_unnamed() {
 void OutputFile::open_hidden() {
   kind_ = Kind::hidden;
   fs::path name;
-  descriptor_ = make_hidden(target_, name, [](const char* free) {
-    return ::open(free, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
-  });
+  descriptor_ = make_hidden(target_, name, create);
   if (descriptor_ < 0) fail("cannot be written");
   hidden_ = name;
 }

@@ -42,6 +42,9 @@ std::filesystem::path written_file(const std::filesystem::path& path);
 // replaced, and opening or writing may block until there is a reader.
 bool is_written_directly(const std::filesystem::path& path);
 
+// A hidden name in the folder of an OutputFile to `path`, under which there is no file now.
+std::filesystem::path free_hidden_name(const std::filesystem::path& path);
+
 // A file that appears under its name at commit(), whole, or not at all. Until then it has no name,
 // if the file system supports that: then even a killed process leaves nothing behind. Otherwise it
 // has a hidden name in the same directory, which the destructor removes. The file takes the
@@ -55,6 +58,9 @@ class OutputFile : public ByteSink {
 
   explicit OutputFile(const std::filesystem::path& path,
                       Staging staging = Staging::unnamed_where_possible);
+  // The same with a hidden name that the caller knows beforehand, for other processes that write
+  // into the file or remove it. Throws also if there is a file of this name.
+  OutputFile(const std::filesystem::path& path, const std::filesystem::path& hidden_name);
   ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -68,6 +74,7 @@ class OutputFile : public ByteSink {
  private:
   // `direct` is a file for which is_written_directly() holds.
   enum class Kind { unnamed, hidden, direct };
+  void check_target() const;
   void open_unnamed();
   void open_hidden();
   void link_unnamed();

@@ -1,14 +1,17 @@
 // Writer of PLY, the only format here that keeps everything a SurfaceMesh has: double positions,
 // normals, colours and the sphere ids of vertices and faces. The file is binary little-endian. The
-// order of the properties in kHeader is the order in which write_ply() appends the values.
+// order of the properties in kHeader is the order in which write_ply_vertex() and write_ply_face()
+// append the values.
 #include <fmt/format.h>
 
 #include <limits>
 #include <optional>
+#include <string>
 
 #include "core/errors.hpp"
 #include "mesh/chunk_writer.hpp"
 #include "mesh/formats.hpp"
+#include "mesh/ply_records.hpp"
 
 namespace vdwmesh::formats {
 namespace {
@@ -41,40 +44,38 @@ constexpr const char* kHeader =
 constexpr const char* kFaceComment = "comment atom of a face: index of the sphere it is part of\n";
 constexpr const char* kFaceProperty = "property int atom\n";
 
-constexpr std::size_t kMaxHeaderBytes = 1024;  // bytes; the text above has fewer than 800
+}  // namespace
 
-// The number of a sphere in the file. It is an int, so that -1 can stand for kNoSphere.
-std::int32_t as_int(SphereId id) {
+std::string ply_header(const MeshSize& size, TriangleLabels labels) {
+  const bool labelled = labels == TriangleLabels::spheres;
+  return fmt::format(kHeader, labelled ? kFaceComment : "", size.vertices, size.triangles,
+                     labelled ? kFaceProperty : "");
+}
+
+std::int32_t ply_sphere(SphereId id) {
   if (id == kNoSphere) return -1;
   if (id > static_cast<SphereId>(std::numeric_limits<std::int32_t>::max()))
     throw LimitExceeded(fmt::format("sphere {} is beyond PLY's int; leave some spheres out", id));
   return static_cast<std::int32_t>(id);
 }
 
-}  // namespace
-
 void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
   const std::optional<FaceSphereProperty> sphere = face_spheres(mesh);
-  // A vertex has 3 doubles, 3 floats, 3 bytes and 3 ints: 24 + 12 + 3 + 12 = 51 bytes. A face has a
-  // count of one byte and 3 ints, and 4 more bytes for its sphere.
-  sink.expect(kMaxHeaderBytes + 51 * mesh.n_vertices() + (sphere ? 17 : 13) * mesh.n_faces());
+  const TriangleLabels labels = sphere ? TriangleLabels::spheres : TriangleLabels::none;
+  const std::string header = ply_header({mesh.n_vertices(), mesh.n_faces()}, labels);
+  sink.expect(header.size() + kPlyVertexBytes * mesh.n_vertices() +
+              ply_face_bytes(labels) * mesh.n_faces());
   ChunkWriter out(sink);
-  out.text(fmt::format(kHeader, sphere ? kFaceComment : "", mesh.n_vertices(), mesh.n_faces(),
-                       sphere ? kFaceProperty : ""));
+  out.text(header);
   const VertexSpheresProperty spheres = vertex_spheres(mesh);
   for (std::size_t i = 0; i < mesh.n_vertices(); ++i) {
     const auto v = vertex_handle(i);
-    out.begin_record();
-    for (unsigned k = 0; k < 3; ++k) out.raw(mesh.point(v)[k]);
-    for (unsigned k = 0; k < 3; ++k) out.raw(mesh.normal(v)[k]);
-    for (unsigned k = 0; k < 3; ++k) out.raw(mesh.color(v)[k]);
-    for (const SphereId id : mesh.property(spheres, v)) out.raw(as_int(id));
+    write_ply_vertex(out, mesh.point(v), mesh.normal(v), mesh.color(v), mesh.property(spheres, v));
   }
   for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
-    out.begin_record();
-    out.raw(std::uint8_t{3});
-    out.raw(face_vertices(mesh, f));
-    if (sphere) out.raw(as_int(mesh.property(*sphere, OpenMesh::FaceHandle(static_cast<int>(f)))));
+    write_ply_face(out, face_vertices(mesh, f));
+    if (sphere)
+      out.raw(ply_sphere(mesh.property(*sphere, OpenMesh::FaceHandle(static_cast<int>(f)))));
   }
   out.flush();
 }

@@ -16,6 +16,7 @@
 #include "core/fixed_blocks.hpp"
 #include "mesh/connectivity.hpp"
 #include "mesh/edge_buckets.hpp"
+#include "mesh/element_color.hpp"
 #include "mesh/surface_handles.hpp"
 #include "mesh/surface_room.hpp"
 
@@ -24,8 +25,8 @@ namespace {
 
 using handles::face;
 using handles::vertex;
-// Grey, until color_by_element() or the user sets another colour.
-const SurfaceMesh::Color kPlainColor{176, 176, 176};
+// Until color_by_element() or the user sets another colour.
+const SurfaceMesh::Color kFirstColor{kPlainColor[0], kPlainColor[1], kPlainColor[2]};
 
 // OpenMesh's handles are of type int, which limits vertices and half-edges alike.
 void check_limits(std::size_t vertices, std::size_t triangles) {
@@ -78,7 +79,7 @@ void set_vertex_data(SurfaceMesh& mesh, const IndexedMesh& source, VertexSpheres
   for_each_index(source.vertex_count(), [&](std::size_t v) {
     const Vec3d& p = source.positions[v];
     mesh.set_point(vertex(v), {p.x, p.y, p.z});
-    mesh.set_color(vertex(v), kPlainColor);
+    mesh.set_color(vertex(v), kFirstColor);
     if (!source.normals.empty()) {
       const Vec3f& n = source.normals[v];
       mesh.set_normal(vertex(v), {n.x, n.y, n.z});

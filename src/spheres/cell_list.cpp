@@ -13,39 +13,10 @@
 
 #include "core/bins.hpp"
 #include "core/errors.hpp"
+#include "spheres/level_extent.hpp"
 
 namespace vdwmesh {
 namespace {
-
-// The level of a sphere: the octave of its reach above the smallest reach; the last level takes all
-// larger reaches. With a given frame, a reach may be below the frame's smallest one: then the level
-// is 0.
-int level_of(double reach, double smallest) {
-  const double ratio = reach / smallest;
-  // The formula below gives 0 here too. This test avoids the logarithm, which takes most of the
-  // function's time. The 1e-12 below counts a ratio that rounding has put just below a power of two
-  // as that power.
-  if (ratio < 1.9999) return 0;
-  const int octave = static_cast<int>(std::floor(std::log2(ratio) + 1e-12));
-  return std::clamp(octave, 0, CellListView::kMaxLevels - 1);
-}
-
-// What the spheres of one level have in common.
-struct LevelExtent {
-  std::size_t spheres = 0;
-  Box centers{};     // the smallest box around their centres, Å
-  double reach = 0;  // the largest, Å
-
-  void add(const Vec3d& center, double sphere_reach) {
-    if (spheres == 0) centers = {center, center};
-    for (int axis = 0; axis < 3; ++axis) {
-      centers.lower[axis] = std::min(centers.lower[axis], center[axis]);
-      centers.upper[axis] = std::max(centers.upper[axis], center[axis]);
-    }
-    reach = std::max(reach, sphere_reach);
-    ++spheres;
-  }
-};
 
 // A bound on the rounding errors of cell_range() and cell_index(), Å: sixteen units in the last
 // place of the largest number that occurs in them, at most twice the largest coordinate or reach.
@@ -75,22 +46,6 @@ CellLevel shape_of(const LevelExtent& extent) {
   return level;
 }
 
-// Number of the cell in which a centre lies, below kMostBins. Precondition: the centre is within
-// the cells of the level.
-std::uint32_t cell_index(const CellLevel& level, const Vec3d& center) {
-  std::int32_t cell[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    cell[axis] = cell_along(level, axis, center[axis]);
-  }
-  const std::int64_t row = std::int64_t{cell[2]} * level.cells[1] + cell[1];
-  return static_cast<std::uint32_t>(row * level.cells[0] + cell[0]);
-}
-
-std::size_t cell_count(const CellLevel& level) {
-  return static_cast<std::size_t>(level.cells[0]) * static_cast<std::size_t>(level.cells[1]) *
-         static_cast<std::size_t>(level.cells[2]);
-}
-
 // Whether a sphere fits a level: its centre lies in a cell of the level, and its reach is at most
 // the level's. Coordinates are never NaN, because SphereSet rejects NaN.
 bool takes(const CellLevel& level, const Vec3d& center, double reach) {
@@ -110,18 +65,23 @@ bool takes(const CellLevel& level, const Vec3d& center, double reach) {
 
 }  // namespace
 
-CellListFrame make_frame(const SphereSet& spheres, std::span<const double> reach) {
+CellListFrame frame_of(std::span<const LevelExtent> extents, double smallest_reach) {
   CellListFrame frame;
-  if (spheres.empty()) return frame;
-  frame.smallest_reach = *std::min_element(reach.begin(), reach.end());
-  LevelExtent extents[CellListView::kMaxLevels];
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    extents[level_of(reach[i], frame.smallest_reach)].add(spheres[i].center, reach[i]);
-  }
-  frame.levels.resize(CellListView::kMaxLevels);
+  frame.smallest_reach = smallest_reach;
+  frame.levels.resize(extents.size());
   std::ranges::transform(extents, frame.levels.begin(), shape_of);
   while (frame.levels.back().cells[0] == 0) frame.levels.pop_back();
   return frame;
+}
+
+CellListFrame make_frame(const SphereSet& spheres, std::span<const double> reach) {
+  if (spheres.empty()) return {};
+  const double smallest = *std::min_element(reach.begin(), reach.end());
+  LevelExtent extents[CellListView::kMaxLevels];
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    extents[level_of(reach[i], smallest)].add(spheres[i].center, reach[i]);
+  }
+  return frame_of(extents, smallest);
 }
 
 CellList::CellList(const SphereSet& spheres, std::span<const double> reach) {

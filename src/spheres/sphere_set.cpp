@@ -61,6 +61,19 @@ void check_sphere(const Sphere& s, std::size_t i) {
       i, c.x, c.y, c.z, s.radius, kFarthestSphere, kFarthestSphere));
 }
 
+double grown_radius(double radius, double probe, const char* name, std::size_t index) {
+  if (!std::isfinite(radius) || radius < 0) {
+    throw InvalidInput(
+        fmt::format("{}[{}]: {} is no radius; radii are finite, not negative, in angstrom", name,
+                    index, radius));
+  }
+  const double grown = radius + probe;
+  if (grown > 0) return grown;
+  throw InvalidInput(
+      fmt::format("{}[{}]: {} with probe {} would be {}; every radius must stay above 0", name,
+                  index, radius, probe, grown));
+}
+
 SphereSet::SphereSet(std::vector<Sphere> spheres)
     : owned_(std::move(spheres)), spheres_(owned_), revision_(next_revision()) {
   check(spheres_);

@@ -101,11 +101,9 @@ class WrongArgumentsTest(unittest.TestCase):
             self.assertNotIn("\n", str(error))
         with self.assertRaises(vdwmesh.BackendUnavailable):  # a device has no topology
             vdwmesh.exact(ONE, SIZE, device="cuda", topology=True)
-        for array in (OnTheDevice(), WithAnArrayMethod()):
+        for array in (OnTheDevice(), WithAnArrayMethod()):  # others read it where it lies
             with self.assertRaisesRegex(RuntimeError, "coords: is on a CUDA device"):
-                vdwmesh.exact(array, SIZE)
-            with self.assertRaisesRegex(RuntimeError, "traj: is on a CUDA device"):
-                vdwmesh.frames(array, radii=SIZE)
+                vdwmesh.signed_distance(ONE, array, SIZE)
 
     def test_numbers_of_all_kinds_and_places_are_read(self):
         expected = vdwmesh.exact([[0, 0, 0], [1, 2, 3]], [1, 2]).area

@@ -25,6 +25,44 @@ def two_balls(distance):
     return area, volume
 
 
+class ExcludedTest(ProgramTest):
+    def test_two_balls_in_a_whole_ring(self):
+        """Two equal balls and a torus between them, by Pappus' theorems."""
+        radius, probe, distance = 1.6, 1.4, 3.0
+        rho = math.sqrt((radius + probe) ** 2 - distance**2 / 4)
+        end = math.atan2(distance / 2, rho)
+        saddle = 4 * math.pi * probe * (rho * end - probe * math.sin(end))
+        contact = 4 * math.pi * radius**2 * (1 + math.sin(end))
+        found = vdwmesh.exact([[0, 0, 0], [0, 0, distance]], [radius] * 2, surface="excluded", topology=True)
+        close(found.saddle_area, saddle)
+        close(found.contact_area, contact)
+        close(found.area, saddle + contact)
+        close(found.atom_area[0], found.area / 2)
+        self.assertEqual(found.probe, probe)
+        self.assertEqual(found.topology.euler_characteristic, 2)
+        self.assertEqual(len(found.topology.shells), 1)
+
+    def test_beside_the_program(self):
+        molecule = vdwmesh.sample("ubiquitin")
+        found = vdwmesh.exact(molecule, surface="excluded", probe=1.2, topology=True)
+        report = self.report("exact", "--sample", "ubiquitin", "--surface", "excluded", "--probe", "1.2")
+        for ours, theirs in ((found, "complete"), (found.exterior, "exterior")):
+            block = report["excluded"][theirs]
+            for name in ("area", "volume", "contact_area", "saddle_area", "concave_area", "closure"):
+                self.assertEqual(getattr(ours, name), block[name])
+            self.assertEqual(ours.topology.cavities, block["cavities"])
+            self.assertEqual([s.genus for s in ours.topology.shells], [s["genus"] for s in block["shells"]])
+        close(found.atom_area.sum(), found.area)
+        close(found.atom_volume.sum(), found.volume)
+
+    def test_refusals(self):
+        for options in ({"atoms": [0]}, {"method": "arcs"}, {"probe": 0}, {"topology": "counts"}):
+            with self.assertRaises(vdwmesh.InvalidInput):
+                vdwmesh.exact([[0, 0, 0]], [1.5], surface="excluded", **options)
+        with self.assertRaises(vdwmesh.InvalidInput):
+            vdwmesh.exact([[0, 0, 0]], [1.5], surface="sas")
+
+
 class FormulaTest(unittest.TestCase):
     def test_two_balls(self):
         for distance in (0.25, 1.0, 1.75):

@@ -34,7 +34,31 @@ CornerIndex next_corner(const PowerTriangulation& t, const DualComplex& complex,
   }
 }
 
+// The vertex of a triangle that is not on its edge.
+std::uint32_t apex(const DualTriangle& f, std::uint32_t edge) {
+  return f.vertices[f.edges[0] == edge ? 0 : (f.edges[1] == edge ? 1 : 2)];
+}
+
 }  // namespace
+
+// The run of cells of the complex around the edge, from the arc's last triangle on. All facets of
+// these cells are in the complex. Without such cells the arc's last triangle is exposed on both
+// sides, and its other corner is the start.
+CornerIndex next_start(const PowerTriangulation& t, const DualComplex& complex, std::uint32_t edge,
+                       CornerIndex end) {
+  std::uint64_t triangle = end / 2;
+  std::size_t side = 1 - end % 2;
+  while (!complex.triangles[triangle].exposed[side]) {
+    const DualTriangle& f = complex.triangles[triangle];
+    const std::uint32_t cell = f.cells[side];
+    const auto& v = t.cells[cell];
+    const auto exit =
+        static_cast<std::size_t>(std::find(v.begin(), v.end(), apex(f, edge)) - v.begin());
+    triangle = complex.cell_triangles[cell][exit];
+    side = complex.triangles[triangle].cells[0] == cell ? 1 : 0;
+  }
+  return 2 * triangle + side;
+}
 
 std::vector<ExposedArc> exposed_arcs(const PowerTriangulation& triangulation,
                                      const DualComplex& complex) {

@@ -26,6 +26,11 @@ struct ExposedArc {
 std::vector<ExposedArc> exposed_arcs(const PowerTriangulation& triangulation,
                                      const DualComplex& complex);
 
+// The corner at which the next exposed arc of an edge's circle begins, behind the corner at which
+// an arc of it ends. It is the start of the same arc if the circle has no other.
+CornerIndex next_start(const PowerTriangulation& triangulation, const DualComplex& complex,
+                       std::uint32_t edge, CornerIndex end);
+
 // Edge k of triangle f is opposite to vertex k. Its axis runs from its lower to its higher vertex
 // number. Returns the side of f that comes first when a half-plane turns from f counter-clockwise
 // about that axis.

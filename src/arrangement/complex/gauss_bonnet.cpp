@@ -10,28 +10,18 @@
 // and the sectors of the exposed arcs.
 //
 // The terms are computed on all cores, and then summed on one, in the order of the complex.
-//
-// These formulas lose digits if a circle is small (kSmallOnSphere). Its angles are then computed
-// from solid and dihedral angles of simplex_shape.hpp.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "arrangement/complex/arc_angle.hpp"
-#include "arrangement/complex/exposed_arcs.hpp"
+#include "arrangement/complex/boundary_shapes.hpp"
 #include "arrangement/complex/measures.hpp"
-#include "arrangement/complex/simplex_shape.hpp"
 #include "arrangement/directions.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh {
 namespace {
-
-// A circle on a sphere is small if its squared radius is below this fraction of the squared radius
-// of the sphere. Its corners are so near to its centre that the angles of arcs lose digits. The
-// cosines of turning angles lose twice as many, because they are differences.
-constexpr double kSmallOnSphere = 1e-3;
 
 // Adds 2 π n to more than double precision. 2 π is split into a double and the rest, because the
 // rounding error of one double would count n times. The product is split into its rounded value and
@@ -48,6 +38,7 @@ class GaussBonnetSum {
   GaussBonnetSum(const PowerTriangulation& triangulation, const DualComplex& complex)
       : t_(triangulation),
         k_(complex),
+        shapes_(triangulation, complex),
         euler_(t_.balls.size(), 2),
         curvature_(t_.balls.size()),
         twice_face_(k_.edges.size(), 0) {}
@@ -55,16 +46,12 @@ class GaussBonnetSum {
   std::vector<SphereMeasures> run() && {
     place_points();
     count_euler();
-    edges_.resize(k_.edges.size());
-    for_each_index(edges_.size(), [&](std::size_t e) {
-      edges_[e] = edge_shape(ball(k_.edges[e].vertices[0]), ball(k_.edges[e].vertices[1]));
-    });
     make_and_add(
         k_.triangles.size(), [&](std::size_t i) { return terms_of(i); },
         [&](std::size_t i, const TriangleTerms& terms) { add_triangle(i, terms); });
     const std::vector<ExposedArc> arcs = exposed_arcs(t_, k_);
     make_and_add(
-        arcs.size(), [&](std::size_t i) { return exposed_angle(arcs[i]); },
+        arcs.size(), [&](std::size_t i) { return shapes_.angle(arcs[i]); },
         [&](std::size_t i, double angle) { add_arc(arcs[i], angle); });
     return sum();
   }
@@ -75,8 +62,6 @@ class GaussBonnetSum {
   // centre of the tetrahedron there. Positions are relative to the centre of the first ball.
   struct Chord {
     std::array<Vec3d, 2> end;  // on the side of cells[0], of cells[1]
-    double determinant;  // >= 0, of two edge vectors of the triangle and the vector to the corner
-                         // on the side of cells[0]: half_chord × twice_area
   };
 
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
@@ -91,13 +76,13 @@ class GaussBonnetSum {
       centers_[c] = orthogonal_center({ball(v[0]), ball(v[1]), ball(v[2]), ball(v[3])});
     });
     chords_.resize(k_.triangles.size());
-    for_each_index(chords_.size(), [&](std::size_t f) { chords_[f] = chord(k_.triangles[f]); });
+    for_each_index(chords_.size(), [&](std::size_t f) { chords_[f] = chord(f); });
   }
 
-  Chord chord(const DualTriangle& f) const {
-    const CommonPoints points =
-        common_points(ball(f.vertices[0]), ball(f.vertices[1]), ball(f.vertices[2]));
-    Chord out{{points.above, points.below}, points.half_chord * points.twice_area};
+  Chord chord(std::size_t i) const {
+    const DualTriangle& f = k_.triangles[i];
+    const CommonPoints& points = shapes_.corners(i);
+    Chord out{{points.above, points.below}};
     for (std::size_t s = 0; s < 2; ++s) {
       if (f.exposed[s]) continue;
       const std::uint32_t c = f.cells[s];
@@ -121,20 +106,6 @@ class GaussBonnetSum {
     }
   }
 
-  // Whether the circle of edge e is small on a sphere of this radius, or the edge is so short that
-  // products of lengths may underflow.
-  bool is_small(std::uint32_t e, double radius) const {
-    return edges_[e].squared_circle_radius < kSmallOnSphere * radius * radius ||
-           edges_[e].length < kShortEdge;
-  }
-
-  // The vector from the centre of edge e's circle to `end`, which is relative to f's first ball.
-  Vec3d from_circle(std::uint32_t e, const DualTriangle& f, const Vec3d& end) const {
-    const auto& [a, b] = k_.edges[e].vertices;
-    return between(a, f.vertices[0]) + end -
-           (edges_[e].height[0] / edges_[e].length) * between(a, b);
-  }
-
   // What a triangle adds to twice the area of the power face of each of its edges, and to the
   // curvature of each of its vertices.
   struct TriangleTerms {
@@ -152,13 +123,13 @@ class GaussBonnetSum {
       const std::uint32_t e = f.edges[k];
       const std::size_t lead = leading_side(f, k);
       const auto& [a, b] = k_.edges[e].vertices;
-      const Vec3d before = from_circle(e, f, chords_[i].end[1 - lead]),
-                  after = from_circle(e, f, chords_[i].end[lead]);
-      terms.twice_face[k] = triple_product(between(a, b), before, after) / edges_[e].length;
+      const Vec3d before = shapes_.from_circle(e, f, chords_[i].end[1 - lead]),
+                  after = shapes_.from_circle(e, f, chords_[i].end[lead]);
+      terms.twice_face[k] = triple_product(between(a, b), before, after) / shapes_.edge(e).length;
     }
     const int corners = f.exposed[0] + f.exposed[1];
     for (std::size_t k = 0; corners > 0 && k < 3; ++k) {
-      terms.curvature[k] = -corners * turning_angle(f, k, chords_[i].determinant);
+      terms.curvature[k] = -corners * shapes_.turning_angle(i, k);
     }
     return terms;
   }
@@ -171,44 +142,9 @@ class GaussBonnetSum {
     }
   }
 
-  // The turning angle of the patch of vertex k at a corner of f. It is the angle between two planes
-  // through the centre o of k and the corner x; one contains the centre p, the other q. With
-  // |x - o| = r: cosine ∝ r² op·oq - (op·ox)(oq·ox), sine ∝ r det(op, oq, ox).
-  double turning_angle(const DualTriangle& f, std::size_t k, double determinant) const {
-    const std::size_t m = (k + 1) % 3, n = (k + 2) % 3;
-    const double radius = ball(f.vertices[k]).radius;
-    if (is_small(f.edges[m], radius) || is_small(f.edges[n], radius)) return angle_by_excess(f, k);
-    const std::uint32_t o = f.vertices[k], p = f.vertices[m], q = f.vertices[n];
-    const Vec3d op = between(o, p), oq = between(o, q);
-    const double cosine =
-        radius * radius * dot(op, oq) - reach(f.edges[n], o) * reach(f.edges[m], o);
-    return std::atan2(radius * determinant, cosine);
-  }
-
-  // For vertex v of edge e and the other vertex w: the scalar product of the vectors from the
-  // centre of v to the centre of w and to a point x on the circle of e. It is the same for every x.
-  double reach(std::uint32_t e, std::uint32_t v) const {
-    return edges_[e].height[k_.edges[e].vertices[0] == v ? 0 : 1] * edges_[e].length;
-  }
-
-  // The turning angle of turning_angle() from the spherical triangle that p, q and the corner span
-  // at o. Its area is the solid angle, its angles at p and q are dihedral angles. The sum of its
-  // three angles exceeds π by the area, so the third one is π + area - the other two.
-  double angle_by_excess(const DualTriangle& f, std::size_t k) const {
-    const Sphere &a = ball(f.vertices[0]), &b = ball(f.vertices[1]), &c = ball(f.vertices[2]);
-    const CornerShape corner = corner_shape(a, b, c, triangle_shape(a, b, c));
-    return std::numbers::pi + corner.solid_angle[k] - corner.dihedral[(k + 1) % 3] -
-           corner.dihedral[(k + 2) % 3];
-  }
-
-  // The angle φ of an arc or of a whole circle.
-  double exposed_angle(const ExposedArc& arc) const {
-    return arc.start == kNoCorner ? 2 * std::numbers::pi : arc_angle(arc);
-  }
-
   // Adds the arc's sector to the power face of its edge, and φ h / r to the sums of both spheres.
   void add_arc(const ExposedArc& arc, double angle) {
-    const EdgeShape& shape = edges_[arc.edge];
+    const EdgeShape& shape = shapes_.edge(arc.edge);
     twice_face_[arc.edge] += shape.squared_circle_radius * angle;
     for (std::size_t k = 0; k < 2; ++k) {
       const std::uint32_t v = k_.edges[arc.edge].vertices[k];
@@ -216,35 +152,12 @@ class GaussBonnetSum {
     }
   }
 
-  // The angle φ of an arc with corners, from 0 to 2 π: the angle from its start to its end, seen
-  // from the circle's centre. On small circles angle_by_dihedrals() computes it instead. For angles
-  // next to 0 or 2 π it says only which of the two it is.
-  double arc_angle(const ExposedArc& arc) const {
-    const auto& [a, b] = k_.edges[arc.edge].vertices;
-    if (is_small(arc.edge, std::max(ball(a).radius, ball(b).radius)))
-      return angle_by_dihedrals(t_, k_, arc);
-    const Vec3d p = corner_from_circle(arc.edge, arc.start),
-                q = corner_from_circle(arc.edge, arc.end);
-    const double angle =
-        std::atan2(triple_product(between(a, b), p, q) / edges_[arc.edge].length, dot(p, q));
-    if (std::abs(angle) < kSmallArc) {
-      return angle_by_dihedrals(t_, k_, arc) > std::numbers::pi ? 2 * std::numbers::pi + angle
-                                                                : angle;
-    }
-    return angle < 0 ? angle + 2 * std::numbers::pi : angle;
-  }
-
-  // The vector from the centre of edge e's circle to a corner (see CornerIndex).
-  Vec3d corner_from_circle(std::uint32_t e, CornerIndex corner) const {
-    return from_circle(e, k_.triangles[corner / 2], chords_[corner / 2].end[corner % 2]);
-  }
-
   // Evaluates the formulas of the file's head. Balls that are not in the complex get 0.
   std::vector<SphereMeasures> sum() const {
     std::vector<WideSum> pyramids(t_.balls.size());
-    for (std::size_t e = 0; e < k_.edges.size(); ++e) {
+    for (std::uint32_t e = 0; e < k_.edges.size(); ++e) {
       for (std::size_t k = 0; k < 2; ++k) {
-        pyramids[k_.edges[e].vertices[k]].add(edges_[e].height[k] * twice_face_[e] / 6);
+        pyramids[k_.edges[e].vertices[k]].add(shapes_.edge(e).height[k] * twice_face_[e] / 6);
       }
     }
     std::vector<SphereMeasures> out(t_.balls.size(), SphereMeasures{0, 0});
@@ -264,10 +177,10 @@ class GaussBonnetSum {
 
   const PowerTriangulation& t_;
   const DualComplex& k_;
+  const BoundaryShapes shapes_;
   std::vector<int> euler_;          // per ball: Euler characteristic of its exposed part
   std::vector<WideSum> curvature_;  // per ball: sum φ h / r less turning angles
   std::vector<double> twice_face_;  // per edge of the complex: twice the area of power face ∩ ball
-  std::vector<EdgeShape> edges_;    // per edge of the complex
   Buffer<Vec3d> centers_;           // per cell: orthogonal centre from its first ball; set for
                                     // cells in the complex only
   std::vector<Chord> chords_;       // per triangle of the complex

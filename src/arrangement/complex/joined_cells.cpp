@@ -171,14 +171,7 @@ struct Facet {
 Facet facet_of(const CellVertices& cell, std::uint32_t number, std::uint32_t slot) {
   const auto& k = kFacetVertices[slot];
   Facet f{{cell[k[0]], cell[k[1]], cell[k[2]]}, false, number, slot};
-  const auto sort_two = [&](std::size_t i, std::size_t j) {
-    if (f.vertices[i] < f.vertices[j]) return;
-    std::swap(f.vertices[i], f.vertices[j]);
-    f.odd = !f.odd;
-  };
-  sort_two(0, 1);
-  sort_two(1, 2);
-  sort_two(0, 1);
+  f.odd = sort_is_odd(f.vertices);
   return f;
 }
 

@@ -154,18 +154,7 @@ void insert_all(Triangulation& triangulation, const std::vector<Sphere>& balls,
 CellVertices canonical(const Triangulation::Cell& cell) {
   CellVertices v{cell.vertex(0)->info(), cell.vertex(1)->info(), cell.vertex(2)->info(),
                  cell.vertex(3)->info()};
-  bool odd = false;
-  const auto sort_two = [&](std::size_t i, std::size_t j) {
-    if (v[i] < v[j]) return;
-    std::swap(v[i], v[j]);
-    odd = !odd;
-  };
-  sort_two(0, 1);
-  sort_two(2, 3);
-  sort_two(0, 2);
-  sort_two(1, 3);
-  sort_two(1, 2);
-  if (odd) std::swap(v[2], v[3]);
+  if (sort_is_odd(v)) std::swap(v[2], v[3]);
   return v;
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/monitor.hpp"
@@ -16,6 +18,19 @@ namespace vdwmesh {
 // which are exchanged if the cell is positively oriented only then. So the lowest vertex is the
 // first one, and two lists have the same cell exactly if they have equal arrays.
 using CellVertices = std::array<std::uint32_t, 4>;
+
+// Sorts the vertices of a simplex, ascending, and returns whether that was an odd permutation.
+template <std::size_t N>
+bool sort_is_odd(std::array<std::uint32_t, N>& vertices) {
+  bool odd = false;
+  for (std::size_t sorted = 1; sorted < N; ++sorted) {
+    for (std::size_t i = sorted; i > 0 && vertices[i] < vertices[i - 1]; --i) {
+      std::swap(vertices[i], vertices[i - 1]);
+      odd = !odd;
+    }
+  }
+  return odd;
+}
 
 struct RegularCells {
   std::vector<CellVertices> cells;

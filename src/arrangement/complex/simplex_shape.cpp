@@ -15,6 +15,7 @@
 #include <numbers>
 
 #include "arrangement/complex/number_vector.hpp"
+#include "arrangement/complex/wide_points.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -218,21 +219,32 @@ void set_center_heights(const std::array<Sphere, 4>& v, const TetrahedronTerms<T
   }
 }
 
-// The points common to three spheres. With u = ab, v = ac and n = u × v, the orthogonal centre in
-// the plane is (w_u v×n + w_v n×u) / |n|². The points lie above and below it by sqrt(r_a² -
-// |centre|²).
+// The points common to three spheres, times the squared normal |n|² = `gram` of the triangle. With
+// u = ab, v = ac and n = u × v, the orthogonal centre in the plane is (w_u v×n + w_v n×u) / |n|².
+// The points lie above and below it by sqrt(r_a² - |centre|²).
 template <class T>
-CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
+struct CommonPointTerms {
+  Vector<T> normal, center;  // `center` and `half_chord` are multiplied by `gram`
+  T gram, half_chord;
+};
+
+template <class T>
+CommonPointTerms<T> common_point_terms(const Sphere& a, const Sphere& b, const Sphere& c) {
   const Vector<T> u = from_to<T>(a, b), v = from_to<T>(a, c), n = cross(u, v);
   const Vector<T> vn = cross(v, n), nu = cross(n, u);
   const T wu = half_power_offset(a, b, u), wv = half_power_offset(a, c, v), gram = dot(n, n);
   const Vector<T> center{wu * vn.x + wv * nu.x, wu * vn.y + wv * nu.y, wu * vn.z + wv * nu.z};
   const T scaled_radius = T(a.radius) * gram;
-  const T half_chord_by_gram = root(T(scaled_radius * scaled_radius - dot(center, center)));
-  const double half_chord = ratio(half_chord_by_gram, gram);
-  const T twice_area = root(gram);
-  const Vec3d middle = quotient(center, gram);
-  const Vec3d lift = half_chord * quotient(n, twice_area);
+  return {n, center, gram, root(T(scaled_radius * scaled_radius - dot(center, center)))};
+}
+
+template <class T>
+CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
+  const CommonPointTerms<T> terms = common_point_terms<T>(a, b, c);
+  const double half_chord = ratio(terms.half_chord, terms.gram);
+  const T twice_area = root(terms.gram);
+  const Vec3d middle = quotient(terms.center, terms.gram);
+  const Vec3d lift = half_chord * quotient(terms.normal, twice_area);
   return {middle + lift, middle - lift, half_chord, to_double(twice_area)};
 }
 
@@ -312,6 +324,21 @@ CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c) {
   if (is_thin(from_to<double>(a, b), from_to<double>(a, c))) return points_in<Float100>(a, b, c);
   const CommonPoints points = points_in<double>(a, b, c);
   return is_short(points.half_chord, a, b, c) ? points_in<Float100>(a, b, c) : points;
+}
+
+std::array<numbers::Vector<WideFloat>, 2> common_points_wide(const Sphere& a, const Sphere& b,
+                                                             const Sphere& c) {
+  const CommonPointTerms<Float100> terms = common_point_terms<Float100>(a, b, c);
+  const Float100 lift = terms.half_chord / (terms.gram * root(terms.gram));
+  const auto at = [&](const Float100& center, const Float100& normal, const Float100& side) {
+    return WideFloat(Float100(center / terms.gram + side * normal));
+  };
+  const auto point = [&](const Float100& side) {
+    return Vector<WideFloat>{at(terms.center.x, terms.normal.x, side),
+                             at(terms.center.y, terms.normal.y, side),
+                             at(terms.center.z, terms.normal.z, side)};
+  };
+  return {point(lift), point(Float100(-lift))};
 }
 
 Vec3d orthogonal_center(const std::array<Sphere, 4>& balls) {

@@ -115,8 +115,9 @@ class ShellFinder {
   }
 
  private:
-  // The cell of a void with the largest orthogonal sphere, which is not orthogonal to any ball by a
-  // shorter way: its centre is a maximum of the least power to a ball, so it lies in the void
+  // The cell of a void with the largest orthogonal sphere. That sphere's centre lies in the void:
+  // if it lay beyond a facet of its cell, the neighbour across that facet, which belongs to the
+  // same void, would have a larger orthogonal sphere. So the centre is a maximum of the least power
   // (Edelsbrunner, Facello and Liang 1998, "On the definition and the construction of pockets in
   // macromolecules").
   struct DeepestPoint {

@@ -30,11 +30,48 @@ void collect_corners(const BoundaryArcs& boundary, std::span<const std::uint32_t
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
 }
 
-// The position of a corner in the sorted list `corners`. Precondition: it is in the list.
-std::uint32_t place_of(const std::vector<std::uint32_t>& corners, std::uint32_t corner) {
-  return static_cast<std::uint32_t>(std::lower_bound(corners.begin(), corners.end(), corner) -
-                                    corners.begin());
-}
+// Numbers the points of a patch as gather_boundary() lists them: the corners in ascending order,
+// then arc by arc the points between its ends.
+class PointNumbers {
+ public:
+  PointNumbers(const BoundaryArcs& boundary, const ArcSampling& sampling,
+               std::span<const std::uint32_t> arcs)
+      : boundary_(boundary), sampling_(sampling) {
+    collect_corners(boundary, arcs, corners_);
+    next_ = static_cast<std::uint32_t>(corners_.size());
+  }
+
+  const std::vector<std::uint32_t>& corners() const { return corners_; }
+
+  // Goes on to the next of the arcs.
+  void begin_arc(std::uint32_t arc) {
+    arc_ = arc;
+    first_ = next_;
+    next_ += sampling_.pieces(arc) - (boundary_.arcs[arc].is_circle() ? 0 : 1);
+  }
+  // The number of sample point k of the arc that was begun last.
+  std::uint32_t of(std::uint32_t k) const {
+    const BoundaryArc& arc = boundary_.arcs[arc_];
+    const std::uint32_t n = sampling_.pieces(arc_);
+    if (arc.is_circle()) return first_ + (k == n ? 0 : k);
+    if (k == 0 || k == n) return place_of(arc.ends[k == 0 ? 0 : 1]);
+    return first_ + k - 1;
+  }
+
+ private:
+  std::uint32_t place_of(std::uint32_t corner) const {
+    return static_cast<std::uint32_t>(std::lower_bound(corners_.begin(), corners_.end(), corner) -
+                                      corners_.begin());
+  }
+
+  const BoundaryArcs& boundary_;
+  const ArcSampling& sampling_;
+  std::vector<std::uint32_t> corners_;
+  std::uint32_t arc_ = 0, first_ = 0, next_ = 0;
+};
+
+// The unit vector from a sphere's centre to a point of the sphere.
+Vec3d direction(const Sphere& s, const Vec3d& p) { return (1 / s.radius) * (p - s.center); }
 
 // The cap of sphere `s` that ball `neighbor` covers.
 CoveredCap cap_on(const BoundaryArcs& boundary, const Sphere& s, const Sphere& neighbor) {
@@ -59,12 +96,14 @@ CoveredCap cap_on(const BoundaryArcs& boundary, const Sphere& s, const Sphere& n
 template <class ForEach>
 void fill_lists(std::size_t count, const ForEach& for_each, std::vector<std::uint32_t>& first,
                 std::vector<std::uint32_t>& entries) {
-  first.assign(count + 1, 0);
-  for_each([&](std::uint32_t ball, std::uint32_t) { ++first[ball + 1]; });
+  // While entries are placed, first[r + 1] is the next free place of row r. At the end it is the
+  // first place of row r + 1.
+  first.assign(count + 2, 0);
+  for_each([&](std::uint32_t row, std::uint32_t) { ++first[row + 2]; });
   std::partial_sum(first.begin(), first.end(), first.begin());
   entries.resize(first.back());
-  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for_each([&](std::uint32_t ball, std::uint32_t entry) { entries[next[ball]++] = entry; });
+  for_each([&](std::uint32_t row, std::uint32_t entry) { entries[first[row + 1]++] = entry; });
+  first.pop_back();
 }
 
 // The entries of one row.
@@ -75,7 +114,7 @@ std::span<const std::uint32_t> list(const std::vector<std::uint32_t>& first,
 
 }  // namespace
 
-PointCircles::PointCircles(const PatchBoundary& boundary) {
+void PointCircles::assign(const PatchBoundary& boundary) {
   const auto each_end = [&](const auto& visit) {
     for (const BoundaryPiece& p : boundary.pieces) {
       visit(p.from, p.neighbor);
@@ -84,23 +123,6 @@ PointCircles::PointCircles(const PatchBoundary& boundary) {
     for (const SphereThrough& s : boundary.through) visit(s.point, s.ball);
   };
   fill_lists(boundary.points.size(), each_end, first_, neighbors_);
-}
-
-std::span<const std::uint32_t> PointCircles::of(std::uint32_t point) const {
-  // The number is past all points of the boundary, so this is an interior point.
-  if (point + 1 >= first_.size()) return {};
-  return list(first_, neighbors_, point);
-}
-
-bool PointCircles::on(std::uint32_t point, std::uint32_t neighbor) const {
-  const auto circles = of(point);
-  return std::find(circles.begin(), circles.end(), neighbor) != circles.end();
-}
-
-bool PointCircles::share(std::uint32_t a, std::uint32_t b) const {
-  const auto circles = of(a);
-  return std::any_of(circles.begin(), circles.end(),
-                     [&](std::uint32_t neighbor) { return on(b, neighbor); });
 }
 
 PatchIndex::PatchIndex(const PowerTriangulation& triangulation, const DualComplex& complex,
@@ -148,17 +170,19 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
                      const ArcSampling& sampling, const PatchIndex& index, std::uint32_t ball,
                      PatchBoundary& out) {
   const Sphere& s = triangulation.balls[ball];
-  const auto direction = [&](const Vec3d& p) { return (1 / s.radius) * (p - s.center); };
   out = {};
-  std::vector<std::uint32_t> corners;
-  collect_corners(boundary, index.arcs(ball), corners);
+  PointNumbers numbers(boundary, sampling, index.arcs(ball));
+  std::size_t count = 0;
+  for (const std::uint32_t a : index.arcs(ball)) count += sampling.pieces(a);
+  out.pieces.reserve(count);
+  out.points.reserve(count + numbers.corners().size());
   // First the corners, with the spheres through those that were joined.
-  for (const std::uint32_t c : corners) {
+  for (const std::uint32_t c : numbers.corners()) {
     const auto point = static_cast<std::uint32_t>(out.points.size());
     for (const std::uint32_t other : index.balls_at(c)) {
       if (other != ball) out.through.push_back({point, other});
     }
-    out.points.push_back(direction(boundary.corners[c].position));
+    out.points.push_back(direction(s, boundary.corners[c].position));
   }
   for (const std::uint32_t a : index.arcs(ball)) {
     const BoundaryArc& arc = boundary.arcs[a];
@@ -166,23 +190,17 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
     // backwards.
     const bool is_first = arc.balls[0] == ball;
     const std::uint32_t neighbor = arc.balls[is_first ? 1 : 0], n = sampling.pieces(a);
-    const auto before = static_cast<std::uint32_t>(out.points.size());
+    numbers.begin_arc(a);
     for (std::uint32_t k = arc.is_circle() ? 0 : 1; k < n; ++k) {
-      out.points.push_back(direction(sampling.point(a, k)));
+      out.points.push_back(direction(s, sampling.point(a, k)));
     }
-    // The index in out.points of sample point k of the arc.
-    const auto local = [&](std::uint32_t k) {
-      if (arc.is_circle()) return before + (k == n ? 0 : k);
-      if (k == 0 || k == n) return place_of(corners, arc.ends[k == 0 ? 0 : 1]);
-      return before + k - 1;
-    };
     // The bulge of a piece. A circle of angular radius a has the geodesic curvature cot a and the
     // radius sin a on the unit sphere. So along a piece of angle x it turns by x cos a against a
     // great circle, and half of this falls to each end. For a cap smaller than a hemisphere, cos a
     // is positive and the arc bulges away from the cap, into the patch.
     const double half_turn = cap_on(boundary, s, triangulation.balls[neighbor]).cosine / 2;
     for (std::uint32_t k = 0; k < n; ++k) {
-      const std::uint32_t from = local(k), to = local(k + 1);
+      const std::uint32_t from = numbers.of(k), to = numbers.of(k + 1);
       out.pieces.push_back({is_first ? to : from,
                             is_first ? from : to,
                             neighbor,
@@ -190,6 +208,7 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
                             half_turn * sampling.piece_angle({a, k})});
     }
   }
+  out.caps.reserve(index.neighbors(ball).size());
   for (const std::uint32_t n : index.neighbors(ball)) {
     out.caps.push_back(cap_on(boundary, s, triangulation.balls[n]));
   }
@@ -237,6 +256,80 @@ std::vector<std::uint32_t> insertion_order(const PatchBoundary& boundary) {
     for (std::uint32_t i = step / 2; i < count; i += step) order.push_back(i);
   }
   return order;
+}
+
+namespace {
+
+// Splits one piece of a boundary, of which ArcSampling has made `parts` pieces, the first of them
+// the piece `source` of the sampling. `backwards` says that the arc runs from the end of the piece
+// to its beginning.
+SplitChain split_piece(const Sphere& s, const ArcSampling& sampling, bool backwards,
+                       std::uint32_t parts, std::uint32_t p, PatchBoundary& out) {
+  const BoundaryPiece whole = out.pieces[p];
+  const SplitChain chain{p, parts, static_cast<std::uint32_t>(out.pieces.size()),
+                         static_cast<std::uint32_t>(out.points.size())};
+  const auto [arc, first] = whole.source;
+  for (std::uint32_t j = 1; j < parts; ++j) {
+    const std::uint32_t k = first + (backwards ? parts - j : j);
+    out.points.push_back(direction(s, sampling.point(arc, k)));
+  }
+  for (std::uint32_t j = 0; j < parts; ++j) {
+    const BoundaryPiece part{j == 0 ? whole.from : chain.first_point + j - 1,
+                             j + 1 == parts ? whole.to : chain.first_point + j,
+                             whole.neighbor,
+                             {arc, first + (backwards ? parts - 1 - j : j)},
+                             whole.bulge / parts};
+    if (j == 0) {
+      out.pieces[p] = part;
+    } else {
+      out.pieces.push_back(part);
+    }
+  }
+  return chain;
+}
+
+}  // namespace
+
+void split_pieces(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
+                  const ArcSampling& sampling, std::uint32_t ball,
+                  std::span<const PieceSplit> splits, PatchBoundary& out,
+                  std::vector<SplitChain>& chains) {
+  const auto count = static_cast<std::uint32_t>(out.pieces.size());
+  for (std::uint32_t p = 0; p < count; ++p) {
+    const ArcPiece source = out.pieces[p].source;
+    auto split = std::lower_bound(
+        splits.begin(), splits.end(), ArcPiece{source.arc, 0},
+        [](const PieceSplit& request, const ArcPiece& piece) { return request.piece < piece; });
+    // Splits before the piece on its arc have moved its number.
+    for (; split != splits.end() && split->piece < source; ++split) {
+      out.pieces[p].source.piece += (1u << split->halvings) - 1;
+    }
+    if (split == splits.end() || split->piece != source) continue;
+    const bool backwards = boundary.arcs[source.arc].balls[0] == ball;
+    chains.push_back(
+        split_piece(triangulation.balls[ball], sampling, backwards, 1u << split->halvings, p, out));
+  }
+}
+
+std::vector<std::uint32_t> gathered_numbers(const BoundaryArcs& boundary,
+                                            const ArcSampling& sampling, const PatchIndex& index,
+                                            std::uint32_t ball, const PatchBoundary& points) {
+  std::vector<std::uint32_t> by_source(points.pieces.size());
+  std::iota(by_source.begin(), by_source.end(), 0u);
+  std::sort(by_source.begin(), by_source.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return points.pieces[a].source < points.pieces[b].source;
+  });
+  PointNumbers numbers(boundary, sampling, index.arcs(ball));
+  std::vector<std::uint32_t> found(points.points.size());
+  for (const std::uint32_t p : by_source) {
+    const BoundaryPiece& piece = points.pieces[p];
+    const auto [arc, k] = piece.source;
+    if (k == 0) numbers.begin_arc(arc);
+    const bool backwards = boundary.arcs[arc].balls[0] == ball;
+    found[piece.from] = numbers.of(backwards ? k + 1 : k);
+    found[piece.to] = numbers.of(backwards ? k : k + 1);
+  }
+  return found;
 }
 
 void boundary_vertices(const BoundaryArcs& boundary, const ArcSampling& sampling,

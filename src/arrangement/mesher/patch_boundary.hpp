@@ -3,7 +3,9 @@
 // centre of the sphere. Also the index that finds the arcs and neighbours of each ball.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "arrangement/mesher/arc_sampling.hpp"
@@ -46,13 +48,21 @@ struct SphereThrough {
 
 struct PatchBoundary {
   // Unit vectors from the sphere's centre: first the corners in the order of their indices in
-  // BoundaryArcs, then arc by arc the sample points between its ends.
+  // BoundaryArcs, then arc by arc the sample points between its ends, then what split_pieces() has
+  // added.
   std::vector<Vec3d> points;
   std::vector<BoundaryPiece> pieces;
   std::vector<CoveredCap> caps;  // one per edge of the ball in the dual complex
   // All other spheres through corners, if corners were joined; the pieces of this patch alone do
   // not show them. Empty otherwise.
   std::vector<SphereThrough> through;
+};
+
+// What became of a piece that was split: a chain of `parts` pieces. The first one has the number of
+// the old piece, the others the numbers first_part, first_part + 1, ... In between are the points
+// first_point, first_point + 1, ...
+struct SplitChain {
+  std::uint32_t piece, parts, first_part, first_point;
 };
 
 // The centre of the largest cap, as a unit vector. It serves as the pole of the stereographic
@@ -80,16 +90,37 @@ std::vector<std::uint32_t> insertion_order(const PatchBoundary& boundary);
 // count, even if they meet the patch's sphere in this point only.
 class PointCircles {
  public:
-  explicit PointCircles(const PatchBoundary& boundary);
+  PointCircles() = default;
+  explicit PointCircles(const PatchBoundary& boundary) { assign(boundary); }
+  // Replaces the circles by those of another boundary.
+  void assign(const PatchBoundary& boundary);
   // Whether points a and b lie on one circle. Points are indices into PatchBoundary::points. Higher
   // numbers are interior points, which lie on no circle.
-  bool share(std::uint32_t a, std::uint32_t b) const;
+  bool share(std::uint32_t a, std::uint32_t b) const {
+    const auto circles = of(a);
+    return std::any_of(circles.begin(), circles.end(),
+                       [&](std::uint32_t neighbor) { return on(b, neighbor); });
+  }
+  // Whether four points lie on one circle.
+  bool share(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
+    const auto circles = of(a);
+    return std::any_of(circles.begin(), circles.end(), [&](std::uint32_t neighbor) {
+      return on(b, neighbor) && on(c, neighbor) && on(d, neighbor);
+    });
+  }
   // Whether the circle shared with `neighbor` passes through the point.
-  bool on(std::uint32_t point, std::uint32_t neighbor) const;
+  bool on(std::uint32_t point, std::uint32_t neighbor) const {
+    const auto circles = of(point);
+    return std::find(circles.begin(), circles.end(), neighbor) != circles.end();
+  }
 
  private:
-  // The circles of one point, possibly with repetitions.
-  std::span<const std::uint32_t> of(std::uint32_t point) const;
+  // The circles of one point, possibly with repetitions. Numbers past all points of the boundary
+  // are interior points, which have none.
+  std::span<const std::uint32_t> of(std::uint32_t point) const {
+    if (point >= first_.size() - 1) return {};
+    return {neighbors_.data() + first_[point], first_[point + 1] - first_[point]};
+  }
   // Compressed sparse rows: circles of point p at first_[p] .. first_[p + 1] - 1.
   std::vector<std::uint32_t> first_, neighbors_;
 };
@@ -118,6 +149,17 @@ class PatchIndex {
 void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
                      const ArcSampling& sampling, const PatchIndex& index, std::uint32_t ball,
                      PatchBoundary& out);
+// Brings a boundary up to date after ArcSampling::split(splits): splits its pieces in the same way,
+// with the new points and pieces at the end, and appends to `chains` how. So points and pieces keep
+// their numbers. `sampling` is as after the split; the boundary must be as before.
+void split_pieces(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
+                  const ArcSampling& sampling, std::uint32_t ball,
+                  std::span<const PieceSplit> splits, PatchBoundary& out,
+                  std::vector<SplitChain>& chains);
+// The numbers that the points of an up-to-date boundary would have if it were gathered anew.
+std::vector<std::uint32_t> gathered_numbers(const BoundaryArcs& boundary,
+                                            const ArcSampling& sampling, const PatchIndex& index,
+                                            std::uint32_t ball, const PatchBoundary& points);
 // Replaces `out` by the mesh vertices of the points that gather_boundary() lists, in the same
 // order.
 void boundary_vertices(const BoundaryArcs& boundary, const ArcSampling& sampling,

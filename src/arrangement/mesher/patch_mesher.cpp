@@ -1,6 +1,6 @@
 // Meshes one patch by constrained Delaunay refinement in the stereographic plane.
 //
-// Steps: (1) insert the boundary and mark the faces inside it; (2) if quality counts, look for
+// Steps: (1) insert the boundary and mark the triangles inside it; (2) if quality counts, look for
 // pieces that are too long for the patch beside them; (3) fill the inside with points of a
 // subdivided icosahedron; (4) insert circumcentres of bad triangles (Chew); (5) divide edges that
 // join points of one circle; (6) smooth, and look for invalid triangles.
@@ -11,42 +11,26 @@
 // patch.
 #include "arrangement/mesher/patch_mesher.hpp"
 
-#include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Triangulation_face_base_with_info_2.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <stdexcept>
 #include <utility>
 
 #include "arrangement/directions.hpp"
+#include "arrangement/mesher/boundary_insertion.hpp"
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
 #include "arrangement/mesher/patch_triangles.hpp"
 #include "arrangement/mesher/stereographic.hpp"
+#include "core/multiversion.hpp"
 
 namespace vdwmesh {
 namespace {
 
-using Kernel = FlatBoundary::Kernel;
-// `inside` says whether a face is part of the patch; `number` numbers the faces that are.
-struct FaceInfo {
-  bool inside = false;
-  std::uint32_t number = 0;
-};
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
-using FaceBase =
-    CGAL::Triangulation_face_base_with_info_2<FaceInfo, Kernel,
-                                              CGAL::Constrained_triangulation_face_base_2<Kernel>>;
-using Planar = CGAL::Constrained_Delaunay_triangulation_2<
-    Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
-    CGAL::No_constraint_intersection_tag>;
-using Point = Kernel::Point_2;
-using VertexHandle = Planar::Vertex_handle;
-using FaceHandle = Planar::Face_handle;
+using Edge = PlaneTriangulation::Edge;
+using Location = PlaneTriangulation::Location;
+using Place = PlaneTriangulation::Place;
 
 // Points of the subdivided icosahedron keep this distance from the arcs, as a fraction of the edge
 // length. Points nearer to an arc would make flat triangles with its pieces.
@@ -64,30 +48,37 @@ constexpr double kLongestEdge = 1;
 // One attempt to mesh one patch; run() lists the steps.
 class PatchTriangulator {
  public:
-  PatchTriangulator(const PatchBoundary& boundary, const PatchOptions& options)
-      : boundary_(boundary),
+  PatchTriangulator(PatchProgress& progress, const PatchOptions& options, PatchScratch& scratch)
+      : progress_(progress),
+        boundary_(progress.boundary),
         edge_length_(std::min(options.edge_length, kLongestEdge)),
         options_(options),
-        plane_(buried_pole(boundary)),
-        flat_(boundary, plane_),
-        circles_(boundary),
-        points_(boundary.points) {
-    planar_.infinite_vertex()->info() = kNoNeighbor;  // no index into points_
+        scratch_(scratch),
+        projection_(buried_pole(boundary_)),
+        circles_(scratch.circles),
+        plane_(scratch.plane),
+        lattice_(scratch.lattice),
+        smoothing_(scratch.smoothing),
+        numbers_(scratch.numbers),
+        patch_(scratch.patch),
+        points_(scratch.patch.points) {
+    circles_.assign(boundary_);
+    points_ = boundary_.points;
   }
 
   PatchMesh run() && {
-    if (insert_boundary() && mark_inside()) find_long_pieces();
+    want_splits(insert_boundary(progress_, projection_, options_, scratch_));
+    if (splits_.empty() && mark_inside()) find_long_pieces();
     if (!splits_.empty() || options_.stage == PatchStage::boundary) return requests();
     insert_lattice();
-    mark_inside();
     refine();
     divide_edges_within_circles();
     if (!splits_.empty()) return requests();
-    PatchTriangles patch{std::move(points_), numbered_triangles()};
-    smooth(boundary_, circles_, kSmoothingPasses, patch);
-    for (const std::uint32_t piece : defects(boundary_, patch)) want_split(piece);
+    collect_triangles();
+    smooth(boundary_, circles_, kSmoothingPasses, smoothing_, patch_);
+    want_splits(defects(boundary_, patch_));
     if (!splits_.empty()) return requests();
-    return finish(patch);
+    return finish();
   }
 
  private:
@@ -102,101 +93,67 @@ class PatchTriangulator {
     std::sort(splits_.begin(), splits_.end(), std::greater<>());
     const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
     splits_.erase(std::unique(splits_.begin(), splits_.end(), same), splits_.end());
-    return {{}, {}, std::move(splits_)};
-  }
-
-  Point project(const Vec3d& u) const {
-    const PlanePoint p = plane_.project(u);
-    return {p.x, p.y};
+    return {{}, {}, std::move(splits_), plane_.exact_tests()};
   }
 
   void want_splits(const std::vector<std::uint32_t>& pieces) {
     for (const std::uint32_t piece : pieces) want_split(piece);
   }
 
-  // Step (1): inserts points and pieces. Returns whether all pieces are constraints afterwards; if
-  // not, it has asked for splits. If only validity counts, crossings are looked for before anything
-  // is triangulated. This finds all crossings of two curves side by side at once, while insertion
-  // ends at the first one. It also saves the triangulation of nearly co-circular points, which is
-  // slow.
-  bool insert_boundary() {
-    want_splits(flat_.doubled_pieces());
-    if (splits_.empty() && options_.demand == Demand::validity) {
-      want_splits(flat_.crossings(options_.monitor));
-    }
-    if (!splits_.empty()) return false;
-    FaceHandle hint;  // where CGAL starts to search for the next point
-    handles_.resize(boundary_.points.size());
-    for (const std::uint32_t i : insertion_order(boundary_)) {
-      check_cancelled(options_.monitor, i);
-      handles_[i] = planar_.insert(flat_.point(i), hint);
-      handles_[i]->info() = i;
-      hint = handles_[i]->face();
-    }
-    for (std::uint32_t p = 0; p < boundary_.pieces.size() && splits_.empty(); ++p) insert_piece(p);
-    return splits_.empty();
+  // Whether edge k of triangle t is a piece that has t on its left.
+  bool is_left_of_piece(std::uint32_t t, std::uint32_t k) const {
+    const LinkedTriangle& w = plane_.triangle(t);
+    return w.pieces[k] != kNoPiece &&
+           boundary_.pieces[w.pieces[k]].from == w.vertices[corner_after(k)];
   }
 
-  void insert_piece(std::uint32_t p) {
-    check_cancelled(options_.monitor, p);
-    try {
-      planar_.insert_constraint(handles_[boundary_.pieces[p].from],
-                                handles_[boundary_.pieces[p].to]);
-    } catch (const Planar::Intersection_of_constraints_exception&) {
-      want_splits(flat_.crossings_of(p));
+  // Calls visit(t, k) for every piece, with the triangle t on its left, whose edge k it is.
+  template <class Visit>
+  void visit_pieces(const Visit& visit) const {
+    for (std::uint32_t t = 0; t < plane_.triangles().size(); ++t) {
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        if (is_left_of_piece(t, k)) visit(t, k);
+      }
     }
   }
 
-  // Marks the faces inside the patch: those on the left of a piece, and all that can be reached
+  // Marks the triangles inside the patch: those on the left of a piece, and all that can be reached
   // from there without crossing a piece. Returns whether the marks are right. They are not, and
-  // splits are asked for, if a piece is no edge of the triangulation, because another point lies on
-  // it, or if the marks have leaked out of the patch.
+  // splits are asked for, if the marks have leaked out of the patch.
   bool mark_inside() {
-    for (const FaceHandle f : planar_.all_face_handles()) f->info().inside = false;
-    std::vector<FaceHandle> stack;
-    const auto visit = [&](FaceHandle f) {
-      if (f->info().inside) return;
-      f->info().inside = true;
-      stack.push_back(f);
+    std::vector<std::uint32_t>& stack = numbers_;
+    stack.clear();
+    const auto visit = [&](std::uint32_t t) {
+      if (plane_.is_inside(t)) return;
+      plane_.mark_inside(t);
+      stack.push_back(t);
     };
-    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
-      FaceHandle right;
-      int edge;
-      if (planar_.is_edge(handles_[boundary_.pieces[p].from], handles_[boundary_.pieces[p].to],
-                          right, edge)) {
-        visit(right->neighbor(edge));
-      } else {
-        want_split(p);
-      }
-    }
+    visit_pieces([&](std::uint32_t t, std::uint32_t) { visit(t); });
     while (!stack.empty()) {
-      const FaceHandle f = stack.back();
+      const LinkedTriangle& w = plane_.triangle(stack.back());
       stack.pop_back();
-      for (int k = 0; k < 3; ++k) {
-        if (!f->is_constrained(k)) visit(f->neighbor(k));
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        if (w.pieces[k] == kNoPiece && w.neighbors[k] != kNoNeighbor) visit(w.neighbors[k]);
       }
     }
-    if (splits_.empty()) split_leaks();
+    split_leaks();
     return splits_.empty();
   }
 
   // Asks for splits if marks have leaked out of the patch. This happens if a piece is so coarse
   // that another part of the boundary lies between the piece and its arc: there, marking starts on
-  // the wrong side of the other part. It shows at pieces with marked faces on both sides, or with
-  // the infinite face on their left. The piece to blame is one of these, and it is not short. So
-  // every such piece is split that is at least half as long as the longest of them.
+  // the wrong side of the other part. It shows at pieces with marked triangles on both sides, or
+  // with a corner of the frame on their left. The piece to blame is one of these, and it is not
+  // short. So every such piece is split that is at least half as long as the longest of them.
   void split_leaks() {
     std::vector<std::uint32_t> leaks;
     double longest = 0;
-    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
-      FaceHandle right;
-      int edge;
-      planar_.is_edge(handles_[boundary_.pieces[p].from], handles_[boundary_.pieces[p].to], right,
-                      edge);
-      if (!right->info().inside && !planar_.is_infinite(right->neighbor(edge))) continue;
-      leaks.push_back(p);
-      longest = std::max(longest, chord(p));
-    }
+    visit_pieces([&](std::uint32_t t, std::uint32_t k) {
+      const LinkedTriangle& w = plane_.triangle(t);
+      if (!plane_.is_inside(w.neighbors[k]) && !plane_.touches_frame(t)) return;
+      leaks.push_back(w.pieces[k]);
+      longest = std::max(longest, chord(w.pieces[k]));
+    });
     for (const std::uint32_t p : leaks) {
       if (chord(p) >= longest / 2) want_split(p);
     }
@@ -207,35 +164,40 @@ class PatchTriangulator {
     return norm(points_[boundary_.pieces[p].to] - points_[boundary_.pieces[p].from]);
   }
 
-  bool is_inside(FaceHandle f) const { return f->info().inside && !planar_.is_infinite(f); }
-
-  const Vec3d& at(VertexHandle v) const { return points_[v->info()]; }
+  // Calls visit(t) for every triangle inside the patch. Those that visit() adds are not visited.
+  template <class Visit>
+  void visit_inside(const Visit& visit) {
+    const auto count = static_cast<std::uint32_t>(plane_.triangles().size());
+    for (std::uint32_t t = 0; t < count; ++t) {
+      if (plane_.is_inside(t)) visit(t);
+    }
+  }
 
   // Step (2): asks for splits of pieces that are long compared with the width of the patch there.
   void find_long_pieces() {
     if (options_.demand == Demand::validity) return;
-    for (const FaceHandle f : planar_.finite_face_handles()) {
-      if (!is_inside(f)) continue;
-      for (int k = 0; k < 3; ++k) {
-        if (f->is_constrained(k)) judge_piece(f, k);
+    visit_inside([&](std::uint32_t t) {
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        if (plane_.triangle(t).pieces[k] != kNoPiece) judge_piece(plane_.triangle(t), k);
       }
-    }
+    });
   }
 
-  // Judges the piece that is edge k of face f by the opposite vertex, and asks for a split if it is
-  // too long. A vertex on the piece's own circle says nothing about the width. If another edge of
-  // the face is a piece too, the two meet at a corner, and only the ratio of their lengths counts.
-  void judge_piece(FaceHandle f, int k) {
-    const VertexHandle va = f->vertex(f->ccw(k)), vb = f->vertex(f->cw(k)), vp = f->vertex(k);
-    const std::uint32_t piece = flat_.piece_between(va->info(), vb->info());
-    if (circles_.on(vp->info(), boundary_.pieces[piece].neighbor)) return;
-    const Vec3d &a = at(va), &b = at(vb), &p = at(vp);
+  // Judges the piece that is edge k of a triangle by the opposite vertex, and asks for a split if
+  // it is too long. A vertex on the piece's own circle says nothing about the width. If another
+  // edge of the triangle is a piece too, the two meet at a corner, and only the ratio of their
+  // lengths counts.
+  void judge_piece(const LinkedTriangle& t, std::uint32_t k) {
+    const std::uint32_t k1 = corner_after(k), k2 = corner_before(k), piece = t.pieces[k];
+    if (circles_.on(t.vertices[k], boundary_.pieces[piece].neighbor)) return;
+    const Vec3d &a = points_[t.vertices[k1]], &b = points_[t.vertices[k2]],
+                &p = points_[t.vertices[k]];
     const double length = norm(b - a);
     if (length <= kShortest * edge_length_) return;
-    for (const int other : {f->ccw(k), f->cw(k)}) {
+    for (const std::uint32_t other : {k1, k2}) {
       // Edge `other` is opposite to one end of the piece, so it starts at the other end.
-      if (!f->is_constrained(other)) continue;
-      const double beside = other == f->ccw(k) ? norm(p - b) : norm(p - a);
+      if (t.pieces[other] == kNoPiece) continue;
+      const double beside = other == k1 ? norm(p - b) : norm(p - a);
       if (length > kCornerRatio * beside) want_split(piece);
       return;
     }
@@ -251,10 +213,15 @@ class PatchTriangulator {
           std::acos(std::clamp(cap.cosine, -1.0, 1.0)) + kLatticeMargin * edge_length_;
       margins.push_back(angle < std::numbers::pi ? std::cos(angle) : -2);
     }
-    FaceHandle hint;
-    for (const Vec3d& u : clear_points(boundary_.caps, margins, sphere_points(edge_length_))) {
-      hint = insert_interior(u, hint)->face();
+    std::uint32_t near = plane_.triangle_at(0);
+    plane_.begin_lattice();
+    for (const Vec3d& u : clear_points(boundary_.caps, margins, lattice_.points(edge_length_))) {
+      const PlanePoint p = projection_.project(u);
+      const Location at = plane_.locate(p, near);
+      near = at.triangle;
+      if (is_free(at)) near = plane_.triangle_at(insert_interior(u, p, at));
     }
+    plane_.end_lattice();
   }
 
   bool is_buried(const Vec3d& u) const {
@@ -262,107 +229,100 @@ class PatchTriangulator {
                        [&](const CoveredCap& cap) { return cap.covers(u); });
   }
 
-  // Inserts point u of the unit sphere, whose face is near `hint`, and gives it the next number.
-  VertexHandle insert_interior(const Vec3d& u, FaceHandle hint) {
-    const VertexHandle v = planar_.insert(project(u), hint);
-    v->info() = static_cast<std::uint32_t>(points_.size());
-    points_.push_back(u);
-    return v;
+  // Whether a location is inside the patch, and neither a vertex nor on a piece.
+  bool is_free(const Location& at) const {
+    return (at.place == Place::inside || at.place == Place::on_edge) && !plane_.is_on_piece(at) &&
+           plane_.is_inside(at.triangle);
   }
 
-  // A face and its vertices when it was queued. CGAL reuses faces, so a face whose vertices have
-  // changed is another triangle.
+  // Inserts point u of the unit sphere, whose image p is at a free location. Returns its number.
+  std::uint32_t insert_interior(const Vec3d& u, const PlanePoint& p, const Location& at) {
+    const std::uint32_t vertex = plane_.add_point(p);
+    points_.push_back(u);
+    plane_.insert(vertex, at);
+    return vertex;
+  }
+
+  // A triangle and its vertices when it was queued. Insertions change triangles, so one whose
+  // vertices have changed is another triangle.
   struct Candidate {
-    FaceHandle face;
+    std::uint32_t triangle;
     std::array<std::uint32_t, 3> vertices;
   };
-  static Candidate candidate(FaceHandle f) {
-    return {f, {f->vertex(0)->info(), f->vertex(1)->info(), f->vertex(2)->info()}};
+  Candidate candidate(std::uint32_t t) const { return {t, plane_.triangle(t).vertices}; }
+  bool is_unchanged(const Candidate& c) const {
+    return plane_.triangle(c.triangle).vertices == c.vertices;
   }
 
-  FlatCircle circle(FaceHandle f) const {
-    return flat_circle({at(f->vertex(0)), at(f->vertex(1)), at(f->vertex(2))},
-                       {f->is_constrained(0), f->is_constrained(1), f->is_constrained(2)},
-                       edge_length_);
+  std::array<Vec3d, 3> corners(std::uint32_t t) const {
+    const auto& v = plane_.triangle(t).vertices;
+    return {points_[v[0]], points_[v[1]], points_[v[2]]};
+  }
+
+  void queue_if_bad(std::uint32_t t, std::vector<Candidate>& queue) const {
+    const auto& pieces = plane_.triangle(t).pieces;
+    const std::array<bool, 3> constrained{pieces[0] != kNoPiece, pieces[1] != kNoPiece,
+                                          pieces[2] != kNoPiece};
+    if (is_bad(corners(t), constrained, edge_length_)) queue.push_back(candidate(t));
   }
 
   // Step (4): inserts the circumcentres of bad triangles (patch_quality.hpp) until no triangle is
-  // bad or try_insert() has refused the circumcentres of the rest. New faces join the end of the
-  // queue. The limit on the number of points ends the loop in any case; some triangles then stay
-  // bad.
+  // bad or try_insert() has refused the circumcentres of the rest. New triangles join the end of
+  // the queue. The limit on the number of points ends the loop in any case; some triangles then
+  // stay bad.
   void refine() {
     std::vector<Candidate> queue;
-    for (const FaceHandle f : planar_.finite_face_handles()) {
-      if (is_inside(f)) queue.push_back(candidate(f));
-    }
+    visit_inside([&](std::uint32_t t) { queue_if_bad(t, queue); });
     const std::size_t most = 20 * (points_.size() + 50);
     for (std::size_t i = 0; i < queue.size() && points_.size() < most; ++i) {
       check_cancelled(options_.monitor, i);
       const Candidate c = queue[i];
-      if (candidate(c.face).vertices != c.vertices || !is_inside(c.face)) continue;
-      const FlatCircle circumcircle = circle(c.face);
-      if (circumcircle.is_bad) try_insert(circumcircle.center, c.face, queue);
+      if (is_unchanged(c)) try_insert(circumcenter(corners(c.triangle)), c.triangle, queue);
     }
   }
 
-  // Inserts u if it lies inside the patch and not too near to the boundary. `near` is a face from
-  // which the search for u starts.
-  void try_insert(const Vec3d& u, FaceHandle near, std::vector<Candidate>& queue) {
+  // Inserts u if it lies inside the patch and not too near to the boundary. `near` is a triangle
+  // from which the search for u starts.
+  void try_insert(const Vec3d& u, std::uint32_t near, std::vector<Candidate>& queue) {
     if (is_buried(u)) return;
-    const Point p = project(u);
-    Planar::Locate_type type;
-    int edge;
-    const FaceHandle face = planar_.locate(p, type, edge, near);
-    if (type != Planar::FACE && type != Planar::EDGE) return;
-    if (!is_inside(face) || (type == Planar::EDGE && face->is_constrained(edge))) return;
-    if (encroaches(u, p, face)) return;
-    insert_marked(u, face, queue);
-  }
-
-  // Inserts u into a face of the patch. The new faces around u are inside too, and join the queue.
-  void insert_marked(const Vec3d& u, FaceHandle face, std::vector<Candidate>& queue) {
-    const VertexHandle v = insert_interior(u, face);
-    auto around = planar_.incident_faces(v), end = around;
-    do {
-      around->info().inside = true;
-      queue.push_back(candidate(around));
-    } while (++around != end);
+    const PlanePoint p = projection_.project(u);
+    const Location at = plane_.locate(p, near);
+    if (!is_free(at) || encroaches(u, p, at)) return;
+    const std::uint32_t vertex = insert_interior(u, p, at);
+    plane_.visit_star(vertex, [&](std::uint32_t t) { queue_if_bad(t, queue); });
   }
 
   // Whether u is too near to a piece: whether it sees one under an angle wider than 110°
   // (kEncroachCosine). Only pieces that would be edges of u's new triangles are tested; they bound
-  // the conflict zone, the faces that the insertion of u would replace.
-  bool encroaches(const Vec3d& u, const Point& p, FaceHandle face) {
-    edges_.clear();
-    planar_.get_boundary_of_conflicts(p, std::back_inserter(edges_), face);
-    for (const auto& [f, k] : edges_) {
-      if (!f->is_constrained(k)) continue;
-      const Vec3d a = at(f->vertex(f->ccw(k))) - u, b = at(f->vertex(f->cw(k))) - u;
+  // the conflict zone, the triangles that the insertion of u would replace.
+  bool encroaches(const Vec3d& u, const PlanePoint& p, const Location& at) {
+    for (const auto& [t, k] : plane_.pieces_around(p, at.triangle)) {
+      const auto& v = plane_.triangle(t).vertices;
+      const Vec3d a = points_[v[corner_after(k)]] - u, b = points_[v[corner_before(k)]] - u;
       if (dot(a, b) < kEncroachCosine * std::sqrt(squared_norm(a) * squared_norm(b))) return true;
     }
     return false;
   }
 
-  // An edge that is no piece of the boundary, seen from one of its two faces.
+  // An edge that is no piece of the boundary, seen from one of its two triangles.
   struct InnerEdge {
     Candidate candidate;
-    int opposite;  // index of the face's vertex that is no end of the edge
+    std::uint32_t opposite;  // the corner that is no end of the edge
   };
 
-  // The edges inside the patch that join two points of one circle. Of the two faces of an edge, the
-  // one is taken in which the end of lower number comes first. CGAL's own list of edges would take
-  // the face at the lower address, and the mesh would depend on where the heap has put the faces.
-  std::vector<InnerEdge> edges_within_circles() const {
+  // The edges inside the patch that join two points of one circle. Of the two triangles of an edge,
+  // the one is taken in which the end of lower number comes first.
+  std::vector<InnerEdge> edges_within_circles() {
     std::vector<InnerEdge> found;
-    for (const FaceHandle f : planar_.finite_face_handles()) {
-      if (!is_inside(f)) continue;
-      for (int k = 0; k < 3; ++k) {
-        const std::uint32_t a = f->vertex(f->ccw(k))->info(), b = f->vertex(f->cw(k))->info();
-        if (a < b && !f->is_constrained(k) && circles_.share(a, b)) {
-          found.push_back({candidate(f), k});
+    visit_inside([&](std::uint32_t t) {
+      const auto& [v, neighbors, pieces] = plane_.triangle(t);
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = v[corner_after(k)], b = v[corner_before(k)];
+        if (a < b && pieces[k] == kNoPiece && circles_.share(a, b)) {
+          found.push_back({candidate(t), k});
         }
       }
-    }
+    });
     return found;
   }
 
@@ -374,13 +334,12 @@ class PatchTriangulator {
     std::vector<InnerEdge> found = edges_within_circles();
     for (int round = 0; round < kMostRounds && !found.empty(); ++round) {
       for (const auto& [c, k] : found) {
-        if (candidate(c.face).vertices == c.vertices) divide_edge(c.face, k);
+        if (is_unchanged(c)) divide_edge(c.triangle, k);
       }
       found = edges_within_circles();
     }
     for (const auto& [c, k] : found) {
-      const auto opposite = static_cast<std::size_t>(k);
-      split_pieces_at(c.vertices[(opposite + 1) % 3], c.vertices[(opposite + 2) % 3]);
+      split_pieces_at(c.vertices[corner_after(k)], c.vertices[corner_before(k)]);
     }
   }
 
@@ -392,102 +351,95 @@ class PatchTriangulator {
     }
   }
 
-  // Divides edge k of face f at the middle of the shorter great-circle arc between its ends. If the
-  // circle through the ends is large, this point may lie outside the patch. Then the middle of the
-  // edge in the plane is taken, which lies inside.
-  void divide_edge(FaceHandle f, int k) {
-    const VertexHandle a = f->vertex(f->ccw(k)), b = f->vertex(f->cw(k));
-    const Vec3d sum = at(a) + at(b);
-    if (squared_norm(sum) > 0 && divide_at(unit(sum), f)) return;
-    const Point middle = CGAL::midpoint(a->point(), b->point());
-    divide_at(plane_.lift({middle.x(), middle.y()}), f);
+  // Divides edge k of triangle t at the middle of the shorter great-circle arc between its ends. If
+  // the circle through the ends is large, this point may lie outside the patch. Then the middle of
+  // the edge in the plane is taken, which lies inside.
+  void divide_edge(std::uint32_t t, std::uint32_t k) {
+    const auto& v = plane_.triangle(t).vertices;
+    const std::uint32_t a = v[corner_after(k)], b = v[corner_before(k)];
+    const Vec3d sum = points_[a] + points_[b];
+    if (squared_norm(sum) > 0 && divide_at(unit(sum), t)) return;
+    const PlanePoint &p = plane_.point(a), &q = plane_.point(b);
+    divide_at(projection_.lift({(p.x + q.x) / 2, (p.y + q.y) / 2}), t);
   }
 
   // Inserts u into the patch, or asks for a split if u lies on a piece. Returns false, and does
   // nothing, if u lies outside the patch. The pole has no image in the plane and is outside.
-  bool divide_at(const Vec3d& u, FaceHandle near) {
-    if (u == plane_.pole()) return false;
-    Planar::Locate_type type;
-    int edge;
-    const FaceHandle face = planar_.locate(project(u), type, edge, near);
-    if (type == Planar::EDGE && face->is_constrained(edge)) {
-      want_split(flat_.piece_between(face->vertex(face->ccw(edge))->info(),
-                                     face->vertex(face->cw(edge))->info()));
+  bool divide_at(const Vec3d& u, std::uint32_t near) {
+    if (u == projection_.pole()) return false;
+    const PlanePoint p = projection_.project(u);
+    const Location at = plane_.locate(p, near);
+    if (plane_.is_on_piece(at)) {
+      want_split(plane_.triangle(at.triangle).pieces[at.corner]);
       return true;
     }
-    if ((type != Planar::FACE && type != Planar::EDGE) || !is_inside(face)) return false;
-    std::vector<Candidate> unused;  // the queue of refine(), which has ended
-    insert_marked(u, face, unused);
+    if (!is_free(at)) return false;
+    insert_interior(u, p, at);
     return true;
   }
 
-  // The faces inside the patch as plain arrays, with the numbers of their neighbours.
-  std::vector<PatchTriangle> numbered_triangles() {
-    std::vector<FaceHandle> faces;
-    for (const FaceHandle f : planar_.finite_face_handles()) {
-      if (!is_inside(f)) continue;
-      f->info().number = static_cast<std::uint32_t>(faces.size());
-      faces.push_back(f);
-    }
-    std::vector<PatchTriangle> triangles(faces.size());
-    for (std::size_t t = 0; t < faces.size(); ++t) {
-      const FaceHandle f = faces[t];
-      for (int k = 0; k < 3; ++k) {
-        const auto slot = static_cast<std::size_t>(k);
-        const bool is_piece = f->is_constrained(k);
-        triangles[t].vertices[slot] = f->vertex(k)->info();
-        triangles[t].neighbors[slot] = is_piece ? kNoNeighbor : f->neighbor(k)->info().number;
-        triangles[t].pieces[slot] = is_piece ? flat_.piece_between(f->vertex(f->ccw(k))->info(),
-                                                                   f->vertex(f->cw(k))->info())
-                                             : kNoPiece;
+  // Copies the triangles inside the patch to patch_, with the numbers that they have there.
+  void collect_triangles() {
+    numbers_.assign(plane_.triangles().size(), kNoNeighbor);
+    patch_.triangles.clear();
+    visit_inside([&](std::uint32_t t) {
+      numbers_[t] = static_cast<std::uint32_t>(patch_.triangles.size());
+      patch_.triangles.push_back(plane_.triangle(t));
+    });
+    for (LinkedTriangle& t : patch_.triangles) {
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        t.neighbors[k] = t.pieces[k] == kNoPiece ? numbers_[t.neighbors[k]] : kNoNeighbor;
       }
     }
-    return triangles;
   }
 
   // Numbers the interior points that triangles use, in the order of their first use.
-  PatchMesh finish(const PatchTriangles& patch) const {
+  PatchMesh finish() const {
     PatchMesh out;
     // Points that lie outside the patch belong to no triangle and are left out.
-    std::vector<std::uint32_t> number(patch.points.size(), kNoNeighbor);
+    std::vector<std::uint32_t> number(points_.size(), kNoNeighbor);
     for (std::uint32_t i = 0; i < boundary_.points.size(); ++i) number[i] = i;
-    for (const PatchTriangle& t : patch.triangles) {
+    for (const LinkedTriangle& t : patch_.triangles) {
       std::array<std::uint32_t, 3> vertices{};
       for (std::size_t k = 0; k < 3; ++k) {
         std::uint32_t& n = number[t.vertices[k]];
         if (n == kNoNeighbor) {
           n = static_cast<std::uint32_t>(boundary_.points.size() + out.interior.size());
-          out.interior.push_back(patch.points[t.vertices[k]]);
+          out.interior.push_back(points_[t.vertices[k]]);
         }
         vertices[k] = n;
       }
       out.triangles.push_back(vertices);
     }
+    out.exact_tests = plane_.exact_tests();
     return out;
   }
 
   // Pieces shorter than this fraction of the edge length are not split for quality.
   static constexpr double kShortest = 1e-3;
 
+  PatchProgress& progress_;
   const PatchBoundary& boundary_;
   double edge_length_;  // as a fraction of the radius, at most kLongestEdge
   PatchOptions options_;
-  Stereographic plane_;
-  FlatBoundary flat_;
-  PointCircles circles_;
-  Planar planar_;
-  // The points on the sphere, indexed by the info() of vertices: first the points of the boundary,
-  // then the interior ones.
-  std::vector<Vec3d> points_;
-  std::vector<VertexHandle> handles_;  // by point of the boundary
-  std::vector<Planar::Edge> edges_;    // scratch memory of encroaches()
+  PatchScratch& scratch_;
+  Stereographic projection_;
+  PointCircles& circles_;
+  PlaneTriangulation& plane_;
+  SpherePoints& lattice_;
+  SmoothingScratch& smoothing_;
+  std::vector<std::uint32_t>& numbers_;  // scratch memory, by triangle
+  PatchTriangles& patch_;
+  // The points on the sphere by vertex: first the points of the boundary, then the interior ones.
+  std::vector<Vec3d>& points_;
   std::vector<PieceSplit> splits_;
 };
 
 }  // namespace
 
-PatchMesh mesh_patch(const PatchBoundary& boundary, const PatchOptions& options) {
-  return PatchTriangulator(boundary, options).run();
+VDWMESH_MULTIVERSION PatchMesh mesh_patch(PatchProgress& progress, const PatchOptions& options,
+                                          PatchScratch& scratch) {
+  return PatchTriangulator(progress, options, scratch).run();
 }
 
 }  // namespace vdwmesh

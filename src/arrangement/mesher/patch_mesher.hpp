@@ -1,10 +1,10 @@
 // Meshes a patch, the exposed part of one sphere, between given boundary points, or a whole sphere.
 //
 // The sphere is projected stereographically from a point that another ball covers. The patch is
-// triangulated in the plane with the pieces of its boundary, chords of arcs, as constraints (CGAL,
-// exact predicates). Circles stay circles, so the triangulation is Delaunay on the sphere as well.
-// Bad triangles are removed by inserting their circumcentres (Chew 1993, "Guaranteed-quality mesh
-// generation for curved surfaces").
+// triangulated in the plane with the pieces of its boundary, chords of arcs, as constraints
+// (PlaneTriangulation). Circles stay circles, so the triangulation is Delaunay on the sphere as
+// well. Bad triangles are removed by inserting their circumcentres (Chew 1993, "Guaranteed-quality
+// mesh generation for curved surfaces").
 #pragma once
 
 #include <array>
@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "arrangement/mesher/patch_boundary.hpp"
+#include "arrangement/mesher/patch_triangles.hpp"
+#include "arrangement/mesher/plane_triangulation.hpp"
 #include "core/monitor.hpp"
 
 namespace vdwmesh {
@@ -39,20 +41,58 @@ struct PatchMesh {
   std::vector<Vec3d> interior;                          // unit vectors from the sphere's centre
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
   std::vector<PieceSplit> splits;                       // requests, each piece once
+  std::uint64_t exact_tests = 0;  // tests that double precision did not decide
+};
+
+// The points of mesh_sphere() without triangles, in another order, as unit vectors. Patches of a
+// molecule have few different edge lengths, so the points of some are kept.
+class SpherePoints {
+ public:
+  // Valid until the next call.
+  const std::vector<Vec3d>& points(double edge_length);
+
+ private:
+  struct Kept {
+    std::uint32_t parts = 0;
+    std::vector<Vec3d> points;
+  };
+  std::array<Kept, 8> kept_;  // by the last digit of the number of parts of an edge
+};
+
+// A patch between two rounds of meshing: its boundary, and the triangulation of the boundary in the
+// plane if the last round could make one. `chains` are the pieces that were split since then. Only
+// they have to be inserted in the next round.
+struct PatchProgress {
+  PatchBoundary boundary;
+  std::vector<SplitChain> chains;
+  PlaneTriangulation::State plane;
+  bool is_triangulated = false;
+};
+
+// Memory for meshing one patch at a time, kept for the next one.
+struct PatchScratch {
+  PointCircles circles;
+  PlaneTriangulation plane;
+  SpherePoints lattice;
+  SmoothingScratch smoothing;
+  std::vector<PlanePoint> plane_points;
+  std::vector<std::uint32_t> numbers;
+  PatchTriangles patch;
 };
 
 // Meshes a patch. In the triangles that it returns, every triangle faces outwards. No edge joins
 // two points of one circle unless it is a piece of the boundary, so triangles of different spheres
 // meet only along pieces and at corners (docs/exact_mesh.md says why).
 //
+// `progress` needs a boundary and may come from an earlier round; it is brought up to date for the
+// next one. Vertices of triangles are numbered as the points of this boundary.
+//
 // Precondition: at least one piece, and one cap that is larger than a point. Throws
 // CoincidentPoints (flat_boundary.hpp), Cancelled.
-PatchMesh mesh_patch(const PatchBoundary& boundary, const PatchOptions& options);
+PatchMesh mesh_patch(PatchProgress& progress, const PatchOptions& options, PatchScratch& scratch);
 
 // Meshes a whole sphere: a subdivided icosahedron. All points are interior points. The edge length
 // is a fraction of the radius.
 PatchMesh mesh_sphere(double edge_length);
-// The points of mesh_sphere() without triangles, in another order, as unit vectors.
-std::vector<Vec3d> sphere_points(double edge_length);
 
 }  // namespace vdwmesh

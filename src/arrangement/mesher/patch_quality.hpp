@@ -24,37 +24,33 @@ inline constexpr double kCornerRatio = 2;
 inline constexpr double kBadAngleSine = 0.4;  // 23.6°
 inline constexpr double kLargeCircle = 0.75;
 
-// The circumcircle of a triangle and the verdict on the triangle.
-struct FlatCircle {
-  Vec3d center;  // on the sphere, equally far from the three vertices
-  bool is_bad;   // the triangle is too large, or has too small an angle
-};
+// The circumcentre of a triangle on the sphere, equally far from its three vertices, which are
+// counter-clockwise seen from outside: the direction of its normal.
+inline Vec3d circumcenter(const std::array<Vec3d, 3>& p) {
+  return unit(cross(p[1] - p[0], p[2] - p[0]));
+}
 
-// Judges a triangle with vertices p, counter-clockwise seen from outside. constrained[k] says
-// whether the edge opposite to vertex k is a piece of the boundary. A small angle between two
+// Whether a triangle with vertices p is bad: too large, or with too small an angle. constrained[k]
+// says whether the edge opposite to vertex k is a piece of the boundary. A small angle between two
 // pieces is given by the patch and does not make a triangle bad.
 //
 // With A the area, a, b, c the lengths of the edges and R the circumradius: R = a b c / (4 A). The
-// least angle lies opposite to the shortest edge s, and its sine is s / (2 R). The circumcentre on
-// the sphere is the direction of the triangle's normal.
-inline FlatCircle flat_circle(const std::array<Vec3d, 3>& p, const std::array<bool, 3>& constrained,
-                              double edge_length) {
-  const Vec3d normal = cross(p[1] - p[0], p[2] - p[0]);
+// least angle lies opposite to the shortest edge s, and its sine is s / (2 R).
+inline bool is_bad(const std::array<Vec3d, 3>& p, const std::array<bool, 3>& constrained,
+                   double edge_length) {
   const std::array<double, 3> edge{squared_norm(p[2] - p[1]), squared_norm(p[0] - p[2]),
                                    squared_norm(p[1] - p[0])};
-  const double squared_area = squared_norm(normal);  // (2A)²
+  const double squared_area = squared_norm(cross(p[1] - p[0], p[2] - p[0]));  // (2A)²
   // Collinear vertices have no circumcircle. The triangle is left alone.
-  if (!(squared_area > 0)) return {p[0], false};
+  if (!(squared_area > 0)) return false;
   const double squared_radius = edge[0] * edge[1] * edge[2] / (4 * squared_area);
+  if (squared_radius > kLargeCircle * kLargeCircle * edge_length * edge_length) return true;
   // The index of the shortest edge, and of the vertex with the least angle. The other two edges
   // meet in that vertex.
   const auto s =
       static_cast<std::size_t>(std::min_element(edge.begin(), edge.end()) - edge.begin());
   const bool sharp_corner = constrained[(s + 2) % 3] && constrained[(s + 1) % 3] && !constrained[s];
-  const bool is_large = squared_radius > kLargeCircle * kLargeCircle * edge_length * edge_length;
-  const bool is_sharp =
-      edge[s] < 4 * kBadAngleSine * kBadAngleSine * squared_radius && !sharp_corner;
-  return {unit(normal), is_large || is_sharp};
+  return edge[s] < 4 * kBadAngleSine * kBadAngleSine * squared_radius && !sharp_corner;
 }
 
 // How often the piece from a to b must be halved because the patch is narrow beside it; p is the

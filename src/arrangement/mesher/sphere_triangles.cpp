@@ -3,7 +3,7 @@
 //
 // Each of the 20 faces is divided into n² triangles by a lattice in barycentric coordinates, and
 // the points are scaled to the unit sphere. Points on an edge are shared by the two faces beside
-// it. mesh_sphere() serves spheres that are exposed as a whole. sphere_points() gives the points
+// it. mesh_sphere() serves spheres that are exposed as a whole. SpherePoints gives the points
 // alone, with which patch_mesher.cpp fills the inside of patches.
 #include <algorithm>
 #include <cmath>
@@ -124,8 +124,10 @@ PatchMesh mesh_sphere(double edge_length) {
   return out;
 }
 
-VDWMESH_MULTIVERSION std::vector<Vec3d> sphere_points(double edge_length) {
-  const std::uint32_t n = parts_of_edge(edge_length);
+namespace {
+
+// The points of the icosahedron whose edges are divided into n parts.
+VDWMESH_MULTIVERSION std::vector<Vec3d> divided_points(std::uint32_t n) {
   const std::vector<Vec3d> corners = icosahedron_points();
   std::vector<Vec3d> points = corners;
   points.reserve(10 * std::size_t{n} * n + 2);
@@ -146,6 +148,15 @@ VDWMESH_MULTIVERSION std::vector<Vec3d> sphere_points(double edge_length) {
     }
   }
   return points;
+}
+
+}  // namespace
+
+const std::vector<Vec3d>& SpherePoints::points(double edge_length) {
+  const std::uint32_t parts = parts_of_edge(edge_length);
+  Kept& kept = kept_[parts % kept_.size()];
+  if (kept.parts != parts) kept = {parts, divided_points(parts)};
+  return kept.points;
 }
 
 }  // namespace vdwmesh

@@ -7,13 +7,10 @@
 #pragma once
 
 #include "arrangement/directions.hpp"
+#include "arrangement/mesher/plane_predicates.hpp"
 #include "core/vec3.hpp"
 
 namespace vdwmesh {
-
-struct PlanePoint {
-  double x, y;
-};
 
 class Stereographic {
  public:

@@ -16,10 +16,12 @@
 #include "arrangement/mesher/union_mesher.hpp"
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -65,10 +67,12 @@ class UnionMesher {
         measures_(arrangement.measures),
         boundary_(std::move(boundary)),
         index_(t_, arrangement.complex, boundary_),
+        unit_(std::ldexp(1.0, t_.scale_exponent)),
         edge_length_(std::ldexp(options.edge_length, -t_.scale_exponent)),
         sampling_(boundary_, edge_length_),
         pieces_at_first_(count_pieces()),
         allowed_growth_(boundary_.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
+        progress_(t_.balls.size()),
         patches_(t_.balls.size()),
         has_coincident_points_(t_.balls.size(), 0) {}
 
@@ -161,14 +165,15 @@ class UnionMesher {
         advance(options_.monitor, 1);
       });
       check_coincidence(balls);
-      const std::vector<PieceSplit> splits = wanted_splits(balls);
-      if (splits.empty()) return;
-      if (round == kMostRounds) refuse(splits.front().piece);
-      check_straightness(splits);
-      stats_.split += splits.size();
-      sampling_.split(splits);
-      check_growth(splits);
-      balls = balls_beside(splits);
+      for (const std::uint32_t b : balls) stats_.exact_tests += patches_[b].exact_tests;
+      last_splits_ = wanted_splits(balls);
+      if (last_splits_.empty()) return;
+      if (round == kMostRounds) refuse(last_splits_.front().piece);
+      check_straightness(last_splits_);
+      stats_.split += last_splits_.size();
+      sampling_.split(last_splits_);
+      check_growth(last_splits_);
+      balls = balls_beside(last_splits_);
     }
   }
 
@@ -224,13 +229,40 @@ class UnionMesher {
       patches_[ball] = mesh_sphere(edge_length);
       return;
     }
-    PatchBoundary around;
-    gather_boundary(t_, boundary_, sampling_, index_, ball, around);
+    PatchProgress& progress = up_to_date(ball);
     try {
-      patches_[ball] = mesh_patch(around, {edge_length, demand, stage, options_.monitor});
+      PatchMesh& patch = patches_[ball] =
+          mesh_patch(progress, {edge_length, demand, stage, options_.monitor}, scratch_.local());
+      if (!patch.triangles.empty()) finish(ball, patch);
     } catch (const CoincidentPoints&) {
       has_coincident_points_[ball] = 1;
     }
+  }
+
+  // The progress of a ball's patch, after the splits of the last round.
+  PatchProgress& up_to_date(std::uint32_t ball) {
+    std::unique_ptr<PatchProgress>& progress = progress_[ball];
+    if (progress) {
+      split_pieces(t_, boundary_, sampling_, ball, last_splits_, progress->boundary,
+                   progress->chains);
+    } else {
+      progress = std::make_unique<PatchProgress>();
+      gather_boundary(t_, boundary_, sampling_, index_, ball, progress->boundary);
+    }
+    return *progress;
+  }
+
+  // Gives the points of a finished patch the numbers that place_patch() expects, and frees what the
+  // rounds needed. If a piece is split after all, the patch begins anew.
+  void finish(std::uint32_t ball, PatchMesh& patch) {
+    const std::vector<std::uint32_t> numbers =
+        gathered_numbers(boundary_, sampling_, index_, ball, progress_[ball]->boundary);
+    for (auto& triangle : patch.triangles) {
+      for (std::uint32_t& v : triangle) {
+        if (v < numbers.size()) v = numbers[v];
+      }
+    }
+    progress_[ball].reset();
   }
 
   // Throws if a ball of the list has coincident points. The message names the first such ball, so
@@ -367,21 +399,23 @@ class UnionMesher {
   }
 
   // From scaled lengths to Å. The scale is a power of two, so this does not round.
-  Vec3d unscaled(const Vec3d& p) const {
-    const int e = t_.scale_exponent;
-    return {std::ldexp(p.x, e), std::ldexp(p.y, e), std::ldexp(p.z, e)};
-  }
+  Vec3d unscaled(const Vec3d& p) const { return unit_ * p; }
 
   ExactMeshOptions options_;
   const PowerTriangulation& t_;
   const std::vector<SphereMeasures>& measures_;
   BoundaryArcs boundary_;
   PatchIndex index_;
+  double unit_;         // of scaled lengths, in Å: a power of two
   double edge_length_;  // scaled
   ArcSampling sampling_;
   // The number of pieces before any was split; and the number that is allowed besides 64 for each
   // of these.
   std::uint64_t pieces_at_first_, allowed_growth_;
+  tbb::enumerable_thread_specific<PatchScratch> scratch_;
+  std::vector<PieceSplit> last_splits_;  // between the last round and this one
+  // By ball; empty for balls that have not begun or have finished.
+  std::vector<std::unique_ptr<PatchProgress>> progress_;
   std::vector<PatchMesh> patches_;  // by ball; empty for balls without a patch
   // By ball. The elements are bytes and not bits, because several threads set them.
   std::vector<std::uint8_t> has_coincident_points_;

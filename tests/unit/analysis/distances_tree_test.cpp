@@ -13,6 +13,7 @@
 #include "analysis/distances.hpp"
 #include "analysis/distances_statistics.hpp"
 #include "analysis/distances_triangle.hpp"
+#include "analysis/mesh_area.hpp"
 #include "analysis/sphere_lattice.hpp"
 #include "analysis/triangle_points.hpp"
 #include "support/test_meshes.hpp"
@@ -329,6 +330,37 @@ TEST_P(JitteredLattice, DistancesAgreeWithADenselySampledBoundary) {
 INSTANTIATE_TEST_SUITE_P(Jitters, JitteredLattice,
                          ::testing::Values(0, 1e-15, 1e-12, 1e-10, 1e-9, 1e-6));
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomCluster, ::testing::Range(1, 5));
+
+// Triangles of sizes that differ by ten orders, some without an area, in six blocks. Positions at
+// and beside the beginnings of blocks, where sums over blocks and within them round differently.
+TEST(MeshArea, APositionHasOnePointWhereverTheCursorStarts) {
+  std::mt19937_64 random(8);
+  IndexedMesh mesh;
+  for (std::uint32_t t = 0; t < 5 * kTrianglesPerAreaBlock + 100; ++t) {
+    const double size = std::pow(10, Uniform(-5, 0)(random));
+    const Vec3d at = random_point(random, 10);
+    for (int k = 0; k < 3; ++k) mesh.positions.push_back(at + random_point(random, size));
+    if (t % 7 == 0) mesh.positions.back() = at, mesh.positions[3 * t] = at;
+    mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  std::vector<double> sums(6);
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    sums[t / kTrianglesPerAreaBlock] += area_of(corners_of(mesh, t));
+  std::vector<double> places;
+  for (const double start : area_block_starts(sums)) {
+    double below = start, above = start;
+    for (int step = 0; step < 200; ++step) {
+      places.insert(places.end(), {below, above});
+      below = std::max(0.0, std::nextafter(below, -1.0)), above = std::nextafter(above, 1e9);
+    }
+  }
+  std::ranges::sort(places);
+  const MeshArea area(mesh);
+  MeshArea::Cursor walking(area, 0);
+  for (const double place : places) {
+    ASSERT_EQ(walking.point_at(place), MeshArea::Cursor(area, place).point_at(place)) << place;
+  }
+}
 
 }  // namespace
 }  // namespace vdwmesh

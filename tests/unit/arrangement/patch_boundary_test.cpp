@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "arrangement/directions.hpp"
+#include "support/dice.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -86,6 +87,65 @@ TEST(PatchBoundary, ThePoleIsNoContact) {
         const Vec3d pole = buried_pole(boundary_at_origin(spheres));
         EXPECT_EQ(norm(pole - Vec3d{0, 1, 0}), 0) << pole.x << ' ' << pole.y << ' ' << pole.z;
       }
+    }
+  }
+}
+
+// A boundary that was split is the one that is gathered after the split, but for the order.
+void expect_same(const PatchBoundary& split, const std::vector<std::uint32_t>& numbers,
+                 const PatchBoundary& gathered) {
+  ASSERT_EQ(split.points.size(), gathered.points.size());
+  for (std::size_t i = 0; i < split.points.size(); ++i) {
+    EXPECT_EQ(split.points[i], gathered.points[numbers[i]]);
+  }
+  ASSERT_EQ(split.pieces.size(), gathered.pieces.size());
+  for (const BoundaryPiece& p : split.pieces) {
+    const auto same = std::find_if(gathered.pieces.begin(), gathered.pieces.end(),
+                                   [&](const BoundaryPiece& q) { return p.source == q.source; });
+    ASSERT_NE(same, gathered.pieces.end());
+    EXPECT_EQ(numbers[p.from], same->from);
+    EXPECT_EQ(numbers[p.to], same->to);
+    EXPECT_EQ(p.neighbor, same->neighbor);
+    // Angles between sample points of up to 2 pi, rounded a few times.
+    constexpr double kRounding = 1e-14;
+    EXPECT_NEAR(p.bulge, same->bulge, kRounding);
+  }
+}
+
+TEST(PatchBoundary, SplitPiecesAreThoseGatheredAfterwards) {
+  testing::Dice dice(3);
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 40; ++i) {
+    spheres.push_back({{dice.real(0, 6), dice.real(0, 6), dice.real(0, 6)}, dice.real(1, 2)});
+  }
+  // Two that meet in a whole circle.
+  spheres.push_back({{20, 0, 0}, 1.5});
+  spheres.push_back({{22, 0, 0}, 1});
+  const PowerTriangulation triangulation = triangulate(SphereSet(std::move(spheres)));
+  const DualComplex complex = dual_complex(triangulation);
+  const BoundaryArcs arcs = boundary_arcs(triangulation, complex);
+  ArcSampling sampling(arcs, 0.1);
+  const PatchIndex index(triangulation, complex, arcs);
+  const auto balls = static_cast<std::uint32_t>(triangulation.balls.size());
+  std::vector<PatchBoundary> boundaries(balls);
+  for (std::uint32_t b = 0; b < balls; ++b) {
+    gather_boundary(triangulation, arcs, sampling, index, b, boundaries[b]);
+  }
+  for (int round = 0; round < 3; ++round) {
+    std::vector<PieceSplit> splits;
+    for (std::uint32_t a = 0; a < arcs.arcs.size(); ++a) {
+      for (std::uint32_t k = 0; k < sampling.pieces(a); ++k) {
+        if (dice.one_in(3)) splits.push_back({{a, k}, dice.one_in(2) ? 1u : 2u});
+      }
+    }
+    sampling.split(splits);
+    for (std::uint32_t b = 0; b < balls; ++b) {
+      std::vector<SplitChain> chains;
+      split_pieces(triangulation, arcs, sampling, b, splits, boundaries[b], chains);
+      PatchBoundary gathered;
+      gather_boundary(triangulation, arcs, sampling, index, b, gathered);
+      expect_same(boundaries[b], gathered_numbers(arcs, sampling, index, b, boundaries[b]),
+                  gathered);
     }
   }
 }

@@ -8,6 +8,8 @@
 #include <set>
 #include <vector>
 
+#include "spheres/level_extent.hpp"
+
 namespace vdwmesh {
 namespace {
 
@@ -88,6 +90,18 @@ TEST(CellList, StopsWhenAsked) {
   EXPECT_TRUE(visit_near_box(list.view(), {0, 0, 0}, {0, 0, 0},
                              [&](std::uint32_t) { return ++visits == 3; }));
   EXPECT_EQ(visits, 3);
+}
+
+// Octaves of the smallest reach; a ratio that rounding has put just below a power of two has that
+// power's level.
+TEST(CellList, LevelsAreOctaves) {
+  EXPECT_EQ(level_of(1, 1), 0);
+  EXPECT_EQ(level_of(1.999999, 1), 0);
+  EXPECT_EQ(level_of(std::nextafter(2.0, 0.0), 1), 1);
+  EXPECT_EQ(level_of(2, 1), 1);
+  EXPECT_EQ(level_of(0.3 * 8, 0.3), 3);
+  EXPECT_EQ(level_of(0.5, 1), 0);  // smaller than the smallest of a given frame
+  EXPECT_EQ(level_of(1e30, 1e-300), CellListView::kMaxLevels - 1);  // the ratio is infinite
 }
 
 // Two parts of a set, in the frame of the whole: each query finds the spheres that both have in the

@@ -1,7 +1,7 @@
-// download_parts() cuts the parts into chunks of up to 2 MiB. Several threads take one chunk after
-// another from a common counter. Each thread has a "lane": a stream and two page-locked buffers.
-// The device fills one buffer while the thread copies the other to the caller's memory. The lanes
-// are kept for later downloads, because locking their pages takes as long as a small download.
+// Parts are cut into chunks of up to 2 MiB. Several threads take one chunk after another from a
+// common counter. Each thread has a "lane": a stream and two page-locked buffers. The device fills
+// or reads one buffer while the thread copies between the other and the caller's memory. The lanes
+// are kept for later transfers, because locking their pages takes as long as a small transfer.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -11,8 +11,8 @@
 #include <mutex>
 #include <thread>
 
-#include "cuda/memory/download.cuh"
 #include "cuda/memory/run_on_threads.hpp"
+#include "cuda/memory/transfer.cuh"
 
 namespace vdwmesh {
 namespace {
@@ -21,23 +21,25 @@ constexpr std::size_t kChunk = std::size_t{2} << 20;
 constexpr std::size_t kChunksPerThread = 3;  // a thread with fewer chunks does not pay
 constexpr unsigned kMostThreads = 16;
 
-// A piece of a part: from device memory to memory of the caller.
-struct Chunk {
-  std::byte* host;
-  const std::byte* device;
-  std::size_t bytes;
-};
+void* at_offset(void* memory, std::size_t bytes) { return static_cast<std::byte*>(memory) + bytes; }
+const void* at_offset(const void* memory, std::size_t bytes) {
+  return static_cast<const std::byte*>(memory) + bytes;
+}
 
 // Cuts the parts into chunks where the address of the caller's memory is a multiple of kChunk, the
 // size of a large page. So no large page is written for the first time by two threads at once.
-std::vector<Chunk> cut(const std::vector<DownloadPart>& parts) {
-  std::vector<Chunk> chunks;
-  for (const DownloadPart& part : parts) {
+template <class Part>
+std::vector<Part> cut(const std::vector<Part>& parts) {
+  std::vector<Part> chunks;
+  for (const Part& part : parts) {
     const auto address = reinterpret_cast<std::uintptr_t>(part.host);
     for (std::size_t at = 0; at < part.bytes;) {
       const std::size_t bytes = std::min(kChunk - (address + at) % kChunk, part.bytes - at);
-      chunks.push_back({static_cast<std::byte*>(part.host) + at,
-                        static_cast<const std::byte*>(part.device) + at, bytes});
+      Part chunk = part;
+      chunk.host = at_offset(part.host, at);
+      chunk.device = at_offset(part.device, at);
+      chunk.bytes = bytes;
+      chunks.push_back(chunk);
       at += bytes;
     }
   }
@@ -47,17 +49,20 @@ std::vector<Chunk> cut(const std::vector<DownloadPart>& parts) {
 // A stream and two page-locked buffers, for one thread.
 class StagingLane {
  public:
-  // Copies chunks until none is left. `next` is the index of the next chunk that no thread has
-  // taken; all threads share it. The stream first waits for `ready`, after which the device memory
-  // has its values. `filling` is the chunk on its way from the device to buffers_[side].
-  void work(const std::vector<Chunk>& chunks, std::atomic<std::size_t>& next, cudaEvent_t ready) {
+  // Both functions copy chunks until none is left. `next` is the index of the next chunk that no
+  // thread has taken; all threads share it. The stream first waits for `ready`, after which the
+  // device memory may be used.
+
+  // `filling` is the chunk on its way from the device to buffers_[side].
+  void work(const std::vector<DownloadPart>& chunks, std::atomic<std::size_t>& next,
+            cudaEvent_t ready) {
     check_cuda(cudaStreamWaitEvent(stream_.get(), ready), "download");
     std::size_t filling = next++;
     int side = 0;
     if (filling < chunks.size()) fill(chunks[filling], side);
     while (filling < chunks.size()) {
       stream_.wait();
-      const Chunk& filled = chunks[filling];
+      const DownloadPart& filled = chunks[filling];
       filling = next++;
       if (filling < chunks.size()) fill(chunks[filling], 1 - side);
       std::memcpy(filled.host, buffers_[side].data(), filled.bytes);
@@ -65,8 +70,25 @@ class StagingLane {
     }
   }
 
+  // sent_[side] has passed when the device has read buffers_[side].
+  void work(const std::vector<UploadPart>& chunks, std::atomic<std::size_t>& next,
+            cudaEvent_t ready) {
+    check_cuda(cudaStreamWaitEvent(stream_.get(), ready), "upload");
+    int side = 0;
+    for (std::size_t i = next++; i < chunks.size(); i = next++) {
+      sent_[side].wait();
+      std::memcpy(buffers_[side].data(), chunks[i].host, chunks[i].bytes);
+      check_cuda(cudaMemcpyAsync(chunks[i].device, buffers_[side].data(), chunks[i].bytes,
+                                 cudaMemcpyHostToDevice, stream_.get()),
+                 "upload");
+      sent_[side].record(stream_.get());
+      side = 1 - side;
+    }
+    stream_.wait();
+  }
+
  private:
-  void fill(const Chunk& chunk, int side) {
+  void fill(const DownloadPart& chunk, int side) {
     check_cuda(cudaMemcpyAsync(buffers_[side].data(), chunk.device, chunk.bytes,
                                cudaMemcpyDeviceToHost, stream_.get()),
                "download");
@@ -74,12 +96,14 @@ class StagingLane {
 
   Stream stream_;
   StagingBuffer buffers_[2] = {StagingBuffer(kChunk), StagingBuffer(kChunk)};
+  Event sent_[2] = {Event(cudaEventDisableTiming), Event(cudaEventDisableTiming)};
 };
 
-// The lanes of a device. One download at a time uses them; others wait for the mutex.
+// The lanes of a device. One transfer at a time uses them; others wait for the mutex.
 class Staging {
  public:
-  void copy(int device, const std::vector<Chunk>& chunks, cudaEvent_t ready) {
+  template <class Part>
+  void copy(int device, const std::vector<Part>& chunks, cudaEvent_t ready) {
     const std::lock_guard lock(mutex_);
     // More threads than cores would not copy faster.
     const std::size_t cores = std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads);
@@ -106,10 +130,9 @@ Staging& staging_of(int device) {
   return (*all)[device];
 }
 
-}  // namespace
-
-void download_parts(const std::vector<DownloadPart>& parts, const Stream& stream) {
-  const std::vector<Chunk> chunks = cut(parts);
+template <class Part>
+void transfer(const std::vector<Part>& parts, const Stream& stream) {
+  const std::vector<Part> chunks = cut(parts);
   // All parts are empty. The caller expects the stream to be done all the same.
   if (chunks.empty()) return stream.wait();
   int device = 0;
@@ -117,6 +140,16 @@ void download_parts(const std::vector<DownloadPart>& parts, const Stream& stream
   const Event ready(cudaEventDisableTiming);
   ready.record(stream.get());
   staging_of(device).copy(device, chunks, ready.get());
+}
+
+}  // namespace
+
+void download_parts(const std::vector<DownloadPart>& parts, const Stream& stream) {
+  transfer(parts, stream);
+}
+
+void upload_parts(const std::vector<UploadPart>& parts, const Stream& stream) {
+  transfer(parts, stream);
 }
 
 }  // namespace vdwmesh

@@ -1,0 +1,72 @@
+// The first rank reads, because a parallel file system is slow for many readers of one small file,
+// and because standard input is there alone.
+#include "ranks/rank_session.hpp"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "mesh/element_color.hpp"
+#include "steps.hpp"
+
+namespace vdwmesh::apps {
+namespace {
+
+// The processors on which this process may run: mpirun binds ranks to some of them.
+std::uint64_t usable_processors() {
+  cpu_set_t processors;
+  CPU_ZERO(&processors);
+  if (::sched_getaffinity(0, sizeof processors, &processors) != 0) return 1;
+  return static_cast<std::uint64_t>(CPU_COUNT(&processors));
+}
+
+}  // namespace
+
+SharedStructure load_together(const Ranks& ranks, const InputOptions& options, Session& session) {
+  SharedStructure shared;
+  std::vector<Sphere> spheres;
+  ranks.together([&] {
+    if (!ranks.is_first()) return;
+    auto [molecule, set] = load(options, session);
+    shared.molecule = std::move(molecule);
+    spheres.assign(set.spheres().begin(), set.spheres().end());
+  });
+  ranks.share(spheres);
+  ranks.together([&] { shared.spheres = SphereSet(std::move(spheres)); });
+  session.end_stage(&Timing::read);
+  return shared;
+}
+
+std::vector<RgbColor> share_colors(const Ranks& ranks, const Molecule& molecule) {
+  std::vector<RgbColor> colors;
+  for (const Atom& atom : molecule.atoms) colors.push_back(element_color(atom.element));
+  ranks.share(colors);
+  return colors;
+}
+
+// Ranks that are bound to processors of their own take these. Ranks that are not share all that the
+// host has: the processors that they could use are then more than there are.
+MachineOptions machine_of_rank(const Ranks& ranks, const MachineOptions& options) {
+  MachineOptions own = options;
+  const std::uint64_t usable = usable_processors(), wanted = ranks.sum_on_host(usable);
+  const auto present = static_cast<std::uint64_t>(std::max(1L, ::sysconf(_SC_NPROCESSORS_ONLN)));
+  if (own.threads == 0) {
+    const std::uint64_t share = usable * std::min(present, wanted) / wanted;
+    own.threads = static_cast<int>(std::max<std::uint64_t>(share, 1));
+  }
+  if (ranks.is_first()) return own;
+  own.progress = Progress::never;
+  own.verbosity = Verbosity::quiet;
+  return own;
+}
+
+std::string ranks_text(const Ranks& ranks, const Session& session) {
+  const int threads = session.machine.threads;
+  return fmt::format("Ranks        {}, {} CPU thread{} each\n", ranks.count(), threads,
+                     threads == 1 ? "" : "s");
+}
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,37 @@
+// What the verbs of vdwmesh-mpi share: the molecule, which one rank reads and all get, and what
+// each rank may use of its host.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "command_line/command_line.hpp"
+#include "distributed/ply_file.hpp"
+#include "distributed/ranks.hpp"
+#include "session.hpp"
+#include "spheres/sphere_set.hpp"
+#include "structure/molecule.hpp"
+
+namespace vdwmesh::apps {
+
+// The molecule as the ranks have it.
+struct SharedStructure {
+  Molecule molecule;  // without atoms but on the first rank
+  SphereSet spheres;  // all of them, on every rank
+};
+
+// Reads the structure on the first rank and gives its spheres to all. Throws as load() does, on all
+// ranks. Collective.
+SharedStructure load_together(const Ranks& ranks, const InputOptions& options, Session& session);
+
+// The colour of every sphere, on all ranks. Collective.
+std::vector<RgbColor> share_colors(const Ranks& ranks, const Molecule& molecule);
+
+// The options of this rank: the threads of the host are shared among the ranks on it, unless a
+// number was given, and only the first rank shows progress and prints. Collective.
+MachineOptions machine_of_rank(const Ranks& ranks, const MachineOptions& options);
+
+// The line of the printed results about the ranks.
+std::string ranks_text(const Ranks& ranks, const Session& session);
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,18 @@
+# Sets VDWMESH_WITH_MPI: whether the program for many processes is built, and the room behind it.
+macro(vdwmesh_detect_mpi)
+  set(VDWMESH_WITH_MPI OFF)
+  if(NOT VDWMESH_MPI STREQUAL "OFF")
+    set(MPI_CXX_SKIP_MPICXX ON)  # the bindings for C++ that MPI has dropped
+    find_package(MPI COMPONENTS CXX)
+    if(MPI_CXX_FOUND)
+      set(VDWMESH_WITH_MPI ON)
+    elseif(VDWMESH_MPI STREQUAL "ON")
+      message(FATAL_ERROR "VDWMESH_MPI=ON, but no MPI was found (see scripts/install-deps.sh)")
+    endif()
+  endif()
+  if(VDWMESH_WITH_MPI)
+    message(STATUS "vdwmesh-mpi: built, MPI ${MPI_CXX_VERSION}")
+  else()
+    message(STATUS "vdwmesh-mpi: left out (no MPI, or VDWMESH_MPI=OFF)")
+  endif()
+endmacro()

@@ -1,0 +1,36 @@
+// Distances between a mesh and an exposed surface in device memory: the kernels of the two
+// directions, chunk by chunk.
+#pragma once
+
+#include <span>
+
+#include "analysis/distances_plan.hpp"
+#include "analysis/surface_search.hpp"
+#include "core/monitor.hpp"
+#include "cuda/distances/device_patches.cuh"
+#include "cuda/distances/device_tree.cuh"
+#include "cuda/memory/device_memory.cuh"
+
+namespace vdwmesh::distance {
+
+// A mesh and the search tree over its triangles.
+struct SearchedMesh {
+  SoupView mesh;
+  BoxTreeView tree;
+};
+
+DistanceStatistics mesh_to_surface(const SoupView& mesh, const PatchTreeView& surface,
+                                   const DistanceOptions& options, const Stream& stream);
+
+DistanceStatistics surface_to_mesh(const DevicePatches& patches, const SearchedMesh& mesh,
+                                   double density, const DistanceOptions& options,
+                                   const Stream& stream);
+
+// Writes the signed distance of each point to `found`, Å.
+void points_to_surface(std::span<const Vec3d> points, const PatchTreeView& surface, double* found,
+                       Monitor* monitor, const Stream& stream);
+
+// Distances that are measured by one launch. A whole number of blocks of kDistancesPerBlock.
+inline constexpr std::uint64_t kDistancesPerLaunch = std::uint64_t{1} << 23;
+
+}  // namespace vdwmesh::distance

@@ -1,0 +1,219 @@
+// Describes arrays in device memory to Python and reads descriptions of callers' arrays
+// (cuda_array.hpp). A capsule of DLPack owns its array until a consumer has taken it over.
+#include "cuda_array.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <utility>
+
+#include "core/errors.hpp"
+#include "dlpack.hpp"
+#include "topics.hpp"
+
+namespace vdwmesh::python {
+namespace {
+
+using namespace py::literals;
+
+bool is_floating(const CudaArray& a) { return a.array.format != "I"; }
+
+std::string type_string(const CudaArray& a) {
+  return fmt::format("<{}{}", is_floating(a) ? 'f' : 'u', a.array.item_bytes);
+}
+
+std::size_t element_count(const CudaArray& a) {
+  std::size_t count = 1;
+  for (const py::ssize_t n : a.array.shape) count *= static_cast<std::size_t>(n);
+  return count;
+}
+
+bool is_without_gaps(const CudaArray& a) {
+  py::ssize_t step = a.array.item_bytes;
+  for (std::size_t i = a.array.shape.size(); i-- > 0; step *= a.array.shape[i]) {
+    if (a.array.strides[i] != step) return false;
+  }
+  return true;
+}
+
+// The flag says that the array may be written to, because PyTorch takes no others.
+py::dict interface_of(const CudaArray& a) {
+  const auto address = element_count(a) > 0 ? reinterpret_cast<std::uintptr_t>(a.array.data) : 0;
+  py::object strides = py::none();
+  if (!is_without_gaps(a)) strides = py::tuple(py::cast(a.array.strides));
+  return py::dict("shape"_a = py::tuple(py::cast(a.array.shape)), "typestr"_a = type_string(a),
+                  "data"_a = py::make_tuple(address, false), "version"_a = 3, "strides"_a = strides,
+                  "stream"_a = py::none());
+}
+
+py::tuple device_tuple(const CudaArray& a) { return py::make_tuple(dlpack::kCuda, a.device); }
+
+// A tensor with all that it points to.
+struct OwnedTensor {
+  explicit OwnedTensor(const CudaArray& a)
+      : array(a), shape(a.array.shape.begin(), a.array.shape.end()) {
+    for (const py::ssize_t bytes : a.array.strides) strides.push_back(bytes / a.array.item_bytes);
+    const std::uint8_t code = is_floating(a) ? dlpack::kFloatingPoint : dlpack::kUnsigned;
+    const auto bits = static_cast<std::uint8_t>(8 * a.array.item_bytes);
+    managed.tensor = {const_cast<void*>(a.array.data),
+                      {dlpack::kCuda, a.device},
+                      static_cast<std::int32_t>(shape.size()),
+                      {code, bits, 1},
+                      shape.data(),
+                      strides.data(),
+                      0};
+    managed.context = this;
+    managed.deleter = [](dlpack::ManagedTensor* t) {
+      delete static_cast<OwnedTensor*>(t->context);
+    };
+  }
+  OwnedTensor(const OwnedTensor&) = delete;
+  OwnedTensor& operator=(const OwnedTensor&) = delete;
+
+  CudaArray array;
+  std::vector<std::int64_t> shape, strides;
+  dlpack::ManagedTensor managed{};
+};
+
+constexpr const char* kNewCapsule = "dltensor";  // a consumer renames the capsule that it takes
+
+void free_unused(PyObject* capsule) {
+  if (PyCapsule_IsValid(capsule, kNewCapsule) == 0) return;
+  auto* const managed =
+      static_cast<dlpack::ManagedTensor*>(PyCapsule_GetPointer(capsule, kNewCapsule));
+  managed->deleter(managed);
+}
+
+// The values are there already, whichever stream the consumer names.
+py::object capsule_of(const CudaArray& a, const py::object&, const py::object&,
+                      const py::object& device, const py::object& copy) {
+  if (!device.is_none() && !py::tuple(device).equal(device_tuple(a))) {
+    throw py::buffer_error("the array lies on another device than dl_device");
+  }
+  if (!copy.is_none() && copy.cast<bool>()) throw py::buffer_error("the array is not copied");
+  auto owned = std::make_unique<OwnedTensor>(a);
+  PyObject* const capsule = PyCapsule_New(&owned->managed, kNewCapsule, &free_unused);
+  if (capsule == nullptr) throw py::error_already_set();
+  owned.release();
+  return py::reinterpret_steal<py::object>(capsule);
+}
+
+// Bytes from the first element to the end of the last one.
+std::size_t extent_of(const CudaArray& a) {
+  if (element_count(a) == 0) return 0;
+  py::ssize_t last = 0;
+  for (std::size_t i = 0; i < a.array.shape.size(); ++i) {
+    last += (a.array.shape[i] - 1) * a.array.strides[i];
+  }
+  return static_cast<std::size_t>(last + a.array.item_bytes);
+}
+
+// A copy on the host with the same strides.
+Array downloaded(const CudaArray& a) {
+  auto bytes = std::make_shared<std::vector<std::byte>>(extent_of(a));
+  {
+    const py::gil_scoped_release free;
+    copy_to_host(bytes->data(), a.array.data, bytes->size(), a.device);
+  }
+  Array copy = a.array;
+  copy.data = bytes->data();
+  copy.owner = std::move(bytes);
+  return copy;
+}
+
+// Row k of an array of several dimensions, without a copy.
+CudaArray row_of(const CudaArray& a, std::size_t k) {
+  CudaArray row = a;
+  const auto step = static_cast<std::ptrdiff_t>(k) * a.array.strides.at(0);
+  row.array.data = static_cast<const std::byte*>(a.array.data) + step;
+  row.array.shape.erase(row.array.shape.begin());
+  row.array.strides.erase(row.array.strides.begin());
+  return row;
+}
+
+std::string text_of(const CudaArray& a) {
+  return fmt::format("<vdwmesh.CudaArray of {}{} in shape {} on device {}>",
+                     is_floating(a) ? "float" : "uint", 8 * a.array.item_bytes,
+                     py::str(py::tuple(py::cast(a.array.shape))).cast<std::string>(), a.device);
+}
+
+void wait_freely(int device, std::uintptr_t stream) {
+  const py::gil_scoped_release free;
+  wait_for_stream(device, stream);
+}
+
+FrameCoordinates coordinates_of(const CudaInput& coords, double unit) {
+  return {.first = coords.first,
+          .type = coords.type,
+          .frames = coords.shape.at(0),
+          .atoms = coords.shape.at(1),
+          .frame_stride = coords.strides.at(0),
+          .atom_stride = coords.strides.at(1),
+          .axis_stride = coords.strides.at(2),
+          .unit = unit};
+}
+
+void require_one_each(std::size_t radii, std::size_t atoms) {
+  if (radii == atoms) return;
+  throw InvalidInput(
+      fmt::format("radii: has {} radii for {} atoms; each atom needs one", radii, atoms));
+}
+
+std::vector<double> numbers_of(const Numbers& array) {
+  std::vector<double> numbers(array.size(0));
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = array(i);
+  return numbers;
+}
+
+DeviceFrames with_radii_there(const CudaInput& coords, const CudaInput& radii, double unit,
+                              double probe) {
+  require_one_each(radii.shape.at(0), coords.shape.at(1));
+  if (radii.device != coords.device) {
+    throw InvalidInput(fmt::format("radii: are on CUDA device {}, coords on device {}",
+                                   radii.device, coords.device));
+  }
+  const py::gil_scoped_release free;
+  return DeviceFrames(coords.device, coordinates_of(coords, unit), radii.column(), probe);
+}
+
+}  // namespace
+
+CudaInput::CudaInput(const py::tuple& described, const char* name)
+    : first(reinterpret_cast<const std::byte*>(described[0].cast<std::uintptr_t>())),
+      type(described[1].cast<bool>() ? CoordinateType::float32 : CoordinateType::float64),
+      shape(described[2].cast<std::vector<std::size_t>>()),
+      strides(described[3].cast<std::vector<py::ssize_t>>()),
+      device(device_of(first, name)) {
+  const auto stream = described[4].cast<std::optional<std::uintptr_t>>();
+  if (stream) wait_freely(device, *stream);
+}
+
+DeviceFrames frames_of(const py::tuple& coords, const py::object& radii, double unit,
+                       double probe) {
+  if (!std::isfinite(probe)) throw InvalidInput(fmt::format("probe: {} is not finite", probe));
+  const CudaInput centers(coords, "coords");
+  if (py::isinstance<py::tuple>(radii)) {
+    return with_radii_there(centers, CudaInput(radii, "radii"), unit, probe);
+  }
+  const std::vector<double> sizes = numbers_of(Numbers(radii, "radii", 1));
+  require_one_each(sizes.size(), centers.shape.at(1));
+  const py::gil_scoped_release free;
+  return DeviceFrames(centers.device, coordinates_of(centers, unit), sizes, probe);
+}
+
+void bind_cuda_arrays(py::module_& module) {
+  py::class_<CudaArray>(module, "CudaArray")
+      .def_property_readonly("__cuda_array_interface__", &interface_of)
+      .def("__dlpack__", &capsule_of, py::kw_only(), "stream"_a = py::none(),
+           "max_version"_a = py::none(), "dl_device"_a = py::none(), "copy"_a = py::none())
+      .def("__dlpack_device__", &device_tuple)
+      .def_property_readonly("shape",
+                             [](const CudaArray& a) { return py::tuple(py::cast(a.array.shape)); })
+      .def("__len__", [](const CudaArray& a) { return a.array.shape.at(0); })
+      .def("__repr__", &text_of)
+      .def("row", &row_of)
+      .def("download", &downloaded);
+}
+
+}  // namespace vdwmesh::python

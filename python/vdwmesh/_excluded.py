@@ -1,0 +1,151 @@
+"""Exact measures of the solvent-excluded surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from vdwmesh import _core
+from vdwmesh._arrays import number, thread_count, view
+from vdwmesh.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from vdwmesh._types import Floats
+
+WATER_PROBE = 1.4  # Å
+
+
+@dataclass(frozen=True)
+class ExcludedShell:
+    """A connected piece of the surface; its volume is negative for the wall of a cavity. Å², Å³."""
+
+    area: float
+    volume: float
+    euler_characteristic: int
+    genus: int
+
+
+@dataclass(frozen=True)
+class AccessibleComponent:
+    """A connected piece of the accessible surface, and the area of what is over it. Å², Å³."""
+
+    accessible_area: float
+    accessible_volume: float
+    is_cavity: bool
+    excluded_area: float
+
+
+@dataclass(frozen=True)
+class ExcludedTopology:
+    """Shells of a solvent-excluded surface: outer ones, then walls of cavities, by volume."""
+
+    euler_characteristic: int
+    cavities: int
+    shells: tuple[ExcludedShell, ...]
+    components: tuple[AccessibleComponent, ...]
+
+
+@dataclass(frozen=True)
+class ExcludedSurface:
+    """Area and volume of a solvent-excluded surface, from its geometry, without a mesh.
+
+    Attributes
+    ----------
+    area, volume : float
+        Å², and Å³ of the solid that no probe reaches.
+    contact_area, saddle_area, concave_area : float
+        Parts of the area, Å².
+    accessible_area, accessible_volume : float
+        Of the balls grown by the probe, Å², Å³.
+    topology : ExcludedTopology or None
+        None where it was not asked for.
+    probes, low_probes, crowded_probes : int
+        Probes that touch three or more atoms; those nearer than their radius to the plane of three;
+        those that touch more than three.
+    closure, check_volume : float
+        \\|∫ n dA\\| / area; a second volume by other formulas, Å³.
+    extended_decisions, ties, uncertified_patches : int
+        Concave patches that needed more than double, those of them with a tie, and those whose
+        boundary did not close: 0 if the result is certified.
+    """
+
+    area: float
+    volume: float
+    contact_area: float
+    saddle_area: float
+    concave_area: float
+    accessible_area: float
+    accessible_volume: float
+    topology: ExcludedTopology | None
+    probes: int
+    low_probes: int
+    crowded_probes: int
+    closure: float
+    check_volume: float
+    extended_decisions: int
+    ties: int
+    uncertified_patches: int
+
+
+@dataclass(frozen=True)
+class ExcludedMeasures(ExcludedSurface):
+    """The complete surface with its cavities, the shares of atoms in it, and the exterior surface.
+
+    Attributes
+    ----------
+    probe : float
+        Å.
+    exterior : ExcludedSurface
+        The surface of the solid with its cavities filled up.
+    atom_area, atom_volume : ndarray of float64, shape (N,)
+        Å², Å³; they sum to area and volume.
+    atom_contact_area, atom_saddle_area, atom_concave_area : ndarray of float64, shape (N,)
+        Å².
+    """
+
+    probe: float
+    exterior: ExcludedSurface
+    atom_area: Floats
+    atom_contact_area: Floats
+    atom_saddle_area: Floats
+    atom_concave_area: Floats
+    atom_volume: Floats
+
+
+def measure_excluded(
+    centers: Any, sizes: Any, probe: float | None, topology: Any, threads: Any
+) -> ExcludedMeasures:
+    """The excluded surface of atoms that have been brought into form."""
+    radius = WATER_PROBE if probe is None else number("probe", probe)
+    if topology not in (True, False):
+        raise InvalidInput(f"topology: {topology!r}; the excluded surface knows True and False")
+    complete, exterior, rows = _core.excluded(
+        centers, sizes, radius, bool(topology), thread_count(threads)
+    )
+    shares = view(rows)
+    area = shares[:, :3].sum(axis=1)
+    area.flags.writeable = False
+    return ExcludedMeasures(
+        **_surface(complete),
+        probe=radius,
+        exterior=ExcludedSurface(**_surface(exterior)),
+        atom_area=area,
+        atom_contact_area=shares[:, 0],
+        atom_saddle_area=shares[:, 1],
+        atom_concave_area=shares[:, 2],
+        atom_volume=shares[:, 3],
+    )
+
+
+def _surface(found: dict[str, Any]) -> dict[str, Any]:
+    """The members of a surface, its topology as the class of its own."""
+    given = found["topology"]
+    topology = None
+    if given is not None:
+        topology = ExcludedTopology(
+            given["euler_characteristic"],
+            given["cavities"],
+            tuple(ExcludedShell(*row) for row in given["shells"]),
+            tuple(AccessibleComponent(*row) for row in given["components"]),
+        )
+    return {**found, "topology": topology}

@@ -1,0 +1,67 @@
+// Triangles as plain arrays of indices that know their neighbours, and the flip of an edge. For
+// host and device. Both the triangulation in the plane and the smoothing on the sphere use them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/host_device.hpp"
+
+namespace vdwmesh {
+
+// In place of a neighbour: no triangle lies beyond the edge.
+inline constexpr std::uint32_t kNoNeighbor = 0xffffffffu;
+// In place of a piece: the edge is no piece of the boundary.
+inline constexpr std::uint32_t kNoPiece = 0xffffffffu;
+
+// The corner of a triangle that follows or precedes corner k counter-clockwise.
+VDWMESH_HD constexpr std::uint32_t corner_after(std::uint32_t k) { return k == 2 ? 0 : k + 1; }
+VDWMESH_HD constexpr std::uint32_t corner_before(std::uint32_t k) { return k == 0 ? 2 : k - 1; }
+
+// Edge k of a triangle is opposite to its vertex k. It has a neighbouring triangle, or kNoNeighbor,
+// and it may be a piece of the boundary.
+struct LinkedTriangle {
+  std::array<std::uint32_t, 3> vertices, neighbors, pieces;
+
+  // The corner whose opposite edge leads to triangle t. Precondition: t is a neighbour.
+  VDWMESH_HD std::uint32_t corner_opposite(std::uint32_t t) const {
+    return neighbors[0] == t ? 0 : (neighbors[1] == t ? 1 : 2);
+  }
+  // The corner at vertex v. Precondition: v is a vertex.
+  VDWMESH_HD std::uint32_t corner_at(std::uint32_t v) const {
+    return vertices[0] == v ? 0 : (vertices[1] == v ? 1 : 2);
+  }
+};
+
+// Makes the triangle beyond edge k of triangle t, if there is one, name t as its neighbour in place
+// of triangle `before`.
+VDWMESH_HD inline void relink(LinkedTriangle* triangles, std::uint32_t t, std::uint32_t k,
+                              std::uint32_t before) {
+  const std::uint32_t n = triangles[t].neighbors[k];
+  if (n != kNoNeighbor) triangles[n].neighbors[triangles[n].corner_opposite(before)] = t;
+}
+
+// Flips edge k of triangle t, which must have a neighbour n and be no piece. With vertex a of t
+// opposite to the edge bc, and vertex d of n, triangles (a, b, c) and (d, c, b) become (a, b, d),
+// which is t, and (a, d, c), which is n. So a is corner 0 of both, and their edges 0 are those of
+// n.
+VDWMESH_HD inline void flip(LinkedTriangle* triangles, std::uint32_t t, std::uint32_t k) {
+  const LinkedTriangle one = triangles[t];
+  const std::uint32_t n = one.neighbors[k];
+  const LinkedTriangle two = triangles[n];
+  const std::uint32_t k1 = corner_after(k), k2 = corner_before(k);
+  const std::uint32_t m = two.corner_opposite(t), m1 = corner_after(m), m2 = corner_before(m);
+  const std::uint32_t a = one.vertices[k], b = one.vertices[k1], c = one.vertices[k2],
+                      d = two.vertices[m];
+  // The corners m1 and m2 of n are c and b. So edge bd of n is opposite to m1, and dc to m2.
+  triangles[t] = {{a, b, d},
+                  {two.neighbors[m1], n, one.neighbors[k2]},
+                  {two.pieces[m1], kNoPiece, one.pieces[k2]}};
+  triangles[n] = {{a, d, c},
+                  {two.neighbors[m2], one.neighbors[k1], t},
+                  {two.pieces[m2], one.pieces[k1], kNoPiece}};
+  relink(triangles, t, 0, n);
+  relink(triangles, n, 1, t);
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,136 @@
+// Ranks on MPI. Arrays travel as bytes, in pieces of at most 1 GiB, because MPI 3 counts elements
+// by int. Errors of MPI itself end the run: MPI's own handler says what happened, and there is
+// nothing to be saved when messages are lost.
+#include "distributed/ranks.hpp"
+
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+
+#include "distributed/failure.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::size_t kMessageBytes = std::size_t{1} << 30;  // bytes of one message
+
+// Calls send_or_receive(first byte, number of bytes) for the pieces of an array.
+template <class Byte, class Transfer>
+void in_pieces(std::span<Byte> bytes, const Transfer& transfer) {
+  for (std::size_t done = 0; done < bytes.size(); done += kMessageBytes) {
+    transfer(bytes.data() + done, static_cast<int>(std::min(kMessageBytes, bytes.size() - done)));
+  }
+}
+
+template <class T>
+T reduced(T mine, MPI_Datatype type, MPI_Op operation, MPI_Comm ranks = MPI_COMM_WORLD) {
+  T all{};
+  MPI_Allreduce(&mine, &all, 1, type, operation, ranks);
+  return all;
+}
+
+}  // namespace
+
+struct Ranks::Host {
+  MPI_Comm ranks = MPI_COMM_NULL;
+};
+
+Ranks::Ranks(int& argc, char**& argv) : host_(new Host) {
+  int provided = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  MPI_Comm_rank(MPI_COMM_WORLD, &number_);
+  MPI_Comm_size(MPI_COMM_WORLD, &count_);
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &host_->ranks);
+  MPI_Comm_rank(host_->ranks, &number_on_host_);
+}
+
+Ranks::~Ranks() {
+  MPI_Comm_free(&host_->ranks);
+  delete host_;
+  MPI_Finalize();
+}
+
+// Three messages after a failure and one without: who failed, the cause with the length of the
+// message, and the message.
+void Ranks::together(const std::function<void()>& work) const {
+  Failure failure;
+  try {
+    work();
+  } catch (...) {
+    failure = current_failure();
+  }
+  const int first = reduced(
+      failure.cause == Cause::none ? std::numeric_limits<int>::max() : number_, MPI_INT, MPI_MIN);
+  if (first == std::numeric_limits<int>::max()) return;
+  all_failed_ = true;
+  int about[2] = {static_cast<int>(failure.cause), static_cast<int>(failure.message.size())};
+  MPI_Bcast(about, 2, MPI_INT, first, MPI_COMM_WORLD);
+  failure.message.resize(static_cast<std::size_t>(about[1]));
+  MPI_Bcast(failure.message.data(), about[1], MPI_CHAR, first, MPI_COMM_WORLD);
+  failure.cause = static_cast<Cause>(about[0]);
+  if (first > 0) failure.message = fmt::format("rank {}: {}", first, failure.message);
+  throw_failure(failure);
+}
+
+std::uint64_t Ranks::sum(std::uint64_t mine) const { return reduced(mine, MPI_UINT64_T, MPI_SUM); }
+std::int64_t Ranks::sum(std::int64_t mine) const { return reduced(mine, MPI_INT64_T, MPI_SUM); }
+std::uint64_t Ranks::sum_on_host(std::uint64_t mine) const {
+  return reduced(mine, MPI_UINT64_T, MPI_SUM, host_->ranks);
+}
+std::uint64_t Ranks::most(std::uint64_t mine) const { return reduced(mine, MPI_UINT64_T, MPI_MAX); }
+
+std::uint64_t Ranks::sum_before(std::uint64_t mine) const {
+  std::uint64_t before = 0;
+  MPI_Exscan(&mine, &before, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+  return is_first() ? 0 : before;  // MPI leaves the result of the first rank undefined
+}
+
+std::size_t Ranks::shared_size(std::size_t mine) const {
+  std::uint64_t size = mine;
+  MPI_Bcast(&size, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+  return size;
+}
+
+void Ranks::share_bytes(std::span<std::byte> bytes) const {
+  in_pieces(bytes, [](std::byte* first, int count) {
+    MPI_Bcast(first, count, MPI_BYTE, 0, MPI_COMM_WORLD);
+  });
+}
+
+std::size_t Ranks::sizes_sum(std::size_t mine) const {
+  const std::uint64_t all = sum(std::uint64_t{mine});
+  return is_first() ? all : 0;
+}
+
+// The first rank takes the arrays in the order of the ranks, each after its size.
+void Ranks::collect_bytes(std::span<const std::byte> mine, std::span<std::byte> all) const {
+  constexpr int kSize = 0, kContents = 1;  // tags
+  if (!is_first()) {
+    const std::uint64_t size = mine.size();
+    MPI_Send(&size, 1, MPI_UINT64_T, 0, kSize, MPI_COMM_WORLD);
+    in_pieces(mine, [](const std::byte* first, int count) {
+      MPI_Send(first, count, MPI_BYTE, 0, kContents, MPI_COMM_WORLD);
+    });
+    return;
+  }
+  std::copy(mine.begin(), mine.end(), all.begin());
+  std::size_t done = mine.size();
+  for (int rank = 1; rank < count_; ++rank) {
+    std::uint64_t size = 0;
+    MPI_Recv(&size, 1, MPI_UINT64_T, rank, kSize, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    in_pieces(all.subspan(done, size), [rank](std::byte* first, int count) {
+      MPI_Recv(first, count, MPI_BYTE, rank, kContents, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    });
+    done += size;
+  }
+}
+
+void Ranks::abort(int status) const {
+  MPI_Abort(MPI_COMM_WORLD, status);
+  std::abort();  // not reached; MPI_Abort() is not declared as a function that does not return
+}
+
+}  // namespace vdwmesh

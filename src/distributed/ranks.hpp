@@ -1,0 +1,85 @@
+// The processes of a parallel run, called ranks, and what they tell each other. MPI stays behind
+// this header.
+//
+// Functions marked "collective" must be called by all ranks, in the same order. If a rank leaves
+// that order because of an exception, the others wait for it in vain. Work that may throw is
+// therefore done inside of together(), which makes all ranks throw.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace vdwmesh {
+
+class Ranks {
+ public:
+  // Starts MPI, which may take options of its own off the command line, and ends it. A process has
+  // one object of this class, made before it starts threads. All calls are made by the thread that
+  // made the object.
+  Ranks(int& argc, char**& argv);
+  ~Ranks();
+  Ranks(const Ranks&) = delete;
+  Ranks& operator=(const Ranks&) = delete;
+
+  // The number of this rank, from 0, and how many there are.
+  int number() const { return number_; }
+  int count() const { return count_; }
+  bool is_first() const { return number_ == 0; }
+  // The same for the ranks that run on this host.
+  int number_on_host() const { return number_on_host_; }
+
+  // Does `work` on every rank. If it throws on one or more, all ranks throw the exception of the
+  // lowest of these: the same class of core/errors.hpp with the same message, preceded by "rank N:
+  // " unless N is 0. Foreign exceptions become InternalError, std::bad_alloc stays what it is.
+  // `work` must not call collective functions. Collective.
+  void together(const std::function<void()>& work) const;
+  // Whether an exception has left together(), so that all ranks are on their way out.
+  bool all_failed() const { return all_failed_; }
+
+  // The sum over all ranks, and over the ranks before this one. Collective.
+  std::uint64_t sum(std::uint64_t mine) const;
+  std::int64_t sum(std::int64_t mine) const;
+  std::uint64_t sum_before(std::uint64_t mine) const;
+  // The sum over the ranks on this host. Collective.
+  std::uint64_t sum_on_host(std::uint64_t mine) const;
+  std::uint64_t most(std::uint64_t mine) const;
+
+  // Gives all ranks the contents that the array has on the first one. Collective.
+  template <class T>
+  void share(std::vector<T>& array) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    array.resize(shared_size(array.size()));
+    share_bytes(std::as_writable_bytes(std::span(array)));
+  }
+
+  // Returns the arrays of all ranks one behind the other to the first rank, and nothing to the
+  // others. Collective.
+  template <class T>
+  std::vector<T> collect(std::span<const T> mine) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::vector<T> all(sizes_sum(mine.size()));
+    collect_bytes(std::as_bytes(mine), std::as_writable_bytes(std::span(all)));
+    return all;
+  }
+
+  // Ends all ranks at once, with this exit status, for a failure outside of together().
+  [[noreturn]] void abort(int status) const;
+
+ private:
+  std::size_t shared_size(std::size_t mine) const;
+  void share_bytes(std::span<std::byte> bytes) const;
+  std::size_t sizes_sum(std::size_t mine) const;  // on the first rank; 0 on the others
+  void collect_bytes(std::span<const std::byte> mine, std::span<std::byte> all) const;
+
+  int number_ = 0, count_ = 1, number_on_host_ = 0;
+  struct Host;
+  Host* host_ = nullptr;  // the communicator of the ranks on this host
+  mutable bool all_failed_ = false;
+};
+
+}  // namespace vdwmesh

@@ -1,0 +1,100 @@
+// mesh_together(): all ranks estimate where the surface is, and the first one cuts it into shares.
+// Each rank then counts its share with the spheres near it, in the grid and the frame of the whole
+// set. A prefix sum over the counts gives every rank its place in the mesh, where it emits its
+// part.
+#include "distributed/surface_piece.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
+#include "distributed/surface_shares.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// The run of bricks of this rank.
+KeyRange own_share(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model) {
+  const auto rank = static_cast<std::size_t>(ranks.number());
+  const auto count = static_cast<std::size_t>(ranks.count());
+  std::vector<BrickArea> areas;
+  ranks.together([&] { areas = estimate_bricks(spheres, model, rank, count); });
+  std::vector<BrickArea> all = ranks.collect(std::span<const BrickArea>(areas));
+  std::vector<std::uint64_t> begins;
+  ranks.together([&] {
+    if (ranks.is_first()) begins = cut_bricks(std::move(all), count);
+  });
+  ranks.share(begins);
+  return {begins[rank], rank + 1 < count ? begins[rank + 1] : kNoBrickKey};
+}
+
+// Every rank can make the part that it has counted, with the memory that it is allowed.
+void check_memory(const MeshSize& size, const ExtractOptions& options, std::size_t spheres) {
+  const std::uint64_t mesh = indexed_mesh_bytes(size, {.normals = options.normals});
+  // Counts of bricks and the cell list take about as much as these.
+  const std::uint64_t beside = mesh / 4 + 128 * static_cast<std::uint64_t>(spheres);
+  if (mesh + beside <= options.memory_limit) return;
+  throw LimitExceeded(fmt::format(
+      "{} triangles need {} MiB of memory, {} MiB are allowed to a rank: more ranks, a larger "
+      "--spacing or --memory-limit {}M would do",
+      size.triangles, (mesh + beside) >> 20, options.memory_limit >> 20,
+      ((mesh + beside) >> 20) + 1));
+}
+
+void use_numbers_of_whole(const std::vector<SphereId>& ids, IndexedMesh& mesh) {
+  Buffer<SphereId>& atoms = mesh.vertex_spheres.atoms;
+  for_each_index(atoms.size(), [&](std::size_t v) {
+    if (atoms[v] != kNoSphere) atoms[v] = ids[atoms[v]];
+  });
+}
+
+// Adds up the counts of all ranks. Collective.
+void add_up(const Ranks& ranks, ExtractStats& stats) {
+  stats.surface_bricks = ranks.sum(stats.surface_bricks);
+  stats.clamped_vertices = ranks.sum(stats.clamped_vertices);
+  stats.grid_clipped = ranks.sum(stats.grid_clipped);
+  stats.unmatched_faces = ranks.sum(stats.unmatched_faces);
+  stats.slabs = ranks.sum(stats.slabs);
+}
+
+}  // namespace
+
+SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, ExtractOptions options,
+                           Backend backend) {
+  FieldModel model;
+  CellListFrame frame;
+  ranks.together([&] {
+    model = make_field_model(options.field, make_grid(spheres, options.grid));
+    frame = make_field_frame(spheres, model);
+  });
+  const KeyRange share = own_share(ranks, spheres, model);
+  options.grid.given = model.grid;
+  options.frame = &frame;
+  options.connectivity = Connectivity::triangles;
+  ChosenSpheres near;
+  std::unique_ptr<SurfacePart> part;
+  ranks.together([&] {
+    near = spheres_near(spheres, model, share);
+    part = make_extractor(backend)->count(SphereSet::view(near.spheres), share, options);
+    check_memory(part->size(), options, near.spheres.size());
+  });
+  const MeshSize own = part->size();
+  SurfacePiece piece;
+  piece.first = {ranks.sum_before(own.vertices), ranks.sum_before(own.triangles)};
+  piece.whole = {ranks.sum(own.vertices), ranks.sum(own.triangles)};
+  ranks.together([&] {
+    piece.stats = part->emit(piece.first, piece.mesh);
+    use_numbers_of_whole(near.ids, piece.mesh);
+  });
+  add_up(ranks, piece.stats);
+  if (piece.stats.unmatched_faces != 0) {
+    ranks.together([] { throw InternalError("a rank left out a brick that holds surface"); });
+  }
+  return piece;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,162 @@
+// Shares of a surface. Each rank samples the surface of some spheres (sample_surface()), which it
+// chooses by z alone, because the keys of bricks rise with z first. The samples of all ranks,
+// sorted by their bricks, are then cut into runs of equal area.
+#include "distributed/surface_shares.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "extract/area_estimate.hpp"
+#include "extract/blended/field_formulas.hpp"
+#include "extract/brick_search.hpp"
+#include "extract/bricks/brick.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// An interval of z, Å.
+struct Slab {
+  double lower, upper;
+};
+
+double farthest_reach(const SphereSet& spheres, const FieldModel& model) {
+  double reach = 0;
+  for (const Sphere& s : spheres.spheres()) reach = std::max(reach, field_reach(model, s.radius));
+  return reach;
+}
+
+// Counts spheres in layers across z. The boundary of a part is that of a layer, so that all ranks
+// find the same parts without sorting the spheres.
+class Layers {
+ public:
+  explicit Layers(const SphereSet& spheres) : counts_(kLayers) {
+    const Box box = center_bounding_box(spheres);
+    lower_ = box.lower.z;
+    const double height = box.upper.z - box.lower.z;
+    scale_ = height > 0 ? kLayers / height : 0;
+    for (const Sphere& s : spheres.spheres()) ++counts_[layer_of(s)];
+  }
+
+  std::size_t layer_of(const Sphere& s) const {
+    const double layer = (s.center.z - lower_) * scale_;
+    return static_cast<std::size_t>(std::clamp(layer, 0.0, kLayers - 1.0));
+  }
+
+  // The layer before which at least `spheres` spheres lie.
+  std::size_t end_of(std::uint64_t spheres) const {
+    std::uint64_t before = 0;
+    std::size_t layer = 0;
+    while (layer < kLayers && before < spheres) before += counts_[layer++];
+    return layer;
+  }
+
+ private:
+  static constexpr std::size_t kLayers = 4096;
+  double lower_ = 0, scale_ = 0;
+  std::vector<std::uint64_t> counts_;
+};
+
+template <class IsChosen>
+ChosenSpheres choose(const SphereSet& spheres, const IsChosen& is_chosen) {
+  ChosenSpheres chosen;
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    if (!is_chosen(spheres[i])) continue;
+    chosen.spheres.push_back(spheres[i]);
+    chosen.ids.push_back(static_cast<SphereId>(i));
+  }
+  return chosen;
+}
+
+// The interval in which the centres of these spheres lie; an empty one if there are none.
+template <class IsChosen>
+Slab slab_of(const SphereSet& spheres, const IsChosen& is_chosen) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Slab slab{kFar, -kFar};
+  for (const Sphere& s : spheres.spheres()) {
+    if (!is_chosen(s)) continue;
+    slab = {std::min(slab.lower, s.center.z), std::max(slab.upper, s.center.z)};
+  }
+  return slab;
+}
+
+// Index of the brick that holds a coordinate, along one axis. Samples may lie beyond the grid.
+std::int32_t brick_along(double origin, double spacing, std::int64_t cells, double x) {
+  const double lattice = (x - origin) / spacing + 1;
+  const double last = static_cast<double>(brick_count(cells)) - 1;
+  return static_cast<std::int32_t>(std::clamp(std::floor(lattice / kBrickSide), 0.0, last));
+}
+
+std::uint64_t key_at(const GridSpec& grid, const Vec3d& p) {
+  return brick_key({brick_along(grid.origin.x, grid.spacing, grid.cells.x, p.x),
+                    brick_along(grid.origin.y, grid.spacing, grid.cells.y, p.y),
+                    brick_along(grid.origin.z, grid.spacing, grid.cells.z, p.z)});
+}
+
+// The interval along an axis that holds the nodes of bricks first to last, with a spacing on either
+// side, which is more than coordinates are rounded by.
+Slab slab_of_bricks(double origin, double spacing, std::int64_t first, std::int64_t last) {
+  const auto side = static_cast<double>(kBrickSide);
+  return {origin + spacing * (side * static_cast<double>(first) - 2),
+          origin + spacing * (side * static_cast<double>(last + 1) + 1)};
+}
+
+}  // namespace
+
+// Spheres that no other part samples are chosen by layers; those within reach of them cover them.
+// What the spheres of other parts are sampled for is thrown away.
+std::vector<BrickArea> estimate_bricks(const SphereSet& spheres, const FieldModel& model,
+                                       std::size_t part, std::size_t parts) {
+  const Layers layers(spheres);
+  const std::size_t begin = layers.end_of(spheres.size() * part / parts),
+                    end = layers.end_of(spheres.size() * (part + 1) / parts);
+  const auto is_own = [&](const Sphere& s) {
+    const std::size_t layer = layers.layer_of(s);
+    return layer >= begin && layer < end;
+  };
+  const Slab own = slab_of(spheres, is_own);
+  const double margin = 2 * farthest_reach(spheres, model);
+  const ChosenSpheres near = choose(spheres, [&](const Sphere& s) {
+    return s.center.z >= own.lower - margin && s.center.z <= own.upper + margin;
+  });
+  std::vector<BrickArea> areas;
+  for (const auto& [sphere, point, area] : sample_surface(SphereSet(near.spheres), model)) {
+    if (is_own(near.spheres[sphere])) areas.push_back({key_at(model.grid, point), area});
+  }
+  return areas;
+}
+
+std::vector<std::uint64_t> cut_bricks(std::vector<BrickArea> areas, std::size_t count) {
+  std::ranges::sort(areas, {}, &BrickArea::key);
+  double whole = 0;
+  for (const BrickArea& a : areas) whole += a.area;
+  std::vector<std::uint64_t> begins{0};
+  double before = 0;
+  for (std::size_t i = 0; i < areas.size() && begins.size() < count; ++i) {
+    const double wanted = whole * static_cast<double>(begins.size()) / static_cast<double>(count);
+    // A run may begin only where a brick does.
+    const bool begins_brick = i > 0 && areas[i].key != areas[i - 1].key;
+    if (begins_brick && before >= wanted) begins.push_back(areas[i].key);
+    before += areas[i].area;
+  }
+  begins.resize(count, kNoBrickKey);
+  return begins;
+}
+
+ChosenSpheres spheres_near(const SphereSet& spheres, const FieldModel& model,
+                           const KeyRange& range) {
+  const GridSpec& grid = model.grid;
+  const KeyRange halo = with_halo(range);
+  const std::int64_t top = brick_count(grid.cells.z) - 1;
+  const std::int64_t last = halo.end == kNoBrickKey ? top : brick_of_key(halo.end).z;
+  const Slab slab =
+      slab_of_bricks(grid.origin.z, grid.spacing, brick_of_key(halo.begin).z, std::min(last, top));
+  ChosenSpheres near = choose(spheres, [&](const Sphere& s) {
+    const double reach = field_reach(model, s.radius) + grid.spacing;
+    return s.center.z + reach >= slab.lower && s.center.z - reach <= slab.upper;
+  });
+  if (near.spheres.empty()) near = {{spheres[0]}, {0}};
+  return near;
+}
+
+}  // namespace vdwmesh

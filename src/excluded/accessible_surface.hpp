@@ -1,0 +1,125 @@
+// The accessible surface in the form in which the excluded one is made of it: arcs on which a probe
+// rolls, probes at its corners, pieces of contact patches, and connected components.
+//
+// Everything combinatorial comes from the dual complex of the grown balls. Corners that are one
+// point are gathered here: two corners at the ends of an arc without length belong to one probe.
+// Lengths are scaled as in the triangulation, and positions are relative to `origin`.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "arrangement/complex/boundary_shapes.hpp"
+
+namespace vdwmesh::excluded {
+
+// An arc is without length if its angle times the radius of its circle is below this (scaled: the
+// largest grown ball has a radius from 1/2 to 1). Coordinates in double, some radii from the
+// origin, are about as far as 1e-14 from what was meant. This leaves them room to be multiplied by
+// the condition of a corner, and an error of the area that no double shows.
+inline constexpr double kNoLength = 1e-11;
+
+enum class ArcEnd : std::uint8_t { start, end };
+
+// An exposed arc of the circle of two grown balls a and b, counter-clockwise about the axis from a
+// to b. The saddle lies along it. A ring is a whole circle and has no probes.
+struct RolledArc {
+  std::uint32_t edge;                    // of the complex
+  std::array<std::uint32_t, 2> ball;     // a, b
+  std::array<std::uint32_t, 2> probe;    // at start and end; kNoIndex: a ring
+  std::array<std::uint32_t, 2> beyond;   // arcs of the circle behind start and end; may be itself
+  std::array<std::uint32_t, 2> contact;  // pieces of contact patches on a and b
+  double angle, circle_radius;
+  std::array<double, 2> height;  // signed, of the circle's plane over the centres of a and b
+  std::array<Vec3d, 2> radial;   // unit vectors from the circle's centre to start and end
+  Vec3d axis, center;
+  bool dropped;  // without length, between corners of one probe
+
+  bool is_ring() const { return probe[0] == kNoIndex; }
+};
+
+struct ProbeSide {
+  std::uint32_t arc;
+  ArcEnd end;  // of the arc, at which the probe is
+};
+
+// The probe at a corner, or at several gathered ones.
+struct Probe {
+  Vec3d center;
+  CornerIndex corner;  // the first one
+  std::uint32_t first_side, side_count, first_corner, corner_count;
+  std::uint32_t component;
+  double solid_angle;  // of the uncut concave patch
+  bool low;            // nearer than the probe's radius to the plane of three of its atoms
+};
+
+// A connected piece of the exposed part of a grown ball.
+struct ContactPiece {
+  std::uint32_t ball, component;
+  std::uint32_t loops;  // boundary loops with an arc that is not dropped
+  bool point;           // has a boundary, but none that is not dropped
+  double solid_angle;
+  Vec3d vector;  // integral of the outward normal over the piece of the unit sphere
+};
+
+struct ComponentMeasures {
+  double area, volume;  // scaled; the volume is negative inside a cavity
+};
+
+class AccessibleSurface {
+ public:
+  AccessibleSurface(const PowerTriangulation& triangulation, const DualComplex& complex,
+                    const BoundaryShapes& shapes, double probe_radius, Monitor* monitor);
+
+  double probe_radius;
+  Vec3d origin;
+  std::vector<RolledArc> arcs;
+  std::vector<Probe> probes;
+  std::vector<ProbeSide> sides;      // by probe
+  std::vector<CornerIndex> corners;  // by probe
+  std::vector<ContactPiece> contacts;
+  std::vector<ComponentMeasures> components;
+  std::uint64_t gathered_corners = 0, dropped_arcs = 0;
+
+  // For each component whether it bounds the outer region of space, and not a cavity or something
+  // inside of one.
+  std::vector<std::uint8_t> outer_components() const;
+
+  std::span<const ProbeSide> sides_of(const Probe& p) const {
+    return std::span(sides).subspan(p.first_side, p.side_count);
+  }
+  std::span<const CornerIndex> corners_of(const Probe& p) const {
+    return std::span(corners).subspan(p.first_corner, p.corner_count);
+  }
+  const DualTriangle& triangle_of(CornerIndex corner) const {
+    return complex_.triangles[corner / 2];
+  }
+  const BoundaryShapes& shapes() const { return shapes_; }
+  const PowerTriangulation& triangulation() const { return triangulation_; }
+  // A ball's centre, relative to the origin.
+  Vec3d center(std::uint32_t ball) const { return triangulation_.balls[ball].center - origin; }
+
+ private:
+  void place_arcs();
+  void gather_corners();
+  void list_sides();
+  void link_circles();
+  struct Loop;
+  struct LoopTable;
+  void find_pieces();
+  std::uint32_t number_loops(Buffer<std::uint32_t>& loop_of) const;
+  std::vector<std::uint32_t> lowest_loops(const LoopTable& table) const;
+  void measure_pieces();
+  void find_components();
+
+  const PowerTriangulation& triangulation_;
+  const DualComplex& complex_;
+  const BoundaryShapes& shapes_;
+  std::vector<ExposedArc> exposed_;                   // by arc
+  std::vector<std::array<std::uint32_t, 3>> arc_at_;  // by corner: the arc on each edge
+  std::vector<std::uint32_t> probe_at_;               // by corner
+};
+
+}  // namespace vdwmesh::excluded

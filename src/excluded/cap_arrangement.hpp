@@ -1,0 +1,165 @@
+// The circles of caps on the unit sphere, and the arcs of them that no cap covers, in any number
+// type. For the library's own use.
+//
+// A circle i has the axis n_i and the cosine h_i: n_i · w = h_i. With d = n_j - n_i, q = |d|² / 2,
+// m = d + q n_i at right angles to n_i, c = n_i × n_j and t = h_j - n_i · n_j h_i = h_j - h_i + q
+// h_i, two circles cross in w = h_i n_i + (t m ± g c) / |c|², g² = (1 - h_i²) |c|² - t².
+// Differences keep the digits of circles that are nearly the same. Seen from circle i, cap j covers
+// the interval that runs counter-clockwise about n_i from the point with -g to that with +g.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "arrangement/complex/number_vector.hpp"
+#include "core/vec3.hpp"
+
+namespace vdwmesh::excluded {
+
+using numbers::Vector;
+
+inline double to_double(double x) { return x; }
+template <class T>
+double to_double(const T& x) {
+  return static_cast<double>(x);
+}
+template <class T>
+Vector<T> combination(const T& a, const Vector<T>& u, const T& b, const Vector<T>& v) {
+  return {a * u.x + b * v.x, a * u.y + b * v.y, a * u.z + b * v.z};
+}
+template <class T>
+Vector<T> vector_in(const Vec3d& v) {
+  return {T(v.x), T(v.y), T(v.z)};
+}
+template <class T>
+Vec3d to_vec(const Vector<T>& v) {
+  return {to_double(v.x), to_double(v.y), to_double(v.z)};
+}
+
+template <class T>
+struct CapCircle {
+  Vector<T> axis, first, second;  // orthonormal, right-handed
+  T cosine;
+};
+
+template <class T>
+CapCircle<T> cap_circle(const Vector<T>& axis, const T& cosine) {
+  using std::abs;
+  using std::sqrt;
+  const T x = abs(axis.x), y = abs(axis.y), z = abs(axis.z);
+  Vector<T> far{T(0), T(0), T(0)};
+  (x <= y && x <= z ? far.x : (y <= z ? far.y : far.z)) = T(1);
+  Vector<T> first = cross(axis, far);
+  const T scale = T(1) / sqrt(dot(first, first));
+  first = {scale * first.x, scale * first.y, scale * first.z};
+  return {axis, first, cross(axis, first), cosine};
+}
+
+// A point of a circle: where it is about the axis. `turn` rises from 0 to 4 in a whole turn.
+template <class T>
+struct CirclePlace {
+  T x, y, turn;
+  Vec3d point;
+};
+
+template <class T>
+CirclePlace<T> place_on(const CapCircle<T>& circle, const Vector<T>& w) {
+  using std::abs;
+  const T x = dot(w, circle.first), y = dot(w, circle.second);
+  const T size = abs(x) + abs(y);
+  const T part = x / size;
+  return {x, y, y < T(0) ? T(3 + part) : T(1 - part), to_vec(w)};
+}
+
+// The part of a circle that another cap covers.
+template <class T>
+struct Covered {
+  CirclePlace<T> from, to;
+  std::uint32_t by;
+};
+
+// A part of a circle that no cap covers, counter-clockwise.
+template <class T>
+struct Uncovered {
+  Covered<T> behind, ahead;  // it runs from behind.to to ahead.from
+  double angle;
+};
+
+// Weight of the squared sine between two axes among the margins. Where circles are nearly parallel,
+// their points of intersection lose digits long before it is a question whether they meet.
+inline constexpr double kNearlyParallel = 1e-4;
+
+enum class Overlap { none, crossing, whole };
+
+// Which part of circle c cap j covers. `margin` becomes smaller if the decision was closer than it.
+template <class T>
+Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, std::uint32_t by,
+                     Covered<T>& part, double& margin) {
+  using std::sqrt;
+  const Vector<T> apart = combination(T(1), j.axis, T(-1), c.axis), side = cross(c.axis, apart);
+  const T q = dot(apart, apart) / T(2), squared_sine = dot(side, side);
+  const T toward = (j.cosine - c.cosine) + q * c.cosine;
+  const T gram = (T(1) - c.cosine) * (T(1) + c.cosine) * squared_sine - toward * toward;
+  margin = std::min({margin, std::abs(to_double(gram)), kNearlyParallel * to_double(squared_sine)});
+  if (!(gram > T(0))) return toward < T(0) ? Overlap::whole : Overlap::none;
+  const T scale = T(1) / squared_sine, g = sqrt(gram) * scale;
+  const Vector<T> across = combination(T(1), apart, q, c.axis);
+  const Vector<T> middle = combination(c.cosine, c.axis, T(toward * scale), across);
+  part = {place_on(c, combination(T(1), middle, T(-g), side)),
+          place_on(c, combination(T(1), middle, g, side)), by};
+  return Overlap::crossing;
+}
+
+// The angle from `from` counter-clockwise to `to`, which is `turns` of a fourth of a turn, roughly.
+template <class T>
+double angle_between(const CirclePlace<T>& from, const CirclePlace<T>& to, const T& turns) {
+  constexpr double kTurn = 2 * 3.14159265358979323846;
+  const double angle = std::atan2(to_double(T(from.x * to.y - from.y * to.x)),
+                                  to_double(T(from.x * to.x + from.y * to.y)));
+  constexpr double kClose = 1e-3;
+  if (std::abs(angle) < kClose) return turns > T(2) ? kTurn + angle : std::abs(angle);
+  return angle < 0 ? angle + kTurn : angle;
+}
+
+// The parts of a circle between its covered parts. Precondition: there is at least one of these.
+template <class T>
+std::vector<Uncovered<T>> uncovered_parts(std::vector<Covered<T>> covered, double& margin) {
+  std::vector<T> ends;
+  for (const Covered<T>& c : covered) {
+    ends.push_back(c.from.turn);
+    ends.push_back(c.to.turn);
+  }
+  std::sort(ends.begin(), ends.end());
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    margin = std::min(margin, to_double(T(ends[i + 1] - ends[i])));
+  }
+  margin = std::min(margin, to_double(T(ends.front() + T(4) - ends.back())));
+  std::sort(covered.begin(), covered.end(),
+            [](const Covered<T>& a, const Covered<T>& b) { return a.from.turn < b.from.turn; });
+  // Goes around twice: after the first turn `reach` is the farthest end of what began before.
+  std::vector<Uncovered<T>> parts;
+  std::size_t farthest = covered.size();
+  T reach(0);
+  for (std::size_t step = 0; step < 2 * covered.size(); ++step) {
+    const std::size_t i = step % covered.size();
+    const bool second = step >= covered.size();
+    const Covered<T>& c = covered[i];
+    const T start = second ? T(c.from.turn + T(4)) : c.from.turn;
+    if (second && start > reach) {
+      const T turns = start - reach;
+      parts.push_back({covered[farthest], c, angle_between(covered[farthest].to, c.from, turns)});
+    }
+    T stop = second ? T(c.to.turn + T(4)) : c.to.turn;
+    if (stop < start) stop += T(4);
+    if (farthest == covered.size() || stop > reach) {
+      reach = stop;
+      farthest = i;
+    }
+  }
+  return parts;
+}
+
+}  // namespace vdwmesh::excluded

@@ -1,0 +1,339 @@
+// excluded_measures(): sums over the patches of the excluded surface.
+//
+// The triangulation, the dual complex and everything after them are those of the balls grown by the
+// probe, with lengths divided by 2^scale_exponent, which is exact. The volume is the flux of the
+// position, ∫ q · n dA / 3, from the middle of the set. The second volume takes the layer between
+// the accessible and the excluded surface away from the accessible solid: cones and sectors along
+// the segments from each point of the accessible surface to the points of contact below it.
+#include "excluded/excluded_measures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "arrangement/complex/measures.hpp"
+#include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
+#include "core/sum.hpp"
+#include "excluded/accessible_surface.hpp"
+#include "excluded/atom_shares.hpp"
+#include "excluded/excluded_shells.hpp"
+#include "excluded/patch_records.hpp"
+#include "excluded/saddle.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using namespace excluded;
+
+// A sum of vectors in more than double precision.
+struct WideVector {
+  WideSum x, y, z;
+  void add(const Vec3d& v) {
+    x.add(v.x);
+    y.add(v.y);
+    z.add(v.z);
+  }
+  Vec3d value() const { return {x.value(), y.value(), z.value()}; }
+};
+
+SphereSet grown(const SphereSet& atoms, double probe) {
+  if (!(probe > 0 && std::isfinite(probe))) {
+    throw InvalidInput(fmt::format("the probe's radius is {}; it must be above 0", probe));
+  }
+  std::vector<Sphere> balls(atoms.spheres().begin(), atoms.spheres().end());
+  for (Sphere& b : balls) b.radius += probe;
+  return SphereSet(std::move(balls));
+}
+
+// Sums over the patches that belong to some components of the accessible surface.
+class PatchSums {
+ public:
+  PatchSums(const AccessibleSurface& surface, const PatchRecords& records,
+            std::span<const std::uint8_t> included, std::span<const double> radius)
+      : surface_(surface), records_(records), included_(included), radius_(radius) {
+    add_contacts();
+    add_saddles();
+    add_concave();
+    count_probes();
+  }
+
+  // Areas and volumes in units of 2^(2 exponent) and 2^(3 exponent).
+  ExcludedSurface result(int exponent) const {
+    const auto area_of = [&](const WideSum& s) { return std::ldexp(s.value(), 2 * exponent); };
+    const auto volume_of = [&](const WideSum& s) { return std::ldexp(s.value(), 3 * exponent); };
+    ExcludedSurface out{};
+    out.area_by_kind = {area_of(area_[0]), area_of(area_[1]), area_of(area_[2])};
+    out.layer_by_kind = {volume_of(layer_[0]), volume_of(layer_[1]), volume_of(layer_[2])};
+    out.area = out.area_by_kind.sum();
+    WideSum flux;
+    for (const WideSum& part : flux_) flux.add(part);
+    out.volume = volume_of(flux);
+    for (std::size_t c = 0; c < surface_.components.size(); ++c) {
+      if (!included_[c]) continue;
+      out.accessible_area += std::ldexp(surface_.components[c].area, 2 * exponent);
+      out.accessible_volume += std::ldexp(surface_.components[c].volume, 3 * exponent);
+    }
+    out.counts = counts_;
+    out.checks.closure = std::ldexp(norm(vector_.value()), 2 * exponent) / out.area;
+    out.checks.check_volume = out.accessible_volume - out.layer_by_kind.sum();
+    out.checks.extended_decisions = records_.extended_decisions;
+    out.checks.ties = records_.ties;
+    out.checks.uncertified_patches = records_.uncertified;
+    return out;
+  }
+
+ private:
+  enum Kind : std::size_t { contact, saddle, concave };
+
+  void add(Kind kind, double area, double flux, const Vec3d& vector) {
+    area_[kind].add(area);
+    flux_[kind].add(flux);
+    vector_.add(vector);
+  }
+
+  void add_contacts() {
+    for (const ContactPiece& c : surface_.contacts) {
+      if (!included_[c.component]) continue;
+      const double r = radius_[c.ball], grown = surface_.triangulation().balls[c.ball].radius;
+      const Vec3d center = surface_.center(c.ball);
+      add(contact, r * r * c.solid_angle, r * r * (dot(center, c.vector) + r * c.solid_angle) / 3,
+          (r * r) * c.vector);
+      layer_[contact].add(c.solid_angle * (grown * grown * grown - r * r * r) / 3);
+    }
+  }
+
+  void add_saddles() {
+    const double p = surface_.probe_radius;
+    make_and_add(
+        surface_.arcs.size(),
+        [&](std::size_t i) {
+          const RolledArc& arc = surface_.arcs[i];
+          const Profile profile = profile_of(arc, p);
+          return std::array{measure_saddle(arc, p, profile, 0), measure_saddle(arc, p, profile, 1)};
+        },
+        [&](std::size_t i, const std::array<SaddleMeasures, 2>& halves) {
+          const RolledArc& arc = surface_.arcs[i];
+          if (arc.dropped || !included_[surface_.contacts[arc.contact[0]].component]) return;
+          for (const SaddleMeasures& m : halves) {
+            add(saddle, m.area, m.flux, m.vector);
+            layer_[saddle].add(m.layer);
+          }
+          ++counts_.arcs;
+          counts_.whole_rings += arc.is_ring();
+          counts_.spindle_saddles += profile_of(arc, p).spindle;
+        });
+  }
+
+  void add_concave() {
+    const double p = surface_.probe_radius;
+    for (const ConcavePiece& c : records_.pieces) {
+      const Vec3d& x = surface_.probes[c.probe].center;
+      add(concave, p * p * c.solid_angle, -p * p * (dot(x, c.vector) + p * c.solid_angle) / 3,
+          (-p * p) * c.vector);
+    }
+    layer_[concave].add(records_.layer);
+    counts_.crease_arcs = records_.creases.size() / 2;
+  }
+
+  void count_probes() {
+    for (const Probe& probe : surface_.probes) {
+      if (!included_[probe.component]) continue;
+      ++counts_.probes;
+      counts_.low_probes += probe.low;
+      counts_.crowded_probes += probe.corner_count > 1;
+      counts_.gathered_corners += probe.corner_count - 1;
+    }
+    for (const RolledArc& arc : surface_.arcs) {
+      if (included_[surface_.contacts[arc.contact[0]].component]) {
+        counts_.dropped_arcs += arc.dropped;
+      }
+    }
+  }
+
+  const AccessibleSurface& surface_;
+  const PatchRecords& records_;
+  std::span<const std::uint8_t> included_;
+  std::span<const double> radius_;
+  std::array<WideSum, 3> area_, flux_, layer_;
+  WideVector vector_;
+  ExcludedCounts counts_{};
+};
+
+class ExcludedSum {
+ public:
+  ExcludedSum(const SphereSet& atoms, const ExcludedOptions& options)
+      : options_(options),
+        atom_count_(atoms.size()),
+        triangulation_(triangulate(grown(atoms, options.probe), options.monitor)),
+        exponent_(triangulation_.scale_exponent),
+        complex_(dual_complex(triangulation_, options.monitor)),
+        shapes_(triangulation_, complex_),
+        surface_(triangulation_, complex_, shapes_, std::ldexp(options.probe, -exponent_),
+                 options.monitor) {
+    for (const SphereId id : triangulation_.ids) {
+      radius_.push_back(std::ldexp(atoms[id].radius, -exponent_));
+    }
+  }
+
+  ExcludedMeasures run() {
+    ExcludedMeasures out{options_.probe, measure(std::vector<std::uint8_t>(components(), 1)), {}};
+    if (options_.per_atom) out.complete.per_atom = atoms(atom_count_);
+    if (!options_.exterior) return out;
+    const std::vector<std::uint8_t> outer = surface_.outer_components();
+    const bool all = std::find(outer.begin(), outer.end(), 0) == outer.end();
+    out.exterior = all ? out.complete : measure(outer);
+    out.exterior->per_atom.clear();
+    return out;
+  }
+
+ private:
+  std::size_t components() const { return surface_.components.size(); }
+
+  ExcludedSurface measure(const std::vector<std::uint8_t>& included) {
+    const PatchRecords records(surface_, included, options_.monitor);
+    const PatchSums sums(surface_, records, included, radius_);
+    ExcludedSurface out = sums.result(exponent_);
+    if (options_.shells) set_topology(out, records, included);
+    return out;
+  }
+
+  // The shares of all atoms in the complete surface.
+  std::vector<ExcludedAtom> atoms(std::size_t count) const {
+    const std::vector<std::uint8_t> all(components(), 1);
+    std::vector<BallShare> shares(triangulation_.balls.size());
+    const std::vector<SphereMeasures> solid = inclusion_exclusion(triangulation_, complex_);
+    for (std::size_t v = 0; v < shares.size(); ++v) shares[v].volume.add(solid[v].volume);
+    share_contacts(shares);
+    share_saddles(shares);
+    share_concave(shares, all);
+    std::vector<ExcludedAtom> out(count, ExcludedAtom{});
+    for (std::size_t v = 0; v < shares.size(); ++v) {
+      const auto area = [&](std::size_t k) { return std::ldexp(shares[v].area[k], 2 * exponent_); };
+      out[triangulation_.ids[v]] = {{area(0), area(1), area(2)},
+                                    std::ldexp(shares[v].volume.value(), 3 * exponent_)};
+    }
+    return out;
+  }
+
+  struct BallShare {
+    std::array<double, 3> area{};
+    WideSum volume;
+  };
+
+  void share_contacts(std::vector<BallShare>& shares) const {
+    for (const ContactPiece& c : surface_.contacts) {
+      const double r = radius_[c.ball], grown = triangulation_.balls[c.ball].radius;
+      shares[c.ball].area[0] += r * r * c.solid_angle;
+      shares[c.ball].volume.add(-c.solid_angle * (grown * grown * grown - r * r * r) / 3);
+    }
+  }
+
+  void share_saddles(std::vector<BallShare>& shares) const {
+    for (const RolledArc& arc : surface_.arcs) {
+      if (arc.dropped) continue;
+      const Profile profile = profile_of(arc, surface_.probe_radius);
+      for (std::size_t k = 0; k < 2; ++k) {
+        const SaddleMeasures m = measure_saddle(arc, surface_.probe_radius, profile, k);
+        shares[arc.ball[k]].area[1] += m.area;
+        shares[arc.ball[k]].volume.add(-m.layer);
+      }
+    }
+  }
+
+  void share_concave(std::vector<BallShare>& shares, std::span<const std::uint8_t> all) const {
+    const LowProbes low(surface_, all);
+    const double p = surface_.probe_radius;
+    make_and_add(
+        surface_.probes.size(),
+        [&](std::size_t i) {
+          const auto probe = static_cast<std::uint32_t>(i);
+          return atom_shares(surface_, surface_.probes[i].low
+                                           ? concave_patch(surface_, low, all, probe)
+                                           : whole_patch(surface_, probe));
+        },
+        [&](std::size_t, const std::vector<AtomShare>& parts) {
+          for (const AtomShare& part : parts) {
+            shares[part.ball].area[2] += p * p * part.solid_angle;
+            shares[part.ball].volume.add(-p * p * p * part.cones);
+          }
+        });
+  }
+
+  void set_topology(ExcludedSurface& out, const PatchRecords& records,
+                    const std::vector<std::uint8_t>& included) {
+    ShellTable table = excluded_shells(surface_, records, included, radius_);
+    ExcludedTopology topology{};
+    for (ExcludedShell& shell : table.shells) {
+      shell.area = std::ldexp(shell.area, 2 * exponent_);
+      shell.volume = std::ldexp(shell.volume, 3 * exponent_);
+      topology.euler_characteristic += shell.euler_characteristic;
+      topology.cavities += shell.volume < 0;
+    }
+    topology.shells = std::move(table.shells);
+    topology.gauss_bonnet_residual = table.residual;
+    topology.components = component_table(records, included);
+    out.topology = std::move(topology);
+    out.counts.cusps = table.cusps;
+    out.checks.uncertified_patches =
+        std::max(out.checks.uncertified_patches, table.unmatched_patches);
+  }
+
+  std::vector<vdwmesh::AccessibleComponent> component_table(
+      const PatchRecords& records, const std::vector<std::uint8_t>& included) const {
+    std::vector<WideSum> area(components());
+    for (const ContactPiece& c : surface_.contacts) {
+      area[c.component].add(radius_[c.ball] * radius_[c.ball] * c.solid_angle);
+    }
+    const double p = surface_.probe_radius;
+    for (const RolledArc& arc : surface_.arcs) {
+      if (arc.dropped) continue;
+      const Profile profile = profile_of(arc, p);
+      for (std::size_t k = 0; k < 2; ++k) {
+        area[surface_.contacts[arc.contact[0]].component].add(
+            measure_saddle(arc, p, profile, k).area);
+      }
+    }
+    for (const ConcavePiece& c : records.pieces) {
+      area[surface_.probes[c.probe].component].add(p * p * c.solid_angle);
+    }
+    std::vector<vdwmesh::AccessibleComponent> out;
+    for (std::size_t c = 0; c < components(); ++c) {
+      if (!included[c]) continue;
+      const auto& [accessible_area, accessible_volume] = surface_.components[c];
+      out.push_back({std::ldexp(accessible_area, 2 * exponent_),
+                     std::ldexp(accessible_volume, 3 * exponent_), accessible_volume < 0,
+                     std::ldexp(area[c].value(), 2 * exponent_)});
+    }
+    std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) {
+      if (a.is_cavity != b.is_cavity) return b.is_cavity;
+      return std::abs(a.accessible_volume) > std::abs(b.accessible_volume);
+    });
+    return out;
+  }
+
+  const ExcludedOptions& options_;
+  const std::size_t atom_count_;
+  const PowerTriangulation triangulation_;
+  const int exponent_;
+  const DualComplex complex_;
+  const BoundaryShapes shapes_;
+  const AccessibleSurface surface_;
+  std::vector<double> radius_;  // by ball of the triangulation, scaled, without the probe
+};
+
+}  // namespace
+
+ExcludedMeasures excluded_measures(const SphereSet& atoms, const ExcludedOptions& options) {
+  begin_stage(options.monitor, "excluded surface", 1);
+  ExcludedMeasures out = ExcludedSum(atoms, options).run();
+  advance(options.monitor, 1);
+  for (const double value : {out.complete.area, out.complete.volume}) {
+    if (!std::isfinite(value)) throw InvalidInput("a measure is not finite in double");
+  }
+  return out;
+}
+
+}  // namespace vdwmesh

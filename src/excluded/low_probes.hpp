@@ -1,0 +1,60 @@
+// Finds the low probes near a low probe: those that may cut its concave patch.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "excluded/accessible_surface.hpp"
+
+namespace vdwmesh::excluded {
+
+// A grid of cells as wide as the diameter of a probe. The cells are sorted, and numbered by
+// doubles, which no extent of coordinates overflows.
+class LowProbes {
+ public:
+  // Takes the low ones of the probes for which included[component] is set.
+  LowProbes(const AccessibleSurface& surface, std::span<const std::uint8_t> included);
+
+  // The low probes, ascending.
+  const std::vector<std::uint32_t>& list() const { return list_; }
+
+  // Calls visit(probe) for all low probes but `probe` whose balls overlap it, in an order that
+  // depends on the places of the probes alone.
+  template <class Visit>
+  void near(std::uint32_t probe, const Visit& visit) const;
+
+ private:
+  using Cell = std::array<double, 3>;  // z, y, x
+  struct Entry {
+    Cell cell;
+    std::uint32_t probe;
+  };
+  Cell cell_of(const Vec3d& point) const;
+  const Entry* first_from(const Cell& cell) const;
+
+  const AccessibleSurface& surface_;
+  double width_;
+  std::vector<std::uint32_t> list_;
+  std::vector<Entry> entries_;
+};
+
+template <class Visit>
+void LowProbes::near(std::uint32_t probe, const Visit& visit) const {
+  const Vec3d& x = surface_.probes[probe].center;
+  const Cell home = cell_of(x);
+  for (double z = home[0] - 1; z <= home[0] + 1; ++z) {
+    for (double y = home[1] - 1; y <= home[1] + 1; ++y) {
+      const Cell last{z, y, home[2] + 1};
+      const Entry* const end = entries_.data() + entries_.size();
+      for (const Entry* e = first_from({z, y, home[2] - 1}); e != end && e->cell <= last; ++e) {
+        const Vec3d apart = surface_.probes[e->probe].center - x;
+        if (e->probe != probe && squared_norm(apart) < width_ * width_) visit(e->probe);
+      }
+    }
+  }
+}
+
+}  // namespace vdwmesh::excluded

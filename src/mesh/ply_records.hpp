@@ -1,0 +1,53 @@
+// The PLY files that this library writes: the text of the header, and the bytes of one vertex and
+// one face. All vertices take the same number of bytes and so do all faces, so the place of each
+// record in the file follows from its number. Several processes can therefore write one file.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "mesh/chunk_writer.hpp"
+#include "surface/indexed_mesh.hpp"
+
+namespace vdwmesh::formats {
+
+// The largest number of vertices of a file. Its faces name vertices by ints.
+inline constexpr std::uint64_t kMostPlyVertices = std::uint64_t{1} << 31;
+
+// Bytes of a vertex: 3 doubles, 3 floats, 3 bytes and 3 ints.
+inline constexpr std::uint64_t kPlyVertexBytes = 24 + 12 + 3 + 12;
+
+// Bytes of a face: a count of one byte, 3 ints, and one more for its sphere if faces have labels.
+constexpr std::uint64_t ply_face_bytes(TriangleLabels labels) {
+  return 13 + (labels == TriangleLabels::spheres ? 4 : 0);
+}
+
+// The header of a mesh of this size, up to the byte before the first vertex.
+std::string ply_header(const MeshSize& size, TriangleLabels labels);
+
+// The number of a sphere in the file. It is an int, so that -1 can stand for kNoSphere. Throws
+// LimitExceeded for a number beyond PLY's int.
+std::int32_t ply_sphere(SphereId id);
+
+// Writes a vertex. The arguments are arrays or vectors of three elements each: the position in Å,
+// the normal, the colour as bytes, and the spheres that the vertex lies on.
+template <class Position, class Normal, class Color>
+void write_ply_vertex(ChunkWriter& out, const Position& position, const Normal& normal,
+                      const Color& color, const VertexSpheres& spheres) {
+  out.begin_record();
+  for (int k = 0; k < 3; ++k) out.raw(static_cast<double>(position[k]));
+  for (int k = 0; k < 3; ++k) out.raw(static_cast<float>(normal[k]));
+  for (std::size_t k = 0; k < 3; ++k) out.raw(static_cast<std::uint8_t>(color[k]));
+  for (const SphereId id : spheres) out.raw(ply_sphere(id));
+}
+
+// Writes a face without its sphere.
+inline void write_ply_face(ChunkWriter& out, const Triangle& corners) {
+  out.begin_record();
+  out.raw(std::uint8_t{3});
+  out.raw(corners);
+}
+
+}  // namespace vdwmesh::formats

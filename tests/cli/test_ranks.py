@@ -1,0 +1,199 @@
+"""vdwmesh-mpi: the same results from any number of ranks, and how all of them end where one fails."""
+
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+from program import BAD_INPUT, DONE, LIMIT_HIT, SOURCE_DIR, UBIQUITIN, ProgramTest, need_shared, run
+
+RANKS_PROGRAM = os.environ["VDWMESH_RANKS_PROGRAM"]
+MPIRUN = os.environ["VDWMESH_MPIRUN"]
+# Open MPI wants to be asked twice before root may start ranks.
+ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+
+ONE_ATOM = "0 0 0 1.7\n"
+FAR_APART = "0 0 0 1.7\n50 0 0 1.2\n0 60 3 1.5\n1 2 300 2\n"
+TWINS = "0 0 0 1.7\n1 0 0 1.7\n0 0 0 1.7\n"
+FLAT = "".join(f"{1.5 * x} {1.5 * y} 0 1.6\n" for x in range(30) for y in range(30))
+
+
+def command(ranks, *arguments):
+    return [MPIRUN, "-q", "--oversubscribe", "-n", str(ranks), RANKS_PROGRAM, *map(str, arguments)]
+
+
+def run_ranks(ranks, *arguments, **options):
+    return subprocess.run(command(ranks, *arguments), capture_output=True, text=True, timeout=300,
+                          env=ENVIRONMENT, **options)  # fmt: skip
+
+
+class RanksTest(ProgramTest):
+    def run_ranks_ok(self, ranks, *arguments, **options):
+        result = run_ranks(ranks, *arguments, **options)
+        self.assertEqual(result.returncode, DONE, result.stderr)
+        return result
+
+    def assert_all_end(self, status, *arguments, says=(), ranks=3, **options):
+        """All ranks end, and one line says why. mpirun -q adds none of its own."""
+        before = self.files()
+        result = run_ranks(ranks, *arguments, **options)
+        self.assertEqual(result.returncode, status, result.stderr)
+        self.assertEqual(result.stdout, "")
+        self.assertRegex(result.stderr, r"\Avdwmesh-mpi: [^\n]+\n\Z")
+        for word in says:
+            self.assertIn(word, result.stderr)
+        self.assertEqual(self.files(), before)
+
+
+class Meshes(RanksTest):
+    """The file is that of the plain program, byte by byte."""
+
+    def assert_same_file(self, path, *options, ranks):
+        plain, together = self.folder / "plain.ply", self.folder / "together.ply"
+        self.run_ok("mesh", path, "-o", plain, "--quiet", *options)
+        expected = plain.read_bytes()
+        for count in ranks:
+            with self.subTest(path=str(path), options=options, ranks=count):
+                self.run_ranks_ok(count, "mesh", path, "-o", together, "--quiet", *options)
+                self.assertTrue(together.read_bytes() == expected, "the files differ")
+                together.unlink()
+
+    def test_any_number_of_ranks(self):
+        self.assert_same_file(UBIQUITIN, ranks=(1, 2, 3, 5, 7))
+        self.assert_same_file(UBIQUITIN, "--field", "blinn", ranks=(2, 5))
+
+    def test_few_and_far_atoms(self):
+        """One atom, fewer bricks than ranks, pieces far apart, all bricks in one layer."""
+        for name, text in (("one", ONE_ATOM), ("far", FAR_APART), ("twins", TWINS), ("flat", FLAT)):
+            path = self.file(f"{name}.xyzr", text)
+            self.assert_same_file(path, ranks=(2, 7))
+            self.assert_same_file(path, "--spacing", "0.3", "--field", "soft", ranks=(3,))
+
+    def test_every_field_and_preset(self):
+        for field in ("blinn", "soft", "inverse-squared"):
+            for preset in ("radius-aware", "thesis", "thesis-vdw"):
+                self.assert_same_file(UBIQUITIN, "--field", field, "--preset", preset, "--spacing",
+                                      "0.7", ranks=(3,))  # fmt: skip
+
+    def test_surfaces_that_the_grid_cuts(self):
+        self.assert_same_file(UBIQUITIN, "--padding", "0", "--field", "blinn", ranks=(3,))
+
+    def test_reference_molecules(self):
+        for path in sorted(need_shared("molecules/thesis").iterdir()):
+            self.assert_same_file(path, "--spacing", "0.8", ranks=(3,))
+
+    def test_sparse_sets(self):
+        for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
+            self.assert_same_file(path, "--probe", "1.4", ranks=(3,))
+
+    def test_standard_input_is_of_the_first_rank(self):
+        self.assert_same_file(UBIQUITIN, ranks=())
+        with open(UBIQUITIN) as text:
+            self.run_ranks_ok(2, "mesh", "-", "--format", "pdb", "-o", self.folder / "a.ply", stdin=text)
+        self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "plain.ply").read_bytes())
+
+    def test_a_file_is_replaced_and_keeps_its_permissions(self):
+        path = self.file("a.ply", "old")
+        path.chmod(0o640)
+        self.run_ranks_ok(2, "mesh", UBIQUITIN, "-o", path, "--spacing", "1")
+        self.assertEqual(path.stat().st_mode & 0o777, 0o640)
+        self.assertTrue(path.read_bytes().startswith(b"ply"))
+
+    def test_text(self):
+        text = self.run_ranks_ok(3, "mesh", UBIQUITIN, "-o", self.folder / "a.ply").stdout
+        self.assertIn("44650 vertices, 89676 triangles; Euler characteristic -188", text)
+        self.assertRegex(text, r"(?m)^Ranks +3, 1 CPU thread each$")
+
+
+class Faults(RanksTest):
+    def mesh(self, *options, path=UBIQUITIN):
+        return ("mesh", path, "-o", self.folder / "a.ply", *options)
+
+    def test_wrong_options(self):
+        self.assert_all_end(BAD_INPUT, *self.mesh("--spacing", "0"), says=("--spacing",))
+        self.assert_all_end(BAD_INPUT, *self.mesh("--mesher", "exact"), says=("vdwmesh-mpi mesh",))
+        self.assert_all_end(BAD_INPUT, "mesh", UBIQUITIN, "-o", self.folder / "a.stl", says=(".ply",))
+        self.assert_all_end(BAD_INPUT, "mesh", UBIQUITIN, "-o", self.folder / "no" / "a.ply",
+                            says=("there is no folder",))  # fmt: skip
+        self.assert_all_end(BAD_INPUT, "mesh", UBIQUITIN, "-o", "/dev/null", says=("/dev/null",))
+        self.assert_all_end(BAD_INPUT, "report", UBIQUITIN, says=("not a verb",))
+
+    def test_unreadable_files(self):
+        self.assert_all_end(BAD_INPUT, *self.mesh(path=self.folder / "none.pdb"), says=("none.pdb",))
+        self.assert_all_end(BAD_INPUT, *self.mesh(path=self.file("a.xyzr", "0 0 x 1\n")), says=("a.xyzr",))
+
+    def test_grids_that_make_no_mesh(self):
+        self.assert_all_end(BAD_INPUT, *self.mesh("--spacing", "1e3"), says=("too coarse",))
+        self.assert_all_end(BAD_INPUT, *self.mesh("--field", "blinn", "--isovalue", "1e6"),
+                            says=("--isovalue",))  # fmt: skip
+
+    def test_memory_limit_of_a_rank(self):
+        self.assert_all_end(LIMIT_HIT, *self.mesh("--spacing", "0.1", "--memory-limit", "30M"),
+                            says=("more ranks",))  # fmt: skip
+        self.run_ranks_ok(7, *self.mesh("--spacing", "0.1", "--memory-limit", "30M"))
+
+    def test_a_file_that_cannot_be_written_in_full(self):
+        """The size of files is limited for one rank of three; the others end with it."""
+        limited = 'if [ "$OMPI_COMM_WORLD_RANK" = 1 ]; then ulimit -f 100; trap "" XFSZ; fi; exec "$@"'
+        start = command(3, *self.mesh())
+        place = start.index(RANKS_PROGRAM)
+        start[place:place] = ["bash", "-c", limited, "bash"]
+        result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+        self.assertRegex(result.stderr, r"(?m)^vdwmesh-mpi: rank 1: .*a\.ply cannot be written in full")
+        self.assertEqual(self.files(), [])
+
+    def end_while_writing(self, end):
+        """Starts a run, calls end(process) as soon as its file is being written, and returns its exit status."""
+        process = subprocess.Popen(command(3, *self.mesh("--spacing", "0.1", "--quiet")), env=ENVIRONMENT,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+        while not self.files() and process.poll() is None:
+            time.sleep(0.002)
+        end(process)
+        return process.wait(timeout=120)
+
+    def children(self, process):
+        listed = subprocess.run(["ps", "--ppid", str(process.pid), "-o", "pid="], capture_output=True, text=True)
+        return [int(pid) for pid in listed.stdout.split()]
+
+    def test_a_killed_rank_ends_all_and_leaves_nothing(self):
+        for which in (0, -1):
+            status = self.end_while_writing(lambda p: os.kill(self.children(p)[which], signal.SIGKILL))
+            self.assertNotEqual(status, 0)
+            self.assertEqual(self.files(), [])
+
+    def whole_size(self):
+        path = self.folder / "whole.ply"
+        self.run_ok("mesh", UBIQUITIN, "-o", path, "--spacing", "0.1", "--quiet")
+        return path.stat().st_size
+
+    def test_a_stopped_run_leaves_no_half_file(self):
+        """The ranks may get as far as to give the file its name before they hear of the end."""
+        self.end_while_writing(lambda p: p.terminate())
+        self.assertIn(self.files(), ([], ["a.ply"]))
+        for name in self.files():
+            self.assertEqual((self.folder / name).stat().st_size, self.whole_size())
+
+
+class Help(RanksTest):
+    def test_it_is_printed_once(self):
+        text = self.run_ranks_ok(3, "--help").stdout
+        self.assertEqual(text.count("Usage: mpirun -n P vdwmesh-mpi VERB"), 1)
+        self.assertRegex(self.run_ranks_ok(2, "--version").stdout, r"\Avdwmesh-mpi [^\n]+\n\Z")
+
+    def test_every_option_is_in_the_table(self):
+        table = (SOURCE_DIR / "docs" / "options.md").read_text()
+        for verb in re.findall(r"^  (\w+) {10}", self.run_ranks_ok(1, "--help").stdout, re.M):
+            told = set(re.findall(r"--[a-z-]+", self.run_ranks_ok(1, verb, "--help").stdout)) - {"--help"}
+            self.assertGreater(len(told), 10)
+            self.assertEqual({o for o in told if f"`{o}`" not in table}, set())
+
+    def test_the_plain_program_does_not_load_mpi(self):
+        libraries = subprocess.run(["ldd", os.environ["VDWMESH_PROGRAM"]], capture_output=True, text=True)
+        self.assertNotIn("libmpi", libraries.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

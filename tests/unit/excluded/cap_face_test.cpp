@@ -1,0 +1,50 @@
+// The flat faces of caps: disks cut by planes.
+#include "excluded/cap_face.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace vdwmesh::excluded {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRounding = 1e-14;  // of areas of order 1
+const Vec3d kUp{0, 0, 1};
+
+TEST(CapFace, WholeDisk) { EXPECT_NEAR(face_area(kUp, 0.6, {}), 0.64 * kPi, kRounding); }
+
+TEST(CapFace, SegmentOfADisk) {
+  // The disk of radius 0.8 up to x = 0.4: its half angle is 60°.
+  const std::vector<HalfSpace> within{{{1, 0, 0}, 0.4}};
+  const double segment = 0.64 * (kPi / 3 - std::sin(2 * kPi / 3) / 2);
+  EXPECT_NEAR(face_area(kUp, 0.6, within), 0.64 * kPi - segment, kRounding);
+}
+
+// A plane that leans: at height 0.6 it runs along x = 0.2.
+TEST(CapFace, LeaningPlane) {
+  const std::vector<HalfSpace> leaning{{{1, 0, 1}, 0.8}}, upright{{{1, 0, 0}, 0.2}};
+  EXPECT_NEAR(face_area(kUp, 0.6, leaning), face_area(kUp, 0.6, upright), kRounding);
+}
+
+// The sectors that planes through the middle cut are a third each, wherever the polygon's corner at
+// the middle comes to lie by rounding.
+TEST(CapFace, SectorsAroundTheMiddle) {
+  for (const double turn : {0.0, 0.1, 0.7, 2.0}) {
+    const auto wall = [&](double angle) {
+      return HalfSpace{{std::cos(turn + angle), std::sin(turn + angle), 0}, 0};
+    };
+    const std::vector<HalfSpace> third{wall(0), wall(kPi / 3)};
+    EXPECT_NEAR(face_area(kUp, 0.6, third), 0.64 * kPi / 3, kRounding) << turn;
+  }
+}
+
+TEST(CapFace, NothingIsLeft) {
+  const std::vector<HalfSpace> beside{{{1, 0, 0}, -0.9}};
+  EXPECT_NEAR(face_area(kUp, 0.6, beside), 0, kRounding);
+}
+
+}  // namespace
+}  // namespace vdwmesh::excluded
