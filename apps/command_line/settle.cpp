@@ -132,9 +132,17 @@ void settle_render(const Draft& d) {
 }
 
 // Arcs are quicker, and know no more of the topology than counts. A certificate needs the
-// triangulation anyway.
+// triangulation anyway. Ranks have the arcs alone.
 void settle_exact(Draft& d) {
   ExactOptions& exact = d.options.exact;
+  if (d.verb == kRanksExact) {
+    refuse_if(d.topology == TopologyRequest::full,
+              "--topology on: needs the triangulation, which one process makes (vdwmesh exact); "
+              "ranks know counts and off");
+    exact.method = UnionMethod::arcs;
+    exact.topology = d.topology.value_or(TopologyRequest::counts);
+    return;
+  }
   const bool fast =
       d.verb == kBatch && d.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
   const TopologyRequest wanted =

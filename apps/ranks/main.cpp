@@ -23,7 +23,9 @@ std::optional<Command> read_together(const Ranks& ranks, const Program& program,
 
 void run(const Ranks& ranks, int argc, const char* const* argv) {
   const Verb verbs[] = {{kRanksMesh, "mesh", "structure -> welded mesh file, by all ranks",
-                         [&](const Options& options) { run_ranks_mesh(ranks, options); }}};
+                         [&](const Options& options) { run_ranks_mesh(ranks, options); }},
+                        {kRanksExact, "exact", "exact area, volume and counts of the sphere union",
+                         [&](const Options& options) { run_ranks_exact(ranks, options); }}};
   const Program program{"vdwmesh-mpi", "mpirun -n P vdwmesh-mpi",
                         "Meshes and exact measures of large molecules by many processes (MPI)",
                         verbs, ranks.sum_on_host(1)};

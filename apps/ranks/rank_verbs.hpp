@@ -7,5 +7,6 @@
 namespace vdwmesh::apps {
 
 void run_ranks_mesh(const Ranks& ranks, const Options& options);
+void run_ranks_exact(const Ranks& ranks, const Options& options);
 
 }  // namespace vdwmesh::apps

@@ -112,10 +112,11 @@ std::uint64_t ExactSum::bits_from(int place) const {
 }
 
 bool ExactSum::any_bit_below(int place) const {
-  for (int k = 0; k < place; ++k) {
-    if (bit(k)) return true;
+  const auto whole = static_cast<std::size_t>(place / kLimbBits);
+  for (std::size_t k = 0; k < whole; ++k) {
+    if (limbs_[k] != 0) return true;
   }
-  return false;
+  return (limbs_[whole] & ((std::int64_t{1} << (place % kLimbBits)) - 1)) != 0;
 }
 
 double ExactSum::down() const { return rounded(Direction::down); }

@@ -29,7 +29,7 @@
 #include "arrangement/reference_measures.hpp"
 #include "arrangement/total_measures.hpp"
 #include "core/errors.hpp"
-#include "spheres/cell_list.hpp"
+#include "spheres/kept_cell_lists.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -122,28 +122,12 @@ UnionCertificate certificate_by_triangulation(const SphereSet& spheres,
   return certify(spheres, triangulation, dual_complex(triangulation, monitor), measured, monitor);
 }
 
-// The balls that may overlap one of the wanted ones, and these themselves. Some come repeatedly.
-std::vector<NumberedBall> neighborhood(const SphereSet& spheres,
-                                       const std::vector<SphereId>& wanted) {
-  const CellList list = make_ball_list(spheres);
-  const CellListView& view = list.view();
-  std::vector<NumberedBall> near;
-  for (const SphereId id : wanted) {
-    const Sphere& s = spheres[id];
-    const Vec3d reach{s.radius, s.radius, s.radius};
-    visit_near_box(view, s.center - reach, s.center + reach, [&](std::uint32_t place) {
-      near.push_back({view.id[place], view.spheres[place]});
-      return false;  // go on with the search
-    });
-  }
-  return near;
-}
-
-// Replaces the measures of suspect spheres by those of a triangulation.
-void replace_by_reference(const SphereSet& spheres, const std::vector<SphereId>& suspect,
-                          std::vector<SphereMeasures>& per_sphere) {
-  if (suspect.empty()) return;
-  set_reference_measures(suspect, neighborhood(spheres, suspect), per_sphere);
+// Replaces the measures of suspect spheres by those of a triangulation. The workspace still has the
+// list of the balls.
+void replace_by_reference(const SphereSet& spheres, Workspace& workspace, ArcMeasures& arcs) {
+  if (arcs.suspect.empty()) return;
+  const CellListView& list = ball_list(spheres, workspace);
+  set_reference_measures(arcs.suspect, balls_near(list, spheres, arcs.suspect), arcs.per_sphere);
 }
 
 // Method arcs. arc_measures() reports progress as a stage of its own. To reuse the
@@ -156,18 +140,23 @@ void union_by_arcs(ExactUnion& result, const SphereSet& spheres, const MeasuredS
   const MeasuredSpheres all(spheres.size(), std::nullopt);
   auto& arcs = workspace.get<ArcMeasures>();
   std::swap(arcs.per_sphere, result.per_sphere);
-  arc_measures(arcs, spheres, counts ? all : measured,
-               counts ? TopologyRequest::counts : TopologyRequest::none, monitor, workspace);
-  replace_by_reference(spheres, arcs.suspect, arcs.per_sphere);
+  arc_measures(arcs, spheres,
+               {.measured = counts ? all : measured,
+                .topology = counts ? TopologyRequest::counts : TopologyRequest::none,
+                .monitor = monitor},
+               workspace);
+  replace_by_reference(spheres, workspace, arcs);
   leave_measured(arcs.per_sphere, measured);
   const SphereMeasures total = total_measures(arcs.per_sphere, measured);
   result = {};
   result.method = UnionMethod::arcs;
   result.area = total.area;
   result.volume = total.volume;
-  result.counts = arcs.counts;
   result.fallback_spheres = arcs.suspect.size();
-  if (counts) result.doubtful_spheres = arcs.doubtful;
+  if (counts) {
+    result.counts = counts_of(arcs.sums, arcs.connected->count());
+    result.doubtful_spheres = arcs.sums.doubtful;
+  }
   std::swap(arcs.per_sphere, result.per_sphere);
 }
 
@@ -178,7 +167,7 @@ ExactUnion union_by_both(const SphereSet& spheres, const MeasuredSpheres& measur
                          const UnionOptions& options, Workspace& workspace) {
   ExactUnion result = union_by_triangulation(spheres, measured, options);
   auto& arcs = workspace.get<ArcMeasures>();
-  arc_measures(arcs, spheres, measured, TopologyRequest::none, options.monitor, workspace);
+  arc_measures(arcs, spheres, {.measured = measured, .monitor = options.monitor}, workspace);
   for (const SphereId id : arcs.suspect) arcs.per_sphere[id] = result.per_sphere[id];
   const SphereMeasures check = total_measures(arcs.per_sphere, measured);
   result.method = UnionMethod::both;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "arrangement/arcs/doubts.hpp"
 #include "arrangement/complex/dual_complex.hpp"
 #include "arrangement/complex/measures.hpp"
 
@@ -28,8 +29,25 @@ std::vector<SphereMeasures> reference_measures(const SphereSet& spheres) {
                      inclusion_exclusion(triangulation, dual_complex(triangulation)));
 }
 
-void set_reference_measures(std::span<const SphereId> wanted, std::vector<NumberedBall> near,
-                            std::span<SphereMeasures> per_sphere) {
+std::vector<NumberedBall> balls_near(const CellListView& list, const SphereSet& spheres,
+                                     std::span<const SphereId> wanted) {
+  std::vector<NumberedBall> near;
+  for (const SphereId id : wanted) {
+    const Sphere& s = spheres[id];
+    const Vec3d reach{s.radius, s.radius, s.radius};
+    visit_near_box(list, s.center - reach, s.center + reach, [&](std::uint32_t place) {
+      const Sphere& other = list.spheres[place];
+      const Vec3d to = other.center - s.center;
+      const double sum = (1 + arcs::kTouching) * (s.radius + other.radius);
+      if (dot(to, to) <= sum * sum) near.push_back({list.id[place], other});
+      return false;  // go on with the search
+    });
+  }
+  return near;
+}
+
+std::vector<SphereMeasures> reference_measures(std::span<const SphereId> wanted,
+                                               std::vector<NumberedBall> near) {
   std::ranges::sort(near, {}, &NumberedBall::id);
   const auto repeated = std::ranges::unique(near, {}, &NumberedBall::id);
   near.erase(repeated.begin(), repeated.end());
@@ -37,10 +55,19 @@ void set_reference_measures(std::span<const SphereId> wanted, std::vector<Number
   balls.reserve(near.size());
   for (const NumberedBall& n : near) balls.push_back(n.ball);
   const std::vector<SphereMeasures> measures = reference_measures(SphereSet(std::move(balls)));
+  std::vector<SphereMeasures> of_wanted;
+  of_wanted.reserve(wanted.size());
   for (const SphereId id : wanted) {
     const auto place = std::ranges::lower_bound(near, id, {}, &NumberedBall::id) - near.begin();
-    per_sphere[id] = measures[static_cast<std::size_t>(place)];
+    of_wanted.push_back(measures[static_cast<std::size_t>(place)]);
   }
+  return of_wanted;
+}
+
+void set_reference_measures(std::span<const SphereId> wanted, std::vector<NumberedBall> near,
+                            std::span<SphereMeasures> per_sphere) {
+  const std::vector<SphereMeasures> measures = reference_measures(wanted, std::move(near));
+  for (std::size_t i = 0; i < wanted.size(); ++i) per_sphere[wanted[i]] = measures[i];
 }
 
 }  // namespace vdwmesh

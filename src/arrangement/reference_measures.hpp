@@ -7,6 +7,7 @@
 
 #include "arrangement/complex/power_triangulation.hpp"
 #include "arrangement/exact_union.hpp"
+#include "spheres/cell_list.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -21,11 +22,20 @@ struct NumberedBall {
   Sphere ball;
 };
 
-// Sets per_sphere[id] for the wanted ids, by one triangulation of the balls in `near`: the wanted
-// ones and all that overlap one of them, in any order; a ball may come repeatedly. That is enough,
-// because the exposed area of a sphere and its ball ∩ power cell depend only on the balls that meet
-// its ball. The measures of the other balls in `near` would be wrong, as these may lack neighbours
-// of their own.
+// The wanted balls and all that overlap or touch one of them, in the order of the wanted ones and
+// of the list; a ball may come repeatedly. `list` is a cell list of the set, in which the reach of
+// a ball is its radius.
+std::vector<NumberedBall> balls_near(const CellListView& list, const SphereSet& spheres,
+                                     std::span<const SphereId> wanted);
+
+// The measures of the wanted balls, in their order, by one triangulation of the balls in `near`:
+// the wanted ones and all that overlap one of them, in any order; a ball may come repeatedly. That
+// is enough, because the exposed area of a sphere and its ball ∩ power cell depend only on the
+// balls that meet its ball. The measures of the other balls in `near` would be wrong, as these may
+// lack neighbours of their own.
+std::vector<SphereMeasures> reference_measures(std::span<const SphereId> wanted,
+                                               std::vector<NumberedBall> near);
+// The same, stored as per_sphere[id].
 void set_reference_measures(std::span<const SphereId> wanted, std::vector<NumberedBall> near,
                             std::span<SphereMeasures> per_sphere);
 

@@ -1,11 +1,10 @@
-// total_measures(): blocks of a fixed number of entries are summed side by side, then the blocks'
-// sums one after another.
+// total_measures(): blocks of entries are summed side by side, then the blocks' sums are added.
 #include "arrangement/total_measures.hpp"
 
 #include <vector>
 
+#include "arrangement/exact_sum.hpp"
 #include "core/fixed_blocks.hpp"
-#include "core/sum.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -13,7 +12,7 @@ namespace {
 constexpr std::size_t kEntriesPerBlock = std::size_t{1} << 14;
 
 struct Totals {
-  WideSum area, volume;
+  ExactSum area, volume;
 };
 
 Totals sum_of(std::span<const SphereMeasures> per_sphere, std::size_t first, std::size_t end,
@@ -36,12 +35,13 @@ SphereMeasures total_measures(std::span<const SphereMeasures> per_sphere,
                  [&](std::size_t block, std::size_t first, std::size_t end) {
                    parts[block] = sum_of(per_sphere, first, end, measured);
                  });
-  Totals sum;
-  for (const Totals& part : parts) {
+  if (parts.empty()) return {0, 0};
+  Totals& sum = parts[0];
+  for (const Totals& part : std::span(parts).subspan(1)) {
     sum.area.add(part.area);
     sum.volume.add(part.volume);
   }
-  return {sum.area.value(), sum.volume.value()};
+  return {sum.area.nearest(), sum.volume.nearest()};
 }
 
 SphereMeasures total_measures(std::span<const SphereMeasures> per_sphere) {

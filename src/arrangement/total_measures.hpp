@@ -8,8 +8,9 @@
 
 namespace vdwmesh {
 
-// Sums over the measured entries, in wide accumulators. The order in which they are added depends
-// on the number of entries alone, so the result is the same for any number of threads.
+// Sums over the measured entries, rounded once (exact_sum.hpp). They depend neither on the order of
+// the entries nor on the number of threads, and who adds up parts of a union by ExactSum gets the
+// same.
 SphereMeasures total_measures(std::span<const SphereMeasures> per_sphere,
                               const MeasuredSpheres& measured);
 SphereMeasures total_measures(std::span<const SphereMeasures> per_sphere);  // of all

@@ -75,7 +75,7 @@ std::unique_ptr<UnionMeasurer> make_cpu_union_measurer();
 // For implementations. Throws InvalidInput unless the offsets keep the rule above and no set is
 // empty.
 void check_sets(const SphereBatch& batch);
-// Sums up the sets of per_sphere, in wide accumulators and in an order of their own for each set.
+// Sums up the sets of per_sphere by total_measures().
 void sum_sets(BatchMeasures& result, const SphereBatch& batch);
 
 }  // namespace vdwmesh

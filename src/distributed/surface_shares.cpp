@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "distributed/layers.hpp"
 #include "extract/area_estimate.hpp"
 #include "extract/blended/field_formulas.hpp"
 #include "extract/brick_search.hpp"
@@ -24,48 +25,6 @@ double farthest_reach(const SphereSet& spheres, const FieldModel& model) {
   double reach = 0;
   for (const Sphere& s : spheres.spheres()) reach = std::max(reach, field_reach(model, s.radius));
   return reach;
-}
-
-// Counts spheres in layers across z. The boundary of a part is that of a layer, so that all ranks
-// find the same parts without sorting the spheres.
-class Layers {
- public:
-  explicit Layers(const SphereSet& spheres) : counts_(kLayers) {
-    const Box box = center_bounding_box(spheres);
-    lower_ = box.lower.z;
-    const double height = box.upper.z - box.lower.z;
-    scale_ = height > 0 ? kLayers / height : 0;
-    for (const Sphere& s : spheres.spheres()) ++counts_[layer_of(s)];
-  }
-
-  std::size_t layer_of(const Sphere& s) const {
-    const double layer = (s.center.z - lower_) * scale_;
-    return static_cast<std::size_t>(std::clamp(layer, 0.0, kLayers - 1.0));
-  }
-
-  // The layer before which at least `spheres` spheres lie.
-  std::size_t end_of(std::uint64_t spheres) const {
-    std::uint64_t before = 0;
-    std::size_t layer = 0;
-    while (layer < kLayers && before < spheres) before += counts_[layer++];
-    return layer;
-  }
-
- private:
-  static constexpr std::size_t kLayers = 4096;
-  double lower_ = 0, scale_ = 0;
-  std::vector<std::uint64_t> counts_;
-};
-
-template <class IsChosen>
-ChosenSpheres choose(const SphereSet& spheres, const IsChosen& is_chosen) {
-  ChosenSpheres chosen;
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    if (!is_chosen(spheres[i])) continue;
-    chosen.spheres.push_back(spheres[i]);
-    chosen.ids.push_back(static_cast<SphereId>(i));
-  }
-  return chosen;
 }
 
 // The interval in which the centres of these spheres lie; an empty one if there are none.
@@ -107,7 +66,7 @@ Slab slab_of_bricks(double origin, double spacing, std::int64_t first, std::int6
 // What the spheres of other parts are sampled for is thrown away.
 std::vector<BrickArea> estimate_bricks(const SphereSet& spheres, const FieldModel& model,
                                        std::size_t part, std::size_t parts) {
-  const Layers layers(spheres);
+  const Layers layers(spheres, 2);
   const std::size_t begin = layers.end_of(spheres.size() * part / parts),
                     end = layers.end_of(spheres.size() * (part + 1) / parts);
   const auto is_own = [&](const Sphere& s) {
@@ -116,7 +75,7 @@ std::vector<BrickArea> estimate_bricks(const SphereSet& spheres, const FieldMode
   };
   const Slab own = slab_of(spheres, is_own);
   const double margin = 2 * farthest_reach(spheres, model);
-  const ChosenSpheres near = choose(spheres, [&](const Sphere& s) {
+  const ChosenSpheres near = choose(spheres, [&](SphereId, const Sphere& s) {
     return s.center.z >= own.lower - margin && s.center.z <= own.upper + margin;
   });
   std::vector<BrickArea> areas;
@@ -151,7 +110,7 @@ ChosenSpheres spheres_near(const SphereSet& spheres, const FieldModel& model,
   const std::int64_t last = halo.end == kNoBrickKey ? top : brick_of_key(halo.end).z;
   const Slab slab =
       slab_of_bricks(grid.origin.z, grid.spacing, brick_of_key(halo.begin).z, std::min(last, top));
-  ChosenSpheres near = choose(spheres, [&](const Sphere& s) {
+  ChosenSpheres near = choose(spheres, [&](SphereId, const Sphere& s) {
     const double reach = field_reach(model, s.radius) + grid.spacing;
     return s.center.z + reach >= slab.lower && s.center.z - reach <= slab.upper;
   });

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "distributed/chosen_spheres.hpp"
 #include "extract/field.hpp"
 #include "extract/grid.hpp"
 #include "spheres/sphere_set.hpp"
@@ -31,14 +32,9 @@ std::vector<BrickArea> estimate_bricks(const SphereSet& spheres, const FieldMode
 // ends where the next one begins, the last at kNoBrickKey. Runs may be empty.
 std::vector<std::uint64_t> cut_bricks(std::vector<BrickArea> areas, std::size_t count);
 
-// Some spheres of a set, in their order there. Where there are none that are needed, the first
-// sphere of the set stands for them, because many functions refuse an empty set.
-struct ChosenSpheres {
-  std::vector<Sphere> spheres;
-  std::vector<SphereId> ids;  // [i]: of spheres[i] in the whole set
-};
-
-// The spheres that have an effect on the field in the bricks of the range and of its halo.
+// The spheres that have an effect on the field in the bricks of the range and of its halo. Where
+// there are none, the first sphere of the set stands for them, because many functions refuse an
+// empty set.
 ChosenSpheres spheres_near(const SphereSet& spheres, const FieldModel& model,
                            const KeyRange& range);
 

@@ -38,10 +38,11 @@ const CellListView& KeptCellLists::get(const SphereSet& spheres, std::span<const
   return entry.list.view();
 }
 
-const CellListView& ball_list(const SphereSet& spheres, Workspace& workspace) {
+const CellListView& ball_list(const SphereSet& spheres, Workspace& workspace,
+                              const CellListFrame* frame) {
   std::vector<double> reach(spheres.size());
   std::ranges::transform(spheres.spheres(), reach.begin(), &Sphere::radius);
-  return workspace.get<KeptCellLists>().get(spheres, reach, nullptr);
+  return workspace.get<KeptCellLists>().get(spheres, reach, frame);
 }
 
 }  // namespace vdwmesh

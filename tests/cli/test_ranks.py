@@ -107,6 +107,68 @@ class Meshes(RanksTest):
         self.assertRegex(text, r"(?m)^Ranks +3, 1 CPU thread each$")
 
 
+class ExactUnions(RanksTest):
+    """Report and table of atoms are those of the plain program, byte by byte but for the times."""
+
+    def results(self, start, *arguments):
+        """Standard output, the JSON report and the table of atoms, without times."""
+        report, atoms = self.folder / "r.json", self.folder / "a.csv"
+        result = start("exact", *arguments, "--json", report, "--per-atom", atoms)
+        text = re.sub(r"(?m)^(Time|CPU) \(s\).*$", "", result.stdout)
+        document = re.sub(r'("timing": \{.*?\})\s*\}', "", report.read_text(), flags=re.DOTALL)
+        self.assertNotIn('"total"', document)
+        return text, document, atoms.read_text(), result.stderr
+
+    def assert_same_results(self, path, *options, ranks, topology="counts"):
+        plain = self.results(self.run_ok, path, "--topology", topology, "--backend", "cpu", *options)
+        for count in ranks:
+            with self.subTest(path=str(path), options=options, ranks=count):
+                together = self.results(lambda *a: self.run_ranks_ok(count, *a), path, "--topology", topology, *options)
+                for ours, expected in zip(together, plain):
+                    self.assertEqual(ours, expected)
+        return plain
+
+    def test_any_number_of_ranks(self):
+        self.assert_same_results(UBIQUITIN, ranks=(1, 2, 3, 5, 7))
+        self.assert_same_results(UBIQUITIN, "--probe", "1.4", ranks=(2, 3, 5))
+        self.assert_same_results(UBIQUITIN, topology="off", ranks=(3,))
+
+    def test_chosen_atoms_residues_and_polarity(self):
+        self.assert_same_results(UBIQUITIN, "--radii", "protor", "--probe", "1.4", "--group", "residue", ranks=(3,))
+        for topology in ("counts", "off"):
+            self.assert_same_results(UBIQUITIN, "--measure", "(LYS)", topology=topology, ranks=(5,))
+
+    def test_few_and_far_atoms(self):
+        for name, text in (("one", ONE_ATOM), ("far", FAR_APART), ("twins", TWINS), ("flat", FLAT)):
+            self.assert_same_results(self.file(f"{name}.xyzr", text), ranks=(2, 7))
+
+    def test_components_that_many_ranks_share(self):
+        """Rods along x that the shares cut, and one that joins two of them."""
+        rods = "".join(f"{1.1 * x} {10 * y} {0.1 * (x % 7)} {1.6 + 0.01 * (x % 3)}\n" for y in range(5) for x in range(100))
+        path = self.file("rods.xyzr", rods + "".join(f"40.3 {y}.2 0.1 1.6\n" for y in range(1, 10)))
+        text = self.assert_same_results(path, ranks=(2, 7))[0]
+        self.assertRegex(text, r"(?m)^Components +4$")
+
+    def test_spheres_that_the_arcs_cannot_measure(self):
+        """A cubic lattice: four circles meet in a point."""
+        lattice = "".join(f"{x} {y} {z} 0.9\n" for x in range(4) for y in range(4) for z in range(12))
+        document = self.assert_same_results(self.file("cubes.xyzr", lattice), ranks=(2, 5))[1]
+        self.assertGreater(int(re.search(r'"fallback_spheres": (\d+)', document)[1]), 0)
+
+    def test_reference_molecules(self):
+        for path in sorted(need_shared("molecules/thesis").iterdir()):
+            self.assert_same_results(path, ranks=(3,))
+
+    def test_sparse_sets(self):
+        for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
+            self.assert_same_results(path, "--probe", "1.4", ranks=(3,))
+
+    def test_json_on_standard_output_is_of_the_first_rank(self):
+        self.run_ranks_ok(3, "exact", UBIQUITIN, "--json", self.folder / "file.json")
+        text = self.run_ranks_ok(3, "exact", UBIQUITIN, "--json", "-").stdout
+        self.assertEqual(text.count('"schema"'), 1)
+
+
 class Faults(RanksTest):
     def mesh(self, *options, path=UBIQUITIN):
         return ("mesh", path, "-o", self.folder / "a.ply", *options)
@@ -119,6 +181,17 @@ class Faults(RanksTest):
                             says=("there is no folder",))  # fmt: skip
         self.assert_all_end(BAD_INPUT, "mesh", UBIQUITIN, "-o", "/dev/null", says=("/dev/null",))
         self.assert_all_end(BAD_INPUT, "report", UBIQUITIN, says=("not a verb",))
+
+    def test_wrong_options_of_exact(self):
+        exact = ("exact", UBIQUITIN)
+        self.assert_all_end(BAD_INPUT, *exact, "--topology", "on", says=("vdwmesh exact", "counts"))
+        self.assert_all_end(BAD_INPUT, *exact, "--method", "cgal", says=("--method",))
+        self.assert_all_end(BAD_INPUT, *exact, "--measure", "(XYZ)", says=("XYZ",))
+        self.assert_all_end(BAD_INPUT, *exact, "--probe=-9", says=("--probe",))
+        self.assert_all_end(BAD_INPUT, *exact, "--json", self.folder / "no" / "a.json", says=("--json",))
+
+    def test_a_report_that_cannot_be_written(self):
+        self.assert_all_end(BAD_INPUT, "exact", UBIQUITIN, "--json", "/dev/full", says=("/dev/full",))
 
     def test_unreadable_files(self):
         self.assert_all_end(BAD_INPUT, *self.mesh(path=self.folder / "none.pdb"), says=("none.pdb",))
@@ -133,6 +206,8 @@ class Faults(RanksTest):
         self.assert_all_end(LIMIT_HIT, *self.mesh("--spacing", "0.1", "--memory-limit", "30M"),
                             says=("more ranks",))  # fmt: skip
         self.run_ranks_ok(7, *self.mesh("--spacing", "0.1", "--memory-limit", "30M"))
+        exact = ("exact", self.file("a.xyzr", FLAT), "--memory-limit", "300K")
+        self.assert_all_end(LIMIT_HIT, *exact, ranks=1, says=("more ranks", "--memory-limit 1M"))
 
     def test_a_file_that_cannot_be_written_in_full(self):
         """The size of files is limited for one rank of three; the others end with it."""

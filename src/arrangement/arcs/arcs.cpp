@@ -15,7 +15,6 @@
 
 #include "arrangement/arcs/ball_caps.hpp"
 #include "arrangement/arcs/cut_ball.hpp"
-#include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/multiversion.hpp"
@@ -26,29 +25,16 @@ namespace {
 
 constexpr std::size_t kSpheresPerBlock = 256;  // consecutive in list order
 
-// Sums over spheres, of integers, so that they do not depend on the order.
-struct CountSums {
-  std::int64_t euler_characteristic = 0;  // of the exposed patches
-  std::uint64_t corners = 0;              // of the exposed patches
-  std::uint64_t hidden = 0, doubtful = 0;
-
-  void add(const arcs::BallMeasures& m) {
-    euler_characteristic += m.euler_characteristic;
-    corners += m.corners;
-    hidden += m.corners == 0 && m.area == 0;
-    doubtful += m.doubts != 0;
-  }
-  void add(const CountSums& other) {
-    euler_characteristic += other.euler_characteristic;
-    corners += other.corners;
-    hidden += other.hidden;
-    doubtful += other.doubtful;
-  }
-};
+void add(PatchSums& sums, const arcs::BallMeasures& m) {
+  sums.euler_characteristic += m.euler_characteristic;
+  sums.corners += m.corners;
+  sums.hidden += m.corners == 0 && m.area == 0;
+  sums.doubtful += m.doubts != 0;
+}
 
 // Memory of one thread.
 struct ThreadSpace {
-  CountSums sums;
+  PatchSums sums;
   arcs::BallCaps caps;
   arcs::CutBall ball;
 };
@@ -65,7 +51,7 @@ struct ArcRun {
   const CellListView& list;
   ArcMeasures& result;
   std::uint8_t* is_doubtful;  // by sphere id
-  DisjointSets* touching;     // by sphere id: joins balls that overlap; null if nobody asks
+  DisjointSets* connected;    // by sphere id: joins balls that overlap; null if nobody asks
 };
 
 // Joins the ball with those that overlap it, or with one that buries it: that is enough, as the
@@ -73,22 +59,22 @@ struct ArcRun {
 void join_neighbors(const ArcRun& run, std::uint32_t place, const arcs::BallCaps& caps,
                     bool is_buried) {
   const SphereId* const id = run.list.id;
-  if (is_buried) run.touching->join(id[place], id[caps.buried_by()]);
-  for (const std::uint32_t other : caps.neighbors()) run.touching->join(id[place], id[other]);
+  if (is_buried) run.connected->join(id[place], id[caps.buried_by()]);
+  for (const std::uint32_t other : caps.neighbors()) run.connected->join(id[place], id[other]);
 }
 
 // Returns the measures of the sphere at list place `place`, in Å² and Å³, with the doubts about
 // them.
 arcs::BallMeasures measure_sphere(const ArcRun& run, std::uint32_t place, ThreadSpace& work) {
   const bool is_buried = !work.caps.find(run.list, place);
-  if (run.touching != nullptr) join_neighbors(run, place, work.caps, is_buried);
+  if (run.connected != nullptr) join_neighbors(run, place, work.caps, is_buried);
   if (is_buried) {
     ++work.sums.hidden;
     return {};
   }
   arcs::BallMeasures m = work.ball.measure(work.caps.caps());
   if (work.caps.is_nearly_tangent()) m.doubts |= arcs::kNearlyTangent;
-  work.sums.add(m);  // before an area in Å² may underflow
+  add(work.sums, m);  // before an area in Å² may underflow
   const double r = run.list.spheres[place].radius;
   m.area *= r * r;
   m.volume *= r * r * r;
@@ -106,54 +92,53 @@ VDWMESH_MULTIVERSION void measure_spheres(const ArcRun& run, std::span<const std
   }
 }
 
+}  // namespace
+
 // The boundary has the patches as faces, the arcs as edges, of which a patch has as many as corners
 // and shares each with one other, and corners, which three patches share.
-std::optional<UnionCounts> counts_of(const CountSums& sums, const DisjointSets& touching) {
+std::optional<UnionCounts> counts_of(const PatchSums& sums, std::uint64_t components) {
   if (sums.doubtful > 0 || sums.corners % 6 != 0) return std::nullopt;
   const auto corners = static_cast<std::int64_t>(sums.corners);
-  return UnionCounts{touching.count(), sums.euler_characteristic - corners / 2 + corners / 3,
+  return UnionCounts{components, sums.euler_characteristic - corners / 2 + corners / 3,
                      sums.hidden};
 }
-
-}  // namespace
 
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor) {
   ArcMeasures result{};
   Workspace workspace;
-  arc_measures(result, spheres, MeasuredSpheres(spheres.size(), std::nullopt),
-               TopologyRequest::none, monitor, workspace);
+  const MeasuredSpheres all(spheres.size(), std::nullopt);
+  arc_measures(result, spheres, {.measured = all, .monitor = monitor}, workspace);
   return result;
 }
 
-void arc_measures(ArcMeasures& result, const SphereSet& spheres, const MeasuredSpheres& measured,
-                  TopologyRequest topology, Monitor* monitor, Workspace& workspace) {
+void arc_measures(ArcMeasures& result, const SphereSet& spheres, const ArcRequest& request,
+                  Workspace& workspace) {
   if (spheres.empty()) throw InvalidInput("no spheres: their union has no area or volume");
-  const CellListView list = ball_list(spheres, workspace);
+  const CellListView list = ball_list(spheres, workspace, request.frame);
   auto& [threads, is_doubtful, places] = workspace.get<ArcSpace>();
   constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
   result.per_sphere.assign(spheres.size(), {kNotMeasured, kNotMeasured});
   is_doubtful.assign(spheres.size(), 0);
   places.clear();
   for (std::uint32_t place = 0; place < list.size; ++place) {
-    if (measured.contains(list.id[place])) places.push_back(place);
+    if (request.measured.contains(list.id[place])) places.push_back(place);
   }
 
-  std::optional<DisjointSets> touching;
-  if (topology != TopologyRequest::none) touching.emplace(spheres.size());
+  result.connected.reset();
+  if (request.topology != TopologyRequest::none) result.connected.emplace(spheres.size());
   for (ThreadSpace& space : threads) space.sums = {};
-  const ArcRun run{list, result, is_doubtful.data(), touching ? &*touching : nullptr};
+  const ArcRun run{list, result, is_doubtful.data(),
+                   result.connected ? &*result.connected : nullptr};
 
-  begin_stage(monitor, "exact union (arcs)", block_count(places.size(), kSpheresPerBlock));
+  begin_stage(request.monitor, "exact union (arcs)", block_count(places.size(), kSpheresPerBlock));
   // Blocks run in list order: spheres that are near in space find the same list cells in the cache.
   const auto measure = [&](std::size_t, std::size_t first, std::size_t end) {
     measure_spheres(run, std::span(places).subspan(first, end - first), threads.local());
   };
-  for_each_block(places.size(), kSpheresPerBlock, measure, monitor);
+  for_each_block(places.size(), kSpheresPerBlock, measure, request.monitor);
 
-  CountSums sums;
-  for (const ThreadSpace& space : threads) sums.add(space.sums);
-  result.doubtful = touching ? sums.doubtful : 0;
-  result.counts = touching ? counts_of(sums, *touching) : std::nullopt;
+  result.sums = {};
+  for (const ThreadSpace& space : threads) result.sums.add(space.sums);
   result.suspect.clear();
   for (std::size_t i = 0; i < is_doubtful.size(); ++i) {
     if (is_doubtful[i]) result.suspect.push_back(static_cast<SphereId>(i));

@@ -13,11 +13,33 @@
 
 #include "arrangement/exact_union.hpp"
 #include "arrangement/measured_spheres.hpp"
+#include "core/disjoint_sets.hpp"
 #include "core/monitor.hpp"
 #include "core/workspace.hpp"
+#include "spheres/cell_list_frame.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
+
+// What spheres contribute to the counts of their union. These are sums of integers, so they do not
+// depend on the order of the spheres, nor on how a union is divided among several calls.
+struct PatchSums {
+  std::int64_t euler_characteristic = 0;  // of the exposed patches
+  std::uint64_t corners = 0;              // of the exposed patches
+  std::uint64_t hidden = 0;               // spheres without exposed area
+  std::uint64_t doubtful = 0;             // spheres for which rounding might decide about these
+
+  void add(const PatchSums& other) {
+    euler_characteristic += other.euler_characteristic;
+    corners += other.corners;
+    hidden += other.hidden;
+    doubtful += other.doubtful;
+  }
+};
+
+// The counts of a union, given the sums over all of its spheres and the number of its components.
+// There are none if rounding might decide about a sphere.
+std::optional<UnionCounts> counts_of(const PatchSums& sums, std::uint64_t components);
 
 struct ArcMeasures {
   // One entry per sphere, in the order of the SphereSet: exposed area, and volume of ball ∩ power
@@ -29,10 +51,20 @@ struct ArcMeasures {
   // nearly tangent or equal, more than two circles through one point of the sphere, an arc or a
   // cell of nearly no size (arcs/doubts.hpp).
   std::vector<SphereId> suspect;
-  // If counts were wanted: the spheres for which rounding might decide about the topology, and the
-  // counts, if there are none of these.
-  std::uint64_t doubtful = 0;
-  std::optional<UnionCounts> counts;
+  // If counts were wanted: sums over the measured spheres, and the sets of spheres of the SphereSet
+  // that hang together by overlaps of which at least one ball is measured.
+  PatchSums sums;
+  std::optional<DisjointSets> connected;
+};
+
+struct ArcRequest {
+  const MeasuredSpheres& measured;                   // all others cover these
+  TopologyRequest topology = TopologyRequest::none;  // or counts
+  // The cells of the list of the balls, whose reach is their radius. Without a frame they are made
+  // for these balls. A sphere's measures have the same bits in every set that has all balls that
+  // overlap it, if the sets have the same frame and have these balls in the same order.
+  const CellListFrame* frame = nullptr;
+  Monitor* monitor = nullptr;
 };
 
 // The result is the same, bit for bit, for any number of threads. Of equal balls the lowest index
@@ -43,10 +75,9 @@ struct ArcMeasures {
 // Throws InvalidInput for an empty set, and Cancelled.
 ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor = nullptr);
 
-// The same for the spheres in `measured` alone, which all others cover, written into an existing
-// result. Reuses the memory of its arrays and of the workspace. `topology` is none or counts;
-// precondition: counts are wanted of all spheres only.
-void arc_measures(ArcMeasures& result, const SphereSet& spheres, const MeasuredSpheres& measured,
-                  TopologyRequest topology, Monitor* monitor, Workspace& workspace);
+// The same for the spheres of the request, written into an existing result. Reuses the memory of
+// its arrays and of the workspace, which keeps the list of the balls (ball_list()).
+void arc_measures(ArcMeasures& result, const SphereSet& spheres, const ArcRequest& request,
+                  Workspace& workspace);
 
 }  // namespace vdwmesh

@@ -1,0 +1,264 @@
+// union_together(): every rank takes its share of the spheres and those that overlap them, in the
+// cells of the whole set, so that a sphere's measures have the bits that one process gives them.
+// What travels then are sums: of areas and volumes without rounding, of the integers from which the
+// counts follow, and the number of sets of connected spheres. Spheres near two shares say which of
+// these sets are one. Spheres that the arcs cannot measure go to the first rank with the balls
+// around them; it measures them by one triangulation, as one process does.
+#include "distributed/union_together.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "arrangement/arcs/arcs.hpp"
+#include "arrangement/complex/measures.hpp"
+#include "arrangement/exact_sum.hpp"
+#include "arrangement/measured_spheres.hpp"
+#include "arrangement/reference_measures.hpp"
+#include "core/errors.hpp"
+#include "distributed/joined_sets.hpp"
+#include "distributed/sphere_shares.hpp"
+#include "spheres/kept_cell_lists.hpp"
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::uint64_t kBytesPerSphere = 80;       // of the whole set, on every rank
+constexpr std::uint64_t kBytesPerNearSphere = 450;  // list, measures, sets; of those near the share
+
+struct MeasuredSphere {
+  SphereId id;  // in the whole set
+  SphereMeasures measures;
+};
+
+// What the ranks add up.
+struct Totals {
+  ExactSum area, volume;
+  PatchSums patches;
+  std::uint64_t sets = 0;  // of connected spheres that have one of the share in them
+
+  void add(const SphereMeasures& m) {
+    area.add(m.area);
+    volume.add(m.volume);
+  }
+  void add(const Totals& other) {
+    area.add(other.area);
+    volume.add(other.volume);
+    patches.add(other.patches);
+    sets += other.sets;
+  }
+};
+
+// What one rank finds out.
+struct Part {
+  SphereShare share;
+  ArcMeasures arcs;
+  std::vector<SphereId> suspects;           // ids in the whole set
+  std::vector<NumberedBall> near_suspects;  // likewise
+  Totals totals;                            // without the suspects' areas and volumes
+  std::vector<MeasuredSphere> measured;     // without the suspects; empty if nobody wants them
+  std::vector<std::uint8_t> has_own;        // [representative of a set]: whether it is in `sets`
+};
+
+void check_memory(const SphereSet& spheres, const SphereShare& share, std::uint64_t limit) {
+  const std::uint64_t bytes =
+      kBytesPerSphere * spheres.size() + kBytesPerNearSphere * share.near.spheres.size();
+  if (bytes <= limit) return;
+  throw LimitExceeded(fmt::format(
+      "{} spheres of {} need {} MiB of memory, {} MiB are allowed to a rank: more ranks or "
+      "--memory-limit {}M would do",
+      share.own.size(), spheres.size(), bytes >> 20, limit >> 20, (bytes >> 20) + 1));
+}
+
+CellListFrame frame_of_balls(const SphereSet& spheres) {
+  std::vector<double> reach(spheres.size());
+  std::ranges::transform(spheres.spheres(), reach.begin(), &Sphere::radius);
+  return make_frame(spheres, reach);
+}
+
+// The spheres that the arcs are to measure, as indices of the near ones. Counts are of the whole
+// union, so all of the share are measured for them.
+std::vector<SphereId> spheres_for_arcs(const SphereShare& share, const MeasuredSpheres& measured,
+                                       TopologyRequest topology) {
+  if (topology != TopologyRequest::none) return share.own;
+  std::vector<SphereId> chosen;
+  for (const SphereId i : share.own) {
+    if (measured.contains(share.near.ids[i])) chosen.push_back(i);
+  }
+  return chosen;
+}
+
+void measure_share(Part& part, const SphereSet& spheres, const MeasuredSpheres& measured,
+                   const UnionTogetherOptions& options) {
+  const auto& [near, ids] = part.share.near;
+  const std::vector<SphereId> wanted = spheres_for_arcs(part.share, measured, options.topology);
+  if (wanted.empty()) return;
+  const CellListFrame frame = frame_of_balls(spheres);
+  const SphereSet near_set = SphereSet::view(near);
+  const MeasuredSpheres of_share(near.size(), wanted);
+  Workspace workspace;
+  arc_measures(part.arcs, near_set,
+               {.measured = of_share,
+                .topology = options.topology,
+                .frame = &frame,
+                .monitor = options.monitor},
+               workspace);
+  if (part.arcs.suspect.empty()) return;
+  const CellListView& list = ball_list(near_set, workspace, &frame);
+  part.near_suspects = balls_near(list, near_set, part.arcs.suspect);
+  for (NumberedBall& ball : part.near_suspects) ball.id = ids[ball.id];
+  for (const SphereId i : part.arcs.suspect) part.suspects.push_back(ids[i]);
+}
+
+void add_up(Part& part, const MeasuredSpheres& measured, const UnionTogetherOptions& options) {
+  part.totals.patches = part.arcs.sums;
+  for (const SphereId i : part.share.own) {
+    const SphereId id = part.share.near.ids[i];
+    if (!measured.contains(id) || std::ranges::binary_search(part.arcs.suspect, i)) continue;
+    part.totals.add(part.arcs.per_sphere[i]);
+    if (options.per_sphere == PerSphere::keep) {
+      part.measured.push_back({id, part.arcs.per_sphere[i]});
+    }
+  }
+}
+
+void count_sets(Part& part) {
+  if (!part.arcs.connected) return;
+  part.has_own.resize(part.share.near.ids.size());
+  for (const SphereId i : part.share.own) part.has_own[part.arcs.connected->find(i)] = 1;
+  part.totals.sets = static_cast<std::uint64_t>(std::ranges::count(part.has_own, 1));
+}
+
+// The number of components. A sphere of another share that is connected with this one is on the
+// border. All ranks hear of these, and say which of their sets the spheres are in. Collective; the
+// result is that of the first rank.
+std::uint64_t joined_components(const Ranks& ranks, Part& part, std::uint64_t sets) {
+  std::vector<BorderElement> border;
+  std::vector<SphereId> elsewhere;
+  const auto add = [&](SphereId i) {
+    const std::uint32_t set = part.arcs.connected->find(i);
+    if (part.has_own[set] == 0) return false;
+    const auto rank = static_cast<std::uint64_t>(ranks.number());
+    border.push_back({part.share.near.ids[i], rank << 32 | set});
+    return true;
+  };
+  ranks.together([&] {
+    for (std::size_t i = 0, own = 0; i < part.share.near.ids.size(); ++i) {
+      if (own < part.share.own.size() && part.share.own[own] == i) {
+        ++own;
+      } else if (add(static_cast<SphereId>(i))) {
+        elsewhere.push_back(part.share.near.ids[i]);
+      }
+    }
+  });
+  std::vector<SphereId> asked = ranks.collect(std::span<const SphereId>(elsewhere));
+  ranks.share(asked);
+  ranks.together([&] {
+    std::ranges::sort(asked);
+    asked.erase(std::ranges::unique(asked).begin(), asked.end());
+    for (const SphereId i : part.share.own) {
+      if (std::ranges::binary_search(asked, part.share.near.ids[i])) add(i);
+    }
+  });
+  std::vector<BorderElement> all = ranks.collect(std::span<const BorderElement>(border));
+  std::uint64_t components = 0;
+  ranks.together([&] {
+    if (ranks.is_first()) components = count_joined(sets, std::move(all));
+  });
+  return components;
+}
+
+// What the ranks found out, as the first one has it.
+struct Gathered {
+  std::vector<SphereId> suspects;
+  std::vector<NumberedBall> near_suspects;
+  std::vector<MeasuredSphere> measured;
+  Totals totals;
+  std::uint64_t components = 0;
+};
+
+template <class T>
+std::vector<T> collect(const Ranks& ranks, const std::vector<T>& mine) {
+  return ranks.collect(std::span<const T>(mine));
+}
+
+Gathered gather(const Ranks& ranks, Part& part, TopologyRequest topology) {
+  Gathered all;
+  all.suspects = collect(ranks, part.suspects);
+  all.near_suspects = collect(ranks, part.near_suspects);
+  all.measured = collect(ranks, part.measured);
+  for (const Totals& totals : ranks.collect(std::span<const Totals>(&part.totals, 1))) {
+    all.totals.add(totals);
+  }
+  if (topology != TopologyRequest::none) {
+    all.components = joined_components(ranks, part, all.totals.sets);
+  }
+  return all;
+}
+
+// Adds the suspects, measured by a triangulation, to those that the arcs measured.
+void add_suspects(Gathered& all, const MeasuredSpheres& measured) {
+  if (all.suspects.empty()) return;
+  const std::vector<SphereMeasures> measures =
+      reference_measures(all.suspects, std::move(all.near_suspects));
+  for (std::size_t i = 0; i < measures.size(); ++i) {
+    if (!measured.contains(all.suspects[i])) continue;
+    all.totals.add(measures[i]);
+    all.measured.push_back({all.suspects[i], measures[i]});
+  }
+}
+
+std::vector<SphereMeasures> in_order(const std::vector<MeasuredSphere>& measured,
+                                     std::size_t spheres) {
+  constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+  std::vector<SphereMeasures> per_sphere(spheres, {kNotMeasured, kNotMeasured});
+  for (const auto& [id, measures] : measured) per_sphere[id] = measures;
+  return per_sphere;
+}
+
+ExactUnion result_of(Gathered all, const SphereSet& spheres, const MeasuredSpheres& measured,
+                     const UnionTogetherOptions& options) {
+  add_suspects(all, measured);
+  ExactUnion result{};
+  result.method = UnionMethod::arcs;
+  result.area = all.totals.area.nearest();
+  result.volume = all.totals.volume.nearest();
+  require_finite({{result.area, result.volume}});
+  result.fallback_spheres = all.suspects.size();
+  if (options.topology != TopologyRequest::none) {
+    result.counts = counts_of(all.totals.patches, all.components);
+    result.doubtful_spheres = all.totals.patches.doubtful;
+  }
+  if (options.per_sphere == PerSphere::keep) {
+    result.per_sphere = in_order(all.measured, spheres.size());
+  }
+  return result;
+}
+
+}  // namespace
+
+ExactUnion union_together(const Ranks& ranks, const SphereSet& spheres,
+                          const UnionTogetherOptions& options) {
+  Part part;
+  std::optional<MeasuredSpheres> measured;
+  ranks.together([&] {
+    if (spheres.empty()) throw InvalidInput("the union of an empty set of spheres is not defined");
+    measured.emplace(spheres.size(), options.measured);
+    part.share = share_of_spheres(spheres, static_cast<std::size_t>(ranks.number()),
+                                  static_cast<std::size_t>(ranks.count()));
+    check_memory(spheres, part.share, options.memory_limit);
+    measure_share(part, spheres, *measured, options);
+    add_up(part, *measured, options);
+    count_sets(part);
+  });
+  Gathered all = gather(ranks, part, options.topology);
+  ExactUnion result{};
+  ranks.together([&] {
+    if (ranks.is_first()) result = result_of(std::move(all), spheres, *measured, options);
+  });
+  return result;
+}
+
+}  // namespace vdwmesh

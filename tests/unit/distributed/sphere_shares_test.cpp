@@ -1,0 +1,82 @@
+// The spheres that each rank measures, and those near them; sets that ranks found each for itself.
+#include "distributed/sphere_shares.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "distributed/joined_sets.hpp"
+
+namespace vdwmesh {
+namespace {
+
+std::vector<Sphere> random_spheres(std::size_t count, Vec3d size) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(0, 1), radius(0.5, 2);
+  std::vector<Sphere> spheres;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = size.x * unit(random), y = size.y * unit(random), z = size.z * unit(random);
+    spheres.push_back({{x, y, z}, radius(random)});
+  }
+  return spheres;
+}
+
+bool touch(const Sphere& a, const Sphere& b) {
+  const Vec3d to = a.center - b.center;
+  const double sum = a.radius + b.radius;
+  return dot(to, to) <= sum * sum;
+}
+
+// Every sphere is in one share, and every share has all that touch its spheres.
+void expect_sound_shares(const SphereSet& spheres, std::size_t parts) {
+  std::vector<int> shares(spheres.size());
+  for (std::size_t part = 0; part < parts; ++part) {
+    const auto [near, own] = share_of_spheres(spheres, part, parts);
+    EXPECT_TRUE(std::ranges::is_sorted(near.ids));
+    EXPECT_TRUE(std::ranges::is_sorted(own));
+    EXPECT_LE(own.size(), spheres.size() / parts + 1);
+    for (const SphereId i : own) {
+      ++shares[near.ids[i]];
+      for (std::size_t other = 0; other < spheres.size(); ++other) {
+        if (!touch(spheres[near.ids[i]], spheres[other])) continue;
+        ASSERT_TRUE(std::ranges::binary_search(near.ids, static_cast<SphereId>(other)));
+      }
+    }
+    for (std::size_t i = 0; i < near.ids.size(); ++i) {
+      EXPECT_EQ(near.spheres[i].center, spheres[near.ids[i]].center);
+    }
+  }
+  EXPECT_EQ(shares, std::vector<int>(spheres.size(), 1)) << parts;
+}
+
+TEST(SphereShares, HaveAllSpheresOnceAndAllThatTouchThem) {
+  for (const std::size_t parts : {1u, 2u, 3u, 7u, 400u}) {
+    expect_sound_shares(SphereSet(random_spheres(300, {10, 30, 20})), parts);
+    expect_sound_shares(SphereSet(random_spheres(300, {0, 0, 0})), parts);  // all in one layer
+    expect_sound_shares(SphereSet({{{1, 2, 3}, 1}}), parts);
+  }
+}
+
+TEST(SphereShares, TouchingSpheresFarFromTheOriginAreNear) {
+  constexpr double kFar = 1e9;  // Å; coordinates are rounded by 1e-7 Å there
+  const SphereSet spheres({{{kFar, 0, 0}, 1}, {{kFar + 2, 0, 0}, 1}, {{kFar + 9, 0, 0}, 1}});
+  EXPECT_EQ(share_of_spheres(spheres, 0, 3).near.ids, (std::vector<SphereId>{0, 1}));
+  EXPECT_EQ(share_of_spheres(spheres, 2, 3).near.ids, (std::vector<SphereId>{2}));
+}
+
+TEST(SphereShares, AreCutAcrossTheLongestAxis) {
+  const SphereSet spheres(random_spheres(4000, {20, 1000, 20}));
+  EXPECT_LE(share_of_spheres(spheres, 5, 10).near.ids.size(), 450u);
+}
+
+TEST(JoinedSets, SetsThatShareAnElementAreOne) {
+  EXPECT_EQ(count_joined(5, {}), 5u);
+  EXPECT_EQ(count_joined(5, {{1, 10}, {2, 20}}), 5u);
+  EXPECT_EQ(count_joined(5, {{1, 10}, {1, 20}}), 4u);
+  // A chain of three, and the same pair again by another element.
+  EXPECT_EQ(count_joined(5, {{7, 10}, {9, 30}, {8, 20}, {7, 20}, {8, 30}, {9, 20}}), 3u);
+  EXPECT_EQ(count_joined(2, {{1, 10}, {1, 10}}), 2u);
+}
+
+}  // namespace
+}  // namespace vdwmesh
