@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -77,6 +78,23 @@ std::string or_dash(const std::optional<T>& value, const char* format) {
 std::string csv_field(std::string_view text);
 // The fewest digits that read back the same; nothing where it is not finite.
 std::string csv_number(double value);
+
+// A table that was read: a header and rows of as many fields.
+class CsvFile {
+ public:
+  // Throws FileFormatError, naming the file and the line, for a file that cannot be read or is no
+  // such table.
+  explicit CsvFile(const std::filesystem::path& path);
+
+  bool has_column(std::string_view name) const;
+  // The fields of a column. Throws FileFormatError where there is none of this name.
+  std::vector<std::string> column(std::string_view name) const;
+
+ private:
+  std::string path_;
+  std::vector<std::string> header_;
+  std::vector<std::vector<std::string>> rows_;
+};
 
 // A header and one line per row. `columns` is the header: names of cells with commas between.
 std::string csv_table(std::string_view columns, const std::vector<Cells>& rows);

@@ -35,7 +35,7 @@ constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays 
 MeshSize first_level(const MemoryDemand& d) {
   const SurfaceOptions& surface = *d.surface;
   const bool exact = surface.mesher == Mesher::exact;
-  const double step = exact ? surface.edge_length : surface.grid.spacing;
+  const double step = exact ? surface.edge_length.value() : surface.grid.spacing;
   const double by_area = (exact ? kTrianglesPerPatch : kTrianglesPerCell) * d.area / (step * step);
   const double of_arcs =
       std::min(kTrianglesOfArcs * d.area, kTrianglesOfBall * static_cast<double>(d.spheres));
@@ -141,7 +141,7 @@ bool fits(const MemoryDemand& demand, std::uint64_t limit) {
 // The demand as it would be with another size of the cells or triangles.
 MemoryDemand scaled(MemoryDemand d, double factor) {
   d.surface->grid.spacing *= factor;
-  d.surface->edge_length *= factor;
+  if (d.surface->edge_length) *d.surface->edge_length *= factor;
   const double shrunk = 1 / (factor * factor);
   d.mesh = {static_cast<std::uint64_t>(static_cast<double>(d.mesh.vertices) * shrunk),
             static_cast<std::uint64_t>(static_cast<double>(d.mesh.triangles) * shrunk)};
@@ -162,9 +162,12 @@ MemoryDemand with_subdivisions(MemoryDemand d, int levels) {
 std::optional<std::string> fitting_step(const MemoryDemand& demand, std::uint64_t limit) {
   constexpr double kGrain = 1.05, kWidest = 1e12;  // Å
   const bool exact = demand.surface->mesher == Mesher::exact;
-  const double step = exact ? demand.surface->edge_length : demand.surface->grid.spacing;
+  const double step = exact ? demand.surface->edge_length.value() : demand.surface->grid.spacing;
   for (double factor = kGrain; step * factor < kWidest; factor *= kGrain) {
     if (!fits(scaled(demand, factor), limit)) continue;
+    if (!demand.surface->edge_lengths.empty()) {
+      return fmt::format("edge lengths {:.2f} times as long", factor);
+    }
     return fmt::format("{} {:.2g}", exact ? "--edge-length" : "--spacing",
                        std::ceil(step * factor * 100) / 100);
   }
@@ -227,12 +230,25 @@ double area_of_surface(const SphereSet& spheres, const MemoryDemand& demand, dou
   return estimate_area(spheres, make_field_model(demand.surface->field, grid));
 }
 
+// The edge length that would make as many triangles if all spheres had it and were exposed whole.
+double equivalent_edge_length(const SphereSet& spheres, const std::vector<double>& lengths) {
+  double areas = 0, triangles = 0;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    const double r = spheres[i].radius;
+    areas += r * r, triangles += r * r / (lengths[i] * lengths[i]);
+  }
+  return std::sqrt(areas / triangles);
+}
+
 // The area is known well enough without a mesh, from points on a sample of the spheres.
 void fill_in(const SphereSet& spheres, MemoryDemand& demand) {
   double all = 0;  // Å²
   for (const Sphere& s : spheres.spheres()) all += 4 * std::numbers::pi * s.radius * s.radius;
   demand.spheres = spheres.size();
   const double of_union = estimate_area(spheres);
+  if (demand.surface && !demand.surface->edge_lengths.empty()) {
+    demand.surface->edge_length = equivalent_edge_length(spheres, demand.surface->edge_lengths);
+  }
   demand.exposed = of_union / all;
   demand.area = area_of_surface(spheres, demand, of_union);
 }

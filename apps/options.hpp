@@ -26,9 +26,21 @@ struct InputOptions {
   double probe = 0;  // Å
 };
 
+// Edge lengths of Mesher::exact that differ from atom to atom.
+struct EdgeGrading {
+  std::optional<double> relative;   // as a share of the sphere's radius
+  std::string table;                // path of a table of atoms with their edge lengths
+  std::vector<std::string> groups;  // "SELECTION=LENGTH" as it was given
+  std::vector<double> of_groups;    // Å, of the groups of ReadOptions::groups
+  bool is_uniform() const { return !relative && table.empty() && groups.empty(); }
+};
+
 struct SurfaceOptions {
   Mesher mesher = Mesher::marching_cubes;
-  double edge_length = 0;  // Å, of Mesher::exact
+  // Å, of Mesher::exact; empty: the grading gives all lengths.
+  std::optional<double> edge_length;
+  EdgeGrading grading;
+  std::vector<double> edge_lengths;  // Å, by sphere, once the structure is read; empty: all alike
   FieldOptions field;
   GridOptions grid;
   int subdivisions = 0;

@@ -27,7 +27,11 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   const auto& grid = parameters.grid;
   const bool is_exact = surface.mesher == Mesher::exact;
   a("mesher", surface.mesher);
-  a("edge_length", is_exact ? std::optional(surface.edge_length) : std::nullopt);
+  a("edge_length", is_exact ? surface.edge_length : std::nullopt);
+  const EdgeGrading& grading = surface.grading;
+  a("relative_edge", grading.relative);
+  a("edge_length_of", grading.groups);
+  a("edge_lengths", grading.table.empty() ? std::nullopt : std::optional(grading.table));
   a("field", surface.field.kind), a("preset", surface.field.preset);
   a("spacing", of(grid, &GridSpec::spacing));
   a("padding",

@@ -96,11 +96,21 @@ std::string refinement_text(const SurfaceOptions& surface) {
                      crosses ? ", crossings allowed" : "");
 }
 
+std::string edge_text(const SurfaceOptions& surface) {
+  const EdgeGrading& grading = surface.grading;
+  std::string text;
+  if (surface.edge_length) text = fmt::format(", edge length {} Å", *surface.edge_length);
+  if (grading.relative) text += fmt::format(", edges of {} radii", *grading.relative);
+  for (const std::string& group : grading.groups) text += fmt::format(", {} Å", group);
+  if (!grading.table.empty()) text += ", edge lengths of " + grading.table;
+  return text.substr(2);
+}
+
 std::string surface_text(const ParametersReport& parameters) {
   const FieldOptions& field = parameters.surface.field;
   if (parameters.surface.mesher == Mesher::exact) {
-    return fmt::format("union of the spheres, crease-exact, edge length {} Å; {}",
-                       parameters.surface.edge_length, refinement_text(parameters.surface));
+    return fmt::format("union of the spheres, crease-exact, {}; {}", edge_text(parameters.surface),
+                       refinement_text(parameters.surface));
   }
   std::string text = fmt::format("field {}", name_of(field.kind));
   if (field.kind != FieldKind::vdw) text += fmt::format(" ({})", name_of(field.preset));

@@ -123,7 +123,12 @@ void note_other_topology(const ExactMeshStats& s, Report& report) {
 IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& surface,
                              const RefineOptions& refine, Report& report) {
   report.parameters = describe_parameters(surface, std::nullopt, refine.memory_limit);
-  ExactMesh exact = mesh_union(spheres, {surface.edge_length, refine.memory_limit, refine.monitor});
+  ExactMeshOptions options;
+  options.edge_length = surface.edge_length.value_or(options.edge_length);
+  options.edge_lengths = surface.edge_lengths;
+  options.memory_limit = refine.memory_limit;
+  options.monitor = refine.monitor;
+  ExactMesh exact = mesh_union(spheres, options);
   report.timing.extract = exact.stats.seconds;
   report.mesh.emplace();
   report.mesh->arrangement = exact.stats;

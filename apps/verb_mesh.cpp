@@ -2,6 +2,7 @@
 // an estimate, and again when its size is known. Where a device makes the mesh, the CPU makes room
 // for the half-edges meanwhile.
 #include "command_line/command_line.hpp"
+#include "edge_lengths.hpp"
 #include "interrupt.hpp"
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
@@ -74,7 +75,7 @@ void run_mesh(const Options& options) {
   VerbSession session(options.machine);
   const Structure structure = load(options.inputs.front(), session);
   SurfaceMesh built;
-  build(structure, options, built, session);
+  build(structure, with_edge_lengths(options, structure), built, session);
   write(built, options.mesh_path, session);
   session.deliver_report(options.output);
 }

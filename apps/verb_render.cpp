@@ -7,6 +7,7 @@
 
 #include "command_line/command_line.hpp"
 #include "core/errors.hpp"
+#include "edge_lengths.hpp"
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
 #include "picture.hpp"
@@ -50,8 +51,9 @@ Paint paint_for(const IndexedMesh& mesh, const Structure& structure, const Pictu
 }
 
 // Where triangles know their spheres, creases are drawn sharp.
-void draw_structure(const Options& options, Session& session) {
-  const Structure structure = load(options.inputs.front(), session);
+void draw_structure(const Options& given, Session& session) {
+  const Structure structure = load(given.inputs.front(), session);
+  const Options options = with_edge_lengths(given, structure);
   check_memory(structure.spheres, options);
   const IndexedMesh mesh = make_mesh(structure.spheres, options.surface, session);
   const auto painter = [&](const IndexedMesh& shown) {

@@ -6,6 +6,7 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "command_line/command_line.hpp"
+#include "edge_lengths.hpp"
 #include "memory_plan.hpp"
 #include "output.hpp"
 #include "per_atom.hpp"
@@ -56,8 +57,10 @@ IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options,
 void run_report(const Options& options) {
   VerbSession session(options.machine);
   const InputOptions& input = options.inputs.front();
-  const auto [molecule, spheres] = load(input, session);
-  const IndexedMesh mesh = make_measured_mesh(spheres, options, session);
+  const Structure structure = load(input, session);
+  const auto& [molecule, spheres] = structure;
+  const IndexedMesh mesh =
+      make_measured_mesh(spheres, with_edge_lengths(options, structure), session);
   measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
   measure_polarity(molecule, session);
   compare_with_exact(mesh, spheres, options.distances, session);

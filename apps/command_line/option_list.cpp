@@ -65,6 +65,21 @@ Reader of_picture(PictureOptions& picture, std::string value, ReadPicture read_v
           }};
 }
 
+// "A/10-40=0.2". The selection may have commas, so each is given by itself; it ends at the last =.
+Reader lengths_of_selections(Draft& d) {
+  const auto read = [&d](std::string_view option, const std::string& text) {
+    const std::size_t equals = text.rfind('=');
+    refuse_if(equals == text.npos || equals == 0,
+              "{} {}: needs a selection and a length, such as A/10-40=0.2", option, text);
+    const double length =
+        parse_number(option, text.substr(equals + 1), Range::positive, "A/10-40=0.2");
+    d.read.groups.push_back(text.substr(0, equals));
+    d.options.surface.grading.of_groups.push_back(length);
+    d.options.surface.grading.groups.push_back(text);
+  };
+  return {"SELECTION=Å", "", read, Use::none, Times::often};
+}
+
 // Which atoms there are, and how large they are.
 std::vector<Option> input_options(Draft& d) {
   ReadOptions& r = d.read;
@@ -120,6 +135,16 @@ std::vector<Option> surface_options(Draft& d) {
        "exact follows the creases, with one atom per triangle", by_default("marching-cubes")},
       {"--edge-length", kSurfaces, one(s.edge_length, length("0.35")), "of --mesher exact",
        by_default("0.35")},
+      {"--relative-edge", kSurfaces, one(s.grading.relative, number("N", Range::positive, "0.2")),
+       "edge length as a share of the radius; beside --edge-length the shorter one holds",
+       no_default()},
+      {"--edge-length-of", kSurfaces, lengths_of_selections(d),
+       "edge length of some atoms (as --select); the last one that names an atom holds",
+       no_default()},
+      {"--edge-lengths", kSurfaces, one(s.grading.table, text("FILE"), Use::reads),
+       "table of --per-atom with a column edge_length, Å; an empty field leaves the atom to the "
+       "other options",
+       no_default()},
       {"--field", kGrids, one(s.field.kind, named<FieldKind>()), "what is meshed",
        by_default("vdw")},
       {"--preset", kGrids, one(s.field.preset, named<FieldPreset>()),

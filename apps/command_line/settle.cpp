@@ -44,8 +44,10 @@ void settle_mesher(const Draft& d) {
   const SurfaceOptions& s = d.options.surface;
   const bool exact = s.mesher == Mesher::exact;
   const std::string of_grid = first_given(d, {"--spacing", "--padding"});
-  refuse_if(!exact && is_given(d, "--edge-length"),
-            "--edge-length: is of --mesher exact; marching cubes takes --spacing instead");
+  const std::string of_edges =
+      first_given(d, {"--edge-length", "--relative-edge", "--edge-length-of", "--edge-lengths"});
+  refuse_if(!exact && !of_edges.empty(),
+            "{}: is of --mesher exact; marching cubes takes --spacing instead", of_edges);
   refuse_if(exact && s.field.kind != FieldKind::vdw,
             "--field {}: --mesher exact meshes the union of the spheres, which is --field vdw",
             name_of(s.field.kind));
@@ -85,6 +87,7 @@ void settle_crossings(Draft& d) {
 // The meshers are told apart only by verbs that make one mesh; a study sweeps over both.
 void settle_surface(Draft& d) {
   SurfaceOptions& s = d.options.surface;
+  if (s.grading.relative && !is_given(d, "--edge-length")) s.edge_length.reset();
   settle_field(s.field);
   if (d.verb & (kMesh | kReport | kRender | kRanksMesh)) settle_mesher(d);
   s.grid = preset_grid(s.field.preset, d.spacing, d.padding);

@@ -26,6 +26,7 @@ struct Request {
   bool exact = true;  // the crease-exact mesher, or marching cubes
   FieldKind field = FieldKind::vdw;
   double spacing = 0, edge_length = 0;  // Å
+  std::vector<double> edge_lengths;     // by atom, in place of edge_length; empty: all alike
   int subdivisions = 0;
   Crossings crossings = Crossings::undo;
   bool normals = true;
@@ -62,6 +63,7 @@ Request request_of(const py::kwargs& given) {
   request.field = field_of(given["field"].cast<std::string>());
   request.spacing = given["spacing"].cast<double>();
   request.edge_length = given["edge_length"].cast<double>();
+  request.edge_lengths = given["edge_lengths"].cast<std::vector<double>>();
   request.subdivisions = given["subdivide"].cast<int>();
   request.crossings = crossings_of(given["crossings"].cast<std::string>());
   request.normals = given["normals"].cast<bool>();
@@ -91,8 +93,11 @@ RefineOptions refinement(const Request& request, Monitor& monitor) {
 // The crease-exact mesher runs on the CPU; what is subdivided goes to the device asked for.
 IndexedMesh mesh_exactly(const SphereSet& spheres, const Request& request, Monitor& monitor) {
   const RefineOptions refine = refinement(request, monitor);
-  IndexedMesh mesh =
-      std::move(mesh_union(spheres, {request.edge_length, refine.memory_limit, &monitor}).mesh);
+  const ExactMeshOptions options{.edge_length = request.edge_length,
+                                 .edge_lengths = request.edge_lengths,
+                                 .memory_limit = refine.memory_limit,
+                                 .monitor = &monitor};
+  IndexedMesh mesh = std::move(mesh_union(spheres, options).mesh);
   if (request.subdivisions == 0) return mesh;
   return std::move(make_refiner(request.backend)->refine(spheres, std::move(mesh), refine).mesh);
 }

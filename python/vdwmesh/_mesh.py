@@ -142,7 +142,7 @@ def mesh(
     mesher: str = "exact",
     field: str = "vdw",
     spacing: float = 0.5,
-    edge_length: float = 0.35,
+    edge_length: float | ArrayLike = 0.35,
     subdivide: int = 0,
     crossings: str = "undo",
     normals: bool = True,
@@ -164,8 +164,9 @@ def mesh(
         Of marching cubes: the union of the balls, or a blended field.
     spacing : float
         Of the grid of marching cubes, Å.
-    edge_length : float
-        Of the exact mesher, Å; edges are shorter at narrow features.
+    edge_length : float or array_like, shape (N,)
+        Of the exact mesher, Å, for all atoms or by atom; edges are shorter at narrow features, and where
+        atoms meet the shorter length holds. ``0.2 * radii`` gives every atom as many triangles.
     subdivide : int
         Levels of midpoint subdivision, each with projection to the surface.
     crossings : {"undo", "allow"}
@@ -206,7 +207,7 @@ def mesh(
         "mesher": mesher,
         "field": field,
         "spacing": _positive("spacing", spacing),
-        "edge_length": _positive("edge_length", edge_length),
+        **_edge_lengths(edge_length, len(sizes)),
         "subdivide": int(subdivide),
         "crossings": crossings,
         "normals": bool(normals),
@@ -218,6 +219,17 @@ def mesh(
         there = centers.as_frames().packed
         return Mesh._of(_core.mesh_on_device(there, packed(sizes), grown, cores, **options))
     return Mesh._of(_core.mesh(centers, sizes, grown, cores, **options))
+
+
+def _edge_lengths(value: Any, atoms: int) -> dict[str, Any]:
+    if np.ndim(value) == 0:
+        return {"edge_length": _positive("edge_length", value), "edge_lengths": []}
+    lengths = floats("edge_length", value, "(N,)").astype(np.float64)
+    if len(lengths) != atoms:
+        raise InvalidInput(f"edge_length: has {len(lengths)} values for {atoms} atoms")
+    if not (np.isfinite(lengths) & (lengths > 0)).all():
+        raise InvalidInput("edge_length: has values that are not above 0")
+    return {"edge_length": 0.0, "edge_lengths": lengths}
 
 
 def _positive(name: str, value: Any) -> float:

@@ -182,14 +182,21 @@ class FeatureSizeSearch {
   std::string refusal_;                      // message of the first refusal, for the caller
 };
 
+void check_edge_length(double length) {
+  if (length > 0 && std::isfinite(length)) return;
+  throw InvalidInput(fmt::format("the edge length must be positive and finite, not {} Å", length));
+}
+
 }  // namespace
 
 ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options) {
   if (spheres.empty()) throw InvalidInput("an empty set of spheres has no surface");
-  if (!(options.edge_length > 0) || !std::isfinite(options.edge_length)) {
-    throw InvalidInput(
-        fmt::format("the edge length must be positive and finite, not {} Å", options.edge_length));
+  if (options.edge_lengths.empty()) check_edge_length(options.edge_length);
+  if (!options.edge_lengths.empty() && options.edge_lengths.size() != spheres.size()) {
+    throw InvalidInput(fmt::format("there are {} edge lengths for {} spheres",
+                                   options.edge_lengths.size(), spheres.size()));
   }
+  for (const double length : options.edge_lengths) check_edge_length(length);
   const Clock::time_point begin = Clock::now();
   const Arrangement arrangement = arrange(spheres, options.monitor);
   const double arrangement_seconds = seconds_since(begin);

@@ -19,6 +19,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "core/monitor.hpp"
 #include "surface/indexed_mesh.hpp"
@@ -26,7 +27,11 @@
 namespace vdwmesh {
 
 struct ExactMeshOptions {
-  double edge_length = 0.35;                    // Å; edges are shorter at narrow features
+  double edge_length = 0.35;  // Å; edges are shorter at narrow features
+  // Å, by sphere, in place of edge_length if not empty. Along the arc between two spheres the
+  // shorter length holds; from there the triangles of the other sphere grow to its own length. Of
+  // equal spheres the first one counts.
+  std::span<const double> edge_lengths = {};
   std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
   Monitor* monitor = nullptr;
 };
@@ -60,9 +65,10 @@ struct ExactMesh {
 // Meshes the boundary of the union. The labels of a vertex are the ids of the spheres it lies on,
 // ascending. The result depends on the arguments alone: every call and any number of threads give
 // the same mesh, and a permuted input permutes the labels only.
-// Throws InvalidInput for an empty set or an edge length that is not finite and positive, and
-// Cancelled. Throws LimitExceeded before it takes memory beyond the limit, or later if curves of
-// the boundary lie too close to each other for every set of thresholds.
+// Throws InvalidInput for an empty set, for an edge length that is not finite and positive, and if
+// there are edge lengths by sphere, but not one for each sphere; and Cancelled. Throws
+// LimitExceeded before it takes memory beyond the limit, or later if curves of the boundary lie too
+// close to each other for every set of thresholds.
 ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options = {});
 
 }  // namespace vdwmesh

@@ -118,6 +118,7 @@ class Choice {
     drop("zero_radius", [](const Site& site) { return site.radius == 0; });
     refuse_if_empty();
     mark_measured();
+    mark_groups();
     if (options_.assembly == "asymmetric")
       take_asymmetric();
     else
@@ -209,6 +210,22 @@ class Choice {
     if (options_.measure.empty()) return;
     const SiteSelection selection(options_.measure, *file_.structure);
     for (Site& site : sites_) site.measured = selection.contains(site);
+  }
+
+  // A group without atoms is more likely a slip than meant.
+  void mark_groups() {
+    for (std::size_t g = 0; g < options_.groups.size(); ++g) {
+      const SiteSelection selection(options_.groups[g], *file_.structure);
+      bool is_empty = true;
+      for (Site& site : sites_) {
+        if (!selection.contains(site)) continue;
+        site.group = static_cast<std::int32_t>(g);
+        is_empty = false;
+      }
+      if (is_empty)
+        throw InvalidInput(fmt::format("{}: selection {} matches none of the {} atoms in use",
+                                       file_.path, in_quotes(options_.groups[g]), sites_.size()));
+    }
   }
 
   // An empty sum would be an area of 0, which is not what a mistyped selection should give.
@@ -310,6 +327,7 @@ class Choice {
     taken.model = model_number(*site.model);
     taken.hetero = from.hetero;
     taken.measured = site.measured;
+    taken.group = site.group;
     taken.polarity = site.polarity;
     return taken;
   }

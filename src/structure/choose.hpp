@@ -12,9 +12,9 @@ namespace vdwmesh {
 // Applies the options in this order: model, waters, hydrogens, HETATM, alternate locations,
 // selection, radii, assembly. Counts every atom that is dropped in Molecule::skipped. `table` gives
 // the radii, unless the file has its own. Throws InvalidInput if an option does not suit the file,
-// if no atom is left or none is to be measured, or if an atom has no known radius. Throws
-// FileFormatError for an assembly that cannot be made, and LimitExceeded for one with too many
-// atoms.
+// if no atom is left, none is to be measured or a group has none, or if an atom has no known
+// radius. Throws FileFormatError for an assembly that cannot be made, and LimitExceeded for one
+// with too many atoms.
 Molecule choose_atoms(const ParsedFile& file, const ReadOptions& options, const RadiusTable& table);
 
 }  // namespace vdwmesh

@@ -12,18 +12,21 @@
 
 namespace vdwmesh {
 
+inline constexpr std::int32_t kNoGroup = -1;
+
 struct Atom {
-  Vec3d position;              // Å
-  double radius = 0;           // Å; from the file (PQR, XYZR) or from a radius set
-  std::string element;         // symbol as in the periodic table ("C", "Zn"; "D" for deuterium)
-  std::string name;            // "CA"
-  std::string residue_name;    // "ALA"
-  std::string chain;           // in an assembly with the number of the copy: "A1"
-  std::string residue_number;  // with insertion code: "52A"; empty if the file has none
-  std::int64_t serial = 0;     // as in the file
-  std::int32_t model = 1;      // 0 if the file names the model by something else than a number
-  bool hetero = false;         // the record is HETATM
-  bool measured = true;        // false: covers others, and is not measured itself
+  Vec3d position;                 // Å
+  double radius = 0;              // Å; from the file (PQR, XYZR) or from a radius set
+  std::string element;            // symbol as in the periodic table ("C", "Zn"; "D" for deuterium)
+  std::string name;               // "CA"
+  std::string residue_name;       // "ALA"
+  std::string chain;              // in an assembly with the number of the copy: "A1"
+  std::string residue_number;     // with insertion code: "52A"; empty if the file has none
+  std::int64_t serial = 0;        // as in the file
+  std::int32_t model = 1;         // 0 if the file names the model by something else than a number
+  bool hetero = false;            // the record is HETATM
+  bool measured = true;           // false: covers others, and is not measured itself
+  std::int32_t group = kNoGroup;  // the last one of ReadOptions::groups that contains the atom
   Polarity polarity = Polarity::unknown;  // by the radius set; sets by element have none
 };
 

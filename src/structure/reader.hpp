@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/monitor.hpp"
 #include "structure/molecule.hpp"
@@ -35,6 +36,8 @@ struct ReadOptions {
   // to cover these, with Atom::measured false. Chains are called as in the file, so that in an
   // assembly all copies of a selected atom are measured.
   std::string measure;
+  // Selections that divide the atoms into groups, as `select`; Atom::group says which is whose.
+  std::vector<std::string> groups;
   Inclusion waters = Inclusion::drop;
   Inclusion hydrogens = Inclusion::keep;     // deuterium counts as hydrogen
   Inclusion hetero_atoms = Inclusion::keep;  // HETATM records
@@ -65,7 +68,8 @@ bool has_structure_extension(const std::filesystem::path& name);
 // after the other; the copies of chain A are named A1, A2, ... Throws FileFormatError if the file
 // cannot be opened or understood (the message names the file, and the line if there is one),
 // LimitExceeded if the text is longer than 2 GiB or than the memory limit allows, and InvalidInput
-// if the options do not suit the file: no atom is left or none to be measured, an atom has no known
+// if the options do not suit the file: no atom is left or none to be measured, a
+// group has none, an atom has no known
 // radius, or the file lacks the model, assembly or label; and Cancelled.
 Molecule read_structure(const std::filesystem::path& path, const ReadOptions& options = {});
 

@@ -24,6 +24,7 @@ struct Site {
   const gemmi::Atom* atom;
   double radius = 0;  // Å; 0 until radii are assigned
   bool measured = true;
+  std::int32_t group = kNoGroup;
   Polarity polarity = Polarity::unknown;
 };
 

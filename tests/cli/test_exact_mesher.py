@@ -90,3 +90,73 @@ class ExactMesher(ProgramTest):
         self.assertGreater(len(exposed), 400)
         for exact, mesh in exposed:
             self.assertLess(abs(mesh - exact) / exact, 0.01)
+
+    def triangles_of(self, *options):
+        """Triangles of the mesh, and whether it has the topology of the union."""
+        document = self.exact_report("--subdivide", "0", "--distances", "off", *options)
+        mesh, exact = document["mesh"], document["exact"]
+        for name in ("euler_characteristic", "components", "voids"):
+            self.assertEqual(mesh[name], exact[name])
+        self.assertEqual(mesh["self_intersections"], 0)
+        return mesh["triangles"], document["parameters"]
+
+    def test_edge_lengths_that_differ_from_atom_to_atom(self):
+        coarse, _ = self.triangles_of()
+        fine, _ = self.triangles_of("--edge-length", "0.2")
+        some, parameters = self.triangles_of("--edge-length-of", "A/1-20=0.2")
+        self.assertLess(coarse, some)
+        self.assertLess(some, fine)
+        self.assertEqual(parameters["edge_length_of"], ["A/1-20=0.2"])
+        # Every atom named: the same as one length for all. The last selection holds.
+        self.assertEqual(self.triangles_of("--edge-length-of", "A=0.2")[0], fine)
+        self.assertEqual(
+            self.triangles_of("--edge-length-of", "A/1-20=0.1", "--edge-length-of", "A=0.2")[0], fine)
+
+    def test_edge_lengths_as_shares_of_the_radius(self):
+        alone, parameters = self.triangles_of("--relative-edge", "0.25")
+        self.assertIsNone(parameters["edge_length"])
+        self.assertEqual(parameters["relative_edge"], 0.25)
+        # Bondi's radii are above 1.4 Å here, so 0.25 of them is above 0.35 Å.
+        both, parameters = self.triangles_of("--relative-edge", "0.25", "--edge-length", "0.35")
+        self.assertEqual(both, self.triangles_of()[0])
+        self.assertLess(alone, both)
+
+    def test_edge_lengths_in_a_table_of_atoms(self):
+        table = self.folder / "atoms.csv"
+        self.exact_report("--subdivide", "0", "--distances", "off", "--per-atom", str(table))
+        with open(table, newline="") as file:
+            rows = list(csv.DictReader(file))
+
+        def written(rows, of_row):
+            with open(table, "w", newline="") as file:
+                writer = csv.DictWriter(file, [*rows[0], "edge_length"])
+                writer.writeheader()
+                writer.writerows({**row, "edge_length": of_row(row)} for row in rows)
+            return str(table)
+
+        by_selection, _ = self.triangles_of("--edge-length-of", "A/40=0.1")
+        of_residue = lambda row: "0.1" if row["residue_number"] == "40" else ""
+        by_table, parameters = self.triangles_of("--edge-lengths", written(rows, of_residue))
+        self.assertEqual(by_table, by_selection)
+        self.assertEqual(parameters["edge_lengths"], str(table))
+
+        options = ("report", "--sample", "ubiquitin", "--mesher", "exact", "--edge-lengths", str(table))
+        for bad, message in (
+            (lambda: written(rows[1:], of_residue), "has 601 rows for 602 atoms"),
+            (lambda: written(rows[::-1], of_residue), "row 1 is of the atom with serial"),
+            (lambda: written(rows, lambda row: "-1"), "edge_length of row 1"),
+            (lambda: table.write_text("edge_length\n0.1,2\n"), "line 2: has 2 fields, the header 1"),
+            (lambda: table.write_text("length\n0.1\n"), "has no column edge_length"),
+            (lambda: table.unlink(), "cannot be read"),
+        ):
+            with self.subTest(message=message):
+                bad()
+                self.assert_refused(1, *options, says=(message,))
+
+    def test_edge_lengths_that_do_not_fit(self):
+        sample = ("report", "--sample", "ubiquitin")
+        exact = (*sample, "--mesher", "exact")
+        self.assert_refused(1, *exact, "--edge-length-of", "Z=1", says=("selection 'Z' matches none of the 602 atoms",))
+        self.assert_refused(1, *exact, "--edge-length-of", "A", says=("needs a selection and a length",))
+        self.assert_refused(1, *exact, "--edge-length-of", "A=0", says=("--edge-length-of",))
+        self.assert_refused(1, *sample, "--relative-edge", "0.2", says=("--relative-edge: is of --mesher exact",))

@@ -82,7 +82,7 @@ TEST_P(Cancellation, OfExtractionAndRefinement) {
 TEST(CancellationOnTheCpu, OfTheCreaseExactMesher) {
   const SphereSet spheres = cluster(15, 1);
   expect_stops_at_every_question([&](Monitor* monitor) {
-    return hash(mesh_union(spheres, {0.5, kNoMemoryLimit, monitor}).mesh);
+    return hash(mesh_union(spheres, {.edge_length = 0.5, .monitor = monitor}).mesh);
   });
 }
 

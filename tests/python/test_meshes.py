@@ -69,6 +69,21 @@ class MeshTest(unittest.TestCase):
         self.assertLess(len(vdwmesh.mesh(self.molecule, edge_length=0.8).faces),
                         len(vdwmesh.mesh(self.molecule, edge_length=0.4).faces))  # fmt: skip
 
+    def test_edge_lengths_by_atom(self):
+        radii = self.molecule.radii
+        one, each = (vdwmesh.mesh(self.molecule, edge_length=lengths) for lengths in (0.5, np.full(len(radii), 0.5)))
+        np.testing.assert_array_equal(one.vertices, each.vertices)
+        np.testing.assert_array_equal(one.faces, each.faces)
+        fine = np.where(np.arange(len(radii)) < 20, 0.1, 0.5)
+        graded = vdwmesh.mesh(self.molecule, edge_length=fine)
+        self.assertEqual(graded.euler_characteristic, one.euler_characteristic)
+        faces_of = lambda mesh, chosen: np.isin(mesh.face_atoms, chosen).sum()
+        self.assertGreater(faces_of(graded, range(20)), 10 * faces_of(one, range(20)))
+        self.assertLess(faces_of(graded, range(100, 400)), 2 * faces_of(one, range(100, 400)))
+        for wrong in ([0.5], np.zeros(len(radii)), np.full(len(radii), math.nan), np.full((len(radii), 2), 0.5), "abc"):
+            with self.assertRaisesRegex(ValueError, "edge_length"):
+                vdwmesh.mesh(self.molecule, edge_length=wrong)
+
     def test_arrays_are_views_of_one_mesh(self):
         mesh = vdwmesh.mesh(self.molecule)
         again = [np.asarray(array()) for array in (mesh._handle.vertices, mesh._handle.faces,

@@ -32,10 +32,13 @@ std::uint32_t piece_count(const BoundaryArc& arc, double edge_length) {
 
 }  // namespace
 
-ArcSampling::ArcSampling(const BoundaryArcs& boundary, double edge_length)
+ArcSampling::ArcSampling(const BoundaryArcs& boundary, std::span<const double> edge_lengths)
     : boundary_(boundary), unequal_(boundary.arcs.size()) {
   pieces_.reserve(boundary.arcs.size());
-  for (const BoundaryArc& arc : boundary.arcs) pieces_.push_back(piece_count(arc, edge_length));
+  for (const BoundaryArc& arc : boundary.arcs) {
+    const double shorter = std::min(edge_lengths[arc.balls[0]], edge_lengths[arc.balls[1]]);
+    pieces_.push_back(piece_count(arc, shorter));
+  }
 }
 
 std::uint32_t ArcSampling::pieces(std::uint32_t arc) const { return pieces_[arc]; }

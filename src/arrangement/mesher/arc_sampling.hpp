@@ -34,10 +34,11 @@ struct PieceSplit {
 // How each arc is divided into pieces, and which mesh vertex each sample point is.
 class ArcSampling {
  public:
-  // Divides every arc into equal pieces. They are no longer than `edge_length`, measured along the
-  // arc in scaled units, and turn by no more than kLeastPiecesOfCircle allows. Keeps a reference to
-  // `boundary`. Throws LimitExceeded for an arc of 10^9 pieces or more.
-  ArcSampling(const BoundaryArcs& boundary, double edge_length);
+  // Divides every arc into equal pieces. They are no longer than the edge length of either of its
+  // two balls, measured along the arc, and turn by no more than kLeastPiecesOfCircle allows.
+  // `edge_lengths` are by ball, in scaled units. Keeps a reference to `boundary`. Throws
+  // LimitExceeded for an arc of 10^9 pieces or more.
+  ArcSampling(const BoundaryArcs& boundary, std::span<const double> edge_lengths);
 
   // The number of pieces of an arc.
   std::uint32_t pieces(std::uint32_t arc) const;

@@ -29,7 +29,6 @@
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 #include "arrangement/mesher/split_fans.hpp"
-#include "arrangement/total_measures.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -57,6 +56,19 @@ double largest_coordinate(const Vec3d& p) {
   return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
 }
 
+// The edge length of each ball, scaled.
+std::vector<double> scaled_edge_lengths(const PowerTriangulation& t,
+                                        const ExactMeshOptions& options) {
+  std::vector<double> lengths;
+  lengths.reserve(t.balls.size());
+  for (const SphereId id : t.ids) {
+    const double length =
+        options.edge_lengths.empty() ? options.edge_length : options.edge_lengths[id];
+    lengths.push_back(std::ldexp(length, -t.scale_exponent));
+  }
+  return lengths;
+}
+
 // One run of the mesher; run() lists the steps.
 class UnionMesher {
  public:
@@ -68,8 +80,8 @@ class UnionMesher {
         boundary_(std::move(boundary)),
         index_(t_, arrangement.complex, boundary_),
         unit_(std::ldexp(1.0, t_.scale_exponent)),
-        edge_length_(std::ldexp(options.edge_length, -t_.scale_exponent)),
-        sampling_(boundary_, edge_length_),
+        edge_lengths_(scaled_edge_lengths(t_, options)),
+        sampling_(boundary_, edge_lengths_),
         pieces_at_first_(count_pieces()),
         allowed_growth_(boundary_.sizes.arc > FeatureSizes{}.arc ? kCoarserGrowth : kMostGrowth),
         progress_(t_.balls.size()),
@@ -104,15 +116,17 @@ class UnionMesher {
   // Refuses a mesh that will not fit the memory limit, before its memory is taken. The number of
   // triangles is estimated from the area: the number of equilateral triangles of the edge length,
   // times kFill, plus four per piece for narrow parts of patches. A closed mesh has about half as
-  // many vertices as triangles. The edge length that the message names follows from the count,
-  // which falls with the square of the edge length, and 5 % are added for safety.
+  // many vertices as triangles. By how much edges must be longer follows from the count, which
+  // falls with the square of the edge length, and 5 % are added for safety.
   void check_memory() const {
     constexpr double kFill = 1.4;  // allowance over the ideal number of triangles
     // Bytes per triangle for the patches before they are joined.
     constexpr std::uint64_t kScratch = 40;
     const std::uint64_t pieces = count_pieces();
-    const double ideal =
-        total_measures(measures_).area / (std::sqrt(3.0) / 4) / (edge_length_ * edge_length_);
+    double ideal = 0;
+    for (std::size_t b = 0; b < edge_lengths_.size(); ++b) {
+      ideal += measures_[b].area / (std::sqrt(3.0) / 4) / (edge_lengths_[b] * edge_lengths_[b]);
+    }
     const double triangles = kFill * ideal + 4 * static_cast<double>(pieces);
     // Just below 2^64. A triangle takes less than 200 bytes, so with at most kMost / 200 triangles
     // the number of bytes fits 64 bits.
@@ -121,15 +135,20 @@ class UnionMesher {
     const std::uint64_t vertices = count / 2;
     const std::uint64_t need = indexed_mesh_bytes({vertices, count}, kArrays) + kScratch * count;
     if (need <= options_.memory_limit && vertices <= kMaxVertices) return;
+    const double longer =
+        1.05 *
+        std::max(std::sqrt(static_cast<double>(need) / static_cast<double>(options_.memory_limit)),
+                 std::sqrt(static_cast<double>(vertices) / static_cast<double>(kMaxVertices)));
+    if (!options_.edge_lengths.empty()) {
+      throw LimitExceeded(fmt::format(
+          "these edge lengths need about {} triangles and {} bytes, {} are allowed: choose lengths "
+          "{:.2g} times as long or a higher memory limit",
+          count, need, options_.memory_limit, longer));
+    }
     throw LimitExceeded(fmt::format(
         "an edge length of {} Å needs about {} triangles and {} bytes, {} are allowed: choose an "
         "edge length of at least {:.2g} Å or a higher memory limit",
-        options_.edge_length, count, need, options_.memory_limit,
-        options_.edge_length *
-            std::max(
-                std::sqrt(static_cast<double>(need) / static_cast<double>(options_.memory_limit)),
-                std::sqrt(static_cast<double>(vertices) / static_cast<double>(kMaxVertices))) *
-            1.05));
+        options_.edge_length, count, need, options_.memory_limit, options_.edge_length * longer));
   }
 
   // Whether the ball's sphere is exposed as a whole, except for points of contact. A sphere without
@@ -224,7 +243,7 @@ class UnionMesher {
   // so such points are only noted here, and check_coincidence() throws.
   void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
     // As a fraction of the radius, since patches are meshed on the unit sphere.
-    const double edge_length = edge_length_ / t_.balls[ball].radius;
+    const double edge_length = edge_lengths_[ball] / t_.balls[ball].radius;
     if (is_whole(ball)) {
       patches_[ball] = mesh_sphere(edge_length);
       return;
@@ -406,8 +425,8 @@ class UnionMesher {
   const std::vector<SphereMeasures>& measures_;
   BoundaryArcs boundary_;
   PatchIndex index_;
-  double unit_;         // of scaled lengths, in Å: a power of two
-  double edge_length_;  // scaled
+  double unit_;                       // of scaled lengths, in Å: a power of two
+  std::vector<double> edge_lengths_;  // by ball, scaled
   ArcSampling sampling_;
   // The number of pieces before any was split; and the number that is allowed besides 64 for each
   // of these.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "arrangement/directions.hpp"
 #include "support/dice.hpp"
@@ -17,7 +18,7 @@ PatchBoundary boundary_at_origin(const SphereSet& spheres) {
   const PowerTriangulation triangulation = triangulate(spheres);
   const DualComplex complex = dual_complex(triangulation);
   const BoundaryArcs arcs = boundary_arcs(triangulation, complex);
-  const ArcSampling sampling(arcs, 1);
+  const ArcSampling sampling(arcs, std::vector<double>(triangulation.balls.size(), 1));
   const PatchIndex index(triangulation, complex, arcs);
   std::uint32_t ball = 0;
   while (norm(triangulation.balls[ball].center) > 0) ++ball;
@@ -124,7 +125,7 @@ TEST(PatchBoundary, SplitPiecesAreThoseGatheredAfterwards) {
   const PowerTriangulation triangulation = triangulate(SphereSet(std::move(spheres)));
   const DualComplex complex = dual_complex(triangulation);
   const BoundaryArcs arcs = boundary_arcs(triangulation, complex);
-  ArcSampling sampling(arcs, 0.1);
+  ArcSampling sampling(arcs, std::vector<double>(triangulation.balls.size(), 0.1));
   const PatchIndex index(triangulation, complex, arcs);
   const auto balls = static_cast<std::uint32_t>(triangulation.balls.size());
   std::vector<PatchBoundary> boundaries(balls);

@@ -284,7 +284,8 @@ struct Patches {
       : triangulation(triangulate(spheres)),
         complex(dual_complex(triangulation)),
         arcs(boundary_arcs(triangulation, complex)),
-        sampling(arcs, std::ldexp(0.35, -triangulation.scale_exponent)),
+        sampling(arcs, std::vector<double>(triangulation.balls.size(),
+                                           std::ldexp(0.35, -triangulation.scale_exponent))),
         index(triangulation, complex, arcs) {}
 
   void each(const std::function<void(const PatchBoundary&, const Figure&)>& visit) const {

@@ -1,0 +1,15 @@
+// Edge lengths of the crease-exact mesher that differ from atom to atom.
+#pragma once
+
+#include "options.hpp"
+#include "steps.hpp"
+
+namespace vdwmesh::apps {
+
+// The options, with SurfaceOptions::edge_lengths of this structure. An atom has the length that the
+// table gives it; else that of its group; else the shorter one of the length for all and its share
+// of the radius. Throws InvalidInput, naming file and line, for a table that is none of these
+// atoms.
+Options with_edge_lengths(Options options, const Structure& structure);
+
+}  // namespace vdwmesh::apps
