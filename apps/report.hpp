@@ -104,7 +104,26 @@ struct ExactReport : ExactUnion {
   Backend backend = Backend::cpu;             // that measured the spheres
 };
 
+// How far the area of an atom's triangles is from the exact area of its patch, as a fraction of
+// it. Of the measured atoms with at least 1 Å² exposed; smaller patches may be one triangle.
+struct AtomErrors {
+  double max = 0, rms = 0;
+  std::uint64_t atoms = 0;  // that count
+  std::string worst;        // the atom of the largest error: "A/40 GLN CB"
+};
+
+// What a mesh whose triangles belong to atoms can be held against, beside the figures of any mesh.
+struct MeshProof {
+  // Whether Euler characteristic, components and voids are those of the exact union; empty if these
+  // were not computed.
+  std::optional<bool> topology_is_exact;
+  std::optional<AtomErrors> atoms;  // empty: no atom counts
+  // (extrapolated - exact) / exact; empty without two levels.
+  std::optional<double> extrapolated_area_error, extrapolated_volume_error;
+};
+
 struct ComparisonReport : Comparison {
+  std::optional<MeshProof> proof;               // of crease-exact meshes
   Backend distances_backend = Backend::cpu;     // that measured the distances
   std::optional<std::string> distances_reason;  // why automatic did not take CUDA for them
 };

@@ -350,12 +350,38 @@ void levels_text(Text out, const std::vector<LevelReport>& levels) {
   }
 }
 
-std::string extrapolated_text(const MeshReport& mesh) {
-  std::string text = fmt::format("area {} Å²", length_figure(*mesh.extrapolated_area));
-  if (mesh.extrapolated_volume) {
-    text += fmt::format(", volume {} Å³", length_figure(*mesh.extrapolated_volume));
+std::string in_scientific(const std::optional<double>& error) {
+  return error ? fmt::format(" ({:+.1e} of the exact one)", *error) : "";
+}
+
+// A reader who trusts nothing finds here all that speaks for the mesh, or against it.
+void proof_text(Text out, const MeshProof& proof, const MeshReport& mesh) {
+  fmt::format_to(out, "\n");
+  const char* topology = !proof.topology_is_exact ? "topology of the union not computed"
+                         : *proof.topology_is_exact
+                             ? "Euler characteristic, components and voids are those of the union"
+                             : "topology is NOT that of the union";
+  line(out, "Proof",
+       fmt::format("{}; {}, {}, {}; {}", topology, yes_no(mesh.topology.closed, "closed"),
+                   yes_no(mesh.topology.manifold, "2-manifold"),
+                   yes_no(mesh.topology.oriented, "oriented"), self_intersections_text(mesh)));
+  if (proof.atoms) {
+    line(out, "",
+         fmt::format("area of an atom: {:.3g} % off at most ({}), rms {:.3g} %; {} atoms with 1 Å² "
+                     "exposed",
+                     100 * proof.atoms->max, proof.atoms->worst, 100 * proof.atoms->rms,
+                     proof.atoms->atoms));
   }
-  return text + ", from the last two levels";
+  if (mesh.extrapolated_area) {
+    line(out, "",
+         fmt::format("extrapolated area {} Å²{}", length_figure(*mesh.extrapolated_area),
+                     in_scientific(proof.extrapolated_area_error)));
+  }
+  if (mesh.extrapolated_volume) {
+    line(out, "",
+         fmt::format("extrapolated volume {} Å³{}", length_figure(*mesh.extrapolated_volume),
+                     in_scientific(proof.extrapolated_volume_error)));
+  }
 }
 
 // What the mesh is, how it was made, and how good its triangles are.
@@ -388,7 +414,6 @@ void mesh_text(Text out, const MeshReport& mesh) {
   }
   if (mesh.cgal) line(out, "", cgal_text(mesh));
   if (!mesh.levels.empty()) levels_text(out, mesh.levels);
-  if (mesh.extrapolated_area) line(out, "Extrapolated", extrapolated_text(mesh));
   fmt::format_to(out, "\n{:<22}{:>14}{:>10}{:>10}{:>10}{:>10}\n", "", "min", "1 %", "median",
                  "99 %", "max");
   distribution_row(out, "Smallest angle", mesh.quality.min_angle_deg, "degrees");
@@ -477,6 +502,9 @@ std::string to_text(const Report& report) {
   if (report.excluded) excluded_text(out, *report.excluded);
   if (!report.excluded) table_text(out, report);
   if (report.mesh) mesh_text(out, *report.mesh);
+  if (report.comparison && report.comparison->proof) {
+    proof_text(out, *report.comparison->proof, *report.mesh);
+  }
   if (report.comparison && report.comparison->distances) {
     distances_text(out, *report.comparison);
   }

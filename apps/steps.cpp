@@ -7,9 +7,12 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_mesher.hpp"
+#include "core/sum.hpp"
 #include "cuda/backend.hpp"
 #include "grid_checks.hpp"
 #include "output.hpp"
@@ -423,6 +426,45 @@ void add_distances(const IndexedMesh& mesh, const SphereSet& spheres, const Dist
   comparison.distances_reason = measured.fallback;
 }
 
+// Point contacts count twice on a mesh, as in Comparison.
+std::optional<bool> has_exact_topology(const MeshReport& mesh, const ExactReport& exact) {
+  if (!exact.topology || !mesh.topology.components || !mesh.topology.voids) return std::nullopt;
+  const UnionTopology& topology = *exact.topology;
+  return mesh.topology.euler_characteristic ==
+             topology.euler_characteristic +
+                 2 * static_cast<std::int64_t>(topology.point_contacts) &&
+         *mesh.topology.components == topology.components && *mesh.topology.voids == topology.voids;
+}
+
+std::optional<double> relative_error(const std::optional<double>& value, double exact) {
+  return value ? std::optional(*value / exact - 1) : std::nullopt;
+}
+
+std::string name_of_atom(const Atom& atom) {
+  return fmt::format("{}/{} {} {}", atom.chain, atom.residue_number, atom.residue_name, atom.name);
+}
+
+std::optional<AtomErrors> atom_errors(const IndexedMesh& mesh, const Molecule& molecule,
+                                      const ExactReport& exact) {
+  constexpr double kLeastArea = 1;  // Å²
+  const std::vector<double> areas = mesh_area_by_sphere(mesh, molecule.atoms.size());
+  AtomErrors errors;
+  WideSum squares;
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const double area = exact.per_sphere[i].area;
+    if (!molecule.atoms[i].measured || area < kLeastArea) continue;
+    const double error = std::abs(areas[i] / area - 1);
+    ++errors.atoms;
+    squares.add(error * error);
+    if (error > errors.max) errors.max = error, worst = i;
+  }
+  if (errors.atoms == 0) return std::nullopt;
+  errors.rms = std::sqrt(squares.value() / static_cast<double>(errors.atoms));
+  errors.worst = name_of_atom(molecule.atoms[worst]);
+  return errors;
+}
+
 }  // namespace
 
 void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
@@ -432,6 +474,24 @@ void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
   if (choice.distances == Switch::on) add_distances(mesh, spheres, choice, session);
   const auto& counts = report.exact->counts;
   warn_of_lost_components(counts ? counts->components : count_components(spheres), report);
+  session.end_stage(&Timing::compare);
+}
+
+void prove(const IndexedMesh& mesh, const Molecule& molecule, Session& session) {
+  Report& report = session.report;
+  if (mesh.triangle_labels() == TriangleLabels::none || !report.parameters ||
+      report.parameters->surface.mesher != Mesher::exact) {
+    return;
+  }
+  MeshProof& proof = report.comparison->proof.emplace();
+  proof.topology_is_exact = has_exact_topology(*report.mesh, *report.exact);
+  proof.atoms = atom_errors(mesh, molecule, *report.exact);
+  if (!report.input.measure) {
+    proof.extrapolated_area_error =
+        relative_error(report.mesh->extrapolated_area, report.exact->area);
+    proof.extrapolated_volume_error =
+        relative_error(report.mesh->extrapolated_volume, report.exact->volume);
+  }
   session.end_stage(&Timing::compare);
 }
 

@@ -96,6 +96,10 @@ std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& sph
 void compare_with_exact(const IndexedMesh& mesh, const SphereSet& spheres,
                         const DistanceChoice& choice, Session& session);
 
+// What proves a crease-exact mesh: topology, areas of atoms and extrapolated figures beside the
+// exact ones. Mesh, exact union and comparison must be in the report. Other meshes have none.
+void prove(const IndexedMesh& mesh, const Molecule& molecule, Session& session);
+
 // Warns of balls that the mesh lacks, or has joined to others, where no exact union was made: the
 // pieces of the union are counted by the pairs of balls that overlap.
 void warn_of_lost_balls(const SphereSet& spheres, Session& session);

@@ -64,6 +64,7 @@ void run_report(const Options& options) {
   measure_exactly(spheres, options.exact, session, measured_spheres(molecule));
   measure_polarity(molecule, session);
   compare_with_exact(mesh, spheres, options.distances, session);
+  prove(mesh, molecule, session);
   if (!options.picture.path.empty()) draw_distances(mesh, spheres, options.picture, session);
   if (!options.output.per_atom.empty()) {
     session.end_progress();

@@ -1,6 +1,7 @@
 """--mesher exact: the crease-exact mesh on the command line."""
 
 import csv
+import math
 
 from program import ProgramTest
 
@@ -56,6 +57,7 @@ class ExactMesher(ProgramTest):
         self.assertEqual(announced, found)
         told = [n for n in document["notes"] if "not the topology of the union" in n]
         self.assertEqual(len(told), 1 if announced else 0)
+        self.assertIs(document["comparison"]["proof"]["topology_is_exact"], not announced)
 
     def test_says_which_files_lose_the_spheres_of_triangles(self):
         for name in ("a.ply", "a.obj", "a.off", "a.stl", "a.glb"):
@@ -74,22 +76,44 @@ class ExactMesher(ProgramTest):
         for name in ("area", "volume"):
             extrapolated = mesh["extrapolated_" + name]
             self.assertLess(abs(extrapolated - exact[name]) / exact[name], 1e-4)
+            found = document["comparison"]["proof"][f"extrapolated_{name}_error"]
+            self.assert_close(1 + found, extrapolated / exact[name], 1e-15)
         errors = [1 - level["area"] / exact["area"] for level in mesh["levels"]]
         self.assertGreater(errors[1] / errors[2], 3.8)
         self.assertLess(errors[1] / errors[2], 4.2)
 
     def test_area_of_every_atom_is_near_the_exact_one(self):
         path = self.folder / "atoms.csv"
-        self.exact_report("--edge-length", "0.2", "--subdivide", "0", "--distances", "off", "--per-atom",
-                    str(path))
+        document = self.exact_report("--edge-length", "0.2", "--subdivide", "0", "--distances", "off",
+                                     "--per-atom", str(path))
         with open(path, newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), 602)  # the atoms of ubiquitin
         areas = [(float(row["exact_area"]), float(row["mesh_area"])) for row in rows]
         exposed = [(exact, mesh) for exact, mesh in areas if exact > 1]
         self.assertGreater(len(exposed), 400)
-        for exact, mesh in exposed:
-            self.assertLess(abs(mesh - exact) / exact, 0.01)
+        errors = [abs(mesh - exact) / exact for exact, mesh in exposed]
+        self.assertLess(max(errors), 0.01)
+        # The block of the report says the same as the table.
+        proof = document["comparison"]["proof"]
+        found = proof["atom_area_error"]
+        self.assertEqual(found["atoms"], len(exposed))
+        self.assert_close(found["max"], max(errors), 1e-9)
+        self.assert_close(found["rms"], math.sqrt(sum(e * e for e in errors) / len(errors)), 1e-9)
+        row = next(r for r, (exact, mesh) in zip(rows, areas)
+                   if exact > 1 and abs(mesh - exact) / exact == max(errors))
+        self.assertEqual(found["worst"], "{chain}/{residue_number} {residue_name} {atom_name}".format(**row))
+        self.assertIs(proof["topology_is_exact"], True)
+        self.assertIsNone(proof["extrapolated_area_error"])
+
+    def test_proof_is_of_crease_exact_meshes(self):
+        document = self.report("report", "--sample", "bpti", "--distances", "off")
+        self.assertIsNone(document["comparison"]["proof"])
+        some = self.exact_report("--measure", "A/10-20", "--distances", "off", "--topology", "off")
+        proof = some["comparison"]["proof"]
+        self.assertIsNone(proof["topology_is_exact"])
+        self.assertIsNone(proof["extrapolated_area_error"])  # of all atoms, beside the area of some
+        self.assertLess(proof["atom_area_error"]["atoms"], 120)
 
     def triangles_of(self, *options):
         """Triangles of the mesh, and whether it has the topology of the union."""

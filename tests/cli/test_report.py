@@ -217,7 +217,7 @@ class TextReport(ProgramTest):
             (("report", "--sample", "ubiquitin"), whole | {"Grid", "Backend", "Projection", "Level"}),
             (("report", spheres, "--spacing", "0.4", "--subdivide", "2"), whole | {"Level"}),
             (("report", "--sample", "bpti", "--mesher", "exact", "--subdivide", "1", "--edge-length", "0.7"),
-             whole | {"Extrapolated"}),
+             whole | {"Proof"}),
             (("report", "--sample", "bpti", "--field", "blinn", "--isovalue", "1.25", "--blobbiness", "3",
               "--subdivide", "0", "--topology", "off", "--no-hydrogens", "--probe", "0.125"), whole),
             (("report", cut, "--distances", "off", "--self-intersections", "off", "--cgal-check", "off",

@@ -233,9 +233,22 @@ class TextReport:
         self.expect_numbers(line, text, [n[k] for k in (
             "projected", "iterations_max", "residual_max", "unconverged", "out_of_reach", "undone", "turned")])
 
-    def check_extrapolated(self, line, text):
-        m = self.document["mesh"]
-        self.expect_numbers(line, text, [m["extrapolated_area"], m["extrapolated_volume"]])
+    def check_proof(self, line, text):
+        m, proof = self.document["mesh"], self.document["comparison"]["proof"]
+        for measure in ("area", "volume"):
+            if text.startswith("extrapolated " + measure):
+                return self.expect_numbers(
+                    line, text, [m["extrapolated_" + measure], proof[f"extrapolated_{measure}_error"]])
+        if text.startswith("area of an atom"):
+            atoms = proof["atom_area_error"]
+            if f"({atoms['worst']})" not in text:
+                self.problems.append(line)
+            return self.expect_numbers(line, text.replace(atoms["worst"], "").replace("1 Å²", ""),
+                                       [100 * atoms["max"], 100 * atoms["rms"], atoms["atoms"]])
+        told = {True: "those of the union", False: "NOT that of the union", None: "not computed"}
+        if told[proof["topology_is_exact"]] not in text:
+            self.problems.append(line)
+        self.expect_numbers(line, text, [m["self_intersections"]])
 
     def check_picture(self, line, text):
         p = self.document["picture"]
