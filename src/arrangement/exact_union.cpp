@@ -60,6 +60,7 @@ void unscale(UnionTopology& topology, const PowerTriangulation& triangulation) {
 
 // Sets the measures of all spheres but the measured ones to NaN.
 void leave_measured(std::vector<SphereMeasures>& per_sphere, const MeasuredSpheres& measured) {
+  if (measured.all()) return;
   constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < per_sphere.size(); ++i) {
     if (!measured.contains(static_cast<SphereId>(i))) per_sphere[i] = {kNotMeasured, kNotMeasured};

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <numeric>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/monitor.hpp"
@@ -46,6 +47,21 @@ void for_each_block(std::size_t count, std::size_t per_block, const Body& body,
     body(block, block * per_block, std::min(count, (block + 1) * per_block));
     advance(monitor, 1);
   });
+}
+
+// Calls make(first, end) for the blocks of [0, count) on all cores, and joins the parts that it
+// returns in the order of the blocks: join(total, part) changes the total, at first the first part.
+// Precondition: count is above 0.
+template <class Make, class Join>
+auto join_blocks(std::size_t count, const Make& make, const Join& join) {
+  using Part = std::invoke_result_t<const Make&, std::size_t, std::size_t>;
+  std::vector<Part> parts(block_count(count, kIndicesPerBlock));
+  for_each_block(count, kIndicesPerBlock,
+                 [&](std::size_t block, std::size_t first, std::size_t end) {
+                   parts[block] = make(first, end);
+                 });
+  for (std::size_t block = 1; block < parts.size(); ++block) join(parts[0], parts[block]);
+  return std::move(parts[0]);
 }
 
 // Numbers the indices in [0, count) for which is_counted(i), from 0 and in their order, on all

@@ -1,18 +1,23 @@
-// Builds a CellList in three steps: it sorts the spheres into the canonical order, chooses a level
-// for each sphere by the octave of its reach, and sorts the spheres of each level by cell. This
-// last step is a counting sort that takes the spheres in canonical order and keeps their order, so
-// that the spheres of a cell are in canonical order.
+// Builds a CellList in three steps, all of them on all cores: it sorts the spheres into the
+// canonical order, chooses a level for each sphere by the octave of its reach, and sorts the
+// spheres by level and cell. This last step is a counting sort that takes the spheres in canonical
+// order and keeps their order, so that the spheres of a cell are in canonical order. It runs twice:
+// over groups of consecutive cells (core/stable_groups.hpp), and within each group over its cells.
+// The list is therefore the same for any number of threads.
 #include "spheres/cell_list.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/bins.hpp"
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
+#include "core/stable_groups.hpp"
 #include "spheres/level_extent.hpp"
 
 namespace vdwmesh {
@@ -76,13 +81,40 @@ CellListFrame frame_of(std::span<const LevelExtent> extents, double smallest_rea
 
 CellListFrame make_frame(const SphereSet& spheres, std::span<const double> reach) {
   if (spheres.empty()) return {};
-  const double smallest = *std::min_element(reach.begin(), reach.end());
-  LevelExtent extents[CellListView::kMaxLevels];
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    extents[level_of(reach[i], smallest)].add(spheres[i].center, reach[i]);
-  }
-  return frame_of(extents, smallest);
+  const double smallest = join_blocks(
+      reach.size(),
+      [&](std::size_t first, std::size_t end) {
+        return std::ranges::min(reach.subspan(first, end - first));
+      },
+      [](double& least, double part) { least = std::min(least, part); });
+  using Extents = std::array<LevelExtent, CellListView::kMaxLevels>;  // by level
+  const auto extents_of = [&](std::size_t first, std::size_t end) {
+    Extents extents;
+    for (std::size_t i = first; i < end; ++i) {
+      const auto level = static_cast<std::size_t>(level_of(reach[i], smallest));
+      extents[level].add(spheres[i].center, reach[i]);
+    }
+    return extents;
+  };
+  const Extents all =
+      join_blocks(spheres.size(), extents_of, [](Extents& total, const Extents& part) {
+        for (std::size_t level = 0; level < total.size(); ++level) total[level].add(part[level]);
+      });
+  return frame_of(all, smallest);
 }
+
+// How many spheres each level of the frame takes, and the first that does not fit the frame, or
+// kNoSphere.
+struct CellList::Members {
+  std::array<std::size_t, CellListView::kMaxLevels> of_level{};
+  SphereId misfit = kNoSphere;
+};
+
+// The cells of all levels that have spheres, numbered one level behind the other.
+struct CellList::Layout {
+  std::array<std::size_t, CellListView::kMaxLevels> first_cell{};  // by level of the frame
+  std::size_t cells = 0;
+};
 
 CellList::CellList(const SphereSet& spheres, std::span<const double> reach) {
   rebuild(spheres, reach);
@@ -103,62 +135,124 @@ void CellList::rebuild(const SphereSet& spheres, std::span<const double> reach,
     throw InvalidInput(fmt::format("the frame has {} levels, at most {} fit", frame.levels.size(),
                                    CellListView::kMaxLevels));
   }
+  view_ = {};
+  if (spheres.empty()) return;
   canonical_order(spheres, order_);
-  std::size_t members[CellListView::kMaxLevels] = {};
-  level_of_rank_.resize(order_.size());
-  for (std::size_t rank = 0; rank < order_.size(); ++rank) {
-    const SphereId i = order_[rank];
-    const int level = level_of(reach[i], frame.smallest_reach);
-    const auto number = static_cast<std::size_t>(level);
-    if (number >= frame.levels.size() || !takes(frame.levels[number], spheres[i].center, reach[i]))
-      throw_beyond_frame(i);
-    level_of_rank_[rank] = static_cast<std::uint8_t>(level);
-    ++members[level];
-  }
+  const Members members = choose_levels(spheres, reach, frame);
+  const Layout layout = lay_out(frame, members);
+  find_cells(spheres, frame, layout);
   spheres_.resize(spheres.size());
   rank_.resize(spheres.size());
   id_.resize(spheres.size());
-  view_ = {spheres_.data(), rank_.data(), id_.data(), 0, 0, {}};
-  for (std::size_t level = 0; level < frame.levels.size(); ++level) {
-    if (members[level] > 0) add_level(spheres, frame.levels[level], level);
-  }
+  cell_start_.resize(layout.cells + 1);
+  sort_by_cell(spheres, layout.cells);
+  view_.spheres = spheres_.data();
+  view_.rank = rank_.data();
+  view_.id = id_.data();
+  view_.size = static_cast<std::uint32_t>(spheres.size());
 }
 
-// Appends the spheres of level `number` of the frame to the list by a counting sort: the first loop
-// counts the spheres of each cell, the prefix sum turns the counts into list places, and the second
-// loop stores the spheres. Levels without spheres are not in the view, so the level of the view may
-// have a lower number than the level of the frame.
-void CellList::add_level(const SphereSet& spheres, const CellLevel& level, std::size_t number) {
-  const auto next_level = static_cast<std::size_t>(view_.level_count);
-  if (cell_start_.size() == next_level) cell_start_.emplace_back();
-  std::vector<std::uint32_t>& start = cell_start_[next_level];
-  start.assign(cell_count(level) + 1, 0);
-  start[0] = view_.size;
-  cell_of_.clear();
-  for (std::size_t rank = 0; rank < order_.size(); ++rank) {
-    if (level_of_rank_[rank] != number) continue;
-    cell_of_.push_back(cell_index(level, spheres[order_[rank]].center));
-    ++start[cell_of_.back() + 1];
+// Fills level_of_rank_. Of several spheres that do not fit the frame, the one of the lowest rank is
+// named.
+CellList::Members CellList::choose_levels(const SphereSet& spheres, std::span<const double> reach,
+                                          const CellListFrame& frame) {
+  level_of_rank_.resize(order_.size());
+  const auto choose = [&](std::size_t first, std::size_t end) {
+    Members members{};
+    for (std::size_t rank = first; rank < end; ++rank) {
+      const SphereId i = order_[rank];
+      const int level = level_of(reach[i], frame.smallest_reach);
+      const auto number = static_cast<std::size_t>(level);
+      level_of_rank_[rank] = static_cast<std::uint8_t>(level);
+      ++members.of_level[number];
+      if (members.misfit == kNoSphere &&
+          (number >= frame.levels.size() ||
+           !takes(frame.levels[number], spheres[i].center, reach[i])))
+        members.misfit = i;
+    }
+    return members;
+  };
+  const Members all = join_blocks(order_.size(), choose, [](Members& total, const Members& part) {
+    for (std::size_t level = 0; level < total.of_level.size(); ++level) {
+      total.of_level[level] += part.of_level[level];
+    }
+    if (total.misfit == kNoSphere) total.misfit = part.misfit;
+  });
+  if (all.misfit != kNoSphere) throw_beyond_frame(all.misfit);
+  return all;
+}
+
+// Puts the levels that have spheres into the view, and their cells one level behind the other.
+// Levels without spheres are not in the view, so the level of the view may have a lower number than
+// the level of the frame.
+CellList::Layout CellList::lay_out(const CellListFrame& frame, const Members& members) {
+  Layout layout;
+  for (std::size_t number = 0; number < frame.levels.size(); ++number) {
+    if (members.of_level[number] == 0) continue;
+    static_cast<CellLevel&>(view_.levels[view_.level_count++]) = frame.levels[number];
+    layout.first_cell[number] = layout.cells;
+    layout.cells += cell_count(frame.levels[number]);
   }
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  next_ = start;
-  std::size_t member = 0;
-  for (std::size_t rank = 0; rank < order_.size(); ++rank) {
-    if (level_of_rank_[rank] != number) continue;
-    const std::uint32_t place = next_[cell_of_[member++]]++;
-    rank_[place] = static_cast<std::uint32_t>(rank);
-    id_[place] = order_[rank];
-    spheres_[place] = spheres[order_[rank]];
+  return layout;
+}
+
+void CellList::find_cells(const SphereSet& spheres, const CellListFrame& frame,
+                          const Layout& layout) {
+  cell_of_rank_.resize(order_.size());
+  for_each_index(order_.size(), [&](std::size_t rank) {
+    const std::size_t level = level_of_rank_[rank];
+    const Vec3d& center = spheres[order_[rank]].center;
+    cell_of_rank_[rank] = layout.first_cell[level] + cell_index(frame.levels[level], center);
+  });
+}
+
+// Stores the spheres of all levels. Within a group of cells, the first loop counts the spheres of
+// each cell, the second turns the counts into the ends of the cells, and the third stores the
+// spheres from the last to the first, which turns the ends into the starts.
+void CellList::sort_by_cell(const SphereSet& spheres, std::size_t cells) {
+  const std::size_t wanted = usual_groups(order_.size());
+  const auto shift = static_cast<unsigned>(std::bit_width((cells - 1) / wanted));
+  const std::size_t groups = ((cells - 1) >> shift) + 1;
+  ranks_.resize(order_.size());
+  const std::vector<std::uint32_t> first = sort_into_groups(
+      order_.size(), groups,
+      [&](std::size_t rank) { return static_cast<std::size_t>(cell_of_rank_[rank] >> shift); },
+      [&](std::size_t rank, std::uint32_t place) {
+        ranks_[place] = static_cast<std::uint32_t>(rank);
+      });
+  const auto sort_group = [&](std::size_t group) {
+    const std::size_t first_cell = group << shift, end_cell = std::min(cells, (group + 1) << shift);
+    std::fill(&cell_start_[first_cell], &cell_start_[end_cell], 0u);
+    for (std::size_t i = first[group]; i < first[group + 1]; ++i) {
+      ++cell_start_[cell_of_rank_[ranks_[i]]];
+    }
+    std::uint32_t end = first[group];
+    for (std::size_t cell = first_cell; cell < end_cell; ++cell) {
+      end += cell_start_[cell];
+      cell_start_[cell] = end;
+    }
+    for (std::size_t i = first[group + 1]; i-- > first[group];) {
+      const std::uint32_t rank = ranks_[i], place = --cell_start_[cell_of_rank_[rank]];
+      rank_[place] = rank;
+      id_[place] = order_[rank];
+      spheres_[place] = spheres[order_[rank]];
+    }
+  };
+  constexpr std::size_t kGroupsPerBlock = 16;
+  for_each_block(groups, kGroupsPerBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t group = begin; group < end; ++group) sort_group(group);
+  });
+  cell_start_[cells] = static_cast<std::uint32_t>(order_.size());
+  std::size_t next_cell = 0;
+  for (int level = 0; level < view_.level_count; ++level) {
+    view_.levels[level].cell_start = &cell_start_[next_cell];
+    next_cell += cell_count(view_.levels[level]);
   }
-  view_.size += static_cast<std::uint32_t>(cell_of_.size());
-  CellListView::Level& made = view_.levels[view_.level_count++];
-  static_cast<CellLevel&>(made) = level;
-  made.cell_start = start.data();
 }
 
 CellList make_ball_list(const SphereSet& spheres) {
   std::vector<double> reach(spheres.size());
-  for (std::size_t i = 0; i < reach.size(); ++i) reach[i] = spheres[i].radius;
+  for_each_index(reach.size(), [&](std::size_t i) { reach[i] = spheres[i].radius; });
   return CellList(spheres, reach);
 }
 

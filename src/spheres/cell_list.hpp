@@ -2,10 +2,12 @@
 // spheres near a box are found fast. Host and device.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/buffer.hpp"
 #include "core/host_device.hpp"
 #include "spheres/cell_list_frame.hpp"
 #include "spheres/sphere_set.hpp"
@@ -55,19 +57,26 @@ class CellList {
   const CellListView& view() const { return view_; }
 
  private:
-  void add_level(const SphereSet& spheres, const CellLevel& level, std::size_t number);
+  struct Members;
+  struct Layout;
 
-  std::vector<Sphere> spheres_;
-  std::vector<std::uint32_t> rank_;
-  std::vector<SphereId> id_;
-  std::vector<std::vector<std::uint32_t>> cell_start_;  // one for each level of the view
+  Members choose_levels(const SphereSet& spheres, std::span<const double> reach,
+                        const CellListFrame& frame);
+  Layout lay_out(const CellListFrame& frame, const Members& members);
+  void find_cells(const SphereSet& spheres, const CellListFrame& frame, const Layout& layout);
+  void sort_by_cell(const SphereSet& spheres, std::size_t cells);
+
+  Buffer<Sphere> spheres_;
+  Buffer<std::uint32_t> rank_;
+  Buffer<SphereId> id_;
+  Buffer<std::uint32_t> cell_start_;  // of all levels, and one more element: the end of the list
   CellListView view_{};
-  // Used only while a list is built. order_: sphere id by rank. level_of_rank_: level by rank.
-  // cell_of_: cell of each sphere of one level, by rising rank. next_: for each cell of the level,
-  // the list place of the next sphere to be stored.
+  // Used only while a list is built. order_: sphere id by rank. level_of_rank_, cell_of_rank_:
+  // level and cell by rank. ranks_: in list order, but within a group of cells by rank.
   std::vector<SphereId> order_;
-  std::vector<std::uint8_t> level_of_rank_;
-  std::vector<std::uint32_t> cell_of_, next_;
+  Buffer<std::uint8_t> level_of_rank_;
+  Buffer<std::uint64_t> cell_of_rank_;
+  Buffer<std::uint32_t> ranks_;
 };
 
 // A cell list in which the reach of a sphere is its radius, for queries about the balls themselves.

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "core/fixed_blocks.hpp"
+
 namespace vdwmesh {
 
 bool KeptCellLists::Entry::holds(const SphereSet& spheres, std::span<const double> wanted,
@@ -41,7 +43,7 @@ const CellListView& KeptCellLists::get(const SphereSet& spheres, std::span<const
 const CellListView& ball_list(const SphereSet& spheres, Workspace& workspace,
                               const CellListFrame* frame) {
   std::vector<double> reach(spheres.size());
-  std::ranges::transform(spheres.spheres(), reach.begin(), &Sphere::radius);
+  for_each_index(reach.size(), [&](std::size_t i) { reach[i] = spheres[i].radius; });
   return workspace.get<KeptCellLists>().get(spheres, reach, frame);
 }
 

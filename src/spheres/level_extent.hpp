@@ -38,6 +38,16 @@ struct LevelExtent {
     reach = std::max(reach, sphere_reach);
     ++spheres;
   }
+  void add(const LevelExtent& other) {
+    if (other.spheres == 0) return;
+    if (spheres == 0) centers = other.centers;
+    for (int axis = 0; axis < 3; ++axis) {
+      centers.lower[axis] = std::min(centers.lower[axis], other.centers.lower[axis]);
+      centers.upper[axis] = std::max(centers.upper[axis], other.centers.upper[axis]);
+    }
+    reach = std::max(reach, other.reach);
+    spheres += other.spheres;
+  }
 };
 
 // The frame whose levels have these extents, beginning with level 0; at most kMaxLevels of them, of

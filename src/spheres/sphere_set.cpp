@@ -1,7 +1,8 @@
 // SphereSet checks its spheres when they enter the set, so that functions that take a set need no
 // checks of their own. Every change gives the set a new revision number, by which caches see that
 // its contents are new.
-// canonical_order() sorts by (x, y, z, radius, id), in parallel.
+// canonical_order() sorts by (x, y, z, radius, id), in parallel: into slices along x first, by
+// counting, then each slice by comparisons.
 #include "spheres/sphere_set.hpp"
 
 #include <fmt/format.h>
@@ -11,11 +12,14 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <tuple>
 #include <type_traits>
 #include <utility>
 
+#include "core/buffer.hpp"
 #include "core/errors.hpp"
+#include "core/stable_groups.hpp"
 #include "spheres/check_sphere.hpp"
 
 namespace vdwmesh {
@@ -41,7 +45,76 @@ void check(std::span<const Sphere> spheres) {
   if (spheres.size() >= kNoSphere) {
     throw InvalidInput(fmt::format("{} spheres; at most {} fit", spheres.size(), kNoSphere - 1));
   }
-  for (std::size_t i = 0; i < spheres.size(); ++i) check_sphere(spheres[i], i);
+  const auto first_bad = [&](std::size_t first, std::size_t end) {
+    while (first < end && is_sphere(spheres[first])) ++first;
+    return first < end ? first : spheres.size();
+  };
+  if (spheres.empty()) return;
+  const std::size_t bad =
+      join_blocks(spheres.size(), first_bad,
+                  [](std::size_t& least, std::size_t part) { least = std::min(least, part); });
+  if (bad < spheres.size()) check_sphere(spheres[bad], bad);
+}
+
+// Slices of space across the x axis, equally wide and numbered along it: what is in a later slice
+// has a larger x. Rounding keeps this, as it keeps the order of differences and of products.
+class Slices {
+ public:
+  explicit Slices(const SphereSet& spheres) : count_(usual_groups(spheres.size())) {
+    const auto extent_of = [&](std::size_t first, std::size_t end) {
+      Extent extent;
+      for (std::size_t i = first; i < end; ++i) extent.add(spheres[i].center.x);
+      return extent;
+    };
+    const Extent all =
+        join_blocks(spheres.size(), extent_of, [](Extent& total, const Extent& part) {
+          total.add(part.lower);
+          total.add(part.upper);
+        });
+    lower_ = all.lower;
+    per_length_ = static_cast<double>(count_) / (all.upper - all.lower);
+    if (!std::isfinite(per_length_)) count_ = 1;  // spheres in one plane, or nearly so
+  }
+
+  std::size_t count() const { return count_; }
+  std::size_t of(double x) const {
+    if (count_ == 1) return 0;
+    return std::min(static_cast<std::size_t>((x - lower_) * per_length_), count_ - 1);
+  }
+
+ private:
+  struct Extent {
+    double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+    void add(double x) {
+      lower = std::min(lower, x);
+      upper = std::max(upper, x);
+    }
+  };
+  std::size_t count_;
+  double lower_, per_length_;
+};
+
+// What most comparisons of spheres need, so that they do not read the spheres.
+struct Key {
+  double x;
+  SphereId id;
+};
+
+// Sorts keys into the canonical order.
+void sort_keys(const SphereSet& spheres, std::span<Key> keys) {
+  const auto rest = [&](SphereId i) {
+    const Sphere& s = spheres[i];
+    return std::tuple(s.center.y, s.center.z, s.radius, i);
+  };
+  const auto is_before = [&](const Key& a, const Key& b) {
+    return a.x != b.x ? a.x < b.x : rest(a.id) < rest(b.id);
+  };
+  constexpr std::size_t kMany = std::size_t{1} << 13;
+  if (keys.size() < kMany) {
+    std::sort(keys.begin(), keys.end(), is_before);
+  } else {
+    tbb::parallel_sort(keys.begin(), keys.end(), is_before);
+  }
 }
 
 // Returns a number above 0 that no set has had. 0 is the revision of a default-constructed set.
@@ -143,22 +216,23 @@ std::vector<SphereId> canonical_order(const SphereSet& spheres) {
 }
 
 void canonical_order(const SphereSet& spheres, std::vector<SphereId>& order) {
-  // Most comparisons need x only. It is stored beside the id, so they do not read the spheres.
-  struct Key {
-    double x;
-    SphereId id;
-  };
-  std::vector<Key> keys(spheres.size());
-  for (SphereId i = 0; i < keys.size(); ++i) keys[i] = {spheres[i].center.x, i};
-  const auto rest = [&](SphereId i) {
-    const Sphere& s = spheres[i];
-    return std::tuple(s.center.y, s.center.z, s.radius, i);
-  };
-  tbb::parallel_sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
-    return a.x != b.x ? a.x < b.x : rest(a.id) < rest(b.id);
-  });
-  order.resize(keys.size());
-  std::ranges::transform(keys, order.begin(), &Key::id);
+  order.resize(spheres.size());
+  if (spheres.empty()) return;
+  const Slices slices(spheres);
+  Buffer<Key> keys(spheres.size());
+  const std::vector<std::uint32_t> first = sort_into_groups(
+      spheres.size(), slices.count(), [&](std::size_t i) { return slices.of(spheres[i].center.x); },
+      [&](std::size_t i, std::uint32_t place) {
+        keys[place] = {spheres[i].center.x, static_cast<SphereId>(i)};
+      });
+  constexpr std::size_t kSlicesPerBlock = 16;
+  for_each_block(slices.count(), kSlicesPerBlock,
+                 [&](std::size_t, std::size_t begin, std::size_t end) {
+                   for (std::size_t slice = begin; slice < end; ++slice) {
+                     sort_keys(spheres, {&keys[first[slice]], first[slice + 1] - first[slice]});
+                   }
+                   for (std::size_t i = first[begin]; i < first[end]; ++i) order[i] = keys[i].id;
+                 });
 }
 
 }  // namespace vdwmesh

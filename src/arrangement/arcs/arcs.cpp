@@ -15,6 +15,7 @@
 
 #include "arrangement/arcs/ball_caps.hpp"
 #include "arrangement/arcs/cut_ball.hpp"
+#include "core/buffer.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/multiversion.hpp"
@@ -42,8 +43,8 @@ struct ThreadSpace {
 // What a caller's Workspace keeps from one call to the next, beside the result's own memory.
 struct ArcSpace {
   tbb::enumerable_thread_specific<ThreadSpace> threads;
-  std::vector<std::uint8_t> is_doubtful;  // by sphere id
-  std::vector<std::uint32_t> places;      // list places of the measured spheres, ascending
+  Buffer<std::uint8_t> is_doubtful;  // by sphere id
+  Buffer<std::uint32_t> places;      // list places of the measured spheres, ascending
 };
 
 // One run over the spheres of a list.
@@ -92,6 +93,23 @@ VDWMESH_MULTIVERSION void measure_spheres(const ArcRun& run, std::span<const std
   }
 }
 
+// Fills `places` with the list places of the measured spheres, and the results of all others.
+void find_places(const CellListView& list, const MeasuredSpheres& measured, ArcMeasures& result,
+                 Buffer<std::uint8_t>& is_doubtful, Buffer<std::uint32_t>& places) {
+  constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+  places.resize(list.size);
+  const auto is_measured = [&](std::size_t place) {
+    const SphereId id = list.id[place];
+    if (measured.contains(id)) return true;
+    result.per_sphere[id] = {kNotMeasured, kNotMeasured};
+    is_doubtful[id] = 0;
+    return false;
+  };
+  places.resize(number_all(list.size, is_measured, [&](std::size_t place, std::uint32_t number) {
+    places[number] = static_cast<std::uint32_t>(place);
+  }));
+}
+
 }  // namespace
 
 // The boundary has the patches as faces, the arcs as edges, of which a patch has as many as corners
@@ -116,13 +134,9 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, const ArcReques
   if (spheres.empty()) throw InvalidInput("no spheres: their union has no area or volume");
   const CellListView list = ball_list(spheres, workspace, request.frame);
   auto& [threads, is_doubtful, places] = workspace.get<ArcSpace>();
-  constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
-  result.per_sphere.assign(spheres.size(), {kNotMeasured, kNotMeasured});
-  is_doubtful.assign(spheres.size(), 0);
-  places.clear();
-  for (std::uint32_t place = 0; place < list.size; ++place) {
-    if (request.measured.contains(list.id[place])) places.push_back(place);
-  }
+  result.per_sphere.resize(spheres.size());
+  is_doubtful.resize(spheres.size());
+  find_places(list, request.measured, result, is_doubtful, places);
 
   result.connected.reset();
   if (request.topology != TopologyRequest::none) result.connected.emplace(spheres.size());
@@ -139,10 +153,10 @@ void arc_measures(ArcMeasures& result, const SphereSet& spheres, const ArcReques
 
   result.sums = {};
   for (const ThreadSpace& space : threads) result.sums.add(space.sums);
-  result.suspect.clear();
-  for (std::size_t i = 0; i < is_doubtful.size(); ++i) {
-    if (is_doubtful[i]) result.suspect.push_back(static_cast<SphereId>(i));
-  }
+  result.suspect =
+      collect<SphereId>(is_doubtful.size(), [&](std::size_t i, std::vector<SphereId>& suspect) {
+        if (is_doubtful[i]) suspect.push_back(static_cast<SphereId>(i));
+      });
 }
 
 }  // namespace vdwmesh

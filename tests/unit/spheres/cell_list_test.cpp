@@ -1,13 +1,18 @@
 #include "spheres/cell_list.hpp"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <set>
+#include <string>
+#include <tuple>
 #include <vector>
 
+#include "core/errors.hpp"
 #include "spheres/level_extent.hpp"
 
 namespace vdwmesh {
@@ -157,6 +162,103 @@ TEST(CellList, RebuildingIsLikeBuilding) {
       ASSERT_EQ(kept.view().rank[place], fresh.view().rank[place]);
     }
   }
+}
+
+// Enough spheres for many blocks and groups: on a coarse lattice, so that many are in one place and
+// more in one plane; in one plane across x; and with one of them far away from all others.
+std::vector<std::vector<Sphere>> many_spheres() {
+  std::vector<Sphere> lattice = random_spheres(60'000, 40, 0.2, 3, 14), plane = lattice;
+  for (Sphere& s : lattice) {
+    for (int axis = 0; axis < 3; ++axis) s.center[axis] = std::round(s.center[axis]);
+    s.radius = std::ldexp(1.0, std::ilogb(s.radius));
+  }
+  for (Sphere& s : plane) s.center.x = 1.5;
+  std::vector<Sphere> far = lattice;
+  far.push_back({{1e30, 0, 0}, 1});
+  return {lattice, plane, far};
+}
+
+std::vector<SphereId> sorted_ids(const std::vector<Sphere>& spheres) {
+  std::vector<SphereId> ids(spheres.size());
+  std::iota(ids.begin(), ids.end(), 0u);
+  std::ranges::sort(ids, {}, [&](SphereId i) {
+    const Sphere& s = spheres[i];
+    return std::tuple(s.center.x, s.center.y, s.center.z, s.radius, i);
+  });
+  return ids;
+}
+
+TEST(CellList, OrderOfManySpheresOnAnyThreads) {
+  for (const std::vector<Sphere>& spheres : many_spheres()) {
+    const SphereSet set(spheres);
+    const std::vector<SphereId> expected = sorted_ids(spheres);
+    for (const std::size_t threads : {1u, 4u}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      ASSERT_EQ(canonical_order(set), expected);
+    }
+  }
+}
+
+// Every sphere stands once, in the level of its reach, in the cell of its centre, and there by
+// rank.
+TEST(CellList, PlacesOfManySpheresOnAnyThreads) {
+  for (const std::vector<Sphere>& spheres : many_spheres()) {
+    const SphereSet set(spheres);
+    const std::vector<SphereId> order = sorted_ids(spheres);
+    std::vector<double> reach;
+    for (const Sphere& s : spheres) reach.push_back(s.radius);
+    const double smallest = std::ranges::min(reach);
+    for (const std::size_t threads : {1u, 4u}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      const CellList made(set, reach);
+      const CellListView& list = made.view();
+      ASSERT_EQ(list.size, spheres.size());
+      std::uint32_t place = 0;
+      int last_octave = -1;
+      for (int l = 0; l < list.level_count; ++l) {
+        const CellListView::Level& level = list.levels[l];
+        const int octave = level_of(list.spheres[place].radius, smallest);
+        ASSERT_GT(octave, last_octave);
+        last_octave = octave;
+        ASSERT_EQ(level.cell_start[0], place);
+        for (std::size_t cell = 0; cell < cell_count(level); ++cell) {
+          for (; place < level.cell_start[cell + 1]; ++place) {
+            const SphereId id = list.id[place];
+            ASSERT_EQ(order[list.rank[place]], id);
+            ASSERT_EQ(list.spheres[place].center, spheres[id].center);
+            ASSERT_EQ(list.spheres[place].radius, spheres[id].radius);
+            ASSERT_EQ(level_of(spheres[id].radius, smallest), octave);
+            ASSERT_EQ(cell_index(level, spheres[id].center), cell);
+            ASSERT_TRUE(place == level.cell_start[cell] || list.rank[place - 1] < list.rank[place]);
+          }
+        }
+      }
+      ASSERT_EQ(place, list.size);  // so each place was seen, and each rank stands in one
+    }
+  }
+}
+
+TEST(CellList, OfManySpheresThatDoNotFitTheFirstInTheOrderIsNamed) {
+  const std::vector<Sphere> spheres = many_spheres()[0];
+  const SphereSet set(spheres);
+  std::vector<double> reach(spheres.size(), 1);
+  CellListFrame frame = make_frame(set, reach);
+  frame.levels[0].reach = 0.5;  // fits none
+  const std::string first = "sphere " + std::to_string(sorted_ids(spheres)[0]) + ":";
+  try {
+    const CellList list(set, reach, frame);
+    FAIL() << "accepted";
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(std::string(error.what()).substr(0, first.size()), first);
+  }
+}
+
+TEST(CellList, NoSpheres) {
+  CellList list(SphereSet(random_spheres(10, 5, 1, 2, 1)), std::vector<double>(10, 1));
+  list.rebuild(SphereSet(), {});
+  EXPECT_EQ(list.view().size, 0u);
+  EXPECT_FALSE(
+      visit_near_box(list.view(), {0, 0, 0}, {1, 1, 1}, [](std::uint32_t) { return true; }));
 }
 
 }  // namespace
