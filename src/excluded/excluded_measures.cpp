@@ -7,8 +7,6 @@
 // the segments from each point of the accessible surface to the points of contact below it.
 #include "excluded/excluded_measures.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -17,9 +15,9 @@
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sum.hpp"
-#include "excluded/accessible_surface.hpp"
 #include "excluded/atom_shares.hpp"
 #include "excluded/excluded_shells.hpp"
+#include "excluded/grown_atoms.hpp"
 #include "excluded/patch_records.hpp"
 #include "excluded/saddle.hpp"
 
@@ -38,15 +36,6 @@ struct WideVector {
   }
   Vec3d value() const { return {x.value(), y.value(), z.value()}; }
 };
-
-SphereSet grown(const SphereSet& atoms, double probe) {
-  if (!(probe > 0 && std::isfinite(probe))) {
-    throw InvalidInput(fmt::format("the probe's radius is {}; it must be above 0", probe));
-  }
-  std::vector<Sphere> balls(atoms.spheres().begin(), atoms.spheres().end());
-  for (Sphere& b : balls) b.radius += probe;
-  return SphereSet(std::move(balls));
-}
 
 // Sums over the patches that belong to some components of the accessible surface.
 class PatchSums {
@@ -167,16 +156,8 @@ class ExcludedSum {
   ExcludedSum(const SphereSet& atoms, const ExcludedOptions& options)
       : options_(options),
         atom_count_(atoms.size()),
-        triangulation_(triangulate(grown(atoms, options.probe), options.monitor)),
-        exponent_(triangulation_.scale_exponent),
-        complex_(dual_complex(triangulation_, options.monitor)),
-        shapes_(triangulation_, complex_),
-        surface_(triangulation_, complex_, shapes_, std::ldexp(options.probe, -exponent_),
-                 options.monitor) {
-    for (const SphereId id : triangulation_.ids) {
-      radius_.push_back(std::ldexp(atoms[id].radius, -exponent_));
-    }
-  }
+        grown_(atoms, options.probe, options.monitor),
+        exponent_(grown_.exponent) {}
 
   ExcludedMeasures run() {
     ExcludedMeasures out{options_.probe, measure(std::vector<std::uint8_t>(components(), 1)), {}};
@@ -204,7 +185,7 @@ class ExcludedSum {
   std::vector<ExcludedAtom> atoms(std::size_t count) const {
     const std::vector<std::uint8_t> all(components(), 1);
     std::vector<BallShare> shares(triangulation_.balls.size());
-    const std::vector<SphereMeasures> solid = inclusion_exclusion(triangulation_, complex_);
+    const std::vector<SphereMeasures> solid = inclusion_exclusion(triangulation_, grown_.complex);
     for (std::size_t v = 0; v < shares.size(); ++v) shares[v].volume.add(solid[v].volume);
     share_contacts(shares);
     share_saddles(shares);
@@ -316,12 +297,11 @@ class ExcludedSum {
 
   const ExcludedOptions& options_;
   const std::size_t atom_count_;
-  const PowerTriangulation triangulation_;
+  const GrownAtoms grown_;
   const int exponent_;
-  const DualComplex complex_;
-  const BoundaryShapes shapes_;
-  const AccessibleSurface surface_;
-  std::vector<double> radius_;  // by ball of the triangulation, scaled, without the probe
+  const AccessibleSurface& surface_ = grown_.surface;
+  const PowerTriangulation& triangulation_ = grown_.triangulation;
+  const std::vector<double>& radius_ = grown_.radius;
 };
 
 }  // namespace

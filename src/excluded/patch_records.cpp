@@ -30,18 +30,7 @@ CreaseEnd common_point(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
 // The cusp in which a side meets a cap: side segments end at the first one and begin at the second.
 CreaseEnd cusp(const AccessibleSurface& surface, const PatchSide& side, std::size_t which) {
   const RolledArc& arc = surface.arcs[side.arc];
-  const std::uint32_t near = arc.ball[0] == side.atom[which] ? 0 : 1;
-  return {{arc.edge, near, kNoIndex}, true};
-}
-
-// The point in which the boundary goes over from circle i to circle j.
-CreaseEnd end_between(const AccessibleSurface& surface, const ConcavePatch& patch, std::uint32_t i,
-                      std::uint32_t j) {
-  const auto caps = static_cast<std::uint32_t>(patch.caps.size());
-  if (i == kNoIndex || j == kNoIndex) return {{0, kNoIndex, kNoIndex}, true};
-  if (i >= caps) return cusp(surface, patch.sides[i - caps], 0);
-  if (j >= caps) return cusp(surface, patch.sides[j - caps], 1);
-  return common_point(patch.probe, patch.caps[i].probe, patch.caps[j].probe);
+  return cusp_of(arc, arc.ball[0] == side.atom[which] ? 0 : 1);
 }
 
 // The volume between the probe's centre and the patch in units of the probe's radius: cones over
@@ -53,6 +42,15 @@ double cone_volume(const ConcavePatch& patch) {
 }
 
 }  // namespace
+
+CreaseEnd crease_end(const AccessibleSurface& surface, const ConcavePatch& patch, std::uint32_t i,
+                     std::uint32_t j) {
+  const auto caps = static_cast<std::uint32_t>(patch.caps.size());
+  if (i == kNoIndex || j == kNoIndex) return {{0, kNoIndex, kNoIndex}, true};
+  if (i >= caps) return cusp(surface, patch.sides[i - caps], 0);
+  if (j >= caps) return cusp(surface, patch.sides[j - caps], 1);
+  return common_point(patch.probe, patch.caps[i].probe, patch.caps[j].probe);
+}
 
 PatchRecords::PatchRecords(const AccessibleSurface& surface, std::span<const std::uint8_t> included,
                            Monitor* monitor)
@@ -120,8 +118,8 @@ void PatchRecords::add_cut(const AccessibleSurface& surface, const ConcavePatch&
       continue;
     }
     const PatchCap& cap = patch.caps[s.circle];
-    const CreaseEnd from = end_between(surface, patch, s.before, s.circle),
-                    to = end_between(surface, patch, s.circle, s.next);
+    const CreaseEnd from = crease_end(surface, patch, s.before, s.circle),
+                    to = crease_end(surface, patch, s.circle, s.next);
     creases.push_back({patch.probe, cap.probe, first + s.piece, from, to});
     piece.bend -= s.angle * cap.cosine;
     if (s.next == kNoIndex) continue;

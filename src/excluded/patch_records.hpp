@@ -22,6 +22,15 @@ struct CreaseEnd {
   auto operator<=>(const CreaseEnd&) const = default;
 };
 
+// The cusp of an arc's circle near its ball a (0) or b (1).
+inline CreaseEnd cusp_of(const RolledArc& arc, std::uint32_t near) {
+  return {{arc.edge, near, kNoIndex}, true};
+}
+// The point in which the boundary of a cut patch goes over from circle i to circle j, of which one
+// at least is a cap's.
+CreaseEnd crease_end(const AccessibleSurface& surface, const ConcavePatch& patch, std::uint32_t i,
+                     std::uint32_t j);
+
 // A crease seen from one of its two probes; from the other one it runs back. A whole circle has
 // equal ends.
 struct Crease {

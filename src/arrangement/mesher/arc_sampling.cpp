@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/errors.hpp"
 
@@ -31,6 +32,28 @@ std::uint32_t piece_count(const BoundaryArc& arc, double edge_length) {
 }
 
 }  // namespace
+
+// The comparison takes a.piece with b.halvings and the other way round, which puts the larger
+// number of halvings first; unique() keeps it.
+void merge_splits(std::vector<PieceSplit>& splits) {
+  std::sort(splits.begin(), splits.end(), [](const PieceSplit& a, const PieceSplit& b) {
+    return std::pair(a.piece, b.halvings) < std::pair(b.piece, a.halvings);
+  });
+  const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
+  splits.erase(std::unique(splits.begin(), splits.end(), same), splits.end());
+}
+
+std::vector<std::uint32_t> sides_of(const BoundaryArcs& boundary,
+                                    std::span<const PieceSplit> splits) {
+  std::vector<std::uint32_t> sides;
+  for (const PieceSplit& s : splits) {
+    const auto& beside = boundary.arcs[s.piece.arc].balls;
+    sides.insert(sides.end(), beside.begin(), beside.end());
+  }
+  std::sort(sides.begin(), sides.end());
+  sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
+  return sides;
+}
 
 ArcSampling::ArcSampling(const BoundaryArcs& boundary, std::span<const double> edge_lengths)
     : boundary_(boundary), unequal_(boundary.arcs.size()) {

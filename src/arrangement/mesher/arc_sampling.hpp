@@ -31,6 +31,12 @@ struct PieceSplit {
   friend auto operator<=>(const PieceSplit&, const PieceSplit&) = default;
 };
 
+// Sorts requests by piece and keeps one for each: that with the most halvings.
+void merge_splits(std::vector<PieceSplit>& splits);
+// The patches on both sides of the pieces, by BoundaryArc::balls: ascending, each once.
+std::vector<std::uint32_t> sides_of(const BoundaryArcs& boundary,
+                                    std::span<const PieceSplit> splits);
+
 // How each arc is divided into pieces, and which mesh vertex each sample point is.
 class ArcSampling {
  public:
@@ -44,6 +50,8 @@ class ArcSampling {
   std::uint32_t pieces(std::uint32_t arc) const;
   // Position of a sample point, 0 <= index <= pieces(arc). Ends of an arc are exactly its corners.
   Vec3d point(std::uint32_t arc, std::uint32_t index) const;
+  // The angle of sample point `index` as a fraction of the arc's sweep, 0 to 1.
+  double part(std::uint32_t arc, std::uint32_t index) const;
   // The angle (rad) by which the arc turns along the piece.
   double piece_angle(const ArcPiece& piece) const;
   // Splits pieces. `splits` must be sorted by piece and name each piece once, all with the numbers
@@ -59,9 +67,6 @@ class ArcSampling {
   std::uint32_t vertex_count() const;
 
  private:
-  // The angle of sample point `index` as a fraction of the arc's sweep, 0 to 1.
-  double part(std::uint32_t arc, std::uint32_t index) const;
-
   const BoundaryArcs& boundary_;
   std::vector<std::uint32_t> pieces_;  // per arc: the number of its pieces
   // Per arc: the fractions of points 1 .. n - 1, ascending. Empty while all pieces of the arc are

@@ -1,10 +1,8 @@
 // Gathers the boundary of one patch from the arcs around it, and the index needed for this.
 //
-// PatchIndex and PointCircles are compressed sparse rows, filled by a counting sort: count the
-// entries of each row, take the prefix sum, then place the entries. gather_boundary() numbers the
-// corners of the patch first, in ascending order, then the other points arc by arc.
-// boundary_vertices() repeats this order, so that both lists match. union_mesher.cpp calls them for
-// every ball in each round of meshing.
+// gather_pieces() numbers the corners of the patch first, in ascending order, then the other points
+// arc by arc. boundary_vertices() repeats this order, so that both lists match. union_mesher.cpp
+// calls them for every ball in each round of meshing.
 #include "arrangement/mesher/patch_boundary.hpp"
 
 #include <algorithm>
@@ -18,13 +16,18 @@
 namespace vdwmesh {
 namespace {
 
-// The corners in which the arcs end, ascending, each once.
-void collect_corners(const BoundaryArcs& boundary, std::span<const std::uint32_t> arcs,
+std::uint32_t index_of(std::uint32_t arc) { return arc; }
+std::uint32_t index_of(const RimArc& rim) { return rim.arc; }
+
+// The corners in which the arcs end, ascending, each once. `arcs` has indices of arcs, or RimArcs.
+template <class Arcs>
+void collect_corners(const BoundaryArcs& boundary, const Arcs& arcs,
                      std::vector<std::uint32_t>& corners) {
   corners.clear();
-  for (const std::uint32_t a : arcs) {
-    if (boundary.arcs[a].is_circle()) continue;
-    for (const std::uint32_t end : boundary.arcs[a].ends) corners.push_back(end);
+  for (const auto& a : arcs) {
+    const BoundaryArc& arc = boundary.arcs[index_of(a)];
+    if (arc.is_circle()) continue;
+    for (const std::uint32_t end : arc.ends) corners.push_back(end);
   }
   std::sort(corners.begin(), corners.end());
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
@@ -34,8 +37,8 @@ void collect_corners(const BoundaryArcs& boundary, std::span<const std::uint32_t
 // then arc by arc the points between its ends.
 class PointNumbers {
  public:
-  PointNumbers(const BoundaryArcs& boundary, const ArcSampling& sampling,
-               std::span<const std::uint32_t> arcs)
+  template <class Arcs>
+  PointNumbers(const BoundaryArcs& boundary, const ArcSampling& sampling, const Arcs& arcs)
       : boundary_(boundary), sampling_(sampling) {
     collect_corners(boundary, arcs, corners_);
     next_ = static_cast<std::uint32_t>(corners_.size());
@@ -73,8 +76,59 @@ class PointNumbers {
 // The unit vector from a sphere's centre to a point of the sphere.
 Vec3d direction(const Sphere& s, const Vec3d& p) { return (1 / s.radius) * (p - s.center); }
 
-// The cap of sphere `s` that ball `neighbor` covers.
-CoveredCap cap_on(const BoundaryArcs& boundary, const Sphere& s, const Sphere& neighbor) {
+}  // namespace
+
+void PointCircles::assign(const PatchBoundary& boundary) {
+  const auto each_end = [&](const auto& visit) {
+    for (const BoundaryPiece& p : boundary.pieces) {
+      visit(p.from, p.neighbor);
+      visit(p.to, p.neighbor);
+    }
+    for (const SphereThrough& s : boundary.through) visit(s.point, s.ball);
+  };
+  circles_.fill(boundary.points.size(), each_end);
+}
+
+PatchIndex::PatchIndex(const PowerTriangulation& triangulation, const DualComplex& complex,
+                       const BoundaryArcs& boundary) {
+  const std::size_t balls = triangulation.balls.size();
+  const auto each_arc = [&](const auto& visit) {
+    for (std::uint32_t a = 0; a < boundary.arcs.size(); ++a) {
+      for (const std::uint32_t ball : boundary.arcs[a].balls) visit(ball, a);
+    }
+  };
+  arcs_.fill(balls, each_arc);
+  const auto each_neighbor = [&](const auto& visit) {
+    for (const DualEdge& e : complex.edges) {
+      visit(e.vertices[0], e.vertices[1]);
+      visit(e.vertices[1], e.vertices[0]);
+    }
+  };
+  neighbors_.fill(balls, each_neighbor);
+  if (!boundary.has_joined_corners) return;
+  const auto each_ball_of_corner = [&](const auto& visit) {
+    for (const BoundaryArc& arc : boundary.arcs) {
+      if (arc.is_circle()) continue;
+      for (const std::uint32_t end : arc.ends) {
+        for (const std::uint32_t ball : arc.balls) visit(end, ball);
+      }
+    }
+  };
+  balls_.fill(boundary.corners.size(), each_ball_of_corner);
+}
+
+std::span<const std::uint32_t> PatchIndex::arcs(std::uint32_t ball) const { return arcs_[ball]; }
+
+std::span<const std::uint32_t> PatchIndex::neighbors(std::uint32_t ball) const {
+  return neighbors_[ball];
+}
+
+std::span<const std::uint32_t> PatchIndex::balls_at(std::uint32_t corner) const {
+  if (balls_.size() == 0) return {};
+  return balls_[corner];
+}
+
+CoveredCap covered_cap(const BoundaryArcs& boundary, const Sphere& s, const Sphere& neighbor) {
   const EdgeShape shape = edge_shape(s, neighbor);
   const double cosine = shape.height[0] / s.radius;
   // boundary_arcs() has made a contact vanish, so there are no arcs around its cap. If the cap is
@@ -89,107 +143,24 @@ CoveredCap cap_on(const BoundaryArcs& boundary, const Sphere& s, const Sphere& n
           2 * squared_sine / (1 + std::abs(cosine))};
 }
 
-// Fills compressed sparse rows: the entries of row r become entries[first[r]] to entries[first[r +
-// 1] - 1], for `count` rows. for_each(visit) must call visit(row, entry) for every entry. It is
-// called twice and must give the same entries in the same order: in the first run they are counted,
-// in the second they are placed.
-template <class ForEach>
-void fill_lists(std::size_t count, const ForEach& for_each, std::vector<std::uint32_t>& first,
-                std::vector<std::uint32_t>& entries) {
-  // While entries are placed, first[r + 1] is the next free place of row r. At the end it is the
-  // first place of row r + 1.
-  first.assign(count + 2, 0);
-  for_each([&](std::uint32_t row, std::uint32_t) { ++first[row + 2]; });
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  entries.resize(first.back());
-  for_each([&](std::uint32_t row, std::uint32_t entry) { entries[first[row + 1]++] = entry; });
-  first.pop_back();
-}
-
-// The entries of one row.
-std::span<const std::uint32_t> list(const std::vector<std::uint32_t>& first,
-                                    const std::vector<std::uint32_t>& entries, std::uint32_t ball) {
-  return {entries.data() + first[ball], first[ball + 1] - first[ball]};
-}
-
-}  // namespace
-
-void PointCircles::assign(const PatchBoundary& boundary) {
-  const auto each_end = [&](const auto& visit) {
-    for (const BoundaryPiece& p : boundary.pieces) {
-      visit(p.from, p.neighbor);
-      visit(p.to, p.neighbor);
-    }
-    for (const SphereThrough& s : boundary.through) visit(s.point, s.ball);
-  };
-  fill_lists(boundary.points.size(), each_end, first_, neighbors_);
-}
-
-PatchIndex::PatchIndex(const PowerTriangulation& triangulation, const DualComplex& complex,
-                       const BoundaryArcs& boundary) {
-  const std::size_t balls = triangulation.balls.size();
-  const auto each_arc = [&](const auto& visit) {
-    for (std::uint32_t a = 0; a < boundary.arcs.size(); ++a) {
-      for (const std::uint32_t ball : boundary.arcs[a].balls) visit(ball, a);
-    }
-  };
-  fill_lists(balls, each_arc, first_arc_, arcs_);
-  const auto each_neighbor = [&](const auto& visit) {
-    for (const DualEdge& e : complex.edges) {
-      visit(e.vertices[0], e.vertices[1]);
-      visit(e.vertices[1], e.vertices[0]);
-    }
-  };
-  fill_lists(balls, each_neighbor, first_neighbor_, neighbors_);
-  if (!boundary.has_joined_corners) return;
-  const auto each_ball_of_corner = [&](const auto& visit) {
-    for (const BoundaryArc& arc : boundary.arcs) {
-      if (arc.is_circle()) continue;
-      for (const std::uint32_t end : arc.ends) {
-        for (const std::uint32_t ball : arc.balls) visit(end, ball);
-      }
-    }
-  };
-  fill_lists(boundary.corners.size(), each_ball_of_corner, first_ball_, balls_);
-}
-
-std::span<const std::uint32_t> PatchIndex::arcs(std::uint32_t ball) const {
-  return list(first_arc_, arcs_, ball);
-}
-
-std::span<const std::uint32_t> PatchIndex::neighbors(std::uint32_t ball) const {
-  return list(first_neighbor_, neighbors_, ball);
-}
-
-std::span<const std::uint32_t> PatchIndex::balls_at(std::uint32_t corner) const {
-  if (first_ball_.empty()) return {};
-  return list(first_ball_, balls_, corner);
-}
-
-void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
-                     const ArcSampling& sampling, const PatchIndex& index, std::uint32_t ball,
-                     PatchBoundary& out) {
-  const Sphere& s = triangulation.balls[ball];
-  out = {};
-  PointNumbers numbers(boundary, sampling, index.arcs(ball));
+void gather_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, const Sphere& s,
+                   std::uint32_t side, std::span<const RimArc> arcs, PatchBoundary& out) {
+  PointNumbers numbers(boundary, sampling, arcs);
   std::size_t count = 0;
-  for (const std::uint32_t a : index.arcs(ball)) count += sampling.pieces(a);
+  for (const RimArc& a : arcs) count += sampling.pieces(a.arc);
+  out.points.clear();
+  out.pieces.clear();
   out.pieces.reserve(count);
   out.points.reserve(count + numbers.corners().size());
-  // First the corners, with the spheres through those that were joined.
   for (const std::uint32_t c : numbers.corners()) {
-    const auto point = static_cast<std::uint32_t>(out.points.size());
-    for (const std::uint32_t other : index.balls_at(c)) {
-      if (other != ball) out.through.push_back({point, other});
-    }
     out.points.push_back(direction(s, boundary.corners[c].position));
   }
-  for (const std::uint32_t a : index.arcs(ball)) {
+  for (const auto& [a, circle, cosine] : arcs) {
     const BoundaryArc& arc = boundary.arcs[a];
     // The patch of the second ball lies on the left of the arc. For the first ball the pieces run
     // backwards.
-    const bool is_first = arc.balls[0] == ball;
-    const std::uint32_t neighbor = arc.balls[is_first ? 1 : 0], n = sampling.pieces(a);
+    const bool is_first = arc.balls[0] == side;
+    const std::uint32_t n = sampling.pieces(a);
     numbers.begin_arc(a);
     for (std::uint32_t k = arc.is_circle() ? 0 : 1; k < n; ++k) {
       out.points.push_back(direction(s, sampling.point(a, k)));
@@ -198,20 +169,45 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
     // radius sin a on the unit sphere. So along a piece of angle x it turns by x cos a against a
     // great circle, and half of this falls to each end. For a cap smaller than a hemisphere, cos a
     // is positive and the arc bulges away from the cap, into the patch.
-    const double half_turn = cap_on(boundary, s, triangulation.balls[neighbor]).cosine / 2;
+    const double half_turn = cosine / 2;
     for (std::uint32_t k = 0; k < n; ++k) {
       const std::uint32_t from = numbers.of(k), to = numbers.of(k + 1);
       out.pieces.push_back({is_first ? to : from,
                             is_first ? from : to,
-                            neighbor,
+                            circle,
                             {a, k},
                             half_turn * sampling.piece_angle({a, k})});
     }
   }
-  out.caps.reserve(index.neighbors(ball).size());
-  for (const std::uint32_t n : index.neighbors(ball)) {
-    out.caps.push_back(cap_on(boundary, s, triangulation.balls[n]));
+}
+
+void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
+                     const ArcSampling& sampling, const PatchIndex& index, std::uint32_t ball,
+                     PatchBoundary& out) {
+  const Sphere& s = triangulation.balls[ball];
+  const auto cap_of = [&](std::uint32_t neighbor) {
+    return covered_cap(boundary, s, triangulation.balls[neighbor]);
+  };
+  out = {};
+  std::vector<RimArc> rims;
+  for (const std::uint32_t a : index.arcs(ball)) {
+    const auto& balls = boundary.arcs[a].balls;
+    const std::uint32_t neighbor = balls[balls[0] == ball ? 1 : 0];
+    rims.push_back({a, neighbor, cap_of(neighbor).cosine});
   }
+  gather_pieces(boundary, sampling, s, ball, rims, out);
+  // The spheres through corners that were joined.
+  if (boundary.has_joined_corners) {
+    std::vector<std::uint32_t> corners;
+    collect_corners(boundary, rims, corners);
+    for (std::uint32_t point = 0; point < corners.size(); ++point) {
+      for (const std::uint32_t other : index.balls_at(corners[point])) {
+        if (other != ball) out.through.push_back({point, other});
+      }
+    }
+  }
+  out.caps.reserve(index.neighbors(ball).size());
+  for (const std::uint32_t n : index.neighbors(ball)) out.caps.push_back(cap_of(n));
 }
 
 Vec3d buried_pole(const PatchBoundary& boundary) {
@@ -290,9 +286,8 @@ SplitChain split_piece(const Sphere& s, const ArcSampling& sampling, bool backwa
 
 }  // namespace
 
-void split_pieces(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
-                  const ArcSampling& sampling, std::uint32_t ball,
-                  std::span<const PieceSplit> splits, PatchBoundary& out,
+void split_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, const Sphere& s,
+                  std::uint32_t side, std::span<const PieceSplit> splits, PatchBoundary& out,
                   std::vector<SplitChain>& chains) {
   const auto count = static_cast<std::uint32_t>(out.pieces.size());
   for (std::uint32_t p = 0; p < count; ++p) {
@@ -305,9 +300,8 @@ void split_pieces(const PowerTriangulation& triangulation, const BoundaryArcs& b
       out.pieces[p].source.piece += (1u << split->halvings) - 1;
     }
     if (split == splits.end() || split->piece != source) continue;
-    const bool backwards = boundary.arcs[source.arc].balls[0] == ball;
-    chains.push_back(
-        split_piece(triangulation.balls[ball], sampling, backwards, 1u << split->halvings, p, out));
+    const bool backwards = boundary.arcs[source.arc].balls[0] == side;
+    chains.push_back(split_piece(s, sampling, backwards, 1u << split->halvings, p, out));
   }
 }
 

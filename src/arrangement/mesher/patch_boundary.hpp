@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "arrangement/mesher/arc_sampling.hpp"
+#include "arrangement/mesher/row_lists.hpp"
 
 namespace vdwmesh {
 
@@ -118,11 +119,11 @@ class PointCircles {
   // The circles of one point, possibly with repetitions. Numbers past all points of the boundary
   // are interior points, which have none.
   std::span<const std::uint32_t> of(std::uint32_t point) const {
-    if (point >= first_.size() - 1) return {};
-    return {neighbors_.data() + first_[point], first_[point + 1] - first_[point]};
+    if (point >= circles_.size()) return {};
+    return circles_[point];
   }
-  // Compressed sparse rows: circles of point p at first_[p] .. first_[p + 1] - 1.
-  std::vector<std::uint32_t> first_, neighbors_;
+
+  RowLists circles_;
 };
 
 // The arcs and neighbours of each ball, and the balls at each corner, as compressed sparse rows.
@@ -140,21 +141,34 @@ class PatchIndex {
   std::span<const std::uint32_t> balls_at(std::uint32_t corner) const;
 
  private:
-  // Row starts and entries of the three tables, in pairs.
-  std::vector<std::uint32_t> first_arc_, arcs_, first_neighbor_, neighbors_, first_ball_, balls_;
+  RowLists arcs_, neighbors_, balls_;
 };
 
+// An arc as the patch on one of its sides sees it.
+struct RimArc {
+  std::uint32_t arc;
+  std::uint32_t circle;  // its name, which becomes BoundaryPiece::neighbor
+  double cosine;         // of the cap behind its circle
+};
+
+// Replaces the points and pieces of `out` by those of the patch on the sphere `s` that is on one
+// side of the given arcs: `side` is its name in BoundaryArc::balls. First come the corners,
+// ascending, then arc by arc the points between its ends.
+void gather_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, const Sphere& s,
+                   std::uint32_t side, std::span<const RimArc> arcs, PatchBoundary& out);
+// The cap of the sphere `s` that the ball `neighbor` covers.
+CoveredCap covered_cap(const BoundaryArcs& boundary, const Sphere& s, const Sphere& neighbor);
 // Replaces `out` by the boundary of one ball's patch. A sphere without arcs gets no points and no
 // pieces, but all its caps.
 void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
                      const ArcSampling& sampling, const PatchIndex& index, std::uint32_t ball,
                      PatchBoundary& out);
-// Brings a boundary up to date after ArcSampling::split(splits): splits its pieces in the same way,
-// with the new points and pieces at the end, and appends to `chains` how. So points and pieces keep
-// their numbers. `sampling` is as after the split; the boundary must be as before.
-void split_pieces(const PowerTriangulation& triangulation, const BoundaryArcs& boundary,
-                  const ArcSampling& sampling, std::uint32_t ball,
-                  std::span<const PieceSplit> splits, PatchBoundary& out,
+// Brings a boundary, that of the patch `side` on the sphere `s`, up to date after
+// ArcSampling::split(splits): splits its pieces in the same way, with the new points and pieces at
+// the end, and appends to `chains` how. So points and pieces keep their numbers. `sampling` is as
+// after the split; the boundary must be as before.
+void split_pieces(const BoundaryArcs& boundary, const ArcSampling& sampling, const Sphere& s,
+                  std::uint32_t side, std::span<const PieceSplit> splits, PatchBoundary& out,
                   std::vector<SplitChain>& chains);
 // The numbers that the points of an up-to-date boundary would have if it were gathered anew.
 std::vector<std::uint32_t> gathered_numbers(const BoundaryArcs& boundary,

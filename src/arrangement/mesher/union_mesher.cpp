@@ -192,7 +192,7 @@ class UnionMesher {
       stats_.split += last_splits_.size();
       sampling_.split(last_splits_);
       check_growth(last_splits_);
-      balls = balls_beside(last_splits_);
+      balls = sides_of(boundary_, last_splits_);
     }
   }
 
@@ -262,7 +262,7 @@ class UnionMesher {
   PatchProgress& up_to_date(std::uint32_t ball) {
     std::unique_ptr<PatchProgress>& progress = progress_[ball];
     if (progress) {
-      split_pieces(t_, boundary_, sampling_, ball, last_splits_, progress->boundary,
+      split_pieces(boundary_, sampling_, t_.balls[ball], ball, last_splits_, progress->boundary,
                    progress->chains);
     } else {
       progress = std::make_unique<PatchProgress>();
@@ -296,32 +296,14 @@ class UnionMesher {
     }
   }
 
-  // The requests of all balls, sorted by piece, each piece once. If the patches on both sides ask
-  // for the same piece, the larger number of halvings counts. The comparison takes a.piece with
-  // b.halvings and the other way round, which puts the larger number first; unique() keeps it.
+  // The requests of all balls, sorted by piece, each piece once.
   std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& balls) const {
     std::vector<PieceSplit> splits;
     for (const std::uint32_t b : balls) {
       splits.insert(splits.end(), patches_[b].splits.begin(), patches_[b].splits.end());
     }
-    std::sort(splits.begin(), splits.end(), [](const PieceSplit& a, const PieceSplit& b) {
-      return std::pair(a.piece, b.halvings) < std::pair(b.piece, a.halvings);
-    });
-    const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
-    splits.erase(std::unique(splits.begin(), splits.end(), same), splits.end());
+    merge_splits(splits);
     return splits;
-  }
-
-  // The balls on both sides of the pieces, ascending, each once.
-  std::vector<std::uint32_t> balls_beside(const std::vector<PieceSplit>& splits) const {
-    std::vector<std::uint32_t> balls;
-    for (const PieceSplit& s : splits) {
-      const auto& beside = boundary_.arcs[s.piece.arc].balls;
-      balls.insert(balls.end(), beside.begin(), beside.end());
-    }
-    std::sort(balls.begin(), balls.end());
-    balls.erase(std::unique(balls.begin(), balls.end()), balls.end());
-    return balls;
   }
 
   // Builds the mesh. Its vertices are the corners and points of arcs, with the numbers that the

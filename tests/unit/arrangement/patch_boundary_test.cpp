@@ -142,7 +142,7 @@ TEST(PatchBoundary, SplitPiecesAreThoseGatheredAfterwards) {
     sampling.split(splits);
     for (std::uint32_t b = 0; b < balls; ++b) {
       std::vector<SplitChain> chains;
-      split_pieces(triangulation, arcs, sampling, b, splits, boundaries[b], chains);
+      split_pieces(arcs, sampling, triangulation.balls[b], b, splits, boundaries[b], chains);
       PatchBoundary gathered;
       gather_boundary(triangulation, arcs, sampling, index, b, gathered);
       expect_same(boundaries[b], gathered_numbers(arcs, sampling, index, b, boundaries[b]),

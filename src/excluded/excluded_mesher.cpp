@@ -1,0 +1,366 @@
+// mesh_excluded(): samples the curves between patches, and meshes the patches in rounds.
+//
+// 1. CurveComplex names all patches, curves and corners.
+// 2. In each round every patch that has changed is meshed by itself, on all cores: contact and
+//    concave patches by the mesher of spheres less caps, saddles by mesh_saddle(). Patches may ask
+//    for pieces of their curves to be split; those beside such a piece are meshed again. First the
+//    boundaries alone, then the patches.
+// 3. The vertices are numbered (corners, points of curves, then patch by patch) and the patches
+//    copied. The triangles of concave patches are turned over, because the surface is seen from
+//    inside of the probe.
+// 4. χ and the number of shells are held against those of the surface.
+#include "excluded/excluded_mesher.hpp"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "arrangement/directions.hpp"
+#include "arrangement/mesher/flat_boundary.hpp"
+#include "core/disjoint_sets.hpp"
+#include "core/errors.hpp"
+#include "excluded/excluded_shells.hpp"
+#include "excluded/mesher/curve_complex.hpp"
+#include "excluded/mesher/saddle_mesher.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using namespace excluded;
+using MesherClock = std::chrono::steady_clock;
+
+// As for the mesh of the union: rounds in which pieces are split for quality, and in all; and how
+// many pieces there may be, besides 64 for each there was at first.
+constexpr int kRoundsForQuality = 12, kRoundsInAll = 60;
+constexpr std::uint64_t kGrowth = std::uint64_t{1} << 16;
+
+double elapsed(MesherClock::time_point begin) {
+  return std::chrono::duration<double>(MesherClock::now() - begin).count();
+}
+
+class ExcludedMesher {
+ public:
+  ExcludedMesher(const CurveComplex& complex, const ExcludedMeshOptions& options)
+      : options_(options),
+        complex_(complex),
+        unit_(std::ldexp(1.0, complex.grown().exponent)),
+        edge_length_(options.edge_length / unit_),
+        sampling_(complex.curves, std::vector<double>(complex.face_count(), edge_length_)),
+        pieces_at_first_(count_pieces()),
+        faces_(complex.face_count()) {}
+
+  ExcludedMesh run() && {
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) all.push_back(f);
+    run_rounds(all, PatchStage::boundary);
+    run_rounds(all, PatchStage::triangles);
+    sampling_.number_vertices();
+    ExcludedMesh out;
+    assemble(out);
+    stats_.curves = complex_.curves.arcs.size();
+    stats_.pieces = count_pieces();
+    out.stats = stats_;
+    return out;
+  }
+
+ private:
+  // What is known of a patch between rounds, and at last its mesh. Points of the boundary come
+  // first among its vertices.
+  struct Face {
+    std::unique_ptr<PatchProgress> progress;  // of a sphere with curves
+    std::vector<CurvePoint> boundary;
+    std::vector<Vec3d> interior, normals;  // scaled, relative to the origin; unit
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::vector<PieceSplit> splits;
+    bool coincident = false;
+  };
+  struct Scratch {
+    PatchScratch patch;
+    PlaneTriangulation plane;
+  };
+
+  bool is_sphere(std::uint32_t face) const { return face < complex_.spheres.size(); }
+
+  std::uint64_t count_pieces() const {
+    std::uint64_t pieces = 0;
+    for (std::uint32_t c = 0; c < complex_.curves.arcs.size(); ++c) pieces += sampling_.pieces(c);
+    return pieces;
+  }
+
+  void run_rounds(std::vector<std::uint32_t> faces, PatchStage stage) {
+    last_splits_.clear();
+    for (int round = 1; !faces.empty(); ++round) {
+      begin_stage(options_.monitor,
+                  stage == PatchStage::boundary ? "sample curves" : "mesh patches", faces.size());
+      const Demand demand = round <= kRoundsForQuality ? Demand::quality : Demand::validity;
+      tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t i) {
+        mesh_face(faces[i], demand, stage);
+        advance(options_.monitor, 1);
+      });
+      last_splits_ = wanted_splits(faces);
+      if (last_splits_.empty()) return;
+      const std::uint64_t allowed = kGrowth + 64 * pieces_at_first_;
+      if (round == kRoundsInAll || count_pieces() > allowed) refuse(last_splits_.front().piece);
+      stats_.split += last_splits_.size();
+      sampling_.split(last_splits_);
+      faces = sides_of(complex_.curves, last_splits_);
+    }
+  }
+
+  std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& faces) const {
+    std::vector<PieceSplit> splits;
+    for (const std::uint32_t f : faces) {
+      if (faces_[f].coincident) refuse({complex_.curves_of(f).front(), 0});
+      splits.insert(splits.end(), faces_[f].splits.begin(), faces_[f].splits.end());
+    }
+    merge_splits(splits);
+    return splits;
+  }
+
+  // Threads run this at the same time for different faces, so an error is only noted here.
+  void mesh_face(std::uint32_t face, Demand demand, PatchStage stage) {
+    Scratch& scratch = scratch_.local();
+    try {
+      if (is_sphere(face)) {
+        mesh_sphere_face(face, demand, stage, scratch.patch);
+      } else {
+        mesh_saddle_face(face, demand, stage, scratch.plane);
+      }
+    } catch (const CoincidentPoints&) {
+      faces_[face].coincident = true;
+    }
+  }
+
+  void mesh_saddle_face(std::uint32_t face, Demand demand, PatchStage stage,
+                        PlaneTriangulation& plane) {
+    const SaddleFace& saddle = complex_.saddles[face - complex_.spheres.size()];
+    SaddleMesh made = mesh_saddle(complex_, sampling_, saddle,
+                                  {edge_length_, demand, stage, options_.monitor}, plane);
+    Face& out = faces_[face];
+    out.boundary = std::move(made.boundary);
+    out.interior = std::move(made.interior);
+    out.normals = std::move(made.normals);
+    out.triangles = std::move(made.triangles);
+    out.splits = std::move(made.splits);
+  }
+
+  void mesh_sphere_face(std::uint32_t face, Demand demand, PatchStage stage,
+                        PatchScratch& scratch) {
+    const SphereFace& sphere = complex_.spheres[face];
+    const double radius = sphere.sphere.radius;
+    Face& out = faces_[face];
+    if (complex_.curves_of(face).empty()) {
+      PatchMesh whole = mesh_sphere(edge_length_ / radius);
+      place(sphere, whole, out);
+      return;
+    }
+    PatchProgress& progress = up_to_date(face);
+    PatchMesh made =
+        mesh_patch(progress, {edge_length_ / radius, demand, stage, options_.monitor}, scratch);
+    if (!made.triangles.empty()) {
+      out.boundary = boundary_points(face, progress.boundary);
+      out.progress.reset();
+    }
+    place(sphere, made, out);
+  }
+
+  static void place(const SphereFace& sphere, PatchMesh& made, Face& out) {
+    out.normals = made.interior;
+    for (Vec3d& n : out.normals) n = (sphere.concave ? -1.0 : 1.0) * n;
+    out.interior = std::move(made.interior);
+    for (Vec3d& u : out.interior) u = sphere.sphere.center + sphere.sphere.radius * u;
+    out.triangles = std::move(made.triangles);
+    out.splits = std::move(made.splits);
+    for (auto& t : out.triangles) {
+      if (sphere.concave) std::swap(t[1], t[2]);
+    }
+  }
+
+  PatchProgress& up_to_date(std::uint32_t face) {
+    const SphereFace& sphere = complex_.spheres[face];
+    std::unique_ptr<PatchProgress>& progress = faces_[face].progress;
+    if (progress) {
+      split_pieces(complex_.curves, sampling_, sphere.sphere, face, last_splits_,
+                   progress->boundary, progress->chains);
+      return *progress;
+    }
+    progress = std::make_unique<PatchProgress>();
+    gather_pieces(complex_.curves, sampling_, sphere.sphere, face, complex_.rims_of(face),
+                  progress->boundary);
+    progress->boundary.caps = complex_.caps_of(sphere);
+    return *progress;
+  }
+
+  // The sample points that are the points of a sphere's boundary.
+  std::vector<CurvePoint> boundary_points(std::uint32_t face, const PatchBoundary& boundary) const {
+    std::vector<CurvePoint> points(boundary.points.size());
+    for (const BoundaryPiece& p : boundary.pieces) {
+      const auto [curve, k] = p.source;
+      const bool backwards = complex_.curves.arcs[curve].balls[0] == face;
+      points[p.from] = {curve, backwards ? k + 1 : k};
+      points[p.to] = {curve, backwards ? k : k + 1};
+    }
+    return points;
+  }
+
+  void assemble(ExcludedMesh& out) {
+    std::vector<std::uint64_t> first_vertex(faces_.size() + 1), first_triangle(faces_.size() + 1);
+    first_vertex[0] = sampling_.vertex_count();
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      first_vertex[f + 1] = first_vertex[f] + faces_[f].interior.size();
+      first_triangle[f + 1] = first_triangle[f] + faces_[f].triangles.size();
+    }
+    if (first_vertex.back() > kMaxVertices) {
+      throw LimitExceeded(
+          fmt::format("{} vertices; a mesh holds at most {}: choose a larger edge "
+                      "length",
+                      first_vertex.back(), kMaxVertices));
+    }
+    make_room(out.mesh, {first_vertex.back(), first_triangle.back()}, {.width = LabelWidth::none});
+    out.patches.resize(faces_.size());
+    out.triangle_patch.resize(first_triangle.back());
+    place_curves(out.mesh);
+    tbb::parallel_for(std::size_t{0}, faces_.size(), [&](std::size_t f) {
+      place_face(static_cast<std::uint32_t>(f), first_vertex[f], first_triangle[f], out);
+      faces_[f] = {};
+    });
+  }
+
+  void set_vertex(IndexedMesh& mesh, std::uint64_t vertex, const Vec3d& at, const Vec3d& normal) {
+    mesh.positions[vertex] = unit_ * (at + complex_.grown().surface.origin);
+    mesh.normals[vertex] = cast<float>(normal);
+  }
+
+  void place_curves(IndexedMesh& mesh) {
+    const BoundaryArcs& curves = complex_.curves;
+    for (std::size_t c = 0; c < curves.corners.size(); ++c) {
+      set_vertex(mesh, c, curves.corners[c].position, complex_.normals[c]);
+    }
+    tbb::parallel_for(std::size_t{0}, curves.arcs.size(), [&](std::size_t i) {
+      const auto c = static_cast<std::uint32_t>(i);
+      for (std::uint32_t k = curves.arcs[i].is_circle() ? 0 : 1; k < sampling_.pieces(c); ++k) {
+        const Vec3d at = sampling_.point(c, k);
+        set_vertex(mesh, sampling_.vertex(c, k), at, complex_.normal_on(c, at));
+      }
+    });
+  }
+
+  void place_face(std::uint32_t f, std::uint64_t first_vertex, std::uint64_t first_triangle,
+                  ExcludedMesh& out) {
+    const Face& face = faces_[f];
+    std::vector<std::uint32_t> vertices;
+    for (const CurvePoint& p : face.boundary) {
+      vertices.push_back(sampling_.vertex(p.curve, p.index));
+    }
+    for (std::size_t i = 0; i < face.interior.size(); ++i) {
+      set_vertex(out.mesh, first_vertex + i, face.interior[i], face.normals[i]);
+      vertices.push_back(static_cast<std::uint32_t>(first_vertex + i));
+    }
+    for (std::size_t t = 0; t < face.triangles.size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        out.mesh.triangles[first_triangle + t][k] = vertices[face.triangles[t][k]];
+      }
+      out.triangle_patch[first_triangle + t] = f;
+    }
+    out.patches[f] = patch_of(f);
+  }
+
+  SurfacePatch patch_of(std::uint32_t f) const {
+    const AccessibleSurface& surface = complex_.grown().surface;
+    const std::vector<SphereId>& ids = complex_.grown().triangulation.ids;
+    SurfacePatch patch{PatchKind::contact, {kNoSphere, kNoSphere, kNoSphere}};
+    const auto set = [&](PatchKind kind, const auto& balls) {
+      patch.kind = kind;
+      for (std::size_t k = 0; k < balls.size(); ++k) patch.atoms[k] = ids[balls[k]];
+      std::sort(patch.atoms.begin(), patch.atoms.end());
+    };
+    if (!is_sphere(f)) {
+      const SaddleFace& saddle = complex_.saddles[f - complex_.spheres.size()];
+      set(PatchKind::saddle, surface.arcs[saddle.arc].ball);
+    } else if (const SphereFace& s = complex_.spheres[f]; s.concave) {
+      set(PatchKind::concave, surface.triangle_of(surface.probes[s.element].corner).vertices);
+    } else {
+      set(PatchKind::contact, std::array{s.element});
+    }
+    return patch;
+  }
+
+  // Gives up at a piece, naming the atoms of the patches beside it.
+  [[noreturn]] void refuse(const ArcPiece& piece) const {
+    std::vector<SphereId> atoms;
+    for (const std::uint32_t f : complex_.curves.arcs[piece.arc].balls) {
+      for (const SphereId id : patch_of(f).atoms) {
+        if (id != kNoSphere) atoms.push_back(id);
+      }
+    }
+    std::sort(atoms.begin(), atoms.end());
+    atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
+    throw LimitExceeded(fmt::format(
+        "the excluded surface has no mesh: between spheres {} its curves are too close to be told "
+        "apart in double precision",
+        fmt::join(atoms, ", ")));
+  }
+
+  const ExcludedMeshOptions& options_;
+  const CurveComplex& complex_;
+  const double unit_;         // of scaled lengths, in Å: a power of two
+  const double edge_length_;  // scaled
+  ArcSampling sampling_;
+  const std::uint64_t pieces_at_first_;
+  std::vector<Face> faces_;
+  tbb::enumerable_thread_specific<Scratch> scratch_;
+  std::vector<PieceSplit> last_splits_;  // between the last round and this one
+  ExcludedMeshStats stats_;
+};
+
+// Throws if the mesh has another topology than the surface. A closed mesh has E = 3 F / 2 edges, so
+// its Euler characteristic is V - F / 2.
+void check_topology(const IndexedMesh& mesh, const ShellTable& exact) {
+  DisjointSets shells(mesh.vertex_count());
+  for (const Triangle& t : mesh.triangles) {
+    shells.join(t[0], t[1]);
+    shells.join(t[0], t[2]);
+  }
+  const std::int64_t euler = static_cast<std::int64_t>(mesh.vertex_count()) -
+                             static_cast<std::int64_t>(mesh.triangle_count() / 2);
+  std::int64_t expected = 0;
+  for (const ExcludedShell& s : exact.shells) expected += s.euler_characteristic;
+  if (euler == expected && shells.count() == exact.shells.size() && exact.unmatched_patches == 0) {
+    return;
+  }
+  throw LimitExceeded(fmt::format(
+      "the excluded surface has no mesh: χ would be {} in {} shells and should be {} in {}", euler,
+      shells.count(), expected, exact.shells.size()));
+}
+
+}  // namespace
+
+ExcludedMesh mesh_excluded(const SphereSet& atoms, const ExcludedMeshOptions& options) {
+  if (!(options.edge_length > 0) || !std::isfinite(options.edge_length)) {
+    throw InvalidInput(
+        fmt::format("the edge length must be positive and finite, not {} Å", options.edge_length));
+  }
+  const MesherClock::time_point begin = MesherClock::now();
+  begin_stage(options.monitor, "excluded surface", 1);
+  const GrownAtoms grown(atoms, options.probe, options.monitor);
+  const std::vector<std::uint8_t> included =
+      options.exterior ? grown.surface.outer_components()
+                       : std::vector<std::uint8_t>(grown.surface.components.size(), 1);
+  const PatchRecords records(grown.surface, included, options.monitor);
+  const ShellTable shells = excluded_shells(grown.surface, records, included, grown.radius);
+  const CurveComplex complex(grown, included, options.monitor);
+  const double surface_seconds = elapsed(begin);
+  ExcludedMesh out = ExcludedMesher(complex, options).run();
+  check_topology(out.mesh, shells);
+  out.stats.surface_seconds = surface_seconds;
+  out.stats.seconds = elapsed(begin);
+  return out;
+}
+
+}  // namespace vdwmesh

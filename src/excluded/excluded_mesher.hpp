@@ -1,0 +1,64 @@
+// The mesh of the solvent-excluded surface (excluded_measures.hpp says what that is). Its edges
+// follow the curves in which patches meet: circles between contact patches and saddles, sides of
+// concave patches, and creases between the concave patches of two probes.
+//
+// Each curve is sampled once, and both patches beside it use the same points, so the mesh is
+// watertight. Which patches and curves there are comes from exact predicates on the grown atoms, so
+// the mesh has the topology of the surface at every edge length. A vertex of a contact patch lies
+// on its atom's sphere, one of a saddle on its torus and one of a concave patch on its probe's
+// sphere, a vertex between patches on all of theirs, each up to rounding. Area and volume differ
+// from those of the surface in second order of the edge length.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/monitor.hpp"
+#include "excluded/excluded_measures.hpp"
+#include "surface/indexed_mesh.hpp"
+
+namespace vdwmesh {
+
+struct ExcludedMeshOptions {
+  double probe = kWaterProbe;  // Å, above 0: radius of the probe
+  double edge_length = 0.35;   // Å; edges are shorter at narrow features and on small circles
+  // The exterior surface, which has cavities filled up, in place of the complete one.
+  bool exterior = false;
+  Monitor* monitor = nullptr;
+};
+
+enum class PatchKind : std::uint8_t { contact, saddle, concave };
+
+// A patch of the excluded surface. A contact patch has one atom, a saddle two, a concave patch
+// three or more, of which the first three are given. Unused places hold kNoSphere.
+struct SurfacePatch {
+  PatchKind kind;
+  std::array<SphereId, 3> atoms;  // ascending
+};
+
+struct ExcludedMeshStats {
+  std::uint64_t curves = 0;  // between patches; seams of whole rings count
+  std::uint64_t pieces = 0;  // mesh edges along the curves
+  std::uint64_t split = 0;   // pieces that had to be split after the first sampling
+  // Wall time. The first is the part before meshing: everything exact.
+  double surface_seconds = 0, seconds = 0;
+};
+
+struct ExcludedMesh {
+  // With outward normals: those of the patches, which agree along curves that are no creases; on a
+  // crease their mean. Without labels of spheres and without opposite half-edges.
+  IndexedMesh mesh;
+  std::vector<SurfacePatch> patches;
+  std::vector<std::uint32_t> triangle_patch;  // by triangle: an index into `patches`
+  ExcludedMeshStats stats;
+};
+
+// Meshes the excluded surface of the balls `atoms` (radii without the probe). The result depends on
+// the arguments alone, not on the number of threads.
+// Throws InvalidInput as excluded_measures() does, and for an edge length that is not finite and
+// positive; LimitExceeded if a concave patch is not certified, if curves are too close to be told
+// apart, or if the mesh has not the topology of the surface; and Cancelled.
+ExcludedMesh mesh_excluded(const SphereSet& atoms, const ExcludedMeshOptions& options = {});
+
+}  // namespace vdwmesh

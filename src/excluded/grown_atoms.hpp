@@ -1,0 +1,25 @@
+// Atoms grown by the probe, with everything that the excluded surface is made of: triangulation,
+// dual complex and accessible surface. Lengths are divided by 2^exponent, which is exact.
+#pragma once
+
+#include <vector>
+
+#include "arrangement/complex/boundary_shapes.hpp"
+#include "excluded/accessible_surface.hpp"
+
+namespace vdwmesh::excluded {
+
+struct GrownAtoms {
+  // Throws as excluded_measures() does.
+  GrownAtoms(const SphereSet& atoms, double probe, Monitor* monitor);
+  GrownAtoms(const GrownAtoms&) = delete;  // `surface` looks at the other members
+
+  const PowerTriangulation triangulation;
+  const int exponent;
+  const DualComplex complex;
+  const BoundaryShapes shapes;
+  const AccessibleSurface surface;
+  std::vector<double> radius;  // by ball of the triangulation, without the probe
+};
+
+}  // namespace vdwmesh::excluded
