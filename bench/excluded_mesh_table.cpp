@@ -54,12 +54,10 @@ void print_row(const std::string& set, const SphereSet& atoms, const ExcludedMea
       f.triangles <= options.search ? std::to_string(self_intersections(mesh.mesh)) : "";
   std::printf("%s,%g,%g,%zu,%d,%ld,%ld,%s,%zu,%llu,%llu,%.1e,%.2f,%.2f,%.4f,%.4f,%llu,%.2f\n",
               set.c_str(), exact.probe, h, f.triangles, s.sound() ? 1 : 0,
-              static_cast<long>(f.euler_characteristic() -
-                                surface.topology->euler_characteristic),
+              static_cast<long>(f.euler_characteristic() - surface.topology->euler_characteristic),
               static_cast<long>(f.positive_shells + f.negative_shells) -
                   static_cast<long>(surface.topology->shells.size()),
-              crossings.c_str(), f.degenerate_triangles,
-              static_cast<unsigned long long>(s.inward),
+              crossings.c_str(), f.degenerate_triangles, static_cast<unsigned long long>(s.inward),
               static_cast<unsigned long long>(s.bad_normals + s.bad_labels), s.off_patch,
               angles.p01, angles.min, 100 * (f.area / surface.area - 1),
               100 * (f.volume / surface.volume - 1),

@@ -41,13 +41,12 @@ Footing on_ball(const Vec3d& q, const Sphere& s) {
 
 Footing on_torus(const Vec3d& q, const RollingCircle& circle, double probe) {
   const Vec3d arm = q - circle.center;
-  const Vec3d flat = arm - dot(arm, circle.axis) * circle.axis;
-  if (norm(flat) < 1e-9) {
-    const double height = dot(arm, circle.axis);
-    return {std::hypot(circle.radius, height) - probe, {0, 0, 0}};
-  }
+  const double height = dot(arm, circle.axis);
+  const Vec3d flat = arm - height * circle.axis;
+  const double distance = std::hypot(circle.radius - norm(flat), height) - probe;
+  if (norm(flat) < 1e-9) return {distance, {0, 0, 0}};
   const Vec3d center = circle.center + (circle.radius / norm(flat)) * flat;
-  return {norm(q - center) - probe, scaled_to_unit(center - q)};
+  return {distance, scaled_to_unit(center - q)};
 }
 
 // The probe that touches three atoms on one side of their plane, +1 or -1.
@@ -59,8 +58,7 @@ Vec3d probe_at(const std::array<Sphere, 3>& s, double probe, double side) {
   const double w = norm(flat), r = s[2].radius + probe;
   // On the circle at (x, y) in the directions of `flat` and across: x² + y² = ρ² and (x - w)² + y²
   // + along² = r².
-  const double x =
-      (w * w + along * along + circle.radius * circle.radius - r * r) / (2 * w);
+  const double x = (w * w + along * along + circle.radius * circle.radius - r * r) / (2 * w);
   const double y = std::sqrt(std::max(0.0, (circle.radius - x) * (circle.radius + x)));
   const Vec3d e = (1 / w) * flat;
   return circle.center + x * e + (side * y) * cross(circle.axis, e);
@@ -77,7 +75,9 @@ class Surveyor {
 
   ExcludedSurvey run() && {
     out_.facts = reference::inspect(to_reference(mesh_.mesh));
+    corners_.resize(mesh_.mesh.vertex_count());
     for (std::size_t t = 0; t < mesh_.mesh.triangle_count(); ++t) look_at(t);
+    check_normals();
     return std::move(out_);
   }
 
@@ -100,10 +100,24 @@ class Surveyor {
       const Footing f = footing(patch, p[k], side);
       out_.off_patch = worst(out_.off_patch, std::abs(f.distance));
       if (norm(f.normal) > 0) inward = inward || !(dot(f.normal, normal) > 0);
-      const Vec3d n = cast<double>(mesh_.mesh.normals[v[k]]);
-      out_.bad_normals += !(std::abs(norm(n) - 1) < 1e-5 && dot(n, f.normal) > -0.2);
+      if (norm(f.normal) > 0) compare_normal(v[k], f.normal);
     }
     out_.inward += inward;
+  }
+
+  // Patches meet smoothly in a vertex if they have the same normal there. Then the vertex has it.
+  void compare_normal(std::uint32_t vertex, const Vec3d& normal) {
+    Corner& c = corners_[vertex];
+    if (norm(c.normal) > 0 && norm(normal - c.normal) > 1e-6) c.sharp = true;
+    c.normal = normal;
+  }
+
+  void check_normals() {
+    for (std::size_t v = 0; v < corners_.size(); ++v) {
+      const Vec3d n = cast<double>(mesh_.mesh.normals[v]);
+      const bool same = norm(n - corners_[v].normal) < 1e-5 || norm(corners_[v].normal) == 0;
+      out_.bad_normals += !(std::abs(norm(n) - 1) < 1e-5 && (corners_[v].sharp || same));
+    }
   }
 
   bool has_atoms(const SurfacePatch& patch) const {
@@ -138,9 +152,15 @@ class Surveyor {
     return on_torus(q, {atoms_[patch.atoms[0]], atoms_[patch.atoms[1]], probe_}, probe_);
   }
 
+  struct Corner {
+    Vec3d normal{0, 0, 0};  // of one of the patches there
+    bool sharp = false;
+  };
+
   const SphereSet& atoms_;
   const double probe_;
   const ExcludedMesh& mesh_;
+  std::vector<Corner> corners_;  // by vertex
   ExcludedSurvey out_;
 };
 

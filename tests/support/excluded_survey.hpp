@@ -17,8 +17,9 @@ struct ExcludedSurvey {
   // Triangles that face inwards: against the outward normal of their patch at one of their vertices
   // other than a cusp, where there is none.
   std::uint64_t inward = 0;
-  std::uint64_t bad_labels = 0;   // of triangles: no patch, or atoms that do not fit its kind
-  std::uint64_t bad_normals = 0;  // of vertices: not of length 1, or inwards for a triangle
+  std::uint64_t bad_labels = 0;  // of triangles: no patch, or atoms that do not fit its kind
+  // Of vertices: not of length 1, or other than that of the patches where these have the same.
+  std::uint64_t bad_normals = 0;
   double area_by_kind[3] = {0, 0, 0};  // Å², of the triangles
 
   bool sound() const;

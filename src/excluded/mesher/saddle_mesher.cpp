@@ -31,6 +31,9 @@ constexpr double kRowMargin = 0.55;
 // As in the mesher of patches: the widest angle, 110°, under which a new point may see a piece, and
 // the shortest piece, as a fraction of the edge length, that is split for quality.
 constexpr double kWidestView = -0.35, kShortestPiece = 1e-3;
+// A place of a saddle that would need pieces shorter than this fraction of the edge length is left
+// to few flat triangles.
+constexpr double kNarrow = 0.005;
 // The longest edge of a triangle at a cusp, as a multiple of the edge length.
 constexpr double kLongestAtCusp = 1.6;
 
@@ -192,12 +195,42 @@ class SaddleTriangulator {
   }
 
   void find_long_pieces() {
+    match_profiles();
     if (options_.demand == Demand::validity) return;
     visit_inside([&](std::uint32_t t) {
       for (std::uint32_t k = 0; k < 3; ++k) {
         if (plane_.triangle(t).pieces[k] != kNoPiece) judge_piece(plane_.triangle(t), k);
       }
     });
+  }
+
+  // Where a saddle is narrower than its pieces are long, both its profiles must have the same
+  // points: they are arcs, and triangles between unequal chords of them would stand on edge. Both
+  // began with equal pieces, which are halved, so points are equal or far apart.
+  void match_profiles() {
+    if (face_.profile[0] == face_.profile[1]) return;
+    for (std::uint32_t p = 0; p < piece_count(); ++p) {
+      if (pieces_[p].run % 2 == 0) continue;
+      const auto [curve, k] = pieces_[p].source;
+      const double low = sampling_.part(curve, k), high = sampling_.part(curve, k + 1);
+      const Vec3d chord = points_[end_of(p)].position - points_[p].position;
+      const double sweep = chart_.to() - chart_.from();
+      const double girth = std::max(chart_.girth(chart_.from() + low * sweep),
+                                    chart_.girth(chart_.from() + high * sweep));
+      if (girth * arc_.angle > kLocalWidth * norm(chord)) continue;
+      const std::uint32_t other = face_.profile[pieces_[p].run == 1 ? 0 : 1];
+      if (has_part_between(other, low, high)) want_split(p);
+    }
+  }
+
+  bool has_part_between(std::uint32_t curve, double low, double high) const {
+    std::uint32_t first = 0, last = sampling_.pieces(curve);  // the first part above `low`
+    while (first < last) {
+      const std::uint32_t middle = (first + last) / 2;
+      (sampling_.part(curve, middle) > low ? last : first) =
+          sampling_.part(curve, middle) > low ? middle : middle + 1;
+    }
+    return sampling_.part(curve, first) < high;
   }
 
   const Vec3d& position(const LinkedTriangle& t, std::uint32_t k) const {
@@ -217,8 +250,17 @@ class SaddleTriangulator {
       if (length > kCornerRatio * beside) want_split(piece);
       return;
     }
-    if ((points_[t.vertices[k]].runs >> pieces_[piece].run & 1u) != 0) return;
+    if ((points_[t.vertices[k]].runs & runs_beside(pieces_[piece].run)) != 0) return;
+    const double height = norm(cross(b - a, p - a)) / length;
+    if (height < kNarrow * kLocalWidth * edge_length_) return;
     if (const std::uint32_t halvings = halvings_for_width(a, b, p)) want_split(piece, halvings);
+  }
+
+  // The curves, one bit each, that say nothing about the width at a piece: its own; and the other
+  // side of a seam, which is the same curve.
+  std::uint32_t runs_beside(std::uint32_t run) const {
+    constexpr std::uint32_t kProfiles = 1u << 1 | 1u << 3;
+    return run % 2 == 1 && arc_.is_ring() ? kProfiles : 1u << run;
   }
 
   bool is_free(const Location& at) const {
@@ -264,20 +306,27 @@ class SaddleTriangulator {
     std::array<std::uint32_t, 3> vertices;
   };
 
-  // How far a triangle turns about the axis, without the cusp.
-  double turn_of(const std::array<std::uint32_t, 3>& vertices) const {
-    double least = arc_.angle, most = 0;
+  // The corners of a triangle that have the least and the largest turn about the axis, and how far
+  // they are from each other. A cusp has no turn.
+  struct Turn {
+    std::uint32_t from, to;
+    double angle;
+  };
+  Turn turn_of(const std::array<std::uint32_t, 3>& vertices) const {
+    Turn turn{kNoIndex, kNoIndex, 0};
+    const auto at = [&](std::uint32_t v) { return points_[v].torus.turn; };
     for (const std::uint32_t v : vertices) {
       if (v == cusp_) continue;
-      least = std::min(least, points_[v].torus.turn);
-      most = std::max(most, points_[v].torus.turn);
+      if (turn.from == kNoIndex || at(v) < at(turn.from)) turn.from = v;
+      if (turn.to == kNoIndex || at(v) > at(turn.to)) turn.to = v;
     }
-    return most - least;
+    turn.angle = at(turn.to) - at(turn.from);
+    return turn;
   }
 
   bool is_bad_triangle(std::uint32_t t) const {
     const LinkedTriangle& w = plane_.triangle(t);
-    if (turn_of(w.vertices) > kWidestTurn) return true;
+    if (turn_of(w.vertices).angle > kWidestTurn) return true;
     const std::array<Vec3d, 3> p{position(w, 0), position(w, 1), position(w, 2)};
     for (std::uint32_t k = 0; k < 3; ++k) {
       if (w.vertices[k] == cusp_) return is_large_at_cusp(w, p, k);
@@ -294,6 +343,12 @@ class SaddleTriangulator {
     return std::max(squared_norm(p[k1] - p[k]), squared_norm(p[k2] - p[k])) > longest * longest;
   }
 
+  bool has_cusp(const std::array<std::uint32_t, 3>& vertices) const {
+    return std::find(vertices.begin(), vertices.end(), cusp_) != vertices.end();
+  }
+
+  // The fan around a cusp is divided for its own sake only. Its angles are given, and points that
+  // were inserted there to mend triangles beside it would come ever closer to the cusp.
   void refine() {
     std::vector<Candidate> queue;
     const auto queue_if_bad = [&](std::uint32_t t) {
@@ -305,14 +360,35 @@ class SaddleTriangulator {
       check_cancelled(options_.monitor, i);
       const auto [t, v] = queue[i];
       if (plane_.triangle(t).vertices != v) continue;
-      const PlanePoint p =
-          circumcenter_of(plane_.point(v[0]), plane_.point(v[1]), plane_.point(v[2]));
-      const Location at = plane_.locate(p, t);
-      if (!is_free(at)) continue;
-      const TorusPoint torus = chart_.lift(p);
-      if (encroaches(chart_.point(torus), p, at)) continue;
-      plane_.visit_star(insert_interior(torus, p, at), queue_if_bad);
+      if (const Turn turn = turn_of(v); turn.angle > kWidestTurn) {
+        insert_between(turn, t, queue_if_bad);
+      } else {
+        insert_circumcenter(v, t, queue_if_bad);
+      }
     }
+  }
+
+  // Divides the turn of a triangle, however near that is to a curve.
+  template <class Visit>
+  void insert_between(const Turn& turn, std::uint32_t t, const Visit& queue_if_bad) {
+    const TorusPoint &a = points_[turn.from].torus, &b = points_[turn.to].torus;
+    const TorusPoint torus{(a.turn + b.turn) / 2, (a.profile + b.profile) / 2};
+    const PlanePoint p = chart_.project(torus);
+    const Location at = plane_.locate(p, t);
+    if (is_free(at)) plane_.visit_star(insert_interior(torus, p, at), queue_if_bad);
+  }
+
+  template <class Visit>
+  void insert_circumcenter(const std::array<std::uint32_t, 3>& v, std::uint32_t t,
+                           const Visit& queue_if_bad) {
+    const PlanePoint p =
+        circumcenter_of(plane_.point(v[0]), plane_.point(v[1]), plane_.point(v[2]));
+    const Location at = plane_.locate(p, t);
+    if (!is_free(at)) return;
+    if (has_cusp(plane_.triangle(at.triangle).vertices) && !has_cusp(v)) return;
+    const TorusPoint torus = chart_.lift(p);
+    if (encroaches(chart_.point(torus), p, at)) return;
+    plane_.visit_star(insert_interior(torus, p, at), queue_if_bad);
   }
 
   bool encroaches(const Vec3d& u, const PlanePoint& p, const Location& at) {

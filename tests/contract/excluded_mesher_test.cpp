@@ -1,0 +1,207 @@
+// Contract of mesh_excluded(): closed oriented manifolds of the exact topology whose vertices lie
+// on the patches, without self-intersections, and with area and volume of second order.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "analysis/mesh_measures.hpp"
+#include "contract/excluded_measures_contract.hpp"
+#include "core/errors.hpp"
+#include "reference/cages.hpp"
+#include "support/ball_families.hpp"
+#include "support/excluded_survey.hpp"
+#include "support/shared_files.hpp"
+#include "support/xyzr.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+// Å, of coordinates up to some 100 Å: rounding.
+constexpr double kOffPatch = 1e-12;
+// Share by which sums over triangles may exceed those over patches, whose chords are shorter.
+constexpr double kAreaOfMesh = 0.1;
+
+ExcludedMesh mesh_at(const SphereSet& atoms, double probe, double edge_length,
+                     bool exterior = false) {
+  ExcludedMeshOptions options;
+  options.probe = probe;
+  options.edge_length = edge_length;
+  options.exterior = exterior;
+  return mesh_excluded(atoms, options);
+}
+
+// Everything that holds for every mesh. Returns the mesh.
+ExcludedMesh expect_mesh(const SphereSet& atoms, double probe, double edge_length,
+                         bool exterior = false) {
+  const ExcludedMeasures measures =
+      excluded_measures(atoms, {.probe = probe, .exterior = exterior});
+  const ExcludedSurface& exact = exterior ? *measures.exterior : measures.complete;
+  ExcludedMesh mesh = mesh_at(atoms, probe, edge_length, exterior);
+  const ExcludedSurvey s = survey_excluded(atoms, probe, mesh);
+  EXPECT_TRUE(s.sound()) << s.text();
+  EXPECT_LE(s.off_patch, kOffPatch) << s.text();
+  EXPECT_EQ(s.facts.euler_characteristic(), exact.topology->euler_characteristic);
+  EXPECT_EQ(s.facts.positive_shells + s.facts.negative_shells, exact.topology->shells.size());
+  EXPECT_EQ(s.facts.negative_shells, exact.topology->cavities);
+  EXPECT_EQ(self_intersections(mesh.mesh), 0u) << s.text();
+  EXPECT_NEAR(s.facts.area, exact.area, kAreaOfMesh * exact.area);
+  const ByPatchKind& kinds = exact.area_by_kind;
+  EXPECT_NEAR(s.area_by_kind[0], kinds.contact, kAreaOfMesh * exact.area);
+  EXPECT_NEAR(s.area_by_kind[1], kinds.saddle, kAreaOfMesh * exact.area);
+  EXPECT_NEAR(s.area_by_kind[2], kinds.concave, kAreaOfMesh * exact.area);
+  return mesh;
+}
+
+SphereSet pair_at(double distance) {
+  return SphereSet({{{0.3, -0.2, 0.1}, 1.7}, {{0.3 + distance, -0.2, 0.1}, 1.5}});
+}
+// Atoms at the corners of a nearly equilateral triangle.
+SphereSet triple_at(double side) {
+  return SphereSet({{{0, 0, 0}, 1.7}, {{side, 0, 0}, 1.5}, {{0.48 * side, 0.87 * side, 0.1}, 1.6}});
+}
+
+TEST(ExcludedMesher, OneBall) { expect_mesh(SphereSet({{{1, 2, 3}, 1.7}}), 1.4, 0.35); }
+
+// Swallowed, whole rings thick and thin, spindles, and apart.
+TEST(ExcludedMesher, TwoBalls) {
+  for (const double distance : {0.1, 0.5, 2.0, 3.2, 4.2, 4.7, 5.2, 5.9, 6.2}) {
+    for (const double edge_length : {0.7, 0.35, 0.2}) {
+      SCOPED_TRACE(std::to_string(distance) + ", " + std::to_string(edge_length));
+      expect_mesh(pair_at(distance), 1.4, edge_length);
+    }
+  }
+}
+
+// A ring whose waist is nearly nothing, and a spindle that nearly is a ring.
+TEST(ExcludedMesher, ThinWaists) {
+  // For two balls of 1.5 Å the circle of the probe's centres has the radius √(2.9² - (d/2)²).
+  for (const double waist : {1e-1, 1e-2, 1e-3, -1e-3, -1e-2, -1e-1}) {
+    SCOPED_TRACE(waist);
+    const double rho = 1.4 + waist, distance = 2 * std::sqrt(2.9 * 2.9 - rho * rho);
+    expect_mesh(SphereSet({{{0, 0, 0}, 1.5}, {{distance, 0, 0}, 1.5}}), 1.4, 0.35);
+  }
+}
+
+// The probes are high; low, so that their patches meet in a crease; or there are none.
+TEST(ExcludedMesher, ThreeBalls) {
+  for (const double side : {2.0, 3.0, 3.6, 3.9, 4.2, 4.6, 5.0, 5.3, 5.8}) {
+    for (const double edge_length : {0.7, 0.35}) {
+      SCOPED_TRACE(std::to_string(side) + ", " + std::to_string(edge_length));
+      expect_mesh(triple_at(side), 1.4, edge_length);
+    }
+  }
+}
+
+// The corners of an octahedron touch probes in its faces; the inside is a cavity or not.
+TEST(ExcludedMesher, Cavities) {
+  for (const double radius : {2.8, 3.6, 4.1}) {
+    std::vector<Sphere> atoms;
+    for (const Vec3d& d : {Vec3d{1, 0.01, 0},
+                           {-1, 0.02, 0.01},
+                           {0, 1, 0.03},
+                           {0.02, -1, 0},
+                           {0, 0.01, 1},
+                           {0.03, 0, -1}}) {
+      atoms.push_back({radius * d, 2.2});
+    }
+    SCOPED_TRACE(radius);
+    expect_mesh(SphereSet(atoms), 0.8, 0.4);
+    expect_mesh(SphereSet(atoms), 0.8, 0.4, true);
+  }
+}
+
+// Many atoms touch one probe.
+TEST(ExcludedMesher, CrowdedProbes) {
+  std::vector<Sphere> ring, cube;
+  for (const reference::Point& c : reference::regular_polygon(6, 1.4)) {
+    ring.push_back({{c[0], c[1], c[2]}, 1.7});
+  }
+  for (int i = 0; i < 8; ++i) {
+    cube.push_back({{3.0 * (i & 1), 1.5 * (i & 2), 0.75 * (i & 4)}, 1.6});
+  }
+  for (const double probe : {0.7, 1.4, 3.0}) {
+    SCOPED_TRACE(probe);
+    expect_mesh(SphereSet(ring), probe, 0.4);
+    expect_mesh(SphereSet(cube), probe, 0.4);
+  }
+}
+
+// Sets in general position; a set that has no mesh says so, and there may be few of them.
+TEST(ExcludedMesher, RandomSets) {
+  Dice dice(2611);
+  int refused = 0;
+  for (int i = 0; i < 60; ++i) {
+    SCOPED_TRACE(i);
+    const SphereSet atoms(i % 3 == 0   ? sparse_gas(dice)
+                          : i % 3 == 1 ? dense_heap(dice)
+                                       : chain(dice));
+    try {
+      expect_mesh(atoms, dice.real(0.3, 2), dice.real(0.3, 0.8));
+    } catch (const LimitExceeded& error) {
+      ++refused;
+      EXPECT_NE(std::string(error.what()).find("has no mesh"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_LE(refused, 3);
+}
+
+// Errors of area and volume fall by four when the edges become half as long. Meshes of different
+// edge lengths have different triangles, so not by exactly that.
+TEST(ExcludedMesher, SecondOrder) {
+  for (const SphereSet& atoms : {pair_at(3.2), pair_at(4.7), triple_at(3.9)}) {
+    const ExcludedSurface exact = excluded_measures(atoms).complete;
+    double area = 0, volume = 0;
+    for (const double edge_length : {0.16, 0.08, 0.04}) {
+      const MeshMeasures m = measures(mesh_at(atoms, 1.4, edge_length).mesh);
+      const double area_error = exact.area - m.area, volume_error = exact.volume - *m.volume;
+      if (area != 0) {
+        EXPECT_NEAR(area / area_error, 4, 0.6);
+        EXPECT_NEAR(volume / volume_error, 4, 0.6);
+      }
+      area = area_error;
+      volume = volume_error;
+    }
+    EXPECT_LE(std::abs(area), 1e-3 * exact.area);
+    EXPECT_LE(std::abs(volume), 1e-3 * exact.volume);
+  }
+}
+
+TEST(ExcludedMesher, Molecules) {
+  for (const char* name : {"1L2Y", "1CRN"}) {
+    const std::string file = std::string("reference/") + name + ".xyzr";
+    VDWMESH_NEEDS_SHARED(file);
+    const SphereSet atoms = read_xyzr(shared_path(file));
+    for (const double probe : {0.7, 1.4, 3.0}) {
+      SCOPED_TRACE(std::string(name) + ", " + std::to_string(probe));
+      const ExcludedMesh mesh = expect_mesh(atoms, probe, 0.5);
+      EXPECT_GE(quality(mesh.mesh).min_angle_deg.p01, 15);
+    }
+  }
+}
+
+TEST(ExcludedMesher, SameBitsOnAnyThreads) {
+  VDWMESH_NEEDS_SHARED("reference/1L2Y.xyzr");
+  const SphereSet atoms = read_xyzr(shared_path("reference/1L2Y.xyzr"));
+  const ExcludedMesh many = mesh_at(atoms, 1.4, 0.5);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ExcludedMesh alone = mesh_at(atoms, 1.4, 0.5);
+  EXPECT_EQ(hash(many.mesh), hash(alone.mesh));
+  EXPECT_EQ(many.triangle_patch, alone.triangle_patch);
+}
+
+TEST(ExcludedMesher, RefusesWrongOptions) {
+  const SphereSet atoms = pair_at(3);
+  for (const double wrong : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(mesh_at(atoms, 1.4, wrong), InvalidInput);
+    EXPECT_THROW(mesh_at(atoms, wrong, 0.4), InvalidInput);
+  }
+  EXPECT_THROW(mesh_at(SphereSet(), 1.4, 0.4), InvalidInput);
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing
