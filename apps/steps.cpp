@@ -38,23 +38,6 @@ int cpu_threads() {
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
-// With the values that hold, not those that were typed: a preset brings its own.
-ParametersReport describe_parameters(const SurfaceOptions& surface,
-                                     const std::optional<GridSpec>& grid,
-                                     std::uint64_t memory_limit) {
-  ParametersReport report;
-  report.surface = surface;
-  report.grid = grid;
-  report.memory_limit = memory_limit;
-  if (surface.field.kind == FieldKind::vdw) return report;
-  const FieldModel model = make_field_model(surface.field, *grid);
-  report.isovalue = model.isovalue;
-  if (surface.field.kind == FieldKind::blinn && surface.field.preset == FieldPreset::radius_aware) {
-    report.blobbiness = surface.field.blobbiness.value_or(2);
-  }
-  return report;
-}
-
 // How many devices make a mesh; only an extraction is shared among several.
 int devices_for(const SurfaceOptions& surface, Session& session) {
   const MachineOptions& machine = session.machine;
@@ -163,6 +146,22 @@ void warn_of_lost_components(std::uint64_t in_union, Report& report) {
 }
 
 }  // namespace
+
+ParametersReport describe_parameters(const SurfaceOptions& surface,
+                                     const std::optional<GridSpec>& grid,
+                                     std::uint64_t memory_limit) {
+  ParametersReport report;
+  report.surface = surface;
+  report.grid = grid;
+  report.memory_limit = memory_limit;
+  if (surface.field.kind == FieldKind::vdw) return report;
+  const FieldModel model = make_field_model(surface.field, *grid);
+  report.isovalue = model.isovalue;
+  if (surface.field.kind == FieldKind::blinn && surface.field.preset == FieldPreset::radius_aware) {
+    report.blobbiness = surface.field.blobbiness.value_or(2);
+  }
+  return report;
+}
 
 // The reason is of interest only where a device was possible and is not used.
 BackendReport describe_backend(Backend requested, Backend used) {

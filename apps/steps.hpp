@@ -42,6 +42,12 @@ struct MeshRequest {
 IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, Session& session,
                       const MeshRequest& request = {});
 
+// How a surface was meshed, with the values that hold, not those that were typed: a preset brings
+// its own. `grid` is of marching cubes.
+ParametersReport describe_parameters(const SurfaceOptions& surface,
+                                     const std::optional<GridSpec>& grid,
+                                     std::uint64_t memory_limit);
+
 // What runs where `requested` was asked for and `used` was chosen.
 BackendReport describe_backend(Backend requested, Backend used);
 

@@ -322,7 +322,7 @@ std::vector<Option> output_options(Draft& d) {
       {"--page-triangles", kStudy,
        one(o.study.page_triangles, whole<std::uint64_t>(0, 100'000'000)),
        "most triangles of all meshes shown on the page", by_default("1000000")},
-      {"--json", kReports | kBenches | kInfo | kRanksExact,
+      {"--json", kReports | kBenches | kInfo | kRanks,
        one(o.output.json, text("FILE"), Use::writes), "the report as JSON; - is standard output"},
       {"--csv", kBenches, one(o.output.csv, text("FILE"), Use::writes),
        "the table as CSV; - is standard output"},

@@ -2,7 +2,6 @@
 // and because standard input is there alone.
 #include "ranks/rank_session.hpp"
 
-#include <fmt/format.h>
 #include <sched.h>
 #include <unistd.h>
 
@@ -61,12 +60,6 @@ MachineOptions machine_of_rank(const Ranks& ranks, const MachineOptions& options
   own.progress = Progress::never;
   own.verbosity = Verbosity::quiet;
   return own;
-}
-
-std::string ranks_text(const Ranks& ranks, const Session& session) {
-  const int threads = session.machine.threads;
-  return fmt::format("Ranks        {}, {} CPU thread{} each\n", ranks.count(), threads,
-                     threads == 1 ? "" : "s");
 }
 
 }  // namespace vdwmesh::apps

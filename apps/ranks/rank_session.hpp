@@ -2,7 +2,6 @@
 // each rank may use of its host.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "command_line/command_line.hpp"
@@ -30,8 +29,5 @@ std::vector<RgbColor> share_colors(const Ranks& ranks, const Molecule& molecule)
 // The options of this rank: the threads of the host are shared among the ranks on it, unless a
 // number was given, and only the first rank shows progress and prints. Collective.
 MachineOptions machine_of_rank(const Ranks& ranks, const MachineOptions& options);
-
-// The line of the printed results about the ranks.
-std::string ranks_text(const Ranks& ranks, const Session& session);
 
 }  // namespace vdwmesh::apps

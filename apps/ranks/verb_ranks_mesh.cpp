@@ -1,7 +1,6 @@
 // The verb mesh of vdwmesh-mpi: from a structure to one mesh file, to which every rank adds its
-// part of the surface.
-#include <fmt/format.h>
-
+// part of the surface. The report is that of the plain program.
+#include "distributed/examine_together.hpp"
 #include "distributed/ply_file.hpp"
 #include "distributed/shared_file.hpp"
 #include "distributed/surface_piece.hpp"
@@ -10,6 +9,7 @@
 #include "output.hpp"
 #include "ranks/rank_session.hpp"
 #include "ranks/rank_verbs.hpp"
+#include "steps.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -23,27 +23,53 @@ ExtractOptions extract_options(const Options& options, const Session& session) {
   return extract;
 }
 
-// The isovalue of a blended field.
-std::optional<double> isovalue_of(const SphereSet& spheres, const SurfaceOptions& surface) {
-  if (surface.field.kind == FieldKind::vdw) return std::nullopt;
-  return make_field_model(surface.field, make_grid(spheres, surface.grid)).isovalue;
+// What the report says before there is a mesh.
+void describe(const Ranks& ranks, const SphereSet& spheres, const Options& options,
+              Session& session) {
+  const SurfaceOptions& surface = options.surface;
+  const MachineOptions& machine = session.machine;
+  Report& report = session.report;
+  const std::uint64_t threads = ranks.sum(static_cast<std::uint64_t>(machine.threads));
+  ranks.together([&] {
+    require_sensible_spacing(spheres, surface.grid.spacing);
+    report.parameters =
+        describe_parameters(surface, make_grid(spheres, surface.grid), machine.memory_limit);
+    report.backend = describe_backend(machine.backend, resolve(machine.backend));
+  });
+  report.backend->devices = report.backend->used == Backend::cuda ? 1 : 0;
+  report.backend->threads = static_cast<int>(threads);
+  report.notes.insert(report.notes.end(), surface.notes.begin(), surface.notes.end());
+  report.note("made by {} rank{}, {} CPU thread{} each", ranks.count(),
+              ranks.count() == 1 ? "" : "s", machine.threads, machine.threads == 1 ? "" : "s");
 }
 
 SurfacePiece make_piece(const Ranks& ranks, const SphereSet& spheres, const Options& options,
                         Session& session) {
-  const SurfaceOptions& surface = options.surface;
-  ranks.together([&] { require_sensible_spacing(spheres, surface.grid.spacing); });
+  describe(ranks, spheres, options, session);
+  Report& report = session.report;
   SurfacePiece piece =
       mesh_together(ranks, spheres, extract_options(options, session), session.machine.backend);
   ranks.together([&] {
-    require_triangles(piece.whole.triangles, spheres, surface.grid.spacing,
-                      isovalue_of(spheres, surface));
+    require_triangles(piece.whole.triangles, spheres, report.parameters->grid->spacing,
+                      report.parameters->isovalue);
     check_ply_size(piece.whole);
   });
-  session.report.timing.field = piece.stats.field_seconds;
-  session.report.timing.extract = piece.stats.extract_seconds;
+  report.timing.field = piece.stats.field_seconds;
+  report.timing.extract = piece.stats.extract_seconds;
   session.end_stage(&Timing::mesh);
+  report.mesh.emplace();
+  report.mesh->grid_clipped = piece.stats.grid_clipped;
+  report.mesh->clamped_vertices = piece.stats.clamped_vertices;
   return piece;
+}
+
+void measure_piece(const Ranks& ranks, const SurfacePiece& piece, const SphereSet& spheres,
+                   Session& session) {
+  static_cast<MeshExamination&>(*session.report.mesh) = examine_together(ranks, piece);
+  session.end_stage(&Timing::measure);
+  ranks.together([&] {
+    if (ranks.is_first()) warn_of_lost_balls(spheres, session);
+  });
 }
 
 void write_piece(const Ranks& ranks, const SurfacePiece& piece, const Molecule& molecule,
@@ -54,15 +80,8 @@ void write_piece(const Ranks& ranks, const SurfacePiece& piece, const Molecule& 
   SharedFile file(ranks, path, hidden);
   write_ply(ranks, piece, colors, file);
   file.commit();
+  session.report.mesh->path = path;
   session.end_stage(&Timing::write);
-}
-
-// Every edge of a closed mesh is on two triangles.
-std::string mesh_text(const MeshSize& size) {
-  const auto chi =
-      static_cast<std::int64_t>(size.vertices) - static_cast<std::int64_t>(size.triangles / 2);
-  return fmt::format("{} vertices, {} triangles; Euler characteristic {}", size.vertices,
-                     size.triangles, chi);
 }
 
 }  // namespace
@@ -71,12 +90,10 @@ void run_ranks_mesh(const Ranks& ranks, const Options& options) {
   VerbSession session(machine_of_rank(ranks, options.machine));
   const SharedStructure shared = load_together(ranks, options.inputs.front(), session);
   const SurfacePiece piece = make_piece(ranks, shared.spheres, options, session);
+  measure_piece(ranks, piece, shared.spheres, session);
   write_piece(ranks, piece, shared.molecule, options.mesh_path, session);
-  session.end_progress();
-  session.stop_watch();
-  session.deliver_text(options.output, [&] {
-    return fmt::format("Mesh         {}\n{}{}", mesh_text(piece.whole), ranks_text(ranks, session),
-                       timing_text(session.report.timing));
+  ranks.together([&] {
+    if (ranks.is_first()) session.deliver_report(options.output);
   });
 }
 

@@ -8,8 +8,8 @@
 //
 // The rank of a value is its index in the sorted sequence of all values.
 //
-// The blocks have a fixed size and their sums are joined in order, so the mean does not depend on
-// the number of threads. A selection by rank does not depend on the order of its input.
+// Sums are exact, and a selection by rank does not depend on the order of its input. So nothing
+// depends on how the values are divided among threads.
 #include "analysis/distribution.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -17,15 +17,12 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
-#include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "core/buffer.hpp"
 #include "core/fixed_blocks.hpp"
-#include "core/sum.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -33,42 +30,19 @@ namespace {
 constexpr std::size_t kValuesPerBlock = 1 << 14;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// Sum, minimum and maximum of a set of values.
-struct Summary {
-  WideSum sum;
-  double min = std::numeric_limits<double>::infinity();
-  double max = -std::numeric_limits<double>::infinity();
-
-  void add(const Summary& other) {
-    sum.add(other.sum);
-    min = std::min(min, other.min);
-    max = std::max(max, other.max);
-  }
-};
-
-// Summarises one block with four independent accumulators (lanes). In a single accumulator every
-// addition would have to wait for the one before it.
-Summary summarize_block(std::span<const double> values) {
-  std::array<Summary, 4> lanes;
+// Adds one block. Minimum and maximum have four independent accumulators (lanes): in a single one
+// every value would have to wait for the one before it.
+void add_block(ValueSummary& summary, std::span<const double> values) {
+  std::array<double, 4> min, max;
+  min.fill(summary.min), max.fill(summary.max);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    Summary& lane = lanes[i % lanes.size()];
-    lane.sum.add(values[i]);
-    lane.min = std::min(lane.min, values[i]);
-    lane.max = std::max(lane.max, values[i]);
+    const std::size_t lane = i % min.size();
+    summary.sum.add(values[i]);
+    min[lane] = std::min(min[lane], values[i]);
+    max[lane] = std::max(max[lane], values[i]);
   }
-  for (std::size_t l = 1; l < lanes.size(); ++l) lanes[0].add(lanes[l]);
-  return lanes[0];
-}
-
-// Returns the bin of a value: the upper 17 bits of the double, which are the sign bit (0), 11 bits
-// of exponent and 5 bits of mantissa, thus 32 bins in an octave. The bit patterns of non-negative
-// doubles, as integers, are in the order of the doubles, and so are the bins. The contract of
-// distribution_of() excludes values with the sign bit set; they go to the additional bin kBins, so
-// that no index is out of range.
-constexpr int kLowerBits = 47;
-constexpr std::size_t kBins = std::size_t{1} << (63 - kLowerBits);
-std::size_t bin_of(double value) {
-  return std::min<std::size_t>(std::bit_cast<std::uint64_t>(value) >> kLowerBits, kBins);
+  summary.min = *std::min_element(min.begin(), min.end());
+  summary.max = *std::max_element(max.begin(), max.end());
 }
 
 // Calls body(b, values of block b) on all cores.
@@ -84,28 +58,10 @@ void for_blocks(std::span<const double> values, Body&& body) {
 // the second one.
 class OrderStatistics {
  public:
-  explicit OrderStatistics(std::span<const double> values) : values_(values) {
-    std::vector<Summary> blocks(block_count(values.size(), kValuesPerBlock));
-    tbb::enumerable_thread_specific<std::vector<std::size_t>> counts;
-    for_blocks(values, [&](std::size_t b, std::span<const double> block) {
-      std::vector<std::size_t>& mine = counts.local();
-      mine.resize(kBins + 1);
-      for (const double value : block) ++mine[bin_of(value)];
-      blocks[b] = summarize_block(block);
-    });
-    for (const Summary& block : blocks) summary_.add(block);
-    // Each thread has counted into a histogram of its own. The first one found becomes counts_, and
-    // the others are added to it.
-    for (std::vector<std::size_t>& theirs : counts) {
-      if (counts_.empty()) {
-        counts_ = std::move(theirs);
-      } else {
-        for (std::size_t bin = 0; bin <= kBins; ++bin) counts_[bin] += theirs[bin];
-      }
-    }
-  }
+  explicit OrderStatistics(std::span<const double> values)
+      : values_(values), counts_(kValueBins + 1), summary_(summarize_values(values, counts_)) {}
 
-  const Summary& summary() const { return summary_; }
+  const ValueSummary& summary() const { return summary_; }
 
   // Returns three percentiles: hundredths[i] = 50, for example, asks for the median. Percentile i
   // is the value of rank ceil(hundredths[i] n / 100), where ranks count from 1 and n is the number
@@ -115,11 +71,11 @@ class OrderStatistics {
   // and inside[i] has its values. A later percentile in the same bin has kNoBin, and uses
   // inside[from], where `from` is the index of that first percentile. std::nth_element() changes
   // the order of inside[from], which later selections allow.
-  std::array<double, 3> percentiles(const std::array<std::size_t, 3>& hundredths) const {
-    std::array<Place, 3> places;
+  std::array<double, 3> percentiles(const std::array<std::uint64_t, 3>& hundredths) const {
+    std::array<ValuePlace, 3> places;
     Bins bins;
     for (std::size_t i = 0; i < bins.size(); ++i) {
-      places[i] = find(hundredths[i]);
+      places[i] = place_of_percentile(counts_, values_.size(), hundredths[i]);
       const bool again = i > 0 && places[i].bin == places[i - 1].bin;
       bins[i] = again ? kNoBin : places[i].bin;
     }
@@ -127,7 +83,7 @@ class OrderStatistics {
     std::array<double, 3> result;
     for (std::size_t i = 0, from = 0; i < result.size(); ++i) {
       if (bins[i] != kNoBin) from = i;
-      const auto place = inside[from].begin() + static_cast<std::ptrdiff_t>(places[i].rank);
+      const auto place = inside[from].begin() + static_cast<std::ptrdiff_t>(places[i].place);
       std::nth_element(inside[from].begin(), place, inside[from].end());
       result[i] = *place;
     }
@@ -136,20 +92,7 @@ class OrderStatistics {
 
  private:
   using Bins = std::array<std::size_t, 3>;
-  static constexpr std::size_t kNoBin = kBins + 1;  // bin_of() never returns it
-
-  // Where a value stands: its bin, and its rank among the values in that bin, counted from 0.
-  struct Place {
-    std::size_t bin = 0, rank = 0;
-  };
-  // Finds the place of a percentile. Its rank among all values is ceil(hundredths n / 100) - 1,
-  // counted from 0. The loop subtracts from it the counts of all bins before the percentile's bin.
-  Place find(std::size_t hundredths) const {
-    Place place;
-    place.rank = (values_.size() * hundredths + 99) / 100 - 1;
-    for (; place.rank >= counts_[place.bin]; ++place.bin) place.rank -= counts_[place.bin];
-    return place;
-  }
+  static constexpr std::size_t kNoBin = kValueBins + 1;  // bin_of_value() never returns it
 
   // Returns the values in each of the bins, in any order; no values for kNoBin. Every thread
   // collects the values of one block in `mine`, then reserves a part of the result by an atomic
@@ -163,7 +106,7 @@ class OrderStatistics {
     for_blocks(values_, [&](std::size_t, std::span<const double> block) {
       std::array<std::vector<double>, 3>& mine = found.local();
       for (const double value : block) {
-        const std::size_t bin = bin_of(value);
+        const std::size_t bin = bin_of_value(value);
         for (std::size_t i = 0; i < bins.size(); ++i)
           if (bin == bins[i]) mine[i].push_back(value);
       }
@@ -177,18 +120,54 @@ class OrderStatistics {
   }
 
   std::span<const double> values_;
-  Summary summary_;
-  std::vector<std::size_t> counts_;
+  std::vector<std::uint64_t> counts_;
+  ValueSummary summary_;
 };
 
 }  // namespace
 
+void add(ValueSummary& sum, const ValueSummary& other) {
+  sum.sum.add(other.sum);
+  sum.min = std::min(sum.min, other.min);
+  sum.max = std::max(sum.max, other.max);
+}
+
+// Each thread has a summary and a histogram of its own.
+ValueSummary summarize_values(std::span<const double> values, std::vector<std::uint64_t>& counts) {
+  struct Own {
+    ValueSummary summary;
+    std::vector<std::uint64_t> counts = std::vector<std::uint64_t>(kValueBins + 1);
+  };
+  tbb::enumerable_thread_specific<Own> threads;
+  for_blocks(values, [&](std::size_t, std::span<const double> block) {
+    Own& mine = threads.local();
+    for (const double value : block) ++mine.counts[bin_of_value(value)];
+    add_block(mine.summary, block);
+  });
+  ValueSummary summary;
+  for (const Own& theirs : threads) {
+    add(summary, theirs.summary);
+    for (std::size_t bin = 0; bin <= kValueBins; ++bin) counts[bin] += theirs.counts[bin];
+  }
+  return summary;
+}
+
+// The rank of the percentile among all values is ceil(hundredths n / 100) - 1, counted from 0. The
+// loop subtracts from it the counts of all bins before the percentile's bin.
+ValuePlace place_of_percentile(const std::vector<std::uint64_t>& counts, std::uint64_t values,
+                               std::uint64_t hundredths) {
+  ValuePlace place{0, (values * hundredths + 99) / 100 - 1};
+  for (; place.place >= counts[place.bin]; ++place.bin) place.place -= counts[place.bin];
+  return place;
+}
+
 Distribution distribution_of(std::span<const double> values) {
   if (values.empty()) return {kNone, kNone, kNone, kNone, kNone, kNone};
   const OrderStatistics ranks(values);
-  const auto [p01, median, p99] = ranks.percentiles({1, 50, 99});
-  const Summary& all = ranks.summary();
-  return {all.min, p01, median, p99, all.max, all.sum.value() / static_cast<double>(values.size())};
+  const auto [p01, median, p99] = ranks.percentiles(kPercentiles);
+  const ValueSummary& all = ranks.summary();
+  return {all.min, p01,     median,
+          p99,     all.max, all.sum.nearest() / static_cast<double>(values.size())};
 }
 
 }  // namespace vdwmesh

@@ -73,8 +73,15 @@ Buffer<std::uint32_t> filled(std::size_t count, std::uint32_t value) {
 // of join_across_edges(), result_.manifold says only what the edges and repeated indices allow.
 class Surveyor {
  public:
-  Surveyor(const IndexedMesh& mesh, const EdgeBuckets& buckets) : mesh_(mesh), buckets_(buckets) {}
+  Surveyor(const MeshPart& part, const EdgeBuckets& buckets)
+      : part_(part), mesh_(part.mesh), buckets_(buckets) {}
 
+  PartSurvey run_on_part() {
+    const bool sound = survey_locally();
+    return {result_.closed, sound, result_.oriented, result_.edges, result_.used_vertices};
+  }
+
+  // For a whole mesh.
   EdgeSurvey run() {
     if (survey_locally()) {
       number_shells_by_vertices();
@@ -85,7 +92,11 @@ class Surveyor {
   }
 
  private:
-  // Steps 1 and 2. Examines every edge and every vertex by itself. Returns true if every edge has
+  bool is_own(std::size_t vertex) const {
+    return vertex >= part_.first_vertex && vertex < part_.end_vertex;
+  }
+
+  // Steps 1 and 2. Examines every own edge and vertex by itself. Returns true if every edge has
   // two half-edges in opposite directions and the triangles around every vertex form one fan. The
   // mesh is then a closed manifold, and result_ lacks only its shells.
   bool survey_locally() {
@@ -103,12 +114,12 @@ class Surveyor {
     return every_edge_has_two_sides && has_one_fan_everywhere(corner, opposite);
   }
 
-  // Examines all edges. Writes opposite[h] for the half-edges of edges that have exactly two; the
-  // other elements remain uninitialised.
+  // Examines the own edges. Writes opposite[h] for the half-edges of edges that have exactly two,
+  // of edges that are not own as well; the other elements remain uninitialised.
   EdgeCounts count_edges(Buffer<std::uint32_t>& opposite) const {
     const auto count = [&](std::size_t v, EdgeCounts& counts) {
       for_each_edge(buckets_.at(v), [&](std::span<const EdgeEntry> edge) {
-        counts.add_edge(edge);
+        if (is_own(v)) counts.add_edge(edge);
         if (edge.size() != 2) return;
         opposite[edge[0].half_edge()] = edge[1].half_edge();
         opposite[edge[1].half_edge()] = edge[0].half_edge();
@@ -117,14 +128,16 @@ class Surveyor {
     return reduce_all(buckets_.vertex_count(), EdgeCounts{}, count, std::plus<>());
   }
 
-  // Returns one corner of each vertex, kNoIndex for a vertex of no triangle. The last thread that
+  // Returns one corner of each own vertex, kNoIndex for all others. The last thread that
   // stores a corner decides which one it is; no result depends on the choice.
   Buffer<std::uint32_t> a_corner_of_each_vertex() const {
     Buffer<std::uint32_t> corner = filled(mesh_.vertex_count(), kNoIndex);
     for_all(mesh_.triangle_count(), [&](std::size_t t) {
-      for (std::uint32_t k = 0; k < 3; ++k)
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        if (!is_own(mesh_.triangles[t][k])) continue;
         std::atomic_ref(corner[mesh_.triangles[t][k]])
             .store(3 * static_cast<std::uint32_t>(t) + k, std::memory_order_relaxed);
+      }
     });
     return corner;
   }
@@ -146,7 +159,10 @@ class Surveyor {
       } while (at != corner[v]);
     };
     const std::uint64_t met = sum_all(corner.size(), circulate);
-    return met == 3 * static_cast<std::uint64_t>(mesh_.triangle_count());
+    const auto own_corners = [&](std::size_t t, std::uint64_t& corners) {
+      for (const std::uint32_t v : mesh_.triangles[t]) corners += is_own(v);
+    };
+    return met == sum_all(mesh_.triangle_count(), own_corners);
   }
 
   // Step 3. Finds the shells by union-find over vertices. Precondition: each vertex has one fan, so
@@ -201,6 +217,7 @@ class Surveyor {
     result_.shells = std::move(triangles).number_sets(result_.shell_of);
   }
 
+  const MeshPart part_;
   const IndexedMesh& mesh_;
   const EdgeBuckets& buckets_;
   EdgeSurvey result_{};
@@ -209,7 +226,11 @@ class Surveyor {
 }  // namespace
 
 EdgeSurvey survey_edges(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
-  return Surveyor(mesh, buckets).run();
+  return Surveyor(whole(mesh), buckets).run();
+}
+
+PartSurvey survey_part(const MeshPart& part, const EdgeBuckets& buckets) {
+  return Surveyor(part, buckets).run_on_part();
 }
 
 }  // namespace vdwmesh

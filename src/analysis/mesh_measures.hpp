@@ -2,9 +2,9 @@
 // self-intersections.
 //
 // The functions read positions and triangles of an IndexedMesh and accept any triangle soup with
-// shared vertex indices; `IndexedMesh::opposite` is not used. Sums are compensated (WideSum) and
-// added in the order of the triangles, so results do not depend on the number of threads. All but
-// self_intersections() take linear time.
+// shared vertex indices; `IndexedMesh::opposite` is not used. Sums of areas, volumes, angles and
+// lengths are exact and rounded once, so results do not depend on the number of threads, nor on the
+// order of the triangles. All but self_intersections() take linear time.
 #pragma once
 
 #include <cstdint>

@@ -116,19 +116,23 @@ VDWMESH_MULTIVERSION void fill_lengths(const IndexedMesh& mesh, const EdgeBucket
     });
 }
 
-struct TriangleShapes {
-  Buffer<double> min_angles_deg;  // one per triangle, 0 for degenerate triangles
-  Buffer<double> aspect_ratios;   // of the triangles with an area above 0 only
-};
+// Returns the relative position of a value between the bounds of a histogram, on the chosen scale:
+// 0 at `lower`, 1 at `upper`.
+double place(double value, BinScale scale, double lower, double upper) {
+  if (scale == BinScale::linear) return (value - lower) / (upper - lower);
+  return std::log(value / lower) / std::log(upper / lower);
+}
 
-TriangleShapes triangle_shapes(const IndexedMesh& mesh) {
+}  // namespace
+
+TriangleShapes triangle_shapes(const MeshPart& part) {
   TriangleShapes shapes;
-  resize_untouched(shapes.min_angles_deg, mesh.triangle_count());
-  resize_untouched(shapes.aspect_ratios, mesh.triangle_count());
+  resize_untouched(shapes.min_angles_deg, part.triangles);
+  resize_untouched(shapes.aspect_ratios, part.triangles);
   std::atomic<bool> all = true;
-  for_each_block(mesh.triangle_count(), kItemsPerTask,
+  for_each_block(part.triangles, kItemsPerTask,
                  [&](std::size_t, std::size_t first, std::size_t last) {
-                   if (!fill_shapes(mesh, first, last, shapes.min_angles_deg.data(),
+                   if (!fill_shapes(part.mesh, first, last, shapes.min_angles_deg.data(),
                                     shapes.aspect_ratios.data()))
                      all = false;
                  });
@@ -136,14 +140,17 @@ TriangleShapes triangle_shapes(const IndexedMesh& mesh) {
   return shapes;
 }
 
-// Returns the length of each edge, once, in the order of the edges' smaller vertices. A task is a
-// range of kItemsPerTask vertices. A first pass counts the edges of every task into
+// A task is a range of kItemsPerTask own vertices. A first pass counts the edges of every task into
 // before[task + 1]; the prefix sums make before[task] the number of edges of all earlier tasks,
 // which is where a second pass writes. The last task may be empty.
-Buffer<double> edge_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
-  std::vector<std::size_t> before(block_count(mesh.vertex_count(), kItemsPerTask) + 1);
+Buffer<double> edge_lengths(const MeshPart& part, const EdgeBuckets& buckets) {
+  const std::size_t vertices = part.end_vertex - part.first_vertex;
+  std::vector<std::size_t> before(block_count(vertices, kItemsPerTask) + 1);
   const auto each_task = [&](auto&& body) {
-    for_each_block(mesh.vertex_count(), kItemsPerTask, body);
+    for_each_block(vertices, kItemsPerTask,
+                   [&](std::size_t task, std::size_t first, std::size_t last) {
+                     body(task, part.first_vertex + first, part.first_vertex + last);
+                   });
   };
   each_task([&](std::size_t task, std::size_t first, std::size_t last) {
     std::size_t edges = 0;
@@ -155,27 +162,14 @@ Buffer<double> edge_lengths(const IndexedMesh& mesh, const EdgeBuckets& buckets)
   Buffer<double> lengths;
   resize_untouched(lengths, before.back());
   each_task([&](std::size_t task, std::size_t first, std::size_t last) {
-    fill_lengths(mesh, buckets, first, last, lengths.data() + before[task]);
+    fill_lengths(part.mesh, buckets, first, last, lengths.data() + before[task]);
   });
   return lengths;
 }
 
-// Returns the relative position of a value between the bounds of a histogram, on the chosen scale:
-// 0 at `lower`, 1 at `upper`.
-double place(double value, BinScale scale, double lower, double upper) {
-  if (scale == BinScale::linear) return (value - lower) / (upper - lower);
-  return std::log(value / lower) / std::log(upper / lower);
-}
-
-}  // namespace
-
-Distribution edge_length_distribution(const IndexedMesh& mesh, const EdgeBuckets& buckets) {
-  return distribution_of(edge_lengths(mesh, buckets));
-}
-
 MeshQuality quality_of_triangles(const IndexedMesh& mesh) {
   MeshQuality result{};
-  const TriangleShapes shapes = triangle_shapes(mesh);
+  const TriangleShapes shapes = triangle_shapes(whole(mesh));
   result.min_angle_deg = distribution_of(shapes.min_angles_deg);
   result.aspect_ratio = distribution_of(shapes.aspect_ratios);
   result.degenerate_triangles = mesh.triangle_count() - shapes.aspect_ratios.size();
@@ -186,7 +180,7 @@ MeshQuality quality(const IndexedMesh& mesh) {
   // The edge lengths come first: the buckets end with this statement, before the second step
   // allocates its arrays.
   const Distribution edge_length =
-      edge_length_distribution(mesh, EdgeBuckets(mesh.triangles, mesh.vertex_count()));
+      distribution_of(edge_lengths(whole(mesh), EdgeBuckets(mesh.triangles, mesh.vertex_count())));
   MeshQuality result = quality_of_triangles(mesh);
   result.edge_length = edge_length;
   return result;
@@ -218,11 +212,11 @@ Histogram histogram(std::span<const double> values, BinScale scale, double lower
 QualityHistograms quality_histograms(const IndexedMesh& mesh) {
   QualityHistograms result;
   result.edge_length =
-      histogram(edge_lengths(mesh, EdgeBuckets(mesh.triangles, mesh.vertex_count())),
+      histogram(edge_lengths(whole(mesh), EdgeBuckets(mesh.triangles, mesh.vertex_count())),
                 BinScale::logarithmic, 0x1p-10, 4, 48);
   // The smallest angle of a triangle is at most 60 degrees and its aspect ratio at least 1. Values
   // that rounding put beyond these bounds are moved to the bound, so that they count in a bin.
-  TriangleShapes shapes = triangle_shapes(mesh);
+  TriangleShapes shapes = triangle_shapes(whole(mesh));
   for (double& angle : shapes.min_angles_deg) angle = std::min(angle, 60.0);
   result.min_angle_deg = histogram(shapes.min_angles_deg, BinScale::linear, 0, 60, 30);
   for (double& ratio : shapes.aspect_ratios) ratio = std::max(ratio, 1.0);
@@ -232,7 +226,7 @@ QualityHistograms quality_histograms(const IndexedMesh& mesh) {
 
 std::vector<float> min_angles_deg(const IndexedMesh& mesh) {
   require_vertices(mesh);
-  const Buffer<double> angles = triangle_shapes(mesh).min_angles_deg;
+  const Buffer<double> angles = triangle_shapes(whole(mesh)).min_angles_deg;
   return {angles.begin(), angles.end()};
 }
 

@@ -3,43 +3,9 @@
 #include "arrangement/exact_sum.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <limits>
 
 namespace vdwmesh {
-namespace {
-
-constexpr int kMantissaBits = 52, kExponentMask = 0x7ff;
-constexpr std::uint64_t kMantissaMask = (std::uint64_t{1} << kMantissaBits) - 1;
-
-}  // namespace
-
-// A double is m 2^(e - 1074) with m < 2^53 and e >= 0, for subnormal numbers too. So bit 0 of m has
-// the place e among the bits of the sum.
-void ExactSum::add(double term) {
-  const auto bits = std::bit_cast<std::uint64_t>(term);
-  const auto field = static_cast<int>(bits >> kMantissaBits) & kExponentMask;
-  if (field == kExponentMask) {
-    finite_ = false;
-    return;
-  }
-  const std::uint64_t hidden = field > 0 ? kMantissaMask + 1 : 0;
-  const std::uint64_t mantissa = (bits & kMantissaMask) | hidden;
-  const int place = field > 0 ? field - 1 : 0, shift = place % kLimbBits;
-  const auto limb = static_cast<std::size_t>(place / kLimbBits);
-  constexpr std::uint64_t kLow = 0xffffffffu;
-  // The shifted mantissa has up to 84 bits: the low 32 of them, and the others.
-  const auto low = static_cast<std::int64_t>((mantissa << shift) & kLow);
-  const std::uint64_t rest = mantissa >> (kLimbBits - shift);
-  const auto middle = static_cast<std::int64_t>(rest & kLow);
-  const auto high = static_cast<std::int64_t>(rest >> kLimbBits);
-  const std::int64_t sign = std::signbit(term) ? -1 : 1;
-  limbs_[limb] += sign * low;
-  limbs_[limb + 1] += sign * middle;
-  limbs_[limb + 2] += sign * high;
-  if (++terms_ == kMostTerms) propagate_carries();
-}
 
 void ExactSum::add(const ExactSum& other) {
   ExactSum carried = other;
@@ -61,17 +27,36 @@ void ExactSum::propagate_carries() {
   terms_ = 1;
 }
 
+// A limb of 32 bits at its place is a double.
+void ExactSum::append_terms(std::vector<double>& terms) const {
+  if (!finite_) {
+    terms.push_back(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  ExactSum sum = *this;
+  const double sign = sum.make_positive() ? -1 : 1;
+  for (std::size_t k = 0; k < kLimbs; ++k) {
+    if (sum.limbs_[k] == 0) continue;
+    terms.push_back(std::ldexp(sign * static_cast<double>(sum.limbs_[k]),
+                               kLimbBits * static_cast<int>(k) + kLowestExponent));
+  }
+}
+
+// Returns whether the sum was negative. Afterwards there are no carries.
+bool ExactSum::make_positive() {
+  propagate_carries();
+  if (limbs_.back() >= 0) return false;
+  for (std::int64_t& limb : limbs_) limb = -limb;
+  propagate_carries();
+  return true;
+}
+
 // Makes the sum positive, takes its highest 54 bits and whether any lower bit is set, and rounds
 // them to 53 bits. A sum of fewer bits is a double already.
 double ExactSum::rounded(Direction direction) const {
   if (!finite_) return std::numeric_limits<double>::quiet_NaN();
   ExactSum sum = *this;
-  sum.propagate_carries();
-  const bool negative = sum.limbs_.back() < 0;
-  if (negative) {
-    for (std::int64_t& limb : sum.limbs_) limb = -limb;
-    sum.propagate_carries();
-  }
+  const bool negative = sum.make_positive();
   const int cut = std::max(0, sum.bit_count() - kKeptBits);
   std::uint64_t kept = sum.bits_from(cut);
   int exponent = cut + kLowestExponent;

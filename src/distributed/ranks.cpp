@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMessageBytes = std::size_t{1} << 30;  // bytes of one message
 
-// Calls send_or_receive(first byte, number of bytes) for the pieces of an array.
+// Calls transfer(first byte, number of bytes) for the pieces of an array.
 template <class Byte, class Transfer>
 void in_pieces(std::span<Byte> bytes, const Transfer& transfer) {
   for (std::size_t done = 0; done < bytes.size(); done += kMessageBytes) {
@@ -126,6 +126,38 @@ void Ranks::collect_bytes(std::span<const std::byte> mine, std::span<std::byte> 
     });
     done += size;
   }
+}
+
+void Ranks::add_up(std::span<std::uint64_t> array) const {
+  in_pieces(std::as_writable_bytes(array), [](std::byte* first, int count) {
+    MPI_Allreduce(MPI_IN_PLACE, first, count / static_cast<int>(sizeof(std::uint64_t)),
+                  MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+  });
+}
+
+std::vector<std::uint64_t> Ranks::exchange_sizes(std::span<const std::uint64_t> to_each) const {
+  std::vector<std::uint64_t> from_each(to_each.size());
+  MPI_Alltoall(to_each.data(), 1, MPI_UINT64_T, from_each.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);
+  return from_each;
+}
+
+// All messages are under way at the same time, so that no order of ranks can make them wait for
+// each other. Those between two ranks arrive in the order in which they were sent.
+void Ranks::exchange_bytes(std::span<const std::span<const std::byte>> sent,
+                           std::span<const std::span<std::byte>> received) const {
+  std::vector<MPI_Request> requests;
+  const auto next = [&requests] { return &requests.emplace_back(MPI_REQUEST_NULL); };
+  for (int rank = 0; rank < count_; ++rank) {
+    in_pieces(received[static_cast<std::size_t>(rank)], [&](std::byte* first, int count) {
+      MPI_Irecv(first, count, MPI_BYTE, rank, 0, MPI_COMM_WORLD, next());
+    });
+  }
+  for (int rank = 0; rank < count_; ++rank) {
+    in_pieces(sent[static_cast<std::size_t>(rank)], [&](const std::byte* first, int count) {
+      MPI_Isend(first, count, MPI_BYTE, rank, 0, MPI_COMM_WORLD, next());
+    });
+  }
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
 }
 
 void Ranks::abort(int status) const {

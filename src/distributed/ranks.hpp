@@ -48,6 +48,8 @@ class Ranks {
   // The sum over the ranks on this host. Collective.
   std::uint64_t sum_on_host(std::uint64_t mine) const;
   std::uint64_t most(std::uint64_t mine) const;
+  // Replaces each element of the array by its sum over all ranks. Collective.
+  void add_up(std::span<std::uint64_t> array) const;
 
   // Gives all ranks the contents that the array has on the first one. Collective.
   template <class T>
@@ -55,6 +57,14 @@ class Ranks {
     static_assert(std::is_trivially_copyable_v<T>);
     array.resize(shared_size(array.size()));
     share_bytes(std::as_writable_bytes(std::span(array)));
+  }
+
+  // The same for one value, which is not an array.
+  template <class T>
+  T shared(T value) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    share_bytes(std::as_writable_bytes(std::span(&value, 1)));
+    return value;
   }
 
   // Returns the arrays of all ranks one behind the other to the first rank, and nothing to the
@@ -67,6 +77,25 @@ class Ranks {
     return all;
   }
 
+  // Sends the array to_each[r] to rank r, and returns what came from the ranks: [r] is from rank r.
+  // Precondition: one array for each rank. Collective.
+  template <class T>
+  std::vector<std::vector<T>> exchange(const std::vector<std::vector<T>>& to_each) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::vector<std::uint64_t> sizes;
+    for (const std::vector<T>& array : to_each) sizes.push_back(array.size());
+    std::vector<std::vector<T>> from_each;
+    std::vector<std::span<const std::byte>> sent;
+    std::vector<std::span<std::byte>> received;
+    for (const std::uint64_t size : exchange_sizes(sizes)) from_each.emplace_back(size);
+    for (const std::vector<T>& array : to_each) sent.push_back(std::as_bytes(std::span(array)));
+    for (std::vector<T>& array : from_each) {
+      received.push_back(std::as_writable_bytes(std::span(array)));
+    }
+    exchange_bytes(sent, received);
+    return from_each;
+  }
+
   // Ends all ranks at once, with this exit status, for a failure outside of together().
   [[noreturn]] void abort(int status) const;
 
@@ -75,6 +104,9 @@ class Ranks {
   void share_bytes(std::span<std::byte> bytes) const;
   std::size_t sizes_sum(std::size_t mine) const;  // on the first rank; 0 on the others
   void collect_bytes(std::span<const std::byte> mine, std::span<std::byte> all) const;
+  std::vector<std::uint64_t> exchange_sizes(std::span<const std::uint64_t> to_each) const;
+  void exchange_bytes(std::span<const std::span<const std::byte>> sent,
+                      std::span<const std::span<std::byte>> received) const;
 
   int number_ = 0, count_ = 1, number_on_host_ = 0;
   struct Host;

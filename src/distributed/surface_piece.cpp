@@ -6,10 +6,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 #include "distributed/surface_shares.hpp"
@@ -35,8 +37,12 @@ KeyRange own_share(const Ranks& ranks, const SphereSet& spheres, const FieldMode
 // Every rank can make the part that it has counted, with the memory that it is allowed.
 void check_memory(const MeshSize& size, const ExtractOptions& options, std::size_t spheres) {
   const std::uint64_t mesh = indexed_mesh_bytes(size, {.normals = options.normals});
-  // Counts of bricks and the cell list take about as much as these.
-  const std::uint64_t beside = mesh / 4 + 128 * static_cast<std::uint64_t>(spheres);
+  // While the mesh is made, counts of bricks and the cell list take about as much as these; while
+  // it is measured, a copy of positions and triangles is there.
+  const std::uint64_t made = mesh / 4 + 128 * static_cast<std::uint64_t>(spheres),
+                      measured = sizeof(Vec3d) * size.vertices + sizeof(Triangle) * size.triangles +
+                                 measures_bytes(size);
+  const std::uint64_t beside = std::max(made, measured);
   if (mesh + beside <= options.memory_limit) return;
   throw LimitExceeded(fmt::format(
       "{} triangles need {} MiB of memory, {} MiB are allowed to a rank: more ranks, a larger "

@@ -165,7 +165,7 @@ std::uint64_t joined_components(const Ranks& ranks, Part& part, std::uint64_t se
   std::vector<BorderElement> all = ranks.collect(std::span<const BorderElement>(border));
   std::uint64_t components = 0;
   ranks.together([&] {
-    if (ranks.is_first()) components = count_joined(sets, std::move(all));
+    if (ranks.is_first()) components = JoinedSets(std::move(all)).count(sets);
   });
   return components;
 }

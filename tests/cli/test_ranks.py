@@ -1,5 +1,6 @@
 """vdwmesh-mpi: the same results from any number of ranks, and how all of them end where one fails."""
 
+import functools
 import os
 import re
 import signal
@@ -48,17 +49,28 @@ class RanksTest(ProgramTest):
 
 
 class Meshes(RanksTest):
-    """The file is that of the plain program, byte by byte."""
+    """The file is that of the plain program, byte by byte, and so is the report but for times, ranks and memory."""
+
+    def mesh(self, start, *arguments):
+        """Standard error, the bytes of the mesh and the lines of the report."""
+        mesh, report = self.folder / "mesh.ply", self.folder / "report.json"
+        result = start("mesh", *arguments, "-o", mesh, "--quiet", "--json", report)
+        document = re.sub(r'"timing": \{.*?\}\s*\}', "", report.read_text(), flags=re.DOTALL)
+        self.assertNotIn('"total"', document)
+        document = re.sub(r',?\s*"made by [^"]*each"', "", document)
+        document = re.sub(r'"(memory_limit|memory_estimate|threads)": \w+', "", document)
+        return result.stderr.replace("vdwmesh-mpi", "vdwmesh"), mesh.read_bytes(), document
 
     def assert_same_file(self, path, *options, ranks):
-        plain, together = self.folder / "plain.ply", self.folder / "together.ply"
-        self.run_ok("mesh", path, "-o", plain, "--quiet", *options)
-        expected = plain.read_bytes()
+        errors, mesh, report = self.mesh(self.run_ok, path, "--backend", "cpu", *options)
         for count in ranks:
             with self.subTest(path=str(path), options=options, ranks=count):
-                self.run_ranks_ok(count, "mesh", path, "-o", together, "--quiet", *options)
-                self.assertTrue(together.read_bytes() == expected, "the files differ")
-                together.unlink()
+                start = functools.partial(self.run_ranks_ok, count)
+                ours = self.mesh(start, path, "--backend", "cpu", *options)
+                self.assertTrue(ours[1] == mesh, "the files differ")
+                self.assertEqual(re.sub(r"\s", "", ours[2]), re.sub(r"\s", "", report))
+                self.assertEqual(ours[0], errors)
+        return mesh
 
     def test_any_number_of_ranks(self):
         self.assert_same_file(UBIQUITIN, ranks=(1, 2, 3, 5, 7))
@@ -89,10 +101,10 @@ class Meshes(RanksTest):
             self.assert_same_file(path, "--probe", "1.4", ranks=(3,))
 
     def test_standard_input_is_of_the_first_rank(self):
-        self.assert_same_file(UBIQUITIN, ranks=())
+        expected = self.assert_same_file(UBIQUITIN, ranks=())
         with open(UBIQUITIN) as text:
             self.run_ranks_ok(2, "mesh", "-", "--format", "pdb", "-o", self.folder / "a.ply", stdin=text)
-        self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "plain.ply").read_bytes())
+        self.assertEqual((self.folder / "a.ply").read_bytes(), expected)
 
     def test_a_file_is_replaced_and_keeps_its_permissions(self):
         path = self.file("a.ply", "old")
@@ -103,8 +115,9 @@ class Meshes(RanksTest):
 
     def test_text(self):
         text = self.run_ranks_ok(3, "mesh", UBIQUITIN, "-o", self.folder / "a.ply").stdout
-        self.assertIn("44650 vertices, 89676 triangles; Euler characteristic -188", text)
-        self.assertRegex(text, r"(?m)^Ranks +3, 1 CPU thread each$")
+        self.assertIn("44650 vertices, 89676 triangles; closed, 2-manifold, oriented", text)
+        self.assertRegex(text, r"(?m)^Euler characteristic +-188$")
+        self.assertRegex(text, r"(?m)^Note +made by 3 ranks, 1 CPU thread each$")
 
 
 class ExactUnions(RanksTest):
@@ -123,7 +136,8 @@ class ExactUnions(RanksTest):
         plain = self.results(self.run_ok, path, "--topology", topology, "--backend", "cpu", *options)
         for count in ranks:
             with self.subTest(path=str(path), options=options, ranks=count):
-                together = self.results(lambda *a: self.run_ranks_ok(count, *a), path, "--topology", topology, *options)
+                start = functools.partial(self.run_ranks_ok, count)
+                together = self.results(start, path, "--topology", topology, *options)
                 for ours, expected in zip(together, plain):
                     self.assertEqual(ours, expected)
         return plain
@@ -203,9 +217,9 @@ class Faults(RanksTest):
                             says=("--isovalue",))  # fmt: skip
 
     def test_memory_limit_of_a_rank(self):
-        self.assert_all_end(LIMIT_HIT, *self.mesh("--spacing", "0.1", "--memory-limit", "30M"),
+        self.assert_all_end(LIMIT_HIT, *self.mesh("--spacing", "0.1", "--memory-limit", "60M"),
                             says=("more ranks",))  # fmt: skip
-        self.run_ranks_ok(7, *self.mesh("--spacing", "0.1", "--memory-limit", "30M"))
+        self.run_ranks_ok(7, *self.mesh("--spacing", "0.1", "--memory-limit", "60M"))
         exact = ("exact", self.file("a.xyzr", FLAT), "--memory-limit", "300K")
         self.assert_all_end(LIMIT_HIT, *exact, ranks=1, says=("more ranks", "--memory-limit 1M"))
 

@@ -80,6 +80,28 @@ TEST(ExactSum, DoesNotDependOnOrderOrSplitting) {
   EXPECT_EQ(sum.up(), 0);
 }
 
+TEST(ExactSum, IsTheSumOfItsTerms) {
+  std::mt19937_64 random(2);
+  std::uniform_int_distribution<int> exponent(-1070, 900);
+  std::uniform_real_distribution<double> mantissa(-1, 1);
+  for (const double sign : {1.0, -1.0}) {
+    for (int count = 0; count < 200; ++count) {
+      ExactSum sum = sum_of({sign});
+      for (int i = 0; i < count; ++i) sum.add(std::ldexp(mantissa(random), exponent(random)));
+      std::vector<double> terms;
+      sum.append_terms(terms);
+      for (const double t : terms) sum.add(-t);
+      EXPECT_EQ(sum.down(), 0);
+      EXPECT_EQ(sum.up(), 0);
+    }
+  }
+  std::vector<double> terms;
+  sum_of({}).append_terms(terms);
+  EXPECT_TRUE(terms.empty());
+  sum_of({1, kInfinity}).append_terms(terms);
+  EXPECT_TRUE(terms.size() == 1 && std::isnan(terms[0]));
+}
+
 TEST(ExactSum, IsNotANumberOnceATermIsNot) {
   EXPECT_TRUE(std::isnan(sum_of({1, kInfinity}).down()));
   EXPECT_TRUE(std::isnan(sum_of({std::nan(""), 1}).up()));

@@ -70,12 +70,17 @@ TEST(SphereShares, AreCutAcrossTheLongestAxis) {
 }
 
 TEST(JoinedSets, SetsThatShareAnElementAreOne) {
-  EXPECT_EQ(count_joined(5, {}), 5u);
-  EXPECT_EQ(count_joined(5, {{1, 10}, {2, 20}}), 5u);
-  EXPECT_EQ(count_joined(5, {{1, 10}, {1, 20}}), 4u);
+  EXPECT_EQ(JoinedSets({}).count(5), 5u);
+  EXPECT_EQ(JoinedSets({{1, 10}, {2, 20}}).count(5), 5u);
+  EXPECT_EQ(JoinedSets({{1, 10}, {1, 20}}).count(5), 4u);
   // A chain of three, and the same pair again by another element.
-  EXPECT_EQ(count_joined(5, {{7, 10}, {9, 30}, {8, 20}, {7, 20}, {8, 30}, {9, 20}}), 3u);
-  EXPECT_EQ(count_joined(2, {{1, 10}, {1, 10}}), 2u);
+  JoinedSets chain({{7, 10}, {9, 30}, {8, 20}, {7, 20}, {8, 30}, {9, 20}, {5, 15}});
+  EXPECT_EQ(chain.count(6), 4u);
+  EXPECT_EQ(chain.number_of(10), chain.number_of(30));
+  EXPECT_NE(chain.number_of(10), chain.number_of(15));
+  EXPECT_EQ(chain.number_of(11), std::nullopt);
+  EXPECT_EQ(chain.number_of(99), std::nullopt);
+  EXPECT_EQ(JoinedSets({{1, 10}, {1, 10}}).count(2), 2u);
 }
 
 }  // namespace

@@ -1,0 +1,186 @@
+// examine_together(): every rank measures its part of the mesh (border_mesh.hpp). Counts and exact
+// sums add up. Shells are sets of connected vertices: each rank finds those of its part, and the
+// first one joins them over the borders. A shell that lies in one part is summed up there; of all
+// others the terms go to the first rank.
+#include "distributed/examine_together.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "analysis/edge_survey.hpp"
+#include "analysis/quality_parts.hpp"
+#include "analysis/shell_sums.hpp"
+#include "core/blocks.hpp"
+#include "core/disjoint_sets.hpp"
+#include "core/errors.hpp"
+#include "distributed/border_mesh.hpp"
+#include "distributed/distribution_together.hpp"
+#include "distributed/joined_sets.hpp"
+#include "mesh/edge_buckets.hpp"
+#include "surface/box.hpp"
+
+namespace vdwmesh {
+namespace {
+
+// The name of a set of a rank, among those of all ranks.
+std::uint64_t name_of_set(const Ranks& ranks, std::uint32_t set) {
+  return static_cast<std::uint64_t>(ranks.number()) << 32 | set;
+}
+
+Box box_together(const Ranks& ranks, const IndexedMesh& mesh) {
+  const Box mine = box_of_vertices(mesh);
+  const std::vector<Box> each = ranks.collect(std::span<const Box>(&mine, 1));
+  Box all = empty_box();
+  for (const Box& box : each) include(all, box);
+  return ranks.shared(all);
+}
+
+// The connected vertices of a part.
+class VertexSets {
+ public:
+  explicit VertexSets(const BorderMesh& part)
+      : sets_(part.mesh.vertex_count()), is_border_(part.mesh.vertex_count()) {
+    for_all(part.mesh.triangle_count(), [&](std::size_t t) {
+      const auto& [a, b, c] = part.mesh.triangles[t];
+      sets_.join(a, b);
+      sets_.join(b, c);
+    });
+    for (const BorderVertex& v : part.elsewhere) is_border_[sets_.find(v.local)] = 1;
+    for (const BorderVertex& v : part.asked_for) is_border_[sets_.find(v.local)] = 1;
+  }
+
+  std::uint32_t set_of(std::uint32_t vertex) { return sets_.find(vertex); }
+  std::uint64_t count() const { return sets_.count(); }
+  bool is_border(std::uint64_t set) const { return is_border_[set] != 0; }
+
+ private:
+  DisjointSets sets_;
+  std::vector<std::uint8_t> is_border_;  // [representative of a set]
+};
+
+// The sets of different ranks that have a vertex in common. Every rank tells the owners of vertices
+// elsewhere which of its sets these are in. The result is that of the first rank. Collective.
+std::vector<BorderElement> border_of_sets(const Ranks& ranks, const BorderMesh& part,
+                                          VertexSets& sets) {
+  std::vector<std::vector<std::uint64_t>> told(static_cast<std::size_t>(ranks.count()));
+  for (const BorderVertex& v : part.elsewhere) {
+    told[static_cast<std::size_t>(v.rank)].push_back(name_of_set(ranks, sets.set_of(v.local)));
+  }
+  const std::vector<std::vector<std::uint64_t>> heard = ranks.exchange(told);
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs;
+  ranks.together([&] {
+    std::vector<std::size_t> next(heard.size());
+    for (const BorderVertex& v : part.asked_for) {
+      const auto rank = static_cast<std::size_t>(v.rank);
+      pairs.emplace_back(heard[rank][next[rank]++], name_of_set(ranks, sets.set_of(v.local)));
+    }
+    std::ranges::sort(pairs);
+    pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+  });
+  std::vector<BorderElement> border;
+  for (const auto& [theirs, mine] : pairs) {
+    const std::uint64_t name = name_of_set(ranks, static_cast<std::uint32_t>(border.size()));
+    border.push_back({name, theirs});
+    border.push_back({name, mine});
+  }
+  return ranks.collect(std::span<const BorderElement>(border));
+}
+
+// The terms of the own triangles, by the sets that they are in.
+std::vector<ShellTerm> terms_of(const BorderMesh& part, VertexSets& sets, const Vec3d& origin) {
+  std::vector<std::uint32_t> set_of(part.triangles);
+  for_all(part.triangles,
+          [&](std::size_t t) { set_of[t] = sets.set_of(part.mesh.triangles[t][0]); });
+  return shell_terms(part.mesh, set_of, origin);
+}
+
+struct Shells {
+  ShellTotals totals;
+  std::uint64_t count = 0;
+};
+
+// Collective; the result is that of the first rank.
+Shells sum_shells(const Ranks& ranks, const BorderMesh& part) {
+  const Vec3d origin = middle(box_together(ranks, part.mesh));
+  std::optional<VertexSets> sets;
+  std::vector<ShellTerm> inside, across;
+  Shells shells;
+  ranks.together([&] {
+    sets.emplace(part);
+    inside = terms_of(part, *sets, origin);
+    const auto of_border = std::ranges::partition(
+        inside, [&](const ShellTerm& term) { return !sets->is_border(term.shell); });
+    across.assign(of_border.begin(), of_border.end());
+    inside.erase(of_border.begin(), of_border.end());
+    for (ShellTerm& term : across) {
+      term.shell = name_of_set(ranks, static_cast<std::uint32_t>(term.shell));
+    }
+    add_shells(shells.totals, std::move(inside));
+  });
+  std::vector<BorderElement> border = border_of_sets(ranks, part, *sets);
+  const std::uint64_t all_sets = ranks.sum(sets->count());
+  across = ranks.collect(std::span<const ShellTerm>(across));
+  const auto totals = ranks.collect(std::span<const ShellTotals>(&shells.totals, 1));
+  ranks.together([&] {
+    if (!ranks.is_first()) return;
+    JoinedSets joined(std::move(border));
+    shells = {};
+    shells.count = joined.count(all_sets);
+    for (ShellTerm& term : across) term.shell = joined.number_of(term.shell).value();
+    for (const ShellTotals& theirs : totals) add(shells.totals, theirs);
+    add_shells(shells.totals, std::move(across));
+  });
+  return shells;
+}
+
+PartSurvey survey_together(const Ranks& ranks, const PartSurvey& mine) {
+  const auto all = [&](bool holds) { return ranks.sum(std::uint64_t{!holds}) == 0; };
+  return {all(mine.closed), all(mine.manifold), all(mine.oriented), ranks.sum(mine.edges),
+          ranks.sum(mine.used_vertices)};
+}
+
+MeshQuality quality_together(const Ranks& ranks, const BorderMesh& part,
+                             std::optional<EdgeBuckets>& buckets) {
+  MeshQuality quality{};
+  Buffer<double> lengths;
+  ranks.together([&] {
+    lengths = edge_lengths(part.part(), *buckets);
+    buckets.reset();
+  });
+  quality.edge_length = distribution_together(ranks, lengths);
+  lengths = {};
+  TriangleShapes shapes;
+  ranks.together([&] { shapes = triangle_shapes(part.part()); });
+  quality.min_angle_deg = distribution_together(ranks, shapes.min_angles_deg);
+  quality.aspect_ratio = distribution_together(ranks, shapes.aspect_ratios);
+  quality.degenerate_triangles =
+      ranks.sum(std::uint64_t{part.triangles - shapes.aspect_ratios.size()});
+  return quality;
+}
+
+}  // namespace
+
+MeshExamination examine_together(const Ranks& ranks, const SurfacePiece& piece) {
+  const BorderMesh part = make_border_mesh(ranks, piece);
+  std::optional<EdgeBuckets> buckets;
+  PartSurvey survey{};
+  ranks.together([&] {
+    buckets.emplace(part.mesh.triangles, part.mesh.vertex_count());
+    survey = survey_part(part.part(), *buckets);
+  });
+  survey = survey_together(ranks, survey);
+  ranks.together([&] {
+    if (survey.closed && survey.manifold && survey.oriented) return;
+    throw InternalError("the mesh of all ranks is no closed, oriented 2-manifold");
+  });
+  const Shells shells = sum_shells(ranks, part);
+  const MeshCounts counts{survey.closed,         survey.manifold,      survey.oriented,
+                          piece.whole.vertices,  survey.used_vertices, survey.edges,
+                          piece.whole.triangles, shells.count};
+  return {topology_of(counts, shells.totals), measures_of(counts, shells.totals),
+          quality_together(ranks, part, buckets)};
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,15 @@
+// Topology, measures and quality of a mesh that all ranks made together.
+#pragma once
+
+#include "analysis/mesh_measures.hpp"
+#include "distributed/ranks.hpp"
+#include "distributed/surface_piece.hpp"
+
+namespace vdwmesh {
+
+// On the first rank, what examine() says of the mesh of all pieces, bit for bit; the others' result
+// means nothing. Takes memory for a copy of the piece beside what examine() takes. Throws
+// InternalError, on all ranks, if the mesh is no closed, oriented 2-manifold. Collective.
+MeshExamination examine_together(const Ranks& ranks, const SurfacePiece& piece);
+
+}  // namespace vdwmesh
