@@ -13,13 +13,16 @@
 
 namespace vdwmesh::formats {
 
-// The largest number of vertices of a file. Its faces name vertices by ints.
-inline constexpr std::uint64_t kMostPlyVertices = std::uint64_t{1} << 31;
+// The largest number of vertices of a file, whose faces name them by 32 bits. As long as 31 bits
+// do, the header calls these an int, which every reader knows, and a uint beyond.
+inline constexpr std::uint64_t kMostPlyVertices = std::uint64_t{1} << 32;
+inline constexpr std::uint64_t kMostIntPlyVertices = std::uint64_t{1} << 31;
 
 // Bytes of a vertex: 3 doubles, 3 floats, 3 bytes and 3 ints.
 inline constexpr std::uint64_t kPlyVertexBytes = 24 + 12 + 3 + 12;
 
-// Bytes of a face: a count of one byte, 3 ints, and one more for its sphere if faces have labels.
+// Bytes of a face: a count of one byte, 3 ints or uints, and one int more for its sphere if faces
+// have labels.
 constexpr std::uint64_t ply_face_bytes(TriangleLabels labels) {
   return 13 + (labels == TriangleLabels::spheres ? 4 : 0);
 }

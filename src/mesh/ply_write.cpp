@@ -16,8 +16,9 @@
 namespace vdwmesh::formats {
 namespace {
 
-// A format string for four values: comment on faces, number of vertices, number of faces, property
-// of faces. The first and the last value are empty unless the mesh has face_spheres().
+// A format string for five values: comment on faces, number of vertices, number of faces, type of
+// their indices, property of faces. The first and the last value are empty unless the mesh has
+// face_spheres().
 constexpr const char* kHeader =
     "ply\n"
     "format binary_little_endian 1.0\n"
@@ -38,7 +39,7 @@ constexpr const char* kHeader =
     "property int sphere2\n"
     "property int sphere3\n"
     "element face {}\n"
-    "property list uchar int vertex_indices\n"
+    "property list uchar {} vertex_indices\n"
     "{}"
     "end_header\n";
 constexpr const char* kFaceComment = "comment atom of a face: index of the sphere it is part of\n";
@@ -49,6 +50,7 @@ constexpr const char* kFaceProperty = "property int atom\n";
 std::string ply_header(const MeshSize& size, TriangleLabels labels) {
   const bool labelled = labels == TriangleLabels::spheres;
   return fmt::format(kHeader, labelled ? kFaceComment : "", size.vertices, size.triangles,
+                     size.vertices <= kMostIntPlyVertices ? "int" : "uint",
                      labelled ? kFaceProperty : "");
 }
 
