@@ -257,6 +257,8 @@ Backend resolve(Backend requested) {
   throw BackendUnavailable("the CUDA backend is not there: " + list.reason);
 }
 
+void share_devices(std::size_t process) { share_cuda_devices(process); }
+
 void release_device_memory() { release_cuda_memory(); }
 
 std::unique_ptr<Extractor> make_extractor(Backend backend) {

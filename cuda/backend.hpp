@@ -1,6 +1,7 @@
 // The one place where a backend (CPU or CUDA) is chosen.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,6 +34,11 @@ DeviceList cuda_devices();
 // Replaces `automatic` by cuda if a device is present, else by cpu; returns the others as they are.
 // Throws BackendUnavailable for cuda if no device is present; the message says what is missing.
 Backend resolve(Backend requested);
+
+// For processes that share the devices of a host: makes the usable device with number `process`,
+// modulo their number, current on the calling thread, so that what is made below computes on it.
+// Does nothing if there is none.
+void share_devices(std::size_t process);
 
 // Where the backend is chosen by itself: so many balls or more are worth starting a device for
 // exact measures. To begin with a device takes 0.2 s, in which 16 cores measure about so many atoms

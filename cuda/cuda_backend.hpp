@@ -8,8 +8,9 @@
 
 namespace vdwmesh {
 
-// See cuda_devices() and release_device_memory() in backend.hpp.
+// See cuda_devices(), share_devices() and release_device_memory() in backend.hpp.
 DeviceList find_cuda_devices();
+void share_cuda_devices(std::size_t process);
 void release_cuda_memory();
 
 // Precondition: a usable device is present.

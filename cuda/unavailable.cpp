@@ -12,6 +12,7 @@ constexpr const char* kReason = "this build has no CUDA backend (no CUDA compile
 }  // namespace
 
 DeviceList find_cuda_devices() { return {{}, kReason}; }
+void share_cuda_devices(std::size_t) {}
 void release_cuda_memory() {}
 std::unique_ptr<Extractor> make_cuda_extractor() { throw BackendUnavailable(kReason); }
 std::unique_ptr<Refiner> make_cuda_refiner() { throw BackendUnavailable(kReason); }

@@ -175,6 +175,11 @@ DeviceList find_cuda_devices() {
   return list;
 }
 
+void share_cuda_devices(std::size_t process) {
+  const std::vector<int> usable = usable_devices();
+  if (!usable.empty()) use_device(usable[process % usable.size()]);
+}
+
 void use_device(int device) {
   check_cuda(cudaSetDevice(device), "device");
   keep_memory(device);

@@ -74,6 +74,9 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
   FieldModel model;
   CellListFrame frame;
   ranks.together([&] {
+    if (resolve(backend) == Backend::cuda) {
+      share_devices(static_cast<std::size_t>(ranks.number_on_host()));
+    }
     model = make_field_model(options.field, make_grid(spheres, options.grid));
     frame = make_field_frame(spheres, model);
   });

@@ -24,9 +24,9 @@ struct SurfacePiece {
 
 // Makes the surface of the spheres, of which every rank has all, by marching cubes. The options are
 // those of an extraction and must be the same on all ranks; their connectivity and frame are not
-// looked at, and `memory_limit` is that of one rank. Each rank meshes with this backend. Throws, on
-// all ranks, what Extractor::extract() throws. The mesh does not depend on the number of ranks.
-// Collective.
+// looked at, and `memory_limit` is that of one rank. Each rank meshes with this backend; ranks on
+// one host take its CUDA devices in turn. Throws, on all ranks, what Extractor::extract() throws.
+// The mesh does not depend on the number of ranks. Collective.
 SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, ExtractOptions options,
                            Backend backend);
 

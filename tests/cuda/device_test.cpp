@@ -92,6 +92,20 @@ TEST_F(Devices, ScopeTakesAUsableOneAndGivesBackTheFormer) {
   }
 }
 
+TEST_F(Devices, ProcessesTakeThemInTurn) {
+  fake_runtime().devices = {{"old", kTooOld}, {"a", kNewEnough}, {"b", kNewEnough}};
+  for (const auto& [process, device] : {std::pair{0u, 1}, {1u, 2}, {2u, 1}, {7u, 2}}) {
+    share_devices(process);
+    EXPECT_EQ(fake_runtime().current, device) << process;
+    const DeviceScope scope;
+    EXPECT_EQ(fake_runtime().current, device) << process;
+  }
+  fake_runtime().devices = {{"old", kTooOld}};
+  fake_runtime().current = 0;
+  share_devices(3);
+  EXPECT_EQ(fake_runtime().current, 0);
+}
+
 // Device numbers of their own: a process tells a pool once.
 TEST_F(Devices, PoolsKeepTheirMemoryUntilItIsReleased) {
   fake_runtime().devices.assign(12, FakeDevice{"d", kNewEnough});
