@@ -216,10 +216,14 @@ Vec3d buried_pole(const PatchBoundary& boundary) {
   const auto squared_reach = [](const CoveredCap& cap) {
     return cap.cosine >= 0 ? cap.squared_distance : 4 - cap.squared_distance;
   };
-  const auto largest = std::max_element(
-      boundary.caps.begin(), boundary.caps.end(),
-      [&](const auto& a, const auto& b) { return squared_reach(a) < squared_reach(b); });
-  return largest->axis;
+  double largest = 0;
+  for (const CoveredCap& cap : boundary.caps) largest = std::max(largest, squared_reach(cap));
+  // Of caps that are equal but for rounding, the first one. Rounding must not choose.
+  constexpr double kTie = 1e-6;
+  const auto is_largest = [&](const CoveredCap& cap) {
+    return squared_reach(cap) >= (1 - kTie) * largest;
+  };
+  return std::find_if(boundary.caps.begin(), boundary.caps.end(), is_largest)->axis;
 }
 
 VDWMESH_MULTIVERSION std::vector<Vec3d> clear_points(const std::vector<CoveredCap>& caps,

@@ -68,8 +68,8 @@ struct SplitChain {
 
 // The centre of the largest cap, as a unit vector. It serves as the pole of the stereographic
 // projection, so it must not lie in the patch. It lies as far from the patch as the rim of its cap
-// at least, and of all caps this one has the farthest rim. Precondition: at least one cap is larger
-// than a point.
+// at least, and of all caps this one has the farthest rim, or all but. Precondition: at least one
+// cap is larger than a point.
 Vec3d buried_pole(const PatchBoundary& boundary);
 
 // Those of `points` (unit vectors) that lie outside all caps after the caps have been enlarged.

@@ -214,14 +214,12 @@ class PatchTriangulator {
       margins.push_back(angle < std::numbers::pi ? std::cos(angle) : -2);
     }
     std::uint32_t near = plane_.triangle_at(0);
-    plane_.begin_lattice();
     for (const Vec3d& u : clear_points(boundary_.caps, margins, lattice_.points(edge_length_))) {
       const PlanePoint p = projection_.project(u);
       const Location at = plane_.locate(p, near);
       near = at.triangle;
       if (is_free(at)) near = plane_.triangle_at(insert_interior(u, p, at));
     }
-    plane_.end_lattice();
   }
 
   bool is_buried(const Vec3d& u) const {

@@ -25,9 +25,16 @@ inline constexpr double kBadAngleSine = 0.4;  // 23.6°
 inline constexpr double kLargeCircle = 0.75;
 
 // The circumcentre of a triangle on the sphere, equally far from its three vertices, which are
-// counter-clockwise seen from outside: the direction of its normal.
+// counter-clockwise seen from outside: the direction of the triangle's normal, and that of the
+// circumcentre of the flat triangle. The normal of a tiny triangle is a bad answer: errors e of the
+// vertices turn it by e over the size of the triangle, while they move the flat circumcentre by
+// some e. The circumcentre of a large triangle is one: it lies near the sphere's centre.
 inline Vec3d circumcenter(const std::array<Vec3d, 3>& p) {
-  return unit(cross(p[1] - p[0], p[2] - p[0]));
+  const Vec3d a = p[1] - p[0], b = p[2] - p[0], normal = cross(a, b);
+  const Vec3d towards = cross(squared_norm(a) * b - squared_norm(b) * a, normal);
+  const Vec3d flat = p[0] + (1 / (2 * squared_norm(normal))) * towards;
+  const bool is_small = squared_norm(flat) > 0.5 && dot(flat, normal) > 0;
+  return unit(is_small ? flat : normal);
 }
 
 // Whether a triangle with vertices p is bad: too large, or with too small an angle. constrained[k]

@@ -48,9 +48,10 @@ struct StarTriangle {
 // Then the edge is not locally Delaunay. For angles α and δ of two triangles, this holds if and
 // only if sin(α + δ) < 0, because each is less than half a turn.
 bool exceed_half_turn(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  // Relative. Without it, rounding could flip the edge of four co-circular points to and fro for
-  // ever.
-  constexpr double kSlack = 1e-12;
+  // Relative. Without it, rounding would decide about four co-circular points, and could flip their
+  // edge to and fro for ever. As large as the ties of the triangulation (kTie in
+  // plane_triangulation.cpp).
+  constexpr double kSlack = 1e-8;
   const Vec3d ab = b - a, ac = c - a, db = b - d, dc = c - d;
   const double cosine_a = dot(ab, ac), cosine_d = dot(db, dc);
   // Both angles are at most a right angle, so their sum is at most half a turn.

@@ -18,10 +18,13 @@
 
 namespace vdwmesh {
 
-// Coordinates of lattice points are rounded several times, each time by up to 2^-53 of their size,
-// which is up to some 20 times the distance of points. This times the error bound of the in-circle
-// test, 12 · 2^-53, covers what that does to the test.
-constexpr double kLatticeNoise = 64;
+// An in-circle test of patches is a tie up to this times its error bound, which is 12 · 2^-53 of
+// the sum of its terms: up to 6e-9 of it. Atoms may lie 10^4 Å from the origin. There, coordinates
+// on the unit sphere are off by 10^4 · 2^-53, and differences of neighbouring points, some 0.01 of
+// the radius, by 1e-10 of their size, which the test multiplies by a few. An edge that stays though
+// it is not Delaunay by so little costs no angle that could be seen. Of the tests that are no ties
+// in truth, one in some 10^8 is taken for one, which does no harm either.
+constexpr double kTie = 0x1p22;
 
 // What insert() and locate() call is `inline`, so that their two versions (core/multiversion.hpp)
 // contain all of it.
@@ -63,7 +66,6 @@ void PlaneTriangulation::resume(const State& state, const PointCircles* circles)
 void PlaneTriangulation::reset_scratch(const PointCircles* circles) {
   errors_ = PlaneErrors::up_to(largest_);
   circles_ = circles;
-  first_lattice_ = lattice_size_ = 0;
   inside_.assign(triangles_.size(), 0);
   visits_.clear();
   search_ = 0;
@@ -75,15 +77,6 @@ std::uint32_t PlaneTriangulation::add_point(const PlanePoint& p) {
   points_.push_back(p);
   star_.push_back(0);
   return static_cast<std::uint32_t>(points_.size()) - kFrameCorners - 1;
-}
-
-void PlaneTriangulation::begin_lattice() {
-  first_lattice_ = static_cast<std::uint32_t>(points_.size()) - kFrameCorners;
-  lattice_size_ = kFirstFrameCorner - first_lattice_;
-}
-
-void PlaneTriangulation::end_lattice() {
-  lattice_size_ = static_cast<std::uint32_t>(points_.size()) - kFrameCorners - first_lattice_;
 }
 
 inline int PlaneTriangulation::orientation(const PlanePoint& a, const PlanePoint& b,
@@ -108,12 +101,6 @@ inline bool PlaneTriangulation::share_circle(const LinkedTriangle& t, std::uint3
   return circles_ != nullptr && circles_->share(v[0], v[1], v[2], vertex);
 }
 
-// Whether the vertices of a triangle and another vertex are points of the lattice.
-inline bool PlaneTriangulation::are_lattice(const LinkedTriangle& t, std::uint32_t vertex) const {
-  const auto& v = t.vertices;
-  return is_lattice(v[0]) && is_lattice(v[1]) && is_lattice(v[2]) && is_lattice(vertex);
-}
-
 // Whether p, which is vertex `vertex` or will be, lies inside the circumcircle of a triangle (1) or
 // outside (-1). Ties give 0.
 inline int PlaneTriangulation::in_circle(const LinkedTriangle& t, const PlanePoint& p,
@@ -124,7 +111,7 @@ inline int PlaneTriangulation::in_circle(const LinkedTriangle& t, const PlanePoi
   if (const int sign = plane::sign_beyond(value, errors_.in_circle)) return sign;
   if (share_circle(t, vertex)) return 0;
   const double error = terms.error();
-  if (are_lattice(t, vertex) && std::abs(value) <= kLatticeNoise * error) return 0;
+  if (circles_ != nullptr && std::abs(value) <= kTie * error) return 0;
   if (const int sign = plane::sign_beyond(value, error)) return sign;
   ++exact_tests_;
   return exact_in_circle(a, b, c, p);

@@ -7,11 +7,11 @@
 // frame need not be far away.
 //
 // Tests are exact: plane_predicates.hpp decides nearly all of them in double, and
-// exact_plane_predicates.hpp the rest. Ties are decided by labels instead. Four points that were
-// sampled from one circle lie on it but for rounding, so either edge between them is Delaunay;
-// then the edge that is there stays. The same holds for points of a lattice if the fourth is as
-// near to the circle as the largest error bound. That saves exact tests of numbers that are only
-// noise.
+// exact_plane_predicates.hpp the rest. But where points come from a patch, ties are common and must
+// not be decided by rounding, or a molecule would get other triangles after a translation. There
+// the edge that is there stays if four points were sampled from one circle, or lie on one but for
+// kTie, and either edge between them is as good. Symmetric patches and the lattice inside of them
+// have such points.
 #pragma once
 
 #include <array>
@@ -45,7 +45,8 @@ class PlaneTriangulation {
 
   // Starts anew with the given points, which are the vertices 0, 1, ..., but are not inserted yet.
   // The frame is made so large that it contains them. `circles` says which of them lie on one
-  // circle; it must outlive the use, and may be null if nothing is known. Precondition: coordinates
+  // circle, and must outlive the use. If it is null, nothing is a tie but what exact tests say is
+  // one. Precondition: coordinates
   // of at most kLargestCoordinate / 4.
   void start(std::span<const PlanePoint> points, const PointCircles* circles);
   // The points and triangles, without marks. With resume() one can go on from there later.
@@ -60,10 +61,6 @@ class PlaneTriangulation {
 
   // Adds a point, not inserted yet, and returns its vertex. Precondition: it lies in the frame.
   std::uint32_t add_point(const PlanePoint& p);
-  // All points added between these two calls are images of points of a lattice. Its symmetric
-  // quadrilaterals have four points of one circle, but for rounding.
-  void begin_lattice();
-  void end_lattice();
 
   // Finds a point, searching from a triangle near it. Points outside the frame are `outside`.
   Location locate(const PlanePoint& p, std::uint32_t near);
@@ -128,8 +125,6 @@ class PlaneTriangulation {
   int orientation_of_point(std::uint32_t a, std::uint32_t b, const PlanePoint& p);
   int in_circle(const LinkedTriangle& t, const PlanePoint& p, std::uint32_t vertex);
   bool share_circle(const LinkedTriangle& t, std::uint32_t vertex) const;
-  bool are_lattice(const LinkedTriangle& t, std::uint32_t vertex) const;
-  bool is_lattice(std::uint32_t v) const { return v - first_lattice_ < lattice_size_; }
 
   // The sides of a triangle's edges on which a point lies: a corner with the point beyond its edge,
   // or kInside; and the edges on whose lines it lies, one bit each, if it is beyond none.
@@ -164,7 +159,6 @@ class PlaneTriangulation {
   double largest_ = 0;
   PlaneErrors errors_{};
   const PointCircles* circles_ = nullptr;
-  std::uint32_t first_lattice_ = 0, lattice_size_ = 0;
   std::vector<PlanePoint> points_;
   std::vector<LinkedTriangle> triangles_;
   std::vector<std::uint32_t> star_;    // by vertex: a triangle at it
