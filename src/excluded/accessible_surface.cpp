@@ -21,6 +21,8 @@
 #include "core/disjoint_sets.hpp"
 #include "core/sum.hpp"
 #include "excluded/saddle.hpp"
+#include "excluded/short_arcs.hpp"
+#include "excluded/wide_probes.hpp"
 
 namespace vdwmesh::excluded {
 namespace {
@@ -182,6 +184,10 @@ void AccessibleSurface::place_arcs() {
     out.angle = shapes_.angle(in);
     out.circle_radius = std::sqrt(shape.squared_circle_radius);
     out.height = shape.height;
+    const Sphere &a = triangulation_.balls[ball[0]], &b = triangulation_.balls[ball[1]];
+    out.spindle = shape.height[0] > 0 && shape.height[1] > 0 &&
+                  is_circle_below(a, b, probe_radius, out.circle_radius);
+    out.cusp_height = out.spindle ? cusp_height(a, b, probe_radius, out.circle_radius) : 0;
     out.axis = unit(center(ball[1]) - center(ball[0]));
     out.center = center(ball[0]) + shape.height[0] * out.axis;
     if (in.start == kNoCorner) return;
@@ -194,8 +200,8 @@ void AccessibleSurface::place_arcs() {
       const auto slot = std::find(edges.begin(), edges.end(), in.edge) - edges.begin();
       arc_at_[corner[end]][static_cast<std::size_t>(slot)] = static_cast<std::uint32_t>(i);
     }
-    out.dropped = !(out.angle * out.circle_radius >= kNoLength);
   });
+  drop_short_arcs(*this, exposed_, arcs);
 }
 
 // Numbers the probes in the order of their first corners, and lists the corners of each.
@@ -234,6 +240,13 @@ void AccessibleSurface::gather_corners() {
   }
 }
 
+bool AccessibleSurface::is_low(CornerIndex corner) const {
+  const auto& v = triangle_of(corner).vertices;
+  const auto& balls = triangulation_.balls;
+  return is_corner_below({balls[v[0]], balls[v[1]], balls[v[2]]}, probe_radius,
+                         shapes_.corners(corner / 2).half_chord);
+}
+
 // Places the probes, and lists the arcs that end at each.
 void AccessibleSurface::list_sides() {
   sides.reserve(3 * probes.size());
@@ -242,7 +255,7 @@ void AccessibleSurface::list_sides() {
     p.first_side = static_cast<std::uint32_t>(sides.size());
     for (const CornerIndex c : corners_of(p)) {
       const DualTriangle& f = triangle_of(c);
-      p.low = p.low || shapes_.corners(c / 2).half_chord < probe_radius;
+      p.low = p.low || is_low(c);
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t arc = arc_at_[c][k];
         if (arcs[arc].dropped) continue;
@@ -252,10 +265,13 @@ void AccessibleSurface::list_sides() {
       }
     }
     p.side_count = static_cast<std::uint32_t>(sides.size()) - p.first_side;
-    const CommonPoints& points = shapes_.corners(p.corner / 2);
-    p.center = center(triangle_of(p.corner).vertices[0]) +
-               (p.corner % 2 == 0 ? points.above : points.below);
+    p.center = corner_point(p.corner);
   }
+}
+
+Vec3d AccessibleSurface::corner_point(CornerIndex corner) const {
+  const CommonPoints& points = shapes_.corners(corner / 2);
+  return center(triangle_of(corner).vertices[0]) + (corner % 2 == 0 ? points.above : points.below);
 }
 
 void AccessibleSurface::link_circles() {

@@ -16,9 +16,10 @@
 namespace vdwmesh::excluded {
 
 // An arc is without length if its angle times the radius of its circle is below this (scaled: the
-// largest grown ball has a radius from 1/2 to 1). Coordinates in double, some radii from the
-// origin, are about as far as 1e-14 from what was meant. This leaves them room to be multiplied by
-// the condition of a corner, and an error of the area that no double shows.
+// largest grown ball has a radius from 1/2 to 1), unless other corners are so near that wide
+// numbers have to tell all of them apart (drop_short_arcs()). Coordinates in double, some radii
+// from the origin, are about as far as 1e-14 from what was meant. This leaves them room to be
+// multiplied by the condition of a corner, and an error of the area that no double shows.
 inline constexpr double kNoLength = 1e-11;
 
 enum class ArcEnd : std::uint8_t { start, end };
@@ -35,7 +36,9 @@ struct RolledArc {
   std::array<double, 2> height;  // signed, of the circle's plane over the centres of a and b
   std::array<Vec3d, 2> radial;   // unit vectors from the circle's centre to start and end
   Vec3d axis, center;
-  bool dropped;  // without length, between corners of one probe
+  bool dropped;        // without length, between corners of one probe
+  bool spindle;        // the saddle is cut by its own axis
+  double cusp_height;  // of a spindle: distance of its cusps from the circle's plane; else 0
 
   bool is_ring() const { return probe[0] == kNoIndex; }
 };
@@ -97,13 +100,17 @@ class AccessibleSurface {
     return complex_.triangles[corner / 2];
   }
   const BoundaryShapes& shapes() const { return shapes_; }
+  const DualComplex& complex() const { return complex_; }
   const PowerTriangulation& triangulation() const { return triangulation_; }
   // A ball's centre, relative to the origin.
   Vec3d center(std::uint32_t ball) const { return triangulation_.balls[ball].center - origin; }
+  // A corner's place, relative to the origin.
+  Vec3d corner_point(CornerIndex corner) const;
 
  private:
   void place_arcs();
   void gather_corners();
+  bool is_low(CornerIndex corner) const;
   void list_sides();
   void link_circles();
   struct Loop;

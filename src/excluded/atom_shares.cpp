@@ -167,7 +167,7 @@ class ShareFinder {
     }
     if (covered.empty()) return;
     for (const Uncovered<double>& part : uncovered_parts(covered, margin)) {
-      const double share = fan(apex_, {axis, 0, part.behind.to.point, part.angle}, 0, 1);
+      const double share = fan(apex_, {axis, 0, to_vec(part.behind.to.point), part.angle}, 0, 1);
       shares_[i].solid_angle += share;
       shares_[j].solid_angle -= share;
     }

@@ -6,6 +6,10 @@
 // h_i, two circles cross in w = h_i n_i + (t m ± g c) / |c|², g² = (1 - h_i²) |c|² - t².
 // Differences keep the digits of circles that are nearly the same. Seen from circle i, cap j covers
 // the interval that runs counter-clockwise about n_i from the point with -g to that with +g.
+//
+// Every decision has a margin: how far, to first order, circles have to move on the sphere to turn
+// it around. If they move by η, t and |c| change by η each, g² by 2 η (|t| + |c|), and the place of
+// w about n_i by 2 η / g.
 #pragma once
 
 #include <algorithm>
@@ -45,6 +49,14 @@ struct CapCircle {
   T cosine;
 };
 
+// The radius of the circle; a cosine that rounding made larger than 1 has none.
+template <class T>
+T circle_radius(const T& cosine) {
+  using std::sqrt;
+  const T square = (T(1) - cosine) * (T(1) + cosine);
+  return square > T(0) ? T(sqrt(square)) : T(0);
+}
+
 template <class T>
 CapCircle<T> cap_circle(const Vector<T>& axis, const T& cosine) {
   using std::abs;
@@ -58,20 +70,33 @@ CapCircle<T> cap_circle(const Vector<T>& axis, const T& cosine) {
   return {axis, first, cross(axis, first), cosine};
 }
 
-// A point of a circle: where it is about the axis. `turn` rises from 0 to 4 in a whole turn.
+// The point at an angle counter-clockwise about the circle's axis from `start`, a point of it.
+template <class T>
+Vector<T> point_beyond(const CapCircle<T>& circle, const Vector<T>& start, double angle) {
+  // The sine is rounded to double, and the cosine made so that the point is on the circle in T.
+  const T sine(std::sin(angle)), size = circle_radius(sine);
+  const T cosine = std::cos(angle) < 0 ? T(-size) : size;
+  const Vector<T> arm = combination(T(1), start, T(-circle.cosine), circle.axis);
+  const Vector<T> turned = combination(cosine, arm, sine, cross(circle.axis, arm));
+  return combination(circle.cosine, circle.axis, T(1), turned);
+}
+
+// A point of a circle: where it is about the axis. `turn` rises from 0 to 4 in a whole turn, and
+// changes by `slide` times as much as circles move.
 template <class T>
 struct CirclePlace {
   T x, y, turn;
-  Vec3d point;
+  Vector<T> point;
+  double slide;
 };
 
 template <class T>
-CirclePlace<T> place_on(const CapCircle<T>& circle, const Vector<T>& w) {
+CirclePlace<T> place_on(const CapCircle<T>& circle, const Vector<T>& w, double slide) {
   using std::abs;
   const T x = dot(w, circle.first), y = dot(w, circle.second);
   const T size = abs(x) + abs(y);
   const T part = x / size;
-  return {x, y, y < T(0) ? T(3 + part) : T(1 - part), to_vec(w)};
+  return {x, y, y < T(0) ? T(3 + part) : T(1 - part), w, slide};
 }
 
 // The part of a circle that another cap covers.
@@ -88,13 +113,9 @@ struct Uncovered {
   double angle;
 };
 
-// Weight of the squared sine between two axes among the margins. Where circles are nearly parallel,
-// their points of intersection lose digits long before it is a question whether they meet.
-inline constexpr double kNearlyParallel = 1e-4;
-
 enum class Overlap { none, crossing, whole };
 
-// Which part of circle c cap j covers. `margin` becomes smaller if the decision was closer than it.
+// Which part of circle c cap j covers. `margin` becomes smaller if the decision has a smaller one.
 template <class T>
 Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, std::uint32_t by,
                      Covered<T>& part, double& margin) {
@@ -103,13 +124,15 @@ Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, std::uint32_t
   const T q = dot(apart, apart) / T(2), squared_sine = dot(side, side);
   const T toward = (j.cosine - c.cosine) + q * c.cosine;
   const T gram = (T(1) - c.cosine) * (T(1) + c.cosine) * squared_sine - toward * toward;
-  margin = std::min({margin, std::abs(to_double(gram)), kNearlyParallel * to_double(squared_sine)});
+  const double change = 2 * (std::abs(to_double(toward)) + to_double(T(sqrt(squared_sine))));
+  margin = std::min(margin, change > 0 ? std::abs(to_double(gram)) / change : 0);
   if (!(gram > T(0))) return toward < T(0) ? Overlap::whole : Overlap::none;
-  const T scale = T(1) / squared_sine, g = sqrt(gram) * scale;
+  const T root = sqrt(gram), scale = T(1) / squared_sine, g = root * scale;
+  const double slide = 2 / to_double(root);
   const Vector<T> across = combination(T(1), apart, q, c.axis);
   const Vector<T> middle = combination(c.cosine, c.axis, T(toward * scale), across);
-  part = {place_on(c, combination(T(1), middle, T(-g), side)),
-          place_on(c, combination(T(1), middle, g, side)), by};
+  part = {place_on(c, combination(T(1), middle, T(-g), side), slide),
+          place_on(c, combination(T(1), middle, g, side), slide), by};
   return Overlap::crossing;
 }
 
@@ -124,19 +147,34 @@ double angle_between(const CirclePlace<T>& from, const CirclePlace<T>& to, const
   return angle < 0 ? angle + kTurn : angle;
 }
 
+// The margin of the order of places about a circle.
+template <class T>
+double order_margin(const std::vector<Covered<T>>& covered) {
+  struct Place {
+    T turn;
+    double slide;
+  };
+  std::vector<Place> places;
+  for (const Covered<T>& c : covered) {
+    places.push_back({c.from.turn, c.from.slide});
+    places.push_back({c.to.turn, c.to.slide});
+  }
+  std::sort(places.begin(), places.end(),
+            [](const Place& a, const Place& b) { return a.turn < b.turn; });
+  double margin = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const bool last = i + 1 == places.size();
+    const Place &a = places[i], &b = places[last ? 0 : i + 1];
+    const T ahead = last ? T(b.turn + T(4)) : b.turn;
+    margin = std::min(margin, to_double(T(ahead - a.turn)) / (a.slide + b.slide));
+  }
+  return margin;
+}
+
 // The parts of a circle between its covered parts. Precondition: there is at least one of these.
 template <class T>
 std::vector<Uncovered<T>> uncovered_parts(std::vector<Covered<T>> covered, double& margin) {
-  std::vector<T> ends;
-  for (const Covered<T>& c : covered) {
-    ends.push_back(c.from.turn);
-    ends.push_back(c.to.turn);
-  }
-  std::sort(ends.begin(), ends.end());
-  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-    margin = std::min(margin, to_double(T(ends[i + 1] - ends[i])));
-  }
-  margin = std::min(margin, to_double(T(ends.front() + T(4) - ends.back())));
+  margin = std::min(margin, order_margin(covered));
   std::sort(covered.begin(), covered.end(),
             [](const Covered<T>& a, const Covered<T>& b) { return a.from.turn < b.from.turn; });
   // Goes around twice: after the first turn `reach` is the farthest end of what began before.

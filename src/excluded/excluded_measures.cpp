@@ -100,7 +100,7 @@ class PatchSums {
         surface_.arcs.size(),
         [&](std::size_t i) {
           const RolledArc& arc = surface_.arcs[i];
-          const Profile profile = profile_of(arc, p);
+          const Profile profile = profile_of(arc);
           return std::array{measure_saddle(arc, p, profile, 0), measure_saddle(arc, p, profile, 1)};
         },
         [&](std::size_t i, const std::array<SaddleMeasures, 2>& halves) {
@@ -112,7 +112,7 @@ class PatchSums {
           }
           ++counts_.arcs;
           counts_.whole_rings += arc.is_ring();
-          counts_.spindle_saddles += profile_of(arc, p).spindle;
+          counts_.spindle_saddles += profile_of(arc).spindle;
         });
   }
 
@@ -215,7 +215,7 @@ class ExcludedSum {
   void share_saddles(std::vector<BallShare>& shares) const {
     for (const RolledArc& arc : surface_.arcs) {
       if (arc.dropped) continue;
-      const Profile profile = profile_of(arc, surface_.probe_radius);
+      const Profile profile = profile_of(arc);
       for (std::size_t k = 0; k < 2; ++k) {
         const SaddleMeasures m = measure_saddle(arc, surface_.probe_radius, profile, k);
         shares[arc.ball[k]].area[1] += m.area;
@@ -271,7 +271,7 @@ class ExcludedSum {
     const double p = surface_.probe_radius;
     for (const RolledArc& arc : surface_.arcs) {
       if (arc.dropped) continue;
-      const Profile profile = profile_of(arc, p);
+      const Profile profile = profile_of(arc);
       for (std::size_t k = 0; k < 2; ++k) {
         area[surface_.contacts[arc.contact[0]].component].add(
             measure_saddle(arc, p, profile, k).area);

@@ -69,7 +69,7 @@ class ShellSum {
       const RolledArc& arc = surface_.arcs[i];
       if (!counts(arc)) continue;
       for (std::size_t k = 0; k < 2; ++k) faces_.join(half(i, k), arc.contact[k]);
-      if (!profile_of(arc, surface_.probe_radius).spindle) faces_.join(half(i, 0), half(i, 1));
+      if (!profile_of(arc).spindle) faces_.join(half(i, 0), half(i, 1));
     }
     for (std::size_t s = 0; s < surface_.sides.size(); ++s) {
       for (std::size_t k = 0; k < 2; ++k) {
@@ -122,7 +122,7 @@ class ShellSum {
     for (std::uint32_t i = 0; i < surface_.arcs.size(); ++i) {
       const RolledArc& arc = surface_.arcs[i];
       if (!counts(arc)) continue;
-      const Profile profile = profile_of(arc, surface_.probe_radius);
+      const Profile profile = profile_of(arc);
       for (std::size_t k = 0; k < 2; ++k) {
         const SaddleMeasures m = measure_saddle(arc, surface_.probe_radius, profile, k);
         Sum& sum = at(half(i, k));
@@ -172,7 +172,7 @@ class ShellSum {
       const auto& [near_a, near_b] = records_.side_piece[s];
       if (near_a == kNoIndex || near_b == kNoIndex) continue;
       const RolledArc& arc = surface_.arcs[surface_.sides[s].arc];
-      const bool spindle = profile_of(arc, surface_.probe_radius).spindle;
+      const bool spindle = profile_of(arc).spindle;
       at(piece(surface_.sides[s].end == ArcEnd::end ? near_b : near_a)).sixths += 6;
       at(piece(near_a)).sixths -= 6;
       if (spindle) at(piece(near_b)).sixths -= 6;

@@ -21,12 +21,11 @@ struct Profile {
   double cusp;  // θ of a spindle, else 0
 };
 
-inline Profile profile_of(const RolledArc& arc, double p) {
+inline Profile profile_of(const RolledArc& arc) {
   const double rho = arc.circle_radius;
-  const bool spindle = rho < p && arc.height[0] > 0 && arc.height[1] > 0;
   return {{std::atan2(-arc.height[0], rho), std::atan2(arc.height[1], rho)},
-          spindle,
-          spindle ? std::atan2(std::sqrt((p - rho) * (p + rho)), rho) : 0};
+          arc.spindle,
+          std::atan2(arc.cusp_height, rho)};
 }
 
 // The part of a saddle between two profile angles.

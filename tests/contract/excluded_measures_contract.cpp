@@ -17,7 +17,7 @@ using std::size_t;
 constexpr double kClosure = 1e-12;
 // In place of `kExcludedRounding` if rounding can decide about corners: of creases that all but
 // coincide, angles are good to 1e-9.
-constexpr double kNearlyDegenerate = 1e-8;
+constexpr double kNearlyDegenerate = 1e-11;
 // A flux of 10⁶ Å times an area is good to 1e-10 Å times the area, and a volume some 0.3 Å times
 // it; there are hundreds of them.
 constexpr double kFar = 1e-7;

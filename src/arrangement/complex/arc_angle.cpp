@@ -22,13 +22,11 @@ std::size_t slot(const DualTriangle& f, std::uint32_t e) {
 }
 
 // Angle about edge e between triangle f and the half-plane through e and a corner of f, the same
-// for both corners. Seen along e, half_chord is the corner's distance from the plane of f, and
-// `distance` is how far the foot of the corner in that plane is from e, positive towards the
-// triangle.
-double corner_dihedral(const PowerTriangulation& t, const DualTriangle& f, std::uint32_t e) {
-  const TriangleShape shape =
-      triangle_shape(t.balls[f.vertices[0]], t.balls[f.vertices[1]], t.balls[f.vertices[2]]);
-  return std::atan2(shape.half_chord, shape.distance[slot(f, e)]);
+// for both corners.
+double dihedral_at_corner(const PowerTriangulation& t, const DualTriangle& f, std::uint32_t e) {
+  const auto& v = f.vertices;
+  const std::array<const Sphere*, 3> balls{&t.balls[v[0]], &t.balls[v[1]], &t.balls[v[2]]};
+  return corner_dihedral(balls, triangle_shape(*balls[0], *balls[1], *balls[2]), slot(f, e));
 }
 
 // Angle about edge e from triangle f counter-clockwise to triangle g, in radians. It is a whole
@@ -54,7 +52,8 @@ double angle_by_dihedrals(const PowerTriangulation& triangulation, const DualCom
                           const ExposedArc& arc) {
   const DualTriangle &f = complex.triangles[arc.start / 2], &g = complex.triangles[arc.end / 2];
   return gap_angle(triangulation, complex, arc.edge, f, g) -
-         corner_dihedral(triangulation, f, arc.edge) - corner_dihedral(triangulation, g, arc.edge);
+         dihedral_at_corner(triangulation, f, arc.edge) -
+         dihedral_at_corner(triangulation, g, arc.edge);
 }
 
 }  // namespace vdwmesh

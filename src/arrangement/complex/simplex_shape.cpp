@@ -20,7 +20,7 @@
 namespace vdwmesh {
 namespace {
 
-using Float100 = boost::multiprecision::cpp_bin_float_100;
+using Float100 = WideFloat;
 
 // A triangle is thin if the sine of its smallest angle is below kThinSine. A tetrahedron is flat if
 // six times its volume is below kFlatVolume times the product of the lengths of the three edges at
@@ -229,18 +229,20 @@ struct CommonPointTerms {
 };
 
 template <class T>
-CommonPointTerms<T> common_point_terms(const Sphere& a, const Sphere& b, const Sphere& c) {
+CommonPointTerms<T> common_point_terms(const Sphere& a, const Sphere& b, const Sphere& c,
+                                       const T& more) {
   const Vector<T> u = from_to<T>(a, b), v = from_to<T>(a, c), n = cross(u, v);
   const Vector<T> vn = cross(v, n), nu = cross(n, u);
   const T wu = half_power_offset(a, b, u), wv = half_power_offset(a, c, v), gram = dot(n, n);
   const Vector<T> center{wu * vn.x + wv * nu.x, wu * vn.y + wv * nu.y, wu * vn.z + wv * nu.z};
   const T scaled_radius = T(a.radius) * gram;
-  return {n, center, gram, root(T(scaled_radius * scaled_radius - dot(center, center)))};
+  const T scaled_square = scaled_radius * scaled_radius + more * gram * gram;
+  return {n, center, gram, root(T(scaled_square - dot(center, center)))};
 }
 
 template <class T>
 CommonPoints points_in(const Sphere& a, const Sphere& b, const Sphere& c) {
-  const CommonPointTerms<T> terms = common_point_terms<T>(a, b, c);
+  const CommonPointTerms<T> terms = common_point_terms<T>(a, b, c, T(0));
   const double half_chord = ratio(terms.half_chord, terms.gram);
   const T twice_area = root(terms.gram);
   const Vec3d middle = quotient(terms.center, terms.gram);
@@ -327,8 +329,9 @@ CommonPoints common_points(const Sphere& a, const Sphere& b, const Sphere& c) {
 }
 
 std::array<numbers::Vector<WideFloat>, 2> common_points_wide(const Sphere& a, const Sphere& b,
-                                                             const Sphere& c) {
-  const CommonPointTerms<Float100> terms = common_point_terms<Float100>(a, b, c);
+                                                             const Sphere& c,
+                                                             const WideFloat& more) {
+  const CommonPointTerms<Float100> terms = common_point_terms<Float100>(a, b, c, more);
   const Float100 lift = terms.half_chord / (terms.gram * root(terms.gram));
   const auto at = [&](const Float100& center, const Float100& normal, const Float100& side) {
     return WideFloat(Float100(center / terms.gram + side * normal));
@@ -348,6 +351,16 @@ Vec3d orthogonal_center(const std::array<Sphere, 4>& balls) {
   return quotient(center_numerator(balls, wide), Float100(-wide.determinant));
 }
 
+double corner_dihedral(const std::array<const Sphere*, 3>& balls, const TriangleShape& triangle,
+                       std::size_t k) {
+  if (triangle.half_chord == 0 && triangle.distance[k] == 0) {
+    const Sphere &a = *balls[(k + 1) % 3], &b = *balls[(k + 2) % 3];
+    const EdgeShape edge = edge_shape(a, b);
+    if (edge.height[0] > 0 && edge.height[1] > 0) return std::numbers::pi / 2;
+  }
+  return std::atan2(triangle.half_chord, triangle.distance[k]);
+}
+
 CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
                          const TriangleShape& triangle) {
   const std::array<const Sphere*, 3> v{&a, &b, &c};
@@ -358,7 +371,7 @@ CornerShape corner_shape(const Sphere& a, const Sphere& b, const Sphere& c,
                                   v, twice_area<Float100>(a, b, c) * Float100(triangle.half_chord))
                             : solid_angles<double>(v, triangle.twice_area * triangle.half_chord);
   for (std::size_t k = 0; k < 3; ++k) {
-    corner.dihedral[k] = std::atan2(triangle.half_chord, triangle.distance[k]);
+    corner.dihedral[k] = corner_dihedral(v, triangle, k);
   }
   corner.volume = triangle.twice_area * triangle.half_chord / 6;
   return corner;

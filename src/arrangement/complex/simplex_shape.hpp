@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "core/vec3.hpp"
 #include "spheres/sphere_set.hpp"
@@ -37,6 +38,12 @@ struct TriangleShape {
   double twice_area;
 };
 TriangleShape triangle_shape(const Sphere& a, const Sphere& b, const Sphere& c);
+
+// The angle at edge k of the triangle between it and the half-plane through the edge and a common
+// point. Where the edge's balls touch from outside in the common point itself, the point is
+// straight above the edge, as it is for balls that are a little larger.
+double corner_dihedral(const std::array<const Sphere*, 3>& balls, const TriangleShape& triangle,
+                       std::size_t k);
 
 // The two points common to three spheres, relative to the centre of a. `above` is on the side of
 // the plane of the centres from which a, b, c are counter-clockwise, `below` on the other. If the

@@ -9,10 +9,12 @@
 
 namespace vdwmesh {
 
-using WideFloat = boost::multiprecision::cpp_bin_float_quad;  // 113 bits
+using WideFloat = boost::multiprecision::cpp_bin_float_100;  // 335 bits
 
-// The two points of common_points() relative to the centre of a: above, below.
+// The two points of common_points() relative to the centre of a: above, below. They are those of
+// balls whose squared radii are larger by `more`, which leaves the power diagram as it is.
 std::array<numbers::Vector<WideFloat>, 2> common_points_wide(const Sphere& a, const Sphere& b,
-                                                             const Sphere& c);
+                                                             const Sphere& c,
+                                                             const WideFloat& more = 0);
 
 }  // namespace vdwmesh

@@ -142,10 +142,10 @@ void CurveComplex::place_named_corners() {
   const double p = surface().probe_radius;
   std::vector<NamedPoint> points;
   for (const RolledArc& arc : surface().arcs) {
-    if (!counts(arc) || !profile_of(arc, p).spindle) continue;
-    const double height = std::sqrt((p - arc.circle_radius) * (p + arc.circle_radius));
-    points.push_back({cusp_of(arc, 0), arc.center - height * arc.axis, arc.axis});
-    points.push_back({cusp_of(arc, 1), arc.center + height * arc.axis, -1.0 * arc.axis});
+    if (!counts(arc) || !profile_of(arc).spindle) continue;
+    const Vec3d height = arc.cusp_height * arc.axis;
+    points.push_back({cusp_of(arc, 0), arc.center - height, arc.axis});
+    points.push_back({cusp_of(arc, 1), arc.center + height, -1.0 * arc.axis});
   }
   for (const ConcavePatch& patch : cut) {
     visit_creases(surface(), patch,
@@ -203,7 +203,7 @@ std::array<std::uint32_t, 2> CurveComplex::ring_corners(const RolledArc& arc, co
 
 void CurveComplex::add_arc(std::uint32_t a) {
   const RolledArc& arc = surface().arcs[a];
-  const Profile profile = profile_of(arc, surface().probe_radius);
+  const Profile profile = profile_of(arc);
   const bool ring = arc.is_ring();
   const std::array<Vec3d, 2> radial =
       ring ? std::array{any_orthogonal(arc.axis), any_orthogonal(arc.axis)} : arc.radial;

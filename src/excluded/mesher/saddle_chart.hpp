@@ -38,7 +38,7 @@ class SaddleChart {
         second_(cross(arc.axis, radial)),
         sector_(half < 2),
         sign_(half == 1 ? -1 : 1) {
-    const Profile profile = profile_of(arc, p_);
+    const Profile profile = profile_of(arc);
     from_ = sector_ && half == 1 ? profile.cusp : profile.end[0];
     to_ = sector_ && half == 0 ? -profile.cusp : profile.end[1];
     cusp_ = profile.cusp;

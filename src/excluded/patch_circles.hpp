@@ -1,0 +1,34 @@
+// The circles that bound a concave patch, in any number type: those of its caps, and the great
+// circles of its sides. For the library's own use.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "excluded/cap_arrangement.hpp"
+#include "excluded/concave_patch.hpp"
+#include "excluded/wide_probes.hpp"
+
+namespace vdwmesh::excluded {
+
+template <class T>
+struct SideCircle {
+  Vector<T> inward;               // as PatchSide
+  std::array<Vector<T>, 2> cusp;  // of a spindle
+};
+
+// In the order of the patch's caps and sides.
+template <class T>
+struct PatchCircles {
+  std::vector<CapCircle<T>> caps;
+  std::vector<SideCircle<T>> sides;
+};
+
+PatchCircles<double> circles_in_double(const ConcavePatch& patch);
+
+// From the atoms themselves. The patch gets the same circles, rounded. Ties are broken by slightly
+// different radii of the probes, by their numbers. A patch with a cap of a probe in the same place
+// is not certified.
+PatchCircles<WideFloat> circles_in_wide(const AccessibleSurface& surface, ConcavePatch& patch);
+
+}  // namespace vdwmesh::excluded

@@ -1,0 +1,124 @@
+// drop_short_arcs(): gathers the corners at both ends of short arcs (union-find), and sorts all
+// corners into small cells to find clusters that have others next to them.
+//
+// A gathered probe is at one of its corners, so it is wrong by their distance. That is nothing to
+// probes far away, but the planes that bisect it and a probe nearly as near as its own corners
+// could be anywhere. Where clusters are close to each other, corners stay what they are, and wide
+// numbers tell them apart; only corners that are one point to all digits are gathered even so.
+#include "excluded/short_arcs.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+#include "core/disjoint_sets.hpp"
+#include "excluded/wide_probes.hpp"
+
+namespace vdwmesh::excluded {
+namespace {
+
+// The ends of an arc of a larger angle are not one point for the length of a small circle, but have
+// the circle between them.
+constexpr double kSmallAngle = 1e-5;
+// Clusters nearer than this (scaled) are close: a hundred thousand times kNoLength.
+constexpr double kClose = 1e-6;
+// Corners nearer than this are one point to all digits that count.
+constexpr double kSamePoint = 1e-30;
+
+class CornerClusters {
+ public:
+  CornerClusters(const AccessibleSurface& surface, std::span<const ExposedArc> exposed,
+                 const std::vector<RolledArc>& arcs)
+      : surface_(surface),
+        cluster_(2 * surface.complex().triangles.size()),
+        is_close_(cluster_size(), 0) {
+    for (std::size_t i = 0; i < arcs.size(); ++i) {
+      if (arcs[i].dropped) cluster_.join(name(exposed[i].start), name(exposed[i].end));
+    }
+    for (const ExposedArc& arc : exposed) {
+      if (arc.start != kNoCorner) cells_[cell_of(place(arc.start))].push_back(name(arc.start));
+    }
+    for (std::size_t i = 0; i < arcs.size(); ++i) {
+      if (!arcs[i].dropped) continue;
+      for (const CornerIndex c : {exposed[i].start, exposed[i].end}) {
+        if (has_neighbour(c)) is_close_[cluster_.find(name(c))] = 1;
+      }
+    }
+  }
+
+  // Whether the cluster of a corner has another one next to it.
+  bool is_close(CornerIndex corner) { return is_close_[cluster_.find(name(corner))] != 0; }
+
+ private:
+  using Cell = std::array<double, 3>;
+
+  std::size_t cluster_size() const { return 2 * surface_.complex().triangles.size(); }
+  static std::uint32_t name(CornerIndex corner) { return static_cast<std::uint32_t>(corner); }
+  Vec3d place(CornerIndex corner) const { return surface_.corner_point(corner); }
+  static Cell cell_of(const Vec3d& p) {
+    return {std::floor(p.x / kClose), std::floor(p.y / kClose), std::floor(p.z / kClose)};
+  }
+
+  bool has_neighbour(CornerIndex corner) {
+    const Vec3d at = place(corner);
+    const Cell home = cell_of(at);
+    const std::uint32_t own = cluster_.find(name(corner));
+    for (double x = home[0] - 1; x <= home[0] + 1; ++x) {
+      for (double y = home[1] - 1; y <= home[1] + 1; ++y) {
+        for (double z = home[2] - 1; z <= home[2] + 1; ++z) {
+          const auto cell = cells_.find({x, y, z});
+          if (cell == cells_.end()) continue;
+          for (const std::uint32_t c : cell->second) {
+            if (cluster_.find(c) != own && norm(place(c) - at) < kClose) return true;
+          }
+        }
+      }
+    }
+    return false;
+  }
+
+  const AccessibleSurface& surface_;
+  DisjointSets cluster_;
+  std::vector<std::uint8_t> is_close_;  // by representative
+  std::map<Cell, std::vector<std::uint32_t>> cells_;
+};
+
+// All probes on the circle of a spindle go through its cusps, which the arcs that are left must
+// name: so all of its arcs are dropped or none.
+void keep_cusps(const AccessibleSurface& surface, std::vector<RolledArc>& arcs) {
+  std::vector<std::uint8_t> has_cusps(surface.complex().edges.size(), 0);
+  for (const RolledArc& arc : arcs) {
+    if (arc.spindle && !arc.dropped) has_cusps[arc.edge] = 1;
+  }
+  for (RolledArc& arc : arcs) arc.dropped = arc.dropped && has_cusps[arc.edge] == 0;
+}
+
+bool is_one_point(const AccessibleSurface& surface, CornerIndex a, CornerIndex b) {
+  const WideVector p = wide_corner(surface, a), q = wide_corner(surface, b);
+  const WideVector apart{p.x - q.x, p.y - q.y, p.z - q.z};
+  return dot(apart, apart) < kSamePoint * kSamePoint;
+}
+
+}  // namespace
+
+void drop_short_arcs(const AccessibleSurface& surface, std::span<const ExposedArc> exposed,
+                     std::vector<RolledArc>& arcs) {
+  bool any = false;
+  for (std::size_t i = 0; i < arcs.size(); ++i) {
+    RolledArc& arc = arcs[i];
+    const double length = arc.angle * arc.circle_radius;
+    arc.dropped =
+        exposed[i].start != kNoCorner && !(length >= kNoLength) && !(arc.angle >= kSmallAngle);
+    any = any || arc.dropped;
+  }
+  if (!any) return;
+  keep_cusps(surface, arcs);
+  CornerClusters clusters(surface, exposed, arcs);
+  for (std::size_t i = 0; i < arcs.size(); ++i) {
+    if (!arcs[i].dropped || !clusters.is_close(exposed[i].start)) continue;
+    arcs[i].dropped = is_one_point(surface, exposed[i].start, exposed[i].end);
+  }
+}
+
+}  // namespace vdwmesh::excluded

@@ -1,0 +1,44 @@
+// Probes and the circles on which they roll, in wide numbers: for decisions that double leaves
+// open.
+//
+// All squared radii of grown balls are larger by kGrowth here. That leaves the power diagram as it
+// is, and the dual complex, which is that of closed balls, is the one of all balls that are larger
+// by little enough. So what ties in the doubles given is decided as the complex decides it: where
+// grown balls have a single point in common a probe fits on both sides of it, and the circle of a
+// probe's own radius makes no spindle.
+#pragma once
+
+#include <array>
+
+#include "arrangement/complex/wide_points.hpp"
+#include "excluded/accessible_surface.hpp"
+
+namespace vdwmesh::excluded {
+
+using WideVector = numbers::Vector<WideFloat>;
+
+// Lengths are scaled: the largest grown ball has a radius from 1/2 to 1. Probes on both sides of
+// atoms in whose plane they are, are then at least the root of this from it.
+inline constexpr double kGrowth = 1e-40;
+
+// The circle in which two grown spheres meet. Positions are those of the triangulation.
+struct WideCircle {
+  WideVector center, axis;  // the axis from a to b, of length 1
+  WideFloat squared_radius;
+};
+WideCircle wide_circle(const Sphere& a, const Sphere& b);
+
+// The probe at a corner.
+WideVector wide_corner(const AccessibleSurface& surface, CornerIndex corner);
+
+// Whether the circle of two grown balls is smaller than the probe, and whether the points common to
+// three of them are nearer than the probe's radius to the plane of the centres. `measured` is the
+// radius or the distance in double, which decides unless it is next to the probe's radius.
+bool is_circle_below(const Sphere& a, const Sphere& b, double probe_radius, double measured);
+bool is_corner_below(const std::array<Sphere, 3>& balls, double probe_radius, double measured);
+
+// How far from its circle's plane a spindle's cusps are: the root of p² - ρ². `measured` is ρ in
+// double.
+double cusp_height(const Sphere& a, const Sphere& b, double probe_radius, double measured);
+
+}  // namespace vdwmesh::excluded
