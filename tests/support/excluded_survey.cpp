@@ -76,6 +76,7 @@ class Surveyor {
   ExcludedSurvey run() && {
     out_.facts = reference::inspect(to_reference(mesh_.mesh));
     corners_.resize(mesh_.mesh.vertex_count());
+    find_sides();
     for (std::size_t t = 0; t < mesh_.mesh.triangle_count(); ++t) look_at(t);
     check_normals();
     return std::move(out_);
@@ -94,7 +95,7 @@ class Surveyor {
     for (std::size_t k = 0; k < 3; ++k) p[k] = mesh_.mesh.positions[v[k]];
     const Vec3d normal = cross(p[1] - p[0], p[2] - p[0]);
     out_.area_by_kind[static_cast<std::size_t>(patch.kind)] += norm(normal) / 2;
-    const double side = side_of(patch, p);
+    const double side = sides_[index];
     bool inward = false;
     for (std::size_t k = 0; k < 3; ++k) {
       const Footing f = footing(patch, p[k], side);
@@ -133,15 +134,24 @@ class Surveyor {
     return {atoms_[patch.atoms[0]], atoms_[patch.atoms[1]], atoms_[patch.atoms[2]]};
   }
 
-  // Of the two probes at three atoms the one whose sphere a triangle is nearer to.
-  double side_of(const SurfacePatch& patch, const std::array<Vec3d, 3>& p) const {
-    if (patch.kind != PatchKind::concave) return 0;
-    std::array<double, 2> off{0, 0};
-    for (std::size_t s = 0; s < 2; ++s) {
-      const Vec3d center = probe_at(spheres_of(patch), probe_, s == 0 ? 1 : -1);
-      for (const Vec3d& q : p) off[s] += std::abs(norm(q - center) - probe_);
+  // Of the two probes at three atoms the one whose sphere the patch is nearer to. Of a single
+  // triangle the vertices may lie on both.
+  void find_sides() {
+    sides_.assign(mesh_.patches.size(), 0);
+    for (std::size_t t = 0; t < mesh_.mesh.triangle_count(); ++t) {
+      const std::uint32_t index = mesh_.triangle_patch[t];
+      if (index >= mesh_.patches.size() || !has_atoms(mesh_.patches[index])) continue;
+      const SurfacePatch& patch = mesh_.patches[index];
+      if (patch.kind != PatchKind::concave) continue;
+      for (const std::uint32_t v : mesh_.mesh.triangles[t]) {
+        const Vec3d& q = mesh_.mesh.positions[v];
+        const auto off = [&](double side) {
+          return std::abs(norm(q - probe_at(spheres_of(patch), probe_, side)) - probe_);
+        };
+        sides_[index] += off(-1) - off(1);
+      }
     }
-    return off[0] <= off[1] ? 1 : -1;
+    for (double& side : sides_) side = side >= 0 ? 1 : -1;
   }
 
   Footing footing(const SurfacePatch& patch, const Vec3d& q, double side) const {
@@ -161,6 +171,7 @@ class Surveyor {
   const double probe_;
   const ExcludedMesh& mesh_;
   std::vector<Corner> corners_;  // by vertex
+  std::vector<double> sides_;    // by patch, +1 or -1: which of the two probes at three atoms
   ExcludedSurvey out_;
 };
 

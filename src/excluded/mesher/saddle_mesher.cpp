@@ -206,7 +206,7 @@ class SaddleTriangulator {
 
   // Where a saddle is narrower than its pieces are long, both its profiles must have the same
   // points: they are arcs, and triangles between unequal chords of them would stand on edge. Both
-  // began with equal pieces, which are halved, so points are equal or far apart.
+  // began with equal pieces, which are halved, so points are equal but for rounding or far apart.
   void match_profiles() {
     if (face_.profile[0] == face_.profile[1]) return;
     for (std::uint32_t p = 0; p < piece_count(); ++p) {
@@ -224,13 +224,17 @@ class SaddleTriangulator {
   }
 
   bool has_part_between(std::uint32_t curve, double low, double high) const {
+    const double slack = 1e-6 * (high - low);
     std::uint32_t first = 0, last = sampling_.pieces(curve);  // the first part above `low`
     while (first < last) {
       const std::uint32_t middle = (first + last) / 2;
-      (sampling_.part(curve, middle) > low ? last : first) =
-          sampling_.part(curve, middle) > low ? middle : middle + 1;
+      if (sampling_.part(curve, middle) > low + slack) {
+        last = middle;
+      } else {
+        first = middle + 1;
+      }
     }
-    return sampling_.part(curve, first) < high;
+    return sampling_.part(curve, first) < high - slack;
   }
 
   const Vec3d& position(const LinkedTriangle& t, std::uint32_t k) const {
