@@ -26,6 +26,10 @@ struct InputOptions {
   double probe = 0;  // Å
 };
 
+// Which surface is measured or meshed: the boundary of the union of the balls, which a probe makes
+// the accessible surface; or the solvent-excluded surface.
+enum class ExactSurface { vdw, excluded };
+
 // Edge lengths of Mesher::exact that differ from atom to atom.
 struct EdgeGrading {
   std::optional<double> relative;   // as a share of the sphere's radius
@@ -36,6 +40,7 @@ struct EdgeGrading {
 };
 
 struct SurfaceOptions {
+  ExactSurface kind = ExactSurface::vdw;  // `excluded` by Mesher::exact alone
   Mesher mesher = Mesher::marching_cubes;
   // Å, of Mesher::exact; empty: the grading gives all lengths.
   std::optional<double> edge_length;
@@ -60,10 +65,6 @@ enum class SelfIntersections { count = 1, skip = 2 };
 
 // CGAL's measures of the OpenMesh mesh, beside ours.
 enum class CgalCheck { small_meshes, run, skip };
-
-// Which surface the exact measures are of: the boundary of the union of the balls, which a probe
-// makes the accessible surface; or the solvent-excluded surface.
-enum class ExactSurface { vdw, excluded };
 
 struct ExactOptions {
   ExactSurface surface = ExactSurface::vdw;

@@ -26,6 +26,7 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   const SurfaceOptions& surface = parameters.surface;
   const auto& grid = parameters.grid;
   const bool is_exact = surface.mesher == Mesher::exact;
+  a("surface", surface.kind);
   a("mesher", surface.mesher);
   a("edge_length", is_exact ? surface.edge_length : std::nullopt);
   const EdgeGrading& grading = surface.grading;

@@ -108,6 +108,10 @@ std::string edge_text(const SurfaceOptions& surface) {
 
 std::string surface_text(const ParametersReport& parameters) {
   const FieldOptions& field = parameters.surface.field;
+  if (parameters.surface.kind == ExactSurface::excluded) {
+    return "solvent-excluded surface along the curves between its patches, " +
+           edge_text(parameters.surface);
+  }
   if (parameters.surface.mesher == Mesher::exact) {
     return fmt::format("union of the spheres, crease-exact, {}; {}", edge_text(parameters.surface),
                        refinement_text(parameters.surface));
@@ -500,7 +504,7 @@ std::string to_text(const Report& report) {
   if (report.exact && report.exact->certificate) certificate_text(out, *report.exact->certificate);
   if (report.exact) measured_text(out, report.input);
   if (report.excluded) excluded_text(out, *report.excluded);
-  if (!report.excluded) table_text(out, report);
+  if (!report.excluded || report.mesh) table_text(out, report);
   if (report.mesh) mesh_text(out, *report.mesh);
   if (report.comparison && report.comparison->proof) {
     proof_text(out, *report.comparison->proof, *report.mesh);

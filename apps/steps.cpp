@@ -344,22 +344,6 @@ void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Sess
   session.end_stage(&Timing::exact);
 }
 
-void measure_excluded(const Molecule& molecule, double probe, const ExactOptions& options,
-                      Switch per_atom, Session& session) {
-  ExcludedOptions wanted{.probe = probe, .monitor = session.monitor};
-  wanted.per_atom = per_atom == Switch::on;
-  wanted.shells = options.topology == TopologyRequest::full;
-  wanted.exterior = true;
-  session.report.excluded = excluded_measures(to_spheres(molecule, 0), wanted);
-  const std::uint64_t doubtful = session.report.excluded->complete.checks.uncertified_patches;
-  session.report.warn_if(
-      doubtful > 0,
-      "{} concave patches of the excluded surface are not certified: area, volume "
-      "and topology may be wrong there",
-      doubtful);
-  session.end_stage(&Timing::exact);
-}
-
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session) {
   if (output.voids.empty()) return;
   session.end_progress();

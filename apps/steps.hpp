@@ -74,10 +74,6 @@ void check_with_cgal(const IndexedMesh& mesh, CgalCheck check, Session& session)
 void measure_exactly(const SphereSet& spheres, const ExactOptions& options, Session& session,
                      const std::optional<std::vector<SphereId>>& measured = std::nullopt);
 
-// The excluded surface of the atoms, with the shares of atoms if `per_atom` is set.
-void measure_excluded(const Molecule& molecule, double probe, const ExactOptions& options,
-                      Switch per_atom, Session& session);
-
 // Writes the table of voids where --voids asked for it; the exact union must be in the report.
 void write_voids(const OutputOptions& output, const Molecule& molecule, VerbSession& session);
 

@@ -3,6 +3,7 @@
 // for the half-edges meanwhile.
 #include "command_line/command_line.hpp"
 #include "edge_lengths.hpp"
+#include "excluded_steps.hpp"
 #include "interrupt.hpp"
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
@@ -51,6 +52,19 @@ void build(const Structure& structure, const Options& options, SurfaceMesh& buil
   build_surface_mesh(mesh, structure.molecule, builder, session);
 }
 
+// The same for the excluded surface, beside its exact measures.
+void build_excluded(const Structure& structure, const Options& options, SurfaceMesh& built,
+                    Session& session) {
+  const double probe = options.inputs.front().probe;
+  measure_excluded(structure.molecule, probe, options.exact, Switch::off, session);
+  const IndexedMesh mesh = make_excluded_mesh(structure.molecule, probe, options.surface, session);
+  MemoryDemand demand = memory_of_mesh(options);
+  check_memory_after(demand, structure.spheres, mesh, options.machine.memory_limit);
+  measure(mesh, SelfIntersections::skip, session);
+  SurfaceMeshBuilder builder(built);
+  build_surface_mesh(mesh, structure.molecule, builder, session);
+}
+
 // Formats that cannot hold all that the mesh knows are named in a note.
 void write(const SurfaceMesh& mesh, const std::string& path, Session& session) {
   begin_stage(session.monitor, "write", 1);
@@ -75,7 +89,11 @@ void run_mesh(const Options& options) {
   VerbSession session(options.machine);
   const Structure structure = load(options.inputs.front(), session);
   SurfaceMesh built;
-  build(structure, with_edge_lengths(options, structure), built, session);
+  if (options.surface.kind == ExactSurface::excluded) {
+    build_excluded(structure, options, built, session);
+  } else {
+    build(structure, with_edge_lengths(options, structure), built, session);
+  }
   write(built, options.mesh_path, session);
   session.deliver_report(options.output);
 }

@@ -84,9 +84,29 @@ void settle_crossings(Draft& d) {
                                 : "with --project none"));
 }
 
+// The excluded surface has one mesher, whose edges are all alike, and nothing to refine them.
+void settle_excluded_mesh(Draft& d) {
+  if (d.verb != kMesh) return;
+  SurfaceOptions& s = d.options.surface;
+  refuse_if(is_given(d, "--mesher") && s.mesher != Mesher::exact,
+            "--mesher {}: --surface excluded is meshed along its curves, which is --mesher exact",
+            name_of(s.mesher));
+  s.mesher = Mesher::exact;
+  const std::string other = first_given(d, {"--relative-edge", "--edge-length-of", "--edge-lengths",
+                                            "--project", "--crossings", "--devices"});
+  refuse_if(!other.empty(), "{}: is not of the excluded surface; leave out --surface excluded",
+            other);
+  refuse_if(s.subdivisions > 0,
+            "--subdivide {}: meshes of the excluded surface are not subdivided; a smaller "
+            "--edge-length makes them finer",
+            s.subdivisions);
+}
+
 // The meshers are told apart only by verbs that make one mesh; a study sweeps over both.
 void settle_surface(Draft& d) {
   SurfaceOptions& s = d.options.surface;
+  s.kind = d.options.exact.surface;
+  if (s.kind == ExactSurface::excluded) settle_excluded_mesh(d);
   if (s.grading.relative && !is_given(d, "--edge-length")) s.edge_length.reset();
   settle_field(s.field);
   if (d.verb & (kMesh | kReport | kRender | kRanksMesh)) settle_mesher(d);
@@ -171,7 +191,7 @@ void settle_excluded(Draft& d) {
   refuse_if(d.topology == TopologyRequest::counts,
             "--topology counts: the excluded surface knows on and off");
   refuse_if(d.options.machine.backend == Backend::cuda,
-            "--backend cuda: the excluded surface is measured on the CPU");
+            "--backend cuda: the excluded surface is measured and meshed on the CPU");
   if (!is_given(d, "--probe")) d.options.inputs.front().probe = kWaterProbe;
   refuse_if(!(d.options.inputs.front().probe > 0),
             "--probe {}: the excluded surface needs a radius above 0",

@@ -39,6 +39,11 @@ using MesherClock = std::chrono::steady_clock;
 // many pieces there may be, besides 64 for each there was at first.
 constexpr int kRoundsForQuality = 12, kRoundsInAll = 60;
 constexpr std::uint64_t kGrowth = std::uint64_t{1} << 16;
+// Triangles of an area, over the ideal number; and bytes for each before they are joined.
+constexpr double kFill = 1.4;
+constexpr std::uint64_t kScratchBytes = 44;
+// What the mesh holds beside positions, normals and triangles.
+constexpr MeshArrays kArrays = {.width = LabelWidth::one};
 
 double elapsed(MesherClock::time_point begin) {
   return std::chrono::duration<double>(MesherClock::now() - begin).count();
@@ -46,16 +51,19 @@ double elapsed(MesherClock::time_point begin) {
 
 class ExcludedMesher {
  public:
-  ExcludedMesher(const CurveComplex& complex, const ExcludedMeshOptions& options)
+  // `area`: of the surface, scaled.
+  ExcludedMesher(const CurveComplex& complex, double area, const ExcludedMeshOptions& options)
       : options_(options),
         complex_(complex),
         unit_(std::ldexp(1.0, complex.grown().exponent)),
         edge_length_(options.edge_length / unit_),
         sampling_(complex.curves, std::vector<double>(complex.face_count(), edge_length_)),
         pieces_at_first_(count_pieces()),
+        least_triangles_(kFill * area / (std::sqrt(0.1875) * edge_length_ * edge_length_)),
         faces_(complex.face_count()) {}
 
   ExcludedMesh run() && {
+    check_memory();
     std::vector<std::uint32_t> all;
     for (std::uint32_t f = 0; f < faces_.size(); ++f) all.push_back(f);
     run_rounds(all, PatchStage::boundary);
@@ -93,6 +101,19 @@ class ExcludedMesher {
     return pieces;
   }
 
+  // The number of triangles is estimated from the area, and four for each piece.
+  void check_memory() const {
+    const double triangles = least_triangles_ + 4 * static_cast<double>(count_pieces());
+    const auto count = static_cast<std::uint64_t>(std::min(triangles, 1e17));
+    const std::uint64_t need =
+        indexed_mesh_bytes({count / 2, count}, kArrays) + kScratchBytes * count;
+    if (need <= options_.memory_limit && count / 2 <= kMaxVertices) return;
+    throw LimitExceeded(fmt::format(
+        "an edge length of {} Å needs about {} triangles and {} bytes, {} are allowed: choose a "
+        "larger edge length or a higher memory limit",
+        options_.edge_length, count, need, options_.memory_limit));
+  }
+
   void run_rounds(std::vector<std::uint32_t> faces, PatchStage stage) {
     last_splits_.clear();
     for (int round = 1; !faces.empty(); ++round) {
@@ -109,6 +130,7 @@ class ExcludedMesher {
       if (round == kRoundsInAll || count_pieces() > allowed) refuse(last_splits_.front().piece);
       stats_.split += last_splits_.size();
       sampling_.split(last_splits_);
+      check_memory();
       faces = sides_of(complex_.curves, last_splits_);
     }
   }
@@ -222,31 +244,54 @@ class ExcludedMesher {
                       "length",
                       first_vertex.back(), kMaxVertices));
     }
-    make_room(out.mesh, {first_vertex.back(), first_triangle.back()}, {.width = LabelWidth::none});
-    out.patches.resize(faces_.size());
+    make_room(out.mesh, {first_vertex.back(), first_triangle.back()}, kArrays);
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) out.patches.push_back(patch_of(f));
     out.triangle_patch.resize(first_triangle.back());
-    place_curves(out.mesh);
+    place_curves(out);
     tbb::parallel_for(std::size_t{0}, faces_.size(), [&](std::size_t f) {
       place_face(static_cast<std::uint32_t>(f), first_vertex[f], first_triangle[f], out);
       faces_[f] = {};
     });
   }
 
-  void set_vertex(IndexedMesh& mesh, std::uint64_t vertex, const Vec3d& at, const Vec3d& normal) {
-    mesh.positions[vertex] = unit_ * (at + complex_.grown().surface.origin);
-    mesh.normals[vertex] = cast<float>(normal);
+  // Writes a vertex (scaled, relative to the origin) of a patch.
+  void set_vertex(ExcludedMesh& out, std::uint64_t vertex, const Vec3d& at, const Vec3d& normal,
+                  std::uint32_t face) const {
+    out.mesh.positions[vertex] = unit_ * (at + complex_.grown().surface.origin);
+    out.mesh.normals[vertex] = cast<float>(normal);
+    out.mesh.vertex_spheres.set(vertex, on_sphere(nearest_atom(face, at)));
   }
 
-  void place_curves(IndexedMesh& mesh) {
+  // Of the atoms of a patch the one whose sphere a point is nearest to.
+  SphereId nearest_atom(std::uint32_t face, const Vec3d& at) const {
+    const GrownAtoms& grown = complex_.grown();
+    std::uint32_t nearest = kNoIndex;
+    double least = 0;
+    for (const std::uint32_t ball : balls_of(face)) {
+      if (ball == kNoIndex) break;
+      const double distance = norm(at - grown.surface.center(ball)) - grown.radius[ball];
+      if (nearest != kNoIndex && !(distance < least)) continue;
+      nearest = ball;
+      least = distance;
+    }
+    return grown.triangulation.ids[nearest];
+  }
+
+  void place_curves(ExcludedMesh& out) {
     const BoundaryArcs& curves = complex_.curves;
-    for (std::size_t c = 0; c < curves.corners.size(); ++c) {
-      set_vertex(mesh, c, curves.corners[c].position, complex_.normals[c]);
+    // Corners lie on the curves that end there. A curve has a face on its left.
+    for (const BoundaryArc& curve : curves.arcs) {
+      if (curve.is_circle()) continue;
+      for (const std::uint32_t c : curve.ends) {
+        set_vertex(out, c, curves.corners[c].position, complex_.normals[c], curve.balls[1]);
+      }
     }
     tbb::parallel_for(std::size_t{0}, curves.arcs.size(), [&](std::size_t i) {
       const auto c = static_cast<std::uint32_t>(i);
       for (std::uint32_t k = curves.arcs[i].is_circle() ? 0 : 1; k < sampling_.pieces(c); ++k) {
         const Vec3d at = sampling_.point(c, k);
-        set_vertex(mesh, sampling_.vertex(c, k), at, complex_.normal_on(c, at));
+        set_vertex(out, sampling_.vertex(c, k), at, complex_.normal_on(c, at),
+                   curves.arcs[i].balls[1]);
       }
     });
   }
@@ -259,7 +304,7 @@ class ExcludedMesher {
       vertices.push_back(sampling_.vertex(p.curve, p.index));
     }
     for (std::size_t i = 0; i < face.interior.size(); ++i) {
-      set_vertex(out.mesh, first_vertex + i, face.interior[i], face.normals[i]);
+      set_vertex(out, first_vertex + i, face.interior[i], face.normals[i], f);
       vertices.push_back(static_cast<std::uint32_t>(first_vertex + i));
     }
     for (std::size_t t = 0; t < face.triangles.size(); ++t) {
@@ -268,26 +313,31 @@ class ExcludedMesher {
       }
       out.triangle_patch[first_triangle + t] = f;
     }
-    out.patches[f] = patch_of(f);
+  }
+
+  // The first three balls that a patch is made by; kNoIndex for unused places.
+  std::array<std::uint32_t, 3> balls_of(std::uint32_t f) const {
+    const AccessibleSurface& surface = complex_.grown().surface;
+    if (!is_sphere(f)) {
+      const SaddleFace& saddle = complex_.saddles[f - complex_.spheres.size()];
+      const auto& [a, b] = surface.arcs[saddle.arc].ball;
+      return {a, b, kNoIndex};
+    }
+    const SphereFace& s = complex_.spheres[f];
+    if (!s.concave) return {s.element, kNoIndex, kNoIndex};
+    return surface.triangle_of(surface.probes[s.element].corner).vertices;
   }
 
   SurfacePatch patch_of(std::uint32_t f) const {
-    const AccessibleSurface& surface = complex_.grown().surface;
-    const std::vector<SphereId>& ids = complex_.grown().triangulation.ids;
-    SurfacePatch patch{PatchKind::contact, {kNoSphere, kNoSphere, kNoSphere}};
-    const auto set = [&](PatchKind kind, const auto& balls) {
-      patch.kind = kind;
-      for (std::size_t k = 0; k < balls.size(); ++k) patch.atoms[k] = ids[balls[k]];
-      std::sort(patch.atoms.begin(), patch.atoms.end());
-    };
-    if (!is_sphere(f)) {
-      const SaddleFace& saddle = complex_.saddles[f - complex_.spheres.size()];
-      set(PatchKind::saddle, surface.arcs[saddle.arc].ball);
-    } else if (const SphereFace& s = complex_.spheres[f]; s.concave) {
-      set(PatchKind::concave, surface.triangle_of(surface.probes[s.element].corner).vertices);
-    } else {
-      set(PatchKind::contact, std::array{s.element});
+    SurfacePatch patch{PatchKind::saddle, {kNoSphere, kNoSphere, kNoSphere}};
+    if (is_sphere(f)) {
+      patch.kind = complex_.spheres[f].concave ? PatchKind::concave : PatchKind::contact;
     }
+    const std::array<std::uint32_t, 3> balls = balls_of(f);
+    for (std::size_t k = 0; k < 3 && balls[k] != kNoIndex; ++k) {
+      patch.atoms[k] = complex_.grown().triangulation.ids[balls[k]];
+    }
+    std::sort(patch.atoms.begin(), patch.atoms.end());
     return patch;
   }
 
@@ -313,6 +363,7 @@ class ExcludedMesher {
   const double edge_length_;  // scaled
   ArcSampling sampling_;
   const std::uint64_t pieces_at_first_;
+  const double least_triangles_;  // estimated from the area
   std::vector<Face> faces_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
   std::vector<PieceSplit> last_splits_;  // between the last round and this one
@@ -356,7 +407,9 @@ ExcludedMesh mesh_excluded(const SphereSet& atoms, const ExcludedMeshOptions& op
   const ShellTable shells = excluded_shells(grown.surface, records, included, grown.radius);
   const CurveComplex complex(grown, included, options.monitor);
   const double surface_seconds = elapsed(begin);
-  ExcludedMesh out = ExcludedMesher(complex, options).run();
+  double area = 0;
+  for (const ExcludedShell& s : shells.shells) area += s.area;
+  ExcludedMesh out = ExcludedMesher(complex, area, options).run();
   check_topology(out.mesh, shells);
   out.stats.surface_seconds = surface_seconds;
   out.stats.seconds = elapsed(begin);

@@ -25,6 +25,7 @@ struct ExcludedMeshOptions {
   double edge_length = 0.35;   // Å; edges are shorter at narrow features and on small circles
   // The exterior surface, which has cavities filled up, in place of the complete one.
   bool exterior = false;
+  std::uint64_t memory_limit = kNoMemoryLimit;  // bytes
   Monitor* monitor = nullptr;
 };
 
@@ -47,7 +48,8 @@ struct ExcludedMeshStats {
 
 struct ExcludedMesh {
   // With outward normals: those of the patches, which agree along curves that are no creases; on a
-  // crease their mean. Without labels of spheres and without opposite half-edges.
+  // crease their mean. The label of a vertex is one atom: of those of a patch that it is on, the
+  // one whose sphere is nearest. Without triangle_spheres and without opposite half-edges.
   IndexedMesh mesh;
   std::vector<SurfacePatch> patches;
   std::vector<std::uint32_t> triangle_patch;  // by triangle: an index into `patches`
@@ -57,8 +59,9 @@ struct ExcludedMesh {
 // Meshes the excluded surface of the balls `atoms` (radii without the probe). The result depends on
 // the arguments alone, not on the number of threads.
 // Throws InvalidInput as excluded_measures() does, and for an edge length that is not finite and
-// positive; LimitExceeded if a concave patch is not certified, if curves are too close to be told
-// apart, or if the mesh has not the topology of the surface; and Cancelled.
+// positive; LimitExceeded before it takes memory beyond the limit, if a concave patch is not
+// certified, if curves are too close to be told apart, or if the mesh has not the topology of the
+// surface; and Cancelled.
 ExcludedMesh mesh_excluded(const SphereSet& atoms, const ExcludedMeshOptions& options = {});
 
 }  // namespace vdwmesh

@@ -77,3 +77,36 @@ class Excluded(ProgramTest):
         ):
             arguments = ("exact", UBIQUITIN, "--surface", "excluded", *option)
             self.assert_refused(BAD_INPUT, *arguments, says=(option[0],))
+
+
+class ExcludedMesh(ProgramTest):
+    """mesh --surface excluded: the mesh beside the exact figures."""
+
+    def test_mesh_and_exact_figures(self):
+        path = self.folder / "u.ply"
+        report = self.report("mesh", UBIQUITIN, "--surface", "excluded", "--edge-length", "0.5", "-o", path)
+        self.assertEqual(report["parameters"]["surface"], "excluded")
+        self.assertEqual(report["input"]["probe"], 1.4)
+        mesh, exact = report["mesh"], report["excluded"]["complete"]
+        self.assertTrue(mesh["closed"] and mesh["manifold"] and mesh["oriented"])
+        self.assertEqual(mesh["euler_characteristic"], exact["euler_characteristic"])
+        self.assertEqual(mesh["shells"], len(exact["shells"]))
+        self.assertEqual(mesh["degenerate_triangles"], 0)
+        # Chords of pieces of 0.5 Å on radii of some 1.5 Å.
+        self.assert_close(mesh["area"], exact["area"], 0.02)
+        self.assert_close(mesh["volume"], exact["volume"], 0.02)
+        header = path.read_bytes()[:2000].decode("latin-1")
+        self.assertIn(f"element face {mesh['triangles']}\n", header)
+
+    def test_refusals(self):
+        for option in (
+            ("--mesher", "marching-cubes"),
+            ("--subdivide", "1"),
+            ("--relative-edge", "0.2"),
+            ("--spacing", "0.5"),
+            ("--probe", "0"),
+            ("--backend", "cuda"),
+            ("--field", "blinn"),
+        ):
+            arguments = ("mesh", UBIQUITIN, "--surface", "excluded", "-o", self.folder / "u.ply", *option)
+            self.assert_refused(BAD_INPUT, *arguments, says=(option[0],))
