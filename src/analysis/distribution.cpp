@@ -35,9 +35,9 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 void add_block(ValueSummary& summary, std::span<const double> values) {
   std::array<double, 4> min, max;
   min.fill(summary.min), max.fill(summary.max);
+  summary.sum.add(values);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::size_t lane = i % min.size();
-    summary.sum.add(values[i]);
     min[lane] = std::min(min[lane], values[i]);
     max[lane] = std::max(max[lane], values[i]);
   }
@@ -59,7 +59,7 @@ void for_blocks(std::span<const double> values, Body&& body) {
 class OrderStatistics {
  public:
   explicit OrderStatistics(std::span<const double> values)
-      : values_(values), counts_(kValueBins + 1), summary_(summarize_values(values, counts_)) {}
+      : values_(values), summary_(summarize_values(values, counts_)) {}
 
   const ValueSummary& summary() const { return summary_; }
 
@@ -132,7 +132,8 @@ void add(ValueSummary& sum, const ValueSummary& other) {
   sum.max = std::max(sum.max, other.max);
 }
 
-// Each thread has a summary and a histogram of its own.
+// Each thread has a summary and a histogram of its own. The first histogram found becomes the
+// counts, and the others are added to it.
 ValueSummary summarize_values(std::span<const double> values, std::vector<std::uint64_t>& counts) {
   struct Own {
     ValueSummary summary;
@@ -145,10 +146,16 @@ ValueSummary summarize_values(std::span<const double> values, std::vector<std::u
     add_block(mine.summary, block);
   });
   ValueSummary summary;
-  for (const Own& theirs : threads) {
+  counts.clear();
+  for (Own& theirs : threads) {
     add(summary, theirs.summary);
-    for (std::size_t bin = 0; bin <= kValueBins; ++bin) counts[bin] += theirs.counts[bin];
+    if (counts.empty()) {
+      counts = std::move(theirs.counts);
+    } else {
+      for (std::size_t bin = 0; bin <= kValueBins; ++bin) counts[bin] += theirs.counts[bin];
+    }
   }
+  counts.resize(kValueBins + 1);  // if there are no values
   return summary;
 }
 

@@ -46,8 +46,7 @@ struct ValueSummary {
 };
 void add(ValueSummary& sum, const ValueSummary& other);
 
-// Adds the values to `counts`, which has kValueBins + 1 elements, and returns their summary. On all
-// cores.
+// Counts the values in kValueBins + 1 bins, and returns their summary. On all cores.
 ValueSummary summarize_values(std::span<const double> values, std::vector<std::uint64_t>& counts);
 
 // Where the percentile of `hundredths` stands: in which bin, and at which place among the sorted

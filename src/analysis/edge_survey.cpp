@@ -93,7 +93,7 @@ class Surveyor {
 
  private:
   bool is_own(std::size_t vertex) const {
-    return vertex >= part_.first_vertex && vertex < part_.end_vertex;
+    return vertex - part_.first_vertex < part_.end_vertex - part_.first_vertex;
   }
 
   // Steps 1 and 2. Examines every own edge and vertex by itself. Returns true if every edge has
@@ -159,6 +159,9 @@ class Surveyor {
       } while (at != corner[v]);
     };
     const std::uint64_t met = sum_all(corner.size(), circulate);
+    if (corner.size() == part_.end_vertex - part_.first_vertex) {
+      return met == 3 * static_cast<std::uint64_t>(mesh_.triangle_count());
+    }
     const auto own_corners = [&](std::size_t t, std::uint64_t& corners) {
       for (const std::uint32_t v : mesh_.triangles[t]) corners += is_own(v);
     };

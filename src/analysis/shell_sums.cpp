@@ -24,14 +24,21 @@ VDWMESH_MULTIVERSION std::size_t sum_run(const IndexedMesh& mesh,
                                          std::span<const std::uint32_t> shell_of,
                                          const Vec3d& origin, std::size_t begin, std::size_t end,
                                          Sums& sums) {
+  constexpr std::size_t kAtOnce = 512;  // triangles
+  double areas[kAtOnce], volumes[kAtOnce];
   const std::uint32_t shell = shell_of[begin];
   std::size_t t = begin;
-  for (; t < end && shell_of[t] == shell; ++t) {
-    const auto& [i, j, k] = mesh.triangles[t];
-    const Vec3d a = mesh.positions[i];
-    const Vec3d twice_area = cross(mesh.positions[j] - a, mesh.positions[k] - a);
-    sums.area.add(norm(twice_area) / 2);
-    sums.volume.add(dot(a - origin, twice_area) / 6);
+  while (t < end && shell_of[t] == shell) {
+    std::size_t count = 0;
+    for (; count < kAtOnce && t < end && shell_of[t] == shell; ++t, ++count) {
+      const auto& [i, j, k] = mesh.triangles[t];
+      const Vec3d a = mesh.positions[i];
+      const Vec3d twice_area = cross(mesh.positions[j] - a, mesh.positions[k] - a);
+      areas[count] = norm(twice_area) / 2;
+      volumes[count] = dot(a - origin, twice_area) / 6;
+    }
+    sums.area.add(std::span<const double>(areas, count));
+    sums.volume.add(std::span<const double>(volumes, count));
   }
   return t;
 }

@@ -49,7 +49,7 @@ Distribution distribution_together(const Ranks& ranks, std::span<const double> v
   const std::uint64_t count = ranks.sum(std::uint64_t{values.size()});
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (count == 0) return {kNone, kNone, kNone, kNone, kNone, kNone};
-  std::vector<std::uint64_t> counts(kValueBins + 1);
+  std::vector<std::uint64_t> counts;
   ValueSummary mine;
   ranks.together([&] { mine = summarize_values(values, counts); });
   ranks.add_up(counts);

@@ -80,6 +80,34 @@ TEST(ExactSum, DoesNotDependOnOrderOrSplitting) {
   EXPECT_EQ(sum.up(), 0);
 }
 
+// Terms of one size, of all sizes, and with some that cannot be added in chunks.
+TEST(ExactSum, ManyTermsAtOnceAreTheSame) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> mantissa(-1, 1);
+  for (const int range : {0, 30, 200, 1000}) {
+    std::uniform_int_distribution<int> exponent(-range, range);
+    for (const std::size_t count : {0u, 1u, 17u, 511u, 512u, 513u, 3000u}) {
+      std::vector<double> terms(count);
+      for (double& t : terms) t = std::ldexp(mantissa(random), exponent(random));
+      ExactSum at_once;
+      at_once.add(std::span<const double>(terms));
+      for (const double t : terms) at_once.add(-t);
+      EXPECT_EQ(at_once.down(), 0) << range << " " << count;
+      EXPECT_EQ(at_once.up(), 0) << range << " " << count;
+    }
+  }
+  ExactSum equal, small, infinite;
+  equal.add(std::span<const double>(std::vector<double>(600, 0.1)));
+  equal.add(std::span<const double>(std::vector<double>(600, -0.1)));
+  EXPECT_EQ(equal.up(), 0);
+  small.add(std::span<const double>(std::vector<double>(100, kLeast)));
+  EXPECT_EQ(small.nearest(), 100 * kLeast);
+  std::vector<double> terms(100, 1);
+  terms[50] = std::nan("");
+  infinite.add(std::span<const double>(terms));
+  EXPECT_TRUE(std::isnan(infinite.nearest()));
+}
+
 TEST(ExactSum, IsTheSumOfItsTerms) {
   std::mt19937_64 random(2);
   std::uniform_int_distribution<int> exponent(-1070, 900);
