@@ -43,4 +43,16 @@ VDWMESH_INLINE double largest_of(const Lanes& lanes) {
   return a > b ? a : b;
 }
 
+// Makes rows of columns: element i of lane vector k becomes element k of lane vector i.
+VDWMESH_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+  const Lanes ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6),
+              ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7),
+              cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6),
+              cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
+  b = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
+  c = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+  d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
+}
+
 }  // namespace vdwmesh

@@ -3,11 +3,13 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
 #include "arrangement/arcs/arc_cap.hpp"
 #include "arrangement/arcs/doubts.hpp"
+#include "core/lanes.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh::arcs {
@@ -30,9 +32,20 @@ class BallCaps {
   bool is_nearly_tangent() const { return is_nearly_tangent_; }
 
  private:
-  void find_near(const CellListView& list, const Sphere& ball);
+  // Four spheres of the list, as lanes: their centres from the ball's centre, and their radii.
+  struct Four {
+    Lanes x, y, z, radius;
+  };
+  static Four four_of(const CellListView& list, const Sphere& ball, const std::uint32_t* places);
 
-  std::vector<std::uint32_t> near_;  // list places of all balls that overlap or touch this one
+  void list_candidates(const CellListView& list, const Sphere& ball, std::uint32_t place);
+  bool keep_near(const CellListView& list, const Sphere& ball, std::uint32_t place);
+  bool make_caps(const CellListView& list, const Sphere& ball);
+  bool find_singly(const CellListView& list, const Sphere& ball, std::uint32_t place);
+
+  std::vector<std::uint32_t> near_;  // list places of candidates, then of the balls near this one
+  std::vector<double> to_;           // the near balls as four_of() gives them, four by four
+  std::vector<double> distance_;     // of the near balls' centres
   std::vector<Cap> caps_;
   std::vector<std::uint32_t> neighbors_;
   std::size_t near_count_ = 0, count_ = 0;
@@ -40,29 +53,137 @@ class BallCaps {
   bool is_nearly_tangent_ = false;
 };
 
-// Without branches on what is near: the processor could not foresee them.
-inline void BallCaps::find_near(const CellListView& list, const Sphere& ball) {
+VDWMESH_INLINE BallCaps::Four BallCaps::four_of(const CellListView& list, const Sphere& ball,
+                                                const std::uint32_t* places) {
+  static_assert(sizeof(Sphere) == sizeof(Lanes));
+  const Sphere* const spheres = list.spheres;
+  Lanes x = lanes_at(&spheres[places[0]].center.x), y = lanes_at(&spheres[places[1]].center.x),
+        z = lanes_at(&spheres[places[2]].center.x), radius = lanes_at(&spheres[places[3]].center.x);
+  transpose(x, y, z, radius);
+  return {x - all_lanes(ball.center.x), y - all_lanes(ball.center.y), z - all_lanes(ball.center.z),
+          radius};
+}
+
+// Fills near_ with the balls of all cells near this one, and behind them with the ball itself up to
+// a multiple of four.
+VDWMESH_INLINE void BallCaps::list_candidates(const CellListView& list, const Sphere& ball,
+                                              std::uint32_t place) {
+  using Places = std::uint32_t __attribute__((vector_size(16)));
   const Vec3d r{ball.radius, ball.radius, ball.radius};
   std::size_t found = 0;
   const auto take_row = [&](std::uint32_t first, std::uint32_t end) {
-    if (near_.size() < found + (end - first)) near_.resize(2 * (found + (end - first)));
-    std::uint32_t* const near = near_.data();
-    for (std::uint32_t place = first; place < end; ++place) {
-      const Sphere& other = list.spheres[place];
-      const Vec3d to = other.center - ball.center;
-      const double sum = (1 + kTouching) * (ball.radius + other.radius);
-      near[found] = place;
-      found += inner(to, to) <= sum * sum;
+    const std::size_t most = found + (end - first) + 8;
+    if (near_.size() < most) near_.resize(2 * most);
+    // Eight at a time, more than most rows have; what is too many is overwritten by the next row.
+    std::uint32_t* next = near_.data() + found;
+    Places low{first, first + 1, first + 2, first + 3};
+    for (std::uint32_t i = first;;) {
+      const Places high = low + 4;
+      std::memcpy(next, &low, sizeof low);
+      std::memcpy(next + 4, &high, sizeof high);
+      i += 8;
+      if (i >= end) break;
+      next += 8;
+      low += 8;
     }
+    found += end - first;
     return false;
   };
   visit_rows_near_box(list, ball.center - r, ball.center + r, take_row);
+  const Places own{place, place, place, place};
+  std::memcpy(&near_[found], &own, sizeof own);
   near_count_ = found;
 }
 
-inline bool BallCaps::find(const CellListView& list, std::uint32_t place) {
-  const Sphere& ball = list.spheres[place];
-  find_near(list, ball);
+// Keeps those of the candidates that overlap or touch the ball, or nearly so, and have another
+// centre. Returns false if other balls than the ball itself have its centre, but for underflow.
+// Without branches on what is near: the processor could not foresee them.
+VDWMESH_INLINE bool BallCaps::keep_near(const CellListView& list, const Sphere& ball,
+                                        std::uint32_t place) {
+  const Lanes own_radius = all_lanes(ball.radius), margin = all_lanes(1 + kTouching),
+              least = all_lanes(kLeastSquare);
+  std::uint32_t* const near = near_.data();
+  std::size_t found = 0;
+  LaneBits concentric{};
+  const std::size_t count = near_count_;
+  for (std::size_t i = 0; i < count; i += 4) {
+    const std::uint32_t places[4] = {near[i], near[i + 1], near[i + 2], near[i + 3]};
+    const Four to = four_of(list, ball, places);
+    const Lanes sum = margin * (own_radius + to.radius),
+                squared = to.x * to.x + to.y * to.y + to.z * to.z;
+    const LaneBits apart = squared >= least, is_near = (squared <= sum * sum) & apart;
+    concentric += ~apart;  // -1 for each
+    for (std::size_t k = 0; k < 4; ++k) {
+      near[found] = places[k];
+      found -= static_cast<std::size_t>(is_near[k]);
+    }
+  }
+  for (std::size_t k = 0; k < 4; ++k) near[found + k] = place;
+  near_count_ = found;
+  const auto padding = static_cast<std::int64_t>((4 - count % 4) % 4);
+  return concentric[0] + concentric[1] + concentric[2] + concentric[3] == -1 - padding;
+}
+
+// make_cap() for four balls at a time: the same operations in the same order, and so the same bits.
+// The ball itself, with which the last four are filled up, has a cosine of NaN and no cap.
+VDWMESH_INLINE bool BallCaps::make_caps(const CellListView& list, const Sphere& ball) {
+  const std::size_t count = near_count_, fours = (count + 3) / 4;
+  const std::uint32_t* const near = near_.data();
+  if (to_.size() < 16 * fours) {
+    to_.resize(32 * fours);
+    distance_.resize(8 * fours);
+    caps_.resize(8 * fours + 4);
+    neighbors_.resize(8 * fours + 4);
+  }
+  double* const to = to_.data();
+  double* const distances = distance_.data();
+  for (std::size_t i = 0; i < fours; ++i) {
+    const Four t = four_of(list, ball, near + 4 * i);
+    store_lanes(to + 16 * i, t.x);
+    store_lanes(to + 16 * i + 4, t.y);
+    store_lanes(to + 16 * i + 8, t.z);
+    store_lanes(to + 16 * i + 12, t.radius);
+    store_lanes(distances + 4 * i, t.x * t.x + t.y * t.y + t.z * t.z);
+  }
+  for (std::size_t i = 0; i < 4 * fours; ++i) distances[i] = std::sqrt(distances[i]);
+  const Lanes r = all_lanes(ball.radius), one = all_lanes(1), two = all_lanes(2);
+  LaneBits buries{}, is_tangent{};
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < fours; ++i) {
+    const Four t{lanes_at(to + 16 * i), lanes_at(to + 16 * i + 4), lanes_at(to + 16 * i + 8),
+                 lanes_at(to + 16 * i + 12)};
+    const Lanes squared = t.x * t.x + t.y * t.y + t.z * t.z, distance = lanes_at(distances + 4 * i);
+    const Lanes sum = r + t.radius, power = squared + (r - t.radius) * sum,
+                cosine = power / (two * distance * r), inverse = one / distance,
+                size = cosine < 0 ? -cosine : cosine;
+    const LaneBits overlaps = squared < sum * sum,
+                   cuts = overlaps & (cosine < one) & (cosine > -one);
+    const Lanes gap = size < one ? one - size : size - one;
+    is_tangent |= (~overlaps) | (gap <= kTouching);
+    buries |= overlaps & (cosine <= -one);
+    Lanes row0 = inverse * t.x, row1 = inverse * t.y, row2 = inverse * t.z, row3 = cosine;
+    transpose(row0, row1, row2, row3);
+    store_lanes(&caps_[found].axis.x, row0);
+    neighbors_[found] = near[4 * i];
+    found -= static_cast<std::size_t>(cuts[0]);
+    store_lanes(&caps_[found].axis.x, row1);
+    neighbors_[found] = near[4 * i + 1];
+    found -= static_cast<std::size_t>(cuts[1]);
+    store_lanes(&caps_[found].axis.x, row2);
+    neighbors_[found] = near[4 * i + 2];
+    found -= static_cast<std::size_t>(cuts[2]);
+    store_lanes(&caps_[found].axis.x, row3);
+    neighbors_[found] = near[4 * i + 3];
+    found -= static_cast<std::size_t>(cuts[3]);
+  }
+  is_nearly_tangent_ = (is_tangent[0] | is_tangent[1] | is_tangent[2] | is_tangent[3]) != 0;
+  count_ = found;
+  return (buries[0] | buries[1] | buries[2] | buries[3]) == 0;
+}
+
+// Looks at one candidate after another, until one buries the ball.
+inline bool BallCaps::find_singly(const CellListView& list, const Sphere& ball,
+                                  std::uint32_t place) {
   if (caps_.size() < near_count_) {
     caps_.resize(2 * near_count_);
     neighbors_.resize(2 * near_count_);
@@ -79,6 +200,9 @@ inline bool BallCaps::find(const CellListView& list, std::uint32_t place) {
       if (is_equal ? list.id[other] < list.id[place] : near.radius > ball.radius) return false;
       continue;
     }
+    const Vec3d to = near.center - ball.center;
+    const double sum = (1 + kTouching) * (ball.radius + near.radius);
+    if (!(inner(to, to) <= sum * sum)) continue;
     Cap& cap = caps_[found];
     cap.cosine = 1;  // stays, if the ball only touches this one
     const CapKind kind = make_cap(ball, near, cap);
@@ -89,6 +213,14 @@ inline bool BallCaps::find(const CellListView& list, std::uint32_t place) {
   }
   count_ = found;
   return true;
+}
+
+inline bool BallCaps::find(const CellListView& list, std::uint32_t place) {
+  const Sphere& ball = list.spheres[place];
+  list_candidates(list, ball, place);
+  if (keep_near(list, ball, place) && make_caps(list, ball)) return true;
+  list_candidates(list, ball, place);
+  return find_singly(list, ball, place);
 }
 
 }  // namespace vdwmesh::arcs

@@ -78,7 +78,8 @@ class BallMeasurer {
   };
 
   void find_edges(const PowerCell& cell);
-  std::span<const CellEdge> edges() const { return {edges_.data(), edge_count_}; }
+  std::span<const EdgeEnd> edges() const { return {edges_.data(), edge_count_}; }
+  static CellEdge edge_of(const PowerCell& cell, EdgeEnd end);
   bool find_inside(const PowerCell& cell);
   bool find_faces(const PowerCell& cell);
   std::span<const std::uint32_t> planes() const { return {planes_.data(), face_count_}; }
@@ -97,13 +98,12 @@ class BallMeasurer {
   std::vector<std::uint64_t> stamps_;  // by plane: the last ball in which it had a face
   std::vector<std::uint32_t> planes_;  // those that have a face, then unused elements
   std::uint32_t face_count_ = 0;
-  std::vector<CellEdge> edges_;
+  std::vector<EdgeEnd> edges_;  // each by one of its ends
   std::size_t edge_count_ = 0;
   std::uint64_t stamp_ = 0;
   std::uint32_t inside_ = 0, doubts_ = 0, segments_ = 0, corners_ = 0;
   double worst_ = 1;    // the largest condition number of a corner's angle
   double pyramid_ = 0;  // sum t 2 F, without the sectors between arcs and centre
-  double deepest_ = 1;  // the least cosine of a plane with a face
   Vec3d open_{};        // twice the vector area of the surface of the cut ball
   AngleSum turning_;
 };

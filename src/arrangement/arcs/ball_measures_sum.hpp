@@ -45,7 +45,7 @@ inline BallMeasures BallMeasurer::measure(const PowerCell& cell) {
   if (faces_.size() < cell.plane_count()) {
     faces_.resize(2 * cell.plane_count());
     stamps_.resize(faces_.size());
-    planes_.resize(faces_.size());
+    planes_.resize(faces_.size() + 1);  // one is written but not kept
   }
   const bool closed = find_inside(cell);
   find_edges(cell);
@@ -74,18 +74,19 @@ inline bool BallMeasurer::find_inside(const PowerCell& cell) {
   return inside == count;
 }
 
-// Lists the planes that have a face. Returns whether there are as many as Euler's formula wants.
+// Lists the planes that have a face, without branches. Returns whether there are as many as Euler's
+// formula wants.
 inline bool BallMeasurer::find_faces(const PowerCell& cell) {
-  const VertexLinks* const links = cell.links();
+  const ByEdge* const planes_of = cell.planes_of();
   std::uint64_t* const stamps = stamps_.data();
   std::uint32_t* const planes = planes_.data();
   std::uint32_t found = 0;
   for (std::uint32_t v = 0, count = cell.vertex_count(); v < count; ++v) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t plane = links[v].plane[k];
-      if (stamps[plane] == stamp_) continue;
+    for (std::size_t side = 1; side <= 3; ++side) {
+      const std::uint32_t plane = planes_of[v].at[side];
+      planes[found] = plane;
+      found += stamps[plane] != stamp_;
       stamps[plane] = stamp_;
-      planes[found++] = plane;
     }
   }
   face_count_ = found;
@@ -96,19 +97,23 @@ inline bool BallMeasurer::find_faces(const PowerCell& cell) {
 inline void BallMeasurer::find_edges(const PowerCell& cell) {
   const std::uint32_t count = cell.vertex_count();
   if (edges_.size() < 3 * count) edges_.resize(6 * count);
-  const VertexLinks* const links = cell.links();
-  CellEdge* const edges = edges_.data();
+  const ByEdge* const twins = cell.twins_of();
+  EdgeEnd* const edges = edges_.data();
   std::size_t found = 0;
   for (std::uint32_t v = 0; v < count; ++v) {
-    const auto& [plane, next] = links[v];
-    edges[found] = {v, next[0], plane[1], plane[2]};
-    found += v < next[0];
-    edges[found] = {v, next[1], plane[2], plane[0]};
-    found += v < next[1];
-    edges[found] = {v, next[2], plane[0], plane[1]};
-    found += v < next[2];
+    for (std::uint32_t side = 1; side <= 3; ++side) {
+      edges[found] = end_of(v, side);
+      found += end_of(v, side) < twins[v].at[side];
+    }
   }
   edge_count_ = found;
+}
+
+VDWMESH_INLINE BallMeasurer::CellEdge BallMeasurer::edge_of(const PowerCell& cell, EdgeEnd end) {
+  const std::uint32_t from = vertex_of(end), side = side_of(end);
+  const auto& planes = cell.planes_of()[from].at;
+  return {from, vertex_of(cell.twins_of()[from].at[side]), planes[kNextSide[side]],
+          planes[kAfterNextSide[side]]};
 }
 
 // Six times the volume of the pyramids over the two faces of an edge, between their feet and the
@@ -116,7 +121,8 @@ inline void BallMeasurer::find_edges(const PowerCell& cell) {
 // about b, seen from outside.
 inline BallMeasures BallMeasurer::measure_polytope(const PowerCell& cell) {
   double sum = 0;
-  for (const auto& [from, to, a, b] : edges()) {
+  for (const EdgeEnd end : edges()) {
+    const auto [from, to, a, b] = edge_of(cell, end);
     const Cap& p = cell.plane(a);
     const Cap& q = cell.plane(b);
     const Vec3d arm = q.cosine * q.axis - p.cosine * p.axis;
@@ -138,7 +144,8 @@ inline BallMeasures BallMeasurer::measure_patch(const PowerCell& cell) {
 }
 
 inline void BallMeasurer::add_crossed_edges(const PowerCell& cell) {
-  for (const auto& [from, to, a, b] : edges()) {
+  for (const EdgeEnd end : edges()) {
+    const auto [from, to, a, b] = edge_of(cell, end);
     const Edge edge{a, b, cell.vertex(from), cell.vertex(to)};
     const bool from_inside = height_[from] < 0, to_inside = height_[to] < 0;
     if (!from_inside && !to_inside) {
@@ -147,8 +154,8 @@ inline void BallMeasurer::add_crossed_edges(const PowerCell& cell) {
       // than the error of an edge in planes that are not nearly parallel.
       constexpr double kMargin = 1e-3;
       const Vec3d along = edge.to - edge.from;
-      const double start = inner(edge.from, along), end = inner(edge.to, along);
-      if (!(start < 0 && end > 0)) continue;
+      const double start = inner(edge.from, along), stop = inner(edge.to, along);
+      if (!(start < 0 && stop > 0)) continue;
       const double squared = inner(along, along);
       if (height_[from] * squared - start * start > kMargin * squared) continue;
     }

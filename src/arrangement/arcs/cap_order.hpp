@@ -27,7 +27,7 @@ class CapOrder {
   // caps; and their indices fit into the low bits of a key.
   static constexpr std::size_t kMostRanked = 128;
 
-  void rank(std::span<const Cap> caps);
+  bool rank(std::span<const Cap> caps);
 
   std::vector<std::uint32_t> order_;
 };
@@ -40,21 +40,40 @@ inline std::int32_t sort_key(const Cap& cap, std::size_t index) {
   return static_cast<std::int32_t>(kSteps * (cosine + 1)) * 2048 + static_cast<std::int32_t>(index);
 }
 
-// The rank of a cap is the number of smaller keys.
-VDWMESH_INLINE void CapOrder::rank(std::span<const Cap> caps) {
+// The rank of a cap is the number of smaller keys. Returns whether the cosines rise from cap to
+// cap: then the order is right.
+VDWMESH_INLINE bool CapOrder::rank(std::span<const Cap> caps) {
   alignas(Keys) std::int32_t keys[kMostRanked];
+  double cosines[kMostRanked + kLanes];  // by rank
   const std::size_t count = caps.size();
   for (std::size_t i = 0; i < count; ++i) keys[i] = sort_key(caps[i], i);
-  for (std::size_t i = count; i % kKeys != 0; ++i) keys[i] = 0;
-  for (std::size_t first = 0; first < count; first += kKeys) {
-    Keys own, ranks{};
-    std::memcpy(&own, keys + first, sizeof own);
-    for (std::size_t j = 0; j < count; ++j) ranks -= keys[j] < own;  // -1 in each lane if so
-    const std::size_t last = std::min(first + kKeys, count);
+  for (std::size_t i = count; i % (2 * kKeys) != 0; ++i) keys[i] = 0;
+  std::uint32_t* const order = order_.data();
+  for (std::size_t first = 0; first < count; first += 2 * kKeys) {
+    Keys low, high, low_ranks{}, high_ranks{};
+    std::memcpy(&low, keys + first, sizeof low);
+    std::memcpy(&high, keys + first + kKeys, sizeof high);
+    for (std::size_t j = 0; j < count; ++j) {
+      const Keys other = Keys{} + keys[j];
+      low_ranks -= other < low;  // -1 in each lane if so
+      high_ranks -= other < high;
+    }
+    std::int32_t ranks[2 * kKeys];
+    std::memcpy(ranks, &low_ranks, sizeof low_ranks);
+    std::memcpy(ranks + kKeys, &high_ranks, sizeof high_ranks);
+    const std::size_t last = std::min(first + 2 * kKeys, count);
     for (std::size_t i = first; i < last; ++i) {
-      order_[static_cast<std::size_t>(ranks[i - first])] = static_cast<std::uint32_t>(i);
+      order[ranks[i - first]] = static_cast<std::uint32_t>(i);
+      cosines[ranks[i - first]] = caps[i].cosine;
     }
   }
+  // Behind the last cosine stand larger ones.
+  store_lanes(cosines + count, all_lanes(2));
+  LaneBits rises = ~LaneBits{};
+  for (std::size_t i = 0; i + 1 < count; i += kLanes) {
+    rises &= (lanes_at(cosines + i) < lanes_at(cosines + i + 1)) | (lanes_at(cosines + i) > 1);
+  }
+  return (rises[0] & rises[1] & rises[2] & rises[3]) != 0;
 }
 
 inline std::span<const std::uint32_t> CapOrder::sort(std::span<const Cap> caps) {
@@ -67,7 +86,7 @@ inline std::span<const std::uint32_t> CapOrder::sort(std::span<const Cap> caps) 
     std::sort(order_.begin(), order_.end(), deeper);
     return order_;
   }
-  rank(caps);
+  if (rank(caps)) return order_;
   // What the steps of the keys left in disorder is put in order by insertion.
   for (std::size_t i = 1; i < order_.size(); ++i) {
     for (std::size_t k = i; k > 0 && deeper(order_[k], order_[k - 1]); --k) {

@@ -28,14 +28,18 @@ class CutBall {
 inline BallMeasures CutBall::measure(std::span<const Cap> caps) {
   cell_.reset();
   const Cap* last = nullptr;
+  bool was_cut = true;
   for (const std::uint32_t i : order_.sort(caps)) {
     const Cap& cap = caps[i];
     // Vertices outside the ball are farther from the centre than any plane, so looking for the
-    // farthest vertex pays only after the nearer half of the planes.
+    // farthest vertex pays only after the nearer half of the planes, and when planes have begun to
+    // miss the cell.
     constexpr double kWorthLooking = 0.5;
-    if (cap.cosine > kWorthLooking && cap.cosine < 1 && cell_.reach() <= cap.cosine) break;
+    if (!was_cut && cap.cosine > kWorthLooking && cap.cosine < 1 && cell_.reach() <= cap.cosine) {
+      break;
+    }
     // Equal balls have the same cap, of which the second would cut through rounding errors.
-    if (last == nullptr || !same_cap(*last, cap)) cell_.cut(cap);
+    was_cut = (last == nullptr || !same_cap(*last, cap)) && cell_.cut(cap);
     if (cell_.empty()) break;
     last = &cap;
   }

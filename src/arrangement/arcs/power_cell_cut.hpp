@@ -1,10 +1,9 @@
 // PowerCell::cut(): removes a half-space from the cell. Included by power_cell.hpp alone.
 //
-// 1. measure_depths() finds how far every vertex lies beyond the plane, four vertices at a time.
+// 1. measure_depths() finds how far every vertex lies beyond the plane, some vertices at a time.
 //    Most planes of a crowded ball cut nothing off, and end here.
-// 2. find_removed() lists the vertices beyond the plane, and the edges that lead from one of them
-// to
-//    one that stays: the border. Each of these edges has one vertex of the new face.
+// 2. find_removed() lists the vertices beyond the plane, and the border: the edges that lead from
+//    one of them to one that stays. Each of these edges has one vertex of the new face.
 // 3. make_vertices() computes the new vertices and links them to a ring: two of them are neighbours
 //    if they share an old plane beside the new one.
 // 4. store_vertices() stores them, in the places of removed ones as long as there are any.
@@ -28,21 +27,28 @@ inline void PowerCell::reset() {
        {0.50709871624210445, -0.35135763095403183, -0.78701887344331234},
        {-0.86895088557273081, -0.4881297023103478, 0.081570535028149538}}};
   // Vertex i is opposite to plane i, so an edge that leaves plane i runs to vertex i.
-  constexpr std::array<std::array<std::uint32_t, 4>, kWalls> kPlanes{
-      {{2, 1, 3, 0}, {0, 2, 3, 0}, {1, 0, 3, 0}, {0, 1, 2, 0}}};
+  constexpr std::array<ByEdge, kWalls> kPlanes{
+      {{{0, 2, 1, 3}}, {{0, 0, 2, 3}}, {{0, 1, 0, 3}}, {{0, 0, 1, 2}}}};
+  constexpr std::array<ByEdge, kWalls> kTwins{{{{0, end_of(2, 2), end_of(1, 1), end_of(3, 1)}},
+                                               {{0, end_of(0, 2), end_of(2, 1), end_of(3, 2)}},
+                                               {{0, end_of(1, 2), end_of(0, 1), end_of(3, 3)}},
+                                               {{0, end_of(0, 3), end_of(1, 3), end_of(2, 3)}}}};
   if (planes_.empty()) {
     planes_.resize(64);
-    open_.assign(64, {kNone, 0});
+    open_.assign(64, kNone);
   }
   plane_count_ = kWalls;
   count_ = kWalls;
   reserve(kWalls);
   for (std::uint32_t i = 0; i < kWalls; ++i) {
     planes_[i] = {kAxes[i], kDistance};
-    x_[i] = -3 * kDistance * kAxes[i].x;
-    y_[i] = -3 * kDistance * kAxes[i].y;
-    z_[i] = -3 * kDistance * kAxes[i].z;
-    links_[i] = {kPlanes[i], kPlanes[i]};
+    const Vec3d corner = -3 * kDistance * kAxes[i];
+    store_lanes(position_[i].at, Lanes{corner.x, corner.y, corner.z, 0});
+    x_[i] = corner.x;
+    y_[i] = corner.y;
+    z_[i] = corner.z;
+    plane_[i] = kPlanes[i];
+    twin_[i] = kTwins[i];
   }
   pad();
   doubts_ = 0;
@@ -51,20 +57,24 @@ inline void PowerCell::reset() {
 
 // Makes room for so many vertices, and for the lanes behind the last of them.
 inline void PowerCell::reserve(std::size_t vertices) {
-  const std::size_t least = vertices + kLanes;
+  const std::size_t least = vertices + kStep;
   if (x_.size() >= least) return;
   for (std::vector<double>* v : {&x_, &y_, &z_, &depth_}) v->resize(2 * least);
-  links_.resize(2 * least);
-  removed_.resize(2 * least);
-  border_.resize(6 * least + 1);  // three edges a vertex, and one that is written but not kept
-  fresh_.resize(border_.size());
+  for (std::vector<ByEdge>* v : {&plane_, &twin_}) v->resize(2 * least);
+  position_.resize(2 * least);
+  // Three edges a vertex, and one that is written but not kept.
+  border_.resize(6 * least + 1);
+  removed_.resize(border_.size() + 4);
+  new_.resize(border_.size());
 }
 
 // Behind the last vertex stand copies of the first, which change no maximum.
 inline void PowerCell::pad() {
-  store_lanes(&x_[count_], all_lanes(x_[0]));
-  store_lanes(&y_[count_], all_lanes(y_[0]));
-  store_lanes(&z_[count_], all_lanes(z_[0]));
+  for (std::size_t i = 0; i < kStep; i += kLanes) {
+    store_lanes(&x_[count_ + i], all_lanes(x_[0]));
+    store_lanes(&y_[count_ + i], all_lanes(y_[0]));
+    store_lanes(&z_[count_ + i], all_lanes(z_[0]));
+  }
 }
 
 // Fills depth_, the signed distances of the vertices beyond the plane, and returns the largest.
@@ -74,11 +84,15 @@ VDWMESH_INLINE double PowerCell::measure_depths(const Cap& cap) {
   const double *x = x_.data(), *y = y_.data(), *z = z_.data();
   double* depths = depth_.data();
   Lanes most = all_lanes(-4);
-  for (std::size_t i = 0, count = count_; i < count; i += kLanes) {
+  const auto measure = [&](std::size_t i) {
     const Lanes depth =
         ax * lanes_at(x + i) + ay * lanes_at(y + i) + az * lanes_at(z + i) - distance;
     store_lanes(depths + i, depth);
     most = depth > most ? depth : most;
+  };
+  for (std::size_t i = 0, count = count_; i < count; i += kStep) {
+    measure(i);
+    measure(i + kLanes);
   }
   return largest_of(most);
 }
@@ -91,29 +105,33 @@ VDWMESH_INLINE bool PowerCell::find_removed(const Cap& cap) {
   constexpr std::uint32_t kBits = 64;
   std::uint32_t* const places = removed_.data();
   BorderEdge* const border = border_.data();
-  const VertexLinks* const links = links_.data();
+  const ByEdge* const twins = twin_.data();
   const double* const depths = depth_.data();
   std::uint32_t removed = 0, found = 0;
   Lanes least = all_lanes(4), nearest = least;
   for (std::uint32_t start = 0, count = count_; start < count; start += kBits) {
     LaneBits beyond{0, 0, 0, 0}, bit{1, 2, 4, 8};
     const std::uint32_t end = start + kBits < count ? start + kBits : count;
-    for (std::uint32_t i = start; i < end; i += kLanes) {
+    const auto look_at = [&](std::uint32_t i) {
       const Lanes depth = lanes_at(depths + i), size = depth < 0 ? -depth : depth;
       least = depth < least ? depth : least;
       nearest = size < nearest ? size : nearest;
       beyond |= (depth > kSlack) & bit;
       bit <<= kLanes;
+    };
+    for (std::uint32_t i = start; i < end; i += kStep) {
+      look_at(i);
+      look_at(i + kLanes);
     }
     auto bits = static_cast<std::uint64_t>(beyond[0] | beyond[1] | beyond[2] | beyond[3]);
     bits &= ~std::uint64_t{0} >> (kBits - (end - start));  // without the lanes behind the last
     for (; bits != 0; bits &= bits - 1) {
       const std::uint32_t from = start + static_cast<std::uint32_t>(std::countr_zero(bits));
       places[removed++] = from;
-      for (std::uint32_t side = 0; side < 3; ++side) {
-        const std::uint32_t to = links[from].next[side];
-        border[found] = {from, to, side};
-        found += !(depths[to] > kSlack);
+      for (std::uint32_t side = 1; side <= 3; ++side) {
+        const EdgeEnd kept = twins[from].at[side];
+        border[found] = {end_of(from, side), kept};
+        found += !(depths[vertex_of(kept)] > kSlack);
       }
     }
   }
@@ -137,16 +155,16 @@ inline void PowerCell::doubt_near(const Cap& cap) {
     const bool touches = std::abs(depth_[i]) < kTouching;
     const Vec3d v = vertex(i);
     if (touches && inner(v, v) < kOutside) doubts_ |= kThirdCircle;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (std::abs(depth_[links_[i].next[k]]) < kNearby) doubts_ |= kAlongEdge;
-      const Vec3d normal = cross(cap.axis, planes_[links_[i].plane[k]].axis);
+    for (std::size_t k = 1; k <= 3; ++k) {
+      if (std::abs(depth_[vertex_of(twin_[i].at[k])]) < kNearby) doubts_ |= kAlongEdge;
+      const Vec3d normal = cross(cap.axis, planes_[plane_[i].at[k]].axis);
       if (touches && inner(normal, normal) < kNearlyParallel) doubts_ |= kParallelPlanes;
     }
   }
 }
 
 // A new vertex stands where the plane meets the edge: between its ends, so that it is as near to
-// the edge's own planes as they are. It takes the links of the removed end, but for the plane that
+// the edge's own planes as they are. It takes the planes of the removed end, but for the one that
 // the edge leaves there: the new plane takes its place.
 //
 // Each old plane at the border has two new vertices, whose common edge lies in it and in the new
@@ -154,70 +172,78 @@ inline void PowerCell::doubt_near(const Cap& cap) {
 // of the two that do not leave it, and the one that leaves the third plane. Returns whether every
 // vertex found its neighbours.
 VDWMESH_INLINE bool PowerCell::make_vertices(const Cap& cap) {
-  constexpr std::array<std::uint32_t, 3> kAfter{1, 2, 0};
   const std::uint32_t plane = plane_count_++;
   if (plane == planes_.size()) {
     planes_.resize(2 * planes_.size());
-    open_.resize(planes_.size(), {kNone, 0});
+    open_.resize(planes_.size(), kNone);
   }
   planes_[plane] = cap;
-  const double *x = x_.data(), *y = y_.data(), *z = z_.data(), *depths = depth_.data();
+  const std::uint32_t count = border_count_;
+  reserve(count_ + count);
+  std::uint32_t* const numbers = removed_.data();
+  FourNumbers more{0, 1, 2, 3};
+  more += count_;
+  std::uint32_t numbered = removed_count_;
+  do {  // four at a time; mostly they are enough
+    std::memcpy(numbers + numbered, &more, sizeof more);
+    more += 4;
+    numbered += 4;
+  } while (numbered < count);
+  const double* const depths = depth_.data();
+  const Position* const positions = position_.data();
+  const ByEdge* const planes = plane_.data();
   const BorderEdge* const border = border_.data();
-  const VertexLinks* const old_links = links_.data();
-  NewVertex* const fresh = fresh_.data();
-  OpenEnd* const open = open_.data();
-  const std::uint32_t removed = removed_count_;
-  std::int32_t waiting = 0;
-  for (std::uint32_t i = 0, count = border_count_; i < count; ++i) {
-    const BorderEdge& edge = border[i];
-    fresh[i].number = i < removed ? removed_[i] : count_ + i - removed;
-    const auto& next = old_links[edge.to].next;
-    fresh[i].back = (next[1] == edge.from ? 1 : 0) + (next[2] == edge.from ? 2 : 0);
+  NewVertex* const fresh = new_.data();
+  EdgeEnd *const twin_by_end = twin_[0].at.data(), *const open = open_.data();
+  const FourNumbers all_new{plane, plane, plane, plane};
+  std::uint64_t waiting = 0;  // the sum of all that wait
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto [removed, kept] = border[i];
+    const std::uint32_t from = vertex_of(removed), side = side_of(removed), to = vertex_of(kept),
+                        number = numbers[i];
     // A vertex that stays may lie beyond the plane by up to kSlack.
-    const double inside = std::min(depths[edge.to], 0.0),
-                 share = inside / (inside - depths[edge.from]);
-    fresh[i].position = {x[edge.to] + share * (x[edge.from] - x[edge.to]),
-                         y[edge.to] + share * (y[edge.from] - y[edge.to]),
-                         z[edge.to] + share * (z[edge.from] - z[edge.to])};
-    const VertexLinks& links = old_links[edge.from];
-    std::memcpy(&fresh[i].links, &links, sizeof links);  // in one piece
-    fresh[i].links.plane[edge.side] = plane;
-    fresh[i].links.next[edge.side] = edge.to;
-    const std::uint32_t one = kAfter[edge.side], two = kAfter[one];
-    const auto close = [&](OpenEnd& end, std::uint32_t side) {
-      // Without a branch, which the processor could not foresee: what does not apply is written to
-      // the unused element.
-      const bool is_first = end.border == kNone;
-      NewVertex& other = fresh[is_first ? i : end.border];
-      fresh[i].links.next[is_first ? kUnused : side] = other.number;
-      other.links.next[is_first ? kUnused : end.side] = fresh[i].number;
-      end = {is_first ? i : kNone, side};
-      waiting += is_first ? 1 : -1;
+    const double inside = depths[to] < 0 ? depths[to] : 0, share = inside / (inside - depths[from]);
+    const Lanes start = lanes_at(positions[to].at), end = lanes_at(positions[from].at);
+    store_lanes(fresh[i].position.at, start + all_lanes(share) * (end - start));
+    const FourNumbers old = numbers_of(planes[from]), own_side{side, side, side, side};
+    store_numbers(fresh[i].plane, FourNumbers{0, 1, 2, 3} == own_side ? all_new : old);
+    twin_by_end[end_of(number, side)] = kept;
+    twin_by_end[kept] = end_of(number, side);
+    const auto close = [&](EdgeEnd& end, EdgeEnd own) {
+      // Without a branch, which the processor could not foresee: if none waits, what does not apply
+      // is written to element 0 of vertex 0.
+      const EdgeEnd other = end;
+      twin_by_end[own] = other;
+      twin_by_end[other] = own;
+      end = own & (0u - (other == kNone));  // kNone if one was waiting
+      waiting += end;
+      waiting -= other;
     };
-    close(open[links.plane[one]], two);
-    close(open[links.plane[two]], one);
+    const std::uint32_t one = kNextSide[side], two = kAfterNextSide[side];
+    close(open[planes[from].at[one]], end_of(number, two));
+    close(open[planes[from].at[two]], end_of(number, one));
   }
   return waiting == 0;
 }
 
+// Nothing of removed vertices is needed any more, so new ones take their places.
 VDWMESH_INLINE void PowerCell::store_vertices() {
-  const std::uint32_t all = count_ + border_count_;
-  reserve(all);
-  VertexLinks* const links = links_.data();
-  double *x = x_.data(), *y = y_.data(), *z = z_.data();
-  const BorderEdge* const border = border_.data();
-  const NewVertex* const fresh = fresh_.data();
+  double *const x = x_.data(), *const y = y_.data(), *const z = z_.data();
+  Position* const positions = position_.data();
+  ByEdge* const planes = plane_.data();
+  const NewVertex* const fresh = new_.data();
+  const std::uint32_t* const numbers = removed_.data();
   for (std::uint32_t i = 0, count = border_count_; i < count; ++i) {
-    const NewVertex& vertex = fresh[i];
-    const std::uint32_t number = vertex.number;
-    links[border[i].to].next[vertex.back] = number;
-    std::memcpy(&links[number], &vertex.links, sizeof vertex.links);
-    x[number] = vertex.position.x;
-    y[number] = vertex.position.y;
-    z[number] = vertex.position.z;
+    const std::uint32_t number = numbers[i];
+    store_numbers(planes[number], numbers_of(fresh[i].plane));
+    const Lanes position = lanes_at(fresh[i].position.at);
+    store_lanes(positions[number].at, position);
+    x[number] = position[0];
+    y[number] = position[1];
+    z[number] = position[2];
   }
   if (border_count_ < removed_count_) fill_holes();
-  count_ = all - removed_count_;
+  count_ = count_ + border_count_ - removed_count_;
   pad();
 }
 
@@ -239,32 +265,36 @@ inline void PowerCell::move_vertex(std::uint32_t from, std::uint32_t to) {
   x_[to] = x_[from];
   y_[to] = y_[from];
   z_[to] = z_[from];
-  links_[to] = links_[from];
-  for (std::size_t k = 0; k < 3; ++k) {
-    for (std::uint32_t& next : links_[links_[to].next[k]].next) next = next == from ? to : next;
+  position_[to] = position_[from];
+  plane_[to] = plane_[from];
+  twin_[to] = twin_[from];
+  for (std::uint32_t side = 1; side <= 3; ++side) {
+    const EdgeEnd twin = twin_[to].at[side];
+    twin_[vertex_of(twin)].at[side_of(twin)] = end_of(to, side);
   }
 }
 
-inline void PowerCell::cut(const Cap& cap) {
+inline bool PowerCell::cut(const Cap& cap) {
   // A NaN in the axis always comes with a NaN in the cosine.
   if (!(std::abs(cap.cosine) < 1)) {
     doubts_ |= kNotFinite;
-    return;
+    return false;
   }
   if (std::abs(cap.cosine) > 1 - kTouching) doubts_ |= kNearlyTangent;
-  if (count_ == 0 || measure_depths(cap) <= -kNearby || !find_removed(cap)) return;
+  if (count_ == 0 || measure_depths(cap) <= -kNearby || !find_removed(cap)) return false;
   reach_is_stale_ = true;
   if (removed_count_ == count_) {
     count_ = 0;
-    return;
+    return true;
   }
   if (!make_vertices(cap)) {
     doubts_ |= kDamaged;  // links lead nowhere: nothing can be done with this cell
-    std::fill(open_.begin(), open_.end(), OpenEnd{kNone, 0});
+    std::fill(open_.begin(), open_.end(), kNone);
     count_ = 0;
-    return;
+    return true;
   }
   store_vertices();
+  return true;
 }
 
 // kSlack covers the rounding of the squares and of the root.
