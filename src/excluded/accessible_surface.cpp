@@ -188,7 +188,7 @@ void AccessibleSurface::place_arcs() {
     out.spindle = shape.height[0] > 0 && shape.height[1] > 0 &&
                   is_circle_below(a, b, probe_radius, out.circle_radius);
     out.cusp_height = out.spindle ? cusp_height(a, b, probe_radius, out.circle_radius) : 0;
-    out.axis = unit(center(ball[1]) - center(ball[0]));
+    out.axis = unit(b.center - a.center);
     out.center = center(ball[0]) + shape.height[0] * out.axis;
     if (in.start == kNoCorner) return;
     const std::array<CornerIndex, 2> corner{in.start, in.end};
@@ -267,11 +267,6 @@ void AccessibleSurface::list_sides() {
     p.side_count = static_cast<std::uint32_t>(sides.size()) - p.first_side;
     p.center = corner_point(p.corner);
   }
-}
-
-Vec3d AccessibleSurface::corner_point(CornerIndex corner) const {
-  const CommonPoints& points = shapes_.corners(corner / 2);
-  return center(triangle_of(corner).vertices[0]) + (corner % 2 == 0 ? points.above : points.below);
 }
 
 void AccessibleSurface::link_circles() {
@@ -406,18 +401,23 @@ void AccessibleSurface::find_components() {
   DisjointSets sets(contacts.size());
   for (const RolledArc& arc : arcs) sets.join(arc.contact[0], arc.contact[1]);
   Buffer<std::uint32_t> number;
-  components.assign(std::move(sets).number_sets(number), ComponentMeasures{0, 0});
+  components.assign(std::move(sets).number_sets(number), ComponentMeasures{0, 0, {0, 0, 0}});
   std::vector<WideSum> area(components.size()), volume(components.size());
+  for (std::size_t i = contacts.size(); i-- > 0;) {
+    components[number[i]].home = triangulation_.balls[contacts[i].ball].center;
+  }
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     ContactPiece& piece = contacts[i];
     piece.component = number[i];
+    const Vec3d& home = components[number[i]].home;
     const double r = triangulation_.balls[piece.ball].radius;
     area[piece.component].add(r * r * piece.solid_angle);
     volume[piece.component].add(
-        r * r * (dot(center(piece.ball), piece.vector) + r * piece.solid_angle) / 3);
+        r * r * (dot(place(piece.ball, home), piece.vector) + r * piece.solid_angle) / 3);
   }
   for (std::size_t i = 0; i < components.size(); ++i) {
-    components[i] = {area[i].value(), volume[i].value()};
+    components[i].area = area[i].value();
+    components[i].volume = volume[i].value();
   }
   for (Probe& p : probes) {
     p.component = contacts[arcs[arc_at_[p.corner][0]].contact[0]].component;

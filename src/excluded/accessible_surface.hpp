@@ -69,6 +69,7 @@ struct ContactPiece {
 
 struct ComponentMeasures {
   double area, volume;  // scaled; the volume is negative inside a cavity
+  Vec3d home;           // a point near by, in the coordinates of the triangulation
 };
 
 class AccessibleSurface {
@@ -103,11 +104,39 @@ class AccessibleSurface {
   const DualComplex& complex() const { return complex_; }
   const PowerTriangulation& triangulation() const { return triangulation_; }
   // A ball's centre, relative to the origin.
-  Vec3d center(std::uint32_t ball) const { return triangulation_.balls[ball].center - origin; }
+  Vec3d center(std::uint32_t ball) const { return place(ball, origin); }
+
+  // Places relative to a point near by, which keeps the digits that coordinates from a far origin
+  // lose: centres of a ball, an arc's circle and a probe.
+  Vec3d place(std::uint32_t ball, const Vec3d& home) const {
+    return triangulation_.balls[ball].center - home;
+  }
+  Vec3d place(const RolledArc& arc, const Vec3d& home) const {
+    return place(arc.ball[0], home) + arc.height[0] * arc.axis;
+  }
+  Vec3d place(const Probe& probe, const Vec3d& home) const {
+    return place(triangle_of(probe.corner).vertices[0], home) + from_first(probe.corner);
+  }
+  // The vector from one probe to another, or to a ball.
+  Vec3d between(const Probe& from, const Probe& to) const {
+    const Vec3d& home = triangulation_.balls[triangle_of(from.corner).vertices[0]].center;
+    return place(to, home) - from_first(from.corner);
+  }
+  Vec3d between(const Probe& from, std::uint32_t ball) const {
+    const Vec3d& home = triangulation_.balls[triangle_of(from.corner).vertices[0]].center;
+    return place(ball, home) - from_first(from.corner);
+  }
   // A corner's place, relative to the origin.
-  Vec3d corner_point(CornerIndex corner) const;
+  Vec3d corner_point(CornerIndex corner) const {
+    return center(triangle_of(corner).vertices[0]) + from_first(corner);
+  }
 
  private:
+  // A corner relative to the first ball of its triangle.
+  const Vec3d& from_first(CornerIndex corner) const {
+    const CommonPoints& points = shapes_.corners(corner / 2);
+    return corner % 2 == 0 ? points.above : points.below;
+  }
   void place_arcs();
   void gather_corners();
   bool is_low(CornerIndex corner) const;

@@ -88,7 +88,7 @@ class ShareFinder {
         const auto is_v = [&](const AtomShare& s) { return s.ball == v; };
         if (std::any_of(shares_.begin(), shares_.end(), is_v)) continue;
         shares_.push_back({v, 0, 0});
-        touch_.push_back(unit(surface_.center(v) - probe.center));
+        touch_.push_back(unit(surface_.between(probe, v)));
       }
     }
   }

@@ -144,7 +144,7 @@ class PatchMaker {
     for (const PatchSide& side : patch_.sides) {
       if (side.spindle && is_on_circle(surface_, other, surface_.arcs[side.arc].edge)) return;
     }
-    const Vec3d apart = surface_.probes[other].center - probe().center;
+    const Vec3d apart = surface_.between(probe(), surface_.probes[other]);
     const double distance = norm(apart);
     // Wide numbers find where nearest neighbours are.
     const bool near = distance < kNearProbe * p_;

@@ -2,9 +2,9 @@
 //
 // The triangulation, the dual complex and everything after them are those of the balls grown by the
 // probe, with lengths divided by 2^scale_exponent, which is exact. The volume is the flux of the
-// position, ∫ q · n dA / 3, from the middle of the set. The second volume takes the layer between
-// the accessible and the excluded surface away from the accessible solid: cones and sectors along
-// the segments from each point of the accessible surface to the points of contact below it.
+// position, ∫ q · n dA / 3, from a point near each closed part. The second volume takes the layer
+// between the accessible and the excluded surface away from the accessible solid: cones and sectors
+// along the segments from each point of the accessible surface to the points of contact below it.
 #include "excluded/excluded_measures.hpp"
 
 #include <algorithm>
@@ -83,11 +83,15 @@ class PatchSums {
     vector_.add(vector);
   }
 
+  const Vec3d& home_of(const RolledArc& arc) const {
+    return records_.home[surface_.contacts[arc.contact[0]].component];
+  }
+
   void add_contacts() {
     for (const ContactPiece& c : surface_.contacts) {
       if (!included_[c.component]) continue;
       const double r = radius_[c.ball], grown = surface_.triangulation().balls[c.ball].radius;
-      const Vec3d center = surface_.center(c.ball);
+      const Vec3d center = surface_.place(c.ball, records_.home[c.component]);
       add(contact, r * r * c.solid_angle, r * r * (dot(center, c.vector) + r * c.solid_angle) / 3,
           (r * r) * c.vector);
       layer_[contact].add(c.solid_angle * (grown * grown * grown - r * r * r) / 3);
@@ -106,8 +110,9 @@ class PatchSums {
         [&](std::size_t i, const std::array<SaddleMeasures, 2>& halves) {
           const RolledArc& arc = surface_.arcs[i];
           if (arc.dropped || !included_[surface_.contacts[arc.contact[0]].component]) return;
+          const Vec3d at = surface_.place(arc, home_of(arc));
           for (const SaddleMeasures& m : halves) {
-            add(saddle, m.area, m.flux, m.vector);
+            add(saddle, m.area, m.flux + dot(at, m.vector) / 3, m.vector);
             layer_[saddle].add(m.layer);
           }
           ++counts_.arcs;
@@ -119,7 +124,8 @@ class PatchSums {
   void add_concave() {
     const double p = surface_.probe_radius;
     for (const ConcavePiece& c : records_.pieces) {
-      const Vec3d& x = surface_.probes[c.probe].center;
+      const Probe& probe = surface_.probes[c.probe];
+      const Vec3d x = surface_.place(probe, records_.home[probe.component]);
       add(concave, p * p * c.solid_angle, -p * p * (dot(x, c.vector) + p * c.solid_angle) / 3,
           (-p * p) * c.vector);
     }
@@ -283,9 +289,9 @@ class ExcludedSum {
     std::vector<vdwmesh::AccessibleComponent> out;
     for (std::size_t c = 0; c < components(); ++c) {
       if (!included[c]) continue;
-      const auto& [accessible_area, accessible_volume] = surface_.components[c];
-      out.push_back({std::ldexp(accessible_area, 2 * exponent_),
-                     std::ldexp(accessible_volume, 3 * exponent_), accessible_volume < 0,
+      const ComponentMeasures& accessible = surface_.components[c];
+      out.push_back({std::ldexp(accessible.area, 2 * exponent_),
+                     std::ldexp(accessible.volume, 3 * exponent_), accessible.volume < 0,
                      std::ldexp(area[c].value(), 2 * exponent_)});
     }
     std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) {

@@ -110,7 +110,8 @@ class ShellSum {
       const double r = radius_[c.ball];
       Sum& sum = at(i);
       sum.area.add(r * r * c.solid_angle);
-      sum.flux.add(r * r * (dot(surface_.center(c.ball), c.vector) + r * c.solid_angle) / 3);
+      const Vec3d center = surface_.place(c.ball, records_.home[c.component]);
+      sum.flux.add(r * r * (dot(center, c.vector) + r * c.solid_angle) / 3);
       sum.bend.add(c.solid_angle);
       sum.sixths += 6 * (2 - static_cast<std::int64_t>(c.loops));
     }
@@ -123,11 +124,13 @@ class ShellSum {
       const RolledArc& arc = surface_.arcs[i];
       if (!counts(arc)) continue;
       const Profile profile = profile_of(arc);
+      const std::uint32_t component = surface_.contacts[arc.contact[0]].component;
+      const Vec3d middle = surface_.place(arc, records_.home[component]);
       for (std::size_t k = 0; k < 2; ++k) {
         const SaddleMeasures m = measure_saddle(arc, surface_.probe_radius, profile, k);
         Sum& sum = at(half(i, k));
         sum.area.add(m.area);
-        sum.flux.add(m.flux);
+        sum.flux.add(m.flux + dot(middle, m.vector) / 3);
         sum.bend.add(m.bend);
         if (!arc.is_ring()) sum.sixths -= 6;
         if (profile.spindle) {
@@ -162,7 +165,8 @@ class ShellSum {
       const ConcavePiece& c = records_.pieces[i];
       Sum& sum = at(piece(i));
       sum.area.add(p * p * c.solid_angle);
-      const Vec3d& x = surface_.probes[c.probe].center;
+      const Probe& probe = surface_.probes[c.probe];
+      const Vec3d x = surface_.place(probe, records_.home[probe.component]);
       sum.flux.add(-p * p * (dot(x, c.vector) + p * c.solid_angle) / 3);
       sum.bend.add(c.bend);
       sum.sixths += 6 * (2 - static_cast<std::int64_t>(c.loops));

@@ -43,14 +43,14 @@ class LowProbes {
 
 template <class Visit>
 void LowProbes::near(std::uint32_t probe, const Visit& visit) const {
-  const Vec3d& x = surface_.probes[probe].center;
-  const Cell home = cell_of(x);
+  const Probe& self = surface_.probes[probe];
+  const Cell home = cell_of(self.center);
   for (double z = home[0] - 1; z <= home[0] + 1; ++z) {
     for (double y = home[1] - 1; y <= home[1] + 1; ++y) {
       const Cell last{z, y, home[2] + 1};
       const Entry* const end = entries_.data() + entries_.size();
       for (const Entry* e = first_from({z, y, home[2] - 1}); e != end && e->cell <= last; ++e) {
-        const Vec3d apart = surface_.probes[e->probe].center - x;
+        const Vec3d apart = surface_.between(self, surface_.probes[e->probe]);
         if (e->probe != probe && squared_norm(apart) < width_ * width_) visit(e->probe);
       }
     }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/disjoint_sets.hpp"
 #include "core/fixed_blocks.hpp"
 
 namespace vdwmesh::excluded {
@@ -85,6 +86,17 @@ PatchRecords::PatchRecords(const AccessibleSurface& surface, std::span<const std
   add_up_to(static_cast<std::uint32_t>(surface.probes.size()));
   const double p = surface.probe_radius;
   layer *= p * p * p;
+  find_homes(surface);
+}
+
+void PatchRecords::find_homes(const AccessibleSurface& surface) {
+  DisjointSets together(surface.components.size());
+  for (const Crease& c : creases) {
+    together.join(surface.probes[c.probe].component, surface.probes[c.other].component);
+  }
+  for (std::uint32_t c = 0; c < surface.components.size(); ++c) {
+    home.push_back(surface.components[together.find(c)].home);
+  }
 }
 
 void PatchRecords::add_whole(const AccessibleSurface& surface, std::uint32_t probe) {

@@ -55,12 +55,17 @@ struct PatchRecords {
                                                          // the pieces near its balls a and b
   std::vector<Crease> creases;                           // by probe, ascending
   std::vector<std::uint32_t> first_crease;               // by probe, one more
+  // By component: the point about which the flux of the position is taken, in the coordinates of
+  // the triangulation. It is the same for components whose patches meet in creases: together these
+  // are closed, so that the volume does not depend on it.
+  std::vector<Vec3d> home;
   double layer = 0;  // scaled volume between the probes and the patches, flat parts included
   std::uint64_t extended_decisions = 0, ties = 0, uncertified = 0;
 
  private:
   void add_whole(const AccessibleSurface& surface, std::uint32_t probe);
   void add_cut(const AccessibleSurface& surface, const ConcavePatch& patch);
+  void find_homes(const AccessibleSurface& surface);
 };
 
 }  // namespace vdwmesh::excluded

@@ -32,7 +32,7 @@ inline Profile profile_of(const RolledArc& arc) {
 struct SaddleMeasures {
   double area;
   Vec3d vector;  // integral of the outward normal
-  double flux;   // integral of (q - origin) · n / 3
+  double flux;   // integral of (q - A) · n / 3
   double layer;  // volume between the accessible surface and the saddle
   double bend;   // integral of the Gaussian curvature
 };
@@ -53,7 +53,7 @@ inline SaddleMeasures measure_profile(const RolledArc& arc, double p, double fro
   m.vector = p * ((rho * cosine - p * cosine2) * radial_integral(arc) -
                   (angle * (rho * sine - p * sine_cosine)) * arc.axis);
   const double bulk = (p * p + rho * rho) * cosine - rho * p * (one + cosine2);
-  m.flux = (dot(arc.center, m.vector) + angle * p * bulk) / 3;
+  m.flux = angle * p * bulk / 3;
   m.layer = angle * p * p * (rho * one / 2 - p * cosine / 3);
   m.bend = -angle * cosine;
   return m;

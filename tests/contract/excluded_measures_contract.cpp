@@ -15,12 +15,6 @@ using std::size_t;
 
 // Share of the accessible area by which ∫ n dA may differ from 0.
 constexpr double kClosure = 1e-12;
-// In place of `kExcludedRounding` if rounding can decide about corners: of creases that all but
-// coincide, angles are good to 1e-9.
-constexpr double kNearlyDegenerate = 1e-11;
-// A flux of 10⁶ Å times an area is good to 1e-10 Å times the area, and a volume some 0.3 Å times
-// it; there are hundreds of them.
-constexpr double kFar = 1e-7;
 // The integral of curvature is a sum of angles, some of them ill-conditioned; it tells integers
 // apart.
 constexpr double kGaussBonnet = 1e-6;
@@ -41,13 +35,9 @@ ExactUnion union_of(const SphereSet& atoms, double more) {
 struct Slack {
   double area, volume, closure;  // Å², Å³, Å²
 };
-double rounding(CornerPositions corners) {
-  if (corners == CornerPositions::far) return kFar;
-  return corners == CornerPositions::general ? kExcludedRounding : kNearlyDegenerate;
-}
-Slack slack(const ExcludedSurface& s, CornerPositions corners) {
-  return {rounding(corners) * s.accessible_area, rounding(corners) * s.accessible_volume,
-          kClosure / kExcludedRounding * rounding(corners) * s.accessible_area};
+Slack slack(const ExcludedSurface& s) {
+  return {kExcludedRounding * s.accessible_area, kExcludedRounding * s.accessible_volume,
+          kClosure * s.accessible_area};
 }
 
 void expect_sound_totals(const ExcludedSurface& s, const Slack& allowed) {
@@ -163,8 +153,8 @@ void expect_sound_exterior(const ExcludedSurface& complete, const ExcludedSurfac
   for (const AccessibleComponent& c : exterior.topology->components) EXPECT_FALSE(c.is_cavity);
 }
 
-void expect_sound_surface(const ExcludedSurface& s, CornerPositions corners) {
-  const Slack allowed = slack(s, corners);
+void expect_sound_surface(const ExcludedSurface& s) {
+  const Slack allowed = slack(s);
   expect_sound_totals(s, allowed);
   expect_sound_checks(s, allowed);
   expect_sound_topology(s, allowed);
@@ -208,15 +198,13 @@ bool is_certified(const ExcludedMeasures& measures) {
 
 void expect_sound(const SphereSet& atoms, const ExcludedMeasures& measures,
                   CornerPositions corners) {
-  const bool general = corners == CornerPositions::general;
-  if (!general && !is_certified(measures)) return;
-  const Slack allowed = slack(measures.complete, corners);
-  expect_sound_surface(measures.complete, corners);
+  const Slack allowed = slack(measures.complete);
+  expect_sound_surface(measures.complete);
   expect_sound_atoms(measures.complete, allowed, atoms.size());
-  if (general) expect_no_negative_share(measures.complete, allowed);
+  if (corners == CornerPositions::general) expect_no_negative_share(measures.complete, allowed);
   expect_sound_unions(atoms, measures.probe, measures.complete, allowed);
   ASSERT_TRUE(measures.exterior.has_value());
-  expect_sound_surface(*measures.exterior, corners);
+  expect_sound_surface(*measures.exterior);
   if (::testing::Test::HasFatalFailure()) return;
   expect_sound_exterior(measures.complete, *measures.exterior, allowed);
 }

@@ -30,11 +30,9 @@ ExcludedMeasures measure_excluded(const SphereSet& atoms, double probe);
 // Gauss and Bonnet holds.
 bool is_certified(const ExcludedMeasures& measures);
 
-// Whether rounding can decide about the corners of the accessible surface. Then `expect_sound`
-// expects nothing of measures that are not certified; tests count these, so that there are few.
-// Coordinates of far corners are of 10⁶ Å: a volume is the difference of fluxes about the origin,
-// of 10⁶ Å times an area each.
-enum class CornerPositions { general, degenerate, far };
+// Whether rounding can decide about the corners of the accessible surface. Then shares of atoms
+// that all but coincide may be negative; nothing else depends on it.
+enum class CornerPositions { general, degenerate };
 
 // Totals, parts, atoms, shells, components and checks agree with each other, and with the exact
 // unions of the atoms and of the grown balls.

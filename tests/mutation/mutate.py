@@ -50,6 +50,7 @@ TESTS = {
     "refine": ["refine_test", "refiner_contract_test", "exact_mesher_contract_test", "cli.options"],
     "arrangement": ["arrangement_union_test", "arrangement_arcs_test", "test_distances", "exact_mesher_contract_test",
                     "cli.exact_mesher", "cli.union_witnesses"],
+    "excluded": ["excluded_measures_contract_test", "excluded_mesher_contract_test", "cli.excluded"],
     "mesh": ["test_surface_mesh", "test_mesh_io", "cli.meshes", "cli.foreign", "cli.files"],
     "analysis": ["test_mesh_measures", "test_study", "test_distances", "properties_test", "cli.report", "cli.meshes",
                  "cli.study"],
