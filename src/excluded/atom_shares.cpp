@@ -64,7 +64,7 @@ class ShareFinder {
       : surface_(surface), patch_(patch) {
     find_atoms();
     if (shares_.size() < 3) return;
-    apex_ = cross(touch_[1] - touch_[0], touch_[2] - touch_[0]);
+    apex_ = cross(toward(1, 0), toward(2, 0));
     const double size = norm(apex_);
     apex_ = size > 0 ? (1 / size) * apex_ : touch_[0];
     if (dot(apex_, touch_[0]) < 0) apex_ = -1.0 * apex_;
@@ -93,6 +93,15 @@ class ShareFinder {
     }
   }
 
+  // The vector from the point of contact with atom j to that with atom i, at right angles to the
+  // plane that bisects them. It is the difference of (c - x) / R for the grown balls of both, in
+  // which atoms that all but coincide keep their digits.
+  Vec3d toward(std::size_t i, std::size_t j) const {
+    const auto& balls = surface_.triangulation().balls;
+    const Sphere &a = balls[shares_[i].ball], &b = balls[shares_[j].ball];
+    return (1 / a.radius) * ((a.center - b.center) + (b.radius - a.radius) * touch_[j]);
+  }
+
   SphereArc arc_of(const PatchSegment& s) const {
     const auto caps = static_cast<std::uint32_t>(patch_.caps.size());
     if (s.circle >= caps) return {patch_.sides[s.circle - caps].inward, 0, s.from, s.angle};
@@ -103,7 +112,7 @@ class ShareFinder {
   std::size_t nearest(const Vec3d& w) const {
     std::size_t best = 0;
     for (std::size_t i = 1; i < touch_.size(); ++i) {
-      if (dot(touch_[i], w) > dot(touch_[best], w)) best = i;
+      if (dot(toward(i, best), w) > 0) best = i;
     }
     return best;
   }
@@ -111,8 +120,7 @@ class ShareFinder {
   void add_segment(const SphereArc& arc) {
     std::vector<double> cuts{0, 1};
     for (std::size_t i = 0; i < touch_.size(); ++i) {
-      for (std::size_t j = i + 1; j < touch_.size(); ++j)
-        add_cuts(arc, touch_[i] - touch_[j], cuts);
+      for (std::size_t j = i + 1; j < touch_.size(); ++j) add_cuts(arc, toward(i, j), cuts);
     }
     std::sort(cuts.begin(), cuts.end());
     for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
@@ -149,12 +157,12 @@ class ShareFinder {
   }
 
   void add_bisector(std::size_t i, std::size_t j) {
-    const Vec3d axis = unit(touch_[i] - touch_[j]);
+    const Vec3d axis = unit(toward(i, j));
     std::vector<CapCircle<double>> others;
     for (const PatchCap& c : patch_.caps) others.push_back(circle(c.axis, c.cosine));
     for (const PatchSide& s : patch_.sides) others.push_back(circle(-1.0 * s.inward, 0));
     for (std::size_t k = 0; k < touch_.size(); ++k) {
-      if (k != i && k != j) others.push_back(circle(unit(touch_[k] - touch_[i]), 0));
+      if (k != i && k != j) others.push_back(circle(unit(toward(k, i)), 0));
     }
     const CapCircle<double> self = circle(axis, 0);
     std::vector<Covered<double>> covered;
@@ -178,7 +186,7 @@ class ShareFinder {
   double flat_cones(std::size_t i) const {
     std::vector<HalfSpace> within;
     for (std::size_t j = 0; j < touch_.size(); ++j) {
-      if (j != i) within.push_back({touch_[j] - touch_[i], 0});
+      if (j != i) within.push_back({toward(j, i), 0});
     }
     return flat_faces(patch_, within);
   }

@@ -183,7 +183,7 @@ TEST(ExcludedAnalytic, MirrorProbesThatTouch) {
         {{{{0, 0, 0}}, r}, {{{s, 0, 0}}, r}, {{{s / 2, s * std::sqrt(0.75), 0}}, r}}};
     const SphereSet atoms = to_spheres({balls.begin(), balls.end()});
     const ExcludedMeasures found = measure_excluded(atoms, probe);
-    expect_sound(atoms, found, CornerPositions::degenerate);
+    expect_sound(atoms, found);
     // The circle in which they meet has a radius of √(2 p δ) for δ below the plane, so δ, which is
     // good to 1e-15 Å, makes an area of 1e-14 Å² uncertain.
     expect_form(found.complete, excluded_three_balls(balls, probe));

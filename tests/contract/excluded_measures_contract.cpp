@@ -121,7 +121,6 @@ void expect_sound_atoms(const ExcludedSurface& s, const Slack& allowed, size_t a
   expect_near(volume, s.volume, allowed.volume, "volumes of atoms");
 }
 
-// Bisectors between atoms that all but coincide are anywhere, so only their sums are certain.
 void expect_no_negative_share(const ExcludedSurface& s, const Slack& allowed) {
   for (const ExcludedAtom& a : s.per_atom) {
     EXPECT_TRUE(std::min({a.area.contact, a.area.saddle, a.area.concave}) >= -allowed.area);
@@ -196,12 +195,11 @@ bool is_certified(const ExcludedMeasures& measures) {
          (!measures.exterior || is_certified(*measures.exterior));
 }
 
-void expect_sound(const SphereSet& atoms, const ExcludedMeasures& measures,
-                  CornerPositions corners) {
+void expect_sound(const SphereSet& atoms, const ExcludedMeasures& measures) {
   const Slack allowed = slack(measures.complete);
   expect_sound_surface(measures.complete);
   expect_sound_atoms(measures.complete, allowed, atoms.size());
-  if (corners == CornerPositions::general) expect_no_negative_share(measures.complete, allowed);
+  expect_no_negative_share(measures.complete, allowed);
   expect_sound_unions(atoms, measures.probe, measures.complete, allowed);
   ASSERT_TRUE(measures.exterior.has_value());
   expect_sound_surface(*measures.exterior);

@@ -30,14 +30,9 @@ ExcludedMeasures measure_excluded(const SphereSet& atoms, double probe);
 // Gauss and Bonnet holds.
 bool is_certified(const ExcludedMeasures& measures);
 
-// Whether rounding can decide about the corners of the accessible surface. Then shares of atoms
-// that all but coincide may be negative; nothing else depends on it.
-enum class CornerPositions { general, degenerate };
-
 // Totals, parts, atoms, shells, components and checks agree with each other, and with the exact
 // unions of the atoms and of the grown balls.
-void expect_sound(const SphereSet& atoms, const ExcludedMeasures& measures,
-                  CornerPositions corners = CornerPositions::general);
+void expect_sound(const SphereSet& atoms, const ExcludedMeasures& measures);
 
 // Area by kind, and volume. The tolerance is relative to the whole area and volume.
 void expect_form(const ExcludedSurface& found, const reference::ExcludedForm& expected,

@@ -24,7 +24,7 @@ ExcludedMeasures measure_certified(const SphereSet& atoms, double probe) {
   const ExcludedMeasures found = measure_excluded(atoms, probe);
   EXPECT_TRUE(is_certified(found));
   EXPECT_EQ(found.complete.checks.ties, 0u);
-  expect_sound(atoms, found, CornerPositions::degenerate);
+  expect_sound(atoms, found);
   return found;
 }
 

@@ -28,7 +28,6 @@ struct NamedSet {
   std::string name;
   std::vector<Sphere> atoms;
   double probe;  // Å
-  CornerPositions corners = CornerPositions::general;
 };
 
 // Multiples of 2⁻³⁰ Å: a shift by 100 Å is exact.
@@ -62,10 +61,8 @@ std::vector<NamedSet> sets() {
           {"large probe", random_atoms(3, 60, 20), 4},
           {"sparse", random_atoms(4, 40, 50), 1.4},
           {"dense", random_atoms(5, 60, 4), 1.4},
-          {"cube with windows", rounded_spheres(reference::cube(4), 1.5), 1.4,
-           CornerPositions::degenerate},
-          {"fullerene cut off", rounded_spheres(reference::fullerene(1.458, 1.401), 1.7), 1.4,
-           CornerPositions::degenerate}};
+          {"cube with windows", rounded_spheres(reference::cube(4), 1.5), 1.4},
+          {"fullerene cut off", rounded_spheres(reference::fullerene(1.458, 1.401), 1.7), 1.4}};
 }
 
 // The corners of `sets()` are good to some 1e-13 Å; those of low probes lose more.
@@ -75,7 +72,7 @@ TEST(ExcludedInvariants, EverythingAgrees) {
   for (const NamedSet& set : sets()) {
     SCOPED_TRACE(set.name);
     const SphereSet atoms(set.atoms);
-    expect_sound(atoms, measure_excluded(atoms, set.probe), set.corners);
+    expect_sound(atoms, measure_excluded(atoms, set.probe));
   }
 }
 
@@ -202,7 +199,7 @@ TEST(ExcludedInvariants, AtomsThatAddNothing) {
     }
     const SphereSet atoms(more);
     const ExcludedMeasures after = measure_excluded(atoms, set.probe);
-    expect_sound(atoms, after, CornerPositions::degenerate);
+    expect_sound(atoms, after);
     expect_same_measures(after.complete, before.complete, kSame);
     expect_same_topology(*after.complete.topology, *before.complete.topology);
     expect_same_counts(after.complete.counts, before.complete.counts);
@@ -218,7 +215,7 @@ TEST(ExcludedInvariants, AnAtomThatTouchesFromInside) {
   const std::vector<Sphere> one{{{0, 0, 0}, 2}};
   const SphereSet both({{{0, 0, 0}, 2}, {{0.5, 0, 0}, 1.5}});
   const ExcludedMeasures found = measure_excluded(both, 1.4);
-  expect_sound(both, found, CornerPositions::degenerate);
+  expect_sound(both, found);
   expect_same_measures(found.complete, measure_excluded(SphereSet(one), 1.4).complete);
 }
 
