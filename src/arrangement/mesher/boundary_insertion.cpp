@@ -63,7 +63,7 @@ class BoundaryInserter {
     flat();
     plane_.start(plane_points_, &circles_);
     std::uint32_t near = 0;  // the triangle from which the next point is searched for
-    for (const std::uint32_t i : insertion_order(boundary_)) {
+    for (const std::uint32_t i : boundary_order(boundary_.points.size())) {
       check_cancelled(options_.monitor, i);
       insert_point(i, near);
       near = plane_.triangle_at(i);

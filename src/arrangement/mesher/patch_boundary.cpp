@@ -240,10 +240,10 @@ VDWMESH_MULTIVERSION std::vector<Vec3d> clear_points(const std::vector<CoveredCa
   return clear;
 }
 
-std::vector<std::uint32_t> insertion_order(const PatchBoundary& boundary) {
+std::vector<std::uint32_t> boundary_order(std::size_t points) {
   // With fewer points than this, their own order is fast enough.
   constexpr std::uint32_t kMany = 1024;
-  const auto count = static_cast<std::uint32_t>(boundary.points.size());
+  const auto count = static_cast<std::uint32_t>(points);
   std::vector<std::uint32_t> order;
   order.reserve(count);
   // The first loop takes every step-th point: all points if there are few, otherwise the first and

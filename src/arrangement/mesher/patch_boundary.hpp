@@ -79,12 +79,12 @@ std::vector<Vec3d> clear_points(const std::vector<CoveredCap>& caps,
                                 const std::vector<double>& margins,
                                 const std::vector<Vec3d>& points);
 
-// An order, as indices of points, for inserting them into a Delaunay triangulation. If there are
-// few points, they keep the order of PatchBoundary::points. With many points this would be slow:
-// the points of a circle come one after the other, and each one would change most of the edges that
-// exist. So the order is hierarchical. It begins with a coarse subset, and each following round
-// halves the spacing of the points inserted so far.
-std::vector<std::uint32_t> insertion_order(const PatchBoundary& boundary);
+// An order, as indices, for inserting the points of a boundary into a Delaunay triangulation. If
+// there are few points, they keep their order. With many points this would be slow: the points of a
+// circle come one after the other, and each one would change most of the edges that exist. So the
+// order is hierarchical. It begins with a coarse subset, and each following round halves the
+// spacing of the points inserted so far.
+std::vector<std::uint32_t> boundary_order(std::size_t count);
 
 // The circles that pass through each point of a boundary. A circle of the patch's sphere is named
 // by the ball on its other side. If a corner was joined, the spheres of all arcs that end in it

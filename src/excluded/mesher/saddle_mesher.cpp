@@ -147,7 +147,8 @@ class SaddleTriangulator {
     for (const Point& p : points_) images.push_back(chart_.project(p.torus));
     plane_.start(images, nullptr);
     std::uint32_t near = 0;
-    for (std::uint32_t i = 0; i < boundary_count_; ++i) {
+    for (const std::uint32_t i : boundary_order(boundary_count_)) {
+      check_cancelled(options_.monitor, i);
       const Location at = plane_.locate(images[i], near);
       if (at.place == Place::on_vertex) throw CoincidentPoints();
       plane_.insert(i, at);
