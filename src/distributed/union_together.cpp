@@ -1,5 +1,5 @@
-// union_together(): every rank takes its share of the spheres and those that overlap them, in the
-// cells of the whole set, so that a sphere's measures have the bits that one process gives them.
+// union_together(): every rank takes its share of the spheres and those that overlap them. A
+// sphere's measures have the bits that one process gives them, because they depend on these alone.
 // What travels then are sums: of areas and volumes without rounding, of the integers from which the
 // counts follow, and the number of sets of connected spheres. Spheres near two shares say which of
 // these sets are one. Spheres that the arcs cannot measure go to the first rank with the balls
@@ -25,8 +25,9 @@
 namespace vdwmesh {
 namespace {
 
-constexpr std::uint64_t kBytesPerSphere = 80;       // of the whole set, on every rank
-constexpr std::uint64_t kBytesPerNearSphere = 450;  // list, measures, sets; of those near the share
+// Half as much again as was measured on five million atoms.
+constexpr std::uint64_t kBytesPerSphere = 40;       // of the whole set, on every rank
+constexpr std::uint64_t kBytesPerNearSphere = 300;  // list, measures, sets; of those near the share
 
 struct MeasuredSphere {
   SphereId id;  // in the whole set
@@ -72,12 +73,6 @@ void check_memory(const SphereSet& spheres, const SphereShare& share, std::uint6
       share.own.size(), spheres.size(), bytes >> 20, limit >> 20, (bytes >> 20) + 1));
 }
 
-CellListFrame frame_of_balls(const SphereSet& spheres) {
-  std::vector<double> reach(spheres.size());
-  std::ranges::transform(spheres.spheres(), reach.begin(), &Sphere::radius);
-  return make_frame(spheres, reach);
-}
-
 // The spheres that the arcs are to measure, as indices of the near ones. Counts are of the whole
 // union, so all of the share are measured for them.
 std::vector<SphereId> spheres_for_arcs(const SphereShare& share, const MeasuredSpheres& measured,
@@ -90,23 +85,19 @@ std::vector<SphereId> spheres_for_arcs(const SphereShare& share, const MeasuredS
   return chosen;
 }
 
-void measure_share(Part& part, const SphereSet& spheres, const MeasuredSpheres& measured,
+void measure_share(Part& part, const MeasuredSpheres& measured,
                    const UnionTogetherOptions& options) {
   const auto& [near, ids] = part.share.near;
   const std::vector<SphereId> wanted = spheres_for_arcs(part.share, measured, options.topology);
   if (wanted.empty()) return;
-  const CellListFrame frame = frame_of_balls(spheres);
   const SphereSet near_set = SphereSet::view(near);
   const MeasuredSpheres of_share(near.size(), wanted);
   Workspace workspace;
   arc_measures(part.arcs, near_set,
-               {.measured = of_share,
-                .topology = options.topology,
-                .frame = &frame,
-                .monitor = options.monitor},
+               {.measured = of_share, .topology = options.topology, .monitor = options.monitor},
                workspace);
   if (part.arcs.suspect.empty()) return;
-  const CellListView& list = ball_list(near_set, workspace, &frame);
+  const CellListView& list = ball_list(near_set, workspace);
   part.near_suspects = balls_near(list, near_set, part.arcs.suspect);
   for (NumberedBall& ball : part.near_suspects) ball.id = ids[ball.id];
   for (const SphereId i : part.arcs.suspect) part.suspects.push_back(ids[i]);
@@ -249,7 +240,7 @@ ExactUnion union_together(const Ranks& ranks, const SphereSet& spheres,
     part.share = share_of_spheres(spheres, static_cast<std::size_t>(ranks.number()),
                                   static_cast<std::size_t>(ranks.count()));
     check_memory(spheres, part.share, options.memory_limit);
-    measure_share(part, spheres, *measured, options);
+    measure_share(part, *measured, options);
     add_up(part, *measured, options);
     count_sets(part);
   });

@@ -40,11 +40,10 @@ const CellListView& KeptCellLists::get(const SphereSet& spheres, std::span<const
   return entry.list.view();
 }
 
-const CellListView& ball_list(const SphereSet& spheres, Workspace& workspace,
-                              const CellListFrame* frame) {
+const CellListView& ball_list(const SphereSet& spheres, Workspace& workspace) {
   std::vector<double> reach(spheres.size());
   for_each_index(reach.size(), [&](std::size_t i) { reach[i] = spheres[i].radius; });
-  return workspace.get<KeptCellLists>().get(spheres, reach, frame);
+  return workspace.get<KeptCellLists>().get(spheres, reach, nullptr);
 }
 
 }  // namespace vdwmesh

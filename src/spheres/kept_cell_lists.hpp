@@ -38,9 +38,7 @@ class KeptCellLists {
   std::size_t last_ = 0;  // index of the entry that was requested last
 };
 
-// The list of the workspace's KeptCellLists in which the reach of a sphere is its radius. `frame`
-// is as in get().
-const CellListView& ball_list(const SphereSet& spheres, Workspace& workspace,
-                              const CellListFrame* frame = nullptr);
+// The list of the workspace's KeptCellLists in which the reach of a sphere is its radius.
+const CellListView& ball_list(const SphereSet& spheres, Workspace& workspace);
 
 }  // namespace vdwmesh

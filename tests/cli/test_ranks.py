@@ -220,7 +220,7 @@ class Faults(RanksTest):
         self.assert_all_end(LIMIT_HIT, *self.mesh("--spacing", "0.1", "--memory-limit", "60M"),
                             says=("more ranks",))  # fmt: skip
         self.run_ranks_ok(7, *self.mesh("--spacing", "0.1", "--memory-limit", "60M"))
-        exact = ("exact", self.file("a.xyzr", FLAT), "--memory-limit", "300K")
+        exact = ("exact", self.file("a.xyzr", FLAT), "--memory-limit", "250K")
         self.assert_all_end(LIMIT_HIT, *exact, ranks=1, says=("more ranks", "--memory-limit 1M"))
 
     def test_a_file_that_cannot_be_written_in_full(self):

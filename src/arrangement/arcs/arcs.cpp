@@ -132,7 +132,7 @@ ArcMeasures arc_measures(const SphereSet& spheres, Monitor* monitor) {
 void arc_measures(ArcMeasures& result, const SphereSet& spheres, const ArcRequest& request,
                   Workspace& workspace) {
   if (spheres.empty()) throw InvalidInput("no spheres: their union has no area or volume");
-  const CellListView list = ball_list(spheres, workspace, request.frame);
+  const CellListView list = ball_list(spheres, workspace);
   auto& [threads, is_doubtful, places] = workspace.get<ArcSpace>();
   result.per_sphere.resize(spheres.size());
   is_doubtful.resize(spheres.size());

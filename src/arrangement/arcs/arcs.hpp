@@ -16,7 +16,6 @@
 #include "core/disjoint_sets.hpp"
 #include "core/monitor.hpp"
 #include "core/workspace.hpp"
-#include "spheres/cell_list_frame.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -43,8 +42,9 @@ std::optional<UnionCounts> counts_of(const PatchSums& sums, std::uint64_t compon
 
 struct ArcMeasures {
   // One entry per sphere, in the order of the SphereSet: exposed area, and volume of ball ∩ power
-  // cell. Both depend on the sphere and its neighbours alone, not on the origin of coordinates.
-  // Both are NaN for a sphere that was not to be measured.
+  // cell. Both depend on the sphere and its neighbours alone, not on the origin of coordinates:
+  // they have the same bits in every set in which these spheres are, in the same order. Both are
+  // NaN for a sphere that was not to be measured.
   std::vector<SphereMeasures> per_sphere;
   // Spheres whose numbers are not to be trusted, ascending. Either a check failed (closedness of
   // the surface of ball ∩ power cell, Euler's formula), or the sphere is nearly degenerate: circles
@@ -60,10 +60,6 @@ struct ArcMeasures {
 struct ArcRequest {
   const MeasuredSpheres& measured;                   // all others cover these
   TopologyRequest topology = TopologyRequest::none;  // or counts
-  // The cells of the list of the balls, whose reach is their radius. Without a frame they are made
-  // for these balls. A sphere's measures have the same bits in every set that has all balls that
-  // overlap it, if the sets have the same frame and have these balls in the same order.
-  const CellListFrame* frame = nullptr;
   Monitor* monitor = nullptr;
 };
 

@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "arrangement/arcs/arcs.hpp"
 #include "distributed/joined_sets.hpp"
 
 namespace vdwmesh {
@@ -67,6 +68,45 @@ TEST(SphereShares, TouchingSpheresFarFromTheOriginAreNear) {
 TEST(SphereShares, AreCutAcrossTheLongestAxis) {
   const SphereSet spheres(random_spheres(4000, {20, 1000, 20}));
   EXPECT_LE(share_of_spheres(spheres, 5, 10).near.ids.size(), 450u);
+}
+
+// Atoms of a crystal: many neighbours at the same distance, so that ties decide in which order the
+// planes of a power cell are cut.
+std::vector<Sphere> crystal(double radius) {
+  std::vector<Sphere> spheres;
+  for (int x = 0; x < 9; ++x) {
+    for (int y = 0; y < 5; ++y) {
+      for (int z = 0; z < 4; ++z) {
+        spheres.push_back({{1.1 * x, 1.1 * y, 1.1 * z}, radius});
+        spheres.push_back({{1.1 * x + 0.55, 1.1 * y + 0.55, 1.1 * z + 0.55}, 0.9 * radius});
+      }
+    }
+  }
+  return spheres;
+}
+
+void expect_bits_of_whole(const SphereSet& spheres, std::size_t parts) {
+  const ArcMeasures whole = arc_measures(spheres);
+  for (std::size_t part = 0; part < parts; ++part) {
+    const auto [near, own] = share_of_spheres(spheres, part, parts);
+    const MeasuredSpheres measured(near.spheres.size(), own);
+    ArcMeasures arcs{};
+    Workspace workspace;
+    arc_measures(arcs, SphereSet::view(near.spheres), {.measured = measured}, workspace);
+    for (const SphereId i : own) {
+      EXPECT_EQ(arcs.per_sphere[i].area, whole.per_sphere[near.ids[i]].area);
+      EXPECT_EQ(arcs.per_sphere[i].volume, whole.per_sphere[near.ids[i]].volume);
+    }
+  }
+}
+
+TEST(SphereShares, MeasuresHaveTheBitsOfTheWhole) {
+  for (const std::size_t parts : {1u, 2u, 5u, 11u}) {
+    expect_bits_of_whole(SphereSet(random_spheres(300, {10, 30, 20})), parts);
+    for (const double radius : {0.6, 0.8, 1.0}) {
+      expect_bits_of_whole(SphereSet(crystal(radius)), parts);
+    }
+  }
 }
 
 TEST(JoinedSets, SetsThatShareAnElementAreOne) {
