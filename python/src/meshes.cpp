@@ -218,7 +218,8 @@ MeshHandle mesh_of_arrays(const py::buffer& vertices, const py::buffer& corners)
 }
 
 Array vertices(const MeshHandle& h) {
-  return array_of(h.mesh, &h.mesh->positions.data()->x, h.mesh->vertex_count(), 3);
+  const auto* first = reinterpret_cast<const double*>(h.mesh->positions.data());
+  return array_of(h.mesh, first, h.mesh->vertex_count(), 3);
 }
 
 Array faces(const MeshHandle& h) {

@@ -45,7 +45,7 @@ Array coordinates(const Molecule& molecule) {
   auto rows = std::make_shared<std::vector<Vec3d>>();
   rows->reserve(molecule.atoms.size());
   for (const Atom& atom : molecule.atoms) rows->push_back(atom.position);
-  const double* first = &rows->data()->x;
+  const auto* first = reinterpret_cast<const double*>(rows->data());
   return array_of(rows, first, rows->size(), 3);
 }
 
