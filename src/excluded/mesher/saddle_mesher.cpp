@@ -196,46 +196,12 @@ class SaddleTriangulator {
   }
 
   void find_long_pieces() {
-    match_profiles();
     if (options_.demand == Demand::validity) return;
     visit_inside([&](std::uint32_t t) {
       for (std::uint32_t k = 0; k < 3; ++k) {
         if (plane_.triangle(t).pieces[k] != kNoPiece) judge_piece(plane_.triangle(t), k);
       }
     });
-  }
-
-  // Where a saddle is narrower than its pieces are long, both its profiles must have the same
-  // points: they are arcs, and triangles between unequal chords of them would stand on edge. Both
-  // began with equal pieces, which are halved, so points are equal but for rounding or far apart.
-  void match_profiles() {
-    if (face_.profile[0] == face_.profile[1]) return;
-    for (std::uint32_t p = 0; p < piece_count(); ++p) {
-      if (pieces_[p].run % 2 == 0) continue;
-      const auto [curve, k] = pieces_[p].source;
-      const double low = sampling_.part(curve, k), high = sampling_.part(curve, k + 1);
-      const Vec3d chord = points_[end_of(p)].position - points_[p].position;
-      const double sweep = chart_.to() - chart_.from();
-      const double girth = std::max(chart_.girth(chart_.from() + low * sweep),
-                                    chart_.girth(chart_.from() + high * sweep));
-      if (girth * arc_.angle > kLocalWidth * norm(chord)) continue;
-      const std::uint32_t other = face_.profile[pieces_[p].run == 1 ? 0 : 1];
-      if (has_part_between(other, low, high)) want_split(p);
-    }
-  }
-
-  bool has_part_between(std::uint32_t curve, double low, double high) const {
-    const double slack = 1e-6 * (high - low);
-    std::uint32_t first = 0, last = sampling_.pieces(curve);  // the first part above `low`
-    while (first < last) {
-      const std::uint32_t middle = (first + last) / 2;
-      if (sampling_.part(curve, middle) > low + slack) {
-        last = middle;
-      } else {
-        first = middle + 1;
-      }
-    }
-    return sampling_.part(curve, first) < high - slack;
   }
 
   const Vec3d& position(const LinkedTriangle& t, std::uint32_t k) const {
