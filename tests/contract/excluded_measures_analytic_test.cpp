@@ -281,7 +281,7 @@ TEST(ExcludedAnalytic, TheOutsideOfCages) {
 
 // An atom in the middle of a cage whose grown ball fills the cavity changes nothing outside.
 TEST(ExcludedAnalytic, AFillerMakesTheExteriorTheCompleteSurface) {
-  std::vector<Ball> balls = to_balls(equal_spheres(reference::cube(4), 1.5));
+  std::vector<Ball> balls = reference_balls(equal_spheres(reference::cube(4), 1.5));
   balls.push_back({{{0, 0, 0}}, 0.6});
   const SphereSet atoms = to_spheres(balls);
   const ExcludedMeasures found = measure_excluded(atoms, 1.4);
@@ -293,7 +293,7 @@ TEST(ExcludedAnalytic, AFillerMakesTheExteriorTheCompleteSurface) {
 // A guest in a cage that the probe cannot enter from outside: a ball with a shell around it.
 TEST(ExcludedAnalytic, AGuestInACavity) {
   const std::vector<reference::Point> corners = reference::fullerene(2.2, 2.2);
-  std::vector<Ball> balls = to_balls(equal_spheres(corners, 1.7));
+  std::vector<Ball> balls = reference_balls(equal_spheres(corners, 1.7));
   const SphereSet host = to_spheres(balls);
   balls.push_back({{{0, 0, 0}}, 0.5});
   const SphereSet both = to_spheres(balls);

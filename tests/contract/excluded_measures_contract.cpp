@@ -178,7 +178,7 @@ SphereSet to_spheres(const std::vector<reference::Ball>& balls) {
   return SphereSet(std::move(spheres));
 }
 
-std::vector<reference::Ball> to_balls(const SphereSet& spheres) {
+std::vector<reference::Ball> reference_balls(const SphereSet& spheres) {
   std::vector<reference::Ball> balls;
   for (const Sphere& s : spheres.spheres()) {
     balls.push_back({{{s.center.x, s.center.y, s.center.z}}, s.radius});

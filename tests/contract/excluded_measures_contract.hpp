@@ -21,7 +21,7 @@ inline constexpr double kExcludedRounding = 1e-11;
 
 SphereSet equal_spheres(const std::vector<reference::Point>& centers, double radius);
 SphereSet to_spheres(const std::vector<reference::Ball>& balls);
-std::vector<reference::Ball> to_balls(const SphereSet& spheres);
+std::vector<reference::Ball> reference_balls(const SphereSet& spheres);
 
 // With everything that can be wanted.
 ExcludedMeasures measure_excluded(const SphereSet& atoms, double probe);

@@ -111,7 +111,7 @@ TEST(ExcludedRandom, CountingFindsTheSame) {
     if (!is_general(set) || set.spheres.size() > 15) continue;
     SCOPED_TRACE(label(seed));
     const ExcludedSurface found = measure_excluded(set.spheres, probe).complete;
-    expect_counted(found, to_balls(set.spheres), probe, seed);
+    expect_counted(found, reference_balls(set.spheres), probe, seed);
   }
 }
 
@@ -217,7 +217,7 @@ TEST_P(ExcludedMolecules, CountingFindsTheSame) {
   expect_sound(atoms, found);
   EXPECT_TRUE(is_certified(found));
   const reference::ExcludedEstimates counted = reference::excluded_grid(
-      to_balls(atoms), molecule.probe, {.line_cell = molecule.line_cell, .halvings = 3});
+      reference_balls(atoms), molecule.probe, {.line_cell = molecule.line_cell, .halvings = 3});
   EXPECT_LE(counted.volume.standard_error(), 1e-4 * found.complete.volume);
   expect_counted(found.complete, counted, molecule.line_cell);
 }
