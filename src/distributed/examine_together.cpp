@@ -12,9 +12,9 @@
 #include "analysis/edge_survey.hpp"
 #include "analysis/quality_parts.hpp"
 #include "analysis/shell_sums.hpp"
-#include "core/blocks.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 #include "distributed/border_mesh.hpp"
 #include "distributed/distribution_together.hpp"
 #include "distributed/joined_sets.hpp"
@@ -42,7 +42,7 @@ class VertexSets {
  public:
   explicit VertexSets(const BorderMesh& part)
       : sets_(part.mesh.vertex_count()), is_border_(part.mesh.vertex_count()) {
-    for_all(part.mesh.triangle_count(), [&](std::size_t t) {
+    for_each_index(part.mesh.triangle_count(), [&](std::size_t t) {
       const auto& [a, b, c] = part.mesh.triangles[t];
       sets_.join(a, b);
       sets_.join(b, c);
@@ -91,8 +91,8 @@ std::vector<BorderElement> border_of_sets(const Ranks& ranks, const BorderMesh& 
 // The terms of the own triangles, by the sets that they are in.
 std::vector<ShellTerm> terms_of(const BorderMesh& part, VertexSets& sets, const Vec3d& origin) {
   std::vector<std::uint32_t> set_of(part.triangles);
-  for_all(part.triangles,
-          [&](std::size_t t) { set_of[t] = sets.set_of(part.mesh.triangles[t][0]); });
+  for_each_index(part.triangles,
+                 [&](std::size_t t) { set_of[t] = sets.set_of(part.mesh.triangles[t][0]); });
   return shell_terms(part.mesh, set_of, origin);
 }
 
