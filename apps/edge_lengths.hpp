@@ -1,7 +1,7 @@
 // Edge lengths of the crease-exact mesher that differ from atom to atom.
 #pragma once
 
-#include "options.hpp"
+#include "command_line/command_line.hpp"
 #include "steps.hpp"
 
 namespace vdwmesh::apps {

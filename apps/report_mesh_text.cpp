@@ -9,8 +9,6 @@
 namespace vdwmesh::apps {
 namespace {
 
-std::string length_figure(double value) { return fmt::format("{:.3f}", value); }
-
 std::string yes_no(bool value, std::string_view noun) {
   return fmt::format("{}{}", value ? "" : "NOT ", noun);
 }
@@ -83,12 +81,12 @@ void proof_text(Text out, const MeshProof& proof, const MeshReport& mesh) {
   }
   if (mesh.extrapolated_area) {
     line(out, "",
-         fmt::format("extrapolated area {} Å²{}", length_figure(*mesh.extrapolated_area),
+         fmt::format("extrapolated area {} Å²{}", figure_text(*mesh.extrapolated_area),
                      in_scientific(proof.extrapolated_area_error)));
   }
   if (mesh.extrapolated_volume) {
     line(out, "",
-         fmt::format("extrapolated volume {} Å³{}", length_figure(*mesh.extrapolated_volume),
+         fmt::format("extrapolated volume {} Å³{}", figure_text(*mesh.extrapolated_volume),
                      in_scientific(proof.extrapolated_volume_error)));
   }
 }

@@ -157,7 +157,7 @@ std::string on_the_right(const std::string& text, std::size_t width) {
 template <class Block>
 std::optional<Cells> figures_of(const std::optional<Block>& block) {
   if (!block) return std::nullopt;
-  Cells cells(length_figure);
+  Cells cells(figure_text);
   describe(cells, *block);
   return cells;
 }

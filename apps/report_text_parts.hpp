@@ -20,6 +20,9 @@ inline void line(Text out, std::string_view label, std::string text) {
   fmt::format_to(out, "{:<12} {}\n", label, printable(std::move(text)));
 }
 
+// An area, a volume or a count in the report's table.
+inline std::string figure_text(double value) { return fmt::format("{:.3f}", value); }
+
 // What a mesh is, how it was made, and how good its triangles are.
 void mesh_text(Text out, const MeshReport& mesh);
 // What speaks for a crease-exact mesh, or against it.
