@@ -114,9 +114,10 @@ class AutomaticExtractor final : public Extractor {
   std::unique_ptr<SurfacePart> count(const SphereSet& spheres, const KeyRange& range,
                                      const ExtractOptions& options) const override {
     std::unique_ptr<SurfacePart> part;
-    with_fallback(
-        "counted", [&] { part = make_cuda_extractor()->count(spheres, range, options); },
+    const std::string fallback = with_fallback(
+        "meshed", [&] { part = make_cuda_extractor()->count(spheres, range, options); },
         [&] { part = make_cpu_extractor()->count(spheres, range, options); });
+    part->fallback = fallback;
     return part;
   }
 };

@@ -49,6 +49,7 @@ SurfacePiece make_piece(const Ranks& ranks, const SphereSet& spheres, const Opti
   Report& report = session.report;
   SurfacePiece piece =
       mesh_together(ranks, spheres, extract_options(options, session), session.machine.backend);
+  account_for_fallback(piece.fallback, report);
   ranks.together([&] {
     require_triangles(piece.whole.triangles, spheres, report.parameters->grid->spacing,
                       report.parameters->isovalue);

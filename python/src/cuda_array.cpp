@@ -132,12 +132,6 @@ CudaArray row_of(const CudaArray& a, std::size_t k) {
   return row;
 }
 
-std::string text_of(const CudaArray& a) {
-  return fmt::format("<vdwmesh.CudaArray of {}{} in shape {} on device {}>",
-                     is_floating(a) ? "float" : "uint", 8 * a.array.item_bytes,
-                     py::str(py::tuple(py::cast(a.array.shape))).cast<std::string>(), a.device);
-}
-
 void wait_freely(int device, std::uintptr_t stream) {
   const py::gil_scoped_release free;
   wait_for_stream(device, stream);
@@ -210,8 +204,6 @@ void bind_cuda_arrays(py::module_& module) {
       .def("__dlpack_device__", &device_tuple)
       .def_property_readonly("shape",
                              [](const CudaArray& a) { return py::tuple(py::cast(a.array.shape)); })
-      .def("__len__", [](const CudaArray& a) { return a.array.shape.at(0); })
-      .def("__repr__", &text_of)
       .def("row", &row_of)
       .def("download", &downloaded);
 }

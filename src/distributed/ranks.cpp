@@ -1,6 +1,5 @@
-// Ranks on MPI. Arrays travel as bytes, in pieces of at most 1 GiB, because MPI 3 counts elements
-// by int. Errors of MPI itself end the run: MPI's own handler says what happened, and there is
-// nothing to be saved when messages are lost.
+// Ranks on MPI. Arrays travel as bytes, in pieces (pieces.hpp). Errors of MPI itself end the run:
+// MPI's own handler says what happened, and there is nothing to be saved when messages are lost.
 #include "distributed/ranks.hpp"
 
 #include <fmt/format.h>
@@ -11,25 +10,40 @@
 #include <limits>
 
 #include "distributed/failure.hpp"
+#include "distributed/pieces.hpp"
 
 namespace vdwmesh {
 namespace {
-
-constexpr std::size_t kMessageBytes = std::size_t{1} << 30;  // bytes of one message
-
-// Calls transfer(first byte, number of bytes) for the pieces of an array.
-template <class Byte, class Transfer>
-void in_pieces(std::span<Byte> bytes, const Transfer& transfer) {
-  for (std::size_t done = 0; done < bytes.size(); done += kMessageBytes) {
-    transfer(bytes.data() + done, static_cast<int>(std::min(kMessageBytes, bytes.size() - done)));
-  }
-}
 
 template <class T>
 T reduced(T mine, MPI_Datatype type, MPI_Op operation, MPI_Comm ranks = MPI_COMM_WORLD) {
   T all{};
   MPI_Allreduce(&mine, &all, 1, type, operation, ranks);
   return all;
+}
+
+constexpr int kNobody = std::numeric_limits<int>::max();  // of the results of first_of()
+
+// The lowest rank that this is true for.
+int first_of(bool mine) {
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  return reduced(mine ? rank : kNobody, MPI_INT, MPI_MIN);
+}
+
+Cause cause_of(int rank, Cause mine) {
+  int cause = static_cast<int>(mine);
+  MPI_Bcast(&cause, 1, MPI_INT, rank, MPI_COMM_WORLD);
+  return static_cast<Cause>(cause);
+}
+
+// The text of a rank, preceded by "rank N: " unless that is the first one.
+std::string text_of(int rank, std::string text) {
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, rank, MPI_COMM_WORLD);
+  text.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(text.data(), length, MPI_CHAR, rank, MPI_COMM_WORLD);
+  return rank > 0 ? fmt::format("rank {}: {}", rank, text) : text;
 }
 
 }  // namespace
@@ -53,8 +67,7 @@ Ranks::~Ranks() {
   MPI_Finalize();
 }
 
-// Three messages after a failure and one without: who failed, the cause with the length of the
-// message, and the message.
+// A failure without a message counts too: running out of memory has none.
 void Ranks::together(const std::function<void()>& work) const {
   Failure failure;
   try {
@@ -62,17 +75,17 @@ void Ranks::together(const std::function<void()>& work) const {
   } catch (...) {
     failure = current_failure();
   }
-  const int first = reduced(
-      failure.cause == Cause::none ? std::numeric_limits<int>::max() : number_, MPI_INT, MPI_MIN);
-  if (first == std::numeric_limits<int>::max()) return;
+  const int first = first_of(failure.cause != Cause::none);
+  if (first == kNobody) return;
   all_failed_ = true;
-  int about[2] = {static_cast<int>(failure.cause), static_cast<int>(failure.message.size())};
-  MPI_Bcast(about, 2, MPI_INT, first, MPI_COMM_WORLD);
-  failure.message.resize(static_cast<std::size_t>(about[1]));
-  MPI_Bcast(failure.message.data(), about[1], MPI_CHAR, first, MPI_COMM_WORLD);
-  failure.cause = static_cast<Cause>(about[0]);
-  if (first > 0) failure.message = fmt::format("rank {}: {}", first, failure.message);
+  failure.cause = cause_of(first, failure.cause);
+  failure.message = text_of(first, failure.message);
   throw_failure(failure);
+}
+
+std::string Ranks::first_text(const std::string& mine) const {
+  const int first = first_of(!mine.empty());
+  return first == kNobody ? std::string() : text_of(first, mine);
 }
 
 std::uint64_t Ranks::sum(std::uint64_t mine) const { return reduced(mine, MPI_UINT64_T, MPI_SUM); }
@@ -80,7 +93,6 @@ std::int64_t Ranks::sum(std::int64_t mine) const { return reduced(mine, MPI_INT6
 std::uint64_t Ranks::sum_on_host(std::uint64_t mine) const {
   return reduced(mine, MPI_UINT64_T, MPI_SUM, host_->ranks);
 }
-std::uint64_t Ranks::most(std::uint64_t mine) const { return reduced(mine, MPI_UINT64_T, MPI_MAX); }
 
 std::uint64_t Ranks::sum_before(std::uint64_t mine) const {
   std::uint64_t before = 0;

@@ -11,6 +11,7 @@
 #include <exception>
 #include <functional>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -41,13 +42,16 @@ class Ranks {
   // Whether an exception has left together(), so that all ranks are on their way out.
   bool all_failed() const { return all_failed_; }
 
+  // The text of the lowest rank whose text is not empty, preceded by "rank N: " unless N is 0;
+  // empty if there is none. Collective.
+  std::string first_text(const std::string& mine) const;
+
   // The sum over all ranks, and over the ranks before this one. Collective.
   std::uint64_t sum(std::uint64_t mine) const;
   std::int64_t sum(std::int64_t mine) const;
   std::uint64_t sum_before(std::uint64_t mine) const;
   // The sum over the ranks on this host. Collective.
   std::uint64_t sum_on_host(std::uint64_t mine) const;
-  std::uint64_t most(std::uint64_t mine) const;
   // Replaces each element of the array by its sum over all ranks. Collective.
   void add_up(std::span<std::uint64_t> array) const;
 

@@ -1,20 +1,19 @@
 // SharedFile: the first rank makes a hidden file as every output file is made, and all ranks open
-// it through MPI-IO. Offsets are explicit and no views of the file are set, and no call writes more
-// than 1 GiB: implementations have lost bytes beyond that (Open MPI issues 2399 and 14379).
+// it through MPI-IO. Offsets are explicit, no views of the file are set, and long arrays are
+// written in pieces (pieces.hpp).
 #include "distributed/shared_file.hpp"
 
 #include <fmt/format.h>
 #include <mpi.h>
 
-#include <algorithm>
+#include <span>
 #include <string>
 
 #include "core/errors.hpp"
+#include "distributed/pieces.hpp"
 
 namespace vdwmesh {
 namespace {
-
-constexpr std::size_t kCallBytes = std::size_t{1} << 30;  // bytes of one call
 
 // What MPI says of an error.
 std::string reason_of(int error) {
@@ -69,18 +68,17 @@ void SharedFile::close() {
 }
 
 void SharedFile::write_at(std::uint64_t offset, const char* data, std::size_t size) {
-  for (std::size_t done = 0; done < size; done += kCallBytes) {
-    const int count = static_cast<int>(std::min(kCallBytes, size - done));
+  in_pieces(std::span(data, size), [&](const char* first, int count) {
+    const auto place = static_cast<MPI_Offset>(offset) + (first - data);
     MPI_Status status;
     int written = 0;
-    const int error = MPI_File_write_at(handle_->file, static_cast<MPI_Offset>(offset + done),
-                                        data + done, count, MPI_BYTE, &status);
+    const int error = MPI_File_write_at(handle_->file, place, first, count, MPI_BYTE, &status);
     if (error == MPI_SUCCESS) MPI_Get_count(&status, MPI_BYTE, &written);
-    if (written == count) continue;
+    if (written == count) return;
     throw FileFormatError(
         fmt::format("{} cannot be written in full: {}", path_.string(),
                     error == MPI_SUCCESS ? "no space left on device" : reason_of(error)));
-  }
+  });
 }
 
 void SharedFile::commit() {

@@ -58,13 +58,11 @@ void use_numbers_of_whole(const std::vector<SphereId>& ids, IndexedMesh& mesh) {
   });
 }
 
-// Adds up the counts of all ranks. Collective.
+// Adds up the counts that are of the whole mesh. Collective.
 void add_up(const Ranks& ranks, ExtractStats& stats) {
-  stats.surface_bricks = ranks.sum(stats.surface_bricks);
   stats.clamped_vertices = ranks.sum(stats.clamped_vertices);
   stats.grid_clipped = ranks.sum(stats.grid_clipped);
   stats.unmatched_faces = ranks.sum(stats.unmatched_faces);
-  stats.slabs = ranks.sum(stats.slabs);
 }
 
 }  // namespace
@@ -100,6 +98,7 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
     use_numbers_of_whole(near.ids, piece.mesh);
   });
   add_up(ranks, piece.stats);
+  piece.fallback = ranks.first_text(part->fallback);
   if (piece.stats.unmatched_faces != 0) {
     ranks.together([] { throw InternalError("a rank left out a brick that holds surface"); });
   }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "cuda/backend.hpp"
 #include "distributed/ranks.hpp"
@@ -19,7 +20,12 @@ struct SurfacePiece {
   // first.triangles. Corners of triangles are numbers of vertices of the whole mesh, and labels are
   // numbers of spheres in the whole set. There is no `opposite`.
   IndexedMesh mesh;
-  ExtractStats stats;  // counts of all ranks together, seconds of this rank
+  // Clamped vertices, clipped cells and unmatched faces of all ranks together; the rest is of this
+  // rank.
+  ExtractStats stats;
+  // If the CPU made the part of a rank although a device was asked for: the reason of the lowest
+  // such rank. Else empty.
+  std::string fallback{};
 };
 
 // Makes the surface of the spheres, of which every rank has all, by marching cubes. The options are

@@ -74,6 +74,9 @@ class SurfacePart {
   // follow each other without gaps, their parts one behind the other are the mesh of
   // Extractor::extract(), bit for bit. The result has the counts of the part and the seconds spent.
   virtual ExtractStats emit(const MeshSize& first, IndexedMesh& mesh) = 0;
+
+  // If the CPU makes the part although a device was asked for: the reason. Else empty.
+  std::string fallback{};
 };
 
 // Marching cubes over the bricks that the surface crosses. The mesh is closed, 2-manifold and

@@ -1,12 +1,15 @@
 """vdwmesh-mpi: the same results from any number of ranks, and how all of them end where one fails."""
 
+import contextlib
 import functools
 import os
 import re
 import signal
 import subprocess
+import sys
 import time
 import unittest
+from pathlib import Path
 
 from program import BAD_INPUT, DONE, LIMIT_HIT, SOURCE_DIR, UBIQUITIN, ProgramTest, need_shared, run
 
@@ -21,18 +24,23 @@ TWINS = "0 0 0 1.7\n1 0 0 1.7\n0 0 0 1.7\n"
 FLAT = "".join(f"{1.5 * x} {1.5 * y} 0 1.6\n" for x in range(30) for y in range(30))
 
 
-def command(ranks, *arguments):
-    return [MPIRUN, "-q", "--oversubscribe", "-n", str(ranks), RANKS_PROGRAM, *map(str, arguments)]
+def command(ranks, *arguments, quiet=("-q",)):
+    return [MPIRUN, *quiet, "--oversubscribe", "-n", str(ranks), RANKS_PROGRAM, *map(str, arguments)]
 
 
-def run_ranks(ranks, *arguments, **options):
-    return subprocess.run(command(ranks, *arguments), capture_output=True, text=True, timeout=300,
+def run_ranks(ranks, *arguments, quiet=("-q",), **options):
+    return subprocess.run(command(ranks, *arguments, quiet=quiet), capture_output=True, text=True, timeout=300,
                           env=ENVIRONMENT, **options)  # fmt: skip
 
 
 class RanksTest(ProgramTest):
     def run_ranks_ok(self, ranks, *arguments, **options):
-        result = run_ranks(ranks, *arguments, **options)
+        """mpirun says why it fails, as it would not with -q. Where it could not even start the ranks, which say
+        themselves why they fail, it is asked once more, and its first answer stands in the log."""
+        result = run_ranks(ranks, *arguments, quiet=(), **options)
+        if result.returncode != DONE and "vdwmesh-mpi: " not in result.stderr and "stdin" not in options:
+            print(f"mpirun ended with {result.returncode}: {result.stderr}", file=sys.stderr)
+            result = run_ranks(ranks, *arguments, quiet=(), **options)
         self.assertEqual(result.returncode, DONE, result.stderr)
         return result
 
@@ -235,21 +243,32 @@ class Faults(RanksTest):
         self.assertEqual(self.files(), [])
 
     def end_while_writing(self, end):
-        """Starts a run, calls end(process) as soon as its file is being written, and returns its exit status."""
+        """Starts a run, stops its ranks as soon as its file is being written, calls end(process, ranks), lets them
+        go on, and returns the exit status. Stopped ranks cannot complete the file in the meantime."""
         process = subprocess.Popen(command(3, *self.mesh("--spacing", "0.1", "--quiet")), env=ENVIRONMENT,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+        ranks = []
+        while len(ranks) < 3 and process.poll() is None:
+            ranks = self.children(process)
         while not self.files() and process.poll() is None:
-            time.sleep(0.002)
-        end(process)
+            time.sleep(0.001)
+        for rank in ranks:
+            os.kill(rank, signal.SIGSTOP)
+        self.assertNotIn("a.ply", self.files(), "the ranks were faster than this test")
+        end(process, ranks)
+        for rank in ranks:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(rank, signal.SIGCONT)
         return process.wait(timeout=120)
 
     def children(self, process):
-        listed = subprocess.run(["ps", "--ppid", str(process.pid), "-o", "pid="], capture_output=True, text=True)
-        return [int(pid) for pid in listed.stdout.split()]
+        with contextlib.suppress(OSError):
+            return [int(pid) for pid in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
+        return []
 
     def test_a_killed_rank_ends_all_and_leaves_nothing(self):
         for which in (0, -1):
-            status = self.end_while_writing(lambda p: os.kill(self.children(p)[which], signal.SIGKILL))
+            status = self.end_while_writing(lambda _, ranks: os.kill(ranks[which], signal.SIGKILL))
             self.assertNotEqual(status, 0)
             self.assertEqual(self.files(), [])
 
@@ -260,7 +279,7 @@ class Faults(RanksTest):
 
     def test_a_stopped_run_leaves_no_half_file(self):
         """The ranks may get as far as to give the file its name before they hear of the end."""
-        self.end_while_writing(lambda p: p.terminate())
+        self.end_while_writing(lambda mpirun, _: mpirun.terminate())
         self.assertIn(self.files(), ([], ["a.ply"]))
         for name in self.files():
             self.assertEqual((self.folder / name).stat().st_size, self.whole_size())

@@ -99,7 +99,9 @@ TEST_F(Parity, AutomaticBackendsFallBack) {
     EXPECT_TRUE(std::equal(field.values.begin(), field.values.end(), again.values.begin()));
     const ExtractResult remeshed = mesher->mesh(field, options);
     expect_same(sampled.mesh, remeshed.mesh, "meshed from a field, " + why);
-    for (const std::string& fallback : {meshed.fallback, again.fallback, remeshed.fallback}) {
+    const auto part = make_extractor(Backend::automatic)->count(spheres, {}, options);
+    for (const std::string& fallback :
+         {meshed.fallback, again.fallback, remeshed.fallback, part->fallback}) {
       EXPECT_EQ(fallback.find("on the CPU: ") != std::string::npos, !why.empty()) << fallback;
     }
   };
