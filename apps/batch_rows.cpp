@@ -1,13 +1,13 @@
 // Members of a row stand in one order, and the error is the last, so that a row can be checked by
-// its beginning and its end alone when a file is continued.
+// its beginning and its end alone when a file is continued. A row is described once, for JSON and
+// for tables.
 #include "batch_rows.hpp"
 
 #include <fmt/format.h>
 
-#include <numeric>
-
 #include "build_id.hpp"
-#include "csv.hpp"
+#include "csv_row.hpp"
+#include "describe_comparison.hpp"
 #include "json_text.hpp"
 
 namespace vdwmesh::apps {
@@ -16,69 +16,85 @@ namespace {
 constexpr std::string_view kNoError = "\"error\":null}\n";
 
 // In a table a row is a line, so names keep no line breaks.
-std::string csv_name(std::string name) {
+std::string without_breaks(std::string name) {
   for (char& c : name) {
     if (static_cast<unsigned char>(c) < ' ') c = '?';
   }
-  return csv_field(name);
+  return name;
 }
 
-template <class T>
-std::string csv_value(const std::optional<T>& value) {
-  if (!value) return {};
-  if constexpr (std::is_enum_v<T>)
-    return std::string(name_of(*value));
-  else
-    return fmt::format("{}", *value);
+template <class A>
+void describe_figures(A& a, const BatchRow& row) {
+  a("atoms", row.atoms), a("left_out", row.left_out);
+  a("assumed_radii", row.assumed_radii), a("guessed_elements", row.guessed_elements);
+  a("method", row.method), a("area", row.area), a("volume", row.volume);
+  a("components", row.components), a("tunnels", row.tunnels), a("voids", row.voids);
+  a("euler_characteristic", row.euler_characteristic);
+  a("fallback_spheres", row.fallback_spheres), a("doubtful_spheres", row.doubtful_spheres);
 }
 
-std::optional<std::uint64_t> total(
-    const std::optional<std::map<std::string, std::uint64_t>>& counts) {
-  if (!counts) return std::nullopt;
-  return std::accumulate(counts->begin(), counts->end(), std::uint64_t{0},
-                         [](std::uint64_t sum, const auto& count) { return sum + count.second; });
+template <class A>
+void describe_figures(A& a, const ReportRow& row) {
+  describe_figures(a, static_cast<const BatchRow&>(row));
+  a("mesh", row.mesh), a("comparison", row.comparison);
 }
 
-std::string json_row(const BatchRow& row, const std::string& settings) {
+template <class Row>
+std::string json_row(const Row& row, const std::string& settings) {
   JsonText json(JsonText::Layout::compact);
-  json("name", row.name), json("settings", settings), json("atoms", row.atoms);
-  json("left_out", row.left_out), json("assumed_radii", row.assumed_radii);
-  json("guessed_elements", row.guessed_elements), json("method", row.method);
-  json("area", row.area), json("volume", row.volume), json("components", row.components);
-  json("tunnels", row.tunnels), json("voids", row.voids);
-  json("euler_characteristic", row.euler_characteristic);
-  json("fallback_spheres", row.fallback_spheres), json("doubtful_spheres", row.doubtful_spheres);
+  json("name", row.name), json("settings", settings);
+  describe_figures(json, row);
   json("warnings", row.warnings), json("error", row.error);
   return std::move(json).take();
 }
 
-std::string csv_row(const BatchRow& row, const std::string& settings) {
+template <class Row>
+CsvRow csv_row(const Row& row, const std::string& settings) {
+  CsvRow csv;
+  csv("name", without_breaks(row.name)), csv("settings", settings);
+  describe_figures(csv, row);
+  csv("warnings", row.warnings.size()), csv("error", row.error);
+  return csv;
+}
+
+template <class Row>
+std::string line_of(const Row& row, RowFormat format, const std::string& settings) {
+  std::string line =
+      format == RowFormat::csv ? csv_row(row, settings).values() : json_row(row, settings);
+  while (!line.empty() && line.back() == '\n') line.pop_back();
+  return line + '\n';
+}
+
+// What a mesh and its comparison depend on.
+std::string mesh_settings(const Options& o) {
+  const SurfaceOptions& s = o.surface;
+  const FieldOptions& f = s.field;
+  const auto or_none = [](const std::optional<double>& value) {
+    return value ? fmt::format("{}", *value) : std::string("-");
+  };
   return fmt::format(
-      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_name(row.name), settings,
-      csv_value(row.atoms), csv_value(total(row.left_out)), csv_value(row.assumed_radii),
-      csv_value(row.guessed_elements), csv_value(row.method), csv_value(row.area),
-      csv_value(row.volume), csv_value(row.components), csv_value(row.tunnels),
-      csv_value(row.voids), csv_value(row.euler_characteristic), csv_value(row.fallback_spheres),
-      csv_value(row.doubtful_spheres), row.warnings.size(), csv_field(row.error.value_or("")));
+      "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", name_of(s.mesher),
+      or_none(s.edge_length), or_none(s.grading.relative), fmt::join(s.grading.groups, "\n"),
+      name_of(f.kind), name_of(f.preset), or_none(f.isovalue), or_none(f.blobbiness),
+      s.grid.spacing, or_none(s.grid.padding), s.subdivisions, name_of(s.projection),
+      name_of(s.crossings), name_of(o.self_intersections), name_of(o.cgal_check),
+      name_of(o.distances.distances), o.distances.samples_per_area, o.distances.seed);
 }
 
 }  // namespace
 
 std::string RowWriter::header() const {
   if (format_ != RowFormat::csv) return {};
-  return "name,settings,atoms,left_out,assumed_radii,guessed_elements,method,area,volume,"
-         "components,"
-         "tunnels,voids,euler_characteristic,fallback_spheres,doubtful_spheres,warnings,error\n";
+  return (verb_ == BatchVerb::report ? csv_row(ReportRow{}, "") : csv_row(BatchRow{}, "")).names() +
+         '\n';
 }
 
-std::string RowWriter::text(const BatchRow& row) const {
-  std::string line = format_ == RowFormat::csv ? csv_row(row, settings_) : json_row(row, settings_);
-  while (!line.empty() && line.back() == '\n') line.pop_back();
-  return line + '\n';
-}
+std::string RowWriter::text(const BatchRow& row) const { return line_of(row, format_, settings_); }
+
+std::string RowWriter::text(const ReportRow& row) const { return line_of(row, format_, settings_); }
 
 std::string RowWriter::beginning(const std::string& name) const {
-  if (format_ == RowFormat::csv) return csv_name(name) + ',' + settings_ + ',';
+  if (format_ == RowFormat::csv) return csv_field(without_breaks(name)) + ',' + settings_ + ',';
   BatchRow row;
   row.name = name;
   const std::string line = json_row(row, settings_);
@@ -89,13 +105,15 @@ bool RowWriter::is_refusal(std::string_view line) const {
   return !line.ends_with(format_ == RowFormat::csv ? std::string_view(",\n") : kNoError);
 }
 
-std::string settings_key(const InputOptions& input, const ExactOptions& exact) {
+std::string settings_key(const Options& options) {
+  const InputOptions& input = options.inputs.front();
   const ReadOptions& r = input.read;
-  const std::string all = fmt::format(
-      "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", kRevision, name_of(r.format),
-      r.model, r.assembly, r.select, r.measure, static_cast<int>(r.waters),
-      static_cast<int>(r.hydrogens), static_cast<int>(r.hetero_atoms), r.altloc, r.radii,
-      input.probe, name_of(exact.method), name_of(exact.topology));
+  std::string all = fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", kRevision,
+                                name_of(r.format), r.model, r.assembly, r.select, r.measure,
+                                static_cast<int>(r.waters), static_cast<int>(r.hydrogens),
+                                static_cast<int>(r.hetero_atoms), r.altloc, r.radii, input.probe,
+                                name_of(options.exact.method), name_of(options.exact.topology));
+  if (options.batch.verb == BatchVerb::report) all += '\n' + mesh_settings(options);
   std::uint64_t key = 0xcbf29ce484222325;  // FNV-1a: offset and prime of 64 bits
   for (const char c : all) key = (key ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   return fmt::format("{:016x}", key);

@@ -6,7 +6,8 @@
 #include <string_view>
 
 #include "batch/batch.hpp"
-#include "options.hpp"
+#include "batch_report.hpp"
+#include "command_line/command_line.hpp"
 
 namespace vdwmesh::apps {
 
@@ -14,24 +15,26 @@ namespace vdwmesh::apps {
 class RowWriter {
  public:
   // `settings` says which options made the rows; it is part of each.
-  RowWriter(RowFormat format, std::string settings)
-      : format_(format), settings_(std::move(settings)) {}
+  RowWriter(const BatchChoice& choice, std::string settings)
+      : verb_(choice.verb), format_(choice.rows), settings_(std::move(settings)) {}
 
   // The line before the first row; empty if there is none.
   std::string header() const;
   std::string text(const BatchRow& row) const;
+  std::string text(const ReportRow& row) const;
   // What text() begins with for a structure of that name.
   std::string beginning(const std::string& name) const;
   // Whether a line of text() says that its structure was refused.
   bool is_refusal(std::string_view line) const;
 
  private:
+  BatchVerb verb_;
   RowFormat format_;
   std::string settings_;
 };
 
 // 16 digits that depend on everything that rows depend on beside the structures: the program, the
-// choice of atoms, radii, probe and method.
-std::string settings_key(const InputOptions& input, const ExactOptions& exact);
+// choice of atoms, radii, probe and method, and of rows of reports how the mesh is made.
+std::string settings_key(const Options& options);
 
 }  // namespace vdwmesh::apps

@@ -100,7 +100,11 @@ struct Shard {
   std::uint64_t number = 1, count = 1;
 };
 
+// The verb whose figures the rows of a batch have.
+enum class BatchVerb { exact, report };
+
 struct BatchChoice {
+  BatchVerb verb = BatchVerb::exact;
   std::string output;  // a file; standard output if empty
   RowFormat rows = RowFormat::by_extension;
   Shard shard;

@@ -2,7 +2,7 @@
 // document is that of docs/report.schema.json, which changes together with this file. Keys keep
 // their names; a block that was not computed is an empty optional, which becomes null.
 #include "build_id.hpp"
-#include "describe_report.hpp"
+#include "describe_comparison.hpp"
 #include "json_text.hpp"
 
 namespace vdwmesh::apps {
@@ -44,34 +44,6 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   a("grid", grid);
   a("memory_limit", limit_of(parameters.memory_limit));
   a("memory_estimate", parameters.memory_estimate);
-}
-
-void describe(JsonText& a, const AtomErrors& errors) {
-  a("max", errors.max), a("rms", errors.rms);
-  a("atoms", errors.atoms), a("worst", errors.worst);
-}
-
-void describe(JsonText& a, const MeshProof& proof) {
-  a("topology_is_exact", proof.topology_is_exact);
-  a("atom_area_error", proof.atoms);
-  a("extrapolated_area_error", proof.extrapolated_area_error);
-  a("extrapolated_volume_error", proof.extrapolated_volume_error);
-}
-
-// Distances may be left out while the rest is there, so each of their members is null by itself.
-void describe(JsonText& a, const ComparisonReport& comparison) {
-  const auto& distances = comparison.distances;
-  using D = MeshDistances;
-  a("area_relative_error", comparison.area_relative_error);
-  a("volume_relative_error", comparison.volume_relative_error);
-  a("euler_characteristic_difference", comparison.euler_characteristic_difference);
-  a("proof", comparison.proof);
-  a("mesh_to_surface", of(distances, &D::mesh_to_surface));
-  a("surface_to_mesh", of(distances, &D::surface_to_mesh));
-  a("hausdorff_lower_bound", of(distances, &D::hausdorff_lower_bound));
-  a("samples", of(distances, &D::samples)), a("seed", of(distances, &D::seed));
-  a("distances_backend", distances ? std::optional(comparison.distances_backend) : std::nullopt);
-  a("distances_reason", comparison.distances_reason);
 }
 
 void describe(JsonText& a, const ColorScale& scale) {

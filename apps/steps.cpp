@@ -188,15 +188,19 @@ void account_for_fallback(const std::string& fallback, Report& report) {
   report.backend->reason = fallback;
 }
 
-Molecule load_molecule(const InputOptions& options, Session& session) {
+void describe_input(Molecule& molecule, const InputOptions& options, Session& session) {
   Report& report = session.report;
+  report.input = input_of(molecule, options);
+  report.notes.insert(report.notes.end(), molecule.notes.begin(), molecule.notes.end());
+  report.warnings.insert(report.warnings.end(), molecule.warnings.begin(), molecule.warnings.end());
+}
+
+Molecule load_molecule(const InputOptions& options, Session& session) {
   ReadOptions read = options.read;
   read.memory_limit = session.machine.memory_limit;
   Molecule molecule = options.sample.empty() ? read_structure(options.path, read)
                                              : read_sample(options.sample, read);
-  report.input = input_of(molecule, options);
-  report.notes.insert(report.notes.end(), molecule.notes.begin(), molecule.notes.end());
-  report.warnings.insert(report.warnings.end(), molecule.warnings.begin(), molecule.warnings.end());
+  describe_input(molecule, options, session);
   session.end_stage(&Timing::read);
   return molecule;
 }

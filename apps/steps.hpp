@@ -22,6 +22,9 @@ struct Structure {
   SphereSet spheres;
 };
 
+// Writes into the session's report what is known of a molecule that was read.
+void describe_input(Molecule& molecule, const InputOptions& options, Session& session);
+
 // Reads the structure or sample. A text too large for the session's memory is refused, and so is a
 // probe that leaves an atom no radius.
 Structure load(const InputOptions& options, Session& session);

@@ -1,4 +1,4 @@
-// `vdwmesh batch`: exact measures of many structures. Each row is written when it and all before it
+// `vdwmesh batch`: the figures of many structures. Each row is written when it and all before it
 // are there, unlike other outputs, which appear whole: whatever ends the program leaves complete
 // rows and at most one torn line. A later call checks the rows that the file has, drops the torn
 // line, and goes on behind them.
@@ -15,6 +15,8 @@
 #include <system_error>
 
 #include "batch/batch.hpp"
+#include "batch/ordered_rows.hpp"
+#include "batch_report.hpp"
 #include "batch_rows.hpp"
 #include "command_line/command_line.hpp"
 #include "core/errors.hpp"
@@ -139,6 +141,19 @@ BatchOptions options_of_one(const Options& options, Monitor* monitor) {
   return batch;
 }
 
+// Makes the rows of the next structures, up to `most`, and hands each of them to on_row(). Returns
+// their number.
+std::uint64_t make_rows_of_verb(StructureSource& source, std::uint64_t most, const Options& options,
+                                Monitor* monitor, const auto& on_row) {
+  const BatchOptions one = options_of_one(options, monitor);
+  if (options.batch.verb == BatchVerb::exact) return run_batch(source, most, one, on_row);
+  const RowWork<ReportRow> work{[&](const NamedStructure& structure, std::size_t) {
+                                  return make_report_row(structure, options, one);
+                                },
+                                on_row};
+  return make_rows(source, most, work, static_cast<std::size_t>(one.threads), monitor);
+}
+
 void skip(StructureSource& source, std::uint64_t count) {
   while (count > 0 && source.next(StructureSource::Content::skip)) --count;
 }
@@ -160,7 +175,7 @@ void run_batch_verb(const Options& options) {
   const std::unique_ptr<StructureSource> source = open_structures(inputs, of_source);
   skip(*source, part.first);
 
-  const RowWriter writer(choice.rows, settings_key(input, options.exact));
+  const RowWriter writer(choice, settings_key(options));
   const std::string header = choice.shard.number == 1 ? writer.header() : "";
   RowFile file(choice.output);
   Kept kept;
@@ -173,12 +188,11 @@ void run_batch_verb(const Options& options) {
   begin_stage(session.monitor, "structures", counted ? part.count : 0);
   advance(session.monitor, kept.rows);
   std::uint64_t refused = kept.refused;
-  const std::uint64_t made =
-      run_batch(*source, part.count - kept.rows, options_of_one(options, session.monitor),
-                [&](const BatchRow& row) {
-                  if (row.error) ++refused;
-                  file.write(writer.text(row));
-                });
+  const std::uint64_t made = make_rows_of_verb(*source, part.count - kept.rows, options,
+                                               session.monitor, [&](const auto& row) {
+                                                 if (row.error) ++refused;
+                                                 file.write(writer.text(row));
+                                               });
   session.end_progress();
   if (source->left_out() > 0)
     print_warnings({fmt::format("{} files have no extension of a structure and were left out",

@@ -1,13 +1,9 @@
-// `vdwmesh report`: makes the mesh and the exact union and sets one beside the other. Memory is
-// checked before the mesh is made, from an estimate, and again when its size is known. Nothing is
+// `vdwmesh report`: makes the mesh and the exact union and sets one beside the other. Nothing is
 // written but what was asked for: JSON, the table by atom, a picture of the distances.
-#include <utility>
-#include <vector>
-
 #include "analysis/mesh_measures.hpp"
 #include "command_line/command_line.hpp"
 #include "edge_lengths.hpp"
-#include "memory_plan.hpp"
+#include "measured_mesh.hpp"
 #include "output.hpp"
 #include "per_atom.hpp"
 #include "picture.hpp"
@@ -15,44 +11,6 @@
 #include "verbs.hpp"
 
 namespace vdwmesh::apps {
-namespace {
-
-// Normals are made only where a picture needs them.
-MemoryDemand memory_of_report(const Options& options) {
-  MemoryDemand demand;
-  demand.surface = options.surface;
-  demand.backend = resolve(options.machine.backend);
-  demand.normals = options.picture.path.empty() ? Normals::none : Normals::gradients;
-  demand.self_intersections = options.self_intersections;
-  demand.cgal_check = options.cgal_check;
-  demand.exact = method_for_memory(options.exact);
-  demand.distances = options.distances.distances;
-  return demand;
-}
-
-// The mesh, and what the report says of it.
-IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options, Session& session) {
-  MemoryDemand demand = memory_of_report(options);
-  const std::uint64_t limit = options.machine.memory_limit;
-  const auto estimate = check_memory_before(demand, spheres, limit);
-  session.end_stage(&Timing::plan);
-  std::vector<LevelReport> levels;
-  IndexedMesh mesh =
-      make_mesh(spheres, options.surface, session,
-                {.normals = demand.normals,
-                 .on_level = record_levels(options.self_intersections, options.surface.subdivisions,
-                                           levels, session)});
-  session.report.parameters->memory_estimate = estimate;
-  check_memory_after(demand, spheres, mesh, limit);
-  MeshReport& report = *session.report.mesh;
-  measure(mesh, options.self_intersections, session);
-  add_last_level(options.surface.subdivisions, std::move(levels), report);
-  extrapolate(mesh.triangle_labels(), report);
-  check_with_cgal(mesh, options.cgal_check, session);
-  return mesh;
-}
-
-}  // namespace
 
 void run_report(const Options& options) {
   VerbSession session(options.machine);

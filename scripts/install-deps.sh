@@ -23,7 +23,7 @@ for group in "$@"; do
     witnesses)
       packages+=(python3-vtk9 assimp-utils admesh python3-gudhi voronota python3-ase python3-biopython
       python3-mdanalysis python3-mdtraj python3-gemmi python3-freesasa python3-skimage python3-open3d
-      parallel python3-dask python3-mpi4py) ;;
+      parallel snakemake python3-dask python3-mpi4py) ;;
     docs) packages+=(doxygen) ;;
     anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
     fuzz) packages+=(clang-19 libclang-rt-19-dev clang-tidy-19) ;;

@@ -95,6 +95,9 @@ inline constexpr auto kNames<StructureFormat> =
                             {"ent", StructureFormat::pdb},
                             {"cif", StructureFormat::mmcif}});
 template <>
+inline constexpr auto kNames<BatchVerb> = names<BatchVerb>({{"exact", BatchVerb::exact},
+                                                            {"report", BatchVerb::report}});
+template <>
 inline constexpr auto kNames<RowFormat> = names<RowFormat>({{"jsonl", RowFormat::jsonl},
                                                             {"csv", RowFormat::csv}});
 template <>

@@ -15,9 +15,10 @@ constexpr VerbSet kRanks = kRanksMesh | kRanksExact;
 constexpr VerbSet kOneInput = kMesh | kReport | kExact | kCompare | kRender | kRanks;
 constexpr VerbSet kInputs = kOneInput | kSeveralInputs;
 constexpr VerbSet kStructures = kInputs | kBatch;
-constexpr VerbSet kSurfaces = kMesh | kReport | kRender;
-constexpr VerbSet kGrids = kSurfaces | kRanksMesh;  // marching cubes
-constexpr VerbSet kDistances = kReport | kCompare | kStudy;
+constexpr VerbSet kOneSurface = kMesh | kReport | kRender;
+constexpr VerbSet kSurfaces = kOneSurface | kBatch;  // of `batch` with --verb report
+constexpr VerbSet kGrids = kSurfaces | kRanksMesh;   // marching cubes
+constexpr VerbSet kDistances = kReport | kCompare | kStudy | kBatch;
 constexpr VerbSet kPictures = kReport | kCompare | kRender;
 constexpr VerbSet kBenches = kThesisBench | kPipelineBench;
 constexpr VerbSet kWorking = kStructures | kThesisBench;
@@ -141,7 +142,7 @@ std::vector<Option> surface_options(Draft& d) {
       {"--edge-length-of", kSurfaces, lengths_of_selections(d),
        "edge length of some atoms (as --select); the last one that names an atom holds",
        no_default()},
-      {"--edge-lengths", kSurfaces, one(s.grading.table, text("FILE"), Use::reads),
+      {"--edge-lengths", kOneSurface, one(s.grading.table, text("FILE"), Use::reads),
        "table of --per-atom with a column edge_length, Å; an empty field leaves the atom to the "
        "other options",
        no_default()},
@@ -159,7 +160,8 @@ std::vector<Option> surface_options(Draft& d) {
        "of --field blinn", otherwise("2")},
       {"--subdivide", kMesh | kPipelineBench, one(s.subdivisions, levels), subdivide,
        by_default("0")},
-      {"--subdivide", kReport | kRender, one(s.subdivisions, levels), subdivide, by_default("1")},
+      {"--subdivide", kReport | kRender | kBatch, one(s.subdivisions, levels), subdivide,
+       by_default("1")},
       {"--project", kSurfaces, one(d.projection, named<Projection>()), project,
        otherwise("as --field")},
       {"--crossings", kSurfaces | kPipelineBench, one(s.crossings, named<Crossings>()),
@@ -207,7 +209,7 @@ std::vector<Option> measure_options(Draft& d) {
        otherwise("on; off with arcs")},
       {"--topology", kBatch, one(d.topology, named<TopologyRequest>()),
        "exact topology; counts: components and Euler characteristic alone",
-       otherwise("off; on with --method cgal or both")},
+       otherwise("off; on with --verb report, and with --method cgal or both")},
       {"--topology", kRanksExact, one(d.topology, named<TopologyRequest>()),
        "components and Euler characteristic: counts or off", otherwise("counts")},
       {"--certify", kReport | kExact, flag(o.exact.certify, Switch::on),
@@ -220,10 +222,10 @@ std::vector<Option> measure_options(Draft& d) {
        by_default("10")},
       {"--seed", kDistances, one(c.seed, whole<std::uint64_t>(0, 4'294'967'295)), "of the samples",
        by_default("1")},
-      {"--self-intersections", kReport | kStudy,
+      {"--self-intersections", kReport | kStudy | kBatch,
        one(o.self_intersections, named<SelfIntersections>()), "count them; auto is on",
        by_default("auto")},
-      {"--cgal-check", kReport, one(o.cgal_check, named<CgalCheck>()),
+      {"--cgal-check", kReport | kBatch, one(o.cgal_check, named<CgalCheck>()),
        "area and volume by CGAL as well, with auto of up to a million triangles",
        by_default("auto")}};
 }
@@ -244,7 +246,7 @@ std::vector<Option> bench_options(Options& o) {
 // What a run may use of the machine, and what it says meanwhile.
 std::vector<Option> machine_options(Draft& d) {
   MachineOptions& m = d.options.machine;
-  const VerbSet choosing = kSurfaces | kPipelineBench;
+  const VerbSet choosing = kOneSurface | kPipelineBench;
   return {
       {"--backend", choosing | kExact | kCompare | kRanksMesh, one(m.backend, named<Backend>()),
        "who makes the mesh, and measures by arcs and distances", by_default("auto")},
@@ -309,6 +311,9 @@ std::vector<Option> output_options(Draft& d) {
        required("name the folder that the study is written to")},
       {"-o,--output", kBatch, one(o.batch.output, text("FILE"), Use::writes),
        "the rows: .jsonl .ndjson .json (JSON lines) or .csv", otherwise("standard output")},
+      {"--verb", kBatch, one(o.batch.verb, named<BatchVerb>()),
+       "whose figures the rows have; report makes a mesh of each structure as well",
+       by_default("exact")},
       {"--rows", kBatch, one(o.batch.rows, named<RowFormat>()), "of which kind they are",
        otherwise("by extension; jsonl")},
       {"--shard", kBatch, one(o.batch.shard, Kind<Shard>{"I/N", "", parse_shard}),

@@ -109,7 +109,7 @@ void settle_surface(Draft& d) {
   if (s.kind == ExactSurface::excluded) settle_excluded_mesh(d);
   if (s.grading.relative && !is_given(d, "--edge-length")) s.edge_length.reset();
   settle_field(s.field);
-  if (d.verb & (kMesh | kReport | kRender | kRanksMesh)) settle_mesher(d);
+  if (d.verb & (kMesh | kReport | kRender | kBatch | kRanksMesh)) settle_mesher(d);
   s.grid = preset_grid(s.field.preset, d.spacing, d.padding);
   settle_projection(d);
   settle_crossings(d);
@@ -166,8 +166,8 @@ void settle_exact(Draft& d) {
     exact.topology = d.topology.value_or(TopologyRequest::counts);
     return;
   }
-  const bool fast =
-      d.verb == kBatch && d.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
+  const bool fast = d.verb == kBatch && d.options.batch.verb == BatchVerb::exact &&
+                    d.method.value_or(UnionMethod::automatic) == UnionMethod::automatic;
   const TopologyRequest wanted =
       d.topology.value_or(fast ? TopologyRequest::none : TopologyRequest::full);
   exact.method = method_for(d.method.value_or(UnionMethod::automatic),
@@ -236,6 +236,17 @@ void settle_picture(const Draft& d) {
   const Renderer available;
 }
 
+// Options of the mesh would be without effect where none is made.
+void settle_batch_verb(const Draft& d) {
+  if (d.options.batch.verb == BatchVerb::report) return;
+  for (const auto& [name, group] : d.given) {
+    const bool of_mesh = group == kSurfaceGroup || name == "--distances" || name == "--samples" ||
+                         name == "--seed" || name == "--self-intersections" ||
+                         name == "--cgal-check";
+    refuse_if(of_mesh, "{}: is of --verb report; without it no mesh is made", name);
+  }
+}
+
 // An archive on standard input can be read only once, and a shard needs to know how many structures
 // there are.
 void settle_batch(Draft& d) {
@@ -294,6 +305,7 @@ void settle(Draft& d) {
   settle_render(d);
   settle_picture(d);
   settle_study(d);
+  if (d.verb == kBatch) settle_batch_verb(d);
   if (d.verb == kBatch) settle_batch(d);
   settle_bench(d.options);
 }

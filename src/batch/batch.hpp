@@ -11,6 +11,7 @@
 #include "arrangement/exact_union.hpp"
 #include "batch/structure_source.hpp"
 #include "core/monitor.hpp"
+#include "structure/molecule.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh {
@@ -43,6 +44,17 @@ struct BatchRow {
   std::vector<std::string> warnings;  // what may be wrong with the file
   std::optional<std::string> error;   // why there are no measures; one line
 };
+
+// Reads a structure of a source.
+Molecule read_named_structure(const NamedStructure& structure, const ReadOptions& options);
+
+// Write into the row what is known of the atoms, and what of the union of their balls.
+void describe_input(const Molecule& molecule, BatchRow& row);
+void describe_union(const ExactUnion& measured, BatchRow& row);
+
+// Does the work on one structure. Returns the reason in one line if the structure is refused, which
+// it is for whatever the work throws but Cancelled.
+std::optional<std::string> refusal_of(const std::function<void()>& work);
 
 // A run of structures, by their places in the inputs.
 struct BatchPart {

@@ -102,6 +102,94 @@ class Rows(BatchTest):
             self.assertEqual(cells, expected)
 
 
+def flattened(value, name=""):
+    """The figures of a JSON value by the names of their columns; lists have none."""
+    if isinstance(value, dict):
+        inner = {f"{name}_{key}" if name else key: part for key, part in value.items()}
+        return {key: cell for outer, part in inner.items() for key, cell in flattened(part, outer).items()}
+    return {} if isinstance(value, list) else {name: value}
+
+
+class Reports(BatchTest):
+    """Rows of --verb report are what `vdwmesh report` finds."""
+
+    fast = ("--verb", "report", "--spacing", "0.8", "--samples", "2")
+
+    def test_are_those_of_single_calls(self):
+        for options in (self.fast[2:], ("--mesher", "exact", "--edge-length", "0.7", "--probe", "0.3"),
+                        ("--spacing", "1", "--subdivide", "0", "--distances", "off", "--topology", "counts"),
+                        ("--field", "blinn", "--spacing", "1", "--self-intersections", "off")):  # fmt: skip
+            with self.subTest(options):
+                for row, path in zip(self.rows(self.inputs, "--verb", "report", *options), self.paths, strict=True):
+                    if path.name not in ("packed.pdb.gz", "row03.xyzr", "row11.xyzr"):
+                        continue
+                    report = self.report("report", path, "--backend", "cpu", *options)
+                    if report["mesh"]["arrangement"]:
+                        report["mesh"]["arrangement"]["seconds"] = None
+                    self.assertEqual(row["mesh"], report["mesh"])
+                    self.assertEqual(row["comparison"], report["comparison"])
+                    self.assertEqual(row["warnings"], report["warnings"])
+                    for key in ("area", "volume", "tunnels", "voids", "euler_characteristic", "method"):
+                        self.assertEqual(row[key], report["exact"][key], key)
+
+    def test_of_members_do_not_depend_on_threads(self):
+        path = self.folder / "a.tar"
+        with tarfile.open(path, "w") as archive:
+            for file in self.paths:
+                archive.add(file, str(file.relative_to(self.inputs)))
+        one = run("batch", path, *self.fast, "--threads", "1").stdout
+        self.assertEqual(len(one.splitlines()), len(self.paths))
+        self.assertEqual(run("batch", path, *self.fast, "--threads", "4").stdout, one)
+        self.assertEqual(nameless(map(json.loads, one.splitlines())),
+                         nameless(self.rows(self.inputs, *self.fast)))
+
+    def test_as_a_table_have_all_figures_of_json(self):
+        for options in ((), ("--mesher", "exact", "--edge-length", "0.8")):
+            arguments = (self.inputs / "b", "--verb", "report", "--samples", "2", *options)
+            rows = self.rows(*arguments)
+            table = csv.DictReader(io.StringIO(run("batch", *arguments, "--rows", "csv").stdout))
+            self.assertEqual(table.fieldnames[:2] + table.fieldnames[-2:], ["name", "settings", "warnings", "error"])
+            found = list(table)
+            for cells, row in zip(found, rows, strict=True):
+                row["left_out"] = sum(row["left_out"].values())
+                row["warnings"] = len(row["warnings"])
+                figures = {key: value for key, value in flattened(row).items() if value is not None}
+                for name, value in figures.items():
+                    text = str(value).lower() if isinstance(value, bool) else str(value)
+                    if isinstance(value, float):
+                        self.assertEqual(float(cells.pop(name)), value, name)
+                    else:
+                        self.assertEqual(cells.pop(name), text, name)
+                self.assertEqual(set(cells.values()), {""})
+
+    def test_a_structure_that_is_refused_has_no_mesh(self):
+        (self.inputs / "b" / "row03.xyzr").write_text("0 0 0 0.001\n")  # no node lies inside
+        rows = self.rows(self.inputs / "b", *self.fast, code=BAD_INPUT)
+        refused = [row for row in rows if row["error"]]
+        self.assertEqual([pathlib.Path(row["name"]).name for row in refused], ["row03.xyzr"])
+        self.assertEqual([refused[0][key] for key in ("mesh", "comparison", "area")], [None] * 3)
+        single = run("report", refused[0]["name"], *self.fast[2:])
+        self.assertEqual(single.stderr, f"vdwmesh: {refused[0]['error']}\n")
+
+    def test_are_continued_with_the_same_options_alone(self):
+        inputs = self.inputs / "b"
+        for extension in ("jsonl", "csv"):
+            name = f"rows.{extension}"
+            whole = self.file_of(inputs, *self.fast, name=name)
+            (self.folder / name).write_bytes(whole[: len(whole) // 2])
+            self.assertEqual(self.file_of(inputs, *self.fast, name=name), whole)
+            for other in ((), (*self.fast, "--seed", "2"), (*self.fast, "--subdivide", "0"),
+                          (*self.fast, "--padding", "3"), (*self.fast, "--crossings", "allow")):  # fmt: skip
+                self.assertEqual(run("batch", inputs, *other, "-o", self.folder / name).returncode, BAD_INPUT)
+
+    def test_options_of_the_mesh_need_them(self):
+        for option in ("--spacing", "--mesher", "--samples", "--self-intersections", "--subdivide"):
+            value = {"--mesher": "exact", "--self-intersections": "off"}.get(option, "1")
+            result = run("batch", self.inputs, option, value)
+            self.assertEqual(result.returncode, BAD_INPUT)
+            self.assertRegex(result.stderr, rf"\Avdwmesh: {option}: is of --verb report[^\n]*\n\Z")
+
+
 class Refusals(BatchTest):
     def test_a_bad_structure_is_a_row(self):
         (self.inputs / "b" / "bad.pdb").write_text("ATOM      1  N   ALA A   1      abc\n")

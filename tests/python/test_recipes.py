@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 
 import program
@@ -17,8 +18,8 @@ PYTHON = "/usr/bin/python3"
 def recipes():
     """The code of each recipe, by what its first word of prose says."""
     text = (SOURCE_DIR / "docs" / "batch.md").read_text().split("## Recipes")[1]
-    found = re.findall(r"^(A Slurm array|GNU parallel|Dask|MPI)\b.*?```(?:sh|python)\n(.*?)```", text,
-                       re.S | re.M)
+    names = "A Slurm array|GNU parallel|Dask|MPI|Snakemake|Foldcomp"
+    found = re.findall(rf"^({names})\b.*?```(?:sh|python)\n(.*?)```", text, re.S | re.M)
     return dict(found)
 
 
@@ -34,14 +35,14 @@ class Recipes(ProgramTest):
         self.expected = [json.loads(line) for line in whole.splitlines()]
         self.assertEqual(len(self.expected), 6)
 
-    def run_recipe(self, name, *command):
+    def run_recipe(self, name, *command, **variables):
         recipe = recipes()[name]
         self.assertLessEqual(len([line for line in recipe.splitlines() if line.strip()]), 12)
         path = self.folder / "recipe"
         path.write_text(recipe)
         environment = {**os.environ, "HOME": str(self.folder), "OMPI_ALLOW_RUN_AS_ROOT": "1",
                        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_NUM_THREADS": "1",
-                       "PATH": f"{pathlib.Path(program.PROGRAM).parent}:{os.environ['PATH']}"}
+                       "PATH": f"{pathlib.Path(program.PROGRAM).parent}:{os.environ['PATH']}", **variables}
         result = subprocess.run([*command, path], cwd=self.folder, env=environment, text=True,
                                 capture_output=True, timeout=120)
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -65,6 +66,33 @@ class Recipes(ProgramTest):
         self.assertEqual(rows, [{key: row[key] for key in ("name", "area", "volume")}
                                 for row in self.expected])
 
+    def test_snakemake(self):
+        need_package("snakemake", program="snakemake")
+        command = (PYTHON, shutil.which("snakemake"), "--cores", "2", "--snakefile")
+        self.assertEqual(self.run_recipe("Snakemake", *command), self.expected)
+
+    def test_foldcomp(self):
+        """Foldcomp is no package of Debian. What stands in for it does what Foldcomp's README shows: open()
+        in a with statement gives pairs of a name and PDB text."""
+        stand_in = self.folder / "stand_in"
+        stand_in.mkdir()
+        (stand_in / "foldcomp.py").write_text(FOLDCOMP)
+        path = f"{stand_in}:{os.environ.get('PYTHONPATH', '')}"
+        rows = self.run_recipe("Foldcomp", PYTHON, PYTHONPATH=path)
+        expected = [{key: row[key] for key in ("name", "area", "volume")} for row in self.expected]
+        for row in expected:
+            row["name"] = pathlib.Path(row["name"]).name
+        self.assertEqual(rows, expected)
+
+
+FOLDCOMP = """
+import contextlib, pathlib
+
+@contextlib.contextmanager
+def open(path):
+    assert path == "structures.fcz"
+    yield ((file.name, file.read_text()) for file in sorted(pathlib.Path("structures").iterdir()))
+"""
 
 if __name__ == "__main__":
     program.unittest.main()

@@ -1,0 +1,39 @@
+// The blocks of a report that hold a mesh against the exact union.
+#pragma once
+
+#include "describe_report.hpp"
+
+namespace vdwmesh::apps {
+
+template <class A>
+void describe(A& a, const AtomErrors& errors) {
+  a("max", errors.max), a("rms", errors.rms);
+  a("atoms", errors.atoms), a("worst", errors.worst);
+}
+
+template <class A>
+void describe(A& a, const MeshProof& proof) {
+  a("topology_is_exact", proof.topology_is_exact);
+  a("atom_area_error", proof.atoms);
+  a("extrapolated_area_error", proof.extrapolated_area_error);
+  a("extrapolated_volume_error", proof.extrapolated_volume_error);
+}
+
+// Distances may be left out while the rest is there, so each of their members is null by itself.
+template <class A>
+void describe(A& a, const ComparisonReport& comparison) {
+  const auto& distances = comparison.distances;
+  using D = MeshDistances;
+  a("area_relative_error", comparison.area_relative_error);
+  a("volume_relative_error", comparison.volume_relative_error);
+  a("euler_characteristic_difference", comparison.euler_characteristic_difference);
+  a("proof", comparison.proof);
+  a("mesh_to_surface", of(distances, &D::mesh_to_surface));
+  a("surface_to_mesh", of(distances, &D::surface_to_mesh));
+  a("hausdorff_lower_bound", of(distances, &D::hausdorff_lower_bound));
+  a("samples", of(distances, &D::samples)), a("seed", of(distances, &D::seed));
+  a("distances_backend", distances ? std::optional(comparison.distances_backend) : std::nullopt);
+  a("distances_reason", comparison.distances_reason);
+}
+
+}  // namespace vdwmesh::apps

@@ -1,0 +1,17 @@
+// The mesh of `report`, and of each structure of `batch --verb report`.
+#pragma once
+
+#include "command_line/command_line.hpp"
+#include "session.hpp"
+#include "spheres/sphere_set.hpp"
+#include "surface/indexed_mesh.hpp"
+
+namespace vdwmesh::apps {
+
+// Makes the mesh that the options ask for, and measures it: size, topology and quality, level by
+// level, self-intersections, CGAL's measures. All this goes into the session's report. Memory is
+// checked before the mesh is made, from an estimate, and again when its size is known. Throws as
+// make_mesh() does, and LimitExceeded.
+IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options, Session& session);
+
+}  // namespace vdwmesh::apps
