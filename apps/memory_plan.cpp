@@ -253,6 +253,18 @@ void fill_in(const SphereSet& spheres, MemoryDemand& demand) {
   demand.area = area_of_surface(spheres, demand, of_union);
 }
 
+// What a run without a mesh takes at most, which it does if nothing of the spheres is exposed;
+// nothing if that is more than the limit. To estimate the exposed part takes longer than to measure
+// the union by arcs.
+std::optional<std::uint64_t> bytes_if_all_buried(MemoryDemand demand, std::uint64_t spheres,
+                                                 std::uint64_t limit) {
+  if (demand.surface) return std::nullopt;
+  demand.spheres = spheres;
+  demand.exposed = 0;
+  const std::uint64_t bytes = estimate_memory(demand).bytes;
+  return bytes <= limit ? std::optional(bytes) : std::nullopt;
+}
+
 }  // namespace
 
 LabelWidth label_width(const SurfaceOptions& surface) {
@@ -276,6 +288,7 @@ std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit) {
 
 std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
                                   std::uint64_t limit) {
+  if (const auto bytes = bytes_if_all_buried(demand, spheres.size(), limit)) return *bytes;
   fill_in(spheres, demand);
   if (demand.early == Switch::on && !fits(demand, limit)) demand.early = Switch::off;
   return check_memory(demand, limit);

@@ -57,8 +57,8 @@ MemoryNeed estimate_memory(const MemoryDemand& demand);
 // would fit. Returns the bytes.
 std::uint64_t check_memory(const MemoryDemand& demand, std::uint64_t limit);
 
-// The same before anything is made. Fills in what `demand` has of the spheres, and gives `early` up
-// where it would take too much.
+// The same before anything is made. Fills in what `demand` has of the spheres if a mesh is made or
+// memory is scarce, and gives `early` up where it would take too much.
 std::uint64_t check_memory_before(MemoryDemand& demand, const SphereSet& spheres,
                                   std::uint64_t limit);
 
