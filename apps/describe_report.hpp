@@ -57,6 +57,16 @@ void describe(A& a, const CgalMeasures& cgal) {
 }
 
 template <class A>
+void describe(A& a, const PatchCount& count) {
+  a("patches", count.patches), a("triangles", count.triangles), a("area", count.area);
+}
+
+template <class A>
+void describe(A& a, const PatchReport& patches) {
+  a("contact", patches.contact), a("saddle", patches.saddle), a("concave", patches.concave);
+}
+
+template <class A>
 void describe(A& a, const MeshReport& mesh) {
   const MeshTopology& topology = mesh.topology;
   a("path", mesh.path);
@@ -76,6 +86,7 @@ void describe(A& a, const MeshReport& mesh) {
   a("newton", mesh.projection.empty() ? std::nullopt : std::optional(summarize(mesh.projection)));
   a("levels", mesh.levels);
   a("arrangement", mesh.arrangement);
+  a("patches", mesh.patches);
   a("extrapolated_area", mesh.extrapolated_area);
   a("extrapolated_volume", mesh.extrapolated_volume);
   a("cgal", mesh.cgal);

@@ -1,11 +1,15 @@
-// Measures and meshes the excluded surface on the library of src/excluded, and writes what was
+// Measures, meshes, refines and draws the excluded surface by the libraries, and writes what was
 // found into the report of the session.
 #include "excluded_steps.hpp"
 
+#include <array>
 #include <utility>
 
 #include "excluded/excluded_measures.hpp"
 #include "excluded/excluded_mesher.hpp"
+#include "picture.hpp"
+#include "refine/patch_refiner.hpp"
+#include "render/crease_split.hpp"
 
 namespace vdwmesh::apps {
 
@@ -25,8 +29,9 @@ void measure_excluded(const Molecule& molecule, double probe, const ExactOptions
   session.end_stage(&Timing::exact);
 }
 
-IndexedMesh make_excluded_mesh(const Molecule& molecule, double probe,
-                               const SurfaceOptions& surface, Session& session) {
+PatchedMesh make_excluded_mesh(const Molecule& molecule, double probe,
+                               const SurfaceOptions& surface, Session& session,
+                               const LevelObserver& on_level) {
   Report& report = session.report;
   report.backend = describe_backend(session.machine.backend, Backend::cpu);
   ExcludedMeshOptions options;
@@ -37,10 +42,53 @@ IndexedMesh make_excluded_mesh(const Molecule& molecule, double probe,
   ParametersReport& parameters = report.parameters.emplace();
   parameters.surface = surface;
   parameters.memory_limit = options.memory_limit;
-  ExcludedMesh made = mesh_excluded(to_spheres(molecule, 0), options);
+  const SphereSet atoms = to_spheres(molecule, 0);
+  ExcludedMesh made = mesh_excluded(atoms, options);
   report.timing.extract = made.stats.seconds;
+  PatchedMesh mesh = std::move(static_cast<PatchedMesh&>(made));
+  if (surface.subdivisions > 0) {
+    PatchRefineResult refined = refine_patches(atoms, std::move(mesh),
+                                               {.subdivisions = surface.subdivisions,
+                                                .memory_limit = options.memory_limit,
+                                                .on_level = on_level,
+                                                .monitor = session.monitor});
+    report.timing.refine = refined.seconds;
+    if (!report.mesh) report.mesh.emplace();
+    report.mesh->projection = std::move(refined.levels);
+    mesh = std::move(refined.mesh);
+  }
   session.end_stage(&Timing::mesh);
-  return std::move(made.mesh);
+  return mesh;
+}
+
+PatchReport count_patches(const PatchedMesh& mesh) {
+  PatchReport report;
+  std::array<PatchCount*, kPatchKinds> by_kind{&report.contact, &report.saddle, &report.concave};
+  const auto count_of = [&](const SurfacePatch& patch) -> PatchCount& {
+    return *by_kind.at(static_cast<std::size_t>(patch.kind));
+  };
+  for (const SurfacePatch& patch : mesh.patches) ++count_of(patch).patches;
+  for (std::size_t t = 0; t < mesh.triangle_patch.size(); ++t) {
+    const Triangle& v = mesh.mesh.triangles[t];
+    const Vec3d& p = mesh.mesh.positions[v[0]];
+    PatchCount& count = count_of(mesh.patches[mesh.triangle_patch[t]]);
+    ++count.triangles;
+    count.area += norm(cross(mesh.mesh.positions[v[1]] - p, mesh.mesh.positions[v[2]] - p)) / 2;
+  }
+  return report;
+}
+
+void draw_excluded(const PatchedMesh& mesh, const Molecule& molecule, const PictureOptions& options,
+                   Session& session) {
+  const IndexedMesh split = split_at_patches(mesh);
+  const auto painter = [&](const IndexedMesh& shown) -> Paint {
+    const ColorBy color = options.color.value_or(ColorBy::element);
+    if (is_of_patches(color)) return paint_by_patch(shown, mesh, options);
+    if (color == ColorBy::angle) return paint_by_angle(shown, options);
+    if (color == ColorBy::plain) return options.plain;
+    return paint_by_element(shown, molecule);
+  };
+  draw_mesh(split, painter, options, session);
 }
 
 }  // namespace vdwmesh::apps

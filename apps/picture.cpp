@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "analysis/mesh_measures.hpp"
 #include "cuda/backend.hpp"
@@ -21,6 +22,11 @@ namespace {
 
 // Share of the values that a colour map shows in full; the rest have the colours of its ends.
 constexpr double kInside = 0.99;
+
+// Contact, saddle and concave patches: colours that people with colour-blindness tell apart, after
+// Okabe and Ito (2008), made lighter.
+constexpr std::array<Rgb, kPatchKinds> kKindColors = {
+    Rgb{0.55f, 0.75f, 0.90f}, Rgb{0.95f, 0.75f, 0.30f}, Rgb{0.80f, 0.47f, 0.65f}};
 
 // What was asked for comes before what suits the values.
 ColorScale scale_for(const std::vector<float>& values, ColorMap map, const ColorRange& range,
@@ -91,6 +97,37 @@ Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,
       scale_for(values, ColorMap::cool_warm, {-bound, bound},
                 "Triangle centres to the exact surface, Å (positive: outside)", options);
   return TriangleValues{std::move(values), std::move(scale)};
+}
+
+Paint paint_by_patch(const IndexedMesh& shown, const PatchedMesh& mesh,
+                     const PictureOptions& options) {
+  // Every vertex of the picture belongs to one patch.
+  const auto visit = [&](const auto& set) {
+    for (std::size_t t = 0; t < shown.triangle_count(); ++t) {
+      const SurfacePatch& patch = mesh.patches[mesh.triangle_patch[t]];
+      for (const std::uint32_t v : shown.triangles[t]) set(v, patch);
+    }
+  };
+  if (options.color == ColorBy::kind) {
+    VertexColors paint;
+    paint.colors.resize(shown.vertex_count());
+    visit([&](std::uint32_t v, const SurfacePatch& patch) {
+      paint.colors[v] = kKindColors.at(static_cast<std::size_t>(patch.kind));
+    });
+    return paint;
+  }
+  const bool is_mean = options.color == ColorBy::mean_curvature;
+  std::vector<float> values(shown.vertex_count());
+  visit([&](std::uint32_t v, const SurfacePatch& patch) {
+    const PrincipalCurvatures c = patch_curvatures(patch, shown.positions[v]);
+    values[v] = static_cast<float>(is_mean ? c.mean() : c.gaussian());
+  });
+  const double bound = symmetric_bound(values, kInside);
+  ColorScale scale = scale_for(values, ColorMap::cool_warm, {-bound, bound},
+                               is_mean ? "Mean curvature, 1/Å (positive: convex)"
+                                       : "Gaussian curvature, 1/Å² (negative: saddle-shaped)",
+                               options);
+  return VertexValues{std::move(values), std::move(scale)};
 }
 
 Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options) {

@@ -9,6 +9,7 @@
 #include "spheres/sphere_set.hpp"
 #include "structure/molecule.hpp"
 #include "surface/indexed_mesh.hpp"
+#include "surface/surface_patch.hpp"
 
 namespace vdwmesh::apps {
 
@@ -21,6 +22,10 @@ Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule);
 // vertices on the surface, its error is between them.
 Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,
                         const PictureOptions& options, Session& session);
+// The kind of every patch, or its mean or Gaussian curvature, as options.color says. `shown` is
+// what split_at_patches() made of the mesh.
+Paint paint_by_patch(const IndexedMesh& shown, const PatchedMesh& mesh,
+                     const PictureOptions& options);
 // Smallest angle of every triangle.
 Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options);
 

@@ -9,7 +9,21 @@
 
 namespace vdwmesh::apps {
 
-enum class ColorBy { element, distance, angle, plain };
+// The kind of patch and the curvatures are those of --surface excluded.
+enum class ColorBy {
+  element,
+  distance,
+  angle,
+  kind,
+  mean_curvature,
+  gaussian_curvature,
+  plain,
+};
+
+constexpr bool is_of_patches(ColorBy color) {
+  return color == ColorBy::kind || color == ColorBy::mean_curvature ||
+         color == ColorBy::gaussian_curvature;
+}
 
 // Bounds of a colour scale.
 struct ColorRange {

@@ -54,9 +54,19 @@ struct LevelReport : MeshExamination {
   std::optional<std::uint64_t> self_intersections;
 };
 
+// Of one kind of patch of the excluded surface.
+struct PatchCount {
+  std::uint64_t patches = 0, triangles = 0;
+  double area = 0;  // Å², of the triangles
+};
+struct PatchReport {
+  PatchCount contact, saddle, concave;
+};
+
 struct MeshReport : MeshExamination {
   std::optional<std::uint64_t> grid_clipped, clamped_vertices;  // of our own extraction only
   std::optional<ExactMeshStats> arrangement;                    // of the crease-exact mesher
+  std::optional<PatchReport> patches;                           // of the excluded surface
   std::optional<std::uint64_t> self_intersections;
   std::vector<ProjectionStats> projection;  // empty: no refinement ran
   std::vector<LevelReport> levels;          // empty: no refinement ran, or not asked for

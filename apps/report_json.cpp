@@ -39,7 +39,9 @@ void describe(JsonText& a, const ParametersReport& parameters) {
     grid ? std::optional(surface.grid.padding.value_or(3 * grid->spacing)) : std::nullopt);
   a("isovalue", parameters.isovalue), a("blobbiness", parameters.blobbiness);
   a("subdivide", surface.subdivisions);
-  a("project", surface.projection);
+  // The excluded surface is refined to its patches.
+  const bool to_patches = surface.kind == ExactSurface::excluded && surface.subdivisions > 0;
+  a("project", to_patches ? std::string("patches") : std::string(name_of(surface.projection)));
   a("crossings", surface.looks_for_crossings() ? std::optional(surface.crossings) : std::nullopt);
   a("grid", grid);
   a("memory_limit", limit_of(parameters.memory_limit));

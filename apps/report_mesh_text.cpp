@@ -48,6 +48,15 @@ void levels_text(Text out, const std::vector<LevelReport>& levels) {
   }
 }
 
+std::string patches_text(const PatchReport& patches) {
+  const auto text = [](const PatchCount& count, const char* kind) {
+    return fmt::format("{} {} ({} triangles, {:.3f} Å²)", count.patches, kind, count.triangles,
+                       count.area);
+  };
+  return text(patches.contact, "contact") + ", " + text(patches.saddle, "saddle") + ", " +
+         text(patches.concave, "concave");
+}
+
 std::string in_scientific(const std::optional<double>& error) {
   return error ? fmt::format(" ({:+.1e} of the exact one)", *error) : "";
 }
@@ -111,6 +120,7 @@ void mesh_text(Text out, const MeshReport& mesh) {
   }
   if (mesh.grid_clipped) counts += fmt::format(", {} cells cut by the grid", *mesh.grid_clipped);
   line(out, "", counts);
+  if (mesh.patches) line(out, "Patches", patches_text(*mesh.patches));
   if (!mesh.projection.empty()) {
     const NewtonSummary newton = summarize(mesh.projection);
     line(out, "Projection",

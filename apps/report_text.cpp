@@ -103,7 +103,8 @@ std::string surface_text(const ParametersReport& parameters) {
   const FieldOptions& field = parameters.surface.field;
   if (parameters.surface.kind == ExactSurface::excluded) {
     return "solvent-excluded surface along the curves between its patches, " +
-           edge_text(parameters.surface);
+           edge_text(parameters.surface) + "; " +
+           counted(static_cast<std::uint64_t>(parameters.surface.subdivisions), "subdivision");
   }
   if (parameters.surface.mesher == Mesher::exact) {
     return fmt::format("union of the spheres, crease-exact, {}; {}", edge_text(parameters.surface),

@@ -7,6 +7,7 @@
 #include "interrupt.hpp"
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
+#include "mesh/patch_properties.hpp"
 #include "output.hpp"
 #include "steps.hpp"
 #include "verbs.hpp"
@@ -57,12 +58,15 @@ void build_excluded(const Structure& structure, const Options& options, SurfaceM
                     Session& session) {
   const double probe = options.inputs.front().probe;
   measure_excluded(structure.molecule, probe, options.exact, Switch::off, session);
-  const IndexedMesh mesh = make_excluded_mesh(structure.molecule, probe, options.surface, session);
+  const PatchedMesh made = make_excluded_mesh(structure.molecule, probe, options.surface, session);
+  const IndexedMesh& mesh = made.mesh;
   MemoryDemand demand = memory_of_mesh(options);
   check_memory_after(demand, structure.spheres, mesh, options.machine.memory_limit);
   measure(mesh, SelfIntersections::skip, session);
+  session.report.mesh->patches = count_patches(made);
   SurfaceMeshBuilder builder(built);
   build_surface_mesh(mesh, structure.molecule, builder, session);
+  add_patch_properties(built, made);
 }
 
 // Formats that cannot hold all that the mesh knows are named in a note.
@@ -75,6 +79,11 @@ void write(const SurfaceMesh& mesh, const std::string& path, Session& session) {
       report.warnings.push_back(warning);
     }
   });
+  if (patch_properties(mesh) && mesh_format(path) != MeshFormat::ply) {
+    report.notes.push_back(
+        path +
+        ": does not say which patch each triangle is part of, nor curvatures; only PLY does");
+  }
   if (face_spheres(mesh) && mesh_format(path) != MeshFormat::ply) {
     report.notes.push_back(path +
                            ": does not say which sphere each triangle is part of; only PLY does");

@@ -8,6 +8,7 @@
 #include "command_line/command_line.hpp"
 #include "core/errors.hpp"
 #include "edge_lengths.hpp"
+#include "excluded_steps.hpp"
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
 #include "picture.hpp"
@@ -50,6 +51,14 @@ Paint paint_for(const IndexedMesh& mesh, const Structure& structure, const Pictu
   return paint_by_distance(mesh, structure.spheres, picture, session);
 }
 
+// The mesher has a memory limit of its own.
+void draw_excluded_surface(const Options& options, Session& session) {
+  const InputOptions& input = options.inputs.front();
+  const Molecule molecule = load_molecule(input, session);
+  const PatchedMesh mesh = make_excluded_mesh(molecule, input.probe, options.surface, session);
+  draw_excluded(mesh, molecule, options.picture, session);
+}
+
 // Where triangles know their spheres, creases are drawn sharp.
 void draw_structure(const Options& given, Session& session) {
   const Structure structure = load(given.inputs.front(), session);
@@ -74,6 +83,8 @@ void run_render(const Options& options) {
   const std::filesystem::path& path = options.inputs.front().path;
   if (find_mesh_format(path)) {
     draw_file(path, options.picture, session);
+  } else if (options.surface.kind == ExactSurface::excluded) {
+    draw_excluded_surface(options, session);
   } else {
     draw_structure(options, session);
   }

@@ -6,13 +6,13 @@ set(vdwmesh_rooms core spheres surface structure extract refine arrangement excl
 set(core_headers buffer errors host_device monitor sum vec3 workspace)
 set(structure_headers molecule polarity radii reader reference_areas)
 set(spheres_headers cell_list_frame sphere_set)
-set(surface_headers indexed_mesh vertex_labels)
+set(surface_headers indexed_mesh surface_patch vertex_labels)
 set(extract_headers extractor field grid sampled_field)
-set(refine_headers refiner)
+set(refine_headers patch_refiner refiner)
 set(arrangement_headers exact_mesher exact_union frame_measures union_measurer)
 set(excluded_headers excluded_measures excluded_mesher)
 set(batch_headers batch molecule_spheres structure_source)
-set(mesh_headers element_color mesh_io surface_mesh surface_mesh_builder)
+set(mesh_headers element_color mesh_io patch_properties surface_mesh surface_mesh_builder)
 set(analysis_headers comparison convergence distance_measurer distances exposure mesh_measures quality_histograms
     signed_distance study)
 set(render_headers camera color_map color_scale crease_split picture renderer surface_source

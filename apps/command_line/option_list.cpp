@@ -198,7 +198,7 @@ std::vector<Option> measure_options(Draft& d) {
   return {
       {"--measure", kReport | kExact | kBatch | kRanksExact, one(d.read.measure, text("SELECTION")),
        "measure only these atoms; all others cover them (as --select)", otherwise("all atoms")},
-      {"--surface", kExact | kMesh, one(o.exact.surface, named<ExactSurface>()),
+      {"--surface", kExact | kMesh | kRender, one(o.exact.surface, named<ExactSurface>()),
        "vdw: boundary of the balls, with --probe the accessible surface; excluded: the "
        "solvent-excluded surface, with a probe of 1.4 Å unless --probe says otherwise",
        by_default("vdw")},
@@ -286,12 +286,14 @@ std::vector<Option> picture_options(Draft& d) {
       {"--antialias", kPictures, one(r.samples_per_axis, whole<int>(1, 8)),
        "samples along each side of a pixel, 1 to 8", by_default("3")},
       {"--color-map", kPictures, one(p.color_map, named<ColorMap>()), "of values",
-       otherwise("cool-warm for distances, else viridis")},
+       otherwise("cool-warm for distances and curvatures, else viridis")},
       {"--color-range", kPictures, of_picture(p, "LOWER,UPPER", read_color_range),
        "values at the ends of the colour map", otherwise("what holds 99 % of them")},
       {"--color", kRender, of_picture(p, "COLOR", read_color),
        "element, distance (of triangle centres to the exact surface), angle (smallest of each "
-       "triangle), or one colour: white, black, grey, #rrggbb",
+       "triangle), kind, mean-curvature, gaussian-curvature (of the patches of --surface "
+       "excluded), "
+       "or one colour: white, black, grey, #rrggbb",
        otherwise("element; of a MESH: grey")}};
 }
 

@@ -84,9 +84,10 @@ void settle_crossings(Draft& d) {
                                 : "with --project none"));
 }
 
-// The excluded surface has one mesher, whose edges are all alike, and nothing to refine them.
+// The excluded surface has one mesher, whose edges are all alike. Its meshes are refined to the
+// patches without a choice.
 void settle_excluded_mesh(Draft& d) {
-  if (d.verb != kMesh) return;
+  if (!(d.verb & (kMesh | kRender))) return;
   SurfaceOptions& s = d.options.surface;
   refuse_if(is_given(d, "--mesher") && s.mesher != Mesher::exact,
             "--mesher {}: --surface excluded is meshed along its curves, which is --mesher exact",
@@ -96,10 +97,6 @@ void settle_excluded_mesh(Draft& d) {
                                             "--project", "--crossings", "--devices"});
   refuse_if(!other.empty(), "{}: is not of the excluded surface; leave out --surface excluded",
             other);
-  refuse_if(s.subdivisions > 0,
-            "--subdivide {}: meshes of the excluded surface are not subdivided; a smaller "
-            "--edge-length makes them finer",
-            s.subdivisions);
 }
 
 // The meshers are told apart only by verbs that make one mesh; a study sweeps over both.
@@ -143,13 +140,22 @@ void settle_input(Draft& d) {
 
 // A mesh file is drawn as it is: what is said about structures would be lost on it.
 void settle_render(const Draft& d) {
-  if (d.verb != kRender || d.paths.empty() || !find_mesh_format(d.paths.front())) return;
+  if (d.verb != kRender) return;
   const std::optional<ColorBy> color = d.options.picture.color;
+  const bool excluded = d.options.surface.kind == ExactSurface::excluded;
+  refuse_if(color && is_of_patches(*color) && !excluded,
+            "--color: patches and their curvatures are those of --surface excluded");
+  refuse_if(color == ColorBy::distance && excluded,
+            "--color distance: is measured to the boundary of the balls; leave out --surface "
+            "excluded");
+  if (d.paths.empty() || !find_mesh_format(d.paths.front())) return;
   refuse_if(color == ColorBy::element || color == ColorBy::distance,
             "--color: a mesh file has no atoms; vdwmesh compare MESH INPUT --picture FILE.png "
             "colours it by distance");
   for (const auto& [name, group] : d.given) {
-    refuse_if(name != "INPUT" && (group == kInputGroup || group == kSurfaceGroup),
+    const bool of_structures =
+        group == kInputGroup || group == kSurfaceGroup || name == "--surface";
+    refuse_if(name != "INPUT" && of_structures,
               "{}: is of structures; {} is a mesh, which is drawn as it is", name, d.paths.front());
   }
 }

@@ -33,7 +33,7 @@ struct Array {
 };
 
 // The elements of `values`, with `columns` of them in a row (0: a plain list of elements). Element
-// types are double, float and unsigned integers of 32 and 64 bits.
+// types are double, float and integers.
 template <class T>
 Array array_of(std::shared_ptr<const void> owner, const T* values, std::size_t rows,
                std::size_t columns = 0, std::size_t row_bytes = 0) {

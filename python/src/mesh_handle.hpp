@@ -5,11 +5,13 @@
 
 #include "cuda/on_device.hpp"
 #include "surface/indexed_mesh.hpp"
+#include "surface/surface_patch.hpp"
 
 namespace vdwmesh::python {
 
 struct MeshHandle {
   std::shared_ptr<const IndexedMesh> mesh;
+  std::shared_ptr<const PatchedMesh> patched;  // of which `mesh` is a part; null: without patches
 };
 
 // A mesh that a device made, in the device's memory.
@@ -19,7 +21,12 @@ struct CudaMeshHandle {
 };
 
 inline MeshHandle handle_of(IndexedMesh&& mesh) {
-  return {std::make_shared<const IndexedMesh>(std::move(mesh))};
+  return {std::make_shared<const IndexedMesh>(std::move(mesh)), nullptr};
+}
+
+inline MeshHandle handle_of(PatchedMesh&& mesh) {
+  const auto patched = std::make_shared<const PatchedMesh>(std::move(mesh));
+  return {std::shared_ptr<const IndexedMesh>(patched, &patched->mesh), patched};
 }
 
 }  // namespace vdwmesh::python

@@ -1,5 +1,6 @@
-// Meshes for Python: made of spheres by both meshers, taken from arrays, and written. A mesh may
-// take as much memory as the machine leaves; more is refused before it is taken, as by the program.
+// Meshes for Python: made of spheres by both meshers, or the excluded surface of atoms, taken from
+// arrays, and written. A mesh may take as much memory as the machine leaves; more is refused before
+// it is taken, as by the program.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
@@ -14,8 +15,11 @@
 #include "core/errors.hpp"
 #include "cuda_array.hpp"
 #include "devices.hpp"
+#include "excluded/excluded_mesher.hpp"
 #include "mesh/mesh_io.hpp"
+#include "mesh/patch_properties.hpp"
 #include "mesh_handle.hpp"
+#include "refine/patch_refiner.hpp"
 #include "topics.hpp"
 
 namespace vdwmesh::python {
@@ -23,7 +27,8 @@ namespace {
 
 // What vdwmesh.mesh is asked for.
 struct Request {
-  bool exact = true;  // the crease-exact mesher, or marching cubes
+  bool excluded = false;  // the solvent-excluded surface, or that of the balls
+  bool exact = true;      // the crease-exact mesher, or marching cubes
   FieldKind field = FieldKind::vdw;
   double spacing = 0, edge_length = 0;  // Å
   std::vector<double> edge_lengths;     // by atom, in place of edge_length; empty: all alike
@@ -46,6 +51,11 @@ FieldKind field_of(const std::string& name) {
       fmt::format("field: {}; there are vdw, blinn, soft and inverse-squared", name));
 }
 
+bool is_excluded(const std::string& surface) {
+  if (surface == "vdw" || surface == "excluded") return surface == "excluded";
+  throw InvalidInput(fmt::format("surface: {}; there are vdw and excluded", surface));
+}
+
 bool is_exact(const std::string& mesher) {
   if (mesher == "exact" || mesher == "marching-cubes") return mesher == "exact";
   throw InvalidInput(fmt::format("mesher: {}; there are exact and marching-cubes", mesher));
@@ -59,6 +69,7 @@ Crossings crossings_of(const std::string& name) {
 // The names are those of vdwmesh.mesh.
 Request request_of(const py::kwargs& given) {
   Request request;
+  request.excluded = is_excluded(given["surface"].cast<std::string>());
   request.exact = is_exact(given["mesher"].cast<std::string>());
   request.field = field_of(given["field"].cast<std::string>());
   request.spacing = given["spacing"].cast<double>();
@@ -74,6 +85,15 @@ Request request_of(const py::kwargs& given) {
   }
   if (request.exact && request.fixed_grid) {
     throw InvalidInput("fixed_grid: the exact mesher has no grid; marching-cubes has");
+  }
+  if (request.excluded && !request.exact) {
+    throw InvalidInput("mesher: the excluded surface is meshed along its curves, by \"exact\"");
+  }
+  if (request.excluded && !request.edge_lengths.empty()) {
+    throw InvalidInput("edge_length: the excluded surface has one for all atoms");
+  }
+  if (request.excluded && request.backend == Backend::cuda) {
+    throw BackendUnavailable("device: the excluded surface is meshed on the CPU");
   }
   return request;
 }
@@ -157,10 +177,34 @@ CudaMesh march_on_device(const DeviceFrames& balls, const Request& request, Moni
   return mesh;
 }
 
+// The atoms do not grow: the probe rolls over them.
+PatchedMesh mesh_excluded_surface(const SphereSet& atoms, double probe, const Request& request,
+                                  Monitor& monitor) {
+  const std::uint64_t limit = apps::default_memory_limit();
+  PatchedMesh mesh = mesh_excluded(atoms, {.probe = probe,
+                                           .edge_length = request.edge_length,
+                                           .memory_limit = limit,
+                                           .monitor = &monitor});
+  if (request.subdivisions > 0) {
+    mesh = std::move(refine_patches(atoms, std::move(mesh),
+                                    {.subdivisions = request.subdivisions,
+                                     .memory_limit = limit,
+                                     .monitor = &monitor})
+                         .mesh);
+  }
+  if (!request.normals) mesh.mesh.normals = {};
+  return mesh;
+}
+
 MeshHandle mesh(const py::buffer& coords, const py::buffer& radii, double probe,
                 std::optional<int> threads, const py::kwargs& given) {
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
   const Request request = request_of(given);
+  if (request.excluded) {
+    return handle_of(call(threads, [&](Monitor& monitor) {
+      return mesh_excluded_surface(spheres_of(centers, sizes, 0), probe, request, monitor);
+    }));
+  }
   return handle_of(call(threads, [&](Monitor& monitor) {
     const SphereSet spheres = spheres_of(centers, sizes, probe);
     IndexedMesh mesh =
@@ -237,6 +281,41 @@ std::optional<Array> labels(const MeshHandle& h, const Buffer<SphereId>& ids) {
   return array_of(h.mesh, ids.data(), ids.size());
 }
 
+// None for a mesh without patches, as are those of the functions that follow.
+std::optional<Array> face_patches(const MeshHandle& h) {
+  if (!h.patched) return std::nullopt;
+  return array_of(h.patched, h.patched->triangle_patch.data(), h.patched->triangle_patch.size());
+}
+
+std::optional<Array> patch_kinds(const MeshHandle& h) {
+  if (!h.patched) return std::nullopt;
+  std::vector<std::uint8_t> kinds;
+  for (const SurfacePatch& patch : h.patched->patches) {
+    kinds.push_back(static_cast<std::uint8_t>(patch.kind));
+  }
+  return array_of(std::move(kinds));
+}
+
+// Rows of three, with -1 for none.
+std::optional<Array> patch_atoms(const MeshHandle& h) {
+  if (!h.patched) return std::nullopt;
+  auto atoms = std::make_shared<std::vector<std::int32_t>>();
+  for (const SurfacePatch& patch : h.patched->patches) {
+    for (const SphereId id : patch.atoms) {
+      atoms->push_back(id == kNoSphere ? -1 : static_cast<std::int32_t>(id));
+    }
+  }
+  const std::int32_t* values = atoms->data();
+  return array_of(std::move(atoms), values, h.patched->patches.size(), 3);
+}
+
+// Mean and Gaussian curvature by vertex.
+std::optional<py::tuple> curvatures(const MeshHandle& h) {
+  if (!h.patched) return std::nullopt;
+  VertexCurvatures found = vertex_curvatures(*h.patched);
+  return py::make_tuple(array_of(std::move(found.mean)), array_of(std::move(found.gaussian)));
+}
+
 // An array of a mesh in device memory, as are those of all functions whose name ends so.
 CudaArray there(const CudaMesh& mesh, const auto* values, std::size_t rows, std::size_t columns) {
   const auto owner = std::make_shared<const CudaMesh>(mesh);
@@ -271,8 +350,11 @@ MeshHandle downloaded(const CudaMeshHandle& h) {
 
 std::vector<std::string> save(const MeshHandle& h, const std::string& path) {
   mesh_format(path);  // an unknown extension is told before any work
-  return call(
-      {}, [&](Monitor& monitor) { return write_mesh(to_surface_mesh(*h.mesh), path, &monitor); });
+  return call({}, [&](Monitor& monitor) {
+    SurfaceMesh mesh = to_surface_mesh(*h.mesh);
+    if (h.patched) add_patch_properties(mesh, *h.patched);
+    return write_mesh(mesh, path, &monitor);
+  });
 }
 
 }  // namespace
@@ -294,6 +376,10 @@ void bind_meshes(py::module_& module) {
       .def("vertex_atoms",
            [](const MeshHandle& h) { return labels(h, h.mesh->vertex_spheres.atoms); })
       .def("face_atoms", [](const MeshHandle& h) { return labels(h, h.mesh->triangle_spheres); })
+      .def("face_patches", &face_patches)
+      .def("patch_kinds", &patch_kinds)
+      .def("patch_atoms", &patch_atoms)
+      .def("curvatures", &curvatures)
       .def("save", &save);
 }
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         trajectory,
     )
     from vdwmesh._measure import Counts, Topology, Void
-    from vdwmesh._mesh import Mesh, marching_cubes, mesh
+    from vdwmesh._mesh import PATCH_KINDS, Mesh, marching_cubes, mesh
     from vdwmesh._molecule import Molecule, radii_of, read, sample
     from vdwmesh.errors import (
         BackendUnavailable,
@@ -75,6 +75,7 @@ __all__ = [
     "LimitExceeded",
     "Mesh",
     "Molecule",
+    "PATCH_KINDS",
     "Quality",
     "Topology",
     "TrajectoryResult",
@@ -107,7 +108,7 @@ _HOMES = {
     "_excluded": "AccessibleComponent ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
     "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",
     "_measure": "Counts Topology Void",
-    "_mesh": "Mesh marching_cubes mesh",
+    "_mesh": "Mesh PATCH_KINDS marching_cubes mesh",
     "_molecule": "Molecule radii_of read sample",
     "errors": "BackendUnavailable CudaError Error FileFormatError "
     "InternalError InvalidInput LimitExceeded",

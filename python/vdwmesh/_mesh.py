@@ -13,11 +13,15 @@ import numpy as np
 from vdwmesh import _core, _sinks
 from vdwmesh._arrays import floats, number, thread_count, view
 from vdwmesh._cuda import CudaInput, CudaMesh, HasCudaArray, packed
+from vdwmesh._excluded import WATER_PROBE
 from vdwmesh._sources import arrays_anywhere
-from vdwmesh.errors import InvalidInput
+from vdwmesh.errors import BackendUnavailable, InvalidInput
 
 if TYPE_CHECKING:
     from vdwmesh._types import ArrayLike, Floats, Ids, NDArray
+
+
+PATCH_KINDS = ("contact", "saddle", "concave")
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +38,17 @@ class Mesh:
         Unit vectors, outward.
     vertex_atoms, face_atoms : ndarray of uint32, shape (V,) and (F,), or None
         The atom that a vertex lies on, and the one whose patch a triangle is part of.
+    face_patches : ndarray of uint32, shape (F,), or None
+        Of the solvent-excluded surface: the patch that a triangle is part of, a row of `patch_kinds`
+        and `patch_atoms`.
+    patch_kinds : ndarray of uint8, shape (P,), or None
+        0 contact, 1 saddle, 2 concave: an index into ``vdwmesh.PATCH_KINDS``.
+    patch_atoms : ndarray of int32, shape (P, 3), or None
+        The one, two, or first three atoms of a patch, ascending; -1 for none.
+    mean_curvature, gaussian_curvature : ndarray of float32, shape (V,), or None
+        Of the solvent-excluded surface, 1/Å and 1/Å², in closed form, positive where it is convex.
+        Between patches the mean of theirs; in a cusp without that of the saddle, which is infinite, and
+        NaN where there is no other.
     cuda : CudaMesh or None
         The arrays in the memory of the device that made the mesh, if the coordinates were there. The
         other attributes are then copies on the host, made when the first of them is used.
@@ -72,6 +87,38 @@ class Mesh:
     @cached_property
     def face_atoms(self) -> Ids | None:
         return _view_or_none(self._handle.face_atoms())
+
+    @cached_property
+    def face_patches(self) -> Ids | None:
+        return _view_or_none(self._handle.face_patches())
+
+    @cached_property
+    def patch_kinds(self) -> NDArray[np.uint8] | None:
+        return _view_or_none(self._handle.patch_kinds())
+
+    @cached_property
+    def patch_atoms(self) -> NDArray[np.int32] | None:
+        return _view_or_none(self._handle.patch_atoms())
+
+    @property
+    def face_kinds(self) -> NDArray[np.uint8] | None:
+        """The kind of patch of each triangle, as `patch_kinds`."""
+        if self.patch_kinds is None or self.face_patches is None:
+            return None
+        return self.patch_kinds[self.face_patches]
+
+    @cached_property
+    def _curvatures(self) -> tuple[NDArray[np.float32] | None, NDArray[np.float32] | None]:
+        found = self._handle.curvatures()
+        return (None, None) if found is None else (view(found[0]), view(found[1]))
+
+    @property
+    def mean_curvature(self) -> NDArray[np.float32] | None:
+        return self._curvatures[0]
+
+    @property
+    def gaussian_curvature(self) -> NDArray[np.float32] | None:
+        return self._curvatures[1]
 
     def __iter__(self) -> Iterator[Any]:
         return iter((self.vertices, self.faces, self.normals))
@@ -138,7 +185,8 @@ def mesh(
     coords: Any,
     radii: ArrayLike | HasCudaArray | str | None = None,
     *,
-    probe: float = 0.0,
+    probe: float | None = None,
+    surface: str = "vdw",
     mesher: str = "exact",
     field: str = "vdw",
     spacing: float = 0.5,
@@ -154,9 +202,15 @@ def mesh(
 
     Parameters
     ----------
-    coords, radii, probe, threads
+    coords, radii, threads
         As for `exact`. From coordinates in the memory of a CUDA device marching cubes makes the mesh
         there, and leaves it there as `Mesh.cuda`.
+    probe : float, optional
+        Radius of a probe, Å. Balls grow by it, by default by nothing; over the atoms of the
+        solvent-excluded surface it rolls, with a radius of 1.4 by default.
+    surface : {"vdw", "excluded"}
+        The boundary of the balls, or the solvent-excluded surface, whose mesh follows the curves
+        between its patches (`Mesh.face_patches`).
     mesher : {"exact", "marching-cubes"}
         "exact" follows the creases between the spheres and has the topology of the union;
         "marching-cubes" walks a grid.
@@ -204,6 +258,7 @@ def mesh(
     if isinstance(subdivide, bool) or not isinstance(subdivide, (int, np.integer)) or subdivide < 0:
         raise InvalidInput(f"subdivide: {subdivide!r} is no number of levels")
     options: dict[str, Any] = {
+        "surface": surface,
         "mesher": mesher,
         "field": field,
         "spacing": _positive("spacing", spacing),
@@ -214,8 +269,11 @@ def mesh(
         "fixed_grid": bool(fixed_grid),
         "device": device,
     }
-    grown, cores = number("probe", probe), thread_count(threads)
+    default = WATER_PROBE if surface == "excluded" else 0.0
+    grown, cores = default if probe is None else number("probe", probe), thread_count(threads)
     if isinstance(centers, CudaInput):
+        if surface != "vdw":
+            raise BackendUnavailable("surface: the excluded surface is meshed on the CPU")
         there = centers.as_frames().packed
         return Mesh._of(_core.mesh_on_device(there, packed(sizes), grown, cores, **options))
     return Mesh._of(_core.mesh(centers, sizes, grown, cores, **options))

@@ -257,7 +257,7 @@ class ExcludedMesher {
   // Writes a vertex (scaled, relative to the origin) of a patch.
   void set_vertex(ExcludedMesh& out, std::uint64_t vertex, const Vec3d& at, const Vec3d& normal,
                   std::uint32_t face) const {
-    out.mesh.positions[vertex] = unit_ * (at + complex_.grown().surface.origin);
+    out.mesh.positions[vertex] = place_of(at);
     out.mesh.normals[vertex] = cast<float>(normal);
     out.mesh.vertex_spheres.set(vertex, on_sphere(nearest_atom(face, at)));
   }
@@ -329,15 +329,35 @@ class ExcludedMesher {
   }
 
   SurfacePatch patch_of(std::uint32_t f) const {
-    SurfacePatch patch{PatchKind::saddle, {kNoSphere, kNoSphere, kNoSphere}};
-    if (is_sphere(f)) {
-      patch.kind = complex_.spheres[f].concave ? PatchKind::concave : PatchKind::contact;
-    }
+    SurfacePatch patch = is_sphere(f) ? sphere_patch(complex_.spheres[f])
+                                      : saddle_patch(complex_.saddles[f - complex_.spheres.size()]);
     const std::array<std::uint32_t, 3> balls = balls_of(f);
     for (std::size_t k = 0; k < 3 && balls[k] != kNoIndex; ++k) {
       patch.atoms[k] = complex_.grown().triangulation.ids[balls[k]];
     }
     std::sort(patch.atoms.begin(), patch.atoms.end());
+    return patch;
+  }
+
+  // From scaled and relative to the origin to Å.
+  Vec3d place_of(const Vec3d& at) const { return unit_ * (at + complex_.grown().surface.origin); }
+
+  SurfacePatch sphere_patch(const SphereFace& face) const {
+    SurfacePatch patch;
+    patch.kind = face.concave ? PatchKind::concave : PatchKind::contact;
+    patch.radius = unit_ * face.sphere.radius;
+    patch.center = place_of(face.sphere.center);
+    return patch;
+  }
+
+  SurfacePatch saddle_patch(const SaddleFace& face) const {
+    const RolledArc& arc = complex_.grown().surface.arcs[face.arc];
+    SurfacePatch patch;
+    patch.kind = PatchKind::saddle;
+    patch.radius = unit_ * complex_.grown().surface.probe_radius;
+    patch.center = place_of(arc.center);
+    patch.axis = arc.axis;
+    patch.ring_radius = unit_ * arc.circle_radius;
     return patch;
   }
 

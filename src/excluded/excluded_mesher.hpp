@@ -10,13 +10,11 @@
 // from those of the surface in second order of the edge length.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <vector>
 
 #include "core/monitor.hpp"
 #include "excluded/excluded_measures.hpp"
-#include "surface/indexed_mesh.hpp"
+#include "surface/surface_patch.hpp"
 
 namespace vdwmesh {
 
@@ -29,15 +27,6 @@ struct ExcludedMeshOptions {
   Monitor* monitor = nullptr;
 };
 
-enum class PatchKind : std::uint8_t { contact, saddle, concave };
-
-// A patch of the excluded surface. A contact patch has one atom, a saddle two, a concave patch
-// three or more, of which the first three are given. Unused places hold kNoSphere.
-struct SurfacePatch {
-  PatchKind kind;
-  std::array<SphereId, 3> atoms;  // ascending
-};
-
 struct ExcludedMeshStats {
   std::uint64_t curves = 0;  // between patches; seams of whole rings count
   std::uint64_t pieces = 0;  // mesh edges along the curves
@@ -46,13 +35,11 @@ struct ExcludedMeshStats {
   double surface_seconds = 0, seconds = 0;
 };
 
-struct ExcludedMesh {
-  // With outward normals: those of the patches, which agree along curves that are no creases; on a
-  // crease their mean. The label of a vertex is one atom: of those of a patch that it is on, the
-  // one whose sphere is nearest. Without triangle_spheres and without opposite half-edges.
-  IndexedMesh mesh;
-  std::vector<SurfacePatch> patches;
-  std::vector<std::uint32_t> triangle_patch;  // by triangle: an index into `patches`
+// Of the mesh: outward normals, those of the patches, which agree along curves that are no creases;
+// on a crease their mean. The label of a vertex is one atom: of those of a patch that it is on, the
+// one whose sphere is nearest. Without triangle_spheres and without opposite half-edges.
+// refine_patches() (refine/patch_refiner.hpp) subdivides it.
+struct ExcludedMesh : PatchedMesh {
   ExcludedMeshStats stats;
 };
 

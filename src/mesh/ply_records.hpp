@@ -27,8 +27,14 @@ constexpr std::uint64_t ply_face_bytes(TriangleLabels labels) {
   return 13 + (labels == TriangleLabels::spheres ? 4 : 0);
 }
 
+// Whether a file says of which patches the surface is made: two floats more for a vertex, its
+// curvatures; and one byte and three ints more for a face, the kind and the atoms of its patch.
+enum class PatchLabels : std::uint8_t { none, patches };
+inline constexpr std::uint64_t kPlyCurvatureBytes = 8, kPlyPatchBytes = 13;
+
 // The header of a mesh of this size, up to the byte before the first vertex.
-std::string ply_header(const MeshSize& size, TriangleLabels labels);
+std::string ply_header(const MeshSize& size, TriangleLabels labels,
+                       PatchLabels patches = PatchLabels::none);
 
 // The number of a sphere in the file. It is an int, so that -1 can stand for kNoSphere. Throws
 // LimitExceeded for a number beyond PLY's int.

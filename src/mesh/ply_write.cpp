@@ -1,7 +1,7 @@
 // Writer of PLY, the only format here that keeps everything a SurfaceMesh has: double positions,
-// normals, colours and the sphere ids of vertices and faces. The file is binary little-endian. The
-// order of the properties in kHeader is the order in which write_ply_vertex() and write_ply_face()
-// append the values.
+// normals, colours, the sphere ids of vertices and faces, and patches with their curvatures. The
+// file is binary little-endian. The order of the properties in kHeader is the order in which
+// write_ply_vertex() and write_ply_face() append the values.
 #include <fmt/format.h>
 
 #include <limits>
@@ -11,20 +11,21 @@
 #include "core/errors.hpp"
 #include "mesh/chunk_writer.hpp"
 #include "mesh/formats.hpp"
+#include "mesh/patch_properties.hpp"
 #include "mesh/ply_records.hpp"
 
 namespace vdwmesh::formats {
 namespace {
 
-// A format string for five values: comment on faces, number of vertices, number of faces, type of
-// their indices, property of faces. The first and the last value are empty unless the mesh has
-// face_spheres().
+// A format string for seven values: comments on faces and on patches, number of vertices,
+// curvatures of vertices, number of faces, type of their indices, properties of faces. Texts are
+// empty for what the mesh does not have: face_spheres() or patch_properties().
 constexpr const char* kHeader =
     "ply\n"
     "format binary_little_endian 1.0\n"
     "comment made by vdwmesh; lengths in angstrom\n"
     "comment atom, sphere2, sphere3: indices of the spheres a vertex lies on, -1 for none\n"
-    "{}"
+    "{}{}"
     "element vertex {}\n"
     "property double x\n"
     "property double y\n"
@@ -38,20 +39,38 @@ constexpr const char* kHeader =
     "property int atom\n"
     "property int sphere2\n"
     "property int sphere3\n"
+    "{}"
     "element face {}\n"
     "property list uchar {} vertex_indices\n"
-    "{}"
+    "{}{}"
     "end_header\n";
 constexpr const char* kFaceComment = "comment atom of a face: index of the sphere it is part of\n";
 constexpr const char* kFaceProperty = "property int atom\n";
+// Named otherwise than the atom of a face, because triangles of saddles lie on no sphere.
+constexpr const char* kPatchComment =
+    "comment patch_kind of a face: 0 contact, 1 saddle, 2 concave\n"
+    "comment patch_atom1, patch_atom2, patch_atom3 of a face: indices of the spheres that make its "
+    "patch, -1 for none\n"
+    "comment mean_curvature, gaussian_curvature of a vertex: 1/angstrom, 1/angstrom^2, positive "
+    "where the surface is convex\n";
+constexpr const char* kCurvatureProperties =
+    "property float mean_curvature\n"
+    "property float gaussian_curvature\n";
+constexpr const char* kPatchProperties =
+    "property uchar patch_kind\n"
+    "property int patch_atom1\n"
+    "property int patch_atom2\n"
+    "property int patch_atom3\n";
 
 }  // namespace
 
-std::string ply_header(const MeshSize& size, TriangleLabels labels) {
+std::string ply_header(const MeshSize& size, TriangleLabels labels, PatchLabels patches) {
   const bool labelled = labels == TriangleLabels::spheres;
-  return fmt::format(kHeader, labelled ? kFaceComment : "", size.vertices, size.triangles,
+  const bool patched = patches == PatchLabels::patches;
+  return fmt::format(kHeader, labelled ? kFaceComment : "", patched ? kPatchComment : "",
+                     size.vertices, patched ? kCurvatureProperties : "", size.triangles,
                      size.vertices <= kMostIntPlyVertices ? "int" : "uint",
-                     labelled ? kFaceProperty : "");
+                     labelled ? kFaceProperty : "", patched ? kPatchProperties : "");
 }
 
 std::int32_t ply_sphere(SphereId id) {
@@ -63,21 +82,32 @@ std::int32_t ply_sphere(SphereId id) {
 
 void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
   const std::optional<FaceSphereProperty> sphere = face_spheres(mesh);
+  const std::optional<PatchProperties> patches = patch_properties(mesh);
   const TriangleLabels labels = sphere ? TriangleLabels::spheres : TriangleLabels::none;
-  const std::string header = ply_header({mesh.n_vertices(), mesh.n_faces()}, labels);
-  sink.expect(header.size() + kPlyVertexBytes * mesh.n_vertices() +
-              ply_face_bytes(labels) * mesh.n_faces());
+  const std::string header = ply_header({mesh.n_vertices(), mesh.n_faces()}, labels,
+                                        patches ? PatchLabels::patches : PatchLabels::none);
+  sink.expect(header.size() +
+              (kPlyVertexBytes + (patches ? kPlyCurvatureBytes : 0)) * mesh.n_vertices() +
+              (ply_face_bytes(labels) + (patches ? kPlyPatchBytes : 0)) * mesh.n_faces());
   ChunkWriter out(sink);
   out.text(header);
   const VertexSpheresProperty spheres = vertex_spheres(mesh);
   for (std::size_t i = 0; i < mesh.n_vertices(); ++i) {
     const auto v = vertex_handle(i);
     write_ply_vertex(out, mesh.point(v), mesh.normal(v), mesh.color(v), mesh.property(spheres, v));
+    if (patches) {
+      out.raw(mesh.property(patches->mean_curvature, v));
+      out.raw(mesh.property(patches->gaussian_curvature, v));
+    }
   }
-  for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
-    write_ply_face(out, face_vertices(mesh, f));
-    if (sphere)
-      out.raw(ply_sphere(mesh.property(*sphere, OpenMesh::FaceHandle(static_cast<int>(f)))));
+  for (std::size_t i = 0; i < mesh.n_faces(); ++i) {
+    const OpenMesh::FaceHandle f(static_cast<int>(i));
+    write_ply_face(out, face_vertices(mesh, i));
+    if (sphere) out.raw(ply_sphere(mesh.property(*sphere, f)));
+    if (patches) {
+      out.raw(static_cast<std::uint8_t>(mesh.property(patches->kind, f)));
+      for (const SphereId id : mesh.property(patches->atoms, f)) out.raw(ply_sphere(id));
+    }
   }
   out.flush();
 }

@@ -1,6 +1,6 @@
 // Midpoints of a mesh whose triangles are labelled with their spheres, for host and device. A
 // crease is a circle in which two spheres meet. Such a mesh has edges along every crease, and the
-// midpoints must lie on the creases too.
+// midpoints must lie on the creases too. patch_formulas.hpp has the same for patches of all kinds.
 //
 // The midpoint of an edge between two triangles of one sphere goes to that sphere. The midpoint of
 // an edge between triangles of two spheres goes to the circle in which the spheres meet. All
@@ -30,30 +30,36 @@ VDWMESH_HD inline VertexSpheres edge_label(SphereId a, SphereId b) {
 // coordinates), so its direction does not say which arc between the points is the shorter one.
 inline constexpr double kOppositeEnds = 1e-12;
 
-// The middle of the shorter arc from u to v on the circle of spheres a and b. This is also the
-// point of the circle nearest to the middle of u and v. Not found if the spheres are concentric, or
-// if u and v are opposite points of the circle.
+// The middle of the shorter arc from u to v on a circle about an axis, which is a line through
+// `origin` along `axis`, a vector of any length. This is also the point of the circle nearest to
+// the middle of u and v. Not found if the axis has no length, or if u and v are opposite points of
+// the circle.
 //
-// Each end is split into its height along the line of the centres and its radial vector. The result
-// has the mean height, the direction of the mean radial vector, and the root mean square of the two
-// radial lengths. The radius is taken from the ends and not from the spheres: sqrt(r^2 - h^2) loses
-// all digits if the circle is tiny, while the ends are as near to both spheres as their coordinates
-// allow. See docs/refinement.md, "Meshes that follow the creases".
-VDWMESH_HD inline FoundPoint arc_midpoint(const Sphere& a, const Sphere& b, const Vec3d& u,
-                                          const Vec3d& v) {
-  const Vec3d axis = b.center - a.center;
+// Each end is split into its height along the axis and its radial vector. The result has the mean
+// height, the direction of the mean radial vector, and the root mean square of the two radial
+// lengths. The radius is taken from the ends and not from the spheres that meet in the circle:
+// sqrt(r^2 - h^2) loses all digits if the circle is tiny, while the ends are as near to both
+// spheres as their coordinates allow. See docs/refinement.md, "Meshes that follow the creases".
+VDWMESH_HD inline FoundPoint arc_midpoint_about(const Vec3d& origin, const Vec3d& axis,
+                                                const Vec3d& u, const Vec3d& v) {
   const double square = squared_norm(axis);
   if (!(square > 0)) return {u, false};
-  const Vec3d from_u = u - a.center, from_v = v - a.center;
-  // Heights above a's centre, as fractions of the vector from a's centre to b's.
+  const Vec3d from_u = u - origin, from_v = v - origin;
+  // Heights above the origin, as fractions of the axis vector.
   const double height_u = dot(from_u, axis) / square, height_v = dot(from_v, axis) / square;
   const Vec3d radial_u = along(from_u, -height_u, axis), radial_v = along(from_v, -height_v, axis);
   const Vec3d radial = midpoint(radial_u, radial_v);
   const double radius_square = 0.5 * (squared_norm(radial_u) + squared_norm(radial_v));
   const double length_square = squared_norm(radial);
   if (!(length_square > kOppositeEnds * kOppositeEnds * radius_square)) return {u, false};
-  const Vec3d middle = along(a.center, 0.5 * (height_u + height_v), axis);
+  const Vec3d middle = along(origin, 0.5 * (height_u + height_v), axis);
   return {along(middle, std::sqrt(radius_square / length_square), radial), true};
+}
+
+// The same on the circle in which spheres a and b meet. Not found if they are concentric.
+VDWMESH_HD inline FoundPoint arc_midpoint(const Sphere& a, const Sphere& b, const Vec3d& u,
+                                          const Vec3d& v) {
+  return arc_midpoint_about(a.center, b.center - a.center, u, v);
 }
 
 // The position of the midpoint of edge u v, given its label. Falls back to the middle of the edge

@@ -17,38 +17,19 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/blocks.hpp"
 #include "refine/bad_moves.hpp"
+#include "refine/children.hpp"
+#include "refine/constrained_midpoints.hpp"
 #include "refine/constraint_formulas.hpp"
 #include "refine/half_edges.hpp"
 #include "refine/subdivision_formulas.hpp"
 
 namespace vdwmesh {
 namespace {
-
-ProjectionStats join(const ProjectionStats& a, const ProjectionStats& b) {
-  return {a.projected + b.projected,
-          a.unconverged + b.unconverged,
-          a.out_of_reach + b.out_of_reach,
-          a.undone + b.undone,
-          a.turned + b.turned,
-          std::max(a.iterations_max, b.iterations_max),
-          std::max(a.residual_max, b.residual_max)};
-}
-
-// Calls body(i, stats), which adds to `stats`, for all i < count and returns the sum. Asks the
-// monitor once in kBlock indices whether the caller has cancelled, and throws Cancelled if so. The
-// advance of 0 steps reports no progress.
-template <class Body>
-ProjectionStats tally(std::size_t count, Monitor* monitor, const Body& body) {
-  const auto watched = [&](std::size_t i, ProjectionStats& stats) {
-    if (i % kBlock == 0) advance(monitor, 0);
-    body(i, stats);
-  };
-  return reduce_all(count, ProjectionStats{}, watched, join);
-}
 
 void count_outcome(const ProjectedPoint& p, ProjectionStats& stats) {
   stats.iterations_max = std::max(stats.iterations_max, p.steps);
@@ -113,79 +94,36 @@ Buffer<std::uint64_t> longest_edge_squares(const IndexedMesh& mesh) {
   return square;
 }
 
-// Writes the corners, labels and opposite half-edges of all children. See the top of
-// subdivision_formulas.hpp for their order.
-void write_children(const Midpoints& level, IndexedMesh& mesh) {
-  const IndexedMesh& parent = level.parent;
-  mesh.triangles.resize(4 * parent.triangle_count());
-  mesh.triangle_spheres.resize(4 * parent.triangle_spheres.size());
-  // Four children with three half-edges each. A level with more than kMaxHalfEdges has no
-  // `opposite`. It can only be the last one: check_limits() in preparation.cpp refuses further
-  // subdivisions of such a mesh.
-  if (12 * parent.triangle_count() <= kMaxHalfEdges) {
-    mesh.opposite.resize(12 * parent.triangle_count());
-  }
-  for_all(parent.triangle_count(), [&](std::size_t t) {
-    const auto v = level.vertices(t);
-    for (int child = 0; child < 4; ++child) {
-      for (int k = 0; k < 3; ++k) {
-        mesh.triangles[4 * t + static_cast<std::size_t>(child)][static_cast<std::size_t>(k)] =
-            v[static_cast<std::size_t>(child_corner(child, k))];
-      }
-    }
-    if (!mesh.triangle_spheres.empty()) {
-      std::fill_n(&mesh.triangle_spheres[4 * t], 4, parent.triangle_spheres[t]);
-    }
-    if (mesh.opposite.empty()) return;
-    for (std::size_t h = 3 * t; h < 3 * t + 3; ++h) {
-      write_child_opposites(static_cast<std::uint32_t>(h), parent.opposite[h],
-                            &mesh.opposite[12 * t]);
-    }
-  });
-}
+// The surface of a mesh whose triangles are labelled with their spheres, as
+// constrained_midpoints.hpp wants it. The pieces at an edge are the label of its midpoint.
+class SphereConstraint {
+ public:
+  SphereConstraint(const SphereSet& spheres, Projection projection)
+      : spheres_(spheres.spheres().data()), projects_(projection != Projection::none) {}
 
-// Resizes `to` and copies `from` to its front. An array that is absent (empty) stays absent.
-template <class T>
-void copy_front(const Buffer<T>& from, std::size_t size, Buffer<T>& to) {
-  if (from.empty()) return;
-  to.resize(size);
-  for_all(from.size(), [&](std::size_t i) { to[i] = from[i]; });
-}
-
-// Counts vertex v of a mesh with labelled triangles: as projected if its label names spheres and it
-// lies within kProjectionTolerance of all of them, and as unconverged otherwise.
-void count_constrained(const SphereSet& spheres, const IndexedMesh& mesh, std::size_t v,
-                       ProjectionStats& stats) {
-  const VertexSpheres label = mesh.vertex_spheres[v];
-  const double residual = label_residual(spheres.spheres().data(), label.data(), mesh.positions[v]);
-  if (label[0] == kNoSphere || !(residual <= kProjectionTolerance)) {
-    ++stats.unconverged;
-    return;
+  using Pieces = VertexSpheres;
+  bool projects() const { return projects_; }
+  static Pieces pieces(const IndexedMesh& parent, std::size_t t, std::size_t other) {
+    return edge_label(parent.triangle_spheres[t], parent.triangle_spheres[other]);
   }
-  ++stats.projected;
-  stats.residual_max = std::max(stats.residual_max, residual);
-}
-
-// Makes the midpoint of the parent's half-edge h for a mesh with labelled triangles. Its label has
-// the spheres of the two triangles at the edge, and it is put on these spheres, or in the middle of
-// the edge if nothing is projected.
-void make_constrained_midpoint(const SphereSet& spheres, Projection projection,
-                               const Midpoints& level, std::size_t h, IndexedMesh& mesh,
-                               ProjectionStats& stats) {
-  const std::uint32_t v = level.midpoint_of(h);
-  const IndexedMesh& parent = level.parent;
-  const VertexSpheres label =
-      edge_label(parent.triangle_spheres[h / 3], parent.triangle_spheres[parent.opposite[h] / 3]);
-  mesh.vertex_spheres.set(v, label);
-  if (projection == Projection::none) {
-    mesh.positions[v] = level.start(h);  // a position; start_of(h) below is a vertex
-    return;
+  Vec3d midpoint(const Pieces& pieces, const Vec3d& u, const Vec3d& v) const {
+    return constrained_midpoint(spheres_, pieces.data(), u, v);
   }
-  mesh.positions[v] =
-      constrained_midpoint(spheres.spheres().data(), label.data(),
-                           parent.positions[level.start_of(h)], parent.positions[level.end_of(h)]);
-  count_constrained(spheres, mesh, v, stats);
-}
+  static VertexSpheres label(const Pieces& pieces, const Vec3d&) { return pieces; }
+  // Only a mesh that is not projected has normals here; the others get theirs at the end.
+  static Vec3f normal(const Pieces&, const Midpoints& level, std::size_t h, const Vec3d&) {
+    return level.mean_normal(h);
+  }
+  // Infinite if the label names no sphere.
+  double residual(const Pieces& pieces, const Vec3d& p) const {
+    if (pieces[0] == kNoSphere) return std::numeric_limits<double>::infinity();
+    return label_residual(spheres_, pieces.data(), p);
+  }
+
+ private:
+  const Sphere* spheres_;
+  bool projects_;
+};
 
 // Projects vertex v of the given mesh, which may move it by at most `reach` (Å), and counts the
 // outcome. Returns `moved` if the position has changed. A vertex that is on the surface already
@@ -200,16 +138,6 @@ MoveState project_vertex(const TargetSurface& surface, std::size_t v, double rea
   const bool keeps_label = p.steps == 0 && surface.on_label(p.position, mesh.vertex_spheres[v]);
   if (!keeps_label) mesh.vertex_spheres.set(v, label_of(p));
   return p.steps > 0 ? MoveState::moved : MoveState::stayed;
-}
-
-// Gives the midpoint of half-edge h the mean normal of the edge's ends. Does nothing if the mesh is
-// projected: prepare_mesh() has removed its normals, and new ones are computed after the last
-// level.
-void interpolate_normal(const Midpoints& level, std::size_t h, IndexedMesh& mesh) {
-  if (mesh.normals.empty()) return;
-  mesh.normals[level.midpoint_of(h)] =
-      unit_normal(cast<double>(level.parent.normals[level.start_of(h)]) +
-                  cast<double>(level.parent.normals[level.end_of(h)]));
 }
 
 // Makes the midpoint of half-edge h, for a mesh without triangle labels, and counts the outcome. If
@@ -236,20 +164,6 @@ MoveState make_midpoint(const SphereSet& spheres, const TargetSurface& surface,
   return MoveState::stayed;
 }
 
-// Makes all midpoints of a mesh with labelled triangles. Bad moves are not looked for: no midpoint
-// can be drawn to a wrong sphere, since each goes to the spheres of the two triangles at its edge.
-// Where such a move turns a triangle nevertheless, because the mesh is too coarse there, the
-// triangle is only counted.
-ProjectionStats constrain_midpoints(const SphereSet& spheres, const TargetSurface& surface,
-                                    const Midpoints& level, IndexedMesh& mesh,
-                                    const RefineOptions& options) {
-  return tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
-    if (!level.handled_by_item(h)) return;  // the opposite half-edge, the lower one, stands for it
-    interpolate_normal(level, h, mesh);
-    make_constrained_midpoint(spheres, surface.projection(), level, h, mesh, total);
-  });
-}
-
 // Makes all midpoints of a mesh without triangle labels: projects them and takes bad moves back.
 ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface& surface,
                                   const Midpoints& level, IndexedMesh& mesh,
@@ -259,7 +173,8 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
       tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
         const std::optional<std::size_t> i = level.handled_by_item(h);
         if (!i) return;  // the opposite half-edge stands for the midpoint
-        interpolate_normal(level, h, mesh);
+        // Only a mesh that is not projected has normals: prepare_mesh() removes the others.
+        if (!mesh.normals.empty()) mesh.normals[level.midpoint_of(h)] = level.mean_normal(h);
         move_states[*i] = make_midpoint(spheres, surface, level, h, mesh, total);
       });
   if (surface.projection() == Projection::none) return stats;
@@ -281,8 +196,9 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
   const bool constrained = mesh.triangle_labels() == TriangleLabels::spheres;
   if (constrained && surface.projection() != Projection::none) {
     // The given vertices of a mesh with labelled triangles stay where they are.
+    const SphereConstraint constraint(spheres, surface.projection());
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
-      count_constrained(spheres, mesh, v, total);
+      count_residual(constraint.residual(mesh.vertex_spheres[v], mesh.positions[v]), total);
     });
   } else if (surface.projection() != Projection::none) {
     // Copies, from which vertices are put back.
@@ -311,15 +227,10 @@ SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
   SubdividedMesh child;  // the finer mesh
   IndexedMesh& mesh = child.mesh;
   const Midpoints level{parent, edge, mesh};
-  // A closed mesh has one edge per two half-edges.
-  const std::size_t vertices = parent.vertex_count() + parent.opposite.size() / 2;
-  copy_front(parent.positions, vertices, mesh.positions);
-  copy_front(parent.vertex_spheres.atoms, vertices, mesh.vertex_spheres.atoms);
-  copy_front(parent.vertex_spheres.others, vertices, mesh.vertex_spheres.others);
-  copy_front(parent.normals, vertices, mesh.normals);
-  write_children(level, mesh);
+  make_children(level, mesh);
   child.stats = parent.triangle_labels() == TriangleLabels::spheres
-                    ? constrain_midpoints(spheres, surface, level, mesh, options)
+                    ? constrain_midpoints(SphereConstraint(spheres, surface.projection()), level,
+                                          mesh, options.monitor)
                     : project_midpoints(spheres, surface, level, mesh, options);
   child.stats.turned = count_turned(spheres, mesh);
   return child;

@@ -100,6 +100,14 @@ void check_triangle_spheres(const SphereSet& spheres, const IndexedMesh& mesh,
   }
 }
 
+}  // namespace
+
+void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::uint64_t triangles,
+                           const RefineOptions& options, TriangleLabels labels) {
+  check_options(options);
+  check_limits(spheres, {vertices, triangles}, options, labels);
+}
+
 void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh) {
   check_size("normals", mesh.normals.size(), mesh.vertex_count());
   check_size("vertex labels", mesh.vertex_spheres.size(), mesh.vertex_count());
@@ -133,14 +141,6 @@ void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh) {
     throw InvalidInput(
         fmt::format("vertex {} lies on a sphere beyond the set's {}", *label, spheres.size()));
   }
-}
-
-}  // namespace
-
-void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::uint64_t triangles,
-                           const RefineOptions& options, TriangleLabels labels) {
-  check_options(options);
-  check_limits(spheres, {vertices, triangles}, options, labels);
 }
 
 void check_refinement(const SphereSet& spheres, const IndexedMesh& mesh,

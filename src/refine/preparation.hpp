@@ -23,6 +23,10 @@ void check_refinement_size(std::uint64_t spheres, std::uint64_t vertices, std::u
                            const RefineOptions& options,
                            TriangleLabels labels = TriangleLabels::none);
 
+// Its part about the mesh: arrays that fit each other, indices and labels in range, coordinates
+// that are finite.
+void check_mesh(const SphereSet& spheres, const IndexedMesh& mesh);
+
 // Completes the given mesh for level 0. Afterwards it has vertex labels with three entries, empty
 // if none were given, and opposite half-edges if a subdivision follows. Its normals are removed if
 // the mesh is projected, because they are then computed anew at the end. Throws InvalidInput if the

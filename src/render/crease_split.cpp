@@ -1,7 +1,7 @@
-// Splits vertices at creases. A copy of a vertex belongs to one sphere; a hash map from the pair
-// (vertex, sphere) to the index of the copy makes sure that each copy is made once. Copies are
-// numbered in the order in which the triangles first use them, so the result depends on the input
-// alone.
+// Splits vertices at creases. A copy of a vertex belongs to one sphere or patch, here called a
+// piece; a hash map from the pair (vertex, piece) to the index of the copy makes sure that each
+// copy is made once. Copies are numbered in the order in which the triangles first use them, so the
+// result depends on the input alone.
 #include "render/crease_split.hpp"
 
 #include <fmt/format.h>
@@ -32,32 +32,71 @@ Vec3f outward(const Sphere& sphere, const Vec3d& point) {
   return cast<float>((1 / norm(radius)) * radius);
 }
 
-}  // namespace
+// Throws InvalidInput unless every triangle names a patch of the mesh.
+void check(const PatchedMesh& mesh) {
+  if (mesh.triangle_patch.size() != mesh.mesh.triangle_count()) {
+    throw InvalidInput("the mesh does not say which patch its triangles lie on");
+  }
+  for (std::size_t t = 0; t < mesh.triangle_patch.size(); ++t) {
+    if (mesh.triangle_patch[t] >= mesh.patches.size()) {
+      throw InvalidInput(fmt::format("triangle {} lies on patch {}, but there are {}", t,
+                                     mesh.triangle_patch[t], mesh.patches.size()));
+    }
+  }
+}
 
-IndexedMesh split_at_creases(const IndexedMesh& mesh, const SphereSet& spheres) {
-  check(mesh, spheres);
-  IndexedMesh split;
-  split.triangle_spheres = mesh.triangle_spheres;
+// The triangles with a copy of each corner for its piece; piece_of(t) is that of a triangle, and
+// add_copy(v, piece) appends one of vertex v to `split`.
+template <class PieceOf, class AddCopy>
+void split_triangles(const IndexedMesh& mesh, IndexedMesh& split, const PieceOf& piece_of,
+                     const AddCopy& add_copy) {
   split.triangles.resize(mesh.triangle_count());
-  std::unordered_map<std::uint64_t, std::uint32_t> places;  // key: vertex << 32 | sphere
+  std::unordered_map<std::uint64_t, std::uint32_t> places;  // key: vertex << 32 | piece
   places.reserve(mesh.vertex_count());
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    const SphereId sphere = mesh.triangle_spheres[t];
+    const std::uint32_t piece = piece_of(t);
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = mesh.triangles[t][k];
       if (split.vertex_count() == kMaxVertices) {
         throw LimitExceeded(fmt::format("a picture of more than {} vertices", kMaxVertices));
       }
       const auto next = static_cast<std::uint32_t>(split.vertex_count());
-      const auto [place, added] = places.try_emplace(std::uint64_t{v} << 32 | sphere, next);
+      const auto [place, added] = places.try_emplace(std::uint64_t{v} << 32 | piece, next);
       split.triangles[t][k] = place->second;
-      // The copy of v for this sphere exists already.
-      if (!added) continue;
-      split.positions.push_back(mesh.positions.at(v));
-      split.normals.push_back(outward(spheres[sphere], mesh.positions[v]));
-      split.vertex_spheres.push_back(on_sphere(sphere));
+      if (added) add_copy(v, piece);
     }
   }
+}
+
+}  // namespace
+
+IndexedMesh split_at_creases(const IndexedMesh& mesh, const SphereSet& spheres) {
+  check(mesh, spheres);
+  IndexedMesh split;
+  split.triangle_spheres = mesh.triangle_spheres;
+  split_triangles(
+      mesh, split, [&](std::size_t t) { return mesh.triangle_spheres[t]; },
+      [&](std::uint32_t v, SphereId sphere) {
+        split.positions.push_back(mesh.positions.at(v));
+        split.normals.push_back(outward(spheres[sphere], mesh.positions[v]));
+        split.vertex_spheres.push_back(on_sphere(sphere));
+      });
+  return split;
+}
+
+IndexedMesh split_at_patches(const PatchedMesh& patched) {
+  check(patched);
+  const IndexedMesh& mesh = patched.mesh;
+  IndexedMesh split;
+  split_triangles(
+      mesh, split, [&](std::size_t t) { return patched.triangle_patch[t]; },
+      [&](std::uint32_t v, std::uint32_t patch) {
+        const Vec3d& p = mesh.positions.at(v);
+        const Vec3f normal = cast<float>(patch_normal(patched.patches[patch], p));
+        split.positions.push_back(p);
+        split.normals.push_back(squared_norm(normal) > 0 ? normal : mesh.normals.at(v));
+        split.vertex_spheres.push_back(on_sphere(mesh.vertex_spheres.atoms.at(v)));
+      });
   return split;
 }
 

@@ -2,8 +2,41 @@
 
 import csv
 import math
+import struct
 
 from program import BAD_INPUT, UBIQUITIN, ProgramTest
+
+# Of a property of a PLY file, as the module struct calls it.
+PLY_TYPES = {"double": "d", "float": "f", "int": "i", "uint": "I", "uchar": "B"}
+
+
+def ply_rows(path):
+    """Vertices and faces of a binary PLY file of triangles, as dictionaries by the header's names."""
+    data = path.read_bytes()
+    end = data.index(b"end_header\n") + len(b"end_header\n")
+    elements = []  # [count, format, names]
+    for line in data[:end].decode().splitlines():
+        words = line.split()
+        if words[0] == "element":
+            elements.append([int(words[2]), "<", []])
+        elif words[0] == "property" and words[1] == "list":
+            elements[-1][1] += "B3" + PLY_TYPES[words[3]]
+            elements[-1][2].append(words[4])
+        elif words[0] == "property":
+            elements[-1][1] += PLY_TYPES[words[1]]
+            elements[-1][2].append(words[2])
+    found, place = [], end
+    for count, layout, names in elements:
+        rows, size = [], struct.calcsize(layout)
+        for values in struct.iter_unpack(layout, data[place : place + count * size]):
+            if "vertex_indices" in names:
+                values = (values[1:4], *values[4:])
+            rows.append(dict(zip(names, values)))
+        found.append(rows)
+        place += count * size
+    assert place == len(data)
+    return found
+
 
 SUM = 1e-12  # relative: rounding of sums over some thousand patches
 CLOSED = 1e-14  # of the area
@@ -98,10 +131,85 @@ class ExcludedMesh(ProgramTest):
         header = path.read_bytes()[:2000].decode("latin-1")
         self.assertIn(f"element face {mesh['triangles']}\n", header)
 
+    def test_subdivision_is_of_second_order(self):
+        errors = []
+        for levels in ("0", "1", "2"):
+            path = self.folder / "u.ply"
+            report = self.report("mesh", UBIQUITIN, "--surface", "excluded", "--subdivide", levels, "-o", path)
+            mesh, exact = report["mesh"], report["excluded"]["complete"]
+            self.assertEqual(report["parameters"]["project"], "patches" if levels != "0" else "none")
+            self.assertEqual(mesh["euler_characteristic"], exact["euler_characteristic"])
+            self.assertEqual(mesh["shells"], len(exact["shells"]))
+            self.assertEqual(mesh["degenerate_triangles"], 0)
+            if levels != "0":
+                newton = mesh["newton"]
+                self.assertEqual(newton["unconverged"] + newton["turned"], 0)
+                self.assertEqual(newton["projected"], mesh["vertices"])
+                self.assertLessEqual(newton["residual_max"], 1e-12)
+            errors.append([mesh[key] / exact[key] - 1 for key in ("area", "volume")])
+        for coarse, fine in zip(errors[1], errors[2]):
+            self.assertAlmostEqual(coarse / fine, 4, delta=0.1)
+            self.assertLessEqual(abs(fine + (fine - coarse) / 3), 1e-5)
+
+    def test_patches_in_the_file_and_in_the_report(self):
+        path = self.folder / "u.ply"
+        report = self.report("mesh", UBIQUITIN, "--surface", "excluded", "--edge-length", "0.5", "-o", path)
+        patches, exact = report["mesh"]["patches"], report["excluded"]["complete"]
+        vertices, faces = ply_rows(path)
+        kinds = ("contact", "saddle", "concave")
+        for number, kind in enumerate(kinds):
+            of_kind = [f for f in faces if f["patch_kind"] == number]
+            self.assertEqual(len(of_kind), patches[kind]["triangles"])
+            self.assert_close(patches[kind]["area"], exact[kind + "_area"], 0.03)
+            for face in of_kind:
+                atoms = [face[f"patch_atom{k}"] for k in (1, 2, 3)]
+                self.assertEqual([a >= 0 for a in atoms], [k <= number for k in range(3)])
+        self.assertEqual(sum(patches[kind]["triangles"] for kind in kinds), report["mesh"]["triangles"])
+        self.assertEqual(patches["saddle"]["patches"], exact["counts"]["arcs"] + exact["counts"]["spindle_saddles"]
+                         - exact["counts"]["dropped_arcs"])  # fmt: skip
+        self.assertEqual(patches["concave"]["patches"], exact["counts"]["probes"])
+        # Inside of patches curvature is that of a ball: of the probe, seen from inside, or an atom.
+        around = [set() for _ in vertices]
+        for face in faces:
+            for v in face["vertex_indices"]:
+                around[v].add(face["patch_kind"])
+        concave = [v for v, seen in zip(vertices, around) if seen == {2}]
+        self.assertGreater(len(concave), 1000)
+        for vertex in concave:
+            self.assert_close(vertex["mean_curvature"], -1 / 1.4, 1e-6)
+            self.assert_close(vertex["gaussian_curvature"], 1 / 1.4**2, 1e-6)
+        radii = {1.7, 1.55, 1.52, 1.8}  # of Bondi: C, N, O, S
+        for vertex, seen in zip(vertices, around):
+            if seen == {0}:
+                self.assertLess(min(abs(1 / vertex["mean_curvature"] - r) for r in radii), 1e-5)
+
+    def test_other_formats_say_what_they_lack(self):
+        path = self.folder / "u.obj"
+        report = self.report("mesh", UBIQUITIN, "--surface", "excluded", "--edge-length", "0.7", "-o", path)
+        self.assertTrue(any("patch" in note for note in report["notes"]), report["notes"])
+
+    def test_pictures(self):
+        sizes = set()
+        for color in ("element", "kind", "mean-curvature", "gaussian-curvature", "angle", "white"):
+            path = self.folder / f"{color}.png"
+            self.run_ok("render", UBIQUITIN, "--surface", "excluded", "--edge-length", "0.7", "--subdivide", "0",
+                        "--color", color, "--size", "300x200", "-o", path)  # fmt: skip
+            self.assertTrue(path.read_bytes().startswith(b"\x89PNG"))
+            sizes.add(path.read_bytes())
+        self.assertEqual(len(sizes), 6)
+
+    def test_refusals_of_pictures(self):
+        picture = ("-o", self.folder / "u.png")
+        for color in ("kind", "mean-curvature", "gaussian-curvature"):
+            self.assert_refused(BAD_INPUT, "render", UBIQUITIN, "--color", color, *picture, says=("--color",))
+        self.assert_refused(BAD_INPUT, "render", UBIQUITIN, "--surface", "excluded", "--color", "distance",
+                            *picture, says=("--color distance",))  # fmt: skip
+
     def test_refusals(self):
         for option in (
             ("--mesher", "marching-cubes"),
-            ("--subdivide", "1"),
+            ("--project", "vdw"),
+            ("--crossings", "allow"),
             ("--relative-edge", "0.2"),
             ("--spacing", "0.5"),
             ("--probe", "0"),

@@ -1,5 +1,7 @@
 // Contract of mesh_excluded(): closed oriented manifolds of the exact topology whose vertices lie
 // on the patches, without self-intersections, and with area and volume of second order.
+#include "excluded/excluded_mesher.hpp"
+
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 

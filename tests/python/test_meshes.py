@@ -53,6 +53,45 @@ class MeshTest(unittest.TestCase):
         errors = [abs(mesh.area / self.exact.area - 1) for mesh in (coarse, fine)]
         self.assertLess(errors[1], errors[0] / 3)
 
+    def test_the_excluded_surface_knows_its_patches(self):
+        exact = vdwmesh.exact(self.molecule, surface="excluded")
+        errors = []
+        for levels in (0, 1):
+            mesh = vdwmesh.mesh(self.molecule, surface="excluded", subdivide=levels)
+            self.assertTrue(edges_are_paired(mesh.faces) and mesh.is_closed)
+            self.assertEqual(mesh.euler_characteristic, exact.topology.euler_characteristic)
+            errors.append(abs(mesh.area / exact.area - 1))
+            kinds, atoms = mesh.face_kinds, mesh.patch_atoms[mesh.face_patches]
+            self.assertEqual((len(kinds), kinds.max()), (len(mesh.faces), 2))
+            np.testing.assert_array_equal((atoms >= 0).sum(axis=1), kinds + 1)
+            corners = mesh.vertices[mesh.faces]
+            areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+            for number, kind in enumerate(vdwmesh.PATCH_KINDS):
+                self.assertAlmostEqual(areas[kinds == number].sum() / getattr(exact, kind + "_area"), 1, delta=0.03)
+            # Contact triangles lie on their atoms.
+            contact = kinds == 0
+            centers, radii = self.molecule.coords[atoms[contact, 0]], self.molecule.radii[atoms[contact, 0]]
+            off = np.linalg.norm(corners[contact] - centers[:, None], axis=2) - radii[:, None]
+            self.assertLess(np.abs(off).max(), 1e-12)
+            inside = np.ones(len(mesh.vertices), dtype=bool)
+            inside[mesh.faces[kinds != 2]] = False
+            self.assertGreater(inside.sum(), 100)
+            np.testing.assert_allclose(mesh.mean_curvature[inside], -1 / 1.4, rtol=1e-6)
+            np.testing.assert_allclose(mesh.gaussian_curvature[inside], 1 / 1.4**2, rtol=1e-6)
+        self.assertLess(errors[1], errors[0] / 3.8)
+        wide = vdwmesh.mesh(self.molecule, surface="excluded", probe=3.0, edge_length=0.5, normals=False)
+        self.assertGreater(wide.volume, mesh.volume)
+        self.assertIsNone(wide.normals)
+        of_balls = vdwmesh.mesh(self.molecule)
+        self.assertEqual((of_balls.face_patches, of_balls.face_kinds, of_balls.mean_curvature), (None, None, None))
+        for wrong in ({"surface": "grid"}, {"mesher": "marching-cubes"}, {"edge_length": np.full(len(self.molecule.radii), 0.5)},
+                      {"field": "blinn"}, {"probe": 0.0}):  # fmt: skip
+            with self.subTest(**{name: str(value) for name, value in wrong.items()}):
+                with self.assertRaisesRegex(ValueError, next(iter(wrong))):
+                    vdwmesh.mesh(self.molecule, **{"surface": "excluded", **wrong})
+        with self.assertRaises(vdwmesh.BackendUnavailable):
+            vdwmesh.mesh(self.molecule, surface="excluded", device="cuda")
+
     def test_options(self):
         grown = vdwmesh.mesh([[0, 0, 0]], [1.0], probe=1.0, mesher="marching-cubes", spacing=0.1)
         np.testing.assert_allclose(np.linalg.norm(grown.vertices, axis=1), 2, atol=1e-9)
@@ -138,6 +177,16 @@ def read_ply(path):
 class SameAsProgramTest(ProgramTest):
     """A PLY file has doubles, so meshes are equal to the last digit."""
 
+    def test_patches_are_saved(self):
+        mesh = vdwmesh.mesh([[0, 0, 0], [3.2, 0, 0]], [1.7, 1.5], surface="excluded")
+        path = self.folder / "m.ply"
+        mesh.save(path)
+        vertices, faces = read_ply(path)
+        np.testing.assert_array_equal(faces["patch_kind"], mesh.face_kinds)
+        np.testing.assert_array_equal(faces["patch_atom2"], mesh.patch_atoms[mesh.face_patches, 1])
+        np.testing.assert_array_equal(vertices["mean_curvature"], mesh.mean_curvature)
+        np.testing.assert_array_equal(vertices["gaussian_curvature"], mesh.gaussian_curvature)
+
     def compare(self, path, *arguments, **options):
         file = self.folder / "m.ply"
         self.run_ok("mesh", path, "-o", file, *arguments)
@@ -157,6 +206,8 @@ class SameAsProgramTest(ProgramTest):
         self.compare(path, mesher="marching-cubes")
         self.compare(path, "--spacing", 0.8, "--subdivide", 1, "--probe", 1.4,
                      mesher="marching-cubes", spacing=0.8, subdivide=1, probe=1.4)  # fmt: skip
+        self.compare(path, "--surface", "excluded", "--edge-length", 0.5, "--subdivide", 1,
+                     surface="excluded", edge_length=0.5, subdivide=1)  # fmt: skip
         for field in ("blinn", "soft", "inverse-squared"):
             self.compare(path, "--field", field, "--subdivide", 1,
                          mesher="marching-cubes", field=field, subdivide=1)  # fmt: skip

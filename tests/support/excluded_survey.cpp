@@ -70,7 +70,7 @@ Footing on_probe(const Vec3d& q, const Vec3d& center, double probe) {
 
 class Surveyor {
  public:
-  Surveyor(const SphereSet& atoms, double probe, const ExcludedMesh& mesh)
+  Surveyor(const SphereSet& atoms, double probe, const PatchedMesh& mesh)
       : atoms_(atoms), probe_(probe), mesh_(mesh) {}
 
   ExcludedSurvey run() && {
@@ -169,7 +169,7 @@ class Surveyor {
 
   const SphereSet& atoms_;
   const double probe_;
-  const ExcludedMesh& mesh_;
+  const PatchedMesh& mesh_;
   std::vector<Corner> corners_;  // by vertex
   std::vector<double> sides_;    // by patch, +1 or -1: which of the two probes at three atoms
   ExcludedSurvey out_;
@@ -189,7 +189,7 @@ std::string ExcludedSurvey::text() const {
   return out.str();
 }
 
-ExcludedSurvey survey_excluded(const SphereSet& atoms, double probe, const ExcludedMesh& mesh) {
+ExcludedSurvey survey_excluded(const SphereSet& atoms, double probe, const PatchedMesh& mesh) {
   return Surveyor(atoms, probe, mesh).run();
 }
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "excluded/excluded_mesher.hpp"
 #include "reference/mesh_checks.hpp"
+#include "surface/surface_patch.hpp"
 
 namespace vdwmesh::testing {
 
@@ -26,6 +26,6 @@ struct ExcludedSurvey {
   std::string text() const;
 };
 
-ExcludedSurvey survey_excluded(const SphereSet& atoms, double probe, const ExcludedMesh& mesh);
+ExcludedSurvey survey_excluded(const SphereSet& atoms, double probe, const PatchedMesh& mesh);
 
 }  // namespace vdwmesh::testing

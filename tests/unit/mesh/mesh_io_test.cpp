@@ -24,6 +24,7 @@
 
 #include "core/errors.hpp"
 #include "core/monitor.hpp"
+#include "mesh/patch_properties.hpp"
 #include "support/sanitized.hpp"
 #include "support/temporary_directory.hpp"
 #include "support/test_meshes.hpp"
@@ -79,6 +80,54 @@ TEST(MeshIo, PlyKeepsTheSpheresOfFaces) {
   EXPECT_EQ(back.triangle_spheres, mesh.triangle_spheres);
   EXPECT_EQ(back.triangles, mesh.triangles);
   expect_same_bits(back, mesh);
+}
+
+// The patches stand behind what other programs read, and the curvatures behind each vertex.
+TEST(MeshIo, PlySaysOfWhichPatchesASurfaceIsMade) {
+  PatchedMesh patched;
+  patched.mesh = labelled_mesh();
+  SurfacePatch sphere, torus;
+  sphere.atoms = {7, kNoSphere, kNoSphere};
+  sphere.radius = 2;
+  torus.kind = PatchKind::saddle;
+  torus.atoms = {3, 5, kNoSphere};
+  patched.patches = {sphere, torus};
+  const std::size_t faces = patched.mesh.triangle_count(), vertices = patched.mesh.vertex_count();
+  patched.triangle_patch.assign(faces, 0);
+  SurfaceMesh mesh = to_surface_mesh(patched.mesh);
+  EXPECT_FALSE(patch_properties(mesh).has_value());
+  const std::string plain = encode_mesh(mesh, MeshFormat::ply).bytes;
+  add_patch_properties(mesh, patched);
+  mesh.property(patch_properties(mesh)->kind, OpenMesh::FaceHandle(int(faces) - 1)) = torus.kind;
+  mesh.property(patch_properties(mesh)->atoms, OpenMesh::FaceHandle(int(faces) - 1)) = torus.atoms;
+  const std::string bytes = encode_mesh(mesh, MeshFormat::ply).bytes;
+  const std::size_t header = bytes.find("end_header\n") + 11;
+  EXPECT_EQ(bytes.size() - header,
+            plain.size() - (plain.find("end_header\n") + 11) + 8 * vertices + 13 * faces);
+  for (const char* line :
+       {"property int sphere3\nproperty float mean_curvature\nproperty float gaussian_curvature\n",
+        "vertex_indices\nproperty uchar patch_kind\nproperty int patch_atom1\n"}) {
+    EXPECT_THAT(bytes.substr(0, header), HasSubstr(line));
+  }
+  const auto number_at = [&]<class T>(std::size_t place, T) {
+    T value;
+    std::memcpy(&value, &bytes[place], sizeof value);
+    return value;
+  };
+  EXPECT_EQ(number_at(header + 51, 0.0f), 0.5f);   // behind the first vertex: 1/r
+  EXPECT_EQ(number_at(header + 55, 0.0f), 0.25f);  // 1/r²
+  EXPECT_EQ(bytes[bytes.size() - 13], 1);
+  EXPECT_EQ(number_at(bytes.size() - 12, 0), 3);
+  EXPECT_EQ(number_at(bytes.size() - 8, 0), 5);
+  EXPECT_EQ(number_at(bytes.size() - 4, 0), -1);
+  EXPECT_EQ(number_at(header + 59 * vertices + 14, 0), 7);
+  const IndexedMesh back = decode_mesh(bytes, MeshFormat::ply).mesh;
+  expect_same_bits(back, patched.mesh);
+  EXPECT_EQ(back.triangles, patched.mesh.triangles);
+  EXPECT_EQ(back.vertex_spheres, patched.mesh.vertex_spheres);
+  EXPECT_TRUE(back.triangle_spheres.empty());
+  patched.triangle_patch.pop_back();
+  EXPECT_THROW(add_patch_properties(mesh, patched), InvalidInput);
 }
 
 // Not the layout that we write: the atom first, as another number, and a quadrilateral.

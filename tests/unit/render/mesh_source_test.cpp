@@ -152,6 +152,59 @@ TEST(CreaseSplit, EveryCornerHasTheNormalOfItsTrianglesSphere) {
   }
 }
 
+// The patches of both spheres, seen from outside of the first and from inside of the second.
+PatchedMesh two_surface_patches() {
+  PatchedMesh patched{two_patches(), {}, {0, 1}};
+  patched.mesh.triangle_spheres.clear();
+  for (std::uint32_t v = 0; v < 4; ++v) {
+    patched.mesh.normals.push_back({0, 0, 1});
+    patched.mesh.vertex_spheres.push_back(on_sphere(v % 2));
+  }
+  for (const Sphere& sphere : kTwoSpheres.spheres()) {
+    SurfacePatch patch;
+    patch.kind = patched.patches.empty() ? PatchKind::contact : PatchKind::concave;
+    patch.center = sphere.center;
+    patch.radius = sphere.radius;
+    patched.patches.push_back(patch);
+  }
+  return patched;
+}
+
+TEST(CreaseSplit, EveryCornerHasTheNormalOfItsPatch) {
+  const PatchedMesh patched = two_surface_patches();
+  const IndexedMesh split = split_at_patches(patched);
+  EXPECT_EQ(split.vertex_count(), 6u);
+  for (std::size_t t = 0; t < 2; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = split.triangles[t][k], given = patched.mesh.triangles[t][k];
+      EXPECT_EQ(split.positions[v], patched.mesh.positions[given]);
+      EXPECT_EQ(split.vertex_spheres[v], on_sphere(given % 2));
+      const Vec3d out = (t == 0 ? 1.0 : -1.0) * (split.positions[v] - kTwoSpheres[t].center);
+      EXPECT_NEAR(dot(cast<double>(split.normals[v]), out), norm(out), 1e-6);  // of float
+    }
+  }
+}
+
+// On the axis of a saddle, where it has no normal, the mesh's own stands.
+TEST(CreaseSplit, ACuspHasTheNormalOfTheMesh) {
+  PatchedMesh patched = two_surface_patches();
+  patched.patches[1].kind = PatchKind::saddle;
+  patched.patches[1].center = {0, 0, 0};
+  patched.patches[1].axis = {0, 0, 1};
+  patched.patches[1].ring_radius = 0.9;
+  const IndexedMesh split = split_at_patches(patched);
+  const std::uint32_t cusp = split.triangles[1][2];  // vertex 1, (0, 0, 1)
+  EXPECT_EQ(split.normals[cusp], (Vec3f{0, 0, 1}));
+}
+
+TEST(CreaseSplit, NeedsPatchesThatAreThere) {
+  PatchedMesh patched = two_surface_patches();
+  patched.triangle_patch[1] = 2;
+  EXPECT_THROW(split_at_patches(patched), InvalidInput);
+  patched.triangle_patch.clear();
+  EXPECT_THROW(split_at_patches(patched), InvalidInput);
+}
+
 TEST(CreaseSplit, NeedsLabelsThatNameSpheres) {
   IndexedMesh mesh = two_patches();
   mesh.triangle_spheres[1] = 2;

@@ -1,0 +1,83 @@
+// Curvatures by vertex of meshes that follow the curves between patches.
+//
+// Vertices of one patch take its curvature in the loop over the triangles. The others are few; they
+// are listed with their patches, and take the mean.
+#include "surface/surface_patch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace vdwmesh {
+namespace {
+
+constexpr std::uint32_t kNoPatch = 0xffffffffu;
+
+// The mean of the finite ones among some values.
+class FiniteMean {
+ public:
+  void add(double value) {
+    if (!std::isfinite(value)) return;
+    sum_ += value;
+    ++count_;
+  }
+  float value() const {
+    return count_ > 0 ? static_cast<float>(sum_ / count_) : std::numeric_limits<float>::quiet_NaN();
+  }
+
+ private:
+  double sum_ = 0;
+  int count_ = 0;
+};
+
+}  // namespace
+
+std::vector<VertexPatch> patches_of_shared_vertices(const PatchedMesh& mesh) {
+  std::vector<std::uint32_t> first(mesh.mesh.vertex_count(), kNoPatch);
+  std::vector<VertexPatch> pairs;
+  for (std::size_t t = 0; t < mesh.mesh.triangle_count(); ++t) {
+    const std::uint32_t patch = mesh.triangle_patch[t];
+    for (const std::uint32_t v : mesh.mesh.triangles[t]) {
+      if (first[v] == kNoPatch) first[v] = patch;
+      if (first[v] == patch) continue;
+      pairs.push_back({v, first[v]});
+      pairs.push_back({v, patch});
+    }
+  }
+  const auto key = [](const VertexPatch& p) { return std::tuple(p.vertex, p.patch); };
+  std::ranges::sort(pairs, {}, key);
+  const auto repeated = std::ranges::unique(pairs, {}, key);
+  pairs.erase(repeated.begin(), repeated.end());
+  return pairs;
+}
+
+VertexCurvatures vertex_curvatures(const PatchedMesh& mesh) {
+  const auto curvatures = [&](std::uint32_t v, std::uint32_t patch) {
+    return patch_curvatures(mesh.patches[patch], mesh.mesh.positions[v]);
+  };
+  VertexCurvatures out;
+  out.mean.resize(mesh.mesh.vertex_count());
+  out.gaussian.resize(mesh.mesh.vertex_count());
+  for (std::size_t t = 0; t < mesh.mesh.triangle_count(); ++t) {
+    for (const std::uint32_t v : mesh.mesh.triangles[t]) {
+      const PrincipalCurvatures c = curvatures(v, mesh.triangle_patch[t]);
+      FiniteMean mean, gaussian;
+      mean.add(c.mean()), gaussian.add(c.gaussian());
+      out.mean[v] = mean.value(), out.gaussian[v] = gaussian.value();
+    }
+  }
+  const std::vector<VertexPatch> shared = patches_of_shared_vertices(mesh);
+  for (std::size_t i = 0; i < shared.size();) {
+    const std::uint32_t v = shared[i].vertex;
+    FiniteMean mean, gaussian;
+    for (; i < shared.size() && shared[i].vertex == v; ++i) {
+      const PrincipalCurvatures c = curvatures(v, shared[i].patch);
+      mean.add(c.mean()), gaussian.add(c.gaussian());
+    }
+    out.mean[v] = mean.value(), out.gaussian[v] = gaussian.value();
+  }
+  return out;
+}
+
+}  // namespace vdwmesh
