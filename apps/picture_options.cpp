@@ -58,8 +58,7 @@ View view_of(std::string_view option, const std::string& text) {
     if (named.name == text) return named.view;
   }
   if (text.find(',') == std::string::npos) {
-    std::vector<std::string_view> names;
-    for (const NamedView& named : kViews) names.push_back(named.name);
+    std::vector<std::string_view> names = names_of_views();
     names.push_back("a direction X,Y,Z");
     throw_unknown_name(option, text, names);
   }
@@ -84,6 +83,12 @@ std::optional<Rgb> color_of(std::string_view text) {
 }
 
 }  // namespace
+
+std::vector<std::string_view> names_of_views() {
+  std::vector<std::string_view> names;
+  for (const NamedView& named : kViews) names.push_back(named.name);
+  return names;
+}
 
 void read_view(std::string_view option, const std::string& text, PictureOptions& options) {
   options.view = text;

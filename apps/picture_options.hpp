@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "render/renderer.hpp"
 
@@ -43,7 +44,8 @@ struct PictureOptions {
 // Each reads the text of one option into its place in the options. They throw InvalidInput that
 // names the option, what was given and what would be accepted.
 
-// A side of the molecule, an axis of the file, or a direction X,Y,Z.
+// A side of the molecule, an axis of the file, or a direction X,Y,Z. All but directions have names.
+std::vector<std::string_view> names_of_views();
 void read_view(std::string_view option, const std::string& text, PictureOptions& options);
 // "1200x900", in pixels.
 void read_size(std::string_view option, const std::string& text, PictureOptions& options);

@@ -64,7 +64,8 @@ const Verb& take_verb(const Program& program, Words& words) {
 bool answer_without_verb(const Program& program, const Words& words) {
   const bool of_bench = words.size() == 2 && words[0] == kBench;
   if (!words.empty() && words[0] == "--version") {
-    write_standard_output(fmt::format("{} {} ({})\n", program.name, kVersion, kRevision));
+    write_standard_output(
+        fmt::format("{} {} ({})\nbuild {}\n", program.name, kVersion, kRevision, kBuild));
   } else if (of_bench && asks_for_help(words)) {
     write_standard_output(verbs_help(program, "bench "));
   } else if (!words.empty() && asks_for_help({words[0]})) {

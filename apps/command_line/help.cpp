@@ -31,16 +31,19 @@ std::string entry(const std::string& typed, const std::string& meaning) {
 
 // "  -o, --output FILE".
 std::string typed(const Option& option) {
-  std::string names = option.name;
-  if (const std::size_t comma = names.find(','); comma != names.npos) names.insert(comma + 1, " ");
-  return fmt::format("  {}{}{}", names, option.reader.value.empty() ? "" : " ",
-                     option.reader.value);
+  const std::string name = option.short_name();
+  const bool has_two = name != option.long_name();
+  const std::string& value = option.reader.value;
+  return fmt::format("  {}{}{}{}{}", name, has_two ? ", " : "", has_two ? option.long_name() : "",
+                     value.empty() ? "" : " ", value);
 }
 
 std::string mark(const Option& option) {
   if (option.absence.meaning != Absence::Meaning::error) return "";
   return option.other.empty() ? "(required) " : fmt::format("(required, or {}) ", option.other);
 }
+
+}  // namespace
 
 // The names that a value can have come from its reader, the default from the list.
 std::string meaning(const Option& option) {
@@ -52,19 +55,17 @@ std::string meaning(const Option& option) {
 }
 
 // What has no name of its own is shown in the order in which it is typed.
-std::string usage(const Program& program, const Verb& verb,
-                  const std::vector<OptionGroup>& groups) {
-  std::string text = fmt::format("Usage: {} {} [OPTION...]", program.usage_name, verb.name);
+std::string synopsis(const Program& program, const Verb& verb,
+                     const std::vector<OptionGroup>& groups) {
+  std::string text = fmt::format("{} {} [OPTION...]", program.usage_name, verb.name);
   for (const OptionGroup& group : groups) {
     for (const Option& option : group.options) {
       if (option.is_positional()) text += ' ' + option.name;
       if (option.reader.times == Times::often && option.is_positional()) text += "...";
     }
   }
-  return text + '\n';
+  return text;
 }
-
-}  // namespace
 
 std::string verbs_help(const Program& program, std::string_view prefix) {
   std::string text = fmt::format(
@@ -79,8 +80,8 @@ std::string verbs_help(const Program& program, std::string_view prefix) {
 
 std::string verb_help(const Program& program, const Verb& verb,
                       const std::vector<OptionGroup>& groups) {
-  std::string text = fmt::format("{} {}: {}\n\n{}", program.name, verb.name, verb.summary,
-                                 usage(program, verb, groups));
+  std::string text = fmt::format("{} {}: {}\n\nUsage: {}\n", program.name, verb.name, verb.summary,
+                                 synopsis(program, verb, groups));
   for (const OptionGroup& group : groups) {
     text += fmt::format("\n{}:\n", group.title);
     for (const Option& option : group.options) text += entry(typed(option), meaning(option));

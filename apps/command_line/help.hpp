@@ -10,6 +10,12 @@
 
 namespace vdwmesh::apps {
 
+// "mpirun -n P vdwmesh-mpi mesh [OPTION...] INPUT": how a verb is called.
+std::string synopsis(const Program& program, const Verb& verb,
+                     const std::vector<OptionGroup>& groups);
+// What an option is for, which names its value may have, and in brackets what holds without it.
+std::string meaning(const Option& option);
+
 // The verbs of the program whose names begin with `prefix`: "" or "bench ".
 std::string verbs_help(const Program& program, std::string_view prefix);
 

@@ -59,11 +59,16 @@ Shard parse_shard(std::string_view option, const std::string& text) {
 
 // A value of pictures that fills more than one field.
 using ReadPicture = void (*)(std::string_view, const std::string&, PictureOptions&);
-Reader of_picture(PictureOptions& picture, std::string value, ReadPicture read_value) {
-  return {std::move(value), "",
+Reader of_picture(PictureOptions& picture, std::string value, ReadPicture read_value,
+                  std::vector<std::string_view> words = {}) {
+  return {std::move(value),
+          "",
           [&picture, read_value](std::string_view option, const std::string& name) {
             read_value(option, name, picture);
-          }};
+          },
+          Use::none,
+          Times::once,
+          std::move(words)};
 }
 
 // "A/10-40=0.2". The selection may have commas, so each is given by itself; it ends at the last =.
@@ -98,23 +103,24 @@ std::vector<Option> input_options(Draft& d) {
        "or an archive on standard input",
        required("name structure files, a folder, a tar archive or a list of names, or - for a list "
                 "or an archive on standard input")},
-      {"--sample", kInputs, several(d.samples, text("NAME")),
+      {"--sample", kInputs, several(d.samples, text("NAME", {"ubiquitin", "bpti"})),
        "built-in structures in place of INPUT: ubiquitin, bpti"},
       {"--format", kStructures, one(r.format, named<StructureFormat>()),
        "of INPUT, where its name does not tell"},
-      {"--radii", kStructures, one(r.radii, text("SET|FILE")),
+      {"--radii", kStructures,
+       one(r.radii, text("SET|FILE", {"bondi", "alvarez", "protor", "naccess", "oons"})),
        "bondi, alvarez; united atoms, without hydrogens: protor, naccess, oons; or a file of lines "
        "ELEMENT RADIUS or RESIDUE ATOM RADIUS",
        by_default("bondi")},
       {"--probe", kStructures, one(d.probe, number("Å", Range::finite, "1.4")),
        "added to every radius", by_default("0")},
-      {"--model", kStructures, one(r.model, text("N")),
+      {"--model", kStructures, one(r.model, text("N", {"first", "all"})),
        "model number, first, or all models as one set", by_default("first")},
-      {"--assembly", kStructures, one(r.assembly, text("NAME")), "biological assembly of the file",
-       by_default("asymmetric")},
+      {"--assembly", kStructures, one(r.assembly, text("NAME", {"asymmetric"})),
+       "biological assembly of the file", by_default("asymmetric")},
       {"--select", kStructures, one(r.select, text("SELECTION")),
        "gemmi selection, after the water rule", otherwise("everything")},
-      {"--altloc", kStructures, one(r.altloc, text("LABEL")),
+      {"--altloc", kStructures, one(r.altloc, text("LABEL", {"highest"})),
        "alternate locations: highest, or a label", by_default("highest")},
       {"--waters", kStructures, flag(r.waters, Inclusion::keep), "keep waters"},
       {"--no-hydrogens", kStructures, flag(r.hydrogens, Inclusion::drop), "drop hydrogens"},
@@ -235,7 +241,8 @@ std::vector<Option> bench_options(Options& o) {
   return {{"--structures", kThesisBench, one(o.thesis.structures, text("FOLDER")),
            "the thesis's structure files",
            required("name the folder of the structure files (110D.pdb, ...)")},
-          {"--table", kThesisBench, several(o.thesis.tables, text("TABLE")),
+          {"--table", kThesisBench,
+           several(o.thesis.tables, text("TABLE", {"4.1", "4.2", "4.3", "4.4", "4.5"})),
            "of 4.1 4.2 4.3 4.4 4.5", otherwise("all")},
           {"--entry", kThesisBench, several(o.thesis.entries, text("ID")),
            "PDB ids of the thesis's tables", otherwise("all")},
@@ -271,13 +278,14 @@ std::vector<Option> picture_options(Draft& d) {
       {"--picture", kReport | kCompare, one(p.path, text("FILE"), Use::writes),
        "PNG of the mesh, triangles coloured by the distance of their centres to the exact "
        "surface"},
-      {"--view", kPictures, of_picture(p, "VIEW", read_view),
+      {"--view", kPictures, of_picture(p, "VIEW", read_view, names_of_views()),
        "from where: front back right left top bottom (along the principal axes), x -x y -y z -z "
        "(along the file's), or a direction X,Y,Z",
        otherwise("front: the broadest side")},
       {"--size", kPictures, of_picture(p, "WIDTHxHEIGHT", read_size), "in pixels",
        by_default("1200x900")},
-      {"--background", kPictures, of_picture(p, "COLOR", read_background),
+      {"--background", kPictures,
+       of_picture(p, "COLOR", read_background, {"transparent", "white", "black", "grey"}),
        "transparent, white, black, grey or #rrggbb", by_default("white")},
       {"--camera", kPictures, one(r.projection, named<CameraProjection>()), "how depth is drawn",
        by_default("orthographic")},
@@ -289,7 +297,9 @@ std::vector<Option> picture_options(Draft& d) {
        otherwise("cool-warm for distances and curvatures, else viridis")},
       {"--color-range", kPictures, of_picture(p, "LOWER,UPPER", read_color_range),
        "values at the ends of the colour map", otherwise("what holds 99 % of them")},
-      {"--color", kRender, of_picture(p, "COLOR", read_color),
+      {"--color", kRender,
+       of_picture(p, "COLOR", read_color,
+                  {"element", "distance", "angle", "white", "black", "grey"}),
        "element, distance (of triangle centres to the exact surface), angle (smallest of each "
        "triangle), kind, mean-curvature, gaussian-curvature (of the patches of --surface "
        "excluded), "

@@ -23,6 +23,7 @@ struct Kind {
   std::string value;     // what stands for a value in --help: "Å", "N", "FILE"
   std::string accepted;  // "cpu or cuda"; empty where it is not one of a few names
   std::function<T(std::string_view option, const std::string& text)> parse;
+  std::vector<std::string_view> words = {};  // that completion in a shell offers for a value
 };
 
 inline Kind<double> number(std::string unit, Range range, std::string example) {
@@ -40,11 +41,13 @@ Kind<Integer> whole(std::int64_t lowest, std::int64_t highest) {
 
 template <class T>
 Kind<T> named() {
-  return {"NAME", list_names(all_names<T>()), value_named<T>};
+  return {"NAME", list_names(all_names<T>()), value_named<T>, all_names<T>()};
 }
 
-inline Kind<std::string> text(std::string value) {
-  return {std::move(value), "", [](std::string_view, const std::string& text) { return text; }};
+// Any text, of which some are usual.
+inline Kind<std::string> text(std::string value, std::vector<std::string_view> words = {}) {
+  return {std::move(value), "", [](std::string_view, const std::string& text) { return text; },
+          std::move(words)};
 }
 
 // How often an option may be given, and whether its value is a file that is read or written.
@@ -57,6 +60,7 @@ struct Reader {
   std::function<void(std::string_view option, const std::string& text)> read;
   Use use = Use::none;
   Times times = Times::once;
+  std::vector<std::string_view> words = {};  // as in Kind
 };
 
 template <class Field>
@@ -67,11 +71,14 @@ Reader flag(Field& field, Field set) {
 // The field may be a std::optional.
 template <class Field, class T>
 Reader one(Field& field, Kind<T> kind, Use use = Use::none) {
-  return {kind.value, kind.accepted,
+  return {kind.value,
+          kind.accepted,
           [parse = kind.parse, &field](std::string_view option, const std::string& text) {
             field = parse(option, text);
           },
-          use};
+          use,
+          Times::once,
+          std::move(kind.words)};
 }
 
 // "a,b,c": each value once, in the order given.
@@ -86,7 +93,7 @@ Reader several(std::vector<T>& field, Kind<T> kind) {
     if (!field.empty()) return;
     throw InvalidInput(std::string(option) + ": needs at least one value, or several with commas");
   };
-  return {kind.value + ",...", kind.accepted, read, Use::none, Times::often};
+  return {kind.value + ",...", kind.accepted, read, Use::none, Times::often, std::move(kind.words)};
 }
 
 }  // namespace vdwmesh::apps

@@ -7,6 +7,7 @@
 #include "interrupt.hpp"
 #include "memory.hpp"
 #include "outcome.hpp"
+#include "ranks/rank_program.hpp"
 #include "ranks/rank_verbs.hpp"
 
 namespace vdwmesh::apps {
@@ -22,13 +23,10 @@ std::optional<Command> read_together(const Ranks& ranks, const Program& program,
 }
 
 void run(const Ranks& ranks, int argc, const char* const* argv) {
-  const Verb verbs[] = {{kRanksMesh, "mesh", "structure -> welded mesh file, by all ranks",
-                         [&](const Options& options) { run_ranks_mesh(ranks, options); }},
-                        {kRanksExact, "exact", "exact area, volume and counts of the sphere union",
-                         [&](const Options& options) { run_ranks_exact(ranks, options); }}};
-  const Program program{"vdwmesh-mpi", "mpirun -n P vdwmesh-mpi",
-                        "Meshes and exact measures of large molecules by many processes (MPI)",
-                        verbs, ranks.sum_on_host(1)};
+  const std::vector<Verb> verbs =
+      rank_verbs([&](const Options& options) { run_ranks_mesh(ranks, options); },
+                 [&](const Options& options) { run_ranks_exact(ranks, options); });
+  const Program program = rank_program(verbs, ranks.sum_on_host(1));
   const auto command = read_together(ranks, program, argc, argv);
   if (command) command->verb->run(command->options);
 }

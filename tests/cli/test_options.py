@@ -526,7 +526,7 @@ class Backends(ProgramTest):
         info = parse_json(self.run_ok("info", "--json", "-").stdout)
         self.assertRegex(info["revision"], r"\A[\w.-]+\Z")
         version = self.run_ok("--version").stdout
-        self.assertEqual(version, f"vdwmesh {info['version']} ({info['revision']})\n")
+        self.assertEqual(version, f"vdwmesh {info['version']} ({info['revision']})\nbuild {info['build']}\n")
         report = self.report("exact", "--sample", "bpti")
         self.assertEqual(report["revision"], info["revision"])
     def test_cuda_without_a_device(self):

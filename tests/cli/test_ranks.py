@@ -289,7 +289,7 @@ class Help(RanksTest):
     def test_it_is_printed_once(self):
         text = self.run_ranks_ok(3, "--help").stdout
         self.assertEqual(text.count("Usage: mpirun -n P vdwmesh-mpi VERB"), 1)
-        self.assertRegex(self.run_ranks_ok(2, "--version").stdout, r"\Avdwmesh-mpi [^\n]+\n\Z")
+        self.assertRegex(self.run_ranks_ok(2, "--version").stdout, r"\Avdwmesh-mpi [^\n]+\nbuild [^\n]+\n\Z")
 
     def test_every_option_is_in_the_table(self):
         table = (SOURCE_DIR / "docs" / "options.md").read_text()
