@@ -25,10 +25,10 @@ foreach(room core spheres surface structure extract refine arrangement excluded 
   endif()
   list(TRANSFORM ${room}_headers REPLACE "(.+)" "${folder}/\\1.hpp" OUTPUT_VARIABLE headers)
   list(APPEND public_headers ${headers})
-  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vdwmesh/${room})
+  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vdwmesh/${room} COMPONENT development)
 endforeach()
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/vdwmesh")
-install(EXPORT vdwmeshTargets NAMESPACE vdwmesh:: DESTINATION "${package_dir}")
+install(EXPORT vdwmeshTargets NAMESPACE vdwmesh:: DESTINATION "${package_dir}" COMPONENT development)
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/vdwmeshConfig.cmake.in"
                               "${PROJECT_BINARY_DIR}/vdwmeshConfig.cmake"
                               INSTALL_DESTINATION "${package_dir}")
@@ -36,4 +36,4 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/vdwmeshConfigVersion.cma
                                  COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/vdwmeshConfig.cmake"
               "${PROJECT_BINARY_DIR}/vdwmeshConfigVersion.cmake"
-        DESTINATION "${package_dir}")
+        DESTINATION "${package_dir}" COMPONENT development)

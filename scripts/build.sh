@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 
 preset=$1
 shift
-scripts/install-deps.sh
+if [ "$preset" = demo ]; then scripts/install-deps.sh program; else scripts/install-deps.sh; fi
 
 # nvcc counts where CMake finds it: on the path, in $CUDACXX or in the toolkit's usual folder.
 for nvcc in "${CUDACXX:-}" "$(command -v nvcc || true)" /usr/local/cuda/bin/nvcc; do
@@ -15,7 +15,11 @@ for nvcc in "${CUDACXX:-}" "$(command -v nvcc || true)" /usr/local/cuda/bin/nvcc
     break
   fi
 done
-if [ -n "${CUDACXX:-}" ]; then
+# Device code takes longer to compile than all the rest, and the demo has no use for it without a device.
+if [ "$preset" = demo ] && [ ! -e /dev/nvidiactl ]; then
+  export VDWMESH_DEMO_CUDA=OFF
+  echo "build: no CUDA device on this machine; the demo is built without the CUDA room"
+elif [ -n "${CUDACXX:-}" ]; then
   echo "build: CUDA room with $CUDACXX"
 else
   echo "build: no nvcc on this machine; the CUDA room is the stub and --backend cuda is refused"

@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# Whether this tree can be released: a line for each item of the checklist, and exit code 1 if one fails.
+#   scripts/release-check.sh            all of it; needs root for the trial of the packages
+#   scripts/release-check.sh --quick    what needs no building
+# The version stands in CMakeLists.txt. To release: set the date in CHANGELOG.md, let this script and .ci/run
+# pass, and tag the commit with the version.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+
+version=$(sed -nE 's/^project\(vdwmesh VERSION ([0-9.]+) .*/\1/p' CMakeLists.txt)
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+failed=0
+
+item() {
+  local what=$1
+  shift
+  if "$@" > "$log" 2>&1; then
+    echo "ok      $what"
+  else
+    echo "FAILED  $what"
+    tail -15 "$log" | sed 's/^/        /'
+    failed=1
+  fi
+}
+
+tree_is_clean() { git status --porcelain | tee /dev/stderr | wc -l | grep -qx 0; }
+tag_is_free() {
+  local tag
+  tag=$(git tag --list "v$version" "$version")
+  [ -z "$tag" ] || [ "$(git rev-parse "$tag^{commit}")" = "$(git rev-parse HEAD)" ]
+}
+packages_build() { scripts/install-deps.sh packages && scripts/build.sh package && cpack --preset package; }
+lintian_is_silent() {
+  lintian --allow-root --fail-on error,warning --tag-display-limit 0 build/package/packages/*_"$version"-*.deb
+}
+programs_say_the_version() {
+  build/package/apps/vdwmesh --version | tee /dev/stderr | grep -q "^vdwmesh $version (" &&
+    PYTHONPATH=build/package/python /usr/bin/python3 -c "import vdwmesh; assert vdwmesh.__version__ == '$version'"
+}
+wheel_builds() {
+  local folder
+  folder=$(mktemp -d)
+  /usr/bin/python3 -m pip wheel --no-index --no-deps --wheel-dir "$folder" \
+    --config-settings build-dir=build/package . && ls "$folder"/vdwmesh-"$version"-*.whl
+  local status=$?
+  rm -rf "$folder"
+  return $status
+}
+
+echo "release-check: version $version, $(git describe --always --dirty)"
+item "versions agree, and the changelog has a date" python3 -B tests/sources/check_versions.py . --release
+item "links between documents" python3 -B tests/sources/check_links.py .
+item "sources keep the rules" python3 -B tests/sources/check_sources.py .
+item "formatted" env VDWMESH_REQUIRE_PACKAGES=1 scripts/check-format.sh
+item "tree is clean" tree_is_clean
+item "no other commit has the version's tag" tag_is_free
+if [ "${1:-}" != --quick ]; then
+  item "packages build" packages_build
+  item "programs and Python module say the version" programs_say_the_version
+  item "lintian finds nothing" lintian_is_silent
+  item "packages work in a bare Debian" scripts/try-packages.sh
+  item "wheel builds" wheel_builds
+fi
+exit $failed
