@@ -12,6 +12,7 @@
 // and cancel.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -72,20 +73,31 @@ class BallMeasurer {
     Vec3d from, to;
   };
 
+  // The point of a plane that is nearest to the centre, in the order z, x, y; the fourth number
+  // means nothing.
+  struct alignas(32) Foot {
+    double at[4];
+  };
+
   // An edge of the cell by numbers: its vertices and its planes.
   struct CellEdge {
     std::uint32_t from, to, a, b;
   };
 
   void find_edges(const PowerCell& cell);
-  std::span<const EdgeEnd> edges() const { return {edges_.data(), edge_count_}; }
+  void find_feet(const PowerCell& cell);
+  std::span<const EdgeEnd> edges(std::size_t ends_inside) const {
+    return {edges_[ends_inside].data(), edge_count_[ends_inside]};
+  }
   static CellEdge edge_of(const PowerCell& cell, EdgeEnd end);
   bool find_inside(const PowerCell& cell);
   bool find_faces(const PowerCell& cell);
   std::span<const std::uint32_t> planes() const { return {planes_.data(), face_count_}; }
   BallMeasures measure_polytope(const PowerCell& cell);
   BallMeasures measure_patch(const PowerCell& cell);
-  void add_crossed_edges(const PowerCell& cell);
+  void add_inner_edges(const PowerCell& cell);
+  void add_crossing_edges(const PowerCell& cell);
+  void add_outer_edges(const PowerCell& cell);
   void add_edge(const PowerCell& cell, const Edge& edge, int ends_inside, bool from_inside);
   void add_segment(const Cap& a, const Cap& b, const Vec3d& from, const Vec3d& to);
   void add_corner(const Edge& edge, const Cap& a, const Cap& b, const Vec3d& corner, int direction);
@@ -98,8 +110,10 @@ class BallMeasurer {
   std::vector<std::uint64_t> stamps_;  // by plane: the last ball in which it had a face
   std::vector<std::uint32_t> planes_;  // those that have a face, then unused elements
   std::uint32_t face_count_ = 0;
-  std::vector<EdgeEnd> edges_;  // each by one of its ends
-  std::size_t edge_count_ = 0;
+  // Edges by how many of their ends are in the ball, each by one of its ends.
+  std::array<std::vector<EdgeEnd>, 3> edges_;
+  std::array<std::size_t, 3> edge_count_{};
+  std::vector<Foot> feet_;  // by plane; valid for planes_
   std::uint64_t stamp_ = 0;
   std::uint32_t inside_ = 0, doubts_ = 0, segments_ = 0, corners_ = 0;
   double worst_ = 1;    // the largest condition number of a corner's angle

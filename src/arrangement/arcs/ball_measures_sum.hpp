@@ -1,6 +1,7 @@
 // BallMeasurer::measure(). Included by ball_measures.hpp alone.
 #pragma once
 
+#include <bit>
 #include <numbers>
 
 #include "arrangement/arcs/ball_measures.hpp"
@@ -48,9 +49,10 @@ inline BallMeasures BallMeasurer::measure(const PowerCell& cell) {
     planes_.resize(faces_.size() + 1);  // one is written but not kept
   }
   const bool closed = find_inside(cell);
-  find_edges(cell);
   // A simple polytope has two more faces than half its vertices.
   if (!find_faces(cell)) doubts_ |= kDamaged;
+  find_edges(cell);
+  find_feet(cell);
   return closed ? measure_polytope(cell) : measure_patch(cell);
 }
 
@@ -60,74 +62,107 @@ inline bool BallMeasurer::find_inside(const PowerCell& cell) {
   const std::uint32_t count = cell.vertex_count();
   if (height_.size() < count + kLanes) height_.resize(2 * (count + kLanes));
   const Lanes one = all_lanes(1);
-  for (std::size_t i = 0; i < count; i += kLanes) {
+  LaneBits inside{}, near{};
+  for (std::size_t i = 0; i < count; i += kLanes) {  // NaN behind the last
     const Lanes x = lanes_at(cell.x() + i), y = lanes_at(cell.y() + i), z = lanes_at(cell.z() + i);
-    store_lanes(&height_[i], x * x + y * y + z * z - one);
+    const Lanes height = x * x + y * y + z * z - one, size = height < 0 ? -height : height;
+    store_lanes(&height_[i], height);
+    inside -= height < 0;  // -1 in each lane if so
+    near |= size < 2 * kTouching;
   }
-  std::uint32_t inside = 0, near = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    inside += height_[i] < 0;
-    near += std::abs(height_[i]) < 2 * kTouching;
-  }
-  if (near > 0) doubts_ |= kThirdCircle;
-  inside_ = inside;
-  return inside == count;
+  if ((near[0] | near[1] | near[2] | near[3]) != 0) doubts_ |= kThirdCircle;
+  inside_ = static_cast<std::uint32_t>(inside[0] + inside[1] + inside[2] + inside[3]);
+  return inside_ == count;
 }
 
 // Lists the planes that have a face, without branches. Returns whether there are as many as Euler's
 // formula wants.
 inline bool BallMeasurer::find_faces(const PowerCell& cell) {
-  const ByEdge* const planes_of = cell.planes_of();
+  const std::uint32_t* const planes_left = cell.planes_left();
   std::uint64_t* const stamps = stamps_.data();
+  for (std::uint32_t v = 0, count = cell.vertex_count(); v < count; ++v) {
+    for (std::uint32_t side = 1; side <= 3; ++side) stamps[planes_left[end_of(v, side)]] = stamp_;
+  }
   std::uint32_t* const planes = planes_.data();
   std::uint32_t found = 0;
-  for (std::uint32_t v = 0, count = cell.vertex_count(); v < count; ++v) {
-    for (std::size_t side = 1; side <= 3; ++side) {
-      const std::uint32_t plane = planes_of[v].at[side];
-      planes[found] = plane;
-      found += stamps[plane] != stamp_;
-      stamps[plane] = stamp_;
-    }
+  for (std::uint32_t plane = 0, count = cell.plane_count(); plane < count; ++plane) {
+    planes[found] = plane;
+    found += stamps[plane] == stamp_;
   }
   face_count_ = found;
   return 2 * found == cell.vertex_count() + 4;
 }
 
-// Lists the edges, each once; without branches, which the processor could not foresee.
+// Lists the edges, each once, by how many of their ends are in the ball; without branches, which
+// the processor could not foresee.
 inline void BallMeasurer::find_edges(const PowerCell& cell) {
-  const std::uint32_t count = cell.vertex_count();
-  if (edges_.size() < 3 * count) edges_.resize(6 * count);
-  const ByEdge* const twins = cell.twins_of();
-  EdgeEnd* const edges = edges_.data();
-  std::size_t found = 0;
-  for (std::uint32_t v = 0; v < count; ++v) {
+  const std::uint32_t vertices = cell.vertex_count();
+  if (edges_[0].size() < 3 * vertices) {
+    for (std::vector<EdgeEnd>& list : edges_) list.resize(6 * vertices);
+  }
+  const EdgeEnd* const twins = cell.twins();
+  EdgeEnd* const inner = edges_[2].data();
+  std::size_t count = 0;
+  for (std::uint32_t v = 0; v < vertices; ++v) {
     for (std::uint32_t side = 1; side <= 3; ++side) {
-      edges[found] = end_of(v, side);
-      found += end_of(v, side) < twins[v].at[side];
+      const EdgeEnd end = end_of(v, side);
+      inner[count] = end;
+      count += end < twins[end];
     }
   }
-  edge_count_ = found;
+  edge_count_ = {0, 0, count};
+  if (inside_ == vertices) return;
+  // What is moved within the list stands before the place that it is read from.
+  const double* const heights = height_.data();
+  const auto is_inside = [&](std::uint32_t v) {  // the sign of the height, which is never -0
+    return static_cast<std::size_t>(std::bit_cast<std::uint64_t>(heights[v]) >> 63);
+  };
+  EdgeEnd* const lists[3] = {edges_[0].data(), edges_[1].data(), inner};
+  std::size_t counts[3] = {0, 0, 0};
+  for (std::size_t i = 0; i < count; ++i) {
+    const EdgeEnd end = inner[i];
+    const std::size_t ends_inside = is_inside(vertex_of(end)) + is_inside(vertex_of(twins[end]));
+    lists[ends_inside][counts[ends_inside]++] = end;
+  }
+  edge_count_ = {counts[0], counts[1], counts[2]};
+}
+
+inline void BallMeasurer::find_feet(const PowerCell& cell) {
+  if (feet_.size() < cell.plane_count()) feet_.resize(2 * cell.plane_count());
+  for (const std::uint32_t plane : planes()) {
+    const Lanes p = lanes_at(&cell.plane(plane).axis.x);
+    store_lanes(feet_[plane].at, all_lanes(p[3]) * __builtin_shufflevector(p, p, 2, 0, 1, 3));
+  }
 }
 
 VDWMESH_INLINE BallMeasurer::CellEdge BallMeasurer::edge_of(const PowerCell& cell, EdgeEnd end) {
-  const std::uint32_t from = vertex_of(end), side = side_of(end);
-  const auto& planes = cell.planes_of()[from].at;
-  return {from, vertex_of(cell.twins_of()[from].at[side]), planes[kNextSide[side]],
-          planes[kAfterNextSide[side]]};
+  const EdgeEnd twin = cell.twins()[end];
+  return {vertex_of(end), vertex_of(twin), cell.planes_left()[twin - 1],
+          cell.planes_left()[end - 1]};
+}
+
+// The cross product of two vectors in three lanes, in the order z, x, y.
+VDWMESH_INLINE Lanes turned_cross(const Lanes& a, const Lanes& b) {
+  return a * __builtin_shufflevector(b, b, 1, 2, 0, 3) -
+         __builtin_shufflevector(a, a, 1, 2, 0, 3) * b;
+}
+
+VDWMESH_INLINE double sum_of(const Lanes& lanes) {
+  return (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
 }
 
 // Six times the volume of the pyramids over the two faces of an edge, between their feet and the
 // edge: t times twice the area of a triangle. Edges run clockwise about a and counter-clockwise
 // about b, seen from outside.
 inline BallMeasures BallMeasurer::measure_polytope(const PowerCell& cell) {
-  double sum = 0;
-  for (const EdgeEnd end : edges()) {
+  const Foot* const feet = feet_.data();
+  Lanes sums{};
+  for (const EdgeEnd end : edges(2)) {
     const auto [from, to, a, b] = edge_of(cell, end);
-    const Cap& p = cell.plane(a);
-    const Cap& q = cell.plane(b);
-    const Vec3d arm = q.cosine * q.axis - p.cosine * p.axis;
-    sum += inner(arm, cross(cell.vertex(from), cell.vertex(to)));
+    sums += (lanes_at(feet[b].at) - lanes_at(feet[a].at)) *
+            turned_cross(lanes_at(cell.position(from)), lanes_at(cell.position(to)));
   }
+  const double sum = sum_of(sums);
   if (!(std::abs(sum) <= 6 * 4 * kPi)) doubts_ |= kNotFinite;
   return {0, sum / 6, doubts_, 0, 0};
 }
@@ -135,31 +170,55 @@ inline BallMeasures BallMeasurer::measure_polytope(const PowerCell& cell) {
 inline BallMeasures BallMeasurer::measure_patch(const PowerCell& cell) {
   segments_ = corners_ = 0;
   worst_ = 1;
-  pyramid_ = 0;
-  open_ = {0, 0, 0};
   turning_ = {};
   for (const std::uint32_t plane : planes()) faces_[plane] = {};
-  add_crossed_edges(cell);
+  add_inner_edges(cell);
+  add_crossing_edges(cell);
+  add_outer_edges(cell);
   return sum_up(cell);
 }
 
-inline void BallMeasurer::add_crossed_edges(const PowerCell& cell) {
-  for (const EdgeEnd end : edges()) {
+// Begins the sums with the edges that are segments from end to end: add_segment() in lanes.
+inline void BallMeasurer::add_inner_edges(const PowerCell& cell) {
+  const Foot* const feet = feet_.data();
+  Lanes pyramid{}, open{};
+  for (const EdgeEnd end : edges(2)) {
+    const auto [from, to, a, b] = edge_of(cell, end);
+    const Lanes moment = turned_cross(lanes_at(cell.position(from)), lanes_at(cell.position(to)));
+    pyramid += (lanes_at(feet[b].at) - lanes_at(feet[a].at)) * moment;
+    const Vec3d turned{moment[1], moment[2], moment[0]};
+    const Cap& p = cell.plane(a);
+    const Cap& q = cell.plane(b);
+    open += all_lanes(inner(q.axis, turned)) * lanes_at(&q.axis.x) -
+            all_lanes(inner(p.axis, turned)) * lanes_at(&p.axis.x);
+    faces_[a].crossed = faces_[b].crossed = true;
+  }
+  segments_ += static_cast<std::uint32_t>(edge_count_[2]);
+  pyramid_ = sum_of(pyramid);
+  open_ = {open[0], open[1], open[2]};
+}
+
+inline void BallMeasurer::add_crossing_edges(const PowerCell& cell) {
+  for (const EdgeEnd end : edges(1)) {
+    const auto [from, to, a, b] = edge_of(cell, end);
+    add_edge(cell, {a, b, cell.vertex(from), cell.vertex(to)}, 1, height_[from] < 0);
+  }
+}
+
+// Adds the edges that enter the ball between their ends: their point nearest to the centre is
+// between them, and nearer than 1. The margin leaves the last word to add_edge(); it is wider than
+// the error of an edge in planes that are not nearly parallel.
+inline void BallMeasurer::add_outer_edges(const PowerCell& cell) {
+  constexpr double kMargin = 1e-3;
+  for (const EdgeEnd end : edges(0)) {
     const auto [from, to, a, b] = edge_of(cell, end);
     const Edge edge{a, b, cell.vertex(from), cell.vertex(to)};
-    const bool from_inside = height_[from] < 0, to_inside = height_[to] < 0;
-    if (!from_inside && !to_inside) {
-      // Whether the edge enters the ball between its ends: its point nearest to the centre is
-      // between them, and nearer than 1. The margin leaves the last word to add_edge(); it is wider
-      // than the error of an edge in planes that are not nearly parallel.
-      constexpr double kMargin = 1e-3;
-      const Vec3d along = edge.to - edge.from;
-      const double start = inner(edge.from, along), stop = inner(edge.to, along);
-      if (!(start < 0 && stop > 0)) continue;
-      const double squared = inner(along, along);
-      if (height_[from] * squared - start * start > kMargin * squared) continue;
-    }
-    add_edge(cell, edge, from_inside + to_inside, from_inside);
+    const Vec3d along = edge.to - edge.from;
+    const double start = inner(edge.from, along), stop = inner(edge.to, along);
+    if (!(start < 0 && stop > 0)) continue;
+    const double squared = inner(along, along);
+    if (height_[from] * squared - start * start > kMargin * squared) continue;
+    add_edge(cell, edge, 0, false);
   }
 }
 
@@ -193,44 +252,40 @@ VDWMESH_INLINE Crossing crossing_of(const Cap& cap, const Cap& other) {
   return c;
 }
 
-// Adds the segment of an edge inside the ball, and its corners. A point x of both planes and the
-// sphere is middle ± (root / sine²) a × b with the axes a, b and the sine of the angle between
-// them; root² is the Gram determinant of a, b and x. The edge runs against a × b.
+// Adds the segment of an edge inside the ball, and its corners, one or two. A point x of both
+// planes and the sphere is middle ± (root / sine²) a × b with the axes a, b and the sine of the
+// angle between them; root² is the Gram determinant of a, b and x. The edge runs against a × b.
 inline void BallMeasurer::add_edge(const PowerCell& cell, const Edge& edge, int ends_inside,
                                    bool from_inside) {
   const Cap& a = cell.plane(edge.a);
   const Cap& b = cell.plane(edge.b);
-  if (ends_inside == 2) {
-    add_segment(a, b, edge.from, edge.to);
-  } else {
-    const bool a_is_smaller = std::abs(a.cosine) >= std::abs(b.cosine);
-    const Cap& small = a_is_smaller ? a : b;
-    const Crossing c = crossing_of(small, a_is_smaller ? b : a);
-    if (ends_inside == 0 && std::abs(c.gram) < kTouching * c.squared_sine) {
-      doubts_ |= kIllConditioned;
-    }
-    if (c.squared_sine < kNearlyParallel) doubts_ |= kParallelPlanes;
-    if (ends_inside == 0 && !(c.gram > 0)) return;
-    const double root = std::sqrt(c.gram > 0 ? c.gram : 0), inverse = 1 / c.squared_sine;
-    const double condition = 1 / root;  // infinite if the circles do not cross
-    worst_ = condition > worst_ ? condition : worst_;
-    const Vec3d middle =
-        small.cosine * small.axis + (c.toward * inverse) * cross(c.normal, small.axis);
-    const Vec3d half = (a_is_smaller ? root * inverse : -root * inverse) * c.normal;
-    const Complex turn{c.turn_cosine, root};
-    Vec3d from = edge.from, to = edge.to;
-    if (!from_inside) {
-      from = middle + half;
-      add_corner(edge, a, b, from, 1);
-      turning_.add(turn);
-    }
-    if (from_inside || ends_inside == 0) {
-      to = middle - half;
-      add_corner(edge, a, b, to, -1);
-      turning_.add(turn);
-    }
-    add_segment(a, b, from, to);
+  const bool a_is_smaller = std::abs(a.cosine) >= std::abs(b.cosine);
+  const Cap& small = a_is_smaller ? a : b;
+  const Crossing c = crossing_of(small, a_is_smaller ? b : a);
+  if (ends_inside == 0 && std::abs(c.gram) < kTouching * c.squared_sine) {
+    doubts_ |= kIllConditioned;
   }
+  if (c.squared_sine < kNearlyParallel) doubts_ |= kParallelPlanes;
+  if (ends_inside == 0 && !(c.gram > 0)) return;
+  const double root = std::sqrt(c.gram > 0 ? c.gram : 0), inverse = 1 / c.squared_sine;
+  const double condition = 1 / root;  // infinite if the circles do not cross
+  worst_ = condition > worst_ ? condition : worst_;
+  const Vec3d middle =
+      small.cosine * small.axis + (c.toward * inverse) * cross(c.normal, small.axis);
+  const Vec3d half = (a_is_smaller ? root * inverse : -root * inverse) * c.normal;
+  const Complex turn{c.turn_cosine, root};
+  Vec3d from = edge.from, to = edge.to;
+  if (!from_inside) {
+    from = middle + half;
+    add_corner(edge, a, b, from, 1);
+    turning_.add(turn);
+  }
+  if (from_inside || ends_inside == 0) {
+    to = middle - half;
+    add_corner(edge, a, b, to, -1);
+    turning_.add(turn);
+  }
+  add_segment(a, b, from, to);
   faces_[edge.a].crossed = faces_[edge.b].crossed = true;
   ++segments_;
 }

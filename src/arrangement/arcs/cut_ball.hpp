@@ -43,6 +43,7 @@ inline BallMeasures CutBall::measure(std::span<const Cap> caps) {
     if (cell_.empty()) break;
     last = &cap;
   }
+  cell_.finish();
   return measurer_.measure(cell_);
 }
 

@@ -6,6 +6,10 @@
 // positions: rounding then decides which of several vertices in one place a plane cuts off, and the
 // cell is that of planes moved by as little. The cell begins as a tetrahedron around the unit ball,
 // whose faces the ball does not reach. power_cell_cut.hpp has the cut.
+//
+// Vertices stand in slots. The slot of a removed vertex stays free until the next cut, which puts a
+// new vertex there; finish() closes the gaps that are left in the end. The x coordinate of a free
+// slot is NaN, so that it lies beyond no plane and changes no maximum.
 #pragma once
 
 #include <array>
@@ -20,29 +24,13 @@
 
 namespace vdwmesh::arcs {
 
-// An edge as seen from one of its ends: 4 v + k for edge k of vertex v, which is 1, 2 or 3. Element
-// 0 of what a vertex has by edge means nothing: what does not apply is written there.
+// An edge as seen from one of its ends: 4 v + k for edge k of vertex v, which is 1, 2 or 3. Edge k
+// lies in the planes of the two other edges and leaves plane k. The axes of planes 1, 2 and 3 have
+// a positive determinant, so an edge runs against the cross product of the axes of the two planes
+// that follow its own in the cycle 1, 2, 3. Seen from its other end the two have changed places.
 using EdgeEnd = std::uint32_t;
 constexpr std::uint32_t vertex_of(EdgeEnd end) { return end / 4; }
-constexpr std::uint32_t side_of(EdgeEnd end) { return end % 4; }
 constexpr EdgeEnd end_of(std::uint32_t vertex, std::uint32_t side) { return 4 * vertex + side; }
-
-// By the edges of a vertex. Edge k lies in the planes of the two other edges and leaves plane k.
-// The axes of planes 1, 2 and 3 have a positive determinant, so an edge runs against the cross
-// product of the axes of the two planes that follow its own in the cycle 1, 2, 3.
-struct alignas(16) ByEdge {
-  std::array<std::uint32_t, 4> at;
-};
-using FourNumbers = std::uint32_t __attribute__((vector_size(16)));
-VDWMESH_INLINE FourNumbers numbers_of(const ByEdge& of) {
-  FourNumbers numbers;
-  std::memcpy(&numbers, &of, sizeof numbers);
-  return numbers;
-}
-VDWMESH_INLINE void store_numbers(ByEdge& to, const FourNumbers& numbers) {
-  std::memcpy(&to, &numbers, sizeof numbers);
-}
-inline constexpr std::array<std::uint32_t, 4> kNextSide{0, 2, 3, 1}, kAfterNextSide{0, 3, 1, 2};
 
 class PowerCell {
  public:
@@ -56,17 +44,28 @@ class PowerCell {
   // vertices. Returns whether that removed vertices.
   bool cut(const Cap& cap);
 
-  bool empty() const { return count_ == 0; }
+  // To be called after the last cut, and before anybody looks at vertices: afterwards vertices 0 to
+  // vertex_count() - 1 are those of the cell.
+  void finish();
+
+  bool empty() const { return alive_ == 0; }
   // An upper bound of the distance from the centre to the farthest vertex. Planes at least this far
   // from the centre cut nothing off.
   double reach();
   std::uint32_t doubts() const { return doubts_; }
 
-  std::uint32_t vertex_count() const { return count_; }
-  Vec3d vertex(std::uint32_t v) const { return {x_[v], y_[v], z_[v]}; }
-  const ByEdge* planes_of() const { return plane_.data(); }  // by vertex
-  const ByEdge* twins_of() const { return twin_.data(); }  // by vertex: the other ends of its edges
-  // Lane-wise access: 3 further elements behind the last vertex may be read; they repeat vertex 0.
+  std::uint32_t vertex_count() const { return slots_; }
+  Vec3d vertex(std::uint32_t v) const {
+    return {position_[v].at[0], position_[v].at[1], position_[v].at[2]};
+  }
+  // The same in three lanes; the fourth is 0.
+  const double* position(std::uint32_t v) const { return position_[v].at; }
+  // By the ends of edges: the plane that the edge leaves there, and its other end. For end_of(v,
+  // 0), which is no end, the plane is that of end_of(v, 3), and the other end means nothing. So the
+  // plane before an end is the one that precedes its own in the cycle 1, 2, 3.
+  const std::uint32_t* planes_left() const { return plane_.data(); }
+  const EdgeEnd* twins() const { return twin_.data(); }
+  // Lane-wise access: 3 further elements behind the last vertex may be read; x is NaN there.
   const double* x() const { return x_.data(); }
   const double* y() const { return y_.data(); }
   const double* z() const { return z_.data(); }
@@ -79,45 +78,51 @@ class PowerCell {
   // Vertices that a loop looks at in one step: two vectors, for fewer and more predictable ends of
   // loops.
   static constexpr std::size_t kStep = 2 * kLanes;
-  static constexpr EdgeEnd kNone = 0;  // element 0 of vertex 0: stands for no edge
+  static constexpr EdgeEnd kNone = 0;  // stands for no edge
 
   struct alignas(32) Position {
-    double at[4];  // the fourth means nothing
+    double at[4];  // the fourth is 0
   };
   // An edge from a removed vertex, `removed` at its end, to one that stays, `kept` at its end.
   struct BorderEdge {
     EdgeEnd removed, kept;
   };
-  struct NewVertex {
-    Position position;
-    ByEdge plane;
+  // An edge of the new face that looks for its other end: it lies in `plane`.
+  struct HalfLink {
+    std::uint32_t plane;
+    EdgeEnd own;
   };
 
   double measure_depths(const Cap& cap);
   bool find_removed(const Cap& cap);
   void doubt_near(const Cap& cap);
-  bool make_vertices(const Cap& cap);
-  void store_vertices();
-  void fill_holes();
+  std::uint32_t add_plane(const Cap& cap);
+  void list_slots();
+  void make_vertices(std::uint32_t plane);
+  bool link_vertices();
+  void free_removed();
   void move_vertex(std::uint32_t from, std::uint32_t to);
   void reserve(std::size_t vertices);
-  void pad();
 
-  std::uint32_t count_ = 0, plane_count_ = 0, doubts_ = 0;
+  // Slots 0 to slots_ - 1 have been used; alive_ of them have a vertex.
+  std::uint32_t slots_ = 0, alive_ = 0, plane_count_ = 0, doubts_ = 0;
   double reach_ = 0;
   bool reach_is_stale_ = true;
   std::vector<double> x_, y_, z_, depth_;
-  std::vector<Position> position_;  // the same as x_, y_ and z_
-  std::vector<ByEdge> plane_, twin_;
+  std::vector<Position> position_;    // the same as x_, y_ and z_
+  std::vector<std::uint32_t> plane_;  // as planes_left()
+  std::vector<EdgeEnd> twin_;
   std::vector<Cap> planes_;
   // By plane: the edge of the new face that waits for its other end; between cuts none waits.
   std::vector<EdgeEnd> open_;
-  // During a cut. Removed vertices are in ascending order; behind them stand the numbers that more
-  // new vertices get. border_ has the edges from removed vertices to those that stay.
+  // The free slots; during a cut, those that were free before, and behind them unused ones.
+  std::vector<std::uint32_t> free_;
+  // During a cut. Removed vertices are in ascending order. border_ has the edges from removed
+  // vertices to those that stay, and links_ what waits, by edges of border_.
   std::vector<std::uint32_t> removed_;
   std::vector<BorderEdge> border_;
-  std::vector<NewVertex> new_;  // by border edge
-  std::uint32_t removed_count_ = 0, border_count_ = 0;
+  std::vector<HalfLink> links_;
+  std::uint32_t free_count_ = 0, removed_count_ = 0, border_count_ = 0;
 };
 
 }  // namespace vdwmesh::arcs
