@@ -67,6 +67,57 @@ TEST_F(SpheresOnTheDevice, HaveTheMeasuresOfACopyOnTheHost) {
   }
 }
 
+// So many equal sets that a copy on the host is measured in several parts.
+struct ManySets {
+  std::vector<Sphere> one, all;
+  std::vector<std::size_t> offsets{0};
+
+  ManySets() {
+    constexpr std::size_t kSets = 9000;
+    const std::vector<Sphere> two = two_sets();
+    one.assign(two.begin() + 64, two.end());
+    for (std::size_t set = 0; set < kSets; ++set) {
+      all.insert(all.end(), one.begin(), one.end());
+      offsets.push_back(all.size());
+    }
+  }
+  SphereBatch on_host() const {
+    return {.spheres = all.data(), .size = all.size(), .offsets = offsets};
+  }
+};
+
+TEST_F(SpheresOnTheDevice, PartsOfABatchHaveTheMeasuresOfTheWhole) {
+  const ManySets sets;
+  const auto measurer = make_union_measurer(Backend::cuda);
+  const BatchMeasures alone =
+      measurer->measure({.spheres = sets.one.data(), .size = sets.one.size()});
+  const BatchMeasures host = measurer->measure(sets.on_host());
+  SphereBatch batch = to_device(sets.all);
+  batch.offsets = sets.offsets;
+  const BatchMeasures device = measurer->measure(batch);
+  const std::size_t size = sets.one.size(), bytes = size * sizeof(SphereMeasures);
+  for (const BatchMeasures* measured : {&host, &device}) {
+    ASSERT_EQ(measured->per_sphere.size(), sets.all.size());
+    for (std::size_t first = 0; first < sets.all.size(); first += size) {
+      ASSERT_EQ(std::memcmp(&measured->per_sphere[first], alone.per_sphere.data(), bytes), 0)
+          << first;
+    }
+    EXPECT_EQ(measured->totals.back().volume, alone.totals[0].volume);
+  }
+  EXPECT_EQ(host.fallback_spheres, device.fallback_spheres);
+}
+
+TEST_F(SpheresOnTheDevice, PartsOfABatchNameABadSphereByItsPlaceInTheWhole) {
+  ManySets sets;
+  sets.all[320000].radius = -1;
+  try {
+    make_union_measurer(Backend::cuda)->measure(sets.on_host());
+    FAIL() << "accepted";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("sphere 320000"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(SpheresOnTheDevice, AreCheckedThere) {
   std::vector<Sphere> spheres = two_sets();
   spheres[70].center.y = std::numeric_limits<double>::quiet_NaN();
