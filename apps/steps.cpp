@@ -12,7 +12,6 @@
 
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_mesher.hpp"
-#include "core/sum.hpp"
 #include "cuda/backend.hpp"
 #include "grid_checks.hpp"
 #include "output.hpp"
@@ -375,12 +374,21 @@ DistanceBackend choose_for_distances(std::uint64_t triangles, const Session& ses
           fmt::format("for {} triangles the start of a device takes longer", triangles)};
 }
 
-MeasuredDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
-                                    const DistanceChoice& choice, const Session& session) {
-  const Backend backend = choose_for_distances(mesh.triangle_count(), session).backend;
+namespace {
+
+MeasuredDistances measure_on(Backend backend, const IndexedMesh& mesh, const SphereSet& spheres,
+                             const DistanceChoice& choice, const Session& session) {
   return make_distance_measurer(backend)->measure(
       mesh, spheres,
       {choice.samples_per_area, choice.seed, session.machine.memory_limit, session.monitor});
+}
+
+}  // namespace
+
+MeasuredDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
+                                    const DistanceChoice& choice, const Session& session) {
+  const Backend backend = choose_for_distances(mesh.triangle_count(), session).backend;
+  return measure_on(backend, mesh, spheres, choice, session);
 }
 
 std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& spheres,
@@ -403,7 +411,7 @@ void add_distances(const IndexedMesh& mesh, const SphereSet& spheres, const Dist
                    Session& session) {
   ComparisonReport& comparison = *session.report.comparison;
   const DistanceBackend chosen = choose_for_distances(mesh.triangle_count(), session);
-  const MeasuredDistances measured = measure_distances(mesh, spheres, choice, session);
+  const MeasuredDistances measured = measure_on(chosen.backend, mesh, spheres, choice, session);
   comparison.distances = measured.result;
   comparison.distances_reason = chosen.reason;
   comparison.distances_backend = chosen.backend == Backend::cpu ? Backend::cpu : Backend::cuda;
@@ -433,23 +441,11 @@ std::string name_of_atom(const Atom& atom) {
 
 std::optional<AtomErrors> atom_errors(const IndexedMesh& mesh, const Molecule& molecule,
                                       const ExactReport& exact) {
-  constexpr double kLeastArea = 1;  // Å²
-  const std::vector<double> areas = mesh_area_by_sphere(mesh, molecule.atoms.size());
-  AtomErrors errors;
-  WideSum squares;
-  std::size_t worst = 0;
-  for (std::size_t i = 0; i < areas.size(); ++i) {
-    const double area = exact.per_sphere[i].area;
-    if (!molecule.atoms[i].measured || area < kLeastArea) continue;
-    const double error = std::abs(areas[i] / area - 1);
-    ++errors.atoms;
-    squares.add(error * error);
-    if (error > errors.max) errors.max = error, worst = i;
-  }
-  if (errors.atoms == 0) return std::nullopt;
-  errors.rms = std::sqrt(squares.value() / static_cast<double>(errors.atoms));
-  errors.worst = name_of_atom(molecule.atoms[worst]);
-  return errors;
+  const auto errors =
+      area_errors(mesh_area_by_sphere(mesh, molecule.atoms.size()), exact.per_sphere);
+  if (!errors) return std::nullopt;
+  return AtomErrors{errors->max, errors->rms, errors->spheres,
+                    name_of_atom(molecule.atoms[errors->worst])};
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "cuda/distances/device_statistics.cuh"
 #include "cuda/memory/launch.cuh"
+#include "cuda/memory/ordered_bits.cuh"
 #include "cuda/memory/warp.cuh"
 
 namespace vdwmesh::distance {
@@ -57,10 +58,7 @@ __global__ void find_extreme(const double* distances, std::uint64_t count,
                              unsigned long long* extreme) {
   const std::uint64_t i = thread_index();
   const double own = i < count ? fabs(distances[i]) : 0;
-  auto most = static_cast<unsigned long long>(__double_as_longlong(own));
-  for (int step = kWarp / 2; step > 0; step /= 2) {
-    most = max(most, __shfl_xor_sync(kAllLanes, most, step));
-  }
+  const OrderedBits most = largest_of_warp(static_cast<OrderedBits>(__double_as_longlong(own)));
   if (threadIdx.x % kWarp == 0 && most > 0) atomicMax(extreme, most);
 }
 

@@ -1,5 +1,5 @@
 // Search for crossing triangles of a level in device memory, with a uniform grid over the
-// triangles' boxes. The grid differs from the one on the host (refine/triangle_grid.hpp): its cells
+// triangles' boxes. The grid differs from the one on the host (refine/patch_grid.hpp): its cells
 // have another size and its boxes are in single precision. The triangles found are the same all the
 // same, because the grids only have to bring all overlapping pairs together;
 // refine/crossing_formulas.hpp decides about each in double.

@@ -57,6 +57,7 @@ class MortonKeys {
   VDWMESH_HD std::uint64_t key(std::uint64_t i, const Vec3d& p) const {
     return morton_code(cell(p.x), cell(p.y), cell(p.z)) << index_bits_ | i;
   }
+  int index_bits() const { return index_bits_; }
   VDWMESH_HD std::uint32_t index(std::uint64_t key) const {
     return static_cast<std::uint32_t>(key & ((std::uint64_t{1} << index_bits_) - 1));
   }

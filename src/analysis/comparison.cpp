@@ -1,5 +1,5 @@
-// Compares a mesh with the exact union of the balls, and counts the components of a union. Relative
-// errors need the exact measures of all balls.
+// Compares a mesh with the exact union of the balls, as a whole and sphere by sphere, and counts
+// the components of a union. Relative errors need the exact measures of all balls.
 #include "analysis/comparison.hpp"
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 
 #include "core/blocks.hpp"
 #include "core/disjoint_sets.hpp"
+#include "core/sum.hpp"
 #include "spheres/cell_list.hpp"
 
 namespace vdwmesh {
@@ -40,6 +41,27 @@ Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
         topology.euler_characteristic - (exact.topology->euler_characteristic + doubled);
   }
   return result;
+}
+
+// Spheres that were not measured have NaN for an area, which is not at least anything.
+std::optional<AreaErrors> area_errors(std::span<const double> mesh_areas,
+                                      std::span<const SphereMeasures> exact, double least) {
+  if (mesh_areas.size() != exact.size()) return std::nullopt;
+  AreaErrors errors;
+  WideSum squares;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    const double area = exact[i].area;
+    if (!(area >= least)) continue;
+    const double error = std::abs(mesh_areas[i] / area - 1);
+    ++errors.spheres;
+    squares.add(error * error);
+    if (errors.worst != kNoSphere && !(error > errors.max)) continue;
+    errors.max = error;
+    errors.worst = static_cast<SphereId>(i);
+  }
+  if (errors.spheres == 0) return std::nullopt;
+  errors.rms = std::sqrt(squares.value() / static_cast<double>(errors.spheres));
+  return errors;
 }
 
 // Union-find over the spheres, by their list places. The cell list gives, for each ball, all balls

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
@@ -27,6 +28,19 @@ struct Comparison {
 // Fills all members of a Comparison but `distances`, which the caller obtains from distances().
 Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
                    const ExactUnion& exact);
+
+// How far the areas of the spheres' parts of a mesh are from the exact areas of their patches.
+struct AreaErrors {
+  double max = 0, rms = 0;     // of |mesh - exact| / exact
+  std::uint64_t spheres = 0;   // how many count
+  SphereId worst = kNoSphere;  // the sphere of the largest error; of equal ones the first
+};
+
+// Compares the areas of a mesh by sphere (mesh_area_by_sphere()) with the exact ones. Spheres count
+// that were measured and have at least `least` (Å²) exposed, because smaller patches may be one
+// triangle. Empty if none does, and if the mesh has no areas by sphere.
+std::optional<AreaErrors> area_errors(std::span<const double> mesh_areas,
+                                      std::span<const SphereMeasures> exact, double least = 1);
 
 // Counts the connected components of the union of the closed balls. Two balls are connected if the
 // distance of their centres is at most the sum of their radii. Both are rounded to double, so for

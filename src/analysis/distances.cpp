@@ -9,6 +9,10 @@
 //  4. Surface to mesh: surface_to_mesh() takes points of spherical Fibonacci lattices on the
 //     patches, and MeshFinder finds the nearest triangle for each of them.
 //
+// Many points count for the maximum alone. The finders pass over those that cannot raise the
+// largest distance found so far, by any thread. Which these are depends on the threads, the maximum
+// does not.
+//
 // Work is divided into blocks of fixed size. Each block has its own sums, which are joined in the
 // order of the blocks; histograms count integers. The result is therefore the same bit for bit for
 // any number of threads.
@@ -45,12 +49,28 @@ Buffer<std::uint8_t> used_vertices(const IndexedMesh& mesh) {
 
 // Collects the distances of all blocks: sums for each block, which are joined in the order of the
 // blocks, and a histogram for each thread, whose integer counts can be added in any order.
-// histogram() returns the one of the calling thread.
+// histogram() returns the one of the calling thread. largest() is the largest distance that a
+// thread has told of by raise(), at most that of all blocks.
 class Statistics {
  public:
   explicit Statistics(std::size_t blocks) : blocks_(blocks) {}
   DistanceSums& block(std::size_t i) { return blocks_[i]; }
   DistanceHistogram& histogram() { return histograms_.local(); }
+  double largest() const { return largest_.load(std::memory_order_relaxed); }
+  void raise(double distance) {
+    double old = largest();
+    while (old < distance &&
+           !largest_.compare_exchange_weak(old, distance, std::memory_order_relaxed)) {
+    }
+  }
+  // Adds points to the maximum alone; largest_of(least) returns the larger of `least` and their
+  // largest distance.
+  template <class LargestOf>
+  void add_extremes(std::size_t block, std::size_t count, const LargestOf& largest_of) {
+    const double found = largest_of(largest());
+    blocks_[block].add_extremes(count, found);
+    raise(found);
+  }
   DistanceStatistics result() const {
     DistanceHistogram all;
     for (const DistanceHistogram& h : histograms_) all.add(h);
@@ -59,6 +79,7 @@ class Statistics {
 
  private:
   std::vector<DistanceSums> blocks_;
+  std::atomic<double> largest_{0};
   tbb::enumerable_thread_specific<DistanceHistogram> histograms_;
 };
 
@@ -95,12 +116,13 @@ class MeshSampler {
     };
     visit(strata_.samples, [&](std::size_t block, std::size_t first, std::size_t end) {
       sample_area(first, end, statistics.block(block), statistics.histogram());
+      statistics.raise(statistics.block(block).max);
     });
     visit(triangles, [&](std::size_t block, std::size_t first, std::size_t end) {
-      visit_centres(first, end, statistics.block(sample_blocks + block));
+      add_extremes(centres(first, end), sample_blocks + block, statistics);
     });
     visit(vertices, [&](std::size_t block, std::size_t first, std::size_t end) {
-      visit_vertices(first, end, used, statistics.block(sample_blocks + face_blocks + block));
+      add_extremes(vertices_of(first, end, used), sample_blocks + face_blocks + block, statistics);
     });
     return statistics.result();
   }
@@ -120,23 +142,29 @@ class MeshSampler {
     }
   }
 
-  // Measures the centres of one block of triangles, for the maximum.
-  void visit_centres(std::size_t first, std::size_t end, DistanceSums& sums) const {
+  // The centres of one block of triangles.
+  std::vector<Vec3d> centres(std::size_t first, std::size_t end) const {
     std::vector<Vec3d> points;
     points.reserve(end - first);
     for (std::size_t t = first; t < end; ++t) points.push_back(center_of(corners_of(mesh_, t)));
-    for (const double distance : unsigned_distances(points)) sums.add_extreme(distance);
+    return points;
   }
 
-  // Measures one block of vertices for the maximum, except isolated vertices, whose element of
-  // `used` is 0.
-  void visit_vertices(std::size_t first, std::size_t end, const Buffer<std::uint8_t>& used,
-                      DistanceSums& sums) const {
+  // One block of vertices, without isolated vertices, whose element of `used` is 0.
+  std::vector<Vec3d> vertices_of(std::size_t first, std::size_t end,
+                                 const Buffer<std::uint8_t>& used) const {
     std::vector<Vec3d> points;
     points.reserve(end - first);
     for (std::size_t v = first; v < end; ++v)
       if (used[v]) points.push_back(mesh_.positions[v]);
-    for (const double distance : unsigned_distances(points)) sums.add_extreme(distance);
+    return points;
+  }
+
+  // Measures points for the maximum.
+  void add_extremes(std::span<const Vec3d> points, std::size_t block,
+                    Statistics& statistics) const {
+    statistics.add_extremes(block, points.size(),
+                            [&](double least) { return finder_.largest_distance(points, least); });
   }
 
   std::vector<double> unsigned_distances(std::span<const Vec3d> points) const {
@@ -174,14 +202,15 @@ DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFind
       sample_border(patches[i], std::sqrt(density), random,
                     [&](const Vec3d& p) { border.push_back(p); });
     }
-    std::vector<double> found(std::max(inside.size(), border.size()));
+    std::vector<double> found(inside.size());
     finder.find(inside, found.data());
-    for (const double distance : std::span(found).first(inside.size())) {
+    for (const double distance : found) {
       sums.add(distance);
       histogram.add(distance);
     }
-    finder.find(border, found.data());
-    for (const double distance : std::span(found).first(border.size())) sums.add_extreme(distance);
+    statistics.raise(sums.max);
+    statistics.add_extremes(block, border.size(),
+                            [&](double least) { return finder.largest_distance(border, least); });
   };
   for_each_block(patches.size(), kPatchesPerBlock, visit, options.monitor);
   return statistics.result();

@@ -31,9 +31,12 @@ struct DistanceSums {
     add_extreme(distance);
   }
   // Adds a distance to the maximum only.
-  VDWMESH_HD void add_extreme(double distance) {
-    if (distance > max) max = distance;
-    ++samples;
+  VDWMESH_HD void add_extreme(double distance) { add_extremes(1, distance); }
+  // Adds `count` distances to the maximum only. `largest` is at least the largest of them, and at
+  // most the maximum of all blocks together, which the joined sums then have.
+  VDWMESH_HD void add_extremes(std::uint64_t count, double largest) {
+    if (largest > max) max = largest;
+    samples += count;
   }
 };
 

@@ -5,10 +5,9 @@
 // any number of threads.
 #include "analysis/distances_tree.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include "analysis/box_tree_build.hpp"
 #include "core/fixed_blocks.hpp"
+#include "core/sort_keys.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -40,7 +39,7 @@ void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>&
   for_each_index(count, [&](std::size_t i) {
     keys[i] = morton.key(i, scaled(view_, middle(box_of(static_cast<std::uint32_t>(i)))));
   });
-  tbb::parallel_sort(keys.begin(), keys.end());
+  sort_keys({keys.data(), keys.size()}, morton.index_bits());
   order_.resize(count);
   for_each_index(count, [&](std::size_t i) { order_[i] = morton.index(keys[i]); });
 }

@@ -28,9 +28,9 @@ class BoxTree {
   // Upper bound of the bytes for building and keeping a tree of `count` primitives. The index of a
   // primitive takes 4 bytes, and its box an eighth of a node of 64 bytes. Every level has an eighth
   // of the nodes of the level below, and 1 + 1/8 + 1/64 + … is 8/7, so the boxes of all levels take
-  // 8 · 8/7 = 9.15 bytes per primitive: 13.15 in all, and less while the keys of 8 bytes are
-  // sorted. 4096 bytes are for the nodes of each level that are not full.
-  static std::uint64_t bytes(std::uint64_t count) { return 132 * count / 10 + 4096; }
+  // 8 · 8/7 = 9.15 bytes per primitive: 13.15 in all. While they are sorted, the keys take 8 bytes
+  // twice. 4096 bytes are for the nodes of each level that are not full.
+  static std::uint64_t bytes(std::uint64_t count) { return 16 * count + 4096; }
 
  private:
   void sort(std::uint32_t count, const std::function<Box(std::uint32_t)>& box_of);

@@ -48,6 +48,11 @@ class SurfaceFinder {
   // inside. The search is fast if consecutive points are near each other.
   void find(std::span<const Vec3d> points, double* found) const;
 
+  // Returns the larger of `largest` and the largest unsigned distance of the points, Å, as find()
+  // computes it. Points whose distance is proven to be at most the largest so far are not searched
+  // for, so a maximum alone costs a small part of all distances.
+  double largest_distance(std::span<const Vec3d> points, double largest) const;
+
   const PatchTreeView& view() const { return view_; }
 
  private:

@@ -71,14 +71,15 @@ inline bool has_area(const Facet& f) {
          std::abs(f.normal.z) > kBound * f.magnitude.z;
 }
 
+inline constexpr double kSideBound = 0x1p-49;  // 16 ε
+
 // The side of the facet's plane on which d lies: 1 if a, b, c run counter-clockwise as seen from d,
 // -1 on the other side, 0 if that is not certain or d lies in the plane.
 inline int side_of(const Facet& f, const Vec3d& d) {
-  constexpr double kBound = 0x1p-49;  // 16 ε
   const Vec3d w = d - f.corner[0];
   const double volume = w.x * f.normal.x + w.y * f.normal.y + w.z * f.normal.z;
-  const double bound = kBound * (std::abs(w.x) * f.magnitude.x + std::abs(w.y) * f.magnitude.y +
-                                 std::abs(w.z) * f.magnitude.z) +
+  const double bound = kSideBound * (std::abs(w.x) * f.magnitude.x + std::abs(w.y) * f.magnitude.y +
+                                     std::abs(w.z) * f.magnitude.z) +
                        kTiny;
   return (volume > bound) - (volume < -bound);
 }

@@ -8,8 +8,6 @@
 // other beside a vertex far away, are sorted again by cells of their own box.
 #include "analysis/facet_tree.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -18,6 +16,7 @@
 #include "core/blocks.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/morton.hpp"
+#include "core/sort_keys.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -96,8 +95,7 @@ class FacetOrder {
       const std::uint64_t key = wide << 3 * axis_bits_ | morton_code(cell(0), cell(1), cell(2));
       keys_[first + i] = key << index_bits_ | t;
     });
-    tbb::parallel_sort(keys_.begin() + static_cast<std::ptrdiff_t>(first),
-                       keys_.begin() + static_cast<std::ptrdiff_t>(end));
+    sort_keys({keys_.data() + first, end - first}, index_bits_);
     sort_runs(first, end);
   }
 

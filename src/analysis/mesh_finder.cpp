@@ -7,6 +7,10 @@
 // is searched for the point itself. The reach follows the distances found before, so few points
 // need that. The result is the least of all triangles' distances, so it does not depend, to the
 // last bit, on groups and reaches.
+//
+// Where only the largest distance matters, a point is searched for only if the triangle that was
+// nearest to a point before it is farther than the largest distance so far. Otherwise some triangle
+// is as near as that, so the point cannot raise the maximum.
 #include "analysis/mesh_finder.hpp"
 
 #include <algorithm>
@@ -128,6 +132,14 @@ class TriangleSearch {
     reach_ = 3 * total / static_cast<double>(group.size());
   }
 
+  // The larger of `largest` and the distance of p. The root of the least of all squares is at most
+  // the root of one of them, as computed too, since a rounded root keeps the order of its
+  // arguments.
+  double raise(const Vec3d& p, double largest) {
+    if (std::sqrt(squared_distance_to(p, corners_of(mesh_, nearest_))) <= largest) return largest;
+    return std::max(largest, std::sqrt(in_tree(p)));
+  }
+
  private:
   double in_tree(const Vec3d& p) {
     const auto corners = [&](std::uint32_t t) { return corners_of(mesh_, t); };
@@ -161,6 +173,13 @@ VDWMESH_MULTIVERSION void find_all(const IndexedMesh& mesh, const BoxTreeView& t
   }
 }
 
+VDWMESH_MULTIVERSION double raise_all(const IndexedMesh& mesh, const BoxTreeView& tree,
+                                      std::span<const Vec3d> points, double largest) {
+  TriangleSearch search(mesh, tree);
+  for (const Vec3d& p : points) largest = search.raise(p, largest);
+  return largest;
+}
+
 }  // namespace
 
 MeshFinder::MeshFinder(const IndexedMesh& mesh, const Box& world)
@@ -170,6 +189,10 @@ MeshFinder::MeshFinder(const IndexedMesh& mesh, const Box& world)
 
 void MeshFinder::find(std::span<const Vec3d> points, double* found) const {
   find_all(mesh_, tree_.view(), points, found);
+}
+
+double MeshFinder::largest_distance(std::span<const Vec3d> points, double largest) const {
+  return raise_all(mesh_, tree_.view(), points, largest);
 }
 
 }  // namespace vdwmesh

@@ -17,6 +17,10 @@ class MeshFinder {
   // near each other.
   void find(std::span<const Vec3d> points, double* found) const;
 
+  // Returns the larger of `largest` and the largest distance of the points, Å, as find() computes
+  // it. Points that have a triangle within the largest distance so far are not searched for.
+  double largest_distance(std::span<const Vec3d> points, double largest) const;
+
  private:
   const IndexedMesh& mesh_;
   BoxTree tree_;

@@ -5,10 +5,16 @@
 // node of the tree, called home: its 32 triangles are gathered, and paired with each other and with
 // those of every bottom node behind it whose box overlaps. So each pair is found once, by one
 // thread, and the result does not depend on the number of threads.
+//
+// Most candidates are neighbours on a smooth surface: the corners that one of them does not share
+// with the other lie on one side of the other's plane. Four of them are tested for that at a time
+// (Leaf::beside_plane_of, Leaf::with_planes_beside), with the arithmetic of the filter; a pair that
+// passes is one that the filter would find apart by the same sides (meeting() in facet_pair.hpp).
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cstring>
 #include <functional>
 #include <mutex>
 #include <vector>
@@ -40,18 +46,58 @@ bool do_intersect(const Facet& a, const Facet& b) {
   return found == Meeting::unsure ? intersect_exactly(a, b, m) : found == Meeting::intersect;
 }
 
+// Three coordinates of four triangles, by axis.
+struct LaneVector {
+  double at[3][kLeaf];
+  Lanes axis(int i) const { return lanes_at(at[i]); }
+  Vec3d lane(std::size_t i) const { return {at[0][i], at[1][i], at[2][i]}; }
+  void set(std::size_t i, const Vec3d& v) { at[0][i] = v.x, at[1][i] = v.y, at[2][i] = v.z; }
+};
+
+// Of four points p: whether they lie on the positive, and on the negative side of a plane for
+// certain, as side_of() in facet_pair.hpp says it. The plane goes through `corner` and has `normal`
+// and `magnitude` as in Facet. Each argument has four lanes; a plane for all has them alike.
+struct LaneSides {
+  LaneBits above, below;
+};
+VDWMESH_INLINE LaneSides sides_of(const Lanes (&corner)[3], const Lanes (&normal)[3],
+                                  const Lanes (&magnitude)[3], const Lanes (&p)[3]) {
+  const Lanes x = p[0] - corner[0], y = p[1] - corner[1], z = p[2] - corner[2];
+  const Lanes volume = x * normal[0] + y * normal[1] + z * normal[2];
+  const Lanes bound =
+      kSideBound * (magnitude_of(x) * magnitude[0] + magnitude_of(y) * magnitude[1] +
+                    magnitude_of(z) * magnitude[2]) +
+      kTiny;
+  return {volume > bound, volume < -bound};
+}
+
 // The triangles of a leaf, gathered from the mesh. Boxes of triangles that are not there are empty.
 struct Leaf {
   double lower[3][kLeaf], upper[3][kLeaf];  // the boxes of the triangles, by axis
+  LaneVector corner[3], normal, magnitude;  // as in Facet
+  std::int64_t vertex[3][kLeaf];            // indices
   Box box;                                  // around all of them
-  std::array<Facet, kLeaf> facet;
   std::array<std::uint32_t, kLeaf> triangle;
   std::size_t count = 0;
 
   Box box_at(std::size_t i) const {
     return {{lower[0][i], lower[1][i], lower[2][i]}, {upper[0][i], upper[1][i], upper[2][i]}};
   }
+  Facet facet_at(std::size_t i) const {
+    Facet f;
+    for (std::size_t k = 0; k < 3; ++k) {
+      f.vertex[k] = static_cast<std::uint32_t>(vertex[k][i]);
+      f.corner[k] = corner[k].lane(i);
+    }
+    f.normal = normal.lane(i);
+    f.magnitude = magnitude.lane(i);
+    return f;
+  }
   void gather(const IndexedMesh& mesh, const FacetTree& tree, std::size_t leaf);
+  void set_planes();
+
+  std::uint32_t beside_plane_of(const Leaf& other, std::size_t i) const;
+  std::uint32_t with_planes_beside(const Leaf& other, std::size_t i) const;
 };
 
 void Leaf::gather(const IndexedMesh& mesh, const FacetTree& tree, std::size_t leaf) {
@@ -60,10 +106,13 @@ void Leaf::gather(const IndexedMesh& mesh, const FacetTree& tree, std::size_t le
   count = std::min(kLeaf, tree.size() - first);
   for (std::size_t i = 0; i < kLeaf; ++i) {
     Box own = empty_box();
-    if (i < count) {
-      triangle[i] = tree.triangle_at(first + i);
-      facet[i] = facet_of(mesh, triangle[i]);
-      for (const Vec3d& p : facet[i].corner) include(own, p);
+    triangle[i] = i < count ? tree.triangle_at(first + i) : 0;
+    const Triangle& v = mesh.triangles[triangle[i]];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d& p = mesh.positions[v[k]];
+      vertex[k][i] = v[k];
+      corner[k].set(i, p);
+      if (i < count) include(own, p);
     }
     include(box, own);
     for (int axis = 0; axis < 3; ++axis) {
@@ -71,6 +120,72 @@ void Leaf::gather(const IndexedMesh& mesh, const FacetTree& tree, std::size_t le
       upper[axis][i] = own.upper[axis];
     }
   }
+  set_planes();
+}
+
+// The operations of set_plane() in facet_pair.hpp, for four triangles.
+void Leaf::set_planes() {
+  Lanes u[3], v[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    u[axis] = corner[1].axis(axis) - corner[0].axis(axis);
+    v[axis] = corner[2].axis(axis) - corner[0].axis(axis);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const int j = (axis + 1) % 3, k = (axis + 2) % 3;
+    const Lanes first = u[j] * v[k], second = u[k] * v[j];
+    store_lanes(normal.at[axis], first - second);
+    store_lanes(magnitude.at[axis], magnitude_of(first) + magnitude_of(second) + kFloor);
+  }
+}
+
+// A mask of the triangles of this leaf whose corners, but for those they share with triangle i of
+// `other`, lie on one side of that triangle's plane for certain. If all corners are shared, none
+// do.
+VDWMESH_INLINE std::uint32_t Leaf::beside_plane_of(const Leaf& other, std::size_t i) const {
+  Lanes base[3], n[3], m[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    base[axis] = all_lanes(other.corner[0].at[axis][i]);
+    n[axis] = all_lanes(other.normal.at[axis][i]);
+    m[axis] = all_lanes(other.magnitude.at[axis][i]);
+  }
+  LaneBits above = all_bits(-1), below = above, all_shared = above;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const LaneBits own = bits_at(vertex[k]);
+    const LaneBits shared = (own == all_bits(other.vertex[0][i])) |
+                            (own == all_bits(other.vertex[1][i])) |
+                            (own == all_bits(other.vertex[2][i]));
+    const Lanes p[3] = {corner[k].axis(0), corner[k].axis(1), corner[k].axis(2)};
+    const LaneSides sides = sides_of(base, n, m, p);
+    above &= sides.above | shared;
+    below &= sides.below | shared;
+    all_shared &= shared;
+  }
+  return bits_of((above | below) & ~all_shared);
+}
+
+// A mask of the triangles of this leaf beside whose plane triangle i of `other` lies in that sense.
+VDWMESH_INLINE std::uint32_t Leaf::with_planes_beside(const Leaf& other, std::size_t i) const {
+  Lanes base[3], n[3], m[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    base[axis] = corner[0].axis(axis);
+    n[axis] = normal.axis(axis);
+    m[axis] = magnitude.axis(axis);
+  }
+  LaneBits above = all_bits(-1), below = above, all_shared = above;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const LaneBits its = all_bits(other.vertex[k][i]);
+    const LaneBits shared =
+        (bits_at(vertex[0]) == its) | (bits_at(vertex[1]) == its) | (bits_at(vertex[2]) == its);
+    Lanes p[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      p[axis] = all_lanes(other.corner[k].at[axis][i]);
+    }
+    const LaneSides sides = sides_of(base, n, m, p);
+    above &= sides.above | shared;
+    below &= sides.below | shared;
+    all_shared &= shared;
+  }
+  return bits_of((above | below) & ~all_shared);
 }
 
 // Appends the intersecting pairs of a triangle of `a` and one of `b`; if both are the same leaf,
@@ -79,9 +194,11 @@ void join_leaves(const Leaf& a, const Leaf& b, TrianglePairs& found) {
   for (std::size_t i = 0; i < a.count; ++i) {
     std::uint32_t near = overlapping_lanes(b.lower, b.upper, 0, a.box_at(i));
     if (&a == &b) near &= ~std::uint32_t{0} << (i + 1);
+    if (near != 0) near &= ~b.beside_plane_of(a, i);
+    if (near != 0) near &= ~b.with_planes_beside(a, i);
     for (; near != 0; near &= near - 1) {
       const auto j = static_cast<std::size_t>(std::countr_zero(near));
-      if (!do_intersect(a.facet[i], b.facet[j])) continue;
+      if (!do_intersect(a.facet_at(i), b.facet_at(j))) continue;
       found.push_back(std::minmax(a.triangle[i], b.triangle[j]));
     }
   }

@@ -6,6 +6,9 @@
 // other, so a group visits hardly more balls than a single point. If it visits too many, its
 // points are far apart, and each is searched by itself. The results are the same (see
 // surface_search.hpp).
+//
+// Where only the largest distance matters, most points are passed over, because a patch that was
+// nearest to a point before them proves that they cannot raise it (RecentPatches).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -87,6 +90,121 @@ class Group {
   double radius_;  // Å, of a ball around center_ that contains all points
 };
 
+// The patches that were nearest to points before, the latest first.
+//
+// Let g be the gap of a patch's ball for a point p, and f the foot of p on that ball. If f is
+// exposed, it is an exposed point at the distance |g| of p, so p is no farther from the surface. As
+// computed, the distance of p is max(|s|, d), s the least gap and d the distance to the nearest
+// patch, or s alone (surface_search.hpp):
+//  - s >= 0: then g >= s, because s is the least of all gaps, each computed by the same operations.
+//  - s < 0: d <= |g|, since has_exposed_foot() agrees: the limit here is below its own by 5e-11,
+//  far
+//    more than the roundings of the two sides. |s| exceeds |g| by no more than the depth of f in
+//    the ball of least gap: a ball of radius |s| around p lies in that ball. In every cover f is at
+//    most 5e-11 (in the cosine) beyond the border, which on the sphere is an angle of at most
+//    √1e-10, for cos(φ - a) - cos φ >= 1 - cos a. A point of the sphere outside the cap is thus
+//    within 1e-5 radii of f, so the depth of f is at most that. (A cap that is not listed lies in a
+//    listed one.)
+// Twice that bound is the margin, and more than the rounding of a gap in the world of the tree.
+class RecentPatches {
+ public:
+  explicit RecentPatches(const PatchTreeView& surface)
+      : surface_(surface), rounding_(1e-14 / surface.tree.scale) {}
+
+  void add(std::uint32_t patch) {
+    std::size_t at = 0;
+    while (at + 1 < recent_.size() && recent_[at] != patch) ++at;
+    for (; at > 0; --at) recent_[at] = recent_[at - 1];
+    recent_[0] = patch;
+  }
+  std::uint32_t latest() const { return recent_[0]; }
+
+  // A mask of the eight points that may be farther from the surface than `largest` (Å).
+  std::uint32_t open(const std::array<double, kGroup>& x, const std::array<double, kGroup>& y,
+                     const std::array<double, kGroup>& z, double largest) {
+    std::uint32_t left = (1u << kGroup) - 1;
+    for (std::size_t k = 0; k < recent_.size() && left != 0; ++k) {
+      const std::uint32_t patch = recent_[k];
+      const std::uint32_t still = left & ~settled(surface_.patches[patch], x, y, z, largest);
+      if (still != left) add(patch);
+      left = still;
+    }
+    return left;
+  }
+
+ private:
+  std::uint32_t settled(const Patch& patch, const std::array<double, kGroup>& x,
+                        const std::array<double, kGroup>& y, const std::array<double, kGroup>& z,
+                        double largest) const {
+    constexpr double kDepth = 2e-5;  // radii
+    const Sphere& ball = patch.ball;
+    const double most = largest - kDepth * ball.radius - rounding_;
+    alignas(32) std::array<double, kGroup> u, v, w, length;
+    std::array<std::int64_t, kGroup> no;
+    std::int64_t far = -1;
+    for (std::size_t i = 0; i < kGroup; ++i) {
+      u[i] = x[i] - ball.center.x, v[i] = y[i] - ball.center.y, w[i] = z[i] - ball.center.z;
+      length[i] = std::sqrt(u[i] * u[i] + v[i] * v[i] + w[i] * w[i]);
+      no[i] = std::abs(length[i] - ball.radius) <= most ? 0 : -1;
+      far &= no[i];
+    }
+    if (far != 0) return 0;
+    for (std::uint32_t c = 0; c < patch.cover_count; ++c) {
+      const arcs::Cap& cap = patch.covers[c].cap;
+      const double limit = cap.cosine + 0.5 * kExposureTolerance;
+      for (std::size_t i = 0; i < kGroup; ++i) {
+        const double inner = cap.axis.x * u[i] + cap.axis.y * v[i] + cap.axis.z * w[i];
+        no[i] |= inner > limit * length[i] ? -1 : 0;
+      }
+    }
+    std::uint32_t mask = 0;
+    for (std::size_t i = 0; i < kGroup; ++i) mask |= static_cast<std::uint32_t>(no[i] == 0) << i;
+    return mask;
+  }
+
+  const PatchTreeView& surface_;
+  double rounding_;  // Å
+  std::array<std::uint32_t, 4> recent_{};
+};
+
+// Measures the points that are still open, eight together.
+double measure_open(const PatchTreeView& surface, std::span<const Vec3d> points, double largest,
+                    RecentPatches& recent) {
+  Group group(points);
+  const bool together = group.find(surface, recent.latest());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const LeastGap nearest =
+        together ? group[i] : find_least_gap(surface, points[i], recent.latest());
+    largest = std::max(largest, std::abs(signed_distance(surface, points[i], nearest)));
+    recent.add(nearest.patch);
+  }
+  return largest;
+}
+
+VDWMESH_MULTIVERSION double raise_all(const PatchTreeView& surface, std::span<const Vec3d> points,
+                                      double largest) {
+  RecentPatches recent(surface);
+  std::array<Vec3d, kGroup> waiting;
+  std::size_t count = 0;
+  for (std::size_t first = 0; first < points.size(); first += kGroup) {
+    const std::size_t here = std::min(kGroup, points.size() - first);
+    alignas(32) std::array<double, kGroup> x, y, z;
+    for (std::size_t i = 0; i < kGroup; ++i) {
+      const Vec3d& p = points[first + std::min(i, here - 1)];
+      x[i] = p.x, y[i] = p.y, z[i] = p.z;
+    }
+    std::uint32_t open = recent.open(x, y, z, largest) & ((1u << here) - 1);
+    for (; open != 0; open &= open - 1) {
+      waiting[count++] = points[first + static_cast<std::size_t>(lowest_bit(open))];
+      if (count < kGroup) continue;
+      largest = measure_open(surface, waiting, largest, recent);
+      count = 0;
+    }
+  }
+  if (count == 0) return largest;
+  return measure_open(surface, std::span(waiting).first(count), largest, recent);
+}
+
 VDWMESH_MULTIVERSION void find_all(const PatchTreeView& surface, std::span<const Vec3d> points,
                                    double* found) {
   std::uint32_t hint = 0;
@@ -115,6 +233,10 @@ SurfaceFinder::SurfaceFinder(const ExposedSurface& surface, const Box& world)
 
 void SurfaceFinder::find(std::span<const Vec3d> points, double* found) const {
   find_all(view_, points, found);
+}
+
+double SurfaceFinder::largest_distance(std::span<const Vec3d> points, double largest) const {
+  return raise_all(view_, points, largest);
 }
 
 }  // namespace vdwmesh

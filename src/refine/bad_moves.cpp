@@ -4,10 +4,12 @@
 // them back (MoveState::just_undone) and starts the next pass, until a pass marks nothing.
 //
 // Turned triangles are found patch by patch with facing(), which compares a triangle's normal with
-// the direction away from the atom. Crossing triangles are found in a uniform grid. Two triangles
-// that cross share a cell, so every pair in a cell is tested, the bounding boxes first. A pair that
-// shares several cells is tested in each of them, and marking a vertex twice does no harm. Passes
-// after the first check only the patches and cells around the vertices that were just put back.
+// the direction away from the atom. Crossing triangles are found in a uniform grid of the patches.
+// Two patches with triangles that cross share a cell. Of the cells that two patches share, they are
+// tested in the one with the lowest numbers along all axes, so that each pair is tested once: first
+// the boxes of the patches, then each triangle of one with the four of the other at a time
+// (refine/patch_lanes.hpp), and what is left pair by pair. Passes after the first check only the
+// patches and cells around the vertices that were just put back.
 //
 // Threads mark vertices while other threads read states, yet the result is always the same. Marking
 // turns `moved` into `to_undo` and nothing else, and a pass asks two questions about a state: is it
@@ -16,25 +18,23 @@
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
+#include <bit>
 #include <vector>
 
 #include "refine/crossing_formulas.hpp"
+#include "refine/patch_lanes.hpp"
 #include "refine/subdivision_formulas.hpp"
 
 namespace vdwmesh {
 
-// What the test of a pair needs to know about one triangle. It is gathered once per triangle and
-// cell, for all pairs of the cell that the triangle belongs to.
+// What the tests of pairs need to know about one patch. It is gathered once per patch and cell, for
+// all pairs of the cell that the patch belongs to.
 template <class Level>
-struct BadMoves<Level>::Corners {
-  std::array<std::uint32_t, 3> vertex;
-  std::array<Vec3d, 3> position;
-  std::array<SphereId, 3> atom;
-  // The lower corner of the bounding box, then the upper corner negated. All six are minima that
-  // way, of coordinates or of negated coordinates, and start from infinity.
-  std::array<double, 6> box;
-  bool has_moved;  // whether the projection moved a vertex that has not been put back
+struct BadMoves<Level>::Patch {
+  Vertices vertex;
+  PatchLanes triangles;
+  std::uint32_t moved;  // mask of the triangles with a moved vertex that has not been put back
+  PatchGrid::Place first_cell;  // of the patch: the lowest numbers along all axes
 };
 
 template <class Level>
@@ -57,21 +57,20 @@ bool BadMoves<Level>::mark() {
   return bad > 0;
 }
 
-// Makes exactly those cells dirty that hold a triangle with a vertex just put back. Only such a
-// triangle has changed since the previous pass, so at least one triangle of each new crossing is of
-// this kind. bounds_of() is the box of the first and the last positions of its three corners,
-// whichever of them went back, so the cells in which it may cross another triangle are dirty.
+// Makes exactly those cells dirty that hold a patch with a vertex just put back. Only the triangles
+// of such a patch have changed since the previous pass, so at least one triangle of each new
+// crossing belongs to one. bounds_of() is the box of the first and the last positions of its
+// vertices, whichever of them went back, so all cells that the patch shares with another one are
+// dirty.
 template <class Level>
 void BadMoves<Level>::find_dirty_cells() {
   for_all(dirty_.size(), [&](std::size_t cell) { dirty_[cell] = 0; });
   for_all(level_.patches(), [&](std::size_t patch) {
     const Vertices v = level_.vertices(patch);
     if (!has_vertex_just_undone(v)) return;
-    for (int child = 0; child < Level::kTriangles; ++child) {
-      grid_->visit_cells(bounds_of(level_, v, child), [&](std::size_t cell) {
-        std::atomic_ref(dirty_[cell]).store(1, std::memory_order_relaxed);
-      });
-    }
+    grid_->visit_cells(bounds_of(level_, v), [&](std::size_t cell) {
+      std::atomic_ref(dirty_[cell]).store(1, std::memory_order_relaxed);
+    });
   });
 }
 
@@ -115,61 +114,113 @@ bool BadMoves<Level>::mark_turned(const Vertices& v) {
   return any;
 }
 
-// Gathers a triangle. `triangle` is its index in the mesh after the moves.
+// Gathers patch t.
 template <class Level>
-typename BadMoves<Level>::Corners BadMoves<Level>::corners(std::uint32_t triangle) {
-  Corners c;
-  c.vertex = level_.mesh.triangles[triangle];
-  c.box.fill(std::numeric_limits<double>::infinity());
-  c.has_moved = false;
-  for (std::size_t k = 0; k < 3; ++k) {
-    c.position[k] = level_.mesh.positions[c.vertex[k]];
-    c.atom[k] = level_.mesh.vertex_spheres.atoms[c.vertex[k]];
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto low = static_cast<std::size_t>(axis);
-      c.box[low] = std::min(c.box[low], c.position[k][axis]);
-      c.box[low + 3] = std::min(c.box[low + 3], -c.position[k][axis]);
-    }
-    c.has_moved = c.has_moved || is_away(state_of(level_, move_states_, c.vertex[k]));
+void BadMoves<Level>::gather(std::size_t t, Patch& patch) {
+  constexpr auto kTriangles = static_cast<std::size_t>(Level::kTriangles);
+  static_assert(kTriangles <= kLanes);
+  patch.vertex = level_.vertices(t);
+  patch.moved = 0;
+  std::array<Vec3d, Level::kVertices> position;
+  std::array<SphereId, Level::kVertices> atom;
+  std::array<std::uint32_t, Level::kVertices> away;
+  for (std::size_t i = 0; i < patch.vertex.size(); ++i) {
+    const std::uint32_t v = patch.vertex[i];
+    position[i] = level_.mesh.positions[v];
+    atom[i] = level_.mesh.vertex_spheres.atoms[v];
+    away[i] = is_away(state_of(level_, move_states_, v)) ? 1 : 0;
   }
-  return c;
+  for (std::size_t child = 0; child < kTriangles; ++child) {
+    const auto corner = Level::triangle(static_cast<int>(child));
+    const auto i = static_cast<std::size_t>(corner[0]), j = static_cast<std::size_t>(corner[1]),
+               k = static_cast<std::size_t>(corner[2]);
+    const bool one_atom = atom[i] == atom[j] && atom[i] == atom[k];
+    patch.triangles.set(child, {{patch.vertex[i], patch.vertex[j], patch.vertex[k]},
+                                {position[i], position[j], position[k]},
+                                one_atom ? atom[i] : kNoSphere});
+    patch.moved |= (away[i] | away[j] | away[k]) << child;
+  }
+  patch.triangles.complete(kTriangles);
+  patch.first_cell = grid_->place_of(bounds_of(level_, patch.vertex).lower);
 }
 
-// Whether two boxes have no point in common; boxes_overlap() says the opposite of two triangles. On
-// axis i, box a ends at -a[i + 3]. There are no branches, because their outcome would be close to
-// random and badly predicted.
-inline bool are_apart(const std::array<double, 6>& a, const std::array<double, 6>& b) {
-  int apart = 0;
-  for (std::size_t i = 0; i < 3; ++i) apart |= (a[i] > -b[i + 3]) | (b[i] > -a[i + 3]);
-  return apart != 0;
-}
-
-// Tests all pairs of triangles in a cell and marks the vertices of those that cross. Returns
-// whether there is such a pair. A pair without a moved vertex is not tested: if its triangles
-// cross, they did so before the moves, and there is nothing to take back. triangles_cross() asks
-// for the atoms because it leaves triangles of one atom around a common vertex to mark_turned().
+// Tests all pairs of patches that belong to a cell, and marks the vertices of triangles that cross.
+// Returns whether there are such triangles.
 template <class Level>
 bool BadMoves<Level>::mark_crossed(std::size_t cell) {
-  // The triangles of this cell. Each thread keeps the vector from cell to cell, so that it
-  // allocates only a few times.
-  static thread_local std::vector<Corners> here;
-  here.clear();
-  for (const std::uint32_t t : grid_->triangles_in(cell)) here.push_back(corners(t));
+  // The patches of this cell. Each thread keeps the vector from cell to cell, so that it allocates
+  // only a few times.
+  static thread_local std::vector<Patch> here;
+  const auto listed = grid_->patches_in(cell);
+  if (here.size() < listed.size()) here.resize(listed.size());
+  for (std::size_t i = 0; i < listed.size(); ++i) gather(listed[i], here[i]);
+  const PatchGrid::Place place = grid_->place_of(cell);
+  const auto is_here = [&](const Patch& a, const Patch& b) {
+    int differs = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      differs |= std::max(a.first_cell[axis], b.first_cell[axis]) != place[axis];
+    }
+    return differs == 0;
+  };
   bool any = false;
-  for (std::size_t i = 1; i < here.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const Corners &a = here[i], &b = here[j];
-      if (!(a.has_moved || b.has_moved) || are_apart(a.box, b.box)) continue;
-      if (!triangles_cross(a.position.data(), a.vertex.data(), a.atom.data(), b.position.data(),
-                           b.vertex.data(), b.atom.data())) {
-        continue;
-      }
-      mark_vertices(a.vertex);
-      mark_vertices(b.vertex);
-      any = true;
+  for (std::size_t i = 0; i < listed.size(); ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      const Patch &a = here[i], &b = here[j];
+      if ((a.moved | b.moved) == 0 || a.triangles.is_apart_from(b.triangles)) continue;
+      if (is_here(a, b)) any |= mark_pair(a, b);
     }
   }
   return any;
+}
+
+// Tests each triangle of patch a with each of patch b; if that is the same patch, each pair once. A
+// pair without a moved vertex is not tested: if its triangles cross, they did so before the moves,
+// and there is nothing to take back.
+template <class Level>
+bool BadMoves<Level>::mark_pair(const Patch& a, const Patch& b) {
+  bool any = false;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(Level::kTriangles); ++i) {
+    std::uint32_t near = b.triangles.overlapping(a.triangles, i);
+    if ((a.moved >> i & 1) == 0) near &= b.moved;
+    if (&a == &b) near &= ~std::uint32_t{0} << (i + 1);
+    if (near != 0) near &= b.triangles.may_cross(a.triangles, i);
+    for (; near != 0; near &= near - 1) {
+      const auto j = static_cast<std::size_t>(std::countr_zero(near));
+      any |= mark_if_crossing(a, i, b, j);
+    }
+  }
+  return any;
+}
+
+// Tests triangle i of patch a with triangle j of patch b and marks their vertices if they cross.
+// triangles_cross() asks for the atoms because it leaves triangles of one atom around a common
+// vertex to mark_turned().
+template <class Level>
+bool BadMoves<Level>::mark_if_crossing(const Patch& a, std::size_t i, const Patch& b,
+                                       std::size_t j) {
+  struct Corners {
+    std::array<std::uint32_t, 3> vertex;
+    std::array<Vec3d, 3> position;
+    std::array<SphereId, 3> atom;
+  };
+  const auto corners = [&](const Patch& patch, std::size_t child) {
+    Corners c;
+    const auto corner = Level::triangle(static_cast<int>(child));
+    for (std::size_t k = 0; k < 3; ++k) {
+      c.vertex[k] = patch.vertex[static_cast<std::size_t>(corner[k])];
+      c.position[k] = patch.triangles.corner(child, k);
+      c.atom[k] = level_.mesh.vertex_spheres.atoms[c.vertex[k]];
+    }
+    return c;
+  };
+  const Corners s = corners(a, i), t = corners(b, j);
+  if (!triangles_cross(s.position.data(), s.vertex.data(), s.atom.data(), t.position.data(),
+                       t.vertex.data(), t.atom.data())) {
+    return false;
+  }
+  mark_vertices(s.vertex);
+  mark_vertices(t.vertex);
+  return true;
 }
 
 template class BadMoves<Given>;

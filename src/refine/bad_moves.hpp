@@ -10,8 +10,8 @@
 #include "core/blocks.hpp"
 #include "core/buffer.hpp"
 #include "refine/level_view.hpp"
+#include "refine/patch_grid.hpp"
 #include "refine/refiner.hpp"
-#include "refine/triangle_grid.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -48,21 +48,23 @@ class BadMoves {
 
  private:
   using Vertices = std::array<std::uint32_t, Level::kVertices>;  // the mesh vertices of a patch
-  struct Corners;                                                // the corners of a triangle
+  struct Patch;
   void find_dirty_cells();
   bool has_vertex_just_undone(const Vertices& v);
   bool mark_turned(const Vertices& v);
   bool mark_crossed(std::size_t cell);
-  Corners corners(std::uint32_t triangle);
+  bool mark_pair(const Patch& a, const Patch& b);
+  bool mark_if_crossing(const Patch& a, std::size_t i, const Patch& b, std::size_t j);
+  void gather(std::size_t patch, Patch& gathered);
   void mark_vertices(const std::array<std::uint32_t, 3>& vertices);
 
   const Sphere* spheres_;
   const Level& level_;
   Buffer<MoveState>& move_states_;
   Monitor* monitor_;
-  std::optional<TriangleGrid> grid_;  // empty if crossings are allowed
-  Buffer<std::uint8_t> dirty_;        // by cell of grid_: 1 if this pass tests its pairs, else 0
-  int pass_ = 0;                      // passes done
+  std::optional<PatchGrid> grid_;  // empty if crossings are allowed
+  Buffer<std::uint8_t> dirty_;     // by cell of grid_: 1 if this pass tests its pairs, else 0
+  int pass_ = 0;                   // passes done
 };
 
 extern template class BadMoves<Given>;

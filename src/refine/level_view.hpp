@@ -1,5 +1,5 @@
 // Two views of a refinement level with one interface, so that the code which takes bad moves back
-// is written once (refine/bad_moves.hpp, refine/triangle_grid.hpp). A view owns nothing; it refers
+// is written once (refine/bad_moves.hpp, refine/patch_grid.hpp). A view owns nothing; it refers
 // to the meshes and arrays of the level.
 //
 // A level handles some vertices of its mesh: it creates or projects them, and may put them back to

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace vdwmesh {
 namespace {
@@ -43,6 +44,23 @@ TEST(Compare, OfSomeSpheresOnlyTheTopology) {
   EXPECT_TRUE(std::isnan(c.area_relative_error));
   EXPECT_FALSE(c.volume_relative_error);
   EXPECT_EQ(c.euler_characteristic_difference, 0);
+}
+
+// The errors are 1/8, 1/4 and 1/4; the sphere of 0.5 Å² and the one that was not measured are left
+// out, though they are farther off.
+TEST(AreaErrors, OfTheMeasuredSpheresThatShowEnough) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<SphereMeasures> exact{{0.5, 1}, {8, 1}, {4, 1}, {kNaN, kNaN}, {16, 1}};
+  const std::vector<double> mesh{5, 7, 5, 3, 12};
+  const auto errors = area_errors(mesh, exact);
+  ASSERT_TRUE(errors);
+  EXPECT_EQ(errors->spheres, 3u);
+  EXPECT_DOUBLE_EQ(errors->max, 0.25);
+  EXPECT_DOUBLE_EQ(errors->rms, std::sqrt((1.0 / 64 + 1.0 / 16 + 1.0 / 16) / 3));
+  EXPECT_EQ(errors->worst, 2u);
+  EXPECT_FALSE(area_errors(mesh, exact, 17));
+  EXPECT_FALSE(area_errors({}, exact));
+  EXPECT_DOUBLE_EQ(area_errors(mesh, exact, 0.5)->max, 9);
 }
 
 // An open mesh has no volume; nor has one whose triangles do not face one way, though its χ counts.

@@ -16,7 +16,7 @@
 #include "refine/crossing_formulas.hpp"
 #include "refine/preparation.hpp"
 #include "refine/subdivision_formulas.hpp"
-#include "refine/triangle_grid.hpp"
+#include "refine/patch_grid.hpp"
 #include "support/dice.hpp"
 
 namespace vdwmesh {
@@ -257,11 +257,11 @@ bool overlap(const Box& a, const Box& b) {
 }
 
 // Wherever their vertices are, before or after.
-void expect_together_where_bounds_overlap(const Moved& m, const TriangleGrid& grid) {
+void expect_together_where_bounds_overlap(const Moved& m, const PatchGrid& grid) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> together;
   for (std::size_t cell = 0; cell < grid.cell_count(); ++cell)
-    for (const std::uint32_t a : grid.triangles_in(cell))
-      for (const std::uint32_t b : grid.triangles_in(cell)) together.insert({a, b});
+    for (const std::uint32_t a : grid.patches_in(cell))
+      for (const std::uint32_t b : grid.patches_in(cell)) together.insert({a, b});
   const auto bounds = [&](std::size_t t) {
     Box box = empty_box();
     for (const std::uint32_t v : m.mesh.triangles[t])
@@ -283,15 +283,15 @@ TEST_P(CrossingSearch, TrianglesWhoseBoundsOverlapShareACell) {
   Dice dice(4);
   const Moved m = moved_soup(GetParam(), dice);
   const Given level{m.given.positions, m.mesh};
-  const TriangleGrid grid(level);
+  const PatchGrid grid(level);
   EXPECT_LE(grid.cell_count(), std::max<std::size_t>(64, 2 * m.mesh.triangle_count()));
   expect_together_where_bounds_overlap(m, grid);
 }
 
-std::uint64_t entries_of(const TriangleGrid& grid) {
+std::uint64_t entries_of(const PatchGrid& grid) {
   std::uint64_t entries = 0;
   for (std::size_t cell = 0; cell < grid.cell_count(); ++cell)
-    entries += grid.triangles_in(cell).size();
+    entries += grid.patches_in(cell).size();
   return entries;
 }
 
@@ -300,14 +300,14 @@ TEST_P(CrossingSearch, CellsGrowWhereThereIsNoRoomForTheirEntries) {
   const Moved m = moved_soup(GetParam(), dice);
   const Given level{m.given.positions, m.mesh};
   for (const std::uint64_t most : {m.mesh.triangle_count(), 2 * m.mesh.triangle_count()}) {
-    const TriangleGrid grid(level, most);
+    const PatchGrid grid(level, most);
     EXPECT_LE(entries_of(grid), most);
     expect_together_where_bounds_overlap(m, grid);
   }
 }
 
 // A box wider than a double can tell.
-TEST(TriangleGridOfHugeMeshes, Ends) {
+TEST(PatchGridOfHugeMeshes, Ends) {
   Moved m;
   for (const double x : {-1.7e308, -1e300, 0.0, 1.0, 1e300, 1.7e308}) {
     const auto first = static_cast<std::uint32_t>(m.mesh.vertex_count());
@@ -316,7 +316,7 @@ TEST(TriangleGridOfHugeMeshes, Ends) {
     m.mesh.triangles.push_back({first, first + 1, first + 2});
   }
   m.given = m.mesh;
-  const TriangleGrid grid(Given{m.given.positions, m.mesh});
+  const PatchGrid grid(Given{m.given.positions, m.mesh});
   EXPECT_EQ(entries_of(grid), 6u);
   expect_together_where_bounds_overlap(m, grid);
 }

@@ -252,6 +252,42 @@ TEST_P(DistanceSearch, IsTheSameInGroupsAndWithAnyHint) {
   }
 }
 
+// The largest distance of points as the maximum of all distances, from any bound on: points of
+// everywhere, and walks near the surface, where nearly every point is passed over. For a bound that
+// one point exceeds by a rounding, that point must be found.
+TEST_P(DistanceSearch, TheLargestDistanceIsThatOfAllPoints) {
+  const Case& c = GetParam();
+  const ExposedSurface surface{SphereSet(c.balls)};
+  Case all = c;
+  Dice dice(15);
+  for (std::size_t i = 0; i < c.balls.size(); ++i) {
+    const Sphere& ball = c.balls[i];
+    const Vec3d out = place(dice, 1);
+    Vec3d p = ball.center + (ball.radius / length(out)) * out;
+    for (int k = 0; k < 40; ++k) all.points.push_back(p = p + place(dice, 0.05 * ball.radius));
+  }
+  const Box world = world_of(all);
+  const SurfaceFinder finder(surface, world);
+  std::vector<double> found(all.points.size());
+  finder.find(all.points, found.data());
+  for (double& distance : found) distance = std::abs(distance);
+  for (const std::size_t run : {1, 7, 40, 333}) {
+    for (std::size_t first = 0; first < found.size(); first += run) {
+      const std::size_t count = std::min(run, found.size() - first);
+      const auto points = std::span(all.points).subspan(first, count);
+      const auto distances = std::span(found).subspan(first, count);
+      const double largest = std::ranges::max(distances);
+      std::vector<double> sorted(distances.begin(), distances.end());
+      std::ranges::sort(sorted);
+      for (const double least : {0.0, sorted[count / 2], std::nextafter(largest, 0.0), largest,
+                                 std::nextafter(largest, kFar)}) {
+        ASSERT_EQ(finder.largest_distance(points, least), std::max(least, largest))
+            << first << ' ' << run;
+      }
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Sets, DistanceSearch, ::testing::ValuesIn(cases()),
                          [](const auto& each) { return each.param.name; });
 
@@ -329,7 +365,8 @@ TEST_P(DistanceSearch, FindsTheNearestTriangleAlongWalks) {
   for (const Vec3d& p : mesh.positions) add(p);
   for (const Vec3d& p : points) add(p);
   std::vector<double> found(points.size());
-  MeshFinder(mesh, world).find(points, found.data());
+  const MeshFinder finder(mesh, world);
+  finder.find(points, found.data());
   for (std::size_t i = 0; i < points.size(); ++i) {
     double expected = kFar;
     for (const auto& [a, b, d] : mesh.triangles)
@@ -337,6 +374,14 @@ TEST_P(DistanceSearch, FindsTheNearestTriangleAlongWalks) {
           std::min(expected, squared_distance_to_triangle(points[i], mesh.positions[a],
                                                           mesh.positions[b], mesh.positions[d]));
     ASSERT_EQ(found[i], std::sqrt(expected)) << i;
+  }
+  for (std::size_t first = 0; first < points.size(); first += 31) {
+    const std::size_t count = std::min<std::size_t>(31, points.size() - first);
+    const auto run = std::span(points).subspan(first, count);
+    const double largest = std::ranges::max(std::span(found).subspan(first, count));
+    for (const double least : {0.0, std::nextafter(largest, 0.0), std::nextafter(largest, kFar)}) {
+      ASSERT_EQ(finder.largest_distance(run, least), std::max(least, largest)) << first;
+    }
   }
 }
 

@@ -1,0 +1,29 @@
+// What lanes (core/lanes.hpp) have to say to code that takes one at a time: masks of comparisons.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+#include "core/lanes.hpp"
+
+namespace vdwmesh {
+
+// Sets bit i of the result if lane i is true.
+VDWMESH_INLINE std::uint32_t bits_of(const LaneBits& lanes) {
+  const LaneBits bits = lanes & LaneBits{1, 2, 4, 8};
+  return static_cast<std::uint32_t>(bits[0] | bits[1] | bits[2] | bits[3]);
+}
+
+VDWMESH_INLINE LaneBits bits_at(const std::int64_t* first) {
+  LaneBits lanes;
+  std::memcpy(&lanes, first, sizeof lanes);
+  return lanes;
+}
+
+VDWMESH_INLINE LaneBits all_bits(std::int64_t value) {
+  return LaneBits{value, value, value, value};
+}
+
+VDWMESH_INLINE Lanes magnitude_of(const Lanes& x) { return x < 0 ? -x : x; }
+
+}  // namespace vdwmesh

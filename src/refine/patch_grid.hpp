@@ -1,0 +1,96 @@
+// A uniform grid over the patches of a level. It finds the pairs of patches whose triangles may
+// cross, so that only these are tested and not all pairs. BadMoves builds one per level; patches
+// are explained in level_view.hpp.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "refine/level_view.hpp"
+#include "surface/box.hpp"
+#include "surface/indexed_mesh.hpp"
+
+namespace vdwmesh {
+
+// The bounding box of the patch with vertices v. It holds the triangles of the patch with any
+// choice of their vertices before and after their moves: the box has all these positions, and a
+// triangle lies in the hull of its corners. So the box is right whichever moves are taken back.
+template <class Level>
+Box bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVertices>& v) {
+  Box box = empty_box();
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    include(box, level.before(v, i));
+    include(box, level.mesh.positions[v[i]]);
+  }
+  return box;
+}
+
+// A uniform grid with at most two cells per patch, or 64 cells if that is more. Each patch is
+// listed in every cell that its box (bounds_of()) touches. The boxes of two patches with triangles
+// that cross overlap, whichever moves are taken back, and both patches are listed in the cell of
+// any common point of the boxes. The order of the patches within a cell depends on the threads.
+class PatchGrid {
+ public:
+  // An entry is one patch in the list of one cell. Offsets of entries have 32 bits.
+  static constexpr std::uint64_t kMostEntries = std::numeric_limits<std::uint32_t>::max();
+
+  // Enlarges the cells until there are at most `most_entries` entries. Precondition: the level has
+  // at most `most_entries` patches. The last resort, a grid of one cell, then succeeds, because
+  // each patch has one entry in it.
+  template <class Level>
+  explicit PatchGrid(const Level& level, std::uint64_t most_entries = kMostEntries);
+
+  std::size_t cell_count() const { return start_.size() - 1; }
+  std::span<const std::uint32_t> patches_in(std::size_t cell) const {
+    return {patches_.data() + start_[cell], patches_.data() + start_[cell + 1]};
+  }
+  // The numbers of a cell along x, y, z.
+  using Place = std::array<std::uint32_t, 3>;
+  Place place_of(std::size_t cell) const {
+    const std::size_t row = cell / cells_[0];
+    return {static_cast<std::uint32_t>(cell % cells_[0]),
+            static_cast<std::uint32_t>(row % cells_[1]),
+            static_cast<std::uint32_t>(row / cells_[1])};
+  }
+  // The place of the cell of a point within the box of all patches.
+  Place place_of(const Vec3d& p) const {
+    return {cell_along(0, p.x), cell_along(1, p.y), cell_along(2, p.z)};
+  }
+
+  // Calls visit(cell) for every cell that the box touches, with the index of the cell.
+  template <class Visit>
+  void visit_cells(const Box& box, const Visit& visit) const {
+    const Place low = place_of(box.lower), high = place_of(box.upper);
+    for (std::size_t z = low[2]; z <= high[2]; ++z) {
+      for (std::size_t y = low[1]; y <= high[1]; ++y) {
+        const std::size_t row = (z * cells_[1] + y) * cells_[0];
+        for (std::size_t x = low[0]; x <= high[0]; ++x) visit(row + x);
+      }
+    }
+  }
+
+ private:
+  std::uint32_t cell_along(int axis, double coordinate) const;
+  template <class Level>
+  Box choose_cells(const Level& level);
+  void set_cells(const Box& all);
+  template <class Level, class Visit>
+  void visit_all(const Level& level, const Visit& visit) const;
+  template <class Level>
+  std::uint64_t count_entries(const Level& level);
+
+  Vec3d origin_{0, 0, 0};                        // lower corner of cell 0, Å
+  double cell_ = 1;                              // width of a cell, Å
+  std::array<std::uint32_t, 3> cells_{1, 1, 1};  // number of cells along x, y, z
+  // Compressed sparse rows: cell c lists patches_[start_[c]] to patches_[start_[c + 1] - 1].
+  Buffer<std::uint32_t> start_;
+  Buffer<std::uint32_t> patches_;
+};
+
+extern template PatchGrid::PatchGrid(const Given&, std::uint64_t);
+extern template PatchGrid::PatchGrid(const Midpoints&, std::uint64_t);
+
+}  // namespace vdwmesh
