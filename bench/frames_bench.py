@@ -1,15 +1,23 @@
-"""What exact measures of trajectories cost, beside others': rates, CPU time, and peak memory.
+"""What trajectories, libraries of structures and their files cost, beside others', and what is wanted.
 
-    PYTHONPATH=build/release/python python3 bench/frames_bench.py STRUCTURE.pdb [FRAMES...] [--device cuda]
+    PYTHONPATH=build/release/python:bench /usr/bin/python3 bench/frames_bench.py \\
+        [frames] [batch] [reading] --program build/release/apps/vdwmesh --shared ../shared [--short]
 
-The atoms of the protein move by about 0.3 Å from frame to frame (seeded). FRAMES are numbers of
-frames; of the first all figures are taken, of the others the time and the peak memory at probe 0, from
-files. Needs MDAnalysis; freesasa and mdtraj are compared with where they are installed.
+With no part named, all of them: less than five minutes on two quiet cores. --short takes a tenth of the
+long trajectories and of the structures. Rates are by the clock where the part says "of two cores",
+ratios to others by CPU time. Needs MDAnalysis; others are left out where they are not installed.
+
+The atoms of 4HHB's protein move by about 0.3 Å from frame to frame (seeded). The structures are those of
+`make_structures.py`, the large set those of `make_ribosomes.py`.
 """
 
 import argparse
+import gzip
 import json
+import os
+import pathlib
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -18,31 +26,21 @@ import warnings
 
 import numpy as np
 import vdwmesh
+from figures import Figures, best, cpu_seconds, measured
 
 warnings.simplefilter("ignore")
+HERE = pathlib.Path(__file__).resolve().parent
 OPTIONS = {
     "probe 0": {},
     "probe 1.4": {"probe": 1.4},
     "topology counts": {"topology": "counts"},
     "full topology": {"topology": True},
 }
+WANTED_RATES = {"probe 0": 200, "probe 1.4": 80, "topology counts": 150, "full topology": 60}
+WANTED_RATIOS = {"probe 0": 4, "probe 1.4": 2}
 PEERS_FRAMES = 20
-
-
-def cpu_seconds():
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    return used.ru_utime + used.ru_stime
-
-
-def measured(work):
-    """Wall time and CPU time, seconds."""
-    began, used = time.perf_counter(), cpu_seconds()
-    work()
-    return time.perf_counter() - began, cpu_seconds() - used
-
-
-def show(name, frames, wall, cpu, note=""):
-    print(f"{name:44} {frames / wall:10.1f} {frames / cpu:10.1f}  {note}", flush=True)
+LIBRARY = ("thesis/4HHB", "special/19HC", "special/1F2N", "thesis/4INS", "thesis/1IZH", "thesis/1ORC",
+           "thesis/1GZI", "special/1UBQ")  # fmt: skip
 
 
 def exhaust(traj, **options):
@@ -57,99 +55,164 @@ def jittered(group, frames):
         yield start + random.normal(0, 0.3, start.shape).astype(np.float32)
 
 
-def bench_memory_array(places, radii, device):
-    """The rates from an array that is in memory, by which those of the peers are divided."""
-    rates = {}
+def bench_array(figures, places, radii):
+    """CPU seconds of a frame, from an array that is in memory."""
+    costs = {}
     for name, options in OPTIONS.items():
-        if device == "cuda" and "topology" in options:
-            continue
-        wall, cpu = measured(lambda: exhaust(places, radii=radii, device=device, **options))
-        show(f"array, {name}", len(places), wall, cpu)
-        rates[name] = len(places) / cpu
-    return rates
+        wall, cpu = measured(lambda: exhaust(places, radii=radii, **options))
+        figures.add(f"array of {len(places)} frames, {name}", len(places) / wall, "frames/s", WANTED_RATES[name],
+                    note=f"{1e3 * cpu / len(places):.2f} CPU ms a frame")  # fmt: skip
+        costs[name] = cpu / len(places)
+    return costs
 
 
-def bench_freesasa(places, radii, ours):
+def bench_frame_peers(figures, places, radii, top, ours):
     try:
         import freesasa
-    except ImportError:
-        return
-    freesasa.setVerbosity(freesasa.silent)
-    for name, probe in (("probe 0", 1e-6), ("probe 1.4", 1.4)):
-        parameters = freesasa.Parameters({"algorithm": freesasa.ShrakeRupley, "n-points": 100,
-                                          "n-threads": 1, "probe-radius": probe})  # fmt: skip
+
+        freesasa.setVerbosity(freesasa.silent)
         coords = [place.astype(float).ravel().tolist() for place in places]
-        sizes = radii.tolist()
-        wall, cpu = measured(lambda: [freesasa.calcCoord(c, sizes, parameters) for c in coords])
-        show(f"freesasa, S&R of 100 points, {name}", len(places), wall, cpu,
-             f"ours per core {ours[name] * cpu / len(places):.1f} x")  # fmt: skip
-
-
-def bench_mdtraj(places, top, ours):
+        for name, probe in (("probe 0", 1e-6), ("probe 1.4", 1.4)):
+            parameters = freesasa.Parameters({"algorithm": freesasa.ShrakeRupley, "n-points": 100,
+                                              "n-threads": 1, "probe-radius": probe})  # fmt: skip
+            sizes = radii.tolist()
+            _, cpu = measured(lambda: [freesasa.calcCoord(c, sizes, parameters) for c in coords])
+            figures.add(f"rate per core beside freesasa S&R 100, {name}", cpu / len(places) / ours[name], "x CPU",
+                        WANTED_RATIOS[name], note=f"{1e3 * cpu / len(places):.1f} CPU ms a frame")  # fmt: skip
+    except ImportError:
+        figures.left_out("freesasa", "not installed")
     try:
         import mdtraj
+
+        trajectory = mdtraj.Trajectory(places / 10, mdtraj.load(top).topology)
+        _, cpu = measured(lambda: mdtraj.shrake_rupley(trajectory, n_sphere_points=100))
+        figures.add("rate per core beside mdtraj S&R 100, probe 1.4", cpu / len(places) / ours["probe 1.4"], "x CPU")
     except ImportError:
-        return
-    trajectory = mdtraj.Trajectory(places / 10, mdtraj.load(top).topology)
-    wall, cpu = measured(lambda: mdtraj.shrake_rupley(trajectory, n_sphere_points=100))
-    show("mdtraj, S&R of 100 points, probe 1.4", len(places), wall, cpu,
-         f"ours per core {ours['probe 1.4'] * cpu / len(places):.1f} x")  # fmt: skip
+        figures.left_out("mdtraj", "not installed")
 
 
-def bench_file(top, path, options):
+def measure_file(top, path, options):
     """Runs in a process of its own, whose peak memory is told."""
     import MDAnalysis
 
     universe = MDAnalysis.Universe(top, path)
-    frames = len(universe.trajectory)
-    wall, cpu = measured(lambda: exhaust(universe, **options))
-    print(json.dumps([frames, wall, cpu, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024]))
+    wall, _ = measured(lambda: exhaust(universe, **options))
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(json.dumps([len(universe.trajectory), wall, peak]))
 
 
-def bench_files(top, paths, device, names):
-    for path in paths:
-        for name in names:
-            options = json.dumps({**OPTIONS[name], "device": device})
-            command = [sys.executable, __file__, "--file", top, path, options]
-            found = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-            frames, wall, cpu, peak = json.loads(found.splitlines()[-1])
-            show(f"{path[-3:].upper()}, {frames} frames, {name}", frames, wall, cpu, f"peak {peak:.0f} MiB")
+def bench_files(figures, top, folder, few, many):
+    import MDAnalysis
+
+    peaks = {}
+    for frames in (few, many):
+        paths = [f"{folder}/{frames}.{extension}" for extension in ("dcd", "xtc")]
+        group = MDAnalysis.Universe(top).atoms
+        writers = [MDAnalysis.Writer(path, len(group)) for path in paths]
+        for place in jittered(MDAnalysis.Universe(top).atoms, frames):
+            group.positions = place
+            for writer in writers:
+                writer.write(group)
+        for writer in writers:
+            writer.close()
+        for path in paths:
+            for name in ("probe 0", "probe 1.4") if frames == few else ("probe 0",):
+                command = [sys.executable, __file__, "--file", top, path, json.dumps(OPTIONS[name])]
+                found = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+                count, wall, peak = json.loads(found.splitlines()[-1])
+                figures.add(f"{path[-3:].upper()} of {count} frames, {name}", count / wall, "frames/s",
+                            WANTED_RATES[name], note=f"peak {peak:.0f} MiB")  # fmt: skip
+                if name == "probe 0":
+                    peaks[frames, path[-3:]] = peak
+    figures.add("peak memory of a trajectory", max(peaks.values()), "MiB", at_most=250)
+    growth = max(peaks[many, kind] / peaks[few, kind] for kind in ("dcd", "xtc"))
+    figures.add(f"peak memory of {many} frames beside {few}", growth, "x", at_most=1.05)
+
+
+def bench_frames(figures, given, folder):
+    import MDAnalysis
+
+    top = f"{folder}/top.pdb"
+    MDAnalysis.Universe(f"{given.shared}/molecules/thesis/4HHB.pdb").select_atoms("protein").write(top)
+    group = MDAnalysis.Universe(top).atoms
+    radii = vdwmesh.radii_of(group.types)
+    places = np.array(list(jittered(group, 300)), np.float32)
+    ours = bench_array(figures, places, radii)
+    bench_frame_peers(figures, places[:PEERS_FRAMES], radii, top, ours)
+    bench_files(figures, top, folder, 300, 1000 if given.short else 10_000)
+
+
+def run_program(*command):
+    """Wall time, CPU time in seconds and peak memory in MB of a program."""
+    began, before = time.perf_counter(), cpu_seconds(resource.RUSAGE_CHILDREN)
+    started = subprocess.Popen([*map(str, command)], stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(started.pid, 0)
+    started.returncode = os.waitstatus_to_exitcode(status)
+    if started.returncode != 0:
+        sys.exit(f"{command}: ended with status {started.returncode}")
+    return time.perf_counter() - began, cpu_seconds(resource.RUSAGE_CHILDREN) - before, used.ru_maxrss / 1024
+
+
+def bench_batch(figures, given, folder):
+    count = 100 if given.short else 1000
+    sources = [f"{given.shared}/molecules/{name}.pdb" for name in LIBRARY]
+    subprocess.run([sys.executable, HERE / "make_structures.py", f"{folder}/many", str(count), *sources], check=True)
+    rates, costs = {}, {}
+    for probe, wanted in ((0, 250), (1.4, 100)):
+        wall, cpu, peak = run_program(given.program, "batch", f"{folder}/many", "--probe", probe)
+        rates[probe], costs[probe] = count / wall, cpu / count
+        figures.add(f"batch of {count} files, probe {probe}", count / wall, "files/s", wanted,
+                    note=f"{1e3 * cpu / count:.2f} CPU ms a file")  # fmt: skip
+        figures.add("  peak memory", peak, "MB", at_most=150)
+    few = 10  # files of which a report is made
+    report = ("--verb", "report", "--shard", f"1/{count // few}")
+    wall, cpu, _ = run_program(given.program, "batch", f"{folder}/many", *report)
+    figures.add("batch --verb report", few / wall, "files/s", note=f"{1e3 * cpu / few:.0f} CPU ms a file")
+    if not (shutil.which("parallel") and shutil.which("freesasa")):
+        return figures.left_out("parallel freesasa", "parallel or freesasa is not installed")
+    part = sorted(pathlib.Path(folder, "many").iterdir())[: count // 4]
+    wall, cpu, _ = run_program("parallel", "-j", 2, "freesasa", "{}", ":::", *part)
+    for probe in rates:
+        figures.add(f"rate beside `parallel freesasa`, probe {probe}", rates[probe] * wall / len(part), "x", 6,
+                    note=f"CPU {cpu / len(part) / costs[probe]:.1f} x")  # fmt: skip
+
+
+def bench_reading(figures, given, folder):
+    sys.path.insert(0, str(HERE.parent / "tests" / "cli"))
+    import binary_cif
+
+    entry = pathlib.Path(given.shared, "molecules/large/6ZU5.cif.gz")
+    packed = pathlib.Path(folder, "6ZU5.bcif.gz")
+    with gzip.open(entry) as file:
+        pathlib.Path(folder, "6ZU5.cif").write_bytes(file.read())
+    packed.write_bytes(gzip.compress(binary_cif.of_cif(f"{folder}/6ZU5.cif"), 6))
+    copies = 3 if given.short else 15
+    subprocess.run([sys.executable, HERE / "make_ribosomes.py", folder, entry, str(copies)], check=True)
+    for text, binary in ((entry, packed), *((f"{folder}/copies.cif.gz", f"{folder}/copies.bcif.gz"),)):
+        atoms = len(vdwmesh.read(binary))
+        runs = 9 if atoms < 1e6 else 3
+        (_, slow), (_, fast) = (best(lambda p=path: vdwmesh.read(p), runs) for path in (text, binary))
+        figures.add(f".bcif.gz of {atoms} atoms, rate beside .cif.gz", slow / fast, "x CPU", 4,
+                    note=f"{1e3 * slow:.0f} and {1e3 * fast:.0f} CPU ms")  # fmt: skip
 
 
 def main():
+    parts = {"frames": bench_frames, "batch": bench_batch, "reading": bench_reading}
     parser = argparse.ArgumentParser()
-    parser.add_argument("structure")
-    parser.add_argument("frames", nargs="*", type=int, default=[300])
-    parser.add_argument("--device", default="auto")
+    parser.add_argument("parts", nargs="*", choices=[*parts, []])
+    parser.add_argument("--program", default="build/release/apps/vdwmesh")
+    parser.add_argument("--shared", default="../shared")
+    parser.add_argument("--short", action="store_true")
     given = parser.parse_args()
-    import MDAnalysis
-
-    whole = MDAnalysis.Universe(given.structure)
-    with tempfile.TemporaryDirectory() as folder:
-        top = f"{folder}/top.pdb"
-        whole.select_atoms("protein").write(top)
-        group = MDAnalysis.Universe(top).atoms
-        print(f"{len(group)} atoms of {given.structure}\n{'frames per second of':44} {'wall':>10} {'CPU':>10}")
-        radii = vdwmesh.radii_of(group.types)
-        places = np.array(list(jittered(group, given.frames[0])), np.float32)
-        ours = bench_memory_array(places, radii, given.device)
-        bench_freesasa(places[:PEERS_FRAMES], radii, ours)
-        bench_mdtraj(places[:PEERS_FRAMES], top, ours)
-        for frames in given.frames:
-            paths = [f"{folder}/{frames}.{extension}" for extension in ("dcd", "xtc")]
-            writers = [MDAnalysis.Writer(path, len(group)) for path in paths]
-            for place in jittered(MDAnalysis.Universe(top).atoms, frames):
-                group.positions = place
-                for writer in writers:
-                    writer.write(group)
-            for writer in writers:
-                writer.close()
-            names = ("probe 0", "probe 1.4") if frames == given.frames[0] else ("probe 0",)
-            bench_files(top, paths, given.device, names)
+    figures = Figures("on all cores of this machine")
+    for name in given.parts or parts:
+        with tempfile.TemporaryDirectory() as folder:
+            parts[name](figures, given, folder)
+    figures.summary()
 
 
 if __name__ == "__main__":
-    if sys.argv[1] == "--file":
-        bench_file(sys.argv[2], sys.argv[3], json.loads(sys.argv[4]))
+    if sys.argv[1:2] == ["--file"]:
+        measure_file(sys.argv[2], sys.argv[3], json.loads(sys.argv[4]))
     else:
         main()
