@@ -41,7 +41,7 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   a("subdivide", surface.subdivisions);
   // The excluded surface is refined to its patches.
   const bool to_patches = surface.kind == ExactSurface::excluded && surface.subdivisions > 0;
-  a("project", to_patches ? std::string("patches") : std::string(name_of(surface.projection)));
+  a("project", to_patches ? std::string_view("patches") : name_of(surface.projection));
   a("crossings", surface.looks_for_crossings() ? std::optional(surface.crossings) : std::nullopt);
   a("grid", grid);
   a("memory_limit", limit_of(parameters.memory_limit));

@@ -43,7 +43,7 @@ class PatchConstraint {
   Vec3d midpoint(const Pieces& at, const Vec3d& u, const Vec3d& v) const {
     const Vec3d middle = vdwmesh::midpoint(u, v);
     const FoundPoint found = at[0] == at[1]
-                                 ? nearest_on_patch(patches_[at[0]], middle)
+                                 ? inner_midpoint(patches_[at[0]], u, v)
                                  : curve_midpoint(patches_[at[0]], patches_[at[1]], u, v);
     return found.found ? found.position : middle;
   }

