@@ -36,15 +36,14 @@ inline Complex operator*(const Complex& a, const Complex& b) {
   return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 
-// Sum of angles between 0 and pi as a product of complex numbers, with the number of whole turns:
-// one arctangent for all.
+// Sum of angles between 0 and pi as a product of complex numbers, with the number of whole turns.
 class AngleSum {
  public:
   // Adds the argument of a number, which is in [0, pi]. Precondition: im >= 0.
   void add(const Complex& factor);
-  // The sum is 2 pi turns() + remainder(), and the remainder is in [0, 2 pi).
+  // The sum is 2 pi turns() and the argument of product(), which is in [0, 2 pi).
   double turns() const { return turns_; }
-  double remainder() const;
+  const Complex& product() const { return product_; }
 
  private:
   Complex product_{1, 0};
@@ -55,7 +54,7 @@ class AngleSum {
 class BallMeasurer {
  public:
   // The measures of ball ∩ cell. Doubts are those of the cell and those found here.
-  BallMeasures measure(const PowerCell& cell);
+  BallMeasures measure(const CellView& cell);
 
  private:
   // What a plane of the cell has in common with the ball.
@@ -84,26 +83,27 @@ class BallMeasurer {
     std::uint32_t from, to, a, b;
   };
 
-  void find_edges(const PowerCell& cell);
-  void find_feet(const PowerCell& cell);
+  void find_edges(const CellView& cell);
+  void find_feet(const CellView& cell);
   std::span<const EdgeEnd> edges(std::size_t ends_inside) const {
     return {edges_[ends_inside].data(), edge_count_[ends_inside]};
   }
-  static CellEdge edge_of(const PowerCell& cell, EdgeEnd end);
-  bool find_inside(const PowerCell& cell);
-  bool find_faces(const PowerCell& cell);
+  static CellEdge edge_of(const CellView& cell, EdgeEnd end);
+  bool find_inside(const CellView& cell);
+  bool find_faces(const CellView& cell);
   std::span<const std::uint32_t> planes() const { return {planes_.data(), face_count_}; }
-  BallMeasures measure_polytope(const PowerCell& cell);
-  BallMeasures measure_patch(const PowerCell& cell);
-  void add_inner_edges(const PowerCell& cell);
-  void add_crossing_edges(const PowerCell& cell);
-  void add_outer_edges(const PowerCell& cell);
-  void add_edge(const PowerCell& cell, const Edge& edge, int ends_inside, bool from_inside);
+  BallMeasures measure_polytope(const CellView& cell);
+  BallMeasures measure_patch(const CellView& cell);
+  void add_inner_edges(const CellView& cell);
+  void add_crossing_edges(const CellView& cell);
+  void add_outer_edges(const CellView& cell);
+  void add_edge(const CellView& cell, const Edge& edge, int ends_inside, bool from_inside);
   void add_segment(const Cap& a, const Cap& b, const Vec3d& from, const Vec3d& to);
   void add_corner(const Edge& edge, const Cap& a, const Cap& b, const Vec3d& corner, int direction);
   void add_arc_end(Face& face, const Cap& cap, const Vec3d& corner, int direction);
-  bool is_whole_disk(const PowerCell& cell, std::uint32_t plane);
-  BallMeasures sum_up(const PowerCell& cell);
+  bool is_whole_disk(const CellView& cell, std::uint32_t plane);
+  void find_angles();
+  BallMeasures sum_up(const CellView& cell);
 
   std::vector<double> height_;         // by vertex: squared distance from the centre, less 1
   std::vector<Face> faces_;            // by plane; valid for planes_, if something is exposed
@@ -120,6 +120,7 @@ class BallMeasurer {
   double pyramid_ = 0;  // sum t 2 F, without the sectors between arcs and centre
   Vec3d open_{};        // twice the vector area of the surface of the cut ball
   AngleSum turning_;
+  std::vector<double> angles_, re_, im_;  // find_angles()
 };
 
 }  // namespace vdwmesh::arcs

@@ -4,18 +4,13 @@
 #include <bit>
 #include <numbers>
 
+#include "arrangement/arcs/arguments.hpp"
 #include "arrangement/arcs/ball_measures.hpp"
 #include "core/sum.hpp"
 
 namespace vdwmesh::arcs {
 
 inline constexpr double kPi = std::numbers::pi;
-
-// The argument of z in [0, 2 pi).
-inline double argument(const Complex& z) {
-  const double angle = std::atan2(z.im, z.re);
-  return angle < 0 ? angle + 2 * kPi : angle;
-}
 
 // Multiplies, and brings the size of the product back to 1 before it can over- or underflow.
 inline void multiply(Complex& product, const Complex& factor) {
@@ -35,16 +30,14 @@ inline void AngleSum::add(const Complex& factor) {
   turns_ += was_below && !(product_.im < 0);
 }
 
-inline double AngleSum::remainder() const { return argument(product_); }
-
-inline BallMeasures BallMeasurer::measure(const PowerCell& cell) {
-  doubts_ = cell.doubts();
+inline BallMeasures BallMeasurer::measure(const CellView& cell) {
+  doubts_ = cell.doubts;
   // Without a plane nothing was cut off the ball, and without a vertex nothing is left of it.
   if (cell.empty()) return {0, 0, doubts_, 0, 0};
-  if (cell.plane_count() == PowerCell::kWalls) return {4 * kPi, 4 * kPi / 3, doubts_, 2, 0};
+  if (cell.plane_count == kWalls) return {4 * kPi, 4 * kPi / 3, doubts_, 2, 0};
   ++stamp_;
-  if (faces_.size() < cell.plane_count()) {
-    faces_.resize(2 * cell.plane_count());
+  if (faces_.size() < cell.plane_count) {
+    faces_.resize(2 * cell.plane_count);
     stamps_.resize(faces_.size());
     planes_.resize(faces_.size() + 1);  // one is written but not kept
   }
@@ -58,13 +51,13 @@ inline BallMeasures BallMeasurer::measure(const PowerCell& cell) {
 
 // Says which vertices are inside the ball, and returns whether all are. If a vertex all but lies on
 // the sphere, three circles meet in a point, or nearly so.
-inline bool BallMeasurer::find_inside(const PowerCell& cell) {
-  const std::uint32_t count = cell.vertex_count();
+inline bool BallMeasurer::find_inside(const CellView& cell) {
+  const std::uint32_t count = cell.vertex_count;
   if (height_.size() < count + kLanes) height_.resize(2 * (count + kLanes));
   const Lanes one = all_lanes(1);
   LaneBits inside{}, near{};
   for (std::size_t i = 0; i < count; i += kLanes) {  // NaN behind the last
-    const Lanes x = lanes_at(cell.x() + i), y = lanes_at(cell.y() + i), z = lanes_at(cell.z() + i);
+    const Lanes x = lanes_at(cell.x + i), y = lanes_at(cell.y + i), z = lanes_at(cell.z + i);
     const Lanes height = x * x + y * y + z * z - one, size = height < 0 ? -height : height;
     store_lanes(&height_[i], height);
     inside -= height < 0;  // -1 in each lane if so
@@ -77,30 +70,31 @@ inline bool BallMeasurer::find_inside(const PowerCell& cell) {
 
 // Lists the planes that have a face, without branches. Returns whether there are as many as Euler's
 // formula wants.
-inline bool BallMeasurer::find_faces(const PowerCell& cell) {
-  const std::uint32_t* const planes_left = cell.planes_left();
+inline bool BallMeasurer::find_faces(const CellView& cell) {
+  const std::uint32_t* const planes_left = cell.plane_left;
   std::uint64_t* const stamps = stamps_.data();
-  for (std::uint32_t v = 0, count = cell.vertex_count(); v < count; ++v) {
-    for (std::uint32_t side = 1; side <= 3; ++side) stamps[planes_left[end_of(v, side)]] = stamp_;
+  const std::uint64_t stamp = stamp_;  // in a register, whatever the stamps written may overlap
+  for (std::uint32_t v = 0, count = cell.vertex_count; v < count; ++v) {
+    for (std::uint32_t side = 1; side <= 3; ++side) stamps[planes_left[end_of(v, side)]] = stamp;
   }
   std::uint32_t* const planes = planes_.data();
   std::uint32_t found = 0;
-  for (std::uint32_t plane = 0, count = cell.plane_count(); plane < count; ++plane) {
+  for (std::uint32_t plane = 0, count = cell.plane_count; plane < count; ++plane) {
     planes[found] = plane;
-    found += stamps[plane] == stamp_;
+    found += stamps[plane] == stamp;
   }
   face_count_ = found;
-  return 2 * found == cell.vertex_count() + 4;
+  return 2 * found == cell.vertex_count + 4;
 }
 
 // Lists the edges, each once, by how many of their ends are in the ball; without branches, which
 // the processor could not foresee.
-inline void BallMeasurer::find_edges(const PowerCell& cell) {
-  const std::uint32_t vertices = cell.vertex_count();
+inline void BallMeasurer::find_edges(const CellView& cell) {
+  const std::uint32_t vertices = cell.vertex_count;
   if (edges_[0].size() < 3 * vertices) {
     for (std::vector<EdgeEnd>& list : edges_) list.resize(6 * vertices);
   }
-  const EdgeEnd* const twins = cell.twins();
+  const EdgeEnd* const twins = cell.twin;
   EdgeEnd* const inner = edges_[2].data();
   std::size_t count = 0;
   for (std::uint32_t v = 0; v < vertices; ++v) {
@@ -127,18 +121,17 @@ inline void BallMeasurer::find_edges(const PowerCell& cell) {
   edge_count_ = {counts[0], counts[1], counts[2]};
 }
 
-inline void BallMeasurer::find_feet(const PowerCell& cell) {
-  if (feet_.size() < cell.plane_count()) feet_.resize(2 * cell.plane_count());
+inline void BallMeasurer::find_feet(const CellView& cell) {
+  if (feet_.size() < cell.plane_count) feet_.resize(2 * cell.plane_count);
   for (const std::uint32_t plane : planes()) {
-    const Lanes p = lanes_at(&cell.plane(plane).axis.x);
+    const Lanes p = lanes_at(&cell.plane[plane].axis.x);
     store_lanes(feet_[plane].at, all_lanes(p[3]) * __builtin_shufflevector(p, p, 2, 0, 1, 3));
   }
 }
 
-VDWMESH_INLINE BallMeasurer::CellEdge BallMeasurer::edge_of(const PowerCell& cell, EdgeEnd end) {
-  const EdgeEnd twin = cell.twins()[end];
-  return {vertex_of(end), vertex_of(twin), cell.planes_left()[twin - 1],
-          cell.planes_left()[end - 1]};
+VDWMESH_INLINE BallMeasurer::CellEdge BallMeasurer::edge_of(const CellView& cell, EdgeEnd end) {
+  const EdgeEnd twin = cell.twin[end];
+  return {vertex_of(end), vertex_of(twin), cell.plane_left[twin - 1], cell.plane_left[end - 1]};
 }
 
 // The cross product of two vectors in three lanes, in the order z, x, y.
@@ -154,20 +147,20 @@ VDWMESH_INLINE double sum_of(const Lanes& lanes) {
 // Six times the volume of the pyramids over the two faces of an edge, between their feet and the
 // edge: t times twice the area of a triangle. Edges run clockwise about a and counter-clockwise
 // about b, seen from outside.
-inline BallMeasures BallMeasurer::measure_polytope(const PowerCell& cell) {
+inline BallMeasures BallMeasurer::measure_polytope(const CellView& cell) {
   const Foot* const feet = feet_.data();
   Lanes sums{};
   for (const EdgeEnd end : edges(2)) {
     const auto [from, to, a, b] = edge_of(cell, end);
     sums += (lanes_at(feet[b].at) - lanes_at(feet[a].at)) *
-            turned_cross(lanes_at(cell.position(from)), lanes_at(cell.position(to)));
+            turned_cross(lanes_at(cell.position[from].at), lanes_at(cell.position[to].at));
   }
   const double sum = sum_of(sums);
   if (!(std::abs(sum) <= 6 * 4 * kPi)) doubts_ |= kNotFinite;
   return {0, sum / 6, doubts_, 0, 0};
 }
 
-inline BallMeasures BallMeasurer::measure_patch(const PowerCell& cell) {
+inline BallMeasures BallMeasurer::measure_patch(const CellView& cell) {
   segments_ = corners_ = 0;
   worst_ = 1;
   turning_ = {};
@@ -179,16 +172,17 @@ inline BallMeasures BallMeasurer::measure_patch(const PowerCell& cell) {
 }
 
 // Begins the sums with the edges that are segments from end to end: add_segment() in lanes.
-inline void BallMeasurer::add_inner_edges(const PowerCell& cell) {
+inline void BallMeasurer::add_inner_edges(const CellView& cell) {
   const Foot* const feet = feet_.data();
   Lanes pyramid{}, open{};
   for (const EdgeEnd end : edges(2)) {
     const auto [from, to, a, b] = edge_of(cell, end);
-    const Lanes moment = turned_cross(lanes_at(cell.position(from)), lanes_at(cell.position(to)));
+    const Lanes moment =
+        turned_cross(lanes_at(cell.position[from].at), lanes_at(cell.position[to].at));
     pyramid += (lanes_at(feet[b].at) - lanes_at(feet[a].at)) * moment;
     const Vec3d turned{moment[1], moment[2], moment[0]};
-    const Cap& p = cell.plane(a);
-    const Cap& q = cell.plane(b);
+    const Cap& p = cell.plane[a];
+    const Cap& q = cell.plane[b];
     open += all_lanes(inner(q.axis, turned)) * lanes_at(&q.axis.x) -
             all_lanes(inner(p.axis, turned)) * lanes_at(&p.axis.x);
     faces_[a].crossed = faces_[b].crossed = true;
@@ -198,7 +192,7 @@ inline void BallMeasurer::add_inner_edges(const PowerCell& cell) {
   open_ = {open[0], open[1], open[2]};
 }
 
-inline void BallMeasurer::add_crossing_edges(const PowerCell& cell) {
+inline void BallMeasurer::add_crossing_edges(const CellView& cell) {
   for (const EdgeEnd end : edges(1)) {
     const auto [from, to, a, b] = edge_of(cell, end);
     add_edge(cell, {a, b, cell.vertex(from), cell.vertex(to)}, 1, height_[from] < 0);
@@ -208,7 +202,7 @@ inline void BallMeasurer::add_crossing_edges(const PowerCell& cell) {
 // Adds the edges that enter the ball between their ends: their point nearest to the centre is
 // between them, and nearer than 1. The margin leaves the last word to add_edge(); it is wider than
 // the error of an edge in planes that are not nearly parallel.
-inline void BallMeasurer::add_outer_edges(const PowerCell& cell) {
+inline void BallMeasurer::add_outer_edges(const CellView& cell) {
   constexpr double kMargin = 1e-3;
   for (const EdgeEnd end : edges(0)) {
     const auto [from, to, a, b] = edge_of(cell, end);
@@ -255,10 +249,10 @@ VDWMESH_INLINE Crossing crossing_of(const Cap& cap, const Cap& other) {
 // Adds the segment of an edge inside the ball, and its corners, one or two. A point x of both
 // planes and the sphere is middle ± (root / sine²) a × b with the axes a, b and the sine of the
 // angle between them; root² is the Gram determinant of a, b and x. The edge runs against a × b.
-inline void BallMeasurer::add_edge(const PowerCell& cell, const Edge& edge, int ends_inside,
+inline void BallMeasurer::add_edge(const CellView& cell, const Edge& edge, int ends_inside,
                                    bool from_inside) {
-  const Cap& a = cell.plane(edge.a);
-  const Cap& b = cell.plane(edge.b);
+  const Cap& a = cell.plane[edge.a];
+  const Cap& b = cell.plane[edge.b];
   const bool a_is_smaller = std::abs(a.cosine) >= std::abs(b.cosine);
   const Cap& small = a_is_smaller ? a : b;
   const Crossing c = crossing_of(small, a_is_smaller ? b : a);
@@ -332,19 +326,42 @@ inline void BallMeasurer::add_arc_end(Face& face, const Cap& cap, const Vec3d& c
 
 // A face that no segment bounds has the whole disk of its plane, or nothing of it: the disk's
 // centre decides. Walls have no disk.
-inline bool BallMeasurer::is_whole_disk(const PowerCell& cell, std::uint32_t plane) {
-  if (plane < PowerCell::kWalls) return false;
-  const Cap& cap = cell.plane(plane);
+inline bool BallMeasurer::is_whole_disk(const CellView& cell, std::uint32_t plane) {
+  if (plane < kWalls) return false;
+  const Cap& cap = cell.plane[plane];
   const Vec3d center = cap.cosine * cap.axis;
   for (const std::uint32_t other : planes()) {
     if (other == plane) continue;
-    const Cap& wall = cell.plane(other);
+    const Cap& wall = cell.plane[other];
     if (inner(wall.axis, center) > wall.cosine) return false;
   }
   return true;
 }
 
-inline BallMeasures BallMeasurer::sum_up(const PowerCell& cell) {
+// Fills angles_: the exposed angles of the circles with corners, in the order of the planes, and
+// behind them the remainder of the sum of turning angles, without its whole turns.
+inline void BallMeasurer::find_angles() {
+  const std::size_t most = face_count_ + 1 + kLanes;
+  if (angles_.size() < most) {
+    for (std::vector<double>* v : {&angles_, &re_, &im_}) v->resize(2 * most);
+  }
+  std::size_t count = 0;
+  for (const std::uint32_t plane : planes()) {
+    const Face& face = faces_[plane];
+    re_[count] = face.arc.re;
+    im_[count] = face.arc.im;
+    count += face.ends > 0;
+  }
+  re_[count] = turning_.product().re;
+  im_[count] = turning_.product().im;
+  for (std::size_t i = 0; i <= count; i += kLanes) {  // what stands behind them means nothing
+    store_lanes(&angles_[i], arguments(lanes_at(&re_[i]), lanes_at(&im_[i])));
+  }
+}
+
+inline BallMeasures BallMeasurer::sum_up(const CellView& cell) {
+  find_angles();
+  const double* next_angle = angles_.data();
   // The sum of phi t over circles with corners, and of phi (t - 1) over whole circles, whose 2 pi
   // go into `turns`. With thousands of caps both are far larger than the area that is left.
   WideSum bend;
@@ -352,11 +369,11 @@ inline BallMeasures BallMeasurer::sum_up(const PowerCell& cell) {
   double deepest = 1;
   for (const std::uint32_t plane : planes()) {
     const Face& face = faces_[plane];
-    const Cap& cap = cell.plane(plane);
+    const Cap& cap = cell.plane[plane];
     double angle = 0;
     if (face.ends > 0) {
-      angle = argument(face.arc);
-      if (angle < kTinyAngle || angle > 2 * kPi - kTinyAngle) doubts_ |= kTinyArc;
+      angle = *next_angle++;
+      if (!(angle >= kTinyAngle && angle <= 2 * kPi - kTinyAngle)) doubts_ |= kTinyArc;
       if (face.balance != 0) doubts_ |= kDamaged;
     } else if (!face.crossed) {
       if (!is_whole_disk(cell, plane)) continue;
@@ -371,7 +388,7 @@ inline BallMeasures BallMeasurer::sum_up(const PowerCell& cell) {
   // Every plane cuts the ball. If none has a part of it, the cell lies outside.
   if (disks == 0) return {0, 0, doubts_, 0, 0};
   const auto euler = static_cast<std::int32_t>(2 - inside_ + segments_ - disks);
-  bend.add(-turning_.remainder());
+  bend.add(-*next_angle);
   const double turns = euler + static_cast<double>(whole_circles) - turning_.turns();
   bend.add(2 * kPi * turns);
   const double area = bend.value();

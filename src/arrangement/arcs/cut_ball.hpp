@@ -2,7 +2,8 @@
 //
 // The exposed part of a sphere is its intersection with the power cell of the ball. CutBall makes
 // this cell by cutting off one cap's half-space after another, the deepest first, and stops at the
-// first plane that is farther from the centre than every vertex: so do all that follow.
+// first plane that is farther from the centre than every vertex: so do all that follow. Cells that
+// the small room cannot hold are begun again in a large one.
 #pragma once
 
 #include <span>
@@ -20,31 +21,44 @@ class CutBall {
   BallMeasures measure(std::span<const Cap> caps);
 
  private:
+  template <class Cell>
+  bool cut(Cell& cell, std::span<const Cap> caps, std::span<const std::uint32_t> order);
+
   CapOrder order_;
-  PowerCell cell_;
+  SmallPowerCell small_;
+  PowerCell large_;
   BallMeasurer measurer_;
 };
 
-inline BallMeasures CutBall::measure(std::span<const Cap> caps) {
-  cell_.reset();
+// Returns whether the cell had room.
+template <class Cell>
+VDWMESH_INLINE bool CutBall::cut(Cell& cell, std::span<const Cap> caps,
+                                 std::span<const std::uint32_t> order) {
+  cell.reset();
   const Cap* last = nullptr;
   bool was_cut = true;
-  for (const std::uint32_t i : order_.sort(caps)) {
+  for (const std::uint32_t i : order) {
     const Cap& cap = caps[i];
     // Vertices outside the ball are farther from the centre than any plane, so looking for the
     // farthest vertex pays only after the nearer half of the planes, and when planes have begun to
     // miss the cell.
     constexpr double kWorthLooking = 0.5;
-    if (!was_cut && cap.cosine > kWorthLooking && cap.cosine < 1 && cell_.reach() <= cap.cosine) {
+    if (!was_cut && cap.cosine > kWorthLooking && cap.cosine < 1 && cell.reach() <= cap.cosine) {
       break;
     }
     // Equal balls have the same cap, of which the second would cut through rounding errors.
-    was_cut = (last == nullptr || !same_cap(*last, cap)) && cell_.cut(cap);
-    if (cell_.empty()) break;
+    was_cut = (last == nullptr || !same_cap(*last, cap)) && cell.cut(cap);
+    if (cell.empty()) break;
     last = &cap;
   }
-  cell_.finish();
-  return measurer_.measure(cell_);
+  return !cell.overflowed();
+}
+
+inline BallMeasures CutBall::measure(std::span<const Cap> caps) {
+  const std::span<const std::uint32_t> order = order_.sort(caps);
+  if (cut(small_, caps, order)) return measurer_.measure(small_.finish());
+  cut(large_, caps, order);
+  return measurer_.measure(large_.finish());
 }
 
 }  // namespace vdwmesh::arcs

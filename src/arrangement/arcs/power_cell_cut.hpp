@@ -1,4 +1,4 @@
-// PowerCell::cut(): removes a half-space from the cell. Included by power_cell.hpp alone.
+// PowerCellIn<Room>::cut(): removes a half-space from the cell. Included by power_cell.hpp alone.
 //
 // 1. measure_depths() finds how far every vertex lies beyond the plane, some vertices at a time.
 //    Most planes of a crowded ball cut nothing off, and end here.
@@ -20,12 +20,10 @@
 
 namespace vdwmesh::arcs {
 
-// The x coordinate of free slots.
-inline constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
-
 // The walls of the tetrahedron stand a little outside the unit ball. Their directions have no
 // symmetry, so that they are parallel to none of the planes of a lattice.
-inline void PowerCell::reset() {
+template <class Room>
+inline void PowerCellIn<Room>::reset() {
   constexpr double kDistance = 1.0625;
   constexpr std::array<Vec3d, kWalls> kAxes{
       {{-0.17659320681185342, 0.97617922034458771, -0.1260514540786391},
@@ -38,52 +36,35 @@ inline void PowerCell::reset() {
   constexpr std::array<EdgeEnd, 4 * kWalls> kTwins{
       0, end_of(2, 2), end_of(1, 1), end_of(3, 1), 0, end_of(0, 2), end_of(2, 1), end_of(3, 2),
       0, end_of(1, 2), end_of(0, 1), end_of(3, 3), 0, end_of(0, 3), end_of(1, 3), end_of(2, 3)};
-  if (planes_.empty()) {
-    planes_.resize(64);
-    open_.assign(64, kNone);
-  }
   plane_count_ = kWalls;
-  reserve(kWalls);
+  room_.reserve(kWalls, kWalls);
   static_assert(kWalls % kLanes == 0);
-  for (std::size_t i = kWalls; i < slots_; i += kLanes) store_lanes(&x_[i], all_lanes(kNowhere));
+  for (std::size_t i = kWalls; i < slots_; i += kLanes)
+    store_lanes(&room_.x[i], all_lanes(kNowhere));
   slots_ = alive_ = kWalls;
   free_count_ = 0;
   for (std::uint32_t i = 0; i < kWalls; ++i) {
-    planes_[i] = {kAxes[i], kDistance};
+    room_.planes[i] = {kAxes[i], kDistance};
     const Vec3d corner = -3 * kDistance * kAxes[i];
-    store_lanes(position_[i].at, Lanes{corner.x, corner.y, corner.z, 0});
-    x_[i] = corner.x;
-    y_[i] = corner.y;
-    z_[i] = corner.z;
+    store_lanes(room_.position[i].at, Lanes{corner.x, corner.y, corner.z, 0});
+    room_.x[i] = corner.x;
+    room_.y[i] = corner.y;
+    room_.z[i] = corner.z;
   }
-  std::copy(kPlanes.begin(), kPlanes.end(), plane_.begin());
-  std::copy(kTwins.begin(), kTwins.end(), twin_.begin());
+  std::copy(kPlanes.begin(), kPlanes.end(), room_.plane_left.begin());
+  std::copy(kTwins.begin(), kTwins.end(), room_.twin.begin());
   doubts_ = 0;
   reach_is_stale_ = true;
+  overflowed_ = false;
 }
 
-// Makes room for so many vertices, and for the lanes behind the last of them.
-inline void PowerCell::reserve(std::size_t vertices) {
-  const std::size_t least = vertices + kStep;
-  if (x_.size() >= least) return;
-  x_.resize(2 * least, kNowhere);
-  for (std::vector<double>* v : {&y_, &z_, &depth_}) v->resize(2 * least);
-  for (std::vector<std::uint32_t>* v : {&plane_, &twin_}) v->resize(8 * least);
-  position_.resize(2 * least);
-  // Three edges a vertex, and one that is written but not kept.
-  border_.resize(6 * least + 1);
-  links_.resize(border_.size());
-  // Free slots, and four for each step of list_slots().
-  free_.resize(border_.size() + 2 * least + 4);
-  removed_.resize(free_.size());
-}
-
-// Fills depth_, the signed distances of the vertices beyond the plane, and returns the largest.
-VDWMESH_INLINE double PowerCell::measure_depths(const Cap& cap) {
+// Fills the depths, the signed distances of the vertices beyond the plane, and returns the largest.
+template <class Room>
+VDWMESH_INLINE double PowerCellIn<Room>::measure_depths(const Cap& cap) {
   const Lanes ax = all_lanes(cap.axis.x), ay = all_lanes(cap.axis.y), az = all_lanes(cap.axis.z),
               distance = all_lanes(cap.cosine);
-  const double *x = x_.data(), *y = y_.data(), *z = z_.data();
-  double* depths = depth_.data();
+  const double *x = room_.x.data(), *y = room_.y.data(), *z = room_.z.data();
+  double* depths = room_.depth.data();
   Lanes most = all_lanes(-4);
   const auto measure = [&](std::size_t i) {
     const Lanes depth =
@@ -102,18 +83,19 @@ VDWMESH_INLINE double PowerCell::measure_depths(const Cap& cap) {
 // raises the doubts about vertices that all but lie on it. Returns whether there are vertices to
 // remove; their slots look free from now on. A bit for each of 64 vertices says whether it lies
 // beyond; lane k has those of every fourth vertex from k on.
-VDWMESH_INLINE bool PowerCell::find_removed(const Cap& cap) {
+template <class Room>
+VDWMESH_INLINE bool PowerCellIn<Room>::find_removed(const Cap& cap) {
   constexpr std::uint32_t kBits = 64;
-  std::uint32_t* const places = removed_.data();
-  BorderEdge* const border = border_.data();
-  const EdgeEnd* const twins = twin_.data();
-  const double* const depths = depth_.data();
-  double* const x = x_.data();
+  constexpr bool kAllHaveBits = Room::kMostVertices <= kBits;
+  std::uint32_t* const places = room_.removed.data();
+  BorderEdge* const border = room_.border.data();
+  const EdgeEnd* const twins = room_.twin.data();
+  const double* const depths = room_.depth.data();
+  double* const x = room_.x.data();
   std::uint32_t removed = 0, found = 0;
   Lanes nearest = all_lanes(4);
-  for (std::uint32_t start = 0, count = slots_; start < count; start += kBits) {
+  const auto list_from = [&](std::uint32_t start, std::uint32_t end) {
     LaneBits beyond{0, 0, 0, 0}, bit{1, 2, 4, 8};
-    const std::uint32_t end = start + kBits < count ? start + kBits : count;
     const auto look_at = [&](std::uint32_t i) {
       const Lanes depth = lanes_at(depths + i), size = depth < 0 ? -depth : depth;
       nearest = size < nearest ? size : nearest;
@@ -124,16 +106,30 @@ VDWMESH_INLINE bool PowerCell::find_removed(const Cap& cap) {
       look_at(i);
       look_at(i + kLanes);
     }
-    auto bits = static_cast<std::uint64_t>(beyond[0] | beyond[1] | beyond[2] | beyond[3]);
-    for (; bits != 0; bits &= bits - 1) {
+    const auto all = static_cast<std::uint64_t>(beyond[0] | beyond[1] | beyond[2] | beyond[3]);
+    const auto stays = [&](std::uint32_t v) -> std::uint32_t {
+      if constexpr (kAllHaveBits) {
+        return ~static_cast<std::uint32_t>(all >> v) & 1;
+      } else {
+        return !(depths[v] > kSlack);
+      }
+    };
+    for (std::uint64_t bits = all; bits != 0; bits &= bits - 1) {
       const std::uint32_t from = start + static_cast<std::uint32_t>(std::countr_zero(bits));
       places[removed++] = from;
       x[from] = kNowhere;
       for (std::uint32_t side = 1; side <= 3; ++side) {
         const EdgeEnd removed_end = end_of(from, side), kept = twins[removed_end];
         border[found] = {removed_end, kept};
-        found += !(depths[vertex_of(kept)] > kSlack);
+        found += stays(vertex_of(kept));
       }
+    }
+  };
+  if constexpr (kAllHaveBits) {
+    list_from(0, slots_);
+  } else {
+    for (std::uint32_t start = 0; start < slots_; start += kBits) {
+      list_from(start, start + kBits < slots_ ? start + kBits : slots_);
     }
   }
   removed_count_ = removed;
@@ -148,43 +144,36 @@ VDWMESH_INLINE bool PowerCell::find_removed(const Cap& cap) {
 // three circles, which is of no account for the measures. If even the vertex that stays deepest
 // inside is on the plane but for rounding, or the one that goes first, then the cell is nearly or
 // quite gone.
-inline void PowerCell::doubt_near(const Cap& cap) {
+template <class Room>
+inline void PowerCellIn<Room>::doubt_near(const Cap& cap) {
   constexpr double kOutside = 1 + 1e-6;  // squared distance
   double least = 4;
   for (std::uint32_t i = 0; i < slots_; ++i) {
-    least = depth_[i] < least ? depth_[i] : least;
-    if (!(std::abs(depth_[i]) < kNearby)) continue;
-    const bool touches = std::abs(depth_[i]) < kTouching;
-    const Vec3d v = vertex(i);
+    least = room_.depth[i] < least ? room_.depth[i] : least;
+    if (!(std::abs(room_.depth[i]) < kNearby)) continue;
+    const bool touches = std::abs(room_.depth[i]) < kTouching;
+    const Position& at = room_.position[i];
+    const Vec3d v{at.at[0], at.at[1], at.at[2]};
     if (touches && inner(v, v) < kOutside) doubts_ |= kThirdCircle;
     for (std::uint32_t k = 1; k <= 3; ++k) {
       const EdgeEnd end = end_of(i, k);
-      if (std::abs(depth_[vertex_of(twin_[end])]) < kNearby) doubts_ |= kAlongEdge;
-      const Vec3d normal = cross(cap.axis, planes_[plane_[end]].axis);
+      if (std::abs(room_.depth[vertex_of(room_.twin[end])]) < kNearby) doubts_ |= kAlongEdge;
+      const Vec3d normal = cross(cap.axis, room_.planes[room_.plane_left[end]].axis);
       if (touches && inner(normal, normal) < kNearlyParallel) doubts_ |= kParallelPlanes;
     }
   }
   if (removed_count_ > 0 && std::abs(least) < kTouching) doubts_ |= kVanishing;
 }
 
-VDWMESH_INLINE std::uint32_t PowerCell::add_plane(const Cap& cap) {
-  const std::uint32_t plane = plane_count_++;
-  if (plane == planes_.size()) {
-    planes_.resize(2 * planes_.size());
-    open_.resize(planes_.size(), kNone);
-  }
-  planes_[plane] = cap;
-  return plane;
-}
-
 // Lists slots for the new vertices: the free ones, and behind them as many unused ones as needed.
-VDWMESH_INLINE void PowerCell::list_slots() {
+template <class Room>
+VDWMESH_INLINE void PowerCellIn<Room>::list_slots() {
   using FourNumbers = std::uint32_t __attribute__((vector_size(16)));
   FourNumbers more{0, 1, 2, 3};
   more += slots_;
   std::uint32_t listed = free_count_;
   do {  // four at a time; mostly they are enough
-    std::memcpy(&free_[listed], &more, sizeof more);
+    std::memcpy(&room_.free[listed], &more, sizeof more);
     more += 4;
     listed += 4;
   } while (listed < border_count_);
@@ -196,17 +185,18 @@ VDWMESH_INLINE void PowerCell::list_slots() {
 //
 // Each of the other two edges lies in the new plane and in one of the two old ones, and leaves the
 // other. An old plane at the border has two new vertices, of which it follows the new plane at one
-// and precedes it at the other. The first leaves its end of the common edge in open_, and the
+// and precedes it at the other. The first leaves its end of the common edge in room_.open, and the
 // second will look there for it.
-VDWMESH_INLINE void PowerCell::make_vertices(std::uint32_t plane) {
-  double *const x = x_.data(), *const y = y_.data(), *const z = z_.data();
-  const double* const depths = depth_.data();
-  Position* const positions = position_.data();
-  std::uint32_t* const planes = plane_.data();
-  EdgeEnd *const twins = twin_.data(), *const open = open_.data();
-  const BorderEdge* const border = border_.data();
-  const std::uint32_t* const slots = free_.data();
-  HalfLink* const links = links_.data();
+template <class Room>
+VDWMESH_INLINE void PowerCellIn<Room>::make_vertices(std::uint32_t plane) {
+  double *const x = room_.x.data(), *const y = room_.y.data(), *const z = room_.z.data();
+  const double* const depths = room_.depth.data();
+  Position* const positions = room_.position.data();
+  std::uint32_t* const planes = room_.plane_left.data();
+  EdgeEnd *const twins = room_.twin.data(), *const open = room_.open.data();
+  const BorderEdge* const border = room_.border.data();
+  const std::uint32_t* const slots = room_.free.data();
+  HalfLink* const links = room_.links.data();
   for (std::uint32_t i = 0, count = border_count_; i < count; ++i) {
     const auto [removed, kept] = border[i];
     const std::uint32_t from = vertex_of(removed), to = vertex_of(kept), number = slots[i];
@@ -231,11 +221,12 @@ VDWMESH_INLINE void PowerCell::make_vertices(std::uint32_t plane) {
   }
 }
 
-// Returns whether every edge found its other end. As many ends look for others as were left in
-// open_, and each takes what it finds away; so if none is missing, none was left twice.
-VDWMESH_INLINE bool PowerCell::link_vertices() {
-  const HalfLink* const links = links_.data();
-  EdgeEnd *const twins = twin_.data(), *const open = open_.data();
+// Returns whether every edge found its other end. As many ends look for others as were left
+// there, and each takes what it finds away; so if none is missing, none was left twice.
+template <class Room>
+VDWMESH_INLINE bool PowerCellIn<Room>::link_vertices() {
+  const HalfLink* const links = room_.links.data();
+  EdgeEnd *const twins = room_.twin.data(), *const open = room_.open.data();
   std::uint32_t missing = 0;
   for (std::uint32_t i = 0, count = border_count_; i < count; ++i) {
     const auto [plane, own] = links[i];
@@ -249,62 +240,84 @@ VDWMESH_INLINE bool PowerCell::link_vertices() {
 }
 
 // The slots of the removed vertices are free from now on, beside those that nobody took.
-VDWMESH_INLINE void PowerCell::free_removed() {
-  const std::uint32_t taken = free_count_ < border_count_ ? free_count_ : border_count_;
-  slots_ += border_count_ - taken;
+template <class Room>
+VDWMESH_INLINE void PowerCellIn<Room>::free_removed() {
+  std::uint32_t* const free = room_.free.data();
+  const std::uint32_t* const removed = room_.removed.data();
+  std::uint32_t left = 0;
+  for (std::uint32_t i = border_count_; i < free_count_; ++i) free[left++] = free[i];
+  slots_ += border_count_ - (free_count_ - left);
   alive_ += border_count_ - removed_count_;
-  std::uint32_t free = removed_count_;
-  for (std::uint32_t i = taken; i < free_count_; ++i) removed_[free++] = free_[i];
-  std::swap(free_, removed_);
-  free_count_ = free;
+  free_count_ = left + removed_count_;
+  for (std::uint32_t i = 0; i < removed_count_; i += 4) {  // four at a time; mostly they are all
+    std::memcpy(free + left + i, removed + i, 4 * sizeof *free);
+  }
 }
 
 // Moves vertices from the end of the list to free slots.
-inline void PowerCell::finish() {
-  if (alive_ == 0) slots_ = free_count_ = 0;
-  for (std::uint32_t i = 0; i < free_count_; ++i) {
-    while (std::isnan(x_[slots_ - 1])) --slots_;
-    if (free_[i] < slots_) move_vertex(--slots_, free_[i]);
+template <class Room>
+inline CellView PowerCellIn<Room>::finish() {
+  if (alive_ > 0) {
+    for (std::uint32_t i = 0; i < free_count_; ++i) {
+      while (std::isnan(room_.x[slots_ - 1])) --slots_;
+      if (room_.free[i] < slots_) move_vertex(--slots_, room_.free[i]);
+    }
+    free_count_ = 0;
   }
-  free_count_ = 0;
+  return {alive_,
+          plane_count_,
+          doubts_,
+          room_.x.data(),
+          room_.y.data(),
+          room_.z.data(),
+          room_.position.data(),
+          room_.plane_left.data(),
+          room_.twin.data(),
+          room_.planes.data()};
 }
 
-inline void PowerCell::move_vertex(std::uint32_t from, std::uint32_t to) {
-  x_[to] = x_[from];
-  y_[to] = y_[from];
-  z_[to] = z_[from];
-  position_[to] = position_[from];
+template <class Room>
+inline void PowerCellIn<Room>::move_vertex(std::uint32_t from, std::uint32_t to) {
+  room_.x[to] = room_.x[from];
+  room_.y[to] = room_.y[from];
+  room_.z[to] = room_.z[from];
+  room_.position[to] = room_.position[from];
   for (std::uint32_t side = 0; side <= 3; ++side) {
-    plane_[end_of(to, side)] = plane_[end_of(from, side)];
+    room_.plane_left[end_of(to, side)] = room_.plane_left[end_of(from, side)];
   }
   for (std::uint32_t side = 1; side <= 3; ++side) {
-    const EdgeEnd twin = twin_[end_of(from, side)];
-    twin_[end_of(to, side)] = twin;
-    twin_[twin] = end_of(to, side);
+    const EdgeEnd twin = room_.twin[end_of(from, side)];
+    room_.twin[end_of(to, side)] = twin;
+    room_.twin[twin] = end_of(to, side);
   }
-  x_[from] = kNowhere;
+  room_.x[from] = kNowhere;
 }
 
-inline bool PowerCell::cut(const Cap& cap) {
+template <class Room>
+inline bool PowerCellIn<Room>::cut(const Cap& cap) {
   // A NaN in the axis always comes with a NaN in the cosine.
-  if (!(std::abs(cap.cosine) < 1)) {
-    doubts_ |= kNotFinite;
-    return false;
+  if (!(std::abs(cap.cosine) <= 1 - kTouching)) {
+    doubts_ |= std::abs(cap.cosine) < 1 ? kNearlyTangent : kNotFinite;
+    if (!(std::abs(cap.cosine) < 1)) return false;
   }
-  if (std::abs(cap.cosine) > 1 - kTouching) doubts_ |= kNearlyTangent;
   if (alive_ == 0 || measure_depths(cap) <= -kNearby || !find_removed(cap)) return false;
   reach_is_stale_ = true;
   if (removed_count_ == alive_) {
     alive_ = 0;
     return true;
   }
-  reserve(slots_ + border_count_);
+  if (!room_.reserve(slots_ + border_count_, plane_count_ + 1)) {
+    overflowed_ = true;
+    alive_ = 0;
+    return true;
+  }
+  room_.planes[plane_count_] = cap;
   list_slots();
-  make_vertices(add_plane(cap));
+  make_vertices(plane_count_++);
   if (!link_vertices()) {
     doubts_ |= kDamaged;  // links lead nowhere: nothing can be done with this cell
-    std::fill(open_.begin(), open_.end(), kNone);
-    std::fill(x_.begin(), x_.end(), kNowhere);
+    std::fill(room_.open.begin(), room_.open.end(), kNone);
+    std::fill(room_.x.begin(), room_.x.end(), kNowhere);
     alive_ = 0;
     return true;
   }
@@ -313,11 +326,12 @@ inline bool PowerCell::cut(const Cap& cap) {
 }
 
 // kSlack covers the rounding of the squares and of the root.
-inline double PowerCell::reach() {
+template <class Room>
+inline double PowerCellIn<Room>::reach() {
   if (!reach_is_stale_) return reach_;
   Lanes most = all_lanes(0);
   for (std::size_t i = 0; i < slots_; i += kLanes) {
-    const Lanes x = lanes_at(&x_[i]), y = lanes_at(&y_[i]), z = lanes_at(&z_[i]);
+    const Lanes x = lanes_at(&room_.x[i]), y = lanes_at(&room_.y[i]), z = lanes_at(&room_.z[i]);
     const Lanes squared = x * x + y * y + z * z;
     most = squared > most ? squared : most;
   }

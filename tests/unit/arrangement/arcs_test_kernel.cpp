@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "arrangement/arcs/cut_ball.hpp"
@@ -57,6 +58,38 @@ TEST(ArcKernel, CapOrderIsThatOfSortingByComparisons) {
       for (std::size_t i = 0; i < size; ++i) {
         ASSERT_TRUE(same_cap(caps[found[i]], sorted[i])) << size << " caps, place " << i;
       }
+    }
+  }
+}
+
+// Beside those of the C library, which has them right to the last place or nearly so. All octants,
+// axes, diagonals, tiny angles beside the axes, and the bounds of the replaced ratios.
+TEST(ArcKernel, ArgumentsAreThoseOfTheLibrary) {
+  constexpr double kPlaces = 4 * std::numeric_limits<double>::epsilon();  // of the angle
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> wide(-1, 1), exponent(-90, 90);
+  std::vector<std::pair<double, double>> numbers;  // im, re
+  for (int i = 0; i < 20000; ++i) {
+    const double size = std::pow(10, exponent(random));
+    numbers.push_back({size * wide(random), size * wide(random)});
+    numbers.push_back({size * wide(random) * 1e-12, size * wide(random)});
+    numbers.push_back({size * wide(random), size * wide(random) * 1e-12});
+  }
+  for (const double tangent : {0.0, std::tan(std::numbers::pi / 8), 1.0}) {
+    for (const double shift : {-1e-15, 0.0, 1e-15}) {
+      for (const double x : {-1.0, 1.0}) {
+        for (const double y : {-tangent - shift, tangent + shift}) {
+          numbers.insert(numbers.end(), {{y, x}, {x, y}});
+        }
+      }
+    }
+  }
+  for (const auto& [im, re] : numbers) {
+    const double angle = std::atan2(im, re),
+                 expected = angle < 0 ? angle + 2 * std::numbers::pi : angle;
+    const Lanes found = arguments(all_lanes(re), all_lanes(im));
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      ASSERT_NEAR(found[lane], expected, kPlaces * std::max(expected, 1e-300)) << re << ' ' << im;
     }
   }
 }

@@ -75,8 +75,7 @@ BallMeasures measure_to_the_end(std::vector<Cap> caps) {
   for (std::size_t i = 0; i < caps.size(); ++i) {
     if (i == 0 || !arcs::same_cap(caps[i - 1], caps[i])) cell.cut(caps[i]);
   }
-  cell.finish();
-  return arcs::BallMeasurer().measure(cell);
+  return arcs::BallMeasurer().measure(cell.finish());
 }
 
 TEST(ArcShortcuts, StoppingEarlyLeavesOutNothing) {
