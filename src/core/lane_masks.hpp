@@ -1,8 +1,10 @@
 // What lanes (core/lanes.hpp) have to say to code that takes one at a time: masks of comparisons.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 #include "core/lanes.hpp"
 
@@ -24,6 +26,10 @@ VDWMESH_INLINE LaneBits all_bits(std::int64_t value) {
   return LaneBits{value, value, value, value};
 }
 
-VDWMESH_INLINE Lanes magnitude_of(const Lanes& x) { return x < 0 ? -x : x; }
+// The magnitudes: the bits of the lanes without their signs.
+VDWMESH_INLINE Lanes magnitude_of(const Lanes& x) {
+  return std::bit_cast<Lanes>(std::bit_cast<LaneBits>(x) &
+                              all_bits(std::numeric_limits<std::int64_t>::max()));
+}
 
 }  // namespace vdwmesh

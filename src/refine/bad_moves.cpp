@@ -26,6 +26,11 @@
 #include "refine/subdivision_formulas.hpp"
 
 namespace vdwmesh {
+namespace {
+
+bool is_just_undone(MoveState state) { return state == MoveState::just_undone; }
+
+}  // namespace
 
 // What the tests of pairs need to know about one patch. It is gathered once per patch and cell, for
 // all pairs of the cell that the patch belongs to.
@@ -39,12 +44,11 @@ struct BadMoves<Level>::Patch {
 
 template <class Level>
 bool BadMoves<Level>::mark() {
-  // In the first pass all cells are dirty; the constructor has set them. Without a grid there are
-  // none.
-  if (pass_ > 0 && grid_) find_dirty_cells();
+  // The constructor has set the cells of the first pass. Without a grid there are none.
+  if (pass_ > 0 && grid_) find_dirty_cells(is_just_undone);
   const auto judge_patch = [&](std::size_t patch, std::uint64_t& bad) {
     const Vertices v = level_.vertices(patch);
-    if (pass_ == 0 || has_vertex_just_undone(v)) bad += mark_turned(v);
+    if (pass_ == 0 || has_vertex(v, is_just_undone)) bad += mark_turned(v);
   };
   const auto judge_cell = [&](std::size_t cell, std::uint64_t& bad) {
     // No progress is reported: the call only throws Cancelled if the caller asked to stop.
@@ -57,29 +61,29 @@ bool BadMoves<Level>::mark() {
   return bad > 0;
 }
 
-// Makes exactly those cells dirty that hold a patch with a vertex just put back. Only the triangles
-// of such a patch have changed since the previous pass, so at least one triangle of each new
-// crossing belongs to one. bounds_of() is the box of the first and the last positions of its
-// vertices, whichever of them went back, so all cells that the patch shares with another one are
-// dirty.
+// Makes exactly those cells dirty that hold a patch with a vertex of a wanted state. In the first
+// pass these are the vertices away from where they started, since only pairs with one of them are
+// tested. Later they are those just put back: only the triangles of their patches have changed
+// since the previous pass, so at least one triangle of each new crossing belongs to such a patch.
+// bounds_of() is the box of the first and the last positions of a patch's vertices, whichever of
+// them went back, so all cells that the patch shares with another one are dirty.
 template <class Level>
-void BadMoves<Level>::find_dirty_cells() {
+void BadMoves<Level>::find_dirty_cells(IsWanted is_wanted) {
   for_all(dirty_.size(), [&](std::size_t cell) { dirty_[cell] = 0; });
   for_all(level_.patches(), [&](std::size_t patch) {
     const Vertices v = level_.vertices(patch);
-    if (!has_vertex_just_undone(v)) return;
+    if (!has_vertex(v, is_wanted)) return;
     grid_->visit_cells(bounds_of(level_, v), [&](std::size_t cell) {
       std::atomic_ref(dirty_[cell]).store(1, std::memory_order_relaxed);
     });
   });
 }
 
-// Whether a vertex of the patch was put back after the previous pass.
+// Whether a vertex of the patch has a wanted state.
 template <class Level>
-bool BadMoves<Level>::has_vertex_just_undone(const Vertices& v) {
-  return std::any_of(v.begin(), v.end(), [&](std::uint32_t i) {
-    return state_of(level_, move_states_, i) == MoveState::just_undone;
-  });
+bool BadMoves<Level>::has_vertex(const Vertices& v, IsWanted is_wanted) {
+  return std::any_of(v.begin(), v.end(),
+                     [&](std::uint32_t i) { return is_wanted(state_of(level_, move_states_, i)); });
 }
 
 template <class Level>

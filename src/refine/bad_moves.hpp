@@ -28,9 +28,9 @@ template <class Level>
 class BadMoves {
  public:
   // All arguments must outlive the object. `move_states` has the state of each handled vertex,
-  // counted from level.first_handled().
+  // counted from level.first_handled(); `moved` of them have moved.
   BadMoves(const SphereSet& spheres, const Level& level, Buffer<MoveState>& move_states,
-           const RefineOptions& options)
+           std::uint64_t moved, const RefineOptions& options)
       : spheres_(spheres.spheres().data()),
         level_(level),
         move_states_(move_states),
@@ -38,6 +38,8 @@ class BadMoves {
     if (options.crossings == Crossings::allow) return;
     grid_.emplace(level);
     dirty_.assign(grid_->cell_count(), 1);
+    // If few vertices have moved, few cells have a pair to test, and are worth being found.
+    if (moved < move_states.size() / 8) find_dirty_cells(is_away);
   }
 
   // One pass: changes the state of every vertex with a bad move from MoveState::moved to
@@ -49,8 +51,9 @@ class BadMoves {
  private:
   using Vertices = std::array<std::uint32_t, Level::kVertices>;  // the mesh vertices of a patch
   struct Patch;
-  void find_dirty_cells();
-  bool has_vertex_just_undone(const Vertices& v);
+  using IsWanted = bool (*)(MoveState);
+  void find_dirty_cells(IsWanted is_wanted);
+  bool has_vertex(const Vertices& v, IsWanted is_wanted);
   bool mark_turned(const Vertices& v);
   bool mark_crossed(std::size_t cell);
   bool mark_pair(const Patch& a, const Patch& b);
@@ -85,8 +88,9 @@ std::uint64_t take_back_bad_moves(const SphereSet& spheres, const Level& level,
   const auto count_moved = [&](std::size_t i, std::uint64_t& n) {
     n += move_states[i] == MoveState::moved;
   };
-  if (sum_all(move_states.size(), count_moved) == 0) return 0;
-  BadMoves<Level> bad(spheres, level, move_states, options);
+  const std::uint64_t moved = sum_all(move_states.size(), count_moved);
+  if (moved == 0) return 0;
+  BadMoves<Level> bad(spheres, level, move_states, moved, options);
   std::uint64_t total = 0;
   while (bad.mark()) {
     const auto settle = [&](std::size_t item, std::uint64_t& count) {
