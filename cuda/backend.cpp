@@ -132,7 +132,7 @@ class AutomaticFieldMesher final : public FieldMesher {
     field.fallback = fallback;
     return field;
   }
-  void mesh_into(ExtractResult& result, const SampledField& field,
+  void mesh_into(ExtractResult& result, const SampledFieldView& field,
                  const ExtractOptions& options) const override {
     result.fallback = with_fallback(
         "meshed", [&] { make_cuda_field_mesher()->mesh_into(result, field, options); },

@@ -195,14 +195,14 @@ class CudaFieldMesher final : public FieldMesher {
     return field;
   }
 
-  void mesh_into(ExtractResult& result, const SampledField& field,
+  void mesh_into(ExtractResult& result, const SampledFieldView& field,
                  const ExtractOptions& options) const override {
     check_sampled(field);
     const DeviceScope scope;
-    require_device_memory(field.values.size() * sizeof(float), "the field", options.device_memory);
+    const std::uint64_t nodes = field.grid.node_count();
+    require_device_memory(nodes * sizeof(float), "the field", options.device_memory);
     const Stream stream;
-    const DeviceArray<float> values =
-        upload(field.values.data(), field.values.size(), stream.get());
+    const DeviceArray<float> values = upload(field.values, nodes, stream.get());
     // The mesher may take what the field leaves of the memory allowed.
     ExtractOptions beside_field = options;
     beside_field.device_memory -= values.bytes();

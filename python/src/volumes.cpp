@@ -1,7 +1,8 @@
 // Marching cubes over a volume of Python, with scikit-image's call.
 //
 // The last axis of the volume is the one whose values lie side by side, as x is in a SampledField.
-// So axes 2, 1, 0 of the volume are x, y, z of the library, and its values need no transposition.
+// So axes 2, 1, 0 of the volume are x, y, z of the library, and its values need no transposition:
+// float32 is read where it lies.
 // The mesh is made in cells of side 1; its vertices then go back to the caller's axes, with the
 // caller's spacing and origin. Exchanging two axes is a reflection, so triangles are turned.
 #include <pybind11/stl.h>
@@ -40,27 +41,35 @@ void for_each_element(std::size_t count, Monitor& monitor, const Body& body) {
   for_each_block(count, kPerBlock, visit, &monitor);
 }
 
-template <class From>
-void convert(const From* from, Buffer<float>& values, Monitor& monitor) {
-  for_each_element(values.size(), monitor,
-                   [&](std::size_t i) { values[i] = static_cast<float>(from[i]); });
+// Doubles, which need not be aligned.
+void convert(const std::byte* from, Buffer<float>& values, Monitor& monitor) {
+  for_each_element(values.size(), monitor, [&](std::size_t i) {
+    double value;
+    std::memcpy(&value, from + i * sizeof value, sizeof value);
+    values[i] = static_cast<float>(value);
+  });
 }
 
-// The Python layer hands over volumes without gaps, with at least two nodes along each axis.
-SampledField field_of(const Numbers& volume, double level, Monitor& monitor) {
-  SampledField field;
+// The values of the volume in float32: where they lie, or converted into `values`. The Python layer
+// hands over volumes without gaps, with at least two nodes along each axis.
+const float* values_of(const Numbers& volume, Buffer<float>& values, Monitor& monitor) {
+  const auto address = reinterpret_cast<std::uintptr_t>(volume.bytes());
+  if (volume.is_float32() && address % alignof(float) == 0)
+    return reinterpret_cast<const float*>(volume.bytes());
+  resize_untouched(values, volume.size(0) * volume.size(1) * volume.size(2));
+  if (volume.is_float32()) {
+    std::memcpy(values.data(), volume.bytes(), values.size() * sizeof(float));
+  } else {
+    convert(volume.bytes(), values, monitor);
+  }
+  return values.data();
+}
+
+GridSpec grid_of(const Numbers& volume) {
   const auto cells = [&](std::size_t axis) {
     return static_cast<std::int64_t>(volume.size(axis)) - 1;
   };
-  field.grid = {{0, 0, 0}, 1, {cells(2), cells(1), cells(0)}};
-  field.isovalue = static_cast<float>(level);
-  resize_untouched(field.values, field.grid.node_count());
-  if (volume.is_float32()) {
-    convert(reinterpret_cast<const float*>(volume.bytes()), field.values, monitor);
-  } else {
-    convert(reinterpret_cast<const double*>(volume.bytes()), field.values, monitor);
-  }
-  return field;
+  return {{0, 0, 0}, 1, {cells(2), cells(1), cells(0)}};
 }
 
 // Normals are gradients, which scale with the inverse of lengths.
@@ -91,8 +100,10 @@ MeshHandle marching_cubes(const py::buffer& array, double level, const Triple& s
     ExtractOptions options;
     options.monitor = &monitor;
     options.memory_limit = apps::default_memory_limit();
-    IndexedMesh mesh =
-        std::move(make_field_mesher(backend)->mesh(field_of(volume, level, monitor), options).mesh);
+    Buffer<float> converted;
+    const SampledFieldView field{grid_of(volume), values_of(volume, converted, monitor),
+                                 static_cast<float>(level)};
+    IndexedMesh mesh = std::move(make_field_mesher(backend)->mesh(field, options).mesh);
     place(mesh, {spacing, origin}, monitor);
     return mesh;
   }));

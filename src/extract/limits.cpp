@@ -65,16 +65,19 @@ FieldModel begin_sampling(SampledField& field, const SphereSet& spheres,
   return model;
 }
 
-void check_sampled(const SampledField& field) {
-  const GridSpec& grid = field.grid;
-  check(grid);
-  if (field.values.size() != grid.node_count()) {
-    throw InvalidInput(fmt::format("the field has {} values for the {} nodes of its grid",
-                                   field.values.size(), grid.node_count()));
-  }
+void check_sampled(const SampledFieldView& field) {
+  check(field.grid);
   if (!std::isfinite(field.isovalue)) {
     throw InvalidInput(fmt::format("isovalue {}: must be finite", field.isovalue));
   }
+}
+
+void check_values(const SampledField& field) {
+  check_sampled(field.view());
+  const std::uint64_t nodes = field.grid.node_count();
+  if (field.values.size() == nodes) return;
+  throw InvalidInput(fmt::format("the field has {} values for the {} nodes of its grid",
+                                 field.values.size(), nodes));
 }
 
 }  // namespace vdwmesh

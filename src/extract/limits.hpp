@@ -31,8 +31,10 @@ FieldModel begin_sampling(SampledField& field, const SphereSet& spheres,
                           const ExtractOptions& options);
 
 // Called before a field in memory is meshed. Throws InvalidInput if its grid has a spacing that is
-// not positive, numbers that are not finite or negative cells, if its values are not one per node,
-// or if its isovalue is not finite. Throws LimitExceeded beyond kMaxCellsPerAxis.
-void check_sampled(const SampledField& field);
+// not positive, numbers that are not finite or negative cells, or if its isovalue is not finite.
+// Throws LimitExceeded beyond kMaxCellsPerAxis.
+void check_sampled(const SampledFieldView& field);
+// The same of a field that owns its values, which must be one for each node.
+void check_values(const SampledField& field);
 
 }  // namespace vdwmesh

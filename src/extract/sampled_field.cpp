@@ -168,14 +168,13 @@ class CpuFieldMesher final : public FieldMesher {
     return field;
   }
 
-  void mesh_into(ExtractResult& result, const SampledField& field,
+  void mesh_into(ExtractResult& result, const SampledFieldView& field,
                  const ExtractOptions& options) const override {
     check_sampled(field);
-    const SampledFieldView view = field.view();
     const BrickLoops loops{
-        [&](Keys keys, ActiveBrick* out) { return count_sampled(view, keys, out); },
+        [&](Keys keys, ActiveBrick* out) { return count_sampled(field, keys, out); },
         [&](const Emission& e, std::size_t begin, std::size_t end) {
-          return emit_sampled(view, e, begin, end);
+          return emit_sampled(field, e, begin, end);
         }};
     WorkspaceOfCall workspace(options.workspace);
     mesh_bricks(
@@ -185,6 +184,25 @@ class CpuFieldMesher final : public FieldMesher {
 };
 
 }  // namespace
+
+void FieldMesher::mesh_into(ExtractResult& result, const SampledField& field,
+                            const ExtractOptions& options) const {
+  check_values(field);
+  mesh_into(result, field.view(), options);
+}
+
+ExtractResult FieldMesher::mesh(const SampledField& field, const ExtractOptions& options) const {
+  ExtractResult result;
+  mesh_into(result, field, options);
+  return result;
+}
+
+ExtractResult FieldMesher::mesh(const SampledFieldView& field,
+                                const ExtractOptions& options) const {
+  ExtractResult result;
+  mesh_into(result, field, options);
+  return result;
+}
 
 std::unique_ptr<FieldMesher> make_cpu_field_mesher() { return std::make_unique<CpuFieldMesher>(); }
 

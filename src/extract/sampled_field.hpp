@@ -50,17 +50,19 @@ class FieldMesher {
   //
   // Of `options`, only connectivity, normals, memory_limit, device_memory, monitor, workspace and
   // on_size are used. Throws InvalidInput for a grid whose spacing or number of cells is invalid,
-  // for a number of values that is not the number of nodes, and for an isovalue that is not finite.
-  // Throws LimitExceeded as the Extractor does.
-  virtual void mesh_into(ExtractResult& result, const SampledField& field,
+  // and for an isovalue that is not finite. Throws LimitExceeded as the Extractor does.
+  // Precondition: the view, whose values lie in the memory of the host, has one for each node.
+  virtual void mesh_into(ExtractResult& result, const SampledFieldView& field,
                          const ExtractOptions& options) const = 0;
 
+  // The same for a field that owns its values. Throws InvalidInput for a number of values that is
+  // not the number of nodes.
+  void mesh_into(ExtractResult& result, const SampledField& field,
+                 const ExtractOptions& options) const;
+
   // mesh_into() a new result.
-  ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const {
-    ExtractResult result;
-    mesh_into(result, field, options);
-    return result;
-  }
+  ExtractResult mesh(const SampledField& field, const ExtractOptions& options) const;
+  ExtractResult mesh(const SampledFieldView& field, const ExtractOptions& options) const;
 };
 
 // The CPU backend. It uses all cores through oneTBB.

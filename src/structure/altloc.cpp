@@ -45,8 +45,9 @@ using Range = std::pair<Sites::iterator, Sites::iterator>;
 // The end of the run of atoms that share the sequence position of `first`.
 Sites::iterator end_of_position(Sites::iterator first, Sites::iterator last) {
   return std::find_if(first, last, [first](const Site& site) {
-    return site.chain != first->chain || site.residue->seqid != first->residue->seqid ||
-           site.residue->segment != first->residue->segment;
+    return site.residue != first->residue &&
+           (site.chain != first->chain || site.residue->seqid != first->residue->seqid ||
+            site.residue->segment != first->residue->segment);
   });
 }
 

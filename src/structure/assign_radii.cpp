@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <gemmi/model.hpp>
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include "core/errors.hpp"
@@ -79,13 +81,34 @@ class Account {
   std::map<std::string, std::uint64_t> renamed_;  // residue name -> atoms
 };
 
+// Looks atoms up in a table. What a table knows by the element alone is looked up once for each
+// element.
+class LookUp {
+ public:
+  explicit LookUp(const RadiusTable& table) : table_(table), by_element_(table.is_by_element()) {}
+
+  const std::optional<RadiusTable::Entry>& find(const Site& site) {
+    const gemmi::Element element = site.atom->element;
+    std::optional<RadiusTable::Entry>& entry = found_[static_cast<std::size_t>(element.elem)];
+    if (!by_element_ || !entry)
+      entry = table_.find(site.residue->name, site.atom->name, element.name());
+    return entry;
+  }
+
+ private:
+  const RadiusTable& table_;
+  bool by_element_;
+  std::array<std::optional<RadiusTable::Entry>, static_cast<std::size_t>(gemmi::El::END)> found_;
+};
+
 }  // namespace
 
 void assign_radii(Sites& sites, const ParsedFile& file, const RadiusTable& table,
                   Molecule& molecule) {
   Account account(table.has_united_atoms());
+  LookUp look_up(table);
   for (Site& site : sites) {
-    const auto entry = table.find(site.residue->name, site.atom->name, site.atom->element.name());
+    const auto& entry = look_up.find(site);
     if (!entry) refuse_radius(site, file, molecule.radius_set);
     site.radius = entry->radius;
     site.polarity = entry->polarity;

@@ -177,9 +177,17 @@ class Reader {
   const BinaryColumn* column(Column column) const {
     return columns_[static_cast<std::size_t>(column)];
   }
+  // The text of an integer, as models and entities have them, is made only where the row before has
+  // another integer.
   std::string_view text(Column of, std::size_t row) {
     const BinaryColumn* const found = column(of);
-    return found ? found->text(row, scratch_[static_cast<std::size_t>(of)]) : std::string_view();
+    if (!found) return {};
+    std::string& scratch = scratch_[static_cast<std::size_t>(of)];
+    const std::optional<std::int32_t> number = integer(of, row);
+    if (!number) return found->text(row, scratch);
+    LastText& last = last_[static_cast<std::size_t>(of)];
+    if (last.number != number) last = {number, found->text(row, scratch)};
+    return last.text;
   }
   float number_or(Column of, std::size_t row, float otherwise) const {
     const BinaryColumn* const found = column(of);
@@ -235,6 +243,11 @@ class Reader {
   std::vector<BinaryColumn> decoded_;                            // by index in the table
   std::array<const BinaryColumn*, kAtomSiteColumns> columns_{};  // nullptr: not there
   std::array<std::string, kAtomSiteColumns> scratch_;            // texts of numbers
+  struct LastText {
+    std::optional<std::int32_t> number;
+    std::string_view text;  // in scratch_
+  };
+  std::array<LastText, kAtomSiteColumns> last_;
 };
 
 }  // namespace

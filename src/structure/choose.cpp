@@ -311,6 +311,10 @@ class Choice {
   // Appends the atom of the site to the molecule, and returns it for changes.
   Atom& take(const Site& site) {
     const AtomRecord& from = record(site);
+    if (site.model != model_) {
+      model_ = site.model;
+      model_number_ = model_number(*model_);
+    }
     if (site.residue != numbered_) {
       numbered_ = site.residue;
       residue_number_ = numbered_->seqid.num ? numbered_->seqid.str() : std::string();
@@ -324,7 +328,7 @@ class Choice {
     taken.chain = site.chain->name;
     taken.residue_number = residue_number_;
     taken.serial = from.serial;
-    taken.model = model_number(*site.model);
+    taken.model = model_number_;
     taken.hetero = from.hetero;
     taken.measured = site.measured;
     taken.group = site.group;
@@ -463,6 +467,8 @@ class Choice {
   const ReadOptions& options_;
   Sites sites_;
   Molecule molecule_;
+  const gemmi::Model* model_ = nullptr;       // of the atom appended last
+  std::int32_t model_number_ = 0;             // its number, read once for each model
   const gemmi::Residue* numbered_ = nullptr;  // the residue of the atom appended last
   std::string residue_number_;                // its number as text, formatted once for each residue
 };

@@ -157,6 +157,9 @@ const char* element_of_symbol(std::string_view symbol) {
 }
 
 bool is_martini_bead(std::string_view name, std::string_view residue) {
+  const std::string_view bare = trimmed(name);
+  const char first = bare.empty() ? ' ' : upper_case(bare.front());
+  if (first != 'G' && first != 'S' && first != 'B') return false;
   const std::string bead = capitals(name);
   if (bead == "GL1") return true;
   const bool side_chain =

@@ -11,15 +11,32 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
+// The same, of which the last five have consecutive codes.
+bool is_white_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+// The index of the first LF or CR; the length of the text if it has neither. Both are looked for in
+// short pieces, because a file may have only one of them.
+std::size_t find_line_end(std::string_view text) {
+  constexpr std::size_t kPiece = 256;
+  for (std::size_t first = 0; first < text.size(); first += kPiece) {
+    std::string_view piece = text.substr(first, kPiece);
+    const std::size_t feed = piece.find('\n');
+    piece = piece.substr(0, feed);
+    const std::size_t back = piece.find('\r');
+    if (back != piece.npos) return first + back;
+    if (feed != piece.npos) return first + feed;
+  }
+  return text.size();
+}
 constexpr std::size_t kLongestQuote = 40;  // characters, so that a message stays readable
 
 }  // namespace
 
 bool next_line(std::string_view& rest, std::string_view& line) {
   if (rest.empty()) return false;
-  const std::size_t end = rest.find_first_of("\r\n");
+  const std::size_t end = find_line_end(rest);
   line = rest.substr(0, end);
-  if (end == std::string_view::npos) {
+  if (end == rest.size()) {
     rest = {};
     return true;
   }
@@ -30,9 +47,9 @@ bool next_line(std::string_view& rest, std::string_view& line) {
 }
 
 std::string_view trimmed(std::string_view field) {
-  const std::size_t first = field.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return field.substr(first, field.find_last_not_of(kBlanks) - first + 1);
+  while (!field.empty() && is_white_space(field.front())) field.remove_prefix(1);
+  while (!field.empty() && is_white_space(field.back())) field.remove_suffix(1);
+  return field;
 }
 
 std::string_view columns(std::string_view line, std::size_t first, std::size_t count) {

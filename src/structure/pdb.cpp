@@ -103,9 +103,15 @@ std::optional<std::int64_t> serial_number(std::string_view field) {
 
 // Writes an index as a serial number in hybrid-36: the inverse of serial_number() for capitals.
 std::string five_columns(std::uint64_t index) {
-  if (index < 100'000) return fmt::format("{:5}", index);
+  std::string field(5, ' ');
+  if (index < 100'000) {
+    std::size_t place = field.size();
+    do {
+      field[--place] = kDigits36[index % 10];
+    } while ((index /= 10) != 0);
+    return field;
+  }
   std::uint64_t rest = index - 100'000 + std::uint64_t{10} * 36 * 36 * 36 * 36;
-  std::string field(5, '0');
   for (std::size_t i = field.size(); i-- > 0; rest /= 36) field[i] = kDigits36[rest % 36];
   return field;
 }
@@ -172,27 +178,33 @@ class Normaliser {
       refuse(fmt::format("more than {} atoms; write it as mmCIF", kMaxAtoms));
     check_coordinates(line);
     // The entry tag is cut off, because its characters would be read as an element.
-    std::string record(line.substr(0, layout_.entry_tags ? kTagColumn : kLastColumn));
-    record.resize(kLastColumn, ' ');
+    const std::size_t begin = text_.size();
+    text_.append(line.substr(0, layout_.entry_tags ? kTagColumn : kLastColumn));
+    text_.resize(begin + kLastColumn, ' ');
+    const std::string_view record = std::string_view(text_).substr(begin);
+    const auto replace = [&](std::size_t column, std::string_view field) {
+      field.copy(text_.data() + begin + column, field.size());
+    };
     AtomRecord atom;
     atom.line = number_;
     atom.hetero = starts_with_record(line, "HETATM");
     atom.serial =
         serial_number(columns(record, 6, 5)).value_or(static_cast<std::int64_t>(atoms_.size()) + 1);
-    record.replace(0, 6, atom.hetero ? "HETATM" : "ATOM  ");
-    record.replace(6, 5, five_columns(atoms_.size()));
+    replace(0, atom.hetero ? "HETATM" : "ATOM  ");
+    replace(6, five_columns(atoms_.size()));
     // gemmi reads a blank occupancy as 0; the atom is meant to be there in full.
-    if (trimmed(columns(record, 54, 6)).empty()) record.replace(54, 6, "  1.00");
+    if (trimmed(columns(record, 54, 6)).empty()) replace(54, "  1.00");
     std::string_view element = element_of_symbol(columns(record, kElementColumn, 2));
     atom.element_guessed = element == "X";
     if (atom.element_guessed) element = guessed_element(record);
-    record.replace(kElementColumn, 2, fmt::format("{:>2}", element));
+    replace(kElementColumn, "  ");
+    replace(kLastColumn - element.size(), element);
     atoms_.push_back(atom);
-    text_.append(record).append("\n");
+    text_ += '\n';
   }
 
   // The element of an atom whose record does not give it. "X" is unknown; beads have no element.
-  std::string_view guessed_element(const std::string& record) const {
+  std::string_view guessed_element(std::string_view record) const {
     if (layout_.beads) return "X";
     const std::string_view name = columns(record, 12, 4), residue = trimmed(columns(record, 17, 3));
     return layout_.names_at_left ? element_of_bare_name(name, residue)

@@ -53,6 +53,8 @@ class RadiusTable {
   std::optional<Entry> find(std::string_view residue, std::string_view atom,
                             std::string_view element) const;
 
+  // Whether find() looks at nothing but the element.
+  bool is_by_element() const { return by_atom_.empty() && united_ == nullptr; }
   // Whether the radii are those of united atoms, for structures without their hydrogens.
   bool has_united_atoms() const { return united_ != nullptr; }
 

@@ -271,6 +271,11 @@ class MarchingCubesTest(unittest.TestCase):
         for other in (volume.astype(float), np.asfortranarray(volume), padded[:, :, ::2],
                       volume.astype(">f4"), volume.tolist()):  # fmt: skip
             np.testing.assert_array_equal(vdwmesh.marching_cubes(other, 0).vertices, expected)
+        for dtype in (np.float32, float):
+            room = bytearray(1 + volume.size * np.dtype(dtype).itemsize)
+            unaligned = np.frombuffer(room, dtype, offset=1).reshape(volume.shape)
+            unaligned[...] = volume
+            np.testing.assert_array_equal(vdwmesh.marching_cubes(unaligned, 0).vertices, expected)
         counts = (self.ball() * 100).astype(np.int16)
         self.assertTrue(vdwmesh.marching_cubes(counts, 10).is_closed)
 
