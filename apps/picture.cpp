@@ -116,16 +116,25 @@ Paint paint_by_patch(const IndexedMesh& shown, const PatchedMesh& mesh,
     });
     return paint;
   }
-  const bool is_mean = options.color == ColorBy::mean_curvature;
+  const auto curvature = [&](const SurfacePatch& patch, const Vec3d& p) {
+    const PrincipalCurvatures c = patch_curvatures(patch, p);
+    return static_cast<float>(options.color == ColorBy::mean_curvature ? c.mean() : c.gaussian());
+  };
   std::vector<float> values(shown.vertex_count());
   visit([&](std::uint32_t v, const SurfacePatch& patch) {
-    const PrincipalCurvatures c = patch_curvatures(patch, shown.positions[v]);
-    values[v] = static_cast<float>(is_mean ? c.mean() : c.gaussian());
+    values[v] = curvature(patch, shown.positions[v]);
   });
-  const double bound = symmetric_bound(values, kInside);
+  // The scale is that of the spheres, which are most of the surface. The few thin saddles curve
+  // hundreds of times as much, and have many vertices.
+  std::vector<float> of_spheres;
+  for (const SurfacePatch& patch : mesh.patches) {
+    if (patch.kind != PatchKind::saddle) of_spheres.push_back(curvature(patch, patch.center));
+  }
+  const double bound = symmetric_bound(of_spheres, 1);
   ColorScale scale = scale_for(values, ColorMap::cool_warm, {-bound, bound},
-                               is_mean ? "Mean curvature, 1/Å (positive: convex)"
-                                       : "Gaussian curvature, 1/Å² (negative: saddle-shaped)",
+                               options.color == ColorBy::mean_curvature
+                                   ? "Mean curvature, 1/Å (positive: convex)"
+                                   : "Gaussian curvature, 1/Å² (negative: saddle-shaped)",
                                options);
   return VertexValues{std::move(values), std::move(scale)};
 }
