@@ -72,6 +72,53 @@ PictureReport report_of(const PictureOptions& options, const MeshSource& source,
           filled_by};
 }
 
+// Calls visit(v, patch) for the corners of all triangles. Every vertex of `shown`, which
+// split_at_patches() made of the mesh, belongs to one patch.
+template <class Visit>
+void visit_corners(const IndexedMesh& shown, const PatchedMesh& mesh, const Visit& visit) {
+  for (std::size_t t = 0; t < shown.triangle_count(); ++t) {
+    const SurfacePatch& patch = mesh.patches[mesh.triangle_patch[t]];
+    for (const std::uint32_t v : shown.triangles[t]) visit(v, patch);
+  }
+}
+
+VertexColors paint_by_kind(const IndexedMesh& shown, const PatchedMesh& mesh) {
+  VertexColors paint;
+  paint.colors.resize(shown.vertex_count());
+  visit_corners(shown, mesh, [&](std::uint32_t v, const SurfacePatch& patch) {
+    paint.colors[v] = kKindColors.at(static_cast<std::size_t>(patch.kind));
+  });
+  return paint;
+}
+
+// The scale is that of the spheres, which are most of the surface. The few thin saddles curve
+// hundreds of times as much, and have many vertices. In cusps they curve infinitely, which cannot
+// be interpolated, so values end at the bounds of the scale.
+VertexValues paint_by_curvature(const IndexedMesh& shown, const PatchedMesh& mesh,
+                                const PictureOptions& options) {
+  const bool is_mean = options.color == ColorBy::mean_curvature;
+  const auto curvature = [&](const SurfacePatch& patch, const Vec3d& p) {
+    const PrincipalCurvatures c = patch_curvatures(patch, p);
+    return static_cast<float>(is_mean ? c.mean() : c.gaussian());
+  };
+  std::vector<float> values(shown.vertex_count()), of_spheres;
+  visit_corners(shown, mesh, [&](std::uint32_t v, const SurfacePatch& patch) {
+    values[v] = curvature(patch, shown.positions[v]);
+  });
+  for (const SurfacePatch& patch : mesh.patches) {
+    if (patch.kind != PatchKind::saddle) of_spheres.push_back(curvature(patch, patch.center));
+  }
+  const double bound = symmetric_bound(of_spheres, 1);
+  ColorScale scale = scale_for(values, ColorMap::cool_warm, {-bound, bound},
+                               is_mean ? "Mean curvature, 1/Å (positive: convex)"
+                                       : "Gaussian curvature, 1/Å² (negative: saddle-shaped)",
+                               options);
+  for (float& value : values) {
+    value = std::clamp(value, static_cast<float>(scale.lower), static_cast<float>(scale.upper));
+  }
+  return {std::move(values), std::move(scale)};
+}
+
 }  // namespace
 
 Paint paint_by_element(const IndexedMesh& mesh, const Molecule& molecule) {
@@ -101,42 +148,8 @@ Paint paint_by_distance(const IndexedMesh& mesh, const SphereSet& spheres,
 
 Paint paint_by_patch(const IndexedMesh& shown, const PatchedMesh& mesh,
                      const PictureOptions& options) {
-  // Every vertex of the picture belongs to one patch.
-  const auto visit = [&](const auto& set) {
-    for (std::size_t t = 0; t < shown.triangle_count(); ++t) {
-      const SurfacePatch& patch = mesh.patches[mesh.triangle_patch[t]];
-      for (const std::uint32_t v : shown.triangles[t]) set(v, patch);
-    }
-  };
-  if (options.color == ColorBy::kind) {
-    VertexColors paint;
-    paint.colors.resize(shown.vertex_count());
-    visit([&](std::uint32_t v, const SurfacePatch& patch) {
-      paint.colors[v] = kKindColors.at(static_cast<std::size_t>(patch.kind));
-    });
-    return paint;
-  }
-  const auto curvature = [&](const SurfacePatch& patch, const Vec3d& p) {
-    const PrincipalCurvatures c = patch_curvatures(patch, p);
-    return static_cast<float>(options.color == ColorBy::mean_curvature ? c.mean() : c.gaussian());
-  };
-  std::vector<float> values(shown.vertex_count());
-  visit([&](std::uint32_t v, const SurfacePatch& patch) {
-    values[v] = curvature(patch, shown.positions[v]);
-  });
-  // The scale is that of the spheres, which are most of the surface. The few thin saddles curve
-  // hundreds of times as much, and have many vertices.
-  std::vector<float> of_spheres;
-  for (const SurfacePatch& patch : mesh.patches) {
-    if (patch.kind != PatchKind::saddle) of_spheres.push_back(curvature(patch, patch.center));
-  }
-  const double bound = symmetric_bound(of_spheres, 1);
-  ColorScale scale = scale_for(values, ColorMap::cool_warm, {-bound, bound},
-                               options.color == ColorBy::mean_curvature
-                                   ? "Mean curvature, 1/Å (positive: convex)"
-                                   : "Gaussian curvature, 1/Å² (negative: saddle-shaped)",
-                               options);
-  return VertexValues{std::move(values), std::move(scale)};
+  return options.color == ColorBy::kind ? Paint(paint_by_kind(shown, mesh))
+                                        : Paint(paint_by_curvature(shown, mesh, options));
 }
 
 Paint paint_by_angle(const IndexedMesh& mesh, const PictureOptions& options) {

@@ -4,8 +4,8 @@
 //
 // CSV on standard output, a row for each mesh. Differences are from excluded_measures().
 // --search: self-intersections of meshes up to N triangles.
-// --levels: subdivisions of each mesh, a row for each level. Then `ratio` is the error of the level
-// above over that of the level, and `left` the relative error of what both tend to.
+// --levels: subdivisions of each mesh, a row for each level. Then a ratio is the error of the level
+// above over that of the level, and left is the relative error of what both tend to.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

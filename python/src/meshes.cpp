@@ -186,11 +186,11 @@ PatchedMesh mesh_excluded_surface(const SphereSet& atoms, double probe, const Re
                                            .memory_limit = limit,
                                            .monitor = &monitor});
   if (request.subdivisions > 0) {
-    mesh = std::move(refine_patches(atoms, std::move(mesh),
-                                    {.subdivisions = request.subdivisions,
-                                     .memory_limit = limit,
-                                     .monitor = &monitor})
-                         .mesh);
+    mesh = std::move(
+        refine_patches(
+            atoms, std::move(mesh),
+            {.subdivisions = request.subdivisions, .memory_limit = limit, .monitor = &monitor})
+            .mesh);
   }
   if (!request.normals) mesh.mesh.normals = {};
   return mesh;
