@@ -22,6 +22,7 @@ set(CPACK_PRE_BUILD_SCRIPTS "${PROJECT_SOURCE_DIR}/packaging/stage.cmake")
 set(VDWMESH_PACKAGE_MAINTAINER "The vdwmesh authors <authors@vdwmesh.invalid>" CACHE STRING
     "Who answers for the packages; the project has no mail address of its own")
 set(CPACK_PACKAGE_VENDOR "vdwmesh")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
 set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER "${VDWMESH_PACKAGE_MAINTAINER}")
@@ -29,9 +30,9 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_VDWMESH_SOURCE_DIR "${PROJECT_SOURCE_DIR}")  # for stage.cmake
 
-set(about " vdwmesh makes triangle meshes of the surfaces of molecules and compares
- them with the exact area, volume and topology of the union of the atoms'
- spheres, which it computes without a mesh.")
+set(about "vdwmesh makes triangle meshes of the surfaces of molecules and compares
+them with the exact area, volume and topology of the union of the atoms'
+spheres, which it computes without a mesh.")
 
 # vdwmesh_package(<component> NAME <package> SECTION <section> SUMMARY <line> TEXT <lines>
 #                 [DEPENDS <packages>] [RECOMMENDS <packages>] [SUGGESTS <packages>])
@@ -40,7 +41,7 @@ macro(vdwmesh_package component)
   string(TOUPPER "${component}" key)
   set(CPACK_DEBIAN_${key}_PACKAGE_NAME "${ARG_NAME}")
   set(CPACK_DEBIAN_${key}_PACKAGE_SECTION "${ARG_SECTION}")
-  set(CPACK_DEBIAN_${key}_DESCRIPTION "${ARG_SUMMARY}\n${about}\n .\n${ARG_TEXT}")
+  set(CPACK_DEBIAN_${key}_DESCRIPTION "${ARG_SUMMARY}\n${about}\n.\n${ARG_TEXT}")
   set(CPACK_DEBIAN_${key}_PACKAGE_DEPENDS "${ARG_DEPENDS}")
   set(CPACK_DEBIAN_${key}_PACKAGE_RECOMMENDS "${ARG_RECOMMENDS}")
   set(CPACK_DEBIAN_${key}_PACKAGE_SUGGESTS "${ARG_SUGGESTS}")
@@ -49,13 +50,13 @@ endmacro()
 
 vdwmesh_package(program NAME vdwmesh SECTION science
   SUMMARY "surfaces of molecules as meshes, with proof of how good they are"
-  TEXT " This package has the program. Pictures are drawn by OpenGL through EGL,
- with Mesa in software where there is no GPU."
+  TEXT "This package has the program. Pictures are drawn by OpenGL through EGL,
+with Mesa in software where there is no GPU."
   RECOMMENDS "libegl1, libgl1-mesa-dri")
 vdwmesh_package(mpi NAME vdwmesh-mpi SECTION science
   SUMMARY "surfaces of very large molecules by many processes (MPI)"
-  TEXT " This package has the program vdwmesh-mpi, whose processes make one mesh file
- together and measure one molecule together."
+  TEXT "This package has the program vdwmesh-mpi, whose processes make one mesh file
+together and measure one molecule together."
   DEPENDS "openmpi-bin" SUGGESTS "vdwmesh")
 # The extension is for one version of Python, as Debian has one.
 if(VDWMESH_WITH_PYTHON)
@@ -65,15 +66,15 @@ python3 (<< ${Python_VERSION_MAJOR}.${next_minor})")
 endif()
 vdwmesh_package(python NAME python3-vdwmesh SECTION python
   SUMMARY "surfaces of molecules from Python: exact measures and meshes"
-  TEXT " This package has the module for Python, which works on arrays of NumPy and on
- the molecules of MDAnalysis, mdtraj, biotite and gemmi."
+  TEXT "This package has the module for Python, which works on arrays of NumPy and on
+the molecules of MDAnalysis, mdtraj, biotite and gemmi."
   DEPENDS "${python_versions}, python3-numpy"
   SUGGESTS "python3-mdanalysis, python3-mdtraj, vdwmesh")
 vdwmesh_package(development NAME libvdwmesh-dev SECTION libdevel
   SUMMARY "surfaces of molecules as meshes: library for C++"
-  TEXT " This package has the headers, the static libraries and the package file by
- which CMake finds them."
-  DEPENDS "libstdc++-12-dev, libcgal-dev, libeigen3-dev, libopenmesh-dev, libtbb-dev, libfmt-dev, zlib1g-dev, \
+  TEXT "This package has the headers, the static libraries and the package file by
+which CMake finds them."
+  DEPENDS "libstdc++-12-dev, libcgal-dev, libeigen3-dev, libopenmesh-dev, libtinygltf-dev, libtbb-dev, libfmt-dev, zlib1g-dev, \
 libarchive-dev, libpng-dev, libfreetype-dev, libepoxy-dev, libegl-dev, pkg-config"
   SUGGESTS "cmake")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)

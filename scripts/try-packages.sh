@@ -23,7 +23,9 @@ done
 work=$(mktemp -d)
 root=$work/root
 clean_up() {
-  if mountpoint -q "$root/proc"; then umount "$root/proc"; fi
+  for folder in proc sys; do
+    if mountpoint -q "$root/$folder"; then umount "$root/$folder"; fi
+  done
   rm -rf --one-file-system "$work"
 }
 trap clean_up EXIT
@@ -62,6 +64,7 @@ fi
 if [ "$bare" = "$work/bare" ]; then mv "$bare" "$root"; else cp -a "$bare" "$root"; fi
 # Where the kernel lets this container mount nothing, the programs have to do without.
 mount -t proc proc "$root/proc" 2> /dev/null || echo "try-packages: no /proc in the root"
+mount -t sysfs -o ro sysfs "$root/sys" 2> /dev/null || echo "try-packages: no /sys in the root"
 mkdir "$root/packages"
 cp "$packages"/*.deb "$root/packages"
 inside apt-get -q -q "${apt_options[@]}" update
