@@ -1,3 +1,7 @@
+# The target docs_site writes docs/site/index.html into the build tree: all pages of the documentation as HTML that
+# opens from files, with the reference by Doxygen, where that is found. The pages are made by python3-markdown, of
+# Debian's python3.
+#
 # The target docs_api writes docs/api/index.html into the build tree, where Doxygen is found: the
 # reference of the public headers, under the names by which users include them.
 find_program(VDWMESH_DOXYGEN doxygen)
@@ -20,4 +24,22 @@ if(PROJECT_IS_TOP_LEVEL AND VDWMESH_DOXYGEN)
     COMMAND "${VDWMESH_DOXYGEN}" "${PROJECT_BINARY_DIR}/docs/Doxyfile"
     COMMENT "Reference of the public headers: ${PROJECT_BINARY_DIR}/docs/api/index.html"
     VERBATIM)
+endif()
+
+find_program(VDWMESH_DOCS_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
+if(PROJECT_IS_TOP_LEVEL AND VDWMESH_DOCS_PYTHON)
+  set(site_api)
+  if(TARGET docs_api)
+    set(site_api --api "${PROJECT_BINARY_DIR}/docs/api")
+  endif()
+  add_custom_target(docs_site
+    COMMAND "${VDWMESH_DOCS_PYTHON}" -B "${PROJECT_SOURCE_DIR}/docs/site/build_site.py"
+            "${PROJECT_BINARY_DIR}/docs/site" --version "${PROJECT_VERSION}" ${site_api}
+    COMMAND "${VDWMESH_DOCS_PYTHON}" -B "${PROJECT_SOURCE_DIR}/docs/site/check_site.py"
+            "${PROJECT_BINARY_DIR}/docs/site"
+    COMMENT "Documentation: ${PROJECT_BINARY_DIR}/docs/site/index.html"
+    VERBATIM)
+  if(TARGET docs_api)
+    add_dependencies(docs_site docs_api)
+  endif()
 endif()

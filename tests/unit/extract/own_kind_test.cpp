@@ -1,4 +1,4 @@
-// A kind of field that the library does not have, made by the recipe of the README: everything that
+// A kind of field that the library does not have, made by the recipe of docs/library.md: everything that
 // extraction asks of a kind is in its type, so a test can add one.
 #include <gtest/gtest.h>
 

@@ -1,0 +1,138 @@
+"""The commands of the pages in docs/tasks and of docs/start.md are run as they stand, and print what the pages say.
+
+A block marked `sh` is run in a folder that looks like a clone, by bash, with the program and the package for
+Python on their paths; the blocks of one page follow each other in one folder. A block marked `text` behind it
+is compared with what it printed: each of its lines has to be there, in this order; a line `…` stands for any
+lines, `…` at the end of a line for the rest of the line, and blanks may differ in number. Blocks marked
+`shell` take long, or change the machine: LONG names each with what runs it instead.
+"""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+from program import PROGRAM, SOURCE_DIR, ProgramTest, is_required, need_package, need_shared, parse_json
+
+PAGES = [SOURCE_DIR / "docs" / "start.md", *sorted((SOURCE_DIR / "docs" / "tasks").glob("*.md"))]
+
+# Files that are no part of a clone: the word in a command, and the file that stands in.
+FILES = {
+    "1F2N.pdb": "molecules/special/1F2N.pdb",
+    "1L2Y.pdb": "molecules/special/1L2Y.pdb",
+    "1L2Y.xtc": "molecules/special/1L2Y.xtc",
+    "thesis": "molecules/thesis",
+}
+MODULES = {"MDAnalysis": "python3-mdanalysis", "numpy": "python3-numpy"}
+
+# The blocks that this test does not run, by their first words, and what runs them. With VDWMESH_LONG_DOCUMENTS=1
+# it runs those that name this variable.
+LONG = {
+    "scripts/demo.sh": "a person, from a fresh clone",
+    "mpirun -n 2 vdwmesh-mpi mesh": "VDWMESH_LONG_DOCUMENTS; tests/cli/test_ranks.py with smaller files",
+    "vdwmesh bench thesis": "VDWMESH_LONG_DOCUMENTS; tests/cli/test_bench.py with one entry",
+}
+BLOCK = re.compile(r"^```(sh|text|shell)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def blocks(page):
+    return [(found[1], found[2]) for found in BLOCK.finditer(page.read_text())]
+
+
+def what_is_missing(printed, promised):
+    """The first line of the page that was not printed behind the lines before it; None if there is none."""
+    lines = iter(" ".join(line.split()) for line in printed.splitlines())
+    for line in promised.splitlines():
+        line = " ".join(line.split())
+        if line in ("", "…"):
+            continue
+        begins = line.removesuffix("…")
+        if not any(one == line or (begins != line and one.startswith(begins)) for one in lines):
+            return line
+    return None
+
+
+class Documents(ProgramTest):
+    def run_page(self, page):
+        printed = None
+        long = os.environ.get("VDWMESH_LONG_DOCUMENTS") == "1"
+        for kind, text in blocks(page):
+            if kind == "text":
+                self.assertIsNotNone(printed, f"{page.name}: output without a command")
+                line = what_is_missing(printed, text)
+                self.assertIsNone(line, f"{page.name} promises this line:\n{line}\nand printed was:\n{printed}")
+            elif kind == "sh" or (long and "VDWMESH_LONG_DOCUMENTS" in self.reason(text)):
+                printed = self.run_block(page, text)
+
+    def run_block(self, page, text):
+        self.prepare(text)
+        environment = dict(os.environ, PATH=f"{self.folder / 'bin'}:{os.path.dirname(PROGRAM)}:{os.environ['PATH']}")
+        environment["PYTHONWARNINGS"] = "ignore"
+        result = subprocess.run(
+            ["bash", "-euo", "pipefail", "-c", text], cwd=self.folder, env=environment, timeout=900,
+            capture_output=True, text=True)  # fmt: skip
+        self.assertEqual(result.returncode, 0, f"{page.name}:\n{text}\n{result.stderr}")
+        return result.stdout
+
+    def prepare(self, text):
+        """A folder like that of a clone, with the files that the page says are needed."""
+        (self.folder / "bin").mkdir(exist_ok=True)
+        needed = {"data": SOURCE_DIR / "data", "bin/python3": sys.executable}
+        words = set(re.findall(r"[\w.]+", text))
+        needed.update((name, need_shared(path)) for name, path in FILES.items() if name in words)
+        for name, path in needed.items():
+            if not (self.folder / name).exists():
+                (self.folder / name).symlink_to(path)
+        for module, package in MODULES.items():
+            if f"import {module}" in text:
+                need_package(package, module=module)
+        if "import vdwmesh" in text or ", vdwmesh" in text:
+            if "PYTHONPATH" not in os.environ:
+                self.skipTest("this build has no Python package")
+        if " render " in text or "--picture" in text:
+            self.need_pictures()
+
+    def need_pictures(self):
+        """Where nothing draws, VDWMESH_REQUIRE_EGL=1 makes the command fail, and otherwise the test skips."""
+        pictures = parse_json(self.run_ok("info", "--json", "-").stdout)["pictures"]
+        if pictures["device"] is None and not is_required("VDWMESH_REQUIRE_EGL"):
+            self.skipTest(f"no pictures: {pictures['reason']}")
+
+    @staticmethod
+    def reason(text):
+        """What runs a block that takes long."""
+        found = [reason for words, reason in LONG.items() if text.startswith(words)]
+        return found[0] if found else ""
+
+    def test_long_blocks_are_listed(self):
+        long = [text for page in PAGES for kind, text in blocks(page) if kind == "shell"]
+        self.assertEqual([text for text in long if not self.reason(text)], [])
+        unused = [words for words in LONG if not any(text.startswith(words) for text in long)]
+        self.assertEqual(unused, [])
+
+    def test_every_page_has_a_command_and_its_output(self):
+        self.assertGreater(len(PAGES), 9)
+        for page in PAGES:
+            kinds = [kind for kind, _ in blocks(page)]
+            self.assertIn("sh", kinds, page.name)
+            self.assertIn("text", kinds, page.name)
+
+    def test_a_line_that_is_not_printed_is_found(self):
+        self.assertIsNone(what_is_missing("a  1\nb 2\nc 3.14\n", "a 1\n…\nc 3.1…\n"))
+        self.assertEqual(what_is_missing("a 1\nb 2\n", "b 2\na 1\n"), "a 1")
+        self.assertEqual(what_is_missing("a 12\n", "a 1\n"), "a 1")
+
+
+def add_test_of(page):
+    def test(self):
+        self.run_page(page)
+
+    setattr(Documents, f"test_commands_of_{page.stem}", test)
+
+
+for one in PAGES:
+    add_test_of(one)
+
+if __name__ == "__main__":
+    unittest.main()
