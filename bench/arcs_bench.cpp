@@ -1,4 +1,5 @@
-// Times the exact union by arcs: per atom against size, and against the number of threads.
+// Times the exact union by arcs: per atom against size, against the number of threads, and of a few
+// atoms in the presence of all.
 //
 //   arcs_bench [SPHERES.xyzr [PROBE]]     tables; without a file, a synthetic packing of atoms
 //   arcs_bench SPHERES.xyzr PROBE PDB     writes the same spheres as PDB, radii as occupancies, for
@@ -12,7 +13,9 @@
 #include <ctime>
 #include <exception>
 #include <limits>
+#include <optional>
 #include <random>
+#include <span>
 #include <string>
 
 #include "arrangement/arcs/arcs.hpp"
@@ -63,13 +66,17 @@ struct Seconds {
 };
 
 // Least of a few runs.
-Seconds time_arcs(const SphereSet& spheres, std::size_t threads) {
+Seconds time_arcs(const SphereSet& spheres, std::size_t threads,
+                  const std::optional<std::span<const vdwmesh::SphereId>>& measured = {}) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   Seconds best{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   for (int i = 0; i < kRepeats; ++i) {
+    vdwmesh::ArcMeasures measures;
+    vdwmesh::Workspace workspace;
     const auto wall = std::chrono::steady_clock::now();
     const std::clock_t cpu = std::clock();
-    const vdwmesh::ArcMeasures measures = arc_measures(spheres);
+    const vdwmesh::MeasuredSpheres chosen(spheres.size(), measured);
+    arc_measures(measures, spheres, {.measured = chosen}, workspace);
     const double cpu_seconds = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
     const std::chrono::duration<double> wall_seconds = std::chrono::steady_clock::now() - wall;
     if (measures.per_sphere.size() != spheres.size()) throw vdwmesh::Error("no measures");
@@ -98,6 +105,19 @@ void print_threads(const std::vector<Sphere>& base) {
   }
 }
 
+// The time includes the cell list of all.
+void print_some(const std::vector<Sphere>& base) {
+  constexpr std::size_t kSome = 40;
+  const SphereSet spheres(base);
+  std::vector<vdwmesh::SphereId> some;
+  for (std::size_t i = spheres.size() / 2; i < spheres.size() && some.size() < kSome; ++i) {
+    some.push_back(static_cast<vdwmesh::SphereId>(i));
+  }
+  const double all = time_arcs(spheres, 1).cpu, few = time_arcs(spheres, 1, some).cpu;
+  std::printf("\n%zu of %zu atoms: %.6f cpu s, 1/%.0f of all\n", some.size(), spheres.size(), few,
+              all / few);
+}
+
 void write_pdb(const std::vector<Sphere>& spheres, const char* path) {
   std::FILE* file = std::fopen(path, "w");
   if (!file) throw vdwmesh::InvalidInput(std::string("cannot write ") + path);
@@ -122,6 +142,7 @@ int main(int argc, char** argv) try {
   }
   print_scaling(base);
   print_threads(base);
+  print_some(base);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "arcs_bench: %s\n", error.what());
   return 1;

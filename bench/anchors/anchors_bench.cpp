@@ -1,13 +1,14 @@
 // Ours beside what a user would pick instead, on the same input in the same run: VTK's Flying Edges
 // and OpenVDB for the mesh, freesasa for the exposed area, gemmi for reading.
 //
-//   anchors_bench [--spacing H,H...] [--repeat N] FILE...
+//   anchors_bench [--spacing H,H...] [--repeat N] [--only areas] [--probe R] FILE...
 //
-// Every program runs in a process of its own and in turn, N times; the least of each figure counts.
-// "Ratio" is the peer's figure over ours: above 1 we are ahead. Peers whose library was not found
-// when this was built are left out (scripts/install-deps.sh anchors installs them). Memory is the
-// peak beyond what the process began with, the spheres. Kernel seconds are part of the CPU's: where
-// pages are dear they decide the ratio.
+// --only areas leaves reading and meshes out; --probe adds R to the radii (Å), for accessible
+// areas. Every program runs in a process of its own and in turn, N times; the least of each figure
+// counts. "Ratio" is the peer's figure over ours: above 1 we are ahead. Peers whose library was not
+// found when this was built are left out (scripts/install-deps.sh anchors installs them). Memory is
+// the peak beyond what the process began with, the spheres. Kernel seconds are part of the CPU's:
+// where pages are dear they decide the ratio.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -32,6 +33,8 @@ struct Options {
   std::vector<std::string> files;
   std::vector<double> spacings{0.5, 0.25};  // Å
   int repeat = 3;
+  bool only_areas = false;
+  double probe = 0;  // Å
 };
 
 struct Runner {
@@ -105,9 +108,11 @@ void compare_unions(const std::string& file, const std::vector<Sphere>& spheres,
                               {"ours (arcs), two threads", [&] { return our_union(spheres, 2); }}};
 #ifdef VDWMESH_ANCHOR_FREESASA
   runners.push_back({"freesasa, 20 slices", [&] { return lee_richards(spheres); }});
+  runners.push_back({"freesasa, 100 points", [&] { return shrake_rupley(spheres); }});
 #endif
   run_in_turn(runners, options.repeat);
-  print(fmt::format("{}: exposed area (ours: area and volume)", file), "spheres", runners);
+  print(fmt::format("{}: exposed area (ours: area and volume), probe {} A", file, options.probe),
+        "spheres", runners);
 }
 
 void compare_readers(const std::string& file, const Options& options) {
@@ -121,10 +126,10 @@ void compare_readers(const std::string& file, const Options& options) {
   print(fmt::format("{}: file to atoms", file), "atoms", runners);
 }
 
-std::vector<Sphere> read_spheres(const std::string& file) {
+std::vector<Sphere> read_spheres(const std::string& file, double probe) {
   std::vector<Sphere> spheres;
   for (const Atom& atom : read_structure(file).atoms)
-    spheres.push_back({atom.position, atom.radius});
+    spheres.push_back({atom.position, atom.radius + probe});
   return spheres;
 }
 
@@ -137,7 +142,12 @@ Options parse(int argc, char** argv) {
       options.spacings = parse_list(argv[++i]);
     else if (argument == "--repeat" && has_value)
       options.repeat = std::max(1, std::stoi(argv[++i]));
-    else
+    else if (argument == "--probe" && has_value)
+      options.probe = std::stod(argv[++i]);
+    else if (argument == "--only" && has_value && std::string(argv[i + 1]) == "areas") {
+      options.only_areas = true;
+      ++i;
+    } else
       options.files.push_back(argument);
   }
   return options;
@@ -146,13 +156,16 @@ Options parse(int argc, char** argv) {
 int run(int argc, char** argv) {
   const Options options = parse(argc, argv);
   if (options.files.empty()) {
-    fmt::print(stderr, "usage: anchors_bench [--spacing H,H...] [--repeat N] FILE...\n");
+    fmt::print(stderr,
+               "usage: anchors_bench [--spacing H,H...] [--repeat N] [--only areas] [--probe R] "
+               "FILE...\n");
     return 1;
   }
   for (const std::string& file : options.files) {
-    const std::vector<Sphere> spheres = read_spheres(file);
-    compare_readers(file, options);
+    const std::vector<Sphere> spheres = read_spheres(file, options.probe);
+    if (!options.only_areas) compare_readers(file, options);
     compare_unions(file, spheres, options);
+    if (options.only_areas) continue;
     compare_meshes(file, spheres, options);
   }
   return 0;

@@ -31,10 +31,10 @@ void count(const char* name, const std::function<std::uint64_t()>& work) {
   CALLGRIND_DUMP_STATS_AT(name);
 }
 
-SphereSet ubiquitin() {
+SphereSet ubiquitin(double probe = 0) {
   std::vector<Sphere> spheres;
   for (const Atom& atom : read_sample("ubiquitin").atoms)
-    spheres.push_back({atom.position, atom.radius});
+    spheres.push_back({atom.position, atom.radius + probe});
   return SphereSet(std::move(spheres));
 }
 
@@ -51,6 +51,10 @@ void count_geometry(const SphereSet& spheres) {
   count("read_pdb", [] { return read_sample("ubiquitin").atoms.size(); });
   count("union_by_arcs", [&] {
     return exact_union(spheres, {UnionMethod::arcs, nullptr}).per_sphere.size();
+  });
+  const SphereSet accessible = ubiquitin(1.4);
+  count("accessible_by_arcs", [&] {
+    return exact_union(accessible, {UnionMethod::arcs, nullptr}).per_sphere.size();
   });
   count("extract_vdw", [&] {
     return extract(spheres, FieldKind::vdw, 0.5, Connectivity::half_edges).triangle_count();

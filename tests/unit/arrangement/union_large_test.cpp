@@ -10,6 +10,7 @@ TEST(UnionLarge, Ribosome) {
        testing::wanted_rows(2, [](const std::string& set) { return set == "6ZU5"; })) {
     testing::expect_row(row);
     testing::expect_certified_row(row);
+    EXPECT_TRUE(testing::expect_counts_of_row(row));
   }
 }
 

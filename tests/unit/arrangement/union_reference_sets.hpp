@@ -98,6 +98,19 @@ inline void expect_certified_row(const ReferenceRow& row) {
   EXPECT_LE(volume.upper - volume.lower, kCertifiedWidth * row.volume);
 }
 
+// The counts without a triangulation: right or refused. Returns whether there are any.
+inline bool expect_counts_of_row(const ReferenceRow& row) {
+  SCOPED_TRACE(row.set + " probe " + std::to_string(row.probe));
+  UnionOptions options;
+  options.topology = TopologyRequest::counts;
+  const ExactUnion u = exact_union(SphereSet(reference_balls(row.set, row.probe)), options);
+  EXPECT_EQ(u.method, UnionMethod::arcs);
+  if (!u.counts) return false;
+  EXPECT_EQ(u.counts->components, row.components);
+  EXPECT_EQ(u.counts->euler_characteristic, row.euler_characteristic);
+  return true;
+}
+
 inline void expect_row(const ReferenceRow& row) {
   SCOPED_TRACE(row.set + " probe " + std::to_string(row.probe));
   auto balls = reference_balls(row.set, row.probe);
