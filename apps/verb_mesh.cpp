@@ -1,6 +1,13 @@
 // `vdwmesh mesh`: from a structure to a mesh file. Memory is checked before the mesh is made, from
 // an estimate, and again when its size is known. Where a device makes the mesh, the CPU makes room
-// for the half-edges meanwhile.
+// for the half-edges meanwhile. The mesh is measured while its file is written, which takes one
+// thread, unless memory is too little for both.
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analysis/mesh_measures.hpp"
+#include "beside.hpp"
 #include "command_line/command_line.hpp"
 #include "edge_lengths.hpp"
 #include "excluded_steps.hpp"
@@ -28,14 +35,32 @@ MemoryDemand memory_of_mesh(const Options& options) {
   return demand;
 }
 
+// The mesh as it was made, and in half-edges as it will be written.
+struct Made {
+  IndexedMesh mesh;
+  SurfaceMesh built;
+  bool is_measured = false;
+};
+
+// Measures the mesh, unless memory allows that while the half-edges are there too.
+void measure_now_or_later(const IndexedMesh& mesh, const MemoryDemand& demand, Made& made,
+                          Session& session) {
+  MemoryDemand later = demand;
+  later.early = Switch::on;  // the half-edges are there while the mesh is measured
+  if (!session.report.mesh) session.report.mesh.emplace();
+  const MeshSize size{mesh.vertex_count(), mesh.triangle_count()};
+  if (early_build_fits(later, size, session.machine.memory_limit)) return;
+  measure(mesh, SelfIntersections::skip, session);
+  made.is_measured = true;
+}
+
 // The mesh in half-edges, with what there is to say about it in the report.
-void build(const Structure& structure, const Options& options, SurfaceMesh& built,
-           Session& session) {
+void build(const Structure& structure, const Options& options, Made& made, Session& session) {
   const std::uint64_t limit = options.machine.memory_limit;
   MemoryDemand demand = memory_of_mesh(options);
   const auto estimate = check_memory_before(demand, structure.spheres, limit);
   session.end_stage(&Timing::plan);
-  SurfaceMeshBuilder builder(built);
+  SurfaceMeshBuilder builder(made.built);
   const auto prepare = [&](const MeshSize& size) {
     if (early_build_fits(demand, size, limit)) {
       builder.prepare(size);
@@ -43,52 +68,64 @@ void build(const Structure& structure, const Options& options, SurfaceMesh& buil
       demand.early = Switch::off;
     }
   };
-  const IndexedMesh mesh =
-      make_mesh(structure.spheres, options.surface, session,
-                {.connectivity = Connectivity::half_edges, .on_size = prepare});
+  made.mesh = make_mesh(structure.spheres, options.surface, session,
+                        {.connectivity = Connectivity::half_edges, .on_size = prepare});
   session.report.parameters->memory_estimate = estimate;
-  check_memory_after(demand, structure.spheres, mesh, limit);
-  measure(mesh, SelfIntersections::skip, session);
-  warn_of_lost_balls(structure.spheres, session);
-  build_surface_mesh(mesh, structure.molecule, builder, session);
+  check_memory_after(demand, structure.spheres, made.mesh, limit);
+  measure_now_or_later(made.mesh, demand, made, session);
+  build_surface_mesh(made.mesh, structure.molecule, builder, session);
+  if (made.is_measured) made.mesh = {};
 }
 
 // The same for the excluded surface, beside its exact measures.
-void build_excluded(const Structure& structure, const Options& options, SurfaceMesh& built,
+void build_excluded(const Structure& structure, const Options& options, Made& made,
                     Session& session) {
   const double probe = options.inputs.front().probe;
   measure_excluded(structure.molecule, probe, options.exact, Switch::off, session);
-  const PatchedMesh made = make_excluded_mesh(structure.molecule, probe, options.surface, session);
-  const IndexedMesh& mesh = made.mesh;
+  PatchedMesh patched = make_excluded_mesh(structure.molecule, probe, options.surface, session);
   MemoryDemand demand = memory_of_mesh(options);
-  check_memory_after(demand, structure.spheres, mesh, options.machine.memory_limit);
-  measure(mesh, SelfIntersections::skip, session);
-  session.report.mesh->patches = count_patches(made);
-  SurfaceMeshBuilder builder(built);
-  build_surface_mesh(mesh, structure.molecule, builder, session);
-  add_patch_properties(built, made);
+  check_memory_after(demand, structure.spheres, patched.mesh, options.machine.memory_limit);
+  measure_now_or_later(patched.mesh, demand, made, session);
+  session.report.mesh->patches = count_patches(patched);
+  SurfaceMeshBuilder builder(made.built);
+  build_surface_mesh(patched.mesh, structure.molecule, builder, session);
+  add_patch_properties(made.built, patched);
+  if (!made.is_measured) made.mesh = std::move(patched.mesh);
 }
 
-// Formats that cannot hold all that the mesh knows are named in a note.
-void write(const SurfaceMesh& mesh, const std::string& path, Session& session) {
+// Writes the file, and measures the mesh meanwhile if that was left to this stage. Formats that
+// cannot hold all that the mesh knows are named in a note.
+void write(const Made& made, const Options& options, const Structure& structure, Session& session) {
+  const std::string& path = options.mesh_path;
   begin_stage(session.monitor, "write", 1);
   const SignalMonitor signals;
   Report& report = session.report;
-  write_whole(path, [&] {
-    for (const std::string& warning : write_mesh(mesh, path, &signals)) {
-      report.warnings.push_back(warning);
-    }
-  });
-  if (patch_properties(mesh) && mesh_format(path) != MeshFormat::ply) {
+  std::vector<std::string> warnings;
+  const auto write_file = [&] {
+    write_whole(path, [&] { warnings = write_mesh(made.built, path, &signals); });
+  };
+  MeshReport& result = *report.mesh;
+  if (made.is_measured) {
+    write_file();
+  } else {
+    run_beside(
+        session, {&Timing::write, write_file},
+        {&Timing::measure, [&] { static_cast<MeshExamination&>(result) = examine(made.mesh); }});
+  }
+  if (options.surface.kind != ExactSurface::excluded) {
+    warn_of_lost_balls(structure.spheres, session);
+  }
+  report.warnings.insert(report.warnings.end(), warnings.begin(), warnings.end());
+  if (patch_properties(made.built) && mesh_format(path) != MeshFormat::ply) {
     report.notes.push_back(
         path +
         ": does not say which patch each triangle is part of, nor curvatures; only PLY does");
   }
-  if (face_spheres(mesh) && mesh_format(path) != MeshFormat::ply) {
+  if (face_spheres(made.built) && mesh_format(path) != MeshFormat::ply) {
     report.notes.push_back(path +
                            ": does not say which sphere each triangle is part of; only PLY does");
   }
-  report.mesh->path = path;
+  result.path = path;
   session.end_stage(&Timing::write);
 }
 
@@ -97,13 +134,13 @@ void write(const SurfaceMesh& mesh, const std::string& path, Session& session) {
 void run_mesh(const Options& options) {
   VerbSession session(options.machine);
   const Structure structure = load(options.inputs.front(), session);
-  SurfaceMesh built;
+  Made made;
   if (options.surface.kind == ExactSurface::excluded) {
-    build_excluded(structure, options, built, session);
+    build_excluded(structure, options, made, session);
   } else {
-    build(structure, with_edge_lengths(options, structure), built, session);
+    build(structure, with_edge_lengths(options, structure), made, session);
   }
-  write(built, options.mesh_path, session);
+  write(made, options, structure, session);
   session.deliver_report(options.output);
 }
 

@@ -132,12 +132,21 @@ class TriangleSearch {
     reach_ = 3 * total / static_cast<double>(group.size());
   }
 
-  // The larger of `largest` and the distance of p. The root of the least of all squares is at most
-  // the root of one of them, as computed too, since a rounded root keeps the order of its
-  // arguments.
+  // The larger of `largest` and the distance of p. The search ends at the first triangle within
+  // `largest`. The root of the least of all squares is at most the root of any of them, as computed
+  // too, since a rounded root keeps the order of its arguments.
   double raise(const Vec3d& p, double largest) {
-    if (std::sqrt(squared_distance_to(p, corners_of(mesh_, nearest_))) <= largest) return largest;
-    return std::max(largest, std::sqrt(in_tree(p)));
+    double squared = squared_distance_to(p, corners_of(mesh_, nearest_));
+    bool is_near = std::sqrt(squared) <= largest;
+    if (is_near) return largest;
+    visit_nearest(tree_, tree_.query(p), squared, [&](std::uint32_t t, double& best) {
+      const double here = squared_distance_to(p, corners_of(mesh_, t));
+      if (!(here < best)) return;
+      nearest_ = t;
+      is_near = std::sqrt(here) <= largest;
+      best = is_near ? -1 : here;
+    });
+    return is_near ? largest : std::sqrt(squared);
   }
 
  private:

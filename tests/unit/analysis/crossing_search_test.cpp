@@ -14,9 +14,9 @@
 #include "core/errors.hpp"
 #include "refine/bad_moves.hpp"
 #include "refine/crossing_formulas.hpp"
+#include "refine/patch_grid.hpp"
 #include "refine/preparation.hpp"
 #include "refine/subdivision_formulas.hpp"
-#include "refine/patch_grid.hpp"
 #include "support/dice.hpp"
 
 namespace vdwmesh {
