@@ -2,13 +2,19 @@
 // share one object, Job: the computing thread sets its end, the watching thread its stop.
 #include "call.hpp"
 
+#include <tbb/task_arena.h>
+
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <string_view>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "core/errors.hpp"
 
@@ -20,6 +26,48 @@ namespace py = pybind11;
 // Short beside the 0.3 s in which people expect an answer, long beside the GIL's switch interval of
 // 5 ms.
 constexpr std::chrono::milliseconds kSignalPeriod{20};
+
+// The arena of oneTBB in which a call runs its parallel loops. Without one, each thread that begins
+// a call gets an arena of its own from oneTBB, whose memory, some 9 KiB, does not come back when
+// the thread ends. Arenas are therefore kept, as many as calls ran at the same time, until the
+// process ends: at that time oneTBB may be gone, so nothing destroys them.
+class ArenaOfCall {
+ public:
+  explicit ArenaOfCall(std::optional<int> threads)
+      : threads_(threads.value_or(tbb::task_arena::automatic)) {
+    const std::lock_guard lock(kept().mutex);
+    std::vector<std::unique_ptr<tbb::task_arena>>& unused = kept().arenas[threads_];
+    if (unused.empty()) {
+      arena_ = std::make_unique<tbb::task_arena>(threads_);
+    } else {
+      arena_ = std::move(unused.back());
+      unused.pop_back();
+    }
+  }
+  ~ArenaOfCall() {
+    const std::lock_guard lock(kept().mutex);
+    kept().arenas[threads_].push_back(std::move(arena_));
+  }
+  ArenaOfCall(const ArenaOfCall&) = delete;
+  ArenaOfCall& operator=(const ArenaOfCall&) = delete;
+
+  void run(const std::function<void(Monitor&)>& work, Monitor& monitor) {
+    arena_->execute([&] { work(monitor); });
+  }
+
+ private:
+  struct Kept {
+    std::mutex mutex;
+    std::map<int, std::vector<std::unique_ptr<tbb::task_arena>>> arenas;  // by number of threads
+  };
+  static Kept& kept() {
+    static Kept* const all = new Kept;
+    return *all;
+  }
+
+  int threads_;
+  std::unique_ptr<tbb::task_arena> arena_;
+};
 
 class StopMonitor : public Monitor {
  public:
@@ -34,8 +82,8 @@ class StopMonitor : public Monitor {
 
 class Job {
  public:
-  explicit Job(const std::function<void(Monitor&)>& work)
-      : thread_([this, &work] { compute(work); }) {}
+  Job(std::optional<int> threads, const std::function<void(Monitor&)>& work)
+      : thread_([this, threads, &work] { compute(threads, work); }) {}
   ~Job() { thread_.join(); }
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
@@ -51,9 +99,9 @@ class Job {
   }
 
  private:
-  void compute(const std::function<void(Monitor&)>& work) {
+  void compute(std::optional<int> threads, const std::function<void(Monitor&)>& work) {
     try {
-      work(monitor_);
+      ArenaOfCall(threads).run(work, monitor_);
     } catch (...) {
       error_ = std::current_exception();
     }
@@ -97,15 +145,15 @@ void watch(Job& job) {
 
 }  // namespace
 
-void run_freely(const std::function<void(Monitor&)>& work) {
+void run_freely(std::optional<int> threads, const std::function<void(Monitor&)>& work) {
   const bool has_signals = is_main_thread();
   const py::gil_scoped_release free;
   if (has_signals) {
-    Job job(work);
+    Job job(threads, work);
     watch(job);
   } else {
     StopMonitor never;
-    work(never);
+    ArenaOfCall(threads).run(work, never);
   }
 }
 

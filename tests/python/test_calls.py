@@ -204,6 +204,21 @@ class MemoryTest(unittest.TestCase):
         # A leak of one result of 64 atoms (1 KiB) a call would be 2.5 MiB or more of each kind.
         self.assertLess(self.resident() - before, 2 << 20)
 
+    def test_memory_stays_flat_over_calls_on_several_threads(self):
+        """Each call begins on a thread that oneTBB does not know, and must leave nothing there."""
+        volume = np.random.default_rng(1).random((16, 16, 16), np.float32)
+
+        def calls(count):
+            for _ in range(count):
+                vdwmesh.marching_cubes(volume, 0.9)
+                vdwmesh.marching_cubes(volume, 2, threads=2)
+
+        calls(200)
+        before = self.resident()
+        calls(1000)
+        # An arena of oneTBB has 9 KiB: one a call would be 18 MiB.
+        self.assertLess(self.resident() - before, 4 << 20)
+
 
 class ImportTest(unittest.TestCase):
     def test_nothing_of_others_is_imported(self):
