@@ -347,7 +347,7 @@ std::string picture_text(const PictureReport& picture) {
                    picture.height, picture.view, picture.triangles));
   if (picture.scale) {
     line(out, "",
-         fmt::format("{}: {} from {} to {}", picture.scale->title, name_of(picture.scale->map),
+         fmt::format("{}: {} from {:.6g} to {:.6g}", picture.scale->title, name_of(picture.scale->map),
                      picture.scale->lower, picture.scale->upper));
   }
   line(out, "Drawn by",
