@@ -66,6 +66,22 @@ TEST(OptionList, DefaultsAreValuesOfTheirOptions) {
   EXPECT_EQ(draft.options.repeats, 3);
 }
 
+TEST(OptionList, WhatCompletionOffersIsAValueOfTheOption) {
+  Draft draft;
+  std::size_t count = 0;
+  for (const Option& option : options_in(all_options(draft))) {
+    for (const std::string_view word : option.reader.words) {
+      EXPECT_NO_THROW(option.reader.read(option.short_name(), std::string(word)))
+          << option.name << ' ' << word;
+      ++count;
+    }
+    // A reader that says which names it accepts offers exactly these.
+    if (option.reader.accepted.empty()) continue;
+    EXPECT_EQ(list_names(option.reader.words), option.reader.accepted) << option.name;
+  }
+  EXPECT_GT(count, 100u);
+}
+
 std::string guess(std::string_view given) {
   const std::string_view known[] = {"--spacing", "--padding", "vdw", "cpu", "on",
                                     "off",       "seed",      "4.1", "4.2"};
