@@ -255,7 +255,8 @@ Backend resolve(Backend requested) {
   const DeviceList list = cuda_devices();
   if (!list.devices.empty()) return Backend::cuda;
   if (requested == Backend::automatic) return Backend::cpu;
-  throw BackendUnavailable("the CUDA backend is not there: " + list.reason);
+  throw BackendUnavailable("the CUDA backend is not there: " + list.reason +
+                           "; leave the choice to auto, or take cpu");
 }
 
 void share_devices(std::size_t process) { share_cuda_devices(process); }

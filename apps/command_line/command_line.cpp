@@ -52,9 +52,8 @@ const Verb& take_verb(const Program& program, Words& words) {
     const WordViews known = words_of_verbs(program, before);
     const std::string what =
         given.empty() ? "VERB: missing" : given + ": not a verb" + suggestion(given, known);
-    throw InvalidInput(fmt::format("{}{}; the verbs are {}; {} {} --help says more", before, what,
-                                   fmt::join(known, " "), program.name,
-                                   before.empty() ? "VERB" : kBench));
+    throw InvalidInput(fmt::format("{}{}; the verbs are {}; {} {}--help says what each does",
+                                   before, what, fmt::join(known, " "), program.name, before));
   }
   words.erase(words.begin());
   return *verb;

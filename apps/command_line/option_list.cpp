@@ -119,7 +119,8 @@ std::vector<Option> input_options(Draft& d) {
       {"--assembly", kStructures, one(r.assembly, text("NAME", {"asymmetric"})),
        "biological assembly of the file", by_default("asymmetric")},
       {"--select", kStructures, one(r.select, text("SELECTION")),
-       "gemmi selection, after the water rule", otherwise("everything")},
+       "gemmi selection, such as A, A/10-40 or (HEM), after the water rule",
+       otherwise("everything")},
       {"--altloc", kStructures, one(r.altloc, text("LABEL", {"highest"})),
        "alternate locations: highest, or a label", by_default("highest")},
       {"--waters", kStructures, flag(r.waters, Inclusion::keep), "keep waters"},
@@ -181,7 +182,7 @@ std::vector<Option> axis_options(StudyAxes& a) {
   const Kind<double> length = number("Å", Range::positive, "1,0.5,0.25");
   return {
       {"--mesher", kStudy, several(a.meshers, named<Mesher>()), "meshers",
-       by_default("marching-cubes")},
+       by_default("marching-cubes,exact")},
       {"--edge-length", kStudy, several(a.edge_lengths, length), "edge lengths, of --mesher exact",
        by_default("0.7,0.35")},
       {"--spacing", kStudy, several(a.spacings, length), "grid spacings", by_default("1,0.5,0.25")},

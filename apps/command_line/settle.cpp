@@ -13,6 +13,7 @@
 #include "refuse.hpp"
 #include "render/renderer.hpp"
 #include "structure/radii.hpp"
+#include "structure/reader.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -224,6 +225,8 @@ void settle_output(const Draft& d) {
   const std::string& path = d.options.mesh_path;
   refuse_if(d.verb == kRanksMesh && find_mesh_format(path) != MeshFormat::ply,
             "-o {}: ranks write PLY together; name a .ply file", path);
+  refuse_if(d.verb == kCompare && has_structure_extension(path),
+            "MESH {}: is a structure; the mesh comes first: vdwmesh compare MESH INPUT", path);
   if (!path.empty()) mesh_format(path);
   refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom"),
             "--group: says how --per-atom FILE is grouped, and needs it");

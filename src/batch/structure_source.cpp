@@ -345,7 +345,9 @@ std::unique_ptr<StructureSource> open_structures(std::vector<fs::path> inputs,
   for (const fs::path& input : inputs) {
     std::error_code error;
     if (input != "-" && !fs::exists(input, error))
-      throw InvalidInput(fmt::format("{}: is not there", input.string()));
+      throw InvalidInput(
+          fmt::format("{}: is not there; name a structure file, a folder, a tar archive or a list",
+                      input.string()));
   }
   return std::make_unique<SourceOfAll>(std::move(inputs), options);
 }

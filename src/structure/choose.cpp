@@ -243,10 +243,16 @@ class Choice {
     std::string reasons;
     for (const auto& [reason, count] : molecule_.skipped)
       reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, reason);
+    const std::string hint = molecule_.skipped.contains("not_selected")
+                                 ? fmt::format(
+                                       ": {} selected none; A/10-40 are residues of chain A, "
+                                       "and (HEM) all residues of that name",
+                                       in_quotes(options_.select))
+                                 : "";
     throw InvalidInput(
         fmt::format("{}: none of its {} atoms is left to mesh (dropped: {}); change "
-                    "the options that dropped them",
-                    file_.path, molecule_.atoms_read, reasons));
+                    "the options that dropped them{}",
+                    file_.path, molecule_.atoms_read, reasons, hint));
   }
 
   // The radii of united atoms include the hydrogens, which therefore go without being asked for.

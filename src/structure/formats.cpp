@@ -127,6 +127,11 @@ StructureFormat format_of_name(const std::filesystem::path& path) {
   if (extension == ".xtc" || extension == ".trr" || extension == ".dcd")
     refuse(path, fmt::format("is a trajectory ({}), which has no elements; give the structure file",
                              extension));
+  // Who types the name of an entry has no such file, and needs another hint than about its name.
+  if (std::error_code error; !std::filesystem::exists(path, error))
+    refuse(path, fmt::format("there is no such file; name a structure file ({}), or a built-in "
+                             "structure (--sample ubiquitin, --sample bpti)",
+                             kReadable));
   refuse(path, fmt::format("its extension {} is not one that is read ({}); or say --format",
                            in_quotes(extension), kReadable));
 }

@@ -11,6 +11,7 @@ try:
     from selenium import webdriver
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.support.ui import Select, WebDriverWait
 except ImportError:  # Page.setUpClass says which package is missing.
     pass
@@ -47,7 +48,7 @@ class Page(ProgramTest):
         super().setUp()
         out = self.folder / "out"
         self.run_ok("study", self.two_balls(), "--sample", "ubiquitin", "-o", out,
-                    "--spacing", "1,0.7", "--field", "vdw,blinn")  # fmt: skip
+                    "--spacing", "1,0.7", "--field", "vdw,blinn", "--edge-length", "1,0.7")  # fmt: skip
         self.browser = start_browser(self.folder / "profile")
         self.addCleanup(self.browser.quit)
         self.browser.get((out / "index.html").as_uri())
@@ -88,8 +89,12 @@ class Page(ProgramTest):
         for plot in self.plots():
             self.assertGreater(self.count_marks(plot), 0, plot.get_attribute("data-drawn"))
         self.check_orders_are_stated()
+        self.check_labels_lie_apart()
+        self.check_exact_figures()
         self.check_view()
+        self.check_keys()
         self.check_colors()
+        self.check_narrow_screen()
         self.assertEqual(self.messages(), [])
         error = self.browser.find_element(By.ID, "error")
         self.assertFalse(error.is_displayed(), error.text)
@@ -99,7 +104,58 @@ class Page(ProgramTest):
         labels = [e.text for e in plot.find_elements(By.CSS_SELECTOR, ".mark-text text")]
         self.assertTrue(any(label.startswith("p = ") for label in labels), labels)
         rows = self.browser.find_elements(By.CSS_SELECTOR, "#orders tbody tr")
-        self.assertEqual(len(rows), 5)  # two fields, not subdivided; vdw once and Blinn twice, once
+        # Two fields, not subdivided; vdw once and Blinn twice, once; crease-exact not subdivided and once.
+        self.assertEqual(len(rows), 7)
+
+    def check_labels_lie_apart(self):
+        """No two texts of a plot touch, and no label lies on a mark of a line."""
+        overlaps = """
+          const apart = (a, b) => a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 ||
+            b.bottom <= a.top + 1;
+          const found = [];
+          for (const plot of document.querySelectorAll('.plots > div[data-drawn]')) {
+            const boxes = (s) => [...plot.querySelectorAll(s)].filter((e) => e.getAttribute('opacity') !== '0')
+              .map((e) => [e.textContent, e.getBoundingClientRect()]).filter(([text, box]) => box.width > 0);
+            const texts = boxes('text');
+            texts.forEach(([text, a], i) => texts.slice(i + 1).forEach(([other, b]) => {
+              if (!apart(a, b)) found.push([plot.dataset.drawn, text, other]);
+            }));
+            for (const [text, a] of texts.filter(([t]) => t.startsWith('p = ')))
+              for (const [, b] of boxes('.mark-symbol.symbols path'))
+                if (!apart(a, b)) found.push([plot.dataset.drawn, text, 'a point']);
+          }
+          return found;"""
+        self.assertEqual(self.browser.execute_script(overlaps), [])
+
+    def check_exact_figures(self):
+        """Beside the mesh in 3D stand the exact figures: those of `vdwmesh exact`."""
+        cells = [c.text for c in self.browser.find_elements(By.CSS_SELECTOR, "#scene-table tbody td")]
+        exact = self.report("exact", "--sample", "ubiquitin")["exact"]
+        self.assertEqual(cells[0:12:4], ["Area, Å²", "Volume, Å³", "Components"])
+        self.assertEqual(cells[2], f"{exact['area']:,.3f}")
+        self.assertEqual(cells[6], f"{exact['volume']:,.3f}")
+
+    def check_keys(self):
+        """The arrow keys turn the mesh, and 0 puts it back."""
+        canvas = self.browser.find_element(By.CSS_SELECTOR, "#view canvas")
+        canvas.send_keys("0")
+        before = self.pixels()
+        canvas.send_keys(Keys.ARROW_LEFT * 3 + "+")
+        turned = self.pixels()
+        canvas.send_keys("0")
+        self.assertGreater(sum(1 for a, b in zip(before, turned) if a != b), len(before) * 0.05)
+        self.assertEqual(self.pixels(), before)
+
+    def check_narrow_screen(self):
+        """On a phone, nothing makes the page wider than the screen, and plots are made anew for it."""
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                     {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True})  # fmt: skip
+        widest = "return Math.max(...[...document.querySelectorAll('.plots svg')].map((e) => e.clientWidth))"
+        WebDriverWait(self.browser, WAIT).until(lambda b: len(self.plots()) == PLOTS_PER_MOLECULE
+                                                and b.execute_script(widest) <= 390)  # fmt: skip
+        self.assertEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 390)
+        self.check_labels_lie_apart()
+        self.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
     def check_view(self):
         before = self.pixels()

@@ -28,6 +28,9 @@ class StudyTest(ProgramTest):
         self.pair = self.file("pair.xyzr", f"0 0 0 {RADIUS}\n{2 * HALF_DISTANCE} 0 0 {RADIUS}\n")
 
     def study(self, *arguments):
+        """By marching cubes, unless the arguments name other meshers."""
+        if "--mesher" not in arguments:
+            arguments = (*arguments, "--mesher", "marching-cubes")
         self.run_ok("study", *arguments, "-o", self.out)
         document = parse_json((self.out / "study.json").read_text())
         schema_validator("study").validate(document)
@@ -122,6 +125,12 @@ class Figures(StudyTest):
             if run["parameters"]["mesher"] == "exact":
                 self.assertEqual(run["comparison"]["euler_characteristic_difference"], 0)
         self.assertEqual(study["inputs"][0]["refused"], [])
+
+    def test_both_meshers_are_the_default(self):
+        self.run_ok("study", self.pair, "-o", self.out, "--spacing", "0.5", "--edge-length", "0.5", "--field", "vdw")
+        runs = parse_json((self.out / "study.json").read_text())["inputs"][0]["runs"]
+        made = sorted((r["parameters"]["mesher"], r["parameters"]["subdivide"]) for r in runs)
+        self.assertEqual(made, [("exact", 0), ("exact", 1), ("marching-cubes", 0), ("marching-cubes", 1)])
 
     def test_what_was_not_computed_is_null(self):
         study = self.study(
@@ -255,7 +264,7 @@ class Page(StudyTest):
 
     def test_a_mesh_beyond_the_limit_is_left_out_with_a_word(self):
         arguments = (self.ball, "--spacing", "0.02", "--field", "vdw", "--subdivide", "0", "--distances", "off",
-                     "--page-triangles", "10000000")  # fmt: skip
+                     "--page-triangles", "10000000", "--mesher", "marching-cubes")  # fmt: skip
         self.study(*arguments)
         result = self.run_ok("study", *arguments, "-o", self.out, "--memory-limit", "20M")
         self.assertIn("1 found finished", result.stdout)
@@ -355,7 +364,7 @@ class Resume(StudyTest):
 
     def test_an_interrupted_study_leaves_whole_runs_and_goes_on(self):
         arguments = ["study", "--sample", "bpti", "-o", self.out, "--spacing", "1,0.5,0.05",
-                     "--field", "vdw", "--progress"]  # fmt: skip
+                     "--field", "vdw", "--mesher", "marching-cubes", "--progress"]  # fmt: skip
         process = subprocess.Popen(
             [PROGRAM, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
         )

@@ -25,14 +25,18 @@ function colorKey(parameters) {
   return parameters.mesher === "exact" ? "exact" : parameters.field;
 }
 
-async function draw(element, spec) {
+// The spec is made for the width that its place on the page has.
+async function draw(element, specFor) {
   const holder = document.createElement("div");
   element.appendChild(holder);
+  const spec = specFor(holder.clientWidth - kFrameMargins);
   const view = new vega.View(vega.parse(spec), { renderer: "svg", container: holder, hover: true });
   await view.runAsync();
   holder.dataset.drawn = spec.title.text;
   return view;
 }
+
+const kFrameMargins = 72;  // px beside a plot: its scale, the title of the scale, and the padding
 
 function axis(orient, scale, title, options) {
   return { orient, scale, title, grid: true, gridColor: "#e6e9ec", domainColor: "#8b949e",
@@ -45,16 +49,63 @@ function frame(title, spec) {
     background: "white", title: { text: title, anchor: "start", fontSize: 13 }, ...spec };
 }
 
-// Points have x, y, series, color, dash, level and tip; ends have x, y, color and label too.
-function lineChart({ title, xTitle, yTitle, xFormat, points, ends, yScale }) {
+const kLabelHeight = 13, kLabelColumn = 88;  // px of the names at the ends of lines
+
+// Where the labels of a column stand, given where they would like to: as near as they can without one
+// touching another. Labels that would touch form a block around the middle of their wishes.
+function spreadLabels(wishes, height) {
+  const order = wishes.map((y, i) => [y, i]).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const blocks = [];  // of labels: how many, and where the first stands
+  for (const [y] of order) {
+    let block = { count: 1, sum: y };
+    const top = (b) => Math.min(Math.max(b.sum / b.count - (b.count - 1) * kLabelHeight / 2, 6),
+      height - 6 - (b.count - 1) * kLabelHeight);
+    block.top = top(block);
+    while (blocks.length > 0) {
+      const above = blocks[blocks.length - 1];
+      if (above.top + above.count * kLabelHeight <= block.top) break;
+      blocks.pop();
+      block = { count: above.count + block.count, sum: above.sum + block.sum };
+      block.top = top(block);
+    }
+    blocks.push(block);
+  }
+  const places = blocks.flatMap((b) => Array.from({ length: b.count }, (_, k) => b.top + k * kLabelHeight));
+  const result = [];
+  order.forEach(([, i], place) => { result[i] = places[place]; });
+  return result;
+}
+
+// Pixels of a value on a vertical axis; symlog as Vega has it.
+function verticalScale(points, yScale, height) {
+  const flat = yScale ? (y) => Math.log1p(y / yScale.constant) : Math.log;
+  const values = points.map((p) => flat(p.y));
+  const low = Math.min(...values), high = Math.max(...values);
+  const room = 10;
+  return (y) => high === low ? height / 2
+    : height - room - (flat(y) - low) / (high - low) * (height - 2 * room);
+}
+
+// Points have x, y, series, color, dash, level and tip; ends have those and a label. The labels stand in a
+// column on the right, each behind a piece of its line, so that no two touch and none lies on a line.
+function lineChart({ title, xTitle, yTitle, xFormat, points, ends, yScale, width }) {
   const logarithmic = { type: "log", nice: false, zero: false };
   const color = { scale: "color", field: "color" };
+  const dash = { scale: "dash", field: "dash" };
+  const shape = { scale: "shape", field: "level" };
   const place = { x: { scale: "x", field: "x" }, y: { scale: "y", field: "y" } };
-  return frame(title, { width: 440,
-    data: [{ name: "points", values: points }, { name: "ends", values: ends }],
+  const height = Math.max(230, (ends.length + 1) * kLabelHeight);
+  const toPixel = verticalScale(points, yScale, height);
+  const rows = spreadLabels(ends.map((end) => toPixel(end.y)), height);
+  const labels = ends.map((end, i) => ({ ...end, row: rows[i] }));
+  const column = ends.length > 0 ? kLabelColumn : 0;
+  const inColumn = (dx) => ({ signal: `width - ${column - dx}` });
+  const row = { field: "row" };
+  return frame(title, { width: Math.min(width, 440), height,
+    data: [{ name: "points", values: points }, { name: "labels", values: labels }],
     scales: [
       { name: "x", ...logarithmic, domain: { data: "points", field: "x" },
-        range: [14, { signal: "width - 70" }] },
+        range: [14, { signal: `width - ${column + 14}` }] },
       { name: "y", ...logarithmic, ...yScale, domain: { data: "points", field: "y" },
         range: "height", padding: 10 },
       { name: "color", type: "ordinal", domain: seriesStyle.fields, range: seriesStyle.colors },
@@ -62,34 +113,38 @@ function lineChart({ title, xTitle, yTitle, xFormat, points, ends, yScale }) {
       { name: "dash", type: "ordinal", domain: seriesStyle.projections, range: seriesStyle.dashes },
     ],
     axes: [
-      axis("bottom", "x", xTitle, { format: xFormat, tickCount: 6, labelOverlap: "greedy", labelSeparation: 6 }),
+      axis("bottom", "x", xTitle, { format: xFormat, tickCount: Math.min(6, width / 60), labelOverlap: "greedy",
+        labelSeparation: 6 }),
       axis("left", "y", yTitle,
-        { tickCount: 6, labelOverlap: "greedy", ...(yScale ? {} : { format: "~g" }) }),
+        { tickCount: 6, labelOverlap: "greedy", labelSeparation: 5, ...(yScale ? {} : { format: "~g" }) }),
     ],
     marks: [
+      { type: "rule", from: { data: "labels" },
+        encode: { update: { x: place.x, y: place.y, x2: inColumn(4), y2: row, stroke: color,
+          strokeWidth: { value: 0.6 }, strokeOpacity: { value: 0.45 } } } },
       { type: "group", from: { facet: { name: "line", data: "points", groupby: "series" } },
         marks: [{ type: "line", from: { data: "line" }, sort: { field: "x" },
-          encode: { update: { ...place, stroke: color, strokeWidth: { value: 1.6 },
-            strokeDash: { scale: "dash", field: "dash" } } } }] },
+          encode: { update: { ...place, stroke: color, strokeWidth: { value: 1.6 }, strokeDash: dash } } }] },
       { type: "symbol", name: "symbols", from: { data: "points" },
-        encode: { update: { ...place, shape: { scale: "shape", field: "level" }, fill: color,
-          stroke: { value: "white" }, strokeWidth: { value: 0.6 }, size: { value: 46 },
-          tooltip: { field: "tip" } } } },
-      { type: "symbol", name: "end-symbols", from: { data: "ends" },
-        encode: { update: { ...place, size: { value: 1 }, opacity: { value: 0 } } } },
-      { type: "text", from: { data: "end-symbols" },
-        encode: { update: { fill: { field: "datum.fill" }, fontSize: { value: 10 },
-          text: { field: "datum.label" } } },
-        transform: [{ type: "label", size: { signal: "[width, height]" }, avoidMarks: ["symbols"],
-          anchor: ["right", "top-right", "bottom-right", "left", "top-left", "bottom-left"],
-          offset: [5] }] },
+        encode: { update: { ...place, shape, fill: color, stroke: { value: "white" }, strokeWidth: { value: 0.6 },
+          size: { value: 46 }, tooltip: { field: "tip" } } } },
+      { type: "rect", encode: { update: { x: inColumn(4), x2: { signal: "width + 1" }, y: { value: -1 },
+        height: { signal: column > 0 ? "height + 2" : "0" }, fill: { value: "white" } } } },
+      { type: "rule", from: { data: "labels" },
+        encode: { update: { x: inColumn(6), x2: inColumn(32), y: row, stroke: color, strokeWidth: { value: 1.6 },
+          strokeDash: dash } } },
+      { type: "symbol", from: { data: "labels" }, name: "label-symbols",
+        encode: { update: { x: inColumn(19), y: row, shape, fill: color, size: { value: 30 } } } },
+      { type: "text", from: { data: "labels" },
+        encode: { update: { x: inColumn(36), y: row, baseline: { value: "middle" }, fontSize: { value: 11 },
+          fill: { value: "#1b1f24" }, text: { field: "label" } } } },
     ],
   });
 }
 
 // Series of bins: each value has series, level, from, to, share.
-function histogramChart({ title, xTitle, bins, scale }) {
-  return frame(title, {
+function histogramChart({ title, xTitle, bins, scale, width }) {
+  return frame(title, { width: Math.min(width, 300),
     data: [{ name: "bins", values: bins }],
     scales: [
       { name: "x", type: scale === "logarithmic" ? "log" : "linear", nice: false, zero: false,

@@ -54,10 +54,9 @@ function plotData(input, metric, size) {
     points.push(...line);
     const fit = metric.fit ? series[size.fits][metric.fit] : null;
     if (fit && line.length > 1) {
-      const fill = seriesStyle.colors[seriesStyle.fields.indexOf(colorKey(series))];
       // Runs are sorted by resolution, the finest first; the right-hand end has the free room.
       const end = size.name === "spacing" ? line[line.length - 1] : line[0];
-      ends.push({ ...end, label: `p = ${formatFixed(fit.order, 2)}`, fill });
+      ends.push({ ...end, label: `p = ${formatFixed(fit.order, 2)}` });
     }
   }
   return { points, ends };
@@ -65,17 +64,22 @@ function plotData(input, metric, size) {
 
 function isShown(series) {
   return [...document.querySelectorAll("#filters input")].every((box) =>
-    box.checked || String(series[box.name]) !== box.value);
+    box.checked || String(filterKey(series, box.name)) !== box.value);
+}
+
+// The crease-exact meshes stand beside the fields.
+function filterKey(series, name) {
+  return name === "field" ? colorKey(series) : series[name];
 }
 
 function drawFilters() {
-  const groups = [["field", "Field", (v) => fieldNames[v]],
+  const groups = [["field", "Mesh", (v) => v === "exact" ? "crease-exact" : fieldNames[v]],
     ["project", "Projection", (v) => ({ none: "none", field: "field", vdw: "union" })[v]],
     ["subdivide", "Subdivisions", (v) => v], ["backend", "Backend", (v) => v]];
   const element = byId("filters");
   element.replaceChildren();
   for (const [name, title, label] of groups) {
-    const values = [...new Set(currentInput().series.map((s) => s[name]))];
+    const values = [...new Set(currentInput().series.map((s) => filterKey(s, name)))];
     if (values.length < 2) continue;
     const group = document.createElement("fieldset");
     const legend = document.createElement("legend");
@@ -93,9 +97,9 @@ function drawFilters() {
   }
 }
 
-async function drawAll(element, specs) {
+async function drawAll(element, makers) {
   element.replaceChildren();
-  for (const spec of specs) await draw(element, spec);
+  for (const specFor of makers) await draw(element, specFor);
 }
 
 async function drawConvergence() {
@@ -105,9 +109,8 @@ async function drawConvergence() {
     for (const size of sizes) {
       const { points, ends } = plotData(input, metric, size);
       if (points.length === 0) continue;
-      specs.push(lineChart({ title: `${metric.title} against ${size.name}`, xTitle: size.title,
-        xFormat: size.format,
-        yTitle: metric.axis, points, ends, yScale: metric.yScale }));
+      specs.push((width) => lineChart({ title: `${metric.title} against ${size.name}`, xTitle: size.title,
+        xFormat: size.format, yTitle: metric.axis, points, ends, yScale: metric.yScale, width }));
     }
   }
   drawLegend(byId("legend"), input.series);
@@ -148,7 +151,7 @@ async function drawQuality() {
   const kinds = [["min_angle_deg", "Smallest angle of each triangle", "degrees"],
     ["aspect_ratio", "Aspect ratio (circumradius / 2 inradius)", "1 is equilateral"],
     ["edge_length", "Edge length", "Å"]];
-  await drawAll(byId("quality"), kinds.map(([key, title, xTitle]) => histogramChart({ title, xTitle,
+  await drawAll(byId("quality"), kinds.map(([key, title, xTitle]) => (width) => histogramChart({ title, xTitle, width,
     scale: runs[0].histograms[key].scale,
     bins: levels.flatMap(([run, series]) => binsOf(run.histograms[key], series)) })));
 }
@@ -167,14 +170,23 @@ async function drawCosts() {
       }
     }
     if (points.length === 0) continue;
-    specs.push(lineChart({ title, xTitle: "triangles", xFormat: "~s", yTitle: unit, points, ends: [] }));
+    specs.push((width) =>
+      lineChart({ title, xTitle: "triangles", xFormat: "~s", yTitle: unit, points, ends: [], width }));
   }
   await drawAll(byId("costs"), specs);
+}
+
+function sceneRun(number) {
+  const key = (p) => `${seriesId(p)} ${p.resolution}`;
+  const wanted = key(state.scenes[number].parameters);
+  return currentInput().runs.find((r) => key(r.parameters) === wanted);
 }
 
 async function drawScene() {
   const number = byId("scene").value;
   if (number === "") return;
+  drawSceneTable(byId("scene-table"), currentInput(), sceneRun(number));
+  if (!state.viewer) return;
   if (!state.read.has(number)) state.read.set(number, await readScene(number, state.scenes[number]));
   state.viewer.show(state.read.get(number), byId("coloring").value, byId("edges").checked);
 }
@@ -191,6 +203,12 @@ function makeViewer() {
   }
 }
 
+async function drawPlots() {
+  await drawConvergence();
+  await drawQuality();
+  await drawCosts();
+}
+
 async function drawMolecule() {
   const input = currentInput();
   drawMoleculeTable(byId("molecule-table"), input);
@@ -204,10 +222,8 @@ async function drawMolecule() {
     `${wayLabel(s.parameters)}, ${s.parameters.resolution} Å: ${formatNumber(s.triangles)} triangles`]));
   fillSelect(byId("quality-choice"), [...qualityGroups(input).keys()].map((k) => [k, k]));
   drawFilters();
-  if (state.viewer) await drawScene();
-  await drawConvergence();
-  await drawQuality();
-  await drawCosts();
+  await drawScene();
+  await drawPlots();
   document.body.dataset.drawn = byId("molecule").value;
 }
 
@@ -217,6 +233,19 @@ function summaryText(study) {
     : `${b.used}, ${b.threads} threads`);
   return `vdwmesh ${study.version}: ${runs} meshes of ${study.inputs.length} ` +
     `${study.inputs.length === 1 ? "molecule" : "molecules"}, made on ${machines.join(" and ")}`;
+}
+
+// Plots are made for the width of the window; after it was turned or widened they are made anew.
+function redrawWhenResized() {
+  let drawn = window.innerWidth, timer = null;
+  window.addEventListener("resize", () => {
+    clearTimeout(timer);
+    timer = setTimeout(async () => {
+      if (window.innerWidth === drawn) return;
+      drawn = window.innerWidth;
+      await drawPlots();
+    }, 200);
+  });
 }
 
 async function start() {
@@ -231,6 +260,7 @@ async function start() {
   byId("coloring").addEventListener("change", drawScene);
   byId("edges").addEventListener("change", drawScene);
   byId("quality-choice").addEventListener("change", drawQuality);
+  redrawWhenResized();
   await drawMolecule();
 }
 

@@ -3,8 +3,9 @@
 
 function formatNumber(value, digits) {
   if (value === null || value === undefined) return "–";
-  if (Number.isInteger(value) && digits === undefined) return value.toLocaleString("en-US");
-  return Number(value).toLocaleString("en-US", { maximumSignificantDigits: digits ?? 4 });
+  const text = Number.isInteger(value) && digits === undefined ? value.toLocaleString("en-US")
+    : Number(value).toLocaleString("en-US", { maximumSignificantDigits: digits ?? 4 });
+  return text.replace("-", "−");
 }
 
 function formatFixed(value, decimals) {
@@ -24,6 +25,10 @@ function formatPercent(value) {
 function formatSigned(value) {
   if (value === null || value === undefined) return "–";
   return (value > 0 ? "+" : value < 0 ? "−" : "") + Math.abs(value).toLocaleString("en-US");
+}
+
+function formatDifference(value) {
+  return value === 0 ? "equal" : formatSigned(value);
 }
 
 // Columns: { title, text: row -> string, align: "text" or nothing }.
@@ -65,6 +70,26 @@ function drawMoleculeTable(element, input) {
   ], [input]);
 }
 
+// The mesh that is shown, the exact figures beside it, and the difference.
+function drawSceneTable(element, input, run) {
+  if (!run) return element.replaceChildren();
+  const { mesh, comparison } = run, exact = input.exact;
+  const tunnels = (m) => m.tunnels ?? m.genus;
+  const difference = (a, b) => a === null || b === null || a === undefined || b === undefined ? null : a - b;
+  const row = (title, value, how) => ({ title, mesh: value(mesh), exact: value(exact), how });
+  drawTable(element, [
+    { title: "", text: (r) => r.title, align: "text" },
+    { title: "this mesh", text: (r) => r.how ? formatFixed(r.mesh, 3) : formatNumber(r.mesh) },
+    { title: "exact", text: (r) => r.how ? formatFixed(r.exact, 3) : formatNumber(r.exact) },
+    { title: "mesh − exact", text: (r) => r.how ? r.how : formatDifference(difference(r.mesh, r.exact)) },
+  ], [
+    row("Area, Å²", (m) => m.area, formatPercent(comparison.area_relative_error)),
+    row("Volume, Å³", (m) => m.volume, formatPercent(comparison.volume_relative_error)),
+    row("Components", (m) => m.components), row("Tunnels", tunnels), row("Voids", (m) => m.voids),
+    row("Euler characteristic χ", (m) => m.euler_characteristic),
+  ]);
+}
+
 function drawOrdersTable(element, input) {
   const order = (name) => (s) => formatFixed(s.by_resolution[name]?.order ?? null, 2);
   drawTable(element, [
@@ -92,7 +117,9 @@ function drawRunsTable(element, input) {
     { title: "Å", text: (r) => formatNumber(r.parameters.resolution) },
     { title: "backend", text: (r) => r.parameters.backend, align: "text" },
     { title: "triangles", text: (r) => formatNumber(r.mesh.triangles) },
+    { title: "area, Å²", text: (r) => formatFixed(r.mesh.area, 1) },
     { title: "area error", text: (r) => formatPercent(comparison("area_relative_error")(r)) },
+    { title: "volume, Å³", text: (r) => formatFixed(r.mesh.volume, 1) },
     { title: "volume error", text: (r) => formatPercent(comparison("volume_relative_error")(r)) },
     { title: "Δχ", text: (r) => formatSigned(comparison("euler_characteristic_difference")(r)) },
     { title: "self-int.", text: (r) => formatNumber(r.mesh.self_intersections) },

@@ -102,7 +102,37 @@ class Viewer {
     this.material = new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors });
     this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener("change", () => this.render());
+    this.listenToKeys(this.renderer.domElement);
     window.addEventListener("resize", () => this.resize());
+  }
+
+  // What the mouse does, for the keyboard.
+  listenToKeys(canvas) {
+    canvas.tabIndex = 0;
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", "The mesh in 3D. Arrow keys turn it, plus and minus zoom, 0 goes back.");
+    const step = Math.PI / 18;
+    const moves = { ArrowLeft: [step, 0, 1], ArrowRight: [-step, 0, 1], ArrowUp: [0, step, 1], ArrowDown: [0, -step, 1],
+      "+": [0, 0, 1 / 1.2], "=": [0, 0, 1 / 1.2], "-": [0, 0, 1.2] };
+    canvas.addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey || !this.geometry) return;
+      if (event.key === "0") this.place();
+      else if (moves[event.key]) this.move(...moves[event.key]);
+      else return;
+      event.preventDefault();
+      this.render();
+    });
+  }
+
+  // Turns the camera around its target, by angles in radians, and changes its distance by a factor.
+  move(turn, tilt, factor) {
+    const { target } = this.controls;
+    const place = new THREE.Spherical().setFromVector3(this.camera.position.clone().sub(target));
+    place.theta -= turn;
+    place.phi = Math.min(Math.max(place.phi - tilt, 0.01), Math.PI - 0.01);
+    place.radius *= factor;
+    this.camera.position.setFromSpherical(place).add(target);
+    this.controls.update();
   }
 
   show(scene, coloring, edges) {
@@ -135,7 +165,9 @@ class Viewer {
 
   place() {
     const radius = this.geometry.boundingSphere.radius;
-    const distance = 0.98 * radius / Math.sin(Math.PI * this.camera.fov / 360);
+    const { clientWidth, clientHeight } = this.element;
+    const narrow = Math.min(clientWidth / clientHeight, 1);  // a view that is higher than wide shows less
+    const distance = 0.98 * radius / Math.sin(Math.PI * this.camera.fov / 360) / narrow;
     this.camera.position.set(0, 0, distance);
     this.camera.near = distance / 100;
     this.camera.far = 10 * distance;
