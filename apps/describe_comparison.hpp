@@ -1,4 +1,4 @@
-// The blocks of a report that hold a mesh against the exact union.
+// The blocks of a report that hold a mesh against the exact surface.
 #pragma once
 
 #include "describe_report.hpp"
@@ -24,6 +24,7 @@ template <class A>
 void describe(A& a, const ComparisonReport& comparison) {
   const auto& distances = comparison.distances;
   using D = MeshDistances;
+  a("surface", comparison.surface);
   a("area_relative_error", comparison.area_relative_error);
   a("volume_relative_error", comparison.volume_relative_error);
   a("euler_characteristic_difference", comparison.euler_characteristic_difference);

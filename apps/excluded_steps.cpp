@@ -5,8 +5,12 @@
 #include <array>
 #include <utility>
 
+#include "excluded/excluded_comparison.hpp"
+#include "excluded/excluded_distances.hpp"
 #include "excluded/excluded_measures.hpp"
 #include "excluded/excluded_mesher.hpp"
+#include "output.hpp"
+#include "per_atom.hpp"
 #include "picture.hpp"
 #include "refine/patch_refiner.hpp"
 #include "render/crease_split.hpp"
@@ -89,6 +93,75 @@ void draw_excluded(const PatchedMesh& mesh, const Molecule& molecule, const Pict
     return paint_by_element(shown, molecule);
   };
   draw_mesh(split, painter, options, session);
+}
+
+std::uint64_t check_excluded_memory(MemoryDemand& demand, const SphereSet& spheres,
+                                    Session& session) {
+  demand.spheres = spheres.size();
+  demand.area = session.report.excluded->complete.area;
+  const std::uint64_t estimate = check_memory(demand, session.machine.memory_limit);
+  session.end_stage(&Timing::plan);
+  return estimate;
+}
+
+namespace {
+
+// A mesh without voids may well be one of the exterior surface alone.
+void note_cavities(const ExcludedSurface& exact, Report& report) {
+  if (!exact.topology || exact.topology->cavities == 0) return;
+  if (report.mesh->topology.voids.value_or(1) != 0) return;
+  report.note(
+      "the exact surface has the walls of {} cavities, and the mesh none: if it is of the exterior "
+      "surface alone, compare it with that column",
+      exact.topology->cavities);
+}
+
+}  // namespace
+
+void compare_with_excluded(const IndexedMesh& mesh, const SphereSet& atoms,
+                           const DistanceChoice& choice, Session& session) {
+  Report& report = session.report;
+  const ExcludedMeasures& excluded = *report.excluded;
+  ComparisonReport& comparison = report.comparison.emplace(
+      compare(report.mesh->topology, report.mesh->measures, excluded.complete));
+  comparison.surface = ExactSurface::excluded;
+  if (choice.distances == Switch::on) {
+    comparison.distances = excluded_distances(
+        mesh, atoms, excluded.probe,
+        {choice.samples_per_area, choice.seed, session.machine.memory_limit, session.monitor});
+    comparison.distances_reason = "distances to the excluded surface are measured on the CPU";
+  }
+  note_cavities(excluded.complete, report);
+  session.end_stage(&Timing::compare);
+}
+
+void prove_excluded(Session& session) {
+  Report& report = session.report;
+  const auto& exact = report.excluded->complete.topology;
+  const MeshTopology& mesh = report.mesh->topology;
+  MeshProof& proof = report.comparison->proof.emplace();
+  if (exact && mesh.voids) {
+    proof.topology_is_exact = mesh.euler_characteristic == exact->euler_characteristic &&
+                              mesh.shells == exact->shells.size() && *mesh.voids == exact->cavities;
+  }
+  const ExcludedSurface& surface = report.excluded->complete;
+  if (report.mesh->extrapolated_area) {
+    proof.extrapolated_area_error = *report.mesh->extrapolated_area / surface.area - 1;
+  }
+  if (report.mesh->extrapolated_volume) {
+    proof.extrapolated_volume_error = *report.mesh->extrapolated_volume / surface.volume - 1;
+  }
+  session.end_stage(&Timing::compare);
+}
+
+void write_excluded_atoms(const OutputOptions& output, const Molecule& molecule,
+                          VerbSession& session) {
+  if (output.per_atom.empty()) return;
+  session.end_progress();
+  write_output(
+      output.per_atom,
+      excluded_atoms_csv(molecule, session.report.excluded->complete.per_atom, output.group));
+  session.end_stage(&Timing::write);
 }
 
 }  // namespace vdwmesh::apps

@@ -2,6 +2,7 @@
 // others.
 #pragma once
 
+#include "memory_plan.hpp"
 #include "picture_options.hpp"
 #include "steps.hpp"
 #include "surface/surface_patch.hpp"
@@ -26,5 +27,22 @@ PatchReport count_patches(const PatchedMesh& mesh);
 // otherwise.
 void draw_excluded(const PatchedMesh& mesh, const Molecule& molecule, const PictureOptions& options,
                    Session& session);
+
+// Checks the memory of the mesh and of what follows it, as check_memory() does, once the area of
+// the surface has been measured. Returns the estimate.
+std::uint64_t check_excluded_memory(MemoryDemand& demand, const SphereSet& spheres,
+                                    Session& session);
+
+// Mesh beside exact surface, which both must be in the report, and the distances between them.
+// `atoms` are without the probe.
+void compare_with_excluded(const IndexedMesh& mesh, const SphereSet& atoms,
+                           const DistanceChoice& choice, Session& session);
+
+// What proves a mesh of our own. Mesh, exact surface and comparison must be in the report.
+void prove_excluded(Session& session);
+
+// Writes the shares of atoms where --per-atom asked for them; they must be in the report.
+void write_excluded_atoms(const OutputOptions& output, const Molecule& molecule,
+                          VerbSession& session);
 
 }  // namespace vdwmesh::apps

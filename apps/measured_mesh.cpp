@@ -5,13 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "memory_plan.hpp"
 #include "steps.hpp"
 
 namespace vdwmesh::apps {
-namespace {
 
-// Normals are made only where a picture needs them.
 MemoryDemand memory_of_report(const Options& options) {
   MemoryDemand demand;
   demand.surface = options.surface;
@@ -23,8 +20,6 @@ MemoryDemand memory_of_report(const Options& options) {
   demand.distances = options.distances.distances;
   return demand;
 }
-
-}  // namespace
 
 IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options, Session& session) {
   MemoryDemand demand = memory_of_report(options);
@@ -42,7 +37,7 @@ IndexedMesh make_measured_mesh(const SphereSet& spheres, const Options& options,
   MeshReport& report = *session.report.mesh;
   measure(mesh, options.self_intersections, session);
   add_last_level(options.surface.subdivisions, std::move(levels), report);
-  extrapolate(mesh.triangle_labels(), report);
+  if (mesh.triangle_labels() != TriangleLabels::none) extrapolate(report);
   check_with_cgal(mesh, options.cgal_check, session);
   return mesh;
 }

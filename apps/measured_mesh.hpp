@@ -2,11 +2,16 @@
 #pragma once
 
 #include "command_line/command_line.hpp"
+#include "memory_plan.hpp"
 #include "session.hpp"
 #include "spheres/sphere_set.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::apps {
+
+// What such a mesh, its measures and its comparison take. Normals are made only where a picture
+// needs them.
+MemoryDemand memory_of_report(const Options& options);
 
 // Makes the mesh that the options ask for, and measures it: size, topology and quality, level by
 // level, self-intersections, CGAL's measures. All this goes into the session's report. Memory is

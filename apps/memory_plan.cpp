@@ -28,6 +28,8 @@ constexpr double kTrianglesPerCell = 3.0;
 // Of the crease-exact mesher: equilateral ones, and per Å² those that arcs and corners take,
 // however long the edges; of balls larger than atoms no more than so many per ball.
 constexpr double kTrianglesPerPatch = 2.4, kTrianglesOfArcs = 3.5, kTrianglesOfBall = 256;
+// Of the mesher of the excluded surface: per Å² those that its many short curves take.
+constexpr double kTrianglesOfCurves = 24;
 constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays that grew
 
 // The number of triangles before any of them is made, from the area of the surface and the size of
@@ -38,7 +40,9 @@ MeshSize first_level(const MemoryDemand& d) {
   const double step = exact ? surface.edge_length.value() : surface.grid.spacing;
   const double by_area = (exact ? kTrianglesPerPatch : kTrianglesPerCell) * d.area / (step * step);
   const double of_arcs =
-      std::min(kTrianglesOfArcs * d.area, kTrianglesOfBall * static_cast<double>(d.spheres));
+      surface.kind == ExactSurface::excluded
+          ? kTrianglesOfCurves * d.area
+          : std::min(kTrianglesOfArcs * d.area, kTrianglesOfBall * static_cast<double>(d.spheres));
   const double most = std::ldexp(1e16, -2 * surface.subdivisions);  // in bytes it fits 64 bits
   const auto triangles =
       static_cast<std::uint64_t>(std::min(by_area + (exact ? of_arcs : 0), most));

@@ -85,8 +85,8 @@ NewtonSummary summarize(const std::vector<ProjectionStats>& levels) {
   return sum;
 }
 
-void extrapolate(TriangleLabels labels, MeshReport& mesh) {
-  if (labels == TriangleLabels::none || mesh.levels.size() < 2) return;
+void extrapolate(MeshReport& mesh) {
+  if (mesh.levels.size() < 2) return;
   const MeshMeasures &coarse = mesh.levels.rbegin()[1].measures,
                      &fine = mesh.levels.back().measures;
   mesh.extrapolated_area = extrapolate_second_order(coarse.area, fine.area);

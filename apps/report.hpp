@@ -133,7 +133,8 @@ struct MeshProof {
 };
 
 struct ComparisonReport : Comparison {
-  std::optional<MeshProof> proof;               // of crease-exact meshes
+  ExactSurface surface = ExactSurface::vdw;     // that the mesh is compared with
+  std::optional<MeshProof> proof;               // of meshes along the curves of the surface
   Backend distances_backend = Backend::cpu;     // that measured the distances
   std::optional<std::string> distances_reason;  // why automatic did not take CUDA for them
 };
@@ -171,9 +172,9 @@ struct NewtonSummary {
 };
 NewtonSummary summarize(const std::vector<ProjectionStats>& levels);
 
-// Area and volume at edge length 0, from the last two levels. Only a mesh that follows the creases
-// is of second order: others, and fewer than two levels, get none.
-void extrapolate(TriangleLabels labels, MeshReport& mesh);
+// Area and volume at edge length 0, from the last two levels; none from fewer. Precondition: the
+// mesh follows the curves of its surface, because only such a mesh is of second order.
+void extrapolate(MeshReport& mesh);
 
 // What the figures themselves say is wrong: an open or inside-out mesh, vertices left off the
 // surface, and so on. Added to report.warnings.

@@ -71,12 +71,16 @@ void distance_row(Text out, std::string_view label, const DistanceStatistics& d)
 }  // namespace
 
 // A reader who trusts nothing finds here all that speaks for the mesh, or against it.
-void proof_text(Text out, const MeshProof& proof, const MeshReport& mesh) {
+void proof_text(Text out, const ComparisonReport& comparison, const MeshReport& mesh) {
   fmt::format_to(out, "\n");
-  const char* topology = !proof.topology_is_exact ? "topology of the union not computed"
-                         : *proof.topology_is_exact
-                             ? "Euler characteristic, components and voids are those of the union"
-                             : "topology is NOT that of the union";
+  const MeshProof& proof = *comparison.proof;
+  const char* surface = comparison.surface == ExactSurface::excluded ? "excluded surface" : "union";
+  const std::string topology = fmt::format(
+      fmt::runtime(!proof.topology_is_exact ? "topology of the {} not computed"
+                   : *proof.topology_is_exact
+                       ? "Euler characteristic, components and voids are those of the {}"
+                       : "topology is NOT that of the {}"),
+      surface);
   line(out, "Proof",
        fmt::format("{}; {}, {}, {}; {}", topology, yes_no(mesh.topology.closed, "closed"),
                    yes_no(mesh.topology.manifold, "2-manifold"),

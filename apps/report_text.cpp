@@ -163,6 +163,28 @@ std::optional<Cells> figures_of(const std::optional<Block>& block) {
   return cells;
 }
 
+// The exact figures of the table: those of the union or, in its place, of the complete excluded
+// surface.
+std::optional<Cells> exact_figures_of(const Report& report) {
+  if (!report.excluded) return figures_of(report.exact);
+  const ExcludedSurface& s = report.excluded->complete;
+  Cells cells(figure_text);
+  cells("area", s.area), cells("volume", s.volume);
+  if (!s.topology) return cells;
+  double outer = 0, walls = 0;  // Å²
+  std::int64_t genus = 0;
+  for (const ExcludedShell& shell : s.topology->shells) {
+    (shell.volume < 0 ? walls : outer) += shell.area;
+    genus += shell.genus;
+  }
+  const std::uint64_t shells = s.topology->shells.size();
+  cells("outer_area", outer), cells("void_area", walls);
+  cells("shells", shells), cells("components", shells - s.topology->cavities);
+  cells("tunnels", genus), cells("voids", s.topology->cavities);
+  cells("euler_characteristic", s.topology->euler_characteristic);
+  return cells;
+}
+
 // A figure that was not computed is a dash, and nothing stands in the column of a lacking block.
 std::string figure(const std::optional<Cells>& figures, const char* key) {
   if (!figures) return "";
@@ -190,9 +212,9 @@ constexpr TableRow kTableRows[] = {
     {"Voids", "voids", "voids", ""},
     {"Euler characteristic", "euler_characteristic", "euler_characteristic", ""}};
 
-// Mesh and exact union side by side, and how far they are apart.
+// Mesh and exact surface side by side, and how far they are apart.
 void table_text(Text out, const Report& report) {
-  const std::optional<Cells> mesh = figures_of(report.mesh), exact = figures_of(report.exact);
+  const std::optional<Cells> mesh = figures_of(report.mesh), exact = exact_figures_of(report);
   std::map<std::string_view, std::string> differences;
   if (const auto& comparison = report.comparison) {
     differences["area"] = percent(comparison->area_relative_error);
@@ -347,8 +369,8 @@ std::string picture_text(const PictureReport& picture) {
                    picture.height, picture.view, picture.triangles));
   if (picture.scale) {
     line(out, "",
-         fmt::format("{}: {} from {:.6g} to {:.6g}", picture.scale->title, name_of(picture.scale->map),
-                     picture.scale->lower, picture.scale->upper));
+         fmt::format("{}: {} from {:.6g} to {:.6g}", picture.scale->title,
+                     name_of(picture.scale->map), picture.scale->lower, picture.scale->upper));
   }
   line(out, "Drawn by",
        picture.filled_by == Backend::cuda ? picture.device + "; vertex buffers filled by CUDA"
@@ -370,7 +392,7 @@ std::string to_text(const Report& report) {
   if (!report.excluded || report.mesh) table_text(out, report);
   if (report.mesh) mesh_text(out, *report.mesh);
   if (report.comparison && report.comparison->proof) {
-    proof_text(out, *report.comparison->proof, *report.mesh);
+    proof_text(out, *report.comparison, *report.mesh);
   }
   if (report.comparison && report.comparison->distances) {
     distances_text(out, *report.comparison);

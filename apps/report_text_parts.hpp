@@ -25,8 +25,9 @@ inline std::string figure_text(double value) { return fmt::format("{:.3f}", valu
 
 // What a mesh is, how it was made, and how good its triangles are.
 void mesh_text(Text out, const MeshReport& mesh);
-// What speaks for a crease-exact mesh, or against it.
-void proof_text(Text out, const MeshProof& proof, const MeshReport& mesh);
+// What speaks for a mesh along the curves of the surface, or against it. The comparison has a
+// proof.
+void proof_text(Text out, const ComparisonReport& comparison, const MeshReport& mesh);
 // Both directions: a mesh may lie close to the surface and still lack a part of it.
 void distances_text(Text out, const ComparisonReport& comparison);
 

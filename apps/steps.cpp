@@ -13,6 +13,7 @@
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_mesher.hpp"
 #include "cuda/backend.hpp"
+#include "excluded/excluded_distances.hpp"
 #include "grid_checks.hpp"
 #include "output.hpp"
 #include "refuse.hpp"
@@ -397,6 +398,11 @@ std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& sph
   std::ranges::transform(mesh.triangles, centers.begin(), [&](const Triangle& t) {
     return (1.0 / 3) * (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]);
   });
+  if (const auto& excluded = session.report.excluded) {
+    const std::vector<double> found =
+        excluded_signed_distances(centers, spheres, excluded->probe, session.monitor);
+    return {found.begin(), found.end()};
+  }
   const Backend backend = choose_for_distances(mesh.triangle_count(), session).backend;
   const MeasuredPoints measured =
       make_distance_measurer(backend)->measure_points(centers, spheres, session.monitor);

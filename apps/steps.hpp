@@ -93,7 +93,8 @@ DistanceBackend choose_for_distances(std::uint64_t triangles, const Session& ses
 MeasuredDistances measure_distances(const IndexedMesh& mesh, const SphereSet& spheres,
                                     const DistanceChoice& choice, const Session& session);
 
-// The signed distance of the centre of each triangle to the boundary of the union, Å.
+// The signed distance of the centre of each triangle to the boundary of the union, Å; or to the
+// excluded surface, if the report has that. Then the spheres are the atoms without the probe.
 std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& spheres,
                                    Session& session);
 

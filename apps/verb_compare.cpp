@@ -1,4 +1,4 @@
-// `vdwmesh compare`: a mesh file of any program beside the exact union of a structure's balls. What
+// `vdwmesh compare`: a mesh file of any program beside the exact surface of a structure. What
 // the file may have wrong, such as vertices that are not joined, other units or another place, is
 // looked for, because the figures alone do not say it.
 #include <fmt/format.h>
@@ -8,6 +8,7 @@
 #include "command_line/command_line.hpp"
 #include "compare_hints.hpp"
 #include "core/errors.hpp"
+#include "excluded_steps.hpp"
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"
 #include "picture.hpp"
@@ -50,23 +51,31 @@ void measure_file(MeshFile& file, const std::string& path, Session& session) {
 
 }  // namespace
 
-// Everything about the file is found out before the exact union, which takes longer.
+// Everything about the file is found out before the exact surface, which takes longer.
 void run_compare(const Options& options) {
   VerbSession session(options.machine);
-  const SphereSet spheres = load(options.inputs.front(), session).spheres;
+  const InputOptions& input = options.inputs.front();
+  const Structure structure = load(input, session);
+  const bool excluded = options.exact.surface == ExactSurface::excluded;
+  const SphereSet spheres = excluded ? to_spheres(structure.molecule, 0) : structure.spheres;
   check_file_size(options.mesh_path, options.machine.memory_limit);
   MeshFile file = read_mesh(options.mesh_path);
   session.end_stage(&Timing::read);
   const IndexedMesh& mesh = file.mesh;
   MemoryDemand demand;
   demand.self_intersections = SelfIntersections::count;
-  demand.exact = options.exact.method;
+  demand.exact = method_for_memory(options.exact);
   demand.distances = options.distances.distances;
-  check_memory_after(demand, spheres, mesh, options.machine.memory_limit);
+  check_memory_after(demand, structure.spheres, mesh, options.machine.memory_limit);
   measure_file(file, options.mesh_path, session);
   warn_of_place(mesh, spheres, session.report);
-  measure_exactly(spheres, options.exact, session);
-  compare_with_exact(mesh, spheres, options.distances, session);
+  if (excluded) {
+    measure_excluded(structure.molecule, input.probe, options.exact, Switch::off, session);
+    compare_with_excluded(mesh, spheres, options.distances, session);
+  } else {
+    measure_exactly(spheres, options.exact, session);
+    compare_with_exact(mesh, spheres, options.distances, session);
+  }
   if (!options.picture.path.empty()) draw_distances(mesh, spheres, options.picture, session);
   session.deliver_report(options.output);
 }

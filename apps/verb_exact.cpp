@@ -15,16 +15,9 @@ namespace {
 // The same for the excluded surface. The balls of which memory is checked are those grown by the
 // probe.
 void run_excluded(const Options& options, const Molecule& molecule, VerbSession& session) {
-  const bool per_atom = !options.output.per_atom.empty();
-  measure_excluded(molecule, options.inputs.front().probe, options.exact,
-                   per_atom ? Switch::on : Switch::off, session);
-  if (per_atom) {
-    session.end_progress();
-    write_output(options.output.per_atom,
-                 excluded_atoms_csv(molecule, session.report.excluded->complete.per_atom,
-                                    options.output.group));
-    session.end_stage(&Timing::write);
-  }
+  const Switch per_atom = options.output.per_atom.empty() ? Switch::off : Switch::on;
+  measure_excluded(molecule, options.inputs.front().probe, options.exact, per_atom, session);
+  write_excluded_atoms(options.output, molecule, session);
   session.deliver_report(options.output);
 }
 

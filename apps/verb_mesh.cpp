@@ -81,9 +81,14 @@ void build(const Structure& structure, const Options& options, Made& made, Sessi
 void build_excluded(const Structure& structure, const Options& options, Made& made,
                     Session& session) {
   const double probe = options.inputs.front().probe;
+  MemoryDemand measures, demand = memory_of_mesh(options);
+  measures.exact = method_for_memory(options.exact);
+  check_memory_before(measures, structure.spheres, options.machine.memory_limit);
+  session.end_stage(&Timing::plan);
   measure_excluded(structure.molecule, probe, options.exact, Switch::off, session);
+  const std::uint64_t estimate = check_excluded_memory(demand, structure.spheres, session);
   PatchedMesh patched = make_excluded_mesh(structure.molecule, probe, options.surface, session);
-  MemoryDemand demand = memory_of_mesh(options);
+  session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, structure.spheres, patched.mesh, options.machine.memory_limit);
   measure_now_or_later(patched.mesh, demand, made, session);
   session.report.mesh->patches = count_patches(patched);

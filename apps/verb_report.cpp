@@ -1,9 +1,14 @@
-// `vdwmesh report`: makes the mesh and the exact union and sets one beside the other. Nothing is
+// `vdwmesh report`: makes the mesh and the exact surface and sets one beside the other. Nothing is
 // written but what was asked for: JSON, the table by atom, a picture of the distances.
+#include <utility>
+#include <vector>
+
 #include "analysis/mesh_measures.hpp"
 #include "command_line/command_line.hpp"
 #include "edge_lengths.hpp"
+#include "excluded_steps.hpp"
 #include "measured_mesh.hpp"
+#include "memory_plan.hpp"
 #include "output.hpp"
 #include "per_atom.hpp"
 #include "picture.hpp"
@@ -11,11 +16,53 @@
 #include "verbs.hpp"
 
 namespace vdwmesh::apps {
+namespace {
+
+// The same for the excluded surface, whose exact measures come first: they say how large the mesh
+// will be.
+void report_excluded(const Options& options, const Structure& structure, VerbSession& session) {
+  const auto& [molecule, grown] = structure;
+  const double probe = options.inputs.front().probe;
+  const SphereSet atoms = to_spheres(molecule, 0);
+  const std::uint64_t limit = options.machine.memory_limit;
+  MemoryDemand measures;
+  measures.exact = method_for_memory(options.exact);
+  check_memory_before(measures, grown, limit);
+  session.end_stage(&Timing::plan);
+  const Switch per_atom = options.output.per_atom.empty() ? Switch::off : Switch::on;
+  measure_excluded(molecule, probe, options.exact, per_atom, session);
+  MemoryDemand demand = memory_of_report(options);
+  const std::uint64_t estimate = check_excluded_memory(demand, grown, session);
+  std::vector<LevelReport> levels;
+  const PatchedMesh made = make_excluded_mesh(
+      molecule, probe, options.surface, session,
+      record_levels(options.self_intersections, options.surface.subdivisions, levels, session));
+  const IndexedMesh& mesh = made.mesh;
+  session.report.parameters->memory_estimate = estimate;
+  check_memory_after(demand, grown, mesh, limit);
+  measure(mesh, options.self_intersections, session);
+  MeshReport& report = *session.report.mesh;
+  report.patches = count_patches(made);
+  add_last_level(options.surface.subdivisions, std::move(levels), report);
+  extrapolate(report);
+  check_with_cgal(mesh, options.cgal_check, session);
+  compare_with_excluded(mesh, atoms, options.distances, session);
+  prove_excluded(session);
+  if (!options.picture.path.empty()) draw_distances(mesh, atoms, options.picture, session);
+  write_excluded_atoms(options.output, molecule, session);
+  session.deliver_report(options.output);
+}
+
+}  // namespace
 
 void run_report(const Options& options) {
   VerbSession session(options.machine);
   const InputOptions& input = options.inputs.front();
   const Structure structure = load(input, session);
+  if (options.surface.kind == ExactSurface::excluded) {
+    report_excluded(options, structure, session);
+    return;
+  }
   const auto& [molecule, spheres] = structure;
   const IndexedMesh mesh =
       make_measured_mesh(spheres, with_edge_lengths(options, structure), session);

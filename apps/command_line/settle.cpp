@@ -88,8 +88,9 @@ void settle_crossings(Draft& d) {
 // The excluded surface has one mesher, whose edges are all alike. Its meshes are refined to the
 // patches without a choice.
 void settle_excluded_mesh(Draft& d) {
-  if (!(d.verb & (kMesh | kRender))) return;
+  if (!(d.verb & (kMesh | kReport | kRender))) return;
   SurfaceOptions& s = d.options.surface;
+  if (d.verb != kRender && !is_given(d, "--subdivide")) s.subdivisions = 0;
   refuse_if(is_given(d, "--mesher") && s.mesher != Mesher::exact,
             "--mesher {}: --surface excluded is meshed along its curves, which is --mesher exact",
             name_of(s.mesher));

@@ -1,5 +1,4 @@
-// What Python finds out about meshes: measures, quality, comparison with the exact union,
-// distances.
+// What Python finds out about meshes: measures, quality, comparison with exact surfaces, distances.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
@@ -10,6 +9,8 @@
 #include "arrays.hpp"
 #include "call.hpp"
 #include "core/errors.hpp"
+#include "excluded/excluded_comparison.hpp"
+#include "excluded/excluded_distances.hpp"
 #include "mesh/mesh_io.hpp"
 #include "mesh/weld.hpp"
 #include "mesh_handle.hpp"
@@ -92,35 +93,51 @@ py::dict dict_of(const DistanceStatistics& d) {
 
 struct Compared {
   Comparison comparison;
-  ExactUnion exact;
+  double exact_area, exact_volume;  // Å², Å³
   MeshSummary mesh;
   std::vector<double> face_distance;
 };
 
 Compared compare_all(const IndexedMesh& mesh, const SphereSet& spheres,
                      const DistanceOptions& options) {
-  Compared all;
+  Compared all{};
   all.mesh = summarize(mesh);
-  all.exact = exact_union(spheres, {UnionMethod::cgal, options.monitor});
-  all.comparison = compare(all.mesh.topology, all.mesh.measures, all.exact);
+  const ExactUnion exact = exact_union(spheres, {UnionMethod::cgal, options.monitor});
+  all.exact_area = exact.area, all.exact_volume = exact.volume;
+  all.comparison = compare(all.mesh.topology, all.mesh.measures, exact);
   all.comparison.distances = distances(mesh, spheres, options);
   all.face_distance = signed_distances(face_centers(mesh), spheres, options.monitor);
   return all;
 }
 
+// The same for the excluded surface of atoms.
+Compared compare_excluded(const IndexedMesh& mesh, const SphereSet& atoms, double probe,
+                          const DistanceOptions& options) {
+  Compared all{};
+  all.mesh = summarize(mesh);
+  const ExcludedSurface exact =
+      excluded_measures(atoms, {.probe = probe, .monitor = options.monitor}).complete;
+  all.exact_area = exact.area, all.exact_volume = exact.volume;
+  all.comparison = compare(all.mesh.topology, all.mesh.measures, exact);
+  all.comparison.distances = excluded_distances(mesh, atoms, probe, options);
+  all.face_distance = excluded_signed_distances(face_centers(mesh), atoms, probe, options.monitor);
+  return all;
+}
+
 py::dict compare(const MeshHandle& h, const py::buffer& coords, const py::buffer& radii,
-                 double probe, double samples, std::uint64_t seed) {
+                 double probe, bool excluded, double samples, std::uint64_t seed) {
   const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
   Compared all = call({}, [&](Monitor& monitor) {
     DistanceOptions options;
     options.samples_per_area = samples;
     options.seed = seed;
     options.monitor = &monitor;
-    return compare_all(*h.mesh, spheres_of(centers, sizes, probe), options);
+    return excluded ? compare_excluded(*h.mesh, spheres_of(centers, sizes, 0), probe, options)
+                    : compare_all(*h.mesh, spheres_of(centers, sizes, probe), options);
   });
   const Comparison& c = all.comparison;
   return py::dict("area"_a = all.mesh.measures.area, "volume"_a = all.mesh.measures.volume,
-                  "exact_area"_a = all.exact.area, "exact_volume"_a = all.exact.volume,
+                  "exact_area"_a = all.exact_area, "exact_volume"_a = all.exact_volume,
                   "area_relative_error"_a = c.area_relative_error,
                   "volume_relative_error"_a = c.volume_relative_error,
                   "euler_characteristic_difference"_a = c.euler_characteristic_difference,
@@ -131,10 +148,13 @@ py::dict compare(const MeshHandle& h, const py::buffer& coords, const py::buffer
 }
 
 Array signed_distance(const py::buffer& points, const py::buffer& coords, const py::buffer& radii,
-                      double probe) {
+                      double probe, bool excluded) {
   const Numbers places(points, "points", 2), centers(coords, "coords", 2), sizes(radii, "radii", 1);
   return array_of(call({}, [&](Monitor& monitor) {
     const std::vector<Vec3d> measured = points_of(places);
+    if (excluded) {
+      return excluded_signed_distances(measured, spheres_of(centers, sizes, 0), probe, &monitor);
+    }
     return signed_distances(measured, spheres_of(centers, sizes, probe), &monitor);
   }));
 }

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from vdwmesh import _core
 from vdwmesh._arrays import floats, number, view
+from vdwmesh._excluded import WATER_PROBE
 from vdwmesh._mesh import Mesh
 from vdwmesh._sources import arrays_of
 from vdwmesh.errors import InvalidInput
@@ -170,17 +171,18 @@ def compare(
     coords: Any,
     radii: ArrayLike | str | None = None,
     *,
-    probe: float = 0.0,
+    probe: float | None = None,
+    surface: Literal["vdw", "excluded"] = "vdw",
     samples: float | None = None,
     seed: int = 1,
 ) -> Comparison:
-    """How far a mesh is from the exact union of balls that it approximates.
+    """How far a mesh is from the exact surface that it approximates.
 
     Parameters
     ----------
     mesh : as for `quality`
-    coords, radii, probe
-        As for `exact`.
+    coords, radii, probe, surface
+        As for `exact`: the union of the balls, or the complete solvent-excluded surface.
     samples : float, optional
         Per Å², 10 by default.
     seed : int
@@ -205,7 +207,8 @@ def compare(
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or not 0 <= seed < 2**64:
         raise InvalidInput(f"seed: {seed!r} is no whole number from 0 to 2^64 - 1")
     handle, notes = _handle(mesh)
-    found = _core.compare(handle, centers, sizes, number("probe", probe), density, int(seed))
+    excluded, radius = _surface(surface, probe)
+    found = _core.compare(handle, centers, sizes, radius, excluded, density, int(seed))
     found["face_distance"] = view(found["face_distance"])
     for name in ("mesh_to_surface", "surface_to_mesh"):
         found[name] = DistanceStatistics(**found[name])
@@ -213,7 +216,12 @@ def compare(
 
 
 def signed_distance(
-    points: ArrayLike, coords: Any, radii: ArrayLike | str | None = None, *, probe: float = 0.0
+    points: ArrayLike,
+    coords: Any,
+    radii: ArrayLike | str | None = None,
+    *,
+    probe: float | None = None,
+    surface: Literal["vdw", "excluded"] = "vdw",
 ) -> Floats:
     """Distance of points to the exact surface, Å: positive outside, negative inside.
 
@@ -221,8 +229,8 @@ def signed_distance(
     ----------
     points : array_like, shape (P, 3)
         Å.
-    coords, radii, probe
-        As for `exact`.
+    coords, radii, probe, surface
+        As for `exact`: the union of the balls, or the complete solvent-excluded surface.
 
     Returns
     -------
@@ -233,10 +241,24 @@ def signed_distance(
     >>> import vdwmesh
     >>> vdwmesh.signed_distance([[3, 0, 0], [0, 0, 0.5]], [[0, 0, 0]], [1.0])
     array([ 2. , -0.5])
+
+    Between two balls a probe of radius 3 stays away from the middle of their axis.
+
+    >>> vdwmesh.signed_distance([[0, 0, 0]], [[-2, 0, 0], [2, 0, 0]], [2.0, 2.0], probe=3, surface="excluded").round(4)
+    array([-1.5826])
     """
     centers, sizes, _ = arrays_of(coords, radii)
     places = floats("points", points, "(P, 3)")
-    return view(_core.signed_distance(places, centers, sizes, number("probe", probe)))
+    excluded, radius = _surface(surface, probe)
+    return view(_core.signed_distance(places, centers, sizes, radius, excluded))
+
+
+def _surface(surface: str, probe: float | None) -> tuple[bool, float]:
+    """Whether the excluded surface is meant, and the radius of the probe, Å."""
+    if surface not in ("vdw", "excluded"):
+        raise InvalidInput(f"surface: {surface!r}; there are vdw and excluded")
+    excluded = surface == "excluded"
+    return excluded, number("probe", (WATER_PROBE if excluded else 0.0) if probe is None else probe)
 
 
 def _handle(mesh: Any) -> tuple[_core.MeshHandle, list[str]]:

@@ -9,9 +9,8 @@
 #include "core/errors.hpp"
 
 namespace vdwmesh::excluded {
-namespace {
 
-SphereSet grown(const SphereSet& atoms, double probe) {
+SphereSet grown_by(const SphereSet& atoms, double probe) {
   if (!(probe > 0 && std::isfinite(probe))) {
     throw InvalidInput(fmt::format("the probe's radius is {}; it must be above 0", probe));
   }
@@ -20,10 +19,8 @@ SphereSet grown(const SphereSet& atoms, double probe) {
   return SphereSet(std::move(balls));
 }
 
-}  // namespace
-
 GrownAtoms::GrownAtoms(const SphereSet& atoms, double probe, Monitor* monitor)
-    : triangulation(triangulate(grown(atoms, probe), monitor)),
+    : triangulation(triangulate(grown_by(atoms, probe), monitor)),
       exponent(triangulation.scale_exponent),
       complex(dual_complex(triangulation, monitor)),
       shapes(triangulation, complex),

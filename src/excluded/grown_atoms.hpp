@@ -9,6 +9,10 @@
 
 namespace vdwmesh::excluded {
 
+// The atoms with the probe's radius (Å) added to theirs. Throws InvalidInput unless the probe is
+// above 0 and finite.
+SphereSet grown_by(const SphereSet& atoms, double probe);
+
 struct GrownAtoms {
   // Throws as excluded_measures() does.
   GrownAtoms(const SphereSet& atoms, double probe, Monitor* monitor);

@@ -4,7 +4,7 @@ import csv
 import math
 import struct
 
-from program import BAD_INPUT, UBIQUITIN, ProgramTest
+from program import BAD_INPUT, LIMIT_HIT, UBIQUITIN, ProgramTest
 
 # Of a property of a PLY file, as the module struct calls it.
 PLY_TYPES = {"double": "d", "float": "f", "int": "i", "uint": "I", "uchar": "B"}
@@ -218,3 +218,76 @@ class ExcludedMesh(ProgramTest):
         ):
             arguments = ("mesh", UBIQUITIN, "--surface", "excluded", "-o", self.folder / "u.ply", *option)
             self.assert_refused(BAD_INPUT, *arguments, says=(option[0],))
+
+
+class ExcludedReport(ProgramTest):
+    """report and compare --surface excluded: meshes beside the exact surface, with distances."""
+
+    def check_comparison(self, report):
+        mesh, exact = report["mesh"], report["excluded"]["complete"]
+        comparison = report["comparison"]
+        self.assertEqual(comparison["surface"], "excluded")
+        self.assertIsNone(report["exact"])
+        self.assert_close(comparison["area_relative_error"], mesh["area"] / exact["area"] - 1, 1e-12)
+        self.assert_close(comparison["volume_relative_error"], mesh["volume"] / exact["volume"] - 1, 1e-12)
+        self.assertEqual(comparison["euler_characteristic_difference"], 0)
+        # A chord of 0.5 Å is 0.022 Å from a circle of 1.4 Å in its middle.
+        for way in ("mesh_to_surface", "surface_to_mesh"):
+            self.assertLess(comparison[way]["rms"], 0.022)
+            self.assertLess(comparison[way]["max"], 0.1)
+        self.assertEqual(comparison["distances_backend"], "cpu")
+
+    def test_report_and_compare_agree(self):
+        table, path = self.folder / "a.csv", self.folder / "u.ply"
+        options = ("--surface", "excluded", "--edge-length", "0.5")
+        report = self.report("report", UBIQUITIN, *options, "--per-atom", table)
+        self.check_comparison(report)
+        self.assertEqual(report["input"]["probe"], 1.4)
+        self.assertEqual(report["mesh"]["self_intersections"], 0)
+        self.assertIs(report["comparison"]["proof"]["topology_is_exact"], True)
+        self.assertIsNone(report["comparison"]["proof"]["atom_area_error"])
+        self.assertGreater(report["parameters"]["memory_estimate"], 0)
+        for stage in ("plan", "extract", "measure", "exact", "compare"):
+            self.assertGreaterEqual(report["timing"][stage], 0)
+        with table.open(newline="") as file:
+            total = math.fsum(float(row["excluded_area"]) for row in csv.DictReader(file))
+        self.assert_close(total, report["excluded"]["complete"]["area"], SUM)
+        self.run_ok("mesh", UBIQUITIN, *options, "-o", path)
+        compared = self.report("compare", path, UBIQUITIN, "--surface", "excluded")
+        self.check_comparison(compared)
+        self.assertIsNone(compared["comparison"]["proof"])
+        for key in ("mesh_to_surface", "surface_to_mesh"):
+            self.assert_close(compared["comparison"][key]["mean"], report["comparison"][key]["mean"], 1e-3)
+
+    def test_another_probe_and_the_union_are_farther(self):
+        path = self.folder / "u.ply"
+        self.run_ok("mesh", UBIQUITIN, "--surface", "excluded", "--edge-length", "0.7", "-o", path)
+        near = self.report("compare", path, UBIQUITIN, "--surface", "excluded")
+        other = self.report("compare", path, UBIQUITIN, "--surface", "excluded", "--probe", "2")
+        union = self.report("compare", path, UBIQUITIN)
+        self.assertEqual(union["comparison"]["surface"], "vdw")
+        mean = [r["comparison"]["mesh_to_surface"]["mean"] for r in (near, other, union)]
+        self.assertLess(4 * mean[0], min(mean[1:]))
+
+    def test_the_text_sets_them_side_by_side(self):
+        text = self.run_ok("report", UBIQUITIN, "--surface", "excluded", "--edge-length", "0.6").stdout
+        for words in ("mesh - exact", "Tunnels (genus)", "are those of the excluded surface",
+                      "surface to mesh", "Hausdorff distance"):
+            self.assertIn(words, text)
+
+    def test_without_topology_and_distances(self):
+        report = self.report("report", UBIQUITIN, "--surface", "excluded", "--edge-length", "0.8",
+                             "--topology", "off", "--distances", "off")
+        self.assertIsNone(report["comparison"]["euler_characteristic_difference"])
+        self.assertIsNone(report["comparison"]["proof"]["topology_is_exact"])
+        self.assertIsNone(report["comparison"]["mesh_to_surface"])
+        self.assertLess(abs(report["comparison"]["area_relative_error"]), 0.1)
+
+    def test_memory_is_checked_before(self):
+        for verb in (("report", UBIQUITIN), ("mesh", UBIQUITIN, "-o", self.folder / "u.ply")):
+            self.assert_refused(LIMIT_HIT, *verb, "--surface", "excluded", "--edge-length", "0.01",
+                                "--memory-limit", "200M", says=("memory", "--edge-length"))
+
+    def test_refusals(self):
+        for option in (("--method", "arcs"), ("--topology", "counts"), ("--probe", "0"), ("--backend", "cuda")):
+            self.assert_refused(BAD_INPUT, "report", UBIQUITIN, "--surface", "excluded", *option, says=(option[0],))

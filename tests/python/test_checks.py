@@ -63,6 +63,21 @@ class SignedDistanceTest(unittest.TestCase):
         found = vdwmesh.signed_distance([[0, 0, 0], [0, 0.5, 0], [1.6, 0, 0], [3, 0, 0]], coords, radii)
         np.testing.assert_allclose(found, [-0.8, -0.3, 0, 1.4], atol=1e-14)
 
+    def test_the_excluded_surface_of_two_balls(self):
+        # A probe of 3 rolls around balls of radius 2 at x = ±2 on a circle of radius √21, and its
+        # torus leaves a waist of √21 - 3.
+        coords, radii, waist = [[-2, 0, 0], [2, 0, 0]], [2, 2], math.sqrt(21) - 3
+        points = [[0, 0, 0], [0, waist, 0], [0, waist + 1, 0], [0, 9, 0], [5, 0, 0], [-2, 1, 0]]
+        found = vdwmesh.signed_distance(points, coords, radii, probe=3, surface="excluded")
+        # From (0, 9, 0) the atoms are nearest; the place at x = -2 is next to its atom's sphere and to
+        # the torus.
+        torus = 3 - math.hypot(2, math.sqrt(21) - 1)
+        np.testing.assert_allclose(found, [-waist, 0, 1, math.sqrt(85) - 2, 1, max(-1, torus)], atol=1e-12)
+        water = vdwmesh.signed_distance([[0, 0, 0]], coords, radii, surface="excluded")
+        np.testing.assert_allclose(water, [1.4 - math.sqrt(3.4**2 - 4)], atol=1e-12)
+        with self.assertRaisesRegex(ValueError, "surface: 'sas'"):
+            vdwmesh.signed_distance(points, coords, radii, surface="sas")
+
     def test_wrong_points_are_named(self):
         for points in ([[0, 0]], [[0, 0, math.nan]], [], "x"):
             with self.assertRaisesRegex(ValueError, "points"):
@@ -70,6 +85,21 @@ class SignedDistanceTest(unittest.TestCase):
 
 
 class SameAsProgramTest(ProgramTest):
+    def test_comparison_with_the_excluded_surface(self):
+        path = self.folder / "x.ply"
+        options = ("--surface", "excluded", "--probe", "2")
+        self.run_ok("mesh", UBIQUITIN, *options, "--edge-length", "0.8", "-o", path)
+        report = self.report("compare", path, UBIQUITIN, *options)
+        found = vdwmesh.compare(path, vdwmesh.read(UBIQUITIN), probe=2, surface="excluded")
+        comparison, exact = report["comparison"], report["excluded"]["complete"]
+        self.assertEqual((found.exact_area, found.exact_volume), (exact["area"], exact["volume"]))
+        self.assertEqual(found.area_relative_error, comparison["area_relative_error"])
+        self.assertEqual(found.euler_characteristic_difference, 0)
+        self.assertEqual(found.hausdorff_lower_bound, comparison["hausdorff_lower_bound"])
+        for way in ("mesh_to_surface", "surface_to_mesh"):
+            self.assertEqual(asdict(getattr(found, way)), comparison[way])
+        self.assertLess(np.abs(found.face_distance).max(), 0.2)
+
     def test_comparison_and_quality_have_the_programs_figures(self):
         molecule = vdwmesh.read(UBIQUITIN)
         mesh = vdwmesh.mesh(molecule, mesher="marching-cubes", spacing=1.0)

@@ -1,0 +1,50 @@
+// Collects the distances of many blocks of samples that several threads measure at the same time.
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <atomic>
+#include <vector>
+
+#include "analysis/distances_statistics.hpp"
+
+namespace vdwmesh {
+
+// Sums for each block, which are joined in the order of the blocks, and a histogram for each
+// thread, whose integer counts can be added in any order. The result is therefore the same bit for
+// bit for any number of threads. largest() is the largest distance that a thread has told of by
+// raise(), at most that of all blocks.
+class BlockStatistics {
+ public:
+  explicit BlockStatistics(std::size_t blocks) : blocks_(blocks) {}
+  DistanceSums& block(std::size_t i) { return blocks_[i]; }
+  // The histogram of the calling thread.
+  DistanceHistogram& histogram() { return histograms_.local(); }
+  double largest() const { return largest_.load(std::memory_order_relaxed); }
+  void raise(double distance) {
+    double old = largest();
+    while (old < distance &&
+           !largest_.compare_exchange_weak(old, distance, std::memory_order_relaxed)) {
+    }
+  }
+  // Adds points to the maximum alone; largest_of(least) returns the larger of `least` and their
+  // largest distance.
+  template <class LargestOf>
+  void add_extremes(std::size_t block, std::size_t count, const LargestOf& largest_of) {
+    const double found = largest_of(largest());
+    blocks_[block].add_extremes(count, found);
+    raise(found);
+  }
+  DistanceStatistics result() const {
+    DistanceHistogram all;
+    for (const DistanceHistogram& h : histograms_) all.add(h);
+    return summarize(blocks_, all);
+  }
+
+ private:
+  std::vector<DistanceSums> blocks_;
+  std::atomic<double> largest_{0};
+  tbb::enumerable_thread_specific<DistanceHistogram> histograms_;
+};
+
+}  // namespace vdwmesh

@@ -1,0 +1,124 @@
+// Distances to the excluded surface: makes the surface, then measures points, a mesh's samples and
+// the surface's samples, block by block. Sums of blocks are joined in their order, so that results
+// do not depend on the number of threads.
+#include "excluded/excluded_distances.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "analysis/distances_blocks.hpp"
+#include "analysis/distances_plan.hpp"
+#include "analysis/mesh_finder.hpp"
+#include "analysis/mesh_to_surface.hpp"
+#include "analysis/stage_bytes.hpp"
+#include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
+#include "excluded/excluded_finder.hpp"
+#include "excluded/surface_samples.hpp"
+
+namespace vdwmesh {
+namespace {
+
+using excluded::ExcludedFinder;
+using excluded::JudgedSurface;
+using excluded::SurfaceSamples;
+
+// Patches of the surface that a thread takes together.
+constexpr std::size_t kElementsPerBlock = 64;
+
+DistanceStatistics from_surface(const SurfaceSamples& samples, const MeshFinder& finder,
+                                Monitor* monitor) {
+  const std::size_t elements = samples.element_count();
+  const std::size_t blocks = block_count(elements, kElementsPerBlock);
+  BlockStatistics statistics(blocks);
+  begin_stage(monitor, "distances of the surface", blocks);
+  const auto visit = [&](std::size_t block, std::size_t first, std::size_t end) {
+    DistanceSums& sums = statistics.block(block);
+    DistanceHistogram& histogram = statistics.histogram();
+    std::vector<Vec3d> inside, border;
+    for (std::size_t i = first; i < end; ++i) samples.add(i, inside, border);
+    std::vector<double> found(inside.size());
+    finder.find(inside, found.data());
+    for (const double distance : found) {
+      sums.add(distance);
+      histogram.add(distance);
+    }
+    statistics.raise(sums.max);
+    statistics.add_extremes(block, border.size(),
+                            [&](double least) { return finder.largest_distance(border, least); });
+  };
+  for_each_block(elements, kElementsPerBlock, visit, monitor);
+  return statistics.result();
+}
+
+void check_bytes(const IndexedMesh& mesh, std::size_t atoms, std::uint64_t limit) {
+  const std::uint64_t need =
+      indexed_mesh_bytes(mesh) +
+      excluded_distances_bytes({mesh.vertex_count(), mesh.triangle_count()}, atoms);
+  if (need <= limit) return;
+  throw LimitExceeded(fmt::format(
+      "distances of {} triangles to the excluded surface of {} atoms need {} bytes with the mesh, "
+      "{} are allowed: choose a higher memory limit or no distances",
+      mesh.triangle_count(), atoms, need, limit));
+}
+
+}  // namespace
+
+std::vector<double> excluded_signed_distances(std::span<const Vec3d> points, const SphereSet& atoms,
+                                              double probe, Monitor* monitor) {
+  check_points(points, atoms, "point");
+  const SphereSet grown = excluded::grown_by(atoms, probe);
+  begin_stage(monitor, "excluded surface", 1);
+  const JudgedSurface surface(atoms, probe, monitor);
+  const ExposedSurface accessible(grown, monitor);
+  const ExcludedFinder finder(accessible, surface.curves, probe,
+                              box_around(bounding_box(grown), points));
+  std::vector<double> found(points.size());
+  begin_stage(monitor, "signed distances", block_count(points.size(), kDistancesPerBlock));
+  const auto measure = [&](std::size_t, std::size_t first, std::size_t end) {
+    finder.find(points.subspan(first, end - first), found.data() + first);
+  };
+  for_each_block(points.size(), kDistancesPerBlock, measure, monitor);
+  return found;
+}
+
+MeshDistances excluded_distances(const IndexedMesh& mesh, const SphereSet& atoms, double probe,
+                                 const DistanceOptions& options) {
+  const SphereSet grown = excluded::grown_by(atoms, probe);
+  const DistancePlan plan = plan_distances(mesh, grown, options);
+  check_bytes(mesh, atoms.size(), options.memory_limit);
+  begin_stage(options.monitor, "excluded surface", 1);
+  const JudgedSurface surface(atoms, probe, options.monitor);
+  const ExposedSurface accessible(grown, options.monitor);
+  DistanceStatistics of_mesh{};
+  {
+    const ExcludedFinder finder(accessible, surface.curves, probe, plan.world);
+    const auto find = [&](std::span<const Vec3d> points, double* found) {
+      finder.find(points, found);
+    };
+    const auto largest = [&](std::span<const Vec3d> points, double least) {
+      std::vector<double> found(points.size());
+      finder.find(points, found.data());
+      for (const double distance : found) least = std::max(least, std::abs(distance));
+      return least;
+    };
+    of_mesh = mesh_to_surface(mesh, {find, largest}, options);
+  }
+  const SurfaceSamples samples(surface, accessible.patches(), probe, plan.surface_density,
+                               options.seed);
+  const DistanceStatistics of_surface =
+      from_surface(samples, MeshFinder(mesh, plan.world), options.monitor);
+  return both_ways(of_mesh, of_surface, options.seed);
+}
+
+// Measured on molecules: an atom has some 1.4 probes, a third of them low, with 700 bytes each for
+// the patch of a low one. The triangulation, the complex and the arcs are those of the measures.
+std::uint64_t excluded_distances_bytes(const MeshSize& mesh, std::uint64_t atoms) {
+  constexpr std::uint64_t kBytesPerAtom = 500;
+  constexpr double kMostlyBuried = 0.06;
+  return distances_bytes(mesh, atoms) + union_bytes(atoms, UnionMethod::both, kMostlyBuried) +
+         kBytesPerAtom * atoms;
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,43 @@
+// ExcludedFinder: signed distances from many points to the excluded surface. For the library's own
+// use.
+//
+// Let σ be the signed distance of a point to the accessible surface, positive outside the grown
+// balls, and p the probe's radius. docs/excluded_surface.md proves:
+//  - Where σ >= 0 or σ <= -p, the signed distance to the excluded surface is σ + p.
+//  - Elsewhere it is at least σ + p. Let x be an accessible point nearest to the point, and z the
+//    point in which the ray from x through the point leaves the probe at x. If no other probe
+//    reaches z, the distance is σ + p. Otherwise it is the distance to the nearest crease or cusp.
+//  - It is never more than the distance to the nearest atom.
+#pragma once
+
+#include <span>
+
+#include "analysis/exposed_surface.hpp"
+#include "excluded/judged_surface.hpp"
+
+namespace vdwmesh::excluded {
+
+class ExcludedFinder {
+ public:
+  // `accessible` is the boundary of the grown balls, `probe` the radius, Å. `world` must contain
+  // all grown balls and all later query points. Surface and curves must outlive this.
+  ExcludedFinder(const ExposedSurface& accessible, std::span<const SharpCurve> curves, double probe,
+                 const Box& world);
+
+  // Writes the signed distance of each point to `found`, Å. The search is fast if consecutive
+  // points are near each other.
+  void find(std::span<const Vec3d> points, double* found) const;
+
+ private:
+  double distance(const Vec3d& point, double accessible, std::uint32_t& hint) const;
+  double distance_to_curves(const Vec3d& point) const;
+  bool is_foot_of_solid(const Vec3d& point, double accessible, std::uint32_t hint) const;
+
+  std::span<const SharpCurve> curves_;
+  const double probe_;
+  double tolerance_;  // Å
+  SurfaceFinder accessible_;
+  BoxTree tree_;  // of the curves
+};
+
+}  // namespace vdwmesh::excluded
