@@ -33,7 +33,7 @@ std::vector<Counts> prefix_sums(std::span<const Patch> patches) {
 // The patches point into device arrays that begin at `covers` and `corners`.
 FlatPatches flatten(const ExposedSurface& surface, const std::vector<Counts>& first,
                     const Cover* covers, const Corner* corners) {
-  const std::span<const Patch> patches = surface.patches();
+  const std::span<const Patch> patches = surface.searched();
   FlatPatches flat;
   flat.patches.resize(patches.size());
   flat.balls.resize(patches.size());
@@ -56,10 +56,10 @@ FlatPatches flatten(const ExposedSurface& surface, const std::vector<Counts>& fi
 }  // namespace
 
 DevicePatches::DevicePatches(const ExposedSurface& surface, const Stream& stream)
-    : patches_(surface.patches().size(), stream),
-      balls_(surface.patches().size(), stream),
-      ranks_(surface.patches().size(), stream) {
-  const std::vector<Counts> first = prefix_sums(surface.patches());
+    : patches_(surface.searched().size(), stream),
+      balls_(surface.searched().size(), stream),
+      ranks_(surface.searched().size(), stream) {
+  const std::vector<Counts> first = prefix_sums(surface.searched());
   covers_ = DeviceArray<Cover>(first.back().covers, stream);
   corners_ = DeviceArray<Corner>(first.back().corners, stream);
   const FlatPatches flat = flatten(surface, first, covers_.data(), corners_.data());

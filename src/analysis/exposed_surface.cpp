@@ -2,7 +2,7 @@
 //
 // Construction treats every sphere by itself, on all cores (PatchBuilder):
 //  1. Find the covers of the sphere, the caps that neighbours from the cell list cut from it. If a
-//     neighbour buries the sphere, the sphere has no patch.
+//     neighbour contains the ball, the sphere has no patch.
 //  2. Sort the covers by decreasing size and drop caps that lie within others.
 //  3. Intersect the circles of every two covers. An intersection that no third cap covers is a
 //     corner, and both circles have exposed arcs there.
@@ -34,11 +34,14 @@ constexpr double kParallel = 1e-18;
 // roundings. Keeping a nested cap is always correct; dropping it only saves time.
 constexpr double kNested = 1e-14;
 
+// Covers every direction: the cosine is below that of any.
+constexpr Cover kCoversAll{{{0, 0, 1}, -2}, kNoCover};
+
 // The patches of one block of spheres, and the covers and corners to which they point. A vector may
 // move its elements when it grows, so set_pointers() sets the pointers of the patches after all
 // elements have been added. The covers and corners of the patches stand one after another.
 struct BlockPatches {
-  std::vector<Patch> patches;
+  std::vector<Patch> patches, buried;
   std::vector<Cover> covers;
   std::vector<Corner> corners;
 
@@ -98,7 +101,8 @@ class PatchBuilder {
  public:
   explicit PatchBuilder(const CellListView& list) : list_(list) {}
 
-  // Appends the patch of the sphere at this list place to `out`, unless the sphere is buried.
+  // Appends the patch of the sphere at this list place to `out`. A sphere that several others bury
+  // together has an empty one; a sphere within another ball has none.
   void add(std::uint32_t place, BlockPatches& out) {
     covers_.clear();
     if (!caps_.find(list_, place)) return;
@@ -112,7 +116,10 @@ class PatchBuilder {
         static_cast<std::uint32_t>(std::count(exposed_.begin(), exposed_.end(), 1));
     // An exposed part of a sphere with covers is bounded by exposed arcs. If there are covers but
     // no such arcs, the whole sphere is covered. Without covers the whole sphere is exposed.
-    if (circles == 0 && !covers_.empty()) return;
+    if (circles == 0 && !covers_.empty()) {
+      out.buried.push_back({list_.spheres[place], place, 0, 1, 0, &kCoversAll, nullptr});
+      return;
+    }
     // Covers with exposed arcs come first, as Patch::circles requires: one pass for each group.
     for (const bool wanted : {true, false}) {
       for (std::size_t i = 0; i < covers_.size(); ++i)
@@ -204,13 +211,17 @@ ExposedSurface::ExposedSurface(const SphereSet& spheres, Monitor* monitor)
     found[block].set_pointers();
   };
   for_each_block(list.size, kSpheresPerBlock, build, monitor);
-  // A vector that is moved keeps its elements where they are, so the pointers stay valid.
+  // Patches without exposed points stand behind all others. A vector that is moved keeps its
+  // elements where they are, so the pointers stay valid.
   for (BlockPatches& block : found) {
     patches_.insert(patches_.end(), block.patches.begin(), block.patches.end());
     covers_.push_back(std::move(block.covers));
     corners_.push_back(std::move(block.corners));
   }
   assert(!patches_.empty());  // a union of balls has a boundary
+  exposed_ = patches_.size();
+  for (const BlockPatches& block : found)
+    patches_.insert(patches_.end(), block.buried.begin(), block.buried.end());
 }
 
 }  // namespace vdwmesh

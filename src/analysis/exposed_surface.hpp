@@ -19,20 +19,25 @@ namespace vdwmesh {
 
 class ExposedSurface {
  public:
-  // Precondition: `spheres` is not empty. Buried spheres have no patch; of equal balls the one with
-  // the lowest id has the patch. For a sphere with n covers the circles of all n² / 2 pairs are
-  // intersected. Each intersection is compared with caps until one covers it: mostly one of the
-  // first, because large caps come first, and at worst all n.
+  // Precondition: `spheres` is not empty. Spheres without exposed points have no patch; of equal
+  // balls the one with the lowest id has the patch. For a sphere with n covers the circles of all
+  // n² / 2 pairs are intersected. Each intersection is compared with caps until one covers it:
+  // mostly one of the first, because large caps come first, and at worst all n.
   explicit ExposedSurface(const SphereSet& spheres, Monitor* monitor = nullptr);
   ExposedSurface(const ExposedSurface&) = delete;
   ExposedSurface& operator=(const ExposedSurface&) = delete;
 
   const CellListView& list() const { return list_.view(); }
-  std::span<const Patch> patches() const { return patches_; }
+  std::span<const Patch> patches() const { return std::span(patches_).first(exposed_); }
+  // These patches, and behind them one without an exposed point for each sphere that other balls
+  // cover together. The inside of such a ball may be covered by no other, so whether a point is
+  // outside of the union depends on it.
+  std::span<const Patch> searched() const { return patches_; }
 
  private:
   CellList list_;
   std::vector<Patch> patches_;
+  std::size_t exposed_ = 0;  // of the patches: those with exposed points, which come first
   // The patches point into these arrays: one inner vector for each block of spheres.
   std::vector<std::vector<Cover>> covers_;
   std::vector<std::vector<Corner>> corners_;

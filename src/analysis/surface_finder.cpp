@@ -223,11 +223,11 @@ VDWMESH_MULTIVERSION void find_all(const PatchTreeView& surface, std::span<const
 }  // namespace
 
 SurfaceFinder::SurfaceFinder(const ExposedSurface& surface, const Box& world)
-    : tree_(static_cast<std::uint32_t>(surface.patches().size()), world,
-            [&](std::uint32_t i) { return box_of(surface.patches()[i].ball); }),
-      view_{surface.patches().data(), nullptr, tree_.view()} {
-  balls_.reserve(surface.patches().size());
-  for (const Patch& patch : surface.patches()) balls_.push_back(patch.ball);
+    : tree_(static_cast<std::uint32_t>(surface.searched().size()), world,
+            [&](std::uint32_t i) { return box_of(surface.searched()[i].ball); }),
+      view_{surface.searched().data(), nullptr, tree_.view()} {
+  balls_.reserve(surface.searched().size());
+  for (const Patch& patch : surface.searched()) balls_.push_back(patch.ball);
   view_.balls = balls_.data();
 }
 

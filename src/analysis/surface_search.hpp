@@ -1,7 +1,8 @@
 // Distances from points to the exposed surface, for host and device.
 //
 // The gap of a ball is the distance of a point from its centre, less its radius: negative inside.
-// Let s be the least gap of all balls that have a patch.
+// Let s be the least gap of all balls. Those without exposed points count, because the inside of
+// such a ball may be covered by no other; their patches are empty.
 //  - Outside the union (s >= 0) the distance is s: no point of any ball is nearer, and the radial
 //    projection (foot) on the ball of least gap is exposed, for a ball that covered it would be
 //    nearer still.
@@ -25,7 +26,7 @@
 namespace vdwmesh {
 
 // The exposed surface as host and device code search it; owns nothing. The primitives of the tree
-// are the patches.
+// are the patches of ExposedSurface::searched().
 struct PatchTreeView {
   const Patch* patches;
   const Sphere* balls;  // of the patches: read far more often than the rest of a patch
@@ -90,11 +91,12 @@ VDWMESH_HD inline void update_nearest_on_circle(const Patch& patch, std::uint32_
 }
 
 // Returns whether the foot of p is exposed. From the centre all points of the sphere are equally
-// near, and some are exposed.
+// near; whether some are exposed, the patch knows.
 VDWMESH_HD inline bool has_exposed_foot(const Patch& patch, const Vec3d& p) {
   const Vec3d from_center = p - patch.ball.center;
   const double length = std::sqrt(arcs::inner(from_center, from_center));
-  return !(length > 0) || is_exposed(patch, (1 / length) * from_center);
+  if (!(length > 0)) return patch.cover_count == 0 || patch.circles > 0;
+  return is_exposed(patch, (1 / length) * from_center);
 }
 
 // Lowers `squared` (Å²) to the squared distance from p to the patch if that distance is smaller.

@@ -17,6 +17,7 @@
 #include "analysis/distances_triangle.hpp"
 #include "analysis/exposed_surface.hpp"
 #include "analysis/mesh_finder.hpp"
+#include "analysis/signed_distance.hpp"
 #include "support/dice.hpp"
 #include "support/test_meshes.hpp"
 
@@ -50,6 +51,17 @@ Case with_points(std::string name, std::vector<Sphere> balls, Dice& dice) {
   for (const Sphere& ball : c.balls)
     for (int i = 0; i < 3; ++i) c.points.push_back(ball.center + place(dice, 1.2 * ball.radius));
   return c;
+}
+
+// Six balls cover the sphere of a seventh between them, but not its middle.
+std::vector<Sphere> covered_together() {
+  std::vector<Sphere> balls{{{0, 0, 0}, 2}};
+  for (const double side : {-2.0, 2.0}) {
+    balls.push_back({{side, 0, 0}, 1.9});
+    balls.push_back({{0, side, 0}, 1.9});
+    balls.push_back({{0, 0, side}, 1.9});
+  }
+  return balls;
 }
 
 std::vector<Case> cases() {
@@ -96,6 +108,7 @@ std::vector<Case> cases() {
   balls.push_back(balls[0]);
   balls.push_back({{4, 0, 0}, 1});
   add("nested_and_twice", balls);
+  add("covered_together", covered_together());
   return all;
 }
 
@@ -194,7 +207,7 @@ Box world_of(const Case& c) {
 // The formula of surface_search.hpp over all patches, without a tree and without shortcuts.
 double unpruned_distance(const ExposedSurface& surface, const Vec3d& p) {
   double gap = kFar, squared = kFar;
-  for (const Patch& patch : surface.patches()) {
+  for (const Patch& patch : surface.searched()) {
     gap = std::min(gap, gap_of(patch.ball, p));
     double alone = kFar;
     update_nearest(patch, p, alone);
@@ -228,6 +241,15 @@ TEST_P(DistanceSearch, FindsTheNearestExposedPoint) {
   }
 }
 
+// In the middle only the ball without exposed points covers. The nearest exposed points are the
+// outer ones of those that three balls have in common: t (1, 1, 1) with (2 - t)² + 2 t² = 1.9².
+TEST(ExposedSurface, ABallThatOthersCoverTogether) {
+  const SphereSet balls(covered_together());
+  const double t = (4 + std::sqrt(16 - 12 * (4 - 1.9 * 1.9))) / 6;
+  const std::vector<double> found = signed_distances(std::vector<Vec3d>{{0, 0, 0}}, balls);
+  EXPECT_NEAR(found[0], -std::sqrt(3.0) * t, 1e-14);
+}
+
 // Neither the points that are searched together nor the patch that is measured first changes a bit:
 // groups of neighbours, groups of points from everywhere, and single points with every hint.
 TEST_P(DistanceSearch, IsTheSameInGroupsAndWithAnyHint) {
@@ -245,7 +267,7 @@ TEST_P(DistanceSearch, IsTheSameInGroupsAndWithAnyHint) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     ASSERT_EQ(together[i], unpruned_distance(surface, points[i]));
     ASSERT_EQ(in_wide[i], together[i]);
-    for (std::uint32_t hint = 0; hint < surface.patches().size(); hint += 7) {
+    for (std::uint32_t hint = 0; hint < surface.searched().size(); hint += 7) {
       const LeastGap nearest = find_least_gap(finder.view(), points[i], hint);
       ASSERT_EQ(signed_distance(finder.view(), points[i], nearest), together[i]) << hint;
     }
