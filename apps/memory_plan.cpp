@@ -29,7 +29,7 @@ constexpr double kTrianglesPerCell = 3.0;
 // however long the edges; of balls larger than atoms no more than so many per ball.
 constexpr double kTrianglesPerPatch = 2.4, kTrianglesOfArcs = 3.5, kTrianglesOfBall = 256;
 // Of the mesher of the excluded surface: per Å² those that its many short curves take.
-constexpr double kTrianglesOfCurves = 24;
+constexpr double kTrianglesOfCurves = 32;
 constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays that grew
 
 // The number of triangles before any of them is made, from the area of the surface and the size of
@@ -54,6 +54,13 @@ TriangleLabels labels_of(const MemoryDemand& d) {
                                                          : TriangleLabels::none;
 }
 
+// Bytes per triangle that arrays hold beside what they are filled with. The patches of the excluded
+// surface are smaller, and each has arrays of its own until they are joined.
+std::uint64_t patch_slack(const MemoryDemand& d) {
+  const bool excluded = d.surface && d.surface->kind == ExactSurface::excluded;
+  return excluded ? 2 * kPatchSlack : kPatchSlack;
+}
+
 // As the arrays will be laid out: refinement adds half-edges, and the mesher of patches grows its
 // arrays as it goes.
 std::uint64_t mesh_bytes(const MemoryDemand& d, const MeshSize& m) {
@@ -65,7 +72,7 @@ std::uint64_t mesh_bytes(const MemoryDemand& d, const MeshSize& m) {
                                 .labels = labels_of(d),
                                 .normals = refined || by_patches ? Normals::gradients : d.normals,
                                 .width = d.surface ? label_width(*d.surface) : LabelWidth::three}) +
-         (grown ? kPatchSlack * m.triangles : 0);
+         (grown ? patch_slack(d) * m.triangles : 0);
 }
 
 // Goes through the stages in their order and keeps the one that takes the most, with what is held
@@ -98,10 +105,10 @@ class Estimate {
   MeshSize make() {
     MeshSize mesh = first_level(d_);
     const int levels = d_.surface->subdivisions;
-    const std::uint64_t patches =
-        labels_of(d_) == TriangleLabels::spheres
-            ? 40 * mesh.triangles + union_bytes(d_.spheres, UnionMethod::cgal, d_.exposed)
-            : mesh.triangles / 4;  // bricks: their counts and sums
+    const std::uint64_t patches = labels_of(d_) == TriangleLabels::spheres
+                                      ? (8 + patch_slack(d)) * mesh.triangles +
+                                            union_bytes(d_.spheres, UnionMethod::cgal, d_.exposed)
+                                      : mesh.triangles / 4;  // bricks: their counts and sums
     if (d_.backend == Backend::cpu) take("extract", mesh_bytes(d_, mesh) + patches);
     if (levels > 0 && d_.backend == Backend::cpu) {
       const std::uint64_t bytes =

@@ -58,6 +58,10 @@ class SurfaceFinder {
   // for, so a maximum alone costs a small part of all distances.
   double largest_distance(std::span<const Vec3d> points, double largest) const;
 
+  // Writes the ball of least gap of each point: the first half of find(), from which the functions
+  // of surface_search.hpp go on.
+  void find_gaps(std::span<const Vec3d> points, LeastGap* found) const;
+
   const PatchTreeView& view() const { return view_; }
 
  private:

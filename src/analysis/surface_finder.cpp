@@ -205,8 +205,10 @@ VDWMESH_MULTIVERSION double raise_all(const PatchTreeView& surface, std::span<co
   return measure_open(surface, std::span(waiting).first(count), largest, recent);
 }
 
-VDWMESH_MULTIVERSION void find_all(const PatchTreeView& surface, std::span<const Vec3d> points,
-                                   double* found) {
+// Calls visit(i, nearest) for each point with its ball of least gap.
+template <class Visit>
+[[gnu::always_inline]] inline void visit_gaps(const PatchTreeView& surface,
+                                              std::span<const Vec3d> points, const Visit& visit) {
   std::uint32_t hint = 0;
   for (std::size_t first = 0; first < points.size(); first += kGroup) {
     const auto some = points.subspan(first, std::min(kGroup, points.size() - first));
@@ -214,10 +216,22 @@ VDWMESH_MULTIVERSION void find_all(const PatchTreeView& surface, std::span<const
     const bool together = group.find(surface, hint);
     for (std::size_t i = 0; i < some.size(); ++i) {
       const LeastGap nearest = together ? group[i] : find_least_gap(surface, some[i], hint);
-      found[first + i] = signed_distance(surface, some[i], nearest);
+      visit(first + i, nearest);
       hint = nearest.patch;
     }
   }
+}
+
+VDWMESH_MULTIVERSION void find_all(const PatchTreeView& surface, std::span<const Vec3d> points,
+                                   double* found) {
+  visit_gaps(surface, points, [&](std::size_t i, const LeastGap& nearest) {
+    found[i] = signed_distance(surface, points[i], nearest);
+  });
+}
+
+VDWMESH_MULTIVERSION void find_all_gaps(const PatchTreeView& surface, std::span<const Vec3d> points,
+                                        LeastGap* found) {
+  visit_gaps(surface, points, [&](std::size_t i, const LeastGap& nearest) { found[i] = nearest; });
 }
 
 }  // namespace
@@ -237,6 +251,10 @@ void SurfaceFinder::find(std::span<const Vec3d> points, double* found) const {
 
 double SurfaceFinder::largest_distance(std::span<const Vec3d> points, double largest) const {
   return raise_all(view_, points, largest);
+}
+
+void SurfaceFinder::find_gaps(std::span<const Vec3d> points, LeastGap* found) const {
+  find_all_gaps(view_, points, found);
 }
 
 }  // namespace vdwmesh

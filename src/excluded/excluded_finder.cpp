@@ -1,15 +1,17 @@
 // ExcludedFinder: the distance to the accessible surface decides for most points; for the others
 // the nearest crease or cusp is searched.
 //
-// The tests are ordered by their cost. A point farther than the probe's radius from all curves, or
-// farther from them than from the nearest atom, has its nearest point elsewhere. If the nearest
-// accessible point is inside a patch, z is a point of an atom, which no probe reaches.
+// The tests are ordered by their cost. If the nearest accessible point is inside a patch, z is a
+// point of an atom, which no probe reaches. A point farther from all curves than from the nearest
+// atom has its nearest point elsewhere.
 #include "excluded/excluded_finder.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "core/multiversion.hpp"
 #include "surface/box.hpp"
 
 namespace vdwmesh::excluded {
@@ -66,6 +68,62 @@ std::uint32_t at_least_one(std::size_t count) {
   return static_cast<std::uint32_t>(std::max<std::size_t>(count, 1));
 }
 
+// What a search looks at; owns nothing.
+struct Searched {
+  PatchTreeView accessible;
+  BoxTreeView tree;  // of the curves
+  std::span<const SharpCurve> curves;
+  double probe, tolerance;  // Å
+};
+
+// The distance to the nearest curve, Å, if that is below `bound`; otherwise the bound. A curve as
+// near as `least` ends the search.
+double distance_to_curves(const Searched& s, const Vec3d& point, double least, double bound) {
+  double squared = bound * bound, nearest = squared;
+  visit_nearest(s.tree, s.tree.query(point), squared, [&](std::uint32_t i, double& best) {
+    nearest = std::min(nearest, squared_distance(s.curves[i], point));
+    best = nearest <= least * least ? -1 : nearest;
+  });
+  return std::sqrt(nearest);
+}
+
+// Whether no probe reaches z (see the header). `accessible` is σ, `hint` a patch near by.
+bool is_foot_of_solid(const Searched& s, const Vec3d& point, double accessible,
+                      std::uint32_t hint) {
+  const PatchTreeView& view = s.accessible;
+  std::uint32_t owner = hint;
+  double squared = accessible * accessible * (1 + kSquareMargin);
+  visit_nearest(view.tree, view.tree.query(point), squared, [&](std::uint32_t i, double& best) {
+    if (update_nearest(view.patches[i], point, best)) owner = i;
+  });
+  const Vec3d x = nearest_point(view.patches[owner], point);
+  const Vec3d to = point - x;
+  const double length = norm(to);
+  if (!(length > 0)) return true;
+  const Vec3d z = x + (s.probe / length) * to;
+  return signed_distance(view, z, find_least_gap(view, z, owner)) <= s.tolerance - s.probe;
+}
+
+// The signed distance of a point whose grown ball of least gap is known, Å.
+double distance_of(const Searched& s, const Vec3d& point, const LeastGap& nearest) {
+  const double to_atom = nearest.gap + s.probe;
+  if (is_settled(s.accessible, point, nearest)) return to_atom;
+  const double accessible = unsettled_distance(s.accessible, point, nearest);
+  const double least = accessible + s.probe;
+  if (!(least > 0) || s.curves.empty()) return least;
+  const double bound = std::min(to_atom, s.probe);
+  const double to_curves = distance_to_curves(s, point, least, bound);
+  if (!(to_curves > least) || !(to_curves < bound)) return least;
+  return is_foot_of_solid(s, point, accessible, nearest.patch) ? least : to_curves;
+}
+
+VDWMESH_MULTIVERSION void measure_all(const Searched& s, std::span<const Vec3d> points,
+                                      const LeastGap* nearest, double* found) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    found[i] = distance_of(s, points[i], nearest[i]);
+  }
+}
+
 }  // namespace
 
 // Points count as reached by a probe if they are deeper in it than the accessible surface, whose
@@ -81,53 +139,10 @@ ExcludedFinder::ExcludedFinder(const ExposedSurface& accessible, std::span<const
       }) {}
 
 void ExcludedFinder::find(std::span<const Vec3d> points, double* found) const {
-  accessible_.find(points, found);
-  std::uint32_t hint = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) found[i] = distance(points[i], found[i], hint);
-}
-
-// `accessible` is σ. `hint` is the patch that is measured first.
-double ExcludedFinder::distance(const Vec3d& point, double accessible, std::uint32_t& hint) const {
-  const double least = accessible + probe_;
-  if (!(accessible < 0 && least > 0) || curves_.empty()) return least;
-  const double to_curves = distance_to_curves(point);
-  if (!(to_curves > least)) return least;
-  if (!(to_curves < probe_)) return least;
-  const LeastGap nearest = find_least_gap(accessible_.view(), point, hint);
-  hint = nearest.patch;
-  if (to_curves > nearest.gap + probe_ || is_settled(accessible_.view(), point, nearest) ||
-      is_foot_of_solid(point, accessible, hint)) {
-    return least;
-  }
-  return to_curves;
-}
-
-// The distance to the nearest curve, Å, if that is below the probe's radius; otherwise the radius.
-double ExcludedFinder::distance_to_curves(const Vec3d& point) const {
-  double squared = probe_ * probe_;
-  visit_nearest(tree_.view(), tree_.view().query(point), squared,
-                [&](std::uint32_t i, double& best) {
-                  best = std::min(best, squared_distance(curves_[i], point));
-                });
-  return std::sqrt(squared);
-}
-
-// Whether no probe reaches z (see the header).
-bool ExcludedFinder::is_foot_of_solid(const Vec3d& point, double accessible,
-                                      std::uint32_t hint) const {
-  const PatchTreeView& view = accessible_.view();
-  std::uint32_t owner = hint;
-  double squared = accessible * accessible * (1 + kSquareMargin);
-  visit_nearest(view.tree, view.tree.query(point), squared, [&](std::uint32_t i, double& best) {
-    if (update_nearest(view.patches[i], point, best)) owner = i;
-  });
-  const Vec3d x = nearest_point(view.patches[owner], point);
-  const Vec3d to = point - x;
-  const double length = norm(to);
-  if (!(length > 0)) return true;
-  const Vec3d z = x + (probe_ / length) * to;
-  const LeastGap nearest = find_least_gap(view, z, owner);
-  return signed_distance(view, z, nearest) <= tolerance_ - probe_;
+  std::vector<LeastGap> nearest(points.size());
+  accessible_.find_gaps(points, nearest.data());
+  measure_all({accessible_.view(), tree_.view(), curves_, probe_, tolerance_}, points,
+              nearest.data(), found);
 }
 
 }  // namespace vdwmesh::excluded

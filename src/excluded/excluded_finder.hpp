@@ -29,10 +29,6 @@ class ExcludedFinder {
   void find(std::span<const Vec3d> points, double* found) const;
 
  private:
-  double distance(const Vec3d& point, double accessible, std::uint32_t& hint) const;
-  double distance_to_curves(const Vec3d& point) const;
-  bool is_foot_of_solid(const Vec3d& point, double accessible, std::uint32_t hint) const;
-
   std::span<const SharpCurve> curves_;
   const double probe_;
   double tolerance_;  // Å
