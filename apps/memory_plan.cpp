@@ -29,7 +29,7 @@ constexpr double kTrianglesPerCell = 3.0;
 // however long the edges; of balls larger than atoms no more than so many per ball.
 constexpr double kTrianglesPerPatch = 2.4, kTrianglesOfArcs = 3.5, kTrianglesOfBall = 256;
 // Of the mesher of the excluded surface: per Å² those that its many short curves take.
-constexpr double kTrianglesOfCurves = 32;
+constexpr double kTrianglesOfCurves = 26;
 constexpr std::uint64_t kPatchSlack = 32;  // bytes per triangle held by arrays that grew
 
 // The number of triangles before any of them is made, from the area of the surface and the size of
@@ -106,7 +106,7 @@ class Estimate {
     MeshSize mesh = first_level(d_);
     const int levels = d_.surface->subdivisions;
     const std::uint64_t patches = labels_of(d_) == TriangleLabels::spheres
-                                      ? (8 + patch_slack(d)) * mesh.triangles +
+                                      ? (8 + patch_slack(d_)) * mesh.triangles +
                                             union_bytes(d_.spheres, UnionMethod::cgal, d_.exposed)
                                       : mesh.triangles / 4;  // bricks: their counts and sums
     if (d_.backend == Backend::cpu) take("extract", mesh_bytes(d_, mesh) + patches);
