@@ -17,8 +17,8 @@ std::uint64_t flying_edges(const std::vector<Sphere>& spheres, double spacing);
 // triangles, on one thread.
 std::uint64_t level_set(const std::vector<Sphere>& spheres, double spacing);
 
-// freesasa: exposed area by Lee and Richards with 20 slices, or by Shrake and Rupley with 100 points,
-// one thread; returns the spheres.
+// freesasa: exposed area by Lee and Richards with 20 slices, or by Shrake and Rupley with 100
+// points, one thread; returns the spheres.
 std::uint64_t lee_richards(const std::vector<Sphere>& spheres);
 std::uint64_t shrake_rupley(const std::vector<Sphere>& spheres);
 
