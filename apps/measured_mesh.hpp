@@ -1,4 +1,4 @@
-// The mesh of `report`, and of each structure of `batch --verb report`.
+// The mesh of `vdwmesh report`, and of each structure of `vdwmesh batch --verb report`.
 #pragma once
 
 #include "command_line/command_line.hpp"
