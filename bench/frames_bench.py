@@ -4,8 +4,8 @@
         [frames] [batch] [reading] --program build/release/apps/vdwmesh --shared ../shared [--short]
 
 With no part named, all of them: less than five minutes on two quiet cores. --short takes a tenth of the
-long trajectories and of the structures. Rates are by the clock where the part says "of two cores",
-ratios to others by CPU time. Needs MDAnalysis, and the programs of the build; others are left out where they are not installed.
+long trajectories and of the structures. Rates are by the clock, ratios to others by CPU time where they
+say so. Needs MDAnalysis and the programs of the build; others are left out where they are not installed.
 
 The atoms of 4HHB's protein move by about 0.3 Å from frame to frame (seeded). The structures are those of
 `make_structures.py`, the large set those of `make_ribosomes.py`.
