@@ -399,9 +399,8 @@ std::vector<float> measure_centers(const IndexedMesh& mesh, const SphereSet& sph
     return (1.0 / 3) * (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]);
   });
   if (const auto& excluded = session.report.excluded) {
-    const std::vector<double> found =
-        excluded_signed_distances(centers, spheres, excluded->probe, session.monitor);
-    return {found.begin(), found.end()};
+    const auto d = excluded_signed_distances(centers, spheres, excluded->probe, session.monitor);
+    return {d.begin(), d.end()};
   }
   const Backend backend = choose_for_distances(mesh.triangle_count(), session).backend;
   const MeasuredPoints measured =

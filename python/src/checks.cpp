@@ -1,4 +1,5 @@
-// What Python finds out about meshes: measures, quality, comparison with exact surfaces, distances.
+// What Python finds out about meshes: measures, quality, comparison with the union or the excluded
+// surface, distances.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 

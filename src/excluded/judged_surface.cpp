@@ -1,4 +1,5 @@
-// JudgedSurface: makes the concave patches that other probes cut, and lists creases and cusps.
+// JudgedSurface: makes the concave patches that other probes cut, on all cores, and lists the arcs
+// of their creases and the cusps of spindles.
 #include "excluded/judged_surface.hpp"
 
 #include <tbb/parallel_for.h>
