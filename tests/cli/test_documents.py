@@ -26,12 +26,12 @@ FILES = {
 }
 MODULES = {"MDAnalysis": "python3-mdanalysis", "numpy": "python3-numpy"}
 
-# The blocks that this test does not run, by their first words, and what runs them. With VDWMESH_LONG_DOCUMENTS=1
-# it runs those that name this variable.
+# The blocks that this test does not run, by their first words, and what runs them. With VDWMESH_LONG_DOCUMENTS=1,
+# as scripts/run-documents.sh sets it, it runs those that name the script.
 LONG = {
     "scripts/demo.sh": "a person, from a fresh clone",
-    "mpirun -n 2 vdwmesh-mpi mesh": "VDWMESH_LONG_DOCUMENTS; tests/cli/test_ranks.py with smaller files",
-    "vdwmesh bench thesis": "VDWMESH_LONG_DOCUMENTS; tests/cli/test_bench.py with one entry",
+    "mpirun -n 2 vdwmesh-mpi mesh": "scripts/run-documents.sh; tests/cli/test_ranks.py with smaller files",
+    "vdwmesh bench thesis": "scripts/run-documents.sh; tests/cli/test_bench.py with one entry",
 }
 BLOCK = re.compile(r"^```(sh|text|shell)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -62,15 +62,17 @@ class Documents(ProgramTest):
                 self.assertIsNotNone(printed, f"{page.name}: output without a command")
                 line = what_is_missing(printed, text)
                 self.assertIsNone(line, f"{page.name} promises this line:\n{line}\nand printed was:\n{printed}")
-            elif kind == "sh" or (long and "VDWMESH_LONG_DOCUMENTS" in self.reason(text)):
+            elif kind == "sh" or (long and "run-documents.sh" in self.reason(text)):
                 printed = self.run_block(page, text)
 
     def run_block(self, page, text):
         self.prepare(text)
         environment = dict(os.environ, PATH=f"{self.folder / 'bin'}:{os.path.dirname(PROGRAM)}:{os.environ['PATH']}")
         environment["PYTHONWARNINGS"] = "ignore"
+        for name in ("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"):
+            environment[name] = "1"
         result = subprocess.run(
-            ["bash", "-euo", "pipefail", "-c", text], cwd=self.folder, env=environment, timeout=900,
+            ["bash", "-euo", "pipefail", "-c", text], cwd=self.folder, env=environment, timeout=3000,
             capture_output=True, text=True)  # fmt: skip
         self.assertEqual(result.returncode, 0, f"{page.name}:\n{text}\n{result.stderr}")
         return result.stdout
@@ -122,6 +124,21 @@ class Documents(ProgramTest):
         self.assertIsNone(what_is_missing("a  1\nb 2\nc 3.14\n", "a 1\n…\nc 3.1…\n"))
         self.assertEqual(what_is_missing("a 1\nb 2\n", "b 2\na 1\n"), "a 1")
         self.assertEqual(what_is_missing("a 12\n", "a 1\n"), "a 1")
+
+
+class Quoted(ProgramTest):
+    """Other pages quote what a command prints: blocks that begin with `$ vdwmesh`, on built-in structures."""
+
+    def test_quoted_output(self):
+        quoted = re.compile(r"^```\n\$ vdwmesh ([^\n]*--sample [^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+        seen = 0
+        for page in [SOURCE_DIR / "README.md", *sorted((SOURCE_DIR / "docs").glob("*.md"))]:
+            for arguments, text in quoted.findall(page.read_text()):
+                printed = self.run_ok(*arguments.split()).stdout
+                line = what_is_missing(printed, text.replace("\n...\n", "\n…\n"))
+                self.assertIsNone(line, f"{page.name}: vdwmesh {arguments} does not print this line")
+                seen += 1
+        self.assertGreater(seen, 1)
 
 
 def add_test_of(page):

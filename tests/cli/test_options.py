@@ -335,6 +335,53 @@ class Help(ProgramTest):
         self.assertEqual(run("mesh", "-h").stdout, self.help("mesh"))
 
 
+class FirstMistakes(ProgramTest):
+    """What people type on their first day; each line of refusal names what to do next."""
+
+    def says(self, *arguments, next_step):
+        self.assert_refused(BAD_INPUT, *arguments, says=(next_step,))
+
+    def test_verbs(self):
+        self.says(next_step="vdwmesh --help says what each does")
+        self.says("help", next_step="vdwmesh --help says what each does")
+        self.says("repot", UBIQUITIN, next_step="did you mean report?")
+        self.says("bench", next_step="vdwmesh bench --help")
+
+    def test_inputs(self):
+        self.says("exact", next_step="--sample ubiquitin")
+        self.says("exact", "1UBQ", next_step="there is no such file; name a structure file (read are .pdb")
+        self.says("exact", "ubiquitin", next_step="--sample ubiquitin")
+        self.says("exact", self.file("1UBQ", "ATOM"), next_step="or say --format")
+        self.says("exact", "--sample", "ubiquitn", next_step="there are ubiquitin and bpti")
+        self.says("exact", self.folder / "none.pdb", next_step="No such file")
+        self.says("exact", self.file("a.xtc", "x"), next_step="give the structure file")
+        self.says("exact", self.file("a.pdb", "<!doctype html>"), next_step="get the file itself")
+        self.says("exact", "-", next_step="needs --format")
+        self.says("exact", "--sample", "bpti", UBIQUITIN, next_step="give only one of them")
+        self.says("batch", self.folder / "none", next_step="name a structure file, a folder, a tar archive or a list")
+        (self.folder / "empty").mkdir()
+        self.says("batch", self.folder / "empty", next_step="their names end in .pdb")
+
+    def test_outputs(self):
+        self.says("mesh", UBIQUITIN, next_step="name the mesh file to write")
+        self.says("mesh", UBIQUITIN, "-o", "a.xyz", next_step=".ply .obj .off .stl or .glb")
+        self.says("mesh", UBIQUITIN, "-o", self.folder / "no" / "a.ply", next_step="make it first")
+        self.says("render", UBIQUITIN, "-o", "a.jpg", next_step="name a .png file")
+
+    def test_values(self):
+        self.says("exact", UBIQUITIN, "--probe", "1,4", next_step="for example --probe 1.4")
+        self.says("exact", UBIQUITIN, "--prob", "1.4", next_step="did you mean --probe?")
+        self.says("exact", UBIQUITIN, "--radii", "none", next_step="bondi, alvarez, protor, naccess, oons")
+        self.says("exact", UBIQUITIN, "--select", "chain A", next_step="A/10-40 are residues of chain A")
+        self.says("exact", UBIQUITIN, "--surface", "ses", next_step="choose vdw or excluded")
+        self.says("mesh", UBIQUITIN, "-o", "a.ply", "--edge-length", "1", next_step="takes --spacing instead")
+        self.says("mesh", UBIQUITIN, "-o", "a.ply", "--spacing", "1000", next_step="try --spacing")
+
+    def test_the_mesh_comes_first(self):
+        mesh = self.file("a.off", "OFF\n0 0 0\n")
+        self.says("compare", UBIQUITIN, mesh, next_step="the mesh comes first: vdwmesh compare MESH INPUT")
+
+
 class DidYouMean(ProgramTest):
     """A slip of the fingers is named; where nothing is close, or two are as close, nothing is guessed."""
 

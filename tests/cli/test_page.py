@@ -120,8 +120,11 @@ class Page(ProgramTest):
             texts.forEach(([text, a], i) => texts.slice(i + 1).forEach(([other, b]) => {
               if (!apart(a, b)) found.push([plot.dataset.drawn, text, other]);
             }));
-            for (const [text, a] of texts.filter(([t]) => t.startsWith('p = ')))
-              for (const [, b] of boxes('.mark-symbol.symbols path'))
+            const points = boxes('.mark-symbol.symbols path');
+            const labels = texts.filter(([t]) => t.startsWith('p = '));
+            if (labels.length > 0 && points.length === 0) found.push([plot.dataset.drawn, 'no points']);
+            for (const [text, a] of labels)
+              for (const [, b] of points)
                 if (!apart(a, b)) found.push([plot.dataset.drawn, text, 'a point']);
           }
           return found;"""
