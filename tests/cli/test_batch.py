@@ -212,7 +212,7 @@ class Refusals(BatchTest):
         self.assertEqual([row["error"] is None for row in rows], [True, False, True])
         self.assertIn("nowhere.pdb: cannot be opened", rows[1]["error"])
         for arguments in (("nowhere",), (self.folder / "empty.tar",)):
-            self.assertRegex(run("batch", *arguments).stderr, r"\Avdwmesh: [^\n]* is not there\n\Z")
+            self.assertRegex(run("batch", *arguments).stderr, r"\Avdwmesh: [^\n]* is not there; name [^\n]*\n\Z")
 
     def test_other_files_are_left_out(self):
         (self.inputs / "README").write_text("no structure")

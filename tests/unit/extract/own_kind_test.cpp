@@ -1,5 +1,5 @@
-// A kind of field that the library does not have, made by the recipe of docs/library.md: everything that
-// extraction asks of a kind is in its type, so a test can add one.
+// A kind of field that the library does not have, made by the recipe of docs/library.md: everything
+// that extraction asks of a kind is in its type, so a test can add one.
 #include <gtest/gtest.h>
 
 #include <cmath>
