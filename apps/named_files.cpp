@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "core/letters.hpp"
 #include "mesh/output_file.hpp"
 #include "output.hpp"
 
@@ -30,6 +31,8 @@ bool same_file(const fs::path& a, const fs::path& b) {
 }
 
 }  // namespace
+
+bool is_vtkhdf(const fs::path& path) { return lower_case(path.extension().string()) == ".vtkhdf"; }
 
 void NamedFiles::add_input(std::string_view option, const fs::path& path) {
   if (path != "-") add({std::string(option), path, Use::reads});

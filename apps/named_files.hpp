@@ -9,6 +9,10 @@
 
 namespace vdwmesh::apps {
 
+// Whether the name is that of a VTKHDF file, which only ranks write: it ends in .vtkhdf, whose case
+// does not matter.
+bool is_vtkhdf(const std::filesystem::path& path);
+
 // Names that lead to the same file count as the same, be it by links or by "./". Every function
 // throws InvalidInput that names both options where the file is taken. An empty name is no file.
 class NamedFiles {

@@ -484,7 +484,11 @@ void prove(const IndexedMesh& mesh, const Molecule& molecule, Session& session) 
 }
 
 void warn_of_lost_balls(const SphereSet& spheres, Session& session) {
-  warn_of_lost_components(count_components(spheres), session.report);
+  warn_of_lost_balls(count_components(spheres), session);
+}
+
+void warn_of_lost_balls(std::uint64_t pieces, Session& session) {
+  warn_of_lost_components(pieces, session.report);
 }
 
 void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,

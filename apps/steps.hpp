@@ -109,6 +109,8 @@ void prove(const IndexedMesh& mesh, const Molecule& molecule, Session& session);
 // Warns of balls that the mesh lacks, or has joined to others, where no exact union was made: the
 // pieces of the union are counted by the pairs of balls that overlap.
 void warn_of_lost_balls(const SphereSet& spheres, Session& session);
+// The same, for a union whose pieces have been counted.
+void warn_of_lost_balls(std::uint64_t pieces, Session& session);
 
 // The half-edge mesh with normals, atoms and CPK colours, where the builder makes it.
 void build_surface_mesh(const IndexedMesh& mesh, const Molecule& molecule,

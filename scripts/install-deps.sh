@@ -20,7 +20,7 @@ packages=(
 # Tests, benchmarks, the program for many processes, the package for Python.
 others=(
   libgtest-dev libgmock-dev libbenchmark-dev python3-msgpack python3-jsonschema python3-meshio freesasa valgrind
-  libopenmpi-dev openmpi-bin
+  libopenmpi-dev openmpi-bin libhdf5-openmpi-dev
   pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy clang-format-14
 )
 if [ "${1:-}" = program ]; then shift; else packages+=("${others[@]}"); fi

@@ -10,6 +10,7 @@
 #include "excluded/excluded_measures.hpp"
 #include "memory.hpp"
 #include "mesh/mesh_io.hpp"
+#include "named_files.hpp"
 #include "refuse.hpp"
 #include "render/renderer.hpp"
 #include "structure/radii.hpp"
@@ -224,11 +225,14 @@ void settle_machine(Draft& d) {
 // The format of a mesh file follows from its name, before anything is computed for it.
 void settle_output(const Draft& d) {
   const std::string& path = d.options.mesh_path;
-  refuse_if(d.verb == kRanksMesh && find_mesh_format(path) != MeshFormat::ply,
-            "-o {}: ranks write PLY together; name a .ply file", path);
   refuse_if(d.verb == kCompare && has_structure_extension(path),
             "MESH {}: is a structure; the mesh comes first: vdwmesh compare MESH INPUT", path);
-  if (!path.empty()) mesh_format(path);
+  if (d.verb == kRanksMesh) {
+    refuse_if(!is_vtkhdf(path) && find_mesh_format(path) != MeshFormat::ply,
+              "-o {}: ranks write PLY or VTKHDF together; name a .ply or .vtkhdf file", path);
+  } else if (!path.empty()) {
+    mesh_format(path);
+  }
   refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom"),
             "--group: says how --per-atom FILE is grouped, and needs it");
 }

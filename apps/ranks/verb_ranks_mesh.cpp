@@ -1,18 +1,30 @@
 // The verb mesh of vdwmesh-mpi: from a structure to one mesh file, to which every rank adds its
 // part of the surface. The report is that of the plain program.
+#include "distributed/components_together.hpp"
 #include "distributed/examine_together.hpp"
 #include "distributed/ply_file.hpp"
 #include "distributed/shared_file.hpp"
 #include "distributed/surface_piece.hpp"
+#include "distributed/vtkhdf_file.hpp"
 #include "grid_checks.hpp"
 #include "interrupt.hpp"
+#include "named_files.hpp"
 #include "output.hpp"
 #include "ranks/rank_session.hpp"
 #include "ranks/rank_verbs.hpp"
+#include "refuse.hpp"
 #include "steps.hpp"
 
 namespace vdwmesh::apps {
 namespace {
+
+// A format that this build cannot write is refused before anything is computed.
+void require_format(const std::string& path) {
+  refuse_if(is_vtkhdf(path) && !has_vtkhdf(),
+            "-o {}: this vdwmesh-mpi was built without HDF5 (Debian's libhdf5-openmpi-dev), which "
+            "writes VTKHDF; name a .ply file",
+            path);
+}
 
 ExtractOptions extract_options(const Options& options, const Session& session) {
   ExtractOptions extract;
@@ -53,7 +65,7 @@ SurfacePiece make_piece(const Ranks& ranks, const SphereSet& spheres, const Opti
   ranks.together([&] {
     require_triangles(piece.whole.triangles, spheres, report.parameters->grid->spacing,
                       report.parameters->isovalue);
-    check_ply_size(piece.whole);
+    if (!is_vtkhdf(options.mesh_path)) check_ply_size(piece.whole);
   });
   report.timing.field = piece.stats.field_seconds;
   report.timing.extract = piece.stats.extract_seconds;
@@ -68,8 +80,10 @@ void measure_piece(const Ranks& ranks, const SurfacePiece& piece, const SphereSe
                    Session& session) {
   static_cast<MeshExamination&>(*session.report.mesh) = examine_together(ranks, piece);
   session.end_stage(&Timing::measure);
+  if (session.report.parameters->surface.field.kind != FieldKind::vdw) return;
+  const std::uint64_t pieces = components_together(ranks, spheres);
   ranks.together([&] {
-    if (ranks.is_first()) warn_of_lost_balls(spheres, session);
+    if (ranks.is_first()) warn_of_lost_balls(pieces, session);
   });
 }
 
@@ -79,7 +93,8 @@ void write_piece(const Ranks& ranks, const SurfacePiece& piece, const Molecule& 
   const std::filesystem::path hidden = choose_hidden_name(ranks, path);
   const RemoveOnSignal remove(hidden);
   SharedFile file(ranks, path, hidden);
-  write_ply(ranks, piece, colors, file);
+  const auto& write = is_vtkhdf(path) ? write_vtkhdf : write_ply;
+  write(ranks, piece, colors, file);
   file.commit();
   session.report.mesh->path = path;
   session.end_stage(&Timing::write);
@@ -89,6 +104,7 @@ void write_piece(const Ranks& ranks, const SurfacePiece& piece, const Molecule& 
 
 void run_ranks_mesh(const Ranks& ranks, const Options& options) {
   VerbSession session(machine_of_rank(ranks, options.machine));
+  ranks.together([&] { require_format(options.mesh_path); });
   const SharedStructure shared = load_together(ranks, options.inputs.front(), session);
   const SurfacePiece piece = make_piece(ranks, shared.spheres, options, session);
   measure_piece(ranks, piece, shared.spheres, session);

@@ -159,6 +159,7 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   own_to_ = counted_.totals.sums;
   if (own_.begin > 0) own_from_ = fetch(counted_.before.data() + own_.begin, stream);
   if (own_.end < n) own_to_ = fetch(counted_.before.data() + own_.end, stream);
+  halo_ = {own_from_.vertices, counted_.totals.sums.vertices - own_to_.vertices};
   mark_end_of(Stage::scan);
 }
 

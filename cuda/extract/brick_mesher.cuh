@@ -24,6 +24,8 @@ class DeviceBrickMesher {
 
   // What the bricks of the range hold.
   MeshSize size() const;
+  // The vertices of the bricks around the range.
+  HaloVertices halo() const { return halo_; }
 
   // Emits the range into a mesh on the device. Throws LimitExceeded for its size,
   // DeviceMemoryExceeded if it does not fit.
@@ -83,6 +85,7 @@ class DeviceBrickMesher {
   bool holds_field_ = false;  // of all candidates
   DeviceCountedBricks counted_;
   BrickSums own_from_{0, 0}, own_to_{0, 0};  // sums before the range and behind it
+  HaloVertices halo_;
   DeviceArray<TriangleNeighbours> neighbours_;
   DeviceArray<DeviceEmissionTally> emission_tally_;
   std::uint64_t clamped_ = 0, slabs_ = 0;

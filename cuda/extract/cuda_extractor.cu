@@ -55,6 +55,7 @@ class SphereWorker {
   }
 
   MeshSize size() const { return mesher_->size(); }
+  HaloVertices halo() const { return mesher_->halo(); }
 
   // Emits share k of `shares` of the range to its place in `mesh`. `first`: see
   // SurfacePart::emit().
@@ -119,6 +120,7 @@ class CudaSurfacePart final : public SurfacePart {
   }
 
   MeshSize size() const override { return worker_->size(); }
+  HaloVertices halo() const override { return worker_->halo(); }
 
   ExtractStats emit(const MeshSize& first, IndexedMesh& mesh) override {
     const DeviceScope scope;

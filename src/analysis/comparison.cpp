@@ -20,6 +20,25 @@ bool measures_all(const ExactUnion& exact) {
                               [](const SphereMeasures& m) { return std::isnan(m.area); });
 }
 
+// Union-find over the spheres, by their list places. The cell list gives, for each ball, all balls
+// near its bounding box; the ball is joined with every ball that it overlaps or touches. All
+// threads join at the same time, which DisjointSets (lock-free union-find) allows.
+DisjointSets joined_places(const CellListView& view) {
+  DisjointSets pieces(view.size);
+  for_all(view.size, [&](std::size_t i) {
+    const Sphere& a = view.spheres[i];
+    const Vec3d reach{a.radius, a.radius, a.radius};
+    visit_near_box(view, a.center - reach, a.center + reach, [&](std::uint32_t j) {
+      const Sphere& b = view.spheres[j];
+      if (norm(a.center - b.center) <= a.radius + b.radius) {
+        pieces.join(static_cast<std::uint32_t>(i), j);
+      }
+      return false;  // false means: visit the next sphere
+    });
+  });
+  return pieces;
+}
+
 }  // namespace
 
 Comparison compare(const MeshTopology& topology, const MeshMeasures& measures,
@@ -64,25 +83,19 @@ std::optional<AreaErrors> area_errors(std::span<const double> mesh_areas,
   return errors;
 }
 
-// Union-find over the spheres, by their list places. The cell list gives, for each ball, all balls
-// near its bounding box; the ball is joined with every ball that it overlaps or touches. All
-// threads join at the same time, which DisjointSets (lock-free union-find) allows.
 std::uint64_t count_components(const SphereSet& spheres) {
   const CellList list = make_ball_list(spheres);
-  const CellListView& view = list.view();
-  DisjointSets pieces(view.size);
-  for_all(view.size, [&](std::size_t i) {
-    const Sphere& a = view.spheres[i];
-    const Vec3d reach{a.radius, a.radius, a.radius};
-    visit_near_box(view, a.center - reach, a.center + reach, [&](std::uint32_t j) {
-      const Sphere& b = view.spheres[j];
-      if (norm(a.center - b.center) <= a.radius + b.radius) {
-        pieces.join(static_cast<std::uint32_t>(i), j);
-      }
-      return false;  // false means: visit the next sphere
-    });
+  return joined_places(list.view()).count();
+}
+
+Buffer<std::uint32_t> connected_balls(const SphereSet& spheres) {
+  const CellList list = make_ball_list(spheres);
+  DisjointSets pieces = joined_places(list.view());
+  Buffer<std::uint32_t> component(spheres.size());
+  for_all(component.size(), [&](std::size_t place) {
+    component[list.view().id[place]] = pieces.find(static_cast<std::uint32_t>(place));
   });
-  return pieces.count();
+  return component;
 }
 
 }  // namespace vdwmesh

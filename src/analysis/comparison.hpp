@@ -9,6 +9,7 @@
 #include "analysis/distances.hpp"
 #include "analysis/mesh_measures.hpp"
 #include "arrangement/exact_union.hpp"
+#include "core/buffer.hpp"
 
 namespace vdwmesh {
 
@@ -47,5 +48,9 @@ std::optional<AreaErrors> area_errors(std::span<const double> mesh_areas,
 // balls that nearly touch the answer may differ from the exact one. The cost is far below the cost
 // of the exact union.
 std::uint64_t count_components(const SphereSet& spheres);
+
+// The components themselves: [i] is the same number for all spheres of the component of sphere i,
+// and for no others. The numbers are below the number of spheres.
+Buffer<std::uint32_t> connected_balls(const SphereSet& spheres);
 
 }  // namespace vdwmesh

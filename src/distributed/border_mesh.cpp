@@ -8,13 +8,14 @@
 #include <array>
 #include <utility>
 
+#include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
 
 struct NumberedVertex {
-  std::uint32_t number;  // in the whole mesh
+  std::uint64_t number;  // in the whole mesh
   Vec3d position;
 };
 
@@ -28,8 +29,8 @@ class Builder {
   Builder(const Ranks& ranks, const SurfacePiece& piece)
       : ranks_(ranks),
         piece_(piece),
-        first_(static_cast<std::uint32_t>(piece.first.vertices)),
-        own_(static_cast<std::uint32_t>(piece.mesh.vertex_count())) {}
+        first_(piece.first.vertices),
+        own_(piece.mesh.vertex_count()) {}
 
   BorderMesh run() {
     share_owners();
@@ -50,12 +51,18 @@ class Builder {
   }
 
  private:
-  bool is_own(std::uint32_t number) const { return number - first_ < own_; }
+  // The numbers of the corners in the whole mesh.
+  std::array<std::uint64_t, 3> numbers_of(const Triangle& corners) const {
+    const auto& [a, b, c] = corners;
+    return {piece_.number_of(a), piece_.number_of(b), piece_.number_of(c)};
+  }
+
+  // False for lower numbers too, from which the difference wraps around to a large one.
+  bool is_own(std::uint64_t number) const { return number - first_ < own_; }
 
   // Ranks without vertices begin where the next one does.
-  std::size_t owner_of(std::uint32_t number) const {
-    return static_cast<std::size_t>(std::ranges::upper_bound(firsts_, std::uint64_t{number}) -
-                                    firsts_.begin()) -
+  std::size_t owner_of(std::uint64_t number) const {
+    return static_cast<std::size_t>(std::ranges::upper_bound(firsts_, number) - firsts_.begin()) -
            1;
   }
 
@@ -65,22 +72,22 @@ class Builder {
   }
 
   void find_vertices_elsewhere() {
-    std::vector<std::uint32_t> numbers;
+    std::vector<std::uint64_t> numbers;
     for (const Triangle& corners : piece_.mesh.triangles) {
-      for (const std::uint32_t number : corners) {
+      for (const std::uint64_t number : numbers_of(corners)) {
         if (!is_own(number)) numbers.push_back(number);
       }
     }
     std::ranges::sort(numbers);
     numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
     elsewhere_.resize(static_cast<std::size_t>(ranks_.count()));
-    for (const std::uint32_t number : numbers) elsewhere_[owner_of(number)].push_back(number);
+    for (const std::uint64_t number : numbers) elsewhere_[owner_of(number)].push_back(number);
   }
 
   std::vector<std::vector<Vec3d>> positions_asked_for() const {
     std::vector<std::vector<Vec3d>> positions(asked_for_.size());
     for (std::size_t rank = 0; rank < asked_for_.size(); ++rank) {
-      for (const std::uint32_t number : asked_for_[rank]) {
+      for (const std::uint64_t number : asked_for_[rank]) {
         positions[rank].push_back(piece_.mesh.positions[number - first_]);
       }
     }
@@ -96,12 +103,12 @@ class Builder {
   }
 
   // The place of a vertex in near_, which is sorted.
-  std::size_t place_of(std::uint32_t number) const {
+  std::size_t place_of(std::uint64_t number) const {
     return static_cast<std::size_t>(
         std::ranges::lower_bound(near_, number, {}, &NumberedVertex::number) - near_.begin());
   }
 
-  NumberedVertex vertex(std::uint32_t number) const {
+  NumberedVertex vertex(std::uint64_t number) const {
     return is_own(number) ? NumberedVertex{number, piece_.mesh.positions[number - first_]}
                           : near_[place_of(number)];
   }
@@ -109,7 +116,8 @@ class Builder {
   // A triangle goes once to each owner of one of its corners.
   std::vector<std::vector<SentTriangle>> triangles_for_owners() const {
     std::vector<std::vector<SentTriangle>> sent(elsewhere_.size());
-    for (const auto& [a, b, c] : piece_.mesh.triangles) {
+    for (const Triangle& corners : piece_.mesh.triangles) {
+      const auto [a, b, c] = numbers_of(corners);
       if (is_own(a) && is_own(b) && is_own(c)) continue;
       std::array<std::size_t, 3> owners{owner_of(a), owner_of(b), owner_of(c)};
       std::ranges::sort(owners);
@@ -136,15 +144,20 @@ class Builder {
     near_.erase(repeated.begin(), repeated.end());
   }
 
-  std::uint32_t local_of(std::uint32_t number) const {
-    const auto before = static_cast<std::uint32_t>(before_);
-    if (is_own(number)) return before + (number - first_);
-    const auto place = static_cast<std::uint32_t>(place_of(number));
-    return place < before ? place : place + own_;
+  std::uint32_t local_of(std::uint64_t number) const {
+    if (is_own(number)) return static_cast<std::uint32_t>(before_ + (number - first_));
+    const std::size_t place = place_of(number);
+    return static_cast<std::uint32_t>(place < before_ ? place : place + own_);
+  }
+
+  void check_size() const {
+    if (near_.size() + own_ <= kMaxVertices) return;
+    throw LimitExceeded("a rank has more than 2^32 vertices to measure: more ranks would do");
   }
 
   BorderMesh build(const std::vector<std::vector<SentTriangle>>& received) {
     add_near(received);
+    check_size();
     before_ = place_of(first_);
     BorderMesh result;
     result.first_vertex = before_;
@@ -173,7 +186,7 @@ class Builder {
     for (const auto& from : received) count += from.size();
     triangles.resize(count);
     for_each_index(own, [&](std::size_t t) {
-      const auto& [a, b, c] = piece_.mesh.triangles[t];
+      const auto [a, b, c] = numbers_of(piece_.mesh.triangles[t]);
       triangles[t] = {local_of(a), local_of(b), local_of(c)};
     });
     std::size_t next = own;
@@ -186,10 +199,10 @@ class Builder {
   }
 
   std::vector<BorderVertex> border_vertices(
-      const std::vector<std::vector<std::uint32_t>>& by_rank) const {
+      const std::vector<std::vector<std::uint64_t>>& by_rank) const {
     std::vector<BorderVertex> vertices;
     for (std::size_t rank = 0; rank < by_rank.size(); ++rank) {
-      for (const std::uint32_t number : by_rank[rank]) {
+      for (const std::uint64_t number : by_rank[rank]) {
         vertices.push_back({static_cast<int>(rank), local_of(number)});
       }
     }
@@ -198,10 +211,10 @@ class Builder {
 
   const Ranks& ranks_;
   const SurfacePiece& piece_;
-  const std::uint32_t first_, own_;    // the own vertices are [first_, first_ + own_)
+  const std::uint64_t first_, own_;    // the own vertices are [first_, first_ + own_)
   std::vector<std::uint64_t> firsts_;  // the first vertex of every rank
   // [rank]: what this rank asks of it, and what it asks of this one.
-  std::vector<std::vector<std::uint32_t>> elsewhere_, asked_for_;
+  std::vector<std::vector<std::uint64_t>> elsewhere_, asked_for_;
   std::vector<NumberedVertex> near_;  // vertices of the part that are not own, by number
   std::size_t before_ = 0;            // those of near_ that come before the own ones
 };

@@ -30,6 +30,8 @@ class SharedFile {
   SharedFile(const SharedFile&) = delete;
   SharedFile& operator=(const SharedFile&) = delete;
 
+  const std::filesystem::path& path() const { return path_; }
+
   // Writes bytes of this rank at a place of the file. Ranks must not write to the same place.
   void write_at(std::uint64_t offset, const char* data, std::size_t size);
 

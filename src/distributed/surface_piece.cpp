@@ -51,6 +51,20 @@ void check_memory(const MeshSize& size, const ExtractOptions& options, std::size
       ((mesh + beside) >> 20) + 1));
 }
 
+// Triangles name vertices by 32 bits. The number of a vertex follows from its name if all vertices
+// that the triangles of a rank may name are fewer than these bits tell apart.
+std::uint64_t lowest_named(const SurfacePart& part, const MeshSize& first) {
+  const HaloVertices halo = part.halo();
+  const std::uint64_t named = halo.before + part.size().vertices + halo.behind;
+  if (named > kMaxVertices) {
+    throw LimitExceeded(
+        fmt::format("{} vertices of a rank and around it are more than the {} that its triangles "
+                    "can name: more ranks or a larger --spacing would do",
+                    named, kMaxVertices));
+  }
+  return first.vertices - halo.before;
+}
+
 void use_numbers_of_whole(const std::vector<SphereId>& ids, IndexedMesh& mesh) {
   Buffer<SphereId>& atoms = mesh.vertex_spheres.atoms;
   for_each_index(atoms.size(), [&](std::size_t v) {
@@ -94,6 +108,7 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
   piece.first = {ranks.sum_before(own.vertices), ranks.sum_before(own.triangles)};
   piece.whole = {ranks.sum(own.vertices), ranks.sum(own.triangles)};
   ranks.together([&] {
+    piece.lowest_named = lowest_named(*part, piece.first);
     piece.stats = part->emit(piece.first, piece.mesh);
     use_numbers_of_whole(near.ids, piece.mesh);
   });

@@ -18,8 +18,15 @@ struct SurfacePiece {
   MeshSize first;  // vertices and triangles of the ranks before this one
   // positions[0] is vertex first.vertices of the whole mesh, triangles[0] is triangle
   // first.triangles. Corners of triangles are numbers of vertices of the whole mesh, and labels are
-  // numbers of spheres in the whole set. There is no `opposite`.
+  // numbers of spheres in the whole set. There is no `opposite`. Corners are numbers modulo 2^32.
   IndexedMesh mesh;
+  // No triangle of the piece names a vertex below this one, or 2^32 or more above it.
+  std::uint64_t lowest_named = 0;
+
+  // The number of a vertex in the whole mesh, from what a triangle of the piece calls it.
+  std::uint64_t number_of(std::uint32_t name) const {
+    return lowest_named + (name - static_cast<std::uint32_t>(lowest_named));
+  }
   // Clamped vertices, clipped cells and unmatched faces of all ranks together; the rest is of this
   // rank.
   ExtractStats stats;

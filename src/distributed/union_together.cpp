@@ -1,9 +1,9 @@
 // union_together(): every rank takes its share of the spheres and those that overlap them. A
 // sphere's measures have the bits that one process gives them, because they depend on these alone.
 // What travels then are sums: of areas and volumes without rounding, of the integers from which the
-// counts follow, and the number of sets of connected spheres. Spheres near two shares say which of
-// these sets are one. Spheres that the arcs cannot measure go to the first rank with the balls
-// around them; it measures them by one triangulation, as one process does.
+// counts follow, and the number of sets of connected spheres (components_together.hpp). Spheres
+// that the arcs cannot measure go to the first rank with the balls around them; it measures them by
+// one triangulation, as one process does.
 #include "distributed/union_together.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@
 #include "arrangement/measured_spheres.hpp"
 #include "arrangement/reference_measures.hpp"
 #include "core/errors.hpp"
-#include "distributed/joined_sets.hpp"
+#include "distributed/components_together.hpp"
 #include "distributed/sphere_shares.hpp"
 #include "spheres/kept_cell_lists.hpp"
 
@@ -38,7 +38,6 @@ struct MeasuredSphere {
 struct Totals {
   ExactSum area, volume;
   PatchSums patches;
-  std::uint64_t sets = 0;  // of connected spheres that have one of the share in them
 
   void add(const SphereMeasures& m) {
     area.add(m.area);
@@ -48,7 +47,6 @@ struct Totals {
     area.add(other.area);
     volume.add(other.volume);
     patches.add(other.patches);
-    sets += other.sets;
   }
 };
 
@@ -60,7 +58,6 @@ struct Part {
   std::vector<NumberedBall> near_suspects;  // likewise
   Totals totals;                            // without the suspects' areas and volumes
   std::vector<MeasuredSphere> measured;     // without the suspects; empty if nobody wants them
-  std::vector<std::uint8_t> has_own;        // [representative of a set]: whether it is in `sets`
 };
 
 void check_memory(const SphereSet& spheres, const SphereShare& share, std::uint64_t limit) {
@@ -115,52 +112,6 @@ void add_up(Part& part, const MeasuredSpheres& measured, const UnionTogetherOpti
   }
 }
 
-void count_sets(Part& part) {
-  if (!part.arcs.connected) return;
-  part.has_own.resize(part.share.near.ids.size());
-  for (const SphereId i : part.share.own) part.has_own[part.arcs.connected->find(i)] = 1;
-  part.totals.sets = static_cast<std::uint64_t>(std::ranges::count(part.has_own, 1));
-}
-
-// The number of components. A sphere of another share that is connected with this one is on the
-// border. All ranks hear of these, and say which of their sets the spheres are in. Collective; the
-// result is that of the first rank.
-std::uint64_t joined_components(const Ranks& ranks, Part& part, std::uint64_t sets) {
-  std::vector<BorderElement> border;
-  std::vector<SphereId> elsewhere;
-  const auto add = [&](SphereId i) {
-    const std::uint32_t set = part.arcs.connected->find(i);
-    if (part.has_own[set] == 0) return false;
-    const auto rank = static_cast<std::uint64_t>(ranks.number());
-    border.push_back({part.share.near.ids[i], rank << 32 | set});
-    return true;
-  };
-  ranks.together([&] {
-    for (std::size_t i = 0, own = 0; i < part.share.near.ids.size(); ++i) {
-      if (own < part.share.own.size() && part.share.own[own] == i) {
-        ++own;
-      } else if (add(static_cast<SphereId>(i))) {
-        elsewhere.push_back(part.share.near.ids[i]);
-      }
-    }
-  });
-  std::vector<SphereId> asked = ranks.collect(std::span<const SphereId>(elsewhere));
-  ranks.share(asked);
-  ranks.together([&] {
-    std::ranges::sort(asked);
-    asked.erase(std::ranges::unique(asked).begin(), asked.end());
-    for (const SphereId i : part.share.own) {
-      if (std::ranges::binary_search(asked, part.share.near.ids[i])) add(i);
-    }
-  });
-  std::vector<BorderElement> all = ranks.collect(std::span<const BorderElement>(border));
-  std::uint64_t components = 0;
-  ranks.together([&] {
-    if (ranks.is_first()) components = JoinedSets(std::move(all)).count(sets);
-  });
-  return components;
-}
-
 // What the ranks found out, as the first one has it.
 struct Gathered {
   std::vector<SphereId> suspects;
@@ -184,7 +135,8 @@ Gathered gather(const Ranks& ranks, Part& part, TopologyRequest topology) {
     all.totals.add(totals);
   }
   if (topology != TopologyRequest::none) {
-    all.components = joined_components(ranks, part, all.totals.sets);
+    all.components = join_components(ranks, part.share,
+                                     [&](SphereId i) { return part.arcs.connected->find(i); });
   }
   return all;
 }
@@ -242,7 +194,6 @@ ExactUnion union_together(const Ranks& ranks, const SphereSet& spheres,
     check_memory(spheres, part.share, options.memory_limit);
     measure_share(part, *measured, options);
     add_up(part, *measured, options);
-    count_sets(part);
   });
   Gathered all = gather(ranks, part, options.topology);
   ExactUnion result{};

@@ -88,6 +88,7 @@ class CpuSurfacePart final : public SurfacePart {
   }
 
   MeshSize size() const override { return mesher_.size(); }
+  HaloVertices halo() const override { return mesher_.halo(); }
 
   ExtractStats emit(const MeshSize& first, IndexedMesh& mesh) override {
     mesher_.emit(first, mesh);

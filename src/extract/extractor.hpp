@@ -56,6 +56,11 @@ struct ExtractResult {
   std::string fallback{};
 };
 
+// The vertices of the bricks around a range of bricks, before it and behind it.
+struct HaloVertices {
+  std::uint64_t before = 0, behind = 0;
+};
+
 // The part of a surface in one range of bricks, after counting and before its mesh is made. If the
 // options name a workspace, no other call may use it during the life of the SurfacePart. The
 // spheres are not needed any more once Extractor::count() has returned.
@@ -65,6 +70,10 @@ class SurfacePart {
 
   // The number of vertices and triangles that the bricks of the range own.
   virtual MeshSize size() const = 0;
+
+  // How many vertices next to those of the range, in the order of numbers, its triangles may name
+  // beside them.
+  virtual HaloVertices halo() const = 0;
 
   // Fills `mesh` with these vertices and triangles. `first` says how many vertices and triangles
   // the ranges before this one own. Numbers in the mesh are those of the whole mesh, modulo 2^32:

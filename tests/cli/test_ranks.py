@@ -11,10 +11,11 @@ import time
 import unittest
 from pathlib import Path
 
-from program import BAD_INPUT, DONE, LIMIT_HIT, SOURCE_DIR, UBIQUITIN, ProgramTest, need_shared, run
+from program import BAD_INPUT, DONE, LIMIT_HIT, SOURCE_DIR, UBIQUITIN, ProgramTest, missing, need_package, need_shared, run
 
 RANKS_PROGRAM = os.environ["VDWMESH_RANKS_PROGRAM"]
 MPIRUN = os.environ["VDWMESH_MPIRUN"]
+HAS_HDF5 = os.environ["VDWMESH_RANKS_HDF5"] == "1"
 # Open MPI wants to be asked twice before root may start ranks.
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
@@ -31,6 +32,11 @@ def command(ranks, *arguments, quiet=("-q",)):
 def run_ranks(ranks, *arguments, quiet=("-q",), **options):
     return subprocess.run(command(ranks, *arguments, quiet=quiet), capture_output=True, text=True, timeout=300,
                           env=ENVIRONMENT, **options)  # fmt: skip
+
+
+def need_hdf5():
+    if not HAS_HDF5:
+        missing("VDWMESH_REQUIRE_PACKAGES", "vdwmesh-mpi was built without libhdf5-openmpi-dev")
 
 
 class RanksTest(ProgramTest):
@@ -128,6 +134,65 @@ class Meshes(RanksTest):
         self.assertRegex(text, r"(?m)^Note +made by 3 ranks, 1 CPU thread each$")
 
 
+def read_ply(path):
+    """Vertices and corners of triangles, as numpy.fromfile() reads the records that the header describes."""
+    numpy = need_package("python3-numpy", module="numpy")
+    data = path.read_bytes()
+    begin = data.index(b"end_header\n") + len(b"end_header\n")
+    vertices, faces = (int(re.search(rb"element %s (\d+)" % what, data)[1]) for what in (b"vertex", b"face"))
+    vertex = [("position", "<f8", 3), ("normal", "<f4", 3), ("color", "u1", 3), ("atom", "<i4"), ("others", "<i4", 2)]
+    vertex, face = numpy.dtype(vertex), numpy.dtype([("count", "u1"), ("corners", "<i4", 3)])
+    middle = begin + vertices * vertex.itemsize
+    return (numpy.frombuffer(data[begin:middle], vertex, vertices), numpy.frombuffer(data[middle:], face, faces)["corners"])
+
+
+class VtkHdf(RanksTest):
+    """VTK reads what a PLY file of the same mesh has, and the bytes are the same for any number of ranks."""
+
+    @classmethod
+    def setUpClass(cls):
+        need_hdf5()
+        cls.hdf = need_package("python3-vtk9", module="vtkmodules.vtkIOHDF")
+        cls.arrays = need_package("python3-vtk9", module="vtkmodules.util.numpy_support")
+
+    def read(self, path):
+        reader = self.hdf.vtkHDFReader()
+        self.assertTrue(reader.CanReadFile(str(path)))
+        reader.SetFileName(str(path))
+        reader.Update()
+        return reader.GetOutputAsDataSet()
+
+    def assert_equal_arrays(self, ours, expected):
+        self.assertEqual(ours.shape, expected.shape)
+        self.assertTrue((ours == expected).all())
+
+    def assert_reads_back(self, path, *options, ranks):
+        ply, hdf = self.folder / "a.ply", self.folder / "a.vtkhdf"
+        self.run_ok("mesh", path, "-o", ply, "--quiet", "--backend", "cpu", *options)
+        files = set()
+        for count in ranks:
+            self.run_ranks_ok(count, "mesh", path, "-o", hdf, "--quiet", "--backend", "cpu", *options)
+            files.add(hdf.read_bytes())
+        self.assertEqual(len(files), 1)
+        vertices, corners = read_ply(ply)
+        grid, numpy_of = self.read(hdf), self.arrays.vtk_to_numpy
+        self.assert_equal_arrays(numpy_of(grid.GetPoints().GetData()), vertices["position"])
+        self.assert_equal_arrays(numpy_of(grid.GetCells().GetConnectivityArray()).reshape(-1, 3), corners)
+        self.assertEqual({grid.GetCellType(t) for t in (0, len(corners) - 1)}, {5})
+        self.assertEqual(grid.GetNumberOfCells(), len(corners))
+        points = grid.GetPointData()
+        for name, column in (("Normals", "normal"), ("RGB", "color"), ("atom", "atom")):
+            self.assert_equal_arrays(numpy_of(points.GetArray(name)), vertices[column])
+
+    def test_any_number_of_ranks(self):
+        self.assert_reads_back(UBIQUITIN, "--spacing", "0.7", ranks=(1, 2, 3, 5))
+        self.assert_reads_back(UBIQUITIN, "--spacing", "1", "--field", "blinn", ranks=(3,))
+
+    def test_few_and_far_atoms(self):
+        for name, text in (("one", ONE_ATOM), ("far", FAR_APART)):
+            self.assert_reads_back(self.file(f"{name}.xyzr", text), ranks=(1, 7))
+
+
 class ExactUnions(RanksTest):
     """Report and table of atoms are those of the plain program, byte by byte but for the times."""
 
@@ -192,13 +257,15 @@ class ExactUnions(RanksTest):
 
 
 class Faults(RanksTest):
-    def mesh(self, *options, path=UBIQUITIN):
-        return ("mesh", path, "-o", self.folder / "a.ply", *options)
+    def mesh(self, *options, path=UBIQUITIN, to="a.ply"):
+        return ("mesh", path, "-o", self.folder / to, *options)
 
     def test_wrong_options(self):
         self.assert_all_end(BAD_INPUT, *self.mesh("--spacing", "0"), says=("--spacing",))
         self.assert_all_end(BAD_INPUT, *self.mesh("--mesher", "exact"), says=("vdwmesh-mpi mesh",))
-        self.assert_all_end(BAD_INPUT, "mesh", UBIQUITIN, "-o", self.folder / "a.stl", says=(".ply",))
+        self.assert_all_end(BAD_INPUT, *self.mesh(to="a.stl"), says=(".ply", ".vtkhdf"))
+        if not HAS_HDF5:
+            self.assert_all_end(BAD_INPUT, *self.mesh(to="a.vtkhdf"), says=("HDF5", ".ply"))
         self.assert_all_end(BAD_INPUT, "mesh", UBIQUITIN, "-o", self.folder / "no" / "a.ply",
                             says=("there is no folder",))  # fmt: skip
         self.assert_all_end(BAD_INPUT, "mesh", UBIQUITIN, "-o", "/dev/null", says=("/dev/null",))
@@ -231,21 +298,31 @@ class Faults(RanksTest):
         exact = ("exact", self.file("a.xyzr", FLAT), "--memory-limit", "250K")
         self.assert_all_end(LIMIT_HIT, *exact, ranks=1, says=("more ranks", "--memory-limit 1M"))
 
-    def test_a_file_that_cannot_be_written_in_full(self):
+    def assert_full_disk_ends_all(self, rank, says, to="a.ply"):
         """The size of files is limited for one rank of three; the others end with it."""
-        limited = 'if [ "$OMPI_COMM_WORLD_RANK" = 1 ]; then ulimit -f 100; trap "" XFSZ; fi; exec "$@"'
-        start = command(3, *self.mesh())
+        limited = f'if [ "$OMPI_COMM_WORLD_RANK" = {rank} ]; then ulimit -f 100; trap "" XFSZ; fi; exec "$@"'
+        start = command(3, *self.mesh(to=to))
         place = start.index(RANKS_PROGRAM)
         start[place:place] = ["bash", "-c", limited, "bash"]
         result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
         self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
-        self.assertRegex(result.stderr, r"(?m)^vdwmesh-mpi: rank 1: .*a\.ply cannot be written in full")
+        self.assertRegex(result.stderr, rf"(?m)^vdwmesh-mpi: {says}")
+        self.assertEqual(result.stderr.count("vdwmesh-mpi:"), 1, result.stderr)
         self.assertEqual(self.files(), [])
 
-    def end_while_writing(self, end):
+    def test_a_file_that_cannot_be_written_in_full(self):
+        self.assert_full_disk_ends_all(1, r"rank 1: .*a\.ply cannot be written in full")
+
+    def test_a_vtkhdf_file_that_cannot_be_written_in_full(self):
+        """The first rank cannot give the file its length, or another one cannot write its part."""
+        need_hdf5()
+        self.assert_full_disk_ends_all(0, r".*a\.vtkhdf cannot be written in full: File too large$", to="a.vtkhdf")
+        self.assert_full_disk_ends_all(1, r"rank 1: .*a\.vtkhdf cannot be written in full", to="a.vtkhdf")
+
+    def end_while_writing(self, end, to="a.ply"):
         """Starts a run, stops its ranks as soon as its file is being written, calls end(process, ranks), lets them
         go on, and returns the exit status. Stopped ranks cannot complete the file in the meantime."""
-        process = subprocess.Popen(command(3, *self.mesh("--spacing", "0.1", "--quiet")), env=ENVIRONMENT,
+        process = subprocess.Popen(command(3, *self.mesh("--spacing", "0.1", "--quiet", to=to)), env=ENVIRONMENT,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
         ranks = []
         while len(ranks) < 3 and process.poll() is None:
@@ -254,7 +331,7 @@ class Faults(RanksTest):
             time.sleep(0.001)
         for rank in ranks:
             os.kill(rank, signal.SIGSTOP)
-        self.assertNotIn("a.ply", self.files(), "the ranks were faster than this test")
+        self.assertNotIn(to, self.files(), "the ranks were faster than this test")
         end(process, ranks)
         for rank in ranks:
             with contextlib.suppress(ProcessLookupError):
@@ -271,6 +348,12 @@ class Faults(RanksTest):
             status = self.end_while_writing(lambda _, ranks: os.kill(ranks[which], signal.SIGKILL))
             self.assertNotEqual(status, 0)
             self.assertEqual(self.files(), [])
+
+    def test_a_killed_rank_leaves_no_vtkhdf_file(self):
+        need_hdf5()
+        status = self.end_while_writing(lambda _, ranks: os.kill(ranks[1], signal.SIGKILL), to="a.vtkhdf")
+        self.assertNotEqual(status, 0)
+        self.assertEqual(self.files(), [])
 
     def whole_size(self):
         path = self.folder / "whole.ply"

@@ -37,6 +37,19 @@ void append(IndexedMesh& mesh, const IndexedMesh& part) {
   add(mesh.opposite, part.opposite);
 }
 
+// Triangles name vertices of their own part and of its halo, and no others: by that, processes find
+// the number of a vertex from its 32 bits.
+void expect_named_vertices_near(const SurfacePart& part, const MeshSize& first,
+                                const IndexedMesh& mesh) {
+  const HaloVertices halo = part.halo();
+  for (const Triangle& corners : mesh.triangles) {
+    for (const std::uint64_t corner : corners) {
+      ASSERT_GE(corner + halo.before, first.vertices);
+      ASSERT_LT(corner, first.vertices + part.size().vertices + halo.behind);
+    }
+  }
+}
+
 struct Joined {
   IndexedMesh mesh;
   ExtractStats stats;
@@ -59,6 +72,7 @@ Joined join_parts(const Extractor& extractor, const SphereSet& spheres,
     const ExtractStats stats = part->emit(first, mesh);
     EXPECT_EQ(mesh.vertex_count(), part->size().vertices);
     EXPECT_EQ(mesh.triangle_count(), part->size().triangles);
+    expect_named_vertices_near(*part, first, mesh);
     append(joined.mesh, mesh);
     joined.stats.surface_bricks += stats.surface_bricks;
     joined.stats.clamped_vertices += stats.clamped_vertices;
@@ -88,6 +102,27 @@ std::vector<std::uint64_t> random_cuts(const GridSpec& grid, Dice& dice, int cou
   }
   std::ranges::sort(cuts);
   return cuts;
+}
+
+// A halo is never larger than what is around the range, and a whole mesh has none.
+TEST_P(ExtractorParts, HalosArePartOfTheMesh) {
+  const SphereSet spheres = cluster(300, 11);
+  const ExtractOptions options = at_spacing(0.4);
+  const ExtractResult whole = extract(spheres, options);
+  Dice dice(17);
+  std::uint64_t begin = 0, before = 0;
+  for (const std::uint64_t cut : random_cuts(whole.grid, dice, 5)) {
+    const auto part = extractor()->count(spheres, {begin, cut}, options);
+    const std::uint64_t behind = whole.mesh.vertex_count() - before - part->size().vertices;
+    EXPECT_LE(part->halo().before, before);
+    EXPECT_LE(part->halo().behind, behind);
+    EXPECT_TRUE(before == 0 || part->size().triangles == 0 || part->halo().before > 0);
+    before += part->size().vertices;
+    begin = cut;
+  }
+  const HaloVertices none = extractor()->count(spheres, {}, options)->halo();
+  EXPECT_EQ(none.before, 0u);
+  EXPECT_EQ(none.behind, 0u);
 }
 
 TEST_P(ExtractorParts, RangesJoinToTheWholeMesh) {

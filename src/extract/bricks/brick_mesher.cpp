@@ -146,6 +146,12 @@ MeshSize BrickMesher::size() const {
   return {to.vertices - from.vertices, to.triangles - from.triangles};
 }
 
+HaloVertices BrickMesher::halo() const {
+  const std::vector<BrickSums>& before = counted_.before;
+  return {before[counted_.begin].vertices - before.front().vertices,
+          before.back().vertices - before[counted_.end].vertices};
+}
+
 MeshArrays BrickMesher::arrays() const {
   return {.connectivity = options_.connectivity, .normals = options_.normals, .width = width_};
 }

@@ -39,6 +39,8 @@ class BrickMesher {
 
   // The vertices and triangles of the bricks in the range that count() was given.
   MeshSize size() const;
+  // Those of the bricks around the range.
+  HaloVertices halo() const;
 
   // Throws LimitExceeded if a mesh of size() exceeds a limit (check_mesh_limits()). The memory that
   // the counts take is added to the memory of the mesh.
