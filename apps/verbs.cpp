@@ -7,20 +7,22 @@ namespace vdwmesh::apps {
 namespace {
 
 const Verb kVerbs[] = {
-    {kMesh, "mesh", "structure -> welded mesh file", run_mesh},
-    {kReport, "report", "mesh + exact geometry + comparison", run_report},
-    {kExact, "exact", "exact sphere union only, no mesh", run_exact},
+    {kMesh, "mesh", "a mesh of a structure's surface, as a file", run_mesh},
+    {kReport, "report", "a mesh, the exact area, volume and topology, and how far apart they are",
+     run_report},
+    {kExact, "exact", "exact area, volume and topology, no mesh", run_exact},
     {kCompare, "compare", "a triangle mesh, from any program, against the exact sphere union",
      run_compare},
     {kRender, "render", "a picture of a structure's surface, or of a mesh file", run_render},
-    {kStudy, "study", "sweep of spacings x subdivisions x fields: CSV, JSON and a page with plots",
+    {kStudy, "study",
+     "meshes over spacings, subdivisions, fields and meshers: CSV, JSON and a page with plots",
      run_study},
     {kBatch, "batch", "exact measures of many structures, a row of JSON or CSV for each",
      run_batch_verb},
     {kThesisBench, "bench thesis", "Tables 4.1 to 4.5 of the thesis, rerun on its grids",
      run_thesis_bench},
     {kPipelineBench, "bench pipeline",
-     "stage by stage from structure file to mesh file: seconds, bytes, memory, floor",
+     "what each stage costs from structure file to mesh file: seconds, bytes, memory, floor",
      run_pipeline_bench},
     {kInfo, "info", "version, build, backends, devices", run_info}};
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "printable.hpp"
@@ -75,6 +76,9 @@ std::string verbs_help(const Program& program, std::string_view prefix) {
     if (!verb.name.starts_with(prefix)) continue;
     text += entry(fmt::format("  {}", verb.name), std::string(verb.summary));
   }
+  const auto is_report = [](const Verb& verb) { return verb.name == "report"; };
+  if (prefix.empty() && std::ranges::any_of(program.verbs, is_report))
+    text += fmt::format("\nTo begin, without a file: {} report --sample ubiquitin\n", program.name);
   return text;
 }
 

@@ -377,6 +377,11 @@ class FirstMistakes(ProgramTest):
         self.says("mesh", UBIQUITIN, "-o", "a.ply", "--edge-length", "1", next_step="takes --spacing instead")
         self.says("mesh", UBIQUITIN, "-o", "a.ply", "--spacing", "1000", next_step="try --spacing")
 
+    def test_help_says_how_to_begin(self):
+        shown = run("--help").stdout
+        begin = re.search(r"To begin, without a file: vdwmesh (.*)\n", shown)
+        self.assertIn("Tunnels (genus)", self.run_ok(*begin[1].split()).stdout)
+
     def test_the_mesh_comes_first(self):
         mesh = self.file("a.off", "OFF\n0 0 0\n")
         self.says("compare", UBIQUITIN, mesh, next_step="the mesh comes first: vdwmesh compare MESH INPUT")
