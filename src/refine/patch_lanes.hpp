@@ -50,7 +50,8 @@ class PatchLanes {
   bool is_apart_from(const PatchLanes& other) const {
     int apart = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      apart |= (box_[i] > -other.box_[i + 3]) | (other.box_[i] > -box_[i + 3]);
+      apart |= box_[i] > -other.box_[i + 3];
+      apart |= other.box_[i] > -box_[i + 3];
     }
     return apart != 0;
   }
