@@ -55,7 +55,7 @@ class Signals(ProgramTest):
             "field": (*mesh, "0.04"),
             "extract": (*mesh, "0.04"),
             "refine": (*mesh, "0.2", "--subdivide", "2"),
-            "measure": (*mesh, "0.06"),
+            "measure": (*report, "0.1", "--subdivide", "0"),
             "write": (*mesh, "0.1"),
             "sample arcs": (*exact_mesh, "--edge-length", "0.02"),
             "mesh patches": (*exact_mesh, "--edge-length", "0.03"),
