@@ -127,6 +127,15 @@ class Meshes(RanksTest):
         self.assertEqual(path.stat().st_mode & 0o777, 0o640)
         self.assertTrue(path.read_bytes().startswith(b"ply"))
 
+    def test_pieces_that_the_mesh_joins(self):
+        """Two rods that are 0.1 Å apart, which a spacing of 0.9 Å cannot tell apart; ranks count them together."""
+        rods = "".join(f"{1.1 * x} {2.1 * y} 0 1\n" for x in range(40) for y in range(2))
+        path = self.file("rods.xyzr", rods)
+        for count in (1, 4):
+            report = self.folder / "r.json"
+            self.run_ranks_ok(count, "mesh", path, "-o", self.folder / "a.ply", "--spacing", "0.9", "--json", report)
+            self.assertIn("components: 1 in the mesh, 2 in the union of the spheres", report.read_text())
+
     def test_text(self):
         text = self.run_ranks_ok(3, "mesh", UBIQUITIN, "-o", self.folder / "a.ply").stdout
         self.assertIn("44650 vertices, 89676 triangles; closed, 2-manifold, oriented", text)
