@@ -54,7 +54,7 @@ class MeshTest(unittest.TestCase):
         self.assertLess(errors[1], errors[0] / 3)
 
     def test_the_excluded_surface_knows_its_patches(self):
-        exact = vdwmesh.exact(self.molecule, surface="excluded")
+        exact = vdwmesh.exact(self.molecule, surface="excluded", topology=True)
         errors = []
         for levels in (0, 1):
             mesh = vdwmesh.mesh(self.molecule, surface="excluded", subdivide=levels)
