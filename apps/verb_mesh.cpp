@@ -2,6 +2,7 @@
 // an estimate, and again when its size is known. Where a device makes the mesh, the CPU makes room
 // for the half-edges meanwhile. The mesh is measured while its file is written, which takes one
 // thread, unless memory is too little for both.
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,8 +49,12 @@ void measure_now_or_later(const IndexedMesh& mesh, const MemoryDemand& demand, M
   MemoryDemand later = demand;
   later.early = Switch::on;  // the half-edges are there while the mesh is measured
   if (!session.report.mesh) session.report.mesh.emplace();
-  const MeshSize size{mesh.vertex_count(), mesh.triangle_count()};
-  if (early_build_fits(later, size, session.machine.memory_limit)) return;
+  later.mesh = {mesh.vertex_count(), mesh.triangle_count()};
+  if (early_build_fits(later, later.mesh, session.machine.memory_limit)) {
+    std::optional<std::uint64_t>& estimate = session.report.parameters->memory_estimate;
+    estimate = std::max(estimate.value_or(0), estimate_memory(later).bytes);
+    return;
+  }
   measure(mesh, SelfIntersections::skip, session);
   made.is_measured = true;
 }

@@ -28,8 +28,7 @@ struct PatchRefineResult {
 // Indices of vertices and triangles are those of Refiner::refine(), and children are of their
 // parent's patch. The given vertices stay where they are, bit for bit. The midpoint of an edge
 // inside a patch goes to its sphere or torus, one of an edge between two patches to their circle
-// (refine/patch_formulas.hpp). Area and volume
-// therefore are of second order in the edge length.
+// (refine/patch_formulas.hpp). Area and volume therefore are of second order in the edge length.
 //
 // A midpoint is labelled with one atom: of those of the patches at its edge the one whose sphere is
 // nearest. Normals, if the mesh has them, are those of the patches; on a crease between two concave

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analysis/distances.hpp"
@@ -11,8 +12,11 @@
 #include "arrangement/arcs/arcs.hpp"
 #include "arrangement/exact_mesher.hpp"
 #include "core/multiversion.hpp"
+#include "excluded/excluded_distances.hpp"
+#include "excluded/excluded_mesher.hpp"
 #include "extract/extractor.hpp"
 #include "extract/sampled_field.hpp"
+#include "refine/patch_refiner.hpp"
 #include "refine/refiner.hpp"
 #include "structure/reader.hpp"
 
@@ -69,8 +73,7 @@ void print_crossings(const std::string& name, IndexedMesh mesh) {
   print(name + ", crossing triangles", numbers);
 }
 
-void print_distances(const std::string& name, const SphereSet& spheres, const IndexedMesh& mesh) {
-  const MeshDistances found = distances(mesh, spheres);
+void print_distances(const std::string& name, const MeshDistances& found) {
   for (const DistanceStatistics& d : {found.mesh_to_surface, found.surface_to_mesh}) {
     print(name + ", distances", std::vector<double>{d.mean, d.rms, d.max});
   }
@@ -117,6 +120,14 @@ void print_arcs(const std::string& name, const SphereSet& spheres, double probe)
   print(name, values);
 }
 
+void print_excluded(const SphereSet& spheres) {
+  ExcludedMesh mesh = mesh_excluded(spheres, {.edge_length = 0.7});
+  print("excluded", mesh.mesh);
+  const PatchRefineResult refined = refine_patches(spheres, std::move(mesh), {.subdivisions = 1});
+  print("excluded, refined", refined.mesh.mesh);
+  print_distances("excluded", excluded_distances(refined.mesh.mesh, spheres, kWaterProbe));
+}
+
 // Spheres on the nodes of the grid, whose squared distances are whole: every comparison is a tie.
 SphereSet lattice() {
   std::vector<Sphere> spheres;
@@ -149,8 +160,9 @@ int main() {
   print("crease-exact", exact);
   print_measures("crease-exact", exact);
   print_crossings("crease-exact", exact);
-  print_distances("crease-exact", spheres, exact);
+  print_distances("crease-exact", distances(exact, spheres));
   for (const double probe : {0.0, 1.4}) {
     print_arcs(fmt::format("arcs, probe {}", probe), spheres, probe);
   }
+  print_excluded(spheres);
 }

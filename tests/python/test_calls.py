@@ -166,7 +166,7 @@ class InterruptTest(unittest.TestCase):
         self.assertGreater(vdwmesh.exact(coords, radii).area, 0)
 
     def test_handlers_that_do_not_raise_do_not_stop(self):
-        coords, radii = crystal(24)
+        coords, radii = crystal(60)
         expected = vdwmesh.exact(coords, radii, threads=1).area
         seen = []
         previous = signal.signal(signal.SIGALRM, lambda *_: seen.append(time.monotonic()))
