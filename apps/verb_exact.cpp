@@ -12,8 +12,8 @@
 namespace vdwmesh::apps {
 namespace {
 
-// The same for the excluded surface. The balls of which memory is checked are those grown by the
-// probe.
+// The exact measures of the excluded surface. The balls of which memory is checked are those grown
+// by the probe.
 void run_excluded(const Options& options, const Molecule& molecule, VerbSession& session) {
   const Switch per_atom = options.output.per_atom.empty() ? Switch::off : Switch::on;
   measure_excluded(molecule, options.inputs.front().probe, options.exact, per_atom, session);

@@ -43,7 +43,8 @@ struct Made {
   bool is_measured = false;
 };
 
-// Measures the mesh, unless memory allows that while the half-edges are there too.
+// Leaves the measuring to the time when the file is written if memory holds the half-edges too;
+// else measures now.
 void measure_now_or_later(const IndexedMesh& mesh, const MemoryDemand& demand, Made& made,
                           Session& session) {
   MemoryDemand later = demand;

@@ -18,8 +18,8 @@
 namespace vdwmesh::apps {
 namespace {
 
-// The same for the excluded surface, whose exact measures come first: they say how large the mesh
-// will be.
+// Makes the mesh of the excluded surface and compares it. The exact measures come first, because
+// they say how large the mesh will be.
 void report_excluded(const Options& options, const Structure& structure, VerbSession& session) {
   const auto& [molecule, grown] = structure;
   const double probe = options.inputs.front().probe;
