@@ -128,7 +128,8 @@ HostWork host_work(const DeviceMeasures& measured, std::uint32_t count, const St
 
 // Measures the work on the host. Its entries stand in the order of list places: those of a set
 // together, and near each other those that are near in space. So a few neighbouring ones share a
-// triangulation. The parts of a set begin at its first entry, so they do not depend on other sets.
+// triangulation. The parts of a set begin at its first entry. The order of list places, and with it
+// the last bits, may depend on the other sets of the batch or of its part.
 void redo(const HostWork& work, const std::vector<std::uint32_t>& offsets,
           std::span<SphereMeasures> per_sphere) {
   constexpr std::size_t kMostTogether = 64;

@@ -98,14 +98,16 @@ class Group {
 // patch, or s alone (surface_search.hpp):
 //  - s >= 0: then g >= s, because s is the least of all gaps, each computed by the same operations.
 //  - s < 0: d <= |g|, since has_exposed_foot() agrees: the limit here is below its own by 5e-11,
-//  far
-//    more than the roundings of the two sides. |s| exceeds |g| by no more than the depth of f in
-//    the ball of least gap: a ball of radius |s| around p lies in that ball. In every cover f is at
-//    most 5e-11 (in the cosine) beyond the border, which on the sphere is an angle of at most
+//    far more than the roundings of the two sides. |s| exceeds |g| by no more than the depth of f
+//    in the ball of least gap: a ball of radius |s| around p lies in that ball. In every cover f is
+//    at most 5e-11 (in the cosine) beyond the border, which on the sphere is an angle of at most
 //    √1e-10, for cos(φ - a) - cos φ >= 1 - cos a. A point of the sphere outside the cap is thus
 //    within 1e-5 radii of f, so the depth of f is at most that. (A cap that is not listed lies in a
 //    listed one.)
 // Twice that bound is the margin, and more than the rounding of a gap in the world of the tree.
+//
+// A patch without exposed points settles nothing: no cover contains the centre of its ball, which
+// has no direction.
 class RecentPatches {
  public:
   explicit RecentPatches(const PatchTreeView& surface)
@@ -136,6 +138,7 @@ class RecentPatches {
   std::uint32_t settled(const Patch& patch, const std::array<double, kGroup>& x,
                         const std::array<double, kGroup>& y, const std::array<double, kGroup>& z,
                         double largest) const {
+    if (patch.cover_count > 0 && patch.circles == 0) return 0;
     constexpr double kDepth = 2e-5;  // radii
     const Sphere& ball = patch.ball;
     const double most = largest - kDepth * ball.radius - rounding_;

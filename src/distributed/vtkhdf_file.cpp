@@ -19,7 +19,7 @@ namespace vdwmesh {
 namespace {
 
 constexpr std::uint8_t kTriangleType = 5;               // VTK_TRIANGLE
-constexpr std::size_t kStretch = std::size_t{1} << 18;  // elements of which no copy is made at once
+constexpr std::size_t kStretch = std::size_t{1} << 18;  // elements that are copied at once
 
 template <class T>
 void write_elements(SharedFile& file, std::uint64_t place, std::uint64_t first,

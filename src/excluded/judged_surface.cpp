@@ -69,15 +69,19 @@ void JudgedSurface::make_patches(Monitor* monitor) {
   for (std::uint32_t i = 0; i < cut.size(); ++i) cut_of[cut[i].probe] = i;
 }
 
-// Both probes of a crease have it; that of lower number adds it. Of a patch that is not certified
-// all are added, because the other probe may lack them. A segment runs clockwise about the axis of
-// its cap.
+bool JudgedSurface::has_certified_patch(std::uint32_t probe) const {
+  return cut_of[probe] != kNoIndex && cut[cut_of[probe]].certified;
+}
+
+// Both probes of a crease have it; that of lower number adds it. If one of the two patches is not
+// certified, either adds it, because the other may lack it. A segment runs clockwise about the axis
+// of its cap.
 void JudgedSurface::add_creases(const ConcavePatch& patch) {
   const double p = unit * grown.surface.probe_radius;
   for (const PatchSegment& s : patch.segments) {
     if (s.circle >= patch.caps.size()) continue;
     const PatchCap& cap = patch.caps[s.circle];
-    if (cap.probe < patch.probe && patch.certified) continue;
+    if (cap.probe < patch.probe && patch.certified && has_certified_patch(cap.probe)) continue;
     const Vec3d center = in_angstrom(grown.surface.probes[patch.probe].center);
     const Vec3d radial = s.from - dot(s.from, cap.axis) * cap.axis;
     if (!(squared_norm(radial) > 0)) continue;

@@ -43,6 +43,7 @@ struct JudgedSurface {
 
  private:
   void make_patches(Monitor* monitor);
+  bool has_certified_patch(std::uint32_t probe) const;
   void add_creases(const ConcavePatch& patch);
   void add_cusps(const RolledArc& arc);
 };

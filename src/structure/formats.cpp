@@ -127,13 +127,18 @@ StructureFormat format_of_name(const std::filesystem::path& path) {
   if (extension == ".xtc" || extension == ".trr" || extension == ".dcd")
     refuse(path, fmt::format("is a trajectory ({}), which has no elements; give the structure file",
                              extension));
-  // Who types the name of an entry has no such file, and needs another hint than about its name.
-  if (std::error_code error; !std::filesystem::exists(path, error))
+  refuse(path, fmt::format("its extension {} is not one that is read ({}); or say --format",
+                           in_quotes(extension), kReadable));
+}
+
+// Who types the name of an entry has no such file, and needs another hint than about its name.
+StructureFormat format_of_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (path != "-" && !known_format(extension_of(path)) && !std::filesystem::exists(path, error))
     refuse(path, fmt::format("there is no such file; name a structure file ({}), or a built-in "
                              "structure (--sample ubiquitin, --sample bpti)",
                              kReadable));
-  refuse(path, fmt::format("its extension {} is not one that is read ({}); or say --format",
-                           in_quotes(extension), kReadable));
+  return format_of_name(path);
 }
 
 std::string_view checked_text(std::string_view bytes, StructureFormat format,

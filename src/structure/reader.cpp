@@ -87,10 +87,8 @@ void check_ranges(const ParsedFile& file) {
 
 // `text_within(limit)` returns the text, which has at most `limit` bytes.
 template <class TextWithin>
-ParsedFile parse_file(const std::filesystem::path& path, const ReadOptions& options,
-                      const TextWithin& text_within) {
-  const StructureFormat format =
-      options.format == StructureFormat::by_extension ? format_of_name(path) : options.format;
+ParsedFile parse_file(const std::filesystem::path& path, StructureFormat format,
+                      const ReadOptions& options, const TextWithin& text_within) {
   const std::uint64_t limit = std::min(kMaxTextBytes, options.memory_limit / kReadingFactor);
   const Text bytes = text_within(limit);
   const std::string name = path == "-" ? "standard input" : path.string();
@@ -110,7 +108,9 @@ Molecule read_structure(const std::filesystem::path& path, const ReadOptions& op
   const auto text_within = [&](std::uint64_t limit) {
     return read_text(path, limit, options.monitor);
   };
-  return choose_atoms(parse_file(path, options, text_within), options, table);
+  const StructureFormat format =
+      options.format == StructureFormat::by_extension ? format_of_file(path) : options.format;
+  return choose_atoms(parse_file(path, format, options, text_within), options, table);
 }
 
 Molecule read_structure(const std::filesystem::path& name, std::string_view bytes,
@@ -119,7 +119,9 @@ Molecule read_structure(const std::filesystem::path& name, std::string_view byte
   const auto text_within = [&](std::uint64_t limit) {
     return text_of(bytes, name, limit, options.monitor);
   };
-  return choose_atoms(parse_file(name, options, text_within), options, table);
+  const StructureFormat format =
+      options.format == StructureFormat::by_extension ? format_of_name(name) : options.format;
+  return choose_atoms(parse_file(name, format, options, text_within), options, table);
 }
 
 Molecule read_sample(const std::string& name, const ReadOptions& options) {

@@ -1,6 +1,6 @@
 // The smooth patches of a surface that probes leave free, and meshes whose triangles know theirs. A
-// patch is part of a sphere or of a torus. The boundary of a union of balls has contact patches
-// alone; the solvent-excluded surface has all three kinds (docs/excluded_surface.md).
+// patch is part of a sphere or of a torus. The solvent-excluded surface has all three kinds
+// (docs/excluded_surface.md).
 #pragma once
 
 #include <array>

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "analysis/distances.hpp"
+#include "analysis/distances_plan.hpp"
 #include "analysis/distances_tree.hpp"
 #include "analysis/distances_triangle.hpp"
 #include "analysis/exposed_surface.hpp"
@@ -248,6 +249,20 @@ TEST(ExposedSurface, ABallThatOthersCoverTogether) {
   const double t = (4 + std::sqrt(16 - 12 * (4 - 1.9 * 1.9))) / 6;
   const std::vector<double> found = signed_distances(std::vector<Vec3d>{{0, 0, 0}}, balls);
   EXPECT_NEAR(found[0], -std::sqrt(3.0) * t, 1e-14);
+}
+
+// The centre of that ball is in no cover, but it is no exposed point's foot either: it is farther
+// from the surface than the points beside it, and raises the maximum after them.
+TEST(SurfaceFinder, TheCentreOfABallThatOthersCoverTogetherRaisesTheMaximum) {
+  const SphereSet balls(covered_together());
+  const ExposedSurface surface(balls);
+  std::vector<Vec3d> points(16, Vec3d{0.05, 0.01, 0.02});
+  points.push_back({0, 0, 0});
+  const SurfaceFinder finder(surface, box_around(bounding_box(balls), points));
+  std::vector<double> found(points.size());
+  finder.find(points, found.data());
+  ASSERT_GT(std::abs(found.back()), std::abs(found.front()) + 0.01);
+  EXPECT_EQ(finder.largest_distance(points, 0), std::abs(found.back()));
 }
 
 // Neither the points that are searched together nor the patch that is measured first changes a bit:
