@@ -19,6 +19,7 @@
 #include <string>
 
 #include "arrangement/arcs/arcs.hpp"
+#include "arrangement/exact_union.hpp"
 #include "core/errors.hpp"
 #include "read_xyzr.hpp"
 
@@ -65,24 +66,27 @@ struct Seconds {
   double wall, cpu;
 };
 
-// Least of a few runs.
-Seconds time_arcs(const SphereSet& spheres, std::size_t threads,
-                  const std::optional<std::span<const vdwmesh::SphereId>>& measured = {}) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+// Least of a few runs of work().
+template <class Work>
+Seconds least_of(const Work& work) {
   Seconds best{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   for (int i = 0; i < kRepeats; ++i) {
-    vdwmesh::ArcMeasures measures;
-    vdwmesh::Workspace workspace;
     const auto wall = std::chrono::steady_clock::now();
     const std::clock_t cpu = std::clock();
-    const vdwmesh::MeasuredSpheres chosen(spheres.size(), measured);
-    arc_measures(measures, spheres, {.measured = chosen}, workspace);
+    work();
     const double cpu_seconds = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
     const std::chrono::duration<double> wall_seconds = std::chrono::steady_clock::now() - wall;
-    if (measures.per_sphere.size() != spheres.size()) throw vdwmesh::Error("no measures");
     best = {std::min(best.wall, wall_seconds.count()), std::min(best.cpu, cpu_seconds)};
   }
   return best;
+}
+
+Seconds time_arcs(const SphereSet& spheres, std::size_t threads) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  return least_of([&] {
+    if (arc_measures(spheres).per_sphere.size() != spheres.size())
+      throw vdwmesh::Error("no measures");
+  });
 }
 
 void print_scaling(const std::vector<Sphere>& base) {
@@ -105,7 +109,7 @@ void print_threads(const std::vector<Sphere>& base) {
   }
 }
 
-// The time includes the cell list of all.
+// Some spheres among all, by exact_union().
 void print_some(const std::vector<Sphere>& base) {
   constexpr std::size_t kSome = 40;
   const SphereSet spheres(base);
@@ -113,7 +117,12 @@ void print_some(const std::vector<Sphere>& base) {
   for (std::size_t i = spheres.size() / 2; i < spheres.size() && some.size() < kSome; ++i) {
     some.push_back(static_cast<vdwmesh::SphereId>(i));
   }
-  const double all = time_arcs(spheres, 1).cpu, few = time_arcs(spheres, 1, some).cpu;
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  vdwmesh::UnionOptions options{vdwmesh::UnionMethod::arcs};
+  options.topology = vdwmesh::TopologyRequest::none;
+  const double all = least_of([&] { exact_union(spheres, options); }).cpu;
+  options.measured = some;
+  const double few = least_of([&] { exact_union(spheres, options); }).cpu;
   std::printf("\n%zu of %zu atoms: %.6f cpu s, 1/%.0f of all\n", some.size(), spheres.size(), few,
               all / few);
 }

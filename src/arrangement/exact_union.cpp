@@ -17,7 +17,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "arrangement/arcs/arcs.hpp"
 #include "arrangement/certificate/certify.hpp"
@@ -30,6 +32,7 @@
 #include "arrangement/total_measures.hpp"
 #include "core/errors.hpp"
 #include "spheres/kept_cell_lists.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -131,6 +134,87 @@ void replace_by_reference(const SphereSet& spheres, Workspace& workspace, ArcMea
   set_reference_measures(arcs.suspect, balls_near(list, spheres, arcs.suspect), arcs.per_sphere);
 }
 
+bool meet(const Box& a, const Box& b) {
+  bool does = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    does = does && a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
+  }
+  return does;
+}
+
+// The box of the measured balls, wider by far more than the rounding of coordinates.
+Box box_of_measured(const SphereSet& spheres, const MeasuredSpheres& measured) {
+  constexpr double kSlack = 1e-12;  // relative; two roundings of 2^-53 are 2.2e-16
+  Box box = empty_box();
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    if (measured.contains(static_cast<SphereId>(i))) include(box, box_of(spheres[i]));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const double slack = kSlack * std::max(std::abs(box.lower[axis]), std::abs(box.upper[axis]));
+    box.lower[axis] -= slack;
+    box.upper[axis] += slack;
+  }
+  return box;
+}
+
+// The spheres that decide what is exposed of the measured ones, by ascending id, if they are at
+// most half of all; else nothing. They are those whose bounding box meets the box of all measured
+// balls: a ball that overlaps a measured one has a point in that box.
+std::optional<std::vector<SphereId>> few_near(const SphereSet& spheres,
+                                              const MeasuredSpheres& measured) {
+  if (measured.all()) return std::nullopt;
+  const Box box = box_of_measured(spheres, measured);
+  std::vector<SphereId> near;
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    if (meet(box, box_of(spheres[i]))) near.push_back(static_cast<SphereId>(i));
+    if (2 * near.size() > spheres.size()) return std::nullopt;
+  }
+  return near;
+}
+
+// arc_measures() of the measured spheres, with the spheres `near` alone: a list of their cells
+// costs what they cost, however many others there are. Measures do not depend on spheres that
+// overlap none, nor on the order in which neighbours are found, so their bits are those of the
+// whole set. Returns nothing if a sphere is suspect: the triangulation that replaces its measures
+// may be rounded otherwise in a smaller set.
+std::optional<std::vector<SphereMeasures>> measures_of_few(const SphereSet& spheres,
+                                                           const MeasuredSpheres& measured,
+                                                           const std::vector<SphereId>& near,
+                                                           Monitor* monitor) {
+  std::vector<Sphere> some;
+  std::vector<SphereId> numbers;
+  for (const SphereId id : near) {
+    if (measured.contains(id)) numbers.push_back(static_cast<SphereId>(some.size()));
+    some.push_back(spheres[id]);
+  }
+  const MeasuredSpheres chosen(some.size(), numbers);
+  Workspace workspace;
+  ArcMeasures arcs{};
+  arc_measures(arcs, SphereSet(std::move(some)), {.measured = chosen, .monitor = monitor},
+               workspace);
+  if (!arcs.suspect.empty()) return std::nullopt;
+  constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+  std::vector<SphereMeasures> all(spheres.size(), {kNotMeasured, kNotMeasured});
+  for (const SphereId number : numbers) all[near[number]] = arcs.per_sphere[number];
+  return all;
+}
+
+// Method arcs, where few spheres are measured and nothing is counted. Returns whether it is done.
+bool union_of_few(ExactUnion& result, const SphereSet& spheres, const MeasuredSpheres& measured,
+                  Monitor* monitor) {
+  const auto near = few_near(spheres, measured);
+  if (!near || near->empty()) return false;
+  auto measures = measures_of_few(spheres, measured, *near, monitor);
+  if (!measures) return false;
+  const SphereMeasures total = total_measures(*measures, measured);
+  result = {};
+  result.method = UnionMethod::arcs;
+  result.area = total.area;
+  result.volume = total.volume;
+  result.per_sphere = std::move(*measures);
+  return true;
+}
+
 // Method arcs. arc_measures() reports progress as a stage of its own. To reuse the
 // caller's array, result.per_sphere is swapped into `arcs` and filled there. Assigning `result`
 // frees the array that it got in exchange, and the second swap puts the filled one back. The counts
@@ -138,6 +222,7 @@ void replace_by_reference(const SphereSet& spheres, Workspace& workspace, ArcMea
 void union_by_arcs(ExactUnion& result, const SphereSet& spheres, const MeasuredSpheres& measured,
                    TopologyRequest topology, Monitor* monitor, Workspace& workspace) {
   const bool counts = topology == TopologyRequest::counts;
+  if (!counts && union_of_few(result, spheres, measured, monitor)) return;
   const MeasuredSpheres all(spheres.size(), std::nullopt);
   auto& arcs = workspace.get<ArcMeasures>();
   std::swap(arcs.per_sphere, result.per_sphere);

@@ -375,6 +375,43 @@ TEST(UnionProperties, MeasuredSpheresHaveTheSameMeasuresAmongAll) {
   }
 }
 
+// Where few spheres are measured the others are left out that cannot cover them. Sets of balls
+// unlike proteins: of radii that differ by thousands, apart, nested, touching, on a lattice, far
+// from the origin; each ball by itself, and runs of three.
+TEST(UnionProperties, SpheresFarFromTheMeasuredOnesDoNotChangeABit) {
+  std::vector<std::vector<Sphere>> sets{cluster(30, 300)};
+  std::vector<Sphere> uneven, lattice, far;
+  for (int i = 0; i < 200; ++i) {
+    const double along = 0.9 * i, size = i % 20 == 0 ? 8 : 0.002 + 0.03 * (i % 7);
+    uneven.push_back({{along, std::sin(along), std::cos(3 * along)}, size});
+  }
+  for (int i = 0; i < 125; ++i) {
+    lattice.push_back({{2.0 * (i % 5), 2.0 * (i / 5 % 5), 2.0 * (i / 25)}, 1.0});
+  }
+  for (const Sphere& s : cluster(20, 200))
+    far.push_back({s.center + Vec3d{1e6, -1e5, 3e4}, s.radius});
+  sets.insert(sets.end(), {uneven, lattice, far});
+  UnionOptions options{UnionMethod::arcs, nullptr};
+  for (const std::vector<Sphere>& set : sets) {
+    const SphereSet balls(set);
+    options.measured.reset();
+    const ExactUnion all = exact_union(balls, options);
+    for (SphereId first = 0; first + 3 <= balls.size(); ++first) {
+      std::vector<SphereId> ids{first};
+      if (first % 2 == 0) ids.insert(ids.end(), {first + 1, first + 2});
+      options.measured = ids;
+      const ExactUnion some = exact_union(balls, options);
+      for (SphereId id = 0; id < balls.size(); ++id) {
+        const bool is_measured = std::ranges::find(ids, id) != ids.end();
+        ASSERT_EQ(std::isnan(some.per_sphere[id].area), !is_measured);
+        if (!is_measured) continue;
+        ASSERT_EQ(some.per_sphere[id].area, all.per_sphere[id].area) << first;
+        ASSERT_EQ(some.per_sphere[id].volume, all.per_sphere[id].volume) << first;
+      }
+    }
+  }
+}
+
 TEST(UnionProperties, AMeasuredSphereThatDoesNotExistIsRefused) {
   const std::vector<SphereId> ids{0, 20};
   UnionOptions options;
