@@ -42,6 +42,9 @@ struct EdgeGrading {
 struct SurfaceOptions {
   ExactSurface kind = ExactSurface::vdw;  // `excluded` by Mesher::exact alone
   Mesher mesher = Mesher::marching_cubes;
+  // What decided that: "default", or an option such as --mesher or --spacing; empty where a verb
+  // has one mesher.
+  std::string mesher_reason;
   // Å, of Mesher::exact; empty: the grading gives all lengths.
   std::optional<double> edge_length;
   EdgeGrading grading;

@@ -28,6 +28,8 @@ void describe(JsonText& a, const ParametersReport& parameters) {
   const bool is_exact = surface.mesher == Mesher::exact;
   a("surface", surface.kind);
   a("mesher", surface.mesher);
+  const std::string& reason = surface.mesher_reason;
+  a("mesher_reason", reason.empty() ? std::nullopt : std::optional(reason));
   a("edge_length", is_exact ? surface.edge_length : std::nullopt);
   const EdgeGrading& grading = surface.grading;
   a("relative_edge", grading.relative);

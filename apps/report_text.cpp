@@ -114,7 +114,10 @@ std::string surface_text(const ParametersReport& parameters) {
   if (field.kind != FieldKind::vdw) text += fmt::format(" ({})", name_of(field.preset));
   if (parameters.isovalue) text += fmt::format(", isovalue {}", *parameters.isovalue);
   if (parameters.blobbiness) text += fmt::format(", blobbiness {}", *parameters.blobbiness);
-  return text + ", marching cubes; " + refinement_text(parameters.surface);
+  const std::string& reason = parameters.surface.mesher_reason;
+  text += ", marching cubes";
+  if (!reason.empty()) text += fmt::format(" (of {})", reason);
+  return text + "; " + refinement_text(parameters.surface);
 }
 
 void parameters_text(Text out, const ParametersReport& parameters) {

@@ -61,6 +61,7 @@ struct Draft {
   std::optional<Inclusion> hetero_atoms;
   double probe = 0;                        // Å
   std::optional<double> spacing, padding;  // Å
+  std::optional<Mesher> mesher;
   std::optional<Projection> projection;
   std::optional<UnionMethod> method;
   std::optional<TopologyRequest> topology;

@@ -41,20 +41,45 @@ void settle_field(const FieldOptions& field) {
             "--blobbiness: --field {} has none; add --field blinn", name_of(field.kind));
 }
 
-// The crease-exact mesher has neither field nor grid.
-void settle_mesher(const Draft& d) {
-  const SurfaceOptions& s = d.options.surface;
+// The option that asks for marching cubes without naming them: only they have a grid and fields
+// other than the union. Empty where none does.
+std::string option_of_marching_cubes(const Draft& d) {
+  const bool is_union = d.options.surface.field.kind == FieldKind::vdw;
+  const std::string of_field = is_union ? "" : first_given(d, {"--field"});
+  return of_field.empty() ? first_given(d, {"--preset", "--spacing", "--padding"}) : of_field;
+}
+
+// The crease-exact mesher has neither field nor grid. It is what people get who ask for neither,
+// but from several processes, which have marching cubes alone.
+void settle_mesher(Draft& d) {
+  SurfaceOptions& s = d.options.surface;
+  const std::string of_cubes = option_of_marching_cubes(d);
+  const bool is_exact = of_cubes.empty() && d.verb != kRanksMesh;
+  s.mesher = d.mesher.value_or(is_exact ? Mesher::exact : Mesher::marching_cubes);
+  s.mesher_reason = is_given(d, "--mesher") ? "--mesher"
+                    : d.mesher              ? "--surface"
+                    : of_cubes.empty()      ? "default"
+                                            : of_cubes;
   const bool exact = s.mesher == Mesher::exact;
   const std::string of_grid = first_given(d, {"--spacing", "--padding"});
   const std::string of_edges =
       first_given(d, {"--edge-length", "--relative-edge", "--edge-length-of", "--edge-lengths"});
   refuse_if(!exact && !of_edges.empty(),
-            "{}: is of --mesher exact; marching cubes takes --spacing instead", of_edges);
+            "{}: is of --mesher exact; marching cubes, which {} asks for, takes --spacing instead",
+            of_edges, s.mesher_reason);
   refuse_if(exact && s.field.kind != FieldKind::vdw,
             "--field {}: --mesher exact meshes the union of the spheres, which is --field vdw",
             name_of(s.field.kind));
   refuse_if(exact && !of_grid.empty(),
             "{}: --mesher exact has no grid; --edge-length sets the size", of_grid);
+}
+
+// Meshes of marching cubes are projected once before they are looked at or measured, because their
+// vertices lie on edges of the grid's cells, where the surface is only near. Those of the exact
+// mesher lie on the surface.
+void settle_levels(Draft& d) {
+  if (is_given(d, "--subdivide") || !(d.verb & (kReport | kRender | kBatch))) return;
+  d.options.surface.subdivisions = d.options.surface.mesher == Mesher::marching_cubes ? 1 : 0;
 }
 
 // Projection follows a subdivision. A default that is without effect is nothing to speak of; where
@@ -91,11 +116,10 @@ void settle_crossings(Draft& d) {
 void settle_excluded_mesh(Draft& d) {
   if (!(d.verb & (kMesh | kReport | kRender))) return;
   SurfaceOptions& s = d.options.surface;
-  if (d.verb != kRender && !is_given(d, "--subdivide")) s.subdivisions = 0;
-  refuse_if(is_given(d, "--mesher") && s.mesher != Mesher::exact,
+  refuse_if(d.mesher == Mesher::marching_cubes,
             "--mesher {}: --surface excluded is meshed along its curves, which is --mesher exact",
-            name_of(s.mesher));
-  s.mesher = Mesher::exact;
+            name_of(Mesher::marching_cubes));
+  d.mesher = Mesher::exact;
   const std::string other = first_given(d, {"--relative-edge", "--edge-length-of", "--edge-lengths",
                                             "--project", "--crossings", "--devices"});
   refuse_if(!other.empty(), "{}: is not of the excluded surface; leave out --surface excluded",
@@ -110,6 +134,7 @@ void settle_surface(Draft& d) {
   if (s.grading.relative && !is_given(d, "--edge-length")) s.edge_length.reset();
   settle_field(s.field);
   if (d.verb & (kMesh | kReport | kRender | kBatch | kRanksMesh)) settle_mesher(d);
+  settle_levels(d);
   s.grid = preset_grid(s.field.preset, d.spacing, d.padding);
   settle_projection(d);
   settle_crossings(d);

@@ -20,7 +20,7 @@ constexpr Example kExamples[] = {
     {"vdwmesh", "vdwmesh report --sample ubiquitin", "A mesh beside the exact figures."},
     {"vdwmesh-mesh", "vdwmesh mesh --sample ubiquitin -o ubiquitin.ply --spacing 0.25",
      "Marching cubes on a grid of a quarter of an ångström."},
-    {"vdwmesh-mesh", "vdwmesh mesh --sample bpti -o bpti.ply --mesher exact --subdivide 1",
+    {"vdwmesh-mesh", "vdwmesh mesh --sample bpti -o bpti.ply --subdivide 1",
      "A mesh that follows the creases, with the exact topology."},
     {"vdwmesh-mesh", "vdwmesh mesh --sample bpti -o excluded.ply --surface excluded",
      "The solvent-excluded surface."},

@@ -107,7 +107,7 @@ class ExactMesher(ProgramTest):
         self.assertIsNone(proof["extrapolated_area_error"])
 
     def test_proof_is_of_crease_exact_meshes(self):
-        document = self.report("report", "--sample", "bpti", "--distances", "off")
+        document = self.report("report", "--sample", "bpti", "--spacing", "0.5", "--distances", "off")
         self.assertIsNone(document["comparison"]["proof"])
         some = self.exact_report("--measure", "A/10-20", "--distances", "off", "--topology", "off")
         proof = some["comparison"]["proof"]
@@ -183,4 +183,5 @@ class ExactMesher(ProgramTest):
         self.assert_refused(1, *exact, "--edge-length-of", "Z=1", says=("selection 'Z' matches none of the 602 atoms",))
         self.assert_refused(1, *exact, "--edge-length-of", "A", says=("needs a selection and a length",))
         self.assert_refused(1, *exact, "--edge-length-of", "A=0", says=("--edge-length-of",))
-        self.assert_refused(1, *sample, "--relative-edge", "0.2", says=("--relative-edge: is of --mesher exact",))
+        self.assert_refused(1, *sample, "--relative-edge", "0.2", "--spacing", "1",
+                            says=("--relative-edge: is of --mesher exact",))

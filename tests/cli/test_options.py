@@ -53,7 +53,8 @@ class Refusals(ProgramTest):
         self.assert_refused(LIMIT_HIT, "report", UBIQUITIN, "--subdivide", "10",
                             says=("--subdivide",))
         self.assert_refused(LIMIT_HIT, "report", UBIQUITIN, "--padding", "1e9", says=("spacing",))
-        self.assert_refused(LIMIT_HIT, "report", UBIQUITIN, "--probe", "1e9", says=("spacing",))
+        self.assert_refused(LIMIT_HIT, "report", UBIQUITIN, "--probe", "1e9", says=("--edge-length",))
+        self.assert_refused(LIMIT_HIT, "report", UBIQUITIN, "--probe", "1e9", "--field", "soft", says=("spacing",))
 
     def test_radius_files(self):
         for text, says in {
@@ -107,7 +108,8 @@ class Refusals(ProgramTest):
         self.refused("--isovalue", "2", says=("--field",))
         self.refused("--blobbiness", "2", "--field", "soft", says=("blinn",))
         self.refused("--topology", "on", "--method", "arcs", says=("cgal",))
-        self.refused("--edge-length", "0.3", says=("--mesher exact", "--spacing"))
+        self.refused("--edge-length", "0.3", "--spacing", "1", says=("--mesher exact", "--spacing"))
+        self.refused("--edge-length", "0.3", "--field", "soft", says=("--mesher exact", "--field", "--spacing"))
         for option in ("--spacing", "--padding"):
             self.refused(option, "0.5", "--mesher", "exact", says=("--edge-length",))
         self.refused("--mesher", "exact", "--field", "blinn", says=("vdw",))
@@ -316,16 +318,21 @@ class Help(ProgramTest):
         text = self.help("report")
         self.assertIn(": vdw, blinn, soft or inverse-squared [vdw]", self.entry(text, "--field"))
         self.assertTrue(self.entry(text, "--spacing").endswith("[0.5; thesis presets 0.4]"))
-        for verb, levels in (("mesh", 0), ("report", 1), ("render", 1), ("study", "0,1")):
+        of_meshers = "0; 1 with marching cubes"
+        for verb, levels in (("mesh", 0), ("report", of_meshers), ("render", of_meshers), ("study", "0,1")):
             self.assertTrue(self.entry(self.help(verb), "--subdivide").endswith(f"[{levels}]"), verb)
 
     def test_defaults_are_those_of_the_help(self):
         """What --help says in brackets is what the report says was taken."""
         told = self.help("report")
-        taken = self.report("report", "--sample", "bpti", "--spacing", "1", "--distances", "off")["parameters"]
-        for option, key in (("--mesher", "mesher"), ("--field", "field"), ("--preset", "preset"),
-                            ("--subdivide", "subdivide"), ("--crossings", "crossings")):  # fmt: skip
-            self.assertTrue(self.entry(told, option).endswith(f"[{taken[key]}]"), option)
+        usual, gridded = (self.report("report", "--sample", "bpti", *options, "--distances", "off")["parameters"]
+                          for options in ((), ("--spacing", "1")))  # fmt: skip
+        for option, key in (("--field", "field"), ("--preset", "preset"), ("--crossings", "crossings")):
+            self.assertTrue(self.entry(told, option).endswith(f"[{gridded[key]}]"), option)
+        for option, key in (("--mesher", "mesher"), ("--subdivide", "subdivide")):
+            first, second = self.entry(told, option).rsplit("[", 1)[1].split("; ")
+            self.assertEqual(first, str(usual[key]))
+            self.assertTrue(second.startswith(f"{gridded[key]} with "), option)
 
     def test_verbs(self):
         self.assertRegex(self.help(), r"(?m)^  bench pipeline +\S")
@@ -374,7 +381,8 @@ class FirstMistakes(ProgramTest):
         self.says("exact", UBIQUITIN, "--radii", "none", next_step="bondi, alvarez, protor, naccess, oons")
         self.says("exact", UBIQUITIN, "--select", "chain A", next_step="A/10-40 are residues of chain A")
         self.says("exact", UBIQUITIN, "--surface", "ses", next_step="choose vdw or excluded")
-        self.says("mesh", UBIQUITIN, "-o", "a.ply", "--edge-length", "1", next_step="takes --spacing instead")
+        self.says("mesh", UBIQUITIN, "-o", "a.ply", "--edge-length", "1", "--spacing", "1",
+                  next_step="takes --spacing instead")
         self.says("mesh", UBIQUITIN, "-o", "a.ply", "--spacing", "1000", next_step="try --spacing")
 
     def test_help_says_how_to_begin(self):

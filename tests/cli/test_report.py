@@ -37,7 +37,7 @@ def significant_digits(token):
 class JsonReport(ProgramTest):
     @classmethod
     def setUpClass(cls):
-        cls.text = run("report", "--sample", "ubiquitin", "--json", "-").stdout
+        cls.text = run("report", "--sample", "ubiquitin", "--spacing", "0.5", "--json", "-").stdout
         cls.json = parse_json(cls.text)
 
     def test_schema(self):
@@ -151,11 +151,16 @@ class JsonReport(ProgramTest):
         self.assert_close(both["check_area"], both["area"], TWELVE_DIGITS)
 
     def test_same_result_for_any_number_of_threads(self):
-        one = self.report("report", UBIQUITIN, "--threads", "1")
-        three = self.report("report", UBIQUITIN, "--threads", "3")
-        self.assertEqual(one["backend"]["threads"], 1)
-        self.assertEqual(one["mesh"], three["mesh"])
-        self.assertEqual(one["exact"], three["exact"])
+        for mesher in ("exact", "marching-cubes"):
+            with self.subTest(mesher=mesher):
+                one = self.report("report", UBIQUITIN, "--mesher", mesher, "--threads", "1")
+                three = self.report("report", UBIQUITIN, "--mesher", mesher, "--threads", "3")
+                self.assertEqual(one["backend"]["threads"], 1)
+                for made in (one, three):
+                    if mesher == "exact":
+                        made["mesh"]["arrangement"].pop("seconds")
+                self.assertEqual(one["mesh"], three["mesh"])
+                self.assertEqual(one["exact"], three["exact"])
 
 
 class OneSphere(ProgramTest):
@@ -214,7 +219,9 @@ class TextReport(ProgramTest):
             f"HETATM{i:5}  {atom:<3} {residue} A{i:4}    {5.0 * i:8.3f}   0.000   0.000  1.00  0.00           C\n"
             for i, (residue, atom) in enumerate((("HEM", "CHA"), ("HEM", "CHB"), ("017", "C1")), 1)))
         for arguments, kinds in (
-            (("report", "--sample", "ubiquitin"), whole | {"Grid", "Backend", "Projection", "Level"}),
+            (("report", "--sample", "ubiquitin"), whole | {"Backend", "Proof"}),
+            (("report", "--sample", "ubiquitin", "--spacing", "0.5"),
+             whole | {"Grid", "Backend", "Projection", "Level"}),
             (("report", spheres, "--spacing", "0.4", "--subdivide", "2"), whole | {"Level"}),
             (("report", "--sample", "bpti", "--mesher", "exact", "--subdivide", "1", "--edge-length", "0.7"),
              whole | {"Proof"}),
@@ -237,7 +244,8 @@ class TextReport(ProgramTest):
         """By the clock and in processor time, whichever stages run."""
         mesh, out = self.folder / "add_up.ply", self.folder / "add_up.csv"
         for arguments, stages in (
-            (("report", UBIQUITIN, "--per-atom", out), {"refine", "levels", "cgal_check", "compare", "write"}),
+            (("report", UBIQUITIN, "--spacing", "0.5", "--per-atom", out),
+             {"refine", "levels", "cgal_check", "compare", "write"}),
             (("report", UBIQUITIN, "--mesher", "exact", "--edge-length", "0.5"), {"extract", "measure", "compare"}),
             (("mesh", UBIQUITIN, "-o", mesh, "--spacing", "0.3"), {"plan", "setup", "build", "write"}),
             (("compare", mesh, UBIQUITIN), {"read", "self_intersections", "compare"}),
@@ -259,4 +267,4 @@ class TextReport(ProgramTest):
 
     def test_no_progress_where_standard_error_is_no_terminal(self):
         self.assertEqual(self.run_ok("report", UBIQUITIN).stderr, "")
-        self.assertIn("extract", self.run_ok("report", UBIQUITIN, "--progress").stderr)
+        self.assertIn("sample arcs", self.run_ok("report", UBIQUITIN, "--progress").stderr)

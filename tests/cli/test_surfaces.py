@@ -47,12 +47,43 @@ class Presets(ProgramTest):
 
     def test_defaults(self):
         parameters = self.report("report", UBIQUITIN)["parameters"]
+        self.assertEqual(parameters["mesher"], "exact")
+        self.assertEqual(parameters["edge_length"], 0.35)
+        self.assertEqual(parameters["field"], "vdw")
+        self.assertEqual(parameters["subdivide"], 0)
+        for absent in ("spacing", "padding", "isovalue", "grid", "crossings"):
+            self.assertIsNone(parameters[absent], absent)
+
+    def test_defaults_of_marching_cubes(self):
+        parameters = self.report("report", UBIQUITIN, "--mesher", "marching-cubes")["parameters"]
         self.assertEqual(parameters["field"], "vdw")
         self.assertEqual(parameters["spacing"], 0.5)
         self.assertEqual(parameters["padding"], 1.5)
         self.assertEqual(parameters["subdivide"], 1)
         self.assertEqual(parameters["project"], "vdw")
         self.assertIsNone(parameters["isovalue"])
+
+    def test_what_decides_the_mesher(self):
+        quick = ("--distances", "off", "--topology", "off", "--self-intersections", "off", "--cgal-check", "off")
+        for options, mesher, reason in (
+            ((), "exact", "default"),
+            (("--field", "vdw", "--edge-length", "0.6"), "exact", "default"),
+            (("--mesher", "exact"), "exact", "--mesher"),
+            (("--mesher", "marching-cubes"), "marching-cubes", "--mesher"),
+            (("--mesher", "marching-cubes", "--spacing", "0.6"), "marching-cubes", "--mesher"),
+            (("--spacing", "0.6"), "marching-cubes", "--spacing"),
+            (("--padding", "2"), "marching-cubes", "--padding"),
+            (("--field", "soft"), "marching-cubes", "--field"),
+            (("--preset", "thesis", "--field", "blinn"), "marching-cubes", "--field"),
+            (("--preset", "radius-aware"), "marching-cubes", "--preset"),
+        ):  # fmt: skip
+            with self.subTest(options=options):
+                parameters = self.report("report", "--sample", "bpti", *quick, *options)["parameters"]
+                self.assertEqual((parameters["mesher"], parameters["mesher_reason"]), (mesher, reason))
+        excluded = self.report("report", "--sample", "bpti", *quick[:2], "--surface", "excluded")["parameters"]
+        self.assertEqual((excluded["mesher"], excluded["mesher_reason"]), ("exact", "--surface"))
+        text = self.run_ok("report", "--sample", "bpti", *quick, "--spacing", "0.6").stdout
+        self.assertIn("marching cubes (of --spacing)", text)
 
     def test_every_field_closes(self):
         for field in ("blinn", "soft", "inverse-squared"):
@@ -65,8 +96,8 @@ class Presets(ProgramTest):
 
 class Refinement(ProgramTest):
     def test_each_subdivision_makes_four_triangles_of_one(self):
-        coarse = self.report("report", UBIQUITIN, "--subdivide", "0")["mesh"]
-        fine = self.report("report", UBIQUITIN, "--subdivide", "1")["mesh"]
+        coarse, fine = (self.report("report", UBIQUITIN, "--spacing", "0.5", "--subdivide", level)["mesh"]
+                        for level in ("0", "1"))  # fmt: skip
         self.assertEqual(fine["triangles"], 4 * coarse["triangles"])
         self.assertEqual(fine["vertices"], coarse["vertices"] + coarse["edges"])
         self.assertEqual(fine["genus"], coarse["genus"])
@@ -81,7 +112,7 @@ class Refinement(ProgramTest):
 
 
     def test_projection_without_subdivision_is_said_to_have_no_effect(self):
-        report = self.report("report", UBIQUITIN, "--subdivide", "0", "--project", "vdw")
+        report = self.report("report", UBIQUITIN, "--spacing", "0.5", "--subdivide", "0", "--project", "vdw")
         self.assertEqual(report["parameters"]["project"], "none")
         self.assertTrue(any("--project vdw" in note for note in report["notes"]))
 
@@ -90,15 +121,16 @@ class Refinement(ProgramTest):
         # bpti has some before anything is taken back, as the exact predicates count.
         found = {}
         for crossings in ("undo", "allow"):
-            report = self.report("report", "--sample", "bpti", "--crossings", crossings, "--self-intersections",
-                                 "on", "--distances", "off")  # fmt: skip
+            report = self.report("report", "--sample", "bpti", "--spacing", "0.5", "--crossings", crossings,
+                                 "--self-intersections", "on", "--distances", "off")  # fmt: skip
             self.assertEqual(report["parameters"]["crossings"], crossings)
             found[crossings] = report["mesh"]["self_intersections"]
         self.assertEqual(found["undo"], 0)
         self.assertGreater(found["allow"], 0)
 
     def test_crossings_that_nobody_looks_for(self):
-        for options in (("--subdivide", "0"), ("--project", "none"), ("--mesher", "exact")):
+        cubes = ("--spacing", "0.6")
+        for options in (("--subdivide", "0", *cubes), ("--project", "none", *cubes), ("--mesher", "exact")):
             with self.subTest(options=options):
                 report = self.report("report", "--sample", "bpti", "--crossings", "allow", "--distances", "off",
                                      "--cgal-check", "off", "--self-intersections", "off", *options)  # fmt: skip

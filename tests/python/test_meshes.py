@@ -203,7 +203,8 @@ class SameAsProgramTest(ProgramTest):
         self.compare(path, "--mesher", "exact", mesher="exact")
         self.compare(path, "--mesher", "exact", "--edge-length", 0.6, "--subdivide", 1,
                      edge_length=0.6, subdivide=1)  # fmt: skip
-        self.compare(path, mesher="marching-cubes")
+        self.compare(path)
+        self.compare(path, "--mesher", "marching-cubes", mesher="marching-cubes")
         self.compare(path, "--spacing", 0.8, "--subdivide", 1, "--probe", 1.4,
                      mesher="marching-cubes", spacing=0.8, subdivide=1, probe=1.4)  # fmt: skip
         self.compare(path, "--surface", "excluded", "--edge-length", 0.5, "--subdivide", 1,
@@ -218,7 +219,7 @@ class SameAsProgramTest(ProgramTest):
                 try:
                     vdwmesh.mesh(vdwmesh.read(path))
                 except vdwmesh.LimitExceeded as error:  # what double coordinates cannot tell apart
-                    result = run("mesh", path, "-o", self.folder / "m.ply", "--mesher", "exact")
+                    result = run("mesh", path, "-o", self.folder / "m.ply")
                     self.assertEqual(result.stderr, f"vdwmesh: {error}\n")
                 else:
                     self.compare(path, "--mesher", "exact")

@@ -225,7 +225,8 @@ class UnionMesher {
     const auto& balls = boundary_.arcs[longest.piece.arc].balls;
     throw CurvesTooClose(fmt::format(
         "where spheres {} and {} meet, {} points are not enough to tell curves apart: allow more "
-        "memory than {} bytes, or leave out one of two spheres that all but coincide",
+        "memory than {} bytes, or leave out one of two spheres that all but coincide, or use "
+        "marching cubes",
         t_.ids[balls[0]], t_.ids[balls[1]], pieces, options_.memory_limit));
   }
 
@@ -234,7 +235,8 @@ class UnionMesher {
     const auto& balls = boundary_.arcs[piece.arc].balls;
     throw CurvesTooClose(fmt::format(
         "where spheres {} and {} meet, curves of the boundary are too close to be told apart in "
-        "double precision: leave out one of two spheres that all but coincide",
+        "double precision: leave out one of two spheres that all but coincide, or use marching "
+        "cubes",
         t_.ids[balls[0]], t_.ids[balls[1]]));
   }
 
@@ -291,7 +293,7 @@ class UnionMesher {
       if (!has_coincident_points_[b]) continue;
       throw CurvesTooClose(fmt::format(
           "two curves on sphere {} are closer than double precision can tell: leave out one of two "
-          "spheres that all but coincide",
+          "spheres that all but coincide, or use marching cubes",
           t_.ids[b]));
     }
   }
