@@ -100,8 +100,13 @@ void settle_projection(Draft& d) {
 }
 
 // Meshes along the creases, and meshes whose vertices do not move, are not searched for crossings.
+// Ranks don't search any, and so do not make the mesh that the default of the other verbs makes.
 void settle_crossings(Draft& d) {
   SurfaceOptions& s = d.options.surface;
+  refuse_if(d.verb == kRanksMesh && s.looks_for_crossings() && s.crossings == Crossings::undo,
+            "--subdivide {}: ranks do not look for triangles that cross; add --crossings allow, or "
+            "--project none",
+            s.subdivisions);
   if (d.verb == kPipelineBench || !is_given(d, "--crossings") || s.looks_for_crossings()) return;
   s.notes.push_back(fmt::format(
       "--crossings {} has no effect {}: crossings are looked for where a projection moves vertices",

@@ -1,8 +1,11 @@
 // The verb mesh of vdwmesh-mpi: from a structure to one mesh file, to which every rank adds its
 // part of the surface. The report is that of the plain program.
+#include <chrono>
+
 #include "distributed/components_together.hpp"
 #include "distributed/examine_together.hpp"
 #include "distributed/ply_file.hpp"
+#include "distributed/refine_together.hpp"
 #include "distributed/shared_file.hpp"
 #include "distributed/surface_piece.hpp"
 #include "distributed/vtkhdf_file.hpp"
@@ -30,9 +33,23 @@ ExtractOptions extract_options(const Options& options, const Session& session) {
   ExtractOptions extract;
   extract.field = options.surface.field;
   extract.grid = options.surface.grid;
+  // A projection makes normals of its own.
+  if (options.surface.projection != Projection::none) extract.normals = Normals::none;
   extract.memory_limit = session.machine.memory_limit;
   extract.monitor = session.monitor;
   return extract;
+}
+
+RefineOptions refine_options(const Options& options, const Session& session) {
+  RefineOptions refine;
+  refine.subdivisions = options.surface.subdivisions;
+  refine.projection = options.surface.projection;
+  refine.crossings = options.surface.crossings;
+  refine.field = options.surface.field;
+  refine.grid = *session.report.parameters->grid;
+  refine.memory_limit = session.machine.memory_limit;
+  refine.monitor = session.monitor;
+  return refine;
 }
 
 // What the report says before there is a mesh.
@@ -55,6 +72,20 @@ void describe(const Ranks& ranks, const SphereSet& spheres, const Options& optio
               ranks.count() == 1 ? "" : "s", machine.threads, machine.threads == 1 ? "" : "s");
 }
 
+// As the plain program does, which refines if a level is asked for.
+void refine_piece(const Ranks& ranks, const SphereSet& spheres, const Options& options,
+                  SurfacePiece& piece, Session& session) {
+  if (options.surface.subdivisions == 0) return;
+  const auto begin = std::chrono::steady_clock::now();
+  session.report.mesh->projection =
+      refine_together(ranks, spheres, refine_options(options, session), piece);
+  session.report.timing.refine =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (session.report.backend->used == Backend::cuda) {
+    session.report.note("the CPU refined the mesh: ranks do not refine on devices");
+  }
+}
+
 SurfacePiece make_piece(const Ranks& ranks, const SphereSet& spheres, const Options& options,
                         Session& session) {
   describe(ranks, spheres, options, session);
@@ -65,14 +96,17 @@ SurfacePiece make_piece(const Ranks& ranks, const SphereSet& spheres, const Opti
   ranks.together([&] {
     require_triangles(piece.whole.triangles, spheres, report.parameters->grid->spacing,
                       report.parameters->isovalue);
-    if (!is_vtkhdf(options.mesh_path)) check_ply_size(piece.whole);
+    if (!is_vtkhdf(options.mesh_path)) {
+      check_ply_size(subdivided(piece.whole, options.surface.subdivisions));
+    }
   });
   report.timing.field = piece.stats.field_seconds;
   report.timing.extract = piece.stats.extract_seconds;
-  session.end_stage(&Timing::mesh);
   report.mesh.emplace();
   report.mesh->grid_clipped = piece.stats.grid_clipped;
   report.mesh->clamped_vertices = piece.stats.clamped_vertices;
+  refine_piece(ranks, spheres, options, piece, session);
+  session.end_stage(&Timing::mesh);
   return piece;
 }
 

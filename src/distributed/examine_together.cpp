@@ -47,8 +47,11 @@ class VertexSets {
       sets_.join(a, b);
       sets_.join(b, c);
     });
-    for (const BorderVertex& v : part.elsewhere) is_border_[sets_.find(v.local)] = 1;
-    for (const BorderVertex& v : part.asked_for) is_border_[sets_.find(v.local)] = 1;
+    for (const auto* by_rank : {&part.halo.elsewhere, &part.halo.asked_for}) {
+      for (const std::vector<std::uint32_t>& vertices : *by_rank) {
+        for (const std::uint32_t v : vertices) is_border_[sets_.find(v)] = 1;
+      }
+    }
   }
 
   std::uint32_t set_of(std::uint32_t vertex) { return sets_.find(vertex); }
@@ -64,17 +67,23 @@ class VertexSets {
 // elsewhere which of its sets these are in. The result is that of the first rank. Collective.
 std::vector<BorderElement> border_of_sets(const Ranks& ranks, const BorderMesh& part,
                                           VertexSets& sets) {
-  std::vector<std::vector<std::uint64_t>> told(static_cast<std::size_t>(ranks.count()));
-  for (const BorderVertex& v : part.elsewhere) {
-    told[static_cast<std::size_t>(v.rank)].push_back(name_of_set(ranks, sets.set_of(v.local)));
-  }
+  const auto& [elsewhere, asked_for] = part.halo;
+  std::vector<std::vector<std::uint64_t>> told(elsewhere.size());
+  ranks.together([&] {
+    for (std::size_t rank = 0; rank < told.size(); ++rank) {
+      for (const std::uint32_t v : elsewhere[rank]) {
+        told[rank].push_back(name_of_set(ranks, sets.set_of(v)));
+      }
+    }
+  });
   const std::vector<std::vector<std::uint64_t>> heard = ranks.exchange(told);
   std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs;
   ranks.together([&] {
-    std::vector<std::size_t> next(heard.size());
-    for (const BorderVertex& v : part.asked_for) {
-      const auto rank = static_cast<std::size_t>(v.rank);
-      pairs.emplace_back(heard[rank][next[rank]++], name_of_set(ranks, sets.set_of(v.local)));
+    for (std::size_t rank = 0; rank < heard.size(); ++rank) {
+      for (std::size_t i = 0; i < heard[rank].size(); ++i) {
+        const std::uint32_t set = sets.set_of(asked_for[rank][i]);
+        pairs.emplace_back(heard[rank][i], name_of_set(ranks, set));
+      }
     }
     std::ranges::sort(pairs);
     pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());

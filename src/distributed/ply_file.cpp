@@ -17,9 +17,11 @@ void write_header(const std::string& header, SharedFile& file) {
   file.write_at(0, header.data(), header.size());
 }
 
-void write_vertices(const IndexedMesh& mesh, std::span<const RgbColor> colors, ByteSink& sink) {
+// The own vertices of a run of numbers.
+void write_vertices(const IndexedMesh& mesh, const VertexNumbers::Run& run,
+                    std::span<const RgbColor> colors, ByteSink& sink) {
   formats::ChunkWriter out(sink);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+  for (std::size_t v = run.begin; v < run.end; ++v) {
     const VertexSpheres spheres = mesh.vertex_spheres[v];
     const RgbColor color = spheres[0] == kNoSphere ? kPlainColor : colors[spheres[0]];
     formats::write_ply_vertex(out, mesh.positions[v], mesh.normals[v], color, spheres);
@@ -27,9 +29,15 @@ void write_vertices(const IndexedMesh& mesh, std::span<const RgbColor> colors, B
   out.flush();
 }
 
-void write_faces(const IndexedMesh& mesh, ByteSink& sink) {
+// A file has fewer vertices than 2^32 (check_ply_size()).
+void write_faces(const SurfacePiece& piece, ByteSink& sink) {
   formats::ChunkWriter out(sink);
-  for (const Triangle& corners : mesh.triangles) formats::write_ply_face(out, corners);
+  const auto index_of = [&](std::uint32_t corner) {
+    return static_cast<std::uint32_t>(piece.number_of(corner));
+  };
+  for (const auto& [a, b, c] : piece.mesh.triangles) {
+    formats::write_ply_face(out, {index_of(a), index_of(b), index_of(c)});
+  }
   out.flush();
 }
 
@@ -45,16 +53,18 @@ void check_ply_size(const MeshSize& size) {
 
 void write_ply(const Ranks& ranks, const SurfacePiece& piece, std::span<const RgbColor> colors,
                SharedFile& file) {
-  const MeshSize &whole = piece.whole, &first = piece.first;
+  const MeshSize& whole = piece.whole;
   ranks.together([&] {
     const std::string header = formats::ply_header(whole, TriangleLabels::none);
     if (ranks.is_first()) write_header(header, file);
-    SharedFileSection vertices(file, header.size() + formats::kPlyVertexBytes * first.vertices);
-    write_vertices(piece.mesh, colors, vertices);
-    SharedFileSection faces(file,
-                            header.size() + formats::kPlyVertexBytes * whole.vertices +
-                                formats::ply_face_bytes(TriangleLabels::none) * first.triangles);
-    write_faces(piece.mesh, faces);
+    for (const VertexNumbers::Run& run : piece.numbers.runs()) {
+      SharedFileSection vertices(file, header.size() + formats::kPlyVertexBytes * run.first);
+      write_vertices(piece.mesh, run, colors, vertices);
+    }
+    SharedFileSection faces(
+        file, header.size() + formats::kPlyVertexBytes * whole.vertices +
+                  formats::ply_face_bytes(TriangleLabels::none) * piece.first_triangle);
+    write_faces(piece, faces);
   });
 }
 

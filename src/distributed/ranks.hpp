@@ -81,6 +81,14 @@ class Ranks {
     return all;
   }
 
+  // The values of all ranks, on all of them: [r] is of rank r. Collective.
+  template <class T>
+  std::vector<T> of_all(const T& mine) const {
+    std::vector<T> all = collect(std::span<const T>(&mine, 1));
+    share(all);
+    return all;
+  }
+
   // Sends the array to_each[r] to rank r, and returns what came from the ranks: [r] is from rank r.
   // Precondition: one array for each rank. Collective.
   template <class T>

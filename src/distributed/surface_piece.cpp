@@ -14,6 +14,7 @@
 #include "analysis/stage_bytes.hpp"
 #include "core/errors.hpp"
 #include "core/fixed_blocks.hpp"
+#include "distributed/sorted_numbers.hpp"
 #include "distributed/surface_shares.hpp"
 
 namespace vdwmesh {
@@ -51,9 +52,9 @@ void check_memory(const MeshSize& size, const ExtractOptions& options, std::size
       ((mesh + beside) >> 20) + 1));
 }
 
-// Triangles name vertices by 32 bits. The number of a vertex follows from its name if all vertices
-// that the triangles of a rank may name are fewer than these bits tell apart.
-std::uint64_t lowest_named(const SurfacePart& part, const MeshSize& first) {
+// Triangles come with numbers of the whole mesh by 32 bits. The number of a vertex follows from
+// these if all vertices that the triangles of a rank may name are fewer than 32 bits tell apart.
+std::uint64_t lowest_named(const SurfacePart& part, std::uint64_t first_vertex) {
   const HaloVertices halo = part.halo();
   const std::uint64_t named = halo.before + part.size().vertices + halo.behind;
   if (named > kMaxVertices) {
@@ -62,7 +63,32 @@ std::uint64_t lowest_named(const SurfacePart& part, const MeshSize& first) {
                     "can name: more ranks or a larger --spacing would do",
                     named, kMaxVertices));
   }
-  return first.vertices - halo.before;
+  return first_vertex - halo.before;
+}
+
+// Makes corners of triangles what they are in a SurfacePiece. The own vertices are one run.
+void name_locally(std::uint64_t lowest, SurfacePiece& piece) {
+  const auto [first, begin, own] = piece.numbers.runs().front();
+  const auto number_of = [=](std::uint32_t corner) { return number_from_name(corner, lowest); };
+  const auto is_own = [first = first, own = own](std::uint64_t number) {
+    return number - first < own;  // a lower number wraps around to a large difference
+  };
+  Buffer<Triangle>& triangles = piece.mesh.triangles;
+  piece.elsewhere =
+      collect<std::uint64_t>(triangles.size(), [&](std::size_t t, std::vector<std::uint64_t>& all) {
+        for (const std::uint32_t corner : triangles[t]) {
+          if (!is_own(number_of(corner))) all.push_back(number_of(corner));
+        }
+      });
+  sort_without_repeats(piece.elsewhere);
+  for_each_index(triangles.size(), [&](std::size_t t) {
+    for (std::uint32_t& corner : triangles[t]) {
+      const std::uint64_t number = number_of(corner);
+      const std::uint64_t local =
+          is_own(number) ? number - first : own + place_in(piece.elsewhere, number);
+      corner = static_cast<std::uint32_t>(local);
+    }
+  });
 }
 
 void use_numbers_of_whole(const std::vector<SphereId>& ids, IndexedMesh& mesh) {
@@ -105,11 +131,15 @@ SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, Extract
   });
   const MeshSize own = part->size();
   SurfacePiece piece;
-  piece.first = {ranks.sum_before(own.vertices), ranks.sum_before(own.triangles)};
-  piece.whole = {ranks.sum(own.vertices), ranks.sum(own.triangles)};
+  piece.numbers = VertexNumbers(static_cast<std::size_t>(ranks.number()));
+  piece.numbers.append(ranks.of_all(own.vertices));
+  piece.first_triangle = ranks.sum_before(own.triangles);
+  piece.whole = {piece.numbers.whole(), ranks.sum(own.triangles)};
   ranks.together([&] {
-    piece.lowest_named = lowest_named(*part, piece.first);
-    piece.stats = part->emit(piece.first, piece.mesh);
+    const MeshSize first{piece.numbers.runs().front().first, piece.first_triangle};
+    const std::uint64_t lowest = lowest_named(*part, first.vertices);
+    piece.stats = part->emit(first, piece.mesh);
+    name_locally(lowest, piece);
     use_numbers_of_whole(near.ids, piece.mesh);
   });
   add_up(ranks, piece.stats);

@@ -5,27 +5,31 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "cuda/backend.hpp"
 #include "distributed/ranks.hpp"
+#include "distributed/vertex_numbers.hpp"
 #include "extract/extractor.hpp"
 
 namespace vdwmesh {
 
-// What one rank makes of a surface.
+// What one rank makes of a surface: some vertices and triangles of the whole mesh.
 struct SurfacePiece {
-  MeshSize whole;  // of the mesh of all ranks
-  MeshSize first;  // vertices and triangles of the ranks before this one
-  // positions[0] is vertex first.vertices of the whole mesh, triangles[0] is triangle
-  // first.triangles. Corners of triangles are numbers of vertices of the whole mesh, and labels are
-  // numbers of spheres in the whole set. There is no `opposite`. Corners are numbers modulo 2^32.
+  MeshSize whole;                    // of the mesh of all ranks
+  std::uint64_t first_triangle = 0;  // the number of triangles[0] in the whole mesh
+  VertexNumbers numbers;
+  // The own vertices in the order of their numbers. A corner of a triangle below their count n is
+  // one of them, and corner n + i is the vertex elsewhere[i] of another rank. Labels are numbers of
+  // spheres in the whole set. There is no `opposite`.
   IndexedMesh mesh;
-  // No triangle of the piece names a vertex below this one, or 2^32 or more above it.
-  std::uint64_t lowest_named = 0;
+  // Numbers of the vertices of other ranks that triangles of this piece have, ascending.
+  std::vector<std::uint64_t> elsewhere;
 
-  // The number of a vertex in the whole mesh, from what a triangle of the piece calls it.
-  std::uint64_t number_of(std::uint32_t name) const {
-    return lowest_named + (name - static_cast<std::uint32_t>(lowest_named));
+  // The number in the whole mesh of a corner of a triangle.
+  std::uint64_t number_of(std::uint32_t corner) const {
+    const std::size_t own = numbers.own();
+    return corner < own ? numbers.number_of(corner) : elsewhere[corner - own];
   }
   // Clamped vertices, clipped cells and unmatched faces of all ranks together; the rest is of this
   // rank.

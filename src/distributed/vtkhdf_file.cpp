@@ -41,18 +41,21 @@ void write_made(SharedFile& file, std::uint64_t place, std::uint64_t first, std:
   }
 }
 
-void write_vertices_of(const SurfacePiece& piece, std::span<const RgbColor> colors,
-                       const VtkHdfPlaces& places, SharedFile& file) {
+void write_vertices_of(const SurfacePiece& piece, const VertexNumbers::Run& run,
+                       std::span<const RgbColor> colors, const VtkHdfPlaces& places,
+                       SharedFile& file) {
   static_assert(sizeof(Vec3d) == 3 * sizeof(double) && sizeof(Vec3f) == 3 * sizeof(float));
   const IndexedMesh& mesh = piece.mesh;
-  const std::uint64_t first = piece.first.vertices;
-  const std::size_t count = mesh.vertex_count();
-  write_elements(file, places.points, first, std::span<const Vec3d>(mesh.positions));
-  write_elements(file, places.normals, first, std::span<const Vec3f>(mesh.normals));
-  const Buffer<SphereId>& atoms = mesh.vertex_spheres.atoms;
-  write_made(file, places.colors, first, count,
+  const std::size_t count = run.end - run.begin;
+  const auto of_run = [&](const auto& array) {
+    return std::span(array.data(), array.size()).subspan(run.begin, count);
+  };
+  write_elements(file, places.points, run.first, of_run(mesh.positions));
+  write_elements(file, places.normals, run.first, of_run(mesh.normals));
+  const std::span<const SphereId> atoms = of_run(mesh.vertex_spheres.atoms);
+  write_made(file, places.colors, run.first, count,
              [&](std::size_t v) { return atoms[v] == kNoSphere ? kPlainColor : colors[atoms[v]]; });
-  write_made(file, places.atoms, first, count,
+  write_made(file, places.atoms, run.first, count,
              [&](std::size_t v) { return formats::ply_sphere(atoms[v]); });
 }
 
@@ -61,10 +64,10 @@ void write_vertices_of(const SurfacePiece& piece, std::span<const RgbColor> colo
 void write_triangles_of(const SurfacePiece& piece, bool holds_end, const VtkHdfPlaces& places,
                         SharedFile& file) {
   const Buffer<Triangle>& triangles = piece.mesh.triangles;
-  const std::uint64_t first = piece.first.triangles;
+  const std::uint64_t first = piece.first_triangle;
   const std::size_t count = triangles.size();
-  const auto number = [&](std::uint32_t name) {
-    return static_cast<std::int64_t>(piece.number_of(name));
+  const auto number = [&](std::uint32_t corner) {
+    return static_cast<std::int64_t>(piece.number_of(corner));
   };
   write_made(file, places.connectivity, first, count, [&](std::size_t t) {
     const auto& [a, b, c] = triangles[t];
@@ -81,8 +84,7 @@ VtkHdfPlaces write_layout(const MeshSize& size, SharedFile& file) {
   try {
     layout = lay_out_vtkhdf(size);
   } catch (const FileFormatError& error) {
-    throw FileFormatError(
-        fmt::format("{} cannot be written in full: {}", file.path().string(), error.what()));
+    throw FileFormatError(fmt::format("{}: {}", file.path().string(), error.what()));
   }
   for (const auto& [place, bytes] : layout.around) file.write_at(place, bytes.data(), bytes.size());
   return layout.places;
@@ -98,7 +100,9 @@ void write_vtkhdf(const Ranks& ranks, const SurfacePiece& piece, std::span<const
   });
   places = ranks.shared(places);
   ranks.together([&] {
-    write_vertices_of(piece, colors, places, file);
+    for (const VertexNumbers::Run& run : piece.numbers.runs()) {
+      write_vertices_of(piece, run, colors, places, file);
+    }
     write_triangles_of(piece, ranks.number() + 1 == ranks.count(), places, file);
   });
 }

@@ -78,11 +78,20 @@ class Object {
   Close close_;
 };
 
-// A file of this process in the folder for temporary files.
+// A name for mkstemp() in the folder for temporary files.
+std::string scratch_name() {
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  const char* const wanted = std::getenv("TMPDIR");
+  return ((error && wanted ? wanted : folder) / "vdwmesh-XXXXXX").string();
+}
+
+// A file of this process. The last six letters of the name are replaced.
 class ScratchFile {
  public:
-  ScratchFile() : name_((std::filesystem::temp_directory_path() / "vdwmesh-XXXXXX").string()) {
-    descriptor_ = ::mkstemp(name_.data());
+  explicit ScratchFile(std::string& name) {
+    descriptor_ = ::mkstemp(name.data());
+    name_ = name;
     if (descriptor_ < 0) fail();
   }
   ~ScratchFile() {
@@ -221,15 +230,10 @@ std::uint64_t most_bytes(const MeshSize& size) {
   return kAround + kOfVertex * size.vertices + kOfTriangle * size.triangles;
 }
 
-}  // namespace
-
-bool has_vtkhdf() { return true; }
-
-VtkHdfLayout lay_out_vtkhdf(const MeshSize& size) {
-  H5dont_atexit();  // HDF5 would clear up once more when MPI has ended already
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // nothing but our one line is printed
+// The file that is laid out is the scratch file with this name.
+VtkHdfLayout lay_out(const MeshSize& size, std::string& name) {
   errno = 0;
-  ScratchFile scratch;
+  ScratchFile scratch(name);
   scratch.resize(most_bytes(size));  // fails here, if at all, where a limit forbids so long a file
   Object file = make_file(scratch.name());
   scratch.remove_name();
@@ -239,6 +243,23 @@ VtkHdfLayout lay_out_vtkhdf(const MeshSize& size) {
   file.close();
   layout.around = arrays.read_around(scratch);
   return layout;
+}
+
+}  // namespace
+
+bool has_vtkhdf() { return true; }
+
+VtkHdfLayout lay_out_vtkhdf(const MeshSize& size) {
+  H5dont_atexit();  // HDF5 would clear up once more when MPI has ended already
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // nothing but our one line is printed
+  std::string name = scratch_name();
+  try {
+    return lay_out(size, name);
+  } catch (const FileFormatError& error) {
+    throw FileFormatError(
+        fmt::format("the scratch file {} cannot be written: {}; TMPDIR names another folder for it",
+                    name, error.what()));
+  }
 }
 
 }  // namespace vdwmesh

@@ -32,9 +32,9 @@ struct VtkHdfLayout {
   std::vector<VtkHdfBytes> around;  // all of the file that is in no array
 };
 
-// The VTKHDF file of a mesh of this size, which is not empty. Throws FileFormatError, with the
-// reason alone as its message, if a file cannot be that long, and BackendUnavailable if this build
-// has no HDF5.
+// The VTKHDF file of a mesh of this size, which is not empty. It is laid out in a scratch file of
+// the folder for temporary files. Throws FileFormatError, which names that file, if it cannot be
+// written or be that long, and BackendUnavailable if this build has no HDF5.
 VtkHdfLayout lay_out_vtkhdf(const MeshSize& size);
 
 }  // namespace vdwmesh

@@ -23,7 +23,7 @@
 
 #include "refine/crossing_formulas.hpp"
 #include "refine/patch_lanes.hpp"
-#include "refine/subdivision_formulas.hpp"
+#include "refine/vertex_moves.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -91,11 +91,8 @@ void BadMoves<Level>::mark_vertices(const std::array<std::uint32_t, 3>& vertices
   for (const std::uint32_t v : vertices) vdwmesh::mark(level_, move_states_, v);
 }
 
-// Looks in a patch for turned triangles and marks their vertices. Returns whether there is one. A
-// triangle is turned if its corners have one atom, it faces against that atom's outward normal, and
-// it faced outward before the moves. A triangle of several atoms has no outward normal of its own:
-// facing() measures it against the mean of the atoms' normals, which near a crease is no proof of a
-// bad move. Such triangles are only counted, in ProjectionStats::turned.
+// Looks in a patch for turned triangles (is_turned()) and marks their vertices. Returns whether
+// there is one.
 template <class Level>
 bool BadMoves<Level>::mark_turned(const Vertices& v) {
   bool any = false;
@@ -110,8 +107,7 @@ bool BadMoves<Level>::mark_turned(const Vertices& v) {
       before[k] = level_.before(v, i);
       atom[k] = level_.mesh.vertex_spheres.atoms[v[i]];
     }
-    if (facing(spheres_, now.data(), atom.data()) != Facing::against_one_atom) continue;
-    if (facing(spheres_, before.data(), atom.data()) != Facing::outward) continue;
+    if (!is_turned(spheres_, before, now, atom)) continue;
     mark_vertices(vertex);
     any = true;
   }

@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include <atomic>
-#include <limits>
 #include <numeric>
 
 #include "core/blocks.hpp"
@@ -24,22 +23,16 @@
 namespace vdwmesh {
 namespace {
 
-// In place of a half-edge: there is none. Every half-edge has a lower index, since a mesh has at
-// most kMaxHalfEdges = 2^32 - 1 of them.
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+using Triangles = std::span<const Triangle>;
 
-std::uint32_t start_of(const IndexedMesh& mesh, std::size_t h) {
-  return mesh.triangles[h / 3][h % 3];
-}
-std::uint32_t end_of(const IndexedMesh& mesh, std::size_t h) {
-  return mesh.triangles[h / 3][(h + 1) % 3];
-}
+std::uint32_t start_of(Triangles triangles, std::size_t h) { return triangles[h / 3][h % 3]; }
+std::uint32_t end_of(Triangles triangles, std::size_t h) { return triangles[h / 3][(h + 1) % 3]; }
 
-[[noreturn]] void throw_not_closed(const IndexedMesh& mesh, std::size_t h) {
+[[noreturn]] void throw_not_closed(Triangles triangles, std::size_t h) {
   throw InvalidInput(
       fmt::format("refinement needs a closed, oriented mesh: the edge from vertex {} to vertex {} "
                   "of triangle {} is not run back by exactly one other triangle",
-                  start_of(mesh, h), end_of(mesh, h), h / 3));
+                  start_of(triangles, h), end_of(triangles, h), h / 3));
 }
 
 // Half-edges in buckets by start vertex, as compressed sparse rows: the bucket of vertex v is
@@ -51,64 +44,67 @@ struct Buckets {
   Buffer<std::uint32_t> half_edges;  // bucket by bucket
 };
 
-Buckets fill_buckets(const IndexedMesh& mesh) {
-  const std::size_t count = 3 * mesh.triangle_count();
+Buckets fill_buckets(Triangles triangles, std::size_t vertices) {
+  const std::size_t count = 3 * triangles.size();
   Buckets b;
-  b.begin.assign(mesh.vertex_count() + 1, 0);
+  b.begin.assign(vertices + 1, 0);
   b.half_edges.resize(count);
   for_all(count, [&](std::size_t h) {
-    std::atomic_ref(b.begin[start_of(mesh, h)]).fetch_add(1, std::memory_order_relaxed);
+    std::atomic_ref(b.begin[start_of(triangles, h)]).fetch_add(1, std::memory_order_relaxed);
   });
   // An inclusive prefix sum: begin[v] becomes the end of bucket v. The loop is sequential; it is
   // one addition per vertex.
   std::partial_sum(b.begin.begin(), b.begin.end(), b.begin.begin());
   // Each bucket is filled from its end, so begin[v] arrives at the bucket's first entry.
   for_all(count, [&](std::size_t h) {
-    std::atomic_ref slot(b.begin[start_of(mesh, h)]);
+    std::atomic_ref slot(b.begin[start_of(triangles, h)]);
     b.half_edges[slot.fetch_sub(1, std::memory_order_relaxed) - 1] = static_cast<std::uint32_t>(h);
   });
   return b;
 }
 
-// The half-edge from `from` to `to`; kNone if there is no such half-edge, or more than one.
-std::uint32_t only_half_edge(const IndexedMesh& mesh, const Buckets& b, std::uint32_t from,
+// The half-edge from `from` to `to`; kUnmatched if there is no such half-edge, or more than one.
+std::uint32_t only_half_edge(Triangles triangles, const Buckets& b, std::uint32_t from,
                              std::uint32_t to) {
-  std::uint32_t found = kNone;
+  std::uint32_t found = kUnmatched;
   for (std::uint32_t i = b.begin[from]; i < b.begin[from + 1]; ++i) {
-    if (end_of(mesh, b.half_edges[i]) != to) continue;
-    if (found != kNone) return kNone;
+    if (end_of(triangles, b.half_edges[i]) != to) continue;
+    if (found != kUnmatched) return kUnmatched;
     found = b.half_edges[i];
   }
   return found;
 }
 
-// The opposite of each half-edge; kNone if there is none, or if several run back.
-Buffer<std::uint32_t> match(const IndexedMesh& mesh) {
-  const Buckets buckets = fill_buckets(mesh);
-  Buffer<std::uint32_t> opposite(buckets.half_edges.size());
-  for_all(opposite.size(), [&](std::size_t h) {
-    opposite[h] = only_half_edge(mesh, buckets, end_of(mesh, h), start_of(mesh, h));
-  });
-  return opposite;
-}
-
 // Whether opposite[h] is a valid opposite of half-edge h: a different half-edge with the same ends,
 // the other way round, whose opposite is h again.
-bool runs_back(const IndexedMesh& mesh, const Buffer<std::uint32_t>& opposite, std::size_t h) {
+bool runs_back(Triangles triangles, const Buffer<std::uint32_t>& opposite, std::size_t h) {
   const std::size_t back = opposite[h];
   return back < opposite.size() && opposite[back] == h && back != h &&
-         start_of(mesh, back) == end_of(mesh, h) && end_of(mesh, back) == start_of(mesh, h);
+         start_of(triangles, back) == end_of(triangles, h) &&
+         end_of(triangles, back) == start_of(triangles, h);
 }
 
 }  // namespace
 
-// Opposites from both sources, the mesh and match(), pass the same test. It fails for kNone, which
-// is no valid index. The lowest bad half-edge is named, whichever thread finds it.
+Buffer<std::uint32_t> match_half_edges(Triangles triangles, std::size_t vertices) {
+  const Buckets buckets = fill_buckets(triangles, vertices);
+  Buffer<std::uint32_t> opposite(buckets.half_edges.size());
+  for_all(opposite.size(), [&](std::size_t h) {
+    opposite[h] = only_half_edge(triangles, buckets, end_of(triangles, h), start_of(triangles, h));
+  });
+  return opposite;
+}
+
+// Opposites from both sources, the mesh and match_half_edges(), pass the same test. It fails for
+// kUnmatched, which is no valid index. The lowest bad half-edge is named, whichever thread finds
+// it.
 Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh) {
-  Buffer<std::uint32_t> opposite = mesh.opposite.empty() ? match(mesh) : mesh.opposite;
-  const auto bad =
-      first_of_all(opposite.size(), [&](std::size_t h) { return !runs_back(mesh, opposite, h); });
-  if (bad) throw_not_closed(mesh, *bad);
+  const Triangles triangles = mesh.triangles;
+  Buffer<std::uint32_t> opposite =
+      mesh.opposite.empty() ? match_half_edges(triangles, mesh.vertex_count()) : mesh.opposite;
+  const auto bad = first_of_all(opposite.size(),
+                                [&](std::size_t h) { return !runs_back(triangles, opposite, h); });
+  if (bad) throw_not_closed(triangles, *bad);
   return opposite;
 }
 

@@ -2,7 +2,10 @@
 // runs from vertex k of triangle t to the next vertex of t.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <span>
 
 #include "surface/indexed_mesh.hpp"
 
@@ -14,6 +17,14 @@ namespace vdwmesh {
 // exactly one opposite, and names the first of them: the mesh is then not closed, not oriented, or
 // not a manifold.
 Buffer<std::uint32_t> find_opposite(const IndexedMesh& mesh);
+
+// In place of an opposite half-edge: there is none. Every half-edge has a lower index, since a mesh
+// has at most kMaxHalfEdges = 2^32 - 1 of them.
+inline constexpr std::uint32_t kUnmatched = std::numeric_limits<std::uint32_t>::max();
+
+// For each half-edge of any triangles the only half-edge that runs back along its edge, and
+// kUnmatched if there is none, or more than one. Corners of triangles must be below `vertices`.
+Buffer<std::uint32_t> match_half_edges(std::span<const Triangle> triangles, std::size_t vertices);
 
 // For each half-edge, the number of its edge, from 0. Edges are numbered in the order of their
 // lower half-edges. `opposite` must come from find_opposite().

@@ -27,72 +27,10 @@
 #include "refine/constraint_formulas.hpp"
 #include "refine/half_edges.hpp"
 #include "refine/subdivision_formulas.hpp"
+#include "refine/vertex_moves.hpp"
 
 namespace vdwmesh {
 namespace {
-
-void count_outcome(const ProjectedPoint& p, ProjectionStats& stats) {
-  stats.iterations_max = std::max(stats.iterations_max, p.steps);
-  switch (p.outcome) {
-    case ProjectionOutcome::converged:
-      ++stats.projected;
-      stats.residual_max = std::max(stats.residual_max, p.residual);
-      break;
-    case ProjectionOutcome::unconverged:
-      ++stats.unconverged;
-      break;
-    case ProjectionOutcome::out_of_reach:
-      ++stats.out_of_reach;
-      break;
-  }
-}
-
-VertexSpheres label_of(const ProjectedPoint& p) {
-  return {p.spheres[0], p.spheres[1], p.spheres[2]};
-}
-
-// The number of triangles that do not face outward, as facing() judges them: against the normal of
-// their own sphere if triangles are labelled, and otherwise against the normals of the atoms of
-// their corners. ProjectionStats::turned reports it.
-std::uint64_t count_turned(const SphereSet& spheres, const IndexedMesh& mesh) {
-  const bool labelled = mesh.triangle_labels() == TriangleLabels::spheres;
-  const auto count = [&](std::size_t t, std::uint64_t& n) {
-    std::array<Vec3d, 3> p;
-    std::array<SphereId, 3> atom;
-    for (std::size_t k = 0; k < 3; ++k) {
-      p[k] = mesh.positions[mesh.triangles[t][k]];
-      atom[k] =
-          labelled ? mesh.triangle_spheres[t] : mesh.vertex_spheres.atoms[mesh.triangles[t][k]];
-    }
-    n += facing(spheres.spheres().data(), p.data(), atom.data()) != Facing::outward;
-  };
-  return sum_all(mesh.triangle_count(), count);
-}
-
-// For each vertex, the square of the length (Å) of its longest edge, as the bits of a double. Bits
-// of doubles >= 0, read as integers, have the same order as the doubles. So an atomic maximum of
-// integers finds the largest square, and it does not depend on the order of the threads.
-Buffer<std::uint64_t> longest_edge_squares(const IndexedMesh& mesh) {
-  Buffer<std::uint64_t> square(mesh.vertex_count());
-  for_all(square.size(), [&](std::size_t v) { square[v] = 0; });
-  const auto raise = [&](std::uint32_t v, std::uint64_t bits) {
-    std::atomic_ref slot(square[v]);
-    std::uint64_t old = slot.load(std::memory_order_relaxed);
-    // A failed exchange reloads `old`, so the loop body is empty.
-    while (old < bits && !slot.compare_exchange_weak(old, bits, std::memory_order_relaxed)) {
-    }
-  };
-  for_all(mesh.triangle_count(), [&](std::size_t t) {
-    const Triangle& v = mesh.triangles[t];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = v[k], b = v[(k + 1) % 3];
-      const double s = squared_distance(mesh.positions[a], mesh.positions[b]);
-      raise(a, std::bit_cast<std::uint64_t>(s));
-      raise(b, std::bit_cast<std::uint64_t>(s));
-    }
-  });
-  return square;
-}
 
 // The surface of a mesh whose triangles are labelled with their spheres, as
 // constrained_midpoints.hpp wants it. The pieces at an edge are the label of its midpoint.
@@ -125,49 +63,26 @@ class SphereConstraint {
   bool projects_;
 };
 
-// Projects vertex v of the given mesh, which may move it by at most `reach` (Å), and counts the
-// outcome. Returns `moved` if the position has changed. A vertex that is on the surface already
-// (`steps` is 0) keeps its position, and also its label, if it lies on all the spheres that the
-// label names. A vertex whose projection fails keeps both.
-MoveState project_vertex(const TargetSurface& surface, std::size_t v, double reach,
-                         IndexedMesh& mesh, ProjectionStats& stats) {
-  const ProjectedPoint p = surface.project(mesh.positions[v], reach);
-  count_outcome(p, stats);
-  if (p.outcome != ProjectionOutcome::converged) return MoveState::stayed;
-  mesh.positions[v] = p.position;
-  const bool keeps_label = p.steps == 0 && surface.on_label(p.position, mesh.vertex_spheres[v]);
-  if (!keeps_label) mesh.vertex_spheres.set(v, label_of(p));
-  return p.steps > 0 ? MoveState::moved : MoveState::stayed;
+// The ends of the parent's half-edge h.
+EdgeEnds ends_of(const Midpoints& level, std::size_t h) {
+  const IndexedMesh& parent = level.parent;
+  const std::uint32_t a = level.start_of(h), b = level.end_of(h);
+  return {parent.positions[a], parent.positions[b], parent.vertex_spheres.atoms[a],
+          parent.vertex_spheres.atoms[b]};
 }
 
-// Makes the midpoint of half-edge h, for a mesh without triangle labels, and counts the outcome. If
-// the projection fails, or there is none, the midpoint stays in the middle of its edge. It is then
-// labelled with one of the atoms of the edge's ends, the atom whose sphere is nearer to it.
-MoveState make_midpoint(const SphereSet& spheres, const TargetSurface& surface,
-                        const Midpoints& level, std::size_t h, IndexedMesh& mesh,
-                        ProjectionStats& stats) {
-  const std::uint32_t v = level.midpoint_of(h);
-  const Vec3d start = level.start(h);
-  if (surface.projection() != Projection::none) {
-    const ProjectedPoint p =
-        surface.project(start, midpoint_reach(level.parent.positions[level.start_of(h)],
-                                              level.parent.positions[level.end_of(h)]));
-    count_outcome(p, stats);
-    if (p.outcome == ProjectionOutcome::converged) {
-      mesh.positions[v] = p.position;
-      mesh.vertex_spheres.set(v, label_of(p));
-      return p.steps > 0 ? MoveState::moved : MoveState::stayed;
-    }
-  }
-  mesh.positions[v] = start;
-  mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), h));
-  return MoveState::stayed;
+// Gives vertex v of the mesh its place, and returns what has become of it.
+MoveState put(const PlacedVertex& placed, std::size_t v, IndexedMesh& mesh) {
+  mesh.positions[v] = placed.position;
+  mesh.vertex_spheres.set(v, placed.label);
+  return placed.state;
 }
 
 // Makes all midpoints of a mesh without triangle labels: projects them and takes bad moves back.
 ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface& surface,
                                   const Midpoints& level, IndexedMesh& mesh,
                                   const RefineOptions& options) {
+  const Sphere* balls = spheres.spheres().data();
   Buffer<MoveState> move_states(level.items() / 2);  // by edge: two half-edges each
   ProjectionStats stats =
       tally(level.items(), options.monitor, [&](std::size_t h, ProjectionStats& total) {
@@ -175,13 +90,14 @@ ProjectionStats project_midpoints(const SphereSet& spheres, const TargetSurface&
         if (!i) return;  // the opposite half-edge stands for the midpoint
         // Only a mesh that is not projected has normals: prepare_mesh() removes the others.
         if (!mesh.normals.empty()) mesh.normals[level.midpoint_of(h)] = level.mean_normal(h);
-        move_states[*i] = make_midpoint(spheres, surface, level, h, mesh, total);
+        move_states[*i] = put(place_midpoint(surface, balls, ends_of(level, h), total),
+                              level.midpoint_of(h), mesh);
       });
   if (surface.projection() == Projection::none) return stats;
   stats.undone = take_back_bad_moves(spheres, level, move_states, options, [&](std::size_t h) {
     const std::uint32_t v = level.midpoint_of(h);
     mesh.positions[v] = level.start(h);
-    mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), h));
+    mesh.vertex_spheres.set(v, ends_of(level, h).unprojected_label(balls));
   });
   // A vertex that was put back had moved, so it had converged and was counted as projected.
   stats.projected -= stats.undone;
@@ -208,7 +124,7 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
     const Buffer<std::uint64_t> squares = longest_edge_squares(mesh);
     stats = tally(mesh.vertex_count(), options.monitor, [&](std::size_t v, ProjectionStats& total) {
       const double reach = std::sqrt(std::bit_cast<double>(squares[v]));
-      move_states[v] = project_vertex(surface, v, reach, mesh, total);
+      move_states[v] = put(place_given(surface, positions[v], labels[v], reach, total), v, mesh);
     });
     const Given level{positions, mesh};
     stats.undone = take_back_bad_moves(spheres, level, move_states, options, [&](std::size_t v) {
@@ -217,7 +133,7 @@ ProjectionStats project_given(const SphereSet& spheres, const TargetSurface& sur
     });
     stats.projected -= stats.undone;
   }
-  stats.turned = count_turned(spheres, mesh);
+  stats.turned = count_turned(spheres.spheres().data(), mesh, mesh.triangle_count());
   return stats;
 }
 
@@ -232,7 +148,7 @@ SubdividedMesh subdivide(const SphereSet& spheres, const TargetSurface& surface,
                     ? constrain_midpoints(SphereConstraint(spheres, surface.projection()), level,
                                           mesh, options.monitor)
                     : project_midpoints(spheres, surface, level, mesh, options);
-  child.stats.turned = count_turned(spheres, mesh);
+  child.stats.turned = count_turned(spheres.spheres().data(), mesh, mesh.triangle_count());
   return child;
 }
 

@@ -98,14 +98,7 @@ struct Midpoints {
   }
   // The mean of the normals at the ends of half-edge h. The parent must have normals.
   Vec3f mean_normal(std::size_t h) const {
-    return unit_normal(cast<double>(parent.normals[start_of(h)]) +
-                       cast<double>(parent.normals[end_of(h)]));
-  }
-  // The label of a midpoint that stays in the middle of its edge. The two ends each have an atom;
-  // the label is the atom whose sphere is nearer to the middle, by distance - radius.
-  VertexSpheres unprojected_label(const Sphere* spheres, std::size_t h) const {
-    return on_sphere(nearer_sphere(spheres, parent.vertex_spheres.atoms[start_of(h)],
-                                   parent.vertex_spheres.atoms[end_of(h)], start(h)));
+    return vdwmesh::mean_normal(parent.normals[start_of(h)], parent.normals[end_of(h)]);
   }
 };
 

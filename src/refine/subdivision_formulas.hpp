@@ -79,6 +79,11 @@ VDWMESH_HD inline Vec3f unit_normal(const Vec3d& v) {
   return cast<float>(scale * v);
 }
 
+// The unit normal in the middle between two normals.
+VDWMESH_HD inline Vec3f mean_normal(const Vec3f& a, const Vec3f& b) {
+  return unit_normal(cast<double>(a) + cast<double>(b));
+}
+
 // The unit vector from the sphere's centre to p; the zero vector if p is the centre.
 VDWMESH_HD inline Vec3d outward(const Sphere& s, const Vec3d& p) {
   const Vec3d out = p - s.center;

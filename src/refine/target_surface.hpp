@@ -18,6 +18,9 @@ class TargetSurface {
   TargetSurface(const SphereSet& spheres, const RefineOptions& options, TriangleLabels labels,
                 Workspace& workspace);
 
+  // The surface of a view, whose arrays must outlive the object.
+  explicit TargetSurface(const SurfaceView& view) : view_(view) {}
+
   Projection projection() const { return view_.projection; }
   // The members of SurfaceView, with its preconditions.
   ProjectedPoint project(const Vec3d& start, double reach) const {

@@ -2,6 +2,7 @@
 
 import contextlib
 import functools
+import json
 import os
 import re
 import signal
@@ -116,6 +117,33 @@ class Meshes(RanksTest):
         for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
             self.assert_same_file(path, "--probe", "1.4", ranks=(3,))
 
+    REFINED = ("--spacing", "1", "--crossings", "allow")
+
+    def test_subdivisions(self):
+        """Moves that turn triangles are taken back on borders too."""
+        for level, ranks in ((1, (1, 2, 3, 5, 7)), (2, (2, 7))):
+            self.assert_same_file(UBIQUITIN, *self.REFINED, "--subdivide", level, ranks=ranks)
+        self.assertGreater(json.loads((self.folder / "report.json").read_text())["mesh"]["newton"]["undone"], 20)
+
+    def test_subdivisions_of_every_field_and_projection(self):
+        for field in ("blinn", "soft", "inverse-squared"):
+            self.assert_same_file(UBIQUITIN, *self.REFINED, "--subdivide", "1", "--field", field, ranks=(3,))
+        self.assert_same_file(UBIQUITIN, *self.REFINED, "--subdivide", "1", "--field", "soft", "--project", "vdw", ranks=(3,))
+        self.assert_same_file(UBIQUITIN, "--spacing", "1", "--subdivide", "1", "--project", "none", ranks=(3,))
+
+    def test_subdivisions_of_few_and_far_atoms(self):
+        for name, text in (("one", ONE_ATOM), ("far", FAR_APART), ("twins", TWINS), ("flat", FLAT)):
+            path = self.file(f"{name}.xyzr", text)
+            self.assert_same_file(path, *self.REFINED, "--subdivide", "2", ranks=(3, 7))
+
+    def test_subdivisions_of_reference_molecules(self):
+        for path in sorted(need_shared("molecules/thesis").iterdir()):
+            self.assert_same_file(path, "--spacing", "1.6", "--crossings", "allow", "--subdivide", "1", ranks=(3,))
+
+    def test_subdivisions_of_sparse_sets(self):
+        for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
+            self.assert_same_file(path, *self.REFINED, "--probe", "1.4", "--subdivide", "2", ranks=(3,))
+
     def test_standard_input_is_of_the_first_rank(self):
         expected = self.assert_same_file(UBIQUITIN, ranks=())
         with open(UBIQUITIN) as text:
@@ -198,6 +226,7 @@ class VtkHdf(RanksTest):
     def test_any_number_of_ranks(self):
         self.assert_reads_back(UBIQUITIN, "--spacing", "0.7", ranks=(1, 2, 3, 5))
         self.assert_reads_back(UBIQUITIN, "--spacing", "1", "--field", "blinn", ranks=(3,))
+        self.assert_reads_back(UBIQUITIN, "--spacing", "1", "--subdivide", "1", "--crossings", "allow", ranks=(1, 3))
 
     def test_few_and_far_atoms(self):
         for name, text in (("one", ONE_ATOM), ("far", FAR_APART)):
@@ -274,6 +303,7 @@ class Faults(RanksTest):
     def test_wrong_options(self):
         self.assert_all_end(BAD_INPUT, *self.mesh("--spacing", "0"), says=("--spacing",))
         self.assert_all_end(BAD_INPUT, *self.mesh("--mesher", "exact"), says=("vdwmesh-mpi mesh",))
+        self.assert_all_end(BAD_INPUT, *self.mesh("--subdivide", "1"), says=("--crossings allow",))
         self.assert_all_end(BAD_INPUT, *self.mesh(to="a.stl"), says=(".ply", ".vtkhdf"))
         if not HAS_HDF5:
             self.assert_all_end(BAD_INPUT, *self.mesh(to="a.vtkhdf"), says=("HDF5", ".ply"))
@@ -306,6 +336,9 @@ class Faults(RanksTest):
         self.assert_all_end(LIMIT_HIT, *self.mesh("--spacing", "0.1", "--memory-limit", "60M"),
                             says=("more ranks",))  # fmt: skip
         self.run_ranks_ok(7, *self.mesh("--spacing", "0.1", "--memory-limit", "60M"))
+        refined = self.mesh("--spacing", "0.7", "--memory-limit", "60M", "--subdivide", "3", "--crossings", "allow")
+        self.assert_all_end(LIMIT_HIT, *refined, says=("more ranks", "fewer subdivisions"))
+        self.run_ranks_ok(7, *refined)
         exact = ("exact", self.file("a.xyzr", FLAT), "--memory-limit", "250K")
         self.assert_all_end(LIMIT_HIT, *exact, ranks=1, says=("more ranks", "--memory-limit 1M"))
 
@@ -325,10 +358,24 @@ class Faults(RanksTest):
         self.assert_full_disk_ends_all(1, r"rank 1: .*a\.ply cannot be written in full")
 
     def test_a_vtkhdf_file_that_cannot_be_written_in_full(self):
-        """The first rank cannot give the file its length, or another one cannot write its part."""
+        """The first rank cannot give its scratch file the length, or another one cannot write its part."""
         need_hdf5()
-        self.assert_full_disk_ends_all(0, r".*a\.vtkhdf cannot be written in full: File too large$", to="a.vtkhdf")
+        scratch = r".*a\.vtkhdf: the scratch file /[^ ]*/vdwmesh-\w+ cannot be written: File too large; TMPDIR .*$"
+        self.assert_full_disk_ends_all(0, scratch, to="a.vtkhdf")
         self.assert_full_disk_ends_all(1, r"rank 1: .*a\.vtkhdf cannot be written in full", to="a.vtkhdf")
+
+    def test_a_folder_for_scratch_files_that_cannot_be_written(self):
+        """The folder is said, which is not that of the output."""
+        need_hdf5()
+        scratch = self.folder / "scratch"
+        scratch.write_text("no folder")
+        # mpirun keeps files in TMPDIR too, so only the ranks get this one.
+        start = command(2, *self.mesh(to="a.vtkhdf"))
+        start[start.index(RANKS_PROGRAM):start.index(RANKS_PROGRAM)] = ["env", f"TMPDIR={scratch}"]  # fmt: skip
+        result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+        self.assertRegex(result.stderr, r"\Avdwmesh-mpi: [^\n]*a\.vtkhdf: [^\n]*scratch[^\n]*TMPDIR[^\n]*\n\Z")
+        self.assertEqual(self.files(), ["scratch"])
 
     def end_while_writing(self, end, to="a.ply"):
         """Starts a run, stops its ranks as soon as its file is being written, calls end(process, ranks), lets them

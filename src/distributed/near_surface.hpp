@@ -1,0 +1,41 @@
+// The surface that a rank projects to, made from the spheres near its part alone.
+#pragma once
+
+#include <optional>
+
+#include "core/workspace.hpp"
+#include "distributed/chosen_spheres.hpp"
+#include "refine/refiner.hpp"
+#include "refine/target_surface.hpp"
+#include "spheres/sphere_set.hpp"
+
+namespace vdwmesh {
+
+class NearSurface {
+ public:
+  // All spheres, and the options of the refinement, whose frame is that of the whole set. Both must
+  // outlive the object.
+  NearSurface(const SphereSet& spheres, const RefineOptions& options);
+
+  // Makes sure that what surface() says of points with z in this interval (Å), and of points that a
+  // projection from there tries within `reach` of its start, is what it says with all spheres.
+  void cover(double lower, double upper, double reach);
+
+  // Labels that it makes or takes name spheres of the whole set. Precondition: cover().
+  const TargetSurface& surface() const { return *surface_; }
+
+ private:
+  void choose_spheres(double lower, double upper);
+
+  const SphereSet& spheres_;
+  const RefineOptions& options_;
+  FieldModel model_;
+  double lower_ = 0, upper_ = -1;  // covered; at first nothing
+  ChosenSpheres near_;
+  SphereSet near_set_;  // a view of near_
+  Workspace workspace_;
+  Buffer<SphereId> ids_;  // by list place: id in the whole set
+  std::optional<TargetSurface> surface_;
+};
+
+}  // namespace vdwmesh
