@@ -440,7 +440,10 @@ std::optional<double> relative_error(const std::optional<double>& value, double 
   return value ? std::optional(*value / exact - 1) : std::nullopt;
 }
 
-std::string name_of_atom(const Atom& atom) {
+// Atoms of files without names, such as XYZR, are called by their place in use, from 1.
+std::string name_of_atom(const Molecule& molecule, SphereId id) {
+  const Atom& atom = molecule.atoms[id];
+  if (atom.name.empty()) return fmt::format("atom {}", id + 1);
   return fmt::format("{}/{} {} {}", atom.chain, atom.residue_number, atom.residue_name, atom.name);
 }
 
@@ -450,7 +453,7 @@ std::optional<AtomErrors> atom_errors(const IndexedMesh& mesh, const Molecule& m
       area_errors(mesh_area_by_sphere(mesh, molecule.atoms.size()), exact.per_sphere);
   if (!errors) return std::nullopt;
   return AtomErrors{errors->max, errors->rms, errors->spheres,
-                    name_of_atom(molecule.atoms[errors->worst])};
+                    name_of_atom(molecule, errors->worst)};
 }
 
 }  // namespace

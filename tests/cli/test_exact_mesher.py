@@ -106,6 +106,11 @@ class ExactMesher(ProgramTest):
         self.assertIs(proof["topology_is_exact"], True)
         self.assertIsNone(proof["extrapolated_area_error"])
 
+    def test_an_atom_without_a_name_is_called_by_its_number(self):
+        path = self.xyzr("small.xyzr", ((0, 0, 0, 2), (2.2, 0, 0, 0.7)))
+        proof = self.report("report", path, "--distances", "off")["comparison"]["proof"]
+        self.assertEqual(proof["atom_area_error"]["worst"], "atom 2")  # the smaller one, with longer edges for its size
+
     def test_proof_is_of_crease_exact_meshes(self):
         document = self.report("report", "--sample", "bpti", "--spacing", "0.5", "--distances", "off")
         self.assertIsNone(document["comparison"]["proof"])
