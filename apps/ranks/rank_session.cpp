@@ -26,24 +26,25 @@ std::uint64_t usable_processors() {
 
 SharedStructure load_together(const Ranks& ranks, const InputOptions& options, Session& session) {
   SharedStructure shared;
-  std::vector<Sphere> spheres;
+  SphereSet read;
   ranks.together([&] {
     if (!ranks.is_first()) return;
     auto [molecule, set] = load(options, session);
     shared.molecule = std::move(molecule);
-    spheres.assign(set.spheres().begin(), set.spheres().end());
+    read = std::move(set);
   });
-  ranks.share(spheres);
-  ranks.together([&] { shared.spheres = SphereSet(std::move(spheres)); });
+  shared.of_spheres = HostArray<Sphere>(ranks, read.spheres());
+  ranks.together([&] { shared.spheres = SphereSet::view(shared.of_spheres.span()); });
   session.end_stage(&Timing::read);
   return shared;
 }
 
-std::vector<RgbColor> share_colors(const Ranks& ranks, const Molecule& molecule) {
+HostArray<RgbColor> share_colors(const Ranks& ranks, const Molecule& molecule) {
   std::vector<RgbColor> colors;
-  for (const Atom& atom : molecule.atoms) colors.push_back(element_color(atom.element));
-  ranks.share(colors);
-  return colors;
+  ranks.together([&] {
+    for (const Atom& atom : molecule.atoms) colors.push_back(element_color(atom.element));
+  });
+  return {ranks, colors};
 }
 
 // Ranks that are bound to processors of their own take these. Ranks that are not share all that the

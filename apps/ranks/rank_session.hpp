@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "command_line/command_line.hpp"
+#include "distributed/host_memory.hpp"
 #include "distributed/ply_file.hpp"
 #include "distributed/ranks.hpp"
 #include "session.hpp"
@@ -15,8 +16,9 @@ namespace vdwmesh::apps {
 
 // The molecule as the ranks have it.
 struct SharedStructure {
-  Molecule molecule;  // without atoms but on the first rank
-  SphereSet spheres;  // all of them, on every rank
+  Molecule molecule;             // without atoms but on the first rank
+  HostArray<Sphere> of_spheres;  // once on every host
+  SphereSet spheres;             // all of them, a view
 };
 
 // Reads the structure on the first rank and gives its spheres to all. Throws as load() does, on all
@@ -24,7 +26,7 @@ struct SharedStructure {
 SharedStructure load_together(const Ranks& ranks, const InputOptions& options, Session& session);
 
 // The colour of every sphere, on all ranks. Collective.
-std::vector<RgbColor> share_colors(const Ranks& ranks, const Molecule& molecule);
+HostArray<RgbColor> share_colors(const Ranks& ranks, const Molecule& molecule);
 
 // The options of this rank: the threads of the host are shared among the ranks on it, unless a
 // number was given, and only the first rank shows progress and prints. Collective.

@@ -123,12 +123,12 @@ void measure_piece(const Ranks& ranks, const SurfacePiece& piece, const SphereSe
 
 void write_piece(const Ranks& ranks, const SurfacePiece& piece, const Molecule& molecule,
                  const std::string& path, Session& session) {
-  const std::vector<RgbColor> colors = share_colors(ranks, molecule);
+  const HostArray<RgbColor> colors = share_colors(ranks, molecule);
   const std::filesystem::path hidden = choose_hidden_name(ranks, path);
   const RemoveOnSignal remove(hidden);
   SharedFile file(ranks, path, hidden);
   const auto& write = is_vtkhdf(path) ? write_vtkhdf : write_ply;
-  write(ranks, piece, colors, file);
+  write(ranks, piece, colors.span(), file);
   file.commit();
   session.report.mesh->path = path;
   session.end_stage(&Timing::write);

@@ -46,10 +46,16 @@ std::string text_of(int rank, std::string text) {
   return rank > 0 ? fmt::format("rank {}: {}", rank, text) : text;
 }
 
+void share_bytes_among(MPI_Comm ranks, std::span<std::byte> bytes) {
+  in_pieces(bytes,
+            [ranks](std::byte* first, int count) { MPI_Bcast(first, count, MPI_BYTE, 0, ranks); });
+}
+
 }  // namespace
 
 struct Ranks::Host {
   MPI_Comm ranks = MPI_COMM_NULL;
+  MPI_Comm leaders = MPI_COMM_NULL;  // of all hosts; null on other ranks
 };
 
 Ranks::Ranks(int& argc, char**& argv) : host_(new Host) {
@@ -59,9 +65,12 @@ Ranks::Ranks(int& argc, char**& argv) : host_(new Host) {
   MPI_Comm_size(MPI_COMM_WORLD, &count_);
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &host_->ranks);
   MPI_Comm_rank(host_->ranks, &number_on_host_);
+  MPI_Comm_size(host_->ranks, &count_on_host_);
+  MPI_Comm_split(MPI_COMM_WORLD, leads_host() ? 0 : MPI_UNDEFINED, number_, &host_->leaders);
 }
 
 Ranks::~Ranks() {
+  if (leads_host()) MPI_Comm_free(&host_->leaders);
   MPI_Comm_free(&host_->ranks);
   delete host_;
   MPI_Finalize();
@@ -107,9 +116,21 @@ std::size_t Ranks::shared_size(std::size_t mine) const {
 }
 
 void Ranks::share_bytes(std::span<std::byte> bytes) const {
-  in_pieces(bytes, [](std::byte* first, int count) {
-    MPI_Bcast(first, count, MPI_BYTE, 0, MPI_COMM_WORLD);
-  });
+  share_bytes_among(MPI_COMM_WORLD, bytes);
+}
+
+std::int64_t Ranks::shared_on_host(std::int64_t value) const {
+  MPI_Bcast(&value, 1, MPI_INT64_T, 0, host_->ranks);
+  return value;
+}
+
+void Ranks::share_on_host(std::span<std::byte> bytes) const {
+  share_bytes_among(host_->ranks, bytes);
+  MPI_Barrier(host_->ranks);  // a broadcast of nothing waits for nobody
+}
+
+void Ranks::share_among_hosts(std::span<std::byte> bytes) const {
+  share_bytes_among(host_->leaders, bytes);
 }
 
 std::size_t Ranks::sizes_sum(std::size_t mine) const {

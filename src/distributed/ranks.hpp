@@ -33,6 +33,9 @@ class Ranks {
   bool is_first() const { return number_ == 0; }
   // The same for the ranks that run on this host.
   int number_on_host() const { return number_on_host_; }
+  int count_on_host() const { return count_on_host_; }
+  // Whether it is the lowest rank of its host. The first rank is.
+  bool leads_host() const { return number_on_host_ == 0; }
 
   // Does `work` on every rank. If it throws on one or more, all ranks throw the exception of the
   // lowest of these: the same class of core/errors.hpp with the same message, preceded by "rank N:
@@ -70,6 +73,14 @@ class Ranks {
     share_bytes(std::as_writable_bytes(std::span(&value, 1)));
     return value;
   }
+
+  // The value of the rank that leads the host. Collective.
+  std::int64_t shared_on_host(std::int64_t value) const;
+  // Gives all ranks of a host the bytes that its leader has; no rank goes on before the leader has
+  // called it. Collective.
+  void share_on_host(std::span<std::byte> bytes) const;
+  // Gives the leaders of all hosts the bytes of the first rank. All leaders call it, and no others.
+  void share_among_hosts(std::span<std::byte> bytes) const;
 
   // Returns the arrays of all ranks one behind the other to the first rank, and nothing to the
   // others. Collective.
@@ -120,9 +131,9 @@ class Ranks {
   void exchange_bytes(std::span<const std::span<const std::byte>> sent,
                       std::span<const std::span<std::byte>> received) const;
 
-  int number_ = 0, count_ = 1, number_on_host_ = 0;
+  int number_ = 0, count_ = 1, number_on_host_ = 0, count_on_host_ = 1;
   struct Host;
-  Host* host_ = nullptr;  // the communicator of the ranks on this host
+  Host* host_ = nullptr;  // communicators of the ranks on this host, and of leaders
   mutable bool all_failed_ = false;
 };
 

@@ -25,6 +25,7 @@
 #include "distributed/border_mesh.hpp"
 #include "distributed/edges_together.hpp"
 #include "distributed/near_surface.hpp"
+#include "distributed/surface_shares.hpp"
 #include "extract/field.hpp"
 #include "refine/preparation.hpp"
 #include "refine/tally.hpp"
@@ -380,15 +381,17 @@ void check_refinement_of_piece(const Ranks& ranks, const SurfacePiece& piece,
 std::vector<ProjectionStats> refine_together(const Ranks& ranks, const SphereSet& spheres,
                                              const RefineOptions& options, SurfacePiece& piece) {
   RefineOptions own = options;
-  CellListFrame frame;
+  FieldModel model;
   ranks.together([&] {
     check_refinement_of_piece(ranks, piece, options);
-    if (options.projection == Projection::field) {
-      frame = make_field_frame(spheres, projection_model(options));
-      own.frame = &frame;
-    }
+    model = projection_model(options);
     begin_stage(own.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
   });
+  CellListFrame frame;
+  if (options.projection == Projection::field) {
+    frame = frame_together(ranks, spheres, model);
+    own.frame = &frame;
+  }
   return Refinement(ranks, spheres, own, piece).run();
 }
 

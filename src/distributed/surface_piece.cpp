@@ -110,14 +110,13 @@ void add_up(const Ranks& ranks, ExtractStats& stats) {
 SurfacePiece mesh_together(const Ranks& ranks, const SphereSet& spheres, ExtractOptions options,
                            Backend backend) {
   FieldModel model;
-  CellListFrame frame;
   ranks.together([&] {
     if (resolve(backend) == Backend::cuda) {
       share_devices(static_cast<std::size_t>(ranks.number_on_host()));
     }
     model = make_field_model(options.field, make_grid(spheres, options.grid));
-    frame = make_field_frame(spheres, model);
   });
+  const CellListFrame frame = frame_together(ranks, spheres, model);
   const KeyRange share = own_share(ranks, spheres, model);
   options.grid.given = model.grid;
   options.frame = &frame;

@@ -118,4 +118,15 @@ ChosenSpheres spheres_near(const SphereSet& spheres, const FieldModel& model,
   return near;
 }
 
+CellListFrame frame_together(const Ranks& ranks, const SphereSet& spheres,
+                             const FieldModel& model) {
+  CellListFrame frame;
+  ranks.together([&] {
+    if (ranks.is_first()) frame = make_field_frame(spheres, model);
+  });
+  frame.smallest_reach = ranks.shared(frame.smallest_reach);
+  ranks.share(frame.levels);
+  return frame;
+}
+
 }  // namespace vdwmesh

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "distributed/chosen_spheres.hpp"
+#include "distributed/ranks.hpp"
 #include "extract/field.hpp"
 #include "extract/grid.hpp"
 #include "spheres/sphere_set.hpp"
@@ -37,5 +38,9 @@ std::vector<std::uint64_t> cut_bricks(std::vector<BrickArea> areas, std::size_t 
 // empty set.
 ChosenSpheres spheres_near(const SphereSet& spheres, const FieldModel& model,
                            const KeyRange& range);
+
+// make_field_frame() of the whole set, which the first rank makes for all: it takes an array over
+// all spheres. Collective.
+CellListFrame frame_together(const Ranks& ranks, const SphereSet& spheres, const FieldModel& model);
 
 }  // namespace vdwmesh

@@ -26,7 +26,7 @@ namespace vdwmesh {
 namespace {
 
 // Half as much again as was measured on five million atoms.
-constexpr std::uint64_t kBytesPerSphere = 40;       // of the whole set, on every rank
+constexpr std::uint64_t kBytesPerSphere = 40;       // of the whole set, once on a host
 constexpr std::uint64_t kBytesPerNearSphere = 300;  // list, measures, sets; of those near the share
 
 struct MeasuredSphere {
@@ -60,9 +60,11 @@ struct Part {
   std::vector<MeasuredSphere> measured;     // without the suspects; empty if nobody wants them
 };
 
-void check_memory(const SphereSet& spheres, const SphereShare& share, std::uint64_t limit) {
+void check_memory(const Ranks& ranks, const SphereSet& spheres, const SphereShare& share,
+                  std::uint64_t limit) {
+  const auto on_host = static_cast<std::uint64_t>(ranks.count_on_host());
   const std::uint64_t bytes =
-      kBytesPerSphere * spheres.size() + kBytesPerNearSphere * share.near.spheres.size();
+      kBytesPerSphere * spheres.size() / on_host + kBytesPerNearSphere * share.near.spheres.size();
   if (bytes <= limit) return;
   throw LimitExceeded(fmt::format(
       "{} spheres of {} need {} MiB of memory, {} MiB are allowed to a rank: more ranks or "
@@ -191,7 +193,7 @@ ExactUnion union_together(const Ranks& ranks, const SphereSet& spheres,
     measured.emplace(spheres.size(), options.measured);
     part.share = share_of_spheres(spheres, static_cast<std::size_t>(ranks.number()),
                                   static_cast<std::size_t>(ranks.count()));
-    check_memory(spheres, part.share, options.memory_limit);
+    check_memory(ranks, spheres, part.share, options.memory_limit);
     measure_share(part, *measured, options);
     add_up(part, *measured, options);
   });

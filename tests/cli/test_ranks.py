@@ -290,6 +290,18 @@ class ExactUnions(RanksTest):
         for path in sorted(need_shared("molecules/sparse").glob("*.xyzr")):
             self.assert_same_results(path, "--probe", "1.4", ranks=(3,))
 
+    def test_ranks_that_cannot_share_memory_take_copies(self):
+        """The first rank may make no file of the size of the spheres, not even in memory."""
+        limited = 'if [ "$OMPI_COMM_WORLD_RANK" = 0 ]; then ulimit -f 1; trap "" XFSZ; fi; exec "$@"'
+        start = command(3, "exact", UBIQUITIN)
+        expected = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        place = start.index(RANKS_PROGRAM)
+        start[place:place] = ["bash", "-c", limited, "bash"]
+        result = subprocess.run(start, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        self.assertEqual(result.returncode, DONE, result.stderr)
+        times = r"(?m)^(Time|CPU) \(s\).*$"
+        self.assertEqual(re.sub(times, "", result.stdout), re.sub(times, "", expected.stdout))
+
     def test_json_on_standard_output_is_of_the_first_rank(self):
         self.run_ranks_ok(3, "exact", UBIQUITIN, "--json", self.folder / "file.json")
         text = self.run_ranks_ok(3, "exact", UBIQUITIN, "--json", "-").stdout

@@ -1,0 +1,95 @@
+// HostMemory: the lowest rank of a host, its leader, makes an anonymous file in memory, and the
+// others map it by the name that it has among the leader's open files in /proc. The leaders send
+// each other the contents; so they travel once to a host, not once to a rank.
+//
+// Windows of MPI would do the same, but Open MPI keeps them in /dev/shm, which containers often
+// limit to 64 MB, and ends the run where that does not suffice. A mapping that fails here, on
+// whichever rank, is no failure: all ranks of that host then take copies.
+#include "distributed/host_memory.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace vdwmesh {
+namespace {
+
+// An open file, which a process has for as long as the object lives. Negative: there is none.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+// Null where it fails.
+void* map(int descriptor, std::size_t size, int protection) {
+  if (descriptor < 0) return nullptr;
+  void* const place = ::mmap(nullptr, size, protection, MAP_SHARED, descriptor, 0);
+  return place == MAP_FAILED ? nullptr : place;
+}
+
+// Memory is reserved here, so that its lack shows here and not when it is written to.
+int make_file(std::size_t size) {
+  const int descriptor = ::memfd_create("vdwmesh", MFD_CLOEXEC);
+  if (descriptor < 0) return -1;
+  if (::posix_fallocate(descriptor, 0, static_cast<off_t>(size)) == 0) return descriptor;
+  ::close(descriptor);
+  return -1;
+}
+
+}  // namespace
+
+HostMemory::HostMemory(const Ranks& ranks, std::span<const std::byte> contents) {
+  const std::size_t size = ranks.shared(std::uint64_t{contents.size()});
+  if (size == 0) return;
+  const bool leads = ranks.leads_host();
+  const Descriptor made(leads ? make_file(size) : -1);
+  void* writable = map(made.number(), size, PROT_READ | PROT_WRITE);
+  const auto process = ranks.shared_on_host(std::int64_t{::getpid()}),
+             number = ranks.shared_on_host(std::int64_t{made.number()});
+  if (leads) {
+    mapping_ = writable;
+  } else if (number >= 0) {
+    const std::string name = fmt::format("/proc/{}/fd/{}", process, number);
+    const Descriptor opened(::open(name.c_str(), O_RDONLY | O_CLOEXEC));
+    mapping_ = map(opened.number(), size, PROT_READ);
+  }
+  if (ranks.sum_on_host(std::uint64_t{mapping_ == nullptr}) > 0) {
+    if (mapping_ != nullptr) ::munmap(mapping_, size);
+    mapping_ = nullptr;
+  }
+  ranks.together([&] {
+    if (mapping_ == nullptr) own_.resize(size);
+  });
+  bytes_ = mapping_ != nullptr ? std::span(static_cast<const std::byte*>(mapping_), size) : own_;
+  const std::span<std::byte> to_fill =
+      mapping_ != nullptr ? std::span(static_cast<std::byte*>(mapping_), size) : own_;
+  if (ranks.is_first()) std::ranges::copy(contents, to_fill.begin());
+  if (leads) ranks.share_among_hosts(to_fill);
+  // Copies are filled; of a mapping, the ranks that only read it hear that it is full.
+  ranks.share_on_host(mapping_ == nullptr ? to_fill : std::span<std::byte>());
+}
+
+HostMemory::~HostMemory() {
+  if (mapping_ != nullptr) ::munmap(mapping_, bytes_.size());
+}
+
+void HostMemory::swap(HostMemory& other) noexcept {
+  std::swap(bytes_, other.bytes_);
+  std::swap(own_, other.own_);
+  std::swap(mapping_, other.mapping_);
+}
+
+}  // namespace vdwmesh
