@@ -16,6 +16,12 @@ VDWMESH_INLINE std::uint32_t bits_of(const LaneBits& lanes) {
   return static_cast<std::uint32_t>(bits[0] | bits[1] | bits[2] | bits[3]);
 }
 
+// The same of eight lanes, those of `low` first.
+VDWMESH_INLINE std::uint32_t bits_of(const LaneBits& low, const LaneBits& high) {
+  const LaneBits bits = (low & LaneBits{1, 2, 4, 8}) | (high & LaneBits{16, 32, 64, 128});
+  return static_cast<std::uint32_t>(bits[0] | bits[1] | bits[2] | bits[3]);
+}
+
 VDWMESH_INLINE LaneBits bits_at(const std::int64_t* first) {
   LaneBits lanes;
   std::memcpy(&lanes, first, sizeof lanes);

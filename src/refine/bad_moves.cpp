@@ -7,9 +7,11 @@
 // the direction away from the atom. Crossing triangles are found in a uniform grid of the patches.
 // Two patches with triangles that cross share a cell. Of the cells that two patches share, they are
 // tested in the one with the lowest numbers along all axes, so that each pair is tested once: first
-// the boxes of the patches, then each triangle of one with the four of the other at a time
-// (refine/patch_lanes.hpp), and what is left pair by pair. Passes after the first check only the
-// patches and cells around the vertices that were just put back.
+// their boxes, eight at a time (refine/box_lanes.hpp), then whether a plane keeps them apart
+// (refine/patch_outline.hpp), as it does with all but a few. For these, each triangle of one is
+// tested with the four of the other at a time (refine/patch_lanes.hpp), and what is left pair by
+// pair. Passes after the first check only the patches and cells around the vertices that were just
+// put back.
 //
 // Threads mark vertices while other threads read states, yet the result is always the same. Marking
 // turns `moved` into `to_undo` and nothing else, and a pass asks two questions about a state: is it
@@ -21,8 +23,11 @@
 #include <bit>
 #include <vector>
 
+#include "refine/box_lanes.hpp"
 #include "refine/crossing_formulas.hpp"
 #include "refine/patch_lanes.hpp"
+#include "refine/patch_outline.hpp"
+#include "refine/subdivision_formulas.hpp"
 #include "refine/vertex_moves.hpp"
 
 namespace vdwmesh {
@@ -32,23 +37,22 @@ bool is_just_undone(MoveState state) { return state == MoveState::just_undone; }
 
 }  // namespace
 
-// What the tests of pairs need to know about one patch. It is gathered once per patch and cell, for
-// all pairs of the cell that the patch belongs to.
+// What the tests of pairs need to know about one patch. It is gathered at most once per patch and
+// cell, for all pairs of the cell that the patch belongs to and that no plane keeps apart.
 template <class Level>
 struct BadMoves<Level>::Patch {
   Vertices vertex;
   PatchLanes triangles;
   std::uint32_t moved;  // mask of the triangles with a moved vertex that has not been put back
-  PatchGrid::Place first_cell;  // of the patch: the lowest numbers along all axes
 };
 
 template <class Level>
 bool BadMoves<Level>::mark() {
   // The constructor has set the cells of the first pass. Without a grid there are none.
-  if (pass_ > 0 && grid_) find_dirty_cells(is_just_undone);
+  if (pass_ > 0 && grid_) find_dirty_cells<is_just_undone>();
   const auto judge_patch = [&](std::size_t patch, std::uint64_t& bad) {
     const Vertices v = level_.vertices(patch);
-    if (pass_ == 0 || has_vertex(v, is_just_undone)) bad += mark_turned(v);
+    if (pass_ == 0 || has_vertex<is_just_undone>(v)) bad += mark_turned(v);
   };
   const auto judge_cell = [&](std::size_t cell, std::uint64_t& bad) {
     // No progress is reported: the call only throws Cancelled if the caller asked to stop.
@@ -68,12 +72,13 @@ bool BadMoves<Level>::mark() {
 // bounds_of() is the box of the first and the last positions of a patch's vertices, whichever of
 // them went back, so all cells that the patch shares with another one are dirty.
 template <class Level>
-void BadMoves<Level>::find_dirty_cells(IsWanted is_wanted) {
+template <bool (*is_wanted)(MoveState)>
+void BadMoves<Level>::find_dirty_cells() {
   for_all(dirty_.size(), [&](std::size_t cell) { dirty_[cell] = 0; });
   for_all(level_.patches(), [&](std::size_t patch) {
     const Vertices v = level_.vertices(patch);
-    if (!has_vertex(v, is_wanted)) return;
-    grid_->visit_cells(bounds_of(level_, v), [&](std::size_t cell) {
+    if (!has_vertex<is_wanted>(v)) return;
+    grid_->visit_cells(patch, [&](std::size_t cell) {
       std::atomic_ref(dirty_[cell]).store(1, std::memory_order_relaxed);
     });
   });
@@ -81,7 +86,8 @@ void BadMoves<Level>::find_dirty_cells(IsWanted is_wanted) {
 
 // Whether a vertex of the patch has a wanted state.
 template <class Level>
-bool BadMoves<Level>::has_vertex(const Vertices& v, IsWanted is_wanted) {
+template <bool (*is_wanted)(MoveState)>
+bool BadMoves<Level>::has_vertex(const Vertices& v) {
   return std::any_of(v.begin(), v.end(),
                      [&](std::uint32_t i) { return is_wanted(state_of(level_, move_states_, i)); });
 }
@@ -141,33 +147,109 @@ void BadMoves<Level>::gather(std::size_t t, Patch& patch) {
     patch.moved |= (away[i] | away[j] | away[k]) << child;
   }
   patch.triangles.complete(kTriangles);
-  patch.first_cell = grid_->place_of(bounds_of(level_, patch.vertex).lower);
+}
+
+// The patches of one cell. Each thread keeps the object from cell to cell, so that memory is taken
+// only a few times.
+template <class Level>
+struct BadMoves<Level>::CellPatches {
+  BoxLanes boxes;
+  std::vector<std::uint8_t> begins;    // bit a: the cell is the first one of the patch along axis a
+  std::vector<std::uint8_t> is_sound;  // its own triangles cannot cross each other
+  std::vector<PatchOutline> outlines;
+  std::vector<Patch> patches;
+  std::vector<std::uint8_t> is_gathered;  // of patches
+
+  void resize(std::size_t count) {
+    boxes.resize(count);
+    is_gathered.assign(count, 0);
+    if (count <= begins.size()) return;
+    begins.resize(count);
+    is_sound.resize(count);
+    outlines.resize(count);
+    patches.resize(count);
+  }
+};
+
+// Takes the boxes of the patches of a cell. Returns how far (Å) coordinates of their vertices are
+// apart at most: the boxes are rounded by less than 2^-20 of the width of all cells together.
+template <class Level>
+double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
+  const auto listed = grid_->patches_in(cell);
+  const PatchGrid::Place place = grid_->place_of(cell);
+  here.resize(listed.size());
+  std::array<float, 3> lower = grid_->box_of_patch(listed[0]).lower, upper = lower;
+  for (std::size_t j = 0; j < listed.size(); ++j) {
+    const CellBox& box = grid_->box_of_patch(listed[j]);
+    const PatchGrid::Place first = grid_->place_of(box.lower);
+    here.boxes.set(j, box);
+    int begins = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lower[axis] = std::min(lower[axis], box.lower[axis]);
+      upper[axis] = std::max(upper[axis], box.upper[axis]);
+      begins |= (first[axis] == place[axis]) << axis;
+    }
+    here.begins[j] = static_cast<std::uint8_t>(begins);
+  }
+  double reach = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    reach = std::max(reach, grid_->length_of(lower[axis], upper[axis]));
+  }
+  return reach;
+}
+
+// Takes the outlines of the patches of a cell.
+template <class Level>
+void BadMoves<Level>::take_outlines(std::size_t cell, double reach, CellPatches& here) const {
+  const auto listed = grid_->patches_in(cell);
+  const Buffer<Vec3d>& positions = level_.mesh.positions;
+  const Buffer<SphereId>& atoms = level_.mesh.vertex_spheres.atoms;
+  const Vec3d origin = positions[level_.vertices(listed[0])[0]];
+  for (std::size_t j = 0; j < listed.size(); ++j) {
+    const Vertices v = level_.vertices(listed[j]);
+    std::array<Vec3d, Level::kVertices> position;
+    bool is_of_one_atom = atoms[v[0]] != kNoSphere;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      position[i] = positions[v[i]] - origin;
+      is_of_one_atom &= atoms[v[i]] == atoms[v[0]];
+    }
+    here.outlines[j].set(v, position, reach);
+    here.is_sound[j] =
+        is_of_one_atom || Level::kTriangles == 1 || here.outlines[j].separates_children(reach);
+  }
 }
 
 // Tests all pairs of patches that belong to a cell, and marks the vertices of triangles that cross.
 // Returns whether there are such triangles.
 template <class Level>
 bool BadMoves<Level>::mark_crossed(std::size_t cell) {
-  // The patches of this cell. Each thread keeps the vector from cell to cell, so that it allocates
-  // only a few times.
-  static thread_local std::vector<Patch> here;
+  constexpr auto kVertices = static_cast<std::size_t>(Level::kVertices);
+  constexpr int kAllAxes = 7;
+  static thread_local CellPatches here;
   const auto listed = grid_->patches_in(cell);
-  if (here.size() < listed.size()) here.resize(listed.size());
-  for (std::size_t i = 0; i < listed.size(); ++i) gather(listed[i], here[i]);
-  const PatchGrid::Place place = grid_->place_of(cell);
-  const auto is_here = [&](const Patch& a, const Patch& b) {
-    int differs = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      differs |= std::max(a.first_cell[axis], b.first_cell[axis]) != place[axis];
-    }
-    return differs == 0;
+  if (listed.empty()) return false;
+  take_outlines(cell, take_boxes(cell, here), here);
+  const auto gathered = [&](std::size_t i) -> const Patch& {
+    if (here.is_gathered[i] == 0) gather(listed[i], here.patches[i]);
+    here.is_gathered[i] = 1;
+    return here.patches[i];
   };
   bool any = false;
   for (std::size_t i = 0; i < listed.size(); ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
-      const Patch &a = here[i], &b = here[j];
-      if ((a.moved | b.moved) == 0 || a.triangles.is_apart_from(b.triangles)) continue;
-      if (is_here(a, b)) any |= mark_pair(a, b);
+    const PatchOutline& outline = here.outlines[i];
+    if (here.begins[i] == kAllAxes && here.is_sound[i] == 0) {
+      any |= mark_pair(gathered(i), gathered(i));
+    }
+    for (std::size_t first = 0; first < i; first += BoxLanes::kLanes) {
+      std::uint32_t near = here.boxes.overlapping(i, first);
+      if (first + BoxLanes::kLanes > i) near &= (1u << (i - first)) - 1;
+      for (; near != 0; near &= near - 1) {
+        const std::size_t j = first + static_cast<std::size_t>(std::countr_zero(near));
+        if ((here.begins[i] | here.begins[j]) != kAllAxes) continue;
+        if (outline.template shuts_out<kVertices>(here.outlines[j])) continue;
+        if (here.outlines[j].template shuts_out<kVertices>(outline)) continue;
+        any |= mark_pair(gathered(i), gathered(j));
+      }
     }
   }
   return any;

@@ -39,7 +39,7 @@ class BadMoves {
     grid_.emplace(level);
     dirty_.assign(grid_->cell_count(), 1);
     // If few vertices have moved, few cells have a pair to test, and are worth being found.
-    if (moved < move_states.size() / 8) find_dirty_cells(is_away);
+    if (moved < move_states.size() / 8) find_dirty_cells<is_away>();
   }
 
   // One pass: changes the state of every vertex with a bad move from MoveState::moved to
@@ -51,11 +51,15 @@ class BadMoves {
  private:
   using Vertices = std::array<std::uint32_t, Level::kVertices>;  // the mesh vertices of a patch
   struct Patch;
-  using IsWanted = bool (*)(MoveState);
-  void find_dirty_cells(IsWanted is_wanted);
-  bool has_vertex(const Vertices& v, IsWanted is_wanted);
+  struct CellPatches;
+  template <bool (*is_wanted)(MoveState)>
+  void find_dirty_cells();
+  template <bool (*is_wanted)(MoveState)>
+  bool has_vertex(const Vertices& v);
   bool mark_turned(const Vertices& v);
   bool mark_crossed(std::size_t cell);
+  double take_boxes(std::size_t cell, CellPatches& here) const;
+  void take_outlines(std::size_t cell, double reach, CellPatches& here) const;
   bool mark_pair(const Patch& a, const Patch& b);
   bool mark_if_crossing(const Patch& a, std::size_t i, const Patch& b, std::size_t j);
   void gather(std::size_t patch, Patch& gathered);

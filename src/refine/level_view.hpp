@@ -16,6 +16,7 @@
 //   triangle(child)        the corners of triangle `child` of a patch (0 <= child < kTriangles), as
 //                          indices into vertices(t)
 //   before(v, i)           the position of vertex v[i] before its move, with v = vertices(t)
+//   kStartsBetweenCorners  whether before(v, i) always lies in the box of vertices that never move
 //   mesh                   the mesh of the level; its positions are those after the moves
 //   first_handled()        index of the first handled vertex in `mesh`
 //   items()                length of a loop in which each handled vertex turns up once
@@ -43,6 +44,7 @@ enum class MoveState : std::uint8_t { stayed, moved, to_undo, just_undone };
 
 struct Given {
   static constexpr int kVertices = 3, kTriangles = 1;
+  static constexpr bool kStartsBetweenCorners = false;
   const Buffer<Vec3d>& given;  // positions before projection
   const IndexedMesh& mesh;
 
@@ -58,6 +60,8 @@ struct Given {
 
 struct Midpoints {
   static constexpr int kVertices = 6, kTriangles = 4;
+  // Halves of sums are rounded, but not beyond the ends: doubling a coordinate is exact.
+  static constexpr bool kStartsBetweenCorners = true;
   const IndexedMesh& parent;          // with `opposite`
   const Buffer<std::uint32_t>& edge;  // by half-edge of the parent: the number of its edge
   const IndexedMesh& mesh;            // its vertices: the parent's, then one midpoint per edge

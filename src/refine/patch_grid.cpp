@@ -1,8 +1,8 @@
 // Builds the grid in passes over all patches. An entry is one patch in the list of one cell. The
-// first pass finds the extent and the mean width of the patches' boxes, which give the cells.
-// The second counts the entries per cell; it is repeated with wider cells if there are too many.
-// After a prefix sum, the last pass writes the entries. Each pass computes the boxes anew, which
-// saves the memory that they would take.
+// first pass finds the extent and the mean width of the patches' boxes, which give the cells. The
+// second writes the boxes in units of a cell, as floats. The third counts the entries per cell; it
+// is repeated with wider cells if there are too many. After a prefix sum, the last pass writes the
+// entries.
 #include "refine/patch_grid.hpp"
 
 #include <tbb/blocked_range.h>
@@ -20,7 +20,7 @@ namespace {
 
 // The width of a cell at first, in units of the mean width of a patch's box. Wider cells make fewer
 // entries and more pairs of patches that are far apart; from 1 to 2.5 the time is about the same.
-constexpr double kCellWidth = 1.5;
+constexpr double kCellWidth = 2.5;
 
 struct Extent {
   Box all = empty_box();  // holds the boxes of all patches
@@ -72,15 +72,6 @@ double cells_in(const Box& all, double cell) {
 
 }  // namespace
 
-// The index, along one axis, of the cell that holds the coordinate. Every coordinate lies within
-// the box of all patches, so max and min only catch rounding at the ends of that box. Rounding
-// keeps the order of coordinates: a coordinate between the ends of a patch's box gets an index
-// between the indices of these ends.
-std::uint32_t PatchGrid::cell_along(int axis, double coordinate) const {
-  const double place = std::max(in_cells(origin_[axis], coordinate, cell_), 0.0);
-  return std::min(static_cast<std::uint32_t>(place), cells_[static_cast<std::size_t>(axis)] - 1);
-}
-
 // Sets the origin and the width of the cells, and returns the box of all patches. The width starts
 // at kCellWidth times the mean width of a patch's box and grows until the grid has at most two
 // cells per patch, or 64. The loop ends, since the width grows by 1 % at least in each turn, and a
@@ -105,26 +96,43 @@ Box PatchGrid::choose_cells(const Level& level) {
 void PatchGrid::set_cells(const Box& all) {
   for (int axis = 0; axis < 3; ++axis) {
     cells_[static_cast<std::size_t>(axis)] =
-        static_cast<std::uint32_t>(cells_along(all, cell_, axis));
+        static_cast<std::uint32_t>(cells_along(all, cell_ / scale_, axis));
   }
 }
 
-// Calls visit(patch, cell) for every entry, from many threads at once.
-template <class Level, class Visit>
-void PatchGrid::visit_all(const Level& level, const Visit& visit) const {
+// Writes the boxes of all patches. Every step from a coordinate to the float keeps the order of
+// coordinates, rounding included.
+template <class Level>
+void PatchGrid::find_boxes(const Level& level) {
+  const double per_half_cell = 1 / (0.5 * cell_);
+  boxes_.resize(level.patches());
   for_all(level.patches(), [&](std::size_t patch) {
-    visit_cells(bounds_of(level, level.vertices(patch)),
-                [&](std::size_t cell) { visit(static_cast<std::uint32_t>(patch), cell); });
+    const Box box = bounds_of(level, level.vertices(patch));
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto in_cells_of_grid = [&](double x) {
+        return static_cast<float>((0.5 * x - 0.5 * origin_[axis]) * per_half_cell);
+      };
+      const auto i = static_cast<std::size_t>(axis);
+      boxes_[patch].lower[i] = in_cells_of_grid(box.lower[axis]);
+      boxes_[patch].upper[i] = in_cells_of_grid(box.upper[axis]);
+    }
+  });
+}
+
+// Calls visit(patch, cell) for every entry, from many threads at once.
+template <class Visit>
+void PatchGrid::visit_all(const Visit& visit) const {
+  for_all(boxes_.size(), [&](std::size_t patch) {
+    visit_cells(patch, [&](std::size_t cell) { visit(static_cast<std::uint32_t>(patch), cell); });
   });
 }
 
 // Writes the number of entries of each cell to start_ and returns the sum. The sum has 64 bits,
 // because it may exceed what offsets of 32 bits can hold. A single count cannot: it is at most the
 // number of patches.
-template <class Level>
-std::uint64_t PatchGrid::count_entries(const Level& level) {
+std::uint64_t PatchGrid::count_entries() {
   start_.assign(std::size_t{cells_[0]} * cells_[1] * cells_[2] + 1, 0);
-  visit_all(level, [&](std::uint32_t, std::size_t cell) {
+  visit_all([&](std::uint32_t, std::size_t cell) {
     std::atomic_ref(start_[cell]).fetch_add(1, std::memory_order_relaxed);
   });
   return std::accumulate(start_.begin(), start_.end(), std::uint64_t{0});
@@ -134,17 +142,18 @@ template <class Level>
 PatchGrid::PatchGrid(const Level& level, std::uint64_t most_entries) {
   const Box all = level.patches() > 0 ? choose_cells(level) : Box{};
   set_cells(all);
+  find_boxes(level);
   // With cells twice as wide there are fewer entries. A size of 2 means a single cell, in which
   // each patch has one entry.
-  while (count_entries(level) > most_entries && start_.size() > 2) {
-    cell_ *= 2;
+  while (count_entries() > most_entries && start_.size() > 2) {
+    scale_ *= 0.5;
     set_cells(all);
   }
   std::inclusive_scan(start_.begin(), start_.end(), start_.begin());
   patches_.resize(start_.back());
   // After the prefix sum start_[c] is the end of the list of cell c. Each list is filled from its
   // end backwards, which moves start_[c] to its first entry.
-  visit_all(level, [&](std::uint32_t patch, std::size_t cell) {
+  visit_all([&](std::uint32_t patch, std::size_t cell) {
     patches_[std::atomic_ref(start_[cell]).fetch_sub(1, std::memory_order_relaxed) - 1] = patch;
   });
 }

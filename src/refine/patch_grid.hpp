@@ -22,11 +22,18 @@ template <class Level>
 Box bounds_of(const Level& level, const std::array<std::uint32_t, Level::kVertices>& v) {
   Box box = empty_box();
   for (std::size_t i = 0; i < v.size(); ++i) {
-    include(box, level.before(v, i));
+    if constexpr (!Level::kStartsBetweenCorners) include(box, level.before(v, i));
     include(box, level.mesh.positions[v[i]]);
   }
   return box;
 }
+
+// A box in single precision, in units of the width of a cell from the lower corner of the grid. All
+// coordinates are rounded alike, which keeps their order: boxes of which these have no point in
+// common have none either.
+struct CellBox {
+  std::array<float, 3> lower, upper;
+};
 
 // A uniform grid with at most two cells per patch, or 64 cells if that is more. Each patch is
 // listed in every cell that its box (bounds_of()) touches. The boxes of two patches with triangles
@@ -47,6 +54,14 @@ class PatchGrid {
   std::span<const std::uint32_t> patches_in(std::size_t cell) const {
     return {patches_.data() + start_[cell], patches_.data() + start_[cell + 1]};
   }
+  // The box of a patch, bounds_of(), in units of the width that the cells had at first.
+  const CellBox& box_of_patch(std::size_t patch) const { return boxes_[patch]; }
+  // At least the distance (Å) of two coordinates of which these are the ones of boxes.
+  double length_of(float lower, float upper) const {
+    constexpr double kRounding = 0x1p-22;
+    const double from = static_cast<double>(lower), to = static_cast<double>(upper);
+    return cell_ * (to - from + kRounding * (from + to));
+  }
   // The numbers of a cell along x, y, z.
   using Place = std::array<std::uint32_t, 3>;
   Place place_of(std::size_t cell) const {
@@ -55,15 +70,15 @@ class PatchGrid {
             static_cast<std::uint32_t>(row % cells_[1]),
             static_cast<std::uint32_t>(row / cells_[1])};
   }
-  // The place of the cell of a point within the box of all patches.
-  Place place_of(const Vec3d& p) const {
-    return {cell_along(0, p.x), cell_along(1, p.y), cell_along(2, p.z)};
+  // The place of the cell of a corner of a patch's box.
+  Place place_of(const std::array<float, 3>& p) const {
+    return {cell_along(0, p[0]), cell_along(1, p[1]), cell_along(2, p[2])};
   }
 
-  // Calls visit(cell) for every cell that the box touches, with the index of the cell.
+  // Calls visit(cell) for every cell that the box of the patch touches, with the index of the cell.
   template <class Visit>
-  void visit_cells(const Box& box, const Visit& visit) const {
-    const Place low = place_of(box.lower), high = place_of(box.upper);
+  void visit_cells(std::size_t patch, const Visit& visit) const {
+    const Place low = place_of(boxes_[patch].lower), high = place_of(boxes_[patch].upper);
     for (std::size_t z = low[2]; z <= high[2]; ++z) {
       for (std::size_t y = low[1]; y <= high[1]; ++y) {
         const std::size_t row = (z * cells_[1] + y) * cells_[0];
@@ -73,18 +88,27 @@ class PatchGrid {
   }
 
  private:
-  std::uint32_t cell_along(int axis, double coordinate) const;
+  // The index, along one axis, of the cell that holds the coordinate. One between the ends of a box
+  // gets an index between those of the ends. The minima catch rounding at the end of the grid.
+  std::uint32_t cell_along(std::size_t axis, float coordinate) const {
+    const double place = std::min(static_cast<double>(coordinate) * scale_, kMostCells);
+    return std::min(static_cast<std::uint32_t>(place), cells_[axis] - 1);
+  }
   template <class Level>
   Box choose_cells(const Level& level);
   void set_cells(const Box& all);
-  template <class Level, class Visit>
-  void visit_all(const Level& level, const Visit& visit) const;
   template <class Level>
-  std::uint64_t count_entries(const Level& level);
+  void find_boxes(const Level& level);
+  template <class Visit>
+  void visit_all(const Visit& visit) const;
+  std::uint64_t count_entries();
 
-  Vec3d origin_{0, 0, 0};                        // lower corner of cell 0, Å
-  double cell_ = 1;                              // width of a cell, Å
-  std::array<std::uint32_t, 3> cells_{1, 1, 1};  // number of cells along x, y, z
+  static constexpr double kMostCells = 4294967295.0;  // fits a number of 32 bits
+  Vec3d origin_{0, 0, 0};                             // lower corner of cell 0, Å
+  double cell_ = 1;                                   // width of a cell at first, Å
+  double scale_ = 1;                                  // that width in units of the width now
+  std::array<std::uint32_t, 3> cells_{1, 1, 1};       // number of cells along x, y, z
+  Buffer<CellBox> boxes_;                             // by patch
   // Compressed sparse rows: cell c lists patches_[start_[c]] to patches_[start_[c + 1] - 1].
   Buffer<std::uint32_t> start_;
   Buffer<std::uint32_t> patches_;

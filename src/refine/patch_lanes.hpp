@@ -5,11 +5,11 @@
 // share an edge, those of one atom that share a vertex, and those of which no edge has its ends
 // strictly on different sides of the other triangle's plane.
 //
-// That function computes a side as n · w with fused multiply-adds, from a rounded normal n and a
-// rounded difference w. Here the same n and w are multiplied and added one by one. Either result is
-// within 3 ε Σ |n_i w_i| (1 + 3 ε) of the exact one, with ε = 2^-53, and 2^-1073 if products
-// underflow. A side of more than 16 ε times the computed sum, and 2^-1060, thus has the same sign
-// there; if it is less, a pair is not left out.
+// That function counts a side n · w only if it is beyond 16 ε M, where M is at least Σ |n_i w_i|
+// and ε = 2^-53. It adds with fused multiply-adds; here the same n and w are multiplied and added
+// one by one. Either sum is within 3 ε Σ |n_i w_i| (1 + 3 ε) of the exact one, so a side that
+// counts there is beyond 9 ε Σ |n_i w_i| here, with the same sign. A corner counts here from 4 ε of
+// that sum on.
 #pragma once
 
 #include <array>
@@ -62,7 +62,7 @@ class PatchLanes {
  private:
   static constexpr std::int64_t kNoAtom = -1;
   struct Straddling {
-    LaneBits above, below;  // whether some corner is not for certain below, not above
+    LaneBits above, below;  // whether a corner is above, or below
     void add(const Lanes (&plane)[3], const Lanes (&base)[3], const Lanes (&p)[3]);
   };
 
@@ -118,14 +118,14 @@ VDWMESH_INLINE std::uint32_t PatchLanes::overlapping(const PatchLanes& other,
 // Adds the sides of the points p of a plane through `base` with the normal `plane`.
 VDWMESH_INLINE void PatchLanes::Straddling::add(const Lanes (&plane)[3], const Lanes (&base)[3],
                                                 const Lanes (&p)[3]) {
-  constexpr double kRounding = 0x1p-49, kUnderflow = 0x1p-1060;
+  constexpr double kRounding = 0x1p-51, kUnderflow = 0x1p-1010;
   const Lanes x = plane[0] * (p[0] - base[0]), y = plane[1] * (p[1] - base[1]),
               z = plane[2] * (p[2] - base[2]);
   const Lanes side = x + y + z;
   const Lanes bound =
       kRounding * (magnitude_of(x) + magnitude_of(y) + magnitude_of(z)) + kUnderflow;
-  above |= ~(side < -bound);
-  below |= ~(side > bound);
+  above |= side > bound;
+  below |= side < -bound;
 }
 
 // A mask of the triangles that may cross triangle `lane` of `other`, if their boxes overlap.

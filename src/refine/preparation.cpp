@@ -171,14 +171,13 @@ std::uint64_t refine_bytes(std::uint64_t vertices, std::uint64_t triangles, std:
   const std::uint64_t meshes = mesh_bytes(parent, labels) + mesh_bytes(size, labels) + edges;
   if (labels == TriangleLabels::spheres) return meshes;
   // `marks`: one byte per vertex for its MoveState, and 8 per given vertex for its longest edge.
-  // `grid`: the grid in which crossings are looked for, with two cells per patch (4 bytes for the
-  // start of the list and 1 for the dirty flag) and about four entries of 4 bytes. A patch is a
-  // triangle of the parent, or of the given mesh. `list`: the
-  // cell list. It has the sphere and four integers per sphere, among them rank and id, and the
-  // starts of its cells: each of its levels has at most 4096 cells, or 8 per sphere of the level if
-  // that is more.
+  // `grid`: the grid in which crossings are looked for, with a box of 24 bytes per patch, two cells
+  // (4 bytes for the start of the list and 1 for the dirty flag) and about three entries of 4
+  // bytes. A patch is a triangle of the parent, or of the given mesh. `list`: the cell list. It has
+  // the sphere and four integers per sphere, among them rank and id, and the starts of its cells:
+  // each of its levels has at most 4096 cells, or 8 per sphere of the level if that is more.
   const std::uint64_t marks = size.vertices + vertices * sizeof(std::uint64_t);
-  const std::uint64_t grid = std::max(parent.triangles, triangles) * (2 * (4 + 1) + 4 * 4);
+  const std::uint64_t grid = std::max(parent.triangles, triangles) * (24 + 2 * (4 + 1) + 3 * 4);
   const std::uint64_t list = spheres * (sizeof(Sphere) + (4 + 8) * sizeof(std::uint32_t)) +
                              std::uint64_t{CellListView::kMaxLevels} * 4096 * 4;
   return meshes + marks + grid + list;
