@@ -173,7 +173,7 @@ void describe(A& a, const ExcludedSurface& s) {
   a("contact_layer", s.layer_by_kind.contact), a("saddle_layer", s.layer_by_kind.saddle);
   a("concave_layer", s.layer_by_kind.concave);
   a("accessible_area", s.accessible_area), a("accessible_volume", s.accessible_volume);
-  a("euler_characteristic", of(s.topology, &T::euler_characteristic));
+  a("euler_characteristic", s.euler_characteristic);
   a("cavities", of(s.topology, &T::cavities));
   a("shells", of(s.topology, &T::shells)), a("components", of(s.topology, &T::components));
   a("gauss_bonnet_residual", of(s.topology, &T::gauss_bonnet_residual));

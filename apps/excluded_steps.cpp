@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "cuda/backend.hpp"
 #include "excluded/excluded_comparison.hpp"
 #include "excluded/excluded_distances.hpp"
 #include "excluded/excluded_measures.hpp"
@@ -30,6 +31,33 @@ void measure_excluded(const Molecule& molecule, double probe, const ExactOptions
       "{} concave patches of the excluded surface are not certified: area, volume "
       "and topology may be wrong there",
       doubtful);
+  session.end_stage(&Timing::exact);
+}
+
+void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per_atom,
+                              Session& session) {
+  Report& report = session.report;
+  report.backend = describe_backend(Backend::cuda, resolve(Backend::cuda));
+  const SphereSet atoms = to_spheres(molecule, 0);
+  ExcludedBatch found =
+      make_excluded_measurer(Backend::cuda)->measure(batch_of(atoms), probe, session.monitor);
+  const ExcludedTotals& t = found.totals.front();
+  ExcludedSurface& s = report.excluded.emplace(ExcludedMeasures{probe, {}, {}}).complete;
+  s.area = t.area;
+  s.volume = t.volume;
+  s.area_by_kind = t.area_by_kind;
+  s.layer_by_kind = t.layer_by_kind;
+  s.accessible_area = t.accessible_area;
+  s.accessible_volume = t.accessible_volume;
+  s.euler_characteristic = t.euler_characteristic;
+  s.counts = t.counts;
+  s.checks = {t.closure, t.check_volume, found.host_patches, 0, t.uncertified_patches};
+  if (per_atom == Switch::on) s.per_atom = std::move(found.per_atom);
+  report.note(
+      "on cuda, the complete surface without its shells; the CPU decided about {} balls, {} "
+      "circles, {} corners and {} concave patches{}",
+      found.host_balls, found.host_circles, found.host_corners, found.host_patches,
+      found.host_sets > 0 ? ", then measured all, because a probe touches four atoms or more" : "");
   session.end_stage(&Timing::exact);
 }
 
@@ -95,9 +123,15 @@ void draw_excluded(const PatchedMesh& mesh, const Molecule& molecule, const Pict
   draw_mesh(split, painter, options, session);
 }
 
-std::uint64_t check_excluded_memory(MemoryDemand& demand, const SphereSet& spheres,
-                                    Session& session) {
-  demand.spheres = spheres.size();
+std::uint64_t plan_excluded_mesh(const Structure& structure, double probe,
+                                 const ExactOptions& exact, Switch per_atom, MemoryDemand& demand,
+                                 Session& session) {
+  MemoryDemand measures;
+  measures.exact = method_for_memory(exact);
+  check_memory_before(measures, structure.spheres, session.machine.memory_limit);
+  session.end_stage(&Timing::plan);
+  measure_excluded(structure.molecule, probe, exact, per_atom, session);
+  demand.spheres = structure.spheres.size();
   demand.area = session.report.excluded->complete.area;
   const std::uint64_t estimate = check_memory(demand, session.machine.memory_limit);
   session.end_stage(&Timing::plan);
@@ -141,8 +175,10 @@ void prove_excluded(Session& session) {
   const MeshTopology& mesh = report.mesh->topology;
   MeshProof& proof = report.comparison->proof.emplace();
   if (exact && mesh.voids) {
+    const ShellFigures shells = shell_figures(*exact);
     proof.topology_is_exact = mesh.euler_characteristic == exact->euler_characteristic &&
-                              mesh.shells == exact->shells.size() && *mesh.voids == exact->cavities;
+                              mesh.shells == shells.outer + shells.walls &&
+                              *mesh.voids == shells.walls;
   }
   const ExcludedSurface& surface = report.excluded->complete;
   if (report.mesh->extrapolated_area) {

@@ -13,6 +13,10 @@ namespace vdwmesh::apps {
 void measure_excluded(const Molecule& molecule, double probe, const ExactOptions& options,
                       Switch per_atom, Session& session);
 
+// The same on a CUDA device: the complete surface without its shells.
+void measure_excluded_on_cuda(const Molecule& molecule, double probe, Switch per_atom,
+                              Session& session);
+
 // Its mesh, subdivided as often as `surface` says. The observer may be empty. Throws as
 // mesh_excluded() and refine_patches() do.
 PatchedMesh make_excluded_mesh(const Molecule& molecule, double probe,
@@ -28,10 +32,12 @@ PatchReport count_patches(const PatchedMesh& mesh);
 void draw_excluded(const PatchedMesh& mesh, const Molecule& molecule, const PictureOptions& options,
                    Session& session);
 
-// Checks the memory of the mesh and of what follows it, as check_memory() does, once the area of
-// the surface has been measured. Returns the estimate.
-std::uint64_t check_excluded_memory(MemoryDemand& demand, const SphereSet& spheres,
-                                    Session& session);
+// What goes before a mesh of the excluded surface: checks the memory of the measures, measures the
+// surface, whose area says how large the mesh will be, and checks the memory of the mesh and of
+// what follows it, as check_memory() does. Returns the estimate.
+std::uint64_t plan_excluded_mesh(const Structure& structure, double probe,
+                                 const ExactOptions& exact, Switch per_atom, MemoryDemand& demand,
+                                 Session& session);
 
 // Mesh beside exact surface, which both must be in the report, and the distances between them.
 // `atoms` are without the probe.

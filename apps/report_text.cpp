@@ -174,16 +174,10 @@ std::optional<Cells> exact_figures_of(const Report& report) {
   Cells cells(figure_text);
   cells("area", s.area), cells("volume", s.volume);
   if (!s.topology) return cells;
-  double outer = 0, walls = 0;  // Å²
-  std::int64_t genus = 0;
-  for (const ExcludedShell& shell : s.topology->shells) {
-    (shell.volume < 0 ? walls : outer) += shell.area;
-    genus += shell.genus;
-  }
-  const std::uint64_t shells = s.topology->shells.size();
-  cells("outer_area", outer), cells("void_area", walls);
-  cells("shells", shells), cells("components", shells - s.topology->cavities);
-  cells("tunnels", genus), cells("voids", s.topology->cavities);
+  const ShellFigures figures = shell_figures(*s.topology);
+  cells("outer_area", figures.outer_area), cells("void_area", figures.wall_area);
+  cells("shells", figures.outer + figures.walls), cells("components", figures.outer);
+  cells("tunnels", figures.genus), cells("voids", figures.walls);
   cells("euler_characteristic", s.topology->euler_characteristic);
   return cells;
 }
@@ -301,7 +295,12 @@ void excluded_text(Text out, const ExcludedMeasures& excluded) {
       "  concave", [](const S& x) { return x.area_by_kind.concave; }, "Å²");
   row(
       "Volume", [](const S& x) { return x.volume; }, "Å³");
-  if (!s.topology) return;
+  if (!s.topology) {
+    if (s.euler_characteristic) {
+      fmt::format_to(out, "{:<22}{:>16}\n", "Euler characteristic", *s.euler_characteristic);
+    }
+    return;
+  }
   const auto count = [&](const char* label, const auto& value) {
     fmt::format_to(out, "{:<22}{:>16}{:>16}\n", label, value(*s.topology),
                    outside ? fmt::to_string(value(*outside->topology)) : "");

@@ -16,7 +16,12 @@ namespace {
 // by the probe.
 void run_excluded(const Options& options, const Molecule& molecule, VerbSession& session) {
   const Switch per_atom = options.output.per_atom.empty() ? Switch::off : Switch::on;
-  measure_excluded(molecule, options.inputs.front().probe, options.exact, per_atom, session);
+  const double probe = options.inputs.front().probe;
+  if (options.machine.backend == Backend::cuda) {
+    measure_excluded_on_cuda(molecule, probe, per_atom, session);
+  } else {
+    measure_excluded(molecule, probe, options.exact, per_atom, session);
+  }
   write_excluded_atoms(options.output, molecule, session);
   session.deliver_report(options.output);
 }

@@ -87,12 +87,9 @@ void build(const Structure& structure, const Options& options, Made& made, Sessi
 void build_excluded(const Structure& structure, const Options& options, Made& made,
                     Session& session) {
   const double probe = options.inputs.front().probe;
-  MemoryDemand measures, demand = memory_of_mesh(options);
-  measures.exact = method_for_memory(options.exact);
-  check_memory_before(measures, structure.spheres, options.machine.memory_limit);
-  session.end_stage(&Timing::plan);
-  measure_excluded(structure.molecule, probe, options.exact, Switch::off, session);
-  const std::uint64_t estimate = check_excluded_memory(demand, structure.spheres, session);
+  MemoryDemand demand = memory_of_mesh(options);
+  const std::uint64_t estimate =
+      plan_excluded_mesh(structure, probe, options.exact, Switch::off, demand, session);
   PatchedMesh patched = make_excluded_mesh(structure.molecule, probe, options.surface, session);
   session.report.parameters->memory_estimate = estimate;
   check_memory_after(demand, structure.spheres, patched.mesh, options.machine.memory_limit);

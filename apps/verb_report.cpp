@@ -24,22 +24,17 @@ void report_excluded(const Options& options, const Structure& structure, VerbSes
   const auto& [molecule, grown] = structure;
   const double probe = options.inputs.front().probe;
   const SphereSet atoms = to_spheres(molecule, 0);
-  const std::uint64_t limit = options.machine.memory_limit;
-  MemoryDemand measures;
-  measures.exact = method_for_memory(options.exact);
-  check_memory_before(measures, grown, limit);
-  session.end_stage(&Timing::plan);
   const Switch per_atom = options.output.per_atom.empty() ? Switch::off : Switch::on;
-  measure_excluded(molecule, probe, options.exact, per_atom, session);
   MemoryDemand demand = memory_of_report(options);
-  const std::uint64_t estimate = check_excluded_memory(demand, grown, session);
+  const std::uint64_t estimate =
+      plan_excluded_mesh(structure, probe, options.exact, per_atom, demand, session);
   std::vector<LevelReport> levels;
   const PatchedMesh made = make_excluded_mesh(
       molecule, probe, options.surface, session,
       record_levels(options.self_intersections, options.surface.subdivisions, levels, session));
   const IndexedMesh& mesh = made.mesh;
   session.report.parameters->memory_estimate = estimate;
-  check_memory_after(demand, grown, mesh, limit);
+  check_memory_after(demand, grown, mesh, options.machine.memory_limit);
   measure(mesh, options.self_intersections, session);
   MeshReport& report = *session.report.mesh;
   report.patches = count_patches(made);

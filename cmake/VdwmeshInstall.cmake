@@ -10,7 +10,7 @@ set(surface_headers indexed_mesh surface_patch vertex_labels)
 set(extract_headers extractor field grid sampled_field)
 set(refine_headers patch_refiner refiner)
 set(arrangement_headers exact_mesher exact_union frame_measures union_measurer)
-set(excluded_headers excluded_comparison excluded_distances excluded_measures excluded_mesher)
+set(excluded_headers excluded_comparison excluded_distances excluded_measurer excluded_measures excluded_mesher)
 set(batch_headers batch molecule_spheres structure_source)
 set(mesh_headers element_color mesh_io patch_properties surface_mesh surface_mesh_builder)
 set(analysis_headers comparison convergence distance_measurer distances exposure mesh_measures quality_histograms

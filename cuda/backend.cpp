@@ -1,7 +1,7 @@
 // The one place that chooses between the backends. Extractor, Refiner, FieldMesher, UnionMeasurer,
-// DistanceMeasurer and pipeline come from the CPU, from CUDA, or, for Backend::automatic on a
-// machine with a device, from the classes Automatic*: these try CUDA first and compute on the CPU
-// what does not fit the device's memory (DeviceMemoryExceeded).
+// DistanceMeasurer, ExcludedMeasurer and pipeline come from the CPU, from CUDA, or, for
+// Backend::automatic on a machine with a device, from the classes Automatic*: these try CUDA first
+// and compute on the CPU what does not fit the device's memory (DeviceMemoryExceeded).
 //
 // A pipeline extracts, then refines. If both stages do not fit on the device together, it runs them
 // one after the other, with the mesh on the host in between.
@@ -199,6 +199,23 @@ class AutomaticDistanceMeasurer final : public DistanceMeasurer {
   }
 };
 
+class AutomaticExcludedMeasurer final : public ExcludedMeasurer {
+ public:
+  void measure_into(ExcludedBatch& result, const SphereBatch& atoms, double probe,
+                    Monitor* monitor) const override {
+    // The CPU cannot read spheres in device memory, so there is nothing to fall back to.
+    if (atoms.memory == MemorySpace::device) {
+      make_cuda_excluded_measurer()->measure_into(result, atoms, probe, monitor);
+      return;
+    }
+    const std::string fallback = with_fallback(
+        "measured",
+        [&] { make_cuda_excluded_measurer()->measure_into(result, atoms, probe, monitor); },
+        [&] { make_cpu_excluded_measurer()->measure_into(result, atoms, probe, monitor); });
+    result.fallback = fallback;
+  }
+};
+
 // Runs a pipeline with the mesh on one device throughout, if it is to be refined and one device is
 // asked for. Otherwise, or if that does not fit the device's memory, extracts with CUDA to the host
 // and refines by `refiner` from there.
@@ -291,6 +308,12 @@ std::unique_ptr<DistanceMeasurer> make_distance_measurer(Backend backend) {
   if (resolve(backend) == Backend::cpu) return make_cpu_distance_measurer();
   if (backend == Backend::cuda) return make_cuda_distance_measurer();
   return std::make_unique<AutomaticDistanceMeasurer>();
+}
+
+std::unique_ptr<ExcludedMeasurer> make_excluded_measurer(Backend backend) {
+  if (resolve(backend) == Backend::cpu) return make_cpu_excluded_measurer();
+  if (backend == Backend::cuda) return make_cuda_excluded_measurer();
+  return std::make_unique<AutomaticExcludedMeasurer>();
 }
 
 std::unique_ptr<SurfacePipeline> make_pipeline(Backend backend) {

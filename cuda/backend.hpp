@@ -8,6 +8,7 @@
 
 #include "analysis/distance_measurer.hpp"
 #include "arrangement/union_measurer.hpp"
+#include "excluded/excluded_measurer.hpp"
 #include "extract/extractor.hpp"
 #include "extract/sampled_field.hpp"
 #include "refine/refiner.hpp"
@@ -64,6 +65,7 @@ std::unique_ptr<Refiner> make_refiner(Backend backend);
 std::unique_ptr<FieldMesher> make_field_mesher(Backend backend);
 std::unique_ptr<UnionMeasurer> make_union_measurer(Backend backend);
 std::unique_ptr<DistanceMeasurer> make_distance_measurer(Backend backend);
+std::unique_ptr<ExcludedMeasurer> make_excluded_measurer(Backend backend);
 
 struct PipelineResult {
   IndexedMesh mesh;

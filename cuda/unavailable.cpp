@@ -21,6 +21,9 @@ std::unique_ptr<UnionMeasurer> make_cuda_union_measurer() { throw BackendUnavail
 std::unique_ptr<DistanceMeasurer> make_cuda_distance_measurer() {
   throw BackendUnavailable(kReason);
 }
+std::unique_ptr<ExcludedMeasurer> make_cuda_excluded_measurer() {
+  throw BackendUnavailable(kReason);
+}
 std::unique_ptr<SurfacePipeline> make_cuda_pipeline() { throw BackendUnavailable(kReason); }
 
 int device_of(const void*, const char* name) {

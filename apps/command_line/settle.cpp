@@ -229,8 +229,11 @@ void settle_excluded(Draft& d) {
             other);
   refuse_if(d.topology == TopologyRequest::counts,
             "--topology counts: the excluded surface knows on and off");
-  refuse_if(d.options.machine.backend == Backend::cuda,
-            "--backend cuda: the excluded surface is measured and meshed on the CPU");
+  const bool cuda = d.options.machine.backend == Backend::cuda;
+  refuse_if(cuda && d.verb != kExact,
+            "--backend cuda: meshes of the excluded surface are made and judged on the CPU");
+  refuse_if(cuda && d.topology == TopologyRequest::full,
+            "--topology on: shells are found on the CPU; leave out --backend cuda");
   if (!is_given(d, "--probe")) d.options.inputs.front().probe = kWaterProbe;
   refuse_if(!(d.options.inputs.front().probe > 0),
             "--probe {}: the excluded surface needs a radius above 0",

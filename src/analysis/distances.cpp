@@ -43,8 +43,6 @@ DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFind
   BlockStatistics statistics(blocks);
   begin_stage(options.monitor, "distances of the surface", blocks);
   const auto visit = [&](std::size_t block, std::size_t first, std::size_t end) {
-    DistanceSums& sums = statistics.block(block);
-    DistanceHistogram& histogram = statistics.histogram();
     std::vector<Vec3d> inside, border;
     for (std::size_t i = first; i < end; ++i) {
       // The random stream is the rank of the sphere in canonical order, so that the samples do not
@@ -54,15 +52,7 @@ DistanceStatistics surface_to_mesh(const ExposedSurface& surface, const MeshFind
       sample_border(patches[i], std::sqrt(density), random,
                     [&](const Vec3d& p) { border.push_back(p); });
     }
-    std::vector<double> found(inside.size());
-    finder.find(inside, found.data());
-    for (const double distance : found) {
-      sums.add(distance);
-      histogram.add(distance);
-    }
-    statistics.raise(sums.max);
-    statistics.add_extremes(block, border.size(),
-                            [&](double least) { return finder.largest_distance(border, least); });
+    statistics.add_samples(block, inside, border, finder);
   };
   for_each_block(patches.size(), kPatchesPerBlock, visit, options.monitor);
   return statistics.result();

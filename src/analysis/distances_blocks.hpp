@@ -4,9 +4,11 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <atomic>
+#include <span>
 #include <vector>
 
 #include "analysis/distances_statistics.hpp"
+#include "core/vec3.hpp"
 
 namespace vdwmesh {
 
@@ -34,6 +36,21 @@ class BlockStatistics {
     const double found = largest_of(largest());
     blocks_[block].add_extremes(count, found);
     raise(found);
+  }
+  // Adds samples of a surface: those inside of patches to all statistics, those on borders to the
+  // maximum alone.
+  template <class Finder>
+  void add_samples(std::size_t block, std::span<const Vec3d> inside, std::span<const Vec3d> border,
+                   const Finder& finder) {
+    std::vector<double> found(inside.size());
+    finder.find(inside, found.data());
+    for (const double distance : found) {
+      blocks_[block].add(distance);
+      histogram().add(distance);
+    }
+    raise(blocks_[block].max);
+    add_extremes(block, border.size(),
+                 [&](double least) { return finder.largest_distance(border, least); });
   }
   DistanceStatistics result() const {
     DistanceHistogram all;

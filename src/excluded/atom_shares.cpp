@@ -1,62 +1,22 @@
 // atom_shares(): divides a patch by the great circles between the points of contact.
 //
-// The area of a region on the unit sphere is the sum over its boundary of signed fans from a point
-// z: fan(arc) is the area between the arc and the great circles from z to its ends. Boundary
-// segments of the patch are cut where they cross the bisecting great circles, and each part counts
-// for the atom that is nearest to it. The bisecting circles themselves bound the shares too. For
-// three atoms all of them run through the point that is equally far from the three, which is z, so
-// that their fans are empty; for more atoms their parts in the patch are found and added.
+// The area of a share is a sum of fans from a point z (share_formulas.hpp). Boundary segments of
+// the patch are cut where they cross the bisecting great circles, and each part counts for the atom
+// that is nearest to it. The bisecting circles themselves bound the shares too. For three atoms all
+// of them run through the point that is equally far from the three, which is z, so that their fans
+// are empty; for more atoms their parts in the patch are found and added.
 #include "excluded/atom_shares.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "arrangement/directions.hpp"
 #include "excluded/cap_arrangement.hpp"
 #include "excluded/cap_face.hpp"
+#include "excluded/share_formulas.hpp"
 
 namespace vdwmesh::excluded {
 namespace {
-
-// The signed solid angle of a spherical triangle of unit vectors (Van Oosterom and Strackee 1983).
-double triangle_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  return 2 * std::atan2(triple_product(a, b, c), 1 + dot(a, b) + dot(b, c) + dot(c, a));
-}
-
-// A directed circular arc on the unit sphere.
-struct SphereArc {
-  Vec3d axis;
-  double cosine;  // of the circle
-  Vec3d from;
-  double angle;  // counter-clockwise about the axis; negative: clockwise
-
-  Vec3d at(double fraction) const {
-    const Vec3d arm = from - cosine * axis;
-    const double phi = fraction * angle;
-    return cosine * axis + std::cos(phi) * arm + std::sin(phi) * cross(axis, arm);
-  }
-};
-
-// The fan from z over an arc of at most a radian: over the chord, and between chord and arc, which
-// is the difference of the fans from the circle's axis.
-double short_fan(const Vec3d& z, const SphereArc& arc, const Vec3d& p, const Vec3d& q,
-                 double angle) {
-  return triangle_angle(z, p, q) + angle * (1 - arc.cosine) - triangle_angle(arc.axis, p, q);
-}
-
-double fan(const Vec3d& z, const SphereArc& arc, double begin, double end) {
-  const double angle = (end - begin) * arc.angle;
-  const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(angle))));
-  double sum = 0;
-  Vec3d p = arc.at(begin);
-  for (int i = 1; i <= steps; ++i) {
-    const Vec3d q = arc.at(begin + (end - begin) * i / steps);
-    sum += short_fan(z, arc, p, q, angle / steps);
-    p = q;
-  }
-  return sum;
-}
 
 class ShareFinder {
  public:
@@ -120,28 +80,14 @@ class ShareFinder {
   void add_segment(const SphereArc& arc) {
     std::vector<double> cuts{0, 1};
     for (std::size_t i = 0; i < touch_.size(); ++i) {
-      for (std::size_t j = i + 1; j < touch_.size(); ++j) add_cuts(arc, toward(i, j), cuts);
+      for (std::size_t j = i + 1; j < touch_.size(); ++j) {
+        cross_plane(arc, toward(i, j), [&](double fraction) { cuts.push_back(fraction); });
+      }
     }
     std::sort(cuts.begin(), cuts.end());
     for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
       const std::size_t atom = nearest(arc.at((cuts[k] + cuts[k + 1]) / 2));
       shares_[atom].solid_angle += fan(apex_, arc, cuts[k], cuts[k + 1]);
-    }
-  }
-
-  // Adds the fractions of the arc at which it crosses the plane with this normal.
-  static void add_cuts(const SphereArc& arc, const Vec3d& normal, std::vector<double>& cuts) {
-    const Vec3d arm = arc.from - arc.cosine * arc.axis;
-    const double x = dot(normal, arm), y = dot(normal, cross(arc.axis, arm));
-    const double ratio = -arc.cosine * dot(normal, arc.axis) / std::hypot(x, y);
-    if (!(std::abs(ratio) < 1)) return;
-    for (const double sign : {-1.0, 1.0}) {
-      double phi = std::atan2(y, x) + sign * std::acos(ratio);
-      if (arc.angle < 0) phi = -phi;
-      phi = std::remainder(phi, 2 * std::numbers::pi);
-      if (phi < 0) phi += 2 * std::numbers::pi;
-      const double fraction = phi / std::abs(arc.angle);
-      if (fraction < 1) cuts.push_back(fraction);
     }
   }
 

@@ -25,21 +25,21 @@ namespace vdwmesh::excluded {
 
 using numbers::Vector;
 
-inline double to_double(double x) { return x; }
+VDWMESH_HD inline double to_double(double x) { return x; }
 template <class T>
-double to_double(const T& x) {
+VDWMESH_HD double to_double(const T& x) {
   return static_cast<double>(x);
 }
 template <class T>
-Vector<T> combination(const T& a, const Vector<T>& u, const T& b, const Vector<T>& v) {
+VDWMESH_HD Vector<T> combination(const T& a, const Vector<T>& u, const T& b, const Vector<T>& v) {
   return {a * u.x + b * v.x, a * u.y + b * v.y, a * u.z + b * v.z};
 }
 template <class T>
-Vector<T> vector_in(const Vec3d& v) {
+VDWMESH_HD Vector<T> vector_in(const Vec3d& v) {
   return {T(v.x), T(v.y), T(v.z)};
 }
 template <class T>
-Vec3d to_vec(const Vector<T>& v) {
+VDWMESH_HD Vec3d to_vec(const Vector<T>& v) {
   return {to_double(v.x), to_double(v.y), to_double(v.z)};
 }
 
@@ -51,14 +51,14 @@ struct CapCircle {
 
 // The radius of the circle; a cosine that rounding made larger than 1 has none.
 template <class T>
-T circle_radius(const T& cosine) {
+VDWMESH_HD T circle_radius(const T& cosine) {
   using std::sqrt;
   const T square = (T(1) - cosine) * (T(1) + cosine);
   return square > T(0) ? T(sqrt(square)) : T(0);
 }
 
 template <class T>
-CapCircle<T> cap_circle(const Vector<T>& axis, const T& cosine) {
+VDWMESH_HD CapCircle<T> cap_circle(const Vector<T>& axis, const T& cosine) {
   using std::abs;
   using std::sqrt;
   const T x = abs(axis.x), y = abs(axis.y), z = abs(axis.z);
@@ -72,7 +72,8 @@ CapCircle<T> cap_circle(const Vector<T>& axis, const T& cosine) {
 
 // The point at an angle counter-clockwise about the circle's axis from `start`, a point of it.
 template <class T>
-Vector<T> point_beyond(const CapCircle<T>& circle, const Vector<T>& start, double angle) {
+VDWMESH_HD Vector<T> point_beyond(const CapCircle<T>& circle, const Vector<T>& start,
+                                  double angle) {
   // The sine is rounded to double, and the cosine made so that the point is on the circle in T.
   const T sine(std::sin(angle)), size = circle_radius(sine);
   const T cosine = std::cos(angle) < 0 ? T(-size) : size;
@@ -91,7 +92,7 @@ struct CirclePlace {
 };
 
 template <class T>
-CirclePlace<T> place_on(const CapCircle<T>& circle, const Vector<T>& w, double slide) {
+VDWMESH_HD CirclePlace<T> place_on(const CapCircle<T>& circle, const Vector<T>& w, double slide) {
   using std::abs;
   const T x = dot(w, circle.first), y = dot(w, circle.second);
   const T size = abs(x) + abs(y);
@@ -117,8 +118,8 @@ enum class Overlap { none, crossing, whole };
 
 // Which part of circle c cap j covers. `margin` becomes smaller if the decision has a smaller one.
 template <class T>
-Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, std::uint32_t by,
-                     Covered<T>& part, double& margin) {
+VDWMESH_HD Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, std::uint32_t by,
+                                Covered<T>& part, double& margin) {
   using std::sqrt;
   const Vector<T> apart = combination(T(1), j.axis, T(-1), c.axis), side = cross(c.axis, apart);
   const T q = dot(apart, apart) / T(2), squared_sine = dot(side, side);
@@ -138,7 +139,8 @@ Overlap covered_part(const CapCircle<T>& c, const CapCircle<T>& j, std::uint32_t
 
 // The angle from `from` counter-clockwise to `to`, which is `turns` of a fourth of a turn, roughly.
 template <class T>
-double angle_between(const CirclePlace<T>& from, const CirclePlace<T>& to, const T& turns) {
+VDWMESH_HD double angle_between(const CirclePlace<T>& from, const CirclePlace<T>& to,
+                                const T& turns) {
   constexpr double kTurn = 2 * 3.14159265358979323846;
   const double angle = std::atan2(to_double(T(from.x * to.y - from.y * to.x)),
                                   to_double(T(from.x * to.x + from.y * to.y)));

@@ -96,9 +96,14 @@ class PatchMaker {
       if (side.spindle) add_gap_cap(side);
     }
     low.near(patch_.probe, [&](std::uint32_t other) { add_cap(other); });
-    if (is_intricate() || find_segments(patch_, circles_in_double(patch_)) < kDoubtful) {
-      patch_.extended = true;
-      patch_.tie = find_segments(patch_, circles_in_wide(surface_, patch_)) < kTied;
+    patch_.extended = is_intricate();
+    if (!patch_.extended) {
+      patch_.margin = find_segments(patch_, circles_in_double(patch_));
+      patch_.extended = patch_.margin < kDoubtful;
+    }
+    if (patch_.extended) {
+      patch_.margin = find_segments(patch_, circles_in_wide(surface_, patch_));
+      patch_.tie = patch_.margin < kTied;
     }
     join_loops(patch_);
     return std::move(patch_);

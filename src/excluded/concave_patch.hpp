@@ -51,6 +51,10 @@ struct PatchSegment {
   double turning;  // exterior angle at `to`; 0 on whole circles
 };
 
+// Decisions with margins below this come from the tie breaking of one surface: those of a part of
+// it may be others.
+inline constexpr double kBrokenTie = 1e-45;
+
 // A connected piece of the patch.
 struct PatchPiece {
   double solid_angle;
@@ -66,6 +70,7 @@ struct ConcavePatch {
   std::vector<PatchPiece> pieces;
   bool extended = false;  // decided by wide numbers
   bool tie = false;       // a decision was a tie even so
+  double margin = 1;      // of the closest decision
   bool certified = true;  // the boundary closes
 };
 

@@ -34,19 +34,9 @@ DistanceStatistics from_surface(const SurfaceSamples& samples, const MeshFinder&
   BlockStatistics statistics(blocks);
   begin_stage(monitor, "distances of the surface", blocks);
   const auto visit = [&](std::size_t block, std::size_t first, std::size_t end) {
-    DistanceSums& sums = statistics.block(block);
-    DistanceHistogram& histogram = statistics.histogram();
     std::vector<Vec3d> inside, border;
     for (std::size_t i = first; i < end; ++i) samples.add(i, inside, border);
-    std::vector<double> found(inside.size());
-    finder.find(inside, found.data());
-    for (const double distance : found) {
-      sums.add(distance);
-      histogram.add(distance);
-    }
-    statistics.raise(sums.max);
-    statistics.add_extremes(block, border.size(),
-                            [&](double least) { return finder.largest_distance(border, least); });
+    statistics.add_samples(block, inside, border, finder);
   };
   for_each_block(elements, kElementsPerBlock, visit, monitor);
   return statistics.result();
@@ -72,8 +62,7 @@ std::vector<double> excluded_signed_distances(std::span<const Vec3d> points, con
   begin_stage(monitor, "excluded surface", 1);
   const JudgedSurface surface(atoms, probe, monitor);
   const ExposedSurface accessible(grown, monitor);
-  const ExcludedFinder finder(accessible, surface.curves, probe,
-                              box_around(bounding_box(grown), points));
+  const ExcludedFinder finder(accessible, surface, probe, box_around(bounding_box(grown), points));
   std::vector<double> found(points.size());
   begin_stage(monitor, "signed distances", block_count(points.size(), kDistancesPerBlock));
   const auto measure = [&](std::size_t, std::size_t first, std::size_t end) {
@@ -93,7 +82,7 @@ MeshDistances excluded_distances(const IndexedMesh& mesh, const SphereSet& atoms
   const ExposedSurface accessible(grown, options.monitor);
   DistanceStatistics of_mesh{};
   {
-    const ExcludedFinder finder(accessible, surface.curves, probe, plan.world);
+    const ExcludedFinder finder(accessible, surface, probe, plan.world);
     const auto find = [&](std::span<const Vec3d> points, double* found) {
       finder.find(points, found);
     };

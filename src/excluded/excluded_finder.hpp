@@ -19,9 +19,9 @@ namespace vdwmesh::excluded {
 
 class ExcludedFinder {
  public:
-  // `accessible` is the boundary of the grown balls, `probe` the radius, Å. `world` must contain
-  // all grown balls and all later query points. Surface and curves must outlive this.
-  ExcludedFinder(const ExposedSurface& accessible, std::span<const SharpCurve> curves, double probe,
+  // `accessible` is the boundary of the grown balls of `surface`, `probe` the radius, Å. `world`
+  // must contain all grown balls and all later query points. Both surfaces must outlive this.
+  ExcludedFinder(const ExposedSurface& accessible, const JudgedSurface& surface, double probe,
                  const Box& world);
 
   // Writes the signed distance of each point to `found`, Å. The search is fast if consecutive
@@ -29,11 +29,11 @@ class ExcludedFinder {
   void find(std::span<const Vec3d> points, double* found) const;
 
  private:
-  std::span<const SharpCurve> curves_;
+  std::span<const CircleArc> curves_, arcs_;
   const double probe_;
   double tolerance_;  // Å
   SurfaceFinder accessible_;
-  BoxTree tree_;  // of the curves
+  BoxTree curve_tree_, arc_tree_;
 };
 
 }  // namespace vdwmesh::excluded

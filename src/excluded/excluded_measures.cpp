@@ -262,6 +262,7 @@ class ExcludedSum {
     topology.shells = std::move(table.shells);
     topology.gauss_bonnet_residual = table.residual;
     topology.components = component_table(records, included);
+    out.euler_characteristic = topology.euler_characteristic;
     out.topology = std::move(topology);
     out.counts.cusps = table.cusps;
     out.checks.uncertified_patches =
@@ -311,6 +312,17 @@ class ExcludedSum {
 };
 
 }  // namespace
+
+ShellFigures shell_figures(const ExcludedTopology& topology) {
+  ShellFigures sum{};
+  for (const ExcludedShell& shell : topology.shells) {
+    const bool is_wall = shell.volume < 0;
+    ++(is_wall ? sum.walls : sum.outer);
+    (is_wall ? sum.wall_area : sum.outer_area) += shell.area;
+    sum.genus += shell.genus;
+  }
+  return sum;
+}
 
 ExcludedMeasures excluded_measures(const SphereSet& atoms, const ExcludedOptions& options) {
   begin_stage(options.monitor, "excluded surface", 1);

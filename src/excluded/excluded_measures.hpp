@@ -94,6 +94,14 @@ struct ExcludedTopology {
   std::vector<AccessibleComponent> components;
 };
 
+// Sums over the shells.
+struct ShellFigures {
+  std::uint64_t outer, walls;    // numbers of outer surfaces, and of walls of cavities
+  double outer_area, wall_area;  // Å²
+  std::int64_t genus;
+};
+ShellFigures shell_figures(const ExcludedTopology& topology);
+
 struct ExcludedCounts {
   std::uint64_t arcs;             // exposed arcs of the accessible surface, whole circles included
   std::uint64_t whole_rings;      // arcs that are whole circles, without a corner
@@ -133,6 +141,8 @@ struct ExcludedSurface {
   ByPatchKind layer_by_kind;
   double accessible_area, accessible_volume;  // Å², Å³ of the grown balls, cavities counted alike
   std::optional<ExcludedTopology> topology;  // if wanted
+  // That of the topology. A CUDA device knows it without the shells.
+  std::optional<std::int64_t> euler_characteristic;
   // If wanted, of the complete surface alone: one entry for each sphere, in the order of the set.
   // Areas sum to area_by_kind, volumes to `volume`.
   std::vector<ExcludedAtom> per_atom;

@@ -18,32 +18,56 @@ constexpr double kTurn = 2 * std::numbers::pi;
 
 }  // namespace
 
-Vec3d SharpCurve::at(double angle) const {
-  return center + radius * (std::cos(angle) * start + std::sin(angle) * cross(axis, start));
+CircleArc::CircleArc(const Vec3d& center, const Vec3d& axis, const Vec3d& start, double radius,
+                     double sweep)
+    : center_(center), axis_(axis), start_(start), radius_(radius), sweep_(sweep) {
+  const double half = sweep / 2;
+  middle_ = std::cos(half) * start + std::sin(half) * cross(axis, start);
+  first_ = at(0);
+  last_ = at(sweep);
+  // All directions belong to a whole circle, and to a point.
+  least_cosine_ = is_whole() || radius == 0 ? -2 : std::cos(half);
 }
 
-bool SharpCurve::is_whole() const { return sweep >= kTurn; }
+Vec3d CircleArc::at(double angle) const {
+  return center_ + radius_ * (std::cos(angle) * start_ + std::sin(angle) * cross(axis_, start_));
+}
+
+bool CircleArc::is_whole() const { return sweep_ >= kTurn; }
+
+bool CircleArc::faces(const Vec3d& radial) const {
+  return dot(radial, middle_) >= least_cosine_ * norm(radial);
+}
 
 // The nearest point of the circle, if it is on the arc; otherwise the nearer end.
-double squared_distance(const SharpCurve& curve, const Vec3d& point) {
-  const Vec3d from = point - curve.center;
-  const double height = dot(from, curve.axis);
-  const Vec3d radial = from - height * curve.axis;
-  double angle = std::atan2(dot(cross(curve.axis, curve.start), radial), dot(curve.start, radial));
-  if (angle < 0) angle += kTurn;
-  if (angle <= curve.sweep || curve.is_whole() || curve.radius == 0) {
-    const double out = norm(radial) - curve.radius;
+double CircleArc::squared_distance(const Vec3d& point) const {
+  const Vec3d from = point - center_;
+  const double height = dot(from, axis_);
+  const Vec3d radial = from - height * axis_;
+  if (faces(radial)) {
+    const double out = norm(radial) - radius_;
     return height * height + out * out;
   }
-  return std::min(squared_norm(point - curve.at(0)), squared_norm(point - curve.at(curve.sweep)));
+  return std::min(squared_norm(point - first_), squared_norm(point - last_));
+}
+
+Vec3d CircleArc::nearest_point(const Vec3d& point) const {
+  const Vec3d from = point - center_;
+  const Vec3d radial = from - dot(from, axis_) * axis_;
+  const double length = norm(radial);
+  if (!faces(radial)) {
+    return squared_norm(point - first_) < squared_norm(point - last_) ? first_ : last_;
+  }
+  // From the axis all points are equally near.
+  return length > 0 ? center_ + (radius_ / length) * radial : center_ + radius_ * middle_;
 }
 
 // An arc of less than half a turn is within its sagitta of the chord.
-Box box_of(const SharpCurve& curve) {
-  if (curve.sweep >= kTurn / 2) return vdwmesh::box_of(Sphere{curve.center, curve.radius});
-  const double sagitta = curve.radius * (1 - std::cos(curve.sweep / 2));
-  Box box = vdwmesh::box_of(Sphere{curve.at(0), sagitta});
-  include(box, vdwmesh::box_of(Sphere{curve.at(curve.sweep), sagitta}));
+Box CircleArc::box() const {
+  if (sweep_ >= kTurn / 2) return vdwmesh::box_of(Sphere{center_, radius_});
+  const double sagitta = radius_ * (1 - std::cos(sweep_ / 2));
+  Box box = vdwmesh::box_of(Sphere{first_, sagitta});
+  include(box, vdwmesh::box_of(Sphere{last_, sagitta}));
   return box;
 }
 
@@ -54,7 +78,11 @@ JudgedSurface::JudgedSurface(const SphereSet& atoms, double probe, Monitor* moni
   make_patches(monitor);
   for (const ConcavePatch& patch : cut) add_creases(patch);
   for (const RolledArc& arc : grown.surface.arcs) {
-    if (arc.spindle && !arc.dropped) add_cusps(arc);
+    if (arc.dropped) continue;
+    if (arc.spindle) add_cusps(arc);
+    const Vec3d start = arc.is_ring() ? any_orthogonal(arc.axis) : arc.radial[0];
+    arcs.emplace_back(in_angstrom(arc.center), arc.axis, start, unit * arc.circle_radius,
+                      arc.angle);
   }
 }
 
@@ -86,15 +114,16 @@ void JudgedSurface::add_creases(const ConcavePatch& patch) {
     const Vec3d radial = s.from - dot(s.from, cap.axis) * cap.axis;
     if (!(squared_norm(radial) > 0)) continue;
     const bool whole = s.next == kNoIndex;
-    curves.push_back({center + (p * cap.cosine) * cap.axis, -1.0 * cap.axis, vdwmesh::unit(radial),
-                      p * std::sqrt((1 - cap.cosine) * (1 + cap.cosine)), whole ? kTurn : s.angle});
+    curves.emplace_back(center + (p * cap.cosine) * cap.axis, -1.0 * cap.axis,
+                        vdwmesh::unit(radial), p * std::sqrt((1 - cap.cosine) * (1 + cap.cosine)),
+                        whole ? kTurn : s.angle);
   }
 }
 
 void JudgedSurface::add_cusps(const RolledArc& arc) {
   for (const double side : {-1.0, 1.0}) {
     const Vec3d at = in_angstrom(arc.center + (side * arc.cusp_height) * arc.axis);
-    curves.push_back({at, arc.axis, any_orthogonal(arc.axis), 0, kTurn});
+    curves.emplace_back(at, arc.axis, any_orthogonal(arc.axis), 0, kTurn);
   }
 }
 

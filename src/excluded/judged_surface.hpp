@@ -10,20 +10,32 @@
 
 namespace vdwmesh::excluded {
 
-// A crease, which is an arc of a circle, or a cusp, which is a circle of radius 0. Lengths in Å.
-struct SharpCurve {
-  Vec3d center, axis;
-  Vec3d start;    // unit vector from the centre to the point where the arc begins
-  double radius;  // 0: a cusp
-  double sweep;   // rad, counter-clockwise about the axis; 2 π for a whole circle
+// An arc of a circle: of a crease, of the accessible surface, or of radius 0, which is a cusp.
+// Lengths in Å.
+class CircleArc {
+ public:
+  // `start` is a unit vector from the centre to the point where the arc begins; `sweep` in rad,
+  // counter-clockwise about the axis; 2 π for a whole circle.
+  CircleArc(const Vec3d& center, const Vec3d& axis, const Vec3d& start, double radius,
+            double sweep);
 
   Vec3d at(double angle) const;
+  double radius() const { return radius_; }
+  double sweep() const { return sweep_; }
   bool is_whole() const;
-};
+  Box box() const;
+  // Å²
+  double squared_distance(const Vec3d& point) const;
+  Vec3d nearest_point(const Vec3d& point) const;
 
-// Å²
-double squared_distance(const SharpCurve& curve, const Vec3d& point);
-Box box_of(const SharpCurve& curve);
+ private:
+  bool faces(const Vec3d& radial) const;
+
+  Vec3d center_, axis_, start_;
+  Vec3d middle_, first_, last_;  // unit vector to the middle; the ends
+  double radius_, sweep_;
+  double least_cosine_;  // of the angle from the middle to points of the arc
+};
 
 // The complete surface.
 struct JudgedSurface {
@@ -34,7 +46,8 @@ struct JudgedSurface {
   const double unit;                  // of scaled lengths, in Å: a power of two
   std::vector<ConcavePatch> cut;      // of low probes, by probe, ascending
   std::vector<std::uint32_t> cut_of;  // by probe: the place in `cut`; kNoIndex: it is whole
-  std::vector<SharpCurve> curves;
+  std::vector<CircleArc> curves;      // creases and cusps
+  std::vector<CircleArc> arcs;        // of the accessible surface, on which the probe rolls
 
   // A scaled position relative to the origin of the accessible surface, in Å.
   Vec3d in_angstrom(const Vec3d& position) const {

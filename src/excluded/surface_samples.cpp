@@ -148,13 +148,13 @@ void SurfaceSamples::add_concave(std::uint32_t probe, Random random, std::vector
 }
 
 // √density points per Å, and the ends.
-void SurfaceSamples::add_curve(const SharpCurve& curve, std::vector<Vec3d>& border) const {
-  const double length = curve.radius * curve.sweep;
+void SurfaceSamples::add_curve(const CircleArc& curve, std::vector<Vec3d>& border) const {
+  const double length = curve.radius() * curve.sweep();
   const auto steps = static_cast<std::uint64_t>(std::ceil(length * std::sqrt(density_)));
   for (std::uint64_t i = 0; i < steps; ++i) {
-    border.push_back(curve.at(curve.sweep * static_cast<double>(i) / static_cast<double>(steps)));
+    border.push_back(curve.at(curve.sweep() * static_cast<double>(i) / static_cast<double>(steps)));
   }
-  border.push_back(curve.at(curve.sweep));
+  border.push_back(curve.at(curve.sweep()));
 }
 
 }  // namespace vdwmesh::excluded

@@ -35,7 +35,7 @@ class SurfaceSamples {
                   std::vector<Vec3d>& border) const;
   void add_concave(std::uint32_t probe, Random random, std::vector<Vec3d>& inside,
                    std::vector<Vec3d>& border) const;
-  void add_curve(const SharpCurve& curve, std::vector<Vec3d>& border) const;
+  void add_curve(const CircleArc& curve, std::vector<Vec3d>& border) const;
   Vec3d on_saddle(const RolledArc& arc, double turn, double profile) const;
 
   const JudgedSurface& surface_;

@@ -17,6 +17,7 @@ constexpr const char* kGaussianName = "v:gaussian_curvature";
 }  // namespace
 
 void add_patch_properties(SurfaceMesh& mesh, const PatchedMesh& source) {
+  check_patches(source);
   if (mesh.n_vertices() != source.mesh.vertex_count() ||
       mesh.n_faces() != source.triangle_patch.size()) {
     throw InvalidInput("the patches are those of another mesh");

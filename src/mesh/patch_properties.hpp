@@ -18,7 +18,7 @@ struct PatchProperties {
 };
 
 // Adds the properties to a mesh that was built of `source.mesh`. Throws InvalidInput if it has
-// other numbers of vertices or faces.
+// other numbers of vertices or faces, and as check_patches() does.
 void add_patch_properties(SurfaceMesh& mesh, const PatchedMesh& source);
 
 // The properties, if the mesh has them.

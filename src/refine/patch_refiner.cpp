@@ -118,17 +118,7 @@ void check(const SphereSet& atoms, const PatchedMesh& mesh, const RefineOptions&
   check_refinement_size(atoms.size(), mesh.mesh.vertex_count(), mesh.mesh.triangle_count(), options,
                         TriangleLabels::spheres);
   check_mesh(atoms, mesh.mesh);
-  if (mesh.triangle_patch.size() != mesh.mesh.triangle_count()) {
-    throw InvalidInput(fmt::format("the mesh has {} patches of triangles, {} are needed",
-                                   mesh.triangle_patch.size(), mesh.mesh.triangle_count()));
-  }
-  const auto triangle = first_of_all(mesh.triangle_patch.size(), [&](std::size_t t) {
-    return mesh.triangle_patch[t] >= mesh.patches.size();
-  });
-  if (triangle) {
-    throw InvalidInput(fmt::format("triangle {} lies on a patch beyond the mesh's {}", *triangle,
-                                   mesh.patches.size()));
-  }
+  check_patches(mesh);
   for (const SurfacePatch& patch : mesh.patches) {
     for (const SphereId id : patch.atoms) {
       if (id == kNoSphere || id < atoms.size()) continue;

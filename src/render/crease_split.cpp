@@ -32,19 +32,6 @@ Vec3f outward(const Sphere& sphere, const Vec3d& point) {
   return cast<float>((1 / norm(radius)) * radius);
 }
 
-// Throws InvalidInput unless every triangle names a patch of the mesh.
-void check(const PatchedMesh& mesh) {
-  if (mesh.triangle_patch.size() != mesh.mesh.triangle_count()) {
-    throw InvalidInput("the mesh does not say which patch its triangles lie on");
-  }
-  for (std::size_t t = 0; t < mesh.triangle_patch.size(); ++t) {
-    if (mesh.triangle_patch[t] >= mesh.patches.size()) {
-      throw InvalidInput(fmt::format("triangle {} lies on patch {}, but there are {}", t,
-                                     mesh.triangle_patch[t], mesh.patches.size()));
-    }
-  }
-}
-
 // The triangles with a copy of each corner for its piece; piece_of(t) is that of a triangle, and
 // add_copy(v, piece) appends one of vertex v to `split`.
 template <class PieceOf, class AddCopy>
@@ -85,7 +72,7 @@ IndexedMesh split_at_creases(const IndexedMesh& mesh, const SphereSet& spheres) 
 }
 
 IndexedMesh split_at_patches(const PatchedMesh& patched) {
-  check(patched);
+  check_patches(patched);
   const IndexedMesh& mesh = patched.mesh;
   IndexedMesh split;
   split_triangles(

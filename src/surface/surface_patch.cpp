@@ -4,10 +4,14 @@
 // are listed with their patches, and take the mean.
 #include "surface/surface_patch.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tuple>
+
+#include "core/errors.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -33,6 +37,19 @@ class FiniteMean {
 
 }  // namespace
 
+void check_patches(const PatchedMesh& mesh) {
+  if (mesh.triangle_patch.size() != mesh.mesh.triangle_count()) {
+    throw InvalidInput(fmt::format("the mesh has {} patches of triangles, {} are needed",
+                                   mesh.triangle_patch.size(), mesh.mesh.triangle_count()));
+  }
+  const auto beyond = std::ranges::find_if(
+      mesh.triangle_patch, [&](std::uint32_t patch) { return patch >= mesh.patches.size(); });
+  if (beyond == mesh.triangle_patch.end()) return;
+  throw InvalidInput(fmt::format("triangle {} lies on patch {}, beyond the mesh's {}",
+                                 beyond - mesh.triangle_patch.begin(), *beyond,
+                                 mesh.patches.size()));
+}
+
 std::vector<VertexPatch> patches_of_shared_vertices(const PatchedMesh& mesh) {
   std::vector<std::uint32_t> first(mesh.mesh.vertex_count(), kNoPatch);
   std::vector<VertexPatch> pairs;
@@ -53,6 +70,7 @@ std::vector<VertexPatch> patches_of_shared_vertices(const PatchedMesh& mesh) {
 }
 
 VertexCurvatures vertex_curvatures(const PatchedMesh& mesh) {
+  check_patches(mesh);
   const auto curvatures = [&](std::uint32_t v, std::uint32_t patch) {
     return patch_curvatures(mesh.patches[patch], mesh.mesh.positions[v]);
   };

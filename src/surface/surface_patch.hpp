@@ -40,6 +40,9 @@ struct PatchedMesh {
   std::vector<std::uint32_t> triangle_patch;  // by triangle: an index into `patches`
 };
 
+// Throws InvalidInput unless every triangle names a patch of the mesh.
+void check_patches(const PatchedMesh& mesh);
+
 // A point nearer to the axis of a saddle than this share of the probe's radius is on it: a cusp. A
 // cusp's coordinates are rounded, to some 1e-13 Å far from the origin, while the other vertices of
 // a mesh are much farther away.
@@ -95,6 +98,7 @@ VDWMESH_HD inline PrincipalCurvatures patch_curvatures(const SurfacePatch& patch
 struct VertexCurvatures {
   std::vector<float> mean, gaussian;
 };
+// Throws InvalidInput as check_patches() does.
 VertexCurvatures vertex_curvatures(const PatchedMesh& mesh);
 
 // The patches that meet in each vertex which lies on several: pairs of vertex and patch, ascending,

@@ -4,7 +4,7 @@ import csv
 import math
 import struct
 
-from program import BAD_INPUT, LIMIT_HIT, UBIQUITIN, ProgramTest
+from program import BAD_INPUT, LIMIT_HIT, NO_BACKEND, UBIQUITIN, ProgramTest, parse_json
 
 # Of a property of a PLY file, as the module struct calls it.
 PLY_TYPES = {"double": "d", "float": "f", "int": "i", "uint": "I", "uchar": "B"}
@@ -106,10 +106,30 @@ class Excluded(ProgramTest):
             ("--measure", "(ALA)"),
             ("--probe", "0"),
             ("--topology", "counts"),
-            ("--backend", "cuda"),
+            ("--backend", "cuda", "--topology", "on"),
         ):
             arguments = ("exact", UBIQUITIN, "--surface", "excluded", *option)
             self.assert_refused(BAD_INPUT, *arguments, says=(option[0],))
+
+    def test_cuda_has_the_same_figures_or_says_what_is_missing(self):
+        table = self.folder / "a.csv"
+        options = ("exact", UBIQUITIN, "--surface", "excluded", "--backend", "cuda")
+        if not parse_json(self.run_ok("info", "--json", "-").stdout)["cuda"]["devices"]:
+            self.assert_refused(NO_BACKEND, *options, says=("CUDA",))
+            return
+        report, cpu = self.report(*options, "--per-atom", table), self.measures()["excluded"]["complete"]
+        cuda = report["excluded"]["complete"]
+        self.assertEqual(report["backend"]["used"], "cuda")
+        self.assertIsNone(report["excluded"]["exterior"])
+        self.assertIsNone(cuda["shells"])
+        self.assertEqual(cuda["counts"], cpu["counts"])
+        self.assertEqual(cuda["euler_characteristic"], cpu["euler_characteristic"])
+        for key in ("area", "volume", "contact_area", "saddle_area", "concave_area", "contact_layer",
+                    "saddle_layer", "concave_layer", "accessible_area", "accessible_volume"):  # fmt: skip
+            self.assert_close(cuda[key], cpu[key], 1e-11)
+        with table.open(newline="") as file:
+            total = math.fsum(float(row["excluded_area"]) for row in csv.DictReader(file))
+        self.assert_close(total, cuda["area"], SUM)
 
 
 class ExcludedMesh(ProgramTest):
@@ -291,3 +311,70 @@ class ExcludedReport(ProgramTest):
     def test_refusals(self):
         for option in (("--method", "arcs"), ("--topology", "counts"), ("--probe", "0"), ("--backend", "cuda")):
             self.assert_refused(BAD_INPUT, "report", UBIQUITIN, "--surface", "excluded", *option, says=(option[0],))
+
+
+class ForeignMesh(ProgramTest):
+    """compare --surface excluded: a mesh that no program of ours made, of a surface of revolution."""
+
+    # Two carbon-like atoms on the z axis, far enough apart for a waist, which the probe of 1.4 Å rolls around.
+    RADIUS, APART, PROBE = 1.7, 4.0, 1.4
+
+    def profile(self, steps):
+        """Distance from the axis and height of points of the surface, and of its exact area and volume."""
+        grown = self.RADIUS + self.PROBE
+        ring = math.sqrt(grown**2 - (self.APART / 2) ** 2)
+        touch = math.acos(self.APART / 2 / grown)  # at an atom's centre, from the axis towards the other atom
+        contact = [math.pi * k / steps for k in range(steps + 1) if math.pi * k / steps < math.pi - touch]
+        sphere = [(self.RADIUS * math.sin(a), self.APART / 2 + self.RADIUS * math.cos(a))
+                  for a in contact + [math.pi - touch]]  # fmt: skip
+        end = math.pi / 2 - touch  # the profile's angle from the plane in the middle
+        waist = [end * (1 - 2 * k / steps) for k in range(1, steps)]
+        saddle = [(ring - self.PROBE * math.cos(a), self.PROBE * math.sin(a)) for a in waist]
+        points = sphere + saddle + [(x, -z) for x, z in reversed(sphere)]
+        area = 2 * 2 * math.pi * self.RADIUS**2 * (1 + math.cos(touch))
+        area += 2 * math.pi * self.PROBE * (ring * 2 * end - 2 * self.PROBE * math.sin(end))
+        return points, area
+
+    def soup(self, steps):
+        """Separate triangles, as STL has them: no vertex is shared, and nothing is labelled."""
+        points, area = self.profile(steps)
+        turns = [2 * math.pi * k / steps for k in range(steps)]
+        triangles = []
+        for (r0, z0), (r1, z1) in zip(points, points[1:]):
+            for k, a in enumerate(turns):
+                b = turns[(k + 1) % steps]
+                corner = [(r * math.cos(t), r * math.sin(t), z) for r, z, t in
+                          ((r0, z0, a), (r1, z1, a), (r1, z1, b), (r0, z0, b))]  # fmt: skip
+                if r1 > 1e-9:
+                    triangles.append((corner[0], corner[1], corner[2]))
+                if r0 > 1e-9:
+                    triangles.append((corner[0], corner[2], corner[3]))
+        path = self.folder / "foreign.stl"
+        with path.open("wb") as file:
+            file.write(bytes(80) + struct.pack("<I", len(triangles)))
+            for t in triangles:
+                file.write(struct.pack("<12fH", 0, 0, 0, *t[0], *t[1], *t[2], 0))
+        return path, area
+
+    def test_a_soup_of_triangles_is_joined_and_judged(self):
+        half = self.APART / 2
+        atoms = self.file("two.xyzr", f"0 0 {half} {self.RADIUS}\n0 0 {-half} {self.RADIUS}\n")
+        steps = 96
+        path, area = self.soup(steps)
+        report = self.report("compare", path, atoms, "--surface", "excluded")
+        exact, mesh, comparison = report["excluded"]["complete"], report["mesh"], report["comparison"]
+        self.assert_close(exact["area"], area, 1e-12)
+        self.assertIs(mesh["closed"], True)
+        self.assertEqual(mesh["euler_characteristic"], 2)
+        self.assertEqual(comparison["euler_characteristic_difference"], 0)
+        # Chords of the longest step are no farther from the widest circle than its sagitta, twice for both directions.
+        sagitta = self.RADIUS * (1 - math.cos(math.pi / steps))
+        for way in ("mesh_to_surface", "surface_to_mesh"):
+            self.assertLess(comparison[way]["max"], 2 * sagitta + 1e-6)
+            self.assertGreater(comparison[way]["max"], sagitta / 2)
+        self.assertLess(abs(comparison["area_relative_error"]), 2e-3)
+        self.assertLess(comparison["area_relative_error"], 0)
+        # The union and a smaller probe are other surfaces.
+        for other in (("--surface", "excluded", "--probe", "0.7"), ("--surface", "vdw")):
+            there = self.report("compare", path, atoms, *other)["comparison"]
+            self.assertGreater(there["mesh_to_surface"]["max"], 20 * sagitta)

@@ -2,6 +2,7 @@
 // products use plain multiplication, because exact numbers have no fma.
 #pragma once
 
+#include "core/host_device.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh::numbers {
@@ -20,12 +21,12 @@ Vector<T> from_to(const Sphere& a, const Sphere& b) {
 }
 
 template <class T>
-T dot(const Vector<T>& a, const Vector<T>& b) {
+VDWMESH_HD T dot(const Vector<T>& a, const Vector<T>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 template <class T>
-Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
+VDWMESH_HD Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/errors.hpp"
+
 namespace vdwmesh {
 namespace {
 
@@ -133,6 +135,20 @@ TEST(SurfacePatch, VerticesBetweenPatchesHaveTheMean) {
     EXPECT_EQ(shared[i].vertex, expected[i][0]);
     EXPECT_EQ(shared[i].patch, expected[i][1]);
   }
+}
+
+TEST(SurfacePatch, TrianglesWithoutAPatchAreRefused) {
+  PatchedMesh mesh;
+  mesh.mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.mesh.triangles = {{0, 1, 2}};
+  EXPECT_THROW(check_patches(mesh), InvalidInput);
+  mesh.triangle_patch = {0};
+  EXPECT_THROW(check_patches(mesh), InvalidInput);
+  EXPECT_THROW(vertex_curvatures(mesh), InvalidInput);
+  mesh.patches.push_back(ball(PatchKind::contact, 1));
+  EXPECT_NO_THROW(check_patches(mesh));
+  mesh.triangle_patch = {0, 0};
+  EXPECT_THROW(check_patches(mesh), InvalidInput);
 }
 
 }  // namespace

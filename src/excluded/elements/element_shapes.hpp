@@ -1,0 +1,272 @@
+// Shapes and measures of arcs, saddles and whole concave patches, in double. For the library's own
+// use, on the host and on a CUDA device. The formulas are those of excluded_measures().
+#pragma once
+
+#include "excluded/elements/elements.hpp"
+#include "excluded/saddle_formulas.hpp"
+#include "excluded/share_formulas.hpp"
+
+namespace vdwmesh::excluded::elements {
+
+inline constexpr double kPi = 3.14159265358979323846;
+
+// The circle of an arc, and unit vectors from its centre to start and end.
+struct ArcShape {
+  Vec3d axis;
+  double radius, height[2], angle;
+  Vec3d radial[2];
+  double cusp_height;  // of a spindle
+  bool spindle;
+
+  VDWMESH_HD Profile profile() const {
+    return profile_of(radius, height[0], height[1], spindle, cusp_height);
+  }
+};
+
+VDWMESH_HD inline Vec3d flattened(const Vec3d& arm, const Vec3d& axis) {
+  const Vec3d flat = arm - dot(arm, axis) * axis;
+  return squared_norm(flat) > 0 ? unit(flat) : any_orthogonal(axis);
+}
+
+VDWMESH_HD inline ArcShape arc_shape(const Balls& balls, const Corner* corners, const Arc& arc) {
+  const Sphere &a = balls.grown[arc.ball[0]], &b = balls.grown[arc.ball[1]];
+  const PairCircle circle = pair_circle(a, b);
+  ArcShape s{};
+  s.axis = circle.axis;
+  s.radius = circle.radius;
+  s.height[0] = circle.height[0];
+  s.height[1] = circle.height[1];
+  const double p = balls.probe, rho = circle.radius;
+  s.spindle = rho < p && s.height[0] > 0 && s.height[1] > 0;
+  s.cusp_height = s.spindle ? std::sqrt((p - rho) * (p + rho)) : 0;
+  s.angle = 2 * kPi;
+  if (arc.is_ring()) return s;
+  for (int end = 0; end < 2; ++end) {
+    const Corner& corner = corners[arc.corner[end]];
+    const Vec3d base = balls.grown[corner.name.ball[0]].center - a.center;
+    s.radial[end] = flattened((base + corner.at) - s.height[0] * s.axis, s.axis);
+  }
+  const double angle =
+      std::atan2(triple_product(s.axis, s.radial[0], s.radial[1]), dot(s.radial[0], s.radial[1]));
+  constexpr double kClose = 1e-3;
+  s.angle = angle;
+  if (std::abs(angle) < kClose ? arc.turns > 2 : angle < 0) s.angle += 2 * kPi;
+  return s;
+}
+
+VDWMESH_HD inline Vec3d radial_integral(const Arc& arc, const ArcShape& shape) {
+  if (arc.is_ring()) return {0, 0, 0};
+  return cross(shape.axis, shape.radial[0] - shape.radial[1]);
+}
+
+// What the ball on one side of an arc, 0 or 1, gets of its saddle, and of the arc as a boundary of
+// its contact piece.
+VDWMESH_HD inline Terms saddle_terms(const Balls& balls, const Arc& arc, const ArcShape& shape,
+                                     bool first_on_circle, int side, const Vec3d& home) {
+  Terms t{};
+  const Vec3d radial = radial_integral(arc, shape);
+  const SaddleMeasures m =
+      measure_saddle({shape.angle, shape.radius, shape.axis, radial}, balls.probe, shape.profile(),
+                     static_cast<std::size_t>(side));
+  const Sphere &a = balls.grown[arc.ball[0]], &own = balls.grown[arc.ball[side]];
+  const double rho = shape.radius, height = shape.height[side], r = own.radius;
+  const Vec3d at = (a.center - home) + shape.height[0] * shape.axis;
+  t.saddle = m.area;
+  t.layer = m.layer;
+  t.normal = m.vector;
+  t.flux = m.flux + dot(at, m.vector) / 3;
+  t.bend = -shape.angle * (height / r);
+  const double turn = (side == 0 ? -1 : 1) * rho * rho * shape.angle;
+  t.contact = (0.5 / (r * r)) * (turn * shape.axis + (height * rho) * radial);
+  const bool ring = arc.is_ring();
+  if (!ring) t.sixths -= 6;
+  if (shape.spindle) {
+    t.sixths += 6;
+    if (first_on_circle) {
+      ++t.cusps;
+      if (!ring) t.sixths += 6;
+    }
+  } else if (side == 0 && !ring) {
+    t.sixths += 6;
+  }
+  if (side == 0) {
+    t.arcs = 1;
+    t.rings = ring;
+    t.spindles = shape.spindle;
+  }
+  return t;
+}
+
+// A side of the polygon of a probe's concave patch, from one ball of the corner to another, with
+// the patch on its left seen from outside the probe.
+struct Side {
+  std::uint32_t arc;
+  int end;           // of the arc, at which the probe is
+  int slot[2];       // of the balls of the corner, from and to
+  Vec3d inward;      // unit normal of the side's plane
+  Vec3d contact[2];  // unit vectors to the balls
+  Vec3d cusp[2];     // of a spindle: unit vectors to the cusps near them
+  double angle[2];   // of the side up to its radical plane, or up to the cusps
+  double turning;    // exterior angle where the side ends
+  bool spindle;
+  int gap;  // of a spindle: the cap that ends at the cusps
+};
+
+// The polygon of a corner.
+struct Polygon {
+  Side side[3];
+  double solid_angle;
+  Vec3d vector;       // ∫ w dω
+  Vec3d touch[3];     // unit vectors to the balls
+  double turning[3];  // of the contact pieces of the balls
+  Vec3d apex;         // as far from all three points of contact
+};
+
+// The angle by which the boundary of the contact piece of ball o turns at a point x of its sphere,
+// where it goes over from the circle of p to that of q.
+VDWMESH_HD inline double turning_angle(const Vec3d& ox, const Vec3d& op, const Vec3d& oq) {
+  const Vec3d n = cross(ox, op), m = cross(ox, oq);
+  return std::atan2(norm(ox) * std::abs(triple_product(op, oq, ox)), dot(n, m));
+}
+
+// Which of a corner's balls a ball is.
+VDWMESH_HD inline int place_in(const CornerName& name, std::uint32_t ball) {
+  return name.ball[0] == ball ? 0 : (name.ball[1] == ball ? 1 : 2);
+}
+
+VDWMESH_HD inline Side corner_side(const Balls& balls, const Corner& corner, const Arc* arcs,
+                                   const ArcShape* shapes, int slot) {
+  Side s{};
+  s.arc = corner.arc[slot];
+  s.end = corner.end[slot];
+  const Arc& arc = arcs[s.arc];
+  const ArcShape& shape = shapes[s.arc];
+  const Profile profile = shape.profile();
+  const Vec3d inwards = -shape.radius * shape.radial[s.end];
+  const Vec3d tangent = cross(shape.axis, shape.radial[s.end]);
+  s.spindle = shape.spindle;
+  s.gap = -1;
+  s.inward = s.end == 1 ? tangent : -1.0 * tangent;
+  for (int k = 0; k < 2; ++k) {
+    const int place = s.end == 1 ? k : 1 - k;  // of ball k: from 0 to 1
+    const double sign = k == 0 ? -1 : 1;
+    s.slot[place] = place_in(corner.name, arc.ball[k]);
+    s.contact[place] = unit(inwards + (sign * shape.height[k]) * shape.axis);
+    s.cusp[place] = (1 / balls.probe) * (inwards + (sign * shape.cusp_height) * shape.axis);
+    s.angle[place] = sign * profile.end[static_cast<std::size_t>(k)] - profile.cusp;
+  }
+  return s;
+}
+
+// The vector from the point of contact with ball j to that with ball i, at right angles to the
+// plane that bisects them: the difference of (c - x) / R of both, in which balls that all but
+// coincide keep their digits.
+VDWMESH_HD inline Vec3d between_contacts(const Balls& balls, const Corner& corner,
+                                         const Polygon& polygon, int i, int j) {
+  const Sphere &a = balls.grown[corner.name.ball[i]], &b = balls.grown[corner.name.ball[j]];
+  return (1 / a.radius) * ((a.center - b.center) + (b.radius - a.radius) * polygon.touch[j]);
+}
+
+VDWMESH_HD inline Polygon corner_polygon(const Balls& balls, const Corner& corner, const Arc* arcs,
+                                         const ArcShape* shapes) {
+  Polygon g{};
+  Vec3d arm[3];  // from the probe to the balls
+  const Vec3d& base = balls.grown[corner.name.ball[0]].center;
+  for (int k = 0; k < 3; ++k) {
+    arm[k] = (balls.grown[corner.name.ball[k]].center - base) - corner.at;
+    g.touch[k] = unit(arm[k]);
+  }
+  g.solid_angle = -kPi;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d ox = -1.0 * arm[k];
+    const Vec3d& own = balls.grown[corner.name.ball[k]].center;
+    g.turning[k] = turning_angle(ox, balls.grown[corner.name.ball[(k + 1) % 3]].center - own,
+                                 balls.grown[corner.name.ball[(k + 2) % 3]].center - own);
+    g.solid_angle += g.turning[k];
+  }
+  for (int k = 0; k < 3; ++k) {
+    Side& s = g.side[k];
+    s = corner_side(balls, corner, arcs, shapes, k);
+    s.turning = kPi - g.turning[s.slot[1]];
+    g.vector = g.vector + (0.5 * (s.angle[0] + s.angle[1])) * s.inward;
+  }
+  g.apex =
+      cross(between_contacts(balls, corner, g, 1, 0), between_contacts(balls, corner, g, 2, 0));
+  const double size = norm(g.apex);
+  g.apex = size > 0 ? (1 / size) * g.apex : g.touch[0];
+  if (dot(g.apex, g.touch[0]) < 0) g.apex = -1.0 * g.apex;
+  return g;
+}
+
+// Adds the fans over an arc to the solid angles of the balls to whose points of contact its parts
+// are nearest.
+VDWMESH_HD inline void share_arc(const Balls& balls, const Corner& corner, const Polygon& polygon,
+                                 const SphereArc& arc, double (&share)[3]) {
+  double cut[8] = {0};
+  int count = 1;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    cross_plane(arc, between_contacts(balls, corner, polygon, i, j), [&](double fraction) {
+      int place = count++;
+      for (; cut[place - 1] > fraction; --place) cut[place] = cut[place - 1];
+      cut[place] = fraction;
+    });
+  }
+  cut[count] = 1;
+  for (int k = 0; k < count; ++k) {
+    const Vec3d w = arc.at((cut[k] + cut[k + 1]) / 2);
+    int nearest = 0;
+    for (int i = 1; i < 3; ++i) {
+      if (dot(between_contacts(balls, corner, polygon, i, nearest), w) > 0) nearest = i;
+    }
+    share[nearest] += fan(polygon.apex, arc, cut[k], cut[k + 1]);
+  }
+}
+
+// A concave patch as it counts: solid angle, ∫ w dω, and what its balls get of the solid angle and
+// of three times the volume of the cones over the flat faces.
+struct PatchMeasures {
+  double solid_angle;
+  Vec3d vector;
+  double share[3], flat[3];
+  std::uint64_t creases;
+  std::int32_t sixths;
+  std::uint32_t crease_arcs;
+};
+
+VDWMESH_HD inline PatchMeasures whole_patch(const Balls& balls, const Corner& corner,
+                                            const Polygon& polygon) {
+  PatchMeasures m{};
+  m.solid_angle = polygon.solid_angle;
+  m.vector = polygon.vector;
+  m.sixths = 6;
+  for (const Side& s : polygon.side) {
+    share_arc(balls, corner, polygon, {s.inward, 0, s.contact[0], s.angle[0] + s.angle[1]},
+              m.share);
+  }
+  return m;
+}
+
+// What the ball in one slot of a corner gets of its concave patch, and of the corner as one of its
+// contact piece. The first ball gets what is not divided.
+VDWMESH_HD inline Terms corner_terms(const Balls& balls, const Corner& corner,
+                                     const PatchMeasures& patch, double turning, int slot,
+                                     const Vec3d& home) {
+  const double p = balls.probe;
+  Terms t{};
+  t.concave = p * p * patch.share[slot];
+  t.layer = p * p * p * (patch.share[slot] + patch.flat[slot]) / 3;
+  t.bend = turning;
+  if (slot > 0) return t;
+  const Vec3d x = (balls.grown[corner.name.ball[0]].center - home) + corner.at;
+  t.normal = (-p * p) * patch.vector;
+  t.flux = -p * p * (dot(x, patch.vector) + p * patch.solid_angle) / 3;
+  t.creases = patch.creases;
+  t.sixths = patch.sixths;
+  t.crease_arcs = static_cast<std::uint16_t>(patch.crease_arcs);
+  t.probes = 1;
+  t.low_probes = corner.low;
+  return t;
+}
+
+}  // namespace vdwmesh::excluded::elements

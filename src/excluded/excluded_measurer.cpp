@@ -1,0 +1,163 @@
+// The CPU's ExcludedMeasurer, and the sums of rows that a device makes.
+//
+// A set's rows prove themselves by what they sum to: the surface is closed, each crease is found
+// from both of its probes, and the Euler characteristic is even.
+#include "excluded/excluded_measurer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "core/errors.hpp"
+#include "core/sum.hpp"
+#include "excluded/elements/batch_rows.hpp"
+
+namespace vdwmesh::excluded::elements {
+namespace {
+
+// A missing arc or patch leaves a hole far larger than this share of the area.
+constexpr double kClosed = 1e-9;
+
+struct SetSum {
+  WideSum contact, saddle, concave, volume, contact_layer, saddle_layer, x, y, z, flux;
+  std::uint64_t creases = 0;
+  std::int64_t sixths = 0;
+  ExcludedCounts counts{};
+
+  void add(const ChunkSum& c) {
+    contact.add(c.row.contact);
+    saddle.add(c.row.saddle);
+    concave.add(c.row.concave);
+    volume.add(c.row.volume);
+    contact_layer.add(c.contact_layer);
+    saddle_layer.add(c.saddle_layer);
+    x.add(c.normal.x);
+    y.add(c.normal.y);
+    z.add(c.normal.z);
+    flux.add(c.flux);
+    creases += c.creases;
+    sixths += c.sixths;
+    counts.arcs += c.counts.arcs;
+    counts.whole_rings += c.counts.rings;
+    counts.spindle_saddles += c.counts.spindles;
+    counts.cusps += c.counts.cusps;
+    counts.probes += c.counts.probes;
+    counts.low_probes += c.counts.low_probes;
+    counts.crease_arcs += c.counts.crease_arcs;
+  }
+
+  ExcludedTotals totals(const SphereMeasures& grown) const {
+    ExcludedTotals t{};
+    t.area_by_kind = {contact.value(), saddle.value(), concave.value()};
+    t.area = t.area_by_kind.sum();
+    t.volume = volume.value();
+    t.accessible_area = grown.area;
+    t.accessible_volume = grown.volume;
+    const double layers = grown.volume - t.volume;
+    t.layer_by_kind = {contact_layer.value(), saddle_layer.value(), 0};
+    t.layer_by_kind.concave = layers - t.layer_by_kind.contact - t.layer_by_kind.saddle;
+    t.euler_characteristic = sixths / 6;
+    t.counts = counts;
+    t.counts.crease_arcs /= 2;
+    t.closure = norm(Vec3d{x.value(), y.value(), z.value()}) / t.area;
+    t.check_volume = flux.value();
+    return t;
+  }
+  bool is_proved(const ExcludedTotals& t) const {
+    return creases == 0 && sixths % 12 == 0 && t.closure < kClosed;
+  }
+};
+
+}  // namespace
+
+void check_probe(double probe) {
+  if (!(probe > 0 && std::isfinite(probe))) {
+    throw InvalidInput(fmt::format("the probe's radius is {}; it must be above 0", probe));
+  }
+}
+
+void measure_set(ExcludedBatch& result, const SphereBatch& atoms, std::size_t set, double probe,
+                 Monitor* monitor) {
+  const std::size_t first = atoms.set_begin(set), end = atoms.set_end(set);
+  const SphereSet spheres(std::vector<Sphere>(atoms.spheres + first, atoms.spheres + end));
+  const ExcludedSurface s =
+      excluded_measures(spheres, {.probe = probe, .per_atom = true, .monitor = monitor}).complete;
+  std::copy(s.per_atom.begin(), s.per_atom.end(),
+            result.per_atom.begin() + static_cast<std::ptrdiff_t>(first));
+  result.totals[set] = {s.area,
+                        s.volume,
+                        s.area_by_kind,
+                        s.layer_by_kind,
+                        s.accessible_area,
+                        s.accessible_volume,
+                        s.topology.value().euler_characteristic,
+                        s.counts,
+                        s.checks.closure,
+                        s.checks.check_volume,
+                        s.checks.uncertified_patches};
+}
+
+BallRow* rows_of(ExcludedBatch& result, const SphereBatch& atoms) {
+  static_assert(sizeof(BallRow) == sizeof(ExcludedAtom) && sizeof(BallRow) == 4 * sizeof(double));
+  static_assert(offsetof(BallRow, volume) == offsetof(ExcludedAtom, volume));
+  result.per_atom.resize(atoms.size);
+  return reinterpret_cast<BallRow*>(result.per_atom.data());
+}
+
+std::vector<std::size_t> offsets_of(const SphereBatch& atoms) {
+  std::vector<std::size_t> offsets{0};
+  for (std::size_t set = 0; set < atoms.set_count(); ++set) offsets.push_back(atoms.set_end(set));
+  return offsets;
+}
+
+void sum_sets(ExcludedBatch& result, const SphereBatch& atoms, double probe,
+              const ElementSums& sums, const std::vector<SphereMeasures>& grown, Monitor* monitor) {
+  result.totals.resize(atoms.set_count());
+  result.host_circles = sums.host_circles;
+  result.host_corners = sums.host_corners;
+  result.host_patches = sums.host_patches;
+  result.host_sets = 0;
+  for (std::size_t set = 0; set < atoms.set_count(); ++set) {
+    SetSum sum;
+    for (std::size_t i = sums.first_chunk[set]; i < sums.first_chunk[set + 1]; ++i) {
+      sum.add(sums.chunks[i]);
+    }
+    result.totals[set] = sum.totals(grown[set]);
+    if (sums.failed[set] == 0 && sum.is_proved(result.totals[set])) continue;
+    ++result.host_sets;
+    measure_set(result, atoms, set, probe, monitor);
+  }
+}
+
+}  // namespace vdwmesh::excluded::elements
+
+namespace vdwmesh {
+namespace {
+
+class CpuExcludedMeasurer final : public ExcludedMeasurer {
+ public:
+  void measure_into(ExcludedBatch& result, const SphereBatch& atoms, double probe,
+                    Monitor* monitor) const override {
+    check_sets(atoms);
+    excluded::elements::check_probe(probe);
+    if (atoms.memory != MemorySpace::host) {
+      throw InvalidInput("the CPU cannot read spheres in memory of a device");
+    }
+    result = {};
+    result.per_atom.resize(atoms.size);
+    result.totals.resize(atoms.set_count());
+    for (std::size_t set = 0; set < atoms.set_count(); ++set) {
+      excluded::elements::measure_set(result, atoms, set, probe, monitor);
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<ExcludedMeasurer> make_cpu_excluded_measurer() {
+  return std::make_unique<CpuExcludedMeasurer>();
+}
+
+}  // namespace vdwmesh

@@ -1,0 +1,78 @@
+// Closed forms of a saddle: the inner side of the torus that a probe sweeps along an arc.
+//
+// Notation, for the arc's circle with radius ρ, its centre A and its axis u: the probe is at
+// x = A + ρ e(φ). A point of the saddle is q = A + (ρ - p cos α) e(φ) + p sin α u, its outward
+// normal cos α e - sin α u, its area element p (ρ - p cos α) dα dφ. The profile angle α is 0 in the
+// radical plane, α₀ = atan2(-t_a, ρ) at atom a and α₁ = atan2(t_b, ρ) at atom b; t are the plane's
+// heights. A saddle is a spindle if ρ < p and the plane lies between the centres: its profile then
+// crosses the axis at ±θ, cos θ = ρ/p, and the part between is no surface.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "core/vec3.hpp"
+
+namespace vdwmesh::excluded {
+
+struct Profile {
+  std::array<double, 2> end;  // α₀, α₁
+  bool spindle;
+  double cusp;  // θ of a spindle, else 0
+};
+
+// What the closed forms need of an arc.
+struct SaddleArc {
+  double angle, circle_radius;
+  Vec3d axis;
+  Vec3d radial_integral;  // of e(φ) along the arc
+};
+
+// The part of a saddle between two profile angles.
+struct SaddleMeasures {
+  double area;
+  Vec3d vector;  // integral of the outward normal
+  double flux;   // integral of (q - A) · n / 3
+  double layer;  // volume between the accessible surface and the saddle
+  double bend;   // integral of the Gaussian curvature
+};
+
+VDWMESH_HD inline Profile profile_of(double circle_radius, double height_a, double height_b,
+                                     bool spindle, double cusp_height) {
+  return {{std::atan2(-height_a, circle_radius), std::atan2(height_b, circle_radius)},
+          spindle,
+          std::atan2(cusp_height, circle_radius)};
+}
+
+VDWMESH_HD inline SaddleMeasures measure_profile(const SaddleArc& arc, double p, double from,
+                                                 double to) {
+  const double rho = arc.circle_radius, angle = arc.angle;
+  const double s0 = std::sin(from), s1 = std::sin(to), c0 = std::cos(from), c1 = std::cos(to);
+  const double one = to - from, cosine = s1 - s0, sine = c0 - c1;
+  const double cosine2 = (one + s1 * c1 - s0 * c0) / 2, sine_cosine = (s1 * s1 - s0 * s0) / 2;
+  SaddleMeasures m{};
+  m.area = angle * p * (rho * one - p * cosine);
+  m.vector = p * ((rho * cosine - p * cosine2) * arc.radial_integral -
+                  (angle * (rho * sine - p * sine_cosine)) * arc.axis);
+  const double bulk = (p * p + rho * rho) * cosine - rho * p * (one + cosine2);
+  m.flux = angle * p * bulk / 3;
+  m.layer = angle * p * p * (rho * one / 2 - p * cosine / 3);
+  m.bend = -angle * cosine;
+  return m;
+}
+
+// The part of the saddle that belongs to the atom on `side` of the radical plane: 0 or 1. It may be
+// nothing, if the plane does not cut the saddle. Under a spindle the layer ends at the axis.
+VDWMESH_HD inline SaddleMeasures measure_saddle(const SaddleArc& arc, double p,
+                                                const Profile& profile, std::size_t side) {
+  const double cusp = profile.cusp, rho = arc.circle_radius;
+  const double from = side == 0 || profile.end[0] > cusp ? profile.end[0] : cusp;
+  const double to = side == 1 || profile.end[1] < -cusp ? profile.end[1] : -cusp;
+  if (!(from < to)) return {};
+  SaddleMeasures m = measure_profile(arc, p, from, to);
+  if (profile.spindle) m.layer += arc.angle * rho * rho * rho / 6 * std::tan(cusp);
+  return m;
+}
+
+}  // namespace vdwmesh::excluded
