@@ -11,7 +11,6 @@
 #include <numeric>
 
 #include "arrangement/complex/simplex_shape.hpp"
-#include "core/multiversion.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -77,17 +76,6 @@ class PointNumbers {
 Vec3d direction(const Sphere& s, const Vec3d& p) { return (1 / s.radius) * (p - s.center); }
 
 }  // namespace
-
-void PointCircles::assign(const PatchBoundary& boundary) {
-  const auto each_end = [&](const auto& visit) {
-    for (const BoundaryPiece& p : boundary.pieces) {
-      visit(p.from, p.neighbor);
-      visit(p.to, p.neighbor);
-    }
-    for (const SphereThrough& s : boundary.through) visit(s.point, s.ball);
-  };
-  circles_.fill(boundary.points.size(), each_end);
-}
 
 PatchIndex::PatchIndex(const PowerTriangulation& triangulation, const DualComplex& complex,
                        const BoundaryArcs& boundary) {
@@ -208,36 +196,6 @@ void gather_boundary(const PowerTriangulation& triangulation, const BoundaryArcs
   }
   out.caps.reserve(index.neighbors(ball).size());
   for (const std::uint32_t n : index.neighbors(ball)) out.caps.push_back(cap_of(n));
-}
-
-Vec3d buried_pole(const PatchBoundary& boundary) {
-  // Squared straight distance from the cap's centre `axis` to its rim. For cosine < 0 the cap
-  // stores the squared distance to -axis instead; by Pythagoras the two add up to 4.
-  const auto squared_reach = [](const CoveredCap& cap) {
-    return cap.cosine >= 0 ? cap.squared_distance : 4 - cap.squared_distance;
-  };
-  double largest = 0;
-  for (const CoveredCap& cap : boundary.caps) largest = std::max(largest, squared_reach(cap));
-  // Of caps that are equal but for rounding, the first one. Rounding must not choose.
-  constexpr double kTie = 1e-6;
-  const auto is_largest = [&](const CoveredCap& cap) {
-    return squared_reach(cap) >= (1 - kTie) * largest;
-  };
-  return std::find_if(boundary.caps.begin(), boundary.caps.end(), is_largest)->axis;
-}
-
-VDWMESH_MULTIVERSION std::vector<Vec3d> clear_points(const std::vector<CoveredCap>& caps,
-                                                     const std::vector<double>& margins,
-                                                     const std::vector<Vec3d>& points) {
-  std::vector<Vec3d> clear;
-  for (const Vec3d& u : points) {
-    bool is_clear = true;
-    for (std::size_t i = 0; i < caps.size() && is_clear; ++i) {
-      is_clear = dot(u, caps[i].axis) <= margins[i];
-    }
-    if (is_clear) clear.push_back(u);
-  }
-  return clear;
 }
 
 std::vector<std::uint32_t> boundary_order(std::size_t points) {

@@ -26,7 +26,7 @@ struct CoveredCap {
   double squared_distance;
 
   // Whether the cap covers the direction u, a unit vector.
-  bool covers(const Vec3d& u) const {
+  VDWMESH_HD bool covers(const Vec3d& u) const {
     return cosine >= 0 ? squared_norm(u - axis) < squared_distance
                        : squared_norm(u + axis) > squared_distance;
   }
@@ -59,6 +59,19 @@ struct PatchBoundary {
   std::vector<SphereThrough> through;
 };
 
+// The same in memory of somebody else.
+struct PatchBoundaryView {
+  std::span<const Vec3d> points;
+  std::span<const BoundaryPiece> pieces;
+  std::span<const CoveredCap> caps;
+  std::span<const SphereThrough> through;
+
+  PatchBoundaryView() = default;
+  // Not explicit: functions that take a view take a boundary as well.
+  PatchBoundaryView(const PatchBoundary& b)
+      : points(b.points), pieces(b.pieces), caps(b.caps), through(b.through) {}
+};
+
 // What became of a piece that was split: a chain of `parts` pieces. The first one has the number of
 // the old piece, the others the numbers first_part, first_part + 1, ... In between are the points
 // first_point, first_point + 1, ...
@@ -70,14 +83,20 @@ struct SplitChain {
 // projection, so it must not lie in the patch. It lies as far from the patch as the rim of its cap
 // at least, and of all caps this one has the farthest rim, or all but. Precondition: at least one
 // cap is larger than a point.
-Vec3d buried_pole(const PatchBoundary& boundary);
-
-// Those of `points` (unit vectors) that lie outside all caps after the caps have been enlarged.
-// margins[i] is the cosine of the angular radius of cap i after its enlargement. A value below -1
-// says that the enlarged cap covers the whole sphere; then no point is returned.
-std::vector<Vec3d> clear_points(const std::vector<CoveredCap>& caps,
-                                const std::vector<double>& margins,
-                                const std::vector<Vec3d>& points);
+VDWMESH_HD inline Vec3d buried_pole(const PatchBoundaryView& boundary) {
+  // Squared straight distance from the cap's centre `axis` to its rim. For cosine < 0 the cap
+  // stores the squared distance to -axis instead; by Pythagoras the two add up to 4.
+  const auto squared_reach = [](const CoveredCap& cap) {
+    return cap.cosine >= 0 ? cap.squared_distance : 4 - cap.squared_distance;
+  };
+  double largest = 0;
+  for (const CoveredCap& cap : boundary.caps) largest = std::max(largest, squared_reach(cap));
+  // Of caps that are equal but for rounding, the first one. Rounding must not choose.
+  constexpr double kTie = 1e-6;
+  std::size_t i = 0;
+  while (!(squared_reach(boundary.caps[i]) >= (1 - kTie) * largest)) ++i;
+  return boundary.caps[i].axis;
+}
 
 // An order, as indices, for inserting the points of a boundary into a Delaunay triangulation. If
 // there are few points, they keep their order. With many points this would be slow: the points of a
@@ -89,42 +108,63 @@ std::vector<std::uint32_t> boundary_order(std::size_t count);
 // The circles that pass through each point of a boundary. A circle of the patch's sphere is named
 // by the ball on its other side. If a corner was joined, the spheres of all arcs that end in it
 // count, even if they meet the patch's sphere in this point only.
-class PointCircles {
+template <class Memory>
+class PointCirclesOf {
  public:
-  PointCircles() = default;
-  explicit PointCircles(const PatchBoundary& boundary) { assign(boundary); }
+  PointCirclesOf() = default;
+  explicit PointCirclesOf(const PatchBoundaryView& boundary) { assign(boundary); }
   // Replaces the circles by those of another boundary.
-  void assign(const PatchBoundary& boundary);
+  VDWMESH_HD void assign(const PatchBoundaryView& boundary) {
+    const auto each_end = [&](const auto& visit) {
+      for (const BoundaryPiece& p : boundary.pieces) {
+        visit(p.from, p.neighbor);
+        visit(p.to, p.neighbor);
+      }
+      for (const SphereThrough& s : boundary.through) visit(s.point, s.ball);
+    };
+    circles_.fill(boundary.points.size(), each_end);
+  }
   // Whether points a and b lie on one circle. Points are indices into PatchBoundary::points. Higher
   // numbers are interior points, which lie on no circle.
-  bool share(std::uint32_t a, std::uint32_t b) const {
-    const auto circles = of(a);
-    return std::any_of(circles.begin(), circles.end(),
-                       [&](std::uint32_t neighbor) { return on(b, neighbor); });
+  VDWMESH_HD bool share(std::uint32_t a, std::uint32_t b) const {
+    for (const std::uint32_t neighbor : of(a)) {
+      if (on(b, neighbor)) return true;
+    }
+    return false;
   }
   // Whether four points lie on one circle.
-  bool share(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
-    const auto circles = of(a);
-    return std::any_of(circles.begin(), circles.end(), [&](std::uint32_t neighbor) {
-      return on(b, neighbor) && on(c, neighbor) && on(d, neighbor);
-    });
+  VDWMESH_HD bool share(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
+    for (const std::uint32_t neighbor : of(a)) {
+      if (on(b, neighbor) && on(c, neighbor) && on(d, neighbor)) return true;
+    }
+    return false;
   }
   // Whether the circle shared with `neighbor` passes through the point.
-  bool on(std::uint32_t point, std::uint32_t neighbor) const {
-    const auto circles = of(point);
-    return std::find(circles.begin(), circles.end(), neighbor) != circles.end();
+  VDWMESH_HD bool on(std::uint32_t point, std::uint32_t neighbor) const {
+    for (const std::uint32_t circle : of(point)) {
+      if (circle == neighbor) return true;
+    }
+    return false;
+  }
+  // Calls visit(array, kind) for every array, to give bounded ones their memory.
+  template <class Visit>
+  VDWMESH_HD void visit_arrays(const Visit& visit) {
+    circles_.visit_arrays([&](auto& rows) { visit(rows, PatchArray::circle_rows); },
+                          [&](auto& entries) { visit(entries, PatchArray::circle_entries); });
   }
 
  private:
   // The circles of one point, possibly with repetitions. Numbers past all points of the boundary
   // are interior points, which have none.
-  std::span<const std::uint32_t> of(std::uint32_t point) const {
+  VDWMESH_HD std::span<const std::uint32_t> of(std::uint32_t point) const {
     if (point >= circles_.size()) return {};
     return circles_[point];
   }
 
-  RowLists circles_;
+  RowListsOf<Memory> circles_;
 };
+
+using PointCircles = PointCirclesOf<GrowingMemory>;
 
 // The arcs and neighbours of each ball, and the balls at each corner, as compressed sparse rows.
 class PatchIndex {

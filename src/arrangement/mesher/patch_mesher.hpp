@@ -12,20 +12,10 @@
 #include <vector>
 
 #include "arrangement/mesher/patch_boundary.hpp"
-#include "arrangement/mesher/patch_triangles.hpp"
-#include "arrangement/mesher/plane_triangulation.hpp"
+#include "arrangement/mesher/patch_work.hpp"
 #include "core/monitor.hpp"
 
 namespace vdwmesh {
-
-// Why pieces of the boundary are split: to make the triangles valid and well shaped (`quality`), or
-// only to make them valid (`validity`). A triangle is valid if it faces outwards and would not fold
-// over when arcs replace its chords.
-enum class Demand : std::uint8_t { quality, validity };
-
-// How far a patch is meshed: only its boundary is triangulated and tested for pieces to split, or
-// all of it is meshed.
-enum class PatchStage : std::uint8_t { boundary, triangles };
 
 struct PatchOptions {
   double edge_length;  // wanted, as a fraction of the sphere's radius
@@ -48,6 +38,8 @@ struct PatchMesh {
 // molecule have few different edge lengths, so the points of some are kept.
 class SpherePoints {
  public:
+  // How many parts an edge of the icosahedron is divided into. The points follow from it.
+  static std::uint32_t parts(double edge_length);
   // Valid until the next call.
   const std::vector<Vec3d>& points(double edge_length);
 
@@ -70,14 +62,9 @@ struct PatchProgress {
 };
 
 // Memory for meshing one patch at a time, kept for the next one.
-struct PatchScratch {
-  PointCircles circles;
-  PlaneTriangulation plane;
+struct PatchScratch : PatchWork<GrowingMemory> {
   SpherePoints lattice;
-  SmoothingScratch smoothing;
   std::vector<PlanePoint> plane_points;
-  std::vector<std::uint32_t> numbers;
-  PatchTriangles patch;
 };
 
 // Meshes a patch. In the triangles that it returns, every triangle faces outwards. No edge joins
@@ -90,6 +77,8 @@ struct PatchScratch {
 // Precondition: at least one piece, and one cap that is larger than a point. Throws
 // CoincidentPoints (flat_boundary.hpp), Cancelled.
 PatchMesh mesh_patch(PatchProgress& progress, const PatchOptions& options, PatchScratch& scratch);
+// Sorts requests, as PatchMesh has them: each piece once, with the most halvings asked for.
+void sort_requests(std::vector<PieceSplit>& splits);
 
 // Meshes a whole sphere: a subdivided icosahedron. All points are interior points. The edge length
 // is a fraction of the radius.

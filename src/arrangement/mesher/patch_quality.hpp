@@ -1,6 +1,6 @@
 // Quality criteria of a patch: when a triangle is bad, and when a piece of the boundary, a chord of
 // an arc, is too long. Points are on the unit sphere, and lengths are straight distances between
-// them.
+// them. For host and device.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ inline constexpr double kLargeCircle = 0.75;
 // circumcentre of the flat triangle. The normal of a tiny triangle is a bad answer: errors e of the
 // vertices turn it by e over the size of the triangle, while they move the flat circumcentre by
 // some e. The circumcentre of a large triangle is one: it lies near the sphere's centre.
-inline Vec3d circumcenter(const std::array<Vec3d, 3>& p) {
+VDWMESH_HD inline Vec3d circumcenter(const std::array<Vec3d, 3>& p) {
   const Vec3d a = p[1] - p[0], b = p[2] - p[0], normal = cross(a, b);
   const Vec3d towards = cross(squared_norm(a) * b - squared_norm(b) * a, normal);
   const Vec3d flat = p[0] + (1 / (2 * squared_norm(normal))) * towards;
@@ -43,8 +43,8 @@ inline Vec3d circumcenter(const std::array<Vec3d, 3>& p) {
 //
 // With A the area, a, b, c the lengths of the edges and R the circumradius: R = a b c / (4 A). The
 // least angle lies opposite to the shortest edge s, and its sine is s / (2 R).
-inline bool is_bad(const std::array<Vec3d, 3>& p, const std::array<bool, 3>& constrained,
-                   double edge_length) {
+VDWMESH_HD inline bool is_bad(const std::array<Vec3d, 3>& p, const std::array<bool, 3>& constrained,
+                              double edge_length) {
   const std::array<double, 3> edge{squared_norm(p[2] - p[1]), squared_norm(p[0] - p[2]),
                                    squared_norm(p[1] - p[0])};
   const double squared_area = squared_norm(cross(p[1] - p[0], p[2] - p[0]));  // (2A)²
@@ -68,7 +68,7 @@ inline bool is_bad(const std::array<Vec3d, 3>& p, const std::array<bool, 3>& con
 // length, the piece is halved once; if it is less than half of that, twice. More is not asked for
 // at once, because the next round of meshing looks at the halves again. Only pieces near the narrow
 // part are split, so pieces may become longer along an arc with the distance from it.
-inline std::uint32_t halvings_for_width(const Vec3d& a, const Vec3d& b, const Vec3d& p) {
+VDWMESH_HD inline std::uint32_t halvings_for_width(const Vec3d& a, const Vec3d& b, const Vec3d& p) {
   const Vec3d ab = b - a, ap = p - a;
   const double squared_length = squared_norm(ab), length = std::sqrt(squared_length);
   const double foot = dot(ap, ab) / squared_length;

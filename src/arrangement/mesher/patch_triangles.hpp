@@ -8,31 +8,42 @@
 
 #include "arrangement/mesher/linked_triangle.hpp"
 #include "arrangement/mesher/patch_boundary.hpp"
+#include "arrangement/mesher/patch_memory.hpp"
 
 namespace vdwmesh {
 
 // The points are unit vectors: first the points of the boundary, in its order, then the interior
 // ones. Triangles are counter-clockwise seen from outside. Each edge has either a neighbouring
 // triangle or a piece of the boundary (an index into PatchBoundary::pieces), never both.
-struct PatchTriangles {
-  std::vector<Vec3d> points;
-  std::vector<LinkedTriangle> triangles;
+template <class Memory>
+struct PatchTrianglesOf {
+  typename Memory::template Array<Vec3d> points;
+  typename Memory::template Array<LinkedTriangle> triangles;
 };
+using PatchTriangles = PatchTrianglesOf<GrowingMemory>;
 
 // Memory for smooth(), kept for the next patch.
-struct SmoothingScratch {
+template <class Memory>
+struct SmoothingScratchOf {
   // Triangles around vertex v: star[first[v]] .. star[first[v + 1] - 1].
-  std::vector<std::uint32_t> first, star;
+  typename Memory::template Array<std::uint32_t> first, star;
   // Triangles that flips have made, and those of the sweep before.
-  std::vector<std::uint32_t> changed, sweep;
+  typename Memory::template Array<std::uint32_t> changed, sweep;
 };
+using SmoothingScratch = SmoothingScratchOf<GrowingMemory>;
 
 // Improves the triangles, which should be Delaunay, without moving the boundary. Does `passes`
 // times: it moves each interior point towards the centroid of the triangles around it if this
 // enlarges the least angle there, and flips edges until they are locally Delaunay, or a limit of
 // flips is reached. A flip never makes an edge between two points of one circle. Triangles that
 // face outwards keep doing so.
-void smooth(const PatchBoundary& boundary, const PointCircles& circles, int passes,
+template <class Memory>
+VDWMESH_HD void smooth(const PatchBoundaryView& boundary, const PointCirclesOf<Memory>& circles,
+                       int passes, SmoothingScratchOf<Memory>& scratch,
+                       PatchTrianglesOf<Memory>& patch);
+// That of the host is compiled in patch_triangles.cpp.
+template <>
+void smooth(const PatchBoundaryView& boundary, const PointCircles& circles, int passes,
             SmoothingScratch& scratch, PatchTriangles& patch);
 
 // The pieces that must be split because a triangle is not valid, ascending, each once. A triangle
@@ -40,5 +51,13 @@ void smooth(const PatchBoundary& boundary, const PointCircles& circles, int pass
 // chords. Subdivision of the mesh (refine/) replaces them step by step, so such triangles would
 // turn.
 std::vector<std::uint32_t> defects(const PatchBoundary& boundary, const PatchTriangles& patch);
+// The same, appended to `found`, in the order of triangles and with repetitions.
+template <class Memory>
+VDWMESH_HD void find_defects(const PatchBoundaryView& boundary,
+                             const PatchTrianglesOf<Memory>& patch,
+                             typename Memory::template Array<std::uint32_t>& found);
+extern template void find_defects<GrowingMemory>(const PatchBoundaryView& boundary,
+                                                 const PatchTriangles& patch,
+                                                 std::vector<std::uint32_t>& found);
 
 }  // namespace vdwmesh

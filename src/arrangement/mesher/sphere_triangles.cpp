@@ -152,8 +152,10 @@ VDWMESH_MULTIVERSION std::vector<Vec3d> divided_points(std::uint32_t n) {
 
 }  // namespace
 
+std::uint32_t SpherePoints::parts(double edge_length) { return parts_of_edge(edge_length); }
+
 const std::vector<Vec3d>& SpherePoints::points(double edge_length) {
-  const std::uint32_t parts = parts_of_edge(edge_length);
+  const std::uint32_t parts = SpherePoints::parts(edge_length);
   Kept& kept = kept_[parts % kept_.size()];
   if (kept.parts != parts) kept = {parts, divided_points(parts)};
   return kept.points;

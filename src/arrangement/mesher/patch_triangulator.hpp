@@ -1,0 +1,439 @@
+// Meshes one patch by constrained Delaunay refinement in the stereographic plane, once its boundary
+// is triangulated there. For host and device.
+//
+// Steps: (1) mark the triangles inside the boundary; (2) if quality counts, look for pieces that
+// are too long for the patch beside them; (3) fill the inside with points of a subdivided
+// icosahedron; (4) insert circumcentres of bad triangles (Chew); (5) divide edges that join points
+// of one circle; (6) smooth, and look for invalid triangles.
+//
+// All steps but (4) may ask for pieces of the boundary to be split. The run then ends after step
+// 2, 5 or 6 and returns only these requests. union_mesher.cpp splits the pieces for the patches on
+// both sides and calls again. A split for this patch alone would break the seam with the other
+// patch.
+//
+// The template is for patch_mesher.cpp, which compiles it for the host, and for the kernels of the
+// device.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "arrangement/directions.hpp"
+#include "arrangement/mesher/flat_boundary.hpp"
+#include "arrangement/mesher/patch_quality.hpp"
+#include "arrangement/mesher/patch_work.hpp"
+#include "arrangement/mesher/stereographic.hpp"
+#include "arrangement/sine_cosine.hpp"
+#include "core/monitor.hpp"
+
+namespace vdwmesh {
+namespace triangulator {
+
+// Points of the subdivided icosahedron keep this distance from the arcs, as a fraction of the edge
+// length. Points nearer to an arc would make flat triangles with its pieces.
+inline constexpr double kLatticeMargin = 0.55;
+// The cosine of the widest angle (110°) under which an inserted point may see a piece. A point that
+// sees it under a wider angle would make a flat triangle with it. (Ruppert's algorithm has 90°
+// here.)
+inline constexpr double kEncroachCosine = -0.35;
+inline constexpr int kSmoothingPasses = 1;
+// The largest edge length, as a fraction of the radius. With longer edges, a patch larger than half
+// the sphere might get no interior point. Its triangles would then have all their vertices on the
+// boundary and face inwards.
+inline constexpr double kLongestEdge = 1;
+
+// One attempt to mesh one patch; run() lists the steps. Lattice has the points of the divided
+// icosahedron for an edge length: points(edge_length), in radii, something to loop over.
+template <class Memory, class Lattice>
+class PatchTriangulator {
+ public:
+  using Plane = PlaneTriangulationOf<Memory>;
+  using Location = PlaneTypes::Location;
+  using Place = PlaneTypes::Place;
+  template <class T>
+  using Array = typename Memory::template Array<T>;
+
+  // Precondition: work.circles are those of the boundary, and work.plane has triangulated it, as
+  // projected from buried_pole(). The monitor is not for the device.
+  VDWMESH_HD PatchTriangulator(const PatchBoundaryView& boundary, double edge_length,
+                               Lattice& lattice, PatchWork<Memory>& work, Monitor* monitor)
+      : boundary_(boundary),
+        edge_length_(std::min(edge_length, kLongestEdge)),
+        monitor_(monitor),
+        projection_(buried_pole(boundary)),
+        lattice_(lattice),
+        work_(work),
+        circles_(work.circles),
+        plane_(work.plane),
+        numbers_(work.numbers),
+        patch_(work.patch),
+        points_(work.patch.points),
+        splits_(work.splits) {}
+
+  // Fills work.splits, or else, after the stage of triangles, the interior points and triangles.
+  VDWMESH_HD void run(Demand demand, PatchStage stage) {
+    splits_.clear();
+    work_.interior.clear();
+    work_.triangles.clear();
+    points_.assign(boundary_.points.data(), boundary_.points.data() + boundary_.points.size());
+    if (mark_inside() && demand == Demand::quality) find_long_pieces();
+    if (!splits_.empty() || stage == PatchStage::boundary) return;
+    insert_lattice();
+    refine();
+    divide_edges_within_circles();
+    if (!splits_.empty() || plane_.has_failed()) return;
+    collect_triangles();
+    smooth<Memory>(boundary_, circles_, kSmoothingPasses, work_.smoothing, patch_);
+    work_.pieces.clear();
+    find_defects<Memory>(boundary_, patch_, work_.pieces);
+    for (const std::uint32_t piece : work_.pieces) want_split(piece);
+    if (splits_.empty()) finish();
+  }
+
+ private:
+  // Asks for a piece to be split into 2^halvings parts.
+  VDWMESH_HD void want_split(std::uint32_t piece, std::uint32_t halvings = 1) {
+    splits_.push_back({boundary_.pieces[piece].source, halvings});
+  }
+
+  // Whether edge k of triangle t is a piece that has t on its left.
+  VDWMESH_HD bool is_left_of_piece(std::uint32_t t, std::uint32_t k) const {
+    const LinkedTriangle& w = plane_.triangle(t);
+    return w.pieces[k] != kNoPiece &&
+           boundary_.pieces[w.pieces[k]].from == w.vertices[corner_after(k)];
+  }
+
+  // Calls visit(t, k) for every piece, with the triangle t on its left, whose edge k it is.
+  template <class Visit>
+  VDWMESH_HD void visit_pieces(const Visit& visit) const {
+    for (std::uint32_t t = 0; t < plane_.triangles().size(); ++t) {
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        if (is_left_of_piece(t, k)) visit(t, k);
+      }
+    }
+  }
+
+  // Marks the triangles inside the patch: those on the left of a piece, and all that can be reached
+  // from there without crossing a piece. Returns whether the marks are right. They are not, and
+  // splits are asked for, if the marks have leaked out of the patch.
+  VDWMESH_HD bool mark_inside() {
+    Array<std::uint32_t>& stack = numbers_;
+    stack.clear();
+    const auto visit = [&](std::uint32_t t) {
+      if (plane_.is_inside(t)) return;
+      plane_.mark_inside(t);
+      stack.push_back(t);
+    };
+    visit_pieces([&](std::uint32_t t, std::uint32_t) { visit(t); });
+    while (!stack.empty()) {
+      const LinkedTriangle& w = plane_.triangle(stack.back());
+      stack.pop_back();
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        if (w.pieces[k] == kNoPiece && w.neighbors[k] != kNoNeighbor) visit(w.neighbors[k]);
+      }
+    }
+    split_leaks();
+    return splits_.empty();
+  }
+
+  // Asks for splits if marks have leaked out of the patch. This happens if a piece is so coarse
+  // that another part of the boundary lies between the piece and its arc: there, marking starts on
+  // the wrong side of the other part. It shows at pieces with marked triangles on both sides, or
+  // with a corner of the frame on their left. The piece to blame is one of these, and it is not
+  // short. So every such piece is split that is at least half as long as the longest of them.
+  VDWMESH_HD void split_leaks() {
+    Array<std::uint32_t>& leaks = work_.pieces;
+    leaks.clear();
+    double longest = 0;
+    visit_pieces([&](std::uint32_t t, std::uint32_t k) {
+      const LinkedTriangle& w = plane_.triangle(t);
+      if (!plane_.is_inside(w.neighbors[k]) && !plane_.touches_frame(t)) return;
+      leaks.push_back(w.pieces[k]);
+      longest = std::max(longest, chord(w.pieces[k]));
+    });
+    for (const std::uint32_t p : leaks) {
+      if (chord(p) >= longest / 2) want_split(p);
+    }
+  }
+
+  // The length of a piece on the unit sphere.
+  VDWMESH_HD double chord(std::uint32_t p) const {
+    return norm(points_[boundary_.pieces[p].to] - points_[boundary_.pieces[p].from]);
+  }
+
+  // Calls visit(t) for every triangle inside the patch. Those that visit() adds are not visited.
+  template <class Visit>
+  VDWMESH_HD void visit_inside(const Visit& visit) {
+    const auto count = static_cast<std::uint32_t>(plane_.triangles().size());
+    for (std::uint32_t t = 0; t < count; ++t) {
+      if (plane_.is_inside(t)) visit(t);
+    }
+  }
+
+  // Step (2): asks for splits of pieces that are long compared with the width of the patch there.
+  VDWMESH_HD void find_long_pieces() {
+    visit_inside([&](std::uint32_t t) {
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        if (plane_.triangle(t).pieces[k] != kNoPiece) judge_piece(plane_.triangle(t), k);
+      }
+    });
+  }
+
+  // Judges the piece that is edge k of a triangle by the opposite vertex, and asks for a split if
+  // it is too long. A vertex on the piece's own circle says nothing about the width. If another
+  // edge of the triangle is a piece too, the two meet at a corner, and only the ratio of their
+  // lengths counts.
+  VDWMESH_HD void judge_piece(const LinkedTriangle& t, std::uint32_t k) {
+    const std::uint32_t k1 = corner_after(k), k2 = corner_before(k), piece = t.pieces[k];
+    if (circles_.on(t.vertices[k], boundary_.pieces[piece].neighbor)) return;
+    const Vec3d &a = points_[t.vertices[k1]], &b = points_[t.vertices[k2]],
+                &p = points_[t.vertices[k]];
+    const double length = norm(b - a);
+    if (length <= kShortest * edge_length_) return;
+    const std::uint32_t sides[2] = {k1, k2};
+    for (const std::uint32_t other : sides) {
+      // Edge `other` is opposite to one end of the piece, so it starts at the other end.
+      if (t.pieces[other] == kNoPiece) continue;
+      const double beside = other == k1 ? norm(p - b) : norm(p - a);
+      if (length > kCornerRatio * beside) want_split(piece);
+      return;
+    }
+    if (const std::uint32_t halvings = halvings_for_width(a, b, p)) want_split(piece, halvings);
+  }
+
+  // Step (3): inserts the points of the subdivided icosahedron that are outside all caps by the
+  // margin. The cosine of a cap's angular radius with the margin is that of a sum. If the sum is
+  // more than half a turn, so that they cover the whole sphere, the bound of -2 admits no point.
+  VDWMESH_HD void insert_lattice() {
+    const SineCosine margin = sine_cosine(kLatticeMargin * edge_length_);
+    work_.margins.clear();
+    for (const CoveredCap& cap : boundary_.caps) {
+      const double c = std::min(std::max(cap.cosine, -1.0), 1.0);
+      const double sum = c * margin.cosine - std::sqrt((1 - c) * (1 + c)) * margin.sine;
+      work_.margins.push_back(c > -margin.cosine ? sum : -2);
+    }
+    std::uint32_t near = plane_.triangle_at(0);
+    for (const Vec3d& u : lattice_.points(edge_length_)) {
+      if (!is_clear(u)) continue;
+      const PlanePoint p = projection_.project(u);
+      const Location at = plane_.locate(p, near);
+      near = at.triangle;
+      if (is_free(at)) near = plane_.triangle_at(insert_interior(u, p, at));
+    }
+  }
+
+  VDWMESH_HD bool is_clear(const Vec3d& u) const {
+    for (std::size_t i = 0; i < work_.margins.size(); ++i) {
+      if (!(dot(u, boundary_.caps[i].axis) <= work_.margins[i])) return false;
+    }
+    return true;
+  }
+
+  VDWMESH_HD bool is_buried(const Vec3d& u) const {
+    for (const CoveredCap& cap : boundary_.caps) {
+      if (cap.covers(u)) return true;
+    }
+    return false;
+  }
+
+  // Whether a location is inside the patch, and neither a vertex nor on a piece; and whether there
+  // is room for a point.
+  VDWMESH_HD bool is_free(const Location& at) const {
+    return (at.place == Place::inside || at.place == Place::on_edge) && !plane_.is_on_piece(at) &&
+           plane_.is_inside(at.triangle) && !plane_.has_failed() && plane_.has_room();
+  }
+
+  // Inserts point u of the unit sphere, whose image p is at a free location. Returns its number.
+  VDWMESH_HD std::uint32_t insert_interior(const Vec3d& u, const PlanePoint& p,
+                                           const Location& at) {
+    const std::uint32_t vertex = plane_.add_point(p);
+    points_.push_back(u);
+    plane_.insert(vertex, at);
+    return vertex;
+  }
+
+  using Candidate = TriangleCandidate;
+  VDWMESH_HD Candidate candidate(std::uint32_t t) const { return {t, plane_.triangle(t).vertices}; }
+  VDWMESH_HD bool is_unchanged(const Candidate& c) const {
+    return plane_.triangle(c.triangle).vertices == c.vertices;
+  }
+
+  VDWMESH_HD std::array<Vec3d, 3> corners(std::uint32_t t) const {
+    const auto& v = plane_.triangle(t).vertices;
+    return {points_[v[0]], points_[v[1]], points_[v[2]]};
+  }
+
+  VDWMESH_HD void queue_if_bad(std::uint32_t t) {
+    const auto& pieces = plane_.triangle(t).pieces;
+    const std::array<bool, 3> constrained{pieces[0] != kNoPiece, pieces[1] != kNoPiece,
+                                          pieces[2] != kNoPiece};
+    if (is_bad(corners(t), constrained, edge_length_)) {
+      work_.queue.push_back(candidate(t));
+    }
+  }
+
+  // Step (4): inserts the circumcentres of bad triangles (patch_quality.hpp) until no triangle is
+  // bad or try_insert() has refused the circumcentres of the rest. New triangles join the end of
+  // the queue. The limit on the number of points ends the loop in any case; some triangles then
+  // stay bad.
+  VDWMESH_HD void refine() {
+    work_.queue.clear();
+    visit_inside([&](std::uint32_t t) { queue_if_bad(t); });
+    const std::size_t most = 20 * (points_.size() + 50);
+    for (std::size_t i = 0; i < work_.queue.size() && points_.size() < most; ++i) {
+      if (plane_.has_failed()) return;
+      if constexpr (!Memory::kIsBounded) check_cancelled(monitor_, i);
+      const Candidate c = work_.queue[i];
+      if (is_unchanged(c)) try_insert(circumcenter(corners(c.triangle)), c.triangle);
+    }
+  }
+
+  // Inserts u if it lies inside the patch and not too near to the boundary. `near` is a triangle
+  // from which the search for u starts.
+  VDWMESH_HD void try_insert(const Vec3d& u, std::uint32_t near) {
+    if (is_buried(u)) return;
+    const PlanePoint p = projection_.project(u);
+    const Location at = plane_.locate(p, near);
+    if (!is_free(at) || encroaches(u, p, at)) return;
+    const std::uint32_t vertex = insert_interior(u, p, at);
+    plane_.visit_star(vertex, [&](std::uint32_t t) { queue_if_bad(t); });
+  }
+
+  // Whether u is too near to a piece: whether it sees one under an angle wider than 110°
+  // (kEncroachCosine). Only pieces that would be edges of u's new triangles are tested; they bound
+  // the conflict zone, the triangles that the insertion of u would replace.
+  VDWMESH_HD bool encroaches(const Vec3d& u, const PlanePoint& p, const Location& at) {
+    for (const auto& [t, k] : plane_.pieces_around(p, at.triangle)) {
+      const auto& v = plane_.triangle(t).vertices;
+      const Vec3d a = points_[v[corner_after(k)]] - u, b = points_[v[corner_before(k)]] - u;
+      if (dot(a, b) < kEncroachCosine * std::sqrt(squared_norm(a) * squared_norm(b))) return true;
+    }
+    return false;
+  }
+
+  // The edges inside the patch that join two points of one circle. Of the two triangles of an edge,
+  // the one is taken in which the end of lower number comes first.
+  VDWMESH_HD void find_edges_within_circles() {
+    Array<InnerEdge>& found = work_.inner_edges;
+    found.clear();
+    visit_inside([&](std::uint32_t t) {
+      const LinkedTriangle& w = plane_.triangle(t);
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = w.vertices[corner_after(k)], b = w.vertices[corner_before(k)];
+        if (a < b && w.pieces[k] == kNoPiece && circles_.share(a, b)) {
+          found.push_back({candidate(t), k});
+        }
+      }
+    });
+  }
+
+  // Step (5): inserts points into the middle of edges that join two points of one circle. New edges
+  // may join such points again, so this is repeated. For edges that are left after the last round,
+  // the pieces at their ends are split: afterwards there is no such edge, or there are requests.
+  VDWMESH_HD void divide_edges_within_circles() {
+    constexpr int kMostRounds = 8;
+    const Array<InnerEdge>& found = work_.inner_edges;
+    find_edges_within_circles();
+    for (int round = 0; round < kMostRounds && !found.empty() && !plane_.has_failed(); ++round) {
+      for (const auto& [c, k] : found) {
+        if (is_unchanged(c)) divide_edge(c.triangle, k);
+      }
+      find_edges_within_circles();
+    }
+    for (const auto& [c, k] : found) {
+      split_pieces_at(c.vertices[corner_after(k)], c.vertices[corner_before(k)]);
+    }
+  }
+
+  // Asks for splits of all pieces that end in one of the two points.
+  VDWMESH_HD void split_pieces_at(std::uint32_t a, std::uint32_t b) {
+    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
+      const BoundaryPiece& piece = boundary_.pieces[p];
+      if (piece.from == a || piece.to == a || piece.from == b || piece.to == b) want_split(p);
+    }
+  }
+
+  // Divides edge k of triangle t at the middle of the shorter great-circle arc between its ends. If
+  // the circle through the ends is large, this point may lie outside the patch. Then the middle of
+  // the edge in the plane is taken, which lies inside.
+  VDWMESH_HD void divide_edge(std::uint32_t t, std::uint32_t k) {
+    const auto& v = plane_.triangle(t).vertices;
+    const std::uint32_t a = v[corner_after(k)], b = v[corner_before(k)];
+    const Vec3d sum = points_[a] + points_[b];
+    if (squared_norm(sum) > 0 && divide_at(unit(sum), t)) return;
+    const PlanePoint &p = plane_.point(a), &q = plane_.point(b);
+    divide_at(projection_.lift({(p.x + q.x) / 2, (p.y + q.y) / 2}), t);
+  }
+
+  // Inserts u into the patch, or asks for a split if u lies on a piece. Returns false, and does
+  // nothing, if u lies outside the patch. The pole has no image in the plane and is outside.
+  VDWMESH_HD bool divide_at(const Vec3d& u, std::uint32_t near) {
+    if (u == projection_.pole()) return false;
+    const PlanePoint p = projection_.project(u);
+    const Location at = plane_.locate(p, near);
+    if (plane_.is_on_piece(at)) {
+      want_split(plane_.triangle(at.triangle).pieces[at.corner]);
+      return true;
+    }
+    if (!is_free(at)) return false;
+    insert_interior(u, p, at);
+    return true;
+  }
+
+  // Copies the triangles inside the patch to patch_, with the numbers that they have there.
+  VDWMESH_HD void collect_triangles() {
+    numbers_.assign(plane_.triangles().size(), kNoNeighbor);
+    patch_.triangles.clear();
+    visit_inside([&](std::uint32_t t) {
+      numbers_[t] = static_cast<std::uint32_t>(patch_.triangles.size());
+      patch_.triangles.push_back(plane_.triangle(t));
+    });
+    for (LinkedTriangle& t : patch_.triangles) {
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        t.neighbors[k] = t.pieces[k] == kNoPiece ? numbers_[t.neighbors[k]] : kNoNeighbor;
+      }
+    }
+  }
+
+  // Numbers the interior points that triangles use, in the order of their first use.
+  VDWMESH_HD void finish() {
+    // Points that lie outside the patch belong to no triangle and are left out. numbers_ has room,
+    // since there are more triangles in the plane than points.
+    numbers_.assign(points_.size(), kNoNeighbor);
+    for (std::uint32_t i = 0; i < boundary_.points.size(); ++i) numbers_[i] = i;
+    for (const LinkedTriangle& t : patch_.triangles) {
+      std::array<std::uint32_t, 3> vertices{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::uint32_t& n = numbers_[t.vertices[k]];
+        if (n == kNoNeighbor) {
+          n = static_cast<std::uint32_t>(boundary_.points.size() + work_.interior.size());
+          work_.interior.push_back(points_[t.vertices[k]]);
+        }
+        vertices[k] = n;
+      }
+      work_.triangles.push_back(vertices);
+    }
+  }
+
+  // Pieces shorter than this fraction of the edge length are not split for quality.
+  static constexpr double kShortest = 1e-3;
+
+  PatchBoundaryView boundary_;
+  double edge_length_;  // as a fraction of the radius, at most kLongestEdge
+  Monitor* monitor_;
+  Stereographic projection_;
+  Lattice& lattice_;
+  PatchWork<Memory>& work_;
+  // Parts of the work.
+  PointCirclesOf<Memory>& circles_;
+  Plane& plane_;
+  Array<std::uint32_t>& numbers_;
+  PatchTrianglesOf<Memory>& patch_;
+  // The points on the sphere by vertex: first the points of the boundary, then the interior ones.
+  Array<Vec3d>& points_;
+  Array<PieceSplit>& splits_;
+};
+
+}  // namespace triangulator
+}  // namespace vdwmesh

@@ -1,0 +1,475 @@
+// Insertion of points and pieces into the triangulation.
+//
+// A point is found by a walk from a triangle near it. The triangle is split into three, and edges
+// opposite to the point are flipped while they are not Delaunay. A piece that is no edge yet is
+// made one by flipping the edges that it crosses (Sloan 1993, "A fast algorithm for generating
+// constrained Delaunay triangulations"), then the flipped edges are made Delaunay again.
+//
+// Why this ends: an edge is flipped only if the fourth point lies strictly inside the circle, by an
+// exact test. Each flip then lowers the surface over the plane that has the height x² + y² at the
+// vertices, so no triangulation comes back. Edges that are kept because of labels do not matter.
+//
+// The templates are for plane_triangulation.cpp, which compiles them for the host, and for the
+// kernels of the device.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "arrangement/mesher/plane_triangulation.hpp"
+
+namespace vdwmesh {
+
+// An in-circle test of patches is a tie up to this times its error bound, which is 12 · 2^-53 of
+// the sum of its terms: up to 6e-9 of it. Atoms may lie 10^4 Å from the origin. There, coordinates
+// on the unit sphere are off by 10^4 · 2^-53, and differences of neighbouring points, some 0.01 of
+// the radius, by 1e-10 of their size, which the test multiplies by a few. An edge that stays though
+// it is not Delaunay by so little costs no angle that could be seen. Of the tests that are no ties
+// in truth, one in some 10^8 is taken for one, which does no harm either.
+inline constexpr double kTie = 0x1p22;
+
+// With e the largest absolute value of a coordinate, the frame has the corners (-3 e, -1.5 e), (3
+// e, -1.5 e) and (0, 3 e). Its sides are at least 1.5 e from the origin, and the points at most
+// sqrt(2) e.
+template <class Memory>
+void PlaneTriangulationOf<Memory>::start(std::span<const PlanePoint> points,
+                                         const Circles* circles) {
+  double e = 0;
+  for (const PlanePoint& p : points) e = std::max({e, std::abs(p.x), std::abs(p.y)});
+  if (!(e > 0)) e = 1;  // there is no point but the origin
+  largest_ = 3 * e;
+  points_.assign({{-largest_, -largest_ / 2}, {largest_, -largest_ / 2}, {0, largest_}});
+  points_.insert(points_.end(), points.begin(), points.end());
+  star_.assign(points_.size(), 0);
+  const std::uint32_t first = kFirstFrameCorner;
+  triangles_.assign(1, {{first, first + 1, first + 2},
+                        {kNoNeighbor, kNoNeighbor, kNoNeighbor},
+                        {kNoPiece, kNoPiece, kNoPiece}});
+  reset_scratch(circles);
+}
+
+template <class Memory>
+void PlaneTriangulationOf<Memory>::save(State& state) const {
+  state.largest = largest_;
+  state.points = points_;
+  state.triangles = triangles_;
+  state.star = star_;
+}
+
+template <class Memory>
+void PlaneTriangulationOf<Memory>::resume(const State& state, const Circles* circles) {
+  largest_ = state.largest;
+  points_ = state.points;
+  triangles_ = state.triangles;
+  star_ = state.star;
+  reset_scratch(circles);
+}
+
+template <class Memory>
+VDWMESH_HD void PlaneTriangulationOf<Memory>::resume(double largest, const PlanePoint* plane_points,
+                                                     const std::uint32_t* star, std::size_t points,
+                                                     const LinkedTriangle* linked,
+                                                     std::size_t triangles,
+                                                     const Circles* circles) {
+  largest_ = largest;
+  points_.assign(plane_points, plane_points + points);
+  star_.assign(star, star + points);
+  triangles_.assign(linked, linked + triangles);
+  reset_scratch(circles);
+}
+
+// Sets everything that is not part of the state.
+template <class Memory>
+VDWMESH_HD void PlaneTriangulationOf<Memory>::reset_scratch(const Circles* circles) {
+  errors_ = PlaneErrors::up_to(largest_);
+  circles_ = circles;
+  inside_.assign(triangles_.size(), 0);
+  visits_.clear();
+  search_ = 0;
+  turn_ = 0;
+  exact_tests_ = 0;
+}
+
+template <class Memory>
+VDWMESH_HD std::uint32_t PlaneTriangulationOf<Memory>::add_point(const PlanePoint& p) {
+  points_.push_back(p);
+  star_.push_back(0);
+  return static_cast<std::uint32_t>(points_.size()) - kFrameCorners - 1;
+}
+
+template <class Memory>
+VDWMESH_HD int PlaneTriangulationOf<Memory>::orientation(const PlanePoint& a, const PlanePoint& b,
+                                                         const PlanePoint& c) {
+  if (const int sign = filtered_orientation(errors_, a, b, c)) return sign;
+  ++exact_tests_;
+  return memory_.undecided_orientation(a, b, c);
+}
+
+template <class Memory>
+VDWMESH_HD int PlaneTriangulationOf<Memory>::orientation_of_point(std::uint32_t a, std::uint32_t b,
+                                                                  const PlanePoint& p) {
+  return orientation(point(a), point(b), p);
+}
+
+template <class Memory>
+VDWMESH_HD int PlaneTriangulationOf<Memory>::orientation_of(std::uint32_t a, std::uint32_t b,
+                                                            std::uint32_t c) {
+  return orientation(point(a), point(b), point(c));
+}
+
+// Whether the vertices of a triangle and another vertex are points of one circle.
+template <class Memory>
+VDWMESH_HD bool PlaneTriangulationOf<Memory>::share_circle(const LinkedTriangle& t,
+                                                           std::uint32_t vertex) const {
+  const auto& v = t.vertices;
+  return circles_ != nullptr && circles_->share(v[0], v[1], v[2], vertex);
+}
+
+// Whether p, which is vertex `vertex` or will be, lies inside the circumcircle of a triangle (1) or
+// outside (-1). Ties give 0.
+template <class Memory>
+VDWMESH_HD int PlaneTriangulationOf<Memory>::in_circle(const LinkedTriangle& t, const PlanePoint& p,
+                                                       std::uint32_t vertex) {
+  const PlanePoint &a = point(t.vertices[0]), &b = point(t.vertices[1]), &c = point(t.vertices[2]);
+  const CircleTerms terms(a, b, c, p);
+  const double value = terms.determinant();
+  if (const int sign = plane::sign_beyond(value, errors_.in_circle)) return sign;
+  if (share_circle(t, vertex)) return 0;
+  const double error = terms.error();
+  if (circles_ != nullptr && std::abs(value) <= kTie * error) return 0;
+  if (const int sign = plane::sign_beyond(value, error)) return sign;
+  ++exact_tests_;
+  return memory_.undecided_in_circle(a, b, c, p);
+}
+
+// Where p lies with respect to the edges of triangle t. The walk has come from triangle `from`, so
+// p is on the inner side of the edge to it.
+template <class Memory>
+VDWMESH_HD typename PlaneTriangulationOf<Memory>::Sides PlaneTriangulationOf<Memory>::sides(
+    const PlanePoint& p, std::uint32_t t, std::uint32_t from) {
+  const LinkedTriangle& w = triangles_[t];
+  // Always beginning with the same corner, walks could go in circles, since the triangulation is
+  // not Delaunay across pieces.
+  std::uint32_t k = turn_ = corner_after(turn_), on = 0;
+  for (int i = 0; i < 3; ++i, k = corner_after(k)) {
+    if (w.neighbors[k] == from && from != kNoNeighbor) continue;
+    const int side =
+        orientation_of_point(w.vertices[corner_after(k)], w.vertices[corner_before(k)], p);
+    if (side < 0) return {k, 0};
+    if (side == 0) on |= 1u << k;
+  }
+  return {kInside, on};
+}
+
+// The location of a point in triangle t that lies on the edges `on`, as bits. On two of them it
+// lies on their common vertex, which is the third corner.
+template <class Memory>
+VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::location(std::uint32_t t,
+                                                                       std::uint32_t on) {
+  if (on == 0) return {t, kInside, Place::inside};
+  const bool one_edge = (on & (on - 1)) == 0;
+  const std::uint32_t bit = one_edge ? on : 7 - on;
+  return {t, bit / 2, one_edge ? Place::on_edge : Place::on_vertex};
+}
+
+template <class Memory>
+VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::locate(const PlanePoint& p,
+                                                                     std::uint32_t near) {
+  return locate_here(p, near);
+}
+
+template <class Memory>
+VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::locate_here(const PlanePoint& p,
+                                                                          std::uint32_t near) {
+  // The error bounds of the tests hold in the frame only. The test fails for NaN as well.
+  if (!(std::abs(p.x) <= largest_ && std::abs(p.y) <= largest_)) return {near, 0, Place::outside};
+  std::uint32_t t = near, from = kNoNeighbor;
+  for (std::size_t steps = 0; steps <= 2 * triangles_.size(); ++steps) {
+    const Sides s = sides(p, t, from);
+    if (memory_.has_failed()) return {t, 0, Place::outside};
+    if (s.beyond == kInside) return location(t, s.on);
+    from = t;
+    t = triangles_[t].neighbors[s.beyond];
+    if (t == kNoNeighbor) return {from, s.beyond, Place::outside};
+  }
+  return search_all(p);
+}
+
+// Looks at every triangle. Only a walk in circles leads here.
+template <class Memory>
+VDWMESH_HD PlaneTypes::Location PlaneTriangulationOf<Memory>::search_all(const PlanePoint& p) {
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+    const Sides s = sides(p, t, kNoNeighbor);
+    if (s.beyond == kInside) return location(t, s.on);
+  }
+  return {0, 0, Place::outside};
+}
+
+// Returns the first of the new triangles.
+template <class Memory>
+VDWMESH_HD std::uint32_t PlaneTriangulationOf<Memory>::add_triangles(std::size_t count) {
+  const std::size_t first = triangles_.size();
+  triangles_.resize(first + count);
+  inside_.resize(first + count);
+  return static_cast<std::uint32_t>(first);
+}
+
+// Splits triangle t at a vertex inside of it, or on one of its edges; then one of the three new
+// triangles is flat until the caller flips its edge. The new triangle at edge k of t is (vertex,
+// v[k
+// + 1], v[k + 2]). Puts the three on the stack.
+template <class Memory>
+VDWMESH_HD void PlaneTriangulationOf<Memory>::split(std::uint32_t t, std::uint32_t vertex) {
+  const LinkedTriangle old = triangles_[t];
+  const std::uint32_t added = add_triangles(2);
+  const std::array<std::uint32_t, 3> parts{t, added, added + 1};
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const std::uint32_t k1 = corner_after(k), k2 = corner_before(k), part = parts[k];
+    triangles_[part] = {{vertex, old.vertices[k1], old.vertices[k2]},
+                        {old.neighbors[k], parts[k1], parts[k2]},
+                        {old.pieces[k], kNoPiece, kNoPiece}};
+    if (part != t) relink(triangles_.data(), part, 0, t);
+    inside_[part] = inside_[t];
+    star(old.vertices[k1]) = part;
+    stack_.push_back(part);
+  }
+  star(vertex) = t;
+}
+
+// flip() replaces one of the triangles at either end of the old edge, so the stars of these ends
+// are set anew.
+template <class Memory>
+VDWMESH_HD void PlaneTriangulationOf<Memory>::flip_edge(std::uint32_t t, std::uint32_t corner) {
+  const std::uint32_t n = triangles_[t].neighbors[corner];
+  star(triangles_[t].vertices[corner_after(corner)]) = t;
+  star(triangles_[t].vertices[corner_before(corner)]) = n;
+  flip(triangles_.data(), t, corner);
+}
+
+// Whether an edge may be flipped and is not Delaunay. Then its two triangles form a convex
+// quadrilateral: the fourth point lies in the circle, beyond the edge, so a straight line from the
+// first to the fourth point crosses the edge between its ends.
+template <class Memory>
+VDWMESH_HD bool PlaneTriangulationOf<Memory>::should_flip(std::uint32_t t, std::uint32_t corner) {
+  const LinkedTriangle& w = triangles_[t];
+  if (w.neighbors[corner] == kNoNeighbor || w.pieces[corner] != kNoPiece) return false;
+  const LinkedTriangle& n = triangles_[w.neighbors[corner]];
+  const std::uint32_t apex = n.vertices[n.corner_opposite(t)];
+  return in_circle(w, point(apex), apex) > 0;
+}
+
+// Flips edges opposite to a new vertex, which is corner 0 of the triangles on the stack.
+template <class Memory>
+VDWMESH_HD void PlaneTriangulationOf<Memory>::legalize_around_new() {
+  while (!stack_.empty()) {
+    const std::uint32_t t = stack_.back();
+    stack_.pop_back();
+    if (!should_flip(t, 0)) continue;
+    const std::uint32_t n = triangles_[t].neighbors[0];
+    flip_edge(t, 0);
+    stack_.push_back(t);
+    stack_.push_back(n);
+  }
+}
+
+template <class Memory>
+VDWMESH_HD void PlaneTriangulationOf<Memory>::insert(std::uint32_t vertex, const Location& at) {
+  insert_here(vertex, at);
+}
+
+template <class Memory>
+VDWMESH_HD void PlaneTriangulationOf<Memory>::insert_here(std::uint32_t vertex,
+                                                          const Location& at) {
+  stack_.clear();
+  split(at.triangle, vertex);
+  if (at.place == Place::on_edge) {
+    // The flat triangle at this edge. With the flip, both triangles at the edge are halved.
+    const std::uint32_t flat = stack_[at.corner];
+    stack_.push_back(triangles_[flat].neighbors[0]);
+    flip_edge(flat, 0);
+  }
+  legalize_around_new();
+}
+
+// Finds the edge between two vertices. Of its two triangles, takes the one that has it from a to b
+// counter-clockwise, so on the left. Sides of the frame are not found.
+template <class Memory>
+VDWMESH_HD bool PlaneTriangulationOf<Memory>::find_edge(std::uint32_t a, std::uint32_t b,
+                                                        Edge& edge) const {
+  if (!is_frame(a)) return find_edge_at(a, b, edge);
+  if (is_frame(b) || !find_edge_at(b, a, edge)) return false;
+  const std::uint32_t n = triangles_[edge.triangle].neighbors[edge.corner];
+  edge = {n, triangles_[n].corner_opposite(edge.triangle)};
+  return true;
+}
+
+// find_edge() by the star of vertex a, which is no corner of the frame.
+template <class Memory>
+VDWMESH_HD bool PlaneTriangulationOf<Memory>::find_edge_at(std::uint32_t a, std::uint32_t b,
+                                                           Edge& edge) const {
+  bool found = false;
+  visit_star(a, [&](std::uint32_t t) {
+    const LinkedTriangle& w = triangles_[t];
+    const std::uint32_t k = w.corner_at(a);
+    if (w.vertices[corner_after(k)] != b) return;
+    edge = {t, corner_before(k)};
+    found = true;
+  });
+  return found;
+}
+
+template <class Memory>
+VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::set_piece(const Edge& edge,
+                                                                       std::uint32_t piece) {
+  LinkedTriangle& one = triangles_[edge.triangle];
+  if (one.pieces[edge.corner] != kNoPiece) return Outcome::doubled;
+  LinkedTriangle& other = triangles_[one.neighbors[edge.corner]];
+  one.pieces[edge.corner] = piece;
+  other.pieces[other.corner_opposite(edge.triangle)] = piece;
+  return Outcome::inserted;
+}
+
+template <class Memory>
+VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::insert_piece(std::uint32_t from,
+                                                                          std::uint32_t to,
+                                                                          std::uint32_t piece) {
+  Edge edge{};
+  if (!find_edge(from, to, edge)) {
+    const Outcome outcome = find_crossed(from, to);
+    if (outcome != Outcome::inserted) return outcome;
+    flip_crossed(from, to);
+    legalize_flipped(from, to);
+    find_edge(from, to, edge);
+  }
+  return set_piece(edge, piece);
+}
+
+// Finds the triangle at `from` which the segment to `to` leaves through the opposite edge. The
+// result is not `inserted` if there is none, or if that edge is a piece.
+template <class Memory>
+VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::first_crossed(std::uint32_t from,
+                                                                           std::uint32_t to,
+                                                                           Edge& edge) {
+  Outcome outcome = Outcome::blocked;
+  visit_star(from, [&](std::uint32_t t) {
+    const LinkedTriangle& w = triangles_[t];
+    const std::uint32_t k = w.corner_at(from);
+    const std::uint32_t right = w.vertices[corner_after(k)], left = w.vertices[corner_before(k)];
+    if (orientation_of(from, right, to) <= 0 || orientation_of(from, left, to) >= 0) return;
+    edge = {t, k};
+    outcome = w.pieces[k] == kNoPiece ? Outcome::inserted : Outcome::crossing;
+  });
+  return outcome;
+}
+
+// Lists in crossed_ the edges that the segment crosses, from `from` on, as pairs of vertices. Stops
+// at a piece or at a vertex that lies on the segment.
+template <class Memory>
+VDWMESH_HD PlaneTypes::Outcome PlaneTriangulationOf<Memory>::find_crossed(std::uint32_t from,
+                                                                          std::uint32_t to) {
+  crossed_.clear();
+  Edge edge{};
+  if (const Outcome first = first_crossed(from, to, edge); first != Outcome::inserted) return first;
+  while (true) {
+    const LinkedTriangle& w = triangles_[edge.triangle];
+    crossed_.push_back(
+        {w.vertices[corner_after(edge.corner)], w.vertices[corner_before(edge.corner)]});
+    const std::uint32_t n = w.neighbors[edge.corner];
+    const std::uint32_t m = triangles_[n].corner_opposite(edge.triangle);
+    const std::uint32_t apex = triangles_[n].vertices[m];
+    if (apex == to) return Outcome::inserted;
+    const int side = orientation_of(from, to, apex);
+    if (side == 0) return Outcome::blocked;
+    // In n, corner m + 1 is on the left of the segment and m + 2 on the right. The segment leaves
+    // between the apex and the vertex on its other side.
+    edge = {n, side > 0 ? corner_after(m) : corner_before(m)};
+    if (triangles_[n].pieces[edge.corner] != kNoPiece) return Outcome::crossing;
+  }
+}
+
+// Flips the edges of crossed_ until none crosses the segment. An edge whose triangles form no
+// convex quadrilateral has to wait until others are flipped. Lists the new edges in flipped_.
+template <class Memory>
+VDWMESH_HD void PlaneTriangulationOf<Memory>::flip_crossed(std::uint32_t from, std::uint32_t to) {
+  flipped_.clear();
+  for (std::size_t i = 0; i < crossed_.size() && !memory_.has_failed(); ++i) {
+    const auto [b, c] = crossed_[i];
+    Edge edge{};
+    find_edge(b, c, edge);
+    const std::uint32_t t = edge.triangle, n = triangles_[t].neighbors[edge.corner];
+    const std::uint32_t a = triangles_[t].vertices[edge.corner];
+    const std::uint32_t d = triangles_[n].vertices[triangles_[n].corner_opposite(t)];
+    const bool convex = orientation_of(a, b, d) > 0 && orientation_of(a, d, c) > 0;
+    if (!convex) {
+      crossed_.push_back({b, c});
+      continue;
+    }
+    flip_edge(t, edge.corner);
+    const bool crosses = a != from && a != to && d != from && d != to &&
+                         orientation_of(from, to, a) != orientation_of(from, to, d);
+    (crosses ? crossed_ : flipped_).push_back({a, d});
+  }
+}
+
+// Makes the new edges of flip_crossed() Delaunay, and the edges around those that are flipped for
+// it, but leaves the segment itself.
+template <class Memory>
+VDWMESH_HD void PlaneTriangulationOf<Memory>::legalize_flipped(std::uint32_t from,
+                                                               std::uint32_t to) {
+  while (!flipped_.empty()) {
+    const auto [a, b] = flipped_.back();
+    flipped_.pop_back();
+    Edge edge{};
+    if ((a == from && b == to) || (a == to && b == from) || !find_edge(a, b, edge)) continue;
+    if (!should_flip(edge.triangle, edge.corner)) continue;
+    const std::uint32_t t = edge.triangle, n = triangles_[t].neighbors[edge.corner];
+    flip_edge(t, edge.corner);
+    // The four edges around: 0 and 2 of t, 0 and 1 of n.
+    const auto &v = triangles_[t].vertices, &w = triangles_[n].vertices;
+    for (const VertexPair& around :
+         {VertexPair{v[1], v[2]}, {v[0], v[1]}, {w[1], w[2]}, {w[2], w[0]}}) {
+      flipped_.push_back(around);
+    }
+  }
+}
+
+template <class Memory>
+VDWMESH_HD void PlaneTriangulationOf<Memory>::remove_piece(std::uint32_t from, std::uint32_t to) {
+  Edge edge{};
+  if (!find_edge(from, to, edge)) return;
+  LinkedTriangle& one = triangles_[edge.triangle];
+  LinkedTriangle& other = triangles_[one.neighbors[edge.corner]];
+  one.pieces[edge.corner] = kNoPiece;
+  other.pieces[other.corner_opposite(edge.triangle)] = kNoPiece;
+  flipped_.assign(1, VertexPair{from, to});
+  legalize_flipped(kNoVertex, kNoVertex);
+}
+
+template <class Memory>
+VDWMESH_HD std::span<const PlaneTypes::Edge> PlaneTriangulationOf<Memory>::pieces_around(
+    const PlanePoint& p, std::uint32_t at) {
+  visits_.resize(triangles_.size(), 0);
+  ++search_;
+  found_.clear();
+  stack_.assign(1, at);
+  visits_[at] = search_;
+  // The vertex that p would become. It has no labels.
+  const auto vertex = static_cast<std::uint32_t>(points_.size()) - kFrameCorners;
+  while (!stack_.empty()) {
+    const std::uint32_t t = stack_.back();
+    stack_.pop_back();
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t n = triangles_[t].neighbors[k];
+      if (triangles_[t].pieces[k] != kNoPiece) {
+        found_.push_back({t, k});
+      } else if (n != kNoNeighbor && visits_[n] != search_ &&
+                 in_circle(triangles_[n], p, vertex) > 0) {
+        visits_[n] = search_;
+        stack_.push_back(n);
+      }
+    }
+  }
+  return found_;
+}
+
+}  // namespace vdwmesh
