@@ -105,7 +105,7 @@ void note_other_topology(const ExactMeshStats& s, Report& report) {
                   s.contacts, s.joins));
 }
 
-// The crease-exact mesher runs on the CPU alone; what is refined goes to the backend asked for.
+// The crease-exact mesher and the refiner, each on the backend asked for.
 IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& surface,
                              const RefineOptions& refine, Report& report) {
   report.parameters = describe_parameters(surface, std::nullopt, refine.memory_limit);
@@ -114,7 +114,8 @@ IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& sur
   options.edge_lengths = surface.edge_lengths;
   options.memory_limit = refine.memory_limit;
   options.monitor = refine.monitor;
-  ExactMesh exact = mesh_union(spheres, options);
+  ExactMesh exact = make_exact_mesher(report.backend->requested)->mesh(spheres, options);
+  account_for_fallback(exact.fallback, report);
   report.timing.extract = exact.stats.seconds;
   report.mesh.emplace();
   report.mesh->arrangement = exact.stats;

@@ -1,9 +1,12 @@
 // Speed of the crease-exact mesher, and CGAL's Union_of_balls_3 beside it.
 //
-//   exact_mesh_bench [--edge-length H]... [--threads N]... [--cgal] STRUCTURE...
+//   exact_mesh_bench [--edge-length H]... [--threads N]... [--backend cpu|cuda]... [--cgal]
+//   STRUCTURE...
 //
 // A line per structure, edge length and number of threads: wall and CPU seconds (the least of three
-// runs), triangles per CPU second, the arrangement's part, and the growth of the peak memory.
+// runs), triangles per CPU second, the arrangement's part, and the growth of the peak memory. With
+// CUDA also the patches that the device meshed and that it left to the host, and whether the mesh
+// has the bits of the backend before it in the list.
 // --cgal meshes the first structure with CGAL and one subdivision as well.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polyhedron_3.h>
@@ -18,11 +21,14 @@
 #include <chrono>
 #include <cstdio>
 #include <list>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "arrangement/exact_mesher.hpp"
+#include "cuda/backend.hpp"
 #include "structure/reader.hpp"
 
 namespace vdwmesh {
@@ -61,25 +67,33 @@ SphereSet read(const std::string& path) {
   return SphereSet(std::move(spheres));
 }
 
-void run(const std::string& path, const SphereSet& spheres, double edge_length, int threads) {
+IndexedMeshHash run(const std::string& path, const SphereSet& spheres, double edge_length,
+                    int threads, Backend backend) {
   constexpr int kRuns = 3;
+  const std::unique_ptr<ExactMesher> mesher = make_exact_mesher(backend);
+  std::uint64_t on_device = 0, left = 0;
+  IndexedMeshHash bits{};
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
   Seconds best{1e300, 1e300};
   double arrangement = 1e300, triangles = 0;
   const double before = peak_bytes();
   for (int i = 0; i < kRuns; ++i) {
-    const Seconds seconds = timed([&] {
-      const ExactMesh made = mesh_union(spheres, {edge_length});
-      triangles = static_cast<double>(made.mesh.triangle_count());
-      arrangement = std::min(arrangement, made.stats.arrangement_seconds);
-    });
+    ExactMesh made;
+    const Seconds seconds = timed([&] { made = mesher->mesh(spheres, {edge_length}); });
+    triangles = static_cast<double>(made.mesh.triangle_count());
+    arrangement = std::min(arrangement, made.stats.arrangement_seconds);
+    on_device = made.stats.device_patches;
+    left = made.stats.left_patches;
+    bits = hash(made.mesh);
     best = {std::min(best.wall, seconds.wall), std::min(best.cpu, seconds.cpu)};
   }
-  fmt::print("{:<12} {:>5} {:>3} {:>10.0f} {:>8.3f} {:>8.3f} {:>10.0f} {:>10.1f} {:>8.1f}\n",
+  fmt::print("{:<12} {:>5} {:>3} {:>10.0f} {:>8.3f} {:>8.3f} {:>10.0f} {:>10.1f} {:>8.1f}",
              path.substr(path.find_last_of('/') + 1), edge_length, threads, triangles, best.wall,
              best.cpu, triangles / best.cpu, 100 * arrangement / best.wall,
              (peak_bytes() - before) / triangles);
+  if (backend == Backend::cuda) fmt::print(" cuda: {} patches, {} left", on_device, left);
+  return bits;
 }
 
 void run_cgal(const SphereSet& spheres) {
@@ -107,6 +121,7 @@ int main(int argc, char** argv) {
   std::vector<double> edge_lengths;
   std::vector<int> threads;
   std::vector<std::string> paths;
+  std::vector<vdwmesh::Backend> backends;
   bool with_cgal = false;
   for (int i = 1; i < argc; ++i) {
     const std::string_view argument = argv[i];
@@ -114,6 +129,9 @@ int main(int argc, char** argv) {
       edge_lengths.push_back(std::stod(argv[++i]));
     } else if (argument == "--threads" && i + 1 < argc) {
       threads.push_back(std::stoi(argv[++i]));
+    } else if (argument == "--backend" && i + 1 < argc) {
+      backends.push_back(std::string_view(argv[++i]) == "cuda" ? vdwmesh::Backend::cuda
+                                                               : vdwmesh::Backend::cpu);
     } else if (argument == "--cgal") {
       with_cgal = true;
     } else {
@@ -122,12 +140,21 @@ int main(int argc, char** argv) {
   }
   if (edge_lengths.empty()) edge_lengths = {0.35};
   if (threads.empty()) threads = {1, 2};
+  if (backends.empty()) backends = {vdwmesh::Backend::cpu};
   fmt::print("{:<12} {:>5} {:>3} {:>10} {:>8} {:>8} {:>10} {:>10} {:>8}\n", "structure", "Å", "thr",
              "triangles", "wall s", "CPU s", "tri/CPU s", "arrange %", "bytes/t");
   for (const std::string& path : paths) {
     const vdwmesh::SphereSet spheres = vdwmesh::read(path);
     for (const double edge_length : edge_lengths) {
-      for (const int n : threads) vdwmesh::run(path, spheres, edge_length, n);
+      for (const int n : threads) {
+        std::optional<vdwmesh::IndexedMeshHash> before;
+        for (const vdwmesh::Backend backend : backends) {
+          const vdwmesh::IndexedMeshHash bits =
+              vdwmesh::run(path, spheres, edge_length, n, backend);
+          fmt::print("{}\n", !before ? "" : (bits == *before ? " same bits" : " OTHER BITS"));
+          before = bits;
+        }
+      }
     }
     if (with_cgal && path == paths.front()) vdwmesh::run_cgal(spheres);
   }

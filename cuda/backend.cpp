@@ -216,6 +216,18 @@ class AutomaticExcludedMeasurer final : public ExcludedMeasurer {
   }
 };
 
+class AutomaticExactMesher final : public ExactMesher {
+ public:
+  ExactMesh mesh(const SphereSet& spheres, const ExactMeshOptions& options) const override {
+    ExactMesh made;
+    const std::string fallback = with_fallback(
+        "meshed", [&] { made = make_cuda_exact_mesher()->mesh(spheres, options); },
+        [&] { made = make_cpu_exact_mesher()->mesh(spheres, options); });
+    made.fallback = fallback;
+    return made;
+  }
+};
+
 // Runs a pipeline with the mesh on one device throughout, if it is to be refined and one device is
 // asked for. Otherwise, or if that does not fit the device's memory, extracts with CUDA to the host
 // and refines by `refiner` from there.
@@ -302,6 +314,12 @@ std::unique_ptr<UnionMeasurer> make_union_measurer(Backend backend) {
   if (resolve(backend) == Backend::cpu) return make_cpu_union_measurer();
   if (backend == Backend::cuda) return make_cuda_union_measurer();
   return std::make_unique<AutomaticUnionMeasurer>();
+}
+
+std::unique_ptr<ExactMesher> make_exact_mesher(Backend backend) {
+  if (resolve(backend) == Backend::cpu) return make_cpu_exact_mesher();
+  if (backend == Backend::cuda) return make_cuda_exact_mesher();
+  return std::make_unique<AutomaticExactMesher>();
 }
 
 std::unique_ptr<DistanceMeasurer> make_distance_measurer(Backend backend) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/distance_measurer.hpp"
+#include "arrangement/exact_mesher.hpp"
 #include "arrangement/union_measurer.hpp"
 #include "excluded/excluded_measurer.hpp"
 #include "extract/extractor.hpp"
@@ -64,6 +65,7 @@ std::unique_ptr<Extractor> make_extractor(Backend backend);
 std::unique_ptr<Refiner> make_refiner(Backend backend);
 std::unique_ptr<FieldMesher> make_field_mesher(Backend backend);
 std::unique_ptr<UnionMeasurer> make_union_measurer(Backend backend);
+std::unique_ptr<ExactMesher> make_exact_mesher(Backend backend);
 std::unique_ptr<DistanceMeasurer> make_distance_measurer(Backend backend);
 std::unique_ptr<ExcludedMeasurer> make_excluded_measurer(Backend backend);
 

@@ -18,6 +18,7 @@ std::unique_ptr<Extractor> make_cuda_extractor();
 std::unique_ptr<Refiner> make_cuda_refiner();
 std::unique_ptr<FieldMesher> make_cuda_field_mesher();
 std::unique_ptr<UnionMeasurer> make_cuda_union_measurer();
+std::unique_ptr<ExactMesher> make_cuda_exact_mesher();
 std::unique_ptr<DistanceMeasurer> make_cuda_distance_measurer();
 std::unique_ptr<ExcludedMeasurer> make_cuda_excluded_measurer();
 // A pipeline for one subdivision or more, with everything on one device. It throws

@@ -18,6 +18,7 @@ std::unique_ptr<Extractor> make_cuda_extractor() { throw BackendUnavailable(kRea
 std::unique_ptr<Refiner> make_cuda_refiner() { throw BackendUnavailable(kReason); }
 std::unique_ptr<FieldMesher> make_cuda_field_mesher() { throw BackendUnavailable(kReason); }
 std::unique_ptr<UnionMeasurer> make_cuda_union_measurer() { throw BackendUnavailable(kReason); }
+std::unique_ptr<ExactMesher> make_cuda_exact_mesher() { throw BackendUnavailable(kReason); }
 std::unique_ptr<DistanceMeasurer> make_cuda_distance_measurer() {
   throw BackendUnavailable(kReason);
 }

@@ -110,14 +110,14 @@ RefineOptions refinement(const Request& request, Monitor& monitor) {
   return refine;
 }
 
-// The crease-exact mesher runs on the CPU; what is subdivided goes to the device asked for.
+// The crease-exact mesher and the refiner, each on the device asked for.
 IndexedMesh mesh_exactly(const SphereSet& spheres, const Request& request, Monitor& monitor) {
   const RefineOptions refine = refinement(request, monitor);
   const ExactMeshOptions options{.edge_length = request.edge_length,
                                  .edge_lengths = request.edge_lengths,
                                  .memory_limit = refine.memory_limit,
                                  .monitor = &monitor};
-  IndexedMesh mesh = std::move(mesh_union(spheres, options).mesh);
+  IndexedMesh mesh = std::move(make_exact_mesher(request.backend)->mesh(spheres, options).mesh);
   if (request.subdivisions == 0) return mesh;
   return std::move(make_refiner(request.backend)->refine(spheres, std::move(mesh), refine).mesh);
 }

@@ -15,12 +15,14 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "arrangement/complex/measures.hpp"
 #include "arrangement/complex/topology.hpp"
+#include "arrangement/mesher/patch_device.hpp"
 #include "arrangement/mesher/union_mesher.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
@@ -114,8 +116,9 @@ BoundaryFeatures features_of(const BoundaryArcs& boundary) {
 // topology of the union. If none has, the first mesh that could be made is the result.
 class FeatureSizeSearch {
  public:
-  FeatureSizeSearch(const Arrangement& arrangement, const ExactMeshOptions& options)
-      : arrangement_(arrangement), options_(options) {}
+  FeatureSizeSearch(const Arrangement& arrangement, const ExactMeshOptions& options,
+                    PatchDevice* device)
+      : arrangement_(arrangement), options_(options), device_(device) {}
 
   // Throws LimitExceeded if no set of sizes led to a mesh.
   ExactMesh run() && {
@@ -139,7 +142,8 @@ class FeatureSizeSearch {
     // The mesher refused the same curves in the last attempt, and would refuse them again.
     if (features == refused_) return false;
     try {
-      ExactMesh mesh = mesh_boundary(arrangement_, std::move(boundary), options_with_memory_left());
+      ExactMesh mesh =
+          mesh_boundary(arrangement_, std::move(boundary), options_with_memory_left(), device_);
       compare(mesh);
       const bool right = mesh.stats.euler_difference == 0 && mesh.stats.shell_difference == 0;
       if (right || !best_) best_ = std::move(mesh);
@@ -176,6 +180,7 @@ class FeatureSizeSearch {
 
   const Arrangement& arrangement_;
   const ExactMeshOptions& options_;
+  PatchDevice* device_;
   std::optional<ExactMesh> best_;            // first mesh made, or the one of the right topology
   std::optional<SurfaceTopology> exact_;     // computed when it is first needed
   std::optional<BoundaryFeatures> refused_;  // curves that the mesher refused last
@@ -187,9 +192,23 @@ void check_edge_length(double length) {
   throw InvalidInput(fmt::format("the edge length must be positive and finite, not {} Å", length));
 }
 
+class CpuExactMesher final : public ExactMesher {
+ public:
+  ExactMesh mesh(const SphereSet& spheres, const ExactMeshOptions& options) const override {
+    return mesh_union(spheres, options);
+  }
+};
+
 }  // namespace
 
+std::unique_ptr<ExactMesher> make_cpu_exact_mesher() { return std::make_unique<CpuExactMesher>(); }
+
 ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options) {
+  return mesh_union_with(nullptr, spheres, options);
+}
+
+ExactMesh mesh_union_with(PatchDevice* device, const SphereSet& spheres,
+                          const ExactMeshOptions& options) {
   if (spheres.empty()) throw InvalidInput("an empty set of spheres has no surface");
   if (options.edge_lengths.empty()) check_edge_length(options.edge_length);
   if (!options.edge_lengths.empty() && options.edge_lengths.size() != spheres.size()) {
@@ -200,7 +219,7 @@ ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options) 
   const Clock::time_point begin = Clock::now();
   const Arrangement arrangement = arrange(spheres, options.monitor);
   const double arrangement_seconds = seconds_since(begin);
-  ExactMesh out = FeatureSizeSearch(arrangement, options).run();
+  ExactMesh out = FeatureSizeSearch(arrangement, options, device).run();
   out.stats.arrangement_seconds = arrangement_seconds;
   out.stats.seconds = seconds_since(begin);
   return out;

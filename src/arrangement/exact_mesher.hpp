@@ -19,7 +19,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <string>
 
 #include "core/monitor.hpp"
 #include "surface/indexed_mesh.hpp"
@@ -53,6 +55,9 @@ struct ExactMeshStats {
   std::uint64_t split = 0;   // pieces that had to be split after the first sampling
   // Tests of the triangulations that double precision did not decide, so exact arithmetic did.
   std::uint64_t exact_tests = 0;
+  // Patches that a CUDA device meshed, and those that it left to the host because double precision
+  // did not decide a test or the memory for one patch was too small. Both are 0 on the CPU.
+  std::uint64_t device_patches = 0, left_patches = 0;
   // Wall time. The first is the part before meshing: triangulation, dual complex and areas.
   double arrangement_seconds = 0, seconds = 0;
 };
@@ -60,6 +65,8 @@ struct ExactMeshStats {
 struct ExactMesh {
   IndexedMesh mesh;  // with triangle_spheres, without opposite half-edges
   ExactMeshStats stats;
+  // Why the CPU meshed what was meant for a device; empty if it did not.
+  std::string fallback;
 };
 
 // Meshes the boundary of the union. The labels of a vertex are the ids of the spheres it lies on,
@@ -70,5 +77,17 @@ struct ExactMesh {
 // LimitExceeded before it takes memory beyond the limit, or later if curves of the boundary lie too
 // close to each other for every set of thresholds.
 ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options = {});
+
+// mesh_union() on the CPU or on a CUDA device; make_exact_mesher() (cuda/backend.hpp) chooses. All
+// backends give the same mesh, bit by bit. The device meshes the patches once their boundaries are
+// settled; the host does the rest. mesh() throws DeviceMemoryExceeded as well.
+class ExactMesher {
+ public:
+  virtual ~ExactMesher() = default;
+  virtual ExactMesh mesh(const SphereSet& spheres, const ExactMeshOptions& options = {}) const = 0;
+};
+
+// On all cores.
+std::unique_ptr<ExactMesher> make_cpu_exact_mesher();
 
 }  // namespace vdwmesh

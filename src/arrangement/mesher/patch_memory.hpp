@@ -62,6 +62,7 @@ enum class PatchFailure : std::uint32_t { none, no_room, undecided };
 template <class T>
 class BoundedArray {
  public:
+  using value_type = T;
   BoundedArray() = default;
   VDWMESH_HD BoundedArray(T* data, std::uint32_t capacity, PatchFailure* failure)
       : data_(data), failure_(failure), capacity_(capacity) {}

@@ -59,7 +59,7 @@ class PatchTriangulator {
   VDWMESH_HD PatchTriangulator(const PatchBoundaryView& boundary, double edge_length,
                                Lattice& lattice, PatchWork<Memory>& work, Monitor* monitor)
       : boundary_(boundary),
-        edge_length_(std::min(edge_length, kLongestEdge)),
+        edge_length_(edge_length < kLongestEdge ? edge_length : kLongestEdge),
         monitor_(monitor),
         projection_(buried_pole(boundary)),
         lattice_(lattice),
@@ -383,7 +383,7 @@ class PatchTriangulator {
 
   // Copies the triangles inside the patch to patch_, with the numbers that they have there.
   VDWMESH_HD void collect_triangles() {
-    numbers_.assign(plane_.triangles().size(), kNoNeighbor);
+    numbers_.assign(plane_.triangles().size(), std::uint32_t{kNoNeighbor});
     patch_.triangles.clear();
     visit_inside([&](std::uint32_t t) {
       numbers_[t] = static_cast<std::uint32_t>(patch_.triangles.size());
@@ -400,7 +400,7 @@ class PatchTriangulator {
   VDWMESH_HD void finish() {
     // Points that lie outside the patch belong to no triangle and are left out. numbers_ has room,
     // since there are more triangles in the plane than points.
-    numbers_.assign(points_.size(), kNoNeighbor);
+    numbers_.assign(points_.size(), std::uint32_t{kNoNeighbor});
     for (std::uint32_t i = 0; i < boundary_.points.size(); ++i) numbers_[i] = i;
     for (const LinkedTriangle& t : patch_.triangles) {
       std::array<std::uint32_t, 3> vertices{};

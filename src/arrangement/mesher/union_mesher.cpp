@@ -73,8 +73,9 @@ std::vector<double> scaled_edge_lengths(const PowerTriangulation& t,
 class UnionMesher {
  public:
   UnionMesher(const Arrangement& arrangement, BoundaryArcs&& boundary,
-              const ExactMeshOptions& options)
+              const ExactMeshOptions& options, PatchDevice* device)
       : options_(options),
+        device_(device),
         t_(arrangement.triangulation),
         measures_(arrangement.measures),
         boundary_(std::move(boundary)),
@@ -92,7 +93,7 @@ class UnionMesher {
     check_memory();
     mesh_patches();
     sampling_.number_vertices();
-    ExactMesh out{{}, stats_};
+    ExactMesh out{{}, stats_, {}};
     assemble(out.mesh);
     if (boundary_.has_joined_corners) split_fans(boundary_.corners.size(), out.mesh);
     out.stats.arcs = boundary_.arcs.size();
@@ -179,8 +180,12 @@ class UnionMesher {
       begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
                   balls.size());
       const Demand demand = round <= kQualityRounds ? Demand::quality : Demand::validity;
-      tbb::parallel_for(std::size_t{0}, balls.size(), [&](std::size_t i) {
-        mesh_ball(balls[i], demand, stage);
+      const std::vector<std::uint32_t> for_host =
+          device_ && stage == PatchStage::triangles && last_splits_.empty()
+              ? mesh_on_device(balls, demand)
+              : balls;
+      tbb::parallel_for(std::size_t{0}, for_host.size(), [&](std::size_t i) {
+        mesh_ball(for_host[i], demand, stage);
         advance(options_.monitor, 1);
       });
       check_coincidence(balls);
@@ -258,6 +263,37 @@ class UnionMesher {
     } catch (const CoincidentPoints&) {
       has_coincident_points_[ball] = 1;
     }
+  }
+
+  // Lets the device mesh the patches that have a boundary, if there are so many that this is worth
+  // its while, and returns the balls that it leaves to the host. Precondition: no piece was split
+  // in the last round, so the triangulations of all boundaries are up to date.
+  std::vector<std::uint32_t> mesh_on_device(const std::vector<std::uint32_t>& balls,
+                                            Demand demand) {
+    std::vector<std::uint32_t> of_job, left;
+    std::vector<PatchJob> jobs;
+    for (const std::uint32_t b : balls) {
+      const PatchProgress* progress = progress_[b].get();
+      if (!progress || !progress->is_triangulated) {
+        left.push_back(b);
+        continue;
+      }
+      const double r = t_.balls[b].radius;
+      of_job.push_back(b);
+      jobs.push_back(
+          {progress, edge_lengths_[b] / r, measures_[b].area / (r * r), demand, &patches_[b]});
+    }
+    if (jobs.size() < device_->least_jobs()) return balls;
+    device_->mesh(jobs, options_.monitor);
+    tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t i) {
+      if (jobs[i].is_done && !jobs[i].mesh->triangles.empty()) finish(of_job[i], *jobs[i].mesh);
+    });
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+      if (!jobs[i].is_done) left.push_back(of_job[i]);
+      (jobs[i].is_done ? stats_.device_patches : stats_.left_patches) += 1;
+    }
+    std::sort(left.begin(), left.end());
+    return left;
   }
 
   // The progress of a ball's patch, after the splits of the last round.
@@ -405,6 +441,7 @@ class UnionMesher {
   Vec3d unscaled(const Vec3d& p) const { return unit_ * p; }
 
   ExactMeshOptions options_;
+  PatchDevice* device_;  // or null
   const PowerTriangulation& t_;
   const std::vector<SphereMeasures>& measures_;
   BoundaryArcs boundary_;
@@ -428,8 +465,8 @@ class UnionMesher {
 }  // namespace
 
 ExactMesh mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
-                        const ExactMeshOptions& options) {
-  return UnionMesher(arrangement, std::move(boundary), options).run();
+                        const ExactMeshOptions& options, PatchDevice* device) {
+  return UnionMesher(arrangement, std::move(boundary), options, device).run();
 }
 
 }  // namespace vdwmesh

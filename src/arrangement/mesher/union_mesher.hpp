@@ -7,6 +7,7 @@
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/exact_union.hpp"
 #include "arrangement/mesher/boundary_arcs.hpp"
+#include "arrangement/mesher/patch_device.hpp"
 #include "core/errors.hpp"
 
 namespace vdwmesh {
@@ -26,7 +27,8 @@ class CurvesTooClose : public LimitExceeded {
 
 // Meshes the whole boundary. The mesh depends on the arguments alone, not on the number of threads.
 // Throws CurvesTooClose, LimitExceeded, Cancelled.
+// A device, if there is one, meshes the patches once their boundaries are settled.
 ExactMesh mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
-                        const ExactMeshOptions& options);
+                        const ExactMeshOptions& options, PatchDevice* device);
 
 }  // namespace vdwmesh

@@ -1,0 +1,145 @@
+// The kernel that meshes patches, alone, beside the host's threads on the same patches.
+//
+//   patches_bench [--edge-length H] STRUCTURE...
+//
+// For each structure: the patches of the crease-exact mesher once their boundaries are settled, how
+// much memory they take, how long the host needs for them on all its threads, and how long the
+// kernel with 1 to 32 patches for each warp. Results are compared bit by bit.
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "arrangement/mesher/patch_batch.hpp"
+#include "arrangement/mesher/patch_device.hpp"
+#include "cuda/memory/device.cuh"
+#include "cuda/memory/transfer.cuh"
+#include "cuda/mesher/mesh_patches.cuh"
+#include "read_xyzr.hpp"
+
+namespace vdwmesh {
+namespace {
+
+template <class T>
+std::vector<T> download(const T* from, std::size_t count, const Stream& stream) {
+  std::vector<T> to(count);
+  download_parts({{to.data(), from, count * sizeof(T)}}, stream);
+  return to;
+}
+
+template <class T>
+bool same(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+// Takes the jobs of the mesher, measures, and gives the host's results back.
+class MeasuringDevice final : public PatchDevice {
+ public:
+  std::size_t least_jobs() const override { return 1; }
+
+  void mesh(std::span<PatchJob> jobs, Monitor*) override {
+    // Of the largest sets, as much as fits one batch.
+    const std::size_t most = std::min<std::size_t>(jobs.size(), std::size_t{1} << 16);
+    const std::span<PatchJob> some = jobs.first(most);
+    const double host = mesh_on_host(some);
+    std::size_t triangles = 0;
+    for (const PatchJob& job : some) triangles += job.mesh->triangles.size();
+    mesh_on_device(some, host, triangles);
+  }
+
+ private:
+  static double mesh_on_host(std::span<PatchJob> jobs) {
+    tbb::enumerable_thread_specific<PatchScratch> scratch;
+    const auto begin = std::chrono::steady_clock::now();
+    tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t i) {
+      PatchProgress progress = *jobs[i].progress;
+      *jobs[i].mesh = mesh_patch(
+          progress, {jobs[i].edge_length, jobs[i].demand, PatchStage::triangles, nullptr},
+          scratch.local());
+    });
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+
+  static void mesh_on_device(std::span<PatchJob> jobs, double host, std::size_t host_triangles) {
+    std::vector<std::uint32_t> which;
+    for (std::uint32_t j = 0; j < jobs.size(); ++j) {
+      if (is_for_device(sizes_of(jobs[j]))) which.push_back(j);
+    }
+    const PatchBatch batch(jobs, which);
+    const auto count = static_cast<std::uint32_t>(batch.patches().size());
+    std::vector<std::byte> input(batch.input_bytes());
+    batch.pack(input.data());
+    const Stream stream;
+    const DeviceArray<std::byte> device_input(input.size(), stream),
+        work(batch.work_bytes(), stream);
+    const DeviceArray<BoundedPatch> patches(count, stream);
+    const DeviceArray<Vec3d> lattice(batch.lattice().size(), stream);
+    const DeviceArray<PatchOutcome> outcomes(count, stream);
+    upload_parts({{device_input.data(), input.data(), input.size()},
+                  {patches.data(), batch.patches().data(), patches.bytes()},
+                  {lattice.data(), batch.lattice().data(), lattice.bytes()}},
+                 stream);
+    std::printf(
+        "%u of %zu patches, %.0f MB of input, %.0f MB of work memory; host %.4f s, %zu "
+        "triangles\n",
+        count, jobs.size(), 1e-6 * static_cast<double>(input.size()),
+        1e-6 * static_cast<double>(batch.work_bytes()), host, host_triangles);
+    for (const unsigned per_warp : {1u, 2u, 4u, 8u, 16u, 32u}) {
+      float best = 1e30F;
+      for (int run = 0; run < 3; ++run) {
+        StageClock clock(stream);
+        mesher::mesh_patches(patches.data(), count,
+                             {device_input.data(), work.data(), lattice.data()}, outcomes.data(),
+                             per_warp, stream);
+        best = std::min(best, clock.lap());
+      }
+      std::printf("%3u patches a warp: %8.2f ms, %.1f million triangles/s, ", per_warp, best,
+                  1e-3 * static_cast<double>(host_triangles) / best);
+      compare(jobs, batch, download(outcomes.data(), count, stream), stream);
+    }
+  }
+
+  // `compare` looks at some 2,000 patches, since each is fetched by itself.
+  static void compare(std::span<PatchJob> jobs, const PatchBatch& batch,
+                      const std::vector<PatchOutcome>& outcomes, const Stream& stream) {
+    std::size_t no_room = 0, undecided = 0, compared = 0, other = 0;
+    const std::size_t stride = outcomes.size() / 2000 + 1;
+    for (std::size_t i = 0; i < outcomes.size(); ++i) {
+      const PatchOutcome& o = outcomes[i];
+      no_room += o.failure == PatchFailure::no_room;
+      undecided += o.failure == PatchFailure::undecided;
+      if (o.failure != PatchFailure::none || i % stride != 0) continue;
+      const PatchMesh& mesh = *jobs[batch.job(i)].mesh;
+      std::vector<PieceSplit> splits = download(o.first_split, o.splits, stream);
+      sort_requests(splits);
+      ++compared;
+      other += !(same(download(o.first_interior, o.interior, stream), mesh.interior) &&
+                 same(download(o.first_triangle, o.triangles, stream), mesh.triangles) &&
+                 same(splits, mesh.splits));
+    }
+    std::printf("no room %zu, undecided %zu, compared %zu, different %zu\n", no_room, undecided,
+                compared, other);
+  }
+};
+
+}  // namespace
+}  // namespace vdwmesh
+
+int main(int argc, char** argv) {
+  vdwmesh::ExactMeshOptions options;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string_view(argv[i]) == "--edge-length" && i + 1 < argc) {
+      options.edge_length = std::stod(argv[++i]);
+      continue;
+    }
+    std::printf("%s, %g Å\n", argv[i], options.edge_length);
+    vdwmesh::MeasuringDevice device;
+    vdwmesh::mesh_union_with(&device, vdwmesh::SphereSet(vdwmesh::read_xyzr(argv[i])), options);
+  }
+  return 0;
+}

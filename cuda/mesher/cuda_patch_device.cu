@@ -1,0 +1,164 @@
+// The crease-exact mesher with a CUDA device for its patches.
+//
+// The host triangulates the boundaries of all patches and settles which of their pieces are split.
+// The patches then go to the device in batches, as large as their memory allows. Two threads take
+// batches in turn, each with a stream of its own: while the device meshes one batch, another is
+// packed, travels, or travels back. The host meshes what is left.
+#include <cuda_runtime.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "arrangement/mesher/patch_batch.hpp"
+#include "arrangement/mesher/patch_device.hpp"
+#include "cuda/cuda_backend.hpp"
+#include "cuda/memory/device.cuh"
+#include "cuda/memory/device_structures.cuh"
+#include "cuda/memory/run_on_threads.hpp"
+#include "cuda/memory/transfer.cuh"
+#include "cuda/mesher/mesh_patches.cuh"
+
+namespace vdwmesh {
+namespace {
+
+using mesher::GatheredPatches;
+using mesher::GatherPlace;
+
+// Of a batch: as many patches as fill a device, and what they may take of its memory.
+constexpr std::size_t kPatchesOfBatch = std::size_t{1} << 15;
+
+// Page-locked memory is not needed: upload_parts() and download_parts() go through some.
+template <class T>
+std::unique_ptr<T[]> uninitialized(std::size_t count) {
+  return std::make_unique_for_overwrite<T[]>(count);
+}
+
+// Where the results of each patch go, one after another; the last place is the end.
+std::vector<GatherPlace> places_of(const PatchOutcome* outcomes, std::size_t count) {
+  std::vector<GatherPlace> places(count + 1, GatherPlace{0, 0, 0});
+  for (std::size_t i = 0; i < count; ++i) {
+    const PatchOutcome& o = outcomes[i];
+    const bool failed = o.failure != PatchFailure::none;
+    places[i + 1] = {places[i].interior + (failed ? 0 : o.interior),
+                     places[i].triangle + (failed ? 0 : o.triangles),
+                     places[i].split + (failed ? 0 : o.splits)};
+  }
+  return places;
+}
+
+// Meshes one batch and gives the results to its jobs.
+void mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> which,
+                const Stream& stream) {
+  const PatchBatch batch(jobs, which);
+  const auto count = static_cast<std::uint32_t>(batch.patches().size());
+  if (count == 0) return;
+  const auto input = uninitialized<std::byte>(batch.input_bytes());
+  batch.pack(input.get());
+  const DeviceArray<std::byte> device_input(batch.input_bytes(), stream),
+      work(batch.work_bytes(), stream);
+  const DeviceArray<BoundedPatch> patches(count, stream);
+  const DeviceArray<Vec3d> lattice(batch.lattice().size(), stream);
+  const DeviceArray<PatchOutcome> device_outcomes(count, stream);
+  upload_parts({{device_input.data(), input.get(), device_input.bytes()},
+                {patches.data(), batch.patches().data(), patches.bytes()},
+                {lattice.data(), batch.lattice().data(), lattice.bytes()}},
+               stream);
+  mesher::mesh_patches(patches.data(), count, {device_input.data(), work.data(), lattice.data()},
+                       device_outcomes.data(), mesher::kPatchesPerWarp, stream);
+  const auto outcomes = uninitialized<PatchOutcome>(count);
+  download_parts({{outcomes.get(), device_outcomes.data(), device_outcomes.bytes()}}, stream);
+
+  const std::vector<GatherPlace> places = places_of(outcomes.get(), count);
+  const DeviceArray<GatherPlace> device_places(places.size(), stream);
+  upload_parts({{device_places.data(), places.data(), device_places.bytes()}}, stream);
+  const DeviceArray<Vec3d> device_interior(places[count].interior, stream);
+  const DeviceArray<std::array<std::uint32_t, 3>> device_triangles(places[count].triangle, stream);
+  const DeviceArray<PieceSplit> device_splits(places[count].split, stream);
+  mesher::gather_patches(device_outcomes.data(), device_places.data(), count,
+                         {device_interior.data(), device_triangles.data(), device_splits.data()},
+                         stream);
+  const auto interior = uninitialized<Vec3d>(device_interior.size());
+  const auto triangles = uninitialized<std::array<std::uint32_t, 3>>(device_triangles.size());
+  const auto splits = uninitialized<PieceSplit>(device_splits.size());
+  download_parts({{interior.get(), device_interior.data(), device_interior.bytes()},
+                  {triangles.get(), device_triangles.data(), device_triangles.bytes()},
+                  {splits.get(), device_splits.data(), device_splits.bytes()}},
+                 stream);
+  tbb::parallel_for(std::size_t{0}, std::size_t{count}, [&](std::size_t i) {
+    if (outcomes[i].failure != PatchFailure::none) return;
+    PatchJob& job = jobs[batch.job(i)];
+    const GatherPlace &from = places[i], &to = places[i + 1];
+    *job.mesh = {};
+    job.mesh->interior.assign(interior.get() + from.interior, interior.get() + to.interior);
+    job.mesh->triangles.assign(triangles.get() + from.triangle, triangles.get() + to.triangle);
+    job.mesh->splits.assign(splits.get() + from.split, splits.get() + to.split);
+    sort_requests(job.mesh->splits);
+    job.is_done = true;
+  });
+}
+
+// Cuts the jobs that are for a device into batches of at most so many bytes, but of one job at
+// least.
+std::vector<std::vector<std::uint32_t>> batches_of(std::span<const PatchJob> jobs,
+                                                   std::size_t most_bytes) {
+  std::vector<std::vector<std::uint32_t>> batches;
+  std::size_t bytes = most_bytes;
+  for (std::uint32_t j = 0; j < jobs.size(); ++j) {
+    const PatchSizes sizes = sizes_of(jobs[j]);
+    if (!is_for_device(sizes)) continue;
+    const std::size_t of_job = work_bytes(sizes);
+    if (bytes + of_job > most_bytes || batches.back().size() == kPatchesOfBatch) {
+      batches.emplace_back();
+      bytes = 0;
+    }
+    bytes += of_job;
+    batches.back().push_back(j);
+  }
+  return batches;
+}
+
+class CudaPatchDevice final : public PatchDevice {
+ public:
+  std::size_t least_jobs() const override { return 1024; }
+
+  void mesh(std::span<PatchJob> jobs, Monitor* monitor) override {
+    const DeviceScope scope;
+    int device = 0;
+    check_cuda(cudaGetDevice(&device), "device");
+    // Each of the two threads may take a quarter of what is free; inputs and results take less than
+    // the work memory.
+    std::size_t free = 0, total = 0;
+    check_cuda(cudaMemGetInfo(&free, &total), "memory");
+    const auto batches = batches_of(jobs, free / 4);
+    std::atomic<std::size_t> next{0};
+    const auto take_batches = [&](std::size_t) {
+      check_cuda(cudaSetDevice(device), "device");
+      const Stream stream;
+      for (std::size_t i = next++; i < batches.size(); i = next++) {
+        mesh_batch(jobs, batches[i], stream);
+        advance(monitor, batches[i].size());
+      }
+    };
+    run_on_threads(std::min<std::size_t>(batches.size(), 2), take_batches);
+  }
+};
+
+class CudaExactMesher final : public ExactMesher {
+ public:
+  ExactMesh mesh(const SphereSet& spheres, const ExactMeshOptions& options) const override {
+    CudaPatchDevice device;
+    return mesh_union_with(&device, spheres, options);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<ExactMesher> make_cuda_exact_mesher() {
+  return std::make_unique<CudaExactMesher>();
+}
+
+}  // namespace vdwmesh

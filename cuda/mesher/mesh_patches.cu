@@ -1,0 +1,55 @@
+// Meshes each patch with one thread, which runs the same steps as the host, in memory of its own in
+// global memory. So the bits are the host's. What is parallel is the patches: a molecule has one
+// for nearly every atom.
+#include "arrangement/mesher/bounded_patch.hpp"
+#include "cuda/memory/launch.cuh"
+#include "cuda/mesher/mesh_patches.cuh"
+
+namespace vdwmesh::mesher {
+namespace {
+
+constexpr unsigned kThreads = 64;
+
+// Grid: `per_warp` patches for each warp, on its first lanes.
+__global__ void __launch_bounds__(kThreads)
+    mesh(const BoundedPatch* patches, std::uint32_t count, PatchMemory memory,
+         PatchOutcome* outcomes, unsigned per_warp) {
+  const unsigned lane = threadIdx.x % 32;
+  if (lane >= per_warp) return;
+  const std::uint64_t i = thread_index() / 32 * per_warp + lane;
+  if (i < count) outcomes[i] = mesh_bounded_patch(patches[i], memory);
+}
+
+template <class T>
+__device__ void copy_by_warp(const T* from, std::uint32_t count, T* to, unsigned lane) {
+  for (std::uint32_t k = lane; k < count; k += 32) to[k] = from[k];
+}
+
+// A warp for each patch.
+__global__ void gather(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,
+                       GatheredPatches to) {
+  const std::uint64_t i = thread_index() / 32;
+  if (i >= count || outcomes[i].failure != PatchFailure::none) return;
+  const unsigned lane = threadIdx.x % 32;
+  const PatchOutcome& from = outcomes[i];
+  copy_by_warp(from.first_interior, from.interior, to.interior + places[i].interior, lane);
+  copy_by_warp(from.first_triangle, from.triangles, to.triangles + places[i].triangle, lane);
+  copy_by_warp(from.first_split, from.splits, to.splits + places[i].split, lane);
+}
+
+}  // namespace
+
+void mesh_patches(const BoundedPatch* patches, std::uint32_t count, const PatchMemory& memory,
+                  PatchOutcome* outcomes, unsigned patches_per_warp, const Stream& stream) {
+  const std::uint64_t warps = blocks_for(count, patches_per_warp);
+  launch("mesh_patches", mesh, over(32 * warps, kThreads), stream, patches, count, memory, outcomes,
+         patches_per_warp);
+}
+
+void gather_patches(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,
+                    const GatheredPatches& to, const Stream& stream) {
+  launch("gather_patches", gather, over(32 * std::uint64_t{count}, 128), stream, outcomes, places,
+         count, to);
+}
+
+}  // namespace vdwmesh::mesher

@@ -1,0 +1,36 @@
+// Kernels that mesh patches (arrangement/mesher/bounded_patch.hpp) and gather what came out.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "arrangement/mesher/bounded_patch.hpp"
+#include "cuda/memory/device_memory.cuh"
+
+namespace vdwmesh::mesher {
+
+// How many threads of a warp mesh a patch each; the others do nothing. Patches go their own ways,
+// so the threads of a warp wait for each other nearly always; but fewer of them leave a
+// multiprocessor with fewer patches to turn to while one waits for memory.
+inline constexpr unsigned kPatchesPerWarp = 4;
+
+// Meshes patches 0 .. count - 1, and writes an outcome for each.
+void mesh_patches(const BoundedPatch* patches, std::uint32_t count, const PatchMemory& memory,
+                  PatchOutcome* outcomes, unsigned patches_per_warp, const Stream& stream);
+
+// Where the parts of an outcome go, as indices into arrays for all.
+struct GatherPlace {
+  std::uint64_t interior, triangle, split;
+};
+struct GatheredPatches {
+  Vec3d* interior;
+  std::array<std::uint32_t, 3>* triangles;
+  PieceSplit* splits;
+};
+
+// Copies the results of patches without a failure out of the work memory.
+void gather_patches(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,
+                    const GatheredPatches& to, const Stream& stream);
+
+}  // namespace vdwmesh::mesher

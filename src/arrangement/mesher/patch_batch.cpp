@@ -1,0 +1,98 @@
+// Lays out and packs patches for a device.
+//
+// Steps: (1) order the jobs by size; (2) for each, find the sizes and places of its arrays in the
+// input and in the work memory, and the points of its icosahedron, which jobs of equal edge length
+// share; (3) copy boundaries and triangulations to their places.
+#include "arrangement/mesher/patch_batch.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace vdwmesh {
+namespace {
+
+// Of all points a patch may have on a device, and of all parts of an icosahedron's edge.
+constexpr std::uint32_t kMostPoints = 2048, kMostParts = 64;
+
+double clamped_edge(const PatchJob& job) {
+  return std::min(job.edge_length, triangulator::kLongestEdge);
+}
+
+template <class From, class To>
+void copy(const std::vector<From>& from, To* to) {
+  std::copy(from.begin(), from.end(), to);
+}
+
+}  // namespace
+
+// There are about as many points inside as half the triangles of that edge length that the area
+// holds. Along the boundary triangles are smaller. The allowances are for patches of molecules; one
+// that needs more is left to the host, as any that fails.
+PatchSizes sizes_of(const PatchJob& job) {
+  const PatchBoundary& b = job.progress->boundary;
+  const double edge = clamped_edge(job);
+  const double inside = job.area / (std::sqrt(3.0) / 2 * edge * edge);
+  const auto count = [](const auto& list) { return static_cast<std::uint32_t>(list.size()); };
+  const double most = 1.75 * static_cast<double>(b.points.size()) + 1.25 * inside + 64;
+  return {count(b.points),
+          count(b.pieces),
+          count(b.caps),
+          count(b.through),
+          count(job.progress->plane.triangles),
+          static_cast<std::uint32_t>(std::min(most, 1e9))};
+}
+
+bool is_for_device(const PatchSizes& sizes) { return sizes.most_points <= kMostPoints; }
+
+PatchBatch::PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint32_t> which)
+    : jobs_(jobs) {
+  std::vector<std::pair<std::uint32_t, PatchSizes>> sized;
+  sized.reserve(which.size());
+  for (const std::uint32_t j : which) sized.emplace_back(j, sizes_of(jobs[j]));
+  std::stable_sort(sized.begin(), sized.end(), [](const auto& a, const auto& b) {
+    return a.second.most_points > b.second.most_points;
+  });
+  lattices_.resize(kMostParts + 1);
+  for (const auto& [j, sizes] : sized) {
+    const PatchJob& job = jobs[j];
+    const std::uint32_t parts = SpherePoints::parts(clamped_edge(job));
+    if (parts > kMostParts) continue;
+    add_lattice(parts, clamped_edge(job));
+    order_.push_back(j);
+    patches_.push_back({sizes, lattices_[parts].first, lattices_[parts].count, input_bytes_,
+                        work_bytes_, job.edge_length, job.progress->plane.largest, job.demand});
+    ArrayPlaces places(nullptr);
+    patch_input(sizes, places);
+    input_bytes_ += places.bytes();
+    work_bytes_ += vdwmesh::work_bytes(sizes);
+  }
+}
+
+void PatchBatch::add_lattice(std::uint32_t parts, double edge_length) {
+  Lattice& known = lattices_[parts];
+  if (known.count > 0) return;
+  SpherePoints maker;
+  const std::vector<Vec3d>& points = maker.points(edge_length);
+  known = {static_cast<std::uint32_t>(lattice_.size()), static_cast<std::uint32_t>(points.size())};
+  lattice_.insert(lattice_.end(), points.begin(), points.end());
+}
+
+void PatchBatch::pack(std::byte* input) const {
+  tbb::parallel_for(std::size_t{0}, patches_.size(), [&](std::size_t i) {
+    const PatchProgress& from = *jobs_[order_[i]].progress;
+    ArrayPlaces places(input + patches_[i].input);
+    const PatchInput to = patch_input(patches_[i].sizes, places);
+    copy(from.boundary.points, to.points);
+    copy(from.boundary.pieces, to.pieces);
+    copy(from.boundary.caps, to.caps);
+    copy(from.boundary.through, to.through);
+    copy(from.plane.points, to.plane_points);
+    copy(from.plane.star, to.star);
+    copy(from.plane.triangles, to.triangles);
+  });
+}
+
+}  // namespace vdwmesh

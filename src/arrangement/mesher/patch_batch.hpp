@@ -1,0 +1,50 @@
+// Packs patches for a device: what bounded_patch.hpp describes, for many patches in one piece of
+// memory, in the order of their size.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "arrangement/mesher/bounded_patch.hpp"
+#include "arrangement/mesher/patch_device.hpp"
+
+namespace vdwmesh {
+
+// The sizes of a job's patch, with room for as many points as its area and boundary let expect.
+PatchSizes sizes_of(const PatchJob& job);
+// Whether a patch is for a device. A single thread meshes it, so it must not be large.
+bool is_for_device(const PatchSizes& sizes);
+
+class PatchBatch {
+ public:
+  // Takes the jobs `which` of `jobs`, and keeps a view of both.
+  PatchBatch(std::span<const PatchJob> jobs, std::span<const std::uint32_t> which);
+
+  // Descending by size, so that threads side by side have about as much to do.
+  std::span<const BoundedPatch> patches() const { return patches_; }
+  // The job of patch i.
+  std::uint32_t job(std::size_t i) const { return order_[i]; }
+  std::span<const Vec3d> lattice() const { return lattice_; }
+  std::size_t input_bytes() const { return input_bytes_; }
+  std::size_t work_bytes() const { return work_bytes_; }
+
+  // Writes the packed patches, on all cores.
+  void pack(std::byte* input) const;
+
+ private:
+  void add_lattice(std::uint32_t parts, double edge_length);
+
+  std::span<const PatchJob> jobs_;
+  std::vector<std::uint32_t> order_;
+  std::vector<BoundedPatch> patches_;
+  struct Lattice {
+    std::uint32_t first = 0, count = 0;
+  };
+  std::vector<Lattice> lattices_;  // by the number of parts of an edge
+  std::vector<Vec3d> lattice_;
+  std::size_t input_bytes_ = 0, work_bytes_ = 0;
+};
+
+}  // namespace vdwmesh

@@ -1,0 +1,82 @@
+// Crease-exact meshes of both backends: every array equal bit by bit.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cuda/backend.hpp"
+#include "cuda/parity.hpp"
+#include "support/shared_files.hpp"
+#include "support/sphere_recipes.hpp"
+#include "support/xyzr.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+using ExactMeshParity = Parity;
+
+// Returns the stats of the device's mesh.
+ExactMeshStats expect_exact_parity(const SphereSet& spheres, double edge_length,
+                                   const std::string& what) {
+  ExactMeshOptions options;
+  options.edge_length = edge_length;
+  const ExactMesh cpu = make_exact_mesher(Backend::cpu)->mesh(spheres, options);
+  const ExactMesh cuda = make_exact_mesher(Backend::cuda)->mesh(spheres, options);
+  expect_same(cpu.mesh, cuda.mesh, what);
+  EXPECT_EQ(cpu.stats.exact_tests, cuda.stats.exact_tests) << what;
+  EXPECT_EQ(cpu.stats.split, cuda.stats.split) << what;
+  const ExactMesh again = make_exact_mesher(Backend::cuda)->mesh(spheres, options);
+  EXPECT_EQ(hash(cuda.mesh), hash(again.mesh)) << what << ", second run";
+  return cuda.stats;
+}
+
+// Many sets side by side in one, since a device takes no few patches: the sets of sphere_recipes(),
+// half of them nearly degenerate, each at a place of its own.
+SphereSet side_by_side(unsigned seed, std::size_t sets) {
+  constexpr double kApart = 200;  // Å
+  std::vector<Sphere> spheres;
+  for (std::size_t i = 0; i < sets; ++i) {
+    const SeededSet set = seeded_set(seed + static_cast<unsigned>(i));
+    const Vec3d at{kApart * static_cast<double>(i % 16), kApart * static_cast<double>(i / 16), 0};
+    for (const Sphere& s : set.spheres.spheres()) spheres.push_back({s.center + at, s.radius});
+  }
+  return SphereSet(std::move(spheres));
+}
+
+TEST_F(ExactMeshParity, ReferenceMolecules) {
+  std::uint64_t on_device = 0, left = 0;
+  for (const char* name : {"4PTI", "1EJG", "1HH0", "1F4K", "4HHB"}) {
+    const std::string file = "reference/" + std::string(name) + ".xyzr";
+    VDWMESH_NEEDS_SHARED(file);
+    for (const double probe : {0.0, 1.4}) {
+      for (const double edge_length : {0.5, 0.35}) {
+        const ExactMeshStats stats =
+            expect_exact_parity(read_xyzr(shared_path(file), probe), edge_length,
+                                std::string(name) + " " + std::to_string(probe));
+        on_device += stats.device_patches;
+        left += stats.left_patches;
+      }
+    }
+  }
+  // The device does the work: one patch in a thousand may be left out (docs/exact_mesh.md).
+  EXPECT_GT(on_device, 10'000u);
+  EXPECT_LE(1000 * left, on_device);
+}
+
+TEST_F(ExactMeshParity, RandomAndNearlyDegenerateSets) {
+  for (const unsigned seed : {17'000'000u, 17'000'400u}) {
+    for (const double edge_length : {0.5, 0.3}) {
+      expect_exact_parity(side_by_side(seed, 200), edge_length, "recipes " + std::to_string(seed));
+    }
+  }
+}
+
+TEST_F(ExactMeshParity, Crowds) {
+  expect_exact_parity(crowd(20'000, 30, 0.5, 2.5, 7), 0.4, "crowd");
+  expect_exact_parity(crowd(20'000, 120, 0.5, 2.5, 8), 0.6, "sparse crowd");
+  expect_exact_parity(crowd(3'000, 30, 0.2, 9, 9), 0.5, "large and small");
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing

@@ -1,0 +1,148 @@
+// Patches meshed in bounded memory, as the device does it, but on the host: the same bits as in
+// growing memory, or a failure. No GPU is needed.
+#include "arrangement/mesher/bounded_patch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "arrangement/mesher/patch_batch.hpp"
+#include "arrangement/mesher/patch_device.hpp"
+#include "core/errors.hpp"
+#include "support/shared_files.hpp"
+#include "support/sphere_recipes.hpp"
+#include "support/xyzr.hpp"
+#include "surface/indexed_mesh.hpp"
+
+namespace vdwmesh::testing {
+namespace {
+
+// Meshes the jobs one after another on the host, in memory like a device's. With `room` other than
+// 1, patches get more or less room than they are thought to need.
+class HostedDevice final : public PatchDevice {
+ public:
+  explicit HostedDevice(double room = 1) : room_(room) {}
+
+  std::size_t least_jobs() const override { return 1; }
+  void mesh(std::span<PatchJob> jobs, Monitor*) override {
+    std::vector<std::uint32_t> which(jobs.size());
+    for (std::uint32_t j = 0; j < which.size(); ++j) which[j] = j;
+    const PatchBatch batch(jobs, which);
+    std::vector<std::byte> input(batch.input_bytes());
+    batch.pack(input.data());
+    patches += batch.patches().size();
+    for (std::size_t i = 0; i < batch.patches().size(); ++i) {
+      PatchJob& job = jobs[batch.job(i)];
+      BoundedPatch patch = batch.patches()[i];
+      patch.work = 0;
+      // Never less than what the boundary takes.
+      const double most = room_ * static_cast<double>(patch.sizes.most_points);
+      patch.sizes.most_points = std::max(
+          {patch.sizes.points, patch.sizes.plane_triangles / 2, static_cast<std::uint32_t>(most)});
+      // Guards behind the work memory show whether anything was written beyond it.
+      std::vector<std::byte> work(vdwmesh::work_bytes(patch.sizes) + kGuard, std::byte{0x5a});
+      const PatchOutcome out =
+          mesh_bounded_patch(patch, {input.data(), work.data(), batch.lattice().data()});
+      broken_guards += std::any_of(work.end() - kGuard, work.end(),
+                                   [](std::byte b) { return b != std::byte{0x5a}; });
+      take(out, job);
+    }
+  }
+
+  std::size_t patches = 0, no_room = 0, undecided = 0, broken_guards = 0;
+
+ private:
+  void take(const PatchOutcome& out, PatchJob& job) {
+    no_room += out.failure == PatchFailure::no_room;
+    undecided += out.failure == PatchFailure::undecided;
+    if (out.failure != PatchFailure::none) return;
+    *job.mesh = {};
+    job.mesh->interior.assign(out.first_interior, out.first_interior + out.interior);
+    job.mesh->triangles.assign(out.first_triangle, out.first_triangle + out.triangles);
+    job.mesh->splits.assign(out.first_split, out.first_split + out.splits);
+    sort_requests(job.mesh->splits);
+    job.is_done = true;
+  }
+
+  static constexpr std::ptrdiff_t kGuard = 64;
+  double room_;
+};
+
+void expect_same_mesh(const SphereSet& spheres, double edge_length, HostedDevice& device) {
+  ExactMeshOptions options;
+  options.edge_length = edge_length;
+  const ExactMesh one = mesh_union(spheres, options);
+  const ExactMesh other = mesh_union_with(&device, spheres, options);
+  EXPECT_EQ(hash(one.mesh), hash(other.mesh));
+  EXPECT_EQ(one.stats.exact_tests, other.stats.exact_tests);
+  EXPECT_EQ(one.stats.split, other.stats.split);
+  EXPECT_EQ(device.broken_guards, 0u);
+}
+
+class BoundedPatches : public ::testing::TestWithParam<const char*> {};
+
+// With the room that a device gives, one patch in a thousand may fail.
+TEST_P(BoundedPatches, SameBitsAndFewFailures) {
+  const std::string file = "reference/" + std::string(GetParam()) + ".xyzr";
+  VDWMESH_NEEDS_SHARED(file);
+  std::size_t failed = 0, patches = 0;
+  for (const double probe : {0.0, 1.4}) {
+    const SphereSet spheres = read_xyzr(shared_path(file), probe);
+    for (const double edge_length : {0.5, 0.35, 0.2}) {
+      SCOPED_TRACE(std::to_string(probe) + " " + std::to_string(edge_length));
+      HostedDevice device;
+      expect_same_mesh(spheres, edge_length, device);
+      failed += device.no_room + device.undecided;
+      patches += device.patches;
+    }
+  }
+  EXPECT_GT(patches, 0u);
+  EXPECT_LE(1000 * failed, patches);
+}
+INSTANTIATE_TEST_SUITE_P(Molecules, BoundedPatches,
+                         ::testing::Values("4PTI", "1EJG", "133D", "1HH0"),
+                         [](const auto& each) { return std::string(each.param); });
+
+// Whatever array is too small first, the patch fails without writing beyond its memory, and the
+// host meshes it.
+TEST(BoundedPatchFailures, TooLittleRoomIsNoticed) {
+  VDWMESH_NEEDS_SHARED("reference/1CRN.xyzr");
+  const SphereSet spheres = read_xyzr(shared_path("reference/1CRN.xyzr"));
+  std::size_t last = 0;
+  for (const double room : {0.8, 0.65, 0.5, 0.4, 0.0}) {
+    SCOPED_TRACE(room);
+    HostedDevice device(room);
+    expect_same_mesh(spheres, 0.35, device);
+    EXPECT_GE(device.no_room, last);
+    last = device.no_room;
+  }
+  EXPECT_GT(last, 200u);
+}
+
+// Balls that all but touch, meet in a point or share a circle have tests that double precision does
+// not decide, and arcs that were joined.
+TEST(BoundedPatchFailures, NearlyDegenerateSets) {
+  std::size_t undecided = 0, patches = 0;
+  for (unsigned seed = 17'000'000; seed < 17'000'096; ++seed) {
+    const SeededSet set = seeded_set(seed);
+    SCOPED_TRACE(seed);
+    HostedDevice device;
+    try {
+      mesh_union(set.spheres, {set.edge_length});
+    } catch (const LimitExceeded&) {
+      EXPECT_THROW(mesh_union_with(&device, set.spheres, {set.edge_length}), LimitExceeded);
+      continue;
+    }
+    expect_same_mesh(set.spheres, set.edge_length, device);
+    undecided += device.undecided;
+    patches += device.patches;
+  }
+  EXPECT_GT(patches, 500u);
+  EXPECT_GT(undecided, 0u);
+}
+
+}  // namespace
+}  // namespace vdwmesh::testing
