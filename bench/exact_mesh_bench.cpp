@@ -1,13 +1,14 @@
 // Speed of the crease-exact mesher, and CGAL's Union_of_balls_3 beside it.
 //
-//   exact_mesh_bench [--edge-length H]... [--threads N]... [--backend cpu|cuda]... [--cgal]
-//   STRUCTURE...
+//   exact_mesh_bench [--edge-length H]... [--threads N]... [--backend cpu|cuda]... [--rounds]
+//   [--cgal] STRUCTURE...
 //
 // A line per structure, edge length and number of threads: wall and CPU seconds (the least of three
 // runs), triangles per CPU second, the arrangement's part, and the growth of the peak memory. With
 // CUDA also the patches that the device meshed and that it left to the host, and whether the mesh
 // has the bits of the backend before it in the list.
-// --cgal meshes the first structure with CGAL and one subdivision as well.
+// --rounds says how long each round of meshing took, --cgal meshes the first structure with CGAL
+// and one subdivision as well.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polyhedron_3.h>
 #include <CGAL/Union_of_balls_3.h>
@@ -18,8 +19,10 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <iterator>
 #include <list>
 #include <memory>
 #include <optional>
@@ -60,6 +63,44 @@ Seconds timed(const Work& work) {
           cpu_seconds() - cpu};
 }
 
+// Says for each round of meshing how many patches it had, how long they took, and how long what
+// came after them did: the splits of the round, or the assembly of the mesh.
+class RoundClock final : public Monitor {
+ public:
+  void begin_stage(std::string_view name, std::uint64_t steps) override {
+    rounds_.emplace_back(std::string(name), steps, seconds(), seconds());
+  }
+  void advance(std::uint64_t) override {
+    if (!rounds_.empty()) rounds_.back().last = seconds();
+  }
+  bool cancelled() const override { return false; }
+
+  void print() const {
+    const double end = seconds();
+    fmt::print("{:>24} {:.3f}\n", "before the rounds", rounds_.empty() ? end : rounds_.front().begin);
+    for (auto r = rounds_.begin(); r != rounds_.end(); ++r) {
+      const double next = std::next(r) == rounds_.end() ? end : std::next(r)->begin;
+      fmt::print("{:>24} {:.3f} and {:.3f} after: {} patches\n", r->name, r->last - r->begin,
+                 next - r->last, r->patches);
+    }
+  }
+
+ private:
+  struct Round {
+    std::string name;
+    std::uint64_t patches;
+    double begin;
+    std::atomic<double> last;
+    Round(std::string n, std::uint64_t p, double b, double l)
+        : name(std::move(n)), patches(p), begin(b), last(l) {}
+  };
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::list<Round> rounds_;
+};
+
 SphereSet read(const std::string& path) {
   std::vector<Sphere> spheres;
   for (const Atom& atom : read_structure(path).atoms)
@@ -68,7 +109,7 @@ SphereSet read(const std::string& path) {
 }
 
 IndexedMeshHash run(const std::string& path, const SphereSet& spheres, double edge_length,
-                    int threads, Backend backend) {
+                    int threads, Backend backend, bool with_rounds) {
   constexpr int kRuns = 3;
   const std::unique_ptr<ExactMesher> mesher = make_exact_mesher(backend);
   std::uint64_t on_device = 0, left = 0;
@@ -80,7 +121,11 @@ IndexedMeshHash run(const std::string& path, const SphereSet& spheres, double ed
   const double before = peak_bytes();
   for (int i = 0; i < kRuns; ++i) {
     ExactMesh made;
-    const Seconds seconds = timed([&] { made = mesher->mesh(spheres, {edge_length}); });
+    RoundClock clock;
+    ExactMeshOptions options{.edge_length = edge_length};
+    if (with_rounds) options.monitor = &clock;
+    const Seconds seconds = timed([&] { made = mesher->mesh(spheres, options); });
+    if (with_rounds && i + 1 == kRuns) clock.print();
     triangles = static_cast<double>(made.mesh.triangle_count());
     arrangement = std::min(arrangement, made.stats.arrangement_seconds);
     on_device = made.stats.device_patches;
@@ -122,7 +167,7 @@ int main(int argc, char** argv) {
   std::vector<int> threads;
   std::vector<std::string> paths;
   std::vector<vdwmesh::Backend> backends;
-  bool with_cgal = false;
+  bool with_cgal = false, with_rounds = false;
   for (int i = 1; i < argc; ++i) {
     const std::string_view argument = argv[i];
     if (argument == "--edge-length" && i + 1 < argc) {
@@ -132,6 +177,8 @@ int main(int argc, char** argv) {
     } else if (argument == "--backend" && i + 1 < argc) {
       backends.push_back(std::string_view(argv[++i]) == "cuda" ? vdwmesh::Backend::cuda
                                                                : vdwmesh::Backend::cpu);
+    } else if (argument == "--rounds") {
+      with_rounds = true;
     } else if (argument == "--cgal") {
       with_cgal = true;
     } else {
@@ -150,7 +197,7 @@ int main(int argc, char** argv) {
         std::optional<vdwmesh::IndexedMeshHash> before;
         for (const vdwmesh::Backend backend : backends) {
           const vdwmesh::IndexedMeshHash bits =
-              vdwmesh::run(path, spheres, edge_length, n, backend);
+              vdwmesh::run(path, spheres, edge_length, n, backend, with_rounds);
           fmt::print("{}\n", !before ? "" : (bits == *before ? " same bits" : " OTHER BITS"));
           before = bits;
         }

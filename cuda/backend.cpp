@@ -219,6 +219,8 @@ class AutomaticExcludedMeasurer final : public ExcludedMeasurer {
 class AutomaticExactMesher final : public ExactMesher {
  public:
   ExactMesh mesh(const SphereSet& spheres, const ExactMeshOptions& options) const override {
+    if (spheres.size() < kSpheresWorthADevice)
+      return make_cpu_exact_mesher()->mesh(spheres, options);
     ExactMesh made;
     const std::string fallback = with_fallback(
         "meshed", [&] { made = make_cuda_exact_mesher()->mesh(spheres, options); },

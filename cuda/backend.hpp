@@ -51,6 +51,10 @@ inline constexpr std::size_t kBallsWorthADevice = 500'000;
 // many both ways with the samples that they have by default.
 inline constexpr std::size_t kTrianglesWorthADevice = 1'000'000;
 
+// The same for crease-exact meshes: sets of so many spheres or more. A device takes the patches, but
+// not the arrangement, and what it saves must exceed its beginning.
+inline constexpr std::size_t kSpheresWorthADevice = 100'000;
+
 // The CUDA backend keeps device memory between calls for the next call. This gives it back, after
 // all work on the devices has ended, so that the process can use a device for something else, such
 // as drawing. The memory is in each device's default pool (cudaMallocAsync), which the backend

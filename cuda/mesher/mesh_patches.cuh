@@ -13,7 +13,7 @@ namespace vdwmesh::mesher {
 // How many threads of a warp mesh a patch each; the others do nothing. Patches go their own ways,
 // so the threads of a warp wait for each other nearly always; but fewer of them leave a
 // multiprocessor with fewer patches to turn to while one waits for memory.
-inline constexpr unsigned kPatchesPerWarp = 4;
+inline constexpr unsigned kPatchesPerWarp = 8;
 
 // Meshes patches 0 .. count - 1, and writes an outcome for each.
 void mesh_patches(const BoundedPatch* patches, std::uint32_t count, const PatchMemory& memory,

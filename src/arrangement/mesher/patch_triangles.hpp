@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "arrangement/mesher/linked_triangle.hpp"
-#include "arrangement/mesher/patch_boundary.hpp"
 #include "arrangement/mesher/patch_memory.hpp"
+#include "arrangement/mesher/point_circles.hpp"
 
 namespace vdwmesh {
 

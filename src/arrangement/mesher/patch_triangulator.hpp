@@ -255,8 +255,11 @@ class PatchTriangulator {
 
   using Candidate = TriangleCandidate;
   VDWMESH_HD Candidate candidate(std::uint32_t t) const { return {t, plane_.triangle(t).vertices}; }
+  // By elements: nvcc 13.0 compiles the comparison of two std::arrays, which is a call of memcmp,
+  // to one on the device that never holds.
   VDWMESH_HD bool is_unchanged(const Candidate& c) const {
-    return plane_.triangle(c.triangle).vertices == c.vertices;
+    const auto &now = plane_.triangle(c.triangle).vertices, &then = c.vertices;
+    return now[0] == then[0] && now[1] == then[1] && now[2] == then[2];
   }
 
   VDWMESH_HD std::array<Vec3d, 3> corners(std::uint32_t t) const {

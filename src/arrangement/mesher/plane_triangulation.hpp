@@ -22,9 +22,9 @@
 #include <vector>
 
 #include "arrangement/mesher/linked_triangle.hpp"
-#include "arrangement/mesher/patch_boundary.hpp"
 #include "arrangement/mesher/patch_memory.hpp"
 #include "arrangement/mesher/plane_types.hpp"
+#include "arrangement/mesher/point_circles.hpp"
 
 namespace vdwmesh {
 
