@@ -31,11 +31,33 @@ using mesher::GatherPlace;
 // Of a batch: as many patches as fill a device, and what they may take of its memory.
 constexpr std::size_t kPatchesOfBatch = std::size_t{1} << 15;
 
-// Page-locked memory is not needed: upload_parts() and download_parts() go through some.
+// Memory that one batch leaves to the next, since the first write to a page costs more than the
+// others. Page-locked memory is not needed: upload_parts() and download_parts() go through some.
 template <class T>
-std::unique_ptr<T[]> uninitialized(std::size_t count) {
-  return std::make_unique_for_overwrite<T[]>(count);
-}
+class KeptRoom {
+ public:
+  // Uninitialised; what was there before is lost.
+  T* take(std::size_t count) {
+    if (count > size_) {
+      room_.reset();
+      room_ = std::make_unique_for_overwrite<T[]>(count);
+      size_ = count;
+    }
+    return room_.get();
+  }
+
+ private:
+  std::unique_ptr<T[]> room_;
+  std::size_t size_ = 0;
+};
+
+struct HostRoom {
+  KeptRoom<std::byte> input;
+  KeptRoom<PatchOutcome> outcomes;
+  KeptRoom<Vec3d> interior;
+  KeptRoom<std::array<std::uint32_t, 3>> triangles;
+  KeptRoom<PieceSplit> splits;
+};
 
 // Where the results of each patch go, one after another; the last place is the end.
 std::vector<GatherPlace> places_of(const PatchOutcome* outcomes, std::size_t count) {
@@ -51,28 +73,28 @@ std::vector<GatherPlace> places_of(const PatchOutcome* outcomes, std::size_t cou
 }
 
 // Meshes one batch and gives the results to its jobs.
-void mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> which,
+void mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> which, HostRoom& room,
                 const Stream& stream) {
   const PatchBatch batch(jobs, which);
   const auto count = static_cast<std::uint32_t>(batch.patches().size());
   if (count == 0) return;
-  const auto input = uninitialized<std::byte>(batch.input_bytes());
-  batch.pack(input.get());
+  std::byte* const input = room.input.take(batch.input_bytes());
+  batch.pack(input);
   const DeviceArray<std::byte> device_input(batch.input_bytes(), stream),
       work(batch.work_bytes(), stream);
   const DeviceArray<BoundedPatch> patches(count, stream);
   const DeviceArray<Vec3d> lattice(batch.lattice().size(), stream);
   const DeviceArray<PatchOutcome> device_outcomes(count, stream);
-  upload_parts({{device_input.data(), input.get(), device_input.bytes()},
+  upload_parts({{device_input.data(), input, device_input.bytes()},
                 {patches.data(), batch.patches().data(), patches.bytes()},
                 {lattice.data(), batch.lattice().data(), lattice.bytes()}},
                stream);
   mesher::mesh_patches(patches.data(), count, {device_input.data(), work.data(), lattice.data()},
-                       device_outcomes.data(), mesher::kPatchesPerWarp, stream);
-  const auto outcomes = uninitialized<PatchOutcome>(count);
-  download_parts({{outcomes.get(), device_outcomes.data(), device_outcomes.bytes()}}, stream);
+                       device_outcomes.data(), mesher::patches_per_warp(count), stream);
+  PatchOutcome* const outcomes = room.outcomes.take(count);
+  download_parts({{outcomes, device_outcomes.data(), device_outcomes.bytes()}}, stream);
 
-  const std::vector<GatherPlace> places = places_of(outcomes.get(), count);
+  const std::vector<GatherPlace> places = places_of(outcomes, count);
   const DeviceArray<GatherPlace> device_places(places.size(), stream);
   upload_parts({{device_places.data(), places.data(), device_places.bytes()}}, stream);
   const DeviceArray<Vec3d> device_interior(places[count].interior, stream);
@@ -81,21 +103,21 @@ void mesh_batch(std::span<PatchJob> jobs, std::span<const std::uint32_t> which,
   mesher::gather_patches(device_outcomes.data(), device_places.data(), count,
                          {device_interior.data(), device_triangles.data(), device_splits.data()},
                          stream);
-  const auto interior = uninitialized<Vec3d>(device_interior.size());
-  const auto triangles = uninitialized<std::array<std::uint32_t, 3>>(device_triangles.size());
-  const auto splits = uninitialized<PieceSplit>(device_splits.size());
-  download_parts({{interior.get(), device_interior.data(), device_interior.bytes()},
-                  {triangles.get(), device_triangles.data(), device_triangles.bytes()},
-                  {splits.get(), device_splits.data(), device_splits.bytes()}},
+  Vec3d* const interior = room.interior.take(device_interior.size());
+  auto* const triangles = room.triangles.take(device_triangles.size());
+  PieceSplit* const splits = room.splits.take(device_splits.size());
+  download_parts({{interior, device_interior.data(), device_interior.bytes()},
+                  {triangles, device_triangles.data(), device_triangles.bytes()},
+                  {splits, device_splits.data(), device_splits.bytes()}},
                  stream);
   tbb::parallel_for(std::size_t{0}, std::size_t{count}, [&](std::size_t i) {
     if (outcomes[i].failure != PatchFailure::none) return;
     PatchJob& job = jobs[batch.job(i)];
     const GatherPlace &from = places[i], &to = places[i + 1];
     *job.mesh = {};
-    job.mesh->interior.assign(interior.get() + from.interior, interior.get() + to.interior);
-    job.mesh->triangles.assign(triangles.get() + from.triangle, triangles.get() + to.triangle);
-    job.mesh->splits.assign(splits.get() + from.split, splits.get() + to.split);
+    job.mesh->interior.assign(interior + from.interior, interior + to.interior);
+    job.mesh->triangles.assign(triangles + from.triangle, triangles + to.triangle);
+    job.mesh->splits.assign(splits + from.split, splits + to.split);
     sort_requests(job.mesh->splits);
     job.is_done = true;
   });
@@ -138,8 +160,9 @@ class CudaPatchDevice final : public PatchDevice {
     const auto take_batches = [&](std::size_t) {
       check_cuda(cudaSetDevice(device), "device");
       const Stream stream;
+      HostRoom room;
       for (std::size_t i = next++; i < batches.size(); i = next++) {
-        mesh_batch(jobs, batches[i], stream);
+        mesh_batch(jobs, batches[i], room, stream);
         advance(monitor, batches[i].size());
       }
     };

@@ -40,10 +40,10 @@ __global__ void gather(const PatchOutcome* outcomes, const GatherPlace* places, 
 }  // namespace
 
 void mesh_patches(const BoundedPatch* patches, std::uint32_t count, const PatchMemory& memory,
-                  PatchOutcome* outcomes, unsigned patches_per_warp, const Stream& stream) {
-  const std::uint64_t warps = blocks_for(count, patches_per_warp);
+                  PatchOutcome* outcomes, unsigned per_warp, const Stream& stream) {
+  const std::uint64_t warps = blocks_for(count, per_warp);
   launch("mesh_patches", mesh, over(32 * warps, kThreads), stream, patches, count, memory, outcomes,
-         patches_per_warp);
+         per_warp);
 }
 
 void gather_patches(const PatchOutcome* outcomes, const GatherPlace* places, std::uint32_t count,
