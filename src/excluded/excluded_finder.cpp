@@ -1,9 +1,16 @@
 // ExcludedFinder: the distance to the accessible surface decides for most points; for the others
 // the nearest crease or cusp is searched.
 //
-// The tests are ordered by their cost. If the nearest accessible point is inside a patch, z is a
-// point of an atom, which no probe reaches. A point farther from all curves than from the nearest
-// atom has its nearest point elsewhere.
+// An accessible point f nearest to a point q inside of a grown ball is on an arc, or it is the foot
+// of q on the ball of least gap. For let f be inside of a patch of ball i. If q is outside of ball
+// i, so is all of the way from q to f, and just before f it runs inside of another ball, whose
+// sphere f is on then: f is on an arc. If q is inside, no other ball j contains f, so |q - c_j| >=
+// R_j - |q - f|: the gap of i is the least. So one test of that foot, and one search of the arcs,
+// find the distance.
+//
+// The tests are ordered by their cost. If that foot is exposed, z is a point of an atom, which no
+// probe reaches. A point farther from all curves than from the nearest atom has its nearest point
+// elsewhere.
 #include "excluded/excluded_finder.hpp"
 
 #include <algorithm>
@@ -60,66 +67,43 @@ double distance_to_curves(const Searched& s, const Vec3d& point, double least, d
   return std::sqrt(nearest);
 }
 
-// An accessible point: of an arc, or the foot on a patch.
-struct Accessible {
-  double squared;  // Å², from the point searched from
-  std::uint32_t arc = kNoIndex, patch = kNoIndex;
-
-  Vec3d place(const Searched& s, const Vec3d& point) const {
-    if (arc != kNoIndex) return s.arcs[arc].nearest_point(point);
-    const Sphere& ball = s.accessible.balls[patch];
-    const Vec3d out = point - ball.center;
-    const double length = norm(out);
-    return ball.center + ball.radius * (length > 0 ? (1 / length) * out : Vec3d{1, 0, 0});
-  }
+// The point of an arc that is nearest to a point.
+struct OnArc {
+  double squared;  // Å²
+  std::uint32_t arc = kNoIndex;
 };
 
-// The accessible point nearest to a point inside of a grown ball, if its squared distance is below
-// `bound`. It is a foot or on the border of a patch, which the arcs are. No accessible point is
-// nearer than `least`, so one that is as near ends the search. The arc `hint` is measured first.
-Accessible nearest_accessible(const Searched& s, const Vec3d& point, double least, double bound,
-                              std::uint32_t hint) {
-  Accessible found{bound};
-  const auto offer_arc = [&](std::uint32_t i) {
+// The nearest point of all arcs, if its squared distance is below `bound`. None is nearer than
+// `least`, so one that is as near ends the search. The arc `hint` is measured first.
+OnArc nearest_on_arcs(const Searched& s, const Vec3d& point, double least, double bound,
+                      std::uint32_t hint) {
+  OnArc found{bound};
+  if (s.arcs.empty()) return found;
+  const auto offer = [&](std::uint32_t i) {
     const double squared = s.arcs[i].squared_distance(point);
-    if (squared < found.squared) found = {squared, i, kNoIndex};
+    if (squared < found.squared) found = {squared, i};
   };
-  if (!s.arcs.empty()) {
-    offer_arc(hint);
-    double squared = found.squared;
-    visit_nearest(s.arc_tree, s.arc_tree.query(point), squared, [&](std::uint32_t i, double& best) {
-      offer_arc(i);
-      best = found.squared <= least ? -1 : found.squared;
-    });
-  }
-  if (found.squared <= least) return found;
-  double squared = found.squared, reach = std::sqrt(squared);
-  const PatchTreeView& view = s.accessible;
-  visit_nearest(view.tree, view.tree.query(point), squared, [&](std::uint32_t i, double& best) {
-    const Sphere& ball = view.balls[i];
-    const double square = squared_norm(point - ball.center);
-    const double most = ball.radius + reach, fewest = ball.radius - reach;
-    if (!(square < most * most) || (fewest > 0 && !(square > fewest * fewest))) return;
-    const double gap = std::sqrt(square) - ball.radius;
-    if (!(gap * gap < best) || !has_exposed_foot(view.patches[i], point)) return;
-    found = {gap * gap, kNoIndex, i};
-    best = gap * gap;
-    reach = std::abs(gap);
+  offer(hint);
+  double squared = found.squared;
+  visit_nearest(s.arc_tree, s.arc_tree.query(point), squared, [&](std::uint32_t i, double& best) {
+    offer(i);
+    best = found.squared <= least ? -1 : found.squared;
   });
   return found;
 }
 
-// Whether no probe reaches z (see the header), the point of the ray from x.
-bool is_foot_of_solid(const Searched& s, const Vec3d& point, const Accessible& nearest,
-                      const LeastGap& least, std::uint32_t hint) {
-  const Vec3d x = nearest.place(s, point), to = point - x;
+// Whether no probe reaches z (see the header), the point of the ray from x, of an arc.
+bool is_foot_of_solid(const Searched& s, const Vec3d& point, const OnArc& nearest,
+                      const LeastGap& least) {
+  const Vec3d x = s.arcs[nearest.arc].nearest_point(point), to = point - x;
   const double length = norm(to);
   if (!(length > 0)) return true;
   const Vec3d z = x + (s.probe / length) * to;
   const LeastGap at_z = find_least_gap(s.accessible, z, least.patch);
   const double inside = s.probe - s.tolerance;
-  if (!(at_z.gap < 0) || -at_z.gap >= inside) return -at_z.gap >= inside;
-  return nearest_accessible(s, z, 0, inside * inside, hint).squared >= inside * inside;
+  if (-at_z.gap >= inside) return true;
+  if (is_settled(s.accessible, z, at_z)) return false;
+  return nearest_on_arcs(s, z, 0, inside * inside, nearest.arc).squared >= inside * inside;
 }
 
 // The signed distance of a point whose grown ball of least gap is known, Å. `hint` is an arc, and
@@ -129,16 +113,15 @@ double distance_of(const Searched& s, const Vec3d& point, const LeastGap& least,
   const double to_atom = least.gap + s.probe;
   if (is_settled(s.accessible, point, least)) return to_atom;
   const double squared_gap = least.gap * least.gap;
-  const Accessible nearest =
-      nearest_accessible(s, point, squared_gap, std::numeric_limits<double>::infinity(), hint);
+  const OnArc nearest =
+      nearest_on_arcs(s, point, squared_gap, std::numeric_limits<double>::infinity(), hint);
   if (nearest.arc != kNoIndex) hint = nearest.arc;
-  const double to_accessible = std::sqrt(std::max(nearest.squared, squared_gap));
-  const double shortest = s.probe - to_accessible;
+  const double shortest = s.probe - std::sqrt(std::max(nearest.squared, squared_gap));
   if (!(shortest > 0) || s.curves.empty()) return shortest;
   const double bound = std::min(to_atom, s.probe);
   const double to_curves = distance_to_curves(s, point, shortest, bound);
   if (!(to_curves > shortest) || !(to_curves < bound)) return shortest;
-  return is_foot_of_solid(s, point, nearest, least, hint) ? shortest : to_curves;
+  return is_foot_of_solid(s, point, nearest, least) ? shortest : to_curves;
 }
 
 VDWMESH_MULTIVERSION void measure_all(const Searched& s, std::span<const Vec3d> points,
