@@ -38,8 +38,8 @@ static_assert(std::endian::native == std::endian::little, "BinaryCIF is little-e
 
 // The elements of type T in the bytes, as elements of type To.
 template <class T, class To>
-std::vector<To> elements_of(Bytes bytes) {
-  std::vector<To> values(bytes.size() / sizeof(T));
+Buffer<To> elements_of(Bytes bytes) {
+  Buffer<To> values(bytes.size() / sizeof(T));
   for (std::size_t i = 0; i < values.size(); ++i) {
     T value;
     std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
@@ -176,7 +176,7 @@ class ArrayDecoder {
 
   // Elements of 32 bits without a sign, of which those above 2^31 - 1 are refused.
   Integers unsigned_integers(Bytes bytes) const {
-    const std::vector<std::int64_t> values = elements_of<std::uint32_t, std::int64_t>(bytes);
+    const Buffer<std::int64_t> values = elements_of<std::uint32_t, std::int64_t>(bytes);
     Integers narrowed(values.size());
     std::transform(values.begin(), values.end(), narrowed.begin(),
                    [this](std::int64_t value) { return narrow(value); });
@@ -208,16 +208,16 @@ class ArrayDecoder {
   Integers run_length(const PackedValue& encoding, const Integers& pairs) const {
     const std::size_t wanted = size(encoding);
     if (pairs.size() % 2 != 0) fail("RunLength has a value without its count");
-    Integers values;
-    values.reserve(wanted);
+    Integers values(wanted);
+    std::size_t filled = 0;
     for (std::size_t i = 0; i < pairs.size(); i += 2) {
-      const std::int32_t count = pairs[i + 1];
-      if (count < 0 || static_cast<std::size_t>(count) > wanted - values.size())
+      const std::int32_t value = pairs[i], count = pairs[i + 1];
+      if (count < 0 || static_cast<std::size_t>(count) > wanted - filled)
         fail(fmt::format("the counts of RunLength are not those of {} values", wanted));
-      values.insert(values.end(), static_cast<std::size_t>(count), pairs[i]);
+      for (const std::size_t end = filled + static_cast<std::size_t>(count); filled < end;)
+        values[filled++] = value;
     }
-    if (values.size() != wanted)
-      fail(fmt::format("RunLength gives {} values of {}", values.size(), wanted));
+    if (filled != wanted) fail(fmt::format("RunLength gives {} values of {}", filled, wanted));
     return values;
   }
 
@@ -234,19 +234,19 @@ class ArrayDecoder {
     const bool is_unsigned = integer(encoding, "isUnsigned", 0, 1) == 1;
     const std::int32_t upper = is_unsigned ? (is_byte ? 0xFF : 0xFFFF) : (is_byte ? 0x7F : 0x7FFF);
     const std::int32_t lower = is_unsigned ? -1 : -upper - 1;  // -1: not the limit of any value
-    Integers values;
-    values.reserve(wanted);
+    Integers values(wanted);
+    std::size_t filled = 0;
     std::int64_t sum = 0;
     bool open = false;  // the last element was at a limit
     for (const std::int32_t element : packed) {
-      sum = narrow(sum + element);
-      open = element == upper || element == lower;
+      const bool was_open = std::exchange(open, element == upper || element == lower);
+      if (open || was_open) sum = narrow(sum + element);
       if (open) continue;
-      if (values.size() == wanted) break;
-      values.push_back(static_cast<std::int32_t>(sum));
+      if (filled == wanted) break;
+      values[filled++] = was_open ? static_cast<std::int32_t>(sum) : element;
       sum = 0;
     }
-    if (open || values.size() != wanted)
+    if (open || filled != wanted)
       fail(fmt::format("IntegerPacking gives not the {} values that it should", wanted));
     return values;
   }
@@ -268,7 +268,13 @@ class ArrayDecoder {
           all->substr(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first)));
     }
     array.indices = as_integers(decode(get(encoding, "dataEncoding"), bytes));
-    for (const std::int32_t index : array.indices)
+    // The extremes first, which lanes find: an index that is not one of them need not be looked at.
+    std::int32_t least = 0, most = -1;
+    for (const std::int32_t index : array.indices) {
+      least = std::min(least, index);
+      most = std::max(most, index);
+    }
+    for (const std::int32_t index : {least, most})
       if (index < -1 || index >= static_cast<std::int64_t>(array.texts.size()))
         fail(fmt::format("text {} is not one of its {}", index, array.texts.size()));
     return array;

@@ -13,12 +13,13 @@
 #include <variant>
 #include <vector>
 
+#include "core/buffer.hpp"
 #include "structure/message_pack.hpp"
 
 namespace vdwmesh {
 
-using Integers = std::vector<std::int32_t>;
-using Reals = std::vector<double>;
+using Integers = Buffer<std::int32_t>;
+using Reals = Buffer<double>;
 
 // Different texts, and which of them each row has; -1: none.
 struct TextArray {

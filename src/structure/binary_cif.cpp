@@ -162,15 +162,22 @@ class Reader {
     for (std::size_t row = 0; row < category.rows; ++row) builder.add(read(row));
   }
 
+  // Whether read() asks for the column. These three only stand in for the author's columns.
+  static constexpr bool is_read(Column column) {
+    return column != Column::label_atom_id && column != Column::label_comp_id &&
+           column != Column::label_seq_id;
+  }
+
   void decode_columns(const Category& category, const AtomSiteLayout& layout) {
     decoded_.resize(category.columns.size());
     for (std::size_t i = 0; i < kAtomSiteColumns; ++i) {
       const int index = layout.indices[i];
-      if (index < 0) continue;
+      if (index < 0 || !is_read(static_cast<Column>(i))) continue;
       BinaryColumn& column = decoded_[static_cast<std::size_t>(index)];
       if (column.size() != category.rows)
         column = decode(category, static_cast<std::size_t>(index));
       columns_[i] = &column;
+      texts_[i] = std::get_if<TextArray>(&column.values);
     }
   }
 
@@ -182,6 +189,10 @@ class Reader {
   std::string_view text(Column of, std::size_t row) {
     const BinaryColumn* const found = column(of);
     if (!found) return {};
+    if (const TextArray* const texts = texts_[static_cast<std::size_t>(of)]) {
+      const std::int32_t index = found->is_given(row) ? texts->indices[row] : -1;
+      return index < 0 ? std::string_view() : texts->texts[static_cast<std::size_t>(index)];
+    }
     std::string& scratch = scratch_[static_cast<std::size_t>(of)];
     const std::optional<std::int32_t> number = integer(of, row);
     if (!number) return found->text(row, scratch);
@@ -242,6 +253,7 @@ class Reader {
   std::uint64_t most_rows_;
   std::vector<BinaryColumn> decoded_;                            // by index in the table
   std::array<const BinaryColumn*, kAtomSiteColumns> columns_{};  // nullptr: not there
+  std::array<const TextArray*, kAtomSiteColumns> texts_{};       // of those that hold texts
   std::array<std::string, kAtomSiteColumns> scratch_;            // texts of numbers
   struct LastText {
     std::optional<std::int32_t> number;
