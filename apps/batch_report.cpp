@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "edge_lengths.hpp"
+#include "exact_steps.hpp"
 #include "measured_mesh.hpp"
 #include "steps.hpp"
 

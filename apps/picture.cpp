@@ -11,10 +11,10 @@
 #include "analysis/mesh_measures.hpp"
 #include "cuda/backend.hpp"
 #include "cuda/cuda_source.hpp"
+#include "exact_steps.hpp"
 #include "mesh/element_color.hpp"
 #include "output.hpp"
 #include "render/crease_split.hpp"
-#include "steps.hpp"
 #include "stopwatch.hpp"
 
 namespace vdwmesh::apps {

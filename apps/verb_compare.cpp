@@ -8,6 +8,7 @@
 #include "command_line/command_line.hpp"
 #include "compare_hints.hpp"
 #include "core/errors.hpp"
+#include "exact_steps.hpp"
 #include "excluded_steps.hpp"
 #include "memory_plan.hpp"
 #include "mesh/mesh_io.hpp"

@@ -2,6 +2,7 @@
 // with the blocks of the mesh empty, so that scripts read both alike. Memory is checked for the
 // union alone.
 #include "command_line/command_line.hpp"
+#include "exact_steps.hpp"
 #include "excluded_steps.hpp"
 #include "memory_plan.hpp"
 #include "output.hpp"

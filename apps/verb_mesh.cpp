@@ -11,6 +11,7 @@
 #include "beside.hpp"
 #include "command_line/command_line.hpp"
 #include "edge_lengths.hpp"
+#include "exact_steps.hpp"
 #include "excluded_steps.hpp"
 #include "interrupt.hpp"
 #include "memory_plan.hpp"

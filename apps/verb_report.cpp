@@ -6,6 +6,7 @@
 #include "analysis/mesh_measures.hpp"
 #include "command_line/command_line.hpp"
 #include "edge_lengths.hpp"
+#include "exact_steps.hpp"
 #include "excluded_steps.hpp"
 #include "measured_mesh.hpp"
 #include "memory_plan.hpp"

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cuda/backend.hpp"
+#include "exact_steps.hpp"
 #include "mesh/mesh_io.hpp"
 #include "pipeline/stage_clock.hpp"
 #include "steps.hpp"

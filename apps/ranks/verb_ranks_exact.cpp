@@ -1,6 +1,7 @@
 // The verb exact of vdwmesh-mpi: the exact measures of the union, of which every rank measures a
 // share. The report, its JSON and the table of atoms are those of the plain program.
 #include "distributed/union_together.hpp"
+#include "exact_steps.hpp"
 #include "output.hpp"
 #include "per_atom.hpp"
 #include "ranks/rank_session.hpp"

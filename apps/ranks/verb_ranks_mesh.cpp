@@ -9,6 +9,7 @@
 #include "distributed/shared_file.hpp"
 #include "distributed/surface_piece.hpp"
 #include "distributed/vtkhdf_file.hpp"
+#include "exact_steps.hpp"
 #include "grid_checks.hpp"
 #include "interrupt.hpp"
 #include "named_files.hpp"

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/study.hpp"
+#include "exact_steps.hpp"
 #include "json_text.hpp"
 #include "report.hpp"
 #include "steps.hpp"
