@@ -10,6 +10,8 @@
 // none left.
 #include "arrangement/mesher/boundary_arcs.hpp"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,6 +21,7 @@
 #include "arrangement/directions.hpp"
 #include "arrangement/mesher/touching_arcs.hpp"
 #include "core/disjoint_sets.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -40,7 +43,7 @@ class BoundaryBuilder {
   }
 
   BoundaryArcs run() && {
-    for (const ExposedArc& arc : exposed_arcs(t_, k_)) place(arc);  // step (1)
+    place_arcs(exposed_arcs(t_, k_));
     find_touching_arcs();
     find_coincident_corners();
     join_corners();
@@ -54,25 +57,40 @@ class BoundaryBuilder {
  private:
   const Sphere& ball(std::uint32_t i) const { return t_.balls[i]; }
 
-  // Returns the index in out_.corners of a corner of the dual complex. The first call for a corner
-  // computes its position and appends it.
-  std::uint32_t corner(CornerIndex index) {
-    std::uint32_t& place = corner_of_[index];  // a reference: setting it below fills the table
-    if (place != kNoIndex) return place;
-    // A CornerIndex is 2 × triangle + side. Side 0 lies above the triangle: its vertices a, b, c
-    // are counter-clockwise seen from there. Side 1 lies below.
+  // Step (1). Corners are numbered in the order in which the arcs name them. Corners and arcs are
+  // then placed on all cores.
+  void place_arcs(const std::vector<ExposedArc>& exposed) {
+    std::vector<CornerIndex> named;
+    const auto number = [&](CornerIndex index) {
+      if (corner_of_[index] != kNoIndex) return;
+      corner_of_[index] = static_cast<std::uint32_t>(named.size());
+      named.push_back(index);
+    };
+    for (const ExposedArc& arc : exposed) {
+      if (arc.start == kNoCorner) continue;
+      number(arc.start);
+      number(arc.end);
+    }
+    out_.corners.resize(named.size());
+    for_each_index(named.size(), [&](std::size_t i) { out_.corners[i] = corner(named[i]); });
+    out_.arcs.resize(exposed.size());
+    for_each_index(exposed.size(), [&](std::size_t i) { out_.arcs[i] = placed(exposed[i]); });
+    std::erase_if(out_.arcs, [&](const BoundaryArc& arc) { return leave_out(arc); });
+  }
+
+  // A corner of the dual complex. A CornerIndex is 2 × triangle + side. Side 0 lies above the
+  // triangle: its vertices a, b, c are counter-clockwise seen from there. Side 1 lies below.
+  BoundaryCorner corner(CornerIndex index) const {
     const DualTriangle& f = k_.triangles[index / 2];
     const Sphere& a = ball(f.vertices[0]);
     const CommonPoints points = common_points(a, ball(f.vertices[1]), ball(f.vertices[2]));
-    place = static_cast<std::uint32_t>(out_.corners.size());
-    out_.corners.push_back({a.center + (index % 2 == 0 ? points.above : points.below), f.vertices});
-    return place;
+    return {a.center + (index % 2 == 0 ? points.above : points.below), f.vertices};
   }
 
-  // Computes the frame and the sweep of one arc and passes it to add(). The frame is the centre of
+  // Computes the frame and the sweep of one arc. The frame is the centre of
   // the circle and two vectors, `cosine` in the direction `out` of angle 0 and `sine` a quarter
   // turn further. Angle 0 is at the arc's first corner. On a whole circle it is anywhere.
-  void place(const ExposedArc& exposed) {
+  BoundaryArc placed(const ExposedArc& exposed) const {
     const DualEdge& e = k_.edges[exposed.edge];
     const Sphere &a = ball(e.vertices[0]), &b = ball(e.vertices[1]);
     const EdgeShape shape = edge_shape(a, b);
@@ -87,7 +105,7 @@ class BoundaryBuilder {
                     0,
                     std::sqrt(shape.squared_circle_radius)};
     // On a circle as small as this, the positions of two corners may not give the angle between
-    // them. The limit is wider than that of is_contact(), by which add() leaves arcs out.
+    // them. The limit is wider than that of is_contact(), by which leave_out() decides.
     const bool small =
         shape.squared_circle_radius < kSmallCircle * std::pow(std::min(a.radius, b.radius), 2);
     Vec3d out = any_orthogonal(axis);
@@ -98,7 +116,7 @@ class BoundaryBuilder {
       // vertex in the point where they touch.
       out = std::cos(1.0) * out + std::sin(1.0) * cross(axis, out);
     } else {
-      arc.ends = {corner(exposed.start), corner(exposed.end)};
+      arc.ends = {corner_of_[exposed.start], corner_of_[exposed.end]};
       const Vec3d p = out_.corners[arc.ends[0]].position - arc.center,
                   q = out_.corners[arc.ends[1]].position - arc.center;
       const Vec3d radial = p - dot(p, axis) * axis;
@@ -109,7 +127,7 @@ class BoundaryBuilder {
     }
     arc.cosine = arc.radius * out;
     arc.sine = arc.radius * cross(axis, out);
-    add(arc, std::min(a.radius, b.radius));
+    return arc;
   }
 
   // The angle from corner p to corner q, counter-clockwise about the axis. Both corners are given
@@ -129,11 +147,12 @@ class BoundaryBuilder {
                                                               : std::abs(angle);
   }
 
-  // Keeps an arc, or counts it and leaves it out if it is too small. `smaller_radius` is the lesser
-  // radius of its two balls, to which both feature sizes refer. A whole circle that is a contact
-  // vanishes. An arc becomes a point if it is short, or if its circle is a contact, however far the
-  // arc turns. The ends of such an arc are kept, for join_corners().
-  void add(const BoundaryArc& arc, double smaller_radius) {
+  // Whether an arc is to be left out because it is too small; if so, counts it. Both feature sizes
+  // refer to the lesser radius of its two balls. A whole circle that is a contact vanishes. An arc
+  // becomes a point if it is short, or if its circle is a contact, however far the arc turns. The
+  // ends of such an arc are kept, for join_corners().
+  bool leave_out(const BoundaryArc& arc) {
+    const double smaller_radius = std::min(ball(arc.balls[0]).radius, ball(arc.balls[1]).radius);
     const bool no_circle = out_.is_contact(arc.radius, smaller_radius);
     if (arc.is_circle() && no_circle) {
       ++out_.contacts;
@@ -142,26 +161,30 @@ class BoundaryBuilder {
       ++out_.points;
       short_arc_ends_.push_back(arc.ends);
     } else {
-      out_.arcs.push_back(arc);
+      return false;
     }
+    return true;
   }
 
   // Finds pairs of corners of one ball that coincide: there, boundary curves of one patch meet in a
   // point. The distance counts in fractions of the ball's radius, as on the unit sphere on which
   // the patch is meshed. A ball has few corners as a rule, so all its pairs are compared.
   void find_coincident_corners() {
-    std::vector<std::array<std::uint32_t, 2>> places;  // entries (ball, corner on its sphere)
+    using Pair = std::array<std::uint32_t, 2>;
+    std::vector<Pair> places;  // entries (ball, corner on its sphere)
+    places.reserve(3 * out_.corners.size());
     for (std::uint32_t c = 0; c < out_.corners.size(); ++c) {
       for (const std::uint32_t b : out_.corners[c].balls) places.push_back({b, c});
     }
-    std::sort(places.begin(), places.end());
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    tbb::parallel_sort(places.begin(), places.end());
+    const auto coincident = collect<Pair>(places.size(), [&](std::size_t i, auto& found) {
       const double reach = out_.sizes.arc * ball(places[i][0]).radius;
       for (std::size_t j = i + 1; j < places.size() && places[j][0] == places[i][0]; ++j) {
         const Vec3d gap = out_.corners[places[j][1]].position - out_.corners[places[i][1]].position;
-        if (squared_norm(gap) <= reach * reach) joined_.push_back({places[i][1], places[j][1]});
+        if (squared_norm(gap) <= reach * reach) found.push_back({places[i][1], places[j][1]});
       }
-    }
+    });
+    joined_.insert(joined_.end(), coincident.begin(), coincident.end());
   }
 
   // Whether an arc has become a point by merging: both its ends are one corner, and the arc is
@@ -188,7 +211,7 @@ class BoundaryBuilder {
   // Replaces each set of joined corners by its member of lowest index, which is what
   // DisjointSets::find() returns. Removes the arcs that have become points. Numbers the corners
   // anew in the order of the arcs; corners in which no arc ends any more are dropped. Only pairs of
-  // joined_ count in `joins`, since add() has counted the short arcs in `points`.
+  // joined_ count in `joins`, since leave_out() has counted the short arcs in `points`.
   void join_corners() {
     out_.has_joined_corners =
         out_.has_joined_corners || !short_arc_ends_.empty() || !joined_.empty();
@@ -225,12 +248,13 @@ class BoundaryBuilder {
     // with the same ends follow each other. So do all whole circles of a ball, whose ends are
     // kNoIndex.
     std::vector<std::array<std::uint32_t, 4>> places;
+    places.reserve(2 * out_.arcs.size());
     for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
       const BoundaryArc& arc = out_.arcs[a];
       const auto [low, high] = std::minmax(arc.ends[0], arc.ends[1]);
       for (const std::uint32_t b : arc.balls) places.push_back({b, low, high, a});
     }
-    std::sort(places.begin(), places.end());
+    tbb::parallel_sort(places.begin(), places.end());
     // An arc takes part in one closure per call, because `places` has its former balls afterwards.
     // `gone` marks arcs to be removed.
     std::vector<char> changed(out_.arcs.size(), 0), gone(out_.arcs.size(), 0);
@@ -250,7 +274,9 @@ class BoundaryBuilder {
     }
     std::size_t kept = 0;
     for (std::size_t a = 0; a < gone.size(); ++a) {
-      if (!gone[a]) out_.arcs[kept++] = out_.arcs[a];
+      if (gone[a]) continue;
+      if (kept < a) out_.arcs[kept] = out_.arcs[a];
+      ++kept;
     }
     const bool any = kept < gone.size();
     out_.joins += gone.size() - kept;
@@ -289,7 +315,7 @@ class BoundaryBuilder {
   // no position.
   std::vector<std::uint32_t> corner_of_;
   // Pairs of corners that are one point, as indices into out_.corners. short_arc_ends_ has the ends
-  // of arcs that add() has left out, joined_ the pairs found by touching or by position.
+  // of arcs that were left out, joined_ the pairs found by touching or by position.
   std::vector<std::array<std::uint32_t, 2>> short_arc_ends_, joined_;
 };
 

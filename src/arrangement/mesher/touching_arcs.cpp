@@ -11,6 +11,8 @@
 // boundary_arcs.cpp calls join_touching_arcs() before it merges corners.
 #include "arrangement/mesher/touching_arcs.hpp"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -20,6 +22,7 @@
 
 #include "arrangement/complex/simplex_shape.hpp"
 #include "arrangement/directions.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -41,6 +44,13 @@ struct Circle {
   std::uint32_t other;
   // Its exposed arcs: entries first .. first + count - 1 of ball_arcs_.
   std::size_t first, count;
+};
+
+// Two circles of a ball that touch in a direction from its centre, a unit vector.
+struct Touch {
+  std::uint32_t ball;
+  std::array<Circle, 2> circles;
+  Vec3d point;
 };
 
 // An arc as seen from one of its balls; `other` is its other ball. Each arc has two entries.
@@ -66,12 +76,12 @@ class TouchingArcs {
 
   std::vector<std::array<std::uint32_t, 2>> run() && {
     list_arcs();
-    for (std::size_t begin = 0; begin < ball_arcs_.size();) {
-      std::size_t end = begin;
-      while (end < ball_arcs_.size() && ball_arcs_[end].ball == ball_arcs_[begin].ball) ++end;
-      search_ball(begin, end);
-      begin = end;
-    }
+    // The search changes nothing, so all balls can be searched at once.
+    const std::vector<Touch> touches =
+        collect<Touch>(ball_arcs_.size(), [&](std::size_t i, std::vector<Touch>& found) {
+          if (i == 0 || ball_arcs_[i].ball != ball_arcs_[i - 1].ball) search_ball(i, found);
+        });
+    for (const Touch& t : touches) touch(t.ball, t.circles[0], t.circles[1], t.point);
     join_cuts();
     cut_arcs();
     return std::move(joined_);
@@ -80,29 +90,31 @@ class TouchingArcs {
  private:
   // Step (1).
   void list_arcs() {
+    ball_arcs_.reserve(2 * out_.arcs.size());
     for (std::uint32_t a = 0; a < out_.arcs.size(); ++a) {
       const auto [first, second] = out_.arcs[a].balls;
       ball_arcs_.push_back({first, second, a});
       ball_arcs_.push_back({second, first, a});
     }
-    std::sort(ball_arcs_.begin(), ball_arcs_.end());
+    tbb::parallel_sort(ball_arcs_.begin(), ball_arcs_.end());
   }
 
-  // Step (2) for one ball: gathers its circles from the entries [begin, end) of ball_arcs_ and
+  // Step (2) for one ball: gathers its circles from its entries of ball_arcs_, from `begin` on, and
   // tests all pairs. Entries with the same other ball are arcs of one circle.
-  void search_ball(std::size_t begin, std::size_t end) {
-    circles_.clear();
-    for (std::size_t i = begin; i < end; ++i) {
+  void search_ball(std::size_t begin, std::vector<Touch>& found) const {
+    const std::uint32_t ball = ball_arcs_[begin].ball;
+    std::vector<Circle> circles;
+    for (std::size_t i = begin; i < ball_arcs_.size() && ball_arcs_[i].ball == ball; ++i) {
       if (i > begin && ball_arcs_[i].other == ball_arcs_[i - 1].other) {
-        ++circles_.back().count;
+        ++circles.back().count;
       } else {
-        circles_.push_back(circle_at(i));
+        circles.push_back(circle_at(i));
       }
     }
-    for (std::size_t i = 0; i < circles_.size(); ++i) {
-      for (std::size_t j = i + 1; j < circles_.size(); ++j) {
-        if (const auto point = touching_point(circles_[i], circles_[j]))
-          touch(ball_arcs_[begin].ball, circles_[i], circles_[j], *point);
+    for (std::size_t i = 0; i < circles.size(); ++i) {
+      for (std::size_t j = i + 1; j < circles.size(); ++j) {
+        if (const auto point = touching_point(circles[i], circles[j]))
+          found.push_back({ball, {circles[i], circles[j]}, *point});
       }
     }
   }
@@ -277,7 +289,6 @@ class TouchingArcs {
   const PowerTriangulation& t_;
   BoundaryArcs& out_;
   std::vector<ArcOfBall> ball_arcs_;  // sorted by ball, then other ball, then arc
-  std::vector<Circle> circles_;       // of the ball that is being searched
   // The cuts of all arcs. join_cuts() sorts them by arc and angle.
   std::vector<Cut> cuts_;
   // Pairs of corners that are one point.
