@@ -92,11 +92,9 @@ std::uint64_t join_components(const Ranks& ranks, const SphereShare& share,
 }
 
 std::uint64_t components_together(const Ranks& ranks, const SphereSet& spheres) {
-  SphereShare share;
+  const SphereShare share = share_of_spheres(ranks, spheres);
   Buffer<std::uint32_t> sets;
   ranks.together([&] {
-    share = share_of_spheres(spheres, static_cast<std::size_t>(ranks.number()),
-                             static_cast<std::size_t>(ranks.count()));
     if (!share.own.empty()) sets = connected_balls(SphereSet::view(share.near.spheres));
   });
   return join_components(ranks, share, [&](SphereId i) { return sets[i]; });

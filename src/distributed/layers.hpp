@@ -5,22 +5,22 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
 
-class Layers {
+// Which layer a sphere is in.
+class LayerScale {
  public:
-  // Precondition: the set is not empty.
-  Layers(const SphereSet& spheres, int axis) : axis_(axis), starts_(kLayers + 1) {
-    const Box box = center_bounding_box(spheres);
-    lower_ = box.lower[axis];
+  static constexpr std::size_t kLayers = 4096;
+
+  // `box` is that of the centres of all spheres.
+  LayerScale(const Box& box, int axis) : axis_(axis), lower_(box.lower[axis]) {
     const double height = box.upper[axis] - lower_;
     scale_ = height > 0 ? kLayers / height : 0;
-    for (const Sphere& s : spheres.spheres()) ++starts_[layer_of(s) + 1];
-    for (std::size_t layer = 0; layer < kLayers; ++layer) starts_[layer + 1] += starts_[layer];
   }
 
   std::size_t layer_of(const Sphere& s) const {
@@ -28,8 +28,21 @@ class Layers {
     return static_cast<std::size_t>(std::clamp(layer, 0.0, kLayers - 1.0));
   }
 
-  // [layer]: the number of spheres in the layers before it; the last element counts all.
-  const std::vector<std::uint64_t>& starts() const { return starts_; }
+ private:
+  int axis_;
+  double lower_, scale_;
+};
+
+class Layers {
+ public:
+  // Precondition: the set is not empty.
+  Layers(const SphereSet& spheres, int axis)
+      : scale_(center_bounding_box(spheres), axis), starts_(LayerScale::kLayers + 1) {
+    for (const Sphere& s : spheres.spheres()) ++starts_[layer_of(s) + 1];
+    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+  }
+
+  std::size_t layer_of(const Sphere& s) const { return scale_.layer_of(s); }
 
   // The first layer before which at least `spheres` spheres lie.
   std::size_t end_of(std::uint64_t spheres) const {
@@ -37,9 +50,8 @@ class Layers {
   }
 
  private:
-  static constexpr std::size_t kLayers = 4096;
-  int axis_;
-  double lower_ = 0, scale_ = 0;
+  LayerScale scale_;
+  // [layer]: the number of spheres in the layers before it; the last element counts all.
   std::vector<std::uint64_t> starts_;
 };
 

@@ -168,6 +168,15 @@ void Ranks::add_up(std::span<std::uint64_t> array) const {
   });
 }
 
+void Ranks::add_up_before(std::span<std::uint64_t> array) const {
+  in_pieces(std::as_writable_bytes(array), [](std::byte* first, int count) {
+    MPI_Exscan(MPI_IN_PLACE, first, count / static_cast<int>(sizeof(std::uint64_t)), MPI_UINT64_T,
+               MPI_SUM, MPI_COMM_WORLD);
+  });
+  // MPI leaves the result of the first rank undefined.
+  if (is_first()) std::ranges::fill(array, std::uint64_t{0});
+}
+
 std::vector<std::uint64_t> Ranks::exchange_sizes(std::span<const std::uint64_t> to_each) const {
   std::vector<std::uint64_t> from_each(to_each.size());
   MPI_Alltoall(to_each.data(), 1, MPI_UINT64_T, from_each.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);

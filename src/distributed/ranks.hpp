@@ -55,8 +55,10 @@ class Ranks {
   std::uint64_t sum_before(std::uint64_t mine) const;
   // The sum over the ranks on this host. Collective.
   std::uint64_t sum_on_host(std::uint64_t mine) const;
-  // Replaces each element of the array by its sum over all ranks. Collective.
+  // Replaces each element of the array by its sum over all ranks, or over the ranks before this
+  // one. Collective.
   void add_up(std::span<std::uint64_t> array) const;
+  void add_up_before(std::span<std::uint64_t> array) const;
 
   // Gives all ranks the contents that the array has on the first one. Collective.
   template <class T>

@@ -1,13 +1,14 @@
-// Shares of spheres: the spheres are numbered layer by layer across the longest axis, in their
-// order within a layer, and each part has a run of these numbers. A sphere is near to a part if its
-// interval along the axis meets that of the part.
+// Shares of spheres. A prefix sum over the counts of layers, block by block, gives every block the
+// numbers of its spheres, and these give their parts. A sphere is near to a part if its interval
+// along the axis meets that of the part.
 #include "distributed/sphere_shares.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <limits>
+#include <numeric>
 
 #include "distributed/layers.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -16,8 +17,7 @@ namespace {
 // touching are apart (arcs/doubts.hpp), and than differences of coordinates are rounded by.
 constexpr double kSlack = 1e-6, kRounding = 1e-14;
 
-int longest_axis(const SphereSet& spheres) {
-  const Box box = center_bounding_box(spheres);
+int longest_axis(const Box& box) {
   const Vec3d size = box.upper - box.lower;
   int longest = 0;
   for (int axis = 1; axis < 3; ++axis) {
@@ -26,47 +26,127 @@ int longest_axis(const SphereSet& spheres) {
   return longest;
 }
 
-// The interval along the axis that spheres take, Å, and the largest of their radii.
-struct Extent {
-  double lower = std::numeric_limits<double>::infinity(), upper = -lower, radius = 0;
+// The first sphere or number of each part or block, and the end of the last one.
+std::vector<std::uint64_t> even_runs(std::uint64_t count, std::size_t parts) {
+  std::vector<std::uint64_t> begins;
+  for (std::size_t part = 0; part <= parts; ++part) begins.push_back(count * part / parts);
+  return begins;
+}
 
-  void add(const Sphere& s, int axis) {
-    lower = std::min(lower, s.center[axis] - s.radius);
-    upper = std::max(upper, s.center[axis] + s.radius);
-    radius = std::max(radius, s.radius);
-  }
-  bool may_touch(const Sphere& s, int axis) const {
-    const double slack = kSlack * (s.radius + radius) + kRounding * std::abs(s.center[axis]);
-    return s.center[axis] + s.radius + slack >= lower && s.center[axis] - s.radius - slack <= upper;
-  }
-};
+Box join_boxes(const std::vector<Box>& boxes) {
+  Box all = empty_box();
+  for (const Box& box : boxes) include(all, box);
+  return all;
+}
+
+// Adds up the extents that all ranks have of all parts. Collective.
+void join_extents(const Ranks& ranks, std::vector<PartExtent>& parts) {
+  const std::vector<PartExtent> all = ranks.collect(std::span<const PartExtent>(parts));
+  for (std::size_t i = 0; i < all.size(); ++i) parts[i % parts.size()].add(all[i]);
+  ranks.share(parts);
+}
 
 }  // namespace
 
-SphereShare share_of_spheres(const SphereSet& spheres, std::size_t part, std::size_t parts) {
-  const std::uint64_t first = spheres.size() * part / parts,
-                      end = spheres.size() * (part + 1) / parts;
-  if (first == end) return {};
-  const int axis = longest_axis(spheres);
-  const Layers layers(spheres, axis);
-  std::vector<std::uint64_t> next = layers.starts();  // [layer]: number of its next sphere
-  std::vector<SphereId> own;
-  Extent extent;
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    const std::uint64_t number = next[layers.layer_of(spheres[i])]++;
-    if (number < first || number >= end) continue;
-    own.push_back(static_cast<SphereId>(i));
-    extent.add(spheres[i], axis);
+void PartExtent::add(const PartExtent& other) {
+  lower = std::min(lower, other.lower);
+  upper = std::max(upper, other.upper);
+  radius = std::max(radius, other.radius);
+}
+
+void PartExtent::add(const Sphere& s, int axis) {
+  add({s.center[axis] - s.radius, s.center[axis] + s.radius, s.radius});
+}
+
+bool PartExtent::may_touch(const Sphere& s, int axis) const {
+  const double slack = kSlack * (s.radius + radius) + kRounding * std::abs(s.center[axis]);
+  return s.center[axis] + s.radius + slack >= lower && s.center[axis] - s.radius - slack <= upper;
+}
+
+SphereBlock::SphereBlock(const SphereSet& spheres, std::size_t block, std::size_t parts)
+    : all_(spheres.size()), parts_(parts) {
+  const std::vector<std::uint64_t> begins = even_runs(all_, parts);
+  first_ = begins[block];
+  spheres_ = spheres.spheres().subspan(first_, begins[block + 1] - first_);
+}
+
+Box SphereBlock::box_of_centers() const {
+  Box box = empty_box();
+  for (const Sphere& s : spheres_) include(box, s.center);
+  return box;
+}
+
+std::vector<std::uint64_t> SphereBlock::count_layers(const Box& box) {
+  axis_ = longest_axis(box);
+  const LayerScale scale(box, axis_);
+  std::vector<std::uint64_t> counts(LayerScale::kLayers);
+  for (const Sphere& s : spheres_) {
+    layers_.push_back(static_cast<std::uint16_t>(scale.layer_of(s)));
+    ++counts[layers_.back()];
   }
+  return counts;
+}
+
+std::vector<PartExtent> SphereBlock::divide(std::span<const std::uint64_t> all,
+                                            std::span<const std::uint64_t> before) {
+  std::vector<std::uint64_t> next(all.size());  // [layer]: number of its next sphere
+  std::exclusive_scan(all.begin(), all.end(), next.begin(), std::uint64_t{0});
+  for (std::size_t layer = 0; layer < next.size(); ++layer) next[layer] += before[layer];
+  const std::vector<std::uint64_t> begins = even_runs(all_, parts_);
+  std::vector<PartExtent> parts(parts_);
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
+    const std::uint64_t number = next[layers_[i]]++;
+    const auto behind = std::ranges::upper_bound(begins, number);
+    const auto owner = static_cast<std::uint32_t>(behind - begins.begin() - 1);
+    owners_.push_back(owner);
+    parts[owner].add(spheres_[i], axis_);
+  }
+  return parts;
+}
+
+std::vector<std::vector<SentSphere>> SphereBlock::choose(std::span<const PartExtent> parts) const {
+  std::vector<std::vector<SentSphere>> chosen(parts.size());
+  for (std::size_t i = 0; i < spheres_.size(); ++i) {
+    const auto id = static_cast<SphereId>(first_ + i);
+    for (std::size_t part = 0; part < parts.size(); ++part) {
+      if (!parts[part].may_touch(spheres_[i], axis_)) continue;
+      chosen[part].push_back({spheres_[i], id, owners_[i] == part ? 1u : 0u});
+    }
+  }
+  return chosen;
+}
+
+SphereShare gather_share(const std::vector<std::vector<SentSphere>>& from_each) {
   SphereShare share;
-  share.near =
-      choose(spheres, [&](SphereId, const Sphere& s) { return extent.may_touch(s, axis); });
-  // The share is part of what is near, and both are in the order of the set.
-  std::size_t place = 0;
-  for (const SphereId id : own) {
-    while (share.near.ids[place] != id) ++place;
-    share.own.push_back(static_cast<SphereId>(place));
+  for (const std::vector<SentSphere>& from : from_each) {
+    for (const auto& [sphere, id, is_own] : from) {
+      if (is_own != 0) share.own.push_back(static_cast<SphereId>(share.near.ids.size()));
+      share.near.spheres.push_back(sphere);
+      share.near.ids.push_back(id);
+    }
   }
+  return share;
+}
+
+SphereShare share_of_spheres(const Ranks& ranks, const SphereSet& spheres) {
+  SphereBlock block(spheres, static_cast<std::size_t>(ranks.number()),
+                    static_cast<std::size_t>(ranks.count()));
+  const Box box = join_boxes(ranks.of_all(block.box_of_centers()));
+  std::vector<std::uint64_t> all, before;
+  ranks.together([&] {
+    all = block.count_layers(box);
+    before = all;
+  });
+  ranks.add_up(all);
+  ranks.add_up_before(before);
+  std::vector<PartExtent> parts;
+  ranks.together([&] { parts = block.divide(all, before); });
+  join_extents(ranks, parts);
+  std::vector<std::vector<SentSphere>> sent;
+  ranks.together([&] { sent = block.choose(parts); });
+  const std::vector<std::vector<SentSphere>> received = ranks.exchange(sent);
+  SphereShare share;
+  ranks.together([&] { share = gather_share(received); });
   return share;
 }
 

@@ -1,10 +1,20 @@
 // Which spheres each rank measures, and which it needs for that.
+//
+// The spheres are numbered layer by layer across the longest axis of the set, in their order within
+// a layer, and each part has a run of these numbers. The parts have equal numbers of spheres, but
+// for one. They lie one behind the other along the axis, so that few spheres are near to two parts.
+// No rank looks at all spheres: each looks at a block of them and sends its spheres to the parts
+// that need them.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
 #include <vector>
 
 #include "distributed/chosen_spheres.hpp"
+#include "distributed/ranks.hpp"
 #include "spheres/sphere_set.hpp"
 
 namespace vdwmesh {
@@ -14,10 +24,51 @@ struct SphereShare {
   std::vector<SphereId> own;  // the share, as indices of near.spheres, ascending
 };
 
-// The part with number `part` of `parts`. The parts have equal numbers of spheres, but for one, and
-// together they are all spheres. They lie one behind the other along the longest axis of the set,
-// so that few spheres are near to two parts. A part is empty if there are fewer spheres than parts.
-// Precondition: the set is not empty.
-SphereShare share_of_spheres(const SphereSet& spheres, std::size_t part, std::size_t parts);
+// The share of this rank. It is empty if there are fewer spheres than ranks. Precondition: the set
+// is the same on all ranks and not empty. Collective.
+SphereShare share_of_spheres(const Ranks& ranks, const SphereSet& spheres);
+
+// The interval along the axis that the spheres of a part take, Å, and the largest of their radii.
+struct PartExtent {
+  double lower = std::numeric_limits<double>::infinity(), upper = -lower, radius = 0;
+
+  void add(const PartExtent& other);
+  void add(const Sphere& s, int axis);
+  bool may_touch(const Sphere& s, int axis) const;
+};
+
+// A sphere as it is sent to a part. `is_own` is 1 if the sphere is in its share, else 0.
+struct SentSphere {
+  Sphere sphere;
+  SphereId id;
+  std::uint32_t is_own;
+};
+
+// One block of the spheres, of as many as there are parts. The functions are called one after the
+// other; each says what it needs from all blocks.
+class SphereBlock {
+ public:
+  SphereBlock(const SphereSet& spheres, std::size_t block, std::size_t parts);
+
+  Box box_of_centers() const;
+  // How many spheres of the block each layer has. `box` is around all centres.
+  std::vector<std::uint64_t> count_layers(const Box& box);
+  // What each part has of this block. `all` are the sums of the counts over all blocks, `before`
+  // those over the blocks before this one.
+  std::vector<PartExtent> divide(std::span<const std::uint64_t> all,
+                                 std::span<const std::uint64_t> before);
+  // The spheres that each part needs. `parts` are the extents of the parts, of all blocks together.
+  std::vector<std::vector<SentSphere>> choose(std::span<const PartExtent> parts) const;
+
+ private:
+  std::size_t first_, all_, parts_;  // the first sphere of the block; all spheres; all parts
+  std::span<const Sphere> spheres_;  // of the block
+  int axis_ = 0;
+  std::vector<std::uint16_t> layers_;  // by sphere of the block
+  std::vector<std::uint32_t> owners_;  // likewise
+};
+
+// What a part has got, [block]: from each block.
+SphereShare gather_share(const std::vector<std::vector<SentSphere>>& from_each);
 
 }  // namespace vdwmesh

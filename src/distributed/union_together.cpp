@@ -191,8 +191,9 @@ ExactUnion union_together(const Ranks& ranks, const SphereSet& spheres,
   ranks.together([&] {
     if (spheres.empty()) throw InvalidInput("the union of an empty set of spheres is not defined");
     measured.emplace(spheres.size(), options.measured);
-    part.share = share_of_spheres(spheres, static_cast<std::size_t>(ranks.number()),
-                                  static_cast<std::size_t>(ranks.count()));
+  });
+  part.share = share_of_spheres(ranks, spheres);
+  ranks.together([&] {
     check_memory(ranks, spheres, part.share, options.memory_limit);
     measure_share(part, *measured, options);
     add_up(part, *measured, options);

@@ -7,6 +7,7 @@
 
 #include "arrangement/arcs/arcs.hpp"
 #include "distributed/joined_sets.hpp"
+#include "surface/box.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -22,6 +23,36 @@ std::vector<Sphere> random_spheres(std::size_t count, Vec3d size) {
   return spheres;
 }
 
+// The shares of all parts, as ranks make them together.
+std::vector<SphereShare> shares_of(const SphereSet& spheres, std::size_t parts) {
+  std::vector<SphereBlock> blocks;
+  Box box = empty_box();
+  for (std::size_t block = 0; block < parts; ++block) {
+    blocks.emplace_back(spheres, block, parts);
+    include(box, blocks.back().box_of_centers());
+  }
+  std::vector<std::vector<std::uint64_t>> before;
+  std::vector<std::uint64_t> all(4096);
+  for (SphereBlock& block : blocks) {
+    before.push_back(all);
+    const std::vector<std::uint64_t> counts = block.count_layers(box);
+    for (std::size_t layer = 0; layer < counts.size(); ++layer) all[layer] += counts[layer];
+  }
+  std::vector<PartExtent> extents(parts);
+  for (std::size_t block = 0; block < parts; ++block) {
+    const std::vector<PartExtent> of_block = blocks[block].divide(all, before[block]);
+    for (std::size_t part = 0; part < parts; ++part) extents[part].add(of_block[part]);
+  }
+  std::vector<std::vector<std::vector<SentSphere>>> to_part(parts);
+  for (const SphereBlock& block : blocks) {
+    std::vector<std::vector<SentSphere>> sent = block.choose(extents);
+    for (std::size_t part = 0; part < parts; ++part) to_part[part].push_back(sent[part]);
+  }
+  std::vector<SphereShare> shares;
+  for (const auto& from_each : to_part) shares.push_back(gather_share(from_each));
+  return shares;
+}
+
 bool touch(const Sphere& a, const Sphere& b) {
   const Vec3d to = a.center - b.center;
   const double sum = a.radius + b.radius;
@@ -31,8 +62,7 @@ bool touch(const Sphere& a, const Sphere& b) {
 // Every sphere is in one share, and every share has all that touch its spheres.
 void expect_sound_shares(const SphereSet& spheres, std::size_t parts) {
   std::vector<int> shares(spheres.size());
-  for (std::size_t part = 0; part < parts; ++part) {
-    const auto [near, own] = share_of_spheres(spheres, part, parts);
+  for (const auto& [near, own] : shares_of(spheres, parts)) {
     EXPECT_TRUE(std::ranges::is_sorted(near.ids));
     EXPECT_TRUE(std::ranges::is_sorted(own));
     EXPECT_LE(own.size(), spheres.size() / parts + 1);
@@ -61,13 +91,13 @@ TEST(SphereShares, HaveAllSpheresOnceAndAllThatTouchThem) {
 TEST(SphereShares, TouchingSpheresFarFromTheOriginAreNear) {
   constexpr double kFar = 1e9;  // Å; coordinates are rounded by 1e-7 Å there
   const SphereSet spheres({{{kFar, 0, 0}, 1}, {{kFar + 2, 0, 0}, 1}, {{kFar + 9, 0, 0}, 1}});
-  EXPECT_EQ(share_of_spheres(spheres, 0, 3).near.ids, (std::vector<SphereId>{0, 1}));
-  EXPECT_EQ(share_of_spheres(spheres, 2, 3).near.ids, (std::vector<SphereId>{2}));
+  EXPECT_EQ(shares_of(spheres, 3)[0].near.ids, (std::vector<SphereId>{0, 1}));
+  EXPECT_EQ(shares_of(spheres, 3)[2].near.ids, (std::vector<SphereId>{2}));
 }
 
 TEST(SphereShares, AreCutAcrossTheLongestAxis) {
   const SphereSet spheres(random_spheres(4000, {20, 1000, 20}));
-  EXPECT_LE(share_of_spheres(spheres, 5, 10).near.ids.size(), 450u);
+  EXPECT_LE(shares_of(spheres, 10)[5].near.ids.size(), 450u);
 }
 
 // Atoms of a crystal: many neighbours at the same distance, so that ties decide in which order the
@@ -87,8 +117,7 @@ std::vector<Sphere> crystal(double radius) {
 
 void expect_bits_of_whole(const SphereSet& spheres, std::size_t parts) {
   const ArcMeasures whole = arc_measures(spheres);
-  for (std::size_t part = 0; part < parts; ++part) {
-    const auto [near, own] = share_of_spheres(spheres, part, parts);
+  for (const auto& [near, own] : shares_of(spheres, parts)) {
     const MeasuredSpheres measured(near.spheres.size(), own);
     ArcMeasures arcs{};
     Workspace workspace;
