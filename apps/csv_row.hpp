@@ -1,10 +1,12 @@
 // A line of a table whose columns are the members of what is described, in their order.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,9 @@ namespace vdwmesh::apps {
 // value, its cells, or those of its members, are empty.
 class CsvRow {
  public:
+  // Columns whose names begin with one of these are left out.
+  explicit CsvRow(std::vector<std::string_view> left_out = {}) : left_out_(std::move(left_out)) {}
+
   template <class T>
   void operator()(const std::string& key, const T& value) {
     write(prefix_ + key, value);
@@ -30,6 +35,8 @@ class CsvRow {
 
  private:
   void add(const std::string& name, const std::string& text) {
+    const auto begins_name = [&](std::string_view left_out) { return name.starts_with(left_out); };
+    if (std::any_of(left_out_.begin(), left_out_.end(), begins_name)) return;
     if (!names_.empty()) names_ += ',', values_ += ',';
     names_ += name;
     if (!is_blank_) values_ += csv_field(text);
@@ -73,6 +80,7 @@ class CsvRow {
     prefix_ = outer;
   }
 
+  std::vector<std::string_view> left_out_;
   std::string names_, values_, prefix_;
   bool is_blank_ = false;  // within what has no value
 };

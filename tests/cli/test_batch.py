@@ -144,12 +144,15 @@ class Reports(BatchTest):
                          nameless(self.rows(self.inputs, *self.fast)))
 
     def test_as_a_table_have_all_figures_of_json(self):
+        columns, filled = set(), {"error", "comparison_distances_reason"}  # of rows without figures
         for options in ((), ("--mesher", "exact", "--edge-length", "0.8")):
             arguments = (self.inputs / "b", "--verb", "report", "--samples", "2", *options)
             rows = self.rows(*arguments)
             table = csv.DictReader(io.StringIO(run("batch", *arguments, "--rows", "csv").stdout))
             self.assertEqual(table.fieldnames[:2] + table.fieldnames[-2:], ["name", "settings", "warnings", "error"])
             found = list(table)
+            columns |= set(table.fieldnames)
+            filled |= {name for cells in found for name in cells if cells[name]}
             for cells, row in zip(found, rows, strict=True):
                 row["left_out"] = sum(row["left_out"].values())
                 row["warnings"] = len(row["warnings"])
@@ -161,6 +164,7 @@ class Reports(BatchTest):
                     else:
                         self.assertEqual(cells.pop(name), text, name)
                 self.assertEqual(set(cells.values()), {""})
+        self.assertEqual(columns - filled, {"doubtful_spheres"}, "columns that are empty in every table")
 
     def test_a_structure_that_is_refused_has_no_mesh(self):
         (self.inputs / "b" / "row03.xyzr").write_text("0 0 0 0.001\n")  # no node lies inside
