@@ -120,7 +120,6 @@ void settle_crossings(Draft& d) {
 // patches without a choice.
 void settle_excluded_mesh(Draft& d) {
   if (!(d.verb & (kMesh | kReport | kRender))) return;
-  SurfaceOptions& s = d.options.surface;
   refuse_if(d.mesher == Mesher::marching_cubes,
             "--mesher {}: --surface excluded is meshed along its curves, which is --mesher exact",
             name_of(Mesher::marching_cubes));
