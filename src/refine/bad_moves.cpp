@@ -191,10 +191,8 @@ double BadMoves<Level>::take_boxes(std::size_t cell, CellPatches& here) const {
     }
     here.begins[j] = static_cast<std::uint8_t>(begins);
   }
-  double reach = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    reach = std::max(reach, grid_->length_of(lower[axis], upper[axis]));
-  }
+  double reach = 0;  // a sum, so that no axis is lost if one is not a number
+  for (std::size_t axis = 0; axis < 3; ++axis) reach += grid_->length_of(lower[axis], upper[axis]);
   return reach;
 }
 

@@ -19,7 +19,7 @@ namespace vdwmesh {
 namespace {
 
 // The width of a cell at first, in units of the mean width of a patch's box. Wider cells make fewer
-// entries and more pairs of patches that are far apart; from 1 to 2.5 the time is about the same.
+// entries and more pairs of patches that are far apart; from 2 to 3.5 the time is about the same.
 constexpr double kCellWidth = 2.5;
 
 struct Extent {
