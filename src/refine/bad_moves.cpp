@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <deque>
 #include <vector>
 
 #include "refine/box_lanes.hpp"
@@ -157,17 +158,18 @@ struct BadMoves<Level>::CellPatches {
   std::vector<std::uint8_t> begins;    // bit a: the cell is the first one of the patch along axis a
   std::vector<std::uint8_t> is_sound;  // its own triangles cannot cross each other
   std::vector<PatchOutline> outlines;
-  std::vector<Patch> patches;
-  std::vector<std::uint8_t> is_gathered;  // of patches
+  std::deque<Patch> gathered;       // few of the patches are; their places last while others come
+  std::size_t count = 0;            // of those that are of this cell
+  std::vector<std::uint32_t> slot;  // by patch, its number in `gathered` from 1, or 0
 
-  void resize(std::size_t count) {
-    boxes.resize(count);
-    is_gathered.assign(count, 0);
-    if (count <= begins.size()) return;
-    begins.resize(count);
-    is_sound.resize(count);
-    outlines.resize(count);
-    patches.resize(count);
+  void resize(std::size_t patches) {
+    boxes.resize(patches);
+    slot.assign(patches, 0);
+    count = 0;
+    if (patches <= begins.size()) return;
+    begins.resize(patches);
+    is_sound.resize(patches);
+    outlines.resize(patches);
   }
 };
 
@@ -228,9 +230,12 @@ bool BadMoves<Level>::mark_crossed(std::size_t cell) {
   if (listed.empty()) return false;
   take_outlines(cell, take_boxes(cell, here), here);
   const auto gathered = [&](std::size_t i) -> const Patch& {
-    if (here.is_gathered[i] == 0) gather(listed[i], here.patches[i]);
-    here.is_gathered[i] = 1;
-    return here.patches[i];
+    if (here.slot[i] == 0) {
+      if (here.count == here.gathered.size()) here.gathered.emplace_back();
+      gather(listed[i], here.gathered[here.count]);
+      here.slot[i] = static_cast<std::uint32_t>(++here.count);
+    }
+    return here.gathered[here.slot[i] - 1];
   };
   bool any = false;
   for (std::size_t i = 0; i < listed.size(); ++i) {
