@@ -6,12 +6,15 @@
 // the sampling and splits pieces between the rounds of meshing.
 #include "arrangement/mesher/arc_sampling.hpp"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "core/errors.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -36,7 +39,7 @@ std::uint32_t piece_count(const BoundaryArc& arc, double edge_length) {
 // The comparison takes a.piece with b.halvings and the other way round, which puts the larger
 // number of halvings first; unique() keeps it.
 void merge_splits(std::vector<PieceSplit>& splits) {
-  std::sort(splits.begin(), splits.end(), [](const PieceSplit& a, const PieceSplit& b) {
+  tbb::parallel_sort(splits.begin(), splits.end(), [](const PieceSplit& a, const PieceSplit& b) {
     return std::pair(a.piece, b.halvings) < std::pair(b.piece, a.halvings);
   });
   const auto same = [](const PieceSplit& a, const PieceSplit& b) { return a.piece == b.piece; };
@@ -50,7 +53,7 @@ std::vector<std::uint32_t> sides_of(const BoundaryArcs& boundary,
     const auto& beside = boundary.arcs[s.piece.arc].balls;
     sides.insert(sides.end(), beside.begin(), beside.end());
   }
-  std::sort(sides.begin(), sides.end());
+  tbb::parallel_sort(sides.begin(), sides.end());
   sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
   return sides;
 }
@@ -87,25 +90,29 @@ double ArcSampling::piece_angle(const ArcPiece& piece) const {
 }
 
 void ArcSampling::split(std::span<const PieceSplit> splits) {
-  // One arc at a time: [begin, end) are the requests for its pieces.
-  for (std::size_t begin = 0, end = 0; begin < splits.size(); begin = end) {
-    const std::uint32_t arc = splits[begin].piece.arc;
-    while (end < splits.size() && splits[end].piece.arc == arc) ++end;
-    std::vector<double> parts;  // the new entry of unequal_
-    std::size_t next = begin;   // the first request that is not yet met
-    for (std::uint32_t k = 0; k < pieces_[arc]; ++k) {
-      const double low = part(arc, k), high = part(arc, k + 1);
-      if (k > 0) parts.push_back(low);
-      if (next == end || splits[next].piece.piece != k) continue;
-      // The points are spaced evenly in angle between `low` and `high`.
-      const std::uint32_t count = 1u << splits[next++].halvings;
-      for (std::uint32_t i = 1; i < count; ++i) {
-        parts.push_back(low + (high - low) * static_cast<double>(i) / count);
-      }
+  // One arc at a time, on all cores.
+  for_each_index(splits.size(), [&](std::size_t begin) {
+    if (begin > 0 && splits[begin - 1].piece.arc == splits[begin].piece.arc) return;
+    split_arc(splits.subspan(begin));
+  });
+}
+
+void ArcSampling::split_arc(std::span<const PieceSplit> splits) {
+  const std::uint32_t arc = splits[0].piece.arc;
+  std::vector<double> parts;   // the new entry of unequal_
+  auto next = splits.begin();  // the first request that is not yet met
+  for (std::uint32_t k = 0; k < pieces_[arc]; ++k) {
+    const double low = part(arc, k), high = part(arc, k + 1);
+    if (k > 0) parts.push_back(low);
+    if (next == splits.end() || next->piece != ArcPiece{arc, k}) continue;
+    // The points are spaced evenly in angle between `low` and `high`.
+    const std::uint32_t count = 1u << (next++)->halvings;
+    for (std::uint32_t i = 1; i < count; ++i) {
+      parts.push_back(low + (high - low) * static_cast<double>(i) / count);
     }
-    unequal_[arc] = std::move(parts);
-    pieces_[arc] = static_cast<std::uint32_t>(unequal_[arc].size() + 1);
   }
+  unequal_[arc] = std::move(parts);
+  pieces_[arc] = static_cast<std::uint32_t>(unequal_[arc].size() + 1);
 }
 
 void ArcSampling::number_vertices() {

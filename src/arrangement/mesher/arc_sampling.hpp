@@ -67,6 +67,9 @@ class ArcSampling {
   std::uint32_t vertex_count() const;
 
  private:
+  // Splits pieces of the arc that the first request names; the requests for it come first.
+  void split_arc(std::span<const PieceSplit> splits);
+
   const BoundaryArcs& boundary_;
   std::vector<std::uint32_t> pieces_;  // per arc: the number of its pieces
   // Per arc: the fractions of points 1 .. n - 1, ascending. Empty while all pieces of the arc are

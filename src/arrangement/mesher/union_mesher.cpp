@@ -29,6 +29,7 @@
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 #include "arrangement/mesher/split_fans.hpp"
+#include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -336,10 +337,11 @@ class UnionMesher {
 
   // The requests of all balls, sorted by piece, each piece once.
   std::vector<PieceSplit> wanted_splits(const std::vector<std::uint32_t>& balls) const {
-    std::vector<PieceSplit> splits;
-    for (const std::uint32_t b : balls) {
-      splits.insert(splits.end(), patches_[b].splits.begin(), patches_[b].splits.end());
-    }
+    std::vector<PieceSplit> splits =
+        collect<PieceSplit>(balls.size(), [&](std::size_t i, std::vector<PieceSplit>& found) {
+          const std::vector<PieceSplit>& of_patch = patches_[balls[i]].splits;
+          found.insert(found.end(), of_patch.begin(), of_patch.end());
+        });
     merge_splits(splits);
     return splits;
   }
