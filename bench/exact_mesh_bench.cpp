@@ -77,7 +77,8 @@ class RoundClock final : public Monitor {
 
   void print() const {
     const double end = seconds();
-    fmt::print("{:>24} {:.3f}\n", "before the rounds", rounds_.empty() ? end : rounds_.front().begin);
+    fmt::print("{:>24} {:.3f}\n", "before the rounds",
+               rounds_.empty() ? end : rounds_.front().begin);
     for (auto r = rounds_.begin(); r != rounds_.end(); ++r) {
       const double next = std::next(r) == rounds_.end() ? end : std::next(r)->begin;
       fmt::print("{:>24} {:.3f} and {:.3f} after: {} patches\n", r->name, r->last - r->begin,

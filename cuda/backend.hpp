@@ -51,8 +51,8 @@ inline constexpr std::size_t kBallsWorthADevice = 500'000;
 // many both ways with the samples that they have by default.
 inline constexpr std::size_t kTrianglesWorthADevice = 1'000'000;
 
-// The same for crease-exact meshes: sets of so many spheres or more. A device takes the patches, but
-// not the arrangement, and what it saves must exceed its beginning.
+// The same for crease-exact meshes: sets of so many spheres or more. A device takes the patches,
+// but not the arrangement, and what it saves must exceed its beginning.
 inline constexpr std::size_t kSpheresWorthADevice = 100'000;
 
 // The CUDA backend keeps device memory between calls for the next call. This gives it back, after

@@ -14,7 +14,8 @@ namespace vdwmesh {
 // only the pieces that were split since then are inserted. Returns the pieces to be split, some of
 // them more than once: those that cross, that join the same points, or that have a point on them.
 // If there are none, all pieces are edges of the triangulation, and `progress` keeps it for the
-// next round. `scratch.circles` has to be that of the boundary. Throws CoincidentPoints, Cancelled.
+// next round. The scratch memory must have the circles of the boundary. Throws CoincidentPoints,
+// Cancelled.
 std::vector<std::uint32_t> insert_boundary(PatchProgress& progress, const Stereographic& projection,
                                            const PatchOptions& options, PatchScratch& scratch);
 

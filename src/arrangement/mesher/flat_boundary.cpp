@@ -1,8 +1,8 @@
 // Finds pieces that overlap or cross. Pieces are straight segments in the plane.
 //
 // Crossings are found by a sweep along x over the bounding boxes of the pieces (sweep and prune);
-// exact orientation tests decide about each pair of overlapping boxes. patch_mesher.cpp calls this
-// before and during its triangulation.
+// exact orientation tests decide about each pair of overlapping boxes. boundary_insertion.cpp
+// calls this before and during its triangulation.
 #include "arrangement/mesher/flat_boundary.hpp"
 
 #include <algorithm>

@@ -55,7 +55,7 @@ VDWMESH_HD inline bool exceed_half_turn(const Vec3d& a, const Vec3d& b, const Ve
                                         const Vec3d& d) {
   // Relative. Without it, rounding would decide about four co-circular points, and could flip their
   // edge to and fro for ever. As large as the ties of the triangulation (kTie in
-  // plane_triangulation.cpp).
+  // plane_insertion.hpp).
   constexpr double kSlack = 1e-8;
   const Vec3d ab = b - a, ac = c - a, db = b - d, dc = c - d;
   const double cosine_a = dot(ab, ac), cosine_d = dot(db, dc);

@@ -4,7 +4,7 @@
 // Each of the 20 faces is divided into n² triangles by a lattice in barycentric coordinates, and
 // the points are scaled to the unit sphere. Points on an edge are shared by the two faces beside
 // it. mesh_sphere() serves spheres that are exposed as a whole. SpherePoints gives the points
-// alone, with which patch_mesher.cpp fills the inside of patches.
+// alone, with which patch_triangulator.hpp fills the inside of patches.
 #include <algorithm>
 #include <cmath>
 #include <map>
