@@ -10,9 +10,12 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <string>
 #include <utility>
 
 namespace vdwmesh {
@@ -49,6 +52,35 @@ int make_file(std::size_t size) {
   return -1;
 }
 
+// Where the leader's file is found, and what tells it from others.
+struct FileName {
+  std::int64_t process, number, device, node;
+};
+
+std::pair<std::int64_t, std::int64_t> identity_of(int descriptor) {
+  struct stat status {};
+  if (descriptor < 0 || ::fstat(descriptor, &status) != 0) return {-1, -1};
+  return {static_cast<std::int64_t>(status.st_dev), static_cast<std::int64_t>(status.st_ino)};
+}
+
+// Collective.
+FileName share_name(const Ranks& ranks, int descriptor) {
+  const auto [device, node] = identity_of(descriptor);
+  return {ranks.shared_on_host(std::int64_t{::getpid()}),
+          ranks.shared_on_host(std::int64_t{descriptor}), ranks.shared_on_host(device),
+          ranks.shared_on_host(node)};
+}
+
+// Null where it fails. Where ranks are in containers of their own, the number of the process may
+// be that of another one here, whose file is then another one.
+void* map_named(const FileName& file, std::size_t size) {
+  if (file.number < 0) return nullptr;
+  const std::string name = fmt::format("/proc/{}/fd/{}", file.process, file.number);
+  const Descriptor opened(::open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  if (identity_of(opened.number()) != std::pair(file.device, file.node)) return nullptr;
+  return map(opened.number(), size, PROT_READ);
+}
+
 }  // namespace
 
 HostMemory::HostMemory(const Ranks& ranks, std::span<const std::byte> contents) {
@@ -56,16 +88,9 @@ HostMemory::HostMemory(const Ranks& ranks, std::span<const std::byte> contents) 
   if (size == 0) return;
   const bool leads = ranks.leads_host();
   const Descriptor made(leads ? make_file(size) : -1);
-  void* writable = map(made.number(), size, PROT_READ | PROT_WRITE);
-  const auto process = ranks.shared_on_host(std::int64_t{::getpid()}),
-             number = ranks.shared_on_host(std::int64_t{made.number()});
-  if (leads) {
-    mapping_ = writable;
-  } else if (number >= 0) {
-    const std::string name = fmt::format("/proc/{}/fd/{}", process, number);
-    const Descriptor opened(::open(name.c_str(), O_RDONLY | O_CLOEXEC));
-    mapping_ = map(opened.number(), size, PROT_READ);
-  }
+  if (leads) mapping_ = map(made.number(), size, PROT_READ | PROT_WRITE);
+  const FileName name = share_name(ranks, made.number());
+  if (!leads) mapping_ = map_named(name, size);
   if (ranks.sum_on_host(std::uint64_t{mapping_ == nullptr}) > 0) {
     if (mapping_ != nullptr) ::munmap(mapping_, size);
     mapping_ = nullptr;
