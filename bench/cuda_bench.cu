@@ -1,10 +1,14 @@
 // Times of the CUDA backend on the device, by events; medians of repeated runs.
 //
-//   cuda_bench [--extract | --refine | --crossings | --end-to-end] [XYZR...]
+//   cuda_bench [--extract | --refine | --crossings | --end-to-end | --small] [XYZR...]
+//   cuda_bench --once WHAT [XYZR]
 //
 // Extraction from spheres and from fields; refinement with crossings allowed, and undone; end to
-// end against the CPU backend. An option leaves out the other three. The last file is also taken
-// six times, side by side.
+// end against the CPU backend; each file a thousand times, one after another. An option leaves out
+// the other four. The last file is also taken six times, side by side. --once does one thing
+// between cudaProfilerStart() and cudaProfilerStop(), for `ncu --profile-from-start off`.
+#include <cuda_profiler_api.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -304,14 +308,20 @@ void report_end_to_end(const std::filesystem::path& path, double spacing, double
   }
 }
 
+// The synthetic cluster with `nodes` along each axis, as report_synthetic() meshes it.
+ExtractOptions synthetic_options(const SphereSet& cluster, int nodes) {
+  const Box box = bounding_box(cluster);
+  ExtractOptions options = with_half_edges();
+  options.field.kind = FieldKind::blinn;
+  options.grid.padding = 2.0;
+  options.grid.spacing = (box.upper.x - box.lower.x + 4.0) / (nodes - 1);
+  return options;
+}
+
 void report_synthetic(double rate) {
   const SphereSet cluster = synthetic_cluster();
-  const Box box = bounding_box(cluster);
   for (const int nodes : {256, 512, 1024}) {
-    ExtractOptions options = with_half_edges();
-    options.field.kind = FieldKind::blinn;
-    options.grid.padding = 2.0;
-    options.grid.spacing = (box.upper.x - box.lower.x + 4.0) / (nodes - 1);
+    ExtractOptions options = synthetic_options(cluster, nodes);
     report_extraction(("synthetic blinn " + std::to_string(nodes)).c_str(), cluster, options, rate);
     report_field(("synthetic blinn " + std::to_string(nodes)).c_str(), cluster, options, rate,
                  Meshing::yes);
@@ -327,9 +337,41 @@ void report_extractions(const std::string& name, const SphereSet& spheres, doubl
   report_extraction((name + " blinn").c_str(), spheres, options, rate);
 }
 
+// A molecule many times, one after another: from a list on the device, and with the list made on
+// the host and uploaded each time. ms each, of the wall.
+void report_small(const char* name, const SphereSet& spheres) {
+  constexpr int times = 1000;
+  const Stream stream;
+  for (const FieldKind kind : {FieldKind::vdw, FieldKind::blinn}) {
+    ExtractOptions options;
+    options.field.kind = kind;
+    const GridSpec grid = make_grid(spheres, options.grid);
+    const FieldModel model = make_field_model(options.field, grid);
+    const CellList list = make_field_list(spheres, model);
+    const DeviceCellList device_list(list.view(), stream.get());
+    const auto extract = [&](const CellListView& view) {
+      return extract_on_device(view, model, options, stream).mesh.triangle_count();
+    };
+    std::uint64_t triangles = extract(device_list.view());
+    const double alone = seconds_of([&] {
+      for (int i = 0; i < times; ++i) triangles = extract(device_list.view());
+    });
+    const double with_list = seconds_of([&] {
+      for (int i = 0; i < times; ++i) {
+        const CellList own = make_field_list(spheres, model);
+        extract(DeviceCellList(own.view(), stream.get()).view());
+      }
+    });
+    std::printf("%-12s %s, T %llu, %d one after another: %.3f ms each, %.3f with their lists\n",
+                name, kind == FieldKind::vdw ? "vdw" : "blinn",
+                static_cast<unsigned long long>(triangles), times, alone / times * 1e3,
+                with_list / times * 1e3);
+  }
+}
+
 // What is asked for; each is a part of the output.
 struct Parts {
-  bool extract = true, refine = true, crossings = true, end_to_end = true;
+  bool extract = true, refine = true, crossings = true, end_to_end = true, small = true;
 };
 
 void report_file(const std::filesystem::path& path, const Parts& parts, double rate) {
@@ -338,6 +380,7 @@ void report_file(const std::filesystem::path& path, const Parts& parts, double r
   if (parts.extract) report_extractions(name, spheres, rate);
   if (parts.refine) report_refinement(name.c_str(), spheres, 0.5, 2, Crossings::allow);
   if (parts.crossings) report_refinement(name.c_str(), spheres, 0.5, 2, Crossings::undo);
+  if (parts.small) report_small(name.c_str(), spheres);
   if (!parts.end_to_end) return;
   const double bus_rate = download_rate();
   for (const double spacing : {0.5, 0.25}) report_end_to_end(path, spacing, bus_rate);
@@ -357,6 +400,55 @@ void report_million(const SphereSet& spheres, const Parts& parts, double rate) {
   if (parts.crossings) report_refinement(name, spheres, 0.5, 1, Crossings::undo);
 }
 
+// Does the work twice, the second time as what a profiler records.
+void profile(const std::function<void()>& work) {
+  work();
+  check_cuda(cudaDeviceSynchronize(), "waiting");
+  check_cuda(cudaProfilerStart(), "profiler");
+  work();
+  check_cuda(cudaDeviceSynchronize(), "waiting");
+  check_cuda(cudaProfilerStop(), "profiler");
+}
+
+// `what`: "vdw", "blinn" (extraction), "nodes" (field at every node) or "field" (field -> mesh).
+void run_once(const std::string& what, const SphereSet& spheres, ExtractOptions options) {
+  const Stream stream;
+  options.field.kind = what == "vdw" ? FieldKind::vdw : FieldKind::blinn;
+  const GridSpec grid = make_grid(spheres, options.grid);
+  const FieldModel model = make_field_model(options.field, grid);
+  const CellList list = make_field_list(spheres, model);
+  const DeviceCellList device_list(list.view(), stream.get());
+  if (what == "vdw" || what == "blinn") {
+    return profile([&] { extract_on_device(device_list.view(), model, options, stream); });
+  }
+  const DeviceArray<float> values(grid.node_count(), stream.get());
+  const auto sample = [&] {
+    sample_field_on_device(device_list.view(), model, values.data(), stream);
+  };
+  if (what == "nodes") return profile(sample);
+  sample();
+  options.normals = Normals::none;
+  const SampledFieldView field{grid, values.data(), static_cast<float>(model.isovalue)};
+  profile([&] { mesh_field_on_device(field, options, stream); });
+}
+
+// argv: --once WHAT, where WHAT is "vdw", "blinn", "nodes" or "field"; then a file, which is taken
+// six times if WHAT begins with "six-", or nothing for the synthetic cluster with 1024 nodes along
+// each axis.
+int once(int argc, char** argv) {
+  std::string what = argc > 2 ? argv[2] : "vdw";
+  const bool six = what.starts_with("six-");
+  if (six) what = what.substr(4);
+  if (argc > 3) {
+    const SphereSet spheres(read_xyzr(argv[3]));
+    run_once(what, six ? side_by_side(spheres, 6) : spheres, with_half_edges());
+  } else {
+    const SphereSet cluster = synthetic_cluster();
+    run_once(what, cluster, synthetic_options(cluster, 1024));
+  }
+  return 0;
+}
+
 int run(int argc, char** argv) {
   const DeviceList devices = cuda_devices();
   if (devices.devices.empty()) {
@@ -368,12 +460,13 @@ int run(int argc, char** argv) {
   Parts parts;
   int first = 1;
   const std::string option = argc > 1 ? argv[1] : "";
+  const DeviceScope device;
+  if (option == "--once") return once(argc, argv);
   if (option.starts_with("--")) {
     first = 2;
     parts = {option == "--extract", option == "--refine", option == "--crossings",
-             option == "--end-to-end"};
+             option == "--end-to-end", option == "--small"};
   }
-  const DeviceScope device;
   const double rate = copy_rate(Stream());
   if (parts.extract) report_synthetic(rate);
   for (int i = first; i < argc; ++i) report_file(argv[i], parts, rate);

@@ -363,7 +363,7 @@ void DeviceBrickMesher::check_tally() {
   clamped_ = tally.clamped;
   if (tally.missing_neighbours == 0) return;
   throw InternalError("the surface continues into bricks that the search did not find, at " +
-                      std::to_string(tally.missing_neighbours) + " rows of cells");
+                      std::to_string(tally.missing_neighbours) + " faces of bricks");
 }
 
 // ---- times ----

@@ -2,22 +2,24 @@
 // block per brick. It is the device counterpart of TriangleEmitter; the numbers are the same.
 // 1. find_neighbours finds each brick's neighbours in the list, once for all bricks.
 // 2. emit_triangles gathers in shared memory all that is needed to compute the numbers of a brick's
-//    vertices and half-edges: first vertices and crossed edges of its 9 x 9 rows of nodes, its
-//    mixed cells (which the surface crosses) with their first triangles, and, for half-edges, the
-//    mixed cells just beyond its faces, in the neighbours.
-// 3. Then each thread computes one half-edge at a time and writes it, consecutive threads to
-//    consecutive words.
+//    vertices and half-edges: its mixed cells (which the surface crosses) with their first
+//    triangles, and first vertices and crossed edges of its rows of nodes.
+// 3. Of the neighbours it takes only what lies beyond faces that the surface crosses: rows of nodes
+//    and, for half-edges, mixed cells.
+// 4. Then each lane computes one triangle at a time, and a warp writes 32 of them together.
 // Along each axis a brick has a lower and an upper neighbour. Face f is perpendicular to axis f /
 // 2, at the lower side if f is even, else at the upper side.
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/triangle_codes.cuh"
 #include "cuda/memory/launch.cuh"
 
 namespace vdwmesh {
 namespace {
 
-constexpr unsigned kTriangleThreads = 4 * kWarp;
-constexpr int kMostTriangles = kMaxCaseTriangles * kBrickNodes;
+constexpr unsigned kTriangleThreads = 2 * kWarp;
+// Words of 32 bits for a bit of each triangle that a brick can have.
+constexpr unsigned kTriangleWords = kMaxCaseTriangles * kBrickNodes / kWarp;
 constexpr int kCellsPerFace = kBrickSide * kBrickSide;
 
 // Index into TriangleNeighbours::place of the neighbour at an offset of 0 or 1 along each axis; -1
@@ -99,262 +101,328 @@ struct alignas(8) VertexRow {
   std::uint32_t crossed;  // RowCrossings::packed
 };
 
-// A cell of the brick that the surface crosses.
-struct alignas(4) MixedCell {
-  std::uint16_t start;   // number of triangles in earlier cells of the brick
-  std::uint16_t inside;  // its case, an index into CaseTable
+// A cell of the brick that the surface crosses, in one word. Cells are numbered 64 z + 8 y + x.
+struct MixedCell {
+  std::uint32_t bits;
+
+  __device__ unsigned cell() const { return bits & 511u; }
+  __device__ std::uint32_t inside() const { return bits >> 9 & 255u; }  // its case
+  __device__ std::uint32_t start() const { return bits >> 17; }  // triangles in the cells before it
+};
+__device__ MixedCell mixed_cell(unsigned cell, std::uint32_t inside, std::uint32_t start) {
+  return {cell | inside << 9 | start << 17};
+}
+
+// For half-edges: the mixed cells of the brick and of the layers beyond its faces, by shell_cell().
+// Entries of other cells are not set.
+template <Connectivity>
+struct Shell {};
+template <>
+struct Shell<Connectivity::half_edges> {
+  std::uint32_t first_half_edge[kShellCells];  // its number in the mesh
+  std::uint8_t inside[kShellCells];            // the case
 };
 
-// Shared memory of a thread block, about 11 KB. Cells are numbered 64 z + 8 y + x.
+// Shared memory of a thread block: 10 KB with half-edges, else 5 KB.
+template <Connectivity connectivity>
 struct TriangleShared {
   ActiveBrick brick;
   TriangleNeighbours near;
   // rows[9 z + y] has the nodes x = 0 .. 7 of row (y, z), with y and z = 0 .. 8. The next 81
   // entries are the same rows in the next brick along x; of these only the first nodes are used,
-  // which are this brick's nodes x = 8.
+  // which are this brick's nodes x = 8. Rows at a face are set only if the surface crosses the
+  // face.
   VertexRow rows[2 * kRows];
-  std::uint32_t before[4 * kBrickSide];   // crossings_before(x, axis), at 4 x + axis
-  MixedCell cells[kBrickNodes];           // set for mixed cells only
-  std::uint16_t cell_of[kMostTriangles];  // the cell of each triangle of the brick
-  // The cells beyond each face, in the neighbour: first half-edge (its number in the mesh) and
-  // case. [face][8 v + u], where u and v are the cell's coordinates along the two other axes, u
-  // along the lower of them. Set for mixed cells only.
-  std::uint32_t beyond_first[6][kCellsPerFace];
-  std::uint8_t beyond_case[6][kCellsPerFace];
+  std::uint32_t before[4 * kBrickReach];  // crossings_before(x % 8, axis), at 4 x + axis
+  MixedCell cells[kBrickNodes];           // in the order of their triangles
+  // Bit t % 32 of word t / 32 is set if triangle t is the first one of a cell. Two more words, so
+  // that words may be read ahead.
+  std::uint32_t begins[kTriangleWords + 2];
+  std::uint32_t face_signs;            // see share_face_signs()
+  std::uint32_t staged[2][3 * kWarp];  // of each warp, see store_staged()
+  Shell<connectivity> shell;
 };
 
+// ---- the brick's own cells and rows ----
+
+// Fills `cells`, `begins` and the brick's part of `shell`. Each warp has half of the 64 rows of
+// cells: first a lane for each row lists the row's mixed cells, then a lane for each mixed cell
+// finds its case, and prefix sums over the cells give the numbers of their triangles.
+// `first_half_edge` is the number of the brick's first half-edge.
+template <Connectivity connectivity>
+__device__ void share_cells(const CaseTable& table, std::uint32_t first_half_edge,
+                            TriangleShared<connectivity>& s) {
+  const unsigned lane = threadIdx.x % kWarp, half = threadIdx.x / kWarp;
+  const unsigned row = threadIdx.x;
+  const int y = static_cast<int>(row) % kBrickSide, z = static_cast<int>(row) / kBrickSide;
+  const std::uint32_t mixed = mixed_cells(s.brick.signs, y, z);
+  const auto own = static_cast<std::uint32_t>(__popc(mixed)), sum = warp_inclusive_sum(own);
+  const std::uint32_t count = __shfl_sync(kAllLanes, sum, kWarp - 1);
+  std::uint32_t base = 0, start = 0;  // of the half: its first entry of `cells`, its first triangle
+  if (half == 1) {
+    constexpr int half_height = kBrickSide / 2;
+    const auto lower =
+        static_cast<unsigned>(__popc(mixed_cells(s.brick.signs, y, z - half_height)));
+    base = __reduce_add_sync(kAllLanes, lower);
+    start = s.brick.row_triangles[kWarp];
+  }
+  // `cells &= cells - 1` removes the lowest bit.
+  std::uint32_t next = base + sum - own;
+  for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
+    s.cells[next++].bits =
+        row * kBrickSide + static_cast<unsigned>(__ffs(static_cast<int>(cells))) - 1;
+  }
+  __syncwarp();
+  for (std::uint32_t first = 0; first < count; first += kWarp) {
+    const std::uint32_t at = base + first + lane;
+    const bool valid = first + lane < count;
+    const unsigned cell = valid ? s.cells[at].bits : 0;
+    const auto x = static_cast<int>(cell) % kBrickSide,
+               cell_y = static_cast<int>(cell) / kBrickSide % kBrickSide;
+    const int cell_z = static_cast<int>(cell) / kCellsPerFace;
+    const std::uint32_t inside = cell_case(s.brick.signs, x, cell_y, cell_z);
+    const std::uint32_t triangles = valid ? table.count(inside) : 0;
+    const std::uint32_t end = start + warp_inclusive_sum(triangles);
+    start = __shfl_sync(kAllLanes, end, kWarp - 1);
+    if (!valid) continue;
+    const std::uint32_t own_start = end - triangles;
+    s.cells[at] = mixed_cell(cell, inside, own_start);
+    atomicOr(&s.begins[own_start / kWarp], 1u << own_start % kWarp);
+    if constexpr (connectivity == Connectivity::half_edges) {
+      const int place = shell_cell(x, cell_y, cell_z);
+      s.shell.first_half_edge[place] = first_half_edge + 3 * own_start;
+      s.shell.inside[place] = static_cast<std::uint8_t>(inside);
+    }
+  }
+}
+
+// Fills the rows that the brick owns, a thread for each. `first` is the number of the brick's first
+// vertex.
+template <Connectivity connectivity>
+__device__ void share_own_rows(std::uint64_t first, TriangleShared<connectivity>& s) {
+  const auto y = static_cast<int>(threadIdx.x) % kBrickSide,
+             z = static_cast<int>(threadIdx.x) / kBrickSide;
+  s.rows[z * kBrickReach + y] = {
+      static_cast<std::uint32_t>(first + s.brick.row_vertices[threadIdx.x]),
+      row_crossings(s.brick.signs, y, z).packed};
+}
+
+// Adds to `face_signs` what the nodes of the faces are. Bits 0 .. 8: some node of the layer x = 0
+// .. 8 is inside, of which the first and the last are faces. Bits 9, 10, 11, 12: some node of the
+// layer y = 0, y = 8, z = 0, z = 8 is. The same bits plus 16: some node is outside.
+template <Connectivity connectivity>
+__device__ void share_face_signs(TriangleShared<connectivity>& s) {
+  constexpr std::uint32_t all = (1u << kBrickReach) - 1;
+  std::uint32_t found = 0;
+  for (int row = static_cast<int>(threadIdx.x); row < kRows;
+       row += static_cast<int>(kTriangleThreads)) {
+    const int y = row % kBrickReach, z = row / kBrickReach;
+    const std::uint32_t inside = s.brick.signs.row[z][y], outside = ~inside & all;
+    const std::uint32_t both = (inside != 0 ? 1u : 0u) | (outside != 0 ? 1u << 16 : 0u);
+    found |= inside | outside << 16;
+    found |= y == 0 ? both << 9 : (y == kBrickSide ? both << 10 : 0u);
+    found |= z == 0 ? both << 11 : (z == kBrickSide ? both << 12 : 0u);
+  }
+  found = __reduce_or_sync(kAllLanes, found);
+  if (threadIdx.x % kWarp == 0) atomicOr(&s.face_signs, found);
+}
+
+// Bit f is set if the surface crosses face f: some of its 9 x 9 nodes are inside, and some outside.
+__device__ std::uint32_t faces_crossed(std::uint32_t face_signs) {
+  const std::uint32_t mixed = face_signs & face_signs >> 16;
+  return (mixed & 1u) | (mixed >> (kBrickSide - 1) & 2u) | (mixed >> 9 & 15u) << 2;
+}
+
+// ---- what lies beyond the faces ----
+
 // The row with coordinates y and z = 0 .. 8, counted from the block's brick, of that brick (dx = 0)
-// or of the next one along x (dx = 1). If y or z is 8, the row belongs to an upper neighbour, as
-// row 0 there. If that neighbour is not in the list, the result is an empty row; count_missing()
-// reports the neighbour if the surface goes there. y >> 3 is the neighbour's offset, y & 7 the row
-// in it.
-__device__ VertexRow vertex_row(const BrickList& list, const TriangleShared& s, std::uint32_t own,
-                                int dx, int y, int z) {
-  const int neighbour = upper_neighbour(dx, y >> 3, z >> 3);
-  const std::uint64_t place = neighbour < 0 ? own : s.near.place[neighbour];
+// or of the next one along x (dx = 1), where an upper neighbour owns it: if y or z is 8, as row 0
+// there. If that neighbour is not in the list, the result is an empty row; share_beyond() reports
+// the neighbour if the surface goes there. y >> 3 is the neighbour's offset, y & 7 the row in it.
+__device__ VertexRow row_beyond(const BrickList& list, const TriangleNeighbours& near, int dx,
+                                int y, int z) {
+  const std::uint32_t place = near.place[upper_neighbour(dx, y >> 3, z >> 3)];
   if (place == kNoBrick) return {0, 0};
-  const ActiveBrick& owner = neighbour < 0 ? s.brick : list.bricks[place];
+  const ActiveBrick& owner = list.bricks[place];
   y &= kBrickSide - 1;
   z &= kBrickSide - 1;
   const std::uint64_t first = list.before[place].vertices + owner.row_vertices[z * kBrickSide + y];
   return {static_cast<std::uint32_t>(first), row_crossings(owner.signs, y, z).packed};
 }
 
-// Fills `rows` and `before`, by all threads of the block.
-__device__ void share_vertex_rows(const BrickList& list, std::uint32_t own, TriangleShared& s) {
-  for (unsigned i = threadIdx.x; i < 2 * kRows; i += kTriangleThreads) {
-    const int row = static_cast<int>(i) % kRows, y = row % kBrickReach, z = row / kBrickReach;
-    s.rows[i] = vertex_row(list, s, own, i < kRows ? 0 : 1, y, z);
-  }
-  if (threadIdx.x < 4 * kBrickSide) {
-    const auto x = static_cast<int>(threadIdx.x) / 4, axis = static_cast<int>(threadIdx.x) % 4;
-    s.before[threadIdx.x] = crossings_before(x, axis);
-  }
-}
-
-// Fills `cells` and `cell_of`, by threads 0 .. 63, each for a row of cells: thread 8 z + y. `cells
-// &= cells - 1` removes the lowest bit.
-__device__ void share_own_cells(const CaseTable& table, TriangleShared& s) {
-  const int y = static_cast<int>(threadIdx.x) % kBrickSide;
-  const int z = static_cast<int>(threadIdx.x) / kBrickSide;
-  std::uint32_t next = s.brick.row_triangles[threadIdx.x];
-  const std::uint32_t mixed = mixed_cells(s.brick.signs, y, z);
-  for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
-    const int x = __ffs(static_cast<int>(cells)) - 1;
-    const auto cell =
-        static_cast<std::uint16_t>(threadIdx.x * kBrickSide + static_cast<unsigned>(x));
-    const std::uint32_t inside = cell_case(s.brick.signs, x, y, z);
-    s.cells[cell] = {static_cast<std::uint16_t>(next), static_cast<std::uint16_t>(inside)};
-    const std::uint32_t end = next + table.count(inside);
-    while (next < end) s.cell_of[next++] = cell;
+// Fills the rows of upper neighbours: the 17 of the brick's plane of rows with y or z = 8, and
+// those of the next brick along x if the surface crosses the face to it. By all threads.
+template <Connectivity connectivity>
+__device__ void share_rows_beyond(const BrickList& list, std::uint32_t faces,
+                                  TriangleShared<connectivity>& s) {
+  constexpr int edge = 2 * kBrickReach - 1;
+  const int rows = (faces & 2u) != 0 ? edge + kRows : edge;
+  for (int i = static_cast<int>(threadIdx.x); i < rows; i += static_cast<int>(kTriangleThreads)) {
+    const int dx = i < edge ? 0 : 1, row = i - edge;
+    const int y = dx == 1 ? row % kBrickReach : (i < kBrickReach ? kBrickSide : i - kBrickReach);
+    const int z = dx == 1 ? row / kBrickReach : (i < kBrickReach ? i : kBrickSide);
+    s.rows[dx * kRows + z * kBrickReach + y] = row_beyond(list, s.near, dx, y, z);
   }
 }
 
-// Enters a cell beyond a face, at index `uv` = 8 v + u. `triangles_before` counts the triangles of
-// the mesh before it.
-__device__ void share_cell_beyond(TriangleShared& s, int face, int uv, std::uint32_t inside,
-                                  std::uint64_t triangles_before) {
-  s.beyond_case[face][uv] = static_cast<std::uint8_t>(inside);
-  s.beyond_first[face][uv] = static_cast<std::uint32_t>(3 * triangles_before);
-}
-
-// Enters the cells beyond the faces across y and z: by 32 threads, each for a row of eight cells
-// along x.
-__device__ void share_rows_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
-                                  int thread) {
-  const int face = 2 + thread / kBrickSide, v = thread % kBrickSide;
-  const std::uint32_t place = s.near.place[neighbour_across(face)];
-  if (place == kNoBrick) return;
+// Enters the mixed cells beyond a face, which are cells of the brick at `place` of the list: by a
+// warp, two cells a lane. Across y and z, eight lanes have a row of cells, and a prefix sum over
+// them gives the triangles before each. Across x, a cell is the first of its row, or the last,
+// whose triangles end where the next row's begin.
+__device__ void share_cells_beyond(const BrickList& list, const CaseTable& table,
+                                   std::uint32_t place, int face,
+                                   Shell<Connectivity::half_edges>& shell) {
   const ActiveBrick& owner = list.bricks[place];
-  // The layer of the neighbour next to this brick: its last one beyond a lower face, else its
-  // first.
-  const int last = face % 2 == 0 ? kBrickSide - 1 : 0;
-  const int y = face / 2 == 1 ? last : v, z = face / 2 == 1 ? v : last;
-  std::uint64_t before = list.before[place].triangles + owner.row_triangles[z * kBrickSide + y];
-  const std::uint32_t mixed = mixed_cells(owner.signs, y, z);
-  for (std::uint32_t cells = mixed; cells != 0; cells &= cells - 1) {
-    const int x = __ffs(static_cast<int>(cells)) - 1;
-    const std::uint32_t inside = cell_case(owner.signs, x, y, z);
-    share_cell_beyond(s, face, v * kBrickSide + x, inside, before);
-    before += table.count(inside);
+  const std::uint64_t before = list.before[place].triangles;
+  const int axis = face / 2, layer = face % 2 == 0 ? kBrickSide - 1 : 0;
+  const auto lane = static_cast<int>(threadIdx.x % kWarp);
+  const int u = lane % kBrickSide;
+  for (int v = lane / kBrickSide; v < kBrickSide; v += static_cast<int>(kWarp) / kBrickSide) {
+    const int x = axis == 0 ? layer : u;
+    const int y = axis == 0 ? u : (axis == 1 ? layer : v);
+    const int z = axis == 2 ? layer : v;
+    const int row = z * kBrickSide + y;
+    const std::uint32_t inside = cell_case(owner.signs, x, y, z), own = table.count(inside);
+    std::uint32_t start = owner.row_triangles[row];
+    if (axis > 0) {
+      std::uint32_t sum = own;
+      for (int step = 1; step < kBrickSide; step *= 2) {
+        const std::uint32_t below =
+            __shfl_up_sync(kAllLanes, sum, static_cast<unsigned>(step), kBrickSide);
+        if (u >= step) sum += below;
+      }
+      start += sum - own;
+    } else if (face == 0) {
+      start = (row + 1 < kOwnRows ? owner.row_triangles[row + 1] : owner.triangles) - own;
+    }
+    if (own == 0) continue;
+    // Eight cells back from the neighbour's cell, or on, as the shell counts from this brick.
+    const int away = (face % 2 == 0 ? -kBrickSide : kBrickSide) * shell_step(axis);
+    const int cell = shell_cell(x, y, z) + away;
+    shell.first_half_edge[cell] = static_cast<std::uint32_t>(3 * (before + start));
+    shell.inside[cell] = static_cast<std::uint8_t>(inside);
   }
 }
 
-// Enters the cells beyond the two faces across x: by 32 threads, each for two cells of either face.
-// Such a cell is the last of its row (in the neighbour) beyond the lower face, and the first beyond
-// the upper face. The number of triangles before a row is known from counting. The last cell's
-// triangles end where the next row's begin, so they begin that much less the cell's triangles.
-__device__ void share_ends_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
-                                  int thread) {
-  for (int i = thread; i < 2 * kCellsPerFace; i += static_cast<int>(kWarp)) {
-    const int face = i / kCellsPerFace, row = i % kCellsPerFace;
+// Enters the cells beyond the faces that the surface crosses, for half-edges, and checks that the
+// list has the bricks beyond these faces: adds to `missing` the number of those that it lacks. Each
+// warp has three faces. A brick that only shares an edge with this one needs no check of its own:
+// if the surface crosses that edge, it crosses the faces that contain the edge. Two other bricks
+// share faces with both, so the checks of the faces report the missing brick.
+template <Connectivity connectivity>
+__device__ void share_beyond(const BrickList& list, const CaseTable& table, std::uint32_t faces,
+                             TriangleShared<connectivity>& s, unsigned long long* missing) {
+  for (int face = static_cast<int>(threadIdx.x / kWarp); face < 6; face += 2) {
+    if ((faces >> face & 1u) == 0) continue;
     const std::uint32_t place = s.near.place[neighbour_across(face)];
-    if (place == kNoBrick) continue;
-    const ActiveBrick& owner = list.bricks[place];
-    const int x = face == 0 ? kBrickSide - 1 : 0, y = row % kBrickSide, z = row / kBrickSide;
-    const std::uint32_t inside = cell_case(owner.signs, x, y, z);
-    if (table.count(inside) == 0) continue;
-    std::uint64_t before = list.before[place].triangles + owner.row_triangles[row];
-    if (face == 0) {
-      const std::uint64_t end = row + 1 < kCellsPerFace
-                                    ? list.before[place].triangles + owner.row_triangles[row + 1]
-                                    : list.before[place + 1].triangles;
-      before = end - table.count(inside);
+    if (place == kNoBrick) {
+      if (threadIdx.x % kWarp == 0) atomicAdd(missing, 1ull);
+    } else if constexpr (connectivity == Connectivity::half_edges) {
+      share_cells_beyond(list, table, place, face, s.shell);
     }
-    share_cell_beyond(s, face, row, inside, before);
   }
 }
 
-// Enters the cells beyond all faces, by two warps; `thread` is 0 .. 63.
-__device__ void share_cells_beyond(const BrickList& list, const CaseTable& table, TriangleShared& s,
-                                   int thread) {
-  if (thread < static_cast<int>(kWarp)) {
-    share_rows_beyond(list, table, s, thread);
-  } else {
-    share_ends_beyond(list, table, s, thread - static_cast<int>(kWarp));
-  }
+// ---- triangles ----
+
+// Number in the mesh of the vertex at which a half-edge of a cell starts: the first vertex of the
+// node's row plus the number of crossed edges of the row before this one. `row` is the row 9 z + y
+// and `column` 4 x of the cell's lower corner.
+template <Connectivity connectivity>
+__device__ std::uint32_t corner_number(const TriangleShared<connectivity>& s,
+                                       const HalfEdgeCode& edge, unsigned row, unsigned column) {
+  const unsigned at = column + edge.column();
+  // Nodes x = 8 are in the second half of the rows.
+  const VertexRow nodes = s.rows[row + edge.row() + (at >= 4 * kBrickSide ? kRows : 0)];
+  return nodes.first + static_cast<std::uint32_t>(__popc(nodes.crossed & s.before[at]));
 }
 
-// Checks that the list has all bricks that it needs. Adds to `missing` the number of rows of cells
-// at the brick's faces which the surface crosses although the brick beyond the face is not in the
-// list. By 48 threads, each for one face and one row of cells. A row of cells counts as crossed if
-// its nodes in the face (2 x 9) are of both signs. A brick that only shares an edge with this one
-// needs no check of its own: if the surface crosses that edge, it crosses the faces that contain
-// the edge. Two other bricks share faces with both, so the checks of the faces report the missing
-// brick.
-__device__ void count_missing(const TriangleShared& s, int thread, unsigned long long* missing) {
-  const int face = thread / kBrickSide, v = thread % kBrickSide;
-  if (face >= 6 || s.near.place[neighbour_across(face)] != kNoBrick) return;
-  const int axis = face / 2, node = face % 2 * kBrickSide;
-  const auto& row = s.brick.signs.row;
-  // The nodes of the face in one row along x: for a face across x a single node, else nine.
-  const unsigned all = axis == 0 ? 1u : (1u << kBrickReach) - 1;
-  unsigned any = 0, every = all;
-  const auto add = [&](unsigned nodes) {
-    any |= nodes & all;
-    every &= nodes;
-  };
-  if (axis == 0) {
-    for (int y = 0; y < kBrickReach; ++y) {
-      add(row[v][y] >> node);
-      add(row[v + 1][y] >> node);
-    }
-  } else if (axis == 1) {
-    add(row[v][node]);
-    add(row[v + 1][node]);
-  } else {
-    add(row[node][v]);
-    add(row[node][v + 1]);
+// Number in the mesh of the opposite of a half-edge of the cell `cell` of the shell.
+__device__ std::uint32_t opposite_number(const Shell<Connectivity::half_edges>& shell,
+                                         const CaseTable& table, const HalfEdgeCode& edge,
+                                         int cell) {
+  const int there = cell + edge.step();
+  std::uint32_t half_edge = edge.opposite();
+  if (half_edge >= kFirstFaceCode) {
+    half_edge = table.face_half_edge[shell.inside[there]][half_edge - kFirstFaceCode];
   }
-  if (any != 0 && every != all) atomicAdd(missing, 1ull);
+  return shell.first_half_edge[there] + half_edge;
 }
 
-// Number in the mesh of the vertex on the edge that node (x, y, z), each 0 .. 8, owns along the
-// axis: the row's first vertex plus the number of crossed edges of the row before this one.
-__device__ std::uint32_t corner_number(const TriangleShared& s, unsigned x, unsigned y, unsigned z,
-                                       unsigned axis) {
-  const VertexRow row = s.rows[(x / kBrickSide) * kRows + z * kBrickReach + y];
-  const std::uint32_t before = s.before[4 * (x % kBrickSide) + axis];
-  return row.first + static_cast<std::uint32_t>(__popc(row.crossed & before));
-}
-
-// Number in the mesh of the opposite of a half-edge that lies in a face of its cell. The opposite
-// belongs to the cell across that face. `base` is the number of the brick's first half-edge, `cell`
-// the cell 64 z + 8 y + x. `code` = 4 face + slot is the half-edge's CaseTable::across less
-// kFirstFaceCode; the slot names one of the face's four edges. The three bits of `cell` from
-// `shift` on are its coordinate along the face's axis.
-__device__ std::uint32_t number_across(const TriangleShared& s, const CaseTable& table,
-                                       std::uint32_t base, unsigned cell, std::uint32_t code) {
-  const unsigned face = code / 4, slot = code % 4, shift = 3 * (face / 2);
-  const bool upper = face % 2 != 0;
-  const unsigned at = cell >> shift & (kBrickSide - 1);
-  // The same face as the other cell numbers it: lower and upper are exchanged.
-  const auto entry = static_cast<int>(face ^ 1);
-  if (at == (upper ? kBrickSide - 1u : 0u)) {
-    // The cell's place in the face, 8 v + u: `cell` without the coordinate along the face's axis.
-    const unsigned uv = (cell & ((1u << shift) - 1)) | (cell >> (shift + 3)) << shift;
-    return s.beyond_first[face][uv] +
-           table.at_face(s.beyond_case[face][uv], entry, static_cast<int>(slot));
+// Writes `count` words, three of each lane, to consecutive places: they go through shared memory,
+// so that consecutive lanes write consecutive words. All lanes of the warp call it.
+__device__ void store_staged(const std::uint32_t (&own)[3], std::uint32_t count,
+                             std::uint32_t* staged, std::uint32_t* to) {
+  const unsigned lane = threadIdx.x % kWarp;
+  // The lanes may still be reading the words of the call before.
+  __syncwarp();
+  for (unsigned k = 0; k < 3; ++k) staged[3 * lane + k] = own[k];
+  __syncwarp();
+  for (unsigned k = 0; k < 3; ++k) {
+    const unsigned word = k * kWarp + lane;
+    if (word < count) to[word] = staged[word];
   }
-  const unsigned beyond = upper ? cell + (1u << shift) : cell - (1u << shift);
-  const MixedCell there = s.cells[beyond];
-  return base + 3 * there.start + table.at_face(there.inside, entry, static_cast<int>(slot));
 }
 
 // Writes the corners of a brick's triangles and, if half-edges are asked for, the opposite
-// half-edges. A thread block of 128 threads per brick; block b works on brick first + b of the
-// list. About 11 KB of shared memory. Half-edge n of the brick goes to index 3 * (number of the
-// brick's first triangle - mesh.first_triangle) + n. The cells beyond the faces are gathered for
-// half-edges only.
+// half-edges. A thread block of two warps per brick; block b works on brick first + b of the list.
+// The warps take the triangles in turns, 32 at a time, a lane for each. Half-edge n of the brick
+// goes to index 3 * (number of the brick's first triangle - mesh.first_triangle) + n.
 template <Connectivity connectivity>
 __global__ void __launch_bounds__(kTriangleThreads)
     emit_triangles(BrickList list, std::uint32_t first, const TriangleNeighbours* neighbours,
-                   const CaseTable* global_table, DeviceMeshView mesh,
+                   const CaseTable* global_table, const TriangleCodes* codes, DeviceMeshView mesh,
                    unsigned long long* missing) {
-  __shared__ TriangleShared s;
+  __shared__ TriangleShared<connectivity> s;
+  constexpr bool half_edges = connectivity == Connectivity::half_edges;
   const CaseTable& table = *global_table;
   const std::uint32_t own = first + blockIdx.x;
+  const BrickSums before = list.before[own];
+  if (list.before[own + 1].triangles == before.triangles) return;
   copy_brick(&list.bricks[own], &s.brick, threadIdx.x, kTriangleThreads);
-  // The last ten threads copy one neighbour each, as the first ones are busy with the brick.
-  if (threadIdx.x >= kTriangleThreads - kTriangleNeighbours) {
-    const unsigned slot = threadIdx.x - (kTriangleThreads - kTriangleNeighbours);
-    s.near.place[slot] = neighbours[own].place[slot];
-  }
-  __syncthreads();
-  if (s.brick.triangles == 0) return;
   const auto thread = static_cast<int>(threadIdx.x);
-  constexpr bool half_edges = connectivity == Connectivity::half_edges;
-  if (thread < kOwnRows) {
-    share_own_cells(table, s);
-  } else {
-    count_missing(s, thread - kOwnRows, missing);
-    if constexpr (half_edges) share_cells_beyond(list, table, s, thread - kOwnRows);
-  }
-  share_vertex_rows(list, own, s);
+  if (thread < kTriangleNeighbours) s.near.place[thread] = neighbours[own].place[thread];
+  if (thread < 4 * kBrickReach)
+    s.before[thread] = crossings_before(thread / 4 % kBrickSide, thread % 4);
+  for (unsigned w = threadIdx.x; w < kTriangleWords + 2; w += kTriangleThreads) s.begins[w] = 0;
+  if (thread == 0) s.face_signs = 0;
   __syncthreads();
-  // A thread takes every 128th half-edge n of the brick. The triangle n / 3 gives the cell, and h
-  // is the half-edge's number among the half-edges of the cell's case. It is written as the corner
-  // at which it starts.
-  const std::uint64_t before = list.before[own].triangles;
-  const auto base_number = static_cast<std::uint32_t>(3 * before);
-  const std::uint64_t place = 3 * (before - mesh.first_triangle);
-  for (std::uint32_t n = threadIdx.x; n < 3 * s.brick.triangles; n += kTriangleThreads) {
-    const unsigned cell = s.cell_of[n / 3];
-    const MixedCell own_cell = s.cells[cell];
-    const std::uint32_t h = n - 3 * own_cell.start;
-    const PackedHalfEdge edge = table.half_edge[own_cell.inside][h];
-    const unsigned x = cell % kBrickSide, y = cell / kBrickSide % kBrickSide;
-    const unsigned z = cell / kCellsPerFace;
-    mesh.corners[place + n] =
-        corner_number(s, x + static_cast<unsigned>(edge.x()), y + static_cast<unsigned>(edge.y()),
-                      z + static_cast<unsigned>(edge.z()), static_cast<unsigned>(edge.axis()));
-    if constexpr (half_edges) {
-      // A low code is the number of the opposite in the same cell, whose half-edges begin at n - h.
-      const std::uint32_t code = edge.across();
-      mesh.opposite[place + n] =
-          code < kFirstFaceCode ? base_number + n - h + code
-                                : number_across(s, table, base_number, cell, code - kFirstFaceCode);
+  share_cells(table, static_cast<std::uint32_t>(3 * before.triangles), s);
+  share_own_rows(before.vertices, s);
+  share_face_signs(s);
+  __syncthreads();
+  const std::uint32_t faces = faces_crossed(s.face_signs);
+  share_rows_beyond(list, faces, s);
+  share_beyond(list, table, faces, s, missing);
+  __syncthreads();
+
+  const unsigned lane = threadIdx.x % kWarp, warp = threadIdx.x / kWarp;
+  const std::uint64_t place = 3 * (before.triangles - mesh.first_triangle);
+  // `cells`: the number of cells that begin before the word's triangles.
+  auto cells = warp == 0 ? 0u : static_cast<std::uint32_t>(__popc(s.begins[0]));
+  for (std::uint32_t w = warp; w * kWarp < s.brick.triangles; w += kTriangleThreads / kWarp) {
+    const std::uint32_t left = s.brick.triangles - w * kWarp, count = left < kWarp ? left : kWarp;
+    // Lanes without a triangle repeat the last one.
+    const std::uint32_t t = lane < count ? lane : count - 1, word = s.begins[w];
+    // The triangle's cell is the last one that begins at it or before it.
+    const auto rank = static_cast<std::uint32_t>(__popc(word & ((2u << t) - 1)));
+    const MixedCell mixed = s.cells[cells + rank - 1];
+    cells += static_cast<std::uint32_t>(__popc(word) + __popc(s.begins[w + 1]));
+    const TriangleCode code = codes->triangle[mixed.inside()][w * kWarp + t - mixed.start()];
+    const unsigned x = mixed.cell() % kBrickSide, y = mixed.cell() / kBrickSide % kBrickSide;
+    const unsigned z = mixed.cell() / kCellsPerFace;
+    std::uint32_t corners[3], opposite[3];
+    for (int k = 0; k < 3; ++k) {
+      const HalfEdgeCode edge = code.half_edge[k];
+      corners[k] = corner_number(s, edge, z * kBrickReach + y, 4 * x);
+      if constexpr (half_edges) {
+        const int cell = shell_cell(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z));
+        opposite[k] = opposite_number(s.shell, table, edge, cell);
+      }
     }
+    const std::uint64_t to = place + 3 * w * kWarp;
+    store_staged(corners, 3 * count, s.staged[warp], mesh.corners + to);
+    if constexpr (half_edges) store_staged(opposite, 3 * count, s.staged[warp], mesh.opposite + to);
   }
 }
 
@@ -378,7 +446,7 @@ void emit_triangles_on_device(const BrickList& bricks,
                                                : emit_triangles<Connectivity::triangles>;
   launch("emit_triangles", kernel, {static_cast<unsigned>(range.size()), kTriangleThreads}, stream,
          bricks, static_cast<std::uint32_t>(range.begin), neighbours.data(), case_table_on_device(),
-         mesh, &tally->missing_neighbours);
+         triangle_codes_on_device(), mesh, &tally->missing_neighbours);
 }
 
 }  // namespace vdwmesh

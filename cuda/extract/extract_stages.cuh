@@ -1,5 +1,6 @@
 // The stages of an extraction on the device, each in a file of its own: device_field.cu,
-// brick_search.cu, count_bricks.cu, emit_vertices.cu and emit_triangles.cu. DeviceBrickMesher
+// brick_search.cu, count_bricks.cu, emit_vertices.cu and emit_triangles.cu; case_tables.cu has what
+// they look up. DeviceBrickMesher
 // (brick_mesher.cuh) runs them. All pointers lead to device memory.
 #pragma once
 
@@ -37,8 +38,11 @@ class DeviceField {
   FieldContext context_;
 };
 
-// The marching cubes cases in the memory of the current device, where they stay.
+// The marching cubes cases, and the codes of their half-edges (triangle_codes.cuh), in the memory
+// of the current device, where they stay.
+struct TriangleCodes;
 const CaseTable* case_table_on_device();
+const TriangleCodes* triangle_codes_on_device();
 
 // The keys of bricks or lattice blocks: the first `count` entries of the array, which may be
 // longer.

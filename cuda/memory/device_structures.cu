@@ -1,12 +1,10 @@
 // Copies cell lists to a device, allocates the arrays of meshes there, and copies meshes back to
-// the host. Also says how much memory of the device is left, and keeps the case table of marching
-// cubes on each device.
+// the host. Also says how much memory of the device is left.
 #include <algorithm>
-#include <map>
-#include <mutex>
+#include <string>
 
-#include "cuda/extract/extract_stages.cuh"
 #include "cuda/memory/device.cuh"
+#include "cuda/memory/device_structures.cuh"
 #include "cuda/memory/transfer.cuh"
 
 namespace vdwmesh {
@@ -105,27 +103,6 @@ void require_device_memory(std::uint64_t bytes, const char* what, std::uint64_t 
   throw DeviceMemoryExceeded(std::string(what) + " needs " + std::to_string(bytes) +
                              " bytes of device memory, " + std::to_string(available) +
                              " are available: choose a larger spacing or the cpu backend");
-}
-
-const CaseTable* case_table_on_device() {
-  // The map and the tables are never given back: at the end of the process the driver may be gone
-  // already.
-  static std::mutex* const mutex = new std::mutex;
-  static auto* const tables = new std::map<int, const CaseTable*>;
-  int device = 0;
-  check_cuda(cudaGetDevice(&device), "device");
-  const std::lock_guard lock(*mutex);
-  const CaseTable*& table = (*tables)[device];
-  if (table == nullptr) {
-    void* memory = nullptr;
-    check_cuda(cudaMalloc(&memory, sizeof(CaseTable)), "case table");
-    const cudaError_t status =
-        cudaMemcpy(memory, &case_table(), sizeof(CaseTable), cudaMemcpyHostToDevice);
-    if (status != cudaSuccess) cudaFree(memory);
-    check_cuda(status, "case table");
-    table = static_cast<const CaseTable*>(memory);
-  }
-  return table;
 }
 
 }  // namespace vdwmesh

@@ -199,12 +199,6 @@ constexpr void link_half_edges(const Triangles& t, std::size_t inside, CaseTable
   }
 }
 
-constexpr PackedHalfEdge pack(std::uint8_t edge, std::uint8_t across) {
-  const CellEdge e = cell_edge(edge);
-  return {e.x | static_cast<std::uint32_t>(e.y) << 1 | static_cast<std::uint32_t>(e.z) << 2 |
-          static_cast<std::uint32_t>(e.axis) << 3 | static_cast<std::uint32_t>(across) << 8};
-}
-
 constexpr CaseTable make_case_table() {
   CaseTable table{};
   for (std::size_t inside = 0; inside < 256; ++inside) {
@@ -212,9 +206,6 @@ constexpr CaseTable make_case_table() {
     table.triangle_count[inside] = static_cast<std::uint8_t>(t.count);
     std::copy(t.edges.begin(), t.edges.end(), table.edges[inside]);
     link_half_edges(t, inside, table);
-    for (int h = 0; h < 3 * t.count; ++h) {
-      table.half_edge[inside][h] = pack(table.edges[inside][h], table.across[inside][h]);
-    }
   }
   return table;
 }

@@ -30,18 +30,6 @@ inline constexpr int kCaseHalfEdges = 3 * kMaxCaseTriangles;
 inline constexpr std::uint8_t kFirstFaceCode = 32;  // the first code in another cell, see `across`
 inline constexpr std::uint8_t kNoHalfEdge = 255;    // no half-edge of the case
 
-// A half-edge in one word. It starts on the cell edge that the node at offset (x, y, z) from the
-// cell's lower corner owns along axis(). across() is the code of its opposite, as in CaseTable.
-struct PackedHalfEdge {
-  std::uint32_t bits;
-
-  VDWMESH_HD int x() const { return static_cast<int>(bits & 1); }
-  VDWMESH_HD int y() const { return static_cast<int>(bits >> 1 & 1); }
-  VDWMESH_HD int z() const { return static_cast<int>(bits >> 2 & 1); }
-  VDWMESH_HD int axis() const { return static_cast<int>(bits >> 3 & 3); }
-  VDWMESH_HD std::uint32_t across() const { return bits >> 8; }
-};
-
 struct CaseTable {
   std::uint8_t triangle_count[256];
   std::uint8_t edges[256][kCaseHalfEdges];  // cell edge at which each half-edge starts
@@ -51,8 +39,6 @@ struct CaseTable {
   std::uint8_t across[256][kCaseHalfEdges];
   // [case][4 f + s]: the half-edge in face f that starts at slot s, or kNoHalfEdge.
   std::uint8_t face_half_edge[256][24];
-
-  PackedHalfEdge half_edge[256][kCaseHalfEdges];  // `edges` and `across` in one word, for the GPU
 
   VDWMESH_HD std::uint32_t count(std::uint32_t inside) const { return triangle_count[inside]; }
   VDWMESH_HD int across_code(std::uint32_t inside, int h) const { return across[inside][h]; }

@@ -1,0 +1,70 @@
+// Puts the tables of marching cubes into the memory of a device, once for each device: the case
+// table, and the codes of its half-edges, which are made here from the case table.
+#include <map>
+#include <mutex>
+
+#include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/triangle_codes.cuh"
+
+namespace vdwmesh {
+namespace {
+
+struct Tables {
+  CaseTable cases;
+  TriangleCodes triangles;
+};
+
+HalfEdgeCode half_edge_code(std::uint8_t edge, std::uint8_t across) {
+  const CellEdge start = cell_edge(edge);
+  const auto row = static_cast<std::uint32_t>(start.y + kBrickReach * start.z);
+  const auto column = static_cast<std::uint32_t>(4 * start.x + start.axis);
+  int step = 0;
+  std::uint32_t opposite = across;
+  if (across >= kFirstFaceCode) {
+    const int face = (across - kFirstFaceCode) / 4, slot = (across - kFirstFaceCode) % 4;
+    step = face % 2 == 0 ? -shell_step(face / 2) : shell_step(face / 2);
+    // The cell across the face numbers it from its other side: lower and upper are exchanged.
+    opposite = static_cast<std::uint32_t>(kFirstFaceCode + 4 * (face ^ 1) + slot);
+  }
+  return {row | column << 4 | opposite << 8 | static_cast<std::uint32_t>(step) << 24};
+}
+
+const Tables* tables_on_device() {
+  // The map and the tables are never given back: at the end of the process the driver may be gone
+  // already.
+  static std::mutex* const mutex = new std::mutex;
+  static auto* const all = new std::map<int, const Tables*>;
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  const std::lock_guard lock(*mutex);
+  const Tables*& tables = (*all)[device];
+  if (tables == nullptr) {
+    const Tables host{case_table(), make_triangle_codes(case_table())};
+    void* memory = nullptr;
+    check_cuda(cudaMalloc(&memory, sizeof(Tables)), "case table");
+    const cudaError_t status = cudaMemcpy(memory, &host, sizeof(Tables), cudaMemcpyHostToDevice);
+    if (status != cudaSuccess) cudaFree(memory);
+    check_cuda(status, "case table");
+    tables = static_cast<const Tables*>(memory);
+  }
+  return tables;
+}
+
+}  // namespace
+
+TriangleCodes make_triangle_codes(const CaseTable& table) {
+  TriangleCodes codes{};
+  for (int inside = 0; inside < 256; ++inside) {
+    for (int h = 0; h < 3 * table.triangle_count[inside]; ++h) {
+      codes.triangle[inside][h / 3].half_edge[h % 3] =
+          half_edge_code(table.edges[inside][h], table.across[inside][h]);
+    }
+  }
+  return codes;
+}
+
+// Only addresses in device memory are computed here.
+const CaseTable* case_table_on_device() { return &tables_on_device()->cases; }
+const TriangleCodes* triangle_codes_on_device() { return &tables_on_device()->triangles; }
+
+}  // namespace vdwmesh
