@@ -8,6 +8,7 @@
 // into shared memory. If they do not fit there, every vertex searches the cell list itself, which
 // gives the same bits more slowly.
 #include <algorithm>
+#include <bit>
 
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/extract_stages.cuh"
@@ -35,9 +36,11 @@ struct WarpBrick {
 // beyond the end of the list, or its brick has no vertex.
 __device__ bool load_brick(const BrickList& list, ActiveBrick& brick) {
   if (own_brick() >= list.size) return false;
+  const BrickSums* const before = list.before + own_brick();
+  if (before[0].vertices == before[1].vertices) return false;
   copy_brick(&list.bricks[own_brick()], &brick, threadIdx.x % kWarp, kWarp);
   __syncwarp();
-  return brick.vertices > 0;
+  return true;
 }
 
 // ---- the union of balls ----
@@ -76,6 +79,42 @@ __global__ void __launch_bounds__(kBrickThreads)
 
 // ---- blended fields ----
 
+// The box around the vertices of a warp, in Å from the brick's node 0.
+struct WarpBox {
+  float lower[3], upper[3];
+
+  // The square of the distance from the box to a point, by the operations of local_square(). Each
+  // operation is monotone under rounding, so the result is at most local_square() of any vertex of
+  // the warp less the point.
+  __device__ float square_to(const float (&point)[3]) const {
+    float away[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      away[axis] = fmaxf(fmaxf(lower[axis] - point[axis], point[axis] - upper[axis]), 0.0f);
+    }
+    return local_square({away[0], away[1], away[2]});
+  }
+};
+
+// The box around the points `local` of the lanes, which all call it. Floats become integers of the
+// same order, because the device has minima and maxima over a warp for these alone.
+__device__ WarpBox box_of_warp(const Vec3f& local) {
+  constexpr unsigned sign = 1u << 31;
+  const auto ordered = [](float x) {
+    const auto bits = std::bit_cast<unsigned>(x);
+    return (bits & sign) != 0 ? ~bits : bits | sign;
+  };
+  const auto from_ordered = [](unsigned bits) {
+    return std::bit_cast<float>((bits & sign) != 0 ? bits & ~sign : ~bits);
+  };
+  WarpBox box{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const unsigned bits = ordered(local[axis]);
+    box.lower[axis] = from_ordered(__reduce_min_sync(kAllLanes, bits));
+    box.upper[axis] = from_ordered(__reduce_max_sync(kAllLanes, bits));
+  }
+  return box;
+}
+
 // What the gradient and the label of a vertex need of an atom near the brick.
 struct alignas(16) VertexAtom {
   float center[3];       // from the brick's node 0, Å
@@ -96,6 +135,19 @@ __device__ VertexAtom vertex_atom(const FieldContext& f, const BrickGeometry& g,
     a.cell[axis] = static_cast<std::int32_t>(subgrid_cell(f.model.grid, axis, atom.center[axis]));
   }
   return a;
+}
+
+// Calls visit(k) for the items k = 0 .. count - 1, rising, for which wanted(k) is true, on all
+// lanes together. Each lane tests every 32nd item.
+template <class Wanted, class Visit>
+__device__ void visit_wanted(std::uint32_t count, Wanted&& wanted, Visit&& visit) {
+  const unsigned lane = threadIdx.x % kWarp;
+  for (std::uint32_t first = 0; first < count; first += kWarp) {
+    const bool own = first + lane < count && wanted(first + lane);
+    for (unsigned left = __ballot_sync(kAllLanes, own); left != 0; left &= left - 1) {
+      visit(first + static_cast<std::uint32_t>(__ffs(static_cast<int>(left))) - 1);
+    }
+  }
 }
 
 // Whether the node lies in the atom's sub-grid; true without sub-grids.
@@ -127,9 +179,10 @@ __device__ __noinline__ float value_at_node(const FieldContext& f, const BrickGe
 
 // The vertex on a crossed edge: where linear interpolation between the values at its ends reaches
 // the isovalue. The device counterpart of BlendedBrick::vertex(). `values` are the field's values
-// at the brick's nodes, x fastest. for_each(visit) calls visit(atom, place) for the atoms that
-// reach the brick, in list order, on all lanes of the warp together. The label is the atom that
-// contributes most at the vertex, and the normal points against the sum of the atoms' gradients.
+// at the brick's nodes, x fastest. for_each(wanted, visit) calls visit(atom, place) for the atoms
+// that reach the brick, in list order, on all lanes of the warp together; it may leave out atoms
+// for which wanted(atom) is false. The label is the atom that contributes most at the vertex, and
+// the normal points against the sum of the atoms' gradients.
 template <BlendedKind Kind, class ForEach>
 __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry& g,
                                      const float* values, const CrossedEdge& edge,
@@ -145,17 +198,23 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
   const LatticeNode inside = lattice_node(g.brick, edge.inside);
   const ShapeParameters<float> shape = shape_parameters<float>(f.model);
   LocalGradient gradient;
-  for_each([&](const VertexAtom& a, std::uint32_t place) {
-    const bool reaches = reaches_node(f.model, a, inside);
+  const WarpBox box = box_of_warp(local);
+  // An atom that adds nothing anywhere in the box adds nothing to any vertex of the warp.
+  const auto reaches_box = [&](const VertexAtom& a) {
+    return Kind::reaches(shape, box.square_to(a.center) * a.scale);
+  };
+  for_each(reaches_box, [&](const VertexAtom& a, std::uint32_t place) {
+    if (!reaches_node(f.model, a, inside)) return;
     const Vec3f from = local - Vec3f{a.center[0], a.center[1], a.center[2]};
-    // An atom that adds nothing to any vertex of the warp is skipped by the whole warp.
-    if (!__any_sync(kAllLanes, reaches && is_in_window<Kind>(shape, from, a.scale))) return;
-    if (reaches) add_gradient<Kind>(shape, from, a.scale, a.rank, place, gradient);
+    add_gradient<Kind>(shape, from, a.scale, a.rank, place, gradient);
   });
   // If no atom contributes at the vertex, the label is the atom that contributes most at the inside
   // end.
-  if (!(gradient.strongest.value > 0)) {
-    for_each([&](const VertexAtom& a, std::uint32_t place) {
+  if (__any_sync(kAllLanes, !(gradient.strongest.value > 0))) {
+    const bool wanting = !(gradient.strongest.value > 0);
+    const auto any = [](const VertexAtom&) { return true; };
+    for_each(any, [&](const VertexAtom& a, std::uint32_t place) {
+      if (!wanting) return;
       const float alone = value_at_node<Kind>(f, g, place, a.scale, edge.inside);
       gradient.strongest.meet(alone, a.rank, place);
     });
@@ -198,9 +257,12 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
   const float* const values_of_brick = values + own_brick() * kBrickValues;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
             [&](const CrossedEdge& edge) {
-              return blended_vertex<Kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
-                for (std::uint32_t k = 0; k < met; ++k) visit(atoms[k], places[k]);
-              });
+              return blended_vertex<Kind>(
+                  f, g, values_of_brick, edge, [&](auto&& wanted, auto&& visit) {
+                    visit_wanted(
+                        met, [&](std::uint32_t k) { return wanted(atoms[k]); },
+                        [&](std::uint32_t k) { visit(atoms[k], places[k]); });
+                  });
             });
 }
 
@@ -221,7 +283,7 @@ __global__ void __launch_bounds__(kBrickThreads)
   const float* const values_of_brick = values + own_brick() * kBrickValues;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
             [&](const CrossedEdge& edge) {
-              return blended_vertex<Kind>(f, g, values_of_brick, edge, [&](auto&& visit) {
+              return blended_vertex<Kind>(f, g, values_of_brick, edge, [&](auto&&, auto&& visit) {
                 visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {
                   // Visitor of visit_near_box(): false goes on to the next sphere.
                   if (!reaches_brick(f.model, g, f.list.spheres[place])) return false;

@@ -80,13 +80,14 @@ __device__ inline EdgeVertex union_vertex(const FieldContext& f, const BrickGeom
   const Vec3d far = g.node(edge.outside[0], edge.outside[1], edge.outside[2]);
   const Vec3d& lower = edge.direction > 0 ? node : far;
   const Vec3d& upper = edge.direction > 0 ? far : node;
-  const std::uint64_t near =
+  std::uint64_t near =
       items ? balls_near_edge(*items, count, g, edge, static_cast<float>(spacing)) : 0;
   const auto for_each = [&](auto&& visit) {
     if (items) {
       for (std::uint64_t left = near; left != 0; left &= left - 1) {
         const int k = __ffsll(static_cast<long long>(left)) - 1;
-        visit(items->ball[k], items->rank[k], items->place[k]);
+        // A ball that changes nothing any more is left out from now on.
+        if (!visit(items->ball[k], items->rank[k], items->place[k])) near &= ~(left & -left);
       }
     } else {
       visit_near_box(f.list, lower, upper, [&](std::uint32_t place) {

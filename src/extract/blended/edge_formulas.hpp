@@ -84,7 +84,8 @@ struct UnionExit {
 // If several intervals end exactly at the exit, the ball of lowest rank owns it. for_each(visit)
 // calls visit(ball, rank, index) for all balls that touch the edge and possibly for others, which
 // change nothing; `rank` is the ball's place in the canonical order, and `index` the caller's
-// number for it. The result is not clamped to the edge.
+// number for it. If visit() returns false, the ball changes nothing any more, and later calls of
+// for_each may leave it out. The result is not clamped to the edge.
 template <class ForEach>
 VDWMESH_HD UnionExit union_exit(const Vec3d& node, int axis, double direction, double spacing,
                                 ForEach&& for_each) {
@@ -101,18 +102,22 @@ VDWMESH_HD UnionExit union_exit(const Vec3d& node, int axis, double direction, d
   for_each([&](const Sphere& ball, std::uint32_t rank, std::uint32_t index) {
     if (!inside_ball(node, ball)) {
       others = true;
-      return;
+      return true;
     }
     const double exit = exit_of_holder(ball, node, axis, direction);
     if (exit >= reach) end_at(exit, rank, index);
+    // Its interval ends at `exit`, or before the node if that is 0: step 2 meets nothing new in it.
+    return false;
   });
   for (bool grown = others; grown;) {
     grown = false;
     for_each([&](const Sphere& ball, std::uint32_t rank, std::uint32_t index) {
       const Interval i = cover(ball, node, axis, direction);
-      if (i.empty || i.exit < reach || i.enter > reach || i.enter > spacing) return;
+      if (i.empty || i.exit < reach || i.enter > spacing) return false;
+      if (i.enter > reach) return true;  // the run may still grow to where the interval begins
       grown |= i.exit > reach;
       end_at(i.exit, rank, index);
+      return false;
     });
   }
   return {reach, owner};
