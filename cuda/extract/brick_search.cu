@@ -2,8 +2,10 @@
 // of the octree is a lattice block: 2^level bricks along each axis. ("Thread block" below is CUDA's
 // word.) Each level of the descent tests the eight children of every lattice block that the level
 // above has kept, with bounds on the field over the child's box: the tests of
-// extract/blended/block_bounds.hpp in float32. The children that pass are compacted into a list,
-// and the bricks, which are the blocks of level 0, are sorted by key in the end.
+// extract/blended/block_bounds.hpp in float32. The children that pass are compacted into a list.
+// The bricks, which are the blocks of level 0, are marked among all bricks of the grid, and the
+// marks give the list in the order of keys; if there would be many times more marks than tested
+// bricks, they are compacted as on the other levels and sorted.
 //
 // One warp tests one parent. The warp gathers the spheres near the parent, and all eight children
 // are tested against them at once: four lanes per child, each of which takes every fourth sphere.
@@ -18,7 +20,7 @@
 #include <string>
 #include <utility>
 
-#include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/marked_bricks.cuh"
 #include "cuda/extract/ordered_gather.cuh"
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
@@ -250,16 +252,34 @@ __device__ void test_child(const FieldContext& f, const BlockBox& parent,
   test.join();
 }
 
+// Where test_children() tells which children it keeps, either of the two.
+struct KeptChildren {
+  // For child c of parent i, at index 8 i + c: its key, and whether it is kept.
+  std::uint64_t* keys = nullptr;
+  std::uint8_t* keep = nullptr;
+  // Or for a brick, at its brick_number(): 1 if it is kept. Other marks are not touched.
+  std::uint8_t* marks = nullptr;
+  std::int32_t bricks[3] = {};  // of the grid along each axis
+
+  __device__ void tell(std::uint64_t i, const BrickIndex& child, bool kept) const {
+    if (marks == nullptr) {
+      keys[i] = brick_key(child);
+      keep[i] = kept ? 1 : 0;
+    } else if (kept) {
+      marks[brick_number(bricks, child)] = 1;
+    }
+  }
+};
+
 // A warp per parent, 4 warps per thread block, with 6 KB of shared memory. Reads the keys of
-// `count` parents of level child_level + 1. Writes for child c of parent i, at index 8 i + c, its
-// key to `keys` and to `keep` whether it is kept: whether it may hold surface and may have bricks
-// in `range`. The first lane of each child (part 0) writes. The bound of 6 makes the compiler use
-// so few registers that 6 thread blocks fit on a multiprocessor at a time.
+// `count` parents of level child_level + 1. Tells for each child whether it is kept: whether it may
+// hold surface and may have bricks in `range`. The first lane of each child (part 0) writes. The
+// bound of 6 makes the compiler use so few registers that 6 thread blocks fit on a multiprocessor
+// at a time.
 template <class Test>
 __global__ void __launch_bounds__(kThreads, 6)
     test_children(const __grid_constant__ FieldContext f, const std::uint64_t* parents,
-                  std::uint64_t count, int child_level, KeyRange range, std::uint64_t* keys,
-                  std::uint8_t* keep) {
+                  std::uint64_t count, int child_level, KeyRange range, KeptChildren result) {
   __shared__ Waiting waiting[kThreads / kWarp];
   const std::uint64_t i = thread_index() / kWarp;
   if (i >= count) return;
@@ -278,24 +298,15 @@ __global__ void __launch_bounds__(kThreads, 6)
   // by definition, so the mesh is closed there.
   const bool crosses =
       !test.is_outside(child) && (!test.is_inside(child) || child.box.touches_border);
-  keys[kChildren * i + static_cast<unsigned>(c)] = brick_key(index);
   const bool kept = !child.box.empty && crosses && block_meets(range, index, child_level);
-  keep[kChildren * i + static_cast<unsigned>(c)] = kept ? 1 : 0;
+  result.tell(kChildren * i + static_cast<unsigned>(c), index, kept);
 }
 
-// The children of `parents` that test_children() keeps, in the order of the parents. Throws
-// LimitExceeded if they are more than `most`, the number of bricks that fit in the memory allowed.
-// On levels above 0 this limits the memory of the descent.
-KeyList surviving_children(const FieldContext& f, const KeyList& parents, int child_level,
-                           const KeyRange& range, std::uint64_t most, const Stream& stream) {
-  const std::uint64_t children = kChildren * parents.count;
-  KeyList result;
-  if (children == 0) return result;
-  const DeviceArray<std::uint64_t> keys(children, stream.get());
-  const DeviceArray<std::uint8_t> keep(children, stream.get());
+void test_all_children(const FieldContext& f, const KeyList& parents, int child_level,
+                       const KeyRange& range, const KeptChildren& result, const Stream& stream) {
   const auto test = [&]<class Test>() {
     launch("test_children", test_children<Test>, over(kWarp * parents.count, kThreads), stream, f,
-           parents.keys.data(), parents.count, child_level, range, keys.data(), keep.data());
+           parents.keys.data(), parents.count, child_level, range, result);
   };
   if (f.model.kind == FieldKind::vdw) {
     test.template operator()<UnionTest>();
@@ -303,6 +314,28 @@ KeyList surviving_children(const FieldContext& f, const KeyList& parents, int ch
     with_blended(f.model.kind,
                  [&]<class Kind>(Kind) { test.template operator()<BlendedTest<Kind>>(); });
   }
+}
+
+// Throws LimitExceeded if the kept blocks are more than `most`, the number of bricks that fit in
+// the memory allowed. On levels above 0 this limits the memory of the descent. The message gives
+// the number of kept blocks of this level, as an estimate: there are more bricks where blocks have
+// several of them.
+void check_kept(std::uint64_t count, std::uint64_t most) {
+  if (count <= most) return;
+  throw LimitExceeded("the surface crosses more than " + std::to_string(count) +
+                      " bricks of 8 x 8 x 8 nodes; at most " + std::to_string(most) +
+                      " fit in the memory allowed: choose a larger spacing");
+}
+
+// The children of `parents` that test_children() keeps, in the order of the parents.
+KeyList surviving_children(const FieldContext& f, const KeyList& parents, int child_level,
+                           const KeyRange& range, const Stream& stream) {
+  const std::uint64_t children = kChildren * parents.count;
+  KeyList result;
+  if (children == 0) return result;
+  const DeviceArray<std::uint64_t> keys(children, stream.get());
+  const DeviceArray<std::uint8_t> keep(children, stream.get());
+  test_all_children(f, parents, child_level, range, {keys.data(), keep.data()}, stream);
   result.keys = DeviceArray<std::uint64_t>(children, stream.get());
   const DeviceArray<std::uint64_t> count(1, stream.get());
   run_cub("select", stream.get(), [&](void* scratch, std::size_t& bytes) {
@@ -311,14 +344,38 @@ KeyList surviving_children(const FieldContext& f, const KeyList& parents, int ch
                                       stream.get());
   });
   result.count = fetch(count.data(), stream);
-  if (result.count > most) {
-    // The message gives the number of kept blocks of this level, as an estimate: there are more
-    // bricks where blocks have several of them.
-    throw LimitExceeded("the surface crosses more than " + std::to_string(result.count) +
-                        " bricks of 8 x 8 x 8 nodes; at most " + std::to_string(most) +
-                        " fit in the memory allowed: choose a larger spacing");
-  }
   return result;
+}
+
+// The bricks that test_children() keeps, by rising key: by marks.
+KeyList marked_children(const FieldContext& f, const KeyList& parents, const KeyRange& range,
+                        const Stream& stream) {
+  KeptChildren result;
+  std::uint64_t total = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    result.bricks[axis] = brick_count(f.model.grid.cells[axis]);
+    total *= static_cast<std::uint64_t>(result.bricks[axis]);
+  }
+  const DeviceArray<std::uint8_t> marks = zeros<std::uint8_t>(total, stream.get());
+  result.marks = marks.data();
+  test_all_children(f, parents, 0, range, result, stream);
+  return keys_of_marks(marks.data(), result.bricks, std::min(total, kChildren * parents.count),
+                       stream);
+}
+
+// The same by sorting.
+KeyList sorted_children(const FieldContext& f, const KeyList& parents, const KeyRange& range,
+                        const Stream& stream) {
+  KeyList blocks = surviving_children(f, parents, 0, range, stream);
+  if (blocks.count == 0) return blocks;
+  DeviceArray<std::uint64_t> sorted(blocks.count, stream.get());
+  run_cub("sort", stream.get(), [&](void* scratch, std::size_t& bytes) {
+    return cub::DeviceRadixSort::SortKeys(scratch, bytes, blocks.keys.data(), sorted.data(),
+                                          static_cast<std::int64_t>(blocks.count), 0, 64,
+                                          stream.get());
+  });
+  blocks.keys = std::move(sorted);
+  return blocks;
 }
 
 // The lattice blocks with which the descent begins: all blocks of one level, untested. It is the
@@ -366,17 +423,19 @@ KeyList candidate_bricks_on_device(const FieldContext& f, const KeyRange& range,
                                    const Stream& stream) {
   FirstBlocks first = first_blocks(f.model.grid, stream);
   KeyList blocks = std::move(first.blocks);
-  for (int level = first.level; level > 0; --level) {
-    blocks = surviving_children(f, blocks, level - 1, range, most, stream);
+  for (int level = first.level; level > 1; --level) {
+    blocks = surviving_children(f, blocks, level - 1, range, stream);
+    check_kept(blocks.count, most);
   }
-  if (blocks.count == 0) return blocks;
-  DeviceArray<std::uint64_t> sorted(blocks.count, stream.get());
-  run_cub("sort", stream.get(), [&](void* scratch, std::size_t& bytes) {
-    return cub::DeviceRadixSort::SortKeys(scratch, bytes, blocks.keys.data(), sorted.data(),
-                                          static_cast<std::int64_t>(blocks.count), 0, 64,
-                                          stream.get());
-  });
-  blocks.keys = std::move(sorted);
+  // A mark is a byte, a child in a list takes 17. With so many marks a child they take no longer
+  // than the sorting.
+  constexpr double marks_per_child = 64;
+  double marks = 1;
+  for (int axis = 0; axis < 3; ++axis) marks *= brick_count(f.model.grid.cells[axis]);
+  const bool few = marks <= marks_per_child * kChildren * static_cast<double>(blocks.count);
+  blocks =
+      few ? marked_children(f, blocks, range, stream) : sorted_children(f, blocks, range, stream);
+  check_kept(blocks.count, most);
   return blocks;
 }
 

@@ -8,14 +8,11 @@
 // 4. count_sampled counts them; DeviceBrickMesher numbers and emits them as for any field.
 // Values are read again only for the vertices: at the ends of crossed edges and, for normals,
 // around them.
-#include <thrust/iterator/counting_iterator.h>
-#include <thrust/iterator/transform_iterator.h>
-
-#include <cub/device/device_select.cuh>
+#include <string>
 
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/field_source.cuh"
-#include "cuda/memory/cub_calls.cuh"
+#include "cuda/extract/marked_bricks.cuh"
 #include "cuda/memory/launch.cuh"
 #include "extract/blended/sampled_formulas.hpp"
 
@@ -123,17 +120,6 @@ __global__ void __launch_bounds__(kThreads)
   }
 }
 
-// The key of brick i, if bricks are numbered with x fastest and z slowest; rising with i.
-struct KeyOfBrick {
-  std::int32_t width, height;
-
-  __host__ __device__ std::uint64_t operator()(std::int64_t i) const {
-    return brick_key({static_cast<std::int32_t>(i % width),
-                      static_cast<std::int32_t>(i / width % height),
-                      static_cast<std::int32_t>(i / width / height)});
-  }
-};
-
 // Keys, rising, of the bricks of the range whose nodes are of both signs. Throws LimitExceeded if
 // they are more than `most`.
 KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const KeyRange& range,
@@ -144,17 +130,7 @@ KeyList mixed_bricks(const SignGrid& grid, const std::uint32_t* words, const Key
   launch("find_mixed", find_mixed,
          over(static_cast<std::uint64_t>(row_words), kThreads - 1, kThreads), stream, grid, words,
          range, mixed.data());
-  KeyList result;
-  result.keys = DeviceArray<std::uint64_t>(bricks, stream.get());
-  const DeviceArray<std::uint64_t> count(1, stream.get());
-  const auto keys = thrust::make_transform_iterator(thrust::make_counting_iterator(std::int64_t{0}),
-                                                    KeyOfBrick{grid.bricks[0], grid.bricks[1]});
-  run_cub("select", stream.get(), [&](void* scratch, std::size_t& bytes) {
-    return cub::DeviceSelect::Flagged(scratch, bytes, keys, mixed.data(), result.keys.data(),
-                                      count.data(), static_cast<std::int64_t>(bricks),
-                                      stream.get());
-  });
-  result.count = fetch(count.data(), stream);
+  KeyList result = keys_of_marks(mixed.data(), grid.bricks, bricks, stream);
   if (result.count > most) {
     throw LimitExceeded("the surface crosses " + std::to_string(result.count) +
                         " bricks of 8 x 8 x 8 nodes; at most " + std::to_string(most) +
