@@ -60,6 +60,11 @@ TriangleCodes make_triangle_codes(const CaseTable& table) {
           half_edge_code(table.edges[inside][h], table.across[inside][h]);
     }
   }
+  for (int x = 0; x < kBrickReach; ++x) {
+    for (int axis = 0; axis < 4; ++axis) {
+      codes.before[4 * x + axis] = axis < 3 ? crossings_before(x % kBrickSide, axis) : 0;
+    }
+  }
   return codes;
 }
 

@@ -135,15 +135,25 @@ struct TriangleShared {
   VertexRow rows[2 * kRows];
   std::uint32_t before[4 * kBrickReach];  // crossings_before(x % 8, axis), at 4 x + axis
   MixedCell cells[kBrickNodes];           // in the order of their triangles
-  // Bit t % 32 of word t / 32 is set if triangle t is the first one of a cell. Two more words, so
-  // that words may be read ahead.
-  std::uint32_t begins[kTriangleWords + 2];
+  // Bit t % 32 of word t / 32 is set if triangle t is the first one of a cell. Three more words, so
+  // that words may be read ahead, and the triangles need not fill the last one.
+  std::uint32_t begins[kTriangleWords + 3];
   std::uint32_t face_signs;            // see share_face_signs()
   std::uint32_t staged[2][3 * kWarp];  // of each warp, see store_staged()
   Shell<connectivity> shell;
 };
 
 // ---- the brick's own cells and rows ----
+
+// Copies the brick to shared memory, a word of 8 bytes a thread. The caller synchronises
+// afterwards.
+__device__ void copy_brick_once(const ActiveBrick& from, ActiveBrick& to) {
+  constexpr unsigned words = sizeof(ActiveBrick) / sizeof(std::uint64_t);
+  static_assert(words <= kTriangleThreads && sizeof(ActiveBrick) % sizeof(std::uint64_t) == 0);
+  if (threadIdx.x >= words) return;
+  reinterpret_cast<std::uint64_t*>(&to)[threadIdx.x] =
+      reinterpret_cast<const std::uint64_t*>(&from)[threadIdx.x];
+}
 
 // Fills `cells`, `begins` and the brick's part of `shell`. Each warp has half of the 64 rows of
 // cells: first a lane for each row lists the row's mixed cells, then a lane for each mixed cell
@@ -207,21 +217,29 @@ __device__ void share_own_rows(std::uint64_t first, TriangleShared<connectivity>
       row_crossings(s.brick.signs, y, z).packed};
 }
 
-// Adds to `face_signs` what the nodes of the faces are. Bits 0 .. 8: some node of the layer x = 0
-// .. 8 is inside, of which the first and the last are faces. Bits 9, 10, 11, 12: some node of the
-// layer y = 0, y = 8, z = 0, z = 8 is. The same bits plus 16: some node is outside.
+// What a row of nodes adds to `face_signs`. Bits 0 .. 8: some node of the layer x = 0 .. 8 is
+// inside, of which the first and the last are faces. Bits 9, 10, 11, 12: some node of the layer y =
+// 0, y = 8, z = 0, z = 8 is, for those that `layers` names by the same bits. The same bits plus 16:
+// some node is outside.
+__device__ std::uint32_t signs_of_row(std::uint32_t inside, std::uint32_t layers) {
+  constexpr std::uint32_t all = (1u << kBrickReach) - 1;
+  const std::uint32_t outside = ~inside & all;
+  return inside | outside << 16 | (inside != 0 ? layers : 0) | (outside != 0 ? layers << 16 : 0);
+}
+
+// Adds all rows to `face_signs`: a thread for each row that the brick owns, then one for each of
+// the 17 others, whose y or z is 8.
 template <Connectivity connectivity>
 __device__ void share_face_signs(TriangleShared<connectivity>& s) {
-  constexpr std::uint32_t all = (1u << kBrickReach) - 1;
-  std::uint32_t found = 0;
-  for (int row = static_cast<int>(threadIdx.x); row < kRows;
-       row += static_cast<int>(kTriangleThreads)) {
-    const int y = row % kBrickReach, z = row / kBrickReach;
-    const std::uint32_t inside = s.brick.signs.row[z][y], outside = ~inside & all;
-    const std::uint32_t both = (inside != 0 ? 1u : 0u) | (outside != 0 ? 1u << 16 : 0u);
-    found |= inside | outside << 16;
-    found |= y == 0 ? both << 9 : (y == kBrickSide ? both << 10 : 0u);
-    found |= z == 0 ? both << 11 : (z == kBrickSide ? both << 12 : 0u);
+  constexpr std::uint32_t front = 1u << 9, back = 1u << 10, bottom = 1u << 11, top = 1u << 12;
+  const unsigned y = threadIdx.x % kBrickSide, z = threadIdx.x / kBrickSide;
+  std::uint32_t found =
+      signs_of_row(s.brick.signs.row[z][y], (y == 0 ? front : 0) | (z == 0 ? bottom : 0));
+  if (threadIdx.x < kBrickReach) {
+    const unsigned i = threadIdx.x;
+    const std::uint32_t first = i == 0 ? 1u : 0u, last = i == kBrickSide ? 1u : 0u;
+    found |= signs_of_row(s.brick.signs.row[i][kBrickSide], back | first * bottom | last * top);
+    found |= signs_of_row(s.brick.signs.row[kBrickSide][i], top | first * front | last * back);
   }
   found = __reduce_or_sync(kAllLanes, found);
   if (threadIdx.x % kWarp == 0) atomicOr(&s.face_signs, found);
@@ -265,61 +283,77 @@ __device__ void share_rows_beyond(const BrickList& list, std::uint32_t faces,
   }
 }
 
-// Enters the mixed cells beyond a face, which are cells of the brick at `place` of the list: by a
-// warp, two cells a lane. Across y and z, eight lanes have a row of cells, and a prefix sum over
-// them gives the triangles before each. Across x, a cell is the first of its row, or the last,
-// whose triangles end where the next row's begin.
-__device__ void share_cells_beyond(const BrickList& list, const CaseTable& table,
-                                   std::uint32_t place, int face,
-                                   Shell<Connectivity::half_edges>& shell) {
-  const ActiveBrick& owner = list.bricks[place];
-  const std::uint64_t before = list.before[place].triangles;
-  const int axis = face / 2, layer = face % 2 == 0 ? kBrickSide - 1 : 0;
+// Enters the mixed cells beyond a face, which are cells of the brick `owner`: by a warp, two cells
+// a lane. Across y and z, eight lanes have a row of cells, and a prefix sum over them gives the
+// triangles before each. Across x, a cell is the first of its row, or the last, whose triangles end
+// where the next row's begin. `first_half_edge` is the number of the owner's first half-edge.
+template <int face>
+__device__ void share_cells_beyond(const ActiveBrick& owner, std::uint32_t first_half_edge,
+                                   const CaseTable& table, Shell<Connectivity::half_edges>& shell) {
+  constexpr int axis = face / 2, layer = face % 2 == 0 ? kBrickSide - 1 : 0;
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   const int u = lane % kBrickSide;
-  for (int v = lane / kBrickSide; v < kBrickSide; v += static_cast<int>(kWarp) / kBrickSide) {
+#pragma unroll
+  for (int half = 0; half < 2; ++half) {
+    const int v = lane / kBrickSide + half * (kBrickSide / 2);
     const int x = axis == 0 ? layer : u;
     const int y = axis == 0 ? u : (axis == 1 ? layer : v);
     const int z = axis == 2 ? layer : v;
     const int row = z * kBrickSide + y;
     const std::uint32_t inside = cell_case(owner.signs, x, y, z), own = table.count(inside);
     std::uint32_t start = owner.row_triangles[row];
-    if (axis > 0) {
+    if constexpr (axis > 0) {
       std::uint32_t sum = own;
+#pragma unroll
       for (int step = 1; step < kBrickSide; step *= 2) {
         const std::uint32_t below =
             __shfl_up_sync(kAllLanes, sum, static_cast<unsigned>(step), kBrickSide);
         if (u >= step) sum += below;
       }
       start += sum - own;
-    } else if (face == 0) {
+    } else if constexpr (face == 0) {
       start = (row + 1 < kOwnRows ? owner.row_triangles[row + 1] : owner.triangles) - own;
     }
     if (own == 0) continue;
     // Eight cells back from the neighbour's cell, or on, as the shell counts from this brick.
-    const int away = (face % 2 == 0 ? -kBrickSide : kBrickSide) * shell_step(axis);
+    constexpr int away = (face % 2 == 0 ? -kBrickSide : kBrickSide) * shell_step(axis);
     const int cell = shell_cell(x, y, z) + away;
-    shell.first_half_edge[cell] = static_cast<std::uint32_t>(3 * (before + start));
+    shell.first_half_edge[cell] = first_half_edge + 3 * start;
     shell.inside[cell] = static_cast<std::uint8_t>(inside);
   }
 }
 
-// Enters the cells beyond the faces that the surface crosses, for half-edges, and checks that the
-// list has the bricks beyond these faces: adds to `missing` the number of those that it lacks. Each
-// warp has three faces. A brick that only shares an edge with this one needs no check of its own:
-// if the surface crosses that edge, it crosses the faces that contain the edge. Two other bricks
-// share faces with both, so the checks of the faces report the missing brick.
+// If the surface crosses the face: enters the cells beyond it, for half-edges, and checks that the
+// list has the brick beyond it; if it has not, adds 1 to `missing`. By a warp.
+template <int face, Connectivity connectivity>
+__device__ void share_beyond_face(const BrickList& list, const CaseTable& table,
+                                  std::uint32_t faces, TriangleShared<connectivity>& s,
+                                  unsigned long long* missing) {
+  if ((faces >> face & 1u) == 0) return;
+  const std::uint32_t place = s.near.place[neighbour_across(face)];
+  if (place == kNoBrick) {
+    if (threadIdx.x % kWarp == 0) atomicAdd(missing, 1ull);
+  } else if constexpr (connectivity == Connectivity::half_edges) {
+    const auto before = static_cast<std::uint32_t>(list.before[place].triangles);
+    share_cells_beyond<face>(list.bricks[place], 3 * before, table, s.shell);
+  }
+}
+
+// share_beyond_face() for all faces, of which each warp has three. A brick that only shares an edge
+// with this one needs no check of its own: if the surface crosses that edge, it crosses the faces
+// that contain the edge. Two other bricks share faces with both, so the checks of the faces report
+// the missing brick.
 template <Connectivity connectivity>
 __device__ void share_beyond(const BrickList& list, const CaseTable& table, std::uint32_t faces,
                              TriangleShared<connectivity>& s, unsigned long long* missing) {
-  for (int face = static_cast<int>(threadIdx.x / kWarp); face < 6; face += 2) {
-    if ((faces >> face & 1u) == 0) continue;
-    const std::uint32_t place = s.near.place[neighbour_across(face)];
-    if (place == kNoBrick) {
-      if (threadIdx.x % kWarp == 0) atomicAdd(missing, 1ull);
-    } else if constexpr (connectivity == Connectivity::half_edges) {
-      share_cells_beyond(list, table, place, face, s.shell);
-    }
+  if (threadIdx.x < kWarp) {
+    share_beyond_face<0>(list, table, faces, s, missing);
+    share_beyond_face<2>(list, table, faces, s, missing);
+    share_beyond_face<4>(list, table, faces, s, missing);
+  } else {
+    share_beyond_face<1>(list, table, faces, s, missing);
+    share_beyond_face<3>(list, table, faces, s, missing);
+    share_beyond_face<5>(list, table, faces, s, missing);
   }
 }
 
@@ -350,17 +384,22 @@ __device__ std::uint32_t opposite_number(const Shell<Connectivity::half_edges>& 
 }
 
 // Writes `count` words, three of each lane, to consecutive places: they go through shared memory,
-// so that consecutive lanes write consecutive words. All lanes of the warp call it.
+// so that consecutive lanes write consecutive words. All lanes of the warp call it. `staged` has
+// room for the words of the warp, `to` is where the first word goes.
 __device__ void store_staged(const std::uint32_t (&own)[3], std::uint32_t count,
                              std::uint32_t* staged, std::uint32_t* to) {
   const unsigned lane = threadIdx.x % kWarp;
+  std::uint32_t* const in = staged + 3 * lane;
+  const std::uint32_t* const out = staged + lane;
+  std::uint32_t* const target = to + lane;
   // The lanes may still be reading the words of the call before.
   __syncwarp();
-  for (unsigned k = 0; k < 3; ++k) staged[3 * lane + k] = own[k];
+#pragma unroll
+  for (unsigned k = 0; k < 3; ++k) in[k] = own[k];
   __syncwarp();
+#pragma unroll
   for (unsigned k = 0; k < 3; ++k) {
-    const unsigned word = k * kWarp + lane;
-    if (word < count) to[word] = staged[word];
+    if (k * kWarp + lane < count) target[k * kWarp] = out[k * kWarp];
   }
 }
 
@@ -378,13 +417,15 @@ __global__ void __launch_bounds__(kTriangleThreads)
   const CaseTable& table = *global_table;
   const std::uint32_t own = first + blockIdx.x;
   const BrickSums before = list.before[own];
-  if (list.before[own + 1].triangles == before.triangles) return;
-  copy_brick(&list.bricks[own], &s.brick, threadIdx.x, kTriangleThreads);
+  const std::uint64_t after = list.before[own + 1].triangles;
+  if (after == before.triangles) return;
   const auto thread = static_cast<int>(threadIdx.x);
+  copy_brick_once(list.bricks[own], s.brick);
   if (thread < kTriangleNeighbours) s.near.place[thread] = neighbours[own].place[thread];
-  if (thread < 4 * kBrickReach)
-    s.before[thread] = crossings_before(thread / 4 % kBrickSide, thread % 4);
-  for (unsigned w = threadIdx.x; w < kTriangleWords + 2; w += kTriangleThreads) s.begins[w] = 0;
+  if (thread < 4 * kBrickReach) s.before[thread] = codes->before[thread];
+  const std::uint32_t words = static_cast<std::uint32_t>(after - before.triangles) / kWarp + 3;
+#pragma unroll 1
+  for (unsigned w = threadIdx.x; w < words; w += kTriangleThreads) s.begins[w] = 0;
   if (thread == 0) s.face_signs = 0;
   __syncthreads();
   share_cells(table, static_cast<std::uint32_t>(3 * before.triangles), s);

@@ -47,6 +47,8 @@ struct alignas(16) TriangleCode {
 
 struct TriangleCodes {
   TriangleCode triangle[256][kMaxCaseTriangles];
+  // crossings_before(x % 8, axis) at 4 x + axis, for x = 0 .. 8.
+  std::uint32_t before[4 * kBrickReach];
 };
 
 TriangleCodes make_triangle_codes(const CaseTable& table);
