@@ -48,29 +48,33 @@ class RunOptions {
   RefineOptions refine;
 };
 
-// Extracts to the host, then refines the mesh from there. Without subdivisions it only extracts.
-PipelineResult run_over_host(const SphereSet& spheres, const RunOptions& run,
-                             const Extractor& extractor, const Refiner& refiner) {
+// Extracts to the host, into the memory of result.mesh, then refines the mesh from there. Without
+// subdivisions it only extracts.
+void run_over_host(PipelineResult& result, const SphereSet& spheres, const RunOptions& run,
+                   const Extractor& extractor, const Refiner& refiner) {
+  ExtractResult extracted;
+  extracted.mesh = std::move(result.mesh);
   if (run.refine.subdivisions == 0) {
-    ExtractResult extracted = extractor.extract(spheres, run.extract);
+    extractor.extract_into(extracted, spheres, run.extract);
     // Not refined: no levels, 0 seconds, no fallback.
-    return {std::move(extracted.mesh),    extracted.grid, extracted.stats, {}, 0,
-            std::move(extracted.fallback)};
+    result = {std::move(extracted.mesh),    extracted.grid, extracted.stats, {}, 0,
+              std::move(extracted.fallback)};
+    return;
   }
-  ExtractResult extracted = extractor.extract(spheres, run.extraction_to_refine());
+  extractor.extract_into(extracted, spheres, run.extraction_to_refine());
   RefineOptions options = run.refine;
   options.grid = extracted.grid;
   RefineResult refined = refiner.refine(spheres, std::move(extracted.mesh), options);
   tell_size(run.extract.on_size, refined.mesh);
-  return {std::move(refined.mesh),   extracted.grid,  extracted.stats,
-          std::move(refined.levels), refined.seconds, std::move(refined.fallback)};
+  result = {std::move(refined.mesh),   extracted.grid,  extracted.stats,
+            std::move(refined.levels), refined.seconds, std::move(refined.fallback)};
 }
 
 class CpuPipeline final : public SurfacePipeline {
  public:
-  PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
-                     const RefineOptions& refine) const override {
-    return run_over_host(spheres, {extract, refine}, *make_cpu_extractor(), *make_cpu_refiner());
+  void run_into(PipelineResult& result, const SphereSet& spheres, const ExtractOptions& extract,
+                const RefineOptions& refine) const override {
+    run_over_host(result, spheres, {extract, refine}, *make_cpu_extractor(), *make_cpu_refiner());
   }
 };
 
@@ -233,47 +237,45 @@ class AutomaticExactMesher final : public ExactMesher {
 // Runs a pipeline with the mesh on one device throughout, if it is to be refined and one device is
 // asked for. Otherwise, or if that does not fit the device's memory, extracts with CUDA to the host
 // and refines by `refiner` from there.
-PipelineResult run_on_device(const SphereSet& spheres, const RunOptions& run,
-                             const Refiner& refiner) {
+void run_on_device(PipelineResult& result, const SphereSet& spheres, const RunOptions& run,
+                   const Refiner& refiner) {
   if (run.refine.subdivisions > 0 && run.extract.devices == 1) {
     try {
-      return make_cuda_pipeline()->run(spheres, run.extract, run.refine);
+      return make_cuda_pipeline()->run_into(result, spheres, run.extract, run.refine);
     } catch (const DeviceMemoryExceeded&) {
       // The stages may fit one after the other: the extraction can be cut into slabs, and the
       // refinement then has the device to itself.
     }
   }
-  return run_over_host(spheres, run, *make_cuda_extractor(), refiner);
+  run_over_host(result, spheres, run, *make_cuda_extractor(), refiner);
 }
 
 class CudaPipeline final : public SurfacePipeline {
  public:
-  PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
-                     const RefineOptions& refine) const override {
+  void run_into(PipelineResult& result, const SphereSet& spheres, const ExtractOptions& extract,
+                const RefineOptions& refine) const override {
     int next_level = 0;
     RefineOptions observed = refine;
     observed.on_level = once_per_level(refine.on_level, next_level);
-    return run_on_device(spheres, {extract, observed}, *make_cuda_refiner());
+    run_on_device(result, spheres, {extract, observed}, *make_cuda_refiner());
   }
 };
 
 class AutomaticPipeline final : public SurfacePipeline {
  public:
-  PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
-                     const RefineOptions& refine) const override {
+  void run_into(PipelineResult& result, const SphereSet& spheres, const ExtractOptions& extract,
+                const RefineOptions& refine) const override {
     int next_level = 0;
     RefineOptions observed = refine;
     observed.on_level = once_per_level(refine.on_level, next_level);
-    PipelineResult result;
     const std::string fallback = with_fallback(
         "meshed",
         [&] {
-          result = run_on_device(spheres, {extract, observed}, AutomaticRefiner());
+          run_on_device(result, spheres, {extract, observed}, AutomaticRefiner());
         },
-        [&] { result = CpuPipeline().run(spheres, extract, observed); });
+        [&] { CpuPipeline().run_into(result, spheres, extract, observed); });
     // Otherwise the result may name a fallback of its own: of the refinement alone.
     if (!fallback.empty()) result.fallback = fallback;
-    return result;
   }
 };
 

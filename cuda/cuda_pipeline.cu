@@ -9,7 +9,6 @@
 #include "cuda/on_device.hpp"
 #include "cuda/refine/device_refinement.cuh"
 #include "cuda/spheres/device_frames.cuh"
-#include "extract/field_list.hpp"
 #include "refine/preparation.hpp"
 
 namespace vdwmesh {
@@ -40,7 +39,7 @@ class HostSpheres {
   std::size_t size() const { return spheres_.size(); }
   const Stream& stream() const { return stream_; }
   DeviceCellList list(const FieldModel& model) const {
-    return {field_list(spheres_, model, frame_, workspace_), stream_.get()};
+    return upload_list(prepare_list(spheres_, model, frame_, workspace_), model, stream_);
   }
   DeviceSurface surface(const RefineOptions& options) const {
     return {spheres_, options, TriangleLabels::none, workspace_, stream_};
@@ -99,25 +98,24 @@ RefineOptions on_grid(const RefineOptions& options, const GridSpec& grid) {
 
 class OneDevicePipeline final : public SurfacePipeline {
  public:
-  PipelineResult run(const SphereSet& spheres, const ExtractOptions& extraction,
-                     const RefineOptions& refinement) const override {
+  void run_into(PipelineResult& result, const SphereSet& spheres, const ExtractOptions& extraction,
+                const RefineOptions& refinement) const override {
     const DeviceScope scope;
     WorkspaceOfCall workspace(extraction.workspace);
     const GridSpec grid = make_grid(spheres, extraction.grid);
     const Stream stream;
     const HostSpheres source(spheres, extraction.frame, workspace, stream);
     DeviceExtraction extracted = extract(source, grid, with_half_edges(extraction));
-    // The mesh, levels, seconds are filled in below; there is no fallback.
-    PipelineResult result{{}, grid, extracted.stats, {}, 0, {}};
+    // Levels and seconds are filled in below; there is no fallback.
+    result = {std::move(result.mesh), grid, extracted.stats, {}, 0, {}};
     DeviceRefinement refined = refine(source, std::move(extracted.mesh), on_grid(refinement, grid));
     const DeviceMeshView mesh = refined.mesh.view();
     if (extraction.on_size) extraction.on_size({mesh.vertices, mesh.triangles});
     const bool has_half_edges = refined.mesh.opposite.size() > 0;
-    result.mesh =
-        download(mesh, has_half_edges ? Connectivity::half_edges : Connectivity::triangles, stream);
+    download_into(result.mesh, mesh,
+                  has_half_edges ? Connectivity::half_edges : Connectivity::triangles, stream);
     result.levels = std::move(refined.levels);
     for (const float ms : refined.level_milliseconds) result.refine_seconds += ms * 1e-3;
-    return result;
   }
 };
 

@@ -13,7 +13,7 @@
 #include "cuda/memory/device.cuh"
 #include "cuda/memory/run_on_threads.hpp"
 #include "cuda/memory/transfer.cuh"
-#include "extract/field_list.hpp"
+#include "cuda/spheres/device_frames.cuh"
 #include "extract/limits.hpp"
 
 namespace vdwmesh {
@@ -40,7 +40,7 @@ class SphereWorker {
  public:
   // `sharers` is the number of workers on this device; they share its memory. The other arguments
   // must outlive the worker.
-  SphereWorker(int device, std::size_t sharers, const CellListView& list, const FieldModel& model,
+  SphereWorker(int device, std::size_t sharers, const ListToUpload& list, const FieldModel& model,
                const ExtractOptions& options)
       : device_(device), sharers_(sharers), list_(list), model_(model), options_(options) {}
 
@@ -48,7 +48,7 @@ class SphereWorker {
   void count(const KeyRange& own) {
     use_device(device_);
     stream_.emplace();
-    device_list_.emplace(list_, stream_->get());
+    device_list_.emplace(upload_list(list_, model_, *stream_));
     source_.emplace(device_list_->view(), model_, *stream_);
     mesher_.emplace(*source_, options_, sharers_);
     mesher_->count(own);
@@ -69,7 +69,7 @@ class SphereWorker {
  private:
   int device_;
   std::size_t sharers_;
-  const CellListView& list_;
+  const ListToUpload& list_;
   const FieldModel& model_;
   const ExtractOptions& options_;
   std::optional<Stream> stream_;
@@ -110,7 +110,7 @@ class CudaSurfacePart final : public SurfacePart {
       : options_(options),
         workspace_(options.workspace),
         model_(make_field_model(options.field, make_grid(spheres, options.grid))),
-        list_(field_list(spheres, model_, options.frame, workspace_)) {
+        list_(prepare_list(spheres, model_, options.frame, workspace_)) {
     const DeviceScope scope;
     // The only worker on the device.
     worker_.emplace(devices_from_current()[0], 1, list_, model_, options_);
@@ -135,7 +135,7 @@ class CudaSurfacePart final : public SurfacePart {
   ExtractOptions options_;
   WorkspaceOfCall workspace_;
   FieldModel model_;
-  CellListView list_;
+  ListToUpload list_;  // its spheres are used by the constructor only
   std::optional<SphereWorker> worker_;
 };
 
@@ -150,7 +150,7 @@ class CudaExtractor final : public Extractor {
     WorkspaceOfCall workspace(options.workspace);
     result.grid = make_grid(spheres, options.grid);
     const FieldModel model = make_field_model(options.field, result.grid);
-    const CellListView list = field_list(spheres, model, options.frame, workspace);
+    const ListToUpload list = prepare_list(spheres, model, options.frame, workspace);
     const DeviceScope scope;
     const std::vector<int> present = devices_from_current();
     // One worker per share. If fewer devices are present than asked for, some have several workers.
@@ -187,9 +187,9 @@ class CudaFieldMesher final : public FieldMesher {
     const DeviceScope scope;
     require_device_memory(nodes * sizeof(float), "the field", options.device_memory);
     WorkspaceOfCall workspace(options.workspace);
-    const CellListView list = field_list(spheres, model, options.frame, workspace);
     const Stream stream;
-    const DeviceCellList device_list(list, stream.get());
+    const DeviceCellList device_list =
+        upload_list(prepare_list(spheres, model, options.frame, workspace), model, stream);
     const DeviceArray<float> values(nodes, stream.get());
     sample_field_on_device(device_list.view(), model, values.data(), stream);
     field.values.resize(nodes);

@@ -58,8 +58,8 @@ void DeviceMesh::give_back_on(cudaStream_t stream) {
   triangle_spheres.give_back_on(stream);
 }
 
-IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream) {
-  IndexedMesh host;
+void download_into(IndexedMesh& host, const DeviceMeshView& mesh, Connectivity connectivity,
+                   const Stream& stream) {
   make_room(
       host, {mesh.vertices, mesh.triangles},
       {.connectivity = connectivity,
@@ -77,7 +77,6 @@ IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, cons
        part(host.triangles, mesh.corners), part(host.triangle_spheres, mesh.triangle_spheres),
        part(host.opposite, mesh.opposite)},
       stream);
-  return host;
 }
 
 std::uint64_t spare_device_memory() {

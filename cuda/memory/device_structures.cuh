@@ -135,9 +135,17 @@ DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const Extra
 void sample_field_on_device(const CellListView& list, const FieldModel& model, float* values,
                             const Stream& stream);
 
-// Copies the mesh to the host. Half-edges are copied if `connectivity` asks for them; the mesh must
-// have them then.
-IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity, const Stream& stream);
+// Copies the mesh to the host, into the memory of the arrays of `host`. Half-edges are copied if
+// `connectivity` asks for them; the mesh must have them then.
+void download_into(IndexedMesh& host, const DeviceMeshView& mesh, Connectivity connectivity,
+                   const Stream& stream);
+// download_into() a new mesh.
+inline IndexedMesh download(const DeviceMeshView& mesh, Connectivity connectivity,
+                            const Stream& stream) {
+  IndexedMesh host;
+  download_into(host, mesh, connectivity, stream);
+  return host;
+}
 
 // Bytes that the memory pool of the current device keeps and that no array uses. The pool knows
 // this at once, whereas the driver takes as long as a small extraction to say what is free.

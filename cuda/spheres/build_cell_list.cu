@@ -12,12 +12,18 @@
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/ordered_bits.cuh"
+#include "cuda/memory/transfer.cuh"
 #include "cuda/spheres/device_frames.cuh"
 #include "extract/blended/field_formulas.hpp"
+#include "extract/field_list.hpp"
 #include "spheres/level_extent.hpp"
 
 namespace vdwmesh {
 namespace {
+
+// Of fewer spheres the list is made on the host in less time than the device takes to begin with so
+// many small steps.
+constexpr std::size_t kSpheresWorthBuilding = 8192;
 
 constexpr unsigned kThreads = 256;
 constexpr unsigned kMostBlocks = 264;  // two for each multiprocessor of an H200
@@ -190,11 +196,27 @@ CellListView view_of(const CellListFrame& frame, const LevelTable& table,
 
 }  // namespace
 
-DeviceCellList build_cell_list(const DeviceFrames::Data& balls, const FieldModel& model) {
-  const Stream& stream = balls.work();
-  const auto size = static_cast<std::uint32_t>(balls.atoms);
+ListToUpload prepare_list(const SphereSet& spheres, const FieldModel& model,
+                          const CellListFrame* frame, Workspace& workspace) {
+  if (frame == nullptr && spheres.size() >= kSpheresWorthBuilding) return {spheres, {}};
+  return {spheres, field_list(spheres, model, frame, workspace)};
+}
+
+DeviceCellList upload_list(const ListToUpload& list, const FieldModel& model,
+                           const Stream& stream) {
+  if (list.list) return {*list.list, stream.get()};
+  const std::span<const Sphere> host = list.spheres.spheres();
+  const double least = std::ranges::min(host, {}, &Sphere::radius).radius;
+  const DeviceArray<Sphere> copy(host.size(), stream.get());
+  upload_parts({{copy.data(), host.data(), copy.bytes()}}, stream);
+  return build_cell_list(copy.data(), host.size(), least, model, stream);
+}
+
+DeviceCellList build_cell_list(const Sphere* source, std::size_t count, double least_radius,
+                               const FieldModel& model, const Stream& stream) {
+  const auto size = static_cast<std::uint32_t>(count);
   // field_reach() does not fall as the radius grows, so the least radius has the smallest reach.
-  const ListSource list{balls.rows.data(), size, model, field_reach(model, balls.least_radius)};
+  const ListSource list{source, size, model, field_reach(model, least_radius)};
   const CellListFrame frame = make_frame_on_device(list, stream);
   LevelTable table{};
   const std::uint32_t cells = number_cells(frame, table);
