@@ -106,7 +106,7 @@ void DeviceBrickMesher::throw_no_room(std::uint64_t need) const {
 }
 
 std::uint64_t DeviceBrickMesher::field_bytes(std::uint64_t bricks) const {
-  return bricks * source_.values_per_brick() * sizeof(float);
+  return bricks * source_.kept_per_brick();
 }
 
 std::uint64_t DeviceBrickMesher::mesh_bytes(const BrickSums& from, const BrickSums& to) const {
@@ -131,11 +131,11 @@ void DeviceBrickMesher::count(KeyList candidates, const KeyRange& own) {
   const std::uint64_t fixed = n * kBrickBytes, each = field_bytes(1);
   const bool whole = fits(fixed + n * each);
   if (!whole && fixed + each > room()) throw_no_room(fixed + each);
-  // A source that keeps no values (`each` is 0) always counts as holding its field.
+  // A source that keeps nothing (`each` is 0) always counts as holding its field.
   const std::uint64_t at_once = whole || each == 0 ? n : std::min(n, (room() - fixed) / each);
   holds_field_ = at_once == n;
-  values_ = DeviceArray<float>(at_once * source_.values_per_brick(), stream.get());
-  taken_ += fixed + values_.bytes();
+  kept_ = DeviceArray<std::byte>(field_bytes(at_once), stream.get());
+  taken_ += fixed + kept_.bytes();
   counted_.bricks = DeviceArray<ActiveBrick>(n, stream.get());
   find_own(own);
   // The arrows through tally.data() below only compute addresses in device memory.
@@ -184,12 +184,12 @@ void DeviceBrickMesher::count_all(const BrickCounts& counts, CountPart* halo_par
 // In runs of as many bricks as the kept field has room for. If it has room for all, every brick has
 // its own place there, else each run begins at the front.
 void DeviceBrickMesher::count_range(const BrickRange& range, const BrickCounts& counts) const {
-  const std::uint64_t each = source_.values_per_brick();
-  const std::uint64_t at_once = holds_field_ ? range.size() : values_.size() / each;
+  const std::uint64_t each = source_.kept_per_brick();
+  const std::uint64_t at_once = holds_field_ ? range.size() : kept_.size() / each;
   for (std::uint64_t begin = range.begin; begin < range.end; begin += at_once) {
     const std::uint64_t size = std::min(at_once, range.end - begin);
-    float* const values = values_.data() + (holds_field_ ? begin * each : 0);
-    source_.count(candidates_.keys.data() + begin, size, counted_.bricks.data() + begin, values,
+    std::byte* const kept = kept_.data() + (holds_field_ ? begin * each : 0);
+    source_.count(candidates_.keys.data() + begin, size, counted_.bricks.data() + begin, kept,
                   {counts.sums + begin, counts.parts});
   }
 }
@@ -225,7 +225,7 @@ void DeviceBrickMesher::emit_to_host(const MeshSize& first, IndexedMesh& host, s
   number_from(first);
   for (const Slab& slab : plan_slabs(share, share_count)) {
     advance(options_.monitor, 0);  // no progress to tell, but a chance to cancel
-    if (!holds_field_ && source_.values_per_brick() > 0) fill_field(slab.bricks);
+    if (!holds_field_ && source_.kept_per_brick() > 0) fill_field(slab.bricks);
     if (slab.to.triangles == slab.from.triangles && slab.to.vertices == slab.from.vertices)
       continue;
     const DeviceMesh mesh = make_mesh(slab);
@@ -284,10 +284,10 @@ std::vector<DeviceBrickMesher::Slab> DeviceBrickMesher::plan_slabs(std::uint64_t
 
 // Gives up the field that is kept and takes memory for that of as many bricks. It holds none yet.
 void DeviceBrickMesher::take_field(std::uint64_t bricks) {
-  taken_ -= values_.bytes();
-  values_ = DeviceArray<float>();  // first, so that both are never there
-  values_ = DeviceArray<float>(bricks * source_.values_per_brick(), source_.stream().get());
-  taken_ += values_.bytes();
+  taken_ -= kept_.bytes();
+  kept_ = DeviceArray<std::byte>();  // first, so that both are never there
+  kept_ = DeviceArray<std::byte>(field_bytes(bricks), source_.stream().get());
+  taken_ += kept_.bytes();
   holds_field_ = false;
 }
 
@@ -316,7 +316,7 @@ void DeviceBrickMesher::fill_field(const BrickRange& slab) const {
   clear(parts, stream.get());
   const DeviceArray<BrickSums> sums(slab.size(), stream.get());
   source_.count(candidates_.keys.data() + slab.begin, slab.size(),
-                counted_.bricks.data() + slab.begin, values_.data(), {sums.data(), parts.data()});
+                counted_.bricks.data() + slab.begin, kept_.data(), {sums.data(), parts.data()});
 }
 
 DeviceMesh DeviceBrickMesher::make_mesh(const Slab& slab) const {
@@ -329,7 +329,7 @@ void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   const Stream& stream = source_.stream();
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
   source_.emit_vertices(part_of(counted_.list(), slab.bricks), counted_.totals.most_atoms,
-                        values_.data() + kept_from * source_.values_per_brick(), mesh,
+                        kept_.data() + field_bytes(kept_from), mesh,
                         &emission_tally_.data()->clamped);
   mark_end_of(Stage::vertices);
   if (neighbours_.size() == 0) neighbours_ = find_triangle_neighbours(candidates_, stream);

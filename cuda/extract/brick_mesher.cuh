@@ -77,12 +77,12 @@ class DeviceBrickMesher {
   const ExtractOptions& options_;
   std::size_t sharers_;
   StageMarks marks_;
-  std::vector<Stage> stages_;  // between one mark and the next
-  std::uint64_t taken_ = 0;    // bytes of device memory, beside meshes and slabs' fields
-  KeyList candidates_;         // of the range and its halo
-  BrickRange own_{0, 0};       // those of the range
-  DeviceArray<float> values_;
-  bool holds_field_ = false;  // of all candidates
+  std::vector<Stage> stages_;    // between one mark and the next
+  std::uint64_t taken_ = 0;      // bytes of device memory, beside meshes and slabs' fields
+  KeyList candidates_;           // of the range and its halo
+  BrickRange own_{0, 0};         // those of the range
+  DeviceArray<std::byte> kept_;  // BrickSource::kept_per_brick() of each brick
+  bool holds_field_ = false;     // of all candidates
   DeviceCountedBricks counted_;
   BrickSums own_from_{0, 0}, own_to_{0, 0};  // sums before the range and behind it
   HaloVertices halo_;

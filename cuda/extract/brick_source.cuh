@@ -18,23 +18,23 @@ class BrickSource {
   // How many spheres the labels of its vertices name.
   virtual LabelWidth label_width() const = 0;
 
-  // How many floats counting writes for each brick, which emit_vertices() reads later: the field's
-  // values at its nodes. 0: none.
-  virtual std::uint64_t values_per_brick() const { return 0; }
+  // How many bytes counting keeps of each brick, which emit_vertices() reads later: the field's
+  // values at its nodes, and the spheres near it. 0: none.
+  virtual std::uint64_t kept_per_brick() const { return 0; }
 
   // Keys, rising, of the bricks of a range that may hold surface. Throws LimitExceeded if they are
   // more than `most`.
   virtual KeyList candidates(const KeyRange& range, std::uint64_t most) const = 0;
 
   // Writes the signs and counts of the `size` bricks with these keys to `bricks` and `counts`, and
-  // values_per_brick() floats of each to `values`.
-  virtual void count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks,
-                     float* values, const BrickCounts& counts) const = 0;
+  // kept_per_brick() bytes of each to `kept`.
+  virtual void count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, void* kept,
+                     const BrickCounts& counts) const = 0;
 
   // Writes positions, normals and labels of the vertices of the bricks to `mesh`, at the indices of
   // their numbers. Adds the number of clamped vertices to `clamped`. most_atoms is
-  // BrickTotals::most_atoms, and `values` is what count() has written for these bricks.
-  virtual void emit_vertices(const BrickList& bricks, std::uint32_t most_atoms, const float* values,
+  // BrickTotals::most_atoms, and `kept` is what count() has kept of these bricks.
+  virtual void emit_vertices(const BrickList& bricks, std::uint32_t most_atoms, const void* kept,
                              const DeviceMeshView& mesh, unsigned long long* clamped) const = 0;
 
  private:
@@ -50,19 +50,17 @@ class SphereSource final : public BrickSource {
 
   const GridSpec& grid() const override { return context().model.grid; }
   LabelWidth label_width() const override { return LabelWidth::one; }
-  std::uint64_t values_per_brick() const override {
-    return context().model.kind == FieldKind::vdw ? 0 : kBrickValues;
-  }
+  std::uint64_t kept_per_brick() const override { return kept_bytes(context().model.kind); }
   KeyList candidates(const KeyRange& range, std::uint64_t most) const override {
     return candidate_bricks_on_device(context(), range, most, stream());
   }
-  void count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, float* values,
+  void count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, void* kept,
              const BrickCounts& counts) const override {
-    count_bricks_on_device(context(), keys, size, bricks, values, counts, stream());
+    count_bricks_on_device(context(), keys, size, bricks, kept, counts, stream());
   }
-  void emit_vertices(const BrickList& bricks, std::uint32_t most_atoms, const float* values,
+  void emit_vertices(const BrickList& bricks, std::uint32_t most_atoms, const void* kept,
                      const DeviceMeshView& mesh, unsigned long long* clamped) const override {
-    emit_vertices_on_device(context(), bricks, most_atoms, values, mesh, clamped, stream());
+    emit_vertices_on_device(context(), bricks, most_atoms, kept, mesh, clamped, stream());
   }
 
  private:

@@ -21,6 +21,17 @@ constexpr int kLaneRows = 3;
 constexpr int kRowLanes = kRows / kLaneRows;
 constexpr int kPlanesApart = kRowLanes / kBrickReach;
 
+// Adds the `count` places of a batch to those that are kept, as far as there is room, and counts
+// the batch to the places `before` the next one. By a warp.
+template <std::uint32_t kPlaces>
+__device__ void keep_places(const std::uint32_t* batch, std::uint32_t count, std::uint32_t& before,
+                            NearPlaces<kPlaces>& near) {
+  for (std::uint32_t k = threadIdx.x % kWarp; k < count && before + k < kPlaces; k += kWarp) {
+    near.place[before + k] = batch[k];
+  }
+  before += count;
+}
+
 // ---- the union of balls ----
 
 // Shared memory of a warp, about 3 KB. `places` is longer than a batch by a warp, as
@@ -50,10 +61,11 @@ __device__ void add_to_row(const BrickGeometry& g, const Sphere* balls, std::uin
 }
 
 // Counts candidate bricks of the union: writes bricks[i] and the counts of brick i, which has the
-// key keys[i]. A warp per brick, 2 warps per thread block; about 6 KB of shared memory.
+// key keys[i], and kept[i]. A warp per brick, 2 warps per thread block; about 6 KB of shared
+// memory.
 __global__ void __launch_bounds__(kBrickThreads)
     count_union(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
-                std::uint64_t size, const CaseTable* table, ActiveBrick* bricks,
+                std::uint64_t size, const CaseTable* table, ActiveBrick* bricks, KeptUnion* kept,
                 BrickCounts counts) {
   __shared__ UnionShared shared[kBrickWarps];
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
@@ -66,18 +78,22 @@ __global__ void __launch_bounds__(kBrickThreads)
   std::uint32_t inside[kLaneRows] = {};
   const Vec3d lower = s.geometry.node(0, 0, 0);
   const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
-  gather_by_warp(f, lower, upper, s.places, kMostSharedBalls, [&](std::uint32_t count) {
-    for (auto k = static_cast<std::uint32_t>(lane); k < count; k += kWarp) {
-      s.balls[k] = f.list.spheres[s.places[k]];
-    }
-    __syncwarp();
+  NearPlaces<kMostSharedBalls>& near = kept[i].near;
+  std::uint32_t before = 0;  // balls of the batches before
+  const std::uint32_t met =
+      gather_by_warp(f, lower, upper, s.places, kMostSharedBalls, [&](std::uint32_t count) {
+        for (auto k = static_cast<std::uint32_t>(lane); k < count; k += kWarp) {
+          s.balls[k] = f.list.spheres[s.places[k]];
+        }
+        keep_places(s.places, count, before, near);
+        __syncwarp();
 #pragma unroll
-    for (int r = 0; r < kLaneRows && lane < kRowLanes; ++r) {
-      add_to_row(s.geometry, s.balls, count, y, z + r * kPlanesApart, inside[r]);
-    }
-    // Never ends the gathering.
-    return false;
-  });
+        for (int r = 0; r < kLaneRows && lane < kRowLanes; ++r) {
+          add_to_row(s.geometry, s.balls, count, y, z + r * kPlanesApart, inside[r]);
+        }
+        // Never ends the gathering.
+        return false;
+      });
 #pragma unroll
   for (int r = 0; r < kLaneRows; ++r) {
     if (lane < kRowLanes) {
@@ -86,7 +102,10 @@ __global__ void __launch_bounds__(kBrickThreads)
   }
   __syncwarp();
   count_brick(s.geometry, *table, s.brick);
-  if (lane == 0) s.brick.key = keys[i];
+  if (lane == 0) {
+    s.brick.key = keys[i];
+    near.count = met;
+  }
   __syncwarp();
   store_count(s.brick, i, bricks, counts);
 }
@@ -135,13 +154,16 @@ __device__ void add_atoms(const NodeShape& nodes, const BlendedShared& s, std::u
 }
 
 // Sums all atoms near the brick, in list order, at the nodes of the rows of the lane. Returns the
-// number of atoms.
+// number of atoms, and keeps their places in `near`.
 template <BlendedKind Kind>
-__device__ std::uint32_t sum_field(const FieldContext& f, BlendedShared& s, LaneRows& rows) {
+__device__ std::uint32_t sum_field(const FieldContext& f, BlendedShared& s, LaneRows& rows,
+                                   NearPlaces<kKeptAtoms>& near) {
+  std::uint32_t before = 0;  // atoms of the batches before
   const NodeShape nodes = Kind::node_shape(f.model);
   const Vec3d lower = s.geometry.node(0, 0, 0);
   const Vec3d upper = s.geometry.node(kBrickSide, kBrickSide, kBrickSide);
   return gather_by_warp(f, lower, upper, s.stage.waiting, kAtomChunk, [&](std::uint32_t count) {
+    keep_places(s.stage.waiting, count, before, near);
     share_terms<Kind>(f, nodes, count, s.geometry.brick, s.geometry.coordinate, s.stage, s.atoms);
     add_atoms<Kind>(nodes, s, count, rows);
     // Never ends the gathering.
@@ -167,14 +189,14 @@ __device__ void share_rows(float isovalue, const LaneRows& rows, BlendedShared& 
 }
 
 // Counts candidate bricks of a blended field: writes bricks[i] and the counts of brick i, which has
-// the key keys[i], and, if the brick has a vertex, the values at its 9 x 9 x 9 nodes from values[i
-// * kBrickValues] on. A warp per brick, 2 warps per thread block; about 10 KB of shared memory. The
-// second launch bound makes 12 blocks fit on a multiprocessor.
+// the key keys[i], and, if the brick has a vertex, kept[i]. A warp per brick, 2 warps per thread
+// block; about 10 KB of shared memory. The second launch bound makes 12 blocks fit on a
+// multiprocessor.
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads, 12)
     count_blended(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
-                  std::uint64_t size, const CaseTable* table, ActiveBrick* bricks, float* values,
-                  BrickCounts counts) {
+                  std::uint64_t size, const CaseTable* table, ActiveBrick* bricks,
+                  KeptBlended* kept, BrickCounts counts) {
   __shared__ BlendedShared shared[kBrickWarps];
   const unsigned lane = threadIdx.x % kWarp;
   const std::uint64_t i =
@@ -183,7 +205,7 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
   BlendedShared& s = shared[threadIdx.x / kWarp];
   share_geometry(f.model.grid, keys[i], s.geometry);
   LaneRows rows = {};
-  const std::uint32_t met = sum_field<Kind>(f, s, rows);
+  const std::uint32_t met = sum_field<Kind>(f, s, rows, kept[i].near);
   share_rows(static_cast<float>(f.model.isovalue), rows, s);
   count_brick(s.geometry, *table, s.brick);
   if (lane == 0) s.brick.key = keys[i];
@@ -191,24 +213,31 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
   store_count(s.brick, i, bricks, counts);
   if (s.brick.vertices == 0) return;
   const float* const from = &s.values[0][0];
-  float* const to = values + i * kBrickValues;
+  float* const to = kept[i].values;
   for (unsigned v = lane; v < kBrickValues; v += kWarp) to[v] = from[v];
-  if (lane == 0) atomicMax(&counts.parts[i % kCountParts].most_atoms, met);
+  if (lane != 0) return;
+  kept[i].near.count = met;
+  atomicMax(&counts.parts[i % kCountParts].most_atoms, met);
 }
 
 }  // namespace
 
+std::uint64_t kept_bytes(FieldKind kind) {
+  return kind == FieldKind::vdw ? sizeof(KeptUnion) : sizeof(KeptBlended);
+}
+
 void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
-                            ActiveBrick* bricks, float* values, const BrickCounts& counts,
+                            ActiveBrick* bricks, void* kept, const BrickCounts& counts,
                             const Stream& stream) {
   const CaseTable* const table = case_table_on_device();
   const LaunchShape shape = over(size, kBrickWarps, kBrickThreads);
   if (f.model.kind == FieldKind::vdw) {
-    launch("count_union", count_union, shape, stream, f, keys, size, table, bricks, counts);
+    launch("count_union", count_union, shape, stream, f, keys, size, table, bricks,
+           static_cast<KeptUnion*>(kept), counts);
   } else {
     with_blended(f.model.kind, [&]<class Kind>(Kind) {
       launch("count_blended", count_blended<Kind>, shape, stream, f, keys, size, table, bricks,
-             values, counts);
+             static_cast<KeptBlended*>(kept), counts);
     });
   }
 }

@@ -4,9 +4,9 @@
 // together (store_all()).
 //
 // There are three kinds of surface: the union of balls, blended fields and sampled fields (given by
-// their values at the nodes). For the first two, the warp first gathers the spheres near the brick
-// into shared memory. If they do not fit there, every vertex searches the cell list itself, which
-// gives the same bits more slowly.
+// their values at the nodes). For the first two, the warp first takes the spheres near the brick,
+// which counting has kept, into shared memory. If they do not fit there, every vertex searches the
+// cell list itself, which gives the same bits more slowly.
 #include <algorithm>
 #include <bit>
 
@@ -45,33 +45,28 @@ __device__ bool load_brick(const BrickList& list, ActiveBrick& brick) {
 
 // ---- the union of balls ----
 
-// Shared memory of a warp, about 6 KB. `places` is longer than a batch by a warp, as
-// gather_by_warp() needs it.
+// Shared memory of a warp, about 6 KB.
 struct UnionShared {
   WarpBrick own;
-  std::uint32_t places[kMostSharedBalls + kWarp];
   SharedBalls items;
 };
 
 // Writes the vertices of each brick at the indices of their numbers, and adds clamped ones to
 // `clamped`. A warp per brick, 2 warps per thread block; about 12 KB of shared memory.
 __global__ void __launch_bounds__(kBrickThreads)
-    emit_union_vertices(const __grid_constant__ FieldContext f, BrickList list, DeviceMeshView mesh,
-                        unsigned long long* clamped) {
+    emit_union_vertices(const __grid_constant__ FieldContext f, BrickList list,
+                        const KeptUnion* kept, DeviceMeshView mesh, unsigned long long* clamped) {
   __shared__ UnionShared shared[kBrickWarps];
   UnionShared& s = shared[threadIdx.x / kWarp];
   WarpBrick& own = s.own;
   if (!load_brick(list, own.brick)) return;
   share_geometry(f.model.grid, own.brick.key, own.geometry);
   const BrickGeometry& g = own.geometry;
-  const std::uint32_t near =
-      gather_by_warp(f, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), s.places,
-                     kMostSharedBalls, [&](std::uint32_t count) {
-                       s.items.load(f, g, s.places, count);
-                       return false;
-                     });
-  // If there were more than kMostSharedBalls balls, they came in several batches, and each has
-  // overwritten the one before. The null pointer then makes every vertex search the cell list.
+  const NearPlaces<kMostSharedBalls>& kept_near = kept[own_brick()].near;
+  const std::uint32_t near = kept_near.count;
+  if (near <= kMostSharedBalls) s.items.load(f, g, kept_near.place, near);
+  __syncwarp();
+  // If there are more balls, the null pointer makes every vertex search the cell list.
   const SharedBalls* const all = near <= kMostSharedBalls ? &s.items : nullptr;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
             [&](const CrossedEdge& edge) { return union_vertex(f, g, all, near, edge); });
@@ -225,7 +220,7 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
 }
 
 // Writes the vertices of each brick at the indices of their numbers, and adds clamped ones to
-// `clamped`. `values` has kBrickValues values for each brick of the list. A warp per brick, 2 warps
+// `clamped`. `kept` is what counting has kept of each brick of the list. A warp per brick, 2 warps
 // per thread block; the second launch bound makes 16 blocks fit on a multiprocessor. Static shared
 // memory: 3.6 KB. Dynamic shared memory: for each warp `room` atoms, then for each warp room +
 // kWarp list places. Precondition: no brick has more than `room` atoms. So one batch gathers all
@@ -233,7 +228,7 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads, 16)
     emit_blended_vertices(const __grid_constant__ FieldContext f, BrickList list,
-                          const float* values, DeviceMeshView mesh, unsigned long long* clamped,
+                          const KeptBlended* kept, DeviceMeshView mesh, unsigned long long* clamped,
                           std::uint32_t room) {
   __shared__ WarpBrick shared[kBrickWarps];
   extern __shared__ __align__(16) unsigned char dynamic[];
@@ -246,15 +241,24 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
   if (!load_brick(list, own.brick)) return;
   const BrickGeometry& g = own.geometry;
   share_geometry(f.model.grid, own.brick.key, own.geometry);
-  const std::uint32_t met =
-      gather_by_warp(f, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), places, room,
-                     [&](std::uint32_t count) {
-                       for (std::uint32_t k = threadIdx.x % kWarp; k < count; k += kWarp) {
-                         atoms[k] = vertex_atom(f, g, places[k]);
-                       }
-                       return false;
-                     });
-  const float* const values_of_brick = values + own_brick() * kBrickValues;
+  const NearPlaces<kKeptAtoms>& near = kept[own_brick()].near;
+  const std::uint32_t met = near.count;
+  const auto load = [&](std::uint32_t count) {
+    for (std::uint32_t k = threadIdx.x % kWarp; k < count; k += kWarp) {
+      atoms[k] = vertex_atom(f, g, places[k]);
+    }
+    // Never ends the gathering.
+    return false;
+  };
+  if (met <= kKeptAtoms) {
+    for (std::uint32_t k = threadIdx.x % kWarp; k < met; k += kWarp) places[k] = near.place[k];
+    load(met);  // each lane has written the places that it reads
+    __syncwarp();
+  } else {
+    gather_by_warp(f, g.node(0, 0, 0), g.node(kBrickSide, kBrickSide, kBrickSide), places, room,
+                   load);
+  }
+  const float* const values_of_brick = kept[own_brick()].values;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
             [&](const CrossedEdge& edge) {
               return blended_vertex<Kind>(
@@ -272,7 +276,7 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
 template <BlendedKind Kind>
 __global__ void __launch_bounds__(kBrickThreads)
     emit_crowded_vertices(const __grid_constant__ FieldContext f, BrickList list,
-                          const float* values, DeviceMeshView mesh, unsigned long long* clamped,
+                          const KeptBlended* kept, DeviceMeshView mesh, unsigned long long* clamped,
                           std::uint32_t) {
   __shared__ WarpBrick shared[kBrickWarps];
   WarpBrick& own = shared[threadIdx.x / kWarp];
@@ -280,7 +284,7 @@ __global__ void __launch_bounds__(kBrickThreads)
   const BrickGeometry& g = own.geometry;
   share_geometry(f.model.grid, own.brick.key, own.geometry);
   const Vec3d lower = g.node(0, 0, 0), upper = g.node(kBrickSide, kBrickSide, kBrickSide);
-  const float* const values_of_brick = values + own_brick() * kBrickValues;
+  const float* const values_of_brick = kept[own_brick()].values;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
             [&](const CrossedEdge& edge) {
               return blended_vertex<Kind>(f, g, values_of_brick, edge, [&](auto&&, auto&& visit) {
@@ -331,12 +335,12 @@ __global__ void __launch_bounds__(kBrickThreads, normals == Normals::none ? 24 :
 }  // namespace
 
 void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
-                             std::uint32_t most_atoms, const float* values,
-                             const DeviceMeshView& mesh, unsigned long long* clamped,
-                             const Stream& stream) {
+                             std::uint32_t most_atoms, const void* kept, const DeviceMeshView& mesh,
+                             unsigned long long* clamped, const Stream& stream) {
   LaunchShape shape = over(bricks.size, kBrickWarps, kBrickThreads);
   if (f.model.kind == FieldKind::vdw) {
-    launch("emit_union_vertices", emit_union_vertices, shape, stream, f, bricks, mesh, clamped);
+    launch("emit_union_vertices", emit_union_vertices, shape, stream, f, bricks,
+           static_cast<const KeptUnion*>(kept), mesh, clamped);
     return;
   }
   const std::uint32_t room = std::min(most_atoms, kMostAtoms);
@@ -347,7 +351,8 @@ void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                     static_cast<int>(shape.shared)),
                "shared memory");
-    launch("emit_blended_vertices", kernel, shape, stream, f, bricks, values, mesh, clamped, room);
+    launch("emit_blended_vertices", kernel, shape, stream, f, bricks,
+           static_cast<const KeptBlended*>(kept), mesh, clamped, room);
   });
 }
 

@@ -197,13 +197,13 @@ KeyList FieldSource::candidates(const KeyRange& range, std::uint64_t most) const
   return mixed_bricks(signs_, words_.data(), range, most, stream());
 }
 
-void FieldSource::count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, float*,
+void FieldSource::count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, void*,
                         const BrickCounts& counts) const {
   launch("count_sampled", count_sampled, over(size, kBrickWarps, kBrickThreads), stream(),
          field_.grid, signs_, words_.data(), keys, size, case_table_on_device(), bricks, counts);
 }
 
-void FieldSource::emit_vertices(const BrickList& bricks, std::uint32_t, const float*,
+void FieldSource::emit_vertices(const BrickList& bricks, std::uint32_t, const void*,
                                 const DeviceMeshView& mesh, unsigned long long* clamped) const {
   emit_sampled_vertices_on_device(field_, bricks, mesh, clamped, stream());
 }

@@ -33,9 +33,9 @@ class FieldSource final : public BrickSource {
   const GridSpec& grid() const override { return field_.grid; }
   LabelWidth label_width() const override { return LabelWidth::none; }
   KeyList candidates(const KeyRange& range, std::uint64_t most) const override;
-  void count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, float* values,
+  void count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, void* kept,
              const BrickCounts& counts) const override;
-  void emit_vertices(const BrickList& bricks, std::uint32_t most_atoms, const float* values,
+  void emit_vertices(const BrickList& bricks, std::uint32_t most_atoms, const void* kept,
                      const DeviceMeshView& mesh, unsigned long long* clamped) const override;
 
  private:

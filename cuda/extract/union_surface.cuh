@@ -13,10 +13,6 @@
 
 namespace vdwmesh {
 
-// The most balls of a brick that are kept in shared memory: a set of them is the bits of one 64-bit
-// word.
-inline constexpr std::uint32_t kMostSharedBalls = 64;
-
 // The balls near a brick, in shared memory: rank[k] and list place[k] of ball[k].
 struct SharedBalls {
   Sphere ball[kMostSharedBalls];
