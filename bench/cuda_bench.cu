@@ -151,8 +151,8 @@ void report_extraction(const char* name, const SphereSet& spheres, const Extract
       median(total), floor);
 }
 
-// Field in memory -> mesh with half-edges, double positions, no labels, against the floor of this
-// run: the field read once and the mesh written once, at the rate of the copy.
+// Field in memory -> mesh with or without half-edges, double positions, no labels, against the
+// floor of this run: the field read once and the mesh written once, at the rate of the copy.
 void report_field_meshing(const SampledFieldView& field, const ExtractOptions& options,
                           double rate) {
   const Stream stream;
@@ -174,18 +174,20 @@ void report_field_meshing(const SampledFieldView& field, const ExtractOptions& o
     return median(times);
   };
   const bool with_normals = options.normals == Normals::gradients;
+  const bool with_half_edges = options.connectivity == Connectivity::half_edges;
   const std::size_t vertex_bytes = sizeof(Vec3d) + (with_normals ? sizeof(Vec3f) : 0);
   const double bytes =
       static_cast<double>(field.grid.node_count() * sizeof(float) + vertices * vertex_bytes +
-                          triangles * 6 * sizeof(std::uint32_t));
+                          triangles * (with_half_edges ? 6 : 3) * sizeof(std::uint32_t));
   const double floor = bytes / rate * 1e3;
   std::printf(
-      "    field -> mesh, %s: V %llu T %llu  wall %.3f ms, floor %.3f ms, %.2f x\n"
+      "    field -> mesh, %s, %s: V %llu T %llu  wall %.3f ms, floor %.3f ms, %.2f x\n"
       "    bits, bricks %.3f  count %.3f  scan %.3f  vertices %.3f  triangles %.3f ms\n",
-      with_normals ? "normals" : "no normals", static_cast<unsigned long long>(vertices),
-      static_cast<unsigned long long>(triangles), median(total), floor, median(total) / floor,
-      stage(&ExtractTimings::search), stage(&ExtractTimings::count), stage(&ExtractTimings::scan),
-      stage(&ExtractTimings::vertices), stage(&ExtractTimings::triangles));
+      with_normals ? "normals" : "no normals", with_half_edges ? "half-edges" : "no half-edges",
+      static_cast<unsigned long long>(vertices), static_cast<unsigned long long>(triangles),
+      median(total), floor, median(total) / floor, stage(&ExtractTimings::search),
+      stage(&ExtractTimings::count), stage(&ExtractTimings::scan), stage(&ExtractTimings::vertices),
+      stage(&ExtractTimings::triangles));
 }
 
 // Spheres -> field at every node; then the field is meshed.
@@ -211,6 +213,9 @@ void report_field(const char* name, const SphereSet& spheres, const ExtractOptio
     meshed.normals = normals;
     report_field_meshing(field, meshed, rate);
   }
+  meshed.normals = Normals::none;
+  meshed.connectivity = Connectivity::triangles;
+  report_field_meshing(field, meshed, rate);
 }
 
 void report_refinement(const char* name, const SphereSet& spheres, double spacing, int subdivisions,

@@ -327,14 +327,21 @@ DeviceMesh DeviceBrickMesher::make_mesh(const Slab& slab) const {
 
 void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   const Stream& stream = source_.stream();
+  const bool first = neighbours_.size() == 0;
+  if (first) {
+    neighbours_ = DeviceArray<TriangleNeighbours>(candidates_.count, stream.get());
+  }
+  // Vertices and triangles are made side by side: neither keeps the device busy to its end.
+  WorkBeside triangles(stream.get());
+  if (first) find_triangle_neighbours(candidates_, neighbours_.data(), triangles.stream());
+  emit_triangles_on_device(counted_.list(), neighbours_, slab.bricks, mesh, emission_tally_.data(),
+                           triangles.stream());
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
   source_.emit_vertices(part_of(counted_.list(), slab.bricks), counted_.totals.most_atoms,
                         kept_.data() + field_bytes(kept_from), mesh,
                         &emission_tally_.data()->clamped);
   mark_end_of(Stage::vertices);
-  if (neighbours_.size() == 0) neighbours_ = find_triangle_neighbours(candidates_, stream);
-  emit_triangles_on_device(counted_.list(), neighbours_, slab.bricks, mesh, emission_tally_.data(),
-                           stream);
+  triangles.join();
   mark_end_of(Stage::triangles);
 }
 

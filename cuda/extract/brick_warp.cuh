@@ -28,8 +28,11 @@ __device__ inline void share_signs(const BrickGeometry& g, std::uint32_t inside,
   signs.row[z][y] = real ? static_cast<std::uint16_t>(inside & g.real[0]) : std::uint16_t{0};
 }
 
-// Computes brick_geometry() by one warp: lane 9 * axis + i makes node i along the axis; five lanes
-// are idle. Ends with __syncwarp().
+enum class NodeCoordinates : std::uint8_t { made, left_out };
+
+// Computes brick_geometry() by one warp, with or without the coordinates: lane 9 * axis + i makes
+// node i along the axis; five lanes are idle. Ends with __syncwarp().
+template <NodeCoordinates coordinates = NodeCoordinates::made>
 __device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, BrickGeometry& g) {
   const BrickIndex brick = brick_of_key(key);
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
@@ -40,7 +43,9 @@ __device__ inline void share_geometry(const GridSpec& grid, std::uint64_t key, B
   const unsigned real = __ballot_sync(kAllLanes, axis < 3 && !is_virtual(grid, axis, lattice));
   if (lane == 0) g.brick = brick;
   if (axis < 3) {
-    g.coordinate[axis][i] = lattice_coordinate(grid, axis, lattice);
+    if constexpr (coordinates == NodeCoordinates::made) {
+      g.coordinate[axis][i] = lattice_coordinate(grid, axis, lattice);
+    }
     constexpr unsigned nodes = (1u << kBrickReach) - 1;
     if (i == 0) g.real[axis] = static_cast<std::uint16_t>(real >> (kBrickReach * axis) & nodes);
   }

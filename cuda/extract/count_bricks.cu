@@ -134,7 +134,6 @@ __device__ void add_atoms(const NodeShape& nodes, const BlendedShared& s, std::u
                           LaneRows& rows) {
   const auto lane = static_cast<int>(threadIdx.x % kWarp);
   if (lane >= kRowLanes) return;
-  constexpr unsigned row_lanes = (1u << kRowLanes) - 1;
   const int y = lane % kBrickReach, z = lane / kBrickReach;
   for (std::uint32_t k = 0; k < count; ++k) {
     const NodeAtom<kBrickReach>& atom = s.atoms[k];
@@ -143,8 +142,6 @@ __device__ void add_atoms(const NodeShape& nodes, const BlendedShared& s, std::u
 #pragma unroll
     for (int r = 0; r < kLaneRows; ++r) {
       const RowTerm term = Kind::row_term(nodes, ty, atom.term[2][z + r * kPlanesApart]);
-      // Three planes of rows that the atom does not reach are skipped by all lanes.
-      if (__all_sync(row_lanes, Kind::row_is_out_of_reach(nodes, term))) continue;
 #pragma unroll
       for (int x = 0; x < kBrickReach; ++x) {
         rows[r][x] = Kind::add_atom(nodes, term, atom.term[0][x], scale, rows[r][x]);

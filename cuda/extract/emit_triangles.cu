@@ -469,14 +469,12 @@ __global__ void __launch_bounds__(kTriangleThreads)
 
 }  // namespace
 
-DeviceArray<TriangleNeighbours> find_triangle_neighbours(const KeyList& keys,
-                                                         const Stream& stream) {
+void find_triangle_neighbours(const KeyList& keys, TriangleNeighbours* neighbours,
+                              const Stream& stream) {
   if (keys.count >= kNoBrick) throw LimitExceeded("more bricks than 32 bits number");
-  DeviceArray<TriangleNeighbours> neighbours(keys.count, stream.get());
   constexpr unsigned threads = 128;
   launch("find_neighbours", find_neighbours, {dim3(blocks_for(keys.count, threads), 6), threads},
-         stream, keys.keys.data(), static_cast<std::uint32_t>(keys.count), neighbours.data());
-  return neighbours;
+         stream, keys.keys.data(), static_cast<std::uint32_t>(keys.count), neighbours);
 }
 
 void emit_triangles_on_device(const BrickList& bricks,

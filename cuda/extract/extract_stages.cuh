@@ -158,8 +158,10 @@ struct TriangleNeighbours {
   std::uint32_t place[kTriangleNeighbours];
 };
 
-// Throws LimitExceeded if 32 bits do not suffice to number the bricks.
-DeviceArray<TriangleNeighbours> find_triangle_neighbours(const KeyList& keys, const Stream& stream);
+// Writes the neighbours of each of the bricks with these keys. Throws LimitExceeded if 32 bits do
+// not suffice to number the bricks.
+void find_triangle_neighbours(const KeyList& keys, TriangleNeighbours* neighbours,
+                              const Stream& stream);
 
 // Writes the corners of the triangles of the bricks in `range` to the arrays of `mesh`, at the
 // indices of their numbers, and the opposite half-edges too if `mesh` has an array for them.

@@ -172,7 +172,7 @@ __global__ void __launch_bounds__(kBrickThreads)
     brick.signs.row[z][y] = static_cast<std::uint16_t>(row_signs(grid, words, index, y, z));
   }
   if (lane == 0) brick.key = keys[i];
-  share_geometry(spec, keys[i], geometry[warp]);
+  share_geometry<NodeCoordinates::left_out>(spec, keys[i], geometry[warp]);
   count_brick(geometry[warp], *table, brick);
   __syncwarp();
   store_count(brick, i, bricks, counts);

@@ -98,6 +98,47 @@ TEST_F(Parity, SlabsWithoutNormals) {
   expect_same(cpu.mesh, cuda.mesh, "no normals");
 }
 
+// Of so many spheres the cell list is built on the device: with several levels of reach, with every
+// sphere twice, and with one far away.
+TEST_F(Parity, ListsBuiltOnTheDevice) {
+  std::vector<Sphere> twice;
+  for (const Sphere& s : crowd(5000, 20, 0.8, 2.0, 32).spheres()) twice.insert(twice.end(), 2, s);
+  std::vector<Sphere> far;
+  for (const Sphere& s : crowd(9000, 25, 1.0, 2.0, 33).spheres()) far.push_back(s);
+  far.push_back({{300, 10, -20}, 1.5});
+  const std::vector<std::pair<std::string, SphereSet>> sets = {
+      {"levels", crowd(9000, 25, 0.1, 4.0, 31)},
+      {"twice", SphereSet(twice)},
+      {"far", SphereSet(far)}};
+  for (const auto& [name, spheres] : sets) {
+    for (const FieldKind kind : {FieldKind::vdw, FieldKind::blinn}) {
+      expect_parity(spheres, options_of(kind, 1.0), name + " " + name_of(kind));
+    }
+  }
+}
+
+// A pipeline puts its mesh into the memory of the one before, larger or smaller.
+TEST_F(Parity, IntoTheMemoryOfTheMeshBefore) {
+  const auto cpu = make_pipeline(Backend::cpu), cuda = make_pipeline(Backend::cuda);
+  for (const int subdivisions : {0, 1}) {
+    RefineOptions refine;
+    refine.subdivisions = subdivisions;
+    PipelineResult kept;
+    const Vec3d* first = nullptr;
+    for (const std::size_t size : {std::size_t{1000}, std::size_t{300}, std::size_t{2000}}) {
+      const SphereSet spheres = crowd(size, 12, 0.8, 2.0, 34);
+      const ExtractOptions options = options_of(FieldKind::vdw, 0.6);
+      cuda->run_into(kept, spheres, options, refine);
+      expect_same(cpu->run(spheres, options, refine).mesh, kept.mesh,
+                  "kept memory, " + std::to_string(size) + " spheres");
+      if (size == 1000) first = kept.mesh.positions.data();
+      if (size == 300) {
+        EXPECT_EQ(kept.mesh.positions.data(), first);
+      }
+    }
+  }
+}
+
 // Opposite half-edges are made where they are asked for, and nothing else depends on that.
 TEST_F(Parity, WithoutHalfEdges) {
   const SphereSet spheres = crowd(2000, 15, 0.8, 2.0, 18);
