@@ -18,6 +18,7 @@
 #include "refine/half_edges.hpp"
 #include "refine/preparation.hpp"
 #include "refine/subdivision_formulas.hpp"
+#include "refine/vertex_moves.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -160,6 +161,15 @@ std::vector<BallSet> ball_sets() {
   return sets;
 }
 
+// The label of the midpoint of half-edge h where it stays in the middle.
+VertexSpheres label_in_the_middle(const SphereSet& spheres, const Midpoints& level, std::size_t h) {
+  const std::uint32_t a = level.start_of(h), b = level.end_of(h);
+  const IndexedMesh& parent = level.parent;
+  const EdgeEnds ends{parent.positions[a], parent.positions[b], parent.vertex_spheres.atoms[a],
+                      parent.vertex_spheres.atoms[b]};
+  return ends.unprojected_label(spheres.spheres().data());
+}
+
 // Moves most midpoints to the nearest sphere, which wrinkles the mesh in the creases, leaves some
 // and throws a few about.
 Buffer<MoveState> move_midpoints(const SphereSet& spheres, const Midpoints& level,
@@ -171,7 +181,7 @@ Buffer<MoveState> move_midpoints(const SphereSet& spheres, const Midpoints& leve
     const std::uint32_t v = level.midpoint_of(h);
     const Vec3d start = level.start(h);
     mesh.positions[v] = start;
-    mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), h));
+    mesh.vertex_spheres.set(v, label_in_the_middle(spheres, level, h));
     states[*i] = MoveState::stayed;
     const std::uint64_t fate = draw.below(30);
     if (fate < 4) continue;
@@ -243,7 +253,7 @@ void restore_by_all_pairs(const SphereSet& spheres, const Midpoints& level, Inde
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
       if (!bad[v]) continue;
       mesh.positions[v] = level.start(half_edge[v]);
-      mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), half_edge[v]));
+      mesh.vertex_spheres.set(v, label_in_the_middle(spheres, level, half_edge[v]));
       states[v - first] = MoveState::stayed;
     }
   }
@@ -272,7 +282,7 @@ TEST(BadMovesOfMidpoints, AreThoseOfAllPairs) {
       undone += take_back_bad_moves(spheres, level, states, {}, [&](std::size_t h) {
         const std::uint32_t v = level.midpoint_of(h);
         mesh.positions[v] = level.start(h);
-        mesh.vertex_spheres.set(v, level.unprojected_label(spheres.spheres().data(), h));
+        mesh.vertex_spheres.set(v, label_in_the_middle(spheres, level, h));
       });
       ASSERT_EQ(mesh.positions, expected.positions) << set.name << ", level " << depth + 1;
       parent = std::move(mesh);
