@@ -6,7 +6,7 @@
 // Extraction from spheres and from fields; refinement with crossings allowed, and undone; end to
 // end against the CPU backend; each file a thousand times, one after another. An option leaves out
 // the other four. The last file is also taken six times, side by side. --once does one thing
-// between cudaProfilerStart() and cudaProfilerStop(), for `ncu --profile-from-start off`.
+// between cudaProfilerStart() and cudaProfilerStop(), for a profiler that starts there.
 #include <cuda_profiler_api.h>
 
 #include <algorithm>
@@ -16,7 +16,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -25,6 +24,7 @@
 #include "cuda/refine/device_refinement.cuh"
 #include "extract/field_list.hpp"
 #include "read_xyzr.hpp"
+#include "synthetic_sets.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -67,40 +67,6 @@ double copy_rate(const Stream& stream) {
   const double rate = 2.0 * static_cast<double>(bytes) / (ms * 1e-3);
   std::printf("device copy: %.2f TB/s (read + written)\n", rate * 1e-12);
   return rate;
-}
-
-// 4,000 atoms at 0.05 per Å³, at least 2 Å apart, in a ball; radii 1.52 to 1.80 Å.
-SphereSet synthetic_cluster() {
-  constexpr unsigned seed = 20240607;
-  constexpr std::size_t count = 4000;
-  const double ball = std::cbrt(count / 0.05 * 3 / (4 * std::acos(-1.0)));
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> place(-ball, ball), radius(1.52, 1.80);
-  std::vector<Sphere> spheres;
-  while (spheres.size() < count) {
-    const Vec3d p{place(random), place(random), place(random)};
-    if (norm(p) > ball) continue;
-    const bool free = std::all_of(spheres.begin(), spheres.end(), [&](const Sphere& s) {
-      return squared_norm(p - s.center) >= 4.0;
-    });
-    if (free) spheres.push_back({p, radius(random)});
-  }
-  std::printf("synthetic cluster: seed %u, %zu atoms in a ball of radius %.3f Å\n", seed,
-              spheres.size(), ball);
-  return SphereSet(spheres);
-}
-
-// Copies of a set side by side along x.
-SphereSet side_by_side(const SphereSet& one, int copies) {
-  const Box box = bounding_box(one);
-  std::vector<Sphere> all;
-  for (int c = 0; c < copies; ++c) {
-    for (Sphere s : one.spheres()) {
-      s.center.x += c * (box.upper.x - box.lower.x);
-      all.push_back(s);
-    }
-  }
-  return SphereSet(all);
 }
 
 ExtractOptions with_half_edges() {

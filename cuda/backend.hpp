@@ -96,20 +96,19 @@ struct PipelineResult {
 class SurfacePipeline {
  public:
   virtual ~SurfacePipeline() = default;
-
-  // Replaces `result`. The extracted mesh, and any mesh that is downloaded from a device, takes the
-  // memory of the arrays of result.mesh: a copy from the device into pages that have been written
-  // before takes three quarters of the time. If it throws, `result` has no meaning.
-  virtual void run_into(PipelineResult& result, const SphereSet& spheres,
-                        const ExtractOptions& extract, const RefineOptions& refine) const = 0;
-
-  // run_into() a new result.
   PipelineResult run(const SphereSet& spheres, const ExtractOptions& extract,
                      const RefineOptions& refine) const {
     PipelineResult result;
     run_into(result, spheres, extract, refine);
     return result;
   }
+
+  // run() that replaces `result`. The extracted mesh, and any mesh that is downloaded from a
+  // device, takes the memory of the arrays of result.mesh: a copy from the device into pages that
+  // have been written before takes three quarters of the time. If it throws, `result` has no
+  // meaning.
+  virtual void run_into(PipelineResult& result, const SphereSet& spheres,
+                        const ExtractOptions& extract, const RefineOptions& refine) const = 0;
 };
 std::unique_ptr<SurfacePipeline> make_pipeline(Backend backend);
 

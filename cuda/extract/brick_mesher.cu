@@ -15,6 +15,7 @@
 #include "cuda/memory/cub_calls.cuh"
 #include "cuda/memory/launch.cuh"
 #include "cuda/memory/transfer.cuh"
+#include "cuda/memory/work_beside.cuh"
 #include "extract/brick_search.hpp"
 #include "extract/limits.hpp"
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/kept_bricks.cuh"
 
 namespace vdwmesh {
 

@@ -8,6 +8,7 @@
 // bit by bit.
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/kept_bricks.cuh"
 #include "cuda/extract/node_atoms.cuh"
 #include "cuda/extract/union_surface.cuh"
 #include "cuda/memory/launch.cuh"
@@ -218,10 +219,6 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
 }
 
 }  // namespace
-
-std::uint64_t kept_bytes(FieldKind kind) {
-  return kind == FieldKind::vdw ? sizeof(KeptUnion) : sizeof(KeptBlended);
-}
 
 void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
                             ActiveBrick* bricks, void* kept, const BrickCounts& counts,

@@ -12,6 +12,7 @@
 
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/kept_bricks.cuh"
 #include "cuda/extract/union_surface.cuh"
 #include "cuda/memory/launch.cuh"
 #include "extract/blended/local_atom.hpp"

@@ -63,42 +63,13 @@ struct CountPart {
 };
 inline constexpr unsigned kCountParts = 64;
 
-// The number of nodes that the cells of a brick touch, 9 x 9 x 9: its own and its halo.
-inline constexpr int kBrickValues = kBrickReach * kBrickReach * kBrickReach;
-
-// What counting keeps of a brick for its vertices: the list places of the spheres near it, in list
-// order. If `count` is more than kPlaces, only the first are there.
-template <std::uint32_t kPlaces>
-struct NearPlaces {
-  std::uint32_t count;
-  std::uint32_t place[kPlaces];
-};
-
-// The most balls of a brick that the kernels keep in shared memory: a set of them is the bits of
-// one 64-bit word.
-inline constexpr std::uint32_t kMostSharedBalls = 64;
-
-// Of blended fields, the most atoms of a brick whose places are kept.
-inline constexpr std::uint32_t kKeptAtoms = 128;
-
-struct KeptUnion {
-  NearPlaces<kMostSharedBalls> near;
-};
-// values: of the field at the 9 x 9 x 9 nodes, x fastest. Set, as `near` is, if the brick holds
-// surface.
-struct KeptBlended {
-  float values[kBrickValues];
-  NearPlaces<kKeptAtoms> near;
-};
-
 // Where counting writes, beside the bricks themselves.
 struct BrickCounts {
   BrickSums* sums;   // of each brick
   CountPart* parts;  // kCountParts of them; zeros before the counting
 };
 // Computes the node signs and counts of the `size` bricks with these keys, and writes them to
-// `bricks` and `counts`. `kept`: a KeptUnion or a KeptBlended of each brick, as kept_bytes() says.
-std::uint64_t kept_bytes(FieldKind kind);
+// `bricks` and `counts`. `kept`: a KeptUnion or a KeptBlended (kept_bricks.cuh) of each brick.
 void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
                             ActiveBrick* bricks, void* kept, const BrickCounts& counts,
                             const Stream& stream);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "cuda/extract/extract_stages.cuh"
+#include "cuda/extract/kept_bricks.cuh"
 #include "cuda/extract/ordered_gather.cuh"
 #include "extract/blended/edge_formulas.hpp"
 #include "extract/bricks/brick_geometry.hpp"

@@ -1,8 +1,7 @@
 // Allocates device memory from the default pool of the current device; if that fails, the pool
 // gives its unused memory back to the driver, and the allocation is tried once more. Staging
 // buffers are page-locked if the system has such memory to give. A FetchPlace takes its buffer from
-// a list of free ones and puts it back there, and WorkBeside does the same with streams.
-#include <map>
+// a list of free ones and puts it back there.
 #include <mutex>
 
 #include "cuda/memory/device.cuh"
@@ -22,53 +21,7 @@ FreePlaces& free_places() {
   return *all;
 }
 
-// The free streams of WorkBeside, by device. Never destroyed, for the same reason.
-struct FreeStreams {
-  std::mutex mutex;
-  std::map<int, std::vector<std::unique_ptr<Stream>>> streams;
-};
-FreeStreams& free_streams() {
-  static auto* const all = new FreeStreams;
-  return *all;
-}
-
-std::unique_ptr<Stream> take_stream(int device) {
-  FreeStreams& all = free_streams();
-  const std::lock_guard lock(all.mutex);
-  std::vector<std::unique_ptr<Stream>>& own = all.streams[device];
-  if (own.empty()) return std::make_unique<Stream>();
-  std::unique_ptr<Stream> stream = std::move(own.back());
-  own.pop_back();
-  return stream;
-}
-
-void give_back(int device, std::unique_ptr<Stream> stream) {
-  FreeStreams& all = free_streams();
-  const std::lock_guard lock(all.mutex);
-  all.streams[device].push_back(std::move(stream));
-}
-
 }  // namespace
-
-WorkBeside::WorkBeside(cudaStream_t stream) : stream_(stream) {
-  check_cuda(cudaGetDevice(&device_), "device");
-  beside_ = take_stream(device_);
-  event_.record(stream_);
-  check_cuda(cudaStreamWaitEvent(beside_->get(), event_.get()), "stream");
-}
-
-void WorkBeside::join() {
-  joined_ = true;
-  event_.record(beside_->get());
-  check_cuda(cudaStreamWaitEvent(stream_, event_.get()), "stream");
-}
-
-WorkBeside::~WorkBeside() {
-  if (!joined_ && cudaEventRecord(event_.get(), beside_->get()) == cudaSuccess) {
-    cudaStreamWaitEvent(stream_, event_.get());
-  }
-  give_back(device_, std::move(beside_));
-}
 
 void* allocate_on_device(std::size_t bytes, cudaStream_t stream) {
   void* memory = nullptr;

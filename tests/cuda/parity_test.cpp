@@ -102,9 +102,10 @@ TEST_F(Parity, SlabsWithoutNormals) {
 // sphere twice, and with one far away.
 TEST_F(Parity, ListsBuiltOnTheDevice) {
   std::vector<Sphere> twice;
-  for (const Sphere& s : crowd(5000, 20, 0.8, 2.0, 32).spheres()) twice.insert(twice.end(), 2, s);
+  const SphereSet once = crowd(5000, 20, 0.8, 2.0, 32), cloud = crowd(9000, 25, 1.0, 2.0, 33);
+  for (const Sphere& s : once.spheres()) twice.insert(twice.end(), 2, s);
   std::vector<Sphere> far;
-  for (const Sphere& s : crowd(9000, 25, 1.0, 2.0, 33).spheres()) far.push_back(s);
+  for (const Sphere& s : cloud.spheres()) far.push_back(s);
   far.push_back({{300, 10, -20}, 1.5});
   const std::vector<std::pair<std::string, SphereSet>> sets = {
       {"levels", crowd(9000, 25, 0.1, 4.0, 31)},
