@@ -206,7 +206,7 @@ std::vector<Option> measure_options(Draft& d) {
   return {
       {"--measure", kReport | kExact | kBatch | kRanksExact, one(d.read.measure, text("SELECTION")),
        "measure only these atoms; all others cover them (as --select)", otherwise("all atoms")},
-      {"--surface", kExact | kMesh | kReport | kCompare | kRender,
+      {"--surface", kExact | kMesh | kReport | kCompare | kRender | kStudy,
        one(o.exact.surface, named<ExactSurface>()),
        "vdw: boundary of the balls, with --probe the accessible surface; excluded: the "
        "solvent-excluded surface, with a probe of 1.4 Å unless --probe says otherwise",

@@ -233,10 +233,11 @@ void settle_excluded(Draft& d) {
             "--backend cuda: meshes of the excluded surface are made and judged on the CPU");
   refuse_if(cuda && d.topology == TopologyRequest::full,
             "--topology on: shells are found on the CPU; leave out --backend cuda");
-  if (!is_given(d, "--probe")) d.options.inputs.front().probe = kWaterProbe;
-  refuse_if(!(d.options.inputs.front().probe > 0),
-            "--probe {}: the excluded surface needs a radius above 0",
-            d.options.inputs.front().probe);
+  for (InputOptions& input : d.options.inputs) {
+    if (!is_given(d, "--probe")) input.probe = kWaterProbe;
+    refuse_if(!(input.probe > 0), "--probe {}: the excluded surface needs a radius above 0",
+              input.probe);
+  }
 }
 
 void settle_distances(const Draft& d) {
@@ -310,6 +311,23 @@ void settle_batch(Draft& d) {
   batch.rows = extension == ".csv" ? RowFormat::csv : RowFormat::jsonl;
 }
 
+// Meshes of the excluded surface are told apart by edge length and subdivisions alone.
+void settle_excluded_study(Draft& d) {
+  StudyAxes& axes = d.options.study.axes;
+  const std::string other = first_given(d, {"--spacing", "--field", "--project"});
+  refuse_if(!other.empty(), "{}: is not of the excluded surface; leave out --surface excluded",
+            other);
+  refuse_if(is_given(d, "--mesher") && axes.meshers != std::vector{Mesher::exact},
+            "--mesher: --surface excluded is meshed along its curves, which is --mesher exact");
+  refuse_if(std::ranges::count(axes.backends, Backend::cuda) > 0,
+            "--backend cuda: meshes of the excluded surface are made and judged on the CPU");
+  axes.meshers = {Mesher::exact};
+  axes.backends = {Backend::cpu};
+  axes.spacings.clear();
+  axes.fields = {FieldKind::vdw};
+  axes.projections = {StudyProjection::own};
+}
+
 // The axes of a study are in order whatever was typed, and so are its table and its page.
 void settle_study(Draft& d) {
   StudyOptions& study = d.options.study;
@@ -319,6 +337,8 @@ void settle_study(Draft& d) {
   std::ranges::sort(study.axes.spacings, std::greater());
   std::ranges::sort(study.axes.edge_lengths, std::greater());
   std::ranges::sort(study.axes.subdivisions);
+  study.surface = d.options.exact.surface;
+  if (study.surface == ExactSurface::excluded) settle_excluded_study(d);
   study.distances = d.options.distances;
   study.self_intersections = d.options.self_intersections;
   study.machine = d.options.machine;

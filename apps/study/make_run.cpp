@@ -7,6 +7,9 @@
 #include <utility>
 
 #include "command_line/names.hpp"
+#include "excluded/excluded_comparison.hpp"
+#include "excluded/excluded_distances.hpp"
+#include "excluded_steps.hpp"
 #include "memory.hpp"
 #include "memory_plan.hpp"
 #include "stopwatch.hpp"
@@ -25,20 +28,27 @@ StudyRun measure_run(const IndexedMesh& mesh, const StudySetting& setting, const
   run.measures = summary.measures;
   run.quality = summary.quality;
   run.histograms = quality_histograms(mesh);
-  run.comparison = compare(run.topology, run.measures, input.exact);
+  const auto& excluded = input.excluded;
+  run.comparison = excluded ? compare(run.topology, run.measures, excluded->complete)
+                            : compare(run.topology, run.measures, input.exact);
   if (options.self_intersections == SelfIntersections::count) {
     run.self_intersections = self_intersections(mesh, session.monitor);
   }
   if (options.distances.distances == Switch::on) {
     const Stopwatch watch;
+    const DistanceChoice& d = options.distances;
     run.comparison.distances =
-        measure_distances(mesh, input.structure.spheres, options.distances, session).result;
+        excluded ? excluded_distances(
+                       mesh, input.atoms, excluded->probe,
+                       {d.samples_per_area, d.seed, session.machine.memory_limit, session.monitor})
+                 : measure_distances(mesh, input.atoms, d, session).result;
     run.seconds.distances = watch.seconds();
   }
   // As the setting alone has it: not with what the way there left in the mesh.
-  run.memory.mesh = indexed_mesh_bytes(
-      {mesh.vertex_count(), mesh.triangle_count()},
-      {.labels = mesh.triangle_labels(), .width = label_width(surface_options(setting))});
+  run.memory.mesh =
+      indexed_mesh_bytes({mesh.vertex_count(), mesh.triangle_count()},
+                         {.labels = mesh.triangle_labels(),
+                          .width = label_width(surface_options(setting, options.surface))});
   return run;
 }
 
@@ -90,11 +100,19 @@ class LevelRecorder {
 
 }  // namespace
 
+IndexedMesh make_study_mesh(const StudyInput& input, const SurfaceOptions& surface,
+                            Session& session, const LevelObserver& observer) {
+  if (!input.excluded) return make_mesh(input.atoms, surface, session, {.on_level = observer});
+  return make_excluded_mesh(input.structure.molecule, input.excluded->probe, surface, session,
+                            observer)
+      .mesh;
+}
+
 std::vector<StudyRun> make_runs(const StudyTask& task, const StudyInput& input,
                                 const StudyOptions& options, Monitor* monitor) {
   Session session{options.machine, monitor, {}, {}};
   session.machine.backend = value_named<Backend>("backend", task.setting.key.backend);
-  const SurfaceOptions surface = surface_options(task.setting);
+  const SurfaceOptions surface = surface_options(task.setting, options.surface);
   LevelRecorder recorder(task, input, options, session);
   // A single level is measured once the pipeline is done, so that nothing interrupts its watch.
   const bool one_level = task.levels.size() == 1;
@@ -106,8 +124,7 @@ std::vector<StudyRun> make_runs(const StudyTask& task, const StudyInput& input,
   demand.self_intersections = options.self_intersections;
   demand.distances = options.distances.distances;
   check_memory_before(demand, input.structure.spheres, options.machine.memory_limit);
-  const IndexedMesh mesh =
-      make_mesh(input.structure.spheres, surface, session, {.on_level = observer});
+  const IndexedMesh mesh = make_study_mesh(input, surface, session, observer);
   if (one_level) recorder.see(task.levels.front(), mesh);
   return std::move(recorder).finish(session.report.timing);
 }

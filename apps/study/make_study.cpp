@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "command_line/names.hpp"
+#include "excluded_steps.hpp"
 #include "stopwatch.hpp"
 #include "study/make_run.hpp"
 #include "study/plan.hpp"
@@ -41,16 +42,34 @@ std::string name_of_input(const InputOptions& options) {
   return options.sample.empty() ? options.path.filename().string() : options.sample;
 }
 
-StudyInput read_input(const InputOptions& options, const MachineOptions& machine) {
-  StudyInput input;
-  input.name = name_of_input(options);
+StudyInput read_input(const InputOptions& options, ExactSurface surface,
+                      const MachineOptions& machine) {
   Session session{machine, nullptr, {}, {}};
-  input.structure = load(options, session);
-  input.hash = hash_of(input.structure.spheres);
-  measure_exactly(input.structure.spheres, {}, session);
+  Structure structure = load(options, session);
+  const bool excluded = surface == ExactSurface::excluded;
+  SphereSet atoms = excluded ? to_spheres(structure.molecule, 0) : structure.spheres;
+  StudyInput input{.name = name_of_input(options),
+                   .structure = std::move(structure),
+                   .atoms = std::move(atoms),
+                   .hash = {},
+                   .report = {},
+                   .warnings = {},
+                   .exact = {},
+                   .excluded = {}};
+  input.hash = hash_of(input.atoms);
+  if (excluded) {
+    input.hash += fmt::format(" excluded {}", options.probe);
+    measure_excluded(input.structure.molecule, options.probe, {}, Switch::off, session);
+    input.excluded = std::move(session.report.excluded);
+    input.exact.method = UnionMethod::cgal;
+    input.exact.area = input.excluded->complete.area;
+    input.exact.volume = input.excluded->complete.volume;
+  } else {
+    measure_exactly(input.atoms, {}, session);
+    input.exact = std::move(*session.report.exact);
+  }
   input.report = session.report.input;
   input.warnings = session.report.warnings;
-  input.exact = std::move(*session.report.exact);
   input.exact_seconds = session.report.timing.exact->wall;
   return input;
 }
@@ -188,8 +207,9 @@ class Sweep {
 
 }  // namespace
 
-SurfaceOptions surface_options(const StudySetting& setting) {
+SurfaceOptions surface_options(const StudySetting& setting, ExactSurface surface) {
   SurfaceOptions options;
+  options.kind = surface;
   options.mesher = setting.key.mesher;
   if (options.mesher == Mesher::exact) {
     options.edge_length = setting.resolution;
@@ -208,7 +228,7 @@ Study make_study(const std::vector<InputOptions>& inputs, const StudyOptions& op
   study.options = options;
   study.backends = find_backends(options.axes.backends);
   for (const InputOptions& input : inputs) {
-    study.findings.push_back({read_input(input, options.machine), {}, {}, {}});
+    study.findings.push_back({read_input(input, options.surface, options.machine), {}, {}, {}});
   }
   make_names_unique(study.findings);
   const StudyStore store(options.folder);

@@ -20,6 +20,7 @@
 #include "mesh/element_color.hpp"
 #include "picture.hpp"
 #include "study/describe_study.hpp"
+#include "study/make_run.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -108,28 +109,30 @@ double distance_range(const std::vector<float>& distances) {
 }
 
 // Meshes are not kept with their runs: they take far more room than their figures.
-IndexedMesh mesh_anew(const SphereSet& spheres, const StudySetting& setting, Session& session) {
+IndexedMesh mesh_anew(const StudyInput& input, const SurfaceOptions& surface, Session& session) {
   MemoryDemand demand;
-  demand.surface = surface_options(setting);
+  demand.surface = surface;
   demand.backend = resolve(session.machine.backend);
   demand.measures = Switch::off;
-  check_memory_before(demand, spheres, session.machine.memory_limit);
-  return make_mesh(spheres, *demand.surface, session);
+  check_memory_before(demand, input.structure.spheres, session.machine.memory_limit);
+  return make_study_mesh(input, surface, session);
 }
 
 Scene make_scene(const Study& study, std::size_t input, const StudySetting& setting) {
-  const auto& [molecule, spheres] = study.findings[input].input.structure;
+  const StudyInput& of = study.findings[input].input;
   Session session{study.options.machine, nullptr, {}, {}};
   session.machine.backend = value_named<Backend>("backend", setting.key.backend);
-  const IndexedMesh mesh = mesh_anew(spheres, setting, session);
+  session.report.excluded = of.excluded;
+  const IndexedMesh mesh = mesh_anew(of, surface_options(setting, study.options.surface), session);
   const Box box = box_of(mesh);
   // Vertices lie on the surface; what is wrong is what the triangles between them cut off.
-  const std::vector<float> distances = measure_centers(mesh, spheres, session);
+  const std::vector<float> distances = measure_centers(mesh, of.atoms, session);
   const double range = distance_range(distances);
   Scene scene{input, setting, {}, {}};
   append_positions(mesh, box, scene.bytes);
   append_triangles(mesh, scene.bytes);
-  const std::vector<std::string> elements = append_elements(mesh, molecule, scene.bytes);
+  const std::vector<std::string> elements =
+      append_elements(mesh, of.structure.molecule, scene.bytes);
   append_bytes(distances, -range, range, scene.bytes);
   append_bytes(min_angles_deg(mesh), 0, 60, scene.bytes);
   JsonText json(JsonText::Layout::compact);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,12 @@ namespace vdwmesh::apps {
 struct StudyInput {
   std::string name;  // unique within the study
   Structure structure;
-  std::string hash;  // of the spheres
+  SphereSet atoms;   // whose surface is meshed: without the probe, if that is the excluded one
+  std::string hash;  // of the spheres, and of the probe of an excluded surface
   InputReport report;
   std::vector<std::string> warnings;  // for people: what may be wrong with the file
-  ExactReport exact;
+  ExactReport exact;                  // area and volume of the surface that the meshes approximate
+  std::optional<ExcludedMeasures> excluded;  // if that is the excluded one
   double exact_seconds = 0;
 };
 
@@ -45,8 +48,8 @@ struct Study {
   double seconds = 0;
 };
 
-// The SurfaceOptions that make_mesh() takes for a setting.
-SurfaceOptions surface_options(const StudySetting& setting);
+// The SurfaceOptions that make_mesh() and make_excluded_mesh() take for a setting.
+SurfaceOptions surface_options(const StudySetting& setting, ExactSurface surface);
 
 // Runs with the threads that the caller allows. Reads the inputs and makes every run that the
 // folder does not hold yet; each is kept there as soon as it is finished. Throws what the stages

@@ -22,6 +22,7 @@ void describe(JsonText& a, const StudyOptions& options) {
   const StudyAxes& axes = options.axes;
   const DistanceChoice& d = options.distances;
   const bool distances = d.distances == Switch::on;
+  a("surface", options.surface);
   a("meshers", axes.meshers);
   a("spacings", axes.spacings), a("edge_lengths", axes.edge_lengths);
   a("subdivisions", axes.subdivisions);
@@ -42,7 +43,7 @@ void describe(JsonText& a, const StudyFindings& f) {
   a("name", f.input.name);
   a("input", f.input.report);
   a("warnings", f.input.warnings);
-  a("exact", exact), a("exact_seconds", f.input.exact_seconds);
+  a("exact", exact), a("excluded", f.input.excluded), a("exact_seconds", f.input.exact_seconds);
   a("runs", f.runs), a("refused", f.refused);
   a.list("series", f.series, [&](const StudySeries& series) {
     describe(a, series);

@@ -29,6 +29,7 @@ struct StudyAxes {
 };
 
 struct StudyOptions {
+  ExactSurface surface = ExactSurface::vdw;  // of all meshes; `excluded` by Mesher::exact alone
   StudyAxes axes;
   DistanceChoice distances;
   SelfIntersections self_intersections = SelfIntersections::count;

@@ -154,6 +154,43 @@ class Figures(StudyTest):
         self.assertEqual([r["parameters"]["subdivide"] for r in small["inputs"][0]["refused"]], [2])
         self.assertEqual([r["parameters"]["subdivide"] for r in small["inputs"][0]["runs"]], [0])
 
+    def test_the_excluded_surface(self):
+        """Two balls with a waist: integers are exact, errors of second order, and the limit is the exact area."""
+        atoms = self.file("two.xyzr", "0 0 2 1.7\n0 0 -2 1.7\n")
+        options = ("--surface", "excluded", "--mesher", "exact", "--edge-length", "0.6,0.3", "--subdivide", "0,1")
+        document = self.study(atoms, self.ball, *options)
+        self.assertEqual(document["parameters"]["surface"], "excluded")
+        for found, waist in zip(document["inputs"], (True, False)):
+            exact = found["excluded"]["complete"]
+            self.assertEqual(exact["counts"]["whole_rings"], int(waist))
+            self.assertEqual(found["exact"]["area"], exact["area"])
+            self.assertEqual(len(found["runs"]), 4)
+            for run in found["runs"]:
+                self.assertEqual(run["mesh"]["euler_characteristic"], 2)
+                self.assertEqual(run["comparison"]["euler_characteristic_difference"], 0)
+                # A circumcircle no larger than the edge length is that far below a sphere of 1.4 Å.
+                far = run["parameters"]["resolution"] ** 2 / (2 * 1.4)
+                self.assertLess(run["comparison"]["distances"]["mesh_to_surface"]["max"], far)
+                self.assert_close(run["comparison"]["area_relative_error"],
+                                  run["mesh"]["area"] / exact["area"] - 1, 1e-9)
+            by_level = {(r["parameters"]["resolution"], r["parameters"]["subdivide"]): r["comparison"]
+                        for r in found["runs"]}
+            for length in (0.6, 0.3):
+                ratio = (by_level[length, 0]["area_relative_error"] / by_level[length, 1]["area_relative_error"])
+                self.assertAlmostEqual(ratio, 4, delta=0.3)
+        self.assertEqual(self.outputs(), FILES)
+        # Runs of another probe are other runs; the same ones are found.
+        again = self.study(atoms, self.ball, *options)
+        self.assertEqual(again["runs_made"], 0)
+        other = self.study(atoms, *options, "--probe", "0.7")
+        self.assertEqual(other["runs_found"], 0)
+
+    def test_the_excluded_surface_refuses_what_is_not_its_own(self):
+        for option in (("--spacing", "0.5"), ("--field", "blinn"), ("--mesher", "marching-cubes"),
+                       ("--backend", "cuda"), ("--project", "own"), ("--probe", "0")):
+            self.assert_refused(BAD_INPUT, "study", self.ball, "--surface", "excluded", *option, "-o", self.out,
+                                says=(option[0],))
+
 
 class Page(StudyTest):
     """The meshes in the page, decoded here as the page's script does it."""

@@ -53,8 +53,16 @@ function drawTable(element, columns, rows) {
   element.replaceChildren(table);
 }
 
+// The exact figures of the surface that the meshes approximate.
+function exactFigures(input) {
+  if (!input.excluded) return input.exact;
+  const { area, volume, euler_characteristic, cavities, shells } = input.excluded.complete;
+  const genus = shells.reduce((sum, shell) => sum + shell.genus, 0);
+  return { area, volume, euler_characteristic, components: shells.length - cavities, tunnels: genus, voids: cavities, hidden_atoms: null };
+}
+
 function drawMoleculeTable(element, input) {
-  const exact = input.exact;
+  const exact = exactFigures(input);
   drawTable(element, [
     { title: "file", text: (i) => i.name, align: "text" },
     { title: "atoms", text: (i) => formatNumber(i.input.atoms_used) },
@@ -73,7 +81,7 @@ function drawMoleculeTable(element, input) {
 // The mesh that is shown, the exact figures beside it, and the difference.
 function drawSceneTable(element, input, run) {
   if (!run) return element.replaceChildren();
-  const { mesh, comparison } = run, exact = input.exact;
+  const { mesh, comparison } = run, exact = exactFigures(input);
   const tunnels = (m) => m.tunnels ?? m.genus;
   const difference = (a, b) => a === null || b === null || a === undefined || b === undefined ? null : a - b;
   const row = (title, value, how) => ({ title, mesh: value(mesh), exact: value(exact), how });
