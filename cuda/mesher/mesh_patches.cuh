@@ -13,8 +13,8 @@ namespace vdwmesh::mesher {
 // How many threads of a warp mesh a patch each; the others do nothing. Patches go their own ways,
 // so the threads of a warp wait for each other most of the time, and few patches are best spread
 // over many warps; but with many patches, more of them for each warp give a multiprocessor more to
-// turn to while others wait for memory. Measured on an H200 (patches_bench): of 4,556 patches, 1 for
-// a warp is best (23 ms, and 46 with 8), of 65,536 8 to 16 are (156 ms, and 302 with 1).
+// turn to while others wait for memory. Measured on an H200 (patches_bench): of 4,556 patches, 1
+// for a warp is best (23 ms, and 46 with 8), of 65,536 8 to 16 are (156 ms, and 302 with 1).
 constexpr unsigned patches_per_warp(std::uint32_t patches) {
   return patches < 8192 ? 1 : (patches < 16384 ? 2 : (patches < 32768 ? 4 : 8));
 }
