@@ -19,6 +19,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "arrangement/directions.hpp"
@@ -36,7 +37,8 @@ using namespace excluded;
 using MesherClock = std::chrono::steady_clock;
 
 // As for the mesh of the union: rounds in which pieces are split for quality, and in all; and how
-// many pieces there may be, besides 64 for each there was at first.
+// many pieces a curve may have, besides 64 for each it had at first. More are asked for only where
+// double precision does not tell two curves apart, and then without end.
 constexpr int kRoundsForQuality = 12, kRoundsInAll = 60;
 constexpr std::uint64_t kGrowth = std::uint64_t{1} << 16;
 // Triangles of an area, over the ideal number; and bytes for each before they are joined.
@@ -58,7 +60,7 @@ class ExcludedMesher {
         unit_(std::ldexp(1.0, complex.grown().exponent)),
         edge_length_(options.edge_length / unit_),
         sampling_(complex.curves, std::vector<double>(complex.face_count(), edge_length_)),
-        pieces_at_first_(count_pieces()),
+        pieces_at_first_(pieces_by_curve()),
         least_triangles_(kFill * area / (std::sqrt(0.1875) * edge_length_ * edge_length_)),
         faces_(complex.face_count()) {}
 
@@ -95,6 +97,23 @@ class ExcludedMesher {
 
   bool is_sphere(std::uint32_t face) const { return face < complex_.spheres.size(); }
 
+  std::vector<std::uint32_t> pieces_by_curve() const {
+    std::vector<std::uint32_t> pieces(complex_.curves.arcs.size());
+    for (std::uint32_t c = 0; c < pieces.size(); ++c) pieces[c] = sampling_.pieces(c);
+    return pieces;
+  }
+
+  // Of the pieces that are to be split, the first of a curve that has as many as it may have. The
+  // limit is one of each curve: in a large molecule, a limit for all curves together would let two
+  // of them grow for hours.
+  std::optional<ArcPiece> piece_split_too_often() const {
+    for (const PieceSplit& s : last_splits_) {
+      const std::uint32_t c = s.piece.arc;
+      if (sampling_.pieces(c) > kGrowth + 64 * std::uint64_t{pieces_at_first_[c]}) return s.piece;
+    }
+    return std::nullopt;
+  }
+
   std::uint64_t count_pieces() const {
     std::uint64_t pieces = 0;
     for (std::uint32_t c = 0; c < complex_.curves.arcs.size(); ++c) pieces += sampling_.pieces(c);
@@ -126,8 +145,8 @@ class ExcludedMesher {
       });
       last_splits_ = wanted_splits(faces);
       if (last_splits_.empty()) return;
-      const std::uint64_t allowed = kGrowth + 64 * pieces_at_first_;
-      if (round == kRoundsInAll || count_pieces() > allowed) refuse(last_splits_.front().piece);
+      if (round == kRoundsInAll) refuse(last_splits_.front().piece);
+      if (const auto piece = piece_split_too_often()) refuse(*piece);
       stats_.split += last_splits_.size();
       sampling_.split(last_splits_);
       check_memory();
@@ -382,8 +401,8 @@ class ExcludedMesher {
   const double unit_;         // of scaled lengths, in Å: a power of two
   const double edge_length_;  // scaled
   ArcSampling sampling_;
-  const std::uint64_t pieces_at_first_;
-  const double least_triangles_;  // estimated from the area
+  const std::vector<std::uint32_t> pieces_at_first_;  // by curve
+  const double least_triangles_;                      // estimated from the area
   std::vector<Face> faces_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
   std::vector<PieceSplit> last_splits_;  // between the last round and this one

@@ -145,7 +145,7 @@ class Reports(BatchTest):
 
     def test_as_a_table_have_all_figures_of_json(self):
         columns, filled = set(), {"error", "comparison_distances_reason"}  # of rows without figures
-        for options in ((), ("--mesher", "exact", "--edge-length", "0.8")):
+        for options in (("--spacing", "0.5"), ("--edge-length", "0.8", "--subdivide", "2")):
             arguments = (self.inputs / "b", "--verb", "report", "--samples", "2", *options)
             rows = self.rows(*arguments)
             table = csv.DictReader(io.StringIO(run("batch", *arguments, "--rows", "csv").stdout))
