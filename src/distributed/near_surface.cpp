@@ -13,7 +13,7 @@
 namespace vdwmesh {
 namespace {
 
-constexpr double kSlack = 1e-6;  // Å: more than kProjectionTolerance and rounding
+constexpr double kBoxSlack = 1e-6;  // Å: more than kProjectionTolerance and rounding
 
 }  // namespace
 
@@ -22,8 +22,8 @@ NearSurface::NearSurface(const SphereSet& spheres, const RefineOptions& options)
 
 // Levels after the first one move vertices by less, so they mostly find what they need.
 void NearSurface::cover(double lower, double upper, double reach) {
-  lower -= 2 * reach + kSlack;
-  upper += 2 * reach + kSlack;
+  lower -= 2 * reach + kBoxSlack;
+  upper += 2 * reach + kBoxSlack;
   if (surface_ && lower >= lower_ && upper <= upper_) return;
   choose_spheres(lower, upper);
 }
