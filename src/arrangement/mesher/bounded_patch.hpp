@@ -34,13 +34,14 @@ struct PatchInput {
   LinkedTriangle* triangles;
 };
 
-// Places arrays one after another, each at a multiple of eight bytes.
+// Places arrays one after another, each at a multiple of eight bytes. Without memory to place them
+// in, it counts the bytes alone, and all places are null.
 class ArrayPlaces {
  public:
   VDWMESH_HD explicit ArrayPlaces(std::byte* begin) : begin_(begin) {}
   template <class T>
   VDWMESH_HD T* next(std::size_t count) {
-    T* const place = reinterpret_cast<T*>(begin_ + bytes_);
+    T* const place = begin_ ? reinterpret_cast<T*>(begin_ + bytes_) : nullptr;
     bytes_ += (count * sizeof(T) + 7) / 8 * 8;
     return place;
   }
