@@ -3,6 +3,7 @@
 #include "excluded_steps.hpp"
 
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "cuda/backend.hpp"
@@ -71,9 +72,7 @@ PatchedMesh make_excluded_mesh(const Molecule& molecule, double probe,
   options.edge_length = surface.edge_length.value_or(options.edge_length);
   options.memory_limit = session.machine.memory_limit;
   options.monitor = session.monitor;
-  ParametersReport& parameters = report.parameters.emplace();
-  parameters.surface = surface;
-  parameters.memory_limit = options.memory_limit;
+  report.parameters = describe_parameters(surface, std::nullopt, options.memory_limit);
   const SphereSet atoms = to_spheres(molecule, 0);
   ExcludedMesh made = mesh_excluded(atoms, options);
   report.timing.extract = made.stats.seconds;

@@ -135,13 +135,24 @@ ParametersReport describe_parameters(const SurfaceOptions& surface,
   report.surface = surface;
   report.grid = grid;
   report.memory_limit = memory_limit;
-  if (surface.field.kind == FieldKind::vdw) return report;
+  if (!grid || surface.field.kind == FieldKind::vdw) return report;
   const FieldModel model = make_field_model(surface.field, *grid);
   report.isovalue = model.isovalue;
   if (surface.field.kind == FieldKind::blinn && surface.field.preset == FieldPreset::radius_aware) {
     report.blobbiness = surface.field.blobbiness.value_or(2);
   }
   return report;
+}
+
+RefineOptions refine_options(const SurfaceOptions& surface, const Session& session) {
+  RefineOptions refine;
+  refine.subdivisions = surface.subdivisions;
+  refine.projection = surface.projection;
+  refine.crossings = surface.crossings;
+  refine.field = surface.field;
+  refine.memory_limit = session.machine.memory_limit;
+  refine.monitor = session.monitor;
+  return refine;
 }
 
 // The reason is of interest only where a device was possible and is not used.
@@ -200,14 +211,8 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, S
   report.backend = describe_backend(requested, resolve(requested));
   report.notes.insert(report.notes.end(), surface.notes.begin(), surface.notes.end());
   report.backend->devices = devices_for(surface, session);
-  RefineOptions refine;
-  refine.subdivisions = surface.subdivisions;
-  refine.projection = surface.projection;
-  refine.crossings = surface.crossings;
-  refine.field = surface.field;
-  refine.memory_limit = session.machine.memory_limit;
+  RefineOptions refine = refine_options(surface, session);
   refine.on_level = request.on_level;
-  refine.monitor = session.monitor;
   IndexedMesh mesh = surface.mesher == Mesher::exact
                          ? mesh_arrangement(spheres, surface, refine, report)
                          : mesh_field(spheres, surface, request, refine, report);

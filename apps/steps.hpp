@@ -8,6 +8,7 @@
 #include "mesh/surface_mesh.hpp"
 #include "mesh/surface_mesh_builder.hpp"
 #include "options.hpp"
+#include "refine/refiner.hpp"
 #include "report.hpp"
 #include "session.hpp"
 #include "spheres/sphere_set.hpp"
@@ -50,6 +51,9 @@ IndexedMesh make_mesh(const SphereSet& spheres, const SurfaceOptions& surface, S
 ParametersReport describe_parameters(const SurfaceOptions& surface,
                                      const std::optional<GridSpec>& grid,
                                      std::uint64_t memory_limit);
+
+// How a mesh of the surface is refined; without a grid and an observer.
+RefineOptions refine_options(const SurfaceOptions& surface, const Session& session);
 
 // What runs where `requested` was asked for and `used` was chosen.
 BackendReport describe_backend(Backend requested, Backend used);

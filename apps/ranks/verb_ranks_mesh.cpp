@@ -41,18 +41,6 @@ ExtractOptions extract_options(const Options& options, const Session& session) {
   return extract;
 }
 
-RefineOptions refine_options(const Options& options, const Session& session) {
-  RefineOptions refine;
-  refine.subdivisions = options.surface.subdivisions;
-  refine.projection = options.surface.projection;
-  refine.crossings = options.surface.crossings;
-  refine.field = options.surface.field;
-  refine.grid = *session.report.parameters->grid;
-  refine.memory_limit = session.machine.memory_limit;
-  refine.monitor = session.monitor;
-  return refine;
-}
-
 // What the report says before there is a mesh.
 void describe(const Ranks& ranks, const SphereSet& spheres, const Options& options,
               Session& session) {
@@ -78,8 +66,9 @@ void refine_piece(const Ranks& ranks, const SphereSet& spheres, const Options& o
                   SurfacePiece& piece, Session& session) {
   if (options.surface.subdivisions == 0) return;
   const auto begin = std::chrono::steady_clock::now();
-  session.report.mesh->projection =
-      refine_together(ranks, spheres, refine_options(options, session), piece);
+  RefineOptions refine = refine_options(options.surface, session);
+  refine.grid = *session.report.parameters->grid;
+  session.report.mesh->projection = refine_together(ranks, spheres, refine, piece);
   session.report.timing.refine =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (session.report.backend->used == Backend::cuda) {

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "arrangement/directions.hpp"
+#include "excluded/circle_gap.hpp"
 #include "excluded/patch_boundary.hpp"
 #include "excluded/patch_circles.hpp"
 #include "excluded/patch_loops.hpp"
@@ -113,33 +114,24 @@ class PatchMaker {
   const Probe& probe() const { return surface_.probes[patch_.probe]; }
   std::uint32_t cap_count() const { return static_cast<std::uint32_t>(patch_.caps.size()); }
 
-  // Adds the cap of the probe beyond the gap of a spindle's circle. The plane that bisects both
-  // contains the axis and halves the angle δ of the gap, which keeps its digits if δ is small.
+  // Adds the cap of the probe beyond the gap of a spindle's circle.
   void add_gap_cap(PatchSide& side) {
     const RolledArc& arc = surface_.arcs[side.arc];
     const auto end = static_cast<std::size_t>(side.end);
     const std::uint32_t next = arc_beyond(surface_, included_, side.arc, side.end);
     const std::uint32_t other = surface_.arcs[next].probe[1 - end];
-    const double half = gap_angle(arc, end, surface_.arcs[next], next == side.arc) / 2;
     for (std::uint32_t c = 0; c < cap_count(); ++c) {
       if (patch_.caps[c].probe == other) side.gap = c;
     }
     if (side.gap != kNoIndex) return;
+    const double angle =
+        next == side.arc
+            ? 2 * kPi - arc.angle
+            : gap_angle(arc.axis, arc.radial[end], surface_.arcs[next].radial[1 - end], end == 1);
+    const GapCap cap = gap_cap(angle, arc.radial[end], side.inward, arc.circle_radius, p_);
     side.gap = cap_count();
-    const Vec3d axis = std::cos(half) * side.inward - std::sin(half) * arc.radial[end];
-    patch_.caps.push_back({unit(axis), arc.circle_radius * std::sin(half) / p_, other});
+    patch_.caps.push_back({cap.axis, cap.cosine, other});
     if (other == patch_.probe) patch_.certified = false;
-  }
-
-  // The angle from the end of an arc over the gap to the next arc.
-  static double gap_angle(const RolledArc& arc, std::size_t end, const RolledArc& next, bool same) {
-    if (same) return 2 * kPi - arc.angle;
-    const Vec3d &from = arc.radial[end], &to = next.radial[1 - end];
-    const double sine = triple_product(arc.axis, from, to);
-    const double angle = std::atan2(end == 1 ? sine : -sine, dot(from, to));
-    constexpr double kClose = 1e-6;
-    if (std::abs(angle) < kClose) return std::abs(angle);
-    return angle < 0 ? angle + 2 * kPi : angle;
   }
 
   void add_cap(std::uint32_t other) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "excluded/cap_arrangement.hpp"
+#include "excluded/circle_gap.hpp"
 #include "excluded/elements/element_shapes.hpp"
 
 namespace vdwmesh::excluded::elements {
@@ -87,20 +88,7 @@ class CutPatch {
     cap_[caps_++] = {cap_circle(vector(axis), cosine), corner};
   }
 
-  // The angle from the end of an arc over the gap to the next arc.
-  VDWMESH_HD static double gap_angle(const ArcShape& arc, int end, const ArcShape& next,
-                                     bool same) {
-    if (same) return 2 * kPi - arc.angle;
-    const Vec3d &from = arc.radial[end], &to = next.radial[1 - end];
-    const double sine = triple_product(arc.axis, from, to);
-    const double angle = std::atan2(end == 1 ? sine : -sine, dot(from, to));
-    constexpr double kClose = 1e-6;
-    if (std::abs(angle) < kClose) return std::abs(angle);
-    return angle < 0 ? angle + 2 * kPi : angle;
-  }
-
-  // Adds the cap of the probe beyond the gap of a spindle's circle: the plane that bisects both
-  // contains the axis and halves the angle of the gap.
+  // Adds the cap of the probe beyond the gap of a spindle's circle.
   VDWMESH_HD void add_gap_cap(Side& side) {
     const Arc& arc = arcs_[side.arc];
     const std::uint32_t next = side.end == 1 ? arc.next(side.arc) : arc.previous(side.arc);
@@ -111,10 +99,14 @@ class CutPatch {
     }
     if (side.gap >= 0) return;
     const ArcShape& shape = shapes_[side.arc];
-    const double half = gap_angle(shape, side.end, shapes_[next], next == side.arc) / 2;
+    const Vec3d& from = shape.radial[side.end];
+    const double angle =
+        next == side.arc
+            ? 2 * kPi - shape.angle
+            : gap_angle(shape.axis, from, shapes_[next].radial[1 - side.end], side.end == 1);
+    const GapCap cap = gap_cap(angle, from, side.inward, shape.radius, balls_.probe);
     side.gap = caps_;
-    const Vec3d axis = std::cos(half) * side.inward - std::sin(half) * shape.radial[side.end];
-    put_cap(unit(axis), shape.radius * std::sin(half) / balls_.probe, other);
+    put_cap(cap.axis, cap.cosine, other);
   }
 
   VDWMESH_HD void add_cap(std::uint32_t other) {

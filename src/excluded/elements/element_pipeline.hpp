@@ -20,8 +20,10 @@
 #include <span>
 #include <vector>
 
-#include "excluded/elements/element_steps.hpp"
+#include "excluded/elements/arc_steps.hpp"
+#include "excluded/elements/corner_steps.hpp"
 #include "excluded/elements/local_surface.hpp"
+#include "excluded/elements/row_steps.hpp"
 
 namespace vdwmesh::excluded::elements {
 

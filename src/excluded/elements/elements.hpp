@@ -30,6 +30,29 @@ struct Overlaps {
   const std::uint32_t* other;
 };
 
+// Sets of which an element is wrong are measured elsewhere; their other elements may be anything.
+struct FailedSets {
+  const std::uint32_t* set;  // by ball; null: one set
+  std::uint8_t* failed;
+  VDWMESH_HD bool has(std::uint32_t ball) const { return failed[set ? set[ball] : 0] != 0; }
+  VDWMESH_HD void put(std::uint32_t ball) const { failed[set ? set[ball] : 0] = 1; }
+};
+
+// The first place in an ascending list whose key is not below `key`. key_at(place) reads the list.
+template <class KeyAt>
+VDWMESH_HD std::uint64_t lower_bound(std::uint64_t size, std::uint32_t key, const KeyAt& key_at) {
+  std::uint64_t low = 0, high = size;
+  while (low < high) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    if (key_at(middle) < key) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
 // An exposed arc, counter-clockwise about the axis from the lower ball to the higher one.
 struct Arc {
   std::uint32_t ball[2];   // ascending
@@ -149,6 +172,19 @@ struct Terms {
 // The counts of a ball's row: of the arcs and corners whose lowest ball it is.
 struct RowCounts {
   std::uint32_t arcs, rings, spindles, cusps, probes, low_probes, crease_arcs;
+
+  // Adds counts of the same names: those of another row, or of an arc or a corner.
+  template <class Counts>
+  VDWMESH_HD RowCounts& operator+=(const Counts& other) {
+    arcs += other.arcs;
+    rings += other.rings;
+    spindles += other.spindles;
+    cusps += other.cusps;
+    probes += other.probes;
+    low_probes += other.low_probes;
+    crease_arcs += other.crease_arcs;
+    return *this;
+  }
 };
 
 // Of one ball.

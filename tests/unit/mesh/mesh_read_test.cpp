@@ -1,13 +1,10 @@
-#include "mesh/mesh_io.hpp"
-
+// Reading mesh files: what comes back of what was written, layouts of others, damaged files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -19,12 +16,11 @@
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/errors.hpp"
-#include "core/monitor.hpp"
-#include "mesh/patch_properties.hpp"
+#include "mesh/mesh_io.hpp"
+#include "mesh_files.hpp"
 #include "support/sanitized.hpp"
 #include "support/temporary_directory.hpp"
 #include "support/test_meshes.hpp"
@@ -33,43 +29,13 @@ namespace vdwmesh {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::ElementsAre;
+using testing::expect_same_bits;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::kFormats;
+using testing::labelled_mesh;
+using testing::round_trip;
 using testing::TemporaryDirectory;
-
-constexpr MeshFormat kFormats[] = {MeshFormat::ply, MeshFormat::obj, MeshFormat::off,
-                                   MeshFormat::stl, MeshFormat::glb};
-
-// A mesh with coordinates that use every bit, normals and labels.
-IndexedMesh labelled_mesh(double size = 50) {
-  IndexedMesh mesh = testing::scaled(testing::icosphere(3), size / 3);
-  std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> shake(-0.01, 0.01);
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
-    Vec3d& p = mesh.positions[v];
-    p = p + Vec3d{shake(random), shake(random), shake(random)};
-    mesh.normals.push_back(cast<float>((1 / norm(p)) * p));
-    mesh.vertex_spheres.push_back({v, v % 3 == 0 ? kNoSphere : v / 2, kNoSphere});
-  }
-  return mesh;
-}
-
-MeshFile round_trip(const IndexedMesh& mesh, MeshFormat format) {
-  return decode_mesh(encode_mesh(to_surface_mesh(mesh), format).bytes, format);
-}
-
-bool same_bits(const Vec3d& a, const Vec3d& b) {
-  for (int k = 0; k < 3; ++k)
-    if (std::bit_cast<std::uint64_t>(a[k]) != std::bit_cast<std::uint64_t>(b[k])) return false;
-  return true;
-}
-
-void expect_same_bits(const IndexedMesh& a, const IndexedMesh& b) {
-  ASSERT_EQ(a.vertex_count(), b.vertex_count());
-  for (std::size_t v = 0; v < a.vertex_count(); ++v)
-    EXPECT_TRUE(same_bits(a.positions[v], b.positions[v])) << "vertex " << v;
-}
 
 TEST(MeshIo, PlyKeepsTheSpheresOfFaces) {
   IndexedMesh mesh = labelled_mesh();
@@ -80,54 +46,6 @@ TEST(MeshIo, PlyKeepsTheSpheresOfFaces) {
   EXPECT_EQ(back.triangle_spheres, mesh.triangle_spheres);
   EXPECT_EQ(back.triangles, mesh.triangles);
   expect_same_bits(back, mesh);
-}
-
-// The patches stand behind what other programs read, and the curvatures behind each vertex.
-TEST(MeshIo, PlySaysOfWhichPatchesASurfaceIsMade) {
-  PatchedMesh patched;
-  patched.mesh = labelled_mesh();
-  SurfacePatch sphere, torus;
-  sphere.atoms = {7, kNoSphere, kNoSphere};
-  sphere.radius = 2;
-  torus.kind = PatchKind::saddle;
-  torus.atoms = {3, 5, kNoSphere};
-  patched.patches = {sphere, torus};
-  const std::size_t faces = patched.mesh.triangle_count(), vertices = patched.mesh.vertex_count();
-  patched.triangle_patch.assign(faces, 0);
-  SurfaceMesh mesh = to_surface_mesh(patched.mesh);
-  EXPECT_FALSE(patch_properties(mesh).has_value());
-  const std::string plain = encode_mesh(mesh, MeshFormat::ply).bytes;
-  add_patch_properties(mesh, patched);
-  mesh.property(patch_properties(mesh)->kind, OpenMesh::FaceHandle(int(faces) - 1)) = torus.kind;
-  mesh.property(patch_properties(mesh)->atoms, OpenMesh::FaceHandle(int(faces) - 1)) = torus.atoms;
-  const std::string bytes = encode_mesh(mesh, MeshFormat::ply).bytes;
-  const std::size_t header = bytes.find("end_header\n") + 11;
-  EXPECT_EQ(bytes.size() - header,
-            plain.size() - (plain.find("end_header\n") + 11) + 8 * vertices + 13 * faces);
-  for (const char* line :
-       {"property int sphere3\nproperty float mean_curvature\nproperty float gaussian_curvature\n",
-        "vertex_indices\nproperty uchar patch_kind\nproperty int patch_atom1\n"}) {
-    EXPECT_THAT(bytes.substr(0, header), HasSubstr(line));
-  }
-  const auto number_at = [&]<class T>(std::size_t place, T) {
-    T value;
-    std::memcpy(&value, &bytes[place], sizeof value);
-    return value;
-  };
-  EXPECT_EQ(number_at(header + 51, 0.0f), 0.5f);   // behind the first vertex: 1/r
-  EXPECT_EQ(number_at(header + 55, 0.0f), 0.25f);  // 1/r²
-  EXPECT_EQ(bytes[bytes.size() - 13], 1);
-  EXPECT_EQ(number_at(bytes.size() - 12, 0), 3);
-  EXPECT_EQ(number_at(bytes.size() - 8, 0), 5);
-  EXPECT_EQ(number_at(bytes.size() - 4, 0), -1);
-  EXPECT_EQ(number_at(header + 59 * vertices + 14, 0), 7);
-  const IndexedMesh back = decode_mesh(bytes, MeshFormat::ply).mesh;
-  expect_same_bits(back, patched.mesh);
-  EXPECT_EQ(back.triangles, patched.mesh.triangles);
-  EXPECT_EQ(back.vertex_spheres, patched.mesh.vertex_spheres);
-  EXPECT_TRUE(back.triangle_spheres.empty());
-  patched.triangle_patch.pop_back();
-  EXPECT_THROW(add_patch_properties(mesh, patched), InvalidInput);
 }
 
 // Not the layout that we write: the atom first, as another number, and a quadrilateral.
@@ -288,51 +206,6 @@ TEST(MeshIo, GlbSaysWhatItsPrimitivesLeaveOver) {
   EXPECT_THAT(cut.notes[0], HasSubstr("2 indices at the ends of primitives"));
 }
 
-// The least and the greatest of the floats as stored, bit for bit, as glTF wants them.
-TEST(MeshIo, GlbNamesTheBoundsOfItsFloats) {
-  const IndexedMesh mesh = testing::translated(labelled_mesh(), {7, -13, 0.1});
-  const std::string bytes = encode_mesh(to_surface_mesh(mesh), MeshFormat::glb).bytes;
-  std::uint32_t json_size;
-  std::memcpy(&json_size, bytes.data() + 12, sizeof json_size);
-  const auto json = nlohmann::json::parse(bytes.substr(20, json_size));
-  const auto& accessor = json.at("accessors").at(0);
-  ASSERT_EQ(accessor.at("count"), mesh.vertex_count());
-  std::vector<float> floats(3 * mesh.vertex_count());
-  std::memcpy(floats.data(), bytes.data() + 20 + json_size + 8, floats.size() * sizeof(float));
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    float least = floats[axis], greatest = floats[axis];
-    for (std::size_t i = axis; i < floats.size(); i += 3) {
-      least = std::min(least, floats[i]);
-      greatest = std::max(greatest, floats[i]);
-    }
-    EXPECT_EQ(accessor.at("min").at(axis).get<double>(), double{least});
-    EXPECT_EQ(accessor.at("max").at(axis).get<double>(), double{greatest});
-  }
-}
-
-TEST(MeshIo, WarnsWhereFloatsLoseTooMuch) {
-  const auto warnings = [](const IndexedMesh& mesh, MeshFormat format) {
-    return encode_mesh(to_surface_mesh(mesh), format).warnings.size();
-  };
-  // Near 5000 Å floats are 2^-11 Å = 5e-4 Å apart.
-  const IndexedMesh far = testing::translated(labelled_mesh(), {5000, 0, 0});
-  EXPECT_EQ(warnings(far, MeshFormat::stl), 1u);
-  EXPECT_EQ(warnings(far, MeshFormat::glb), 0u);
-  EXPECT_EQ(warnings(far, MeshFormat::ply), 0u);
-  EXPECT_EQ(warnings(labelled_mesh(), MeshFormat::stl), 0u);
-  EXPECT_EQ(warnings(labelled_mesh(20000), MeshFormat::glb), 1u);
-  EXPECT_THROW(warnings(testing::scaled(testing::cube(), 1e40), MeshFormat::stl), InvalidInput);
-}
-
-TEST(MeshIo, WarnsWhereStlCollapsesTriangles) {
-  IndexedMesh mesh = testing::tetrahedron();
-  mesh.positions[1] = {1e-12, 0, 0};
-  mesh = testing::translated(mesh, {1, 1, 1});
-  const EncodedMesh encoded = encode_mesh(to_surface_mesh(mesh), MeshFormat::stl);
-  ASSERT_EQ(encoded.warnings.size(), 1u);
-  EXPECT_THAT(encoded.warnings[0], HasSubstr("corners of 2 triangles"));
-}
-
 TEST(MeshIo, EmptyMeshesMakeTheRoundTrip) {
   for (const MeshFormat format : kFormats) {
     const MeshFile back = round_trip({}, format);
@@ -355,72 +228,6 @@ TEST(MeshIo, KnowsFormatsByExtension) {
   EXPECT_FALSE(find_mesh_format("a.pdb"));
 }
 
-TEST(MeshIo, FilesAppearUnderTheirNames) {
-  const TemporaryDirectory directory;
-  const SurfaceMesh mesh = to_surface_mesh(testing::cube());
-  for (const char* name : {"a.ply", "a.obj", "a.off", "a.stl", "a.glb"}) {
-    write_mesh(mesh, directory / name);
-    write_mesh(mesh, directory / name);  // over the file that is there
-    EXPECT_EQ(read_mesh(directory / name).mesh.triangle_count(), 12u) << name;
-  }
-  EXPECT_EQ(directory.names().size(), 5u);
-}
-
-// Stops after some questions; counts them.
-class CountingMonitor : public Monitor {
- public:
-  explicit CountingMonitor(int most) : most_(most) {}
-  void begin_stage(std::string_view, std::uint64_t) override {}
-  void advance(std::uint64_t) override {}
-  bool cancelled() const override { return ++asked_ > most_; }
-  int asked() const { return asked_; }
-
- private:
-  int most_;
-  mutable int asked_ = 0;
-};
-
-TEST(MeshIo, WritersAskOftenWhetherToStop) {
-  constexpr std::uintmax_t kBetween = std::uintmax_t{1} << 19;  // bytes: milliseconds of work
-  const TemporaryDirectory directory;
-  const SurfaceMesh mesh = to_surface_mesh(testing::icosphere(testing::kSanitized ? 6 : 7));
-  for (const char* name : {"a.ply", "a.obj", "a.off", "a.stl", "a.glb"}) {
-    const CountingMonitor patient(std::numeric_limits<int>::max());
-    write_mesh(mesh, directory / name, &patient);
-    EXPECT_GE(patient.asked() * kBetween, fs::file_size(directory / name)) << name;
-    fs::remove(directory / name);
-    const CountingMonitor impatient(patient.asked() / 2);
-    EXPECT_THROW(write_mesh(mesh, directory / name, &impatient), Cancelled) << name;
-  }
-  EXPECT_THAT(directory.names(), IsEmpty());
-}
-
-TEST(MeshIo, NothingIsLeftOfAFileThatCannotBeWrittenInFull) {
-  const TemporaryDirectory directory;
-  const SurfaceMesh mesh = to_surface_mesh(testing::icosphere(5));
-  std::ofstream(directory / "old.ply") << "kept";
-  rlimit before;
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit small = before;
-  small.rlim_cur = 10'000;
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
-  for (const char* name : {"new.ply", "old.ply", "new.obj", "new.glb"})
-    EXPECT_THROW(write_mesh(mesh, directory / name), FileFormatError) << name;
-  ::setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
-  EXPECT_THAT(directory.names(), ElementsAre("old.ply"));
-  EXPECT_EQ(fs::file_size(directory / "old.ply"), 4u) << "the old file is untouched";
-}
-
-TEST(MeshIo, AFullDiskIsAnError) {
-  if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
-  const TemporaryDirectory directory;
-  fs::create_symlink("/dev/full", directory / "full.ply");
-  EXPECT_THROW(write_mesh(to_surface_mesh(testing::cube()), directory / "full.ply"),
-               FileFormatError);
-}
-
 TEST(MeshIo, NamesTheFileInErrors) {
   const TemporaryDirectory directory;
   const SurfaceMesh mesh = to_surface_mesh(testing::cube());
@@ -440,15 +247,6 @@ TEST(MeshIo, NamesTheFileInErrors) {
   EXPECT_THAT(message([&] { read_mesh(directory / "d.ply"); }), HasSubstr("d.ply"));
   std::ofstream(directory / "bad.obj") << "v 1 2 3\nv 1 2\n";
   EXPECT_THAT(message([&] { read_mesh(directory / "bad.obj"); }), HasSubstr("bad.obj: line 2"));
-}
-
-TEST(MeshIo, RefusesToWriteWhatIsDeletedOrNotFinite) {
-  SurfaceMesh deleted = to_surface_mesh(testing::icosphere(1));
-  deleted.delete_face(OpenMesh::FaceHandle(3));
-  EXPECT_THROW(encode_mesh(deleted, MeshFormat::ply), InvalidInput);
-  SurfaceMesh infinite = to_surface_mesh(testing::cube());
-  infinite.set_point(OpenMesh::VertexHandle(2), {0, std::nan(""), 0});
-  EXPECT_THROW(encode_mesh(infinite, MeshFormat::obj), InvalidInput);
 }
 
 // Readers must refuse or accept a damaged file, and nothing else; sanitizers watch.
