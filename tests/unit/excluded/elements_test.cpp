@@ -88,8 +88,10 @@ TEST_P(ElementsOf, AreThoseOfTheDualComplex) {
       spheres_of(read_xyzr(shared_path("reference/" + std::string(GetParam()) + ".xyzr")));
   for (const double probe : {0.7, 1.4, 3.0}) {
     SCOPED_TRACE(probe);
-    const ExcludedBatch found = by_elements(atoms, {}, probe);
-    expect_same(found, expected_of(atoms, {}, probe));
+    const ExcludedBatch found = by_elements(atoms, {}, probe),
+                        expected = expected_of(atoms, {}, probe);
+    expect_same(found, expected);
+    expect_little_help(found, expected);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Table, ElementsOf,
