@@ -38,7 +38,8 @@ using MesherClock = std::chrono::steady_clock;
 
 // As for the mesh of the union: rounds in which pieces are split for quality, and in all; and how
 // many pieces a curve may have, besides 64 for each it had at first. More are asked for only where
-// double precision does not tell two curves apart, and then without end.
+// two curves are some 10⁻¹¹ of a radius from each other over a part of their length, which double
+// precision hardly tells apart or not at all, and then by millions or without end.
 constexpr int kRoundsForQuality = 12, kRoundsInAll = 60;
 constexpr std::uint64_t kGrowth = std::uint64_t{1} << 16;
 // Triangles of an area, over the ideal number; and bytes for each before they are joined.

@@ -132,6 +132,55 @@ TEST(ExcludedMesher, CrowdedProbes) {
   }
 }
 
+// Two probes 0.08 Å from each other on both sides of three atoms, so that each has only slivers of
+// its patch left; the fourth atom keeps other probes away. One sliver is bounded by two sides and a
+// crease that meet under 2° and less, and the first chord of a side passes beyond the crease. This
+// turns the sliver around, and what is to be split are its own pieces, not those all around that
+// have the wrong sides marked.
+TEST(ExcludedMesher, AChordBeyondTheOtherSideOfASliver) {
+  const SphereSet atoms({{{240.720, 111.367, 167.326}, 1.7},
+                         {{241.464, 112.669, 167.395}, 1.7},
+                         {{240.614, 113.749, 168.012}, 1.7},
+                         {{245.084, 111.279, 162.942}, 1.7}});
+  for (const double edge_length : {1.0, 0.7, 0.5, 0.35}) {
+    SCOPED_TRACE(edge_length);
+    expect_mesh(atoms, 1.4, edge_length);
+  }
+}
+
+// Two atoms all but coincide, so that their probes lie in pairs as near to each other, and patches
+// are slivers, whose first chords cross over each other.
+TEST(ExcludedMesher, Twins) {
+  Dice dice(2512);
+  for (int i = 0; i < 20; ++i) {
+    std::vector<Sphere> atoms(static_cast<std::size_t>(dice.whole(2, 5)));
+    for (Sphere& s : atoms) s = {random_point(dice, 3), dice.real(1.2, 1.9)};
+    atoms.push_back(atoms[0]);
+    atoms.back().center =
+        atoms[0].center + std::pow(10, dice.real(-7, -4)) * random_direction(dice);
+    SCOPED_TRACE(i);
+    EXPECT_NO_THROW(mesh_at(SphereSet(atoms), 1.4, 0.7));
+  }
+}
+
+// Curves nearer than double precision tells them apart: two atoms at 10⁻¹¹ Å. The limit of pieces
+// of a curve ends the splitting, before that of memory does.
+TEST(ExcludedMesher, CurvesTooCloseAreRefused) {
+  const SphereSet atoms({{{-0.62398072410211602, 1.3578527558693247, -2.5823597666731049}, 1.25},
+                         {{0.19796461228475604, -1.311940823126506, -2.0339964764260143}, 1.625},
+                         {{-0.62398072412041095, 1.3578527558673894, -2.5823597666855407}, 1.25}});
+  ExcludedMeshOptions options;
+  options.edge_length = 0.7;
+  options.memory_limit = 2'000'000'000;
+  try {
+    mesh_excluded(atoms, options);
+    FAIL() << "there is a mesh";
+  } catch (const LimitExceeded& error) {
+    EXPECT_NE(std::string(error.what()).find("too close to be told apart"), std::string::npos)
+        << error.what();
+  }
+}
+
 // Sets in general position; a set that has no mesh says so, and there may be few of them.
 TEST(ExcludedMesher, RandomSets) {
   Dice dice(2611);

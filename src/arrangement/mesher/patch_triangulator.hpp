@@ -23,6 +23,7 @@
 #include "arrangement/mesher/flat_boundary.hpp"
 #include "arrangement/mesher/patch_quality.hpp"
 #include "arrangement/mesher/patch_work.hpp"
+#include "arrangement/mesher/piece_lens.hpp"
 #include "arrangement/mesher/stereographic.hpp"
 #include "arrangement/sine_cosine.hpp"
 #include "core/monitor.hpp"
@@ -137,11 +138,21 @@ class PatchTriangulator {
     return splits_.empty();
   }
 
-  // Asks for splits if marks have leaked out of the patch. This happens if a piece is so coarse
-  // that another part of the boundary lies between the piece and its arc: there, marking starts on
-  // the wrong side of the other part. It shows at pieces with marked triangles on both sides, or
-  // with a corner of the frame on their left. The piece to blame is one of these, and it is not
-  // short. So every such piece is split that is at least half as long as the longest of them.
+  // Asks for splits if marks have leaked out of the patch. It shows at pieces with marked triangles
+  // on both sides, or with a corner of the frame on their left. To blame are pieces so coarse that
+  // a point of the boundary lies in the lens between the piece and its arc: all of these are split.
+  // They need not be leaking themselves. In a narrow part of the patch that a loop of its own
+  // bounds, the chord of one arc may pass beyond the other arc, and turn the loop around: then all
+  // of the patch is marked on the wrong side but at the pieces of this loop.
+  //
+  // There is such a piece. Let all arcs shrink to their chords at once, each through the circular
+  // arcs between the same ends. If no lens has a point in it, no arc passes over a point meanwhile.
+  // Two arcs may come to cross only in pairs of crossings, which have to vanish in the same pairs,
+  // because neither the arcs nor, at last, the pieces cross. So the pieces divide the sphere as the
+  // arcs do, and marks do not leak.
+  //
+  // And it comes to an end: a point at the distance d from an arc is in no lens lower than d, and
+  // the height of a lens falls by a factor of four with each split.
   VDWMESH_HD void split_leaks() {
     Array<std::uint32_t>& leaks = work_.pieces;
     leaks.clear();
@@ -152,9 +163,26 @@ class PatchTriangulator {
       leaks.push_back(w.pieces[k]);
       longest = std::max(longest, chord(w.pieces[k]));
     });
+    if (leaks.empty()) return;
+    for (std::uint32_t p = 0; p < boundary_.pieces.size(); ++p) {
+      if (hides_a_point(p)) want_split(p);
+    }
+    // A point may be so near to an arc that its lens is not seen to have it.
+    if (!splits_.empty()) return;
     for (const std::uint32_t p : leaks) {
       if (chord(p) >= longest / 2) want_split(p);
     }
+  }
+
+  // Whether a point of the boundary lies between a piece and its arc. A point of the same circle
+  // does not.
+  VDWMESH_HD bool hides_a_point(std::uint32_t p) const {
+    const BoundaryPiece& piece = boundary_.pieces[p];
+    const PieceLens lens(points_[piece.from], points_[piece.to], piece.bulge, projection_);
+    for (std::uint32_t i = 0; i < boundary_.points.size(); ++i) {
+      if (lens.contains(plane_.point(i)) && !circles_.on(i, piece.neighbor)) return true;
+    }
+    return false;
   }
 
   // The length of a piece on the unit sphere.
