@@ -42,6 +42,12 @@ using MesherClock = std::chrono::steady_clock;
 // precision hardly tells apart or not at all, and then by millions or without end.
 constexpr int kRoundsForQuality = 12, kRoundsInAll = 60;
 constexpr std::uint64_t kGrowth = std::uint64_t{1} << 16;
+// The cosine of the widest angle, 127°, under which points inside patches may see pieces. In the
+// union's mesher it is 110°. Here patches are narrow, and many have pieces of very different
+// lengths on both sides, because those on one side were split for the patch beyond. Points between
+// them see the longer pieces under wide angles, and without these points triangles across the strip
+// are thinner than those with them (docs/excluded_surface.md).
+constexpr double kWidestViewHere = -0.6;
 // Triangles of an area, over the ideal number; and bytes for each before they are joined.
 constexpr double kFill = 1.4;
 constexpr std::uint64_t kScratchBytes = 44;
@@ -179,11 +185,15 @@ class ExcludedMesher {
     }
   }
 
+  PatchOptions options_for(double edge_length, Demand demand, PatchStage stage) const {
+    return {edge_length, demand, stage, options_.monitor, kWidestViewHere};
+  }
+
   void mesh_saddle_face(std::uint32_t face, Demand demand, PatchStage stage,
                         PlaneTriangulation& plane) {
     const SaddleFace& saddle = complex_.saddles[face - complex_.spheres.size()];
-    SaddleMesh made = mesh_saddle(complex_, sampling_, saddle,
-                                  {edge_length_, demand, stage, options_.monitor}, plane);
+    SaddleMesh made =
+        mesh_saddle(complex_, sampling_, saddle, options_for(edge_length_, demand, stage), plane);
     Face& out = faces_[face];
     out.boundary = std::move(made.boundary);
     out.interior = std::move(made.interior);
@@ -204,7 +214,7 @@ class ExcludedMesher {
     }
     PatchProgress& progress = up_to_date(face);
     PatchMesh made =
-        mesh_patch(progress, {edge_length_ / radius, demand, stage, options_.monitor}, scratch);
+        mesh_patch(progress, options_for(edge_length_ / radius, demand, stage), scratch);
     if (!made.triangles.empty()) {
       out.boundary = boundary_points(face, progress.boundary);
       out.progress.reset();

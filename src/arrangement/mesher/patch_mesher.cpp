@@ -32,7 +32,8 @@ VDWMESH_MULTIVERSION PatchMesh mesh_patch(PatchProgress& progress, const PatchOp
   }
   if (mesh.splits.empty()) {
     triangulator::PatchTriangulator<GrowingMemory, SpherePoints>(
-        boundary, options.edge_length, scratch.lattice, scratch, options.monitor)
+        boundary, options.edge_length, scratch.lattice, scratch, options.monitor,
+        options.widest_view)
         .run(options.demand, options.stage);
     mesh.interior = scratch.interior;
     mesh.triangles = scratch.triangles;

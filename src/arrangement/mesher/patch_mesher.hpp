@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "arrangement/mesher/patch_boundary.hpp"
+#include "arrangement/mesher/patch_quality.hpp"
 #include "arrangement/mesher/patch_work.hpp"
 #include "core/monitor.hpp"
 
@@ -22,6 +23,8 @@ struct PatchOptions {
   Demand demand = Demand::quality;
   PatchStage stage = PatchStage::triangles;
   Monitor* monitor = nullptr;  // asked now and then whether to stop
+  // Cosine of the widest angle under which a point that is inserted may see a piece.
+  double widest_view = kWidestView;
 };
 
 // The outcome: either triangles, or requests to split pieces, after which the patch must be meshed

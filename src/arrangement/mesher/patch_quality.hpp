@@ -24,6 +24,11 @@ inline constexpr double kCornerRatio = 2;
 inline constexpr double kBadAngleSine = 0.4;  // 23.6°
 inline constexpr double kLargeCircle = 0.75;
 
+// The cosine of the widest angle (110°) under which an inserted point may see a piece. A point that
+// sees it under a wider angle would make a flat triangle with it. (Ruppert's algorithm has 90°
+// here.)
+inline constexpr double kWidestView = -0.35;
+
 // The circumcentre of a triangle on the sphere, equally far from its three vertices, which are
 // counter-clockwise seen from outside: the direction of the triangle's normal, and that of the
 // circumcentre of the flat triangle. The normal of a tiny triangle is a bad answer: errors e of the

@@ -34,10 +34,6 @@ namespace triangulator {
 // Points of the subdivided icosahedron keep this distance from the arcs, as a fraction of the edge
 // length. Points nearer to an arc would make flat triangles with its pieces.
 inline constexpr double kLatticeMargin = 0.55;
-// The cosine of the widest angle (110°) under which an inserted point may see a piece. A point that
-// sees it under a wider angle would make a flat triangle with it. (Ruppert's algorithm has 90°
-// here.)
-inline constexpr double kEncroachCosine = -0.35;
 inline constexpr int kSmoothingPasses = 1;
 // The largest edge length, as a fraction of the radius. With longer edges, a patch larger than half
 // the sphere might get no interior point. Its triangles would then have all their vertices on the
@@ -56,11 +52,14 @@ class PatchTriangulator {
   using Array = typename Memory::template Array<T>;
 
   // Precondition: work.circles are those of the boundary, and work.plane has triangulated it, as
-  // projected from buried_pole(). The monitor is not for the device.
+  // projected from buried_pole(). `widest_view` as in PatchOptions. The monitor is not for the
+  // device.
   VDWMESH_HD PatchTriangulator(const PatchBoundaryView& boundary, double edge_length,
-                               Lattice& lattice, PatchWork<Memory>& work, Monitor* monitor)
+                               Lattice& lattice, PatchWork<Memory>& work, Monitor* monitor,
+                               double widest_view = kWidestView)
       : boundary_(boundary),
         edge_length_(edge_length < kLongestEdge ? edge_length : kLongestEdge),
+        widest_view_(widest_view),
         monitor_(monitor),
         projection_(buried_pole(boundary)),
         lattice_(lattice),
@@ -331,14 +330,14 @@ class PatchTriangulator {
     plane_.visit_star(vertex, [&](std::uint32_t t) { queue_if_bad(t); });
   }
 
-  // Whether u is too near to a piece: whether it sees one under an angle wider than 110°
-  // (kEncroachCosine). Only pieces that would be edges of u's new triangles are tested; they bound
-  // the conflict zone, the triangles that the insertion of u would replace.
+  // Whether u is too near to a piece: whether it sees one under too wide an angle. Only pieces that
+  // would be edges of u's new triangles are tested; they bound the conflict zone, the triangles
+  // that the insertion of u would replace.
   VDWMESH_HD bool encroaches(const Vec3d& u, const PlanePoint& p, const Location& at) {
     for (const auto& [t, k] : plane_.pieces_around(p, at.triangle)) {
       const auto& v = plane_.triangle(t).vertices;
       const Vec3d a = points_[v[corner_after(k)]] - u, b = points_[v[corner_before(k)]] - u;
-      if (dot(a, b) < kEncroachCosine * std::sqrt(squared_norm(a) * squared_norm(b))) return true;
+      if (dot(a, b) < widest_view_ * std::sqrt(squared_norm(a) * squared_norm(b))) return true;
     }
     return false;
   }
@@ -452,6 +451,7 @@ class PatchTriangulator {
 
   PatchBoundaryView boundary_;
   double edge_length_;  // as a fraction of the radius, at most kLongestEdge
+  double widest_view_;  // a cosine
   Monitor* monitor_;
   Stereographic projection_;
   Lattice& lattice_;

@@ -3,8 +3,8 @@
 // Steps: (1) gather the sample points around the saddle, counter-clockwise; a ring goes down one
 // side of its seam and up the other; (2) triangulate them with the pieces of the curves as
 // constraints; (3) ask for splits of pieces that are long for the width of the saddle; (4) insert
-// rows of points; (5) insert circumcentres of bad triangles (Chew); (6) smooth; (7) look for
-// triangles that face inwards.
+// rows of points; (5) insert circumcentres of bad triangles (Chew); (6) look for triangles that
+// face inwards.
 //
 // In a cusp the mesh ends in a fan of triangles, whose angles are given by the cusp.
 #include "excluded/mesher/saddle_mesher.hpp"
@@ -28,9 +28,9 @@ constexpr double kWidestTurn = 0.9, kRowTurn = 0.75;
 constexpr double kLongestEdge = 0.8;
 // Rows keep this distance from the curves, as a fraction of the edge length.
 constexpr double kRowMargin = 0.55;
-// As in the mesher of patches: the widest angle, 110°, under which a new point may see a piece, and
-// the shortest piece, as a fraction of the edge length, that is split for quality.
-constexpr double kWidestView = -0.35, kShortestPiece = 1e-3;
+// As in the mesher of patches: the shortest piece, as a fraction of the edge length, that is split
+// for quality.
+constexpr double kShortestPiece = 1e-3;
 // A place of a saddle that would need pieces shorter than this fraction of the edge length is left
 // to few flat triangles.
 constexpr double kNarrow = 0.005;
@@ -366,7 +366,8 @@ class SaddleTriangulator {
     for (const auto& [t, k] : plane_.pieces_around(p, at.triangle)) {
       const LinkedTriangle& w = plane_.triangle(t);
       const Vec3d a = position(w, corner_after(k)) - u, b = position(w, corner_before(k)) - u;
-      if (dot(a, b) < kWidestView * std::sqrt(squared_norm(a) * squared_norm(b))) return true;
+      if (dot(a, b) < options_.widest_view * std::sqrt(squared_norm(a) * squared_norm(b)))
+        return true;
     }
     return false;
   }
