@@ -4,9 +4,10 @@
 //   cuda_bench --once WHAT [XYZR]
 //
 // Extraction from spheres and from fields; refinement with crossings allowed, and undone; end to
-// end against the CPU backend; each file a thousand times, one after another. An option leaves out
-// the other four. The last file is also taken six times, side by side. --once does one thing
-// between cudaProfilerStart() and cudaProfilerStop(), for a profiler that starts there.
+// end against the CPU backend; each file a thousand times, one after another and in one batch. An
+// option leaves out the other four. The last file is also taken six times, side by side. --once
+// does one thing between cudaProfilerStart() and cudaProfilerStop(), for a profiler that starts
+// there.
 #include <cuda_profiler_api.h>
 
 #include <algorithm>
@@ -24,19 +25,13 @@
 #include "cuda/refine/device_refinement.cuh"
 #include "extract/field_list.hpp"
 #include "read_xyzr.hpp"
+#include "small_molecules.cuh"
 #include "synthetic_sets.hpp"
 
 namespace vdwmesh {
 namespace {
 
-constexpr int kRepeats = 9;
-
 enum class Meshing { no, yes };
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 // ms of work on the stream, median over repeats after one warm-up.
 double time_on_device(const Stream& stream, const std::function<void()>& work) {
@@ -48,12 +43,6 @@ double time_on_device(const Stream& stream, const std::function<void()>& work) {
     times.push_back(clock.lap());
   }
   return median(times);
-}
-
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 double copy_rate(const Stream& stream) {
@@ -319,38 +308,6 @@ void report_extractions(const std::string& name, const SphereSet& spheres, doubl
   report_extraction((name + " blinn").c_str(), spheres, options, rate);
 }
 
-// A molecule many times, one after another: from a list on the device, and with the list made on
-// the host and uploaded each time. ms each, of the wall.
-void report_small(const char* name, const SphereSet& spheres) {
-  constexpr int times = 1000;
-  const Stream stream;
-  for (const FieldKind kind : {FieldKind::vdw, FieldKind::blinn}) {
-    ExtractOptions options;
-    options.field.kind = kind;
-    const GridSpec grid = make_grid(spheres, options.grid);
-    const FieldModel model = make_field_model(options.field, grid);
-    const CellList list = make_field_list(spheres, model);
-    const DeviceCellList device_list(list.view(), stream.get());
-    const auto extract = [&](const CellListView& view) {
-      return extract_on_device(view, model, options, stream).mesh.triangle_count();
-    };
-    std::uint64_t triangles = extract(device_list.view());
-    const double alone = seconds_of([&] {
-      for (int i = 0; i < times; ++i) triangles = extract(device_list.view());
-    });
-    const double with_list = seconds_of([&] {
-      for (int i = 0; i < times; ++i) {
-        const CellList own = make_field_list(spheres, model);
-        extract(DeviceCellList(own.view(), stream.get()).view());
-      }
-    });
-    std::printf("%-12s %s, T %llu, %d one after another: %.3f ms each, %.3f with their lists\n",
-                name, kind == FieldKind::vdw ? "vdw" : "blinn",
-                static_cast<unsigned long long>(triangles), times, alone / times * 1e3,
-                with_list / times * 1e3);
-  }
-}
-
 // What is asked for; each is a part of the output.
 struct Parts {
   bool extract = true, refine = true, crossings = true, end_to_end = true, small = true;
@@ -362,7 +319,10 @@ void report_file(const std::filesystem::path& path, const Parts& parts, double r
   if (parts.extract) report_extractions(name, spheres, rate);
   if (parts.refine) report_refinement(name.c_str(), spheres, 0.5, 2, Crossings::allow);
   if (parts.crossings) report_refinement(name.c_str(), spheres, 0.5, 2, Crossings::undo);
-  if (parts.small) report_small(name.c_str(), spheres);
+  if (parts.small) {
+    report_small(name.c_str(), spheres);
+    report_batch(name.c_str(), spheres);
+  }
   if (!parts.end_to_end) return;
   const double bus_rate = download_rate();
   for (const double spacing : {0.5, 0.25}) report_end_to_end(path, spacing, bus_rate);

@@ -1,7 +1,7 @@
-// The one place that chooses between the backends. Extractor, Refiner, FieldMesher, UnionMeasurer,
-// DistanceMeasurer, ExcludedMeasurer and pipeline come from the CPU, from CUDA, or, for
-// Backend::automatic on a machine with a device, from the classes Automatic*: these try CUDA first
-// and compute on the CPU what does not fit the device's memory (DeviceMemoryExceeded).
+// The one place that chooses between the backends. Extractor, BatchExtractor, Refiner, FieldMesher,
+// UnionMeasurer, DistanceMeasurer, ExcludedMeasurer and pipeline come from the CPU, from CUDA, or,
+// for Backend::automatic on a machine with a device, from the classes Automatic*: these try CUDA
+// first and compute on the CPU what does not fit the device's memory (DeviceMemoryExceeded).
 //
 // A pipeline extracts, then refines. If both stages do not fit on the device together, it runs them
 // one after the other, with the mesh on the host in between.
@@ -123,6 +123,17 @@ class AutomaticExtractor final : public Extractor {
         [&] { part = make_cpu_extractor()->count(spheres, range, options); });
     part->fallback = fallback;
     return part;
+  }
+};
+
+class AutomaticBatchExtractor final : public BatchExtractor {
+ public:
+  void extract_into(BatchExtraction& result, const ExtractBatch& batch,
+                    const ExtractOptions& options) const override {
+    const std::string fallback = with_fallback(
+        "meshed", [&] { make_cuda_batch_extractor()->extract_into(result, batch, options); },
+        [&] { make_cpu_batch_extractor()->extract_into(result, batch, options); });
+    result.fallback = fallback;
   }
 };
 
@@ -300,6 +311,12 @@ std::unique_ptr<Extractor> make_extractor(Backend backend) {
   if (resolve(backend) == Backend::cpu) return make_cpu_extractor();
   if (backend == Backend::cuda) return make_cuda_extractor();
   return std::make_unique<AutomaticExtractor>();
+}
+
+std::unique_ptr<BatchExtractor> make_batch_extractor(Backend backend) {
+  if (resolve(backend) == Backend::cpu) return make_cpu_batch_extractor();
+  if (backend == Backend::cuda) return make_cuda_batch_extractor();
+  return std::make_unique<AutomaticBatchExtractor>();
 }
 
 std::unique_ptr<Refiner> make_refiner(Backend backend) {

@@ -10,6 +10,7 @@
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/union_measurer.hpp"
 #include "excluded/excluded_measurer.hpp"
+#include "extract/batch_extractor.hpp"
 #include "extract/extractor.hpp"
 #include "extract/sampled_field.hpp"
 #include "refine/refiner.hpp"
@@ -66,6 +67,7 @@ void release_device_memory();
 // throw DeviceMemoryExceeded. The objects for automatic leave it to the CPU, and say so in the
 // `fallback` of their results.
 std::unique_ptr<Extractor> make_extractor(Backend backend);
+std::unique_ptr<BatchExtractor> make_batch_extractor(Backend backend);
 std::unique_ptr<Refiner> make_refiner(Backend backend);
 std::unique_ptr<FieldMesher> make_field_mesher(Backend backend);
 std::unique_ptr<UnionMeasurer> make_union_measurer(Backend backend);

@@ -15,6 +15,7 @@ void release_cuda_memory();
 
 // Precondition: a usable device is present.
 std::unique_ptr<Extractor> make_cuda_extractor();
+std::unique_ptr<BatchExtractor> make_cuda_batch_extractor();
 std::unique_ptr<Refiner> make_cuda_refiner();
 std::unique_ptr<FieldMesher> make_cuda_field_mesher();
 std::unique_ptr<UnionMeasurer> make_cuda_union_measurer();

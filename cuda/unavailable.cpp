@@ -15,6 +15,7 @@ DeviceList find_cuda_devices() { return {{}, kReason}; }
 void share_cuda_devices(std::size_t) {}
 void release_cuda_memory() {}
 std::unique_ptr<Extractor> make_cuda_extractor() { throw BackendUnavailable(kReason); }
+std::unique_ptr<BatchExtractor> make_cuda_batch_extractor() { throw BackendUnavailable(kReason); }
 std::unique_ptr<Refiner> make_cuda_refiner() { throw BackendUnavailable(kReason); }
 std::unique_ptr<FieldMesher> make_cuda_field_mesher() { throw BackendUnavailable(kReason); }
 std::unique_ptr<UnionMeasurer> make_cuda_union_measurer() { throw BackendUnavailable(kReason); }

@@ -17,7 +17,6 @@
 #include "cuda/memory/transfer.cuh"
 #include "cuda/memory/work_beside.cuh"
 #include "extract/brick_search.hpp"
-#include "extract/limits.hpp"
 
 namespace vdwmesh {
 namespace {
@@ -37,10 +36,9 @@ __global__ void add_up(const CountPart* parts, const BrickSums* sums, BrickTotal
   atomicMax(&totals->most_atoms, part.most_atoms);
 }
 
-// Index of the first key at or above `key`, for two keys: one thread each.
-__global__ void find_keys(const std::uint64_t* keys, std::uint64_t size, KeyRange range,
-                          BrickRange* found) {
-  const std::uint64_t key = threadIdx.x == 0 ? range.begin : range.end;
+// Index of the first of the rising keys at or above `key`.
+__device__ std::uint64_t first_at_or_above(std::uint64_t key, const std::uint64_t* keys,
+                                           std::uint64_t size) {
   std::uint64_t low = 0, high = size;
   while (low < high) {
     const std::uint64_t middle = low + (high - low) / 2;
@@ -50,7 +48,28 @@ __global__ void find_keys(const std::uint64_t* keys, std::uint64_t size, KeyRang
       high = middle;
     }
   }
-  (threadIdx.x == 0 ? found->begin : found->end) = low;
+  return low;
+}
+
+// The same for two keys: one thread each.
+__global__ void find_keys(const std::uint64_t* keys, std::uint64_t size, KeyRange range,
+                          BrickRange* found) {
+  const std::uint64_t key = threadIdx.x == 0 ? range.begin : range.end;
+  (threadIdx.x == 0 ? found->begin : found->end) = first_at_or_above(key, keys, size);
+}
+
+// By layer of bricks: `before`, the sums over the bricks before each brick of the list, at the
+// first brick of the layer's field. Behind the last layer: the sums of all. A thread for each.
+__global__ void find_meshes(FieldStack stack, const std::uint64_t* keys, std::uint64_t size,
+                            const BrickSums* before, BrickSums* before_mesh) {
+  const std::uint64_t layer = thread_index(), layers = static_cast<std::uint64_t>(stack.bricks[2]);
+  if (layer > layers) return;
+  if (layer == layers) {
+    before_mesh[layer] = before[size];
+    return;
+  }
+  const std::int32_t first = stack.fields[stack.field_of_layer[layer]].first_layer;
+  before_mesh[layer] = before[first_at_or_above(brick_key({0, 0, first}), keys, size)];
 }
 
 // Adds to every sum, modulo 2^64: one thread for each.
@@ -201,14 +220,18 @@ MeshSize DeviceBrickMesher::size() const {
 
 // ---- emission ----
 
+std::vector<BrickSums> DeviceBrickMesher::number_apart(const FieldStack& stack) {
+  const Stream& stream = source_.stream();
+  std::vector<BrickSums> sums(static_cast<std::size_t>(stack.layers()) + 1);
+  before_mesh_ = DeviceArray<BrickSums>(sums.size(), stream.get());
+  constexpr unsigned threads = 128;
+  launch("find_meshes", find_meshes, over(sums.size(), threads), stream, stack,
+         candidates_.keys.data(), candidates_.count, counted_.before.data(), before_mesh_.data());
+  download_parts({{sums.data(), before_mesh_.data(), before_mesh_.bytes()}}, stream);
+  return sums;
+}
+
 DeviceMesh DeviceBrickMesher::emit_on_device() {
-  check_mesh_limits({size(),
-                     {.connectivity = options_.connectivity,
-                      .normals = options_.normals,
-                      .width = source_.label_width()},
-                     0,
-                     source_.grid().spacing},
-                    options_.memory_limit);
   const Slab all{own_, own_from_, own_to_};
   // A mesh on the device is made in one piece, for which the whole field has to be there.
   const std::uint64_t missing = holds_field_ ? 0 : field_bytes(candidates_.count);
@@ -335,8 +358,8 @@ void DeviceBrickMesher::emit(const Slab& slab, const DeviceMeshView& mesh) {
   // Vertices and triangles are made side by side: neither keeps the device busy to its end.
   WorkBeside triangles(stream.get());
   if (first) find_triangle_neighbours(candidates_, neighbours_.data(), triangles.stream());
-  emit_triangles_on_device(counted_.list(), neighbours_, slab.bricks, mesh, emission_tally_.data(),
-                           triangles.stream());
+  emit_triangles_on_device(counted_.list(), neighbours_, before_mesh_.data(), slab.bricks, mesh,
+                           emission_tally_.data(), triangles.stream());
   const std::uint64_t kept_from = holds_field_ ? slab.bricks.begin : 0;
   source_.emit_vertices(part_of(counted_.list(), slab.bricks), counted_.totals.most_atoms,
                         kept_.data() + field_bytes(kept_from), mesh,

@@ -27,7 +27,13 @@ class DeviceBrickMesher {
   // The vertices of the bricks around the range.
   HaloVertices halo() const { return halo_; }
 
-  // Emits the range into a mesh on the device. Throws LimitExceeded for its size,
+  // For bricks of a stack: numbers vertices and triangles of each field's mesh from 0. Returns, by
+  // layer of bricks, how many vertices and triangles the meshes before that of the layer's field
+  // have, and behind them the sums of all meshes. emit_on_device() puts the meshes one behind the
+  // other.
+  std::vector<BrickSums> number_apart(const FieldStack& stack);
+
+  // Emits the range into a mesh on the device, whose size the caller has checked. Throws
   // DeviceMemoryExceeded if it does not fit.
   DeviceMesh emit_on_device();
 
@@ -86,6 +92,7 @@ class DeviceBrickMesher {
   DeviceCountedBricks counted_;
   BrickSums own_from_{0, 0}, own_to_{0, 0};  // sums before the range and behind it
   HaloVertices halo_;
+  DeviceArray<BrickSums> before_mesh_;  // by layer of bricks; empty if all are of one mesh
   DeviceArray<TriangleNeighbours> neighbours_;
   DeviceArray<DeviceEmissionTally> emission_tally_;
   std::uint64_t clamped_ = 0, slabs_ = 0;

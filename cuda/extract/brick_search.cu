@@ -11,10 +11,15 @@
 // are tested against them at once: four lanes per child, each of which takes every fourth sphere.
 // At the end the four lanes combine their results.
 //
+// Of a stack of fields (fields.cuh) all surfaces are searched at once. A block then has two
+// indices: its own within its field, which says where it lies, and that in the stack, which is in
+// its key.
+//
 // A test may keep a block without surface, but it drops none that has some: all bounds are widened
 // by more than the rounding errors of float32. For blended fields FieldBounds does this (its
 // margins grow with the number of atoms, so they cover the rounding of sums), for the union of
 // balls UnionTest::add().
+#include <array>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_select.cuh>
 #include <string>
@@ -276,21 +281,24 @@ struct KeptChildren {
 // hold surface and may have bricks in `range`. The first lane of each child (part 0) writes. The
 // bound of 6 makes the compiler use so few registers that 6 thread blocks fit on a multiprocessor
 // at a time.
-template <class Test>
+template <class Test, class Fields>
 __global__ void __launch_bounds__(kThreads, 6)
-    test_children(const __grid_constant__ FieldContext f, const std::uint64_t* parents,
+    test_children(const __grid_constant__ Fields fields, const std::uint64_t* parents,
                   std::uint64_t count, int child_level, KeyRange range, KeptChildren result) {
   __shared__ Waiting waiting[kThreads / kWarp];
   const std::uint64_t i = thread_index() / kWarp;
   if (i >= count) return;
   const BrickIndex parent = brick_of_key(parents[i]);
+  const FieldOfBlock own = fields.of(parents[i], child_level + 1);
+  const FieldContext& f = own.field;
   const GridSpec& grid = f.model.grid;
-  const BlockBox box = block_box(grid, lattice_block(parent, child_level + 1));
+  const BlockBox box =
+      block_box(grid, lattice_block(own.own(parent, child_level + 1), child_level + 1));
   const Vec3d middle = box_frame<float>(box.lower, box.upper).middle;
   const int c = own_child();
   const BrickIndex index{2 * parent.x + (c & 1), 2 * parent.y + (c >> 1 & 1),
                          2 * parent.z + (c >> 2)};
-  const ChildBlock child = child_block(grid, index, child_level, middle);
+  const ChildBlock child = child_block(grid, own.own(index, child_level), child_level, middle);
   Test test(f);
   test_child(f, box, middle, child, waiting[threadIdx.x / kWarp], test);
   if (own_part() != 0) return;
@@ -302,16 +310,17 @@ __global__ void __launch_bounds__(kThreads, 6)
   result.tell(kChildren * i + static_cast<unsigned>(c), index, kept);
 }
 
-void test_all_children(const FieldContext& f, const KeyList& parents, int child_level,
+template <class Fields>
+void test_all_children(const Fields& fields, const KeyList& parents, int child_level,
                        const KeyRange& range, const KeptChildren& result, const Stream& stream) {
   const auto test = [&]<class Test>() {
-    launch("test_children", test_children<Test>, over(kWarp * parents.count, kThreads), stream, f,
-           parents.keys.data(), parents.count, child_level, range, result);
+    launch("test_children", test_children<Test, Fields>, over(kWarp * parents.count, kThreads),
+           stream, fields, parents.keys.data(), parents.count, child_level, range, result);
   };
-  if (f.model.kind == FieldKind::vdw) {
+  if (fields.kind() == FieldKind::vdw) {
     test.template operator()<UnionTest>();
   } else {
-    with_blended(f.model.kind,
+    with_blended(fields.kind(),
                  [&]<class Kind>(Kind) { test.template operator()<BlendedTest<Kind>>(); });
   }
 }
@@ -328,14 +337,15 @@ void check_kept(std::uint64_t count, std::uint64_t most) {
 }
 
 // The children of `parents` that test_children() keeps, in the order of the parents.
-KeyList surviving_children(const FieldContext& f, const KeyList& parents, int child_level,
+template <class Fields>
+KeyList surviving_children(const Fields& fields, const KeyList& parents, int child_level,
                            const KeyRange& range, const Stream& stream) {
   const std::uint64_t children = kChildren * parents.count;
   KeyList result;
   if (children == 0) return result;
   const DeviceArray<std::uint64_t> keys(children, stream.get());
   const DeviceArray<std::uint8_t> keep(children, stream.get());
-  test_all_children(f, parents, child_level, range, {keys.data(), keep.data()}, stream);
+  test_all_children(fields, parents, child_level, range, {keys.data(), keep.data()}, stream);
   result.keys = DeviceArray<std::uint64_t>(children, stream.get());
   const DeviceArray<std::uint64_t> count(1, stream.get());
   run_cub("select", stream.get(), [&](void* scratch, std::size_t& bytes) {
@@ -347,26 +357,38 @@ KeyList surviving_children(const FieldContext& f, const KeyList& parents, int ch
   return result;
 }
 
+// The number of bricks along each axis among which those of the fields lie.
+using BrickCount3 = std::array<std::int32_t, 3>;
+BrickCount3 bricks_of(const OneField& fields) {
+  const Vec3i& cells = fields.context.model.grid.cells;
+  return {brick_count(cells.x), brick_count(cells.y), brick_count(cells.z)};
+}
+BrickCount3 bricks_of(const FieldStack& fields) {
+  return {fields.bricks[0], fields.bricks[1], fields.bricks[2]};
+}
+
 // The bricks that test_children() keeps, by rising key: by marks.
-KeyList marked_children(const FieldContext& f, const KeyList& parents, const KeyRange& range,
+template <class Fields>
+KeyList marked_children(const Fields& fields, const KeyList& parents, const KeyRange& range,
                         const Stream& stream) {
   KeptChildren result;
   std::uint64_t total = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    result.bricks[axis] = brick_count(f.model.grid.cells[axis]);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    result.bricks[axis] = bricks_of(fields)[axis];
     total *= static_cast<std::uint64_t>(result.bricks[axis]);
   }
   const DeviceArray<std::uint8_t> marks = zeros<std::uint8_t>(total, stream.get());
   result.marks = marks.data();
-  test_all_children(f, parents, 0, range, result, stream);
+  test_all_children(fields, parents, 0, range, result, stream);
   return keys_of_marks(marks.data(), result.bricks, std::min(total, kChildren * parents.count),
                        stream);
 }
 
 // The same by sorting.
-KeyList sorted_children(const FieldContext& f, const KeyList& parents, const KeyRange& range,
+template <class Fields>
+KeyList sorted_children(const Fields& fields, const KeyList& parents, const KeyRange& range,
                         const Stream& stream) {
-  KeyList blocks = surviving_children(f, parents, 0, range, stream);
+  KeyList blocks = surviving_children(fields, parents, 0, range, stream);
   if (blocks.count == 0) return blocks;
   DeviceArray<std::uint64_t> sorted(blocks.count, stream.get());
   run_cub("sort", stream.get(), [&](void* scratch, std::size_t& bytes) {
@@ -399,7 +421,8 @@ __global__ void list_blocks(std::int64_t width, std::int64_t height, std::int64_
                        static_cast<std::int32_t>(i / width / height)});
 }
 
-FirstBlocks first_blocks(const GridSpec& grid, const Stream& stream) {
+FirstBlocks first_blocks(const OneField& fields, const Stream& stream) {
+  const GridSpec& grid = fields.context.model.grid;
   std::int64_t count[3], all = 0;
   int level = 0;
   do {
@@ -417,26 +440,58 @@ FirstBlocks first_blocks(const GridSpec& grid, const Stream& stream) {
   return first;
 }
 
-}  // namespace
+// The same for the blocks of a stack: a thread block for each field.
+__global__ void list_stacked_blocks(FieldStack stack, std::uint64_t* keys) {
+  const StackedField& field = stack.fields[blockIdx.x];
+  const std::int64_t width = field.blocks[0], height = field.blocks[1];
+  const std::int64_t count = width * height * field.blocks[2];
+  const std::int32_t first = field.first_layer >> stack.first_level;
+  for (std::int64_t i = threadIdx.x; i < count; i += blockDim.x) {
+    keys[field.first_block + static_cast<std::uint64_t>(i)] = brick_key(
+        {static_cast<std::int32_t>(i % width), static_cast<std::int32_t>(i / width % height),
+         first + static_cast<std::int32_t>(i / width / height)});
+  }
+}
 
-KeyList candidate_bricks_on_device(const FieldContext& f, const KeyRange& range, std::uint64_t most,
-                                   const Stream& stream) {
-  FirstBlocks first = first_blocks(f.model.grid, stream);
+FirstBlocks first_blocks(const FieldStack& fields, const Stream& stream) {
+  const std::uint64_t size = fields.first_blocks;
+  FirstBlocks first{{DeviceArray<std::uint64_t>(size, stream.get()), size}, fields.first_level};
+  launch("list_stacked_blocks", list_stacked_blocks, {fields.field_count, kThreads}, stream, fields,
+         first.blocks.keys.data());
+  return first;
+}
+
+template <class Fields>
+KeyList candidates_of(const Fields& fields, const KeyRange& range, std::uint64_t most,
+                      const Stream& stream) {
+  FirstBlocks first = first_blocks(fields, stream);
   KeyList blocks = std::move(first.blocks);
   for (int level = first.level; level > 1; --level) {
-    blocks = surviving_children(f, blocks, level - 1, range, stream);
+    blocks = surviving_children(fields, blocks, level - 1, range, stream);
     check_kept(blocks.count, most);
   }
   // A mark is a byte, a child in a list takes 17. With so many marks a child they take no longer
   // than the sorting.
   constexpr double marks_per_child = 64;
   double marks = 1;
-  for (int axis = 0; axis < 3; ++axis) marks *= brick_count(f.model.grid.cells[axis]);
+  for (const std::int32_t bricks : bricks_of(fields)) marks *= bricks;
   const bool few = marks <= marks_per_child * kChildren * static_cast<double>(blocks.count);
-  blocks =
-      few ? marked_children(f, blocks, range, stream) : sorted_children(f, blocks, range, stream);
+  blocks = few ? marked_children(fields, blocks, range, stream)
+               : sorted_children(fields, blocks, range, stream);
   check_kept(blocks.count, most);
   return blocks;
+}
+
+}  // namespace
+
+KeyList candidate_bricks_on_device(const OneField& fields, const KeyRange& range,
+                                   std::uint64_t most, const Stream& stream) {
+  return candidates_of(fields, range, most, stream);
+}
+
+KeyList candidate_bricks_on_device(const FieldStack& fields, const KeyRange& range,
+                                   std::uint64_t most, const Stream& stream) {
+  return candidates_of(fields, range, most, stream);
 }
 
 }  // namespace vdwmesh

@@ -15,7 +15,6 @@ class BrickSource {
   virtual ~BrickSource() = default;
 
   const Stream& stream() const { return stream_; }
-  virtual const GridSpec& grid() const = 0;
   // How many spheres the labels of its vertices name.
   virtual LabelWidth label_width() const = 0;
 
@@ -42,32 +41,53 @@ class BrickSource {
   const Stream& stream_;
 };
 
-// The surface of a field over spheres (the union or a blended field), with the cell list on the
-// device.
-class SphereSource final : public BrickSource {
+// The surfaces of fields over spheres (unions or blended fields): OneField, or the stacked surfaces
+// of a FieldStack.
+template <class Fields>
+class SpheresSource : public BrickSource {
  public:
-  SphereSource(const CellListView& list, const FieldModel& model, const Stream& stream)
-      : BrickSource(stream), field_(list, model, stream) {}
+  using BrickSource::BrickSource;
 
-  const GridSpec& grid() const override { return context().model.grid; }
   LabelWidth label_width() const override { return LabelWidth::one; }
-  std::uint64_t kept_per_brick() const override { return kept_bytes(context().model.kind); }
+  std::uint64_t kept_per_brick() const override { return kept_bytes(fields().kind()); }
   KeyList candidates(const KeyRange& range, std::uint64_t most) const override {
-    return candidate_bricks_on_device(context(), range, most, stream());
+    return candidate_bricks_on_device(fields(), range, most, stream());
   }
   void count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, void* kept,
              const BrickCounts& counts) const override {
-    count_bricks_on_device(context(), keys, size, bricks, kept, counts, stream());
+    count_bricks_on_device(fields(), keys, size, bricks, kept, counts, stream());
   }
   void emit_vertices(const BrickList& bricks, std::uint32_t most_atoms, const void* kept,
                      const DeviceMeshView& mesh, unsigned long long* clamped) const override {
-    emit_vertices_on_device(context(), bricks, most_atoms, kept, mesh, clamped, stream());
+    emit_vertices_on_device(fields(), bricks, most_atoms, kept, mesh, clamped, stream());
   }
 
  private:
-  const FieldContext& context() const { return field_.context(); }
+  virtual const Fields& fields() const = 0;
+};
+
+// The surface of one field, with the cell list on the device.
+class SphereSource final : public SpheresSource<OneField> {
+ public:
+  SphereSource(const CellListView& list, const FieldModel& model, const Stream& stream)
+      : SpheresSource(stream), field_(list, model, stream) {}
+
+ private:
+  const OneField& fields() const override { return field_.fields(); }
 
   DeviceField field_;
+};
+
+// The surfaces of a stack, which must outlive the source.
+class StackSource final : public SpheresSource<FieldStack> {
+ public:
+  StackSource(const DeviceFieldStack& stack, const Stream& stream)
+      : SpheresSource(stream), stack_(stack) {}
+
+ private:
+  const FieldStack& fields() const override { return stack_.fields(); }
+
+  const DeviceFieldStack& stack_;
 };
 
 }  // namespace vdwmesh

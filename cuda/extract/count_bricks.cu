@@ -64,8 +64,9 @@ __device__ void add_to_row(const BrickGeometry& g, const Sphere* balls, std::uin
 // Counts candidate bricks of the union: writes bricks[i] and the counts of brick i, which has the
 // key keys[i], and kept[i]. A warp per brick, 2 warps per thread block; about 6 KB of shared
 // memory.
+template <class Fields>
 __global__ void __launch_bounds__(kBrickThreads)
-    count_union(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
+    count_union(const __grid_constant__ Fields fields, const std::uint64_t* keys,
                 std::uint64_t size, const CaseTable* table, ActiveBrick* bricks, KeptUnion* kept,
                 BrickCounts counts) {
   __shared__ UnionShared shared[kBrickWarps];
@@ -74,7 +75,9 @@ __global__ void __launch_bounds__(kBrickThreads)
       static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
   if (i >= size) return;
   UnionShared& s = shared[threadIdx.x / kWarp];
-  share_geometry(f.model.grid, keys[i], s.geometry);
+  const FieldOfBlock own = fields.of(keys[i]);
+  const FieldContext& f = own.field;
+  share_geometry(f.model.grid, own.own_key(keys[i]), s.geometry);
   const int y = lane % kBrickReach, z = lane / kBrickReach;
   std::uint32_t inside[kLaneRows] = {};
   const Vec3d lower = s.geometry.node(0, 0, 0);
@@ -190,9 +193,9 @@ __device__ void share_rows(float isovalue, const LaneRows& rows, BlendedShared& 
 // the key keys[i], and, if the brick has a vertex, kept[i]. A warp per brick, 2 warps per thread
 // block; about 10 KB of shared memory. The second launch bound makes 12 blocks fit on a
 // multiprocessor.
-template <BlendedKind Kind>
+template <BlendedKind Kind, class Fields>
 __global__ void __launch_bounds__(kBrickThreads, 12)
-    count_blended(const __grid_constant__ FieldContext f, const std::uint64_t* keys,
+    count_blended(const __grid_constant__ Fields fields, const std::uint64_t* keys,
                   std::uint64_t size, const CaseTable* table, ActiveBrick* bricks,
                   KeptBlended* kept, BrickCounts counts) {
   __shared__ BlendedShared shared[kBrickWarps];
@@ -201,7 +204,9 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
       static_cast<std::uint64_t>(blockIdx.x) * kBrickWarps + threadIdx.x / kWarp;
   if (i >= size) return;
   BlendedShared& s = shared[threadIdx.x / kWarp];
-  share_geometry(f.model.grid, keys[i], s.geometry);
+  const FieldOfBlock own = fields.of(keys[i]);
+  const FieldContext& f = own.field;
+  share_geometry(f.model.grid, own.own_key(keys[i]), s.geometry);
   LaneRows rows = {};
   const std::uint32_t met = sum_field<Kind>(f, s, rows, kept[i].near);
   share_rows(static_cast<float>(f.model.isovalue), rows, s);
@@ -218,22 +223,35 @@ __global__ void __launch_bounds__(kBrickThreads, 12)
   atomicMax(&counts.parts[i % kCountParts].most_atoms, met);
 }
 
-}  // namespace
-
-void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
-                            ActiveBrick* bricks, void* kept, const BrickCounts& counts,
-                            const Stream& stream) {
+template <class Fields>
+void count_bricks(const Fields& fields, const std::uint64_t* keys, std::uint64_t size,
+                  ActiveBrick* bricks, void* kept, const BrickCounts& counts,
+                  const Stream& stream) {
   const CaseTable* const table = case_table_on_device();
   const LaunchShape shape = over(size, kBrickWarps, kBrickThreads);
-  if (f.model.kind == FieldKind::vdw) {
-    launch("count_union", count_union, shape, stream, f, keys, size, table, bricks,
+  if (fields.kind() == FieldKind::vdw) {
+    launch("count_union", count_union<Fields>, shape, stream, fields, keys, size, table, bricks,
            static_cast<KeptUnion*>(kept), counts);
   } else {
-    with_blended(f.model.kind, [&]<class Kind>(Kind) {
-      launch("count_blended", count_blended<Kind>, shape, stream, f, keys, size, table, bricks,
-             static_cast<KeptBlended*>(kept), counts);
+    with_blended(fields.kind(), [&]<class Kind>(Kind) {
+      launch("count_blended", count_blended<Kind, Fields>, shape, stream, fields, keys, size, table,
+             bricks, static_cast<KeptBlended*>(kept), counts);
     });
   }
+}
+
+}  // namespace
+
+void count_bricks_on_device(const OneField& fields, const std::uint64_t* keys, std::uint64_t size,
+                            ActiveBrick* bricks, void* kept, const BrickCounts& counts,
+                            const Stream& stream) {
+  count_bricks(fields, keys, size, bricks, kept, counts, stream);
+}
+
+void count_bricks_on_device(const FieldStack& fields, const std::uint64_t* keys, std::uint64_t size,
+                            ActiveBrick* bricks, void* kept, const BrickCounts& counts,
+                            const Stream& stream) {
+  count_bricks(fields, keys, size, bricks, kept, counts, stream);
 }
 
 }  // namespace vdwmesh

@@ -222,13 +222,16 @@ class CudaFieldMesher final : public FieldMesher {
   }
 };
 
-// Counts and emits all bricks of a source, into a mesh in device memory.
-DeviceExtraction mesh_on_device(const BrickSource& source, const ExtractOptions& options) {
+// Counts and emits all bricks of a source, into a mesh in device memory. `spacing`: of the grid, Å.
+DeviceExtraction mesh_on_device(const BrickSource& source, double spacing,
+                                const ExtractOptions& options) {
   DeviceBrickMesher mesher(source, options);
   begin_stage(options.monitor, "field", 1);
   mesher.count();
   advance(options.monitor, 1);
   begin_stage(options.monitor, "extract", 1);
+  check_mesh_limits({mesher.size(), arrays_of(options, source.label_width()), 0, spacing},
+                    options.memory_limit);
   DeviceExtraction result;
   result.mesh = mesher.emit_on_device();
   advance(options.monitor, 1);
@@ -242,12 +245,12 @@ DeviceExtraction mesh_on_device(const BrickSource& source, const ExtractOptions&
 
 DeviceExtraction extract_on_device(const CellListView& list, const FieldModel& model,
                                    const ExtractOptions& options, const Stream& stream) {
-  return mesh_on_device(SphereSource(list, model, stream), options);
+  return mesh_on_device(SphereSource(list, model, stream), model.grid.spacing, options);
 }
 
 DeviceExtraction mesh_field_on_device(const SampledFieldView& field, const ExtractOptions& options,
                                       const Stream& stream) {
-  return mesh_on_device(FieldSource(field, options, stream), options);
+  return mesh_on_device(FieldSource(field, options, stream), field.grid.spacing, options);
 }
 
 std::unique_ptr<Extractor> make_cuda_extractor() { return std::make_unique<CudaExtractor>(); }

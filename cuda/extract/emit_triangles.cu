@@ -1,6 +1,6 @@
 // Writes the triangles of the bricks, and on request their opposite half-edges, with one thread
 // block per brick. It is the device counterpart of TriangleEmitter; the numbers are the same.
-// 1. find_neighbours finds each brick's neighbours in the list, once for all bricks.
+// 1. find_triangle_neighbours() (triangle_neighbours.cu) has found each brick's neighbours.
 // 2. emit_triangles gathers in shared memory all that is needed to compute the numbers of a brick's
 //    vertices and half-edges: its mixed cells (which the surface crosses) with their first
 //    triangles, and first vertices and crossed edges of its rows of nodes.
@@ -12,6 +12,7 @@
 #include "cuda/extract/brick_warp.cuh"
 #include "cuda/extract/extract_stages.cuh"
 #include "cuda/extract/triangle_codes.cuh"
+#include "cuda/extract/triangle_neighbours.cuh"
 #include "cuda/memory/launch.cuh"
 
 namespace vdwmesh {
@@ -21,78 +22,6 @@ constexpr unsigned kTriangleThreads = 2 * kWarp;
 // Words of 32 bits for a bit of each triangle that a brick can have.
 constexpr unsigned kTriangleWords = kMaxCaseTriangles * kBrickNodes / kWarp;
 constexpr int kCellsPerFace = kBrickSide * kBrickSide;
-
-// Index into TriangleNeighbours::place of the neighbour at an offset of 0 or 1 along each axis; -1
-// if all are 0, which means the brick itself.
-__host__ __device__ constexpr int upper_neighbour(int dx, int dy, int dz) {
-  return dx + 2 * dy + 4 * dz - 1;
-}
-
-// Index into TriangleNeighbours::place of the neighbour across a face: 7 + axis for a lower face,
-// and upper_neighbour() with the offset along the axis for an upper one.
-__host__ __device__ constexpr int neighbour_across(int face) {
-  return face % 2 == 0 ? 7 + face / 2 : (1 << face / 2) - 1;
-}
-
-// The difference between the keys of neighbours along y and along z (see brick_key()); along x it
-// is 1.
-constexpr std::uint64_t kStepY = std::uint64_t{1} << 21, kStepZ = std::uint64_t{1} << 42;
-
-// Index of the first key in keys[low .. high) that is at least `key`, or `high`.
-__device__ std::uint32_t lower_bound_of_key(const std::uint64_t* keys, std::uint32_t low,
-                                            std::uint32_t high, std::uint64_t key) {
-  while (low < high) {
-    const std::uint32_t middle = low + (high - low) / 2;
-    if (keys[middle] < key) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
-  }
-  return low;
-}
-
-// Writes neighbours[own] of every brick. `keys` are the keys of all bricks, rising. Six threads per
-// brick, one for each task; blockIdx.y is the task. Neighbours along x are next to each other in
-// the list if both are in it, so the ten neighbours need only five binary searches:
-// - task 0: the two neighbours along x, without a search;
-// - tasks 1 to 3: the upper neighbour along y (1), along z (2), or along both (3), and the next
-//   brick along x from there;
-// - tasks 4 and 5: the lower neighbour along y or z.
-__global__ void find_neighbours(const std::uint64_t* keys, std::uint32_t size,
-                                TriangleNeighbours* neighbours) {
-  const std::uint32_t own = blockIdx.x * blockDim.x + threadIdx.x;
-  if (own >= size) return;
-  std::uint32_t* place = neighbours[own].place;
-  const std::uint64_t key = keys[own];
-  // The index `at` if the brick there has the wanted key, else kNoBrick.
-  const auto place_of = [&](std::uint32_t at, std::uint64_t wanted) {
-    return at < size && keys[at] == wanted ? at : kNoBrick;
-  };
-  const auto task = static_cast<int>(blockIdx.y);
-  if (task == 0) {
-    // At x = 0 there is no lower neighbour, and key - 1 would borrow from y.
-    const bool first = brick_of_key(key).x == 0 || own == 0;
-    place[neighbour_across(0)] = first ? kNoBrick : place_of(own - 1, key - 1);
-    place[upper_neighbour(1, 0, 0)] = place_of(own + 1, key + 1);
-  } else if (task <= 3) {
-    const int dy = task & 1, dz = task >> 1;
-    const std::uint64_t wanted = key + (dy ? kStepY : 0) + (dz ? kStepZ : 0);
-    const std::uint32_t at = lower_bound_of_key(keys, own + 1, size, wanted);
-    // If the wanted brick is not in the list, `at` is where the next larger key stands, maybe
-    // wanted + 1.
-    const std::uint32_t there = place_of(at, wanted);
-    place[upper_neighbour(0, dy, dz)] = there;
-    place[upper_neighbour(1, dy, dz)] = place_of(there == kNoBrick ? at : at + 1, wanted + 1);
-  } else {
-    const bool along_y = task == 4;
-    const BrickIndex index = brick_of_key(key);
-    const bool first = (along_y ? index.y : index.z) == 0;
-    const std::uint64_t wanted = key - (along_y ? kStepY : kStepZ);
-    place[neighbour_across(along_y ? 2 : 4)] =
-        first ? kNoBrick : place_of(lower_bound_of_key(keys, 0, own, wanted), wanted);
-  }
-}
 
 // A row of eight nodes along x: from these two the number of each of its vertices follows
 // (corner_number()).
@@ -257,29 +186,31 @@ __device__ std::uint32_t faces_crossed(std::uint32_t face_signs) {
 // or of the next one along x (dx = 1), where an upper neighbour owns it: if y or z is 8, as row 0
 // there. If that neighbour is not in the list, the result is an empty row; share_beyond() reports
 // the neighbour if the surface goes there. y >> 3 is the neighbour's offset, y & 7 the row in it.
-__device__ VertexRow row_beyond(const BrickList& list, const TriangleNeighbours& near, int dx,
-                                int y, int z) {
+// `before_mesh`: the vertices of the list before those of the brick's mesh.
+__device__ VertexRow row_beyond(const BrickList& list, std::uint64_t before_mesh,
+                                const TriangleNeighbours& near, int dx, int y, int z) {
   const std::uint32_t place = near.place[upper_neighbour(dx, y >> 3, z >> 3)];
   if (place == kNoBrick) return {0, 0};
   const ActiveBrick& owner = list.bricks[place];
   y &= kBrickSide - 1;
   z &= kBrickSide - 1;
-  const std::uint64_t first = list.before[place].vertices + owner.row_vertices[z * kBrickSide + y];
+  const std::uint64_t first =
+      list.before[place].vertices - before_mesh + owner.row_vertices[z * kBrickSide + y];
   return {static_cast<std::uint32_t>(first), row_crossings(owner.signs, y, z).packed};
 }
 
 // Fills the rows of upper neighbours: the 17 of the brick's plane of rows with y or z = 8, and
 // those of the next brick along x if the surface crosses the face to it. By all threads.
 template <Connectivity connectivity>
-__device__ void share_rows_beyond(const BrickList& list, std::uint32_t faces,
-                                  TriangleShared<connectivity>& s) {
+__device__ void share_rows_beyond(const BrickList& list, std::uint64_t before_mesh,
+                                  std::uint32_t faces, TriangleShared<connectivity>& s) {
   constexpr int edge = 2 * kBrickReach - 1;
   const int rows = (faces & 2u) != 0 ? edge + kRows : edge;
   for (int i = static_cast<int>(threadIdx.x); i < rows; i += static_cast<int>(kTriangleThreads)) {
     const int dx = i < edge ? 0 : 1, row = i - edge;
     const int y = dx == 1 ? row % kBrickReach : (i < kBrickReach ? kBrickSide : i - kBrickReach);
     const int z = dx == 1 ? row / kBrickReach : (i < kBrickReach ? i : kBrickSide);
-    s.rows[dx * kRows + z * kBrickReach + y] = row_beyond(list, s.near, dx, y, z);
+    s.rows[dx * kRows + z * kBrickReach + y] = row_beyond(list, before_mesh, s.near, dx, y, z);
   }
 }
 
@@ -324,17 +255,18 @@ __device__ void share_cells_beyond(const ActiveBrick& owner, std::uint32_t first
 }
 
 // If the surface crosses the face: enters the cells beyond it, for half-edges, and checks that the
-// list has the brick beyond it; if it has not, adds 1 to `missing`. By a warp.
+// list has the brick beyond it; if it has not, adds 1 to `missing`. `before_mesh`: the triangles of
+// the list before those of the brick's mesh. By a warp.
 template <int face, Connectivity connectivity>
-__device__ void share_beyond_face(const BrickList& list, const CaseTable& table,
-                                  std::uint32_t faces, TriangleShared<connectivity>& s,
-                                  unsigned long long* missing) {
+__device__ void share_beyond_face(const BrickList& list, std::uint64_t before_mesh,
+                                  const CaseTable& table, std::uint32_t faces,
+                                  TriangleShared<connectivity>& s, unsigned long long* missing) {
   if ((faces >> face & 1u) == 0) return;
   const std::uint32_t place = s.near.place[neighbour_across(face)];
   if (place == kNoBrick) {
     if (threadIdx.x % kWarp == 0) atomicAdd(missing, 1ull);
   } else if constexpr (connectivity == Connectivity::half_edges) {
-    const auto before = static_cast<std::uint32_t>(list.before[place].triangles);
+    const auto before = static_cast<std::uint32_t>(list.before[place].triangles - before_mesh);
     share_cells_beyond<face>(list.bricks[place], 3 * before, table, s.shell);
   }
 }
@@ -344,16 +276,17 @@ __device__ void share_beyond_face(const BrickList& list, const CaseTable& table,
 // that contain the edge. Two other bricks share faces with both, so the checks of the faces report
 // the missing brick.
 template <Connectivity connectivity>
-__device__ void share_beyond(const BrickList& list, const CaseTable& table, std::uint32_t faces,
+__device__ void share_beyond(const BrickList& list, std::uint64_t before_mesh,
+                             const CaseTable& table, std::uint32_t faces,
                              TriangleShared<connectivity>& s, unsigned long long* missing) {
   if (threadIdx.x < kWarp) {
-    share_beyond_face<0>(list, table, faces, s, missing);
-    share_beyond_face<2>(list, table, faces, s, missing);
-    share_beyond_face<4>(list, table, faces, s, missing);
+    share_beyond_face<0>(list, before_mesh, table, faces, s, missing);
+    share_beyond_face<2>(list, before_mesh, table, faces, s, missing);
+    share_beyond_face<4>(list, before_mesh, table, faces, s, missing);
   } else {
-    share_beyond_face<1>(list, table, faces, s, missing);
-    share_beyond_face<3>(list, table, faces, s, missing);
-    share_beyond_face<5>(list, table, faces, s, missing);
+    share_beyond_face<1>(list, before_mesh, table, faces, s, missing);
+    share_beyond_face<3>(list, before_mesh, table, faces, s, missing);
+    share_beyond_face<5>(list, before_mesh, table, faces, s, missing);
   }
 }
 
@@ -403,15 +336,27 @@ __device__ void store_staged(const std::uint32_t (&own)[3], std::uint32_t count,
   }
 }
 
+// All bricks are of one mesh.
+struct OneMesh {
+  __device__ BrickSums before(std::uint64_t) const { return {0, 0}; }
+};
+
+// Each layer of bricks is of one mesh, and each mesh is numbered from 0.
+struct StackedMeshes {
+  const BrickSums* before_mesh;  // by layer: what the meshes before have
+
+  __device__ BrickSums before(std::uint64_t key) const { return before_mesh[brick_of_key(key).z]; }
+};
+
 // Writes the corners of a brick's triangles and, if half-edges are asked for, the opposite
 // half-edges. A thread block of two warps per brick; block b works on brick first + b of the list.
 // The warps take the triangles in turns, 32 at a time, a lane for each. Half-edge n of the brick
 // goes to index 3 * (number of the brick's first triangle - mesh.first_triangle) + n.
-template <Connectivity connectivity>
+template <Connectivity connectivity, class Meshes>
 __global__ void __launch_bounds__(kTriangleThreads)
-    emit_triangles(BrickList list, std::uint32_t first, const TriangleNeighbours* neighbours,
-                   const CaseTable* global_table, const TriangleCodes* codes, DeviceMeshView mesh,
-                   unsigned long long* missing) {
+    emit_triangles(BrickList list, Meshes meshes, std::uint32_t first,
+                   const TriangleNeighbours* neighbours, const CaseTable* global_table,
+                   const TriangleCodes* codes, DeviceMeshView mesh, unsigned long long* missing) {
   __shared__ TriangleShared<connectivity> s;
   constexpr bool half_edges = connectivity == Connectivity::half_edges;
   const CaseTable& table = *global_table;
@@ -428,13 +373,14 @@ __global__ void __launch_bounds__(kTriangleThreads)
   for (unsigned w = threadIdx.x; w < words; w += kTriangleThreads) s.begins[w] = 0;
   if (thread == 0) s.face_signs = 0;
   __syncthreads();
-  share_cells(table, static_cast<std::uint32_t>(3 * before.triangles), s);
-  share_own_rows(before.vertices, s);
+  const BrickSums before_mesh = meshes.before(s.brick.key);
+  share_cells(table, static_cast<std::uint32_t>(3 * (before.triangles - before_mesh.triangles)), s);
+  share_own_rows(before.vertices - before_mesh.vertices, s);
   share_face_signs(s);
   __syncthreads();
   const std::uint32_t faces = faces_crossed(s.face_signs);
-  share_rows_beyond(list, faces, s);
-  share_beyond(list, table, faces, s, missing);
+  share_rows_beyond(list, before_mesh.vertices, faces, s);
+  share_beyond(list, before_mesh.triangles, table, faces, s, missing);
   __syncthreads();
 
   const unsigned lane = threadIdx.x % kWarp, warp = threadIdx.x / kWarp;
@@ -469,23 +415,23 @@ __global__ void __launch_bounds__(kTriangleThreads)
 
 }  // namespace
 
-void find_triangle_neighbours(const KeyList& keys, TriangleNeighbours* neighbours,
-                              const Stream& stream) {
-  if (keys.count >= kNoBrick) throw LimitExceeded("more bricks than 32 bits number");
-  constexpr unsigned threads = 128;
-  launch("find_neighbours", find_neighbours, {dim3(blocks_for(keys.count, threads), 6), threads},
-         stream, keys.keys.data(), static_cast<std::uint32_t>(keys.count), neighbours);
-}
-
 void emit_triangles_on_device(const BrickList& bricks,
                               const DeviceArray<TriangleNeighbours>& neighbours,
-                              const BrickRange& range, const DeviceMeshView& mesh,
-                              DeviceEmissionTally* tally, const Stream& stream) {
-  const auto kernel = mesh.opposite != nullptr ? emit_triangles<Connectivity::half_edges>
-                                               : emit_triangles<Connectivity::triangles>;
-  launch("emit_triangles", kernel, {static_cast<unsigned>(range.size()), kTriangleThreads}, stream,
-         bricks, static_cast<std::uint32_t>(range.begin), neighbours.data(), case_table_on_device(),
-         triangle_codes_on_device(), mesh, &tally->missing_neighbours);
+                              const BrickSums* before_mesh, const BrickRange& range,
+                              const DeviceMeshView& mesh, DeviceEmissionTally* tally,
+                              const Stream& stream) {
+  const auto emit = [&]<class Meshes>(const Meshes& meshes) {
+    const auto kernel = mesh.opposite != nullptr ? emit_triangles<Connectivity::half_edges, Meshes>
+                                                 : emit_triangles<Connectivity::triangles, Meshes>;
+    launch("emit_triangles", kernel, {static_cast<unsigned>(range.size()), kTriangleThreads},
+           stream, bricks, meshes, static_cast<std::uint32_t>(range.begin), neighbours.data(),
+           case_table_on_device(), triangle_codes_on_device(), mesh, &tally->missing_neighbours);
+  };
+  if (before_mesh == nullptr) {
+    emit(OneMesh{});
+  } else {
+    emit(StackedMeshes{before_mesh});
+  }
 }
 
 }  // namespace vdwmesh

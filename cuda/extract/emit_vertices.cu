@@ -54,14 +54,17 @@ struct UnionShared {
 
 // Writes the vertices of each brick at the indices of their numbers, and adds clamped ones to
 // `clamped`. A warp per brick, 2 warps per thread block; about 12 KB of shared memory.
+template <class Fields>
 __global__ void __launch_bounds__(kBrickThreads)
-    emit_union_vertices(const __grid_constant__ FieldContext f, BrickList list,
+    emit_union_vertices(const __grid_constant__ Fields fields, BrickList list,
                         const KeptUnion* kept, DeviceMeshView mesh, unsigned long long* clamped) {
   __shared__ UnionShared shared[kBrickWarps];
   UnionShared& s = shared[threadIdx.x / kWarp];
   WarpBrick& own = s.own;
   if (!load_brick(list, own.brick)) return;
-  share_geometry(f.model.grid, own.brick.key, own.geometry);
+  const FieldOfBlock owner = fields.of(own.brick.key);
+  const FieldContext& f = owner.field;
+  share_geometry(f.model.grid, owner.own_key(own.brick.key), own.geometry);
   const BrickGeometry& g = own.geometry;
   const NearPlaces<kMostSharedBalls>& kept_near = kept[own_brick()].near;
   const std::uint32_t near = kept_near.count;
@@ -226,9 +229,9 @@ __device__ EdgeVertex blended_vertex(const FieldContext& f, const BrickGeometry&
 // memory: 3.6 KB. Dynamic shared memory: for each warp `room` atoms, then for each warp room +
 // kWarp list places. Precondition: no brick has more than `room` atoms. So one batch gathers all
 // atoms of a brick, and `atoms` and `places` stay valid afterwards.
-template <BlendedKind Kind>
+template <BlendedKind Kind, class Fields>
 __global__ void __launch_bounds__(kBrickThreads, 16)
-    emit_blended_vertices(const __grid_constant__ FieldContext f, BrickList list,
+    emit_blended_vertices(const __grid_constant__ Fields fields, BrickList list,
                           const KeptBlended* kept, DeviceMeshView mesh, unsigned long long* clamped,
                           std::uint32_t room) {
   __shared__ WarpBrick shared[kBrickWarps];
@@ -240,8 +243,10 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
                        warp * (room + kWarp);
   WarpBrick& own = shared[warp];
   if (!load_brick(list, own.brick)) return;
+  const FieldOfBlock owner = fields.of(own.brick.key);
+  const FieldContext& f = owner.field;
   const BrickGeometry& g = own.geometry;
-  share_geometry(f.model.grid, own.brick.key, own.geometry);
+  share_geometry(f.model.grid, owner.own_key(own.brick.key), own.geometry);
   const NearPlaces<kKeptAtoms>& near = kept[own_brick()].near;
   const std::uint32_t met = near.count;
   const auto load = [&](std::uint32_t count) {
@@ -274,16 +279,18 @@ __global__ void __launch_bounds__(kBrickThreads, 16)
 // The same for any number of atoms near a brick, more slowly: for every vertex the warp visits the
 // cell list. No dynamic shared memory. The last parameter is unused; with it, both kernels have one
 // type.
-template <BlendedKind Kind>
+template <BlendedKind Kind, class Fields>
 __global__ void __launch_bounds__(kBrickThreads)
-    emit_crowded_vertices(const __grid_constant__ FieldContext f, BrickList list,
+    emit_crowded_vertices(const __grid_constant__ Fields fields, BrickList list,
                           const KeptBlended* kept, DeviceMeshView mesh, unsigned long long* clamped,
                           std::uint32_t) {
   __shared__ WarpBrick shared[kBrickWarps];
   WarpBrick& own = shared[threadIdx.x / kWarp];
   if (!load_brick(list, own.brick)) return;
+  const FieldOfBlock owner = fields.of(own.brick.key);
+  const FieldContext& f = owner.field;
   const BrickGeometry& g = own.geometry;
-  share_geometry(f.model.grid, own.brick.key, own.geometry);
+  share_geometry(f.model.grid, owner.own_key(own.brick.key), own.geometry);
   const Vec3d lower = g.node(0, 0, 0), upper = g.node(kBrickSide, kBrickSide, kBrickSide);
   const float* const values_of_brick = kept[own_brick()].values;
   store_all(own.brick, list.before[own_brick()].vertices, own.stage, mesh, clamped,
@@ -333,28 +340,41 @@ __global__ void __launch_bounds__(kBrickThreads, normals == Normals::none ? 24 :
             });
 }
 
-}  // namespace
-
-void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
-                             std::uint32_t most_atoms, const void* kept, const DeviceMeshView& mesh,
-                             unsigned long long* clamped, const Stream& stream) {
+template <class Fields>
+void emit_vertices(const Fields& fields, const BrickList& bricks, std::uint32_t most_atoms,
+                   const void* kept, const DeviceMeshView& mesh, unsigned long long* clamped,
+                   const Stream& stream) {
   LaunchShape shape = over(bricks.size, kBrickWarps, kBrickThreads);
-  if (f.model.kind == FieldKind::vdw) {
-    launch("emit_union_vertices", emit_union_vertices, shape, stream, f, bricks,
+  if (fields.kind() == FieldKind::vdw) {
+    launch("emit_union_vertices", emit_union_vertices<Fields>, shape, stream, fields, bricks,
            static_cast<const KeptUnion*>(kept), mesh, clamped);
     return;
   }
   const std::uint32_t room = std::min(most_atoms, kMostAtoms);
   shape.shared = kBrickWarps * (room * sizeof(VertexAtom) + (room + kWarp) * sizeof(std::uint32_t));
-  with_blended(f.model.kind, [&]<class Kind>(Kind) {
-    const auto kernel =
-        most_atoms <= kMostAtoms ? emit_blended_vertices<Kind> : emit_crowded_vertices<Kind>;
+  with_blended(fields.kind(), [&]<class Kind>(Kind) {
+    const auto kernel = most_atoms <= kMostAtoms ? emit_blended_vertices<Kind, Fields>
+                                                 : emit_crowded_vertices<Kind, Fields>;
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                     static_cast<int>(shape.shared)),
                "shared memory");
-    launch("emit_blended_vertices", kernel, shape, stream, f, bricks,
+    launch("emit_blended_vertices", kernel, shape, stream, fields, bricks,
            static_cast<const KeptBlended*>(kept), mesh, clamped, room);
   });
+}
+
+}  // namespace
+
+void emit_vertices_on_device(const OneField& fields, const BrickList& bricks,
+                             std::uint32_t most_atoms, const void* kept, const DeviceMeshView& mesh,
+                             unsigned long long* clamped, const Stream& stream) {
+  emit_vertices(fields, bricks, most_atoms, kept, mesh, clamped, stream);
+}
+
+void emit_vertices_on_device(const FieldStack& fields, const BrickList& bricks,
+                             std::uint32_t most_atoms, const void* kept, const DeviceMeshView& mesh,
+                             unsigned long long* clamped, const Stream& stream) {
+  emit_vertices(fields, bricks, most_atoms, kept, mesh, clamped, stream);
 }
 
 void emit_sampled_vertices_on_device(const SampledFieldView& field, const BrickList& bricks,

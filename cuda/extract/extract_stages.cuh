@@ -6,6 +6,8 @@
 
 #include <cstdint>
 
+#include "cuda/extract/fields.cuh"
+#include "cuda/extract/triangle_neighbours.cuh"
 #include "cuda/memory/device_structures.cuh"
 #include "extract/bricks/brick_numbering.hpp"
 #include "extract/bricks/case_table.hpp"
@@ -13,48 +15,18 @@
 
 namespace vdwmesh {
 
-// float4 copies of the spheres of a cell list, in list order: x, y and z are the centre relative to
-// `origin`, w is the reach (Å), widened by more than the rounding errors of float32.
-struct RoughSpheres {
-  const float4* spheres;
-  Vec3d origin;
-};
-
-// What the kernels about a field of spheres need; passed by value. It owns nothing.
-struct FieldContext {
-  CellListView list;
-  FieldModel model;
-  RoughSpheres rough;
-};
-
-// Makes a FieldContext, and owns its rough spheres.
-class DeviceField {
- public:
-  DeviceField(const CellListView& list, const FieldModel& model, const Stream& stream);
-  const FieldContext& context() const { return context_; }
-
- private:
-  DeviceArray<float4> rough_;
-  FieldContext context_;
-};
-
 // The marching cubes cases, and the codes of their half-edges (triangle_codes.cuh), in the memory
 // of the current device, where they stay.
 struct TriangleCodes;
 const CaseTable* case_table_on_device();
 const TriangleCodes* triangle_codes_on_device();
 
-// The keys of bricks or lattice blocks: the first `count` entries of the array, which may be
-// longer.
-struct KeyList {
-  DeviceArray<std::uint64_t> keys;
-  std::uint64_t count = 0;
-};
-
 // Keys, rising, of the candidate bricks: those of a range whose bounds admit surface. Throws
 // LimitExceeded if they are more than `most`.
-KeyList candidate_bricks_on_device(const FieldContext& f, const KeyRange& range, std::uint64_t most,
-                                   const Stream& stream);
+KeyList candidate_bricks_on_device(const OneField& fields, const KeyRange& range,
+                                   std::uint64_t most, const Stream& stream);
+KeyList candidate_bricks_on_device(const FieldStack& fields, const KeyRange& range,
+                                   std::uint64_t most, const Stream& stream);
 
 // Counts over the bricks i with one value of i % kCountParts, so that not all add to one address.
 struct CountPart {
@@ -70,7 +42,10 @@ struct BrickCounts {
 };
 // Computes the node signs and counts of the `size` bricks with these keys, and writes them to
 // `bricks` and `counts`. `kept`: a KeptUnion or a KeptBlended (kept_bricks.cuh) of each brick.
-void count_bricks_on_device(const FieldContext& f, const std::uint64_t* keys, std::uint64_t size,
+void count_bricks_on_device(const OneField& fields, const std::uint64_t* keys, std::uint64_t size,
+                            ActiveBrick* bricks, void* kept, const BrickCounts& counts,
+                            const Stream& stream);
+void count_bricks_on_device(const FieldStack& fields, const std::uint64_t* keys, std::uint64_t size,
                             ActiveBrick* bricks, void* kept, const BrickCounts& counts,
                             const Stream& stream);
 
@@ -110,38 +85,28 @@ inline BrickList part_of(const BrickList& list, const BrickRange& range) {
 
 // Writes the vertices of `bricks` to the arrays of `mesh`, each at the index of its number, and
 // adds the number of clamped ones to `clamped`. `kept` is what counting has kept of these bricks,
-// and most_atoms is at least the number of atoms near any of them. The second function does
-// the same for a field that is given by its values at the nodes.
-void emit_vertices_on_device(const FieldContext& f, const BrickList& bricks,
+// and most_atoms is at least the number of atoms near any of them. The last function does the same
+// for a field that is given by its values at the nodes.
+void emit_vertices_on_device(const OneField& fields, const BrickList& bricks,
+                             std::uint32_t most_atoms, const void* kept, const DeviceMeshView& mesh,
+                             unsigned long long* clamped, const Stream& stream);
+void emit_vertices_on_device(const FieldStack& fields, const BrickList& bricks,
                              std::uint32_t most_atoms, const void* kept, const DeviceMeshView& mesh,
                              unsigned long long* clamped, const Stream& stream);
 void emit_sampled_vertices_on_device(const SampledFieldView& field, const BrickList& bricks,
                                      const DeviceMeshView& mesh, unsigned long long* clamped,
                                      const Stream& stream);
 
-// The neighbours that the triangles of a brick touch, as indices into the list of bricks; kNoBrick
-// if a neighbour is not in the list. Entry dx + 2 dy + 4 dz - 1 is the upper neighbour at offset
-// (dx, dy, dz), each 0 or 1 and not all 0: seven of them. Entry 7 + axis is the neighbour across
-// the lower face of an axis.
-inline constexpr int kTriangleNeighbours = 10;
-inline constexpr std::uint32_t kNoBrick = ~std::uint32_t{0};
-struct TriangleNeighbours {
-  std::uint32_t place[kTriangleNeighbours];
-};
-
-// Writes the neighbours of each of the bricks with these keys. Throws LimitExceeded if 32 bits do
-// not suffice to number the bricks.
-void find_triangle_neighbours(const KeyList& keys, TriangleNeighbours* neighbours,
-                              const Stream& stream);
-
 // Writes the corners of the triangles of the bricks in `range` to the arrays of `mesh`, at the
 // indices of their numbers, and the opposite half-edges too if `mesh` has an array for them.
 // `bricks` and `neighbours` are of the whole list, not only of the range. Adds missing neighbours
-// to the tally.
+// to the tally. `before_mesh`: null, or for a stack, by layer of bricks, what the meshes of the
+// fields before that of the layer have; then each mesh is numbered from 0.
 void emit_triangles_on_device(const BrickList& bricks,
                               const DeviceArray<TriangleNeighbours>& neighbours,
-                              const BrickRange& range, const DeviceMeshView& mesh,
-                              DeviceEmissionTally* tally, const Stream& stream);
+                              const BrickSums* before_mesh, const BrickRange& range,
+                              const DeviceMeshView& mesh, DeviceEmissionTally* tally,
+                              const Stream& stream);
 
 // Bytes that an extraction keeps of every candidate brick, beside the mesh and the field.
 inline constexpr std::uint64_t kBrickBytes = sizeof(std::uint64_t) + sizeof(ActiveBrick) +

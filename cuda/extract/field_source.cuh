@@ -30,7 +30,6 @@ class FieldSource final : public BrickSource {
   // options.device_memory or than is available. The field's values must outlive the object.
   FieldSource(const SampledFieldView& field, const ExtractOptions& options, const Stream& stream);
 
-  const GridSpec& grid() const override { return field_.grid; }
   LabelWidth label_width() const override { return LabelWidth::none; }
   KeyList candidates(const KeyRange& range, std::uint64_t most) const override;
   void count(const std::uint64_t* keys, std::uint64_t size, ActiveBrick* bricks, void* kept,

@@ -150,7 +150,7 @@ void sample_field_on_device(const CellListView& list, const FieldModel& model, f
   const DeviceField field(list, model, stream);
   with_blended(model.kind, [&]<class Kind>(Kind) {
     launch("sample_bricks", sample_bricks<Kind>, {blocks_of(model.grid), kBlockThreads}, stream,
-           field.context(), values);
+           field.fields().context, values);
   });
 }
 

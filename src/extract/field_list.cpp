@@ -18,8 +18,10 @@ std::vector<double> field_reaches(const SphereSet& spheres, const FieldModel& mo
 
 }  // namespace
 
-CellList make_field_list(const SphereSet& spheres, const FieldModel& model) {
-  return CellList(spheres, field_reaches(spheres, model));
+CellList make_field_list(const SphereSet& spheres, const FieldModel& model,
+                         const CellListFrame* frame) {
+  const std::vector<double> reaches = field_reaches(spheres, model);
+  return frame != nullptr ? CellList(spheres, reaches, *frame) : CellList(spheres, reaches);
 }
 
 CellListFrame make_field_frame(const SphereSet& spheres, const FieldModel& model) {

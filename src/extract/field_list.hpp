@@ -8,13 +8,14 @@
 
 namespace vdwmesh {
 
-// A new list, owned by the caller.
-CellList make_field_list(const SphereSet& spheres, const FieldModel& model);
+// A new list, owned by the caller. If `frame` is null, the list makes its own cells; else the
+// function throws InvalidInput if a sphere does not fit the frame.
+CellList make_field_list(const SphereSet& spheres, const FieldModel& model,
+                         const CellListFrame* frame = nullptr);
 
 // The list that the workspace keeps; it is built if the workspace has none for these spheres, this
 // field and this frame. The view is valid until the workspace has been asked for two other lists.
-// If `frame` is null, the list makes its own cells; else the function throws InvalidInput if a
-// sphere does not fit the frame.
+// `frame`: as for make_field_list().
 CellListView field_list(const SphereSet& spheres, const FieldModel& model,
                         const CellListFrame* frame, Workspace& workspace);
 
