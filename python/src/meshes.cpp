@@ -167,6 +167,30 @@ IndexedMesh march(const SphereSet& spheres, const Request& request, Monitor& mon
   return mesh;
 }
 
+// Meshes of many sets by marching cubes, all in one call of the library.
+std::vector<MeshHandle> march_many(const SphereBatch& sets, const Request& request,
+                                   Monitor& monitor) {
+  check_sets(sets);
+  ExtractOptions extract;
+  std::vector<GridOptions> grids;
+  for (std::size_t set = 0; set < sets.set_count(); ++set) {
+    const SphereSet own = SphereSet::view(sets.set(set));
+    extract = extraction(request, bounding_box(own), center_bounding_box(own), monitor);
+    grids.push_back(extract.grid);
+  }
+  extract.memory_limit = apps::default_memory_limit();
+  const BatchExtraction made =
+      make_batch_extractor(request.backend)->extract({sets, grids}, extract);
+  std::vector<MeshHandle> meshes;
+  for (std::size_t set = 0; set < made.set_count(); ++set) {
+    if (made.size(set).triangles == 0) {
+      throw_too_coarse(least_radius(SphereSet::view(sets.set(set))), request.spacing);
+    }
+    meshes.push_back(handle_of(made.mesh(set)));
+  }
+  return meshes;
+}
+
 // The mesh takes memory of the device alone, so the host's sets no limit.
 CudaMesh march_on_device(const DeviceFrames& balls, const Request& request, Monitor& monitor) {
   RefineOptions refine = refinement(request, monitor);
@@ -212,6 +236,20 @@ MeshHandle mesh(const py::buffer& coords, const py::buffer& radii, double probe,
     if (!request.normals) mesh.normals = {};
     return mesh;
   }));
+}
+
+// Meshes of sets that stand one after another: set i has the rows from offsets[i] on.
+std::vector<MeshHandle> mesh_many(const py::buffer& coords, const py::buffer& radii,
+                                  const std::vector<std::size_t>& offsets, double probe,
+                                  std::optional<int> threads, const py::kwargs& given) {
+  const Numbers centers(coords, "coords", 2), sizes(radii, "radii", 1);
+  const Request request = request_of(given);
+  return call(threads, [&](Monitor& monitor) {
+    const SphereSet spheres = spheres_of(centers, sizes, probe);
+    const std::span<const Sphere> all = spheres.spheres();
+    return march_many({.spheres = all.data(), .size = all.size(), .offsets = offsets}, request,
+                      monitor);
+  });
 }
 
 void require_valid(const DeviceFrames& balls) {
@@ -361,6 +399,7 @@ std::vector<std::string> save(const MeshHandle& h, const std::string& path) {
 
 void bind_meshes(py::module_& module) {
   module.def("mesh", &mesh);
+  module.def("mesh_many", &mesh_many);
   module.def("mesh_on_device", &mesh_there);
   module.def("mesh_of_arrays", &mesh_of_arrays);
   py::class_<CudaMeshHandle>(module, "CudaMeshHandle")

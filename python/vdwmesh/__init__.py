@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         trajectory,
     )
     from vdwmesh._measure import Counts, Topology, Void
-    from vdwmesh._mesh import PATCH_KINDS, Mesh, marching_cubes, mesh
+    from vdwmesh._mesh import PATCH_KINDS, Mesh, marching_cubes, mesh, mesh_many
     from vdwmesh._molecule import Molecule, radii_of, read, sample
     from vdwmesh.errors import (
         BackendUnavailable,
@@ -87,6 +87,7 @@ __all__ = [
     "frames",
     "marching_cubes",
     "mesh",
+    "mesh_many",
     "meshes",
     "quality",
     "radii_of",
@@ -108,7 +109,7 @@ _HOMES = {
     "_excluded": "AccessibleComponent ExcludedMeasures ExcludedShell ExcludedSurface ExcludedTopology",
     "_frames": "FrameMesh FrameResult TrajectoryResult frames meshes trajectory",
     "_measure": "Counts Topology Void",
-    "_mesh": "Mesh PATCH_KINDS marching_cubes mesh",
+    "_mesh": "Mesh PATCH_KINDS marching_cubes mesh mesh_many",
     "_molecule": "Molecule radii_of read sample",
     "errors": "BackendUnavailable CudaError Error FileFormatError "
     "InternalError InvalidInput LimitExceeded",

@@ -72,6 +72,14 @@ def mesh_on_device(
     coords: Any, radii: Any, probe: float, threads: int | None, **options: Any
 ) -> CudaMeshHandle: ...
 def mesh(coords: Any, radii: Any, probe: float, threads: int | None, **options: Any) -> MeshHandle: ...
+def mesh_many(
+    coords: Any,
+    radii: Any,
+    offsets: list[int],
+    probe: float,
+    threads: int | None,
+    **options: Any,
+) -> list[MeshHandle]: ...
 def mesh_of_arrays(vertices: Any, corners: Any) -> MeshHandle: ...
 def marching_cubes(
     volume: Any,

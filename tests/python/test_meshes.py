@@ -174,6 +174,65 @@ def read_ply(path):
     return found
 
 
+class MeshManyTest(unittest.TestCase):
+    """The mesh of each molecule is, array by array, that of a call of its own."""
+
+    MOLECULES = (
+        vdwmesh.sample("bpti"),
+        ([[1.0, 2.0, 3.0]], [1.7]),
+        ([[0, 0, 0], [300, -200, 100]], [1.5, 2.5]),
+        vdwmesh.sample("ubiquitin"),
+        (np.float32([[0, 0, 0], [0, 0, 0]]), np.float32([1.1, 1.1])),
+    )
+
+    def each(self):
+        for one in self.MOLECULES:
+            yield one if isinstance(one, tuple) else (one.coords, one.radii)
+
+    def assert_alone(self, found, **options):
+        self.assertEqual(len(found), len(self.MOLECULES))
+        for mesh, (coords, radii) in zip(found, self.each()):
+            own = vdwmesh.mesh(coords, radii, mesher="marching-cubes", **options)
+            for name in ("vertices", "faces", "normals", "vertex_atoms"):
+                np.testing.assert_array_equal(getattr(mesh, name), getattr(own, name))
+
+    def test_meshes_are_those_of_calls_alone(self):
+        coords, radii = zip(*self.each())
+        self.assert_alone(vdwmesh.mesh_many(coords, radii))
+        for options in ({"field": "blinn", "spacing": 0.7}, {"fixed_grid": True, "probe": 1.4}):
+            self.assert_alone(vdwmesh.mesh_many(coords, radii, **options), **options)
+
+    def test_molecules_bring_their_radii(self):
+        molecules = [vdwmesh.sample("bpti"), vdwmesh.sample("ubiquitin")]
+        for radii in (None, "alvarez"):
+            found = vdwmesh.mesh_many(iter(molecules), radii)
+            self.assertEqual(len(found), 2)
+            for mesh, one in zip(found, molecules):
+                own = vdwmesh.mesh(one, radii, mesher="marching-cubes")
+                np.testing.assert_array_equal(mesh.vertices, own.vertices)
+
+    def test_normals_are_left_out(self):
+        self.assertIsNone(vdwmesh.mesh_many([[[0, 0, 0]]], [[1.7]], normals=False)[0].normals)
+
+    def test_none_are_none(self):
+        self.assertEqual(vdwmesh.mesh_many([]), [])
+
+    def test_wrong_arguments_are_named(self):
+        ball = [[0, 0, 0]]
+        for arguments, options, message in (
+            (([ball, [[1, 2]]], [[1], [1]]), {}, r"molecules\[1\]: coords"),
+            (([ball, ball], [[1], [1, 2]]), {}, r"molecules\[1\]: has 1 atoms and 2 radii"),
+            (([ball, ball], [[1]]), {}, "radii: has those of 1 molecules, but there are 2"),
+            (([ball, ball],), {}, r"molecules\[0\]: radii: are needed"),
+            (([ball], [[-1]]), {}, "radii"),
+            (([ball], [[1]]), {"spacing": 0}, "spacing"),
+            (([ball, ball], [[1], [0.01]]), {}, "spacing: 0.5 is too coarse"),
+            (([ball], [[1]]), {"field": "van der Waals"}, "field"),
+        ):
+            with self.assertRaisesRegex(vdwmesh.InvalidInput, message):
+                vdwmesh.mesh_many(*arguments, **options)
+
+
 class SameAsProgramTest(ProgramTest):
     """A PLY file has doubles, so meshes are equal to the last digit."""
 
