@@ -38,6 +38,12 @@ class FacetTree {
   std::uint32_t overlapping_leaves(std::size_t node, const Box& box) const {
     return overlapping(levels_.front()[node], box);
   }
+  // The box of a leaf of a bottom node.
+  Box box_of_leaf(std::size_t node, std::size_t leaf) const {
+    const Node& n = levels_.front()[node];
+    return {{n.lower[0][leaf], n.lower[1][leaf], n.lower[2][leaf]},
+            {n.upper[0][leaf], n.upper[1][leaf], n.upper[2][leaf]}};
+  }
   // Calls visit(node) for all bottom nodes from `first` on whose boxes overlap the given one, and
   // for some whose leaves do not.
   template <class Visit>
