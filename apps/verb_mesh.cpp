@@ -1,7 +1,7 @@
 // `vdwmesh mesh`: from a structure to a mesh file. Memory is checked before the mesh is made, from
 // an estimate, and again when its size is known. Where a device makes the mesh, the CPU makes room
-// for the half-edges meanwhile. The mesh is measured while its file is written, which takes one
-// thread, unless memory is too little for both.
+// for the half-edges meanwhile. The mesh is measured while its file is written, unless memory is
+// too little for both.
 #include <algorithm>
 #include <string>
 #include <utility>

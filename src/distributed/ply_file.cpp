@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/errors.hpp"
+#include "mesh/chunk_writer.hpp"
 #include "mesh/element_color.hpp"
 #include "mesh/ply_records.hpp"
 
@@ -24,6 +25,7 @@ void write_vertices(const IndexedMesh& mesh, const VertexNumbers::Run& run,
   for (std::size_t v = run.begin; v < run.end; ++v) {
     const VertexSpheres spheres = mesh.vertex_spheres[v];
     const RgbColor color = spheres[0] == kNoSphere ? kPlainColor : colors[spheres[0]];
+    out.begin_record();
     formats::write_ply_vertex(out, mesh.positions[v], mesh.normals[v], color, spheres);
   }
   out.flush();
@@ -36,6 +38,7 @@ void write_faces(const SurfacePiece& piece, ByteSink& sink) {
     return static_cast<std::uint32_t>(piece.number_of(corner));
   };
   for (const auto& [a, b, c] : piece.mesh.triangles) {
+    out.begin_record();
     formats::write_ply_face(out, {index_of(a), index_of(b), index_of(c)});
   }
   out.flush();

@@ -4,13 +4,12 @@
 
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstdint>
-#include <cstring>
 #include <string_view>
 
 #include "core/buffer.hpp"
 #include "mesh/output_file.hpp"
+#include "mesh/record_writer.hpp"
 #include "mesh/surface_mesh.hpp"
 
 namespace vdwmesh::formats {
@@ -20,25 +19,15 @@ static_assert(std::endian::native == std::endian::little,
 
 // The writer calls begin_record() before each vertex, face or other short record. What it appends
 // until the next record is not checked against the end of the buffer: begin_record() has made room.
-class ChunkWriter {
+class ChunkWriter : public RecordBytes {
  public:
-  explicit ChunkWriter(ByteSink& sink) : sink_(sink), buffer_(kSize), end_(buffer_.data()) {}
+  explicit ChunkWriter(ByteSink& sink) : RecordBytes(nullptr), sink_(sink), buffer_(kSize) {
+    end_ = buffer_.data();
+  }
 
   // Makes room for the next kMostPerRecord bytes. A record must not be longer.
   void begin_record() {
     if (end_ + kMostPerRecord > buffer_.data() + kSize) flush();
-  }
-  // Appends the bytes of the value as they are in memory, so little-endian.
-  template <class T>
-  void raw(const T& value) {
-    std::memcpy(end_, &value, sizeof value);
-    end_ += sizeof value;
-  }
-  void character(char c) { *end_++ = c; }
-  // Appends the fewest digits from which the same number is read back.
-  template <class T>
-  void number(T value) {
-    end_ = std::to_chars(end_, end_ + kMostPerNumber, value).ptr;
   }
   // Writes text of any length, after what is in the buffer. The buffer is empty afterwards.
   void text(std::string_view s) {
@@ -55,12 +44,9 @@ class ChunkWriter {
   static constexpr std::size_t kSize = std::size_t{1} << 18;  // stays in the second-level cache
   // Bytes. The longest record is a face of an OBJ file: six indices of up to 10 digits.
   static constexpr std::size_t kMostPerRecord = 512;
-  // Characters. A double needs at most 24, as in -1.2345678901234567e-308.
-  static constexpr std::ptrdiff_t kMostPerNumber = 32;
 
   ByteSink& sink_;
   Buffer<char> buffer_;
-  char* end_;  // end of what is in the buffer
 };
 
 // The vertices of a face in order. The first is the start of the half-edge that OpenMesh keeps for

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "core/blocks.hpp"
 #include "core/errors.hpp"
 #include "core/large_pages.hpp"
 #include "core/letters.hpp"
@@ -22,20 +23,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool is_finite(const SurfaceMesh::Point& p) {
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
 // Throws unless the mesh is as the writers of formats.hpp may assume: nothing is deleted, and all
 // coordinates are finite. OpenMesh only marks deleted elements; its garbage_collection() removes
-// them and renumbers the rest. all_faces() and all_vertices() visit deleted elements too.
+// them and renumbers the rest. Indices count deleted elements too.
 void check_writable(const SurfaceMesh& mesh) {
-  for (const auto f : mesh.all_faces())
-    if (mesh.status(f).deleted())
-      throw InvalidInput(fmt::format("face {} is deleted: collect the garbage first", f.idx()));
-  for (const auto v : mesh.all_vertices()) {
-    if (mesh.status(v).deleted())
-      throw InvalidInput(fmt::format("vertex {} is deleted: collect the garbage first", v.idx()));
-    const auto& p = mesh.point(v);
-    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
-      throw InvalidInput(fmt::format("vertex {} is at {} {} {}", v.idx(), p[0], p[1], p[2]));
-  }
+  const auto face_deleted = [&](std::size_t f) {
+    return mesh.status(OpenMesh::FaceHandle(static_cast<int>(f))).deleted();
+  };
+  if (const auto f = first_of_all(mesh.n_faces(), face_deleted))
+    throw InvalidInput(fmt::format("face {} is deleted: collect the garbage first", *f));
+  const auto is_bad = [&](std::size_t i) {
+    const OpenMesh::VertexHandle v(static_cast<int>(i));
+    return mesh.status(v).deleted() || !is_finite(mesh.point(v));
+  };
+  const auto bad = first_of_all(mesh.n_vertices(), is_bad);
+  if (!bad) return;
+  const OpenMesh::VertexHandle v(static_cast<int>(*bad));
+  if (mesh.status(v).deleted())
+    throw InvalidInput(fmt::format("vertex {} is deleted: collect the garbage first", *bad));
+  const auto& p = mesh.point(v);
+  throw InvalidInput(fmt::format("vertex {} is at {} {} {}", *bad, p[0], p[1], p[2]));
 }
 
 void write(const SurfaceMesh& mesh, MeshFormat format, ByteSink& sink,

@@ -141,11 +141,13 @@ class ObjReader {
 void write_obj(const SurfaceMesh& mesh, ByteSink& sink) {
   // An estimate for full doubles and floats per vertex, and six 7-digit indices per face.
   sink.expect(96 * mesh.n_vertices() + 52 * mesh.n_faces());
-  ChunkWriter out(sink);
-  out.text("# made by vdwmesh; lengths in angstrom\n");
+  constexpr std::string_view kHeader = "# made by vdwmesh; lengths in angstrom\n";
+  sink.write(kHeader.data(), kHeader.size());
+  constexpr std::size_t kMostPerVector = 3 * (RecordBytes::kMostPerNumber + 1) + 3;
+  // "f" and three times " 4294967295//4294967295".
+  constexpr std::size_t kMostPerFace = 3 * (2 * RecordBytes::kMostPerNumber + 3) + 2;
   // `kind` is the letter after the v, or a blank for a position.
-  const auto write_vector = [&](char kind, const auto& vector) {
-    out.begin_record();
+  const auto write_vector = [](RecordBytes& out, char kind, const auto& vector) {
     out.character('v');
     if (kind != ' ') out.character(kind);
     for (unsigned k = 0; k < 3; ++k) {
@@ -154,12 +156,13 @@ void write_obj(const SurfaceMesh& mesh, ByteSink& sink) {
     }
     out.character('\n');
   };
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
-    write_vector(' ', mesh.point(vertex_handle(v)));
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
-    write_vector('n', mesh.normal(vertex_handle(v)));
-  for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
-    out.begin_record();
+  write_records(sink, mesh.n_vertices(), kMostPerVector, [&](RecordBytes& out, std::size_t v) {
+    write_vector(out, ' ', mesh.point(vertex_handle(v)));
+  });
+  write_records(sink, mesh.n_vertices(), kMostPerVector, [&](RecordBytes& out, std::size_t v) {
+    write_vector(out, 'n', mesh.normal(vertex_handle(v)));
+  });
+  write_records(sink, mesh.n_faces(), kMostPerFace, [&](RecordBytes& out, std::size_t f) {
     out.character('f');
     for (const std::uint32_t v : face_vertices(mesh, f)) {
       out.character(' ');
@@ -169,8 +172,7 @@ void write_obj(const SurfaceMesh& mesh, ByteSink& sink) {
       out.number(v + 1);
     }
     out.character('\n');
-  }
-  out.flush();
+  });
 }
 
 MeshFile read_obj(std::string_view bytes) {

@@ -120,27 +120,25 @@ class OffReader {
 void write_off(const SurfaceMesh& mesh, ByteSink& sink) {
   // An estimate: three doubles of about 18 characters per vertex, three 7-digit indices per face.
   sink.expect(58 * mesh.n_vertices() + 27 * mesh.n_faces());
-  ChunkWriter out(sink);
-  out.text(fmt::format("OFF\n# made by vdwmesh; lengths in angstrom\n{} {} {}\n", mesh.n_vertices(),
-                       mesh.n_faces(), mesh.n_edges()));
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
-    out.begin_record();
+  const std::string header = fmt::format("OFF\n# made by vdwmesh; lengths in angstrom\n{} {} {}\n",
+                                         mesh.n_vertices(), mesh.n_faces(), mesh.n_edges());
+  sink.write(header.data(), header.size());
+  constexpr std::size_t kMostPerLine = 3 * (RecordBytes::kMostPerNumber + 1) + 2;
+  write_records(sink, mesh.n_vertices(), kMostPerLine, [&](RecordBytes& out, std::size_t v) {
     const auto& p = mesh.point(vertex_handle(v));
     for (unsigned k = 0; k < 3; ++k) {
       out.number(p[k]);
       out.character(k < 2 ? ' ' : '\n');
     }
-  }
-  for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
-    out.begin_record();
+  });
+  write_records(sink, mesh.n_faces(), kMostPerLine, [&](RecordBytes& out, std::size_t f) {
     out.character('3');
     for (const std::uint32_t v : face_vertices(mesh, f)) {
       out.character(' ');
       out.number(v);
     }
     out.character('\n');
-  }
-  out.flush();
+  });
 }
 
 MeshFile read_off(std::string_view bytes) {

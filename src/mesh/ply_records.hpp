@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string>
 
-#include "mesh/chunk_writer.hpp"
+#include "mesh/record_writer.hpp"
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh::formats {
@@ -43,9 +43,8 @@ std::int32_t ply_sphere(SphereId id);
 // Writes a vertex. The arguments are arrays or vectors of three elements each: the position in Å,
 // the normal, the colour as bytes, and the spheres that the vertex lies on.
 template <class Position, class Normal, class Color>
-void write_ply_vertex(ChunkWriter& out, const Position& position, const Normal& normal,
+void write_ply_vertex(RecordBytes& out, const Position& position, const Normal& normal,
                       const Color& color, const VertexSpheres& spheres) {
-  out.begin_record();
   for (int k = 0; k < 3; ++k) out.raw(static_cast<double>(position[k]));
   for (int k = 0; k < 3; ++k) out.raw(static_cast<float>(normal[k]));
   for (std::size_t k = 0; k < 3; ++k) out.raw(static_cast<std::uint8_t>(color[k]));
@@ -53,8 +52,7 @@ void write_ply_vertex(ChunkWriter& out, const Position& position, const Normal& 
 }
 
 // Writes a face without its sphere.
-inline void write_ply_face(ChunkWriter& out, const Triangle& corners) {
-  out.begin_record();
+inline void write_ply_face(RecordBytes& out, const Triangle& corners) {
   out.raw(std::uint8_t{3});
   out.raw(corners);
 }

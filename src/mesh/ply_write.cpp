@@ -13,6 +13,7 @@
 #include "mesh/formats.hpp"
 #include "mesh/patch_properties.hpp"
 #include "mesh/ply_records.hpp"
+#include "mesh/record_writer.hpp"
 
 namespace vdwmesh::formats {
 namespace {
@@ -86,21 +87,20 @@ void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
   const TriangleLabels labels = sphere ? TriangleLabels::spheres : TriangleLabels::none;
   const std::string header = ply_header({mesh.n_vertices(), mesh.n_faces()}, labels,
                                         patches ? PatchLabels::patches : PatchLabels::none);
-  sink.expect(header.size() +
-              (kPlyVertexBytes + (patches ? kPlyCurvatureBytes : 0)) * mesh.n_vertices() +
-              (ply_face_bytes(labels) + (patches ? kPlyPatchBytes : 0)) * mesh.n_faces());
-  ChunkWriter out(sink);
-  out.text(header);
+  const std::uint64_t vertex_bytes = kPlyVertexBytes + (patches ? kPlyCurvatureBytes : 0);
+  const std::uint64_t face_bytes = ply_face_bytes(labels) + (patches ? kPlyPatchBytes : 0);
+  sink.expect(header.size() + vertex_bytes * mesh.n_vertices() + face_bytes * mesh.n_faces());
+  sink.write(header.data(), header.size());
   const VertexSpheresProperty spheres = vertex_spheres(mesh);
-  for (std::size_t i = 0; i < mesh.n_vertices(); ++i) {
+  write_records(sink, mesh.n_vertices(), vertex_bytes, [&](RecordBytes& out, std::size_t i) {
     const auto v = vertex_handle(i);
     write_ply_vertex(out, mesh.point(v), mesh.normal(v), mesh.color(v), mesh.property(spheres, v));
     if (patches) {
       out.raw(mesh.property(patches->mean_curvature, v));
       out.raw(mesh.property(patches->gaussian_curvature, v));
     }
-  }
-  for (std::size_t i = 0; i < mesh.n_faces(); ++i) {
+  });
+  write_records(sink, mesh.n_faces(), face_bytes, [&](RecordBytes& out, std::size_t i) {
     const OpenMesh::FaceHandle f(static_cast<int>(i));
     write_ply_face(out, face_vertices(mesh, i));
     if (sphere) out.raw(ply_sphere(mesh.property(*sphere, f)));
@@ -108,8 +108,7 @@ void write_ply(const SurfaceMesh& mesh, ByteSink& sink) {
       out.raw(static_cast<std::uint8_t>(mesh.property(patches->kind, f)));
       for (const SphereId id : mesh.property(patches->atoms, f)) out.raw(ply_sphere(id));
     }
-  }
-  out.flush();
+  });
 }
 
 }  // namespace vdwmesh::formats
