@@ -17,9 +17,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "analysis/mesh_area.hpp"
 #include "analysis/triangle_search.hpp"
+#include "core/morton.hpp"
 #include "core/multiversion.hpp"
 #include "surface/box.hpp"
 
@@ -189,6 +191,29 @@ VDWMESH_MULTIVERSION double raise_all(const IndexedMesh& mesh, const BoxTreeView
   return largest;
 }
 
+// The indices of points along the Z-order curve in the cube around them. A key has the number of a
+// cell, of which there are 2^10 along each axis, and below it the index.
+std::vector<std::uint32_t> along_curve(std::span<const Vec3d> points) {
+  constexpr double kCells = 1 << 10;
+  Box box = empty_box();
+  for (const Vec3d& p : points) include(box, p);
+  const Vec3d side = box.upper - box.lower;
+  const double longest = std::max({side.x, side.y, side.z});
+  const double per_unit = longest > 0 ? kCells / longest : 0;
+  std::vector<std::uint64_t> keys(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto cell = [&](int axis) {
+      const double place = (points[i][axis] - box.lower[axis]) * per_unit;
+      return static_cast<std::uint64_t>(place < kCells ? place : kCells - 1);
+    };
+    keys[i] = morton_code(cell(0), cell(1), cell(2)) << 32 | i;
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::uint32_t> order(points.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::uint32_t>(keys[i]);
+  return order;
+}
+
 }  // namespace
 
 MeshFinder::MeshFinder(const IndexedMesh& mesh, const Box& world)
@@ -196,8 +221,15 @@ MeshFinder::MeshFinder(const IndexedMesh& mesh, const Box& world)
       tree_(static_cast<std::uint32_t>(mesh.triangle_count()), world,
             [&](std::uint32_t t) { return box_of(corners_of(mesh, t)); }) {}
 
+// The points are searched in their order along the Z-order curve, in which a group of them is in
+// about the smallest box. The distance of a point does not depend on the others.
 void MeshFinder::find(std::span<const Vec3d> points, double* found) const {
-  find_all(mesh_, tree_.view(), points, found);
+  const std::vector<std::uint32_t> order = along_curve(points);
+  std::vector<Vec3d> sorted(points.size());
+  for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = points[order[i]];
+  std::vector<double> distance(points.size());
+  find_all(mesh_, tree_.view(), sorted, distance.data());
+  for (std::size_t i = 0; i < order.size(); ++i) found[order[i]] = distance[i];
 }
 
 double MeshFinder::largest_distance(std::span<const Vec3d> points, double largest) const {

@@ -422,6 +422,29 @@ TEST_P(DistanceSearch, FindsTheNearestTriangleAlongWalks) {
   }
 }
 
+// Points are sorted by the cells of a cube around them, which may be a point, or far longer than
+// what doubles tell apart beside its ends.
+TEST(MeshFinder, MeasuresPointsOfAnyExtent) {
+  const IndexedMesh mesh = testing::icosphere(2);
+  const auto squared_to_mesh = [&](const Vec3d& p) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [a, b, c] : mesh.triangles)
+      least = std::min(least, squared_distance_to_triangle(p, mesh.positions[a], mesh.positions[b],
+                                                           mesh.positions[c]));
+    return least;
+  };
+  const std::vector<Vec3d> same(20, Vec3d{0.3, 0.2, 1.5});
+  const std::vector<Vec3d> tiny{{0, 0, 0}, {5e-324, 0, 0}, {0, 1e-310, 0}};
+  const std::vector<Vec3d> wide{{1e6, 0, 0}, {0.5, 0.5, 2}, {-1e6, 1, 0}, {0.5, 0.5, 2.0000001}};
+  for (const std::vector<Vec3d>& points : {same, tiny, wide, std::vector<Vec3d>{}}) {
+    const MeshFinder finder(mesh, {{-2e6, -2e6, -2e6}, {2e6, 2e6, 2e6}});
+    std::vector<double> found(points.size());
+    finder.find(points, found.data());
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_EQ(found[i], std::sqrt(squared_to_mesh(points[i]))) << i << " of " << points.size();
+  }
+}
+
 // Distances have no sign: they are the same for a mesh inside out, and grow by the way that a mesh
 // is moved off.
 TEST(Distances, OfMeshesInsideOutAndFarOff) {
