@@ -9,6 +9,7 @@
 #include "analysis/facet_tree.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -29,8 +30,12 @@ constexpr std::size_t kUnsorted = FacetTree::kLeaf * FacetTree::kWidth;
 // the least exponent, a width beyond all doubles the largest.
 int width_exponent(const Box& box) {
   const Vec3d side = box.upper - box.lower;
-  const int exponent = std::ilogb(std::max({side.x, side.y, side.z}));
-  return std::clamp(exponent, -1074, 1024);
+  const double width = std::max({side.x, side.y, side.z});
+  // Of normal numbers the exponent is read from their bits, which is quicker.
+  constexpr int kBits = 52, kBias = 1023;
+  const auto field = static_cast<int>(std::bit_cast<std::uint64_t>(width) >> kBits);
+  if (field > 0 && field <= 2 * kBias) return field - kBias;
+  return std::clamp(std::ilogb(width), -1074, 1024);
 }
 
 // 0 for triangles up to about 16 times as wide as the mean, and another class for each factor of 16
@@ -84,7 +89,7 @@ class FacetOrder {
   void sort(std::size_t first, std::size_t end) {
     const Box all = box_of_middles(first, end);
     const double cells = std::ldexp(1.0, axis_bits_);
-    for_each_index(end - first, [&](std::size_t i) {
+    for_all(end - first, [&](std::size_t i) {
       const std::uint32_t t = triangle(first + i);
       const Box box = box_of(mesh_, t);
       const Vec3d p = middle_of(box);
@@ -161,7 +166,7 @@ Box FacetTree::Node::all() const {
 // Makes the nodes above the leaves. The boxes of leaves that are not there stay empty.
 void FacetTree::make_bottom(const IndexedMesh& mesh) {
   Buffer<Node> nodes(block_count(order_.size(), kLeaf * kWidth));
-  for_each_index(nodes.size(), [&](std::size_t n) {
+  for_all(nodes.size(), [&](std::size_t n) {
     for (std::size_t child = 0; child < kWidth; ++child) {
       const std::size_t first = kLeaf * (kWidth * n + child);
       Box box = empty_box();

@@ -20,6 +20,7 @@
 #include "analysis/facet_pair_exact.hpp"
 #include "analysis/facet_tree.hpp"
 #include "analysis/mesh_measures.hpp"
+#include "core/blocks.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/multiversion.hpp"
 
@@ -148,7 +149,7 @@ class HomeSearch {
 // The triangles that have an area.
 Buffer<std::uint32_t> without_flat(const IndexedMesh& mesh) {
   Buffer<std::uint8_t> has_area(mesh.triangle_count());
-  for_each_index(has_area.size(), [&](std::size_t t) {
+  for_all(has_area.size(), [&](std::size_t t) {
     has_area[t] = !is_flat(facet_of(mesh, static_cast<std::uint32_t>(t)));
   });
   Buffer<std::uint32_t> chosen(mesh.triangle_count());
