@@ -6,6 +6,7 @@
 #include "analysis/distances_tree.hpp"
 
 #include "analysis/box_tree_build.hpp"
+#include "core/blocks.hpp"
 #include "core/fixed_blocks.hpp"
 #include "core/sort_keys.hpp"
 
@@ -16,8 +17,7 @@ namespace {
 template <class BoxOf>
 Buffer<BoxNode> make_level(std::size_t count, const BoxOf& scaled_box_of) {
   Buffer<BoxNode> nodes(nodes_over(count));
-  for_each_index(nodes.size(),
-                 [&](std::size_t n) { nodes[n] = node_over(n, count, scaled_box_of); });
+  for_all(nodes.size(), [&](std::size_t n) { nodes[n] = node_over(n, count, scaled_box_of); });
   return nodes;
 }
 
@@ -36,7 +36,7 @@ BoxTree::BoxTree(std::uint32_t count, const Box& world,
 void BoxTree::sort(std::uint32_t count, const std::function<Box(std::uint32_t)>& box_of) {
   const MortonKeys morton(count);
   Buffer<std::uint64_t> keys(count);
-  for_each_index(count, [&](std::size_t i) {
+  for_all(count, [&](std::size_t i) {
     keys[i] = morton.key(i, scaled(view_, middle(box_of(static_cast<std::uint32_t>(i)))));
   });
   sort_keys({keys.data(), keys.size()}, morton.index_bits());
