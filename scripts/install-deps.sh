@@ -8,6 +8,7 @@
 #     docs: Doxygen and Python-Markdown too, which the targets docs_api and docs_site need
 #     manual: man, groff and zsh too, by which tests read man pages and completions
 #     packages: what checks packages for Debian and tries them (scripts/release-check.sh)
+#     container: what builds the container where no registry can be reached (scripts/try-container.sh)
 #     anchors: VTK and OpenVDB too, which benchmarks compare with (1 GB)
 set -euo pipefail
 
@@ -34,9 +35,10 @@ for group in "$@"; do
     docs) packages+=(doxygen python3-markdown) ;;
     manual) packages+=(man-db groff zsh) ;;
     packages) packages+=(dpkg-dev file lintian debootstrap) ;;
+    container) packages+=(buildah crun debootstrap) ;;
     anchors) packages+=(libvtk9-dev libopenvdb-dev libxml2-dev libjson-c-dev) ;;
     fuzz) packages+=(clang-19 libclang-rt-19-dev clang-tidy-19) ;;
-    *) echo "install-deps: no group $group; there are program (first), browser, witnesses, docs, manual, packages, fuzz and anchors" >&2; exit 1 ;;
+    *) echo "install-deps: no group $group; there are program (first), browser, witnesses, docs, manual, packages, container, fuzz and anchors" >&2; exit 1 ;;
   esac
 done
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Whether this tree can be released: a line for each item of the checklist, and exit code 1 if one fails.
-#   scripts/release-check.sh            all of it; needs root for the trial of the packages
+# Whether this tree can be released: a table with a line for each item of the checklist, what became of it and
+# how long it took, and exit code 1 if one fails.
+#   scripts/release-check.sh            all of it; needs root for the trials of packages and container
 #   scripts/release-check.sh --quick    what needs no building
 # The version stands in CMakeLists.txt. To release: set the date in CHANGELOG.md, let this script and .ci/run
 # pass, and tag the commit with the version.
@@ -12,16 +13,15 @@ log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 failed=0
 
+row() { printf '%-7s %8s  %s\n' "$1" "$2" "$3"; }
 item() {
-  local what=$1
+  local what=$1 begin=$SECONDS result=ok
   shift
-  if "$@" > "$log" 2>&1; then
-    echo "ok      $what"
-  else
-    echo "FAILED  $what"
-    tail -15 "$log" | sed 's/^/        /'
-    failed=1
-  fi
+  "$@" > "$log" 2>&1 || result=FAILED
+  row "$result" "$((SECONDS - begin)) s" "$what"
+  [ "$result" = ok ] && return
+  tail -15 "$log" | sed 's/^/                  /'
+  failed=1
 }
 
 tree_is_clean() { git status --porcelain | tee /dev/stderr | wc -l | grep -qx 0; }
@@ -47,8 +47,14 @@ wheel_builds() {
   rm -rf "$folder"
   return $status
 }
+container_works() {
+  local cache=${CCACHE_DIR:-$HOME/.cache/ccache}
+  mkdir -p "$cache"
+  scripts/install-deps.sh container && scripts/try-container.sh --volume "$cache:/root/.cache/ccache"
+}
 
 echo "release-check: version $version, $(git describe --always --dirty)"
+row result time step
 item "versions agree, and the changelog has a date" python3 -B tests/sources/check_versions.py . --release
 item "links between documents" python3 -B tests/sources/check_links.py .
 item "sources keep the rules" python3 -B tests/sources/check_sources.py .
@@ -61,5 +67,7 @@ if [ "${1:-}" != --quick ]; then
   item "lintian finds nothing" lintian_is_silent
   item "packages work in a bare Debian" scripts/try-packages.sh
   item "wheel builds" wheel_builds
+  item "container builds, and works" container_works
 fi
+row "$([ $failed = 0 ] && echo ok || echo FAILED)" "$SECONDS s" "together"
 exit $failed

@@ -22,6 +22,7 @@ constexpr VerbSet kDistances = kReport | kCompare | kStudy | kBatch;
 constexpr VerbSet kPictures = kReport | kCompare | kRender;
 constexpr VerbSet kBenches = kThesisBench | kPipelineBench;
 constexpr VerbSet kWorking = kStructures | kThesisBench;
+constexpr VerbSet kExcluded = kExact | kMesh | kReport | kCompare | kRender | kStudy;
 constexpr VerbSet kReports = kMesh | kReport | kExact | kCompare;
 
 constexpr const char* kFormats =
@@ -90,11 +91,17 @@ Reader lengths_of_selections(Draft& d) {
 std::vector<Option> input_options(Draft& d) {
   ReadOptions& r = d.read;
   const std::optional<Inclusion> keep = Inclusion::keep, drop = Inclusion::drop;
+  const Kind<double> probe = number("Å", Range::finite, "1.4");
   return {
       {"MESH", kCompare, one(d.options.mesh_path, text(""), Use::reads),
        "mesh file: .ply .obj .off .stl or .glb",
        required("name a mesh file (.ply .obj .off .stl .glb), then INPUT")},
-      {"INPUT", kOneInput, inputs(d.paths, Times::once), kFormats, required(kNameInput),
+      {"INPUT", kOneInput & ~kRender, inputs(d.paths, Times::once), kFormats, required(kNameInput),
+       "--sample"},
+      {"INPUT", kRender, inputs(d.paths, Times::once),
+       "structure: " + std::string(kFormats) + "; or a mesh: .ply .obj .off .stl .glb",
+       required("name a structure file (.pdb .cif ...) or a mesh file (.ply .stl ...), or --sample "
+                "ubiquitin"),
        "--sample"},
       {"INPUT", kSeveralInputs, inputs(d.paths, Times::often), kFormats, required(kNameInput),
        "--sample"},
@@ -112,14 +119,20 @@ std::vector<Option> input_options(Draft& d) {
        "bondi, alvarez; united atoms, without hydrogens: protor, naccess, oons; or a file of lines "
        "ELEMENT RADIUS or RESIDUE ATOM RADIUS",
        by_default("bondi")},
-      {"--probe", kStructures, one(d.probe, number("Å", Range::finite, "1.4")),
-       "added to every radius", otherwise("0; 1.4 with --surface excluded")},
+      {"--probe", kStructures & kExcluded, one(d.probe, probe),
+       "radius of a probe of solvent, 1.4 for water: added to every radius, or with --surface "
+       "excluded rolled over the atoms",
+       otherwise("0; 1.4 with --surface excluded")},
+      {"--probe", kStructures & ~kExcluded, one(d.probe, probe),
+       "radius of a probe of solvent, 1.4 for water: added to every radius", by_default("0")},
       {"--model", kStructures, one(r.model, text("N", {"first", "all"})),
        "model number, first, or all models as one set", by_default("first")},
       {"--assembly", kStructures, one(r.assembly, text("NAME", {"asymmetric"})),
-       "biological assembly of the file", by_default("asymmetric")},
+       "biological assembly of the file, such as 1", by_default("asymmetric")},
       {"--select", kStructures, one(r.select, text("SELECTION")),
-       "gemmi selection, such as A, A/10-40 or (HEM), after the water rule",
+       "only these atoms, such as A (a chain), A/10-40 (residues), A/10/CA or (HEM): a selection "
+       "of "
+       "gemmi, after the water rule",
        otherwise("everything")},
       {"--altloc", kStructures, one(r.altloc, text("LABEL", {"highest"})),
        "alternate locations: highest, or a label", by_default("highest")},
@@ -136,14 +149,18 @@ std::vector<Option> surface_options(Draft& d) {
   SurfaceOptions& s = d.options.surface;
   const auto length = [](const char* example) { return number("Å", Range::positive, example); };
   const Kind<int> levels = whole<int>(0, kMaxSubdivisions);
-  const char *subdivide = "midpoint subdivisions, Newton projection after each",
+  const char *subdivide = "midpoint subdivisions; the new vertices move to the surface after each",
              *project = "surface that vertices are moved to after a subdivision";
   return {
+      {"--surface", kExcluded, one(d.options.exact.surface, named<ExactSurface>()),
+       "which one: vdw is the boundary of the balls, with --probe the accessible surface; excluded "
+       "is the solvent-excluded one",
+       by_default("vdw")},
       {"--mesher", kSurfaces, one(d.mesher, named<Mesher>()),
        "exact follows the creases, with one atom per triangle",
        otherwise("exact; marching-cubes with --spacing, --padding, --preset or a blended --field")},
-      {"--edge-length", kSurfaces, one(s.edge_length, length("0.35")), "of --mesher exact",
-       by_default("0.35")},
+      {"--edge-length", kSurfaces, one(s.edge_length, length("0.35")),
+       "length of the mesh's edges; marching cubes take --spacing instead", by_default("0.35")},
       {"--relative-edge", kSurfaces, one(s.grading.relative, number("N", Range::positive, "0.2")),
        "edge length as a share of the radius; beside --edge-length the shorter one holds",
        no_default()},
@@ -158,7 +175,7 @@ std::vector<Option> surface_options(Draft& d) {
        by_default("vdw")},
       {"--preset", kGrids, one(s.field.preset, named<FieldPreset>()),
        "parameters of the blended fields", by_default("radius-aware")},
-      {"--spacing", kGrids, one(d.spacing, length("0.5")), "grid spacing",
+      {"--spacing", kGrids, one(d.spacing, length("0.5")), "of the grid of marching cubes",
        otherwise("0.5; thesis presets 0.4")},
       {"--padding", kGrids, one(d.padding, number("Å", Range::non_negative, "1.5")),
        "grid beyond the box of the spheres", otherwise("3 spacings")},
@@ -181,21 +198,21 @@ std::vector<Option> surface_options(Draft& d) {
 // The axes of a study: the options of a single mesh, each with several values.
 std::vector<Option> axis_options(StudyAxes& a) {
   const Kind<double> length = number("Å", Range::positive, "1,0.5,0.25");
-  return {
-      {"--mesher", kStudy, several(a.meshers, named<Mesher>()), "meshers",
-       by_default("marching-cubes,exact")},
-      {"--edge-length", kStudy, several(a.edge_lengths, length), "edge lengths, of --mesher exact",
-       by_default("0.7,0.35")},
-      {"--spacing", kStudy, several(a.spacings, length), "grid spacings", by_default("1,0.5,0.25")},
-      {"--subdivide", kStudy, several(a.subdivisions, whole<int>(0, kMaxSubdivisions)),
-       "numbers of subdivisions", by_default("0,1")},
-      {"--field", kStudy, several(a.fields, named<FieldKind>()), "fields",
-       by_default("vdw,blinn,soft,inverse-squared")},
-      {"--project", kStudy, several(a.projections, named<StudyProjection>()),
-       "surfaces that vertices are moved to after a subdivision; own is that of the field",
-       by_default("own,vdw")},
-      {"--backend", kStudy, several(a.backends, named<Backend>()), "who makes the meshes",
-       by_default("auto")}};
+  return {{"--mesher", kStudy, several(a.meshers, named<Mesher>()), "meshers",
+           by_default("marching-cubes,exact")},
+          {"--edge-length", kStudy, several(a.edge_lengths, length),
+           "edge lengths, of --mesher exact", by_default("0.7,0.35")},
+          {"--spacing", kStudy, several(a.spacings, length), "grid spacings, of marching cubes",
+           by_default("1,0.5,0.25")},
+          {"--subdivide", kStudy, several(a.subdivisions, whole<int>(0, kMaxSubdivisions)),
+           "numbers of subdivisions", by_default("0,1")},
+          {"--field", kStudy, several(a.fields, named<FieldKind>()), "fields",
+           by_default("vdw,blinn,soft,inverse-squared")},
+          {"--project", kStudy, several(a.projections, named<StudyProjection>()),
+           "surfaces that vertices are moved to after a subdivision; own is that of the field",
+           by_default("own,vdw")},
+          {"--backend", kStudy, several(a.backends, named<Backend>()), "who makes the meshes",
+           by_default("auto")}};
 }
 
 // What is computed of the union and the mesh. The defaults are what a person waits for; costly
@@ -206,11 +223,6 @@ std::vector<Option> measure_options(Draft& d) {
   return {
       {"--measure", kReport | kExact | kBatch | kRanksExact, one(d.read.measure, text("SELECTION")),
        "measure only these atoms; all others cover them (as --select)", otherwise("all atoms")},
-      {"--surface", kExact | kMesh | kReport | kCompare | kRender | kStudy,
-       one(o.exact.surface, named<ExactSurface>()),
-       "vdw: boundary of the balls, with --probe the accessible surface; excluded: the "
-       "solvent-excluded surface, with a probe of 1.4 Å unless --probe says otherwise",
-       by_default("vdw")},
       {"--method", kReport | kExact | kCompare | kBatch, one(d.method, named<UnionMethod>()),
        "of the exact union", otherwise("auto: cgal; arcs without the whole topology")},
       {"--topology", kReport | kExact | kCompare, one(d.topology, named<TopologyRequest>()),
@@ -348,11 +360,13 @@ std::vector<Option> output_options(Draft& d) {
        one(o.output.json, text("FILE"), Use::writes), "the report as JSON; - is standard output"},
       {"--csv", kBenches, one(o.output.csv, text("FILE"), Use::writes),
        "the table as CSV; - is standard output"},
-      {"--per-atom", kReport | kExact | kRanksExact,
-       one(o.output.per_atom, text("FILE"), Use::writes),
+      {"--per-atom", kReport, one(o.output.per_atom, text("FILE"), Use::writes),
        "CSV of radius, exact area, mesh area, exact volume; - is standard output"},
+      {"--per-atom", kExact | kRanksExact, one(o.output.per_atom, text("FILE"), Use::writes),
+       "CSV of radius, exact area, exact volume; - is standard output"},
       {"--group", kReport | kExact | kRanksExact, one(o.output.group, named<AtomGroup>()),
-       "rows of --per-atom", by_default("atom")},
+       "rows of --per-atom; of residues with the relative areas of radius sets such as protor",
+       by_default("atom")},
       {"--voids", kReport | kExact, one(o.output.voids, text("FILE"), Use::writes),
        "CSV of the voids: volume, area, centre, clearance, atoms; - is standard output"}};
 }

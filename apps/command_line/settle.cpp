@@ -126,7 +126,7 @@ void settle_excluded_mesh(Draft& d) {
   d.mesher = Mesher::exact;
   const std::string other = first_given(d, {"--relative-edge", "--edge-length-of", "--edge-lengths",
                                             "--project", "--crossings", "--devices"});
-  refuse_if(!other.empty(), "{}: is not of the excluded surface; leave out --surface excluded",
+  refuse_if(!other.empty(), "{}: does not go with --surface excluded; leave one of them out",
             other);
 }
 
@@ -167,7 +167,7 @@ void settle_input(Draft& d) {
     d.options.inputs.push_back({"", sample, d.read, d.probe});
   }
   refuse_if(d.options.inputs.size() > 1 && !(d.verb & (kSeveralInputs | kBatch)),
-            "--sample: only one structure is taken");
+            "--sample: takes one structure here; name ubiquitin or bpti");
 }
 
 // A mesh file is drawn as it is: what is said about structures would be lost on it.
@@ -185,8 +185,7 @@ void settle_render(const Draft& d) {
             "--color: a mesh file has no atoms; vdwmesh compare MESH INPUT --picture FILE.png "
             "colours it by distance");
   for (const auto& [name, group] : d.given) {
-    const bool of_structures =
-        group == kInputGroup || group == kSurfaceGroup || name == "--surface";
+    const bool of_structures = group == kInputGroup || group == kSurfaceGroup;
     refuse_if(name != "INPUT" && of_structures,
               "{}: is of structures; {} is a mesh, which is drawn as it is", name, d.paths.front());
   }
@@ -224,13 +223,14 @@ void settle_exact(Draft& d) {
 void settle_excluded(Draft& d) {
   if (d.options.exact.surface != ExactSurface::excluded) return;
   const std::string other = first_given(d, {"--method", "--certify", "--measure", "--voids"});
-  refuse_if(!other.empty(), "{}: is not of the excluded surface; leave out --surface excluded",
+  refuse_if(!other.empty(), "{}: does not go with --surface excluded; leave one of them out",
             other);
   refuse_if(d.topology == TopologyRequest::counts,
-            "--topology counts: the excluded surface knows on and off");
+            "--topology counts: --surface excluded knows on and off");
   const bool cuda = d.options.machine.backend == Backend::cuda;
   refuse_if(cuda && d.verb != kExact,
-            "--backend cuda: meshes of the excluded surface are made and judged on the CPU");
+            "--backend cuda: meshes of the excluded surface are made and judged on the CPU; leave "
+            "it out");
   refuse_if(cuda && d.topology == TopologyRequest::full,
             "--topology on: shells are found on the CPU; leave out --backend cuda");
   for (InputOptions& input : d.options.inputs) {
@@ -267,7 +267,7 @@ void settle_output(const Draft& d) {
     mesh_format(path);
   }
   refuse_if(is_given(d, "--group") && !is_given(d, "--per-atom"),
-            "--group: says how --per-atom FILE is grouped, and needs it");
+            "--group: says how --per-atom FILE is grouped; add that");
 }
 
 // Where nothing can draw, that is said before any work.
@@ -275,7 +275,7 @@ void settle_picture(const Draft& d) {
   const std::filesystem::path path = d.options.picture.path;
   for (const auto& [name, group] : d.given) {
     refuse_if(group == kPictureGroup && path.empty(),
-              "{}: says how --picture FILE is drawn, and needs it", name);
+              "{}: says how --picture FILE is drawn; add that", name);
   }
   if (path.empty()) return;
   refuse_if(path.extension() != ".png", "{} {}: pictures are PNG; name a .png file",
@@ -315,12 +315,13 @@ void settle_batch(Draft& d) {
 void settle_excluded_study(Draft& d) {
   StudyAxes& axes = d.options.study.axes;
   const std::string other = first_given(d, {"--spacing", "--field", "--project"});
-  refuse_if(!other.empty(), "{}: is not of the excluded surface; leave out --surface excluded",
+  refuse_if(!other.empty(), "{}: does not go with --surface excluded; leave one of them out",
             other);
   refuse_if(is_given(d, "--mesher") && axes.meshers != std::vector{Mesher::exact},
             "--mesher: --surface excluded is meshed along its curves, which is --mesher exact");
   refuse_if(std::ranges::count(axes.backends, Backend::cuda) > 0,
-            "--backend cuda: meshes of the excluded surface are made and judged on the CPU");
+            "--backend cuda: meshes of the excluded surface are made and judged on the CPU; leave "
+            "it out");
   axes.meshers = {Mesher::exact};
   axes.backends = {Backend::cpu};
   axes.spacings.clear();

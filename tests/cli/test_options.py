@@ -282,8 +282,9 @@ class Help(ProgramTest):
     def test_groups_in_order(self):
         for verb, groups in {
             "report": ["Input", "Surface", "Measures", "Picture", "Output", "Machine"],
-            "exact": ["Input", "Measures", "Output", "Machine"],
-            "study": ["Input", "Sweep", "Measures", "Output", "Machine"],
+            "exact": ["Input", "Surface", "Measures", "Output", "Machine"],
+            "batch": ["Input", "Surface", "Measures", "Output", "Machine"],
+            "study": ["Input", "Surface", "Sweep", "Measures", "Output", "Machine"],
             "bench thesis": ["Benchmark", "Output", "Machine"],
             "info": ["Output"],
         }.items():
