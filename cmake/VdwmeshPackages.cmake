@@ -52,7 +52,7 @@ vdwmesh_package(program NAME vdwmesh SECTION science
   SUMMARY "surfaces of molecules as meshes, with proof of how good they are"
   TEXT "This package has the program. Pictures are drawn by OpenGL through EGL,
 with Mesa in software where there is no GPU."
-  RECOMMENDS "libegl1, libgl1-mesa-dri")
+  RECOMMENDS "libegl1, libopengl0, libgl1-mesa-dri")
 vdwmesh_package(mpi NAME vdwmesh-mpi SECTION science
   SUMMARY "surfaces of very large molecules by many processes (MPI)"
   TEXT "This package has the program vdwmesh-mpi, whose processes make one mesh file

@@ -7,6 +7,7 @@
 // fail, the error lists the reason of each.
 #include "render/egl_context.hpp"
 
+#include <dlfcn.h>
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 
@@ -30,6 +31,27 @@ bool lists(const char* extensions, std::string_view name) {
 template <class Function>
 Function address_of(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
+}
+
+bool has_library(const char* name) {
+  void* library = dlopen(name, RTLD_LAZY | RTLD_LOCAL);
+  if (library != nullptr) dlclose(library);
+  return library != nullptr;
+}
+
+// epoxy opens the libraries at the first call of a function of theirs, and ends the program if
+// there are none: so they are looked for before. The packages are named because no other package
+// brings all of them.
+void require_libraries() {
+  constexpr const char* kPackages =
+      "Debian's packages libegl1, libopengl0 and libgl1-mesa-dri draw without a GPU";
+  if (!epoxy_has_egl()) {
+    throw BackendUnavailable(fmt::format("no pictures: there is no libEGL.so.1; {}", kPackages));
+  }
+  if (!has_library("libOpenGL.so.0") && !has_library("libGL.so.1")) {
+    throw BackendUnavailable(
+        fmt::format("no pictures: there is neither libOpenGL.so.0 nor libGL.so.1; {}", kPackages));
+  }
 }
 
 struct NamedDisplay {
@@ -101,7 +123,7 @@ EGLConfig choose_config(EGLDisplay display) {
 }  // namespace
 
 EglContext::EglContext() {
-  if (!epoxy_has_egl()) throw BackendUnavailable("no pictures: there is no libEGL.so.1");
+  require_libraries();
   std::string reasons;
   for (const NamedDisplay& candidate : displays_without_window()) {
     if (!try_open(candidate.display, candidate.name, reasons)) continue;
