@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +25,10 @@ def floats(name: str, value: Any, shape: str) -> NDArray[Any]:
     if hasattr(value, "__cuda_array_interface__"):  # CuPy's have __array__ too, which refuses
         raise BackendUnavailable(
             f"{name}: is on a CUDA device, from where it is not read; copy it to the host"
+        )
+    if isinstance(value, (str, os.PathLike)):
+        raise InvalidInput(
+            f"{name}: {os.fspath(value)!r} is no array of shape {shape}; vdwmesh.read(path) reads a structure file"
         )
     try:
         array = np.asarray(value)

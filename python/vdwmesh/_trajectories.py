@@ -6,6 +6,7 @@ the other one is worked on; a third is never there, so memory does not depend on
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from itertools import chain, islice
 from queue import Queue
@@ -85,6 +86,11 @@ class Window(NamedTuple):
 
 def trajectory_of(traj: Any, select: Any, window: Window) -> Trajectory:
     """The frames of the argument `traj`, whatever it is."""
+    if isinstance(traj, (str, os.PathLike)):
+        raise InvalidInput(
+            f"traj: {os.fspath(traj)!r} is a path; give what a reader makes of it, such as "
+            "MDAnalysis.Universe(topology, path) or mdtraj.load(path, top=topology)"
+        )
     if comes_from("MDAnalysis", traj):
         return _of_mdanalysis(traj, select, window)
     if comes_from("mdtraj", traj):

@@ -1,5 +1,6 @@
 """Wrong arguments are a ValueError of one line that names the argument and the element."""
 
+import pathlib
 import unittest
 
 import numpy as np
@@ -17,6 +18,8 @@ WRONG = [
     (np.zeros((0, 3)), [], {}, "coords: is empty"),
     (np.zeros((1, 1, 3)), SIZE, {}, "coords: has shape (1, 1, 3)"),
     ([["a", "b", "c"]], SIZE, {}, "coords: "),
+    ("a.pdb", None, {}, "coords: 'a.pdb' is no array of shape (N, 3); vdwmesh.read(path) reads a structure file"),
+    (pathlib.Path("a.pdb"), SIZE, {}, "coords: 'a.pdb' is no array of shape (N, 3); vdwmesh.read(path)"),
     ([[0, 0, 0], [1, 1]], SIZE, {}, "coords: "),
     (np.zeros((1, 3), complex), SIZE, {}, "coords: has elements of type complex128"),
     ([[0, NAN, 0]], SIZE, {}, "coords[0]: (0, nan, 0)"),

@@ -142,6 +142,7 @@ class ArraysTest(unittest.TestCase):
             ("traj: has no frames", frames, {"start": 9}),
             ("traj: has no frames", iter(frames), {"start": 9}),
             ("traj: frame 0 has shape (3,)", [[1, 2, 3]], {}),
+            ("traj: 'a.xtc' is a path; give what a reader makes of it, such as MDAnalysis", "a.xtc", {}),
             ("radii: has 2 radii for 454 atoms", frames, {"radii": [1, 1]}),
             ("radii: are needed", frames, {"radii": "bondi"}),
             ("radii[0]: -1", frames, {"radii": -self.radii / self.radii[0]}),
