@@ -14,8 +14,10 @@
 #include "command_line/help.hpp"
 #include "command_line/option_list.hpp"
 #include "core/errors.hpp"
+#include "mesh/mesh_io.hpp"
 #include "output.hpp"
 #include "refuse.hpp"
+#include "structure/reader.hpp"
 
 namespace vdwmesh::apps {
 namespace {
@@ -52,8 +54,13 @@ const Verb& take_verb(const Program& program, Words& words) {
     const WordViews known = words_of_verbs(program, before);
     const std::string what =
         given.empty() ? "VERB: missing" : given + ": not a verb" + suggestion(given, known);
-    throw InvalidInput(fmt::format("{}{}; the verbs are {}; {} {}--help says what each does",
-                                   before, what, fmt::join(known, " "), program.name, before));
+    // A file alone is what people type who do not know verbs yet.
+    const std::string example = has_structure_extension(given)
+                                    ? fmt::format(", for example {} exact {}", program.name, given)
+                                    : "";
+    throw InvalidInput(fmt::format("{}{}; the verbs are {}{}; {} {}--help says what each does",
+                                   before, what, fmt::join(known, " "), example, program.name,
+                                   before));
   }
   words.erase(words.begin());
   return *verb;
@@ -164,13 +171,21 @@ class Reading {
 
   [[noreturn]] void refuse_word(const std::string& word) const {
     const std::string name = word.substr(0, word.find('='));
-    if (!name.starts_with('-')) throw InvalidInput(word + ": one argument too many" + see_help());
+    if (!name.starts_with('-')) refuse("{}: one argument too many{}", word, advice_on(word));
     WordViews known;
     for (const OptionGroup& group : groups_) {
       for (const Option& option : group.options) known.push_back(option.long_name());
     }
     refuse("{}: not an option of {} {}{}{}", name, program_.name, verb_.name,
            suggestion(name, known), see_help());
+  }
+
+  // What the name of a file that nobody asked for was most likely meant for.
+  std::string advice_on(const std::string& word) const {
+    const bool is_output = find_mesh_format(word) || word.ends_with(".png");
+    if (is_output && added_.contains("-o")) return "; an output is named by -o FILE";
+    if (has_structure_extension(word)) return "; vdwmesh batch takes many structures";
+    return see_help();
   }
 
   std::string see_help() const {

@@ -67,11 +67,12 @@ void settle_mesher(Draft& d) {
   refuse_if(!exact && !of_edges.empty(),
             "{}: is of --mesher exact; marching cubes, which {} asks for, takes --spacing instead",
             of_edges, s.mesher_reason);
+  const char* asked = s.kind == ExactSurface::excluded ? "--surface excluded" : "--mesher exact";
   refuse_if(exact && s.field.kind != FieldKind::vdw,
-            "--field {}: --mesher exact meshes the union of the spheres, which is --field vdw",
-            name_of(s.field.kind));
-  refuse_if(exact && !of_grid.empty(),
-            "{}: --mesher exact has no grid; --edge-length sets the size", of_grid);
+            "--field {}: {} is of the spheres themselves, which is --field vdw",
+            name_of(s.field.kind), asked);
+  refuse_if(exact && !of_grid.empty(), "{}: {} has no grid; --edge-length sets the size", of_grid,
+            asked);
 }
 
 // Meshes of marching cubes are projected once before they are looked at or measured, because their

@@ -354,6 +354,7 @@ class FirstMistakes(ProgramTest):
         self.says("help", next_step="vdwmesh --help says what each does")
         self.says("repot", UBIQUITIN, next_step="did you mean report?")
         self.says("bench", next_step="vdwmesh bench --help")
+        self.says("1UBQ.pdb", next_step=", for example vdwmesh exact 1UBQ.pdb;")
 
     def test_inputs(self):
         self.says("exact", next_step="--sample ubiquitin")
@@ -365,6 +366,7 @@ class FirstMistakes(ProgramTest):
         self.says("exact", self.file("a.xtc", "x"), next_step="give the structure file")
         self.says("exact", self.file("a.pdb", "<!doctype html>"), next_step="get the file itself")
         self.says("exact", "-", next_step="needs --format")
+        self.says("exact", UBIQUITIN, "more.pdb", next_step="; vdwmesh batch takes many structures")
         self.says("exact", "--sample", "bpti", UBIQUITIN, next_step="give only one of them")
         self.says("batch", self.folder / "none", next_step="name a structure file, a folder, a tar archive or a list")
         (self.folder / "empty").mkdir()
@@ -372,6 +374,8 @@ class FirstMistakes(ProgramTest):
 
     def test_outputs(self):
         self.says("mesh", UBIQUITIN, next_step="name the mesh file to write")
+        self.says("mesh", UBIQUITIN, "a.stl", next_step="; an output is named by -o FILE")
+        self.says("exact", UBIQUITIN, "a.stl", next_step="; vdwmesh exact --help")
         self.says("mesh", UBIQUITIN, "-o", "a.xyz", next_step=".ply .obj .off .stl or .glb")
         self.says("mesh", UBIQUITIN, "-o", self.folder / "no" / "a.ply", next_step="make it first")
         self.says("render", UBIQUITIN, "-o", "a.jpg", next_step="name a .png file")
@@ -384,6 +388,9 @@ class FirstMistakes(ProgramTest):
         self.says("exact", UBIQUITIN, "--surface", "ses", next_step="choose vdw or excluded")
         self.says("mesh", UBIQUITIN, "-o", "a.ply", "--edge-length", "1", "--spacing", "1",
                   next_step="takes --spacing instead")
+        self.says("mesh", UBIQUITIN, "-o", "a.ply", "--surface", "excluded", "--spacing", "1",
+                  next_step="--surface excluded has no grid; --edge-length sets the size")
+        self.says("exact", UBIQUITIN, "--surface", "excluded", "--certify", next_step="leave one of them out")
         self.says("mesh", UBIQUITIN, "-o", "a.ply", "--spacing", "1000", next_step="try --spacing")
 
     def test_help_says_how_to_begin(self):
