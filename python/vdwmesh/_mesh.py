@@ -232,7 +232,7 @@ def mesh(
         Of marching cubes: nodes lie at multiples of the spacing wherever the atoms are, so meshes of
         frames change only where atoms move. By default the grid moves with the molecule.
     device : {"auto", "cpu", "cuda"}
-        Where marching cubes and subdivision run.
+        Where marching cubes, the patches of the exact mesher and subdivision run.
 
     Returns
     -------
