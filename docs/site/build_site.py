@@ -6,7 +6,7 @@
 `pages.csv` beside this program lists the pages. Each is a Markdown file of the project, as GitHub reads
 them: python3-markdown converts it, and around it come the list of all pages and links to the one before
 and the one behind. Links to listed Markdown files lead to their pages; other files of the project that
-pages link to or show are copied. A page that is not listed, or a link to a file that is not there, ends
+pages link to or show are copied, and names of headers lead to their reference by Doxygen. A page that is not listed, or a link to a file that is not there, ends
 the program with a message.
 """
 
@@ -28,6 +28,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 SOURCES = HERE.parent.parent
 LINK = re.compile(r'\b(href|src)="([^"]*)"')
 FENCE = re.compile(r"\s*(```|~~~)")
+HEADER = re.compile(r"<code>((?:\w+/)*(\w+)\.hpp)</code>(?!</a>)")
 ITEM = re.compile(r"(\s*)([-*]|\d+\.) ")
 
 
@@ -115,11 +116,19 @@ class Site:
         )
         body = converter.convert(as_github(source.read_text()))
         body = LINK.sub(lambda found: self.link(page, *found.groups()), body)
+        body = HEADER.sub(lambda found: self.header(page, *found.groups()), body)
         body = body.replace("<table>", '<div class="table"><table>').replace("</table>", "</table></div>")
         headings = converter.toc if body.count("<h2") > 2 else ""
         target = self.target / page["place"]
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(self.frame(number, page, body, headings))
+
+    def header(self, page, path, name):
+        """The name of a header, with a link to what Doxygen says of it, if that is part of the site."""
+        place = f"api/{name.replace('_', '__')}_8hpp.html"
+        if not (self.target / place).is_file():
+            return f"<code>{path}</code>"
+        return f'<a href="{self.relative(page, place)}"><code>{path}</code></a>'
 
     def link(self, page, kind, address):
         """The attribute with the address that the link has in the site."""

@@ -44,6 +44,23 @@ class Site(unittest.TestCase):
         for page in pages:
             self.assertNotRegex(page.read_text(), r"<p>[^<]*```|<p>\|", f"{page}: a block that is none")
 
+    def test_names_of_headers_lead_to_their_reference(self):
+        import build_site
+
+        sources = self.folder / "sources"
+        (sources / "docs").mkdir(parents=True)
+        (sources / "docs" / "index.md").write_text("# A\n\n`a/vertex_map.hpp`, `other.hpp`, `a/vertex_map.cpp`\n")
+        listing = sources / "pages.csv"
+        listing.write_text("section,source,title\nReference,docs/index.md,T\n")
+        api = self.folder / "api"
+        api.mkdir()
+        for name in ("index.html", "vertex__map_8hpp.html"):
+            (api / name).write_text("<p>")
+        build_site.Site(self.folder / "site", "1", sources, listing).build(api)
+        text = (self.folder / "site" / "index.html").read_text()
+        self.assertIn('<a href="api/vertex__map_8hpp.html"><code>a/vertex_map.hpp</code></a>', text)
+        self.assertIn("<code>other.hpp</code>, <code>a/vertex_map.cpp</code>", text)
+
     def test_finds_missing_anchors(self):
         _, faults = self.build_pages(index="# A\n\n[there](b.md#no)\n", b="# B\n\n## Yes\n")
         self.assertEqual(faults, ["index.html: links to b.html#no, and there is no such anchor"])
