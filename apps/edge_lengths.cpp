@@ -35,22 +35,26 @@ void read_table(const std::string& path, const Molecule& molecule, std::vector<d
 
 }  // namespace
 
-Options with_edge_lengths(Options options, const Structure& structure) {
-  SurfaceOptions& surface = options.surface;
+std::vector<double> edge_lengths_of(const SurfaceOptions& surface, const Molecule& molecule,
+                                    const SphereSet& spheres) {
   const EdgeGrading& grading = surface.grading;
-  if (surface.mesher != Mesher::exact || grading.is_uniform()) return options;
+  std::vector<double> lengths;
+  if (surface.mesher != Mesher::exact || grading.is_uniform()) return lengths;
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const double share = grading.relative.value_or(kNone);
-  for (std::size_t i = 0; i < structure.spheres.size(); ++i) {
-    const std::int32_t group = structure.molecule.atoms[i].group;
-    const double for_all =
-        std::min(surface.edge_length.value_or(kNone), share * structure.spheres[i].radius);
-    surface.edge_lengths.push_back(
-        group == kNoGroup ? for_all : grading.of_groups[static_cast<std::size_t>(group)]);
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    const std::int32_t group = molecule.atoms[i].group;
+    const double for_all = std::min(surface.edge_length.value_or(kNone), share * spheres[i].radius);
+    lengths.push_back(group == kNoGroup ? for_all
+                                        : grading.of_groups[static_cast<std::size_t>(group)]);
   }
-  if (!grading.table.empty()) {
-    read_table(grading.table, structure.molecule, surface.edge_lengths);
-  }
+  if (!grading.table.empty()) read_table(grading.table, molecule, lengths);
+  return lengths;
+}
+
+Options with_edge_lengths(Options options, const Structure& structure) {
+  options.surface.edge_lengths =
+      edge_lengths_of(options.surface, structure.molecule, structure.spheres);
   return options;
 }
 

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "analysis/mesh_measures.hpp"
-#include "arrangement/exact_mesher.hpp"
 #include "cuda/backend.hpp"
 #include "grid_checks.hpp"
 #include "refuse.hpp"
@@ -106,17 +105,10 @@ void note_other_topology(const ExactMeshStats& s, Report& report) {
 IndexedMesh mesh_arrangement(const SphereSet& spheres, const SurfaceOptions& surface,
                              const RefineOptions& refine, Report& report) {
   report.parameters = describe_parameters(surface, std::nullopt, refine.memory_limit);
-  ExactMeshOptions options;
-  options.edge_length = surface.edge_length.value_or(options.edge_length);
-  options.edge_lengths = surface.edge_lengths;
-  options.memory_limit = refine.memory_limit;
-  options.monitor = refine.monitor;
+  const ExactMeshOptions options = exact_mesh_options(surface, refine.memory_limit, refine.monitor);
   ExactMesh exact = make_exact_mesher(report.backend->requested)->mesh(spheres, options);
   account_for_fallback(exact.fallback, report);
-  report.timing.extract = exact.stats.seconds;
-  report.mesh.emplace();
-  report.mesh->arrangement = exact.stats;
-  note_other_topology(exact.stats, report);
+  describe_exact_mesh(exact.stats, report);
   if (refine.subdivisions == 0) return std::move(exact.mesh);
   RefineResult refined =
       make_refiner(report.backend->requested)->refine(spheres, exact.mesh, refine);
@@ -153,6 +145,23 @@ RefineOptions refine_options(const SurfaceOptions& surface, const Session& sessi
   refine.memory_limit = session.machine.memory_limit;
   refine.monitor = session.monitor;
   return refine;
+}
+
+ExactMeshOptions exact_mesh_options(const SurfaceOptions& surface, std::uint64_t memory_limit,
+                                    Monitor* monitor) {
+  ExactMeshOptions options;
+  options.edge_length = surface.edge_length.value_or(options.edge_length);
+  options.edge_lengths = surface.edge_lengths;
+  options.memory_limit = memory_limit;
+  options.monitor = monitor;
+  return options;
+}
+
+void describe_exact_mesh(const ExactMeshStats& stats, Report& report) {
+  report.timing.extract = stats.seconds;
+  report.mesh.emplace();
+  report.mesh->arrangement = stats;
+  note_other_topology(stats, report);
 }
 
 // The reason is of interest only where a device was possible and is not used.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "arrangement/exact_mesher.hpp"
 #include "batch/molecule_spheres.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "mesh/surface_mesh_builder.hpp"
@@ -54,6 +55,11 @@ ParametersReport describe_parameters(const SurfaceOptions& surface,
 
 // How a mesh of the surface is refined; without a grid and an observer.
 RefineOptions refine_options(const SurfaceOptions& surface, const Session& session);
+// The options of the crease-exact mesher for a surface.
+ExactMeshOptions exact_mesh_options(const SurfaceOptions& surface, std::uint64_t memory_limit,
+                                    Monitor* monitor);
+// Writes into the report what that mesher says of its mesh.
+void describe_exact_mesh(const ExactMeshStats& stats, Report& report);
 
 // What runs where `requested` was asked for and `used` was chosen.
 BackendReport describe_backend(Backend requested, Backend used);

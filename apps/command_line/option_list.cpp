@@ -156,18 +156,22 @@ std::vector<Option> surface_options(Draft& d) {
        "which one: vdw is the boundary of the balls, with --probe the accessible surface; excluded "
        "is the solvent-excluded one",
        by_default("vdw")},
-      {"--mesher", kSurfaces, one(d.mesher, named<Mesher>()),
+      {"--mesher", kSurfaces | kRanksMesh, one(d.mesher, named<Mesher>()),
        "exact follows the creases, with one atom per triangle",
-       otherwise("exact; marching-cubes with --spacing, --padding, --preset or a blended --field")},
-      {"--edge-length", kSurfaces, one(s.edge_length, length("0.35")),
+       d.verb == kRanksMesh
+           ? by_default("marching-cubes")
+           : otherwise(
+                 "exact; marching-cubes with --spacing, --padding, --preset or a blended --field")},
+      {"--edge-length", kSurfaces | kRanksMesh, one(s.edge_length, length("0.35")),
        "length of the mesh's edges; marching cubes take --spacing instead", by_default("0.35")},
-      {"--relative-edge", kSurfaces, one(s.grading.relative, number("N", Range::positive, "0.2")),
+      {"--relative-edge", kSurfaces | kRanksMesh,
+       one(s.grading.relative, number("N", Range::positive, "0.2")),
        "edge length as a share of the radius; beside --edge-length the shorter one holds",
        no_default()},
-      {"--edge-length-of", kSurfaces, lengths_of_selections(d),
+      {"--edge-length-of", kSurfaces | kRanksMesh, lengths_of_selections(d),
        "edge length of some atoms (as --select); the last one that names an atom holds",
        no_default()},
-      {"--edge-lengths", kOneSurface, one(s.grading.table, text("FILE"), Use::reads),
+      {"--edge-lengths", kOneSurface | kRanksMesh, one(s.grading.table, text("FILE"), Use::reads),
        "table of --per-atom with a column edge_length, Å; an empty field leaves the atom to the "
        "other options",
        no_default()},

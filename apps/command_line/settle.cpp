@@ -50,20 +50,21 @@ std::string option_of_marching_cubes(const Draft& d) {
 }
 
 // The crease-exact mesher has neither field nor grid. It is what people get who ask for neither,
-// but from several processes, which have marching cubes alone.
+// but from several processes: each of these arranges all balls, which limits how many there may be.
 void settle_mesher(Draft& d) {
   SurfaceOptions& s = d.options.surface;
   const std::string of_cubes = option_of_marching_cubes(d);
-  const bool is_exact = of_cubes.empty() && d.verb != kRanksMesh;
-  s.mesher = d.mesher.value_or(is_exact ? Mesher::exact : Mesher::marching_cubes);
-  s.mesher_reason = is_given(d, "--mesher") ? "--mesher"
-                    : d.mesher              ? "--surface"
-                    : of_cubes.empty()      ? "default"
-                                            : of_cubes;
-  const bool exact = s.mesher == Mesher::exact;
-  const std::string of_grid = first_given(d, {"--spacing", "--padding"});
   const std::string of_edges =
       first_given(d, {"--edge-length", "--relative-edge", "--edge-length-of", "--edge-lengths"});
+  const bool is_exact = of_cubes.empty() && (d.verb != kRanksMesh || !of_edges.empty());
+  s.mesher = d.mesher.value_or(is_exact ? Mesher::exact : Mesher::marching_cubes);
+  s.mesher_reason = is_given(d, "--mesher")            ? "--mesher"
+                    : d.mesher                         ? "--surface"
+                    : is_exact && d.verb == kRanksMesh ? of_edges
+                    : of_cubes.empty()                 ? "default"
+                                                       : of_cubes;
+  const bool exact = s.mesher == Mesher::exact;
+  const std::string of_grid = first_given(d, {"--spacing", "--padding"});
   refuse_if(!exact && !of_edges.empty(),
             "{}: is of --mesher exact; marching cubes, which {} asks for, takes --spacing instead",
             of_edges, s.mesher_reason);

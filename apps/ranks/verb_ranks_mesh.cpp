@@ -3,12 +3,14 @@
 #include <chrono>
 
 #include "distributed/components_together.hpp"
+#include "distributed/exact_piece.hpp"
 #include "distributed/examine_together.hpp"
 #include "distributed/ply_file.hpp"
 #include "distributed/refine_together.hpp"
 #include "distributed/shared_file.hpp"
 #include "distributed/surface_piece.hpp"
 #include "distributed/vtkhdf_file.hpp"
+#include "edge_lengths.hpp"
 #include "exact_steps.hpp"
 #include "grid_checks.hpp"
 #include "interrupt.hpp"
@@ -49,9 +51,12 @@ void describe(const Ranks& ranks, const SphereSet& spheres, const Options& optio
   Report& report = session.report;
   const std::uint64_t threads = ranks.sum(static_cast<std::uint64_t>(machine.threads));
   ranks.together([&] {
-    require_sensible_spacing(spheres, surface.grid.spacing);
-    report.parameters =
-        describe_parameters(surface, make_grid(spheres, surface.grid), machine.memory_limit);
+    std::optional<GridSpec> grid;
+    if (surface.mesher == Mesher::marching_cubes) {
+      require_sensible_spacing(spheres, surface.grid.spacing);
+      grid = make_grid(spheres, surface.grid);
+    }
+    report.parameters = describe_parameters(surface, grid, machine.memory_limit);
     report.backend = describe_backend(machine.backend, resolve(machine.backend));
   });
   report.backend->devices = report.backend->used == Backend::cuda ? 1 : 0;
@@ -67,7 +72,7 @@ void refine_piece(const Ranks& ranks, const SphereSet& spheres, const Options& o
   if (options.surface.subdivisions == 0) return;
   const auto begin = std::chrono::steady_clock::now();
   RefineOptions refine = refine_options(options.surface, session);
-  refine.grid = *session.report.parameters->grid;
+  if (session.report.parameters->grid) refine.grid = *session.report.parameters->grid;
   session.report.mesh->projection = refine_together(ranks, spheres, refine, piece);
   session.report.timing.refine =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -76,9 +81,37 @@ void refine_piece(const Ranks& ranks, const SphereSet& spheres, const Options& o
   }
 }
 
-SurfacePiece make_piece(const Ranks& ranks, const SphereSet& spheres, const Options& options,
-                        Session& session) {
-  describe(ranks, spheres, options, session);
+// A file that cannot hold the mesh is refused as soon as its size is known.
+void check_size(const SurfacePiece& piece, const Options& options) {
+  if (is_vtkhdf(options.mesh_path)) return;
+  check_ply_size(subdivided(piece.whole, options.surface.subdivisions));
+}
+
+// Along the creases. The first rank alone knows the atoms, by which edge lengths may differ.
+SurfacePiece make_exact_piece(const Ranks& ranks, const SharedStructure& shared,
+                              const Options& options, Session& session) {
+  std::vector<double> lengths;
+  ranks.together([&] {
+    if (!ranks.is_first()) return;
+    lengths = edge_lengths_of(options.surface, shared.molecule, shared.spheres);
+  });
+  ranks.share(lengths);
+  SurfaceOptions surface = options.surface;
+  surface.edge_lengths = std::move(lengths);
+  ExactPiece made = mesh_union_together(
+      ranks, shared.spheres,
+      exact_mesh_options(surface, session.machine.memory_limit, session.monitor));
+  describe_exact_mesh(made.stats, session.report);
+  ranks.together([&] { check_size(made.piece, options); });
+  if (session.report.backend->used == Backend::cuda) {
+    account_for_fallback("the CPU made the mesh: ranks do not mesh along creases on devices",
+                         session.report);
+  }
+  return std::move(made.piece);
+}
+
+SurfacePiece make_cubes_piece(const Ranks& ranks, const SphereSet& spheres, const Options& options,
+                              Session& session) {
   Report& report = session.report;
   SurfacePiece piece =
       mesh_together(ranks, spheres, extract_options(options, session), session.machine.backend);
@@ -86,16 +119,23 @@ SurfacePiece make_piece(const Ranks& ranks, const SphereSet& spheres, const Opti
   ranks.together([&] {
     require_triangles(piece.whole.triangles, spheres, report.parameters->grid->spacing,
                       report.parameters->isovalue);
-    if (!is_vtkhdf(options.mesh_path)) {
-      check_ply_size(subdivided(piece.whole, options.surface.subdivisions));
-    }
+    check_size(piece, options);
   });
   report.timing.field = piece.stats.field_seconds;
   report.timing.extract = piece.stats.extract_seconds;
   report.mesh.emplace();
   report.mesh->grid_clipped = piece.stats.grid_clipped;
   report.mesh->clamped_vertices = piece.stats.clamped_vertices;
-  refine_piece(ranks, spheres, options, piece, session);
+  return piece;
+}
+
+SurfacePiece make_piece(const Ranks& ranks, const SharedStructure& shared, const Options& options,
+                        Session& session) {
+  describe(ranks, shared.spheres, options, session);
+  SurfacePiece piece = options.surface.mesher == Mesher::exact
+                           ? make_exact_piece(ranks, shared, options, session)
+                           : make_cubes_piece(ranks, shared.spheres, options, session);
+  refine_piece(ranks, shared.spheres, options, piece, session);
   session.end_stage(&Timing::mesh);
   return piece;
 }
@@ -130,7 +170,7 @@ void run_ranks_mesh(const Ranks& ranks, const Options& options) {
   VerbSession session(machine_of_rank(ranks, options.machine));
   ranks.together([&] { require_format(options.mesh_path); });
   const SharedStructure shared = load_together(ranks, options.inputs.front(), session);
-  const SurfacePiece piece = make_piece(ranks, shared.spheres, options, session);
+  const SurfacePiece piece = make_piece(ranks, shared, options, session);
   measure_piece(ranks, piece, shared.spheres, session);
   write_piece(ranks, piece, shared.molecule, options.mesh_path, session);
   ranks.together([&] {

@@ -15,6 +15,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -22,7 +23,9 @@
 
 #include "arrangement/complex/measures.hpp"
 #include "arrangement/complex/topology.hpp"
+#include "arrangement/mesher/mesh_team.hpp"
 #include "arrangement/mesher/patch_device.hpp"
+#include "arrangement/mesher/split_fans.hpp"
 #include "arrangement/mesher/union_mesher.hpp"
 #include "core/disjoint_sets.hpp"
 #include "core/errors.hpp"
@@ -55,11 +58,6 @@ Arrangement arrange(const SphereSet& spheres, Monitor* monitor) {
   a.measures = gauss_bonnet(a.triangulation, a.complex);
   return a;
 }
-
-// The Euler characteristic of a closed surface, and the number of its connected pieces.
-struct SurfaceTopology {
-  std::int64_t euler_characteristic, shells;
-};
 
 // A closed triangle mesh has E = 3 F / 2 edges, so its Euler characteristic is V - F / 2.
 SurfaceTopology surface_topology(const IndexedMesh& mesh) {
@@ -117,12 +115,12 @@ BoundaryFeatures features_of(const BoundaryArcs& boundary) {
 class FeatureSizeSearch {
  public:
   FeatureSizeSearch(const Arrangement& arrangement, const ExactMeshOptions& options,
-                    PatchDevice* device)
-      : arrangement_(arrangement), options_(options), device_(device) {}
+                    PatchDevice* device, MeshTeam& team)
+      : arrangement_(arrangement), options_(options), device_(device), team_(team) {}
 
-  // Throws LimitExceeded if no set of sizes led to a mesh.
-  ExactMesh run() && {
-    if (try_sizes(kUsual)) return std::move(*best_);
+  // The mesh is the one that the team has kept. Throws LimitExceeded if no set of sizes led to one.
+  ExactMeshStats run() && {
+    if (try_sizes(kUsual)) return *best_;
     if (best_) {
       try_sizes(kFiner);
     } else {
@@ -131,22 +129,29 @@ class FeatureSizeSearch {
       }
     }
     if (!best_) throw LimitExceeded(refusal_);
-    return std::move(*best_);
+    return *best_;
   }
 
  private:
   // Returns whether these sizes gave a mesh with the topology of the union.
   bool try_sizes(const FeatureSizes& sizes) {
-    BoundaryArcs boundary = boundary_arcs(arrangement_.triangulation, arrangement_.complex, sizes);
-    BoundaryFeatures features = features_of(boundary);
+    BoundaryArcs boundary;
+    BoundaryFeatures features;
+    team_.together([&] {
+      boundary = boundary_arcs(arrangement_.triangulation, arrangement_.complex, sizes);
+      features = features_of(boundary);
+    });
     // The mesher refused the same curves in the last attempt, and would refuse them again.
     if (features == refused_) return false;
     try {
-      ExactMesh mesh =
-          mesh_boundary(arrangement_, std::move(boundary), options_with_memory_left(), device_);
-      compare(mesh);
-      const bool right = mesh.stats.euler_difference == 0 && mesh.stats.shell_difference == 0;
-      if (right || !best_) best_ = std::move(mesh);
+      ExactMeshStats stats = mesh_boundary(arrangement_, std::move(boundary),
+                                           options_with_memory_left(), device_, team_);
+      compare(stats);
+      const bool right = stats.euler_difference == 0 && stats.shell_difference == 0;
+      if (right || !best_) {
+        best_ = stats;
+        team_.keep();
+      }
       return right;
     } catch (const CurvesTooClose& error) {
       if (refusal_.empty()) refusal_ = error.what();
@@ -162,7 +167,7 @@ class FeatureSizeSearch {
   ExactMeshOptions options_with_memory_left() const {
     ExactMeshOptions options = options_;
     if (best_ && options.memory_limit != kNoMemoryLimit) {
-      options.memory_limit -= std::min(options.memory_limit, indexed_mesh_bytes(best_->mesh));
+      options.memory_limit -= std::min(options.memory_limit, team_.kept_bytes());
     }
     return options;
   }
@@ -170,18 +175,21 @@ class FeatureSizeSearch {
   // Fills the differences of topology in the stats; they are 0 at first and stay 0 if no feature
   // became a point. Then the topology is right, because the arcs and corners of the complex are
   // exact.
-  void compare(ExactMesh& mesh) {
-    if (mesh.stats.points + mesh.stats.contacts + mesh.stats.joins == 0) return;
-    if (!exact_) exact_ = surface_topology(arrangement_);
-    const SurfaceTopology found = surface_topology(mesh.mesh);
-    mesh.stats.euler_difference = found.euler_characteristic - exact_->euler_characteristic;
-    mesh.stats.shell_difference = found.shells - exact_->shells;
+  void compare(ExactMeshStats& stats) {
+    if (stats.points + stats.contacts + stats.joins == 0) return;
+    if (!exact_) {
+      team_.together([&] { exact_ = surface_topology(arrangement_); });
+    }
+    const SurfaceTopology found = team_.topology();
+    stats.euler_difference = found.euler_characteristic - exact_->euler_characteristic;
+    stats.shell_difference = found.shells - exact_->shells;
   }
 
   const Arrangement& arrangement_;
   const ExactMeshOptions& options_;
   PatchDevice* device_;
-  std::optional<ExactMesh> best_;            // first mesh made, or the one of the right topology
+  MeshTeam& team_;
+  std::optional<ExactMeshStats> best_;       // of the first mesh, or the one of the right topology
   std::optional<SurfaceTopology> exact_;     // computed when it is first needed
   std::optional<BoundaryFeatures> refused_;  // curves that the mesher refused last
   std::string refusal_;                      // message of the first refusal, for the caller
@@ -191,6 +199,39 @@ void check_edge_length(double length) {
   if (length > 0 && std::isfinite(length)) return;
   throw InvalidInput(fmt::format("the edge length must be positive and finite, not {} Å", length));
 }
+
+void check(const SphereSet& spheres, const ExactMeshOptions& options) {
+  if (spheres.empty()) throw InvalidInput("an empty set of spheres has no surface");
+  if (options.edge_lengths.empty()) check_edge_length(options.edge_length);
+  if (!options.edge_lengths.empty() && options.edge_lengths.size() != spheres.size()) {
+    throw InvalidInput(fmt::format("there are {} edge lengths for {} spheres",
+                                   options.edge_lengths.size(), spheres.size()));
+  }
+  for (const double length : options.edge_lengths) check_edge_length(length);
+}
+
+// A process that makes the whole mesh.
+class OneProcess final : public MeshTeam {
+ public:
+  std::size_t count() const override { return 1; }
+  std::size_t number() const override { return 0; }
+  void together(const std::function<void()>& work) const override { work(); }
+  void merge(std::vector<PieceSplit>&) const override {}
+  std::uint32_t least(std::uint32_t mine) const override { return mine; }
+  std::uint64_t sum(std::uint64_t mine) const override { return mine; }
+  void take(MeshPiece&& piece, std::uint64_t joined_corners) override {
+    taken_ = std::move(piece.mesh);
+    if (joined_corners > 0) split_fans(joined_corners, taken_);
+  }
+  SurfaceTopology topology() const override { return surface_topology(taken_); }
+  void keep() override { kept_ = std::move(taken_); }
+  std::uint64_t kept_bytes() const override { return indexed_mesh_bytes(kept_); }
+
+  IndexedMesh result() && { return std::move(kept_); }
+
+ private:
+  IndexedMesh taken_, kept_;
+};
 
 class CpuExactMesher final : public ExactMesher {
  public:
@@ -209,20 +250,24 @@ ExactMesh mesh_union(const SphereSet& spheres, const ExactMeshOptions& options) 
 
 ExactMesh mesh_union_with(PatchDevice* device, const SphereSet& spheres,
                           const ExactMeshOptions& options) {
-  if (spheres.empty()) throw InvalidInput("an empty set of spheres has no surface");
-  if (options.edge_lengths.empty()) check_edge_length(options.edge_length);
-  if (!options.edge_lengths.empty() && options.edge_lengths.size() != spheres.size()) {
-    throw InvalidInput(fmt::format("there are {} edge lengths for {} spheres",
-                                   options.edge_lengths.size(), spheres.size()));
-  }
-  for (const double length : options.edge_lengths) check_edge_length(length);
+  OneProcess team;
+  const ExactMeshStats stats = mesh_union_by(team, device, spheres, options);
+  return {std::move(team).result(), stats, {}};
+}
+
+ExactMeshStats mesh_union_by(MeshTeam& team, PatchDevice* device, const SphereSet& spheres,
+                             const ExactMeshOptions& options) {
   const Clock::time_point begin = Clock::now();
-  const Arrangement arrangement = arrange(spheres, options.monitor);
+  std::optional<Arrangement> arrangement;
+  team.together([&] {
+    check(spheres, options);
+    arrangement = arrange(spheres, options.monitor);
+  });
   const double arrangement_seconds = seconds_since(begin);
-  ExactMesh out = FeatureSizeSearch(arrangement, options, device).run();
-  out.stats.arrangement_seconds = arrangement_seconds;
-  out.stats.seconds = seconds_since(begin);
-  return out;
+  ExactMeshStats stats = FeatureSizeSearch(*arrangement, options, device, team).run();
+  stats.arrangement_seconds = arrangement_seconds;
+  stats.seconds = seconds_since(begin);
+  return stats;
 }
 
 }  // namespace vdwmesh

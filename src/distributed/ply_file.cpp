@@ -32,14 +32,18 @@ void write_vertices(const IndexedMesh& mesh, const VertexNumbers::Run& run,
 }
 
 // A file has fewer vertices than 2^32 (check_ply_size()).
-void write_faces(const SurfacePiece& piece, ByteSink& sink) {
+void write_faces(const SurfacePiece& piece, TriangleLabels labels, ByteSink& sink) {
   formats::ChunkWriter out(sink);
   const auto index_of = [&](std::uint32_t corner) {
     return static_cast<std::uint32_t>(piece.number_of(corner));
   };
-  for (const auto& [a, b, c] : piece.mesh.triangles) {
+  for (std::size_t t = 0; t < piece.mesh.triangle_count(); ++t) {
+    const auto& [a, b, c] = piece.mesh.triangles[t];
     out.begin_record();
     formats::write_ply_face(out, {index_of(a), index_of(b), index_of(c)});
+    if (labels == TriangleLabels::spheres) {
+      out.raw(formats::ply_sphere(piece.mesh.triangle_spheres[t]));
+    }
   }
   out.flush();
 }
@@ -50,7 +54,7 @@ void check_ply_size(const MeshSize& size) {
   if (size.vertices <= formats::kMostPlyVertices) return;
   throw LimitExceeded(
       fmt::format("{} vertices are more than the {} that a PLY file can name; a "
-                  "larger --spacing makes fewer",
+                  "larger --spacing or --edge-length makes fewer",
                   size.vertices, formats::kMostPlyVertices));
 }
 
@@ -58,16 +62,15 @@ void write_ply(const Ranks& ranks, const SurfacePiece& piece, std::span<const Rg
                SharedFile& file) {
   const MeshSize& whole = piece.whole;
   ranks.together([&] {
-    const std::string header = formats::ply_header(whole, TriangleLabels::none);
+    const std::string header = formats::ply_header(whole, piece.labels);
     if (ranks.is_first()) write_header(header, file);
     for (const VertexNumbers::Run& run : piece.numbers.runs()) {
       SharedFileSection vertices(file, header.size() + formats::kPlyVertexBytes * run.first);
       write_vertices(piece.mesh, run, colors, vertices);
     }
-    SharedFileSection faces(
-        file, header.size() + formats::kPlyVertexBytes * whole.vertices +
-                  formats::ply_face_bytes(TriangleLabels::none) * piece.first_triangle);
-    write_faces(piece, faces);
+    SharedFileSection faces(file, header.size() + formats::kPlyVertexBytes * whole.vertices +
+                                      formats::ply_face_bytes(piece.labels) * piece.first_triangle);
+    write_faces(piece, piece.labels, faces);
   });
 }
 

@@ -23,6 +23,8 @@ struct SurfacePiece {
   // one of them, and corner n + i is the vertex elsewhere[i] of another rank. Labels are numbers of
   // spheres in the whole set. There is no `opposite`.
   IndexedMesh mesh;
+  // Whether triangles have labels; a rank without triangles cannot tell.
+  TriangleLabels labels = TriangleLabels::none;
   // Numbers of the vertices of other ranks that triangles of this piece have, ascending.
   std::vector<std::uint64_t> elsewhere;
 

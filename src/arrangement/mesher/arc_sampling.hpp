@@ -65,6 +65,9 @@ class ArcSampling {
   // The number of a sample point, and of all of them.
   std::uint32_t vertex(std::uint32_t arc, std::uint32_t index) const;
   std::uint32_t vertex_count() const;
+  // The number of the first point between the ends of an arc; of all vertices if there is no such
+  // arc any more.
+  std::uint32_t first_vertex(std::uint32_t arc) const { return first_vertex_[arc]; }
 
  private:
   // Splits pieces of the arc that the first request names; the requests for it come first.

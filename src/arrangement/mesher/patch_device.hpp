@@ -7,6 +7,7 @@
 #include <span>
 
 #include "arrangement/exact_mesher.hpp"
+#include "arrangement/mesher/mesh_team.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
 
 namespace vdwmesh {
@@ -34,5 +35,10 @@ class PatchDevice {
 // mesh_union() with a device for the patches, or without (null).
 ExactMesh mesh_union_with(PatchDevice* device, const SphereSet& spheres,
                           const ExactMeshOptions& options);
+// The same by several processes: each has all spheres, and the team gets its piece of the mesh that
+// mesh_union() makes. The memory limit and the monitor are those of a process. Throws in all
+// processes.
+ExactMeshStats mesh_union_by(MeshTeam& team, PatchDevice* device, const SphereSet& spheres,
+                             const ExactMeshOptions& options);
 
 }  // namespace vdwmesh

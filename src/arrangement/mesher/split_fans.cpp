@@ -1,11 +1,8 @@
-// Splits non-manifold vertices. The corners of triangles at a vertex are called its wedges. Two
-// wedges that share an edge at the vertex belong to one fan, so the fans are the sets of a
-// union-find over the wedges. union_mesher.cpp calls this if corners of the boundary were joined:
-// there, surfaces may meet in a point only.
+// The corners of triangles at a vertex are called its wedges. Two wedges that share an edge at the
+// vertex belong to one fan, so the fans are the sets of a union-find over the wedges.
 #include "arrangement/mesher/split_fans.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 #include <vector>
 
@@ -15,19 +12,12 @@
 namespace vdwmesh {
 namespace {
 
-// The corner of a triangle at one vertex of the mesh.
-struct Wedge {
-  // The vertex is corner `corner` of the triangle, 0 to 2. `next` and `previous` are the other two
-  // vertices of the triangle.
-  std::uint32_t triangle, corner, next, previous;
-};
-
 // The fans of a vertex, as sets of indices of its wedges. Wedges that share an edge are joined.
 // They are found by sorting all edges at the vertex by their other ends: equal edges become
 // neighbours.
-DisjointSets fans_of(const std::vector<Wedge>& wedges) {
+DisjointSets sets_of(std::span<const Wedge> wedges) {
   // Entries (other end of an edge, wedge).
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> ends;
   for (std::uint32_t w = 0; w < wedges.size(); ++w) {
     ends.push_back({wedges[w].next, w});
     ends.push_back({wedges[w].previous, w});
@@ -52,11 +42,11 @@ std::uint32_t copy_of(std::uint32_t vertex, IndexedMesh& mesh) {
 
 // The spheres of a fan's triangles, ascending. Empty if there are more than three, because a label
 // holds three at most. `fan` is the representative of the set in `fans`.
-std::vector<SphereId> spheres_of(const std::vector<Wedge>& wedges, DisjointSets& fans,
-                                 std::uint32_t fan, const IndexedMesh& mesh) {
+std::vector<SphereId> spheres_of(std::span<const Wedge> wedges, DisjointSets& fans,
+                                 std::uint32_t fan) {
   std::vector<SphereId> spheres;
   for (std::uint32_t w = 0; w < wedges.size(); ++w) {
-    if (fans.find(w) == fan) spheres.push_back(mesh.triangle_spheres[wedges[w].triangle]);
+    if (fans.find(w) == fan) spheres.push_back(wedges[w].sphere);
   }
   std::sort(spheres.begin(), spheres.end());
   spheres.erase(std::unique(spheres.begin(), spheres.end()), spheres.end());
@@ -77,29 +67,45 @@ VertexSpheres relabelled(const VertexSpheres& label, const std::vector<SphereId>
 
 }  // namespace
 
+// Union-find represents a set by its smallest member, so the loop meets the representative of a fan
+// before its other wedges.
+Fans fans_of(std::span<const Wedge> wedges, const VertexSpheres& label) {
+  Fans fans;
+  DisjointSets sets = sets_of(wedges);
+  fans.of_wedge.resize(wedges.size());
+  for (std::uint32_t w = 0; w < wedges.size(); ++w) {
+    const std::uint32_t first = sets.find(w);
+    if (first == w) {
+      fans.of_wedge[w] = static_cast<std::uint32_t>(fans.labels.size());
+      const VertexSpheres& before = fans.labels.empty() ? label : fans.labels.front();
+      fans.labels.push_back(relabelled(before, spheres_of(wedges, sets, w)));
+    }
+    fans.of_wedge[w] = fans.of_wedge[first];
+  }
+  return fans;
+}
+
 void split_fans(std::size_t count, IndexedMesh& mesh) {
-  // The wedges at each vertex.
-  std::vector<std::vector<Wedge>> wedges(count);
+  std::vector<std::vector<Wedge>> wedges(count);  // at each vertex
   for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
     const Triangle& v = mesh.triangles[t];
     for (std::uint32_t k = 0; k < 3; ++k) {
-      if (v[k] < count) wedges[v[k]].push_back({t, k, v[(k + 1) % 3], v[(k + 2) % 3]});
+      if (v[k] >= count) continue;
+      wedges[v[k]].push_back({t, k, mesh.triangle_spheres[t], v[(k + 1) % 3], v[(k + 2) % 3]});
     }
   }
   for (std::uint32_t vertex = 0; vertex < count; ++vertex) {
-    DisjointSets fans = fans_of(wedges[vertex]);
-    // name[w] is the mesh vertex of the fan whose first wedge is w. Union-find represents a set by
-    // its smallest member, so the loop meets the representative of a fan before its other wedges.
-    // The first fan keeps the vertex.
-    std::vector<std::uint32_t> name(wedges[vertex].size(), vertex);
-    for (std::uint32_t w = 0; w < wedges[vertex].size(); ++w) {
-      const std::uint32_t fan = fans.find(w);
-      if (fan == w) {
-        if (w > 0) name[w] = copy_of(vertex, mesh);
-        mesh.vertex_spheres.set(name[w], relabelled(mesh.vertex_spheres[name[w]],
-                                                    spheres_of(wedges[vertex], fans, fan, mesh)));
-      }
-      mesh.triangles[wedges[vertex][w].triangle][wedges[vertex][w].corner] = name[fan];
+    const Fans fans = fans_of(wedges[vertex], mesh.vertex_spheres[vertex]);
+    std::vector<std::uint32_t> vertex_of{vertex};  // by fan
+    for (std::size_t fan = 1; fan < fans.labels.size(); ++fan) {
+      vertex_of.push_back(copy_of(vertex, mesh));
+    }
+    for (std::size_t fan = 0; fan < fans.labels.size(); ++fan) {
+      mesh.vertex_spheres.set(vertex_of[fan], fans.labels[fan]);
+    }
+    for (std::size_t w = 0; w < wedges[vertex].size(); ++w) {
+      const Wedge& wedge = wedges[vertex][w];
+      mesh.triangles[wedge.triangle][wedge.corner] = vertex_of[fans.of_wedge[w]];
     }
   }
 }

@@ -1,18 +1,41 @@
-// Makes a mesh manifold at vertices in which several fans of triangles meet only in the point.
+// Makes a mesh manifold at vertices in which several fans of triangles meet only in the point. At
+// joined corners of the boundary, surfaces may meet so.
+//
+// A fan is a set of triangles around a vertex that are connected by common edges at the vertex. A
+// vertex with more than one fan is not manifold. The fan of the first triangle keeps the vertex.
+// Each other fan gets a copy of it. If the label of the vertex lacks a sphere of a fan, the vertex
+// of this fan gets the spheres of the fan as its label, unless they are more than three.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 #include "surface/indexed_mesh.hpp"
 
 namespace vdwmesh {
 
-// Splits the non-manifold vertices among the first `count` vertices of the mesh. A fan is a set of
-// triangles around a vertex that are connected by common edges at the vertex; a vertex with more
-// than one fan is not manifold. The fan of the first triangle keeps the vertex. Each other fan gets
-// a copy of it at the end of the mesh. If the label of the vertex lacks a sphere of a fan, the
-// vertex of this fan gets the spheres of the fan as its label, unless they are more than three. If
-// all other vertices are manifold, so is the mesh afterwards.
+// The corner of a triangle at a vertex.
+struct Wedge {
+  std::uint64_t triangle;
+  std::uint32_t corner;          // of the triangle that is at the vertex, 0 to 2
+  SphereId sphere;               // of the triangle
+  std::uint64_t next, previous;  // the other two vertices of the triangle
+};
+
+// The fans of a vertex, numbered in the order of their first wedges.
+struct Fans {
+  std::vector<std::uint32_t> of_wedge;  // by wedge, the number of its fan
+  std::vector<VertexSpheres> labels;    // by fan, of its vertex
+};
+
+// The fans of a vertex with this label, of which all wedges are given.
+Fans fans_of(std::span<const Wedge> wedges, const VertexSpheres& label);
+
+// Parts the fans at the first `count` vertices of a mesh. The copies stand at the end of the mesh,
+// in the order of the vertices and their fans. If all other vertices are manifold, so is the mesh
+// afterwards.
 //
 // Precondition: the mesh has normals and labels, and `opposite` is empty, because it would not
 // follow the change. Throws LimitExceeded past 2^32 vertices.

@@ -8,8 +8,11 @@
 // are split in the common sampling, and the patches on both sides of them are meshed again in the
 // next round, until there are no requests. There are two series of rounds. The first only tests the
 // boundaries, which is quick; the second makes triangles. (3) Number the vertices (corners, points
-// of arcs, interior points ball by ball) and copy the patches into one mesh. (4) At joined corners,
-// part the fans of triangles.
+// of arcs, interior points ball by ball) and copy the patches into one mesh (mesh_assembly.hpp),
+// which goes to the team.
+//
+// Several processes may do this together (mesh_team.hpp). Each meshes the patches of a run of
+// balls; after each round all of them split the pieces that any of them wants split.
 //
 // If curves nearly coincide, splitting might never end. Three limits end it with CurvesTooClose: on
 // the number of rounds, on the number of pieces, and on how straight a piece to be split may be.
@@ -23,12 +26,13 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "arrangement/mesher/flat_boundary.hpp"
+#include "arrangement/mesher/mesh_assembly.hpp"
 #include "arrangement/mesher/patch_mesher.hpp"
-#include "arrangement/mesher/split_fans.hpp"
 #include "core/fixed_blocks.hpp"
 
 namespace vdwmesh {
@@ -49,9 +53,6 @@ constexpr std::uint64_t kMostGrowth = std::uint64_t{1} << 16, kCoarserGrowth = k
 // 2^-53 S, which is 32 times as far. So the midpoint of such a piece lies on its chord, as far as
 // coordinates tell.
 constexpr double kStraight = 0x1p-58;
-
-// What the mesh holds beside positions, normals and triangles.
-constexpr MeshArrays kArrays = {.labels = TriangleLabels::spheres, .width = LabelWidth::three};
 
 double largest_coordinate(const Vec3d& p) {
   return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
@@ -74,14 +75,14 @@ std::vector<double> scaled_edge_lengths(const PowerTriangulation& t,
 class UnionMesher {
  public:
   UnionMesher(const Arrangement& arrangement, BoundaryArcs&& boundary,
-              const ExactMeshOptions& options, PatchDevice* device)
+              const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team)
       : options_(options),
         device_(device),
+        team_(team),
         t_(arrangement.triangulation),
         measures_(arrangement.measures),
         boundary_(std::move(boundary)),
         index_(t_, arrangement.complex, boundary_),
-        unit_(std::ldexp(1.0, t_.scale_exponent)),
         edge_lengths_(scaled_edge_lengths(t_, options)),
         sampling_(boundary_, edge_lengths_),
         pieces_at_first_(count_pieces()),
@@ -90,22 +91,32 @@ class UnionMesher {
         patches_(t_.balls.size()),
         has_coincident_points_(t_.balls.size(), 0) {}
 
-  ExactMesh run() && {
-    check_memory();
-    mesh_patches();
-    sampling_.number_vertices();
-    ExactMesh out{{}, stats_, {}};
-    assemble(out.mesh);
-    if (boundary_.has_joined_corners) split_fans(boundary_.corners.size(), out.mesh);
-    out.stats.arcs = boundary_.arcs.size();
-    out.stats.corners = boundary_.corners.size();
-    out.stats.points = boundary_.points;
-    out.stats.contacts = boundary_.contacts;
-    out.stats.joins = boundary_.joins;
-    out.stats.arc_size = boundary_.sizes.arc;
-    out.stats.circle_size = boundary_.sizes.circle;
-    out.stats.pieces = count_pieces();
-    return out;
+  ExactMeshStats run() && {
+    MeshShare share;
+    team_.together([&] {
+      share = own_share();
+      check_memory(share.balls);
+    });
+    mesh_patches(share.balls);
+    MeshPiece piece;
+    team_.together([&] {
+      sampling_.number_vertices();
+      share.arcs = even_run(boundary_.arcs.size());
+      share.corners = even_run(boundary_.corners.size());
+      piece = assemble({t_, boundary_, sampling_, index_, patches_}, share);
+    });
+    team_.take(std::move(piece), boundary_.has_joined_corners ? boundary_.corners.size() : 0);
+    ExactMeshStats stats = stats_;
+    stats.exact_tests = team_.sum(stats.exact_tests);
+    stats.arcs = boundary_.arcs.size();
+    stats.corners = boundary_.corners.size();
+    stats.points = boundary_.points;
+    stats.contacts = boundary_.contacts;
+    stats.joins = boundary_.joins;
+    stats.arc_size = boundary_.sizes.arc;
+    stats.circle_size = boundary_.sizes.circle;
+    stats.pieces = count_pieces();
+    return stats;
   }
 
  private:
@@ -115,27 +126,63 @@ class UnionMesher {
     return pieces;
   }
 
+  // The equilateral triangles of its edge length that the area of a ball's patch holds.
+  double ideal_triangles(std::size_t ball) const {
+    const double length = edge_lengths_[ball];
+    return measures_[ball].area / (std::sqrt(3.0) / 4) / (length * length);
+  }
+
+  // The run of this process of `count` elements that are shared out evenly.
+  MeshShare::Run even_run(std::uint64_t count) const {
+    const auto begin = [&](std::uint64_t number) {
+      return static_cast<std::uint32_t>(count * number / team_.count());
+    };
+    return {begin(team_.number()), begin(team_.number() + 1)};
+  }
+
+  // The run of balls of this process: those whose middle triangle, of all in the order of the
+  // balls, is in its part. kPatch is what a patch costs besides its triangles, in triangles.
+  MeshShare own_share() const {
+    constexpr double kPatch = 20;
+    const std::size_t balls = t_.balls.size();
+    if (team_.count() == 1) return {{0, static_cast<std::uint32_t>(balls)}, {}, {}};
+    std::vector<double> middles;
+    double before = 0;
+    for (std::size_t b = 0; b < balls; ++b) {
+      const double triangles = ideal_triangles(b), cost = triangles > 0 ? triangles + kPatch : 0;
+      middles.push_back(before + cost / 2);
+      before += cost;
+    }
+    const auto begin = [&](std::size_t number) {
+      if (number == team_.count()) return static_cast<std::uint32_t>(balls);
+      const double part = static_cast<double>(number) / static_cast<double>(team_.count());
+      const auto first = std::ranges::lower_bound(middles, part * before);
+      return static_cast<std::uint32_t>(number == 0 ? 0 : first - middles.begin());
+    };
+    return {{begin(team_.number()), begin(team_.number() + 1)}, {}, {}};
+  }
+
   // Refuses a mesh that will not fit the memory limit, before its memory is taken. The number of
-  // triangles is estimated from the area: the number of equilateral triangles of the edge length,
-  // times kFill, plus four per piece for narrow parts of patches. A closed mesh has about half as
+  // triangles is estimated from the area of the patches that this process meshes: the number of
+  // equilateral triangles of the edge length, times kFill, plus four per piece for narrow parts of
+  // patches, of which each process has its part. A closed mesh has about half as
   // many vertices as triangles. By how much edges must be longer follows from the count, which
   // falls with the square of the edge length, and 5 % are added for safety.
-  void check_memory() const {
+  void check_memory(const MeshShare::Run& balls) const {
     constexpr double kFill = 1.4;  // allowance over the ideal number of triangles
     // Bytes per triangle for the patches before they are joined.
     constexpr std::uint64_t kScratch = 40;
-    const std::uint64_t pieces = count_pieces();
+    const std::uint64_t pieces = count_pieces() / team_.count();
     double ideal = 0;
-    for (std::size_t b = 0; b < edge_lengths_.size(); ++b) {
-      ideal += measures_[b].area / (std::sqrt(3.0) / 4) / (edge_lengths_[b] * edge_lengths_[b]);
-    }
+    for (std::uint32_t b = balls.first; b < balls.second; ++b) ideal += ideal_triangles(b);
     const double triangles = kFill * ideal + 4 * static_cast<double>(pieces);
     // Just below 2^64. A triangle takes less than 200 bytes, so with at most kMost / 200 triangles
     // the number of bytes fits 64 bits.
     constexpr double kMost = 1.8e19;
     const auto count = static_cast<std::uint64_t>(std::min(triangles, kMost / 200));
     const std::uint64_t vertices = count / 2;
-    const std::uint64_t need = indexed_mesh_bytes({vertices, count}, kArrays) + kScratch * count;
+    const std::uint64_t need =
+        indexed_mesh_bytes({vertices, count}, kPatchArrays) + kScratch * count;
     if (need <= options_.memory_limit && vertices <= kMaxVertices) return;
     const double longer =
         1.05 *
@@ -163,9 +210,10 @@ class UnionMesher {
   }
 
   // The two series of rounds: first the boundaries of all patches that have one, then all patches.
-  void mesh_patches() {
+  void mesh_patches(const MeshShare::Run& own) {
+    own_ = own;
     std::vector<std::uint32_t> bounded, all;
-    for (std::uint32_t b = 0; b < t_.balls.size(); ++b) {
+    for (std::uint32_t b = own.first; b < own.second; ++b) {
       const bool has_arcs = !index_.arcs(b).empty();
       if (has_arcs) bounded.push_back(b);
       if (has_arcs || is_whole(b)) all.push_back(b);
@@ -175,31 +223,51 @@ class UnionMesher {
   }
 
   // One series of rounds: meshes the patches of `balls` in parallel, splits the pieces that they
-  // ask for, and goes on with the balls on both sides of these pieces, until there are no requests.
+  // ask for, and goes on with the balls on both sides of these pieces, until no process has
+  // requests. All processes split the same pieces.
   void run_rounds(std::vector<std::uint32_t> balls, PatchStage stage) {
-    for (int round = 1; !balls.empty(); ++round) {
-      begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
-                  balls.size());
+    for (int round = 1;; ++round) {
       const Demand demand = round <= kQualityRounds ? Demand::quality : Demand::validity;
-      const std::vector<std::uint32_t> for_host =
-          device_ && stage == PatchStage::triangles && last_splits_.empty()
-              ? mesh_on_device(balls, demand)
-              : balls;
-      tbb::parallel_for(std::size_t{0}, for_host.size(), [&](std::size_t i) {
-        mesh_ball(for_host[i], demand, stage);
-        advance(options_.monitor, 1);
+      std::vector<PieceSplit> splits;
+      std::uint32_t coincident = kNoIndex;
+      team_.together([&] {
+        mesh_balls(balls, demand, stage);
+        coincident = first_coincident(balls);
+        splits = wanted_splits(balls);
       });
-      check_coincidence(balls);
-      for (const std::uint32_t b : balls) stats_.exact_tests += patches_[b].exact_tests;
-      last_splits_ = wanted_splits(balls);
+      coincident = team_.least(coincident);
+      if (coincident != kNoIndex) refuse_coincident(coincident);
+      team_.merge(splits);
+      last_splits_ = std::move(splits);
       if (last_splits_.empty()) return;
       if (round == kMostRounds) refuse(last_splits_.front().piece);
       check_straightness(last_splits_);
       stats_.split += last_splits_.size();
-      sampling_.split(last_splits_);
-      check_growth(last_splits_);
-      balls = sides_of(boundary_, last_splits_);
+      bool fits = true;
+      team_.together([&] {
+        sampling_.split(last_splits_);
+        fits = pieces_fit();
+        balls = sides_of(boundary_, last_splits_);
+        std::erase_if(balls, [&](std::uint32_t b) { return b < own_.first || b >= own_.second; });
+      });
+      check_growth(last_splits_, team_.least(fits) != 0);
     }
+  }
+
+  // One round.
+  void mesh_balls(const std::vector<std::uint32_t>& balls, Demand demand, PatchStage stage) {
+    if (balls.empty()) return;
+    begin_stage(options_.monitor, stage == PatchStage::boundary ? "sample arcs" : "mesh patches",
+                balls.size());
+    const std::vector<std::uint32_t> for_host =
+        device_ && stage == PatchStage::triangles && last_splits_.empty()
+            ? mesh_on_device(balls, demand)
+            : balls;
+    tbb::parallel_for(std::size_t{0}, for_host.size(), [&](std::size_t i) {
+      mesh_ball(for_host[i], demand, stage);
+      advance(options_.monitor, 1);
+    });
+    for (const std::uint32_t b : balls) stats_.exact_tests += patches_[b].exact_tests;
   }
 
   // Gives up if a piece to be split is straight (kStraight). The split would not move any point off
@@ -214,14 +282,19 @@ class UnionMesher {
     }
   }
 
-  // Gives up if there are too many pieces for the memory, or more than allowed_growth_ plus 64 for
-  // each piece there was at first. Curves that nearly coincide ask for shorter and shorter pieces.
-  // The memory is estimated with four triangles and two vertices for each piece. The message names
-  // the two spheres of that arc, among those just split, which has the most pieces.
-  void check_growth(const std::vector<PieceSplit>& splits) const {
+  // Whether there is memory for this process's part of the pieces, with four triangles and two
+  // vertices for each.
+  bool pieces_fit() const {
+    const std::uint64_t pieces = count_pieces() / team_.count();
+    return indexed_mesh_bytes({2 * pieces, 4 * pieces}, kPatchArrays) <= options_.memory_limit;
+  }
+
+  // Gives up if there are too many pieces for the memory of any process, or more than
+  // allowed_growth_ plus 64 for each piece there was at first. Curves that nearly coincide ask for
+  // shorter and shorter pieces. The message names the two spheres of that arc, among those just
+  // split, which has the most pieces.
+  void check_growth(const std::vector<PieceSplit>& splits, bool fits) const {
     const std::uint64_t pieces = count_pieces();
-    const std::uint64_t need = indexed_mesh_bytes({2 * pieces, 4 * pieces}, kArrays);
-    const bool fits = need <= options_.memory_limit;
     if (fits && pieces <= allowed_growth_ + 64 * pieces_at_first_) return;
     const auto& longest = *std::max_element(
         splits.begin(), splits.end(), [&](const PieceSplit& a, const PieceSplit& b) {
@@ -248,7 +321,7 @@ class UnionMesher {
 
   // Meshes the patch of one ball into patches_[ball]. Threads run this at the same time for
   // different balls. An error about coincident points must not depend on which thread comes first,
-  // so such points are only noted here, and check_coincidence() throws.
+  // so such points are only noted here (first_coincident()).
   void mesh_ball(std::uint32_t ball, Demand demand, PatchStage stage) {
     // As a fraction of the radius, since patches are meshed on the unit sphere.
     const double edge_length = edge_lengths_[ball] / t_.balls[ball].radius;
@@ -323,16 +396,19 @@ class UnionMesher {
     progress_[ball].reset();
   }
 
-  // Throws if a ball of the list has coincident points. The message names the first such ball, so
-  // it does not depend on which thread came first.
-  void check_coincidence(const std::vector<std::uint32_t>& balls) const {
-    for (const std::uint32_t b : balls) {
-      if (!has_coincident_points_[b]) continue;
-      throw CurvesTooClose(fmt::format(
-          "two curves on sphere {} are closer than double precision can tell: leave out one of two "
-          "spheres that all but coincide, or use marching cubes",
-          t_.ids[b]));
-    }
+  // The first ball of the list that has coincident points; kNoIndex if none has. It does not depend
+  // on which thread or process came first.
+  std::uint32_t first_coincident(const std::vector<std::uint32_t>& balls) const {
+    const auto found = std::ranges::find_if(
+        balls, [&](std::uint32_t b) { return has_coincident_points_[b] != 0; });
+    return found == balls.end() ? kNoIndex : *found;
+  }
+
+  [[noreturn]] void refuse_coincident(std::uint32_t ball) const {
+    throw CurvesTooClose(fmt::format(
+        "two curves on sphere {} are closer than double precision can tell: leave out one of two "
+        "spheres that all but coincide, or use marching cubes",
+        t_.ids[ball]));
   }
 
   // The requests of all balls, sorted by piece, each piece once.
@@ -346,109 +422,13 @@ class UnionMesher {
     return splits;
   }
 
-  // Builds the mesh. Its vertices are the corners and points of arcs, with the numbers that the
-  // sampling has given them, then the interior points ball by ball. Every ball writes to index
-  // ranges of its own, from first_vertex and first_triangle on, so balls run in parallel. A patch
-  // is freed once it is copied.
-  void assemble(IndexedMesh& mesh) {
-    std::vector<std::uint64_t> first_vertex(t_.balls.size() + 1),
-        first_triangle(t_.balls.size() + 1);
-    first_vertex[0] = sampling_.vertex_count();
-    for (std::size_t b = 0; b < t_.balls.size(); ++b) {
-      first_vertex[b + 1] = first_vertex[b] + patches_[b].interior.size();
-      first_triangle[b + 1] = first_triangle[b] + patches_[b].triangles.size();
-    }
-    if (first_vertex.back() > kMaxVertices) {
-      throw LimitExceeded(
-          fmt::format("{} vertices; a mesh holds at most {}: choose a larger edge "
-                      "length",
-                      first_vertex.back(), kMaxVertices));
-    }
-    make_room(mesh, {first_vertex.back(), first_triangle.back()}, kArrays);
-    place_corners(mesh);
-    place_arcs(mesh);
-    tbb::parallel_for(std::size_t{0}, t_.balls.size(), [&](std::size_t b) {
-      place_patch(static_cast<std::uint32_t>(b), first_vertex[b], first_triangle[b], mesh);
-      patches_[b] = {};
-    });
-  }
-
-  void place_corners(IndexedMesh& mesh) const {
-    for (std::size_t c = 0; c < boundary_.corners.size(); ++c) {
-      const BoundaryCorner& corner = boundary_.corners[c];
-      place(corner.position, corner.balls, c, mesh);
-    }
-  }
-
-  void place_arcs(IndexedMesh& mesh) const {
-    tbb::parallel_for(std::size_t{0}, boundary_.arcs.size(), [&](std::size_t i) {
-      const auto a = static_cast<std::uint32_t>(i);
-      const BoundaryArc& arc = boundary_.arcs[i];
-      for (std::uint32_t k = arc.is_circle() ? 0 : 1; k < sampling_.pieces(a); ++k) {
-        place(sampling_.point(a, k), {arc.balls[0], arc.balls[1], kNoIndex}, sampling_.vertex(a, k),
-              mesh);
-      }
-    });
-  }
-
-  // Writes vertex `vertex` of the mesh at p (scaled), which lies on the spheres of up to three
-  // balls; unused entries of `balls` are kNoIndex. The label has the ids of the spheres in
-  // ascending order. The normal is the mean of the spheres' normals. If these cancel, as at a point
-  // of contact, the normal of the first sphere is taken: a sum shorter than 1e-6 would have no
-  // reliable direction.
-  void place(const Vec3d& p, const std::array<std::uint32_t, 3>& balls, std::size_t vertex,
-             IndexedMesh& mesh) const {
-    Vec3d sum{0, 0, 0}, first{0, 0, 0};
-    VertexSpheres label{kNoSphere, kNoSphere, kNoSphere};
-    for (std::size_t k = 0; k < 3 && balls[k] != kNoIndex; ++k) {
-      const Vec3d out = p - t_.balls[balls[k]].center;
-      sum = sum + (1 / norm(out)) * out;
-      if (k == 0) first = sum;
-      label[k] = t_.ids[balls[k]];
-    }
-    std::sort(label.begin(), label.end());
-    if (!(squared_norm(sum) > 1e-12)) sum = first;
-    mesh.positions[vertex] = unscaled(p);
-    mesh.normals[vertex] = cast<float>((1 / norm(sum)) * sum);
-    mesh.vertex_spheres.set(vertex, label);
-  }
-
-  // Writes the interior vertices of one patch, from vertex first_vertex on, and its triangles, from
-  // first_triangle on. `vertices` maps the point numbers of the patch to vertices of the mesh:
-  // first the points of the boundary, which have been written already, then the interior points.
-  void place_patch(std::uint32_t ball, std::uint64_t first_vertex, std::uint64_t first_triangle,
-                   IndexedMesh& mesh) const {
-    const PatchMesh& patch = patches_[ball];
-    if (patch.triangles.empty()) return;
-    const Sphere& s = t_.balls[ball];
-    const SphereId id = t_.ids[ball];
-    std::vector<std::uint32_t> vertices;
-    boundary_vertices(boundary_, sampling_, index_, ball, vertices);
-    for (std::size_t i = 0; i < patch.interior.size(); ++i) {
-      const std::uint64_t v = first_vertex + i;
-      mesh.positions[v] = unscaled(s.center + s.radius * patch.interior[i]);
-      mesh.normals[v] = cast<float>(patch.interior[i]);
-      mesh.vertex_spheres.set(v, on_sphere(id));
-      vertices.push_back(static_cast<std::uint32_t>(v));
-    }
-    for (std::size_t t = 0; t < patch.triangles.size(); ++t) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        mesh.triangles[first_triangle + t][k] = vertices[patch.triangles[t][k]];
-      }
-      mesh.triangle_spheres[first_triangle + t] = id;
-    }
-  }
-
-  // From scaled lengths to Å. The scale is a power of two, so this does not round.
-  Vec3d unscaled(const Vec3d& p) const { return unit_ * p; }
-
   ExactMeshOptions options_;
   PatchDevice* device_;  // or null
+  MeshTeam& team_;
   const PowerTriangulation& t_;
   const std::vector<SphereMeasures>& measures_;
   BoundaryArcs boundary_;
   PatchIndex index_;
-  double unit_;                       // of scaled lengths, in Å: a power of two
   std::vector<double> edge_lengths_;  // by ball, scaled
   ArcSampling sampling_;
   // The number of pieces before any was split; and the number that is allowed besides 64 for each
@@ -456,6 +436,7 @@ class UnionMesher {
   std::uint64_t pieces_at_first_, allowed_growth_;
   tbb::enumerable_thread_specific<PatchScratch> scratch_;
   std::vector<PieceSplit> last_splits_;  // between the last round and this one
+  MeshShare::Run own_{};                 // the balls of this process
   // By ball; empty for balls that have not begun or have finished.
   std::vector<std::unique_ptr<PatchProgress>> progress_;
   std::vector<PatchMesh> patches_;  // by ball; empty for balls without a patch
@@ -466,9 +447,11 @@ class UnionMesher {
 
 }  // namespace
 
-ExactMesh mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
-                        const ExactMeshOptions& options, PatchDevice* device) {
-  return UnionMesher(arrangement, std::move(boundary), options, device).run();
+ExactMeshStats mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
+                             const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team) {
+  std::optional<UnionMesher> mesher;
+  team.together([&] { mesher.emplace(arrangement, std::move(boundary), options, device, team); });
+  return std::move(*mesher).run();
 }
 
 }  // namespace vdwmesh

@@ -7,6 +7,7 @@
 #include "arrangement/exact_mesher.hpp"
 #include "arrangement/exact_union.hpp"
 #include "arrangement/mesher/boundary_arcs.hpp"
+#include "arrangement/mesher/mesh_team.hpp"
 #include "arrangement/mesher/patch_device.hpp"
 #include "core/errors.hpp"
 
@@ -25,10 +26,11 @@ class CurvesTooClose : public LimitExceeded {
   using LimitExceeded::LimitExceeded;
 };
 
-// Meshes the whole boundary. The mesh depends on the arguments alone, not on the number of threads.
-// Throws CurvesTooClose, LimitExceeded, Cancelled.
+// Meshes the boundary, each process of the team its part, and gives that to the team. The mesh
+// depends on the arrangement, the boundary and the options alone, not on the number of threads or
+// processes. Throws CurvesTooClose, LimitExceeded, Cancelled, in all processes.
 // A device, if there is one, meshes the patches once their boundaries are settled.
-ExactMesh mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
-                        const ExactMeshOptions& options, PatchDevice* device);
+ExactMeshStats mesh_boundary(const Arrangement& arrangement, BoundaryArcs&& boundary,
+                             const ExactMeshOptions& options, PatchDevice* device, MeshTeam& team);
 
 }  // namespace vdwmesh
