@@ -19,6 +19,13 @@ namespace {
 // A half-edge whose opposite is not in its piece, by numbers of the whole mesh.
 struct OpenHalfEdge {
   std::uint64_t from, to, half_edge;
+  SphereId sphere;  // of its triangle; kNoSphere if triangles have no labels
+};
+
+// What its owner is told.
+struct Opposite {
+  std::uint64_t half_edge;
+  SphereId sphere;
 };
 
 // What the owner of an edge says to the owner of its upper half-edge.
@@ -34,7 +41,7 @@ struct MetHalfEdge {
   std::pair<std::uint64_t, std::uint64_t> ends() const { return std::minmax(what.from, what.to); }
 };
 
-using ByRank = std::vector<std::vector<std::uint64_t>>;
+using ByRank = std::vector<std::vector<Opposite>>;
 
 // Answers each half-edge by its opposite.
 ByRank answer(const std::vector<std::vector<OpenHalfEdge>>& received) {
@@ -53,8 +60,8 @@ ByRank answer(const std::vector<std::vector<OpenHalfEdge>>& received) {
                          (i + 2 == met.size() || met[i + 2].ends() != met[i].ends());
     if (!is_pair) throw InternalError("the mesh of all ranks is not closed or not oriented");
     const MetHalfEdge &a = met[i], &b = met[i + 1];
-    answers[a.rank][a.place] = b.what.half_edge;
-    answers[b.rank][b.place] = a.what.half_edge;
+    answers[a.rank][a.place] = {b.what.half_edge, b.what.sphere};
+    answers[b.rank][b.place] = {a.what.half_edge, a.what.sphere};
   }
   return answers;
 }
@@ -71,7 +78,10 @@ class EdgeNumberer {
     ByRank answers;
     ranks_.together([&] { answers = answer(met); });
     opposites_ = ranks_.exchange(answers);
-    ranks_.together([&] { number_own(); });
+    ranks_.together([&] {
+      number_own();
+      if (piece_.labels == TriangleLabels::spheres) find_other_spheres();
+    });
     edges_.first = ranks_.sum_before(std::uint64_t{edges_.own});
     std::vector<std::vector<ToldEdge>> told;
     ranks_.together([&] { told = edges_to_tell(); });
@@ -81,6 +91,11 @@ class EdgeNumberer {
   }
 
  private:
+  SphereId sphere_of(std::size_t triangle) const {
+    return piece_.labels == TriangleLabels::spheres ? piece_.mesh.triangle_spheres[triangle]
+                                                    : kNoSphere;
+  }
+
   void find_open() {
     opposite_ =
         match_half_edges(piece_.mesh.triangles, piece_.numbers.own() + piece_.elsewhere.size());
@@ -90,11 +105,12 @@ class EdgeNumberer {
       const Triangle& corners = piece_.mesh.triangles[h / 3];
       const std::uint64_t from = piece_.number_of(corners[h % 3]),
                           to = piece_.number_of(corners[(h + 1) % 3]);
-      open_[piece_.numbers.owner_of(std::min(from, to))].push_back({from, to, first_ + h});
+      open_[piece_.numbers.owner_of(std::min(from, to))].push_back(
+          {from, to, first_ + h, sphere_of(h / 3)});
     }
   }
 
-  // Calls visit(half-edge of the piece, its opposite in the whole mesh) for all open half-edges.
+  // Calls visit(half-edge of the piece, its opposite) for all open half-edges.
   template <class Visit>
   void for_each_open(const Visit& visit) const {
     for (std::size_t rank = 0; rank < open_.size(); ++rank) {
@@ -112,8 +128,8 @@ class EdgeNumberer {
     for_all(count, [&](std::size_t h) {
       edges_.is_lower[h] = opposite_[h] != kUnmatched && h < opposite_[h] ? 1 : 0;
     });
-    for_each_open([&](std::size_t h, std::uint64_t opposite) {
-      edges_.is_lower[h] = first_ + h < opposite ? 1 : 0;
+    for_each_open([&](std::size_t h, const Opposite& opposite) {
+      edges_.is_lower[h] = first_ + h < opposite.half_edge ? 1 : 0;
     });
     edges_.own = number_all(
         count, [&](std::size_t h) { return edges_.is_lower[h] != 0; },
@@ -121,6 +137,15 @@ class EdgeNumberer {
           edges_.edge[h] = number;
           if (opposite_[h] != kUnmatched) edges_.edge[opposite_[h]] = number;
         });
+  }
+
+  void find_other_spheres() {
+    edges_.other_sphere.resize(opposite_.size());
+    for_all(opposite_.size(), [&](std::size_t h) {
+      if (opposite_[h] != kUnmatched) edges_.other_sphere[h] = sphere_of(opposite_[h] / 3);
+    });
+    for_each_open(
+        [&](std::size_t h, const Opposite& opposite) { edges_.other_sphere[h] = opposite.sphere; });
   }
 
   // Ranks without triangles begin where the next one does.
@@ -131,9 +156,10 @@ class EdgeNumberer {
 
   std::vector<std::vector<ToldEdge>> edges_to_tell() const {
     std::vector<std::vector<ToldEdge>> told(open_.size());
-    for_each_open([&](std::size_t h, std::uint64_t opposite) {
+    for_each_open([&](std::size_t h, const Opposite& opposite) {
       if (edges_.is_lower[h] == 0) return;
-      told[owner_of_half_edge(opposite)].push_back({opposite, edges_.first + edges_.edge[h]});
+      told[owner_of_half_edge(opposite.half_edge)].push_back(
+          {opposite.half_edge, edges_.first + edges_.edge[h]});
     });
     return told;
   }

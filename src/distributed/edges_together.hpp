@@ -21,6 +21,8 @@ struct NumberedEdges {
   std::uint32_t own = 0;
   std::uint64_t first = 0;               // the number of the first own edge in the whole mesh
   std::vector<std::uint64_t> elsewhere;  // numbers in the whole mesh, ascending
+  // By half-edge, if triangles have labels: the sphere of the triangle on the other side.
+  Buffer<SphereId> other_sphere;
 };
 
 // Throws InternalError, on all ranks, if the mesh is not closed and oriented. Collective.

@@ -23,6 +23,8 @@
 #include "core/blocks.hpp"
 #include "core/errors.hpp"
 #include "distributed/border_mesh.hpp"
+#include "distributed/children_together.hpp"
+#include "distributed/constrain_together.hpp"
 #include "distributed/edges_together.hpp"
 #include "distributed/near_surface.hpp"
 #include "distributed/surface_shares.hpp"
@@ -163,7 +165,7 @@ class Refinement {
     Moves moves;
     Buffer<Vec3d> starts;
     ranks_.together([&] {
-      make_children(edges, counts);
+      make_children(edges, counts, piece_);
       moves.first = piece_.numbers.runs().back().begin;
       stats = make_midpoints(edges, moves, starts);
     });
@@ -180,45 +182,6 @@ class Refinement {
       part_.halo.refresh(ranks_, moves.starts);
     }
     return finish_level(moves, stats);
-  }
-
-  // Makes room for the midpoints behind the own vertices, and writes the children of the triangles.
-  void make_children(const NumberedEdges& edges, const std::vector<std::uint64_t>& counts) {
-    const std::size_t parents = piece_.numbers.own();
-    const std::uint64_t whole = piece_.numbers.whole();
-    piece_.numbers.append(counts);
-    const std::size_t own = piece_.numbers.own(), others = piece_.elsewhere.size();
-    if (own + others + edges.elsewhere.size() > kMaxVertices) {
-      throw LimitExceeded("a rank has more than 2^32 vertices to refine: more ranks would do");
-    }
-    // Own vertices stay in front of those elsewhere, which move up by the number of midpoints.
-    const auto vertex = [=](std::uint32_t corner) {
-      return static_cast<std::uint32_t>(corner < parents ? corner : corner + (own - parents));
-    };
-    const auto middle = [=](std::uint32_t edge) {
-      return static_cast<std::uint32_t>(edge < own - parents ? parents + edge
-                                                             : parents + others + edge);
-    };
-    const Buffer<Triangle> parent = std::move(piece_.mesh.triangles);
-    piece_.mesh.triangles = {};
-    piece_.mesh.triangles.resize(4 * parent.size());
-    for_all(parent.size(), [&](std::size_t t) {
-      std::array<std::uint32_t, 6> patch;
-      for (std::size_t k = 0; k < 3; ++k) {
-        patch[k] = vertex(parent[t][k]);
-        patch[k + 3] = middle(edges.edge[3 * t + k]);
-      }
-      for (int child = 0; child < 4; ++child) {
-        for (int k = 0; k < 3; ++k) {
-          piece_.mesh
-              .triangles[4 * t + static_cast<std::size_t>(child)][static_cast<std::size_t>(k)] =
-              patch[static_cast<std::size_t>(child_corner(child, k))];
-        }
-      }
-    });
-    for (const std::uint64_t edge : edges.elsewhere) piece_.elsewhere.push_back(whole + edge);
-    piece_.first_triangle *= 4;
-    piece_.whole = {piece_.numbers.whole(), 4 * piece_.whole.triangles};
   }
 
   // The ends of an own half-edge, as indices in the part of the parent.
@@ -343,7 +306,8 @@ void check_memory(const Ranks& ranks, const SurfacePiece& piece, const RefineOpt
   const MeshSize own{piece.numbers.own(), piece.mesh.triangle_count()};
   const auto bytes_at = [&](int levels) {
     const MeshSize size = subdivided(own, levels);
-    const std::uint64_t mesh = indexed_mesh_bytes(size, {.width = LabelWidth::three}),
+    const std::uint64_t mesh = indexed_mesh_bytes(
+                            size, {.labels = piece.labels, .width = LabelWidth::three}),
                         part = sizeof(Vec3d) * size.vertices + sizeof(Triangle) * size.triangles,
                         moves = (sizeof(Vec3d) + 2 * sizeof(SphereId) + 1) * size.vertices;
     return mesh + part + std::max((mesh + part) / 4 + moves, measures_bytes(size));
@@ -360,7 +324,8 @@ void check_memory(const Ranks& ranks, const SurfacePiece& piece, const RefineOpt
 // A rank numbers the half-edges of its piece by 32 bits, on all levels but the last one.
 void check_refinement_of_piece(const Ranks& ranks, const SurfacePiece& piece,
                                const RefineOptions& options) {
-  if (options.projection != Projection::none && options.crossings != Crossings::allow) {
+  if (piece.labels == TriangleLabels::none && options.projection != Projection::none &&
+      options.crossings != Crossings::allow) {
     throw InvalidInput("ranks do not look for triangles that cross: allow crossings");
   }
   const std::uint64_t parents =
@@ -384,9 +349,12 @@ std::vector<ProjectionStats> refine_together(const Ranks& ranks, const SphereSet
   FieldModel model;
   ranks.together([&] {
     check_refinement_of_piece(ranks, piece, options);
-    model = projection_model(options);
+    if (piece.labels == TriangleLabels::none) model = projection_model(options);
     begin_stage(own.monitor, "refine", static_cast<std::uint64_t>(options.subdivisions) + 1);
   });
+  if (piece.labels == TriangleLabels::spheres) {
+    return constrain_together(ranks, spheres, options, piece);
+  }
   CellListFrame frame;
   if (options.projection == Projection::field) {
     frame = frame_together(ranks, spheres, model);

@@ -17,7 +17,6 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "core/blocks.hpp"
@@ -52,10 +51,8 @@ class SphereConstraint {
   static Vec3f normal(const Pieces&, const Midpoints& level, std::size_t h, const Vec3d&) {
     return level.mean_normal(h);
   }
-  // Infinite if the label names no sphere.
   double residual(const Pieces& pieces, const Vec3d& p) const {
-    if (pieces[0] == kNoSphere) return std::numeric_limits<double>::infinity();
-    return label_residual(spheres_, pieces.data(), p);
+    return sphere_residual(spheres_, pieces, p);
   }
 
  private:

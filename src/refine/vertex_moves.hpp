@@ -8,8 +8,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "core/buffer.hpp"
+#include "refine/constraint_formulas.hpp"
 #include "refine/level_view.hpp"
 #include "refine/refiner.hpp"
 #include "refine/subdivision_formulas.hpp"
@@ -96,6 +98,12 @@ inline bool is_turned(const Sphere* spheres, const std::array<Vec3d, 3>& before,
                       const std::array<Vec3d, 3>& now, const std::array<SphereId, 3>& atom) {
   return facing(spheres, now.data(), atom.data()) == Facing::against_one_atom &&
          facing(spheres, before.data(), atom.data()) == Facing::outward;
+}
+
+// The largest distance (Å) of p from the spheres of its label; infinite if that names none.
+inline double sphere_residual(const Sphere* spheres, const VertexSpheres& label, const Vec3d& p) {
+  if (label[0] == kNoSphere) return std::numeric_limits<double>::infinity();
+  return label_residual(spheres, label.data(), p);
 }
 
 // The number of the triangles [0, triangles) that do not face outward, as facing() judges them:
